@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "kernel/base/types.hpp"
+
+namespace suture {
+
+/// Points and hexahedra as they came from a file or a generator: nothing is
+/// checked yet but the syntax. Node order is X0..X7 (converted from the file's
+/// order by the reader); numbers are positions in these vectors.
+struct Mesh {
+  std::string source;  ///< file name or "box 20 x 5 x 5", for messages
+  std::vector<Vec3> points;  ///< m, after the scene's "scale"
+  std::vector<Hexahedron> hexahedra;
+  /// Named sets of the file: Gmsh physical groups, Medit references ("ref 3"),
+  /// VTK arrays of flags. Values are positions in `points` / `hexahedra`.
+  std::map<std::string, std::vector<Index>> point_sets;
+  std::map<std::string, std::vector<Index>> element_sets;
+  /// The file's own numbers (Gmsh tags) where they are not 0, 1, 2, ...; else empty.
+  std::vector<std::uint64_t> point_ids;
+  std::vector<std::uint64_t> element_ids;
+  /// Cells of other types that the file holds and nobody reads: name -> count.
+  std::map<std::string, std::size_t> skipped_cells;
+};
+
+}  // namespace suture

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "kernel/base/types.hpp"
+
+namespace suture {
+
+/// One array of a frame, tightly packed, component fastest.
+struct FrameField {
+  std::string name;
+  int components = 1;                  ///< 1, 3 or 6 (XX YY ZZ XY YZ XZ)
+  std::vector<double> values;          ///< of vertices or elements
+  std::vector<std::int64_t> ids;       ///< instead of values: an integer array
+};
+
+/// A copy of what one frame shows, so that the simulation can go on while it is
+/// written. Points and cells are those of the complex, in its order; ids of the
+/// user are fields. Nodes X0..X7; the writer converts to VTK's order.
+struct Frame {
+  std::uint64_t number = 0;
+  double time = 0;                     ///< s
+  std::vector<Vec3> points;
+  std::vector<Hexahedron> hexahedra;   ///< or
+  std::vector<std::array<Index, 2>> lines;
+  std::vector<FrameField> point_fields;
+  std::vector<FrameField> cell_fields;
+  std::string field_data_provenance;   ///< scene hash, plugin versions, threads
+};
+
+}  // namespace suture

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "kernel/base/diagnostics.hpp"
+#include "kernel/plugin_host/plugin_host.hpp"
+#include "kernel/scene/scene.hpp"
+
+namespace suture {
+
+/// One thing that was decided when the scene was compiled into a run.
+struct Decision {
+  std::string subject;  ///< "edge ids", "functor tissue/inner springs", "writer"
+  bool skipped = false;
+  std::string reason;   ///< "no model and no event works on 1-cells"
+};
+
+/// Where a run stands; handed to the observer a few times a second.
+struct Progress {
+  std::uint64_t step = 0;
+  double time = 0;             ///< s simulated
+  double end = 0;              ///< s; 0 if the run ends at rest
+  double residual = 0;         ///< |f| / |f_ext|, for runs until rest; else 0
+  double tolerance = 0;
+  double elements_per_second = 0;
+  double seconds_left = -1;    ///< ETA; < 0: unknown
+};
+
+/// Eyes and brake of a run. Called on the thread that runs it, between steps.
+class Observer {
+ public:
+  virtual ~Observer() = default;
+  virtual void on_progress(const Progress&) {}
+  virtual void on_message(const std::string&) {}  ///< "t = 0.5 s: cut 25 faces, 2 islands"
+  virtual bool stop_requested() { return false; }
+};
+
+struct RunSummary {
+  enum class Outcome { finished, at_rest, interrupted };
+  Outcome outcome = Outcome::finished;
+  std::uint64_t steps = 0, frames = 0, faces_cut = 0, inverted_elements = 0;
+  double time = 0, dt = 0;             ///< s; dt of the last step
+  double seconds = 0;                  ///< wall clock of the loop
+  double elements_per_second = 0;
+  unsigned threads = 1;
+  std::string pvd;                     ///< file to open in ParaView, or ""
+};
+
+/// What a run will cost, from the compiled scene and a few timed steps.
+struct Estimate {
+  std::uint64_t steps = 0;             ///< 0: unknown (until rest)
+  std::uint64_t frames = 0;
+  double dt = 0, stable_dt = 0;        ///< s
+  double seconds_per_step = 0, seconds = 0;
+  double bytes = 0;                    ///< peak of the process
+};
+
+/// A scene compiled into a run. The constructor does everything that can fail
+/// for reasons of the scene or the mesh (nothing is written before it returned);
+/// run() does the rest.
+class Simulation {
+ public:
+  Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics);
+  ~Simulation();
+
+  /// Runs to the end, writes frames and tables. Throws NumericalError (after
+  /// writing the last good frame), IoError. Interrupted: finishes the step,
+  /// writes a frame and returns.
+  RunSummary run(Observer& observer);
+
+  const std::vector<Decision>& decisions() const;
+  /// Times a few steps (the simulation is used up by that).
+  Estimate estimate();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace suture

@@ -14,7 +14,7 @@ namespace suture {
 /// checked yet but the syntax. Node order is X0..X7 (converted from the file's
 /// order by the reader); numbers are positions in these vectors.
 struct Mesh {
-  std::string source;  ///< file name or "box 20 x 5 x 5", for messages
+  std::string source;        ///< file name or "box 20 x 5 x 5", for messages
   std::vector<Vec3> points;  ///< m, after the scene's "scale"
   std::vector<Hexahedron> hexahedra;
   /// Named sets of the file: Gmsh physical groups, Medit references ("ref 3"),

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/run/clock.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace suture {
+namespace {
+
+// Two times are one if they differ by less than this part of their size.
+constexpr double same = 1e-12;
+
+}  // namespace
+
+Clock::Clock(std::optional<double> fixed_dt, std::vector<double> stops, double period,
+             std::optional<double> end)
+    : fixed_dt_(fixed_dt), end_(end), stops_(std::move(stops)), period_(period) {
+  if (end_) stops_.push_back(*end_);
+  std::sort(stops_.begin(), stops_.end());
+}
+
+bool Clock::reached(double t) const {
+  return t <= time_ + (fixed_dt_ ? *fixed_dt_ / 2 : same * std::max(1.0, std::abs(time_)));
+}
+
+double Clock::next_stop() const {
+  const double after = time_ + same * std::max(1.0, std::abs(time_));
+  const auto listed = std::upper_bound(stops_.begin(), stops_.end(), after);
+  double stop = listed == stops_.end() ? std::numeric_limits<double>::infinity() : *listed;
+  if (period_ > 0) stop = std::min(stop, period_ * (std::floor(after / period_) + 1));
+  return stop;
+}
+
+double Clock::next_dt(double stable) {
+  if (fixed_dt_) return *fixed_dt_;
+  if (done_ == steps_ || stable != stable_) {
+    const double stop = next_stop();
+    start_ = time_;
+    stable_ = stable;
+    done_ = 0;
+    // Without a stop ahead (a run until rest) go on in blocks of steps.
+    steps_ = std::isinf(stop)
+                 ? 1024
+                 : static_cast<std::uint64_t>(std::ceil((stop - time_) / stable * (1 - same)));
+    steps_ = std::max<std::uint64_t>(steps_, 1);
+    length_ = std::isinf(stop) ? 1024 * stable : stop - time_;
+  }
+  return length_ / static_cast<double>(steps_);
+}
+
+void Clock::advance() {
+  ++step_;
+  if (fixed_dt_) {
+    time_ = static_cast<double>(step_) * *fixed_dt_;
+  } else {
+    ++done_;
+    time_ = start_ + length_ * (static_cast<double>(done_) / static_cast<double>(steps_));
+  }
+}
+
+}  // namespace suture

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/run/clock.hpp"
+
+#include <gtest/gtest.h>
+
+namespace suture {
+namespace {
+
+TEST(Clock, FixedStepsDoNotDrift) {
+  Clock clock(0.1, {}, 0, 100.0);
+  std::uint64_t steps = 0;
+  for (; !clock.finished(); ++steps) {
+    ASSERT_EQ(clock.next_dt(1e-9), 0.1) << "a fixed dt is the user's word";
+    clock.advance();
+  }
+  EXPECT_EQ(steps, 1000u);
+  EXPECT_EQ(clock.time(), 1000 * 0.1);
+}
+
+TEST(Clock, FixedStepsServeThingsAtTheNearestStep) {
+  Clock clock(0.1, {}, 0, 1.0);
+  EXPECT_TRUE(clock.reached(0.0));
+  EXPECT_TRUE(clock.reached(0.049));
+  EXPECT_FALSE(clock.reached(0.051));
+}
+
+TEST(Clock, AutomaticStepsHitEveryStopWithStepsNoLongerThanTheStableOne) {
+  const double stable = 0.013;
+  Clock clock(std::nullopt, {0.5, 0.31}, 0.25, 1.0);
+  std::vector<double> hit;
+  const std::vector<double> expected{0.25, 0.31, 0.5, 0.75, 1.0};
+  std::size_t next = 0;
+  while (!clock.finished()) {
+    const double dt = clock.next_dt(stable);
+    ASSERT_LE(dt, stable * (1 + 1e-9));
+    ASSERT_GT(dt, 0.5 * stable);
+    clock.advance();
+    if (next < expected.size() && clock.reached(expected[next])) {
+      EXPECT_NEAR(clock.time(), expected[next], 1e-12);
+      ++next;
+    }
+  }
+  EXPECT_EQ(next, expected.size());
+}
+
+TEST(Clock, ANewBoundRedividesTheIntervalInProgress) {
+  Clock clock(std::nullopt, {}, 0, 1.0);
+  EXPECT_DOUBLE_EQ(clock.next_dt(0.25), 0.25);
+  clock.advance();
+  EXPECT_DOUBLE_EQ(clock.next_dt(0.1), 0.75 / 8);
+}
+
+TEST(Clock, ARunUntilRestHasNoEnd) {
+  Clock clock(std::nullopt, {}, 0, std::nullopt);
+  for (int i = 0; i < 3000; ++i) {
+    ASSERT_DOUBLE_EQ(clock.next_dt(1e-3), 1e-3);
+    clock.advance();
+    ASSERT_FALSE(clock.finished());
+  }
+  EXPECT_NEAR(clock.time(), 3.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace suture

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "kernel/base/aligned.hpp"
@@ -8,6 +9,8 @@
 #include "suture/plugin.h"
 
 namespace suture {
+
+class Column;
 
 /// Declaration of a column; for a plugin's attribute the same words as there.
 struct ColumnSpec {
@@ -17,6 +20,9 @@ struct ColumnSpec {
   double initial = 0;
   std::uint32_t flags = 0;                        ///< suture_attribute_flag
   suture_contribution_fn contribution = nullptr;  ///< with SUTURE_FROM_VOLUMES
+  /// Instead of `policy`, for columns of the kernel: called once for each part
+  /// that left a cell, with the rows of the part that stayed and of the new one.
+  std::function<void(Column&, Index old_row, Index new_row)> on_split;
 };
 
 /// One attribute of the cells of one dimension, contiguous doubles.
@@ -25,9 +31,19 @@ struct ColumnSpec {
 /// for vectors so that a gather loads one aligned half cache line.
 /// Cells of dimension 1..3 lie in blocks of 8 cells, lane-fastest, so that a
 /// functor reads its columns without any copy: block(b)[component*8 + lane].
+/// Lanes behind the last row repeat it, so a functor finds no garbage there.
 /// A constant column holds one block whatever its length.
+///
+/// Memory per row: 8 B x stride() (dimension 0; a 3-vector takes 32 B), 8 B x
+/// components (dimension 1..3), nothing if constant; twice that with
+/// SUTURE_TRIAL. Address space for as many rows again is reserved, so that the
+/// first cuts copy nothing; its pages become memory only when rows use them.
+///
+/// Pointers are valid until the next resize(), expansion, compress() or accept().
 class Column {
  public:
+  static constexpr Index lanes = SUTURE_LANES;
+
   Column(ColumnSpec spec, int dimension);
 
   const ColumnSpec& spec() const { return spec_; }
@@ -36,29 +52,65 @@ class Column {
   bool is_constant() const { return constant_; }
   int stride() const { return stride_; }  ///< doubles from row to row, dimension 0
 
-  void resize(Index rows);  ///< new rows get spec().initial
-  double get(Index row, int component) const;
-  void set(Index row, int component, double value);  ///< expands a constant column
+  /// New rows get spec().initial, or the value of a constant column.
+  /// O(new rows), unless the reserve is used up.
+  void resize(Index rows);
+  double get(Index row, int component) const { return data_[stored(row, component)]; }
+  /// Expands a constant column if the value differs from it.
+  void set(Index row, int component, double value);
+  /// All components, of the trial copy too.
+  void copy_row(Index from, Index to);
+  void scale_row(Index row, double factor);
+  void fill(double value);  ///< every row and component; not the trial copy
 
   double* rows() { return data_.data(); }  ///< dimension 0, never constant
   const double* rows() const { return data_.data(); }
+  Index block_count() const { return (size_ + lanes - 1) / lanes; }
   /// Cells 8b..8b+7, dimension 1..3; the same address for every b if constant.
-  const double* block(Index b) const {
-    return data_.data() + (constant_ ? 0 : std::size_t{b} * spec_.components * 8);
-  }
+  const double* block(Index b) const { return data_.data() + (constant_ ? 0 : block_offset(b)); }
   double* block(Index b);  ///< expands a constant column
 
-  /// Stores a column whose rows agree within `relative` of its largest
-  /// magnitude once. Returns true if it is constant now. Dimension 1..3.
+  /// Where a component of a row is in rows() or block(0) of a column that is not
+  /// constant; the next component is component_step() further.
+  std::size_t offset(Index row) const {
+    return dimension_ == 0 ? std::size_t{row} * static_cast<std::size_t>(stride_)
+                           : block_offset(row / lanes) + row % lanes;
+  }
+  std::size_t component_step() const { return dimension_ == 0 ? 1 : lanes; }
+
+  void expand();
+  /// Repeats the last row in the lanes behind it; after writing through block().
+  void pad();
+  /// Stores a column once if, in every component, its rows agree within
+  /// `relative` times the largest magnitude in the column: the first row stands
+  /// for all, which changes no value by more than that bound.
+  /// Returns true if it is constant now. Dimension 1..3, no trial copy.
   bool compress(double relative);
 
+  /// The trial copy that functors write (SUTURE_TRIAL): same layout. A step that
+  /// is rejected needs no call: the next evaluation writes every row again.
+  bool has_trial() const { return (spec_.flags & SUTURE_TRIAL) != 0; }
+  double* trial_rows() { return trial_.data(); }
+  double* trial_block(Index b) { return trial_.data() + block_offset(b); }
+  void accept() { data_.swap(trial_); }  ///< the trial values become the values
+
  private:
+  std::size_t block_offset(Index b) const {
+    return std::size_t{b} * static_cast<std::size_t>(spec_.components) * lanes;
+  }
+  std::size_t stored(Index row, int component) const {
+    return (constant_ ? 0 : offset(row)) + static_cast<std::size_t>(component) * component_step();
+  }
+  std::size_t storage(Index rows) const;
+  void grow(AlignedVector<double>& data, Index rows) const;
+  void pad(AlignedVector<double>& data) const;
+
   ColumnSpec spec_;
   int dimension_;
   int stride_;
   Index size_ = 0;
-  bool constant_ = false;
-  AlignedVector<double> data_;
+  bool constant_;
+  AlignedVector<double> data_, trial_;
 };
 
 }  // namespace suture

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -11,21 +12,33 @@ namespace suture {
 
 /// The cells of one dimension that a table describes, in the order of its rows.
 /// All cells of the complex (row = cell) or those of a model's region.
+/// Memory: nothing for all cells, else 4 B per row and 4 B per cell of the complex.
 class CellSet {
  public:
   CellSet() = default;
   static CellSet all(Index count);
+  /// Row i is cells[i]; `cell_count` cells are in the complex.
   static CellSet of(std::vector<Index> cells, Index cell_count);
 
   Index size() const { return size_; }
   bool is_all() const { return all_; }
   Index cell(Index row) const { return all_ ? row : cells_[row]; }
-  Index row(Index cell) const { return all_ ? cell : row_of_[cell]; }  ///< or `none`
+  /// `none` if the cell is not in the set.
+  Index row(Index cell) const {
+    if (all_) return cell;
+    return cell < row_of_.size() ? row_of_[cell] : none;
+  }
+  bool contains(Index cell) const { return row(cell) != none; }
   std::span<const Index> cells() const { return cells_; }  ///< empty if is_all()
+
   /// A cell that an operation made. Its row is the last.
   void append(Index cell);
+  /// The row of `from` describes `to` from now on; `from` leaves the set.
+  void rename(Index from, Index to);
 
  private:
+  void place(Index cell, Index row);
+
   bool all_ = true;
   Index size_ = 0;
   std::vector<Index> cells_;
@@ -39,8 +52,10 @@ struct Table {
   CellSet cells;
   std::deque<Column> columns;  ///< deque: references stay valid
 
+  /// A column for all rows. Throws InputError if the name is taken.
   Column& add(ColumnSpec spec);
-  Column* find(std::string_view name);
+  Column* find(std::string_view name);  ///< nullptr if there is none
+  void resize_columns();                ///< to cells.size()
 };
 
 }  // namespace suture

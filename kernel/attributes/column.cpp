@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/attributes/column.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace suture {
+
+Column::Column(ColumnSpec spec, int dimension)
+    : spec_(std::move(spec)),
+      dimension_(dimension),
+      stride_(spec_.components == 3 ? 4 : spec_.components),
+      constant_(dimension != 0 && !has_trial()) {
+  if (constant_) data_.assign(storage(1), spec_.initial);
+}
+
+std::size_t Column::storage(Index rows) const {
+  if (dimension_ == 0) return offset(rows);
+  return block_offset((rows + lanes - 1) / lanes);
+}
+
+void Column::grow(AlignedVector<double>& data, Index rows) const {
+  const std::size_t needed = storage(rows);
+  // A cut adds rows a few at a time; copying a column of a million rows for the
+  // first of them would cost more than the cut.
+  if (needed > data.capacity()) data.reserve(2 * needed);
+  data.resize(needed, spec_.initial);
+  if (dimension_ == 0) {
+    for (std::size_t i = 3; spec_.components == 3 && i < needed; i += 4) data[i] = 0;
+    return;
+  }
+  // Lanes that held copies of the last row become rows.
+  const Index end = std::min(rows, (size_ + lanes - 1) / lanes * lanes);
+  for (Index row = size_; row < end; ++row)
+    for (int c = 0; c < spec_.components; ++c) data[stored(row, c)] = spec_.initial;
+}
+
+void Column::resize(Index rows) {
+  if (!constant_) {
+    grow(data_, rows);
+    if (has_trial()) grow(trial_, rows);
+  }
+  size_ = rows;
+  pad();
+}
+
+void Column::set(Index row, int component, double value) {
+  if (constant_ && data_[stored(row, component)] == value) return;
+  expand();
+  data_[stored(row, component)] = value;
+  if (row + 1 == size_) pad();
+}
+
+void Column::copy_row(Index from, Index to) {
+  if (constant_) return;
+  const std::size_t source = offset(from), target = offset(to), step = component_step();
+  for (int c = 0; c < spec_.components; ++c) {
+    const std::size_t at = static_cast<std::size_t>(c) * step;
+    data_[target + at] = data_[source + at];
+    if (has_trial()) trial_[target + at] = trial_[source + at];
+  }
+  if (to + 1 == size_) pad();
+}
+
+void Column::scale_row(Index row, double factor) {
+  if (factor == 1) return;
+  expand();
+  for (int c = 0; c < spec_.components; ++c) {
+    data_[stored(row, c)] *= factor;
+    if (has_trial()) trial_[stored(row, c)] *= factor;
+  }
+  if (row + 1 == size_) pad();
+}
+
+void Column::fill(double value) {
+  constant_ = dimension_ != 0 && !has_trial();
+  if (constant_) {
+    AlignedVector<double>(storage(1), value).swap(data_);
+    return;
+  }
+  for (Index row = 0; row < size_; ++row)
+    for (int c = 0; c < spec_.components; ++c) data_[stored(row, c)] = value;
+  pad();
+}
+
+double* Column::block(Index b) {
+  expand();
+  return data_.data() + block_offset(b);
+}
+
+void Column::expand() {
+  if (!constant_) return;
+  const AlignedVector<double> one = data_;
+  data_.reserve(2 * storage(size_));
+  data_.resize(storage(size_));
+  for (std::size_t at = 0; at < data_.size(); at += one.size())
+    std::copy(one.begin(), one.end(), data_.begin() + static_cast<std::ptrdiff_t>(at));
+  constant_ = false;
+}
+
+void Column::pad() {
+  if (dimension_ == 0 || constant_ || size_ % lanes == 0) return;
+  pad(data_);
+  if (has_trial()) pad(trial_);
+}
+
+void Column::pad(AlignedVector<double>& data) const {
+  for (int c = 0; c < spec_.components; ++c) {
+    double* lane = data.data() + block_offset(size_ / lanes) + c * static_cast<int>(lanes);
+    std::fill(lane + size_ % lanes, lane + lanes, lane[size_ % lanes - 1]);
+  }
+}
+
+bool Column::compress(double relative) {
+  if (constant_ || dimension_ == 0 || has_trial() || size_ == 0) return constant_;
+  double largest = 0;
+  for (const double value : data_) largest = std::max(largest, std::abs(value));
+  const std::size_t length = storage(1);
+  for (std::size_t at = 0; at < data_.size(); at += length)
+    for (std::size_t i = 0; i < length; ++i) {
+      const double first = data_[i / lanes * lanes];
+      if (!(std::abs(data_[at + i] - first) <= relative * largest)) return false;
+    }
+  AlignedVector<double> one(length);
+  for (std::size_t i = 0; i < length; ++i) one[i] = data_[i / lanes * lanes];
+  data_.swap(one);
+  constant_ = true;
+  return true;
+}
+
+}  // namespace suture

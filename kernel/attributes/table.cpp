@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/attributes/table.hpp"
+
+#include <cassert>
+#include <utility>
+
+#include "kernel/base/error.hpp"
+
+namespace suture {
+
+CellSet CellSet::all(Index count) {
+  CellSet set;
+  set.size_ = count;
+  return set;
+}
+
+CellSet CellSet::of(std::vector<Index> cells, Index cell_count) {
+  CellSet set;
+  set.all_ = false;
+  set.size_ = static_cast<Index>(cells.size());
+  set.cells_ = std::move(cells);
+  set.row_of_.assign(cell_count, none);
+  for (Index row = 0; row < set.size_; ++row) set.row_of_[set.cells_[row]] = row;
+  return set;
+}
+
+void CellSet::place(Index cell, Index row) {
+  if (cell >= row_of_.size()) row_of_.resize(cell + 1, none);
+  row_of_[cell] = row;
+}
+
+void CellSet::append(Index cell) {
+  const Index row = size_++;
+  if (all_) {
+    assert(cell == row);
+    return;
+  }
+  cells_.push_back(cell);
+  place(cell, row);
+}
+
+void CellSet::rename(Index from, Index to) {
+  assert(!all_ && contains(from) && !contains(to));
+  const Index row = row_of_[from];
+  row_of_[from] = none;
+  cells_[row] = to;
+  place(to, row);
+}
+
+Column& Table::add(ColumnSpec spec) {
+  if (find(spec.name))
+    throw InputError("attribute '" + spec.name + "' of dimension " + std::to_string(dimension) +
+                     " is declared twice; give each its own name");
+  Column& column = columns.emplace_back(std::move(spec), dimension);
+  column.resize(cells.size());
+  return column;
+}
+
+Column* Table::find(std::string_view name) {
+  for (Column& column : columns)
+    if (column.spec().name == name) return &column;
+  return nullptr;
+}
+
+void Table::resize_columns() {
+  for (Column& column : columns) column.resize(cells.size());
+}
+
+}  // namespace suture

@@ -3,50 +3,84 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "kernel/attributes/contributions.hpp"
 #include "kernel/attributes/instance.hpp"
+#include "kernel/attributes/policies.hpp"
 #include "kernel/attributes/table.hpp"
+#include "kernel/attributes/touched.hpp"
 #include "kernel/topology/cell_complex.hpp"
 
 namespace suture {
 
 /// All attributes of a simulation: the kernel's own columns and those of every
 /// instance. apply() is the one place where values follow an operation.
+///
+/// Memory per vertex of the kernel's columns: 4 x 32 B (rest, position, velocity,
+/// force) + 8 B mass + 8 B fixed = 144 B; for the sums after an operation 4 B per
+/// element are reserved as address space.
 class Attributes {
  public:
   /// Kernel columns from the imported mesh: rest position = position, velocity,
   /// force (rows of 4), mass, fixed (bits 1 x, 2 y, 4 z as a double).
+  /// Throws InputError unless there is one rest position per vertex.
   Attributes(const CellComplex& complex, std::span<const Vec3> rest);
 
   /// Adds an instance on `elements` (ascending; empty = all elements), builds its
-  /// cell sets for the dimensions its model uses, and its columns.
-  Instance& add(std::unique_ptr<Instance> instance, const CellComplex& complex,
+  /// cell sets for the dimensions its model uses (and in `complex` the ids that
+  /// they need), and its columns.
+  Instance& add(std::unique_ptr<Instance> instance, CellComplex& complex,
                 std::vector<Index> elements);
-  /// Sums every from_volumes column (and the mass) over all elements; stores
-  /// constant columns once; runs the models' inspections.
+
+  /// Sums every from_volumes column (and the mass) over all elements in ascending
+  /// order (the mass instance by instance), stores constant columns once and runs
+  /// the models' inspections. Throws InputError for what a model reports as an
+  /// error, PluginError for a contribution that is not finite.
   void initialise(const CellComplex& complex, Diagnostics& diagnostics);
 
-  /// Applies the declared policies. O(cells in the change).
+  /// Applies the declared policies to the kernel's tables and to those of every
+  /// instance. New cells join the sets of the instances of their elements; a cell
+  /// of which an instance's elements left in whole is renamed in its set, so that
+  /// a row's cell changes: afterwards row(c) is to be read again for every cell c
+  /// of change.stars. from_volumes sums of touched cells have the same bits as
+  /// those of initialise() on the cut complex. O(cells in the change).
   void apply(const CellComplex& complex, const TopologyChange& change);
 
-  Table& kernel(int dimension) { return kernel_[dimension]; }
-  const Table& kernel(int dimension) const { return kernel_[dimension]; }
+  /// After a step that was accepted: swaps the trial copies of all columns.
+  void accept_trials();
+
+  /// The kernel's columns on cells of a dimension; rows = cells.
+  Table& kernel(int dimension) { return kernel_[static_cast<std::size_t>(dimension)]; }
+  const Table& kernel(int dimension) const { return kernel_[static_cast<std::size_t>(dimension)]; }
+
   std::vector<std::unique_ptr<Instance>>& instances() { return instances_; }
+  const std::vector<std::unique_ptr<Instance>>& instances() const { return instances_; }
 
   // The kernel's vertex columns, rows of 4 doubles (x, y, z, unused).
   Column& rest() { return *rest_; }
   Column& position() { return *position_; }
   Column& velocity() { return *velocity_; }
   Column& force() { return *force_; }
-  Column& mass() { return *mass_; }
-  Column& fixed() { return *fixed_; }
+  Column& mass() { return *mass_; }    ///< kg, rows of 1
+  Column& fixed() { return *fixed_; }  ///< rows of 1
   Index vertex_count() const { return mass_->size(); }
 
+  /// Numbers of elements that users see, for messages and suture_batch.cell_ids;
+  /// empty: the complex's own. Set before initialise().
+  std::vector<Index> user_element;
+
  private:
+  void apply_to_kernel(const CellComplex& complex, const TopologyChange& change);
+  void apply_to(Instance& instance, const CellComplex& complex, const TopologyChange& change);
+
   std::array<Table, 4> kernel_;
   std::vector<std::unique_ptr<Instance>> instances_;
   Column *rest_, *position_, *velocity_, *force_, *mass_, *fixed_;
+  TouchedElements touched_;
+  SplitPolicies policies_;
+  TouchedSums sums_;
 };
 
 }  // namespace suture

@@ -3,9 +3,11 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "kernel/attributes/findings.hpp"
 #include "kernel/attributes/table.hpp"
 #include "kernel/base/diagnostics.hpp"
 #include "kernel/topology/cell_complex.hpp"
@@ -14,37 +16,74 @@ namespace suture {
 
 /// One use of a model in a scene: its parameters, its region, its own columns.
 /// The same model twice is two instances; an edge between them has a row in
-/// each, summed from the elements of each.
+/// each, summed from the elements of each. Neither copied nor moved: contexts
+/// point into it.
 class Instance {
  public:
-  /// `elements`: of the region, ascending; empty = all. Runs the model's
-  /// prepare(); throws PluginError / InputError with what it reported.
+  /// Runs the model's prepare(). Throws InputError with what it reported as an
+  /// error, PluginError if it failed or its tables contradict themselves.
   Instance(const suture_model& model, std::string name, std::vector<double> parameters,
            Diagnostics& diagnostics);
+  ~Instance();
+  Instance(const Instance&) = delete;
+  Instance& operator=(const Instance&) = delete;
 
   const suture_model& model() const { return model_; }
   const std::string& name() const { return name_; }
   std::span<const double> parameters() const { return parameters_; }
+  /// "model 'tissue' (mss-baudet)", the beginning of messages.
+  std::string title() const;
 
-  Table& table(int dimension) { return tables_[dimension]; }
-  const Table& table(int dimension) const { return tables_[dimension]; }
+  /// True if an attribute or a functor of the model is on cells of `dimension`.
+  bool uses(int dimension) const;
 
-  /// Context for worker `worker` (0 .. workers-1); error record of its own.
-  suture_context& context(unsigned worker);
+  /// Tables of the dimensions that uses(), and always table(3), whose cells are
+  /// the region. A row exists for a cell if and only if it has an incident
+  /// element of the region.
+  Table& table(int dimension) { return tables_[static_cast<std::size_t>(dimension)]; }
+  const Table& table(int dimension) const { return tables_[static_cast<std::size_t>(dimension)]; }
+
+  /// Column of an attribute by its position in model().attributes; nullptr for a
+  /// share of the kernel's mass (SUTURE_SHARED_MASS).
+  Column* column(std::uint32_t attribute) const { return columns_[attribute]; }
+
+  /// Cell sets and columns for `elements` (ascending; empty = all). Builds ids of
+  /// edges and faces if the model uses them. `rest`: the kernel's column. Called
+  /// by Attributes::add. O(elements of the complex).
+  void build(CellComplex& complex, const Column& rest, std::vector<Index> elements);
+
+  /// Context for worker `worker` (0 .. workers-1); error record of its own, to be
+  /// reset() before a call. There is one worker until set_workers().
+  suture_context& context(unsigned worker) { return workers_[worker]->context; }
   void set_workers(unsigned count);
+  static void reset(suture_error& error);
+
+  /// Hands on what the model has reported; throws InputError for its errors.
+  void deliver_findings(Diagnostics& diagnostics) { findings_.deliver(title(), diagnostics); }
 
   /// First row of table(3) whose element is no parallelepiped at rest: rows are
-  /// ordered parallelepipeds first.
+  /// ordered parallelepipeds first. table(3).cells.size() if no functor of the
+  /// model asks for the shape (nothing is classified then).
   Index general_begin = 0;
 
  private:
+  struct Worker {
+    suture_error error;
+    suture_context context;
+  };
+  void check_tables() const;
+  void prepare(Diagnostics& diagnostics);
+  bool asks_for_shape() const;
+  CellSet region(const CellComplex& complex, const Column& rest, std::vector<Index> elements);
+
   const suture_model& model_;
   std::string name_;
   std::vector<double> parameters_;
   std::array<Table, 4> tables_;
-  AlignedVector<double> prepared_;
-  std::vector<std::unique_ptr<suture_error>> errors_;
-  std::vector<suture_context> contexts_;
+  std::vector<Column*> columns_;
+  AlignedVector<double> prepared_;  ///< the model's own memory
+  std::vector<std::unique_ptr<Worker>> workers_;
+  Findings findings_;
 };
 
 }  // namespace suture

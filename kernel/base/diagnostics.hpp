@@ -7,20 +7,26 @@
 
 namespace suture {
 
-/// Warnings of one run, in the order in which they arose. The program shows
-/// each when it arises (`on_warning`) and counts them at the end.
+/// Warnings and notes of one run, in the order in which they arose. The program
+/// shows each when it arises (`on_warning`, `on_note`) and counts the warnings at
+/// the end; a note needs no action of the user.
 class Diagnostics {
  public:
   void warn(std::string text) {
     if (on_warning) on_warning(text);
     warnings_.push_back(std::move(text));
   }
+  void note(std::string text) {
+    if (on_note) on_note(text);
+    notes_.push_back(std::move(text));
+  }
   const std::vector<std::string>& warnings() const { return warnings_; }
+  const std::vector<std::string>& notes() const { return notes_; }
 
-  std::function<void(const std::string&)> on_warning;
+  std::function<void(const std::string&)> on_warning, on_note;
 
  private:
-  std::vector<std::string> warnings_;
+  std::vector<std::string> warnings_, notes_;
 };
 
 }  // namespace suture

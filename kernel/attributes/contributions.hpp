@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "kernel/attributes/instance.hpp"
+#include "kernel/attributes/touched.hpp"
+
+namespace suture {
+
+/// Values per 3-cell that a contribution functor gives to cells of a dimension:
+/// 8 vertices, 12 edges, 6 faces, itself.
+inline constexpr std::array<int, 4> contribution_cells = {8, 12, 6, 1};
+
+/// The batch that a contribution functor reads: rest positions of up to eight
+/// elements, lane-fastest; lanes behind the last repeat it.
+class RestBatch {
+ public:
+  /// `user_element`: numbers that messages show, or empty.
+  RestBatch(const CellComplex& complex, const Column& rest, std::span<const Index> user_element);
+
+  /// 1..8 elements.
+  const suture_batch& gather(std::span<const Index> elements);
+
+ private:
+  const CellComplex& complex_;
+  const Column& rest_;
+  std::span<const Index> user_element_;
+  alignas(SUTURE_ALIGNMENT) std::array<double, 8 * 3 * SUTURE_LANES> positions_;
+  std::array<std::uint32_t, SUTURE_LANES> ids_;
+  suture_batch batch_{};
+};
+
+/// Calls an attribute's contribution functor. Throws InputError with the model's
+/// text if it fails: the rest shape of an element does not suit the model.
+/// out: contribution_cells x components x 8 doubles.
+void contribute(Instance& instance, const suture_attribute& attribute, const suture_batch& batch,
+                double* out);
+
+/// Throws PluginError naming the model, the attribute and the cell unless every
+/// value of the column is finite. O(cells).
+void require_finite(const Instance& instance, const suture_attribute& attribute,
+                    const CellSet& cells, const Column& column);
+
+/// A from_volumes attribute summed over all elements of the region, in ascending
+/// order, into `column`; its rows are those of `cells`. Sums are added to what
+/// `column` holds. O(elements).
+void sum_contributions(Instance& instance, const suture_attribute& attribute,
+                       const CellComplex& complex, RestBatch& rest, const CellSet& cells,
+                       Column& column);
+
+/// The same sums, again, at the cells that an operation touched. Work space, kept
+/// between operations.
+class TouchedSums {
+ public:
+  /// All from_volumes attributes of the instance at the cells of change.stars; its
+  /// shares are added to `mass`, whose touched rows the caller has set to zero.
+  /// Each sum adds the same values in the same order as sum_contributions() on
+  /// the complex after the operation: the same bits. `touched`: the instance's
+  /// elements in the change. O(cells and elements in the change).
+  void sum(Instance& instance, RestBatch& rest, const TouchedElements& touched,
+           const TopologyChange& change, Column& mass);
+
+ private:
+  struct Pending {
+    const suture_attribute* attribute;
+    Column* column;
+    std::size_t per_batch;  ///< doubles that eight elements contribute
+    AlignedVector<double> values;
+  };
+  void evaluate(Instance& instance, RestBatch& rest, const TouchedElements& touched);
+  void sum_at(const Instance& instance, const Pending& pending, const TouchedElements& touched,
+              const Stars& stars, const CellSet* cells) const;
+
+  std::vector<Pending> pending_;
+};
+
+}  // namespace suture

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/attributes/inspection.hpp"
+
+#include <vector>
+
+#include "kernel/attributes/cell_nodes.hpp"
+#include "kernel/base/error.hpp"
+
+namespace suture {
+namespace {
+
+constexpr Index lanes = SUTURE_LANES;
+
+/// A functor's batch at rest, gathered lane by lane: this runs once.
+class InspectionBatch {
+ public:
+  InspectionBatch(const Instance& instance, const suture_functor& functor,
+                  const CellComplex& complex, const Column& rest, const Column& mass,
+                  std::span<const Index> user_element)
+      : instance_(instance),
+        functor_(functor),
+        complex_(complex),
+        rest_(rest),
+        mass_(mass),
+        user_element_(user_element),
+        dimension_(static_cast<int>(functor.dimension)),
+        node_count_(nodes_of_cell(dimension_)) {
+    positions_.resize(static_cast<std::size_t>(node_count_) * 3 * lanes);
+    for (const std::uint32_t a : std::span(functor.cell_columns, functor.cell_column_count)) {
+      cell_sources_.push_back(instance.column(a));
+      cell_values_.emplace_back(cell_sources_.back()->spec().components * lanes);
+      cell_pointers_.push_back(cell_values_.back().data());
+    }
+    for (const std::uint32_t a : std::span(functor.vertex_columns, functor.vertex_column_count)) {
+      vertex_sources_.push_back(a == UINT32_MAX ? &mass : instance.column(a));
+      vertex_values_.emplace_back(
+          static_cast<std::size_t>(node_count_) *
+          static_cast<std::size_t>(vertex_sources_.back()->spec().components) * lanes);
+      vertex_pointers_.push_back(vertex_values_.back().data());
+    }
+  }
+
+  const suture_batch& gather(std::span<const Index> rows) {
+    for (Index lane = 0; lane < lanes; ++lane)
+      gather_lane(rows[lane < rows.size() ? lane : rows.size() - 1], lane);
+    batch_.size = sizeof(suture_batch);
+    batch_.lanes = lanes;
+    batch_.valid = static_cast<std::uint32_t>(rows.size());
+    batch_.nodes = static_cast<std::uint32_t>(node_count_);
+    batch_.rest = batch_.position = positions_.data();
+    batch_.cell_columns = cell_pointers_.empty() ? nullptr : cell_pointers_.data();
+    batch_.vertex_columns = vertex_pointers_.empty() ? nullptr : vertex_pointers_.data();
+    batch_.cell_ids = ids_.data();
+    return batch_;
+  }
+
+ private:
+  void gather_lane(Index row, Index lane) {
+    const Index cell = instance_.table(dimension_).cells.cell(row);
+    ids_[lane] = dimension_ == 3 && !user_element_.empty() ? user_element_[cell] : cell;
+    for (std::size_t i = 0; i < cell_sources_.size(); ++i)
+      for (int c = 0; c < cell_sources_[i]->spec().components; ++c)
+        cell_values_[i][static_cast<std::size_t>(c) * lanes + lane] = cell_sources_[i]->get(row, c);
+    std::array<Index, 8> nodes;
+    cell_nodes(complex_, dimension_, cell, nodes.data());
+    for (std::size_t n = 0; n < static_cast<std::size_t>(node_count_); ++n) {
+      for (std::size_t c = 0; c < 3; ++c)
+        positions_[(n * 3 + c) * lanes + lane] = rest_.get(nodes[n], static_cast<int>(c));
+      for (std::size_t i = 0; i < vertex_sources_.size(); ++i) gather_vertex(i, n, nodes[n], lane);
+    }
+  }
+
+  void gather_vertex(std::size_t i, std::size_t n, Index vertex, Index lane) {
+    const Column& source = *vertex_sources_[i];
+    const Index row = &source == &mass_ ? vertex : instance_.table(0).cells.row(vertex);
+    const auto components = static_cast<std::size_t>(source.spec().components);
+    for (std::size_t c = 0; c < components; ++c)
+      vertex_values_[i][(n * components + c) * lanes + lane] = source.get(row, static_cast<int>(c));
+  }
+
+  const Instance& instance_;
+  const suture_functor& functor_;
+  const CellComplex& complex_;
+  const Column &rest_, &mass_;
+  std::span<const Index> user_element_;
+  int dimension_, node_count_;
+  AlignedVector<double> positions_;
+  std::vector<const Column*> cell_sources_, vertex_sources_;
+  std::vector<AlignedVector<double>> cell_values_, vertex_values_;
+  std::vector<const double*> cell_pointers_, vertex_pointers_;
+  std::array<std::uint32_t, lanes> ids_{};
+  suture_batch batch_{};
+};
+
+bool admits(const Instance& instance, const suture_functor& functor, const CellComplex& complex,
+            Index row) {
+  if (functor.dimension == 3 && functor.shape != SUTURE_ANY_SHAPE)
+    return (row < instance.general_begin) == (functor.shape == SUTURE_PARALLELEPIPED);
+  if (functor.dimension == 2 && functor.faces != SUTURE_ALL_FACES) {
+    const bool boundary =
+        complex.beta3(complex.dart_of(2, instance.table(2).cells.cell(row))) == none;
+    return boundary == (functor.faces == SUTURE_BOUNDARY_FACES);
+  }
+  return true;
+}
+
+const suture_inspect_1* inspection_of(Instance& instance, const suture_functor& functor) {
+  std::uint32_t reads = functor.reads;
+  if (!functor.extension) return nullptr;
+  if (functor.enabled && functor.enabled(&instance.context(0), &reads) == 0) return nullptr;
+  return static_cast<const suture_inspect_1*>(functor.extension(SUTURE_INSPECT_1));
+}
+
+}  // namespace
+
+void inspect(Instance& instance, const CellComplex& complex, const Column& rest, const Column& mass,
+             std::span<const Index> user_element, Diagnostics& diagnostics) {
+  const suture_model& model = instance.model();
+  for (const suture_functor& functor : std::span(model.functors, model.functor_count)) {
+    const suture_inspect_1* extension = inspection_of(instance, functor);
+    if (!extension) continue;
+    InspectionBatch batch(instance, functor, complex, rest, mass, user_element);
+    const Index rows = instance.table(static_cast<int>(functor.dimension)).cells.size();
+    std::array<Index, lanes> admitted;
+    Index filled = 0;
+    for (Index row = 0; row < rows; ++row) {
+      if (admits(instance, functor, complex, row)) admitted[filled++] = row;
+      if (filled == 0 || (filled < lanes && row + 1 < rows)) continue;
+      suture_context& context = instance.context(0);
+      Instance::reset(*context.error);
+      if (extension->inspect(&context, &batch.gather({admitted.data(), filled})) != SUTURE_OK)
+        throw PluginError(instance.title() + ": the inspection of functor '" + functor.name +
+                          "' failed: " + context.error->text);
+      filled = 0;
+    }
+  }
+  instance.deliver_findings(diagnostics);
+}
+
+}  // namespace suture

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+
+#include "kernel/attributes/instance.hpp"
+
+namespace suture {
+
+/// Runs SUTURE_INSPECT_1 of each functor of the instance that has it and is
+/// enabled over the cells the functor is for, at rest, and hands the findings on.
+/// `mass`: the kernel's column. Throws InputError for errors the model reports.
+/// O(cells) for such functors, nothing for others.
+void inspect(Instance& instance, const CellComplex& complex, const Column& rest, const Column& mass,
+             std::span<const Index> user_element, Diagnostics& diagnostics);
+
+}  // namespace suture

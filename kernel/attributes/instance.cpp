@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/attributes/instance.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "kernel/attributes/shape.hpp"
+#include "kernel/base/error.hpp"
+#include "kernel/base/host_extensions.hpp"
+
+namespace suture {
+namespace {
+
+void report(const suture_context* context, std::int32_t severity, std::uint32_t cell,
+            const char* key, const char* text) {
+  static_cast<Findings*>(context->host_data)->add(severity, cell, key, text);
+}
+
+std::int32_t has_extension(const char* id) { return host_has_extension(id) ? 1 : 0; }
+
+const suture_host host = {sizeof(suture_host), SUTURE_ABI_MINOR, &report, &has_extension};
+
+ColumnSpec spec_of(const suture_attribute& attribute) {
+  ColumnSpec spec;
+  spec.name = attribute.name;
+  spec.unit = attribute.unit;
+  spec.doc = attribute.doc;
+  spec.components = static_cast<int>(attribute.components);
+  spec.policy = static_cast<suture_policy>(attribute.policy);
+  spec.initial = attribute.initial;
+  spec.flags = attribute.flags;
+  spec.contribution = attribute.contribution;
+  return spec;
+}
+
+/// Cells of dimension 0..2 of the given elements, ascending.
+template <class CellsOf>
+std::vector<Index> incident_cells(const CellSet& region, Index cell_count, CellsOf cells_of) {
+  std::vector<bool> touched(cell_count, false);
+  for (const Index e : region.cells())
+    for (const Index cell : cells_of(e)) touched[cell] = true;
+  std::vector<Index> cells;
+  for (Index cell = 0; cell < cell_count; ++cell)
+    if (touched[cell]) cells.push_back(cell);
+  return cells;
+}
+
+CellSet cells_of_region(const CellComplex& complex, const CellSet& region, int dimension) {
+  const Index count = complex.count(dimension);
+  if (region.size() == complex.element_count()) return CellSet::all(count);
+  switch (dimension) {
+    case 0:
+      return CellSet::of(
+          incident_cells(
+              region, count, [&](Index e) -> auto& { return complex.vertices_of(e); }),
+          count);
+    case 1:
+      return CellSet::of(incident_cells(
+                             region, count, [&](Index e) -> auto& { return complex.edges_of(e); }),
+                         count);
+    default:
+      return CellSet::of(incident_cells(
+                             region, count, [&](Index e) -> auto& { return complex.faces_of(e); }),
+                         count);
+  }
+}
+
+}  // namespace
+
+Instance::Instance(const suture_model& model, std::string name, std::vector<double> parameters,
+                   Diagnostics& diagnostics)
+    : model_(model), name_(std::move(name)), parameters_(std::move(parameters)) {
+  check_tables();
+  for (int d = 0; d < 4; ++d) table(d).dimension = d;
+  prepared_.assign((model_.instance_bytes + sizeof(double) - 1) / sizeof(double), 0);
+  set_workers(1);
+  prepare(diagnostics);
+}
+
+Instance::~Instance() = default;
+
+std::string Instance::title() const { return "model '" + name_ + "' (" + model_.id + ")"; }
+
+void Instance::check_tables() const {
+  const auto refuse = [&](const std::string& what) {
+    throw PluginError(title() + ": " + what + "; this is an error of the plugin");
+  };
+  if (parameters_.size() != model_.parameter_count)
+    refuse("declares " + std::to_string(model_.parameter_count) + " parameters, but " +
+           std::to_string(parameters_.size()) + " were handed over");
+  for (const suture_attribute& a : std::span(model_.attributes, model_.attribute_count)) {
+    const std::string who = std::string("attribute '") + a.name + "'";
+    if (a.dimension > 3)
+      refuse(who + " has dimension " + std::to_string(a.dimension) + ", not 0..3");
+    if (a.components < 1 || a.components > 9)
+      refuse(who + " has " + std::to_string(a.components) + " components, not 1..9");
+    if (a.policy > SUTURE_FROM_VOLUMES) refuse(who + " has an unknown policy");
+    if ((a.policy == SUTURE_FROM_VOLUMES) != (a.contribution != nullptr))
+      refuse(who + " must have a contribution function if and only if its policy is from_volumes");
+    if ((a.flags & SUTURE_SHARED_MASS) != 0 &&
+        (a.dimension != 0 || a.components != 1 || a.policy != SUTURE_FROM_VOLUMES))
+      refuse(who + " is a share of the mass and must be one from_volumes number per vertex");
+  }
+}
+
+void Instance::set_workers(unsigned count) {
+  while (workers_.size() < count) {
+    auto worker = std::make_unique<Worker>();
+    worker->context = {sizeof(suture_context),
+                       static_cast<std::uint32_t>(parameters_.size()),
+                       parameters_.data(),
+                       prepared_.empty() ? nullptr : prepared_.data(),
+                       &host,
+                       &worker->error,
+                       &findings_};
+    reset(worker->error);
+    workers_.push_back(std::move(worker));
+  }
+}
+
+void Instance::reset(suture_error& error) {
+  error.size = sizeof(suture_error);
+  error.code = 0;
+  error.cell = none;
+  error.reserved = 0;
+  error.step_factor = 0.5;
+  error.text[0] = '\0';
+}
+
+void Instance::prepare(Diagnostics& diagnostics) {
+  if (!model_.prepare) return;
+  const suture_status status =
+      model_.prepare(&context(0), prepared_.empty() ? nullptr : prepared_.data());
+  deliver_findings(diagnostics);
+  if (status != SUTURE_OK)
+    throw PluginError(title() + " could not be prepared: " + workers_[0]->error.text);
+}
+
+bool Instance::uses(int dimension) const {
+  const auto d = static_cast<std::uint32_t>(dimension);
+  for (const suture_attribute& a : std::span(model_.attributes, model_.attribute_count))
+    if (a.dimension == d && (a.flags & SUTURE_SHARED_MASS) == 0) return true;
+  for (const suture_functor& f : std::span(model_.functors, model_.functor_count))
+    if (f.dimension == d) return true;
+  return false;
+}
+
+bool Instance::asks_for_shape() const {
+  const std::span functors(model_.functors, model_.functor_count);
+  return std::ranges::any_of(functors, [](const suture_functor& f) {
+    return f.dimension == 3 && f.shape != SUTURE_ANY_SHAPE;
+  });
+}
+
+CellSet Instance::region(const CellComplex& complex, const Column& rest,
+                         std::vector<Index> elements) {
+  const Index count = complex.element_count();
+  if (elements.empty() || elements.size() == count) {
+    elements.resize(count);
+    std::iota(elements.begin(), elements.end(), Index{0});
+  }
+  if (asks_for_shape()) {
+    const auto general = std::ranges::stable_partition(elements, [&](Index e) {
+      HexahedronNodes x;
+      for (std::size_t i = 0; i < 8; ++i) {
+        const double* row = rest.rows() + rest.offset(complex.vertices_of(e)[i]);
+        x[i] = {row[0], row[1], row[2]};
+      }
+      return is_parallelepiped(x);
+    });
+    general_begin = static_cast<Index>(general.begin() - elements.begin());
+  } else {
+    general_begin = static_cast<Index>(elements.size());
+  }
+  if (elements.size() == count && std::ranges::is_sorted(elements)) return CellSet::all(count);
+  return CellSet::of(std::move(elements), count);
+}
+
+void Instance::build(CellComplex& complex, const Column& rest, std::vector<Index> elements) {
+  if (uses(1)) complex.require_edges();
+  if (uses(2)) complex.require_faces();
+  table(3).cells = region(complex, rest, std::move(elements));
+  for (int d = 0; d < 3; ++d)
+    if (uses(d)) table(d).cells = cells_of_region(complex, table(3).cells, d);
+  columns_.clear();
+  for (const suture_attribute& a : std::span(model_.attributes, model_.attribute_count))
+    columns_.push_back((a.flags & SUTURE_SHARED_MASS) != 0
+                           ? nullptr
+                           : &table(static_cast<int>(a.dimension)).add(spec_of(a)));
+}
+
+}  // namespace suture

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/attributes/policies.hpp"
+
+#include <algorithm>
+
+#include "kernel/attributes/shape.hpp"
+
+namespace suture {
+namespace {
+
+/// An element of the region is incident to the cell at position `i` of the stars.
+bool has_member(const Stars& stars, Index i, const TouchedElements& touched) {
+  for (Index j = stars.offsets[i]; j < stars.offsets[i + 1]; ++j)
+    if (touched.slot(stars.darts[j] / hexahedron::darts) != none) return true;
+  return false;
+}
+
+void follow(Column& column, std::span<const RowSplit> splits) {
+  if (column.spec().on_split) {
+    for (const RowSplit& s : splits) column.spec().on_split(column, s.old_row, s.new_row);
+    return;
+  }
+  switch (column.spec().policy) {
+    case SUTURE_COPY:
+      for (const RowSplit& s : splits) column.copy_row(s.old_row, s.new_row);
+      return;
+    case SUTURE_ZERO:
+      for (const RowSplit& s : splits)
+        for (int c = 0; c < column.spec().components; ++c) column.set(s.new_row, c, 0);
+      return;
+    case SUTURE_SHARE:
+      for (const RowSplit& s : splits) {
+        column.copy_row(s.old_row, s.new_row);
+        column.scale_row(s.new_row, s.new_share);
+      }
+      for (const RowSplit& s : splits) column.scale_row(s.old_row, s.old_share);
+      return;
+    case SUTURE_FROM_VOLUMES:
+      return;  // every touched row is summed again, the new ones among them
+  }
+}
+
+bool shares(const Table& table) {
+  return std::ranges::any_of(table.columns, [](const Column& column) {
+    return column.spec().policy == SUTURE_SHARE && !column.spec().on_split;
+  });
+}
+
+double volume_at_rest(const Column& rest, const Hexahedron& vertices) {
+  HexahedronNodes x;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double* row = rest.rows() + rest.offset(vertices[i]);
+    x[i] = {row[0], row[1], row[2]};
+  }
+  return hexahedron_volume(x);
+}
+
+}  // namespace
+
+void SplitPolicies::apply(Table& table, const CellComplex& complex, const Column& rest,
+                          const TouchedElements& touched, const TopologyChange& change) {
+  const auto dimension = static_cast<std::size_t>(table.dimension);
+  const std::span<const Split> splits = change.splits[dimension];
+  const Stars& stars = change.stars[dimension];
+  if (splits.empty()) return;
+  rows_.clear();
+  const bool weighed = shares(table);
+  if (weighed || !table.cells.is_all()) find_stars(stars, complex.count(table.dimension));
+  if (table.cells.is_all())
+    split_all(table.cells, splits);
+  else
+    split_region(table.cells, splits, stars, touched);
+  if (weighed) weigh(table.cells, complex, rest, touched, stars);
+  table.resize_columns();
+  for (Column& column : table.columns) follow(column, rows_);
+}
+
+void SplitPolicies::find_stars(const Stars& stars, Index cell_count) {
+  if (star_of_.size() < cell_count) star_of_.resize(cell_count);
+  for (Index i = 0; i < stars.cells.size(); ++i) star_of_[stars.cells[i]] = i;
+}
+
+void SplitPolicies::split_all(CellSet& cells, std::span<const Split> splits) {
+  for (const Split& split : splits) {
+    cells.append(split.new_cell);
+    rows_.push_back({split.old_cell, split.new_cell});
+  }
+}
+
+// A region of two elements (#) beside others (.), and the cell between them:
+//
+//     # | .              # |   | .     the part that keeps the number has an
+//     --c--     cut      --c   d--     element of the region: a new row for e
+//     # | .    ------>   # |   | .     if it has one too, none for d
+//
+//     . | #              . |   | #     it has none: the row goes on as d, the
+//     --c--     ----->   --c   d--     first part that has one, with all values
+//     . | .              . |   | .
+void SplitPolicies::split_region(CellSet& cells, std::span<const Split> splits, const Stars& stars,
+                                 const TouchedElements& touched) {
+  source_row_.resize(stars.cells.size());
+  for (const Split& s : splits) source_row_[star_of_[s.old_cell]] = cells.row(s.old_cell);
+  for (const Split& s : splits) {
+    if (!has_member(stars, star_of_[s.new_cell], touched)) continue;
+    const Index old_star = star_of_[s.old_cell];
+    if (cells.contains(s.old_cell) && !has_member(stars, old_star, touched)) {
+      cells.rename(s.old_cell, s.new_cell);
+    } else {
+      cells.append(s.new_cell);
+      rows_.push_back({source_row_[old_star], cells.size() - 1});
+    }
+  }
+}
+
+void SplitPolicies::weigh(const CellSet& cells, const CellComplex& complex, const Column& rest,
+                          const TouchedElements& touched, const Stars& stars) {
+  volumes_.clear();
+  for (const Index e : touched.members())
+    volumes_.push_back(volume_at_rest(rest, complex.vertices_of(e)));
+  weights_.assign(stars.cells.size(), 0);
+  for (Index i = 0; i < stars.cells.size(); ++i)
+    for (Index j = stars.offsets[i]; j < stars.offsets[i + 1]; ++j) {
+      const Index slot = touched.slot(stars.darts[j] / hexahedron::darts);
+      if (slot != none) weights_[i] += volumes_[slot];
+    }
+  const auto star_of_row = [&](Index row) { return star_of_[cells.cell(row)]; };
+  totals_ = weights_;
+  for (const RowSplit& s : rows_)
+    totals_[star_of_row(s.old_row)] += weights_[star_of_row(s.new_row)];
+  for (RowSplit& s : rows_)
+    s.new_share = weights_[star_of_row(s.new_row)] / totals_[star_of_row(s.old_row)];
+  for (RowSplit& s : rows_) {
+    double& total = totals_[star_of_row(s.old_row)];
+    if (total == 0) continue;  // an earlier split carries it
+    s.old_share = weights_[star_of_row(s.old_row)] / total;
+    total = 0;
+  }
+}
+
+}  // namespace suture

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "kernel/attributes/table.hpp"
+#include "kernel/attributes/touched.hpp"
+#include "kernel/topology/cell_complex.hpp"
+
+namespace suture {
+
+/// A row of a table became two.
+struct RowSplit {
+  Index old_row, new_row;
+  /// Parts of the incident volume, for SHARE. Of several splits of one row the
+  /// first carries the old row's part, the others 1.
+  double old_share = 1, new_share = 1;
+};
+
+/// Makes the rows and values of one table follow the splits of its cells. Work
+/// space, kept between operations.
+class SplitPolicies {
+ public:
+  /// New cells join `table` where an element of its region is incident to them;
+  /// then every column follows its declared policy, but for the sums of
+  /// SUTURE_FROM_VOLUMES (contributions.hpp).
+  /// `touched`: the region's elements in the change; need not be selected for a
+  /// table of all cells without SHARE columns. `rest`: the kernel's column.
+  /// O(cells of the dimension in the change).
+  void apply(Table& table, const CellComplex& complex, const Column& rest,
+             const TouchedElements& touched, const TopologyChange& change);
+
+ private:
+  void find_stars(const Stars& stars, Index cell_count);
+  void split_all(CellSet& cells, std::span<const Split> splits);
+  void split_region(CellSet& cells, std::span<const Split> splits, const Stars& stars,
+                    const TouchedElements& touched);
+  void weigh(const CellSet& cells, const CellComplex& complex, const Column& rest,
+             const TouchedElements& touched, const Stars& stars);
+
+  std::vector<RowSplit> rows_;
+  std::vector<Index> star_of_;  ///< cell -> position in Stars; read for its cells only
+  std::vector<Index> source_row_;
+  std::vector<double> volumes_, weights_, totals_;
+};
+
+}  // namespace suture

@@ -7,51 +7,60 @@
 #include <string_view>
 #include <vector>
 
+#include "kernel/base/diagnostics.hpp"
+#include "kernel/plugin_host/isa.hpp"
 #include "suture/plugin.h"
 
 namespace suture {
 
-/// Finds, checks and loads plugins; never unloads them.
+/// Finds, checks and loads plugins; never unloads them. For use on one thread.
+///
+/// A plugin NAME is up to three files in one folder, NAME.so, NAME.avx2.so and
+/// NAME.avx512.so; the best that the processor runs stands for all. Which models
+/// a file has is read from its note, so nothing is loaded but what is used.
+///
+/// Search order: files named in the scene in the scene's order, the folders of
+/// SUTURE_PLUGIN_PATH, the user's plugin folder, the installed folder, the build
+/// tree; within a folder the plugin that is named like the model, then by name.
+/// If two plugins have the model, the first is used and a warning names both.
 class PluginHost {
  public:
-  /// Where plugins are looked for, in this order: SUTURE_PLUGIN_PATH, the user's
-  /// plugin folder, the installed folder, the build tree.
-  PluginHost();
+  /// Reads the environment, no file. `diagnostics` gets the warnings, may be null.
+  explicit PluginHost(Diagnostics* diagnostics = nullptr);
   ~PluginHost();
+  PluginHost(const PluginHost&) = delete;
+  PluginHost& operator=(const PluginHost&) = delete;
 
-  /// Plugin files named in a scene, relative to the scene's folder; searched first.
+  /// A plugin file named in a scene, already resolved against the scene's folder.
+  /// "NAME.so" (".so" may be left out) means the best of NAME's builds beside it.
+  /// Throws PluginError if there is no such file or it is refused by its note.
   void add_file(const std::filesystem::path& file);
 
-  /// The model `id`; loads the one plugin that has it. By convention a plugin
-  /// "NAME" (NAME.avx512.so, NAME.avx2.so, NAME.so: the best the processor runs)
-  /// holds model NAME; notes of the other files are read (not loaded) to find an
-  /// id elsewhere. Throws PluginError naming the file, the loader's text, the
-  /// paths tried, the nearest id and a hint.
+  /// The model `id`; loads the one plugin that has it, once. The reference is
+  /// valid as long as the program runs. Throws PluginError naming the file, the
+  /// loader's text or the tables' faults, or, if no plugin has the model, the
+  /// nearest id, the places searched and a hint.
+  /// Cost: the notes of all files on the search path once (10 us per file).
   const suture_model& model(std::string_view id);
+
+  /// Of a model that model() returned.
   const suture_plugin& plugin_of(const suture_model& model) const;
   std::filesystem::path file_of(const suture_model& model) const;
 
-  /// What `suture models` lists: every plugin file on the search path, read from
-  /// its note without loading it; `problem` says why it would be refused.
+  /// One plugin file on the search path, as its note describes it; not loaded.
   struct Listing {
     std::filesystem::path file;
-    std::string plugin;
-    std::vector<std::string> models;
-    std::string isa;
-    std::string problem;
+    std::string plugin;               ///< empty if the file has no note
+    std::vector<std::string> models;  ///< ids
+    std::string isa;                  ///< "avx512", "avx2", "base"
+    std::string problem;              ///< why it would be refused or not used, else empty
   };
+  /// What `suture models` shows: every plugin file in search order.
   std::vector<Listing> list() const;
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// Parameters by name as the scene gives them -> doubles in declared order, with
-/// defaults filled in, is the business of scene/: it has the positions.
-
-/// The best instruction set this processor runs: "avx512", "avx2" or "".
-/// SUTURE_ISA=avx2|base in the environment lowers it (for tests).
-std::string_view best_isa();
 
 }  // namespace suture

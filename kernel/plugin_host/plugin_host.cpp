@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/plugin_host/plugin_host.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "kernel/base/error.hpp"
+#include "kernel/base/nearest.hpp"
+#include "kernel/plugin_host/plugin_library.hpp"
+#include "kernel/plugin_host/plugin_search.hpp"
+
+namespace suture {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The builds of one plugin for several instruction sets, from one folder.
+struct Plugin {
+  std::vector<PluginFile> builds;
+  int place = 0;  ///< in the search order: 0 the scene, then the folders
+
+  const PluginFile& best() const { return best_build(builds); }
+  bool has(std::string_view id) const {
+    const auto& models = best().note.models;
+    return std::find(models.begin(), models.end(), id) != models.end();
+  }
+};
+
+std::vector<Plugin> group(std::vector<PluginFile> files, int place) {
+  std::vector<Plugin> plugins;
+  for (auto& file : files) {
+    if (plugins.empty() || plugins.back().builds.front().name != file.name)
+      plugins.push_back({{}, place});
+    plugins.back().builds.push_back(std::move(file));
+  }
+  return plugins;
+}
+
+/// The file beside `missing` whose name is nearest, for the message.
+std::string nearest_file(const fs::path& missing) {
+  std::vector<std::string> names;
+  for (const auto& file : plugin_files(missing.parent_path()))
+    names.push_back(file.file.filename().string());
+  return did_you_mean(missing.filename().string(), names);
+}
+
+}  // namespace
+
+struct PluginHost::Impl {
+  struct Loaded {
+    const suture_model* model;
+    const suture_plugin* plugin;
+    fs::path file;
+  };
+
+  Diagnostics* diagnostics;
+  std::vector<PluginFolder> folders = plugin_folders();
+  std::vector<Plugin> named;                   ///< in the scene
+  std::optional<std::vector<Plugin>> scanned;  ///< in the folders, once needed
+  std::vector<Loaded> loaded;
+
+  std::vector<Plugin> scan() const {
+    std::vector<Plugin> all;
+    int place = 0;
+    for (const auto& folder : folders) {
+      auto plugins = group(plugin_files(folder.path), ++place);
+      std::move(plugins.begin(), plugins.end(), std::back_inserter(all));
+    }
+    return all;
+  }
+
+  /// Every plugin, in search order.
+  std::vector<const Plugin*> plugins() {
+    if (!scanned) scanned = scan();
+    std::vector<const Plugin*> all;
+    for (const auto& plugin : named) all.push_back(&plugin);
+    for (const auto& plugin : *scanned) all.push_back(&plugin);
+    return all;
+  }
+
+  /// Those that have the model, the one to use first.
+  std::vector<const Plugin*> with_model(std::string_view id) {
+    std::vector<const Plugin*> found;
+    for (const Plugin* plugin : plugins()) {
+      const bool known = std::any_of(found.begin(), found.end(), [&](const Plugin* other) {
+        std::error_code code;
+        return fs::equivalent(other->best().file, plugin->best().file, code);
+      });
+      if (!known && plugin->has(id)) found.push_back(plugin);
+    }
+    const auto rank = [&](const Plugin* plugin) {
+      return std::pair(plugin->place, plugin->place > 0 && plugin->best().name != id);
+    };
+    std::stable_sort(found.begin(), found.end(),
+                     [&](const Plugin* a, const Plugin* b) { return rank(a) < rank(b); });
+    return found;
+  }
+
+  void warn_of_hidden(std::string_view id, const std::vector<const Plugin*>& found) const {
+    if (diagnostics == nullptr) return;
+    for (std::size_t i = 1; i < found.size(); ++i)
+      diagnostics->warn("model '" + std::string(id) +
+                        "' is in more than one plugin: " + found.front()->best().file.string() +
+                        " is used, as the first on the search path, and " +
+                        found[i]->best().file.string() + " is not");
+  }
+
+  std::string searched() const {
+    std::string text;
+    for (const auto& plugin : named)
+      text += "\n  " + plugin.best().file.string() + " (named in the scene)";
+    for (const auto& folder : folders) {
+      std::error_code code;
+      text += "\n  " + folder.path.string() + " (" + folder.origin +
+              (fs::is_directory(folder.path, code) ? ")" : ", no such folder)");
+    }
+    return text;
+  }
+
+  [[noreturn]] void not_found(std::string_view id) {
+    std::vector<std::string> ids;
+    for (const Plugin* plugin : plugins()) {
+      const auto& best = plugin->best();
+      ids.insert(ids.end(), best.note.models.begin(), best.note.models.end());
+      if (best.name == id && !best.note.problem.empty())
+        throw PluginError("model '" + std::string(id) + "': plugin " + best.file.string() + ": " +
+                          best.note.problem);
+    }
+    throw PluginError("no plugin has the model '" + std::string(id) + "'" + did_you_mean(id, ids) +
+                      ". Searched:" + searched() +
+                      "\n`suture models` lists what is there; name a plugin file in the scene's "
+                      "\"plugins\" or its folder in SUTURE_PLUGIN_PATH");
+  }
+};
+
+PluginHost::PluginHost(Diagnostics* diagnostics) : impl_(std::make_unique<Impl>()) {
+  impl_->diagnostics = diagnostics;
+}
+
+PluginHost::~PluginHost() = default;
+
+void PluginHost::add_file(const fs::path& file) {
+  const fs::path full = fs::absolute(file).lexically_normal();
+  auto builds = builds_of(full);
+  if (builds.empty()) builds = builds_of(full.string() + ".so");
+  if (builds.empty())
+    throw PluginError("plugin " + full.string() + ": there is no such file" + nearest_file(full) +
+                      "; paths in a scene are relative to the scene's folder");
+  const auto& best = best_build(builds);
+  if (!best.note.problem.empty())
+    throw PluginError("plugin " + best.file.string() + ": " + best.note.problem);
+  impl_->named.push_back({std::move(builds), 0});
+}
+
+const suture_model& PluginHost::model(std::string_view id) {
+  for (const auto& known : impl_->loaded)
+    if (known.model->id == id) return *known.model;
+
+  const auto found = impl_->with_model(id);
+  if (found.empty()) impl_->not_found(id);
+  impl_->warn_of_hidden(id, found);
+  const PluginFile& best = found.front()->best();
+  const suture_plugin& plugin = load_plugin(best.file, best.note);
+  for (std::uint32_t i = 0; i < plugin.model_count; ++i)
+    if (plugin.models[i].id == id) {
+      impl_->loaded.push_back({&plugin.models[i], &plugin, best.file});
+      return plugin.models[i];
+    }
+  impl_->not_found(id);  // load_plugin has compared the note with the tables
+}
+
+const suture_plugin& PluginHost::plugin_of(const suture_model& model) const {
+  for (const auto& known : impl_->loaded)
+    if (known.model == &model) return *known.plugin;
+  throw PluginError(std::string("model '") + model.id + "' was not loaded by this host");
+}
+
+fs::path PluginHost::file_of(const suture_model& model) const {
+  for (const auto& known : impl_->loaded)
+    if (known.model == &model) return known.file;
+  throw PluginError(std::string("model '") + model.id + "' was not loaded by this host");
+}
+
+std::vector<PluginHost::Listing> PluginHost::list() const {
+  std::vector<Listing> out;
+  for (const Plugin* plugin : impl_->plugins())
+    for (const auto& build : plugin->builds) {
+      Listing line{build.file, build.note.plugin, build.note.models, build.note.isa,
+                   build.note.problem};
+      for (const auto& id : line.models)
+        if (const auto found = impl_->with_model(id);
+            line.problem.empty() && !found.empty() && found.front() != plugin)
+          line.problem = "its model '" + id + "' is hidden by " +
+                         found.front()->best().file.string() + ", earlier on the search path";
+      out.push_back(std::move(line));
+    }
+  return out;
+}
+
+}  // namespace suture

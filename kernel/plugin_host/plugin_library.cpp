@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/plugin_host/plugin_library.hpp"
+
+#define BOOST_DLL_USE_STD_FS
+#include <dlfcn.h>
+
+#include <boost/dll/shared_library.hpp>
+#include <set>
+#include <string_view>
+
+#include "kernel/base/error.hpp"
+#include "kernel/plugin_host/table_check.hpp"
+
+namespace suture {
+namespace {
+
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& why) {
+  throw PluginError("plugin " + file.string() + ": " + why);
+}
+
+/// What usually lies behind a text of the dynamic loader.
+std::string_view hint(std::string_view loader_text) {
+  const auto says = [&](std::string_view part) {
+    return loader_text.find(part) != std::string_view::npos;
+  };
+  if (says("undefined symbol"))
+    return "the plugin was linked without something it needs; suture_add_plugin makes that an "
+           "error when the plugin is built (-Wl,-z,defs)";
+  if (says("GLIBC") || says("CXXABI"))
+    return "the plugin was built on a newer system; build it on this one";
+  if (says("cannot open shared object file"))
+    return "a library that the plugin needs is not installed; `ldd` on the plugin lists them";
+  if (says("static TLS"))
+    return "the plugin uses initial-exec thread-local storage; build it without -ftls-model";
+  return "rebuild the plugin with suture_add_plugin";
+}
+
+/// Every symbol bound now (an undefined one must not wait for its first call),
+/// none visible to other plugins, never unloaded. Boost's enumeration has no
+/// NODELETE; its value goes through to dlopen unchanged.
+boost::dll::load_mode::type mode() {
+  return static_cast<boost::dll::load_mode::type>(RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+}
+
+const suture_plugin* call(suture_plugin_fn function, const std::filesystem::path& file) {
+  try {
+    return function();
+  } catch (...) {
+    refuse(file, std::string("its function ") + SUTURE_PLUGIN_SYMBOL +
+                     " threw an exception; it must only return a pointer to constant tables");
+  }
+}
+
+void check_against_note(const std::filesystem::path& file, const PluginNote& note,
+                        const suture_plugin& plugin) {
+  std::set<std::string> ids;
+  for (std::uint32_t i = 0; i < plugin.model_count; ++i) ids.insert(plugin.models[i].id);
+  const std::set<std::string> noted(note.models.begin(), note.models.end());
+  if (plugin.id != note.plugin || ids != noted)
+    refuse(file, "its note (plugin '" + note.plugin + "', " + std::to_string(noted.size()) +
+                     " models) and its tables (plugin '" + plugin.id + "', " +
+                     std::to_string(ids.size()) + " models) name different ids; rebuild it");
+}
+
+}  // namespace
+
+const suture_plugin& load_plugin(const std::filesystem::path& file, const PluginNote& note) {
+  if (!note.problem.empty()) refuse(file, note.problem);
+  boost::dll::shared_library library;
+  std::error_code code;
+  library.load(std::filesystem::absolute(file), mode(), code);
+  if (code || !library.is_loaded()) {
+    // Boost's own message would be a misleading "Bad file descriptor".
+    const char* text = dlerror();
+    const std::string said = text != nullptr ? text : code.message();
+    refuse(file,
+           "it cannot be loaded; the loader says: " + said + ". Hint: " + std::string(hint(said)));
+  }
+  if (!library.has(SUTURE_PLUGIN_SYMBOL))
+    refuse(file, std::string("it exports no function ") + SUTURE_PLUGIN_SYMBOL +
+                     "; export one table per plugin (SUTURE_PLUGIN of the C++ layer does)");
+  const auto function = library.get<const suture_plugin*()>(SUTURE_PLUGIN_SYMBOL);
+  const suture_plugin* plugin = call(function, file);
+  if (plugin == nullptr) refuse(file, std::string(SUTURE_PLUGIN_SYMBOL) + " returned NULL");
+
+  const auto problems = table_problems(*plugin);
+  if (!problems.empty()) {
+    std::string all = "its tables cannot be used:";
+    for (const auto& problem : problems) all += "\n  " + problem;
+    refuse(file, all);
+  }
+  check_against_note(file, note, *plugin);
+  return *plugin;
+}
+
+}  // namespace suture

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One change to a good table at a time, and the one sentence that it must give.
+#include "kernel/plugin_host/table_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <ostream>
+
+namespace suture {
+namespace {
+
+/// A plugin with two models that uses every kind of entry.
+struct Tables {
+  static suture_status force(const suture_context*, const suture_batch*) { return SUTURE_OK; }
+  static suture_status sum(const suture_context*, const suture_batch*, double*) {
+    return SUTURE_OK;
+  }
+  static suture_status prepare(const suture_context*, void*) { return SUTURE_OK; }
+
+  const char* choices[2] = {"clamp", "keep"};
+  suture_parameter parameters[2] = {
+      {sizeof(suture_parameter), SUTURE_NUMBER, SUTURE_MINIMUM_EXCLUDED, 0, "E", "Pa",
+       "Young's modulus.", 1e5, 0, std::numeric_limits<double>::infinity(), nullptr},
+      {sizeof(suture_parameter), SUTURE_CHOICE, 0, 2, "mode", "1", "What to do.", 1, 0, 0,
+       choices}};
+  suture_attribute attributes[3] = {{sizeof(suture_attribute), 0, 1, SUTURE_FROM_VOLUMES,
+                                     SUTURE_SHARED_MASS, 0, "mass", "kg", "Lumped.", 0, sum},
+                                    {sizeof(suture_attribute), 1, 1, SUTURE_FROM_VOLUMES,
+                                     SUTURE_OUTPUT, 0, "k", "N/m", "Stiffness.", 0, sum},
+                                    {sizeof(suture_attribute), 0, 3, SUTURE_COPY, SUTURE_TRIAL, 0,
+                                     "pull", "N", "A load.", 0, nullptr}};
+  std::uint32_t cell_columns[1] = {1};
+  std::uint32_t vertex_columns[2] = {2, UINT32_MAX};
+  suture_functor functors[1] = {{sizeof(suture_functor), 1, SUTURE_EDGE, 0, 0, 8, 0,
+                                 SUTURE_READ_POSITION, 1, 2, cell_columns, vertex_columns, "edges",
+                                 "Springs.", force, nullptr, nullptr}};
+  suture_model models[2] = {{sizeof(suture_model), 0, "mass-springs", "Springs.", "f = k u", "none",
+                             2, 3, 1, 0, parameters, attributes, functors, prepare, 64, nullptr},
+                            {sizeof(suture_model), 0, "other", "Springs.", "f = k u", "none", 2, 3,
+                             1, 0, parameters, attributes, functors, nullptr, 0, nullptr}};
+  const char* extensions[1] = {SUTURE_ENERGY_1};
+  suture_plugin plugin{sizeof(suture_plugin),
+                       SUTURE_MAGIC,
+                       SUTURE_ABI_MAJOR,
+                       SUTURE_ABI_MINOR,
+                       8,
+                       1,
+                       "springs",
+                       "1.0",
+                       "MIT",
+                       "Springs.",
+                       models,
+                       1,
+                       0,
+                       extensions};
+};
+
+std::string joined(const std::vector<std::string>& lines) {
+  return std::accumulate(lines.begin(), lines.end(), std::string(),
+                         [](const std::string& all, const std::string& line) {
+                           return all + (all.empty() ? "" : "\n") + line;
+                         });
+}
+
+std::string problems_with(const std::function<void(Tables&)>& change) {
+  Tables tables;
+  change(tables);
+  return joined(table_problems(tables.plugin));
+}
+
+TEST(TableCheck, AGoodTableHasNoProblem) {
+  EXPECT_EQ(problems_with([](Tables&) {}), "");
+  EXPECT_EQ(problems_with([](Tables& t) { t.plugin.model_count = 2; }), "");
+}
+
+struct Case {
+  const char* name;
+  std::function<void(Tables&)> change;
+  const char* expected;
+};
+
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+class TableCheckCase : public ::testing::TestWithParam<Case> {};
+
+TEST_P(TableCheckCase, NamesModelEntryAndFault) {
+  EXPECT_EQ(problems_with(GetParam().change), GetParam().expected);
+}
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+#define MODEL "model 'mass-springs'"
+const Case plugin_cases[] = {
+    {"Size", [](Tables& t) { t.plugin.size = 8; },
+     "its member size is 8, expected 80 (first member of every struct: sizeof)"},
+    {"Magic", [](Tables& t) { t.plugin.magic = 1; }, "its magic number is wrong"},
+    {"Major", [](Tables& t) { t.plugin.abi_major = 2; }, "its table says ABI 2.0"},
+    {"Id", [](Tables& t) { t.plugin.id = "My Plugin"; },
+     "its id is 'My Plugin'; expected lower-case letters, digits and '-', a letter first"},
+    {"NullVersion", [](Tables& t) { t.plugin.version = nullptr; }, "version is NULL"},
+    {"NoModels", [](Tables& t) { t.plugin.model_count = 0; }, "has no model"},
+    {"NullModels", [](Tables& t) { t.plugin.models = nullptr; },
+     "models is NULL, but its count is 1"},
+    {"TwoModels",
+     [](Tables& t) {
+       t.plugin.model_count = 2;
+       t.models[1].id = "mass-springs";
+     },
+     MODEL ": the id occurs twice"},
+    {"Extension", [](Tables& t) { t.extensions[0] = "suture.energi/1"; },
+     "requires the host's extension 'suture.energi/1', which this Suture does not have (did you "
+     "mean 'suture.energy/1'?); use a newer Suture"},
+    {"ModelSize", [](Tables& t) { t.models[0].size += 8; },
+     MODEL ": its member size is 112, expected 104 (first member of every struct: sizeof)"},
+    {"ModelId", [](Tables& t) { t.models[0].id = nullptr; },
+     "model 0: its id is NULL; expected lower-case letters, digits and '-', a letter first"},
+    {"NullFormula", [](Tables& t) { t.models[0].formula = nullptr; }, MODEL ": formula is NULL"},
+    {"ModelFlags", [](Tables& t) { t.models[0].flags = 128; }, MODEL ": flags has unknown bits"},
+    {"InstanceWithoutPrepare", [](Tables& t) { t.models[0].prepare = nullptr; },
+     MODEL ": asks for instance_bytes, but has no function prepare to fill them"},
+    {"NoFunctor", [](Tables& t) { t.models[0].functor_count = 0; }, MODEL ": has no functor"},
+    {"DamagedCount", [](Tables& t) { t.models[0].parameter_count = 0xDEADBEEF; },
+     MODEL ": the count of parameters is 3735928559, at most 4096"},
+};
+
+const Case parameter_cases[] = {
+    {"Twice", [](Tables& t) { t.parameters[1].name = "E"; },
+     MODEL ", parameter 'E': the name occurs twice"},
+    {"NullName", [](Tables& t) { t.parameters[0].name = nullptr; },
+     MODEL ", parameter 0: its name is not a letter followed by letters, digits and '_'"},
+    {"NullUnit", [](Tables& t) { t.parameters[0].unit = nullptr; },
+     MODEL ", parameter 'E': unit is NULL"},
+    {"Type", [](Tables& t) { t.parameters[0].type = 9; },
+     MODEL ", parameter 'E': type is 9, the last known value is 3"},
+    {"EmptyRange", [](Tables& t) { t.parameters[0].maximum = -1; },
+     MODEL ", parameter 'E': its range from 0 to -1 is empty\n" MODEL
+           ", parameter 'E': its default 100000 is outside its range from 0 to -1"},
+    {"RangeOfNan",
+     [](Tables& t) {
+       t.parameters[0].minimum = nan;
+       t.parameters[0].flags = SUTURE_REQUIRED;
+     },
+     MODEL ", parameter 'E': its range from nan to inf is empty"},
+    {"DefaultExcluded", [](Tables& t) { t.parameters[0].default_value = 0; },
+     MODEL ", parameter 'E': its default 0 is outside its range from 0 to inf"},
+    {"DefaultNan", [](Tables& t) { t.parameters[0].default_value = nan; },
+     MODEL ", parameter 'E': its default nan is outside its range from 0 to inf"},
+    {"Integer",
+     [](Tables& t) {
+       t.parameters[0].type = SUTURE_INTEGER;
+       t.parameters[0].default_value = 1.5;
+     },
+     MODEL ", parameter 'E': its default 1.5 is no integer"},
+    {"Boolean",
+     [](Tables& t) {
+       t.parameters[0].type = SUTURE_BOOLEAN;
+       t.parameters[0].default_value = 2;
+     },
+     MODEL ", parameter 'E': its default 2 is neither 0 nor 1"},
+    {"ChoiceTwice", [](Tables& t) { t.choices[1] = "clamp"; },
+     MODEL ", parameter 'mode', choice 'clamp': the choice occurs twice"},
+    {"ChoiceNull", [](Tables& t) { t.choices[0] = nullptr; },
+     MODEL ", parameter 'mode': choice 0 is empty or NULL"},
+    {"ChoiceDefault", [](Tables& t) { t.parameters[1].default_value = 2; },
+     MODEL ", parameter 'mode': its default 2 is no index into its choices"},
+    {"ChoicesOfNumber", [](Tables& t) { t.parameters[1].type = SUTURE_BOOLEAN; },
+     MODEL ", parameter 'mode': has choices, but is not of type SUTURE_CHOICE"},
+};
+
+const Case attribute_cases[] = {
+    {"Twice", [](Tables& t) { t.attributes[2].name = "k"; },
+     MODEL ", attribute 'k': the name occurs twice"},
+    {"Dimension", [](Tables& t) { t.attributes[2].dimension = 4; },
+     MODEL ", attribute 'pull': dimension is 4, the last known value is 3\n" MODEL
+           ", functor 'edges': its vertex column 2 is an attribute of dimension 4, expected 0"},
+    {"Components", [](Tables& t) { t.attributes[2].components = 0; },
+     MODEL ", attribute 'pull': has 0 components, expected 1 to 9"},
+    {"Policy", [](Tables& t) { t.attributes[2].policy = 11; },
+     MODEL ", attribute 'pull': policy is 11, the last known value is 3"},
+    {"NoContribution", [](Tables& t) { t.attributes[1].contribution = nullptr; },
+     MODEL ", attribute 'k': has policy SUTURE_FROM_VOLUMES, but its contribution is NULL"},
+    {"ContributionUnused", [](Tables& t) { t.attributes[1].policy = SUTURE_SHARE; },
+     MODEL ", attribute 'k': has a contribution, but not policy SUTURE_FROM_VOLUMES"},
+    {"TrialOfSum", [](Tables& t) { t.attributes[1].flags = SUTURE_TRIAL; },
+     MODEL ", attribute 'k': has a trial copy, but is summed from volumes: it can have one of "
+           "both"},
+    {"MassOnEdges", [](Tables& t) { t.attributes[0].dimension = 1; },
+     MODEL ", attribute 'mass': has SUTURE_SHARED_MASS: expected dimension 0, 1 component and "
+           "policy SUTURE_FROM_VOLUMES"},
+    {"Initial", [](Tables& t) { t.attributes[2].initial = nan; },
+     MODEL ", attribute 'pull': its initial value is not finite"},
+};
+
+const Case functor_cases[] = {
+    {"Force", [](Tables& t) { t.functors[0].force = nullptr; },
+     MODEL ", functor 'edges': its function force is NULL"},
+    {"Lanes", [](Tables& t) { t.functors[0].lanes = 16; },
+     MODEL ", functor 'edges': is written for 16 lanes, this host has 8"},
+    {"Scalar", [](Tables& t) { t.functors[0].scalar = 1; },
+     MODEL ", functor 'edges': scalar is 1, the last known value is 0"},
+    {"Reads", [](Tables& t) { t.functors[0].reads = 64; },
+     MODEL ", functor 'edges': reads has unknown bits"},
+    {"CellType", [](Tables& t) { t.functors[0].cell_type = SUTURE_HEXAHEDRON; },
+     MODEL ", functor 'edges': its cell_type is 0, expected 1 with dimension 1"},
+    {"Shape", [](Tables& t) { t.functors[0].shape = SUTURE_GENERAL; },
+     MODEL ", functor 'edges': names a shape, which only cells of dimension 3 have"},
+    {"Faces", [](Tables& t) { t.functors[0].faces = SUTURE_BOUNDARY_FACES; },
+     MODEL ", functor 'edges': names a set of faces, but its dimension is not 2"},
+    {"ColumnOutOfRange", [](Tables& t) { t.cell_columns[0] = 3; },
+     MODEL ", functor 'edges': its cell column 3 is no attribute: the model has 3"},
+    {"ColumnDimension", [](Tables& t) { t.cell_columns[0] = 2; },
+     MODEL ", functor 'edges': its cell column 2 is an attribute of dimension 0, expected 1"},
+    {"VertexColumnDimension", [](Tables& t) { t.vertex_columns[0] = 1; },
+     MODEL ", functor 'edges': its vertex column 1 is an attribute of dimension 1, expected 0"},
+    {"MassAsColumn", [](Tables& t) { t.vertex_columns[0] = 0; },
+     MODEL ", functor 'edges': its vertex column 0 has SUTURE_SHARED_MASS and so is no column; "
+           "the vertex mass is the vertex column UINT32_MAX"},
+    {"NullColumns", [](Tables& t) { t.functors[0].cell_columns = nullptr; },
+     MODEL ", functor 'edges': cell_columns is NULL, but its count is 1"},
+};
+
+const auto name_of = [](const auto& info) { return std::string(info.param.name); };
+INSTANTIATE_TEST_SUITE_P(Plugin, TableCheckCase, ::testing::ValuesIn(plugin_cases), name_of);
+INSTANTIATE_TEST_SUITE_P(Parameter, TableCheckCase, ::testing::ValuesIn(parameter_cases), name_of);
+INSTANTIATE_TEST_SUITE_P(Attribute, TableCheckCase, ::testing::ValuesIn(attribute_cases), name_of);
+INSTANTIATE_TEST_SUITE_P(Functor, TableCheckCase, ::testing::ValuesIn(functor_cases), name_of);
+
+// A scene's author sees all faults at once.
+TEST(TableCheck, AllFaultsAreReportedTogether) {
+  const auto problems = problems_with([](Tables& t) {
+    t.parameters[0].unit = nullptr;
+    t.attributes[2].policy = 11;
+    t.functors[0].force = nullptr;
+  });
+  EXPECT_EQ(std::count(problems.begin(), problems.end(), '\n'), 2);
+}
+
+}  // namespace
+}  // namespace suture

@@ -10,6 +10,7 @@
 
 #include "kernel/base/types.hpp"
 #include "kernel/mesh/box.hpp"
+#include "kernel/mesh/voxels.hpp"
 #include "kernel/topology/import.hpp"
 #include "suture/plugin.h"
 
@@ -19,17 +20,38 @@ namespace suture {
 /// that can be wrong later (an empty selection) carries the JSON path it came from.
 
 /// Some points or elements. Geometry is tested at rest; an element is selected
-/// if its centroid is. `surface`: only boundary points / boundary faces.
+/// if its centroid is. A load in Pa acts on the boundary faces all four corners
+/// of which are selected.
 struct Selection {
   struct All {};
-  struct Box { Vec3 min, max; };
-  struct Plane { Vec3 point, normal; double tolerance; };  ///< |distance| <= tolerance; see side
-  struct HalfSpace { Vec3 point, normal; };                ///< on the side of the normal
-  struct Sphere { Vec3 centre; double radius; };
-  struct Ids { std::vector<std::uint64_t> ids; };          ///< the file's own numbers
-  struct Named { std::string set; };
-  std::variant<All, Box, Plane, HalfSpace, Sphere, Ids, Named> what = All{};
+  struct Box {
+    Vec3 min, max;
+  };
+  struct Plane {
+    Vec3 point, normal;
+    double tolerance;
+  };  ///< |distance| <= tolerance, m; < 0: default_tolerance
+  struct HalfSpace {
+    Vec3 point, normal;
+  };  ///< on the side of the normal
+  struct Sphere {
+    Vec3 centre;
+    double radius;
+  };
+  struct Nearest {
+    Vec3 point;
+  };  ///< the one point or element nearest to it
+  struct Ids {
+    std::vector<std::uint64_t> ids;
+  };  ///< the file's own numbers
+  struct Named {
+    std::string set;
+  };
+  std::variant<All, Box, Plane, HalfSpace, Sphere, Nearest, Ids, Named> what = All{};
   std::string path;  ///< "/constraints/0/where"
+
+  /// Of a plane without a tolerance, as a part of the diagonal of the mesh's bounding box.
+  static constexpr double default_tolerance = 1e-6;
 };
 
 /// 0 at `from`, 1 at `to`, smooth (3s^2-2s^3) or linear between. from == to: a step.
@@ -41,32 +63,37 @@ struct Ramp {
 
 struct MeshSource {
   std::optional<BoxOptions> box;       ///< or
+  std::optional<VoxelOptions> voxels;  ///< or
   std::filesystem::path file;          ///< absolute
   double scale = 1;
   ImportOptions import;
 };
 
 struct ModelUse {
-  std::string name;                    ///< of the instance; default: the id, id-2, ...
+  std::string name;  ///< of the instance; default: the id, id-2, ...
   const suture_model* model = nullptr;
-  std::vector<double> parameters;      ///< in declared order, defaults filled in
+  std::vector<double> parameters;  ///< in declared order, defaults filled in
   Selection region;
   std::string path;
 };
 
 struct Constraint {
   Selection where;
-  std::uint8_t components = 7;         ///< bits x 1, y 2, z 4
+  std::uint8_t components = 7;  ///< bits x 1, y 2, z 4
   // Prescribed motion: zero for a fixed set. x = c + R(angle) (X - c) + translation.
-  Vec3 translation{};                  ///< m, at the end of the ramp
+  Vec3 translation{};  ///< m, at the end of the ramp
   Vec3 axis{}, centre{};
-  double angle = 0;                    ///< rad, at the end of the ramp
+  double angle = 0;  ///< rad, at the end of the ramp
   Ramp ramp;
   bool moves = false;
 };
 
 struct Load {
-  enum class Kind { force, traction, pressure };  ///< N in total, Pa, Pa (inward, follows the surface)
+  enum class Kind {
+    force,
+    traction,
+    pressure
+  };  ///< N in total, Pa, Pa (inward, follows the surface)
   Kind kind = Kind::force;
   Vec3 value{};
   double pressure = 0;
@@ -74,58 +101,65 @@ struct Load {
   Ramp ramp;
 };
 
-struct CutPlane { Vec3 point, normal; };
-struct CutFaces { std::vector<std::array<std::uint64_t, 2>> element_pairs; };  ///< user ids of both sides
+struct CutPlane {
+  Vec3 point, normal;
+};
+struct CutFaces {
+  std::vector<std::array<std::uint64_t, 2>> element_pairs;
+};  ///< user ids of both sides
 struct Event {
   double at = 0;  ///< s
   std::variant<CutPlane, CutFaces> what;
-  bool rest_shape = false;             ///< "shape": "rest"
+  bool rest_shape = false;  ///< "shape": "rest"
   std::string path;
 };
 
 struct SolverOptions {
   enum class Integrator { symplectic_euler, velocity_verlet };
   Integrator integrator = Integrator::symplectic_euler;
-  std::optional<double> dt;            ///< s; none: "auto"
-  double safety = 0.8;                 ///< of the stable step, for "auto"
-  std::optional<double> end;           ///< s
+  std::optional<double> dt;   ///< s; none: "auto"
+  double safety = 0.8;        ///< of the stable step, for "auto"
+  std::optional<double> end;  ///< s
   bool until_rest = false;
-  double tolerance = 1e-6;             ///< of the residual, for rest
-  std::uint64_t max_steps = 0;         ///< 0: no limit but for rest (10 million)
-  double damping = 0;                  ///< 1/s, mass-proportional: f = -damping m v
-  bool automatic_damping = false;      ///< with until_rest
-  unsigned threads = 0;                ///< 0: as many as pay
+  double tolerance = 1e-6;         ///< of the residual, for rest
+  std::uint64_t max_steps = 0;     ///< 0: no limit but for rest (10 million)
+  double damping = 0;              ///< 1/s, mass-proportional: f = -damping m v
+  bool automatic_damping = false;  ///< with until_rest
+  unsigned threads = 0;            ///< 0: as many as pay
   enum class OnInversion { by_model, stop, warn };
   OnInversion on_inversion = OnInversion::by_model;
 };
 
-struct Probe { std::string name; Selection where; };
+struct Probe {
+  std::string name;
+  Selection where;
+};
 
 struct OutputOptions {
   bool enabled = true;
-  std::filesystem::path directory;     ///< absolute; default: scene name beside the working folder
-  double every = 0;                    ///< s between frames; 0: first and last only
-  std::uint64_t every_steps = 0;       ///< instead of seconds
-  std::vector<std::string> fields;     ///< "displacement", ...
+  std::filesystem::path directory;  ///< absolute; default: scene name beside the working folder
+  double every = 0;                 ///< s between frames; 0: first and last only
+  std::uint64_t every_steps = 0;    ///< instead of seconds
+  std::vector<std::string> fields;  ///< "displacement", ...
   enum class Compression { none, lz4, zlib };
   Compression compression = Compression::lz4;
-  std::uint64_t energies_every = 0;    ///< steps; 0: no energies.csv
+  std::uint64_t energies_every = 0;  ///< steps; 0: no energies.csv
   std::uint64_t probes_every = 0;
   std::vector<Probe> probes;
-  bool springs = false;                ///< springs_NNNN.vtu with strain
+  bool springs = false;  ///< springs_NNNN.vtu with strain
 };
 
 struct Scene {
   std::string title;
   std::filesystem::path file;
-  std::string hash;                    ///< of the text after --set, for provenance
+  std::string hash;  ///< of the text after --set, for provenance
   MeshSource mesh;
   std::vector<ModelUse> models;
-  Vec3 gravity{};                      ///< m/s^2
+  Vec3 gravity{};  ///< m/s^2
   Ramp gravity_ramp;
   std::vector<Constraint> constraints;
   std::vector<Load> loads;
-  std::vector<Event> events;           ///< by time
+  std::vector<Event> events;  ///< by time
   SolverOptions solver;
   OutputOptions output;
 };

@@ -45,22 +45,47 @@ class TokenFollower {
 
   /// Start of the token whose event has just come; moves behind the token.
   JsonPosition next() {
-    skip_separators();
-    const std::size_t start = end_;
-    if (start >= text_.size()) return lines_.at(start);
-    if (text_[start] == '"') {
-      skip_string();
-    } else if (std::string_view("{}[]").find(text_[start]) != std::string_view::npos) {
+    skip_blanks();
+    while (is_one_of(",:", end_)) {
       ++end_;
-    } else {
-      while (end_ < text_.size() && is_word(text_[end_])) ++end_;
+      skip_blanks();
     }
+    const std::size_t start = end_;
+    skip_token();
     return lines_.at(start);
   }
 
+  /// Start of the token in which the parser gave up after `read` bytes, none of
+  /// whose events has come.
+  std::size_t fault(std::size_t read) {
+    std::size_t start = std::min(end_, read == 0 ? 0 : read - 1);
+    for (skip_blanks(); end_ < read; skip_blanks()) {
+      start = end_;
+      skip_token();
+    }
+    return start;
+  }
+
  private:
-  static bool is_word(char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '+' || c == '-' || c == '.';
+  bool is_one_of(std::string_view characters, std::size_t at) const {
+    return at < text_.size() && characters.find(text_[at]) != std::string_view::npos;
+  }
+  bool is_letter(std::size_t at) const {
+    return at < text_.size() && std::isalpha(static_cast<unsigned char>(text_[at])) != 0;
+  }
+  void skip_token() {
+    if (text_.substr(end_, 2) == "/*") {
+      end_ = text_.size();
+    } else if (is_one_of("\"", end_)) {
+      skip_string();
+    } else if (is_one_of("-0123456789", end_)) {
+      while (is_one_of("+-.eE0123456789", end_)) ++end_;
+    } else if (is_letter(end_)) {
+      while (is_letter(end_)) ++end_;
+    } else {
+      ++end_;
+    }
+    end_ = std::min(end_, text_.size());
   }
   void skip_string() {
     for (++end_; end_ < text_.size() && text_[end_] != '"'; ++end_) {
@@ -68,15 +93,17 @@ class TokenFollower {
     }
     ++end_;
   }
-  void skip_separators() {
+  // Blanks and comments; a comment that does not end is a fault, not a blank.
+  void skip_blanks() {
     while (end_ < text_.size()) {
-      if (std::string_view(" \t\r\n,:").find(text_[end_]) != std::string_view::npos) {
+      if (is_one_of(" \t\r\n", end_)) {
         ++end_;
       } else if (text_.substr(end_, 2) == "//") {
         end_ = std::min(text_.find('\n', end_), text_.size());
       } else if (text_.substr(end_, 2) == "/*") {
         const std::size_t close = text_.find("*/", end_ + 2);
-        end_ = close == std::string_view::npos ? text_.size() : close + 2;
+        if (close == std::string_view::npos) return;
+        end_ = close + 2;
       } else {
         return;
       }
@@ -88,25 +115,19 @@ class TokenFollower {
   std::size_t end_ = 0;
 };
 
-// What to do about the usual slips, by what nlohmann says and what it found.
+// What to do about the usual slips, by what nlohmann says and the token it found.
 std::string hint(const std::string& reason, std::string_view token) {
-  const auto says = [&](const char* words) { return reason.find(words) != std::string::npos; };
-  if (token.ends_with('\'')) return "; strings stand in double quotes";
-  if (token.ends_with('#')) return "; comments start with // or stand between /* and */";
-  if (token == "N" || token == "I" || token == "-I" || token == "n") {
+  const auto says = [&](std::string_view words) { return reason.find(words) != std::string::npos; };
+  const auto starts = [&](std::string_view words) { return token.starts_with(words); };
+  if (says("unexpected end of input")) return "; a bracket or brace opened earlier is not closed";
+  if (says("number overflow")) return "; the largest number is about 1.8e308";
+  if (starts("'")) return "; strings stand in double quotes";
+  if (starts("#")) return "; comments start with // or stand between /* and */";
+  if (starts("N") || starts("I") || starts("-I") || starts("nan") || starts("inf")) {
     return "; JSON knows no NaN and no infinity";
   }
-  if (says("number overflow")) return "; the largest number is about 1.8e308";
-  if ((token == "}" || token == "]") &&
-      (says("expected string literal") || says("parsing value"))) {
-    return "; is the comma before it one too many?";
-  }
-  if (says("unexpected string literal; expected '}'") ||
-      says("unexpected string literal; expected ']'") || says("unexpected '{'; expected ']'") ||
-      says("unexpected number literal; expected ']'") || says("unexpected '['; expected ']'")) {
-    return "; is a comma missing before it?";
-  }
-  if (says("unexpected end of input")) return "; a bracket or brace opened earlier is not closed";
+  if (starts("}") || starts("]")) return "; is the comma before it one too many?";
+  if (says("expected '}'") || says("expected ']'")) return "; is a comma missing before it?";
   return "";
 }
 
@@ -171,9 +192,9 @@ class TreeBuilder final : public nlohmann::json_sax<Json> {
     open_.back()->members.push_back({std::move(name), tokens_.next(), {}});
     return true;
   }
-  bool parse_error(std::size_t read, const std::string& token,
+  bool parse_error(std::size_t read, const std::string&,
                    const nlohmann::detail::exception& error) override {
-    fail(std::min(read, text_.size()), token, reason_of(error.what()));
+    fail(std::min(read, text_.size()), reason_of(error.what()));
   }
 
  private:
@@ -208,16 +229,16 @@ class TreeBuilder final : public nlohmann::json_sax<Json> {
     return name_ + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": ";
   }
   /// `read`: bytes consumed, the token at fault included.
-  [[noreturn]] void fail(std::size_t read, const std::string& token,
-                         const std::string& reason) const {
-    std::size_t start = read;
-    if (text_.substr(0, read).ends_with(token)) start -= token.size();
-    if (token.empty() || reason.find("end of input") != std::string::npos) start = text_.size();
-    const JsonPosition at = LineCounter(text_).at(start);
+  [[noreturn]] void fail(std::size_t read, const std::string& reason) {
+    const bool at_end = reason.find("end of input") != std::string::npos;
+    const std::size_t start = at_end && reason.find("expected end") == std::string::npos
+                                  ? text_.size()
+                                  : tokens_.fault(read);
     const std::size_t line_start = start == 0 ? 0 : text_.rfind('\n', start - 1) + 1;
-    const std::string_view line =
-        text_.substr(line_start, std::min<std::size_t>(text_.find('\n', start) - line_start, 100));
-    throw InputError(prefix(at) + reason + hint(reason, token) + "\n    " + std::string(line));
+    const std::string_view line = text_.substr(line_start, text_.find('\n', start) - line_start);
+    throw InputError(prefix(LineCounter(text_).at(start)) + reason +
+                     hint(reason, text_.substr(start, 20)) + "\n    " +
+                     std::string(line.substr(0, 100)));
   }
 
   std::string_view text_;

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/base/parallel.hpp"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <thread>
+
+// ThreadSanitizer does not see the hand-over inside libtbb (Debian's is not
+// instrumented): it would report every write before a loop against the reads in
+// it. These say what TBB guarantees, and no more: what was written before the
+// loop is seen by each body, what a body wrote is seen after the loop. Two
+// bodies stay unordered, so a race between them is reported.
+#ifdef __SANITIZE_THREAD__
+extern "C" void __tsan_acquire(void* address);
+extern "C" void __tsan_release(void* address);
+#else
+static inline void __tsan_acquire(void*) {}
+static inline void __tsan_release(void*) {}
+#endif
+
+namespace suture {
+
+struct Workers::Arena {
+  explicit Arena(unsigned threads) : tbb(static_cast<int>(threads)) {}
+  tbb::task_arena tbb;
+};
+
+Workers::Workers(unsigned threads)
+    : threads_(threads != 0 ? threads : std::max(1u, std::thread::hardware_concurrency())) {
+  if (threads_ > 1) arena_ = std::make_unique<Arena>(threads_);
+}
+
+Workers::~Workers() = default;
+
+void Workers::run(std::size_t count, void* context, Call call) const {
+  if (!arena_ || count < 2) {
+    for (std::size_t i = 0; i < count; ++i) call(context, i);
+    return;
+  }
+  char fork = 0;
+  char join = 0;
+  arena_->tbb.execute([&] {
+    __tsan_release(&fork);
+    tbb::parallel_for(
+        std::size_t{0}, count,
+        [&](std::size_t i) {
+          __tsan_acquire(&fork);
+          call(context, i);
+          __tsan_release(&join);
+        },
+        tbb::simple_partitioner{});
+    __tsan_acquire(&join);
+  });
+}
+
+}  // namespace suture

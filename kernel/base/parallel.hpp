@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <type_traits>
+
+namespace suture {
+
+/// The threads of one run: the only place that knows TBB. With one thread
+/// nothing is started and every call is a plain loop.
+class Workers {
+ public:
+  /// At most `threads` threads at once, the calling one included; 0: one per core.
+  explicit Workers(unsigned threads);
+  ~Workers();
+  Workers(const Workers&) = delete;
+  Workers& operator=(const Workers&) = delete;
+
+  unsigned threads() const { return threads_; }
+
+  /// body(i) for each i in 0 .. count-1, in any order and on any thread; returns
+  /// when all are done. `body` must not throw. Costs some microseconds: make i a
+  /// chunk of work, and let nothing that is written depend on who does it.
+  template <class Body>
+  void parallel_for(std::size_t count, Body&& body) const {
+    auto* context = const_cast<void*>(static_cast<const void*>(&body));  // NOLINT: type erasure
+    run(count, context, [](void* erased, std::size_t i) {
+      (*static_cast<std::remove_reference_t<Body>*>(erased))(i);
+    });
+  }
+
+ private:
+  using Call = void (*)(void* context, std::size_t i);
+  void run(std::size_t count, void* context, Call call) const;
+
+  struct Arena;
+  unsigned threads_;
+  std::unique_ptr<Arena> arena_;
+};
+
+}  // namespace suture

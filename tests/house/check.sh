@@ -1,0 +1,137 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Laws of the repository that no compiler knows. usage: check.sh CHECK [ROOT]
+# Prints each offence as file:line: text; exit code 1 if there is one, 77 if the
+# check cannot be made here.
+set -uo pipefail
+check=${1:?usage: check.sh CHECK [ROOT]}
+cd "${2:-$(dirname "$(readlink -f "$0")")/../..}" || exit 2
+
+# Tracked files, or all files of an unpacked archive; filtered by ending.
+files() {
+  if git rev-parse --is-inside-work-tree >/dev/null 2>&1; then
+    git ls-files --cached --others --exclude-standard
+  else
+    find . -type f -not -path './build/*' -not -path './.git/*' | sed 's|^\./||'
+  fi | { if [ $# -gt 0 ]; then grep -E "$1"; else cat; fi } | while read -r f; do
+    [ -f "$f" ] && echo "$f"
+  done
+}
+sources='\.(h|hpp|c|cpp)$'
+text='\.(h|hpp|c|cpp|in|cmake|md|json|sh|py|txt|supp)$|^dev$|^\.(ci|clang)'
+
+# offences PATTERN EXPLANATION FILTER [EXCLUDED PATH]: files that match must not be.
+offences() {
+  local found
+  found=$(files "$3" | grep -vE "${4:-^$}" | xargs -r -d '\n' grep -nHE -- "$1" /dev/null)
+  [ -z "$found" ] || { echo "$found"; echo "$2"; return 1; }
+}
+
+# Absolute paths of somebody's machine, and addresses of a private mirror.
+machine_paths() {
+  offences '(^|[^A-Za-z0-9_.}$)-])/(work|root|home|Users|tmp/wt)/[A-Za-z]' \
+    'paths of one machine: use relative ones' "$text"
+}
+
+unfinished() {
+  offences 'TO''DO|FIX''ME|X''XX|GTEST_''SKIP|place''holder' \
+    'unfinished work does not land' "$text"
+}
+
+# "A <- B": B may include A, never the reverse (docs/overview.md).
+include_direction() {
+  local bad=0
+  offences '#include [<"](kernel|apps|plugins|tests)/' \
+    'the SDK and the plugins know nothing of the kernel' '^(sdk|plugins)/.*'"$sources" || bad=1
+  offences '#include [<"](apps|plugins|tests)/' \
+    'the kernel knows neither the program nor the plugins' '^kernel/.*'"$sources" || bad=1
+  # Stages in the order of the flow: each may include itself and earlier ones.
+  local stages=(base mesh topology attributes dynamics solvers plugin_host scene events output run)
+  local i later
+  for i in "${!stages[@]}"; do
+    later=$(IFS='|'; echo "${stages[*]:i+1}")
+    [ -n "$later" ] || continue
+    offences "#include \"kernel/($later)/" "kernel/${stages[i]} includes a later stage" \
+      "^kernel/${stages[i]}/.*$sources" || bad=1
+  done
+  # Leaves, so that their heavy or delicate dependencies stay alone.
+  for leaf in output plugin_host; do
+    offences "#include \"kernel/(topology|attributes|dynamics|solvers|scene|events)/" \
+      "kernel/$leaf may include base and mesh only" "^kernel/$leaf/.*$sources" || bad=1
+  done
+  return $bad
+}
+
+# spdx_of FILTER LICENCE: the first three lines say it.
+spdx_of() {
+  local bad=0 file
+  while read -r file; do
+    head -n 3 "$file" | grep -q "SPDX-License-Identifier: $2\$" ||
+      { echo "$file:1: wants 'SPDX-License-Identifier: $2' on top"; bad=1; }
+  done < <(files "$1")
+  return $bad
+}
+licences() {
+  local bad=0
+  spdx_of '^(kernel|apps|tests)/.*\.(h|hpp|c|cpp|sh|py)$' GPL-3.0-or-later || bad=1
+  spdx_of '^(sdk|plugins)/.*\.(h|hpp|c|cpp)$' MIT || bad=1
+  return $bad
+}
+
+# A file that is longer holds two things.
+sizes() {
+  local bad=0 file lines limit
+  while read -r file; do
+    lines=$(wc -l <"$file")
+    case $file in
+      CMakeLists.txt) limit=120 ;;
+      */CMakeLists.txt) limit=60 ;;
+      tests/*) limit=700 ;;
+      *) limit=600 ;;
+    esac
+    [ "$lines" -le "$limit" ] || { echo "$file: $lines lines, at most $limit"; bad=1; }
+  done < <(files "$sources|CMakeLists.txt$")
+  return $bad
+}
+
+# No large or binary file by accident.
+weight() {
+  local bad=0 file size
+  while read -r file; do
+    size=$(stat -c %s "$file")
+    [ "$size" -le 1000000 ] || { echo "$file: $size bytes, at most 1000000"; bad=1; }
+  done < <(files)
+  return $bad
+}
+
+# Each relative link of the documentation leads to a file.
+links() {
+  local bad=0 file target
+  while IFS=: read -r file target; do
+    target=${target#](}
+    target=${target%)}
+    target=${target%%#*}
+    case $target in http* | mailto* | "") continue ;; esac
+    [ -e "$(dirname "$file")/$target" ] || { echo "$file: broken link to $target"; bad=1; }
+  done < <(files '\.md$' | xargs -r -d '\n' grep -oHE '\]\([^) ]+\)')
+  return $bad
+}
+
+format() {
+  command -v clang-format >/dev/null || { echo "no clang-format here"; exit 77; }
+  files "$sources" | xargs -r -d '\n' clang-format --dry-run -Werror
+}
+
+# The only top-level entries that the design knows.
+top_level() {
+  local unknown
+  unknown=$(files | cut -d/ -f1 | sort -u | grep -vxE \
+    'CMakeLists.txt|CMakePresets.json|LICENSE|README.md|dev|kernel|plugins|sdk|apps|tests|docs|\..*')
+  [ -z "$unknown" ] || { echo "$unknown"; echo 'belongs in one of kernel plugins sdk apps tests docs'; return 1; }
+}
+
+case $check in
+  machine_paths | unfinished | include_direction | licences | sizes | weight | links | format | top_level)
+    "$check" && echo "$check: good" ;;
+  *) echo "check.sh: no check '$check'"; exit 2 ;;
+esac

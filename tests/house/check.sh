@@ -59,6 +59,9 @@ include_direction() {
     offences "#include \"kernel/(topology|attributes|dynamics|solvers|scene|events)/" \
       "kernel/$leaf may include base and mesh only" "^kernel/$leaf/.*$sources" || bad=1
   done
+  # Threads in one place, so that ThreadSanitizer sees what TBB orders.
+  offences '#include <(tbb|oneapi/tbb)/' 'threads are kernel/base/parallel.hpp' "$sources" \
+    '^kernel/base/parallel.cpp$' || bad=1
   return $bad
 }
 

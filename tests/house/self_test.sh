@@ -25,7 +25,7 @@ must_report() {
   "$check" "$1" "$tree" >/dev/null || { echo "$1 refuses a clean tree"; failures=1; }
   mkdir -p "$(dirname "$tree/$2")"
   printf '%s\n' "$3" >>"$tree/$2"
-  if "$check" "$1" "$tree" >/dev/null; then
+  if "$check" "$1" "$tree" >/dev/null 2>&1; then
     echo "$1 does not report '$3' in $2"
     failures=1
   fi
@@ -40,6 +40,7 @@ must_report include_direction plugins/a.cpp '#include "kernel/mesh/mesh.hpp"'
 must_report include_direction kernel/mesh/a.hpp '#include "kernel/topology/b.hpp"'
 must_report include_direction kernel/output/a.hpp '#include "kernel/scene/scene.hpp"'
 must_report include_direction kernel/run/a.hpp '#include "apps/suture/cli.hpp"'
+must_report include_direction kernel/run/a.cpp '#include <tbb/parallel_for.h>'
 must_report licences kernel/base/c.hpp '#pragma once'
 must_report licences plugins/c.cpp '// SPDX-License-Identifier: GPL-3.0-or-later'
 must_report sizes kernel/mesh/a.hpp "$(seq 700)"

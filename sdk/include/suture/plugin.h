@@ -34,16 +34,15 @@
 extern "C" {
 #endif
 
-#define SUTURE_ABI_MAJOR 1u /* must be equal in plugin and host */
-#define SUTURE_ABI_MINOR 0u /* plugin's minor must not exceed the host's */
-#define SUTURE_LANES 8u     /* cells in a batch */
-#define SUTURE_ALIGNMENT 64u /* of every array in a batch, in bytes */
+#define SUTURE_ABI_MAJOR 1u      /* must be equal in plugin and host */
+#define SUTURE_ABI_MINOR 0u      /* plugin's minor must not exceed the host's */
+#define SUTURE_LANES 8u          /* cells in a batch */
+#define SUTURE_ALIGNMENT 64u     /* of every array in a batch, in bytes */
 #define SUTURE_MAGIC 0x31565453u /* "STV1" as a little-endian word */
 
 /* True if the struct that `pointer` shows was compiled with `member`. */
-#define SUTURE_HAS(pointer, member)                                            \
-  ((pointer)->size >=                                                          \
-   offsetof(__typeof__(*(pointer)), member) + sizeof((pointer)->member))
+#define SUTURE_HAS(pointer, member) \
+  ((pointer)->size >= offsetof(__typeof__(*(pointer)), member) + sizeof((pointer)->member))
 
 /* ---------------------------------------------------------------- status -- */
 
@@ -77,7 +76,7 @@ enum suture_parameter_type {
 };
 
 enum suture_parameter_flag {
-  SUTURE_REQUIRED = 1u << 0,        /* no default: the scene must give it */
+  SUTURE_REQUIRED = 1u << 0,         /* no default: the scene must give it */
   SUTURE_MINIMUM_EXCLUDED = 1u << 1, /* value > minimum, not >= */
   SUTURE_MAXIMUM_EXCLUDED = 1u << 2
 };
@@ -108,12 +107,7 @@ typedef struct suture_parameter {
  * FROM_VOLUMES each part summed again over summed again             dropped
  *             its incident 3-cells by the
  *             contribution function       */
-enum suture_policy {
-  SUTURE_COPY = 0,
-  SUTURE_ZERO = 1,
-  SUTURE_SHARE = 2,
-  SUTURE_FROM_VOLUMES = 3
-};
+enum suture_policy { SUTURE_COPY = 0, SUTURE_ZERO = 1, SUTURE_SHARE = 2, SUTURE_FROM_VOLUMES = 3 };
 
 enum suture_attribute_flag {
   SUTURE_OUTPUT = 1u << 0,     /* may be named among the fields of a frame */
@@ -135,9 +129,8 @@ struct suture_batch;
  * suture_hexahedron_faces) or the cell itself (dimension 3, k = 0).
  * The batch holds rest positions, cell ids and nothing else.
  * [worker] at the start and after each operation, for the cells it touched. */
-typedef suture_status (*suture_contribution_fn)(
-    const struct suture_context* context, const struct suture_batch* batch,
-    double* out);
+typedef suture_status (*suture_contribution_fn)(const struct suture_context* context,
+                                                const struct suture_batch* batch, double* out);
 
 /* One attribute: a column of doubles on the cells of one dimension, owned by
  * the host, one per instance of the model. */
@@ -151,7 +144,7 @@ typedef struct suture_attribute {
   const char* name;
   const char* unit;
   const char* doc;
-  double initial; /* of every component, where no contribution gives it */
+  double initial;                      /* of every component, where no contribution gives it */
   suture_contribution_fn contribution; /* with FROM_VOLUMES, else NULL */
 } suture_attribute;
 
@@ -159,15 +152,13 @@ typedef struct suture_attribute {
  * 8..11 along z; within a direction the other two indices count as binary
  * digits, the lower axis first. */
 static const uint8_t suture_hexahedron_edges[12][2] = {
-    {0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3},
-    {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
+    {0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
 
 /* Vertices of the 6 faces, in the order of dart[6][4]: x=0, y=0, x=1, y=1,
  * z=0, z=1, each seen from inside the element counter-clockwise (its normal by
  * the right-hand rule points inward). */
-static const uint8_t suture_hexahedron_faces[6][4] = {
-    {2, 6, 4, 0}, {0, 4, 5, 1}, {1, 5, 7, 3},
-    {3, 7, 6, 2}, {2, 0, 1, 3}, {6, 7, 5, 4}};
+static const uint8_t suture_hexahedron_faces[6][4] = {{2, 6, 4, 0}, {0, 4, 5, 1}, {1, 5, 7, 3},
+                                                      {3, 7, 6, 2}, {2, 0, 1, 3}, {6, 7, 5, 4}};
 
 /* ---------------------------------------------------------------- batches -- */
 
@@ -179,19 +170,19 @@ static const uint8_t suture_hexahedron_faces[6][4] = {
  * nothing outlives the call. */
 typedef struct suture_batch {
   uint32_t size;
-  uint32_t lanes; /* SUTURE_LANES */
-  uint32_t valid; /* 1..lanes */
-  uint32_t nodes; /* per cell: 8 hexahedron, 4 face, 2 edge */
-  double time;    /* s, of the positions */
-  double dt;      /* s, of the step in progress; 0 outside a step */
+  uint32_t lanes;         /* SUTURE_LANES */
+  uint32_t valid;         /* 1..lanes */
+  uint32_t nodes;         /* per cell: 8 hexahedron, 4 face, 2 edge */
+  double time;            /* s, of the positions */
+  double dt;              /* s, of the step in progress; 0 outside a step */
   const double* rest;     /* nodes x 3 x lanes, m */
   const double* position; /* nodes x 3 x lanes, m */
   const double* velocity; /* nodes x 3 x lanes, m/s */
   /* one pointer per declared column, in declared order */
   const double* const* cell_columns;   /* components x lanes each */
   const double* const* vertex_columns; /* nodes x components x lanes each */
-  const uint32_t* cell_ids; /* lanes ids as users see them, for messages */
-  double* force; /* out: nodes x 3 x lanes, N; the host adds it to the nodes */
+  const uint32_t* cell_ids;            /* lanes ids as users see them, for messages */
+  double* force;                /* out: nodes x 3 x lanes, N; the host adds it to the nodes */
   double* const* trial_columns; /* out: trial copies of cell_columns, or NULL
                                    where the column has none */
 } suture_batch;
@@ -207,8 +198,8 @@ typedef struct suture_host {
    * cells and the first of them; an ERROR refuses the scene. `key` is a short
    * stable word ("negative-stiffness"), `text` one sentence with the remedy.
    * Allowed in prepare and suture_inspect_1 only. Any thread. */
-  void (*report)(const struct suture_context* context, int32_t severity,
-                 uint32_t cell, const char* key, const char* text);
+  void (*report)(const struct suture_context* context, int32_t severity, uint32_t cell,
+                 const char* key, const char* text);
   /* True if the host understands the extension. Any thread. */
   int32_t (*has_extension)(const char* id);
 } suture_host;
@@ -227,9 +218,9 @@ typedef struct suture_context {
 /* --------------------------------------------------------------- functors -- */
 
 enum suture_read { /* what the host gathers for a functor */
-  SUTURE_READ_REST = 1u << 0,
-  SUTURE_READ_POSITION = 1u << 1,
-  SUTURE_READ_VELOCITY = 1u << 2
+                   SUTURE_READ_REST = 1u << 0,
+                   SUTURE_READ_POSITION = 1u << 1,
+                   SUTURE_READ_VELOCITY = 1u << 2
 };
 
 enum suture_cell_type { SUTURE_HEXAHEDRON = 0, SUTURE_EDGE = 1, SUTURE_QUADRILATERAL = 2 };
@@ -246,8 +237,7 @@ enum suture_faces { SUTURE_ALL_FACES = 0, SUTURE_BOUNDARY_FACES = 1, SUTURE_INTE
 /* Forces of one batch. [worker] once per step and batch. Must depend on its
  * declared inputs only; must write every lane of batch->force (and of the
  * trial columns); each lane's result must depend on that lane only. */
-typedef suture_status (*suture_force_fn)(const suture_context* context,
-                                         const suture_batch* batch);
+typedef suture_status (*suture_force_fn)(const suture_context* context, const suture_batch* batch);
 
 typedef struct suture_functor {
   uint32_t size;
@@ -282,8 +272,8 @@ enum suture_model_flag {
 /* A physics model. Static const data; lives as long as the program. */
 typedef struct suture_model {
   uint32_t size;
-  uint32_t flags; /* suture_model_flag */
-  const char* id; /* name in the scene: lower case, digits, '-' */
+  uint32_t flags;       /* suture_model_flag */
+  const char* id;       /* name in the scene: lower case, digits, '-' */
   const char* doc;      /* one line */
   const char* formula;  /* what is computed, in plain text */
   const char* citation; /* the source */
@@ -317,7 +307,7 @@ typedef struct suture_plugin {
   const char* description;
   const suture_model* models;
   uint32_t required_extension_count;
-  uint32_t reserved; /* 0 */
+  uint32_t reserved;                      /* 0 */
   const char* const* required_extensions; /* of the host */
 } suture_plugin;
 
@@ -335,8 +325,8 @@ typedef const suture_plugin* (*suture_plugin_fn)(void);
 typedef struct suture_energy_1 {
   uint32_t size;
   uint32_t reserved;
-  suture_status (*energy)(const suture_context* context,
-                          const suture_batch* batch, double* out /* lanes */);
+  suture_status (*energy)(const suture_context* context, const suture_batch* batch,
+                          double* out /* lanes */);
 } suture_energy_1;
 
 /* Bounds for the stable step. For each node a symmetric 3x3 matrix in order
@@ -348,9 +338,8 @@ typedef struct suture_energy_1 {
 typedef struct suture_stable_dt_1 {
   uint32_t size;
   uint32_t reserved;
-  suture_status (*bounds)(const suture_context* context,
-                          const suture_batch* batch, double* stiffness,
-                          double* damping);
+  suture_status (*bounds)(const suture_context* context, const suture_batch* batch,
+                          double* stiffness, double* damping);
 } suture_stable_dt_1;
 
 /* Output fields of the functor's cells, computed at frames if asked for:
@@ -368,8 +357,8 @@ typedef struct suture_output_1 {
   uint32_t size;
   uint32_t field_count;
   const suture_field* fields;
-  suture_status (*compute)(const suture_context* context,
-                           const suture_batch* batch, double* const* out);
+  suture_status (*compute)(const suture_context* context, const suture_batch* batch,
+                           double* const* out);
 } suture_output_1;
 
 /* Directional derivative of the force: df = (df/dx) dx + (df/dv) dv, arrays as
@@ -378,8 +367,7 @@ typedef struct suture_output_1 {
 typedef struct suture_tangent_1 {
   uint32_t size;
   uint32_t reserved;
-  suture_status (*apply)(const suture_context* context,
-                         const suture_batch* batch, const double* dx,
+  suture_status (*apply)(const suture_context* context, const suture_batch* batch, const double* dx,
                          const double* dv, double* df);
 } suture_tangent_1;
 
@@ -390,8 +378,7 @@ typedef struct suture_tangent_1 {
 typedef struct suture_inspect_1 {
   uint32_t size;
   uint32_t reserved;
-  suture_status (*inspect)(const suture_context* context,
-                           const suture_batch* batch);
+  suture_status (*inspect)(const suture_context* context, const suture_batch* batch);
 } suture_inspect_1;
 
 #ifdef __cplusplus

@@ -10,7 +10,7 @@
 #include <optional>
 #include <span>
 
-#include "kernel/plugin_host/isa.hpp"
+#include "kernel/base/isa.hpp"
 #include "suture/note.h"
 
 namespace suture {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "kernel/base/diagnostics.hpp"
-#include "kernel/plugin_host/isa.hpp"
+#include "kernel/base/isa.hpp"
 #include "suture/plugin.h"
 
 namespace suture {

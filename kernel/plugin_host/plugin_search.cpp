@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "kernel/plugin_host/isa.hpp"
+#include "kernel/base/isa.hpp"
 
 namespace suture {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/plugin_host/isa.hpp"
+#include "kernel/base/isa.hpp"
 
 #include <algorithm>
 #include <array>

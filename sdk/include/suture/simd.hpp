@@ -28,7 +28,7 @@
 #include <cstring>
 #include <type_traits>
 
-#if defined(__AVX512F__)
+#if defined(__AVX__)
 #include <immintrin.h>
 #endif
 
@@ -120,6 +120,12 @@ struct pack {
   friend SUTURE_INLINE pack max(pack a, pack b) { return a.v > b.v ? a.v : b.v; }
   friend SUTURE_INLINE pack abs(pack a) { return vector(integers(a.v) & INT64_MAX); }
   friend SUTURE_INLINE bool any(mask m) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+    if constexpr (N == 8) return _mm512_movepi64_mask(__m512i(m.bits)) != 0;
+#endif
+#if defined(__AVX__)
+    if constexpr (N == 4) return _mm256_movemask_pd(__m256d(m.bits)) != 0;
+#endif
     std::int64_t bits = 0;
     for (int lane = 0; lane < N; ++lane) bits |= m.bits[lane];
     return bits != 0;

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+//
+// suture/cell.hpp - what a model's functions are given: one cell, seen through
+// the scalar type T. Really it is lanes_of<T> cells of a batch side by side; a
+// function written against it never notices.
+//
+//   template <class Cell> static void force(Cell& c) {
+//     const auto d = c.position(1) - c.position(0);      // vec3<T>, m
+//     const auto f = c.column(stiffness) * d;            // N
+//     c.force(0, f);                                     // on node 0
+//     c.force(1, -f);
+//   }
+//
+// Only what the functor declares is there: reading a velocity that was not
+// declared reads through a null pointer.
+#ifndef SUTURE_CELL_HPP
+#define SUTURE_CELL_HPP
+
+#include <stdexcept>
+#include <string>
+
+#include "suture/tensor.hpp"
+
+namespace suture {
+
+/// Ends a call with a status and a message. Thrown by an author's function (or by
+/// stop() and retry()), caught by the layer: no exception crosses the boundary.
+struct failure : std::runtime_error {
+  suture_status status;
+  int code = 0;  ///< the plugin's own number, shown to the user
+  double step_factor = 0.5;
+  int lane = -1;  ///< of the batch; -1: the whole instance
+  failure(suture_status s, const std::string& text) : std::runtime_error(text), status(s) {}
+};
+/// The run cannot go on. `text` says what happened and what to do.
+[[noreturn]] inline void stop(const std::string& text) { throw failure(SUTURE_STOP, text); }
+/// The step may succeed with `factor` times its length.
+[[noreturn]] inline void retry(const std::string& text, double factor = 0.5) {
+  failure f(SUTURE_RETRY, text);
+  f.step_factor = factor;
+  throw f;
+}
+
+/// Parameters by index: author's enumerations index the declared list.
+class values {
+ public:
+  explicit values(const suture_context* context) : context_(context) {}
+  double operator[](int i) const { return context_->parameters[i]; }
+  const suture_context* context() const { return context_; }
+
+ private:
+  const suture_context* context_;
+};
+
+/// Parameters plus what prepare() may tell the user.
+class setup : public values {
+ public:
+  using values::values;
+  /// Shown once to the user; the run goes on.
+  void warn(const char* key, const std::string& text) const {
+    context()->host->report(context(), SUTURE_WARNING, UINT32_MAX, key, text.c_str());
+  }
+  /// Refuses the scene.
+  void refuse(const char* key, const std::string& text) const {
+    context()->host->report(context(), SUTURE_ERROR, UINT32_MAX, key, text.c_str());
+  }
+};
+
+/// Model::constants if the model has them, else an empty struct.
+struct no_constants {};
+template <class Model, class = void>
+struct constants_of_model {
+  using type = no_constants;
+};
+template <class Model>
+struct constants_of_model<Model, std::void_t<typename Model::constants>> {
+  using type = typename Model::constants;
+};
+template <class Model>
+using constants_of = typename constants_of_model<Model>::type;
+
+/// Cells `lane` .. `lane + lanes_of<T> - 1` of a batch, as one cell of scalar T.
+/// With T = dual<R> positions and velocities carry the direction (dx, dv).
+template <class T, class Model>
+class cell {
+ public:
+  using scalar = T;
+  using real = real_of<T>;  ///< of what is never differentiated
+
+  SUTURE_INLINE cell(const suture_context* context, const suture_batch* batch, int lane,
+                     double* force = nullptr, const double* dx = nullptr,
+                     const double* dv = nullptr)
+      : context_(context), batch_(batch), lane_(lane), force_(force), dx_(dx), dv_(dv) {}
+
+  // -- geometry and state; m, m/s, s --
+  SUTURE_INLINE vec3<real> rest(int node) const { return vector<real>(batch_->rest, node); }
+  SUTURE_INLINE vec3<T> position(int node) const { return moving(batch_->position, dx_, node); }
+  SUTURE_INLINE vec3<T> velocity(int node) const { return moving(batch_->velocity, dv_, node); }
+  double time() const { return batch_->time; }
+  double dt() const { return batch_->dt; }
+
+  // -- columns, by their place in the functor's cell_columns / vertex_columns --
+  SUTURE_INLINE real column(int k, int component = 0) const {
+    return load<real>(batch_->cell_columns[k] + component * stride + lane_);
+  }
+  SUTURE_INLINE real vertex_column(int k, int node, int component = 0, int components = 1) const {
+    return load<real>(batch_->vertex_columns[k] + (node * components + component) * stride + lane_);
+  }
+  /// Writes the trial copy of a column declared with trial().
+  SUTURE_INLINE void trial(int k, int component, const real& value) const {
+    store(batch_->trial_columns[k] + component * stride + lane_, value);
+  }
+
+  // -- parameters --
+  SUTURE_INLINE double parameter(int i) const { return context_->parameters[i]; }
+  suture::values parameters() const { return suture::values(context_); }
+  /// What Model::prepare stored.
+  SUTURE_INLINE const constants_of<Model>& constants() const {
+    return *static_cast<const constants_of<Model>*>(context_->instance);
+  }
+
+  // -- results --
+  /// Sets the force on a node, N. Every node must be set, once.
+  SUTURE_INLINE void force(int node, const vec3<T>& f) const {
+    for (int c = 0; c < 3; ++c) {
+      double* const p = force_ + (node * 3 + c) * stride + lane_;
+      if constexpr (is_dual<T>)
+        store(p, f[c].derivative);
+      else
+        store(p, f[c]);
+    }
+  }
+
+  // -- findings --
+  /// In inspect(): reports every cell in which `where` holds.
+  template <class Mask>
+  void report(suture_severity severity, const Mask& where, const char* key,
+              const std::string& text) const {
+    for (int i = 0; i < lanes_of<real> && lane_ + i < int(batch_->valid); ++i)
+      if (bit(where, i))
+        context_->host->report(context_, severity, batch_->cell_ids[lane_ + i], key, text.c_str());
+  }
+  /// In force(): throws `f` for the first cell in which `good` does not hold.
+  template <class Mask>
+  SUTURE_INLINE void require(const Mask& good, failure f) const {
+    if (__builtin_expect(all(good), 1)) return;
+    for (int i = 0; f.lane < 0; ++i)
+      if (!bit(good, i)) f.lane = lane_ + i;
+    throw f;
+  }
+
+ private:
+  static constexpr int stride = SUTURE_LANES;
+
+  template <class R>
+  SUTURE_INLINE vec3<R> vector(const double* p, int node) const {
+    p += node * 3 * stride + lane_;
+    return {load<R>(p), load<R>(p + stride), load<R>(p + 2 * stride)};
+  }
+  SUTURE_INLINE vec3<T> moving(const double* p, const double* direction, int node) const {
+    if constexpr (is_dual<T>) {
+      const vec3<real> x = vector<real>(p, node), d = vector<real>(direction, node);
+      return {T(x[0], d[0]), T(x[1], d[1]), T(x[2], d[2])};
+    } else {
+      return vector<T>(p, node);
+    }
+  }
+  static bool bit(bool m, int) { return m; }
+  template <class Mask>
+  static bool bit(const Mask& m, int i) {
+    return m[i];
+  }
+
+  const suture_context* context_;
+  const suture_batch* batch_;
+  int lane_;
+  double* force_;
+  const double* dx_;
+  const double* dv_;
+};
+
+}  // namespace suture
+
+#endif

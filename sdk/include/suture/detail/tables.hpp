@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: MIT
+//
+// suture/detail/tables.hpp - the machinery behind model.hpp: which optional
+// members a struct has, the C functions that call them on packs, and the tables.
+// Authors need not read it.
+#ifndef SUTURE_DETAIL_TABLES_HPP
+#define SUTURE_DETAIL_TABLES_HPP
+
+#include <cstdio>
+
+#include "suture/model.hpp"
+
+namespace suture::detail {
+
+// ------------------------------------------------------------ what is there --
+
+template <class F, class Cell, class = void>
+inline constexpr bool has_energy = false;
+template <class F, class Cell>
+inline constexpr bool
+    has_energy<F, Cell, std::void_t<decltype(F::energy(std::declval<const Cell&>()))>> = true;
+
+template <class F, class Cell, class = void>
+inline constexpr bool has_bounds = false;
+template <class F, class Cell>
+inline constexpr bool has_bounds<
+    F, Cell,
+    std::void_t<decltype(F::bounds(std::declval<const Cell&>(),
+                                   std::declval<bound_matrices<typename Cell::real>&>()))>> = true;
+
+template <class F, class Cell, class = void>
+inline constexpr bool has_inspect = false;
+template <class F, class Cell>
+inline constexpr bool
+    has_inspect<F, Cell, std::void_t<decltype(F::inspect(std::declval<const Cell&>()))>> = true;
+
+#define SUTURE_DETAIL_HAS(member)             \
+  template <class F, class = void>            \
+  inline constexpr bool has_##member = false; \
+  template <class F>                          \
+  inline constexpr bool has_##member<F, std::void_t<decltype(F::member)>> = true;
+SUTURE_DETAIL_HAS(fields)
+SUTURE_DETAIL_HAS(enabled)
+SUTURE_DETAIL_HAS(prepare)
+SUTURE_DETAIL_HAS(parameters)
+SUTURE_DETAIL_HAS(attributes)
+SUTURE_DETAIL_HAS(name)
+#undef SUTURE_DETAIL_HAS
+
+template <class M, class = void>
+struct functors_of_model {
+  using type = list<M>;  // the model is its only functor
+};
+template <class M>
+struct functors_of_model<M, std::void_t<typename M::functors>> {
+  using type = typename M::functors;
+};
+
+// ----------------------------------------------------------------- failures --
+
+inline void describe(const suture_context* context, const suture_batch* batch, const failure& f) {
+  suture_error* const e = context->error;
+  if (!e) return;
+  e->code = f.code;
+  e->cell = UINT32_MAX;
+  if (f.lane >= 0 && batch) {
+    const int last = int(batch->valid) - 1;  // later lanes repeat it
+    e->cell = batch->cell_ids[f.lane < last ? f.lane : last];
+  }
+  e->step_factor = f.step_factor;
+  std::snprintf(e->text, sizeof e->text, "%s", f.what());
+}
+
+/// Runs `work`; whatever it throws becomes a status and a record.
+template <class Work>
+SUTURE_INLINE suture_status guarded(const suture_context* context, const suture_batch* batch,
+                                    Work&& work) noexcept {
+  try {
+    work();
+    return SUTURE_OK;
+  } catch (const failure& f) {
+    describe(context, batch, f);
+    return f.status;
+  } catch (const std::exception& e) {
+    describe(context, batch, failure(SUTURE_STOP, e.what()));
+  } catch (...) {
+    describe(context, batch,
+             failure(SUTURE_STOP, "the plugin threw something that is no exception"));
+  }
+  return SUTURE_STOP;
+}
+
+/// Calls work(lane) for the first lane of every pack of a batch.
+template <class Work>
+SUTURE_INLINE suture_status for_packs(const suture_context* context, const suture_batch* batch,
+                                      Work&& work) noexcept {
+  return guarded(context, batch, [&] {
+    for (int lane = 0; lane < int(SUTURE_LANES); lane += native_lanes) work(lane);
+  });
+}
+
+/// The lane and cause of a force that is no number; zeroes the forces of the batch.
+template <int Nodes>
+[[noreturn, gnu::cold, gnu::noinline]] void fail_not_finite(const suture_batch* batch) {
+  int bad = -1;
+  for (int lane = 0; lane < int(SUTURE_LANES) && bad < 0; ++lane)
+    for (int i = 0; i < Nodes * 3; ++i)
+      if (!std::isfinite(batch->force[i * int(SUTURE_LANES) + lane])) bad = lane;
+  bool input = true;
+  for (int i = 0; i < Nodes * 3; ++i) {
+    if (batch->position) input &= std::isfinite(batch->position[i * int(SUTURE_LANES) + bad]) != 0;
+    if (batch->velocity) input &= std::isfinite(batch->velocity[i * int(SUTURE_LANES) + bad]) != 0;
+  }
+  std::memset(batch->force, 0, sizeof(double) * Nodes * 3 * SUTURE_LANES);
+  failure f(input ? SUTURE_RETRY : SUTURE_STOP,
+            input ? "the force is not finite although positions and velocities are: the cell has "
+                    "left the range of its law; reduce dt or the load"
+                  : "positions or velocities are not finite; reduce dt");
+  f.lane = bad;
+  throw f;
+}
+
+// ---------------------------------------------------------------- functions --
+
+/// x - x is 0 for a number and NaN for infinities and NaNs.
+template <class M, class F>
+[[gnu::flatten]] void force_pack(const suture_context* context, const suture_batch* batch,
+                                 int lane) {
+  cell<native, M> c(context, batch, lane, batch->force);
+  F::force(c);
+  constexpr int count = 3 * (F::witnesses ? F::witnesses : F::nodes);
+  native sum = native::load(batch->force + lane);
+  for (int i = 1; i < count; ++i) sum += native::load(batch->force + i * int(SUTURE_LANES) + lane);
+  if (__builtin_expect(any(sum - sum != 0.0), 0)) fail_not_finite<F::nodes>(batch);
+}
+template <class M, class F>
+suture_status force(const suture_context* context, const suture_batch* batch) noexcept {
+  return for_packs(context, batch, [&](int lane) { force_pack<M, F>(context, batch, lane); });
+}
+
+template <class M, class F>
+suture_status tangent(const suture_context* context, const suture_batch* batch, const double* dx,
+                      const double* dv, double* df) noexcept {
+  return for_packs(context, batch, [&](int lane) {
+    cell<dual<native>, M> c(context, batch, lane, df, dx, dv);
+    F::force(c);
+  });
+}
+
+template <class M, class F>
+suture_status energy(const suture_context* context, const suture_batch* batch,
+                     double* out) noexcept {
+  return for_packs(context, batch, [&](int lane) {
+    const cell<native, M> c(context, batch, lane);
+    store(out + lane, F::energy(c));
+  });
+}
+
+template <class M, class F>
+suture_status bounds(const suture_context* context, const suture_batch* batch, double* stiffness,
+                     double* damping) noexcept {
+  std::memset(stiffness, 0, sizeof(double) * F::nodes * 6 * SUTURE_LANES);
+  std::memset(damping, 0, sizeof(double) * F::nodes * 6 * SUTURE_LANES);
+  return for_packs(context, batch, [&](int lane) {
+    const cell<native, M> c(context, batch, lane);
+    bound_matrices<native> b{stiffness, damping, lane};
+    F::bounds(c, b);
+  });
+}
+
+template <class M, class F>
+suture_status output(const suture_context* context, const suture_batch* batch,
+                     double* const* out) noexcept {
+  return for_packs(context, batch, [&](int lane) {
+    const cell<native, M> c(context, batch, lane);
+    results<native> r{out, lane};
+    F::output(c, r);
+  });
+}
+
+template <class M, class F>
+suture_status inspect(const suture_context* context, const suture_batch* batch) noexcept {
+  return for_packs(context, batch, [&](int lane) {
+    const cell<native, M> c(context, batch, lane);
+    F::inspect(c);
+  });
+}
+
+template <class M, class F>
+std::int32_t enabled(const suture_context* context, std::uint32_t* reads) noexcept {
+  return F::enabled(values(context), *reads) ? 1 : 0;
+}
+
+template <class M, class C>
+suture_status contribution(const suture_context* context, const suture_batch* batch,
+                           double* out) noexcept {
+  return for_packs(context, batch, [&](int lane) {
+    const cell<native, M> c(context, batch, lane);
+    C::compute(c, contribution_results<native>{out, C::components, lane});
+  });
+}
+
+template <class M>
+suture_status prepare(const suture_context* context, void* instance) noexcept {
+  return guarded(context, nullptr, [&] {
+    using constants = constants_of<M>;
+    M::prepare(setup(context), *new (instance) constants());
+  });
+}
+
+/// The extension `id` of functor F, or NULL.
+template <class M, class F>
+const void* extension(const char* id) noexcept {
+  using Cell = cell<native, M>;
+  const auto is = [id](const char* name) { return std::strcmp(id, name) == 0; };
+  if (is(SUTURE_TANGENT_1)) {
+    static constexpr suture_tangent_1 table{sizeof(suture_tangent_1), 0, &tangent<M, F>};
+    return &table;
+  }
+  if constexpr (has_energy<F, Cell>) {
+    static constexpr suture_energy_1 table{sizeof(suture_energy_1), 0, &energy<M, F>};
+    if (is(SUTURE_ENERGY_1)) return &table;
+  }
+  if constexpr (has_bounds<F, Cell>) {
+    static constexpr suture_stable_dt_1 table{sizeof(suture_stable_dt_1), 0, &bounds<M, F>};
+    if (is(SUTURE_STABLE_DT_1)) return &table;
+  }
+  if constexpr (has_inspect<F, Cell>) {
+    static constexpr suture_inspect_1 table{sizeof(suture_inspect_1), 0, &inspect<M, F>};
+    if (is(SUTURE_INSPECT_1)) return &table;
+  }
+  if constexpr (has_fields<F>) {
+    static constexpr suture_output_1 table{
+        sizeof(suture_output_1), std::uint32_t(std::size(F::fields)), F::fields, &output<M, F>};
+    if (is(SUTURE_OUTPUT_1)) return &table;
+  }
+  return nullptr;
+}
+
+// ------------------------------------------------------------------- tables --
+
+template <class M, class F>
+constexpr suture_functor functor_of() {
+  suture_functor f{};
+  f.size = sizeof(suture_functor);
+  f.dimension = F::dimension;
+  f.cell_type = F::cell_type;
+  f.shape = F::shape;
+  f.faces = F::faces;
+  f.lanes = SUTURE_LANES;
+  f.scalar = 0;
+  f.reads = F::reads;
+  f.cell_column_count = std::uint32_t(F::cell_columns.size());
+  f.vertex_column_count = std::uint32_t(F::vertex_columns.size());
+  f.cell_columns = F::cell_columns.data();
+  f.vertex_columns = F::vertex_columns.data();
+  if constexpr (has_name<F>)
+    f.name = F::name;
+  else
+    f.name = F::id;
+  f.doc = F::doc;
+  f.force = &force<M, F>;
+  f.extension = &extension<M, F>;
+  if constexpr (has_enabled<F>) f.enabled = &enabled<M, F>;
+  return f;
+}
+
+template <class M, class Functors>
+struct functor_table;
+template <class M, class... F>
+struct functor_table<M, list<F...>> {
+  static constexpr suture_functor rows[] = {functor_of<M, F>()...};
+};
+
+/// The author's array as one of the C structs.
+template <class C, class Author, std::size_t N>
+constexpr std::array<C, N> rows_of(const Author (&list)[N]) {
+  std::array<C, N> rows{};
+  for (std::size_t i = 0; i < N; ++i) rows[i] = list[i];
+  return rows;
+}
+template <class M>
+struct parameter_table {
+  static constexpr auto rows = rows_of<suture_parameter>(M::parameters);
+};
+template <class M>
+struct attribute_table {
+  static constexpr auto rows = rows_of<suture_attribute>(M::attributes);
+};
+
+template <class M>
+constexpr suture_model model_of() {
+  using functors = functor_table<M, typename functors_of_model<M>::type>;
+  suture_model m{};
+  m.size = sizeof(suture_model);
+  m.flags = M::flags;
+  m.id = M::id;
+  m.doc = M::doc;
+  m.formula = M::formula;
+  m.citation = M::citation;
+  m.functor_count = std::uint32_t(std::size(functors::rows));
+  m.functors = functors::rows;
+  if constexpr (has_parameters<M>) {
+    m.parameter_count = std::uint32_t(parameter_table<M>::rows.size());
+    m.parameters = parameter_table<M>::rows.data();
+  }
+  if constexpr (has_attributes<M>) {
+    m.attribute_count = std::uint32_t(attribute_table<M>::rows.size());
+    m.attributes = attribute_table<M>::rows.data();
+  }
+  if constexpr (has_prepare<M>) {
+    m.prepare = &prepare<M>;
+    m.instance_bytes = sizeof(constants_of<M>);
+    static_assert(std::is_trivially_destructible_v<constants_of<M>>,
+                  "the host frees the constants without calling a destructor");
+    static_assert(alignof(constants_of<M>) <= SUTURE_ALIGNMENT, "more than the host aligns to");
+  }
+  return m;
+}
+
+template <class... M>
+struct model_table {
+  static constexpr suture_model rows[] = {model_of<M>()...};
+};
+
+template <class... M>
+constexpr suture_plugin plugin_of(const char* id, const char* version, const char* license,
+                                  const char* description) {
+  suture_plugin p{};
+  p.size = sizeof(suture_plugin);
+  p.magic = SUTURE_MAGIC;
+  p.abi_major = SUTURE_ABI_MAJOR;
+  p.abi_minor = SUTURE_ABI_MINOR;
+  p.lanes = SUTURE_LANES;
+  p.model_count = sizeof...(M);
+  p.id = id;
+  p.version = version;
+  p.license = license;
+  p.description = description;
+  p.models = model_table<M...>::rows;
+  return p;
+}
+
+template <class... M>
+constexpr suture_note note_of(const char* plugin_id) {
+  return make_note(plugin_id, M::id...);
+}
+
+}  // namespace suture::detail
+
+namespace suture {
+
+/// The C function of a contribution struct C of model M, for from_volumes():
+///   struct rest_length {                              // on edges of a hexahedron
+///     static constexpr int components = 1;
+///     template <class Cell, class Out> static void compute(const Cell& c, Out out) {
+///       for (int k = 0; k < 12; ++k) out.set(k, 0, ...);
+///     }
+///   };
+template <class M, class C>
+inline constexpr suture_contribution_fn contribution = &detail::contribution<M, C>;
+
+}  // namespace suture
+
+#endif

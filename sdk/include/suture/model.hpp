@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: MIT
+//
+// suture/model.hpp - from one C++ struct to the tables of plugin.h.
+//
+// A model is a struct of constants and static function templates:
+//
+//   #include "suture/model.hpp"
+//
+//   struct drag : suture::model, suture::on_edges {       // model and functor in one
+//     static constexpr const char* id = "drag";
+//     static constexpr const char* doc = "Edges that resist their own motion";
+//     static constexpr const char* formula = "f_n = -c v_n / 2";
+//     static constexpr const char* citation = "textbook";
+//     enum { c };
+//     static constexpr suture::parameter parameters[] = {
+//         suture::number("c", "N s/m", "drag of one edge").at_least(0)};
+//     static constexpr auto reads = SUTURE_READ_VELOCITY;
+//     template <class Cell> static void force(Cell& e) {
+//       for (int n = 0; n < 2; ++n) e.force(n, -0.5 * e.parameter(c) * e.velocity(n));
+//     }
+//   };
+//   SUTURE_PLUGIN("drag", "1.0", "MIT", "Drag on edges", drag)
+//
+// A model of several functors lists them instead of being one:
+//   using functors = suture::list<edge_springs, inner_springs>;
+//
+// Members of a model (M: must, others optional):
+//   M id, doc, formula, citation            const char*
+//     flags                                 suture_model_flag bits
+//     parameters[]                          suture::parameter
+//     attributes[]                          suture::attribute
+//     functors                              suture::list<...>
+//     constants, prepare(setup, constants&) what functors derive from parameters
+// Members of a functor, besides those of its base (on_edges, on_faces, on_volumes):
+//   M force(Cell&)                          sets the force on every node
+//     energy(const Cell&)                -> T, J
+//     bounds(const Cell&, bound_matrices&)  for the stable step
+//     fields[], output(const Cell&, results&)
+//     inspect(const Cell&)                  reports on rest shapes
+//     enabled(values, uint32_t& reads)   -> bool
+// What is present is offered; the tangent is always offered, from force() on dual
+// numbers. Functions may throw suture::failure.
+#ifndef SUTURE_MODEL_HPP
+#define SUTURE_MODEL_HPP
+
+#include <array>
+#include <cstring>
+#include <limits>
+#include <new>
+
+#include "suture/cell.hpp"
+#include "suture/note.h"
+
+namespace suture {
+
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// ------------------------------------------------------------- parameters --
+
+/// A parameter under construction: number("E", "Pa", "Young's modulus").above(0).
+/// Required unless it is given a default.
+struct parameter : suture_parameter {
+  constexpr parameter above(double x) const {
+    return with_range(x, maximum, SUTURE_MINIMUM_EXCLUDED);
+  }
+  constexpr parameter at_least(double x) const { return with_range(x, maximum, 0); }
+  constexpr parameter below(double x) const {
+    return with_range(minimum, x, SUTURE_MAXIMUM_EXCLUDED);
+  }
+  constexpr parameter at_most(double x) const { return with_range(minimum, x, 0); }
+  constexpr parameter or_else(double x) const {
+    parameter p = *this;
+    p.default_value = x;
+    p.flags &= ~std::uint32_t(SUTURE_REQUIRED);
+    return p;
+  }
+
+ private:
+  constexpr parameter with_range(double low, double high, std::uint32_t flag) const {
+    parameter p = *this;
+    p.minimum = low;
+    p.maximum = high;
+    p.flags |= flag;
+    return p;
+  }
+};
+
+constexpr parameter make_parameter(suture_parameter_type type, const char* name, const char* unit,
+                                   const char* doc) {
+  parameter p{};
+  p.size = sizeof(suture_parameter);
+  p.type = type;
+  p.flags = SUTURE_REQUIRED;
+  p.name = name;
+  p.unit = unit;
+  p.doc = doc;
+  p.minimum = -infinity;
+  p.maximum = infinity;
+  return p;
+}
+constexpr parameter number(const char* name, const char* unit, const char* doc) {
+  return make_parameter(SUTURE_NUMBER, name, unit, doc);
+}
+constexpr parameter integer(const char* name, const char* doc) {
+  return make_parameter(SUTURE_INTEGER, name, "1", doc);
+}
+constexpr parameter boolean(const char* name, const char* doc, bool default_value) {
+  parameter p = make_parameter(SUTURE_BOOLEAN, name, "1", doc).or_else(default_value ? 1 : 0);
+  p.minimum = 0;
+  p.maximum = 1;
+  return p;
+}
+/// One of `words` (an array that lives as long as the program); the first is the
+/// default. The value is the index.
+template <std::size_t N>
+constexpr parameter choice(const char* name, const char* doc, const char* const (&words)[N]) {
+  parameter p = make_parameter(SUTURE_CHOICE, name, "1", doc).or_else(0);
+  p.choice_count = N;
+  p.choices = words;
+  p.minimum = 0;
+  p.maximum = N - 1;
+  return p;
+}
+
+// ------------------------------------------------------------- attributes --
+
+/// An attribute under construction: on_volumes("memory", "Pa", "...").copy().trial().
+struct attribute : suture_attribute {
+  constexpr attribute copy() const { return with(SUTURE_COPY, nullptr); }
+  constexpr attribute zero() const { return with(SUTURE_ZERO, nullptr); }
+  constexpr attribute share() const { return with(SUTURE_SHARE, nullptr); }
+  constexpr attribute from_volumes(suture_contribution_fn f) const {
+    return with(SUTURE_FROM_VOLUMES, f);
+  }
+  constexpr attribute starts_at(double x) const {
+    attribute a = *this;
+    a.initial = x;
+    return a;
+  }
+  constexpr attribute output() const { return flag(SUTURE_OUTPUT); }
+  constexpr attribute trial() const { return flag(SUTURE_TRIAL | SUTURE_CHECKPOINT); }
+  constexpr attribute flag(std::uint32_t bits) const {
+    attribute a = *this;
+    a.flags |= bits;
+    return a;
+  }
+
+ private:
+  constexpr attribute with(suture_policy p, suture_contribution_fn f) const {
+    attribute a = *this;
+    a.policy = p;
+    a.contribution = f;
+    return a;
+  }
+};
+
+constexpr attribute make_attribute(int dimension, const char* name, const char* unit,
+                                   const char* doc, int components) {
+  attribute a{};
+  a.size = sizeof(suture_attribute);
+  a.dimension = std::uint32_t(dimension);
+  a.components = std::uint32_t(components);
+  a.name = name;
+  a.unit = unit;
+  a.doc = doc;
+  return a;
+}
+constexpr attribute on_vertices(const char* name, const char* unit, const char* doc, int n = 1) {
+  return make_attribute(0, name, unit, doc, n);
+}
+constexpr attribute on_edge_cells(const char* name, const char* unit, const char* doc, int n = 1) {
+  return make_attribute(1, name, unit, doc, n);
+}
+constexpr attribute on_face_cells(const char* name, const char* unit, const char* doc, int n = 1) {
+  return make_attribute(2, name, unit, doc, n);
+}
+constexpr attribute on_volume_cells(const char* name, const char* unit, const char* doc,
+                                    int n = 1) {
+  return make_attribute(3, name, unit, doc, n);
+}
+
+/// Where a contribution writes: `set(k, component, value)`, k as in plugin.h.
+template <class R>
+struct contribution_results {
+  double* out;
+  int components;
+  int lane;
+  SUTURE_INLINE void set(int k, int component, const R& value) const {
+    store(out + (k * components + component) * int(SUTURE_LANES) + lane, value);
+  }
+};
+
+// --------------------------------------------------------------- functors --
+
+/// The kernel's mass, in a functor's vertex_columns.
+inline constexpr std::uint32_t vertex_mass = UINT32_MAX;
+
+/// List of attribute indices: static constexpr auto cell_columns = columns(0, 2).
+template <class... Index>
+constexpr std::array<std::uint32_t, sizeof...(Index)> columns(Index... i) {
+  return {std::uint32_t(i)...};
+}
+
+/// What a functor is unless it says otherwise by a member of the same name.
+struct functor_defaults {
+  static constexpr std::uint32_t shape = SUTURE_ANY_SHAPE;
+  static constexpr std::uint32_t faces = SUTURE_ALL_FACES;
+  static constexpr std::uint32_t reads = SUTURE_READ_POSITION;
+  static constexpr std::array<std::uint32_t, 0> cell_columns{};
+  static constexpr std::array<std::uint32_t, 0> vertex_columns{};
+  /// Nodes whose force shows whether a result is finite.
+  static constexpr int witnesses = 0;
+};
+struct on_edges : functor_defaults {
+  static constexpr std::uint32_t dimension = 1, cell_type = SUTURE_EDGE;
+  static constexpr int nodes = 2;
+};
+struct on_faces : functor_defaults {
+  static constexpr std::uint32_t dimension = 2, cell_type = SUTURE_QUADRILATERAL;
+  static constexpr int nodes = 4;
+};
+struct on_volumes : functor_defaults {
+  static constexpr std::uint32_t dimension = 3, cell_type = SUTURE_HEXAHEDRON;
+  static constexpr int nodes = 8;
+};
+
+/// Results of bounds(): per node the stiffness and damping matrices of plugin.h.
+template <class R>
+struct bound_matrices {
+  double* stiffness_out;
+  double* damping_out;
+  int lane;
+  SUTURE_INLINE void stiffness(int node, const sym3<R>& k) const { put(stiffness_out, node, k); }
+  SUTURE_INLINE void damping(int node, const sym3<R>& c) const { put(damping_out, node, c); }
+
+ private:
+  SUTURE_INLINE void put(double* out, int node, const sym3<R>& m) const {
+    for (int c = 0; c < 6; ++c) store(out + (node * 6 + c) * int(SUTURE_LANES) + lane, m.c[c]);
+  }
+};
+
+/// An output field: static constexpr suture_field fields[] = {field("stress", ...)}.
+constexpr suture_field field(const char* name, const char* unit, const char* doc, int n = 1) {
+  return {sizeof(suture_field), std::uint32_t(n), name, unit, doc};
+}
+/// Where output() writes; ask wanted() before an expensive field.
+template <class R>
+struct results {
+  double* const* out;
+  int lane;
+  bool wanted(int f) const { return out[f] != nullptr; }
+  SUTURE_INLINE void set(int f, int component, const R& value) const {
+    if (out[f]) store(out[f] + component * int(SUTURE_LANES) + lane, value);
+  }
+  SUTURE_INLINE void set(int f, const R& value) const { set(f, 0, value); }
+  SUTURE_INLINE void set(int f, const sym3<R>& value) const {
+    for (int c = 0; c < 6; ++c) set(f, c, value.c[c]);
+  }
+};
+
+template <class... Functors>
+struct list {};
+
+/// Base of a model: the members it may leave out.
+struct model {
+  static constexpr std::uint32_t flags = 0;
+};
+
+}  // namespace suture
+
+#include "suture/detail/tables.hpp"
+
+/// Exports the plugin: once, in one source file, after the models.
+#define SUTURE_PLUGIN(plugin_id, plugin_version, plugin_license, plugin_doc, ...)             \
+  SUTURE_NOTE_STORAGE constexpr suture_note suture_note_of_this_plugin =                      \
+      suture::detail::note_of<__VA_ARGS__>(plugin_id);                                        \
+  extern "C" __attribute__((visibility("default"))) const suture_plugin* suture_plugin_v1() { \
+    static constexpr auto plugin = suture::detail::plugin_of<__VA_ARGS__>(                    \
+        plugin_id, plugin_version, plugin_license, plugin_doc);                               \
+    return &plugin;                                                                           \
+  }
+
+#endif

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/mesh/file_text.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "kernel/base/error.hpp"
+#include "kernel/base/nearest.hpp"
+
+namespace suture {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail_missing(const fs::path& path) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    names.push_back(entry.path().filename().string());
+  }
+  throw InputError(path.string() + ": no such file" +
+                   did_you_mean(path.filename().string(), names));
+}
+
+struct FileDescriptor {
+  int fd;
+  ~FileDescriptor() {
+    if (fd >= 0) ::close(fd);
+  }
+};
+
+std::string read_whole(const fs::path& path) {
+  const FileDescriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+  if (file.fd < 0 && errno == ENOENT) fail_missing(path);
+  struct stat info {};
+  if (file.fd < 0 || ::fstat(file.fd, &info) != 0) {
+    throw InputError(path.string() + ": cannot be opened: " + std::strerror(errno));
+  }
+  if (!S_ISREG(info.st_mode)) throw InputError(path.string() + ": is no regular file");
+  std::string text(static_cast<std::size_t>(info.st_size), '\0');
+  std::size_t done = 0;
+  while (done < text.size()) {
+    const ssize_t n = ::read(file.fd, text.data() + done, text.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) throw InputError(path.string() + ": cannot be read: " + std::strerror(errno));
+    if (n == 0) break;
+    done += static_cast<std::size_t>(n);
+  }
+  text.resize(done);
+  if (text.empty()) throw InputError(path.string() + ": the file is empty");
+  return text;
+}
+
+}  // namespace
+
+FileText::FileText(const fs::path& path) : name_(path.string()), text_(read_whole(path)) {}
+
+void FileText::fail_at_line(const char* at, const std::string& what) const {
+  const auto line = 1 + std::count(begin(), at, '\n');
+  throw InputError(name_ + ":" + std::to_string(line) + ": " + what);
+}
+
+void FileText::fail_at_byte(const char* at, const std::string& what) const {
+  throw InputError(name_ + ", byte " + std::to_string(at - begin()) + ": " + what);
+}
+
+std::string in_quotes(std::string_view word) {
+  std::string text = "'";
+  for (const char c : word.substr(0, 40)) text += c >= ' ' && c < 127 ? c : '?';
+  return text + (word.size() > 40 ? "...'" : "'");
+}
+
+std::string grouped(std::uint64_t value) {
+  std::string text = std::to_string(value);
+  for (std::size_t i = text.size(); i > 3; i -= 3) text.insert(i - 3, ",");
+  return text;
+}
+
+std::string_view TextCursor::skip_line() {
+  const char* begin = p_;
+  const char* stop = std::find(p_, end_, '\n');
+  p_ = stop == end_ ? end_ : stop + 1;
+  if (stop != begin && stop[-1] == '\r') --stop;
+  return {begin, static_cast<std::size_t>(stop - begin)};
+}
+
+std::string_view TextCursor::peek_word() {
+  if (!skip_space()) return {};
+  const char* stop = p_;
+  while (!ends_word(stop)) ++stop;
+  return {p_, static_cast<std::size_t>(stop - p_)};
+}
+
+std::string_view TextCursor::word(const char* what) {
+  const std::string_view found = peek_word();
+  if (found.empty()) fail_end(what);
+  p_ += found.size();
+  return found;
+}
+
+void TextCursor::expect(std::string_view expected) {
+  const std::string_view found = peek_word();
+  if (found != expected) {
+    fail("expected " + std::string(expected) + ", found " +
+         (found.empty() ? "the end of the file" : in_quotes(found)));
+  }
+  p_ += found.size();
+}
+
+void TextCursor::require_room(std::uint64_t count, std::uint64_t values, const char* what) const {
+  // A value takes a character and a separator at least; the last one no separator.
+  const std::uint64_t room = (bytes_left() + 1) / (2 * values);
+  if (count > room) {
+    fail(grouped(count) + " " + what + " are announced, but the " + grouped(bytes_left()) +
+         " bytes that are left hold " + grouped(room) +
+         " at most: the file is truncated or the count is wrong");
+  }
+}
+
+double TextCursor::unusual_real(const char* what, const char* stop, std::errc error, double value) {
+  if (error == std::errc::result_out_of_range && ends_word(stop)) {
+    // Too small is 0 to every program; too large is not a number to compute with.
+    value = std::strtod(std::string(p_, stop).c_str(), nullptr);
+    if (std::isfinite(value)) {
+      p_ = stop;
+      return value;
+    }
+  }
+  if (ends_word(stop) && stop != p_) {
+    fail(std::string(what) + " is " + in_quotes(peek_word()) + ", which is not finite");
+  }
+  fail_number(what, error, "a number");
+}
+
+void TextCursor::fail_end(const char* what) const {
+  fail(std::string("the file ends where ") + what + " is expected: it is truncated");
+}
+
+void TextCursor::fail_number(const char* what, std::errc error, const char* expected) {
+  const std::string found = in_quotes(peek_word());
+  if (error == std::errc::result_out_of_range) {
+    fail(std::string(what) + " " + found + " is out of range");
+  }
+  fail(std::string("expected ") + expected + " (" + what + "), found " + found);
+}
+
+}  // namespace suture

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstring>
+#include <map>
+#include <span>
+#include <unordered_map>
+
+#include "kernel/mesh/readers.hpp"
+
+// What the readers of Gmsh's formats 2 and 4.1 share.
+
+namespace suture {
+
+/// Numbers of a Gmsh file, as text or as bytes: the readers are written once.
+class GmshScanner {
+ public:
+  explicit GmshScanner(const FileText& file) : file_(file), text(file) {}
+
+  bool binary = false;
+
+  /// An int of 32 bits; an unsigned of 64 (`size_t` of format 4.1); a finite double.
+  std::int32_t int32(const char* what) {
+    return binary ? take<std::int32_t>(what) : text.integer<std::int32_t>(what);
+  }
+  std::uint64_t size(const char* what) {
+    return binary ? take<std::uint64_t>(what) : text.integer<std::uint64_t>(what);
+  }
+  double real(const char* what) {
+    if (!binary) return text.real(what);
+    const double value = take<double>(what);
+    if (value - value != 0) fail(std::string(what) + " is not finite");
+    return value;
+  }
+  /// Fails unless `count` entries can follow, of `bytes` in a binary file and of
+  /// `values` words in a text.
+  void require_room(std::uint64_t count, std::uint64_t values, std::uint64_t bytes,
+                    const char* what) const;
+  void skip_bytes(std::uint64_t n, const char* what);
+  /// The line feed between a text line and the bytes that follow it.
+  void end_of_line();
+  [[noreturn]] void fail(const std::string& what) const;
+
+ private:
+  template <class T>
+  T take(const char* what) {
+    if (text.bytes_left() < sizeof(T)) fail_end(what);
+    T value;
+    std::memcpy(&value, text.position(), sizeof(T));
+    text.seek(text.position() + sizeof(T));
+    return value;
+  }
+  [[noreturn]] void fail_end(const char* what) const;
+
+  const FileText& file_;
+
+ public:
+  TextCursor text;
+};
+
+/// A type of Gmsh's elements: its number, nodes, dimension and name in plural.
+struct GmshType {
+  int number;
+  unsigned nodes;
+  int dimension;
+  const char* name;
+};
+inline constexpr int gmsh_hexahedron = 5;
+/// Null for a type that is not known.
+const GmshType* find_gmsh_type(int number);
+
+/// Collects what both formats say into a Mesh.
+class GmshMesh {
+ public:
+  GmshMesh(GmshScanner& in, const FileText& file) : in_(in), file_(file) {}
+
+  void name_group(int dimension, int number, std::string name);
+  void reserve_points(std::uint64_t count);
+  void add_point(std::uint64_t tag, const Vec3& x);
+  /// Called once between the last point and the first element.
+  void end_points();
+  /// The position of the point with this tag; fails if there is none.
+  Index point(std::uint64_t tag) const {
+    const Index found = tag < dense_.size() ? dense_[tag] : sparse_point(tag);
+    if (found == none) fail_tag(tag);
+    return found;
+  }
+  void add_hexahedron(std::uint64_t tag, const Hexahedron& vtk_order, std::span<const int> groups);
+  /// A node of a cell of lower dimension that belongs to groups.
+  void add_group_point(int dimension, Index point, std::span<const int> groups);
+  void count_skipped(const GmshType& type, std::uint64_t count);
+  /// Names the groups; `repeats`: the file repeats a hexahedron for each of its groups.
+  Mesh finish(bool repeats);
+
+ private:
+  using Group = std::pair<int, int>;  // dimension, number
+  Index sparse_point(std::uint64_t tag) const;
+  [[noreturn]] void fail_tag(std::uint64_t tag) const;
+  std::string name_of(const Group& group) const;
+  void join_repeated_hexahedra();
+
+  GmshScanner& in_;
+  const FileText& file_;
+  Mesh mesh_;
+  std::map<Group, std::string> names_;
+  std::map<Group, std::vector<Index>> members_;
+  std::vector<Index> dense_;  // tag -> point, where tags are near 1, 2, ...
+  std::unordered_map<std::uint64_t, Index> sparse_;
+};
+
+/// After $Nodes of formats 2 and 4.1 the readers hand over to these.
+void read_gmsh2_nodes(GmshScanner& in, const FileText& file, GmshMesh& mesh);
+void read_gmsh2_elements(GmshScanner& in, const FileText& file, GmshMesh& mesh);
+
+/// Physical groups of the entities of a geometry: (dimension, tag) -> groups.
+using GmshEntities = std::map<std::pair<int, int>, std::vector<int>>;
+void read_gmsh4_entities(GmshScanner& in, GmshEntities& entities);
+void read_gmsh4_nodes(GmshScanner& in, const FileText& file, GmshMesh& mesh);
+void read_gmsh4_elements(GmshScanner& in, const FileText& file, const GmshEntities& entities,
+                         GmshMesh& mesh);
+
+}  // namespace suture

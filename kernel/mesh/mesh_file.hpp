@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+
+#include "kernel/base/diagnostics.hpp"
+#include "kernel/mesh/mesh.hpp"
+
+namespace suture {
+
+/// Reads Medit `.mesh` (ASCII), Gmsh `.msh` (2.x and 4.1, ASCII and binary), legacy
+/// `.vtk` (ASCII and binary) and `.vtu`; what the file says of itself goes before
+/// its extension. Coordinates are multiplied by `scale`. Sets become named sets:
+/// Gmsh physical groups under their names (unnamed: "physical surface 3"), Medit
+/// references as "ref 3" (of quadrilaterals: the points of "quads ref 3"), integer
+/// arrays of VTK as "material 3", byte arrays of 0 and 1 under their own name.
+/// Other cells are skipped with one warning that counts them.
+/// Throws InputError naming the file and the line or byte: missing, empty,
+/// truncated or garbage, a coordinate that is no finite number, an index out of
+/// range, hexahedra with more than 8 nodes, no hexahedron at all (says what the
+/// file holds). Memory is never allocated for a count that the file is too short for.
+/// Cost: 0.3 us per hexahedron and its points in text, 0.05 us in binary.
+Mesh read_mesh(const std::filesystem::path& path, double scale, Diagnostics& diagnostics);
+
+/// Writes `.vtu` (binary), `.vtk` (legacy 4.2, binary), `.mesh` (ASCII) or `.msh`
+/// (Gmsh 4.1, ASCII) by the extension; coordinates make the round trip to the bit.
+/// Sets and the ids of the source are kept as far as the format has a place for
+/// them: Medit keeps one reference per point and element, so that overlapping sets
+/// are lost there (a warning says which). The file appears complete or not at all.
+/// Throws UsageError for another extension, IoError if it cannot be written.
+void write_mesh(const std::filesystem::path& path, const Mesh& mesh, Diagnostics& diagnostics);
+
+}  // namespace suture

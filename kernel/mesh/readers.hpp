@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "kernel/base/diagnostics.hpp"
+#include "kernel/mesh/file_text.hpp"
+#include "kernel/mesh/mesh.hpp"
+
+// The readers behind read_mesh, one per format. Each returns points, hexahedra in
+// the order X0..X7, sets and counts of what it skipped; indices are in range and
+// coordinates finite. Each throws InputError with a line or byte.
+
+namespace suture {
+
+Mesh read_medit(const FileText& file, Diagnostics& diagnostics);
+Mesh read_gmsh(const FileText& file, Diagnostics& diagnostics);
+Mesh read_vtk_legacy(const FileText& file, Diagnostics& diagnostics);
+Mesh read_vtu(const FileText& file, Diagnostics& diagnostics);
+
+using Sets = std::map<std::string, std::vector<Index>>;
+
+/// One set "prefix v" for each value v, and for 0 if `with_zero`. More than 4,096
+/// values are no labels: no set is made then, and a warning says so.
+void add_sets_by_value(Sets& sets, const std::string& prefix,
+                       const std::vector<std::int64_t>& values, bool with_zero,
+                       const std::string& source, Diagnostics& diagnostics);
+
+/// Throws InputError unless `count` points, elements fit 32-bit numbers.
+void check_count(const FileText& file, std::uint64_t count, const char* what);
+
+/// The message for hexahedra of higher order.
+std::string too_many_nodes(std::size_t nodes);
+
+}  // namespace suture

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/mesh/vtk_mesh.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "kernel/base/error.hpp"
+#include "kernel/mesh/vtk_order.hpp"
+
+namespace suture {
+namespace {
+
+[[noreturn]] void fail(const FileText& file, const std::string& what) {
+  throw InputError(file.name() + ": " + what);
+}
+
+struct TypeName {
+  std::uint8_t type;
+  const char* name;
+};
+// vtkCellType.h of VTK 9.1.
+constexpr TypeName type_names[] = {
+    {0, "empty cells"},
+    {1, "vertices as cells"},
+    {2, "vertices as cells"},
+    {3, "lines"},
+    {4, "polylines"},
+    {5, "triangles"},
+    {6, "triangle strips"},
+    {7, "polygons"},
+    {8, "pixels"},
+    {9, "quadrilaterals"},
+    {10, "tetrahedra"},
+    {13, "wedges"},
+    {14, "pyramids"},
+    {15, "pentagonal prisms"},
+    {16, "hexagonal prisms"},
+    {21, "quadratic edges"},
+    {22, "quadratic triangles"},
+    {23, "quadratic quadrilaterals"},
+    {24, "quadratic tetrahedra"},
+    {26, "quadratic wedges"},
+    {27, "quadratic pyramids"},
+    {42, "polyhedra"},
+};
+
+std::string name_of(std::uint8_t type) {
+  for (const TypeName& known : type_names) {
+    if (known.type == type) return known.name;
+  }
+  return "cells of VTK type " + std::to_string(type);
+}
+
+// Quadratic, triquadratic, biquadratic, Lagrange and Bezier hexahedra.
+bool is_curved_hexahedron(std::uint8_t type) {
+  constexpr std::array<std::uint8_t, 5> curved{25, 29, 33, 72, 79};
+  return std::find(curved.begin(), curved.end(), type) != curved.end();
+}
+
+void check_sizes(const VtkGrid& grid, const FileText& file) {
+  check_count(file, grid.points.size(), "points");
+  check_count(file, grid.types.size(), "cells");
+  const bool matches = grid.offsets.size() == grid.types.size() + 1 && grid.offsets.front() == 0 &&
+                       grid.offsets.back() <= std::int64_t(grid.connectivity.size()) &&
+                       std::is_sorted(grid.offsets.begin(), grid.offsets.end());
+  if (!matches && !grid.types.empty()) {
+    fail(file, "offsets, connectivity and types of the cells do not fit each other");
+  }
+  for (std::size_t i = 0; i < grid.points.size(); ++i) {
+    for (const double x : grid.points[i]) {
+      if (x - x != 0)
+        fail(file, "point " + std::to_string(i) + " has a coordinate that is not finite");
+    }
+  }
+}
+
+void repair_types(VtkGrid& grid, const FileText& file, Diagnostics& diagnostics) {
+  constexpr std::uint8_t tetrahedron = 10;
+  std::size_t repaired = 0;
+  for (std::size_t cell = 0; cell < grid.types.size(); ++cell) {
+    if (grid.types[cell] != tetrahedron || grid.offsets[cell + 1] - grid.offsets[cell] != 8)
+      continue;
+    grid.types[cell] = vtk_hexahedron;
+    ++repaired;
+  }
+  if (repaired > 0) {
+    diagnostics.warn(file.name() + ": " + grouped(repaired) +
+                     " cells of VTK type 10 (tetrahedron) have 8 nodes; read as hexahedra");
+  }
+}
+
+Hexahedron nodes_of(const VtkGrid& grid, std::size_t cell, const FileText& file) {
+  const std::int64_t begin = grid.offsets[cell], count = grid.offsets[cell + 1] - begin;
+  if (count != 8) {
+    fail(file, "cell " + std::to_string(cell) + " is a hexahedron of " + std::to_string(count) +
+                   " nodes; 8 are expected");
+  }
+  Hexahedron nodes;
+  for (int i = 0; i < 8; ++i) {
+    const std::int64_t node = grid.connectivity[begin + i];
+    if (node < 0 || node >= std::int64_t(grid.points.size())) {
+      fail(file, "cell " + std::to_string(cell) + " has point " + std::to_string(node) +
+                     "; there are points 0 to " +
+                     std::to_string(std::int64_t(grid.points.size()) - 1));
+    }
+    nodes[i] = static_cast<Index>(node);
+  }
+  return grid.types[cell] == vtk_voxel ? nodes : swap_vtk_order(nodes);
+}
+
+// Byte arrays of 0 and 1 are flags, other integers labels. Arrays with more
+// values than a user would give names to (numbers of points) are no labels.
+void add_sets(Sets& sets, const VtkGrid::Labels& labels) {
+  constexpr std::size_t max_labels = 256;
+  const bool flags = labels.bytes && std::all_of(labels.values.begin(), labels.values.end(),
+                                                 [](std::int64_t v) { return v == 0 || v == 1; });
+  std::map<std::int64_t, std::vector<Index>> by_value;
+  for (std::size_t i = 0; i < labels.values.size(); ++i) {
+    by_value[labels.values[i]].push_back(static_cast<Index>(i));
+    if (by_value.size() > max_labels) return;
+  }
+  for (auto& [value, members] : by_value) {
+    if (!flags) sets[labels.name + " " + std::to_string(value)] = std::move(members);
+    if (flags && value == 1) sets[labels.name] = std::move(members);
+  }
+}
+
+void add_labels(Mesh& mesh, VtkGrid::Labels& labels, const std::vector<Index>& cells) {
+  if (labels.of_cells) {
+    for (std::size_t e = 0; e < cells.size(); ++e) labels.values[e] = labels.values[cells[e]];
+    labels.values.resize(cells.size());
+  }
+  if (labels.global_ids) {
+    auto& ids = labels.of_cells ? mesh.element_ids : mesh.point_ids;
+    ids.assign(labels.values.begin(), labels.values.end());
+  } else {
+    add_sets(labels.of_cells ? mesh.element_sets : mesh.point_sets, labels);
+  }
+}
+
+}  // namespace
+
+Mesh mesh_from_vtk(VtkGrid grid, const FileText& file, Diagnostics& diagnostics) {
+  check_sizes(grid, file);
+  repair_types(grid, file, diagnostics);
+  Mesh mesh;
+  std::vector<Index> cells;  // element -> cell of the file
+  std::array<std::size_t, 256> skipped{};
+  for (std::size_t cell = 0; cell < grid.types.size(); ++cell) {
+    const std::uint8_t type = grid.types[cell];
+    if (is_curved_hexahedron(type)) {
+      fail(file, "cell " + std::to_string(cell) + ": " +
+                     too_many_nodes(std::size_t(grid.offsets[cell + 1] - grid.offsets[cell])));
+    }
+    if (type != vtk_hexahedron && type != vtk_voxel) {
+      ++skipped[type];
+      continue;
+    }
+    mesh.hexahedra.push_back(nodes_of(grid, cell, file));
+    cells.push_back(static_cast<Index>(cell));
+  }
+  for (std::size_t type = 0; type < skipped.size(); ++type) {
+    if (skipped[type] > 0) mesh.skipped_cells[name_of(std::uint8_t(type))] += skipped[type];
+  }
+  mesh.points = std::move(grid.points);
+  for (VtkGrid::Labels& labels : grid.labels) {
+    const std::size_t expected = labels.of_cells ? grid.types.size() : mesh.points.size();
+    if (labels.values.size() != expected) {
+      fail(file, "array '" + labels.name + "' has " + grouped(labels.values.size()) +
+                     " values for " + grouped(expected) + (labels.of_cells ? " cells" : " points"));
+    }
+    add_labels(mesh, labels, cells);
+  }
+  return mesh;
+}
+
+}  // namespace suture

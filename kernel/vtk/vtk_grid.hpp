@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "kernel/base/types.hpp"
+
+namespace suture {
+
+/// An unstructured grid as VTK keeps it, cells of every type, VTK's node order.
+struct VtkGrid {
+  /// An array of integers with one component: labels, flags or ids.
+  struct Labels {
+    std::string name;
+    bool of_cells = false;
+    bool bytes = false;       ///< stored as bytes: flags if all are 0 or 1
+    bool global_ids = false;  ///< marked by the file as the user's numbers
+    std::vector<std::int64_t> values;
+  };
+  std::vector<Vec3> points;
+  std::vector<std::int64_t> offsets;  ///< cell c has connectivity[offsets[c], offsets[c + 1])
+  std::vector<std::int64_t> connectivity;
+  std::vector<std::uint8_t> types;
+  std::vector<Labels> labels;
+};
+
+/// VTK's numbers of the cell types that are hexahedra of 8 nodes.
+inline constexpr std::uint8_t vtk_hexahedron = 12;
+inline constexpr std::uint8_t vtk_voxel = 11;
+
+}  // namespace suture

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernel/base/types.hpp"
+#include "kernel/topology/face_matching.hpp"
 #include "kernel/topology/hexahedron_tables.hpp"
 
 namespace suture {
@@ -20,16 +21,29 @@ struct Split {
 /// Incident elements of some cells, in compressed rows: cell i has the darts
 /// darts[offsets[i]] .. darts[offsets[i+1]-1], one per incident element,
 /// ascending (dimension 0: origin at the vertex; 1: on the edge; 2: on the face).
+/// It is always the lowest dart of that element with the property.
 struct Stars {
   std::vector<Index> cells;
-  std::vector<Index> offsets;
+  std::vector<Index> offsets{0};
   std::vector<Dart> darts;
+
+  /// Appends a cell with these darts.
+  void append(Index cell, std::span<const Dart> star) {
+    cells.push_back(cell);
+    darts.insert(darts.end(), star.begin(), star.end());
+    offsets.push_back(static_cast<Index>(darts.size()));
+  }
+  std::size_t size() const { return cells.size(); }
+  std::span<const Dart> operator[](std::size_t i) const {
+    return std::span(darts).subspan(offsets[i], offsets[i + 1] - offsets[i]);
+  }
 };
 
 /// What an operation did to the cells. Attributes follow from this alone.
 struct TopologyChange {
   std::array<std::vector<Split>, 3> splits;  ///< dimensions 0, 1, 2
-  /// Old and new cells that lost or gained elements, per dimension.
+  /// Old and new cells that lost or gained elements, per dimension: each old cell
+  /// is followed by the new ones that left it.
   std::array<Stars, 3> stars;
   /// Elements incident to any of those stars, ascending.
   std::vector<Index> elements;
@@ -39,20 +53,34 @@ struct TopologyChange {
 
 /// The combinatorial 3-map of a set of hexahedra. Dart 24 e + 4 f + k is never
 /// stored: beta0..beta2 are tables, beta3 is one word per face.
+///
+/// Cells are orbits of the map: elements that meet only along an edge or at a
+/// vertex, without a chain of elements through common faces around it, do not
+/// share that cell.
+///
 /// Memory per hexahedron: 24 B beta3, 32 B vertex ids, 48 B edge ids, 24 B face
-/// ids; per vertex, edge and face one dart (4 B).
+/// ids, one bit; per vertex, edge and face one dart (4 B). A large grid (1 vertex, 3 edges
+/// and 3 faces per element) takes 156 B per hexahedron, 60 B without edges and faces.
 class CellComplex {
  public:
   CellComplex() = default;
-  /// From conforming connectivity (import.hpp checks and repairs first).
+  /// From conforming connectivity (import.hpp repairs and renumbers first). A
+  /// vertex whose elements form several components around it (a pinched vertex)
+  /// is split: the component of the smallest element keeps the number, the others
+  /// get new ones from `vertex_count` on, appended to `pinched` if it is given.
   /// Throws TopologyError naming the elements and the reason.
-  CellComplex(std::vector<Hexahedron> hexahedra, Index vertex_count);
+  CellComplex(std::vector<Hexahedron> hexahedra, Index vertex_count,
+              std::vector<Split>* pinched = nullptr, const Naming& naming = {});
 
   Index element_count() const { return static_cast<Index>(vertices_.size()); }
-  /// Cells of a dimension: 0 vertices, 1 edges, 2 faces, 3 elements.
-  Index count(int dimension) const;
+  /// Cells of a dimension: 0 vertices, 1 edges, 2 faces, 3 elements. Edges and
+  /// faces are counted once they have been required.
+  Index count(int dimension) const {
+    return dimension == 3 ? element_count() : static_cast<Index>(some_dart_[dimension].size());
+  }
 
-  /// Ids of edges and faces are built on demand (idempotent).
+  /// Ids of edges and faces are built on demand (idempotent), in order of their
+  /// smallest dart.
   void require_edges();
   void require_faces();
   bool has_edges() const { return !edges_.empty() || element_count() == 0; }
@@ -68,26 +96,45 @@ class CellComplex {
 
   /// The paper's dart[6][4] of element e.
   static std::array<std::array<Dart, 4>, 6> darts(Index e);
-  static constexpr Dart beta0(Dart d);
-  static constexpr Dart beta1(Dart d);
-  static constexpr Dart beta2(Dart d);
+  static constexpr Dart beta0(Dart d) { return (d & ~3u) | ((d + 3) & 3u); }
+  static constexpr Dart beta1(Dart d) { return (d & ~3u) | ((d + 1) & 3u); }
+  static constexpr Dart beta2(Dart d) { return d - d % 24 + hexahedron::beta2[d % 24]; }
   /// `none` on the boundary. O(1).
-  Dart beta3(Dart d) const;
+  Dart beta3(Dart d) const {
+    const Dart first = mates_[d / 4];
+    return first == none ? none : (first & ~3u) | ((first - d) & 3u);
+  }
   /// Element on the other side of face f of element e, or `none`.
-  Index neighbour(Index e, int f) const;
+  Index neighbour(Index e, int f) const {
+    const Dart first = mates_[6 * e + f];
+    return first == none ? none : first / 24;
+  }
 
-  Index origin(Dart d) const;      ///< vertex id
-  Index edge(Dart d) const;        ///< edge id; needs require_edges()
-  Index face(Dart d) const;        ///< face id; needs require_faces()
-  /// Some dart of cell `id` (origin at it, on it, ...). O(1).
-  Dart dart_of(int dimension, Index id) const;
-  /// Elements around a cell: one dart per element, ascending. O(valence).
+  /// Vertex where the dart starts.
+  Index origin(Dart d) const { return vertices_[d / 24][hexahedron::dart_vertex[d % 24]]; }
+  /// Edge id; needs require_edges().
+  Index edge(Dart d) const { return edges_[d / 24][hexahedron::dart_edge[d % 24]]; }
+  /// Face id; needs require_faces().
+  Index face(Dart d) const { return faces_[d / 24][d % 24 / 4]; }
+  /// The id of the cell of a dimension (0..3) that the dart belongs to.
+  Index cell(int dimension, Dart d) const;
+  /// The smallest dart of cell `id` (origin at it, on it, ...). O(1).
+  Dart dart_of(int dimension, Index id) const {
+    return dimension == 3 ? 24 * id : some_dart_[dimension][id];
+  }
+  /// Elements around a cell: one dart per element, ascending, as in Stars.
+  /// O(valence), for valences beyond 64 times its logarithm.
   void star(int dimension, Index id, std::vector<Dart>& out) const;
 
-  /// 3-unsews all given faces (any dart of each; both sides allowed) in one
-  /// batch. Throws TopologyError if !can_cut(). O(faces cut).
+  /// 3-unsews all given faces (any dart of each; both sides and repetitions
+  /// allowed) in one batch. Throws TopologyError if !can_cut() for one of them, and
+  /// then nothing has happened. New ids do not depend on the order of `faces`:
+  /// vertices and edges are numbered in order of (old cell, smallest element of the
+  /// component), faces in order of their smallest dart; the component of the
+  /// smallest element keeps the old id. O(faces cut), whatever the size of the map.
   TopologyChange cut(std::span<const Dart> faces);
-  bool can_cut(Dart face) const { return beta3(face) != none; }
+  /// True if the dart exists and its face separates two elements.
+  bool can_cut(Dart face) const { return face / 24 < element_count() && beta3(face) != none; }
 
   /// Connected component of each element: ids 0.. in order of smallest element.
   std::vector<Index> islands(Index* count = nullptr) const;
@@ -97,11 +144,30 @@ class CellComplex {
   void validate() const;
 
  private:
+  friend struct CellComplexAccess;  // tests corrupt a map through it
+
+  /// The stored id of the vertex (dimension 0) or edge (1) of a dart.
+  template <int Dimension>
+  Index& label(Dart d);
+  template <int Dimension>
+  void collect_star(Dart start, std::vector<Dart>& out) const;
+  void split_pinched_vertices(Index vertex_count, std::vector<Split>* pinched);
+
+  // cut.cpp
+  struct CutFace;
+  std::vector<CutFace> unlink(std::span<const Dart> faces);
+  template <int Dimension>
+  void split_cells(std::span<const CutFace> cut_faces, TopologyChange& change);
+  void split_faces(std::span<const CutFace> cut_faces, TopologyChange& change);
+  std::vector<Index> elements_of(std::span<const CutFace> cut_faces,
+                                 const std::array<Stars, 3>& stars);
+
   std::vector<Hexahedron> vertices_;
   std::vector<std::array<Index, 12>> edges_;
   std::vector<std::array<Index, 6>> faces_;
-  std::vector<std::array<std::uint32_t, 6>> mates_;
+  std::vector<Dart> mates_;  ///< 6 e + f: beta3 of the first dart of the face, or none
   std::array<std::vector<Dart>, 3> some_dart_;
+  std::vector<std::uint64_t> marks_;  ///< one bit per element, all 0 between operations
 };
 
 }  // namespace suture

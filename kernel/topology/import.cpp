@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/topology/import.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "kernel/base/error.hpp"
+#include "kernel/base/radix_sort.hpp"
+#include "kernel/topology/ordering.hpp"
+#include "kernel/topology/rest_shape.hpp"
+
+namespace suture {
+namespace {
+
+// ------------------------------------------------------------------- texts --
+
+std::string counted(std::size_t n, const std::string& one, const std::string& many) {
+  return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
+/// "3, 7, 12 and 40 more": all of them up to 1,000.
+template <class Range, class Name>
+std::string listed(const Range& items, Name name, std::size_t at_most = 1000) {
+  std::string text;
+  std::size_t shown = 0;
+  for (const auto& item : items) {
+    if (shown == at_most) break;
+    text += (shown++ ? ", " : "") + name(item);
+  }
+  if (items.size() > shown) text += " and " + std::to_string(items.size() - shown) + " more";
+  return text;
+}
+
+/// The user's numbers for positions in a Mesh.
+struct UserNames {
+  std::vector<std::uint64_t> points, elements;
+  std::string point(Index i) const { return std::to_string(points.empty() ? i : points[i]); }
+  std::string element(Index i) const { return std::to_string(elements.empty() ? i : elements[i]); }
+};
+
+std::string prefix(const std::string& source) {
+  return "mesh " + (source.empty() ? std::string() : "'" + source + "' ");
+}
+
+// ------------------------------------------------------------------ checks --
+
+void check_not_empty(const Mesh& mesh) {
+  if (!mesh.hexahedra.empty()) return;
+  std::string text = prefix(mesh.source) + "has no hexahedra";
+  if (!mesh.skipped_cells.empty())
+    text += "; it has " + listed(mesh.skipped_cells, [](const auto& cell) {
+              return std::to_string(cell.second) + " cells of type " + cell.first;
+            });
+  throw InputError(text + ". Suture simulates hexahedra: export or generate a hexahedral mesh");
+}
+
+void check_points(const Mesh& mesh, const UserNames& names) {
+  std::vector<MapFault> faults;
+  std::vector<Index> not_finite;
+  const auto count = static_cast<Index>(mesh.points.size());
+  for (Index e = 0; e < mesh.hexahedra.size(); ++e)
+    for (const Index v : mesh.hexahedra[e]) {
+      if (v >= count) {
+        faults.push_back(
+            {MapFault::Kind::index_out_of_range, {e, none, none}, {v, none, none, none}});
+        break;
+      }
+      const Vec3& x = mesh.points[v];
+      if (!std::isfinite(x[0] + x[1] + x[2])) not_finite.push_back(v);
+    }
+  if (!faults.empty())
+    throw TopologyError(prefix(mesh.source) + "(points 0 to " + std::to_string(count) +
+                        " - 1) has " +
+                        describe(faults, {.element = [&](Index e) { return names.element(e); }}));
+  if (not_finite.empty()) return;
+  std::ranges::sort(not_finite);
+  not_finite.erase(std::unique(not_finite.begin(), not_finite.end()), not_finite.end());
+  throw InputError(prefix(mesh.source) + "has " + counted(not_finite.size(), "point", "points") +
+                   " with a coordinate that is not a finite number: " +
+                   listed(not_finite, [&](Index p) { return names.point(p); }));
+}
+
+// --------------------------------------------------------------- numbering --
+
+/// Fills the maps between the numbers of the mesh and those of the complex, and the
+/// rest positions; returns the elements in their new order, over new vertices.
+std::vector<Hexahedron> number(const Mesh& mesh, bool renumber, Imported& out) {
+  const auto elements = static_cast<Index>(mesh.hexahedra.size());
+  const auto points = static_cast<Index>(mesh.points.size());
+  if (renumber && !is_local(mesh.hexahedra, points)) {
+    out.user_element = curve_order(mesh.hexahedra, mesh.points);
+  } else {
+    out.user_element.resize(elements);
+    std::iota(out.user_element.begin(), out.user_element.end(), Index{0});
+  }
+  out.element_of.resize(elements);
+  for (Index e = 0; e < elements; ++e) out.element_of[out.user_element[e]] = e;
+
+  out.vertex_of_point.assign(points, none);
+  const auto add_vertex = [&](Index point) {
+    out.vertex_of_point[point] = static_cast<Index>(out.user_vertex.size());
+    out.user_vertex.push_back(point);
+    out.rest.push_back(mesh.points[point]);
+  };
+  out.user_vertex.reserve(points);
+  out.rest.reserve(points);
+  if (!renumber) {
+    std::vector<bool> used(points, false);
+    for (const Hexahedron& h : mesh.hexahedra)
+      for (const Index p : h) used[p] = true;
+    for (Index p = 0; p < points; ++p)
+      if (used[p]) add_vertex(p);
+  }
+  std::vector<Hexahedron> hexahedra(elements);
+  for (Index e = 0; e < elements; ++e)
+    for (int i = 0; i < 8; ++i) {
+      const Index point = mesh.hexahedra[out.user_element[e]][i];
+      if (out.vertex_of_point[point] == none) add_vertex(point);
+      hexahedra[e][i] = out.vertex_of_point[point];
+    }
+  return hexahedra;
+}
+
+// ------------------------------------------------------------------- shape --
+
+struct Shapes {
+  std::vector<Index> flipped;   ///< were mirror images
+  std::vector<Index> inverted;  ///< a corner Jacobian <= 0
+  std::vector<Index> hopeless;  ///< a Gauss point too
+};
+
+/// Turns mirrored elements round and finds the inverted ones. An element is mirrored
+/// if its volume is negative: single bad corners do not decide it.
+Shapes orient(std::vector<Hexahedron>& hexahedra, const std::vector<Vec3>& rest) {
+  const auto smallest = [](const std::array<double, 8>& j) { return *std::ranges::min_element(j); };
+  Shapes shapes;
+  for (Index e = 0; e < hexahedra.size(); ++e) {
+    Corners x;
+    for (int i = 0; i < 8; ++i) x[i] = rest[hexahedra[e][i]];
+    if (smallest(corner_jacobians(x)) > 0) continue;
+    std::array<double, 8> gauss = gauss_jacobians(x);
+    if (std::accumulate(gauss.begin(), gauss.end(), 0.0) < 0) {
+      mirror(hexahedra[e]);
+      mirror(x);
+      gauss = gauss_jacobians(x);
+      shapes.flipped.push_back(e);
+    }
+    if (smallest(corner_jacobians(x)) > 0) continue;
+    shapes.inverted.push_back(e);
+    if (!(smallest(gauss) > 0)) shapes.hopeless.push_back(e);
+  }
+  return shapes;
+}
+
+// ----------------------------------------------------------------- pinched --
+
+/// Pairs of points with several edges of the complex between them. On the boundary
+/// each edge has two sides (open path of elements), so more than two sides between
+/// two points tell of several edges.
+std::vector<std::array<Index, 2>> pinched_edges(const CellComplex& complex,
+                                                const std::vector<Index>& user_vertex) {
+  std::vector<std::uint64_t> sides, spare;
+  for (Index e = 0; e < complex.element_count(); ++e)
+    for (int f = 0; f < 6; ++f) {
+      if (complex.neighbour(e, f) != none) continue;
+      for (Dart d = 24 * e + 4 * f; d < 24 * e + 4 * f + 4; ++d) {
+        const auto [a, b] = std::minmax(
+            {user_vertex[complex.origin(d)], user_vertex[complex.origin(CellComplex::beta1(d))]});
+        sides.push_back(std::uint64_t{a} << 32 | b);
+      }
+    }
+  radix_sort(sides, spare, [](std::uint64_t s) { return s; });
+  std::vector<std::array<Index, 2>> result;
+  for (std::size_t i = 0; i + 2 < sides.size(); ++i)
+    if (sides[i] == sides[i + 2] && (i == 0 || sides[i - 1] != sides[i]))
+      result.push_back({static_cast<Index>(sides[i] >> 32), static_cast<Index>(sides[i])});
+  return result;
+}
+
+/// Gives the vertices that the complex split their points; refuses or warns.
+void report_pinched(const std::vector<Split>& pinched, const std::string& where,
+                    const UserNames& names, ImportOptions::Pinched option, Imported& out,
+                    Diagnostics& diagnostics) {
+  std::vector<Index> points;
+  for (const Split& split : pinched) {
+    const Index point = out.user_vertex[split.old_cell];
+    out.user_vertex.push_back(point);
+    out.rest.push_back(out.rest[split.old_cell]);
+    out.split_points.emplace_back(point, split.new_cell);
+    points.push_back(point);
+  }
+  std::ranges::sort(out.split_points);
+  std::ranges::sort(points);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  const auto edges = pinched_edges(out.complex, out.user_vertex);
+  if (points.empty() && edges.empty()) return;
+
+  const std::string what = counted(points.size(), "vertex", "vertices") + " and " +
+                           counted(edges.size(), "edge", "edges");
+  if (option == ImportOptions::Pinched::split) {
+    diagnostics.warn(where + "is pinched at " + what +
+                     " (elements touch there without a chain of common faces): they were split");
+    return;
+  }
+  std::string text =
+      where + "is pinched at " + what + " (elements touch there without a chain of common faces)";
+  if (!points.empty())
+    text += "\n  points " + listed(points, [&](Index p) { return names.point(p); });
+  if (!edges.empty())
+    text += "\n  edges " + listed(edges, [&](const std::array<Index, 2>& e) {
+              return names.point(e[0]) + "-" + names.point(e[1]);
+            });
+  throw TopologyError(text + "\n  \"pinched\": \"split\" separates them");
+}
+
+void report_inverted(const Shapes& shapes, const std::string& where, const Naming& naming,
+                     bool allowed, Diagnostics& diagnostics) {
+  if (shapes.inverted.empty()) return;
+  const std::vector<Index>& refused = allowed ? shapes.hopeless : shapes.inverted;
+  if (refused.empty()) {
+    diagnostics.warn(where + "has " + counted(shapes.inverted.size(), "element", "elements") +
+                     " with a corner Jacobian <= 0, admitted by \"allow_inverted_rest\" (their "
+                     "Gauss points are positive): " +
+                     listed(shapes.inverted, naming.element, 20));
+    return;
+  }
+  std::string text = where + "has " + counted(refused.size(), "element", "elements") +
+                     (allowed ? " with a Jacobian <= 0 at a corner and at a Gauss point: "
+                              : " with a corner Jacobian <= 0 at rest: ") +
+                     listed(refused, naming.element) + ". ";
+  if (!allowed && shapes.hopeless.size() < shapes.inverted.size())
+    text += "\"allow_inverted_rest\": true admits those whose quadrature points are positive (" +
+            std::to_string(shapes.inverted.size() - shapes.hopeless.size()) + " of them); else ";
+  throw TopologyError(text + "repair the mesh");
+}
+
+}  // namespace
+
+std::vector<Index> Imported::vertices_of_point(Index point) const {
+  std::vector<Index> result;
+  if (point >= vertex_of_point.size() || vertex_of_point[point] == none) return result;
+  result.push_back(vertex_of_point[point]);
+  for (auto it = std::ranges::lower_bound(split_points, std::pair{point, Index{0}});
+       it != split_points.end() && it->first == point; ++it)
+    result.push_back(it->second);
+  return result;
+}
+
+Imported import_mesh(Mesh mesh, const ImportOptions& options, Diagnostics& diagnostics) {
+  check_not_empty(mesh);
+  const UserNames names{std::move(mesh.point_ids), std::move(mesh.element_ids)};
+  const std::string where = prefix(mesh.source);
+  check_points(mesh, names);
+
+  Imported out;
+  std::vector<Hexahedron> hexahedra = number(mesh, options.renumber, out);
+  const std::size_t unused = mesh.points.size() - out.rest.size();
+  mesh = {};  // gives its memory back before the map is built
+
+  const Naming naming{[&](Index e) { return names.element(out.user_element[e]); },
+                      [&](Index v) { return names.point(out.user_vertex[v]); }};
+  const Shapes shapes = orient(hexahedra, out.rest);
+  std::vector<Split> pinched;
+  try {
+    out.complex =
+        CellComplex(std::move(hexahedra), static_cast<Index>(out.rest.size()), &pinched, naming);
+  } catch (const TopologyError& error) {
+    throw TopologyError(where + "is no conforming hexahedral mesh. It has\n" + error.what());
+  }
+  report_inverted(shapes, where, naming, options.allow_inverted_rest, diagnostics);
+  report_pinched(pinched, where, names, options.pinched, out, diagnostics);
+  if (unused > 0)
+    diagnostics.warn(where + "has " + counted(unused, "point", "points") +
+                     " that no hexahedron uses: dropped");
+  if (!shapes.flipped.empty())
+    diagnostics.warn(where + "has " + counted(shapes.flipped.size(), "element", "elements") +
+                     " numbered as a mirror image: turned round (" +
+                     listed(shapes.flipped, naming.element, 20) + ")");
+  return out;
+}
+
+}  // namespace suture

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <utility>
+
+#include "kernel/base/types.hpp"
+
+namespace suture {
+
+/// Positions of the nodes X0..X7 of one hexahedron, m.
+using Corners = std::array<Vec3, 8>;
+
+/// Jacobian determinants of the trilinear map from the unit cube, m^3, at the 8
+/// corners: the triple product of the three edges that meet there.
+std::array<double, 8> corner_jacobians(const Corners& x);
+
+/// The same at the 2x2x2 Gauss points. Their mean is the volume exactly: det J is of
+/// degree 2 in each local coordinate.
+std::array<double, 8> gauss_jacobians(const Corners& x);
+
+/// The mirror image's numbering: X_i and X_(i xor 1) change places.
+template <class T>
+void mirror(std::array<T, 8>& nodes) {
+  for (int i = 0; i < 8; i += 2) std::swap(nodes[i], nodes[i + 1]);
+}
+
+}  // namespace suture

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "kernel/base/error.hpp"
+#include "tests/topology/meshes.hpp"
+
+namespace suture {
+namespace {
+
+using namespace meshes;
+
+/// Every star of a change is the star in the map, every other cell's is unchanged.
+void expect_change_tells_all(const CellComplex& before, const CellComplex& after,
+                             const TopologyChange& change) {
+  std::set<Index> elements;
+  for (int dimension = 0; dimension < 3; ++dimension) {
+    std::set<Index> told;
+    std::vector<Dart> old_star, new_star;
+    for (std::size_t i = 0; i < change.stars[dimension].size(); ++i) {
+      const Index id = change.stars[dimension].cells[i];
+      EXPECT_TRUE(told.insert(id).second);
+      after.star(dimension, id, new_star);
+      const auto star = change.stars[dimension][i];
+      EXPECT_TRUE(std::ranges::equal(star, new_star)) << "dimension " << dimension;
+      EXPECT_EQ(star[0], after.dart_of(dimension, id));
+      for (const Dart d : star) elements.insert(d / 24);
+      if (id >= before.count(dimension)) continue;
+      before.star(dimension, id, old_star);
+      EXPECT_GT(old_star.size(), new_star.size());
+    }
+    for (Index id = 0; id < after.count(dimension); ++id) {
+      if (told.contains(id)) continue;
+      ASSERT_LT(id, before.count(dimension));
+      before.star(dimension, id, old_star);
+      after.star(dimension, id, new_star);
+      EXPECT_EQ(old_star, new_star);
+    }
+    Index next = before.count(dimension);
+    for (const Split& split : change.splits[dimension]) {
+      EXPECT_EQ(split.new_cell, next++);
+      EXPECT_LT(split.old_cell, before.count(dimension));
+    }
+    EXPECT_EQ(next, after.count(dimension));
+  }
+  EXPECT_TRUE(std::ranges::equal(change.elements, elements));
+}
+
+TEST(Cut, SeparatesTwoCubes) {
+  CellComplex map = complex_of(two_cubes());
+  const CellComplex before = map;
+  const TopologyChange change = map.cut(std::array<Dart, 1>{8});
+  map.validate();
+  EXPECT_EQ(change.faces_cut, 1u);
+  EXPECT_EQ(change.splits[0].size(), 4u);
+  EXPECT_EQ(change.splits[1].size(), 4u);
+  EXPECT_EQ(change.splits[2].size(), 1u);
+  EXPECT_EQ(map.vertices_of(0), before.vertices_of(0));  // the smallest element keeps its ids
+  EXPECT_EQ(map.count(0), 16u);
+  EXPECT_EQ(map.count(1), 24u);
+  EXPECT_EQ(map.count(2), 12u);
+  expect_change_tells_all(before, map, change);
+}
+
+TEST(Cut, OneInnerFaceSplitsNothingButTheFace) {
+  CellComplex map = complex_of(grid(4, 4, 4));
+  const CellComplex before = map;
+  const Index e = 1 + 4 * (1 + 4 * 1);  // around its face x1 all vertices are inner ones
+  const TopologyChange change = map.cut(std::array<Dart, 1>{24 * e + 8});
+  map.validate();
+  EXPECT_TRUE(change.splits[0].empty());
+  EXPECT_TRUE(change.splits[1].empty());
+  EXPECT_EQ(change.splits[2].size(), 1u);
+  EXPECT_EQ(change.elements, (std::vector<Index>{e, e + 1}));
+  expect_change_tells_all(before, map, change);
+}
+
+TEST(Cut, SlitOpensTheEdgesBetweenItsFacesOnly) {
+  CellComplex map = complex_of(grid(4, 4, 4));
+  const CellComplex before = map;
+  const Index e = 1 + 4 * (1 + 4 * 1);
+  const TopologyChange change = map.cut(std::array<Dart, 2>{24 * e + 8, 24 * (e + 4) + 8});
+  map.validate();
+  EXPECT_TRUE(change.splits[0].empty());
+  EXPECT_EQ(change.splits[1].size(), 1u);
+  expect_change_tells_all(before, map, change);
+}
+
+TEST(Cut, RefusesBoundaryFacesAndThenDoesNothing) {
+  CellComplex map = complex_of(two_cubes());
+  EXPECT_FALSE(map.can_cut(0));
+  EXPECT_FALSE(map.can_cut(48));
+  EXPECT_TRUE(map.can_cut(8));
+  EXPECT_TRUE(map.can_cut(24));
+  EXPECT_THROW(map.cut(std::array<Dart, 2>{8, 0}), TopologyError);
+  EXPECT_THROW(map.cut(std::array<Dart, 2>{8, 4800}), TopologyError);
+  map.validate();
+  EXPECT_TRUE(map.can_cut(8));
+  EXPECT_EQ(map.count(0), 12u);
+}
+
+TEST(Cut, OfNothingIsNoChange) {
+  CellComplex map = complex_of(two_cubes());
+  const TopologyChange change = map.cut({});
+  EXPECT_TRUE(change.empty());
+  EXPECT_TRUE(change.elements.empty());
+}
+
+TEST(Cut, NeitherOrderNorSideNorRepetitionOfTheRequestMatters) {
+  std::mt19937 random(11);
+  const Mesh mesh = grid(5, 5, 5);
+  CellComplex one = complex_of(mesh), other = complex_of(mesh);
+  std::vector<Dart> faces = interior_faces(one);
+  std::shuffle(faces.begin(), faces.end(), random);
+  faces.resize(faces.size() / 2);
+  const TopologyChange first = one.cut(faces);
+  std::vector<Dart> again;
+  for (const Dart d : faces) {
+    again.push_back(d + random() % 4);
+    again.push_back(other.beta3(d));
+  }
+  std::shuffle(again.begin(), again.end(), random);
+  const TopologyChange second = other.cut(again);
+  EXPECT_EQ(first.faces_cut, second.faces_cut);
+  EXPECT_TRUE(std::ranges::equal(one.vertices(), other.vertices()));
+  EXPECT_TRUE(std::ranges::equal(one.edges(), other.edges()));
+  EXPECT_TRUE(std::ranges::equal(one.faces(), other.faces()));
+  EXPECT_EQ(first.elements, second.elements);
+}
+
+TEST(Cut, WithoutEdgeAndFaceIdsSplitsTheSameVertices) {
+  const Mesh mesh = grid(4, 4, 2);
+  CellComplex full = complex_of(mesh);
+  CellComplex lean(mesh.hexahedra, Index(mesh.points.size()));
+  std::vector<Dart> faces;
+  for (Dart d = 20; d < 24 * 16; d += 24) faces.push_back(d);  // z1 of the lower layer
+  full.cut(faces);
+  const TopologyChange change = lean.cut(faces);
+  lean.validate();
+  EXPECT_TRUE(std::ranges::equal(full.vertices(), lean.vertices()));
+  EXPECT_TRUE(change.splits[1].empty());
+  EXPECT_EQ(change.elements.size(), 32u);
+  lean.require_edges();
+  lean.require_faces();
+  lean.validate();
+  EXPECT_EQ(lean.count(1), full.count(1));
+  EXPECT_EQ(lean.count(2), full.count(2));
+}
+
+TEST(Cut, IntoSingleElements) {
+  CellComplex map = complex_of(grid(3, 4, 5));
+  const CellComplex before = map;
+  const TopologyChange change = map.cut(interior_faces(map));
+  map.validate();
+  EXPECT_EQ(map.count(0), 60u * 8);
+  EXPECT_EQ(map.count(1), 60u * 12);
+  EXPECT_EQ(map.count(2), 60u * 6);
+  Index islands = 0;
+  map.islands(&islands);
+  EXPECT_EQ(islands, 60u);
+  expect_change_tells_all(before, map, change);
+}
+
+TEST(Cut, SeparatesWheelsOfAnyValence) {
+  CellComplex map = complex_of(wheel(3000));
+  const CellComplex before = map;
+  const std::vector<Dart> faces = interior_faces(map);
+  ASSERT_EQ(faces.size(), 3000u);
+  // One spoke opens the closed fan without splitting the axis; a second one splits it.
+  TopologyChange change = map.cut(std::span(faces).first(1));
+  EXPECT_EQ(change.splits[0].size(), 2u);  // the spoke's outer vertices
+  change = map.cut(std::span(faces).subspan(1500, 1));
+  EXPECT_EQ(change.splits[0].size(), 4u);
+  map.validate();
+}
+
+TEST(Cut, RandomSequencesKeepTheLaws) {
+  const unsigned seed = 20260101;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  for (int round = 0; round < 30; ++round) {
+    CellComplex map = complex_of(blob(5, 0.6, random));
+    map.validate();
+    for (int step = 0; step < 4; ++step) {
+      std::vector<Dart> faces = interior_faces(map);
+      std::shuffle(faces.begin(), faces.end(), random);
+      faces.resize(faces.size() / 3);
+      const CellComplex before = map;
+      const TopologyChange change = map.cut(faces);
+      map.validate();
+      expect_change_tells_all(before, map, change);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace suture

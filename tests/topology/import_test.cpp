@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/topology/import.hpp"
+
+#include <gtest/gtest.h>
+
+#include "kernel/base/error.hpp"
+#include "kernel/topology/ordering.hpp"
+#include "kernel/topology/rest_shape.hpp"
+#include "tests/topology/meshes.hpp"
+
+namespace suture {
+namespace {
+
+using namespace meshes;
+
+Imported import(Mesh mesh, ImportOptions options = {}) {
+  Diagnostics diagnostics;
+  Imported result = import_mesh(std::move(mesh), options, diagnostics);
+  EXPECT_TRUE(diagnostics.warnings().empty()) << diagnostics.warnings()[0];
+  return result;
+}
+
+/// Imports with exactly one warning, that contains the text.
+Imported import_warned(Mesh mesh, const std::string& text, ImportOptions options = {}) {
+  Diagnostics diagnostics;
+  Imported result = import_mesh(std::move(mesh), options, diagnostics);
+  EXPECT_EQ(diagnostics.warnings().size(), 1u);
+  for (const std::string& warning : diagnostics.warnings())
+    EXPECT_NE(warning.find(text), std::string::npos) << warning;
+  return result;
+}
+
+template <class Exception>
+void expect_refused(Mesh mesh, std::initializer_list<const char*> words,
+                    ImportOptions options = {}) {
+  Diagnostics diagnostics;
+  try {
+    import_mesh(std::move(mesh), options, diagnostics);
+    ADD_FAILURE() << "accepted";
+  } catch (const Exception& error) {
+    for (const char* word : words)
+      EXPECT_NE(std::string(error.what()).find(word), std::string::npos)
+          << "missing: " << word << "\nin: " << error.what();
+  }
+}
+
+void expect_maps_are_consistent(const Mesh& mesh, const Imported& in) {
+  ASSERT_EQ(in.complex.element_count(), mesh.hexahedra.size());
+  ASSERT_EQ(in.rest.size(), in.complex.count(0));
+  ASSERT_EQ(in.user_vertex.size(), in.complex.count(0));
+  for (Index e = 0; e < in.complex.element_count(); ++e) {
+    EXPECT_EQ(in.element_of[in.user_element[e]], e);
+    for (int i = 0; i < 8; ++i) {
+      const Index v = in.complex.vertices_of(e)[i];
+      EXPECT_EQ(in.user_vertex[v], mesh.hexahedra[in.user_element[e]][i]);
+      EXPECT_EQ(in.rest[v], mesh.points[in.user_vertex[v]]);
+    }
+  }
+  std::size_t listed = 0;
+  for (Index p = 0; p < mesh.points.size(); ++p)
+    for (const Index v : in.vertices_of_point(p)) {
+      EXPECT_EQ(in.user_vertex[v], p);
+      ++listed;
+    }
+  EXPECT_EQ(listed, in.complex.count(0));
+}
+
+TEST(Import, KeepsANaturalOrder) {
+  const Mesh mesh = grid(6, 5, 4);
+  const Imported in = import(mesh);
+  expect_maps_are_consistent(mesh, in);
+  EXPECT_TRUE(std::ranges::is_sorted(in.user_element));
+}
+
+TEST(Import, OrdersShuffledElementsAlongACurve) {
+  std::mt19937 random(3);
+  const Mesh mesh = shuffled(grid(40, 40, 40), random);
+  EXPECT_FALSE(is_local(mesh.hexahedra, Index(mesh.points.size())));
+  const Imported in = import(mesh);
+  expect_maps_are_consistent(mesh, in);
+  in.complex.validate();
+  EXPECT_TRUE(is_local(in.complex.vertices(), in.complex.count(0)));
+}
+
+TEST(Import, WithoutRenumberingKeepsTheOrderOfPointsAndElements) {
+  std::mt19937 random(4);
+  const Mesh mesh = shuffled(grid(40, 40, 20), random);
+  const Imported in = import(mesh, {.renumber = false});
+  expect_maps_are_consistent(mesh, in);
+  EXPECT_TRUE(std::ranges::is_sorted(in.user_element));
+  EXPECT_TRUE(std::ranges::is_sorted(in.user_vertex));
+}
+
+TEST(Import, DropsUnusedPoints) {
+  Mesh mesh = two_cubes();
+  mesh.points.insert(mesh.points.begin(), {9, 9, std::nan("")});
+  mesh.points.push_back({8, 8, 8});
+  for (Hexahedron& h : mesh.hexahedra)
+    for (Index& v : h) ++v;
+  const Imported in = import_warned(mesh, "2 points that no hexahedron uses");
+  expect_maps_are_consistent(mesh, in);
+  EXPECT_TRUE(in.vertices_of_point(0).empty());
+  EXPECT_TRUE(in.vertices_of_point(4711).empty());
+}
+
+TEST(Import, TurnsMirroredElementsRound) {
+  Mesh mesh = grid(3, 2, 1);
+  mirror(mesh.hexahedra[1]);
+  mirror(mesh.hexahedra[4]);
+  const Imported in = import_warned(mesh, "2 elements numbered as a mirror image");
+  in.complex.validate();
+  Index islands = 0;
+  in.complex.islands(&islands);
+  EXPECT_EQ(islands, 1u);
+}
+
+TEST(Import, TurnsAWhollyMirroredMeshRound) {
+  Mesh mesh = grid(3, 3, 3);
+  for (Vec3& x : mesh.points) x[2] = -x[2];
+  import_warned(mesh, "27 elements numbered as a mirror image").complex.validate();
+}
+
+TEST(Import, SplitsPinchedCellsOrRefusesThem) {
+  // Vertex: cubes on a diagonal. Edge: two columns between two plates.
+  const Mesh corner = voxels(2, 2, 2, [](int x, int y, int z) { return x == y && y == z; });
+  const Imported in = import_warned(corner, "pinched at 1 vertex and 0 edges");
+  expect_maps_are_consistent(corner, in);
+  EXPECT_EQ(in.vertices_of_point(corner.hexahedra[0][7]).size(), 2u);
+  expect_refused<TopologyError>(corner, {"pinched at 1 vertex", "points 7"},
+                                {.pinched = ImportOptions::Pinched::refuse});
+
+  const Mesh columns = voxels(3, 3, 3, [](int x, int y, int z) {
+    return z != 1 || (x == 0 && y == 0) || (x == 1 && y == 1);
+  });
+  import_warned(columns, "pinched at 0 vertices and 1 edge");
+  expect_refused<TopologyError>(columns, {"pinched at 0 vertices and 1 edge", "edges "},
+                                {.pinched = ImportOptions::Pinched::refuse});
+}
+
+TEST(Import, RefusesEveryDefectWithElementAndReason) {
+  Mesh mesh = two_cubes();
+  mesh.hexahedra[1][5] = 12;
+  mesh.element_ids = {100, 200};
+  expect_refused<TopologyError>(mesh, {"voxels", "does not exist", "element 200 names point 12"});
+
+  mesh = two_cubes();
+  mesh.point_ids = {50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61};
+  mesh.hexahedra[1][7] = mesh.hexahedra[1][6];
+  expect_refused<TopologyError>(mesh, {"the same point twice", "element 1 names point 5"});
+
+  mesh = two_cubes();
+  mesh.hexahedra.push_back(mesh.hexahedra[1]);
+  for (int i : {1, 3, 5, 7}) {
+    mesh.points.push_back(mesh.points[mesh.hexahedra[1][i]]);
+    mesh.points.back()[0] += 0.5;
+    mesh.hexahedra[2][i] = Index(mesh.points.size() - 1);
+  }
+  expect_refused<TopologyError>(mesh, {"in three elements", "elements 0, 1 and 2"});
+
+  // Two elements on the same side of a face: the second overlaps the first.
+  mesh = two_cubes();
+  for (int i : {1, 3, 5, 7}) {
+    mesh.hexahedra[1][i] = Index(mesh.points.size());
+    mesh.points.push_back(mesh.points[mesh.hexahedra[0][i - 1]]);
+  }
+  for (int i : {0, 2, 4, 6}) std::swap(mesh.hexahedra[1][i], mesh.hexahedra[1][i + 1]);
+  expect_refused<TopologyError>(mesh, {"same side", "elements 0 and 1"});
+
+  mesh = two_cubes();
+  std::swap(mesh.hexahedra[1][0], mesh.hexahedra[1][2]);
+  expect_refused<TopologyError>(mesh, {"another order", "elements 0 and 1"});
+
+  mesh = two_cubes();
+  mesh.points[3][1] = std::nan("");
+  expect_refused<InputError>(mesh, {"not a finite number", "1 point", ": 3"});
+}
+
+TEST(Import, RefusesMeshesWithoutHexahedraAndSaysWhatTheyHold) {
+  Mesh mesh;
+  mesh.source = "liver.vtk";
+  mesh.points.push_back({0, 0, 0});
+  mesh.skipped_cells["tetrahedron"] = 512;
+  expect_refused<InputError>(mesh, {"'liver.vtk' has no hexahedra", "512", "tetrahedron"});
+}
+
+TEST(Import, ListsAllInvertedElements) {
+  Mesh mesh = grid(30, 1, 1);
+  // The far upper corner of every second element pushed through the opposite side of
+  // its top: a corner Jacobian turns negative, the Gauss points stay positive.
+  std::string expected;
+  for (Index e = 0; e < 30; e += 2) {
+    mesh.points[mesh.hexahedra[e][4]] = {e + 0.4, 0.72, 1.0};
+    expected += (e ? ", " : "") + std::to_string(e);
+  }
+  expect_refused<TopologyError>(mesh, {"corner Jacobian", expected.c_str(), "allow_inverted_rest"});
+}
+
+TEST(Import, AdmitsInvertedCornersIfTheGaussPointsArePositive) {
+  Mesh mesh = two_cubes();
+  mesh.points[mesh.hexahedra[0][0]] = {0.45, 0.45, 0.45};
+  const Corners x = [&] {
+    Corners c;
+    for (int i = 0; i < 8; ++i) c[i] = mesh.points[mesh.hexahedra[0][i]];
+    return c;
+  }();
+  ASSERT_LT(std::ranges::min(corner_jacobians(x)), 0);
+  ASSERT_GT(std::ranges::min(gauss_jacobians(x)), 0);
+  expect_refused<TopologyError>(mesh, {"1 element with a corner Jacobian", ": 0."});
+  import_warned(mesh, "admitted by \"allow_inverted_rest\"", {.allow_inverted_rest = true});
+
+  mesh.points[mesh.hexahedra[0][0]] = {0.95, 0.95, 0.95};
+  expect_refused<TopologyError>(mesh, {"at a corner and at a Gauss point"},
+                                {.allow_inverted_rest = true});
+}
+
+TEST(RestShape, GaussJacobiansGiveTheVolumeOfADistortedHexahedron) {
+  // Volume by the divergence theorem over the bilinear faces, each by 3x3 Gauss
+  // points (exact), against the mean of the Jacobians.
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> offset(-0.2, 0.2);
+  Corners x;
+  for (int i = 0; i < 8; ++i)
+    x[i] = {(i & 1) + offset(random), (i >> 1 & 1) + offset(random), (i >> 2 & 1) + offset(random)};
+  const double node[3] = {0.5 - std::sqrt(0.15), 0.5, 0.5 + std::sqrt(0.15)};
+  const double weight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
+  double volume = 0;
+  for (int f = 0; f < 6; ++f)
+    for (int p = 0; p < 3; ++p)
+      for (int q = 0; q < 3; ++q) {
+        Vec3 at{}, u{}, v{};
+        const double s = node[p], t = node[q];
+        const double n[4] = {(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t};
+        const double ns[4] = {t - 1, 1 - t, t, -t}, nt[4] = {s - 1, -s, s, 1 - s};
+        for (int k = 0; k < 4; ++k)
+          for (int c = 0; c < 3; ++c) {
+            const double value = x[hexahedron::dart_vertex[4 * f + k]][c];
+            at[c] += n[k] * value;
+            u[c] += ns[k] * value;
+            v[c] += nt[k] * value;
+          }
+        const double flux = at[0] * (u[1] * v[2] - u[2] * v[1]) +
+                            at[1] * (u[2] * v[0] - u[0] * v[2]) +
+                            at[2] * (u[0] * v[1] - u[1] * v[0]);
+        volume -= weight[p] * weight[q] * flux / 3;  // faces turn inward
+      }
+  double mean = 0;
+  for (const double j : gauss_jacobians(x)) mean += j / 8;
+  EXPECT_NEAR(mean, volume, 1e-14);
+}
+
+}  // namespace
+}  // namespace suture

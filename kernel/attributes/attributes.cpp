@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/attributes/attributes.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "kernel/attributes/inspection.hpp"
@@ -58,7 +59,7 @@ Instance& Attributes::add(std::unique_ptr<Instance> instance, CellComplex& compl
 }
 
 void Attributes::initialise(const CellComplex& complex, Diagnostics& diagnostics) {
-  touched_.reserve(complex.element_count());
+  sums_.reserve(complex);
   RestBatch rest(complex, *rest_, user_element);
   mass_->fill(0);
   for (const auto& instance : instances_) {
@@ -82,26 +83,26 @@ void Attributes::initialise(const CellComplex& complex, Diagnostics& diagnostics
 
 void Attributes::apply(const CellComplex& complex, const TopologyChange& change) {
   if (change.empty()) return;
-  touched_.reserve(complex.element_count());
-  apply_to_kernel(complex, change);
-  for (const auto& instance : instances_) apply_to(*instance, complex, change);
-}
-
-void Attributes::apply_to_kernel(const CellComplex& complex, const TopologyChange& change) {
-  touched_.select(kernel(3).cells, change.elements);
-  for (int d = 0; d < 3; ++d)
-    if (kernel(d).cells.size() > 0) policies_.apply(kernel(d), complex, *rest_, touched_, change);
+  follow(kernel_, kernel(3).cells, complex, change);
   for (const Index vertex : change.stars[0].cells) mass_->rows()[vertex] = 0;
+  sums_.mark(complex, change);
+  RestBatch rest(complex, *rest_, user_element);
+  for (const auto& instance : instances_) {
+    follow(instance->tables(), instance->table(3).cells, complex, change);
+    sums_.sum(*instance, complex, rest, change, *mass_);
+  }
+  sums_.clear(change);
 }
 
-void Attributes::apply_to(Instance& instance, const CellComplex& complex,
-                          const TopologyChange& change) {
-  touched_.select(instance.table(3).cells, change.elements);
-  if (touched_.members().empty()) return;
-  for (int d = 0; d < 3; ++d)
-    if (instance.uses(d)) policies_.apply(instance.table(d), complex, *rest_, touched_, change);
-  RestBatch rest(complex, *rest_, user_element);
-  sums_.sum(instance, rest, touched_, change, *mass_);
+void Attributes::follow(std::span<Table, 4> tables, const CellSet& region,
+                        const CellComplex& complex, const TopologyChange& change) {
+  if (!region.is_all() || std::ranges::any_of(tables, SplitPolicies::weighs)) {
+    touched_.reserve(complex.element_count());
+    touched_.select(region, change.elements);
+    if (touched_.members().empty()) return;
+  }
+  for (Table& table : tables.first<3>())
+    if (table.cells.size() > 0) policies_.apply(table, complex, *rest_, touched_, change);
 }
 
 void Attributes::accept_trials() {

@@ -19,8 +19,8 @@ namespace suture {
 /// instance. apply() is the one place where values follow an operation.
 ///
 /// Memory per vertex of the kernel's columns: 4 x 32 B (rest, position, velocity,
-/// force) + 8 B mass + 8 B fixed = 144 B; for the sums after an operation 4 B per
-/// element are reserved as address space.
+/// force) + 8 B mass + 8 B fixed = 144 B; a bit per vertex, edge and face for the
+/// sums after an operation; 4 B per element once a region or a SHARE column needs it.
 class Attributes {
  public:
   /// Kernel columns from the imported mesh: rest position = position, velocity,
@@ -72,8 +72,8 @@ class Attributes {
   std::vector<Index> user_element;
 
  private:
-  void apply_to_kernel(const CellComplex& complex, const TopologyChange& change);
-  void apply_to(Instance& instance, const CellComplex& complex, const TopologyChange& change);
+  void follow(std::span<Table, 4> tables, const CellSet& region, const CellComplex& complex,
+              const TopologyChange& change);
 
   std::array<Table, 4> kernel_;
   std::vector<std::unique_ptr<Instance>> instances_;

@@ -27,7 +27,8 @@ void Column::grow(AlignedVector<double>& data, Index rows) const {
   if (needed > data.capacity()) data.reserve(2 * needed);
   data.resize(needed, spec_.initial);
   if (dimension_ == 0) {
-    for (std::size_t i = 3; spec_.components == 3 && i < needed; i += 4) data[i] = 0;
+    for (std::size_t i = offset(size_) + 3; spec_.components == 3 && i < needed; i += 4)
+      data[i] = 0;
     return;
   }
   // Lanes that held copies of the last row become rows.
@@ -52,15 +53,25 @@ void Column::set(Index row, int component, double value) {
   if (row + 1 == size_) pad();
 }
 
-void Column::copy_row(Index from, Index to) {
+void Column::copy_rows(std::span<const RowSplit> splits) {
   if (constant_) return;
-  const std::size_t source = offset(from), target = offset(to), step = component_step();
-  for (int c = 0; c < spec_.components; ++c) {
-    const std::size_t at = static_cast<std::size_t>(c) * step;
-    data_[target + at] = data_[source + at];
-    if (has_trial()) trial_[target + at] = trial_[source + at];
+  copy_rows(data_, splits);
+  if (has_trial()) copy_rows(trial_, splits);
+  pad();
+}
+
+void Column::copy_rows(AlignedVector<double>& data, std::span<const RowSplit> splits) const {
+  double* values = data.data();
+  if (dimension_ == 0 && stride_ == 4) {
+    for (const auto& [from, to] : splits)
+      std::copy_n(values + std::size_t{from} * 4, 4, values + std::size_t{to} * 4);
+    return;
   }
-  if (to + 1 == size_) pad();
+  const std::size_t step = component_step();
+  const std::size_t end = static_cast<std::size_t>(spec_.components) * step;
+  for (const auto& [from, to] : splits)
+    for (std::size_t at = 0; at < end; at += step)
+      values[offset(to) + at] = values[offset(from) + at];
 }
 
 void Column::scale_row(Index row, double factor) {

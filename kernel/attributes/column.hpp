@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
 
 #include "kernel/base/aligned.hpp"
@@ -11,6 +12,11 @@
 namespace suture {
 
 class Column;
+
+/// A row of a table became two.
+struct RowSplit {
+  Index old_row, new_row;
+};
 
 /// Declaration of a column; for a plugin's attribute the same words as there.
 struct ColumnSpec {
@@ -58,10 +64,10 @@ class Column {
   double get(Index row, int component) const { return data_[stored(row, component)]; }
   /// Expands a constant column if the value differs from it.
   void set(Index row, int component, double value);
-  /// All components, of the trial copy too.
-  void copy_row(Index from, Index to);
-  void scale_row(Index row, double factor);
-  void fill(double value);  ///< every row and component; not the trial copy
+  /// All components, of the trial copy too, split by split in this order.
+  void copy_rows(std::span<const RowSplit> splits);
+  void scale_row(Index row, double factor);  ///< of the trial copy too
+  void fill(double value);                   ///< every row and component; not the trial copy
 
   double* rows() { return data_.data(); }  ///< dimension 0, never constant
   const double* rows() const { return data_.data(); }
@@ -104,6 +110,7 @@ class Column {
   std::size_t storage(Index rows) const;
   void grow(AlignedVector<double>& data, Index rows) const;
   void pad(AlignedVector<double>& data) const;
+  void copy_rows(AlignedVector<double>& data, std::span<const RowSplit> splits) const;
 
   ColumnSpec spec_;
   int dimension_;

@@ -32,18 +32,6 @@ const Index* cells_of(const CellComplex& complex, std::uint32_t dimension, const
                     "; its contribution functor must give finite numbers");
 }
 
-/// Local number of a star's cell in the element of the dart, by dimension.
-const std::array<hexahedron::Local, hexahedron::darts>& local_cells(std::uint32_t dimension) {
-  static constexpr auto faces = [] {
-    std::array<hexahedron::Local, hexahedron::darts> result{};
-    for (std::size_t d = 0; d < result.size(); ++d)
-      result[d] = static_cast<hexahedron::Local>(d / hexahedron::darts_per_face);
-    return result;
-  }();
-  if (dimension == 0) return hexahedron::dart_vertex;
-  return dimension == 1 ? hexahedron::dart_edge : faces;
-}
-
 }  // namespace
 
 RestBatch::RestBatch(const CellComplex& complex, const Column& rest,
@@ -125,73 +113,123 @@ void sum_contributions(Instance& instance, const suture_attribute& attribute,
   column.pad();
 }
 
-void TouchedSums::sum(Instance& instance, RestBatch& rest, const TouchedElements& touched,
+void TouchedSums::reserve(const CellComplex& complex) {
+  for (std::size_t d = 0; d < 3; ++d)
+    marks_[d].resize(complex.count(static_cast<int>(d)) / 64 + 1, 0);
+}
+
+void TouchedSums::mark(const CellComplex& complex, const TopologyChange& change) {
+  reserve(complex);
+  for (std::size_t d = 0; d < 3; ++d)
+    for (const Index cell : change.stars[d].cells)
+      marks_[d][cell / 64] |= std::uint64_t{1} << (cell % 64);
+}
+
+void TouchedSums::clear(const TopologyChange& change) {
+  for (std::size_t d = 0; d < 3; ++d)
+    for (const Index cell : change.stars[d].cells) marks_[d][cell / 64] = 0;
+}
+
+void TouchedSums::sum(Instance& instance, const CellComplex& complex, RestBatch& rest,
                       const TopologyChange& change, Column& mass) {
+  find_targets(instance, change, mass);
+  if (std::ranges::all_of(targets_, [](const auto& t) { return t.empty(); })) return;
+  for (const auto& targets : targets_)
+    for (const Target& target : targets) start(target, change);
+
+  const CellSet& region = instance.table(3).cells;
+  std::array<Index, lanes> elements;
+  Index filled = 0;
+  for (std::size_t i = 0; i < change.elements.size(); ++i) {
+    const Index e = change.elements[i];
+    if (region.contains(e)) elements[filled++] = e;
+    if (filled == 0 || (filled < lanes && i + 1 < change.elements.size())) continue;
+    add_batch(instance, complex, rest.gather({elements.data(), filled}), {elements.data(), filled});
+    filled = 0;
+  }
+  for (const auto& targets : targets_)
+    for (const Target& target : targets) finish(instance, target, change);
+}
+
+void TouchedSums::find_targets(Instance& instance, const TopologyChange& change, Column& mass) {
   const suture_model& model = instance.model();
-  const std::size_t batches = (touched.members().size() + lanes - 1) / lanes;
-  std::size_t count = 0;
+  for (auto& targets : targets_) targets.clear();
   for (std::uint32_t a = 0; a < model.attribute_count; ++a) {
     const suture_attribute& attribute = model.attributes[a];
     if (attribute.policy != SUTURE_FROM_VOLUMES || attribute.dimension == 3) continue;
     if (change.stars[attribute.dimension].cells.empty()) continue;
-    if (count == pending_.size()) pending_.emplace_back();
-    Pending& pending = pending_[count++];
-    pending.attribute = &attribute;
-    pending.column = instance.column(a) ? instance.column(a) : &mass;
-    pending.per_batch = static_cast<std::size_t>(contribution_cells[attribute.dimension]) *
-                        attribute.components * lanes;
-    pending.values.resize(batches * pending.per_batch);
-  }
-  pending_.resize(count);
-  if (count == 0) return;
-  evaluate(instance, rest, touched);
-  for (const Pending& pending : pending_) {
-    const auto dimension = static_cast<int>(pending.attribute->dimension);
-    const bool own = pending.column != &mass;
-    sum_at(instance, pending, touched, change.stars[pending.attribute->dimension],
-           own ? &instance.table(dimension).cells : nullptr);
+    Column* own = instance.column(a);
+    Column& column = own ? *own : mass;
+    column.expand();
+    targets_[attribute.dimension].push_back(
+        {&attribute, &column,
+         own ? &instance.table(static_cast<int>(attribute.dimension)).cells : nullptr,
+         column.dimension() == 0 ? column.rows() : column.block(0)});
   }
 }
 
-void TouchedSums::evaluate(Instance& instance, RestBatch& rest, const TouchedElements& touched) {
-  std::span<const Index> left = touched.members();
-  for (std::size_t b = 0; !left.empty(); ++b) {
-    const std::size_t taken = std::min<std::size_t>(left.size(), lanes);
-    const suture_batch& batch = rest.gather(left.first(taken));
-    for (Pending& p : pending_)
-      contribute(instance, *p.attribute, batch, p.values.data() + b * p.per_batch);
-    left = left.subspan(taken);
-  }
-}
-
-/// `cells`: the rows of the column; nullptr for the kernel's mass, which keeps
-/// what other instances gave it.
-void TouchedSums::sum_at(const Instance& instance, const Pending& pending,
-                         const TouchedElements& touched, const Stars& stars,
-                         const CellSet* cells) const {
-  Column& column = *pending.column;
-  column.expand();
-  double* values = column.dimension() == 0 ? column.rows() : column.block(0);
-  const auto& local = local_cells(pending.attribute->dimension);
-  const auto components = static_cast<std::size_t>(column.spec().components);
-  for (std::size_t i = 0; i < stars.cells.size(); ++i) {
-    const Index row = cells ? cells->row(stars.cells[i]) : stars.cells[i];
+void TouchedSums::start(const Target& target, const TopologyChange& change) {
+  if (!target.cells) return;  // other instances have given to the mass
+  const Column& column = *target.column;
+  for (const Index cell : change.stars[target.attribute->dimension].cells) {
+    const Index row = target.cells->row(cell);
     if (row == none) continue;
-    for (std::size_t c = 0; c < components; ++c) {
-      double& value = values[column.offset(row) + c * column.component_step()];
-      double sum = cells ? 0 : value;
-      for (Index j = stars.offsets[i]; j < stars.offsets[i + 1]; ++j) {
-        const Dart dart = stars.darts[j];
-        const Index slot = touched.slot(dart / hexahedron::darts);
-        if (slot == none) continue;
-        const std::size_t at = local[dart % hexahedron::darts] * components + c;
-        sum += pending.values[slot / lanes * pending.per_batch + at * lanes + slot % lanes];
-      }
-      if (!std::isfinite(sum)) refuse_value(instance, *pending.attribute, stars.cells[i], sum);
-      value = sum;
+    double* value = target.values + column.offset(row);
+    for (int c = 0; c < column.spec().components; ++c, value += column.component_step()) *value = 0;
+  }
+}
+
+void TouchedSums::add_batch(Instance& instance, const CellComplex& complex,
+                            const suture_batch& batch, std::span<const Index> elements) {
+  for (std::uint32_t d = 0; d < 3; ++d) {
+    if (targets_[d].empty()) continue;
+    find_hits(complex, d, elements);
+    if (hit_count_ == 0) continue;
+    for (const Target& target : targets_[d]) add_hits(instance, batch, target);
+  }
+}
+
+void TouchedSums::find_hits(const CellComplex& complex, std::uint32_t dimension,
+                            std::span<const Index> elements) {
+  const int per_element = contribution_cells[dimension];
+  const std::uint64_t* marks = marks_[dimension].data();
+  hit_count_ = 0;
+  for (std::uint32_t lane = 0; lane < elements.size(); ++lane) {
+    const Index* cells = cells_of(complex, dimension, elements[lane]);
+    for (int k = 0; k < per_element; ++k) {
+      hits_[hit_count_] = {cells[k], static_cast<std::uint16_t>(k),
+                           static_cast<std::uint16_t>(lane)};
+      hit_count_ += marks[cells[k] / 64] >> (cells[k] % 64) & 1;  // no branch to predict
     }
   }
-  column.pad();
+}
+
+void TouchedSums::add_hits(Instance& instance, const suture_batch& batch, const Target& target) {
+  alignas(SUTURE_ALIGNMENT) std::array<double, std::size_t{12} * 9 * lanes> out;
+  contribute(instance, *target.attribute, batch, out.data());
+  const Column& column = *target.column;
+  const auto components = static_cast<std::size_t>(column.spec().components);
+  for (std::size_t i = 0; i < hit_count_; ++i) {
+    const auto [cell, k, lane] = hits_[i];
+    const Index row = target.cells ? target.cells->row(cell) : cell;
+    double* to = target.values + column.offset(row);
+    const double* from = out.data() + k * components * lanes + lane;
+    for (std::size_t c = 0; c < components; ++c, from += lanes, to += column.component_step())
+      *to += *from;
+  }
+}
+
+void TouchedSums::finish(const Instance& instance, const Target& target,
+                         const TopologyChange& change) {
+  const Column& column = *target.column;
+  for (const Index cell : change.stars[target.attribute->dimension].cells) {
+    const Index row = target.cells ? target.cells->row(cell) : cell;
+    if (row == none) continue;
+    const double* value = target.values + column.offset(row);
+    for (int c = 0; c < column.spec().components; ++c, value += column.component_step())
+      if (!std::isfinite(*value)) refuse_value(instance, *target.attribute, cell, *value);
+  }
+  target.column->pad();
 }
 
 }  // namespace suture

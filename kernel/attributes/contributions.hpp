@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "kernel/attributes/instance.hpp"
-#include "kernel/attributes/touched.hpp"
 
 namespace suture {
 
@@ -52,29 +51,48 @@ void sum_contributions(Instance& instance, const suture_attribute& attribute,
                        Column& column);
 
 /// The same sums, again, at the cells that an operation touched. Work space, kept
-/// between operations.
+/// between operations: a bit per vertex, edge and face.
 class TouchedSums {
  public:
-  /// All from_volumes attributes of the instance at the cells of change.stars; its
-  /// shares are added to `mass`, whose touched rows the caller has set to zero.
-  /// Each sum adds the same values in the same order as sum_contributions() on
-  /// the complex after the operation: the same bits. `touched`: the instance's
-  /// elements in the change. O(cells and elements in the change).
-  void sum(Instance& instance, RestBatch& rest, const TouchedElements& touched,
+  /// Room for the marks; otherwise the first operation pays for it.
+  void reserve(const CellComplex& complex);
+
+  /// Marks the cells of change.stars for sum(); clear() with the same change.
+  void mark(const CellComplex& complex, const TopologyChange& change);
+  void clear(const TopologyChange& change);
+
+  /// All from_volumes attributes of the instance at the marked cells; its shares
+  /// are added to `mass`, whose touched rows the caller has set to zero. Each sum
+  /// adds the same values in the same order as sum_contributions() on the complex
+  /// after the operation: the same bits. O(cells and elements in the change).
+  void sum(Instance& instance, const CellComplex& complex, RestBatch& rest,
            const TopologyChange& change, Column& mass);
 
  private:
-  struct Pending {
+  struct Target {
     const suture_attribute* attribute;
     Column* column;
-    std::size_t per_batch;  ///< doubles that eight elements contribute
-    AlignedVector<double> values;
+    const CellSet* cells;  ///< nullptr: rows of the kernel's mass, row = cell
+    double* values;
   };
-  void evaluate(Instance& instance, RestBatch& rest, const TouchedElements& touched);
-  void sum_at(const Instance& instance, const Pending& pending, const TouchedElements& touched,
-              const Stars& stars, const CellSet* cells) const;
+  /// A value in the batch of contributions that belongs to a touched cell.
+  struct Hit {
+    Index cell;
+    std::uint16_t k, lane;  ///< local number of the cell in the element of the lane
+  };
+  void find_targets(Instance& instance, const TopologyChange& change, Column& mass);
+  static void start(const Target& target, const TopologyChange& change);
+  void add_batch(Instance& instance, const CellComplex& complex, const suture_batch& batch,
+                 std::span<const Index> elements);
+  void find_hits(const CellComplex& complex, std::uint32_t dimension,
+                 std::span<const Index> elements);
+  void add_hits(Instance& instance, const suture_batch& batch, const Target& target);
+  static void finish(const Instance& instance, const Target& target, const TopologyChange& change);
 
-  std::vector<Pending> pending_;
+  std::array<std::vector<std::uint64_t>, 3> marks_;  ///< all zero between operations
+  std::array<Hit, std::size_t{12} * SUTURE_LANES + 1> hits_;
+  std::size_t hit_count_ = 0;
+  std::array<std::vector<Target>, 3> targets_;
 };
 
 }  // namespace suture

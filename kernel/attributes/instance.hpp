@@ -43,6 +43,8 @@ class Instance {
   Table& table(int dimension) { return tables_[static_cast<std::size_t>(dimension)]; }
   const Table& table(int dimension) const { return tables_[static_cast<std::size_t>(dimension)]; }
 
+  std::span<Table, 4> tables() { return tables_; }
+
   /// Column of an attribute by its position in model().attributes; nullptr for a
   /// share of the kernel's mass (SUTURE_SHARED_MASS).
   Column* column(std::uint32_t attribute) const { return columns_[attribute]; }

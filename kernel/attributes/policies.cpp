@@ -15,35 +15,8 @@ bool has_member(const Stars& stars, Index i, const TouchedElements& touched) {
   return false;
 }
 
-void follow(Column& column, std::span<const RowSplit> splits) {
-  if (column.spec().on_split) {
-    for (const RowSplit& s : splits) column.spec().on_split(column, s.old_row, s.new_row);
-    return;
-  }
-  switch (column.spec().policy) {
-    case SUTURE_COPY:
-      for (const RowSplit& s : splits) column.copy_row(s.old_row, s.new_row);
-      return;
-    case SUTURE_ZERO:
-      for (const RowSplit& s : splits)
-        for (int c = 0; c < column.spec().components; ++c) column.set(s.new_row, c, 0);
-      return;
-    case SUTURE_SHARE:
-      for (const RowSplit& s : splits) {
-        column.copy_row(s.old_row, s.new_row);
-        column.scale_row(s.new_row, s.new_share);
-      }
-      for (const RowSplit& s : splits) column.scale_row(s.old_row, s.old_share);
-      return;
-    case SUTURE_FROM_VOLUMES:
-      return;  // every touched row is summed again, the new ones among them
-  }
-}
-
-bool shares(const Table& table) {
-  return std::ranges::any_of(table.columns, [](const Column& column) {
-    return column.spec().policy == SUTURE_SHARE && !column.spec().on_split;
-  });
+bool is_shared(const Column& column) {
+  return column.spec().policy == SUTURE_SHARE && !column.spec().on_split;
 }
 
 double volume_at_rest(const Column& rest, const Hexahedron& vertices) {
@@ -57,34 +30,62 @@ double volume_at_rest(const Column& rest, const Hexahedron& vertices) {
 
 }  // namespace
 
+bool SplitPolicies::weighs(const Table& table) {
+  return std::ranges::any_of(table.columns, is_shared);
+}
+
 void SplitPolicies::apply(Table& table, const CellComplex& complex, const Column& rest,
                           const TouchedElements& touched, const TopologyChange& change) {
   const auto dimension = static_cast<std::size_t>(table.dimension);
   const std::span<const Split> splits = change.splits[dimension];
   const Stars& stars = change.stars[dimension];
   if (splits.empty()) return;
-  rows_.clear();
-  const bool weighed = shares(table);
+  const bool weighed = weighs(table);
   if (weighed || !table.cells.is_all()) find_stars(stars, complex.count(table.dimension));
-  if (table.cells.is_all())
-    split_all(table.cells, splits);
-  else
+  rows_.clear();
+  if (table.cells.is_all()) {
+    table.cells.append_all(static_cast<Index>(splits.size()));
+    for (const Split& split : splits) rows_.push_back({split.old_cell, split.new_cell});
+  } else {
     split_region(table.cells, splits, stars, touched);
-  if (weighed) weigh(table.cells, complex, rest, touched, stars);
+  }
   table.resize_columns();
-  for (Column& column : table.columns) follow(column, rows_);
+  for (Column& column : table.columns)
+    if (!is_shared(column)) follow(column);
+  if (!weighed) return;
+  weigh(table.cells, complex, rest, touched, stars);  // needs the new rows of `rest`
+  for (Column& column : table.columns)
+    if (is_shared(column)) follow(column);
+}
+
+void SplitPolicies::follow(Column& column) const {
+  if (column.spec().on_split) {
+    for (const RowSplit& s : rows_) column.spec().on_split(column, s.old_row, s.new_row);
+    return;
+  }
+  switch (column.spec().policy) {
+    case SUTURE_COPY:
+      column.copy_rows(rows_);
+      return;
+    case SUTURE_ZERO:
+      for (const RowSplit& s : rows_)
+        for (int c = 0; c < column.spec().components; ++c) column.set(s.new_row, c, 0);
+      return;
+    case SUTURE_SHARE:
+      column.copy_rows(rows_);
+      for (std::size_t i = 0; i < rows_.size(); ++i) {
+        column.scale_row(rows_[i].new_row, new_share_[i]);
+        column.scale_row(rows_[i].old_row, old_share_[i]);
+      }
+      return;
+    case SUTURE_FROM_VOLUMES:
+      return;  // every touched row is summed again, the new ones among them
+  }
 }
 
 void SplitPolicies::find_stars(const Stars& stars, Index cell_count) {
   if (star_of_.size() < cell_count) star_of_.resize(cell_count);
   for (Index i = 0; i < stars.cells.size(); ++i) star_of_[stars.cells[i]] = i;
-}
-
-void SplitPolicies::split_all(CellSet& cells, std::span<const Split> splits) {
-  for (const Split& split : splits) {
-    cells.append(split.new_cell);
-    rows_.push_back({split.old_cell, split.new_cell});
-  }
 }
 
 // A region of two elements (#) beside others (.), and the cell between them:
@@ -127,13 +128,14 @@ void SplitPolicies::weigh(const CellSet& cells, const CellComplex& complex, cons
   totals_ = weights_;
   for (const RowSplit& s : rows_)
     totals_[star_of_row(s.old_row)] += weights_[star_of_row(s.new_row)];
-  for (RowSplit& s : rows_)
-    s.new_share = weights_[star_of_row(s.new_row)] / totals_[star_of_row(s.old_row)];
-  for (RowSplit& s : rows_) {
+  new_share_.clear();
+  for (const RowSplit& s : rows_)
+    new_share_.push_back(weights_[star_of_row(s.new_row)] / totals_[star_of_row(s.old_row)]);
+  old_share_.clear();
+  for (const RowSplit& s : rows_) {
     double& total = totals_[star_of_row(s.old_row)];
-    if (total == 0) continue;  // an earlier split carries it
-    s.old_share = weights_[star_of_row(s.old_row)] / total;
-    total = 0;
+    old_share_.push_back(total == 0 ? 1 : weights_[star_of_row(s.old_row)] / total);
+    total = 0;  // later splits of this row find that it has been scaled
   }
 }
 

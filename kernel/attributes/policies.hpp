@@ -10,36 +10,34 @@
 
 namespace suture {
 
-/// A row of a table became two.
-struct RowSplit {
-  Index old_row, new_row;
-  /// Parts of the incident volume, for SHARE. Of several splits of one row the
-  /// first carries the old row's part, the others 1.
-  double old_share = 1, new_share = 1;
-};
-
 /// Makes the rows and values of one table follow the splits of its cells. Work
 /// space, kept between operations.
 class SplitPolicies {
  public:
+  /// True if a column of the table is divided by volumes.
+  static bool weighs(const Table& table);
+
   /// New cells join `table` where an element of its region is incident to them;
   /// then every column follows its declared policy, but for the sums of
   /// SUTURE_FROM_VOLUMES (contributions.hpp).
   /// `touched`: the region's elements in the change; need not be selected for a
-  /// table of all cells without SHARE columns. `rest`: the kernel's column.
+  /// table of all cells that does not weigh. `rest`: the kernel's column.
   /// O(cells of the dimension in the change).
   void apply(Table& table, const CellComplex& complex, const Column& rest,
              const TouchedElements& touched, const TopologyChange& change);
 
  private:
   void find_stars(const Stars& stars, Index cell_count);
-  void split_all(CellSet& cells, std::span<const Split> splits);
+  void follow(Column& column) const;
   void split_region(CellSet& cells, std::span<const Split> splits, const Stars& stars,
                     const TouchedElements& touched);
   void weigh(const CellSet& cells, const CellComplex& complex, const Column& rest,
              const TouchedElements& touched, const Stars& stars);
 
   std::vector<RowSplit> rows_;
+  /// Parts of the incident volume, per split. Of several splits of one row the
+  /// first carries the old row's part, the others 1.
+  std::vector<double> old_share_, new_share_;
   std::vector<Index> star_of_;  ///< cell -> position in Stars; read for its cells only
   std::vector<Index> source_row_;
   std::vector<double> volumes_, weights_, totals_;

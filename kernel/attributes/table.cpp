@@ -30,13 +30,14 @@ void CellSet::place(Index cell, Index row) {
 }
 
 void CellSet::append(Index cell) {
-  const Index row = size_++;
-  if (all_) {
-    assert(cell == row);
-    return;
-  }
+  assert(!all_ && !contains(cell));
   cells_.push_back(cell);
-  place(cell, row);
+  place(cell, size_++);
+}
+
+void CellSet::append_all(Index count) {
+  assert(all_);
+  size_ += count;
 }
 
 void CellSet::rename(Index from, Index to) {

@@ -33,6 +33,8 @@ class CellSet {
 
   /// A cell that an operation made. Its row is the last.
   void append(Index cell);
+  /// The next `count` cells of the complex, of a set of all cells.
+  void append_all(Index count);
   /// The row of `from` describes `to` from now on; `from` leaves the set.
   void rename(Index from, Index to);
 

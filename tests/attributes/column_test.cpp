@@ -88,7 +88,8 @@ TEST(Column, MirrorsAPlainArrayUnderRandomOperationsAndStaysPadded) {
           }
           case 2: {
             const Index from = any(), to = any();
-            column.copy_row(from, to);
+            const RowSplit split{from, to};
+            column.copy_rows({&split, 1});
             oracle[to] = oracle[from];
             break;
           }
@@ -170,7 +171,8 @@ TEST(Column, TrialValuesBecomeTheValuesWhenAccepted) {
   column.accept();
   EXPECT_EQ(column.get(9, 0), 11);
   column.resize(12);
-  column.copy_row(9, 11);
+  const RowSplit split{9, 11};
+  column.copy_rows({&split, 1});
   EXPECT_EQ(column.get(11, 0), 11);
   EXPECT_EQ(column.trial_block(1)[3], 1);  // the trial copy follows too
 }
@@ -191,7 +193,7 @@ TEST(CellSet, RowsOfARegionAppendAndRename) {
   EXPECT_EQ(set.row(1000), none);
 
   CellSet all = CellSet::all(5);
-  all.append(5);
+  all.append_all(1);
   EXPECT_EQ(all.row(5), 5u);
   EXPECT_EQ(all.size(), 6u);
 }

@@ -230,10 +230,8 @@ class TreeBuilder final : public nlohmann::json_sax<Json> {
   }
   /// `read`: bytes consumed, the token at fault included.
   [[noreturn]] void fail(std::size_t read, const std::string& reason) {
-    const bool at_end = reason.find("end of input") != std::string::npos;
-    const std::size_t start = at_end && reason.find("expected end") == std::string::npos
-                                  ? text_.size()
-                                  : tokens_.fault(read);
+    const bool at_end = reason.find("unexpected end of input") != std::string::npos;
+    const std::size_t start = at_end ? text_.size() : tokens_.fault(read);
     const std::size_t line_start = start == 0 ? 0 : text_.rfind('\n', start - 1) + 1;
     const std::string_view line = text_.substr(line_start, text_.find('\n', start) - line_start);
     throw InputError(prefix(LineCounter(text_).at(start)) + reason +

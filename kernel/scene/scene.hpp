@@ -141,7 +141,7 @@ struct OutputOptions {
   double every = 0;                 ///< s between frames; 0: first and last only
   std::uint64_t every_steps = 0;    ///< instead of seconds
   std::vector<std::string> fields;  ///< "displacement", ...
-  enum class Compression { none, lz4, zlib };
+  enum class Compression { off, lz4, zlib };
   Compression compression = Compression::lz4;
   std::uint64_t energies_every = 0;  ///< steps; 0: no energies.csv
   std::uint64_t probes_every = 0;

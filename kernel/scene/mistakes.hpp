@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kernel/scene/json_document.hpp"
+
+namespace suture {
+
+/// Everything that is wrong with a scene, gathered so that it can be told at once.
+class Mistakes {
+ public:
+  /// `file` as shown to the user; `sets` the texts given with --set.
+  Mistakes(std::string file, std::vector<std::string> sets)
+      : file_(std::move(file)), sets_(std::move(sets)) {}
+
+  /// `path` is a JSON pointer: "/solver/dt".
+  void add(const JsonPosition& at, const std::string& path, const std::string& text);
+  /// A mistake that lies with a plugin and not with the scene's text.
+  void add_plugin(const JsonPosition& at, const std::string& path, const std::string& text);
+
+  bool empty() const { return mistakes_.empty(); }
+  /// Throws InputError (PluginError if all of them lie with plugins) with one
+  /// line "FILE:LINE:COLUMN: PATH: TEXT" each, in the order of the file, and a
+  /// last one that counts; does nothing if there is no mistake.
+  void throw_if_any() const;
+
+  /// "scene.json:3:7" or "--set '/solver/dt=0'".
+  std::string place(const JsonPosition& at) const;
+
+ private:
+  struct Mistake {
+    JsonPosition at;
+    std::string path, text;
+    bool plugin;
+  };
+  std::string file_;
+  std::vector<std::string> sets_;
+  std::vector<Mistake> mistakes_;
+};
+
+/// "/models" + "/" + key, escaped as RFC 6901 says.
+std::string child_path(const std::string& path, std::string_view key);
+std::string child_path(const std::string& path, std::size_t index);
+
+}  // namespace suture

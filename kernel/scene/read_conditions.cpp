@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "kernel/scene/scene_parts.hpp"
+
+namespace suture::scene_parts {
+namespace {
+
+Selection require_where(ObjectReader& object, const std::string& what) {
+  const JsonValue* where = object.require("where", what);
+  if (where == nullptr) return {};
+  return read_selection(*where, object.path_of("where"), object.mistakes());
+}
+
+Ramp optional_ramp(ObjectReader& object) {
+  const JsonValue* ramp = object.find("ramp");
+  return ramp ? read_ramp(*ramp, object.path_of("ramp"), object.mistakes()) : Ramp{};
+}
+
+// "xz" -> bits 1 and 4.
+std::uint8_t read_components(ObjectReader& object) {
+  const std::string text = object.string("fix").value_or("xyz");
+  std::uint8_t bits = 0;
+  for (const char c : text) {
+    const std::size_t axis = std::string_view("xyz").find(c);
+    const bool good = axis != std::string_view::npos && (bits >> axis & 1) == 0;
+    if (!good) bits = 0;
+    if (!good) break;
+    bits = static_cast<std::uint8_t>(bits | 1u << axis);
+  }
+  if (bits == 0) {
+    object.complain("fix",
+                    "must name the fixed components, each once: \"xyz\", \"xy\", \"z\", ...; is '" +
+                        text + "'");
+  }
+  return bits;
+}
+
+void read_rotation(ObjectReader rotation, Constraint& constraint) {
+  rotation.require("axis", "the direction of the axis [x, y, z]");
+  constraint.axis = read_direction(rotation, "axis").value_or(Vec3{0, 0, 1});
+  rotation.require("angle", "at the end of the ramp, in degrees");
+  constraint.angle =
+      rotation.number("angle", Range::any("degrees")).value_or(0) * std::numbers::pi / 180;
+  constraint.centre = rotation.vector("centre", Range::any("m")).value_or(Vec3{});
+  rotation.finish();
+}
+
+void read_motion(ObjectReader& object, const JsonValue& value, Constraint& constraint) {
+  ObjectReader move(value, object.path_of("move"), object.mistakes());
+  constraint.moves = true;
+  constraint.translation = move.vector("translation", Range::any("m")).value_or(Vec3{});
+  if (const JsonValue* rotation = move.find("rotation")) {
+    read_rotation({*rotation, move.path_of("rotation"), object.mistakes()}, constraint);
+  } else if (move.find("translation") == nullptr && move.is_object()) {
+    move.complain("must have 'translation', 'rotation' or both");
+  }
+  move.finish();
+  object.require("ramp", "a motion takes time: give its duration in s or {\"from\", \"to\"}");
+}
+
+void read_constraint(ObjectReader& object, Reading& reading) {
+  Constraint constraint;
+  static const std::array<std::string, 2> kinds{"fix", "move"};
+  const auto kind = object.one_of(kinds);
+  if (kind == 0u) constraint.components = read_components(object);
+  if (kind == 1u) {
+    read_motion(object, *object.find("move"), constraint);
+    constraint.ramp = optional_ramp(object);
+    if (object.find("ramp") != nullptr && constraint.ramp.to <= constraint.ramp.from) {
+      object.complain("ramp", "must last longer than 0 s: a jump would mean infinite velocity");
+    }
+  }
+  constraint.where = require_where(object, "the nodes that are held");
+  reading.scene.constraints.push_back(std::move(constraint));
+}
+
+void read_load(ObjectReader& object, Reading& reading) {
+  Load load;
+  static const std::array<std::string, 3> kinds{"force", "traction", "pressure"};
+  const auto kind = object.one_of(kinds);
+  if (kind == 0u) load.value = object.vector("force", Range::any("N")).value_or(Vec3{});
+  if (kind == 1u) {
+    load.kind = Load::Kind::traction;
+    load.value = object.vector("traction", Range::any("Pa")).value_or(Vec3{});
+  }
+  if (kind == 2u) {
+    load.kind = Load::Kind::pressure;
+    load.pressure = object.number("pressure", Range::any("Pa")).value_or(0);
+  }
+  load.ramp = optional_ramp(object);
+  load.where = require_where(object, "the nodes that carry it");
+  reading.scene.loads.push_back(std::move(load));
+}
+
+}  // namespace
+
+Ramp read_ramp(const JsonValue& value, const std::string& path, Mistakes& mistakes) {
+  Ramp ramp;
+  if (value.kind == JsonValue::Kind::number) {
+    ramp.to = read_number(value, path, Range::not_negative("s"), mistakes).value_or(0);
+    return ramp;
+  }
+  if (value.kind != JsonValue::Kind::object) {
+    mistakes.add(value.at, path,
+                 "must be a duration in s or {\"from\", \"to\", \"shape\"}, is " + describe(value));
+    return ramp;
+  }
+  ObjectReader object(value, path, mistakes);
+  ramp.from = object.number("from", Range::not_negative("s")).value_or(0);
+  object.require("to", "when the full value is reached, in s");
+  ramp.to = object.number("to", Range::not_negative("s")).value_or(ramp.from);
+  if (ramp.to < ramp.from) object.complain("to", "is before 'from'");
+  static const std::array<std::string, 2> shapes{"linear", "smooth"};
+  ramp.smooth = object.choice("shape", shapes) == 1u;
+  object.finish();
+  return ramp;
+}
+
+void read_gravity(ObjectReader& top, Reading& reading) {
+  const JsonValue* value = top.find("gravity");
+  if (value == nullptr) return;
+  if (value->kind != JsonValue::Kind::object) {
+    reading.scene.gravity =
+        read_vector(*value, "/gravity", Range::any("m/s^2"), reading.mistakes).value_or(Vec3{});
+    return;
+  }
+  ObjectReader gravity(*value, "/gravity", reading.mistakes);
+  reading.scene.gravity = require_vector(gravity, "value", "m/s^2", "[x, y, z] in m/s^2");
+  reading.scene.gravity_ramp = optional_ramp(gravity);
+  gravity.finish();
+}
+
+void read_constraints(ObjectReader& top, Reading& reading) {
+  for_each_object(top, "constraints", "constraints",
+                  [&](ObjectReader& object) { read_constraint(object, reading); });
+}
+
+void read_loads(ObjectReader& top, Reading& reading) {
+  for_each_object(top, "loads", "loads", [&](ObjectReader& object) { read_load(object, reading); });
+}
+
+}  // namespace suture::scene_parts
+
+namespace suture {
+
+double Ramp::at(double time) const {
+  if (time >= to) return 1;
+  if (time <= from) return 0;
+  const double s = (time - from) / (to - from);
+  return smooth ? s * s * (3 - 2 * s) : s;
+}
+
+}  // namespace suture

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <array>
+
+#include "kernel/base/nearest.hpp"
+#include "kernel/scene/scene_parts.hpp"
+
+namespace suture::scene_parts {
+namespace {
+
+// More cells along one axis than elements that darts can number (2^32 / 24).
+constexpr std::uint64_t max_cells = 178'956'970;
+
+std::optional<std::array<Index, 3>> read_cells(ObjectReader& box) {
+  const JsonValue* value = box.require("cells", "how many along each axis [nx, ny, nz]");
+  if (value == nullptr) return {};
+  const std::string path = box.path_of("cells");
+  if (value->kind != JsonValue::Kind::array || value->items.size() != 3) {
+    box.mistakes().add(value->at, path,
+                       "must be three whole numbers [nx, ny, nz], is " + describe(*value));
+    return {};
+  }
+  std::array<Index, 3> cells{};
+  bool good = true;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto count =
+        read_natural(value->items[a], child_path(path, a), 1, max_cells, box.mistakes());
+    cells[a] = static_cast<Index>(count.value_or(0));
+    good = good && count.has_value();
+  }
+  if (!good) return {};
+  const double total = double(cells[0]) * cells[1] * cells[2];
+  if (total > double(max_cells)) {
+    box.complain("cells", "are " + std::to_string(std::uint64_t(total)) +
+                              " in all; 32-bit darts can number " + std::to_string(max_cells));
+  }
+  return cells;
+}
+
+void read_box(const JsonValue& value, const std::string& path, Reading& reading) {
+  ObjectReader box(value, path, reading.mistakes);
+  BoxOptions options;
+  box.require("size", "the lengths along the axes [x, y, z] in m");
+  options.size = box.vector("size", Range::positive("m")).value_or(options.size);
+  options.cells = read_cells(box).value_or(options.cells);
+  options.origin = box.vector("origin", Range::any("m")).value_or(options.origin);
+  options.grading = box.vector("grading", Range::positive("1")).value_or(options.grading);
+  box.finish();
+  reading.scene.mesh.box = options;
+}
+
+void read_voxels(const JsonValue& value, const std::string& path, Reading& reading) {
+  ObjectReader voxels(value, path, reading.mistakes);
+  VoxelOptions options;
+  voxels.require("size", "the edge of one cube in m");
+  options.size = voxels.number("size", Range::positive("m")).value_or(options.size);
+  options.layers = static_cast<Index>(voxels.natural("layers", 1, 100'000).value_or(1));
+  options.origin = voxels.vector("origin", Range::any("m")).value_or(options.origin);
+  if (const JsonValue* rows = voxels.require("rows", "the drawing, one string per row")) {
+    const std::string rows_path = voxels.path_of("rows");
+    const auto* items = read_array(*rows, rows_path, "strings", reading.mistakes);
+    bool any = items == nullptr;
+    for (std::size_t i = 0; items != nullptr && i < items->size(); ++i) {
+      auto row = read_string((*items)[i], child_path(rows_path, i), reading.mistakes);
+      options.rows.push_back(row.value_or("#"));
+      any = any || options.rows.back().find_first_not_of(" .") != std::string::npos;
+    }
+    if (!any) voxels.complain("rows", "draws no cube; every character but '.' and ' ' is one");
+  }
+  voxels.finish();
+  reading.scene.mesh.voxels = options;
+}
+
+std::string nearest_file(const std::filesystem::path& file) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(file.parent_path(), ignored)) {
+    names.push_back(entry.path().filename().string());
+  }
+  return did_you_mean(file.filename().string(), names);
+}
+
+void read_file(const JsonValue& value, const std::string& path, Reading& reading) {
+  const auto name = read_string(value, path, reading.mistakes);
+  if (!name) return;
+  std::filesystem::path& file = reading.scene.mesh.file;
+  file = (reading.folder / *name).lexically_normal();
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) {
+    reading.mistakes.add(value.at, path,
+                         "no file '" + file.string() + "'" + nearest_file(file) +
+                             "; paths are relative to the folder of the scene");
+  }
+}
+
+}  // namespace
+
+void read_mesh(const JsonValue& value, Reading& reading) {
+  ObjectReader mesh(value, "/mesh", reading.mistakes);
+  static const std::array<std::string, 3> sources{"box", "file", "voxels"};
+  const auto source = mesh.one_of(sources);
+  if (source) {
+    const JsonValue& inner = *mesh.find(sources[*source]);
+    const std::string path = mesh.path_of(sources[*source]);
+    if (*source == 0) read_box(inner, path, reading);
+    if (*source == 1) read_file(inner, path, reading);
+    if (*source == 2) read_voxels(inner, path, reading);
+  }
+
+  MeshSource& result = reading.scene.mesh;
+  if (mesh.find("scale") != nullptr && source && *source != 1) {
+    mesh.complain(
+        "scale", "belongs to a mesh file; the size of a " + sources[*source] + " is given with it");
+  }
+  result.scale = mesh.number("scale", Range::positive("1")).value_or(1);
+  static const std::array<std::string, 2> pinched{"split", "refuse"};
+  if (mesh.choice("pinched", pinched) == 1u) {
+    result.import.pinched = ImportOptions::Pinched::refuse;
+  }
+  result.import.allow_inverted_rest = mesh.boolean("allow_inverted_rest").value_or(false);
+  result.import.renumber = mesh.boolean("renumber").value_or(true);
+  mesh.finish();
+}
+
+}  // namespace suture::scene_parts

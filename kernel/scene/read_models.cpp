@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
+#include "kernel/base/error.hpp"
+#include "kernel/scene/scene_parts.hpp"
+
+namespace suture::scene_parts {
+namespace {
+
+Range range_of(const suture_parameter& parameter) {
+  return {parameter.unit, parameter.minimum, parameter.maximum,
+          (parameter.flags & SUTURE_MINIMUM_EXCLUDED) != 0,
+          (parameter.flags & SUTURE_MAXIMUM_EXCLUDED) != 0};
+}
+
+// "E (Pa): Young's modulus"
+std::string summary(const suture_parameter& parameter) {
+  const std::string unit = parameter.unit;
+  return std::string(parameter.doc) + (unit == "1" || unit.empty() ? "" : ", in " + unit);
+}
+
+std::optional<double> read_integer(ObjectReader& object, const suture_parameter& parameter) {
+  const auto number = object.number(parameter.name, range_of(parameter));
+  if (number && *number != static_cast<double>(static_cast<std::int64_t>(*number))) {
+    object.complain(parameter.name, "must be a whole number");
+  }
+  return number;
+}
+
+std::optional<double> read_parameter(ObjectReader& object, const suture_parameter& parameter) {
+  switch (parameter.type) {
+    case SUTURE_INTEGER:
+      return read_integer(object, parameter);
+    case SUTURE_BOOLEAN: {
+      const auto value = object.boolean(parameter.name);
+      return value ? std::optional(*value ? 1.0 : 0.0) : std::nullopt;
+    }
+    case SUTURE_CHOICE: {
+      const std::vector<std::string> choices(parameter.choices,
+                                             parameter.choices + parameter.choice_count);
+      const auto index = object.choice(parameter.name, choices);
+      return index ? std::optional(static_cast<double>(*index)) : std::nullopt;
+    }
+    default:
+      return object.number(parameter.name, range_of(parameter));
+  }
+}
+
+void read_parameters(const JsonValue& value, const std::string& path, ModelUse& use,
+                     Mistakes& mistakes) {
+  ObjectReader object(value, path, mistakes);
+  for (std::uint32_t i = 0; i < use.model->parameter_count; ++i) {
+    const suture_parameter& parameter = use.model->parameters[i];
+    if ((parameter.flags & SUTURE_REQUIRED) != 0)
+      object.require(parameter.name, summary(parameter));
+    use.parameters.push_back(read_parameter(object, parameter).value_or(parameter.default_value));
+  }
+  object.finish();
+}
+
+const suture_model* look_up(ObjectReader& object, const std::string& id, Reading& reading) {
+  try {
+    return &reading.lookup.model(id);
+  } catch (const PluginError& error) {
+    const JsonValue* value = object.find("model");
+    reading.mistakes.add_plugin(value->at, object.path_of("model"), error.what());
+    return nullptr;
+  }
+}
+
+bool is_taken(const Scene& scene, const std::string& name) {
+  return std::any_of(scene.models.begin(), scene.models.end(),
+                     [&](const ModelUse& use) { return use.name == name; });
+}
+
+// The model's id, "id-2", "id-3", ...: the first that is free.
+std::string free_name(const Scene& scene, const std::string& id) {
+  std::string name = id;
+  for (int n = 2; is_taken(scene, name); ++n) name = id + "-" + std::to_string(n);
+  return name;
+}
+
+std::string read_name(ObjectReader& object, const std::string& id, const Scene& scene) {
+  const auto name = object.string("name");
+  if (!name) return free_name(scene, id);
+  if (!is_good_name(*name)) {
+    object.complain("name",
+                    "must consist of letters, digits, '_', '-' and '.', is '" + *name + "'");
+  } else if (is_taken(scene, *name)) {
+    object.complain("name", "'" + *name + "' is the name of an earlier model; names must differ");
+  }
+  return *name;
+}
+
+void read_model(ObjectReader& object, Reading& reading) {
+  ModelUse use;
+  use.path = object.path();
+  object.require("model", "the id of a model; 'suture models' lists them");
+  const auto id = object.string("model");
+  if (id) use.model = look_up(object, *id, reading);
+  use.name = read_name(object, id.value_or(""), reading.scene);
+  if (const JsonValue* region = object.find("region")) {
+    use.region = read_selection(*region, object.path_of("region"), reading.mistakes);
+  }
+  use.region.path = object.path_of("region");
+
+  const JsonValue* parameters = object.find("parameters");
+  JsonValue defaults;  // what an absent object stands for
+  defaults.kind = JsonValue::Kind::object;
+  defaults.at = object.at();
+  if (use.model != nullptr) {
+    read_parameters(parameters ? *parameters : defaults, object.path_of("parameters"), use,
+                    reading.mistakes);
+  }
+  reading.scene.models.push_back(std::move(use));
+}
+
+void read_plugins(ObjectReader& top, Reading& reading) {
+  const JsonValue* value = top.find("plugins");
+  if (value == nullptr) return;
+  const auto* items = read_array(*value, "/plugins", "file names", reading.mistakes);
+  if (items == nullptr) return;
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    const std::string path = child_path("/plugins", i);
+    const auto name = read_string((*items)[i], path, reading.mistakes);
+    if (!name) continue;
+    try {
+      reading.lookup.add_plugin((reading.folder / *name).lexically_normal());
+    } catch (const PluginError& error) {
+      reading.mistakes.add_plugin((*items)[i].at, path, error.what());
+    }
+  }
+}
+
+}  // namespace
+
+void read_models(ObjectReader& top, Reading& reading) {
+  read_plugins(top, reading);
+  const JsonValue* models = top.require("models", "what the elements are made of");
+  for_each_object(top, "models", "models",
+                  [&](ObjectReader& object) { read_model(object, reading); });
+  if (models != nullptr && models->kind == JsonValue::Kind::array && models->items.empty()) {
+    reading.mistakes.add(models->at, "/models", "is empty; at least one model is needed");
+  }
+}
+
+}  // namespace suture::scene_parts

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+
+#include "kernel/scene/scene_parts.hpp"
+
+namespace suture::scene_parts {
+namespace {
+
+// Fields that the models of the scene bring: columns marked for output and
+// the fields of the output extension of their functors.
+std::vector<std::string> model_fields(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const ModelUse& use : scene.models) {
+    for (std::uint32_t i = 0; use.model != nullptr && i < use.model->attribute_count; ++i) {
+      const suture_attribute& attribute = use.model->attributes[i];
+      if ((attribute.flags & SUTURE_OUTPUT) != 0) names.emplace_back(attribute.name);
+    }
+    for (std::uint32_t i = 0; use.model != nullptr && i < use.model->functor_count; ++i) {
+      const suture_functor& functor = use.model->functors[i];
+      const auto* output =
+          functor.extension == nullptr
+              ? nullptr
+              : static_cast<const suture_output_1*>(functor.extension(SUTURE_OUTPUT_1));
+      for (std::uint32_t f = 0; output != nullptr && f < output->field_count; ++f) {
+        names.emplace_back(output->fields[f].name);
+      }
+    }
+  }
+  return names;
+}
+
+std::vector<std::string> known_fields(const Scene& scene) {
+  std::vector<std::string> names = standard_fields();
+  for (std::string& name : model_fields(scene)) {
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      names.push_back(std::move(name));
+  }
+  return names;
+}
+
+void read_fields(ObjectReader& object, Reading& reading) {
+  std::vector<std::string>& fields = reading.scene.output.fields;
+  fields = {"displacement"};
+  const JsonValue* value = object.find("fields");
+  if (value == nullptr) return;
+  const std::string path = object.path_of("fields");
+  const auto* items = read_array(*value, path, "names", reading.mistakes);
+  if (items == nullptr) return;
+  fields.clear();
+  const std::vector<std::string> known = known_fields(reading.scene);
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    const auto index = read_choice((*items)[i], child_path(path, i), known, reading.mistakes);
+    if (!index) continue;
+    if (std::find(fields.begin(), fields.end(), known[*index]) != fields.end()) {
+      reading.mistakes.add((*items)[i].at, child_path(path, i), "given a second time");
+    }
+    fields.push_back(known[*index]);
+  }
+}
+
+void read_rhythm(ObjectReader& object, Reading& reading) {
+  OutputOptions& output = reading.scene.output;
+  if (object.find("every") != nullptr && object.find("every_steps") != nullptr) {
+    object.complain("must have 'every' (s) or 'every_steps', not both");
+  }
+  output.every = object.number("every", Range::positive("s")).value_or(0);
+  output.every_steps = object.natural("every_steps", 1).value_or(0);
+  const SolverOptions& solver = reading.scene.solver;
+  if (output.every > 0 && solver.dt && output.every < *solver.dt) {
+    reading.warn(object.find("every")->at, "/output/every",
+                 "is shorter than a step; every step becomes a frame");
+  }
+}
+
+Probe read_probe(ObjectReader& object, const OutputOptions& output) {
+  Probe probe;
+  object.require("name", "the name of its columns in probes.csv");
+  probe.name = object.string("name").value_or("");
+  if (object.find("name") != nullptr && !is_good_name(probe.name)) {
+    object.complain("name", "must consist of letters, digits, '_', '-' and '.'");
+  }
+  for (const Probe& earlier : output.probes) {
+    if (earlier.name == probe.name) {
+      object.complain("name",
+                      "'" + probe.name + "' is the name of an earlier probe; names must differ");
+    }
+  }
+  static const std::array<std::string, 2> kinds{"point", "where"};
+  const auto kind = object.one_of(kinds);
+  if (kind == 0u) {
+    probe.where.what = Selection::Nearest{object.vector("point", Range::any("m")).value_or(Vec3{})};
+    probe.where.path = object.path_of("point");
+  } else if (kind == 1u) {
+    probe.where = read_selection(*object.find("where"), object.path_of("where"), object.mistakes());
+  }
+  return probe;
+}
+
+void read_tables(ObjectReader& object, OutputOptions& output) {
+  if (const JsonValue* value = object.find("energies")) {
+    ObjectReader energies(*value, object.path_of("energies"), object.mistakes());
+    output.energies_every = energies.natural("every_steps", 1).value_or(1);
+    energies.finish();
+  }
+  if (const JsonValue* value = object.find("probes")) {
+    ObjectReader probes(*value, object.path_of("probes"), object.mistakes());
+    output.probes_every = probes.natural("every_steps", 1).value_or(1);
+    probes.require("at", "an array of {\"name\", \"point\"} or {\"name\", \"where\"}");
+    for_each_object(probes, "at", "probes", [&](ObjectReader& probe) {
+      output.probes.push_back(read_probe(probe, output));
+    });
+    probes.finish();
+  }
+}
+
+void read_directory(ObjectReader& object, Reading& reading) {
+  const std::string standard = "out/" + reading.scene.file.stem().string();
+  const std::string directory = object.string("directory").value_or(standard);
+  if (directory.empty()) object.complain("directory", "must not be empty");
+  reading.scene.output.directory =
+      std::filesystem::absolute(directory.empty() ? standard : directory).lexically_normal();
+}
+
+}  // namespace
+
+void read_output(const JsonValue* value, Reading& reading) {
+  OutputOptions& output = reading.scene.output;
+  JsonValue defaults;  // what an absent object stands for
+  defaults.kind = JsonValue::Kind::object;
+  output.enabled = value == nullptr || value->kind != JsonValue::Kind::boolean || value->boolean;
+  const bool is_flag = value != nullptr && value->kind == JsonValue::Kind::boolean;
+  ObjectReader object(value == nullptr || is_flag ? defaults : *value, "/output", reading.mistakes);
+  read_directory(object, reading);
+  read_rhythm(object, reading);
+  read_fields(object, reading);
+  static const std::array<std::string, 3> compressions{"none", "lz4", "zlib"};
+  if (const auto choice = object.choice("compression", compressions)) {
+    output.compression = static_cast<OutputOptions::Compression>(*choice);
+  }
+  read_tables(object, output);
+  output.springs = object.boolean("springs").value_or(false);
+  object.finish();
+}
+
+}  // namespace suture::scene_parts

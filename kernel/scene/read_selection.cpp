@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "kernel/scene/scene_parts.hpp"
+
+namespace suture::scene_parts {
+namespace {
+
+Selection::Box read_box(ObjectReader box) {
+  Selection::Box result;
+  result.min = require_vector(box, "min", "m", "the corner of smallest coordinates [x, y, z] in m");
+  result.max = require_vector(box, "max", "m", "the corner of largest coordinates [x, y, z] in m");
+  for (int a = 0; a < 3; ++a) {
+    if (result.min[a] > result.max[a]) {
+      box.complain(std::string("'min' is larger than 'max' along ") + "xyz"[a]);
+    }
+  }
+  box.finish();
+  return result;
+}
+
+Selection::Plane read_plane(ObjectReader plane) {
+  Selection::Plane result{};
+  result.point = require_vector(plane, "point", "m", "a point of the plane [x, y, z] in m");
+  plane.require("normal", "the direction across the plane [x, y, z]");
+  result.normal = read_direction(plane, "normal").value_or(Vec3{0, 0, 1});
+  result.tolerance = plane.number("tolerance", Range::not_negative("m")).value_or(-1);
+  plane.finish();
+  return result;
+}
+
+Selection::HalfSpace read_half_space(ObjectReader half) {
+  Selection::HalfSpace result{};
+  result.point = require_vector(half, "point", "m", "a point of the boundary [x, y, z] in m");
+  half.require("normal", "the direction into the half space [x, y, z]");
+  result.normal = read_direction(half, "normal").value_or(Vec3{0, 0, 1});
+  half.finish();
+  return result;
+}
+
+Selection::Sphere read_sphere(ObjectReader sphere) {
+  Selection::Sphere result{};
+  result.centre = require_vector(sphere, "centre", "m", "the centre [x, y, z] in m");
+  sphere.require("radius", "the radius in m");
+  result.radius = sphere.number("radius", Range::positive("m")).value_or(1);
+  sphere.finish();
+  return result;
+}
+
+Selection::Ids read_ids(const JsonValue& value, const std::string& path, Mistakes& mistakes) {
+  Selection::Ids result;
+  const auto* items = read_array(value, path, "numbers of the mesh", mistakes);
+  if (items == nullptr) return result;
+  if (items->empty()) mistakes.add(value.at, path, "is empty: selects nothing");
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    const auto id = read_natural((*items)[i], child_path(path, i), 0, UINT64_MAX, mistakes);
+    if (id) result.ids.push_back(*id);
+  }
+  return result;
+}
+
+}  // namespace
+
+Selection read_selection(const JsonValue& value, const std::string& path, Mistakes& mistakes) {
+  Selection selection;
+  selection.path = path;
+  if (value.kind == JsonValue::Kind::string && value.text == "all") return selection;
+  if (value.kind != JsonValue::Kind::object) {
+    mistakes.add(value.at, path,
+                 "must be \"all\" or an object with one of box, plane, half_space, sphere, "
+                 "nearest, ids, set; is " +
+                     describe(value));
+    return selection;
+  }
+  static const std::array<std::string, 7> kinds{"box",     "plane", "half_space", "sphere",
+                                                "nearest", "ids",   "set"};
+  ObjectReader object(value, path, mistakes);
+  if (const auto kind = object.one_of(kinds)) {
+    const JsonValue& inner = *object.find(kinds[*kind]);
+    const std::string inner_path = object.path_of(kinds[*kind]);
+    const auto reader = [&] { return ObjectReader(inner, inner_path, mistakes); };
+    switch (*kind) {
+      case 0:
+        selection.what = read_box(reader());
+        break;
+      case 1:
+        selection.what = read_plane(reader());
+        break;
+      case 2:
+        selection.what = read_half_space(reader());
+        break;
+      case 3:
+        selection.what = read_sphere(reader());
+        break;
+      case 4:
+        selection.what = Selection::Nearest{
+            read_vector(inner, inner_path, Range::any("m"), mistakes).value_or(Vec3{})};
+        break;
+      case 5:
+        selection.what = read_ids(inner, inner_path, mistakes);
+        break;
+      default:
+        selection.what = Selection::Named{read_string(inner, inner_path, mistakes).value_or("")};
+    }
+  }
+  object.finish();
+  return selection;
+}
+
+std::optional<Vec3> read_direction(ObjectReader& object, const std::string& key) {
+  const auto vector = object.vector(key, Range::any("1"));
+  if (vector && *vector == Vec3{}) {
+    object.complain(key, "must not be [0, 0, 0]: it gives a direction");
+    return {};
+  }
+  return vector;
+}
+
+Vec3 require_vector(ObjectReader& object, const std::string& key, const std::string& unit,
+                    const std::string& what) {
+  object.require(key, what);
+  return object.vector(key, Range::any(unit)).value_or(Vec3{});
+}
+
+void for_each_object(ObjectReader& parent, const std::string& key, const std::string& of_what,
+                     const std::function<void(ObjectReader&)>& read) {
+  const JsonValue* value = parent.find(key);
+  if (value == nullptr) return;
+  const std::string path = parent.path_of(key);
+  const auto* items = read_array(*value, path, of_what, parent.mistakes());
+  if (items == nullptr) return;
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    ObjectReader object((*items)[i], child_path(path, i), parent.mistakes());
+    if (!object.is_object()) continue;
+    read(object);
+    object.finish();
+  }
+}
+
+bool is_good_name(std::string_view name) {
+  const auto good = [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
+  };
+  return !name.empty() && std::all_of(name.begin(), name.end(), good);
+}
+
+}  // namespace suture::scene_parts

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <array>
+
+#include "kernel/scene/scene_parts.hpp"
+
+namespace suture::scene_parts {
+namespace {
+
+void read_step(ObjectReader& object, SolverOptions& solver) {
+  const JsonValue* dt = object.find("dt");
+  const bool automatic =
+      dt == nullptr || (dt->kind == JsonValue::Kind::string && dt->text == "auto");
+  if (!automatic && dt->kind == JsonValue::Kind::string) {
+    object.complain("dt", "must be a number (s) or \"auto\", is " + describe(*dt));
+  } else if (!automatic) {
+    solver.dt = object.number("dt", Range::positive("s"));
+  }
+  const Range share{.minimum = 0, .maximum = 1, .minimum_excluded = true};
+  if (object.find("safety") != nullptr && !automatic) {
+    object.complain("safety", "belongs to \"dt\": \"auto\"; here dt is given");
+  }
+  solver.safety = object.number("safety", share).value_or(solver.safety);
+}
+
+void read_end(ObjectReader& object, SolverOptions& solver) {
+  solver.end = object.number("end", Range::positive("s"));
+  static const std::array<std::string, 1> until{"rest"};
+  solver.until_rest = object.choice("until", until).has_value();
+  if (object.find("end") == nullptr && object.find("until") == nullptr && object.is_object()) {
+    object.complain("says no end: give 'end' in s, or \"until\": \"rest\"");
+  }
+  const Range part{.minimum = 0, .maximum = 1, .minimum_excluded = true, .maximum_excluded = true};
+  if (object.find("tolerance") != nullptr && object.find("until") == nullptr) {
+    object.complain("tolerance", "belongs to \"until\": \"rest\"");
+  }
+  solver.tolerance = object.number("tolerance", part).value_or(solver.tolerance);
+  if (solver.dt && solver.end && *solver.dt > *solver.end) {
+    object.complain("dt", "is longer than the whole run");
+  }
+}
+
+void read_damping(ObjectReader& object, SolverOptions& solver) {
+  const JsonValue* damping = object.find("damping");
+  solver.automatic_damping = solver.until_rest && damping == nullptr;
+  if (damping == nullptr) return;
+  if (damping->kind != JsonValue::Kind::string) {
+    solver.damping = object.number("damping", Range::not_negative("1/s")).value_or(0);
+  } else if (damping->text != "auto") {
+    object.complain("damping", "must be a number (1/s) or \"auto\", is " + describe(*damping));
+  } else if (!solver.until_rest) {
+    object.complain("damping", "\"auto\" belongs to \"until\": \"rest\"; give a number in 1/s");
+  } else {
+    solver.automatic_damping = true;
+  }
+}
+
+}  // namespace
+
+void read_solver(const JsonValue& value, Reading& reading) {
+  SolverOptions& solver = reading.scene.solver;
+  ObjectReader object(value, "/solver", reading.mistakes);
+  static const std::array<std::string, 2> integrators{"symplectic-euler", "velocity-verlet"};
+  if (object.choice("integrator", integrators) == 1u) {
+    solver.integrator = SolverOptions::Integrator::velocity_verlet;
+  }
+  read_step(object, solver);
+  read_end(object, solver);
+  read_damping(object, solver);
+  solver.max_steps = object.natural("max_steps", 1).value_or(solver.max_steps);
+  solver.threads = static_cast<unsigned>(object.natural("threads", 0, 1024).value_or(0));
+  static const std::array<std::string, 2> on_inversion{"stop", "warn"};
+  if (const auto choice = object.choice("on_inversion", on_inversion)) {
+    solver.on_inversion =
+        *choice == 0 ? SolverOptions::OnInversion::stop : SolverOptions::OnInversion::warn;
+  }
+  object.finish();
+}
+
+}  // namespace suture::scene_parts

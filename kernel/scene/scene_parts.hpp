@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "kernel/base/diagnostics.hpp"
+#include "kernel/scene/object_reader.hpp"
+#include "kernel/scene/scene.hpp"
+#include "kernel/scene/scene_reader.hpp"
+
+/// The parts of read_scene, one per key at the top of a scene. Each reads its
+/// value into the Scene and notes every mistake; none throws.
+namespace suture::scene_parts {
+
+struct Reading {
+  Scene& scene;
+  std::filesystem::path folder;  ///< of the scene file
+  const ModelLookup& lookup;
+  Mistakes& mistakes;
+  Diagnostics& diagnostics;
+
+  void warn(const JsonPosition& at, const std::string& path, const std::string& text) const {
+    diagnostics.warn(mistakes.place(at) + ": " + path + ": " + text);
+  }
+};
+
+Selection read_selection(const JsonValue& value, const std::string& path, Mistakes& mistakes);
+/// A direction: three numbers that are not all zero.
+std::optional<Vec3> read_direction(ObjectReader& object, const std::string& key);
+/// A required vector of any length.
+Vec3 require_vector(ObjectReader& object, const std::string& key, const std::string& unit,
+                    const std::string& what);
+Ramp read_ramp(const JsonValue& value, const std::string& path, Mistakes& mistakes);
+/// Reads every object of the array at `key`, if there is one.
+void for_each_object(ObjectReader& parent, const std::string& key, const std::string& of_what,
+                     const std::function<void(ObjectReader&)>& read);
+/// Names end up in file and field names.
+bool is_good_name(std::string_view name);
+
+void read_mesh(const JsonValue& value, Reading& reading);
+void read_models(ObjectReader& top, Reading& reading);
+void read_gravity(ObjectReader& top, Reading& reading);
+void read_constraints(ObjectReader& top, Reading& reading);
+void read_loads(ObjectReader& top, Reading& reading);
+void read_solver(const JsonValue& value, Reading& reading);
+/// After read_solver: events must lie within the run.
+void read_events(ObjectReader& top, Reading& reading);
+/// After read_models: models bring fields of their own.
+void read_output(const JsonValue* value, Reading& reading);
+
+}  // namespace suture::scene_parts

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/scene/scene_reader.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+#include "kernel/base/error.hpp"
+#include "kernel/plugin_host/plugin_host.hpp"
+#include "kernel/scene/json_override.hpp"
+#include "kernel/scene/scene_parts.hpp"
+
+namespace suture {
+namespace {
+
+using namespace scene_parts;
+
+void read_version(ObjectReader& top) {
+  top.require("suture", "the version of the format, \"suture\": 1");
+  const auto version = top.natural("suture", 1);
+  if (version && *version != 1) {
+    top.complain("suture", "is version " + std::to_string(*version) +
+                               " of the scene format; this program reads version 1");
+  }
+}
+
+// A ramp that is still rising when the run ends never shows its full value.
+void warn_of_late_ramps(const Reading& reading) {
+  const Scene& scene = reading.scene;
+  if (!scene.solver.end) return;
+  const auto check = [&](const Ramp& ramp, const std::string& what) {
+    if (ramp.to > *scene.solver.end) {
+      reading.diagnostics.warn(what +
+                               ": the ramp ends after the run; the full value is never reached");
+    }
+  };
+  check(scene.gravity_ramp, "/gravity");
+  for (const Load& load : scene.loads) check(load.ramp, load.where.path);
+  for (const Constraint& constraint : scene.constraints) {
+    check(constraint.ramp, constraint.where.path);
+  }
+}
+
+void read_top(const JsonValue& root, Reading& reading) {
+  ObjectReader top(root, "", reading.mistakes);
+  if (!top.is_object()) return;
+  read_version(top);
+  reading.scene.title = top.string("title").value_or("");
+  const JsonValue* mesh = top.require("mesh", "where the elements come from");
+  if (mesh != nullptr) read_mesh(*mesh, reading);
+  read_models(top, reading);
+  read_gravity(top, reading);
+  read_constraints(top, reading);
+  read_loads(top, reading);
+  const JsonValue* solver = top.require("solver", "how and how long to run");
+  if (solver != nullptr) read_solver(*solver, reading);
+  read_events(top, reading);
+  read_output(top.find("output"), reading);
+  top.finish();
+}
+
+std::string read_text(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) {
+    throw IoError("'" + file.string() + "' is a folder; give the scene file in it");
+  }
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) {
+    throw IoError("cannot read the scene '" + file.string() + "': " + std::strerror(errno));
+  }
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+}  // namespace
+
+Scene read_scene_text(std::string_view text, const std::filesystem::path& file,
+                      const std::vector<std::string>& sets, const ModelLookup& lookup,
+                      Diagnostics& diagnostics) {
+  JsonValue root = parse_json(text, file.string());
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    apply_override(root, sets[i], static_cast<std::uint32_t>(i + 1));
+  }
+  Scene scene;
+  scene.file = std::filesystem::absolute(file);
+  scene.hash = fnv1a_hex(canonical_json(root));
+  Mistakes mistakes(file.string(), sets);
+  Reading reading{scene, scene.file.parent_path(), lookup, mistakes, diagnostics};
+  read_top(root, reading);
+  mistakes.throw_if_any();
+  warn_of_late_ramps(reading);
+  return scene;
+}
+
+Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& sets,
+                 PluginHost& host, Diagnostics& diagnostics) {
+  const ModelLookup lookup{
+      [&](std::string_view id) -> const suture_model& { return host.model(id); },
+      [&](const std::filesystem::path& plugin) { host.add_file(plugin); }};
+  return read_scene_text(read_text(file), file, sets, lookup, diagnostics);
+}
+
+const std::vector<std::string>& standard_fields() {
+  static const std::vector<std::string> fields{
+      "displacement", "velocity",  "force",          "reaction", "mass",      "fixed",
+      "stress",       "von_mises", "energy_density", "island",   "global_ids"};
+  return fields;
+}
+
+}  // namespace suture

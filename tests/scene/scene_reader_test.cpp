@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/scene/scene_reader.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <numbers>
+
+#include "tests/scene/fake_model.hpp"
+
+namespace suture::testing {
+namespace {
+
+TEST(SceneReader, ReadsEveryKey) {
+  const Scene scene = read(R"({
+    // comments are welcome
+    "suture": 1, "title": "all of it",
+    "mesh": {"box": {"origin": [1, 2, 3], "size": [1, 0.5, 0.25], "cells": [4, 2, 1],
+                     "grading": [2, 1, 1]}, "pinched": "refuse", "allow_inverted_rest": true,
+             "renumber": false},
+    "models": [
+      {"model": "jelly", "name": "soft", "region": {"half_space": {"point": [1.5, 0, 0],
+       "normal": [-1, 0, 0]}}, "parameters": {"E": 1e3, "nu": 0.45, "order": 3,
+       "correction": false, "quadrature": "exact"}},
+      {"model": "jelly", "parameters": {"E": 5}}, {"model": "jelly", "parameters": {"E": 6}}],
+    "gravity": {"value": [0, -9.8, 0], "ramp": {"from": 0.1, "to": 0.5, "shape": "smooth"}},
+    "constraints": [
+      {"fix": "xz", "where": {"plane": {"point": [1, 0, 0], "normal": [1, 0, 0]}}},
+      {"move": {"translation": [0, 0.1, 0], "rotation": {"axis": [1, 0, 0], "angle": 90,
+       "centre": [0, 0, 1]}}, "ramp": 0.5, "where": {"set": "x1"}}],
+    "loads": [{"force": [1, 0, 0], "where": {"nearest": [2, 2, 3]}},
+              {"traction": [0, 2, 0], "where": {"sphere": {"centre": [1, 2, 3], "radius": 2}}},
+              {"pressure": 3, "ramp": 0.25, "where": {"ids": [4, 5]}}],
+    "solver": {"integrator": "velocity-verlet", "dt": 1e-3, "end": 2, "damping": 0.5, "threads": 2,
+               "on_inversion": "warn", "max_steps": 1000},
+    "events": [{"at": 1.5, "cut": {"faces": [[0, 1], [2, 3]]}},
+               {"at": 0.5, "cut": {"plane": {"point": [1.5, 0, 0], "normal": [1, 0, 0]}},
+                "shape": "rest"}],
+    "output": {"directory": "d", "every": 0.1, "fields": ["velocity", "wobble"],
+               "compression": "zlib", "energies": {"every_steps": 10}, "springs": true,
+               "probes": {"every_steps": 5, "at": [{"name": "tip", "point": [2, 2, 3]},
+                                                   {"name": "end", "where": {"set": "x1"}}]}}})");
+  EXPECT_EQ(scene.title, "all of it");
+  EXPECT_EQ(scene.mesh.box->origin, (Vec3{1, 2, 3}));
+  EXPECT_EQ(scene.mesh.box->cells, (std::array<Index, 3>{4, 2, 1}));
+  EXPECT_EQ(scene.mesh.box->grading[0], 2);
+  EXPECT_EQ(scene.mesh.import.pinched, ImportOptions::Pinched::refuse);
+  EXPECT_TRUE(scene.mesh.import.allow_inverted_rest);
+  EXPECT_FALSE(scene.mesh.import.renumber);
+  ASSERT_EQ(scene.models.size(), 3u);
+  EXPECT_EQ(scene.models[0].parameters, (std::vector<double>{1e3, 0.45, 3, 0, 0}));
+  EXPECT_EQ(scene.models[1].parameters, (std::vector<double>{5, 0.3, 2, 1, 1}));
+  EXPECT_EQ(scene.models[0].name, "soft");
+  EXPECT_EQ(scene.models[1].name, "jelly");
+  EXPECT_EQ(scene.models[2].name, "jelly-2");
+  EXPECT_TRUE(std::holds_alternative<Selection::HalfSpace>(scene.models[0].region.what));
+  EXPECT_EQ(scene.gravity[1], -9.8);
+  EXPECT_TRUE(scene.gravity_ramp.smooth);
+  ASSERT_EQ(scene.constraints.size(), 2u);
+  EXPECT_EQ(scene.constraints[0].components, 5);
+  EXPECT_EQ(scene.constraints[0].where.path, "/constraints/0/where");
+  EXPECT_LT(std::get<Selection::Plane>(scene.constraints[0].where.what).tolerance, 0);
+  EXPECT_TRUE(scene.constraints[1].moves);
+  EXPECT_DOUBLE_EQ(scene.constraints[1].angle, std::numbers::pi / 2);
+  EXPECT_EQ(scene.constraints[1].ramp.to, 0.5);
+  ASSERT_EQ(scene.loads.size(), 3u);
+  EXPECT_EQ(scene.loads[1].kind, Load::Kind::traction);
+  EXPECT_EQ(scene.loads[2].pressure, 3);
+  EXPECT_EQ(std::get<Selection::Ids>(scene.loads[2].where.what).ids.size(), 2u);
+  EXPECT_EQ(scene.solver.integrator, SolverOptions::Integrator::velocity_verlet);
+  EXPECT_EQ(scene.solver.dt, 1e-3);
+  EXPECT_EQ(scene.solver.max_steps, 1000u);
+  EXPECT_EQ(scene.solver.on_inversion, SolverOptions::OnInversion::warn);
+  ASSERT_EQ(scene.events.size(), 2u);
+  EXPECT_EQ(scene.events[0].at, 0.5);  // sorted by time
+  EXPECT_EQ(scene.events[0].path, "/events/1");
+  EXPECT_TRUE(scene.events[0].rest_shape);
+  EXPECT_EQ(std::get<CutFaces>(scene.events[1].what).element_pairs[1],
+            (std::array<std::uint64_t, 2>{2, 3}));
+  EXPECT_TRUE(scene.output.directory.is_absolute());
+  EXPECT_EQ(scene.output.fields, (std::vector<std::string>{"velocity", "wobble"}));
+  EXPECT_EQ(scene.output.compression, OutputOptions::Compression::zlib);
+  EXPECT_EQ(scene.output.energies_every, 10u);
+  EXPECT_EQ(scene.output.probes[0].name, "tip");
+}
+
+TEST(SceneReader, FillsInDefaults) {
+  const Scene scene = read(scene_with(""));
+  EXPECT_EQ(scene.gravity, (Vec3{0, 0, 0}));
+  EXPECT_FALSE(scene.solver.dt);
+  EXPECT_EQ(scene.output.directory, std::filesystem::current_path() / "out" / "s");
+  EXPECT_EQ(scene.output.fields, std::vector<std::string>{"displacement"});
+  EXPECT_TRUE(scene.output.enabled);
+  EXPECT_FALSE(read(scene_with(", \"output\": false")).output.enabled);
+}
+
+TEST(SceneReader, TellsAllMistakesAtOnceInTheirOrder) {
+  const std::string error = error_of(R"({
+  "suture": 1,
+  "mesh": {"box": {"size": [1, -1, 1], "cells": [2, 2, 2]}},
+  "modles": [],
+  "models": [{"model": "jelly", "parameters": {"Nu": 0.3}}],
+  "solver": {"dt": 0, "end": "soon"}
+})");
+  const char* expected[] = {
+      "folder/s.json:3:32: /mesh/box/size/1: must be > 0 m, is -1 m",
+      "folder/s.json:4:3: /modles: unknown key (did you mean 'models'?)",
+      "folder/s.json:5:47: /models/0/parameters: 'E' is missing: E, in Pa",
+      "folder/s.json:5:48: /models/0/parameters/Nu: unknown key (did you mean 'nu'?)",
+      "folder/s.json:6:20: /solver/dt: must be > 0 s, is 0 s",
+      "folder/s.json:6:30: /solver/end: must be a number (s), is the string 'soon'",
+      "6 mistakes in folder/s.json"};
+  std::size_t from = 0;
+  for (const char* line : expected) {
+    const std::size_t at = error.find(line, from);
+    ASSERT_NE(at, std::string::npos) << "not found, or not in order: " << line << "\n" << error;
+    from = at;
+  }
+}
+
+// One mistake per scene: the JSON after the sound beginning, the place of the
+// mistake, words that must be in the message.
+struct Bad {
+  const char* more;
+  const char* path;
+  const char* words;
+};
+
+class SceneMistakes : public ::testing::TestWithParam<Bad> {};
+
+TEST_P(SceneMistakes, AreNamed) {
+  const Bad& bad = GetParam();
+  const std::string error = error_of(scene_with(bad.more));
+  EXPECT_NE(error.find(std::string(": ") + bad.path + ": "), std::string::npos) << error;
+  EXPECT_NE(error.find(bad.words), std::string::npos) << error;
+  EXPECT_NE(error.find("\n1 mistake in"), std::string::npos) << error;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, SceneMistakes,
+    ::testing::Values(
+        Bad{R"(, "gravty": [0, 0, 0])", "/gravty", "did you mean 'gravity'"},
+        Bad{R"(, "temperature": 3)", "/temperature", "known here: 'suture'"},
+        Bad{R"(, "title": 3)", "/title", "must be a string, is the number 3"},
+        Bad{R"(, "title": "a", "title": "b")", "/title", "second time"},
+        Bad{R"(, "gravity": [0, 0])", "/gravity", "three numbers"},
+        Bad{R"(, "gravity": [0, "x", 0])", "/gravity/1", "must be a number (m/s^2)"},
+        Bad{R"(, "gravity": {"ramp": 1})", "/gravity", "'value' is missing"},
+        Bad{R"(, "gravity": {"value": [0,1,0], "ramp": -1})", "/gravity/ramp", ">= 0 s"},
+        Bad{R"(, "gravity": {"value": [0,1,0], "ramp": {"from": 2, "to": 1}})", "/gravity/ramp/to",
+            "before 'from'"},
+        Bad{R"(, "gravity": {"value": [0,1,0], "ramp": {"to": 1, "shape": "smoth"}})",
+            "/gravity/ramp/shape", "did you mean 'smooth'"},
+        Bad{R"(, "constraints": {})", "/constraints", "must be an array of constraints"},
+        Bad{R"(, "constraints": [{"fix": "xyw", "where": "all"}])", "/constraints/0/fix", "xyw"},
+        Bad{R"(, "constraints": [{"fix": "xx", "where": "all"}])", "/constraints/0/fix", "once"},
+        Bad{R"(, "constraints": [{"fix": "x"}])", "/constraints/0", "'where' is missing"},
+        Bad{R"(, "constraints": [{"where": "all"}])", "/constraints/0", "exactly one of 'fix'"},
+        Bad{R"(, "constraints": [{"fix": "x", "where": "al"}])", "/constraints/0/where", "\"all\""},
+        Bad{R"(, "constraints": [{"fix": "x", "where": {"set": 3}}])", "/constraints/0/where/set",
+            "string"},
+        Bad{R"(, "constraints": [{"fix": "x", "where": {"ids": [-1]}}])",
+            "/constraints/0/where/ids/0", "whole number >= 0"},
+        Bad{R"(, "constraints": [{"fix": "x", "where": {"ids": [1.5]}}])",
+            "/constraints/0/where/ids/0", "whole number >= 0"},
+        Bad{R"(, "constraints": [{"fix": "x", "where": {"box": {"min": [0,1,0], "max": [1,0,1]}}}])",
+            "/constraints/0/where/box", "larger than 'max' along y"},
+        Bad{R"(, "constraints": [{"fix": "x", "where":
+            {"plane": {"point": [0,0,0], "normal": [0,0,0]}}}])",
+            "/constraints/0/where/plane/normal", "direction"},
+        Bad{R"(, "constraints": [{"fix": "x", "where": {"sphere": {"centre": [0,0,0], "radius": 0}}}])",
+            "/constraints/0/where/sphere/radius", "> 0 m"},
+        Bad{R"(, "constraints": [{"move": {"translation": [1,0,0]}, "where": "all"}])",
+            "/constraints/0", "'ramp' is missing"},
+        Bad{R"(, "constraints": [{"move": {"translation": [1,0,0]}, "ramp": 0, "where": "all"}])",
+            "/constraints/0/ramp", "longer than 0 s"},
+        Bad{R"(, "constraints": [{"move": {}, "ramp": 1, "where": "all"}])", "/constraints/0/move",
+            "'translation', 'rotation'"},
+        Bad{R"(, "loads": [{"force": [1,0,0], "pressure": 3, "where": "all"}])", "/loads/0",
+            "has 'force', 'pressure'"},
+        Bad{R"(, "events": [{"at": -1, "cut": {"faces": [[0,1]]}}])", "/events/0/at", ">= 0 s"},
+        Bad{R"(, "events": [{"at": 2, "cut": {"faces": [[0,1]]}}])", "/events/0/at",
+            "after the end of the run"},
+        Bad{R"(, "events": [{"at": 0.5}])", "/events/0", "'cut' is missing"},
+        Bad{R"(, "events": [{"at": 0.5, "cut": {"faces": [[1,1]]}}])", "/events/0/cut/faces/0",
+            "twice"},
+        Bad{R"(, "events": [{"at": 0.5, "cut": {"faces": []}}])", "/events/0/cut/faces", "empty"},
+        Bad{R"(, "events": [{"at": 0.5, "cut": {"plane": {"point": [0,0,0], "normal": [0,0,0]}}}])",
+            "/events/0/cut/plane/normal", "direction"},
+        Bad{R"(, "events": [{"at": 0.5, "cut": {"faces": [[0,1]]}, "shape": "deform"}])",
+            "/events/0/shape", "did you mean 'deformed'"},
+        Bad{R"(, "output": {"every": 0})", "/output/every", "> 0 s"},
+        Bad{R"(, "output": {"every": 1, "every_steps": 1})", "/output", "not both"},
+        Bad{R"(, "output": {"fields": ["displacment"]})", "/output/fields/0",
+            "did you mean 'displacement'"},
+        Bad{R"(, "output": {"fields": ["mass", "mass"]})", "/output/fields/1", "second time"},
+        Bad{R"(, "output": {"compression": "lz5"})", "/output/compression", "did you mean 'lz4'"},
+        Bad{R"(, "output": {"probes": {"at": [{"name": "a b", "point": [0,0,0]}]}})",
+            "/output/probes/at/0/name", "letters"},
+        Bad{R"(, "output": {"probes": {"at": [{"name": "a", "point": [0,0,0]},
+                                              {"name": "a", "point": [1,0,0]}]}})",
+            "/output/probes/at/1/name", "earlier probe"},
+        Bad{R"(, "output": true, "solve": 1)", "/solve", "did you mean 'solver'"}));
+
+// The same for parts that the sound beginning has already: set to what is bad.
+struct BadSet {
+  const char* set;
+  const char* path;
+  const char* words;
+};
+class SceneSetMistakes : public ::testing::TestWithParam<BadSet> {};
+
+TEST_P(SceneSetMistakes, AreNamed) {
+  const BadSet& bad = GetParam();
+  const std::string error = error_of(scene_with(""), {bad.set});
+  EXPECT_NE(error.find(std::string("--set '") + bad.set + "': " + bad.path), std::string::npos)
+      << error;
+  EXPECT_NE(error.find(bad.words), std::string::npos) << error;
+  EXPECT_NE(error.find("\n1 mistake in"), std::string::npos) << error;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, SceneSetMistakes,
+    ::testing::Values(
+        BadSet{"/solver/dt=-1e-4", "/solver/dt", "must be > 0 s, is -1e-04 s"},
+        BadSet{"/solver/dt=2", "/solver/dt", "longer than the whole run"},
+        BadSet{"/solver/dt=fast", "/solver/dt", "\"auto\""},
+        BadSet{"/solver/dtt=1", "/solver/dtt", "did you mean 'dt'"},
+        BadSet{"/slover/dt=1", "/slover", "did you mean 'solver'"},
+        BadSet{"/solver/threads=-1", "/solver/threads", "whole number >= 0"},
+        BadSet{"/solver/integrator=verlet", "/solver/integrator", "'velocity-verlet'"},
+        BadSet{"/solver/safety=1.5", "/solver/safety", "<= 1"},
+        BadSet{"/solver/damping=auto", "/solver/damping", "until"},
+        BadSet{"/solver/tolerance=1e-3", "/solver/tolerance", "until"},
+        BadSet{"/solver={}", "/solver", "says no end"}, BadSet{"/suture=2", "/suture", "version 2"},
+        BadSet{"/mesh={}", "/mesh", "exactly one of 'box', 'file', 'voxels'"},
+        BadSet{"/mesh/scale=2", "/mesh/scale", "belongs to a mesh file"},
+        BadSet{"/mesh/pinched=spilt", "/mesh/pinched", "did you mean 'split'"},
+        BadSet{"/mesh={\"file\": \"nowhere.vtu\"}", "/mesh/file", "no file"},
+        BadSet{"/mesh/box/cells/0=0", "/mesh/box/cells/0", ">= 1"},
+        BadSet{"/mesh/box/cells=[100000,100000,100000]", "/mesh/box/cells", "32-bit darts"},
+        BadSet{"/mesh={\"voxels\": {\"size\": 1, \"rows\": [\"..\"]}}", "/mesh/voxels/rows",
+               "no cube"},
+        BadSet{"/models=[]", "/models", "at least one"},
+        BadSet{"/models/0/model=jely", "/models/0/model", "did you mean 'jelly'"},
+        BadSet{"/models/0/name=a/b", "/models/0/name", "letters"},
+        BadSet{"/models/0/parameters/E=-1", "/models/0/parameters/E", "must be > 0 Pa, is -1 Pa"},
+        BadSet{"/models/0/parameters/E=stiff", "/models/0/parameters/E", "must be a number (Pa)"},
+        BadSet{"/models/0/parameters/nu=0.5", "/models/0/parameters/nu",
+               "must be > -1 and < 0.5, is 0.5"},
+        BadSet{"/models/0/parameters/order=2.5", "/models/0/parameters/order", "whole number"},
+        BadSet{"/models/0/parameters/correction=1", "/models/0/parameters/correction",
+               "true or false"},
+        BadSet{"/models/0/parameters/quadrature=gauss3", "/models/0/parameters/quadrature",
+               "did you mean 'gauss2'"},
+        BadSet{"/plugins=[\"x.so\"]", "/plugins/0", "no plugin file"}));
+
+TEST(SceneReader, NamesOfModelsMustDiffer) {
+  const std::string error =
+      error_of(scene_with(""), {"/models/-={\"model\": \"jelly\", \"name\": \"jelly\", "
+                                "\"parameters\": {\"E\": 1}}"});
+  EXPECT_NE(error.find("/models/1/name: 'jelly' is the name of an earlier model"),
+            std::string::npos)
+      << error;
+}
+
+TEST(SceneReader, ExitCodeTellsPluginsFromScenes) {
+  try {
+    read(scene_with(""), {"/models/0/model=none"});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit_code(), 4);
+  }
+  try {
+    read(scene_with(""), {"/models/0/model=none", "/solver/end=0"});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit_code(), 3);
+  }
+}
+
+TEST(SceneReader, SetsChangeTheSceneAndItsHash) {
+  const std::string text = scene_with("");
+  const Scene scene = read(text, {"/solver/dt=1e-4", "/output/energies/every_steps=3",
+                                  "/title=a bare string", "/solver/end=0.5"});
+  EXPECT_EQ(scene.solver.dt, 1e-4);
+  EXPECT_EQ(scene.output.energies_every, 3u);
+  EXPECT_EQ(scene.title, "a bare string");
+  EXPECT_EQ(scene.solver.end, 0.5);
+  EXPECT_NE(scene.hash, read(text).hash);
+  EXPECT_EQ(read(text).hash, read("// comment\n " + text + "\n").hash);
+  EXPECT_EQ(read(text).hash, read(text, {"/solver/end=1.0"}).hash);
+}
+
+TEST(SceneReader, SetsThatLeadNowhereAreUsageErrors) {
+  for (const char* set :
+       {"solver/dt=1", "/solver/dt", "", "/title/x=1", "/models/7/name=a", "/models/x/name=a"}) {
+    EXPECT_THROW(read(scene_with(", \"title\": \"t\""), {set}), UsageError) << set;
+  }
+  EXPECT_THROW(read(scene_with(""), {"/solver={\"dt\": }"}), InputError);
+}
+
+TEST(SceneReader, WarnsOfRampsThatOutliveTheRun) {
+  Diagnostics diagnostics;
+  read_scene_text(scene_with(R"(, "gravity": {"value": [0, -1, 0], "ramp": 3})"), "s.json", {},
+                  jelly_only(), diagnostics);
+  ASSERT_EQ(diagnostics.warnings().size(), 1u);
+  EXPECT_NE(diagnostics.warnings()[0].find("/gravity"), std::string::npos);
+}
+
+TEST(SceneReader, SuggestsFilesOfTheFolder) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "suture-scene";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "beam.vtu") << "x";
+  Diagnostics diagnostics;
+  try {
+    read_scene_text(scene_with(""), folder / "s.json", {"/mesh={\"file\": \"baem.vtu\"}"},
+                    jelly_only(), diagnostics);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("did you mean 'beam.vtu'"), std::string::npos)
+        << error.what();
+  }
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Ramp, RisesFromZeroToOne) {
+  const Ramp step{}, linear{1, 3, false}, smooth{1, 3, true};
+  EXPECT_EQ(step.at(0), 1);
+  EXPECT_EQ(linear.at(0.5), 0);
+  EXPECT_EQ(linear.at(1.5), 0.25);
+  EXPECT_EQ(linear.at(4), 1);
+  EXPECT_EQ(smooth.at(2), 0.5);
+  EXPECT_EQ(smooth.at(1.5), 0.15625);
+}
+
+}  // namespace
+}  // namespace suture::testing

@@ -30,6 +30,8 @@ class CellSet {
   }
   bool contains(Index cell) const { return row(cell) != none; }
   std::span<const Index> cells() const { return cells_; }  ///< empty if is_all()
+  /// Row of each cell or `none`, for loops over batches; empty if is_all().
+  std::span<const Index> rows() const { return row_of_; }
 
   /// A cell that an operation made. Its row is the last.
   void append(Index cell);

@@ -39,7 +39,7 @@ Workers::~Workers() = default;
 
 void Workers::run(std::size_t count, void* context, Call call) const {
   if (!arena_ || count < 2) {
-    for (std::size_t i = 0; i < count; ++i) call(context, i);
+    for (std::size_t i = 0; i < count; ++i) call(context, i, 0);
     return;
   }
   char fork = 0;
@@ -50,7 +50,7 @@ void Workers::run(std::size_t count, void* context, Call call) const {
         std::size_t{0}, count,
         [&](std::size_t i) {
           acquire(&fork);
-          call(context, i);
+          call(context, i, static_cast<unsigned>(tbb::this_task_arena::current_thread_index()));
           release(&join);
         },
         tbb::simple_partitioner{});

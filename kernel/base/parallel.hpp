@@ -22,16 +22,22 @@ class Workers {
   /// body(i) for each i in 0 .. count-1, in any order and on any thread; returns
   /// when all are done. `body` must not throw. Costs some microseconds: make i a
   /// chunk of work, and let nothing that is written depend on who does it.
+  /// A body(i, worker) is told which of its threads runs it, 0 .. threads()-1, so
+  /// that each can have scratch memory of its own.
   template <class Body>
   void parallel_for(std::size_t count, Body&& body) const {
     auto* context = const_cast<void*>(static_cast<const void*>(&body));  // NOLINT: type erasure
-    run(count, context, [](void* erased, std::size_t i) {
-      (*static_cast<std::remove_reference_t<Body>*>(erased))(i);
+    run(count, context, [](void* erased, std::size_t i, unsigned worker) {
+      auto& call = *static_cast<std::remove_reference_t<Body>*>(erased);
+      if constexpr (std::is_invocable_v<decltype(call), std::size_t, unsigned>)
+        call(i, worker);
+      else
+        call(i);
     });
   }
 
  private:
-  using Call = void (*)(void* context, std::size_t i);
+  using Call = void (*)(void* context, std::size_t i, unsigned worker);
   void run(std::size_t count, void* context, Call call) const;
 
   struct Arena;

@@ -1,41 +1,74 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
+#include "kernel/base/error.hpp"
 
 namespace suture {
 
+/// A model asks for a smaller step: the state before the step is still good.
+class StepRejected : public NumericalError {
+ public:
+  StepRejected(const std::string& text, double factor)
+      : NumericalError(text), step_factor(factor) {}
+  double step_factor;  ///< proposed dt / present dt, in (0, 1)
+};
+
 /// Everything that adds internal forces: the enabled functors of all instances,
 /// compiled into batches of 8 cells. Same bits for any number of threads.
+///
+/// Cells of a functor are coloured in chunks (batch_list.hpp); the loop itself is
+/// compiled per instruction set (loops/). Memory: 8 B per row of an edge functor,
+/// 16 B per row of a face functor, nothing per element.
 class ForceLoop {
  public:
+  /// `threads`: 0 = as many as pay; only loops large enough use more than one.
+  /// Throws PluginError if a functor asks for what this program does not have.
   ForceLoop(Attributes& attributes, const CellComplex& complex, unsigned threads);
   ~ForceLoop();
 
   /// force += sum of all functors, at (position, velocity, time).
-  /// Throws NumericalError with the lowest failing cell's message.
+  /// Throws NumericalError with the lowest failing cell's message, StepRejected
+  /// if a smaller step may help. `dt`: of the step in progress, 0 outside one.
   void add_forces(double time, double dt);
-  /// Stored energy of all functors, J. Fixed order of summation.
+  /// Trial copies of state columns become the accepted ones.
+  void accept();
+  /// Stored energy of all functors that know theirs, J. Fixed order of summation.
   double energy(double time);
+
   /// Per vertex the largest eigenvalue of the summed bounds over m:
-  /// K/m (1/s^2) and C/m (1/s); the maxima over all free vertices.
-  struct Bounds { double stiffness = 0, damping = 0; Index vertex = none; };
+  /// K/m (1/s^2) and C/m (1/s); the maxima over all free vertices, and the
+  /// smallest stable step (stable_step.hpp; infinite without forces) with its
+  /// vertex. Throws PluginError if an enabled functor has no suture.stable-dt/1.
+  struct Bounds {
+    double stiffness = 0, damping = 0;
+    double dt = std::numeric_limits<double>::infinity();  ///< s
+    Index vertex = none;
+  };
   Bounds bounds(double time);
-  /// Re-reads connectivity, rows and chunks after a change.
+
+  /// Re-reads connectivity, rows and chunks after a change. O(cells touched) but
+  /// when an eighth of the rows is new (edges) or for functors on faces.
   void update(const CellComplex& complex, const TopologyChange& change);
 
   struct Summary {  ///< for `suture explain`
     std::string instance, functor;
-    Index cells, batches, chunks, colours;
-    std::uint32_t reads;
-    bool skipped;
+    Index cells = 0, batches = 0, chunks = 0, colours = 0;
+    std::uint32_t reads = 0;  ///< suture_read bits that are gathered
+    bool skipped = false;
     std::string reason;
   };
   std::vector<Summary> summary() const;
+
+  unsigned threads() const;      ///< that the forces run on; 1 below the size where more pay
+  std::string_view isa() const;  ///< "avx512", "avx2" or "base"
 
  private:
   struct Impl;

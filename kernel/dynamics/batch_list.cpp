@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/dynamics/batch_list.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+
+namespace suture {
+namespace {
+
+constexpr Index lanes = SUTURE_LANES;
+constexpr Index least_tail = 512;  // rows; a small tail is never worth colouring
+
+/// Cuts ranges into chunks of about `size` rows, at borders of blocks.
+std::vector<std::vector<loops::Range>> make_chunks(std::span<const loops::Range> rows, Index size) {
+  std::vector<std::vector<loops::Range>> chunks;
+  Index open = 0;  // rows in the last chunk
+  for (loops::Range range : rows) {
+    while (range.begin < range.end) {
+      if (chunks.empty() || open >= size) {
+        chunks.emplace_back();
+        open = 0;
+      }
+      const Index room = size - open;
+      Index end = range.end;
+      if (range.end - range.begin > room) {
+        end = std::min(range.end, (range.begin + room + lanes - 1) / lanes * lanes);
+      }
+      chunks.back().push_back({range.begin, end});
+      open += end - range.begin;
+      range.begin = end;
+    }
+  }
+  return chunks;
+}
+
+template <class Visit>
+void for_each_vertex(const Connectivity& cells, std::span<const loops::Range> ranges, Visit visit) {
+  for (const loops::Range& range : ranges)
+    for (Index row = range.begin; row < range.end; ++row)
+      for (const Index vertex : cells.of(row)) visit(vertex);
+}
+
+}  // namespace
+
+Index chunk_rows(Index rows) { return std::clamp<Index>(rows / 64 / lanes * lanes, 64, 2048); }
+
+std::vector<Index> colour_chunks(const Connectivity& cells,
+                                 std::span<const std::vector<loops::Range>> chunks,
+                                 Index vertex_count) {
+  // Colours met at each vertex, 64 at a time. Meshes in a sensible order need
+  // about ten; only chunks left over by one round of 64 see another.
+  std::vector<Index> colour(chunks.size(), none);
+  std::vector<std::uint64_t> met(vertex_count);
+  Index first = 0;
+  for (std::size_t left = chunks.size(); left != 0; first += 64) {
+    std::fill(met.begin(), met.end(), 0);
+    for (std::size_t c = 0; c < chunks.size(); ++c) {
+      if (colour[c] != none) continue;
+      std::uint64_t taken = 0;
+      for_each_vertex(cells, chunks[c], [&](Index v) { taken |= met[v]; });
+      if (taken == ~std::uint64_t{0}) continue;
+      const int bit = std::countr_one(taken);
+      colour[c] = first + static_cast<Index>(bit);
+      --left;
+      for_each_vertex(cells, chunks[c], [&](Index v) { met[v] |= std::uint64_t{1} << bit; });
+    }
+  }
+  return colour;
+}
+
+BatchList::BatchList(const Connectivity& cells, std::vector<loops::Range> rows,
+                     Index vertex_count) {
+  for (const loops::Range& range : rows) cells_ += range.end - range.begin;
+  const auto chunks = make_chunks(rows, chunk_rows(cells_));
+  const std::vector<Index> colour = colour_chunks(cells, chunks, vertex_count);
+  const Index colours = chunks.empty() ? 0 : *std::max_element(colour.begin(), colour.end()) + 1;
+  std::vector<std::vector<Index>> of_colour(colours);
+  for (std::size_t c = 0; c < chunks.size(); ++c)
+    of_colour[colour[c]].push_back(static_cast<Index>(c));
+  for (const auto& members : of_colour) {
+    for (const Index c : members) add_chunk(chunks[c]);
+    colour_begin_.push_back(chunk_count());
+  }
+}
+
+void BatchList::add_chunk(std::span<const loops::Range> ranges) {
+  ranges_.insert(ranges_.end(), ranges.begin(), ranges.end());
+  chunk_begin_.push_back(static_cast<Index>(ranges_.size()));
+}
+
+bool BatchList::append(Index first, Index last) {
+  if (first == last) return true;
+  tail_ += last - first;
+  if (tail_ > least_tail && tail_ > cells_ / 8) return false;
+  const loops::Range added{first, last};
+  // Neighbouring tail chunks grow together: a thousand cuts of one face each
+  // shall not leave a thousand chunks.
+  if (tail_ > last - first && ranges_.back().end == first) {
+    ranges_.back().end = last;
+    return true;
+  }
+  add_chunk({&added, 1});
+  colour_begin_.push_back(chunk_count());
+  return true;
+}
+
+Index BatchList::batch_count() const {
+  Index batches = 0;
+  for (const loops::Range& range : ranges_)
+    batches += (range.end + lanes - 1) / lanes - range.begin / lanes;
+  return batches;
+}
+
+}  // namespace suture

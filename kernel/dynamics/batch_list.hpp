@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "kernel/base/types.hpp"
+#include "kernel/dynamics/loops/loops.hpp"
+
+namespace suture {
+
+/// Which vertices a row of a table touches: `nodes` per cell, `cells` maps a row
+/// to its place there (null: the row itself).
+struct Connectivity {
+  const Index* nodes = nullptr;
+  const Index* cells = nullptr;
+  Index node_count = 0;
+
+  std::span<const Index> of(Index row) const {
+    const std::size_t cell = cells ? cells[row] : row;
+    return {nodes + cell * node_count, node_count};
+  }
+};
+
+/// The rows that one functor visits, in fixed chunks.
+///
+/// Chunks are coloured so that those of one colour share no vertex. Colours run
+/// one after the other; the chunks of a colour may run in any order, on any
+/// thread, without atomics, and each vertex still receives its forces in one
+/// order: the same bits for every number of threads. Chunk size depends on the
+/// number of rows alone.
+///
+/// A cut only removes sharing, so the colours stay valid. Rows that it adds go
+/// to tail chunks, each a colour of its own, until they are an eighth of all.
+class BatchList {
+ public:
+  BatchList() = default;
+  /// `rows`: ascending, disjoint ranges. `vertex_count`: of the complex.
+  /// O(rows x nodes); 8 B per vertex while it runs.
+  BatchList(const Connectivity& cells, std::vector<loops::Range> rows, Index vertex_count);
+
+  /// Rows [first, last) were added behind all others. Returns false if it is
+  /// time to build the list anew.
+  bool append(Index first, Index last);
+
+  Index cell_count() const { return cells_ + tail_; }
+  Index batch_count() const;
+  Index chunk_count() const { return static_cast<Index>(chunk_begin_.size()) - 1; }
+  Index colour_count() const { return static_cast<Index>(colour_begin_.size()) - 1; }
+
+  /// Chunks chunk_begin .. chunk_end of colour c; chunks are numbered by colour.
+  Index chunk_begin(Index colour) const { return colour_begin_[colour]; }
+  Index chunk_end(Index colour) const { return colour_begin_[colour + 1]; }
+  std::span<const loops::Range> ranges(Index chunk) const {
+    return std::span(ranges_).subspan(chunk_begin_[chunk],
+                                      chunk_begin_[chunk + 1] - chunk_begin_[chunk]);
+  }
+
+ private:
+  void add_chunk(std::span<const loops::Range> ranges);
+
+  Index cells_ = 0, tail_ = 0;
+  std::vector<loops::Range> ranges_;
+  std::vector<Index> chunk_begin_{0};   // into ranges_
+  std::vector<Index> colour_begin_{0};  // into chunks
+};
+
+/// Rows of a chunk for a functor that visits `rows` rows: enough chunks to share
+/// out, each large enough to stay in a core's cache for a while.
+Index chunk_rows(Index rows);
+
+/// Colours 0, 1, ... such that chunks of one colour share no vertex, by first
+/// fit in order of the chunks. Deterministic.
+std::vector<Index> colour_chunks(const Connectivity& cells,
+                                 std::span<const std::vector<loops::Range>> chunks,
+                                 Index vertex_count);
+
+}  // namespace suture

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/dynamics/compiled_functor.hpp"
+
+#include "kernel/attributes/cell_nodes.hpp"
+#include "kernel/base/error.hpp"
+
+namespace suture {
+
+RowNodes::RowNodes(const Instance& instance, int dimension, const CellComplex& complex)
+    : cells_(instance.table(dimension).cells),
+      dimension_(dimension),
+      node_count_(static_cast<std::size_t>(nodes_of_cell(dimension))) {
+  nodes_.resize(cells_.size() * node_count_);
+  for (Index row = 0; row < cells_.size(); ++row) read_row(complex, row);
+}
+
+void RowNodes::read_row(const CellComplex& complex, Index row) {
+  cell_nodes(complex, dimension_, cells_.cell(row), nodes_.data() + row * node_count_);
+}
+
+void RowNodes::read_cell(const CellComplex& complex, Index cell) {
+  const Index row = cells_.row(cell);
+  if (row != none) read_row(complex, row);
+}
+
+/// A cell that was not split may still have a new vertex, and a row may describe
+/// another cell now: every cell of every touched element is read again.
+void RowNodes::update(const CellComplex& complex, const TopologyChange& change) {
+  nodes_.resize(cells_.size() * node_count_);
+  for (const Index element : change.elements) {
+    if (dimension_ == 1)
+      for (const Index edge : complex.edges_of(element)) read_cell(complex, edge);
+    else
+      for (const Index face : complex.faces_of(element)) read_cell(complex, face);
+  }
+}
+
+CompiledFunctor::CompiledFunctor(Instance& instance, const suture_functor& functor,
+                                 const RowNodes* nodes)
+    : instance_(instance),
+      functor_(functor),
+      nodes_(nodes),
+      dimension_(static_cast<int>(functor.dimension)),
+      reads_(functor.reads) {
+  refuse_unknown();
+  if (functor.enabled && functor.enabled(&instance.context(0), &reads_) == 0) {
+    reason_ = "gives no force with these parameters";
+  }
+  reads_ &= functor.reads;
+  cell_columns_.resize(functor.cell_column_count);
+  vertex_columns_.resize(functor.vertex_column_count);
+}
+
+std::string CompiledFunctor::title() const {
+  return instance_.title() + ", functor '" + functor_.name + "'";
+}
+
+void CompiledFunctor::refuse_unknown() const {
+  const std::string wants = title() + " wants ";
+  if (functor_.lanes != SUTURE_LANES || functor_.scalar != 0) {
+    throw PluginError(wants + std::to_string(functor_.lanes) +
+                      " lanes or another scalar type; this Suture computes in " +
+                      std::to_string(SUTURE_LANES) + " lanes of double precision");
+  }
+  if (functor_.dimension < 1 || functor_.dimension > 3) {
+    throw PluginError(wants + "cells of dimension " + std::to_string(functor_.dimension) +
+                      "; functors work on edges (1), faces (2) or elements (3)");
+  }
+  constexpr std::uint32_t type_of[4] = {0, SUTURE_EDGE, SUTURE_QUADRILATERAL, SUTURE_HEXAHEDRON};
+  if (functor_.cell_type != type_of[functor_.dimension]) {
+    throw PluginError(wants + "cells of type " + std::to_string(functor_.cell_type) +
+                      ", which is no cell type of dimension " + std::to_string(functor_.dimension) +
+                      " in this Suture");
+  }
+}
+
+Connectivity CompiledFunctor::connectivity(const CellComplex& complex) const {
+  const auto count = static_cast<Index>(nodes_of_cell(dimension_));
+  if (dimension_ != 3) return {nodes_->data(), nullptr, count};
+  return {complex.vertices().data()->data(), cells().is_all() ? nullptr : cells().cells().data(),
+          count};
+}
+
+std::vector<loops::Range> CompiledFunctor::wanted_rows(const CellComplex& complex) const {
+  Index begin = 0, end = cells().size();
+  if (dimension_ == 2 && functor_.faces != SUTURE_ALL_FACES) return wanted_faces(complex);
+  if (dimension_ == 3 && functor_.shape == SUTURE_PARALLELEPIPED) end = instance_.general_begin;
+  if (dimension_ == 3 && functor_.shape == SUTURE_GENERAL) begin = instance_.general_begin;
+  if (begin == end) return {};
+  return {{begin, end}};
+}
+
+/// Faces on the boundary, or in the interior, as they are now.
+std::vector<loops::Range> CompiledFunctor::wanted_faces(const CellComplex& complex) const {
+  std::vector<loops::Range> ranges;
+  for (Index row = 0; row < cells().size(); ++row) {
+    const bool boundary = complex.beta3(complex.dart_of(2, cells().cell(row))) == none;
+    if (boundary != (functor_.faces == SUTURE_BOUNDARY_FACES)) continue;
+    if (!ranges.empty() && ranges.back().end == row)
+      ++ranges.back().end;
+    else
+      ranges.push_back({row, row + 1});
+  }
+  return ranges;
+}
+
+void CompiledFunctor::build(const CellComplex& complex) {
+  rows_ = cells().size();
+  if (skipped()) return;
+  const auto rows = wanted_rows(complex);
+  if (rows.empty()) {
+    // Faces may join after a cut; elements never change their shape.
+    if (dimension_ == 3) reason_ = "no element of its region has the shape it is written for";
+    list_ = {};
+    return;
+  }
+  list_ = BatchList(connectivity(complex), rows, complex.count(0));
+}
+
+void CompiledFunctor::update(const CellComplex& complex, const TopologyChange& change) {
+  if (skipped() || change.empty() || dimension_ == 3) return;
+  const Index before = rows_;
+  rows_ = cells().size();
+  const bool may_append = dimension_ == 1 || functor_.faces == SUTURE_ALL_FACES;
+  if (!may_append || !list_.append(before, rows_)) build(complex);
+}
+
+const loops::Job& CompiledFunctor::job(Attributes& attributes, const CellComplex& complex,
+                                       double time, double dt) {
+  const Connectivity nodes = connectivity(complex);
+  job_.nodes = nodes.nodes;
+  job_.cells = nodes.cells;
+  job_.node_count = nodes.node_count;
+  const bool users = dimension_ == 3 && !attributes.user_element.empty();
+  job_.ids = users ? attributes.user_element.data() : nullptr;
+  job_.row_ids = dimension_ != 3 && !cells().is_all() ? cells().cells().data() : nullptr;
+  job_.rest = reads_ & SUTURE_READ_REST ? attributes.rest().rows() : nullptr;
+  job_.position = reads_ & SUTURE_READ_POSITION ? attributes.position().rows() : nullptr;
+  job_.velocity = reads_ & SUTURE_READ_VELOCITY ? attributes.velocity().rows() : nullptr;
+  job_.force = attributes.force().rows();
+  job_.time = time;
+  job_.dt = dt;
+  job_.function = functor_.force;
+  job_.has_trial = 0;
+  for (std::size_t i = 0; i < cell_columns_.size(); ++i) {
+    Column& column = *instance_.column(functor_.cell_columns[i]);
+    const auto components = static_cast<std::uint32_t>(column.spec().components);
+    const bool trial = column.has_trial();
+    cell_columns_[i] = {std::as_const(column).block(0), trial ? column.trial_block(0) : nullptr,
+                        column.is_constant() ? 0 : std::uint64_t{components} * SUTURE_LANES,
+                        components, 0};
+    if (trial) job_.has_trial = 1;
+  }
+  const CellSet& vertices = instance_.table(0).cells;
+  for (std::size_t i = 0; i < vertex_columns_.size(); ++i) {
+    const std::uint32_t attribute = functor_.vertex_columns[i];
+    const bool mass = attribute == UINT32_MAX;
+    const Column& column = mass ? attributes.mass() : *instance_.column(attribute);
+    const Index* rows = mass || vertices.is_all() ? nullptr : vertices.rows().data();
+    vertex_columns_[i] = {column.rows(), rows, static_cast<std::uint32_t>(column.spec().components),
+                          static_cast<std::uint32_t>(column.stride())};
+  }
+  job_.cell_column_count = static_cast<std::uint32_t>(cell_columns_.size());
+  job_.vertex_column_count = static_cast<std::uint32_t>(vertex_columns_.size());
+  job_.cell_columns = cell_columns_.data();
+  job_.vertex_columns = vertex_columns_.data();
+  return job_;
+}
+
+}  // namespace suture

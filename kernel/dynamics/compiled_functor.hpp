@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kernel/attributes/attributes.hpp"
+#include "kernel/dynamics/batch_list.hpp"
+
+namespace suture {
+
+/// Vertices of the rows of an instance's edges or faces, kept up to date through
+/// cuts. Elements need none: the complex's own list serves.
+class RowNodes {
+ public:
+  RowNodes(const Instance& instance, int dimension, const CellComplex& complex);
+  void update(const CellComplex& complex, const TopologyChange& change);
+  const Index* data() const { return nodes_.data(); }
+
+ private:
+  void read_row(const CellComplex& complex, Index row);
+  void read_cell(const CellComplex& complex, Index cell);
+
+  const CellSet& cells_;
+  int dimension_;
+  std::size_t node_count_;
+  std::vector<Index> nodes_;
+};
+
+/// One functor of one instance, ready to run: which rows, which arrays.
+class CompiledFunctor {
+ public:
+  /// `nodes`: of the functor's cells, dimension 1 and 2; else null.
+  CompiledFunctor(Instance& instance, const suture_functor& functor, const RowNodes* nodes);
+
+  /// Rows, chunks and colours anew. O(rows).
+  void build(const CellComplex& complex);
+  /// After a change; `nodes` is up to date already.
+  void update(const CellComplex& complex, const TopologyChange& change);
+
+  /// The job with the present addresses of all columns. O(columns).
+  const loops::Job& job(Attributes& attributes, const CellComplex& complex, double time, double dt);
+
+  Instance& instance() const { return instance_; }
+  const suture_functor& functor() const { return functor_; }
+  std::uint32_t reads() const { return reads_; }
+  bool skipped() const { return !reason_.empty(); }
+  const std::string& reason() const { return reason_; }
+  const BatchList& list() const { return list_; }
+  std::string title() const;  ///< "model 'tissue' (mss-baudet), functor 'edge springs'"
+
+  template <class Extension>
+  const Extension* extension(const char* id) const {
+    return functor_.extension ? static_cast<const Extension*>(functor_.extension(id)) : nullptr;
+  }
+
+ private:
+  void refuse_unknown() const;
+  Connectivity connectivity(const CellComplex& complex) const;
+  std::vector<loops::Range> wanted_rows(const CellComplex& complex) const;
+  std::vector<loops::Range> wanted_faces(const CellComplex& complex) const;
+  CellSet const& cells() const { return instance_.table(dimension_).cells; }
+
+  Instance& instance_;
+  const suture_functor& functor_;
+  const RowNodes* nodes_;
+  int dimension_;
+  std::uint32_t reads_;
+  std::string reason_;  ///< why it is skipped
+  BatchList list_;
+  Index rows_ = 0;  ///< of the table when the list was made or appended to
+  loops::Job job_{};
+  std::vector<loops::CellColumn> cell_columns_;
+  std::vector<loops::VertexColumn> vertex_columns_;
+};
+
+}  // namespace suture

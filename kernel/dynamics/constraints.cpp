@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/dynamics/constraints.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace suture {
+namespace {
+
+Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/// A motion at one time: what is the same for all its vertices.
+class Placement {
+ public:
+  Placement(const PrescribedMotion& motion, double time) : motion_(motion), moves_(motion.moves()) {
+    const double s = motion.ramp.value(time), rate = motion.ramp.rate(time);
+    sine_ = std::sin(s * motion.angle);
+    cosine_ = std::cos(s * motion.angle);
+    const double length = std::sqrt(dot(motion.axis, motion.axis));
+    for (std::size_t c = 0; c < 3; ++c) {
+      axis_[c] = length > 0 ? motion.axis[c] / length : 0;
+      shift_[c] = s * motion.translation[c];
+      drift_[c] = rate * motion.translation[c];
+      spin_[c] = rate * motion.angle * axis_[c];
+    }
+  }
+
+  /// Rodrigues: R r = cos r + sin a x r + (1 - cos) (a . r) a.
+  void place(const double* rest, Vec3& x, Vec3& v) const {
+    if (!moves_) {
+      x = {rest[0], rest[1], rest[2]};
+      v = {};
+      return;
+    }
+    const Vec3& c = motion_.centre;
+    const Vec3 r{rest[0] - c[0], rest[1] - c[1], rest[2] - c[2]};
+    const Vec3 across = cross(axis_, r);
+    const double along = (1 - cosine_) * dot(axis_, r);
+    Vec3 turned;
+    for (std::size_t i = 0; i < 3; ++i)
+      turned[i] = cosine_ * r[i] + sine_ * across[i] + along * axis_[i];
+    const Vec3 speed = cross(spin_, turned);
+    for (std::size_t i = 0; i < 3; ++i) {
+      x[i] = c[i] + turned[i] + shift_[i];
+      v[i] = speed[i] + drift_[i];
+    }
+  }
+
+ private:
+  const PrescribedMotion& motion_;
+  bool moves_;
+  double sine_, cosine_;
+  Vec3 axis_, shift_, drift_, spin_;
+};
+
+}  // namespace
+
+void Constraints::add(std::span<const Index> vertices, std::uint8_t components,
+                      const PrescribedMotion& motion, Attributes& attributes) {
+  groups_.push_back({motion, components, {vertices.begin(), vertices.end()}, {}});
+  for (const Index v : vertices) {
+    const int bits = static_cast<int>(attributes.fixed().get(v, 0)) | components;
+    attributes.fixed().set(v, 0, bits);
+  }
+}
+
+void Constraints::apply(Attributes& attributes, double time) const {
+  const double* rest = attributes.rest().rows();
+  double* position = attributes.position().rows();
+  double* velocity = attributes.velocity().rows();
+  for (const Group& group : groups_) {
+    const Placement placement(group.motion, time);
+    Vec3 x, v;
+    for (const Index vertex : group.vertices) {
+      const std::size_t at = std::size_t{vertex} * 4;
+      placement.place(rest + at, x, v);
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (!(group.components >> c & 1)) continue;
+        position[at + c] = x[c];
+        velocity[at + c] = v[c];
+      }
+    }
+  }
+}
+
+void Constraints::update(const TopologyChange& change) {
+  const auto& splits = change.splits[0];
+  if (splits.empty()) return;
+  const Index highest = splits.back().new_cell;
+  for (Group& group : groups_) {
+    if (group.member.empty()) {
+      group.member.resize(highest + 1);
+      for (const Index v : group.vertices) group.member[v] = true;
+    }
+    if (group.member.size() <= highest) group.member.resize(highest + 1);
+    for (const Split& split : splits) {
+      if (!group.member[split.old_cell]) continue;
+      group.member[split.new_cell] = true;
+      group.vertices.push_back(split.new_cell);
+    }
+  }
+}
+
+Index Constraints::vertex_count() const {
+  std::size_t count = 0;
+  for (const Group& group : groups_) count += group.vertices.size();
+  return static_cast<Index>(count);
+}
+
+double Constraints::settled_after() const {
+  double time = 0;
+  for (const Group& group : groups_)
+    if (group.motion.moves()) time = std::max(time, group.motion.ramp.to);
+  return time;
+}
+
+}  // namespace suture

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernel/attributes/attributes.hpp"
+#include "kernel/dynamics/time_ramp.hpp"
+
+namespace suture {
+
+/// Where a constrained vertex of rest position X is at time t, with s = ramp(t):
+///   x = c + R(axis, s angle) (X - c) + s translation
+/// Nothing moves: x = X, a fixed vertex.
+struct PrescribedMotion {
+  Vec3 translation{};  ///< m, at the end of the ramp
+  Vec3 axis{};         ///< any length but 0 if angle != 0
+  Vec3 centre{};       ///< c, m
+  double angle = 0;    ///< rad, at the end of the ramp
+  TimeRamp ramp;
+  bool moves() const { return angle != 0 || translation != Vec3{}; }
+};
+
+/// Vertices whose position is given. They cost a pass over a list; vertices that
+/// are free cost nothing.
+class Constraints {
+ public:
+  /// Gives `components` (bits 1 x, 2 y, 4 z) of `vertices`; where groups overlap,
+  /// the one added last wins. Marks them in the column `fixed`.
+  void add(std::span<const Index> vertices, std::uint8_t components, const PrescribedMotion& motion,
+           Attributes& attributes);
+
+  /// Position and velocity (its derivative) of all constrained components at
+  /// `time`. O(constrained vertices).
+  void apply(Attributes& attributes, double time) const;
+
+  /// The parts of a split vertex are constrained alike. O(splits), after the
+  /// first call.
+  void update(const TopologyChange& change);
+
+  bool empty() const { return groups_.empty(); }
+  Index vertex_count() const;    ///< constrained, counted once per group
+  double settled_after() const;  ///< time when the last motion ends, s
+
+ private:
+  struct Group {
+    PrescribedMotion motion;
+    std::uint8_t components;
+    std::vector<Index> vertices;
+    std::vector<bool> member;  ///< by vertex; filled by the first split
+  };
+  std::vector<Group> groups_;
+};
+
+}  // namespace suture

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/dynamics/failures.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "kernel/dynamics/force_loop.hpp"
+
+namespace suture {
+namespace {
+
+constexpr double default_step_factor = 0.5;  // where a model proposes none
+
+std::string text_of(const suture_error& error) {
+  const char* end = std::find(error.text, error.text + sizeof error.text, '\0');
+  return {error.text, end};
+}
+
+}  // namespace
+
+bool Failure::comes_before(const Failure& other) const {
+  // Negative states stop; where both do or both do not, place decides.
+  return std::make_tuple(status_ > 0, functor_, cell_) <
+         std::make_tuple(other.status_ > 0, other.functor_, other.cell_);
+}
+
+void Failure::note(suture_status status, Index functor, const suture_error& error,
+                   const suture_batch& batch) {
+  Failure now;
+  now.status_ = status;
+  now.functor_ = functor;
+  now.cell_known_ = error.cell != none;
+  now.cell_ = now.cell_known_ ? error.cell
+                              : *std::min_element(batch.cell_ids, batch.cell_ids + batch.valid);
+  now.code_ = error.code;
+  now.text_ = text_of(error);
+  const bool proposal = error.step_factor > 0 && error.step_factor < 1;
+  if (status > 0) now.step_factor_ = proposal ? error.step_factor : default_step_factor;
+  merge(now);
+}
+
+void Failure::merge(const Failure& other) {
+  if (!other.any()) return;
+  const double factor = std::min(step_factor_, other.step_factor_);
+  if (!any() || other.comes_before(*this)) *this = other;
+  step_factor_ = factor;
+}
+
+void Failure::raise(const std::string& title, const char* cell_word, double time) const {
+  std::string text = "at t = " + std::to_string(time) + " s, " + title;
+  if (cell_known_)
+    text += std::string(", ") + cell_word + " " + std::to_string(cell_);
+  else
+    text += std::string(", near ") + cell_word + " " + std::to_string(cell_);
+  text += ": " + (text_.empty() ? "failed without a message" : text_);
+  if (code_ != 0) text += " (code " + std::to_string(code_) + ")";
+  if (status_ > 0) throw StepRejected(text, step_factor_);
+  throw NumericalError(text);
+}
+
+}  // namespace suture

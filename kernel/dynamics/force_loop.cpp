@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/dynamics/force_loop.hpp"
+
+#include <array>
+#include <cmath>
+#include <deque>
+#include <limits>
+
+#include "kernel/base/parallel.hpp"
+#include "kernel/dynamics/compiled_functor.hpp"
+#include "kernel/dynamics/failures.hpp"
+#include "kernel/dynamics/loops/dispatch.hpp"
+#include "kernel/dynamics/stable_step.hpp"
+#include "kernel/dynamics/symmetric3.hpp"
+
+namespace suture {
+namespace {
+
+constexpr Index lanes = SUTURE_LANES;
+constexpr const char* cell_words[4] = {"vertex", "edge", "face", "element"};
+
+/// Nodes gathered below which one thread is faster than waking others: about
+/// 0.1 ms of work against some microseconds per colour.
+constexpr std::size_t parallel_nodes = 32768;
+
+/// One thread's memory; padded, so that threads do not share a cache line.
+struct alignas(64) WorkerMemory {
+  AlignedVector<double> scratch;
+  std::vector<const double*> cell_columns, vertex_columns;
+  std::vector<double*> trial_columns;
+  Failure failure;
+  Index functor = 0;
+  const suture_error* error = nullptr;
+
+  static void failed(void* data, suture_status status, const suture_batch* batch) {
+    auto& self = *static_cast<WorkerMemory*>(data);
+    self.failure.note(status, self.functor, *self.error, *batch);
+  }
+
+  loops::Worker prepare(const loops::Job& job, const suture_context& context, Index number) {
+    functor = number;
+    error = context.error;
+    const std::uint64_t needed = loops::scratch_doubles(job);
+    if (scratch.size() < needed) scratch.resize(needed);
+    if (cell_columns.size() < job.cell_column_count) {
+      cell_columns.resize(job.cell_column_count);
+      trial_columns.resize(job.cell_column_count);
+    }
+    if (vertex_columns.size() < job.vertex_column_count)
+      vertex_columns.resize(job.vertex_column_count);
+    return {&context,
+            scratch.data(),
+            cell_columns.data(),
+            vertex_columns.data(),
+            trial_columns.data(),
+            &failed,
+            this};
+  }
+};
+
+/// Sums of the bounds of all functors: XX YY ZZ XY YZ XZ per vertex.
+struct VertexBounds {
+  std::vector<std::array<double, 6>> stiffness, damping;
+};
+
+/// The part of a bound that acts on free components.
+std::array<double, 6> free_part(std::array<double, 6> a, int fixed) {
+  for (int c = 0; c < 3; ++c) {
+    if (!(fixed >> c & 1)) continue;
+    a[static_cast<std::size_t>(c)] = 0;
+    a[static_cast<std::size_t>(3 + c)] = 0;  // XY, YZ, XZ
+    a[static_cast<std::size_t>(3 + (c + 2) % 3)] = 0;
+  }
+  return a;
+}
+
+}  // namespace
+
+struct ForceLoop::Impl {
+  Impl(Attributes& a, const CellComplex& c, unsigned wanted)
+      : attributes(a), complex(&c), loops(hot_loops()), threads(wanted) {
+    workers.resize(threads.threads());
+    for (auto& instance : attributes.instances()) {
+      instance->set_workers(threads.threads());
+      add(*instance);
+    }
+  }
+
+  void add(Instance& instance) {
+    std::array<RowNodes*, 4> nodes{};
+    const suture_model& model = instance.model();
+    for (const suture_functor& functor : std::span(model.functors, model.functor_count)) {
+      const auto dimension = functor.dimension;
+      if ((dimension == 1 || dimension == 2) && !nodes[dimension]) {
+        row_nodes.emplace_back(instance, static_cast<int>(dimension), *complex);
+        nodes[dimension] = &row_nodes.back();
+      }
+      functors.emplace_back(instance, functor, dimension < 3 ? nodes[dimension] : nullptr);
+      functors.back().build(*complex);
+    }
+  }
+
+  bool pays(const CompiledFunctor& functor) const {
+    const std::size_t nodes = std::size_t{2} << (functor.functor().dimension - 1);
+    return threads.threads() > 1 && functor.list().cell_count() * nodes >= parallel_nodes;
+  }
+
+  /// chunk(worker, ranges, chunk number) for all chunks, colour after colour.
+  template <class Chunk>
+  void run(Index number, double time, double dt, Chunk chunk) {
+    CompiledFunctor& functor = functors[number];
+    const loops::Job& job = functor.job(attributes, *complex, time, dt);
+    const BatchList& list = functor.list();
+    const bool parallel = pays(functor);
+    for (Index colour = 0; colour < list.colour_count(); ++colour) {
+      const Index first = list.chunk_begin(colour), last = list.chunk_end(colour);
+      const auto one = [&](std::size_t i, unsigned w) {
+        const auto c = first + static_cast<Index>(i);
+        const auto worker = workers[w].prepare(job, functor.instance().context(w), number);
+        chunk(job, worker, list.ranges(c), c);
+      };
+      if (parallel)
+        threads.parallel_for(last - first, one);
+      else
+        for (Index i = 0; i < last - first; ++i) one(i, 0);
+    }
+  }
+
+  /// batch(batch, nodes of its cells) for every batch of some ranges.
+  template <class Visit>
+  void for_each_batch(const loops::Job& job, const loops::Worker& worker,
+                      std::span<const loops::Range> ranges, Visit visit) const {
+    loops::Buffers buffers;
+    suture_batch batch;
+    for (const loops::Range& range : ranges)
+      for (Index row = range.begin; row < range.end; row += batch.valid) {
+        const Index valid = std::min(range.end - row, lanes - row % lanes);
+        loops.gather(&job, &worker, row, valid, &buffers, &batch);
+        const suture_status status = visit(batch, row);
+        if (status != SUTURE_OK) worker.failed(worker.data, status, &batch);
+      }
+  }
+
+  void raise_failures(double time) {
+    Failure first;
+    for (WorkerMemory& worker : workers) {
+      first.merge(worker.failure);
+      worker.failure.clear();
+    }
+    if (!first.any()) return;
+    const CompiledFunctor& functor = functors[first.functor()];
+    first.raise(functor.title(), cell_words[functor.functor().dimension], time);
+  }
+
+  double energy_of(Index number, double time);
+  void add_bounds(Index number, double time, VertexBounds& sums);
+
+  Attributes& attributes;
+  const CellComplex* complex;
+  const loops::Table& loops;
+  Workers threads;
+  std::vector<WorkerMemory> workers;
+  std::deque<RowNodes> row_nodes;
+  std::deque<CompiledFunctor> functors;
+};
+
+ForceLoop::ForceLoop(Attributes& attributes, const CellComplex& complex, unsigned threads)
+    : impl_(std::make_unique<Impl>(attributes, complex, threads)) {}
+
+ForceLoop::~ForceLoop() = default;
+
+void ForceLoop::add_forces(double time, double dt) {
+  const auto& loops = impl_->loops;
+  for (Index i = 0; i < impl_->functors.size(); ++i) {
+    if (impl_->functors[i].skipped()) continue;
+    impl_->run(i, time, dt,
+               [&](const loops::Job& job, const loops::Worker& worker,
+                   std::span<const loops::Range> ranges, Index) {
+                 loops.forces(&job, &worker, ranges.data(),
+                              static_cast<std::uint32_t>(ranges.size()));
+               });
+  }
+  impl_->raise_failures(time);
+}
+
+void ForceLoop::accept() { impl_->attributes.accept_trials(); }
+
+// ------------------------------------------------------------------- energy --
+
+double ForceLoop::Impl::energy_of(Index number, double time) {
+  const auto* extension = functors[number].extension<suture_energy_1>(SUTURE_ENERGY_1);
+  if (!extension) return 0;
+  std::vector<double> of_chunk(functors[number].list().chunk_count());
+  run(number, time, 0,
+      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Range> ranges,
+          Index chunk) {
+        for_each_batch(job, worker, ranges, [&](suture_batch& batch, Index) {
+          alignas(64) double out[lanes];
+          const suture_status status = extension->energy(worker.context, &batch, out);
+          for (Index l = 0; l < batch.valid; ++l) of_chunk[chunk] += out[l];
+          return status;
+        });
+      });
+  double sum = 0;
+  for (const double part : of_chunk) sum += part;
+  return sum;
+}
+
+double ForceLoop::energy(double time) {
+  double sum = 0;
+  for (Index i = 0; i < impl_->functors.size(); ++i)
+    if (!impl_->functors[i].skipped()) sum += impl_->energy_of(i, time);
+  impl_->raise_failures(time);
+  return sum;
+}
+
+// ------------------------------------------------------------------- bounds --
+
+void ForceLoop::Impl::add_bounds(Index number, double time, VertexBounds& sums) {
+  const CompiledFunctor& functor = functors[number];
+  const auto* extension = functor.extension<suture_stable_dt_1>(SUTURE_STABLE_DT_1);
+  if (!extension) {
+    throw PluginError(functor.title() +
+                      " offers no bound of the stable step (suture.stable-dt/1): give \"dt\" as a "
+                      "number of seconds, or add the extension to the model");
+  }
+  run(number, time, 0,
+      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Range> ranges,
+          Index) {
+        for_each_batch(job, worker, ranges, [&](suture_batch& batch, Index row) {
+          alignas(64) double stiffness[8 * 6 * lanes] = {}, damping[8 * 6 * lanes] = {};
+          const suture_status status =
+              extension->bounds(worker.context, &batch, stiffness, damping);
+          for (Index l = 0; l < batch.valid; ++l) {
+            const Index r = row + l;
+            const Index* nodes =
+                job.nodes + std::size_t{job.cells ? job.cells[r] : r} * job.node_count;
+            for (Index n = 0; n < job.node_count; ++n)
+              for (std::size_t c = 0; c < 6; ++c) {
+                sums.stiffness[nodes[n]][c] += stiffness[(n * 6 + c) * lanes + l];
+                sums.damping[nodes[n]][c] += damping[(n * 6 + c) * lanes + l];
+              }
+          }
+          return status;
+        });
+      });
+}
+
+ForceLoop::Bounds ForceLoop::bounds(double time) {
+  const Index vertices = impl_->attributes.vertex_count();
+  VertexBounds sums{std::vector<std::array<double, 6>>(vertices),
+                    std::vector<std::array<double, 6>>(vertices)};
+  for (Index i = 0; i < impl_->functors.size(); ++i)
+    if (!impl_->functors[i].skipped()) impl_->add_bounds(i, time, sums);
+  impl_->raise_failures(time);
+
+  Bounds bounds;
+  const double* mass = impl_->attributes.mass().rows();
+  const double* fixed = impl_->attributes.fixed().rows();
+  for (Index v = 0; v < vertices; ++v) {
+    const int bits = static_cast<int>(fixed[v]);
+    if (bits == 7) continue;
+    const double k = largest_eigenvalue(free_part(sums.stiffness[v], bits)) / mass[v];
+    const double c = largest_eigenvalue(free_part(sums.damping[v], bits)) / mass[v];
+    bounds.stiffness = std::max(bounds.stiffness, k);
+    bounds.damping = std::max(bounds.damping, c);
+    const double dt = stable_step(k, c);
+    if (dt < bounds.dt) {
+      bounds.dt = dt;
+      bounds.vertex = v;
+    }
+  }
+  return bounds;
+}
+
+// --------------------------------------------------------- changes, summary --
+
+void ForceLoop::update(const CellComplex& complex, const TopologyChange& change) {
+  impl_->complex = &complex;
+  for (RowNodes& nodes : impl_->row_nodes) nodes.update(complex, change);
+  for (CompiledFunctor& functor : impl_->functors) functor.update(complex, change);
+}
+
+std::vector<ForceLoop::Summary> ForceLoop::summary() const {
+  std::vector<Summary> lines;
+  for (const CompiledFunctor& functor : impl_->functors) {
+    const BatchList& list = functor.list();
+    lines.push_back({functor.instance().name(), functor.functor().name, list.cell_count(),
+                     list.batch_count(), list.chunk_count(), list.colour_count(), functor.reads(),
+                     functor.skipped(), functor.reason()});
+  }
+  return lines;
+}
+
+unsigned ForceLoop::threads() const {
+  for (const CompiledFunctor& functor : impl_->functors)
+    if (!functor.skipped() && impl_->pays(functor)) return impl_->threads.threads();
+  return 1;
+}
+
+std::string_view ForceLoop::isa() const { return impl_->loops.isa; }
+
+}  // namespace suture

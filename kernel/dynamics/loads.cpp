@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/dynamics/loads.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "kernel/attributes/shape.hpp"
+#include "kernel/base/error.hpp"
+
+namespace suture {
+namespace {
+
+using Quad = std::array<Vec3, 4>;
+
+Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+Vec3 row(const double* rows, Index vertex) {
+  const double* p = rows + std::size_t{vertex} * 4;
+  return {p[0], p[1], p[2]};
+}
+
+/// Vertices of the face of a dart, counter-clockwise seen from inside: the normal
+/// dx/dr x dx/ds points inward.
+std::array<Index, 4> face_nodes(const CellComplex& complex, Dart face) {
+  const Hexahedron& x = complex.vertices_of(face / 24);
+  const auto& local = suture_hexahedron_faces[face % 24 / 4];
+  return {x[local[0]], x[local[1]], x[local[2]], x[local[3]]};
+}
+
+Quad corners_of(const double* rows, const std::array<Index, 4>& nodes) {
+  return {row(rows, nodes[0]), row(rows, nodes[1]), row(rows, nodes[2]), row(rows, nodes[3])};
+}
+
+/// visit(shape functions N_0..N_3, dx/dr x dx/ds) at the 2 x 2 Gauss points of a
+/// bilinear face on the unit square, nodes (0,0) (1,0) (1,1) (0,1); weights 1/4.
+template <class Visit>
+void for_each_point(const Quad& x, Visit visit) {
+  const double low = 0.5 - 0.5 / std::sqrt(3.0), points[2] = {low, 1 - low};
+  for (const double r : points)
+    for (const double s : points) {
+      const std::array<double, 4> n{(1 - r) * (1 - s), r * (1 - s), r * s, (1 - r) * s};
+      Vec3 along_r, along_s;
+      for (std::size_t c = 0; c < 3; ++c) {
+        along_r[c] = (1 - s) * (x[1][c] - x[0][c]) + s * (x[2][c] - x[3][c]);
+        along_s[c] = (1 - r) * (x[3][c] - x[0][c]) + r * (x[2][c] - x[1][c]);
+      }
+      visit(n, cross(along_r, along_s));
+    }
+}
+
+/// Integral of N_a over the area, per corner. Four points: exact for
+/// parallelograms, where the area element is constant.
+std::array<double, 4> corner_areas(const Quad& x) {
+  std::array<double, 4> areas{};
+  for_each_point(x, [&](const std::array<double, 4>& n, const Vec3& normal) {
+    const double area =
+        std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) / 4;
+    for (std::size_t a = 0; a < 4; ++a) areas[a] += n[a] * area;
+  });
+  return areas;
+}
+
+/// Boundary area around each vertex of a set, from faces that lie in it wholly;
+/// empty if a vertex has none.
+std::vector<double> areas_around(const CellComplex& complex, const double* rest,
+                                 std::span<const Index> vertices) {
+  std::map<Index, double> area;
+  for (const Index v : vertices) area[v] = 0;
+  std::vector<Dart> faces, star;
+  for (const Index v : vertices) {
+    complex.star(0, v, star);
+    for (const Dart d : star)
+      for (Dart f = 0; f < 6; ++f) {
+        const Dart face = d / 24 * 24 + 4 * f;
+        if (complex.beta3(face) == none) faces.push_back(face);
+      }
+  }
+  std::sort(faces.begin(), faces.end());
+  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  for (const Dart face : faces) {
+    const auto nodes = face_nodes(complex, face);
+    if (!std::all_of(nodes.begin(), nodes.end(), [&](Index n) { return area.contains(n); }))
+      continue;
+    const auto parts = corner_areas(corners_of(rest, nodes));
+    for (std::size_t a = 0; a < 4; ++a) area[nodes[a]] += parts[a];
+  }
+  std::vector<double> areas;
+  for (const Index v : vertices) areas.push_back(area[v]);
+  if (std::find(areas.begin(), areas.end(), 0.0) != areas.end()) areas.clear();
+  return areas;
+}
+
+}  // namespace
+
+void Loads::add_at_vertex(DeadLoad& load, const CellComplex& complex, Attributes& attributes,
+                          Index vertex, const Vec3& force) {
+  std::vector<Dart> star;
+  complex.star(0, vertex, star);
+  const double* rest = attributes.rest().rows();
+  std::vector<double> volumes;
+  double total = 0;
+  for (const Dart d : star) {
+    HexahedronNodes x;
+    for (std::size_t i = 0; i < 8; ++i) x[i] = row(rest, complex.vertices_of(d / 24)[i]);
+    volumes.push_back(std::abs(hexahedron_volume(x)));
+    total += volumes.back();
+  }
+  for (std::size_t i = 0; i < star.size(); ++i) {
+    const Index element = star[i] / 24;
+    const Hexahedron& nodes = complex.vertices_of(element);
+    const auto corner = std::find(nodes.begin(), nodes.end(), vertex) - nodes.begin();
+    const double share = volumes[i] / total;
+    load.corners.push_back({element,
+                            static_cast<std::uint32_t>(corner),
+                            {force[0] * share, force[1] * share, force[2] * share}});
+  }
+}
+
+void Loads::sum_corners(DeadLoad& load, const CellComplex& complex) {
+  load.nodal.clear();
+  for (const Corner& corner : load.corners)
+    load.nodal.push_back({complex.vertices_of(corner.element)[corner.node], corner.force});
+  std::stable_sort(load.nodal.begin(), load.nodal.end(),
+                   [](const Nodal& a, const Nodal& b) { return a.vertex < b.vertex; });
+  std::size_t last = 0;
+  for (std::size_t i = 1; i < load.nodal.size(); ++i) {
+    if (load.nodal[i].vertex != load.nodal[last].vertex) {
+      load.nodal[++last] = load.nodal[i];
+      continue;
+    }
+    for (std::size_t c = 0; c < 3; ++c) load.nodal[last].force[c] += load.nodal[i].force[c];
+  }
+  load.nodal.resize(last + 1);
+}
+
+void Loads::add_force(const CellComplex& complex, Attributes& attributes,
+                      std::span<const Index> vertices, const Vec3& total, const TimeRamp& ramp) {
+  if (vertices.empty()) throw InputError("a force acts on no vertex: select at least one");
+  const double* rest = attributes.rest().rows();
+  std::vector<double> weights = areas_around(complex, rest, vertices);
+  if (weights.empty()) weights.assign(vertices.size(), 1);
+  double sum = 0;
+  for (const double w : weights) sum += w;
+  DeadLoad load;
+  load.ramp = ramp;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const double w = weights[i] / sum;
+    add_at_vertex(load, complex, attributes, vertices[i],
+                  {total[0] * w, total[1] * w, total[2] * w});
+  }
+  sum_corners(load, complex);
+  dead_.push_back(std::move(load));
+}
+
+void Loads::add_traction(const CellComplex& complex, Attributes& attributes,
+                         std::span<const Dart> faces, const Vec3& traction, const TimeRamp& ramp) {
+  if (faces.empty()) throw InputError("a traction acts on no face: select at least one");
+  const double* rest = attributes.rest().rows();
+  DeadLoad load;
+  load.ramp = ramp;
+  for (const Dart face : faces) {
+    const auto areas = corner_areas(corners_of(rest, face_nodes(complex, face)));
+    const auto& local = suture_hexahedron_faces[face % 24 / 4];
+    for (std::size_t a = 0; a < 4; ++a)
+      load.corners.push_back(
+          {face / 24,
+           local[a],
+           {traction[0] * areas[a], traction[1] * areas[a], traction[2] * areas[a]}});
+  }
+  sum_corners(load, complex);
+  dead_.push_back(std::move(load));
+}
+
+void Loads::add_pressure(const CellComplex& complex, std::span<const Dart> faces, double pressure,
+                         const TimeRamp& ramp) {
+  if (faces.empty()) throw InputError("a pressure acts on no face: select at least one");
+  PressureLoad load{pressure, {faces.begin(), faces.end()}, {}, ramp};
+  for (const Dart face : faces) load.nodes.push_back(face_nodes(complex, face));
+  pressures_.push_back(std::move(load));
+}
+
+void Loads::add_to(double* rows, const double* position, double time) const {
+  for (const DeadLoad& load : dead_) {
+    const double s = load.ramp.value(time);
+    for (const Nodal& nodal : load.nodal)
+      for (std::size_t c = 0; c < 3; ++c)
+        rows[std::size_t{nodal.vertex} * 4 + c] += s * nodal.force[c];
+  }
+  for (const PressureLoad& load : pressures_) {
+    const double p = load.pressure * load.ramp.value(time) / 4;
+    for (const auto& nodes : load.nodes)
+      for_each_point(corners_of(position, nodes),
+                     [&](const std::array<double, 4>& n, const Vec3& inward) {
+                       for (std::size_t a = 0; a < 4; ++a)
+                         for (std::size_t c = 0; c < 3; ++c)
+                           rows[std::size_t{nodes[a]} * 4 + c] += p * n[a] * inward[c];
+                     });
+  }
+}
+
+double Loads::potential(const double* rest, const double* position, double time) const {
+  double sum = 0;
+  for (const DeadLoad& load : dead_) {
+    const double s = load.ramp.value(time);
+    for (const Nodal& nodal : load.nodal)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t at = std::size_t{nodal.vertex} * 4 + c;
+        sum -= s * nodal.force[c] * (position[at] - rest[at]);
+      }
+  }
+  return sum;
+}
+
+void Loads::update(const CellComplex& complex) {
+  for (DeadLoad& load : dead_) sum_corners(load, complex);
+  for (PressureLoad& load : pressures_) {
+    load.nodes.clear();
+    for (const Dart face : load.faces) load.nodes.push_back(face_nodes(complex, face));
+  }
+}
+
+double Loads::settled_after() const {
+  double time = 0;
+  for (const DeadLoad& load : dead_) time = std::max(time, load.ramp.to);
+  for (const PressureLoad& load : pressures_) time = std::max(time, load.ramp.to);
+  return time;
+}
+
+}  // namespace suture

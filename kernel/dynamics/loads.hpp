@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernel/attributes/attributes.hpp"
+#include "kernel/dynamics/time_ramp.hpp"
+
+namespace suture {
+
+/// External forces besides gravity. Every load is kept per corner of an element,
+/// which no cut changes: a vertex receives what the corners of its elements
+/// carry, so the parts of a split vertex share its load in proportion to their
+/// volumes and the total stays.
+class Loads {
+ public:
+  /// `total` newtons on `vertices`: shared in proportion to the boundary area
+  /// around each (faces all of whose vertices are in the set), or equally if the
+  /// set holds a vertex without such a face. Throws InputError for no vertices.
+  void add_force(const CellComplex& complex, Attributes& attributes,
+                 std::span<const Index> vertices, const Vec3& total, const TimeRamp& ramp);
+
+  /// Force per rest area (Pa) on faces, whose direction and amount stay: a dead
+  /// load. `faces`: any dart of each, on the side of the element that carries it.
+  /// Throws InputError for no faces.
+  void add_traction(const CellComplex& complex, Attributes& attributes, std::span<const Dart> faces,
+                    const Vec3& traction, const TimeRamp& ramp);
+
+  /// Pressure (Pa, positive inward) on faces, normal to them as they deform.
+  ///   f_a = p  integral of N_a  dx/dr x dx/ds  dr ds,   2 x 2 points: exact
+  void add_pressure(const CellComplex& complex, std::span<const Dart> faces, double pressure,
+                    const TimeRamp& ramp);
+
+  /// Adds all loads at `time` to `rows` (4 per vertex). O(loaded vertices, faces).
+  void add_to(double* rows, const double* position, double time) const;
+
+  /// Potential of the dead loads, - sum f . (x - X), J. A pressure that follows
+  /// the surface has none.
+  double potential(const double* rest, const double* position, double time) const;
+
+  /// After a cut: corners have other vertices. O(corners loaded).
+  void update(const CellComplex& complex);
+
+  bool empty() const { return dead_.empty() && pressures_.empty(); }
+  bool has_pressure() const { return !pressures_.empty(); }
+  double settled_after() const;  ///< time when the last ramp ends, s
+
+ private:
+  struct Corner {
+    Index element;
+    std::uint32_t node;
+    Vec3 force;
+  };
+  struct Nodal {
+    Index vertex;
+    Vec3 force;
+  };
+  struct DeadLoad {
+    std::vector<Corner> corners;
+    std::vector<Nodal> nodal;  ///< the same, summed per vertex as they are now
+    TimeRamp ramp;
+  };
+  struct PressureLoad {
+    double pressure;
+    std::vector<Dart> faces;
+    std::vector<std::array<Index, 4>> nodes;  ///< as they are now
+    TimeRamp ramp;
+  };
+
+  void add_at_vertex(DeadLoad& load, const CellComplex& complex, Attributes& attributes,
+                     Index vertex, const Vec3& force);
+  static void sum_corners(DeadLoad& load, const CellComplex& complex);
+
+  std::vector<DeadLoad> dead_;
+  std::vector<PressureLoad> pressures_;
+};
+
+}  // namespace suture

@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Compiled three times (base, x86-64-v3, x86-64-v4); see loops.hpp. Built with
+// -ffp-contract=off, so that an integrator rounds the same whether two half
+// kicks are fused into one pass or not, and on every instruction set.
+
+#include "kernel/dynamics/loops/loops.hpp"
+
+#include "kernel/dynamics/loops/lanes.hpp"
+
+namespace {
+
+using namespace suture::loops;
+
+#if defined(__AVX512F__)
+constexpr const char* isa_name = "avx512";
+#elif defined(__AVX2__)
+constexpr const char* isa_name = "avx2";
+#else
+constexpr const char* isa_name = "base";
+#endif
+
+// ------------------------------------------------------------------- gather --
+
+/// Eight cells of one block: lanes behind the last valid one repeat it.
+struct Cells {
+  const uint32_t* nodes[lanes];
+};
+
+template <uint32_t N>
+inline __attribute__((always_inline)) void find_cells(const Job& job, uint32_t row, uint32_t valid,
+                                                      Cells& cells) {
+  for (uint32_t l = 0; l < lanes; ++l) {
+    const uint32_t r = row + (l < valid ? l : valid - 1);
+    cells.nodes[l] = job.nodes + static_cast<uint64_t>(job.cells ? job.cells[r] : r) * N;
+  }
+}
+
+inline void fill_ids(const Job& job, uint32_t row, uint32_t valid, uint32_t* ids) {
+  for (uint32_t l = 0; l < lanes; ++l) {
+    const uint32_t r = row + (l < valid ? l : valid - 1);
+    const uint32_t cell = job.cells ? job.cells[r] : r;
+    ids[l] = job.row_ids ? job.row_ids[r] : job.ids ? job.ids[cell] : cell;
+  }
+}
+
+template <uint32_t N>
+inline __attribute__((always_inline)) void gather_rows(const double* rows, const Cells& cells,
+                                                       double* out) {
+  for (uint32_t n = 0; n < N; ++n) gather_node(rows, cells.nodes, n, out + n * 3 * lanes);
+}
+
+/// Vertex columns into scratch; returns the first free double behind them.
+template <uint32_t N>
+double* gather_vertex_columns(const Job& job, const Worker& worker, const Cells& cells) {
+  double* out = worker.scratch;
+  for (uint32_t i = 0; i < job.vertex_column_count; ++i) {
+    const VertexColumn& column = job.vertex_columns[i];
+    worker.vertex_columns[i] = out;
+    for (uint32_t n = 0; n < N; ++n, out += column.components * lanes)
+      for (uint32_t l = 0; l < lanes; ++l) {
+        const uint32_t vertex = cells.nodes[l][n];
+        const uint64_t row = column.rows ? column.rows[vertex] : vertex;
+        for (uint32_t c = 0; c < column.components; ++c)
+          out[c * lanes + l] = column.data[row * column.stride + c];
+      }
+  }
+  return out;
+}
+
+/// Columns of the cells are read in place, unless the batch does not begin with
+/// its block: then its lanes are moved to the front, through scratch.
+void point_to_cell_columns(const Job& job, const Worker& worker, uint32_t row, uint32_t valid,
+                           double* spare) {
+  const uint64_t block = row / lanes;
+  const uint32_t shift = row % lanes;
+  for (uint32_t i = 0; i < job.cell_column_count; ++i) {
+    const CellColumn& column = job.cell_columns[i];
+    const double* data = column.data + block * column.block;
+    worker.cell_columns[i] = data;
+    worker.trial_columns[i] = column.trial ? column.trial + block * column.block : nullptr;
+    if (shift == 0) continue;
+    const uint32_t doubles = column.components * lanes;
+    for (uint32_t k = 0; k < doubles; ++k) {
+      const uint32_t l = k % lanes;
+      spare[k] = data[k - l + shift + (l < valid ? l : valid - 1)];
+    }
+    worker.cell_columns[i] = spare;
+    if (column.trial) worker.trial_columns[i] = spare + doubles;
+    spare += 2 * doubles;
+  }
+}
+
+/// Trial values of a batch that does not begin with its block go home.
+void return_trials(const Job& job, const Worker& worker, uint32_t row, uint32_t valid) {
+  const uint32_t shift = row % lanes;
+  if (shift == 0) return;
+  for (uint32_t i = 0; i < job.cell_column_count; ++i) {
+    const CellColumn& column = job.cell_columns[i];
+    if (!column.trial) continue;
+    double* home = column.trial + row / lanes * column.block;
+    for (uint32_t c = 0; c < column.components; ++c)
+      for (uint32_t l = 0; l < valid; ++l)
+        home[c * lanes + shift + l] = worker.trial_columns[i][c * lanes + l];
+  }
+}
+
+template <uint32_t N>
+inline __attribute__((always_inline)) void gather_batch(const Job& job, const Worker& worker,
+                                                        uint32_t row, uint32_t valid,
+                                                        const Cells& cells, Buffers& buffers,
+                                                        suture_batch& batch) {
+  batch.valid = valid;
+  if (job.position) gather_rows<N>(job.position, cells, buffers.position);
+  if (job.rest) gather_rows<N>(job.rest, cells, buffers.rest);
+  if (job.velocity) gather_rows<N>(job.velocity, cells, buffers.velocity);
+  double* spare = worker.scratch;
+  if (job.vertex_column_count != 0) spare = gather_vertex_columns<N>(job, worker, cells);
+  if (job.cell_column_count != 0) point_to_cell_columns(job, worker, row, valid, spare);
+  fill_ids(job, row, valid, buffers.ids);
+}
+
+void begin_batches(const Job& job, const Worker& worker, Buffers& buffers, suture_batch& batch) {
+  batch.size = sizeof batch;
+  batch.lanes = lanes;
+  batch.valid = 0;
+  batch.nodes = job.node_count;
+  batch.time = job.time;
+  batch.dt = job.dt;
+  batch.rest = job.rest ? buffers.rest : nullptr;
+  batch.position = job.position ? buffers.position : nullptr;
+  batch.velocity = job.velocity ? buffers.velocity : nullptr;
+  batch.cell_columns = job.cell_column_count != 0 ? worker.cell_columns : nullptr;
+  batch.vertex_columns = job.vertex_column_count != 0 ? worker.vertex_columns : nullptr;
+  batch.cell_ids = buffers.ids;
+  batch.force = nullptr;
+  batch.trial_columns = job.has_trial ? worker.trial_columns : nullptr;
+}
+
+inline void reset(suture_error* error) {
+  error->code = 0;
+  error->cell = UINT32_MAX;
+  error->step_factor = 0;
+  error->text[0] = 0;
+}
+
+// ------------------------------------------------------------------- forces --
+
+/// Rows of cells to come are fetched while the functor computes.
+template <uint32_t N>
+inline __attribute__((always_inline)) void prefetch(const Job& job, uint32_t row, uint32_t end) {
+  if (row + lanes > end) return;
+  for (uint32_t l = 0; l < lanes; ++l) {
+    const uint32_t r = row + l;
+    const uint32_t* nodes = job.nodes + static_cast<uint64_t>(job.cells ? job.cells[r] : r) * N;
+    for (uint32_t n = 0; n < N; ++n) {
+      __builtin_prefetch(job.position + static_cast<uint64_t>(nodes[n]) * 4, 0);
+      __builtin_prefetch(job.force + static_cast<uint64_t>(nodes[n]) * 4, 1);
+    }
+  }
+}
+
+template <uint32_t N>
+void forces_of(const Job& job, const Worker& worker, const Range* ranges, uint32_t count) {
+  Buffers buffers;
+  alignas(64) double force[N * 3 * lanes];
+  suture_batch batch;
+  begin_batches(job, worker, buffers, batch);
+  batch.force = force;
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint32_t end = ranges[i].end;
+    for (uint32_t row = ranges[i].begin; row < end;) {
+      const uint32_t to_block = lanes - row % lanes;
+      const uint32_t valid = end - row < to_block ? end - row : to_block;
+      Cells cells;
+      find_cells<N>(job, row, valid, cells);
+      gather_batch<N>(job, worker, row, valid, cells, buffers, batch);
+      reset(worker.context->error);
+      const suture_status status = job.function(worker.context, &batch);
+      if (status != 0) worker.failed(worker.data, status, &batch);
+      for (uint32_t n = 0; n < N; ++n)
+        scatter_node(job.force, cells.nodes, n, valid, force + n * 3 * lanes);
+      if (job.has_trial) return_trials(job, worker, row, valid);
+      row += valid;
+    }
+  }
+}
+
+void forces(const Job* job, const Worker* worker, const Range* ranges, uint32_t count) {
+  if (job->node_count == 2) return forces_of<2>(*job, *worker, ranges, count);
+  if (job->node_count == 4) return forces_of<4>(*job, *worker, ranges, count);
+  forces_of<8>(*job, *worker, ranges, count);
+}
+
+template <uint32_t N>
+void gather_one(const Job& job, const Worker& worker, uint32_t row, uint32_t valid,
+                Buffers& buffers, suture_batch& batch) {
+  Cells cells;
+  find_cells<N>(job, row, valid, cells);
+  begin_batches(job, worker, buffers, batch);
+  gather_batch<N>(job, worker, row, valid, cells, buffers, batch);
+  reset(worker.context->error);
+}
+
+void gather(const Job* job, const Worker* worker, uint32_t row, uint32_t valid, Buffers* buffers,
+            suture_batch* batch) {
+  if (job->node_count == 2) return gather_one<2>(*job, *worker, row, valid, *buffers, *batch);
+  if (job->node_count == 4) return gather_one<4>(*job, *worker, row, valid, *buffers, *batch);
+  gather_one<8>(*job, *worker, row, valid, *buffers, *batch);
+}
+
+// -------------------------------------------------------------- integrators --
+
+typedef double Row __attribute__((vector_size(32), aligned(32)));
+
+inline Row load(const double* p) { return *reinterpret_cast<const Row*>(p); }
+inline void store(double* p, Row r) { *reinterpret_cast<Row*>(p) = r; }
+inline bool not_finite(Row zero) {  // NaN in any place
+  return !(zero[0] == 0 && zero[1] == 0 && zero[2] == 0);
+}
+
+/// One vertex after the other, masses inverted eight at a time (a division per
+/// vertex would cost as much as the rest of the pass).
+template <int Kicks, bool Drift>
+int32_t pass(const Motion* motion, uint32_t begin, uint32_t end) {
+  const Motion m = *motion;
+  const Row gravity = {m.gravity[0], m.gravity[1], m.gravity[2], 0};
+  Row zero = {};  // stays zero unless a velocity is infinite or no number
+  for (uint32_t first = begin; first < end; first += lanes) {
+    const uint32_t n = end - first < lanes ? end - first : lanes;
+    double inverse[lanes];
+    for (uint32_t l = 0; l < n; ++l) inverse[l] = 1.0 / m.mass[first + l];
+    for (uint32_t l = 0; l < n; ++l) {
+      const uint64_t at = static_cast<uint64_t>(first + l) * 4;
+      const Row a = load(m.force + at) * inverse[l] + gravity;
+      Row v = load(m.velocity + at) * m.decay[0] + a * m.gain[0];
+      if (Kicks == 2) v = v * m.decay[1] + a * m.gain[1];
+      zero += v * 0.0;
+      store(m.velocity + at, v);
+      if (Drift) {
+        store(m.position + at, load(m.position + at) + v * m.drift);
+        store(m.force + at, Row{});
+      }
+    }
+  }
+  return not_finite(zero) ? 1 : 0;
+}
+
+double kinetic(const double* velocity, const double* mass, uint32_t begin, uint32_t end) {
+  Row sum = {};
+  for (uint32_t i = begin; i < end; ++i) {
+    const Row v = load(velocity + static_cast<uint64_t>(i) * 4);
+    sum += v * v * mass[i];
+  }
+  return 0.5 * (sum[0] + sum[1] + sum[2]);
+}
+
+inline double sum3(Row r) { return r[0] + r[1] + r[2]; }
+
+RestSums rest_sums(const RestInput* input, uint32_t begin, uint32_t end) {
+  const RestInput& in = *input;
+  const Row gravity = {in.gravity[0], in.gravity[1], in.gravity[2], 0};
+  Row residual = {}, external = {}, reaction = {}, kinetic = {}, work = {}, inertia = {};
+  for (uint32_t i = begin; i < end; ++i) {
+    const uint64_t at = static_cast<uint64_t>(i) * 4;
+    const int bits = static_cast<int>(in.fixed[i]);
+    const Row free = {bits & 1 ? 0.0 : 1.0, bits & 2 ? 0.0 : 1.0, bits & 4 ? 0.0 : 1.0, 0.0};
+    Row load_here = gravity * in.mass[i];
+    if (in.external) load_here += load(in.external + at);
+    const Row f = load(in.force + at), x = load(in.position + at), v = load(in.velocity + at);
+    const Row r = f + load_here;
+    residual += r * r * free;
+    reaction += r * r * (1.0 - free);
+    external += load_here * load_here * free;
+    kinetic += v * v * free * (0.5 * in.mass[i]);
+    const Row dx = (x - load(in.old_position + at)) * free;
+    work -= dx * (f - load(in.old_force + at));
+    inertia += dx * dx * in.mass[i];
+    store(in.old_position + at, x);
+    store(in.old_force + at, f);
+  }
+  return {sum3(residual), sum3(external), sum3(reaction), sum3(kinetic), sum3(work), sum3(inertia)};
+}
+
+// ------------------------------------------------------------------- checks --
+
+/// Triple product of the three edges that leave corner n along the axes, for all
+/// lanes: the Jacobian there, positive for a right-handed corner.
+inline void corner_jacobian(const double* x, uint32_t n, double* out) {
+  const double* p = x + n * 24;
+  const double* q[3];
+  for (uint32_t a = 0; a < 3; ++a) q[a] = x + (n ^ (1u << a)) * 24;
+  const double sign = (n & 1) ^ ((n >> 1) & 1) ^ ((n >> 2) & 1) ? -1.0 : 1.0;
+  for (uint32_t l = 0; l < lanes; ++l) {
+    double e[3][3];
+    for (uint32_t a = 0; a < 3; ++a)
+      for (uint32_t c = 0; c < 3; ++c) e[a][c] = q[a][c * lanes + l] - p[c * lanes + l];
+    const double triple = e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
+                          e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+                          e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
+    const double jacobian = triple * sign;
+    out[l] = out[l] < jacobian ? out[l] : jacobian;
+  }
+}
+
+uint32_t inverted(const uint32_t* nodes, const double* position, uint32_t begin, uint32_t end,
+                  uint32_t* first) {
+  Job job = {};
+  job.nodes = nodes;
+  alignas(64) double x[192];
+  uint32_t found = 0;
+  for (uint32_t row = begin; row < end; row += lanes) {
+    const uint32_t valid = end - row < lanes ? end - row : lanes;
+    Cells cells;
+    find_cells<8>(job, row, valid, cells);
+    gather_rows<8>(position, cells, x);
+    double smallest[lanes];
+    for (uint32_t l = 0; l < lanes; ++l) smallest[l] = __builtin_inf();
+    for (uint32_t n = 0; n < 8; ++n) corner_jacobian(x, n, smallest);
+    for (uint32_t l = 0; l < valid; ++l) {
+      if (smallest[l] > 0) continue;
+      if (found == 0) *first = row + l;
+      ++found;
+    }
+  }
+  return found;
+}
+
+const Table table = {
+    sizeof(Table),  0,       isa_name,  forces,  gather, pass<1, true>, pass<2, true>,
+    pass<1, false>, kinetic, rest_sums, inverted};
+
+}  // namespace
+
+#ifndef SUTURE_LOOPS_FUNCTION
+#define SUTURE_LOOPS_FUNCTION suture_loops
+#endif
+
+extern "C" __attribute__((visibility("default"))) const suture::loops::Table* SUTURE_LOOPS_FUNCTION(
+    void) {
+  return &table;
+}

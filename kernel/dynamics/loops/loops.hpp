@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <stdint.h>
+
+#include "suture/plugin.h"
+
+/// The hot loops of a step, compiled once per instruction set from loops.cpp and
+/// reached through one table of function pointers. Plain data only crosses this
+/// header: an inline function of the standard library that was compiled for
+/// AVX-512 must not become the program's only copy of it.
+///
+/// Vertex columns are rows of 4 doubles, 32-byte aligned, the fourth zero.
+namespace suture::loops {
+
+/// Rows [begin, end) of a table, consecutive in their blocks of 8.
+struct Range {
+  uint32_t begin, end;
+};
+
+/// A column of the functor's own cells, in blocks of 8.
+struct CellColumn {
+  const double* data;
+  double* trial;   ///< trial copy, same layout, or null
+  uint64_t block;  ///< doubles from block to block; 0: constant
+  uint32_t components;
+  uint32_t reserved;
+};
+
+/// A column of the vertices, gathered per node.
+struct VertexColumn {
+  const double* data;
+  const uint32_t* rows;  ///< vertex -> row, or null: the vertex itself
+  uint32_t components;
+  uint32_t stride;  ///< doubles from vertex to vertex
+};
+
+/// One functor on one table: what is the same for all its batches.
+struct Job {
+  const uint32_t* nodes;    ///< node_count vertices per cell
+  const uint32_t* cells;    ///< row -> position in `nodes`, or null: the row itself
+  const uint32_t* ids;      ///< position in `nodes` -> id as users see it, or null
+  const uint32_t* row_ids;  ///< instead: row -> id, or null
+  uint32_t node_count;      ///< 2, 4 or 8
+  uint32_t cell_column_count;
+  uint32_t vertex_column_count;
+  uint32_t has_trial;  ///< some cell column has a trial copy
+  const CellColumn* cell_columns;
+  const VertexColumn* vertex_columns;
+  const double* rest;  ///< rows; null: not gathered
+  const double* position;
+  const double* velocity;
+  double* force;
+  double time, dt;
+  suture_force_fn function;
+};
+
+/// What one thread needs; never shared. `scratch` is 64-byte aligned and holds
+/// scratch_doubles(job); the pointer lists have a place per declared column.
+struct Worker {
+  const suture_context* context;
+  double* scratch;
+  const double** cell_columns;
+  const double** vertex_columns;
+  double** trial_columns;
+  /// A batch whose status is not 0. The loop goes on, so that the lowest cell is
+  /// found whatever the threads do.
+  void (*failed)(void* data, suture_status status, const suture_batch* batch);
+  void* data;
+};
+
+/// Arrays that a batch points into.
+struct alignas(64) Buffers {
+  double rest[192], position[192], velocity[192];
+  uint32_t ids[8];
+};
+
+/// One pass of an integrator over vertices [begin, end).
+///   a = f / m + gravity
+///   v = decay[k] v + gain[k] a      for each of the `kicks`
+///   x = x + drift v,  f = 0         if drifting
+struct Motion {
+  double* position;
+  double* velocity;
+  double* force;
+  const double* mass;
+  double gravity[4];
+  double decay[2], gain[2];
+  double drift;
+};
+
+/// Sums of the search for rest over vertices [begin, end), free components only.
+struct RestSums {
+  double residual;  ///< sum |f + f_ext|^2
+  double external;  ///< sum |f_ext|^2
+  double reaction;  ///< sum |f + f_ext|^2 over constrained components
+  double kinetic;   ///< sum m v^2 / 2
+  double work;      ///< - sum dx . df
+  double inertia;   ///< sum m dx . dx
+};
+
+struct RestInput {
+  const double* position;
+  const double* velocity;
+  const double* force;     ///< internal
+  const double* external;  ///< rows, or null: gravity alone
+  const double* mass;
+  const double* fixed;  ///< bits 1 x, 2 y, 4 z as a double
+  double gravity[4];
+  double* old_position;  ///< at the check before; replaced by the present
+  double* old_force;
+};
+
+struct Table {
+  uint32_t size;
+  uint32_t reserved;
+  const char* isa;
+  /// Forces of all cells in `ranges` added to the vertices, in order.
+  void (*forces)(const Job*, const Worker*, const Range* ranges, uint32_t count);
+  /// Fills `batch` with rows row .. row+valid-1 of one block (extensions).
+  void (*gather)(const Job*, const Worker*, uint32_t row, uint32_t valid, Buffers*, suture_batch*);
+  /// Passes of integrators; they return 1 if a velocity is not finite.
+  int32_t (*kick_drift)(const Motion*, uint32_t begin, uint32_t end);
+  int32_t (*kick_kick_drift)(const Motion*, uint32_t begin, uint32_t end);
+  int32_t (*kick)(const Motion*, uint32_t begin, uint32_t end);
+  /// sum m v^2 / 2 in a fixed order.
+  double (*kinetic)(const double* velocity, const double* mass, uint32_t begin, uint32_t end);
+  RestSums (*rest_sums)(const RestInput*, uint32_t begin, uint32_t end);
+  /// Number of elements in [begin, end) with a corner Jacobian <= 0; the first
+  /// of them in *first.
+  uint32_t (*inverted)(const uint32_t* nodes, const double* position, uint32_t begin, uint32_t end,
+                       uint32_t* first);
+};
+
+/// Doubles of Worker::scratch that a job needs.
+inline uint64_t scratch_doubles(const Job& job) {
+  uint64_t n = 0;
+  for (uint32_t i = 0; i < job.vertex_column_count; ++i)
+    n += 8u * job.node_count * job.vertex_columns[i].components;
+  for (uint32_t i = 0; i < job.cell_column_count; ++i) n += 16u * job.cell_columns[i].components;
+  return n;
+}
+
+}  // namespace suture::loops
+
+/// The one exported symbol of a module.
+#define SUTURE_LOOPS_SYMBOL "suture_loops"

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/dynamics/force_loop.hpp"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+
+#include "kernel/base/isa.hpp"
+#include "tests/dynamics/spring_model.hpp"
+
+namespace {
+
+using namespace suture;
+using spring_model::Body;
+
+BoxOptions box(Index x, Index y, Index z) {
+  BoxOptions options;
+  options.cells = {x, y, z};
+  options.size = {0.1 * x, 0.1 * y, 0.1 * z};
+  return options;
+}
+
+std::vector<double> forces_of(Body& body, ForceLoop& loop) {
+  Column& force = body.attributes->force();
+  std::fill(force.rows(), force.rows() + std::size_t{force.size()} * 4, 0.0);
+  loop.add_forces(0, 0);
+  return {force.rows(), force.rows() + std::size_t{force.size()} * 4};
+}
+
+double largest_difference(const std::vector<double>& rows, const std::vector<Vec3>& reference) {
+  EXPECT_EQ(rows.size(), 4 * reference.size());
+  double largest = 0, scale = 0;
+  for (std::size_t v = 0; v < reference.size(); ++v)
+    for (std::size_t c = 0; c < 3; ++c) {
+      largest = std::max(largest, std::abs(rows[4 * v + c] - reference[v][c]));
+      scale = std::max(scale, std::abs(reference[v][c]));
+    }
+  EXPECT_GT(scale, 0);
+  return largest / scale;
+}
+
+/// Every instruction set that this processor has.
+class OnIsa : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override { setenv("SUTURE_ISA", GetParam(), 1); }
+  void TearDown() override { unsetenv("SUTURE_ISA"); }
+};
+INSTANTIATE_TEST_SUITE_P(Sets, OnIsa, testing::Values("base", "avx2", "avx512"));
+
+TEST_P(OnIsa, ForcesAreThoseOfOneCellAtATime) {
+  Body body(box(5, 4, 3), true);
+  auto parameters = spring_model::defaults();
+  parameters[spring_model::edge_damping] = 3;
+  Instance& instance = body.add(parameters);
+  body.initialise();
+  body.shake(0.02, 1);
+  ForceLoop loop(*body.attributes, body.mesh.complex, 1);
+  const std::string_view isa = best_isa();
+  EXPECT_EQ(loop.isa(), isa.empty() ? "base" : isa);
+  EXPECT_GT(instance.general_begin % 8, 0u) << "one block is to hold both shapes";
+  EXPECT_LT(largest_difference(forces_of(body, loop), reference_forces(body, instance)), 1e-13);
+}
+
+TEST_P(OnIsa, CutsKeepThemSo) {
+  Body body(box(6, 5, 4), true);
+  Instance& instance = body.add(spring_model::defaults());
+  body.initialise();
+  ForceLoop loop(*body.attributes, body.mesh.complex, 1);
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    loop.update(body.mesh.complex, body.cut_random(12, seed));
+    body.shake(0.02, seed);
+    EXPECT_LT(largest_difference(forces_of(body, loop), reference_forces(body, instance)), 1e-13)
+        << "seed " << seed;
+  }
+}
+
+TEST(ForceLoop, TwoInstancesShareTheVerticesBetweenThem) {
+  Body body(box(6, 3, 3));
+  std::vector<Index> left, right;
+  for (Index e = 0; e < body.mesh.complex.element_count(); ++e)
+    (body.mesh.user_element[e] % 6 < 3 ? left : right).push_back(e);
+  Instance& first = body.add(spring_model::defaults(), left);
+  auto soft = spring_model::defaults();
+  soft[spring_model::edge_stiffness] = 7;
+  Instance& second = body.add(soft, right);
+  body.initialise();
+  ForceLoop loop(*body.attributes, body.mesh.complex, 1);
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    body.shake(0.02, seed);
+    auto expected = reference_forces(body, first);
+    const auto more = reference_forces(body, second);
+    for (std::size_t v = 0; v < expected.size(); ++v)
+      for (std::size_t c = 0; c < 3; ++c) expected[v][c] += more[v][c];
+    EXPECT_LT(largest_difference(forces_of(body, loop), expected), 1e-13);
+    loop.update(body.mesh.complex, body.cut_random(10, seed));
+  }
+}
+
+TEST(ForceLoop, SameBitsForAnyNumberOfThreads) {
+  // More threads than processors, too.
+  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 8);
+  std::vector<double> one;
+  double energy = 0;
+  for (const unsigned threads : {1u, 2u, 3u, 8u}) {
+    Body body(box(24, 20, 20));
+    body.add(spring_model::defaults());
+    body.initialise();
+    ForceLoop loop(*body.attributes, body.mesh.complex, threads);
+    EXPECT_EQ(loop.threads(), threads);
+    body.shake(0.02, 3);
+    forces_of(body, loop);
+    loop.update(body.mesh.complex, body.cut_random(300, 5));
+    body.shake(0.02, 4);
+    const auto forces = forces_of(body, loop);
+    if (threads == 1) {
+      one = forces;
+      energy = loop.energy(0);
+    }
+    EXPECT_EQ(std::memcmp(one.data(), forces.data(), one.size() * sizeof(double)), 0) << threads;
+    EXPECT_EQ(energy, loop.energy(0)) << threads;
+  }
+}
+
+TEST(ForceLoop, SmallLoopsRunOnOneThread) {
+  Body body(box(4, 4, 4));
+  body.add(spring_model::defaults());
+  body.initialise();
+  EXPECT_EQ(ForceLoop(*body.attributes, body.mesh.complex, 8).threads(), 1u);
+}
+
+TEST(ForceLoop, TheLowestCellIsReportedWhateverTheThreadsDo) {
+  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 8);
+  for (const unsigned threads : {1u, 2u, 8u}) {
+    Body body(box(24, 20, 20));
+    auto parameters = spring_model::defaults();
+    parameters[spring_model::fail_from] = 1003;
+    body.add(parameters);
+    body.initialise();
+    ForceLoop loop(*body.attributes, body.mesh.complex, threads);
+    try {
+      loop.add_forces(0.25, 0);
+      FAIL() << "no error";
+    } catch (const NumericalError& error) {
+      const std::string text = error.what();
+      EXPECT_NE(text.find("cell 1005 says no"), std::string::npos) << text;
+      EXPECT_NE(text.find("edge 1005"), std::string::npos) << text;
+      EXPECT_NE(text.find("'edges'"), std::string::npos) << text;
+      EXPECT_NE(text.find("0.25"), std::string::npos) << text;
+    }
+  }
+}
+
+TEST(ForceLoop, AModelMayAskForASmallerStep) {
+  Body body(box(4, 4, 4));
+  auto parameters = spring_model::defaults();
+  parameters[spring_model::fail_from] = 10;
+  parameters[spring_model::fail_how] = 1;
+  body.add(parameters);
+  body.initialise();
+  ForceLoop loop(*body.attributes, body.mesh.complex, 1);
+  try {
+    loop.add_forces(0, 0.1);
+    FAIL() << "no error";
+  } catch (const StepRejected& rejected) {
+    EXPECT_EQ(rejected.step_factor, 0.25);  // cell 15; cells 10 and 20 propose 0.5
+  }
+}
+
+TEST(ForceLoop, SkipsWhatGivesNoForce) {
+  Body body(box(4, 4, 4));
+  auto parameters = spring_model::defaults();
+  parameters[spring_model::diagonal_stiffness] = 0;
+  body.add(parameters);
+  body.initialise();
+  const auto lines = ForceLoop(*body.attributes, body.mesh.complex, 1).summary();
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_FALSE(lines[0].skipped);
+  EXPECT_EQ(lines[0].cells, body.mesh.complex.count(1));
+  EXPECT_EQ(lines[0].reads & SUTURE_READ_VELOCITY, 0u) << "no damping, no velocities";
+  EXPECT_TRUE(lines[1].skipped);
+  EXPECT_TRUE(lines[2].skipped);
+}
+
+TEST(ForceLoop, EnergyHasTheForcesAsGradient) {
+  Body body(box(3, 3, 3));
+  auto parameters = spring_model::defaults();
+  parameters[spring_model::diagonal_stiffness] = 0;  // has no energy extension
+  Instance& instance = body.add(parameters);
+  body.initialise();
+  body.shake(0.02, 9);
+  ForceLoop loop(*body.attributes, body.mesh.complex, 1);
+  EXPECT_NEAR(loop.energy(0), reference_energy(body, instance), 1e-13 * loop.energy(0));
+  const auto forces = forces_of(body, loop);
+  Column& x = body.attributes->position();
+  for (const Index v : {Index{0}, Index{13}, Index{41}}) {
+    const double here = x.get(v, 1), h = 1e-6;
+    x.set(v, 1, here + h);
+    const double above = loop.energy(0);
+    x.set(v, 1, here - h);
+    const double below = loop.energy(0);
+    x.set(v, 1, here);
+    ASSERT_GT(std::abs(forces[4 * v + 1]), 1e-3);
+    EXPECT_NEAR(-(above - below) / (2 * h), forces[4 * v + 1], 1e-6);
+  }
+}
+
+TEST(ForceLoop, BoundsAreSummedPerVertexAndLookAtFreeComponents) {
+  Body body(box(2, 1, 1));
+  auto parameters = spring_model::defaults();
+  parameters[spring_model::diagonal_stiffness] = 0;
+  parameters[spring_model::edge_damping] = 2;
+  body.add(parameters);
+  body.initialise();
+  // A vertex in the middle: 3 edges of one, 1 of two elements... summed: factors
+  // 1/4 per element, so 2 k (1/4 + 1/4 + 2/4 + 2/4) over a mass of two shares.
+  ForceLoop loop(*body.attributes, body.mesh.complex, 1);
+  const double share = 1000 * 1e-3 / 8;
+  auto bounds = loop.bounds(0);
+  EXPECT_NEAR(bounds.stiffness, 2 * 100 * 0.75 / share, 1e-9 * bounds.stiffness);
+  EXPECT_NEAR(bounds.damping, 2 * 2 * 3 / share, 1e-9 * bounds.damping);
+  for (Index v = 0; v < 12; ++v) body.attributes->fixed().set(v, 0, 7);
+  bounds = loop.bounds(0);
+  EXPECT_EQ(bounds.stiffness, 0);
+  EXPECT_TRUE(std::isinf(bounds.dt));
+}
+
+}  // namespace

@@ -185,7 +185,7 @@ void TouchedSums::add_batch(Instance& instance, const CellComplex& complex,
     if (targets_[d].empty()) continue;
     find_hits(complex, d, elements);
     if (hit_count_ == 0) continue;
-    for (const Target& target : targets_[d]) add_hits(instance, batch, target);
+    for (Target& target : targets_[d]) add_hits(instance, batch, target);
   }
 }
 
@@ -204,23 +204,30 @@ void TouchedSums::find_hits(const CellComplex& complex, std::uint32_t dimension,
   }
 }
 
-void TouchedSums::add_hits(Instance& instance, const suture_batch& batch, const Target& target) {
+void TouchedSums::add_hits(Instance& instance, const suture_batch& batch, Target& target) {
   alignas(SUTURE_ALIGNMENT) std::array<double, std::size_t{12} * 9 * lanes> out;
   contribute(instance, *target.attribute, batch, out.data());
   const Column& column = *target.column;
   const auto components = static_cast<std::size_t>(column.spec().components);
+  const std::size_t step = column.component_step();
+  double all = 0;
   for (std::size_t i = 0; i < hit_count_; ++i) {
     const auto [cell, k, lane] = hits_[i];
     const Index row = target.cells ? target.cells->row(cell) : cell;
-    double* to = target.values + column.offset(row);
+    double* to = target.values + (components == 1 ? row : column.offset(row));
     const double* from = out.data() + k * components * lanes + lane;
-    for (std::size_t c = 0; c < components; ++c, from += lanes, to += column.component_step())
+    for (std::size_t c = 0; c < components; ++c, from += lanes, to += step) {
       *to += *from;
+      all += *from;
+    }
   }
+  target.all += all;
 }
 
 void TouchedSums::finish(const Instance& instance, const Target& target,
                          const TopologyChange& change) {
+  target.column->pad();
+  if (std::isfinite(target.all)) return;  // then so is every sum of some of them
   const Column& column = *target.column;
   for (const Index cell : change.stars[target.attribute->dimension].cells) {
     const Index row = target.cells ? target.cells->row(cell) : cell;
@@ -229,7 +236,6 @@ void TouchedSums::finish(const Instance& instance, const Target& target,
     for (int c = 0; c < column.spec().components; ++c, value += column.component_step())
       if (!std::isfinite(*value)) refuse_value(instance, *target.attribute, cell, *value);
   }
-  target.column->pad();
 }
 
 }  // namespace suture

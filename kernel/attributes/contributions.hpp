@@ -74,6 +74,7 @@ class TouchedSums {
     Column* column;
     const CellSet* cells;  ///< nullptr: rows of the kernel's mass, row = cell
     double* values;
+    double all = 0;  ///< sum of everything added, to see a value that is not finite
   };
   /// A value in the batch of contributions that belongs to a touched cell.
   struct Hit {
@@ -86,7 +87,7 @@ class TouchedSums {
                  std::span<const Index> elements);
   void find_hits(const CellComplex& complex, std::uint32_t dimension,
                  std::span<const Index> elements);
-  void add_hits(Instance& instance, const suture_batch& batch, const Target& target);
+  void add_hits(Instance& instance, const suture_batch& batch, Target& target);
   static void finish(const Instance& instance, const Target& target, const TopologyChange& change);
 
   std::array<std::vector<std::uint64_t>, 3> marks_;  ///< all zero between operations

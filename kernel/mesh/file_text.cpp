@@ -73,14 +73,19 @@ void FileText::fail_at_byte(const char* at, const std::string& what) const {
 }
 
 std::string in_quotes(std::string_view word) {
-  std::string text = "'";
-  for (const char c : word.substr(0, 40)) text += c >= ' ' && c < 127 ? c : '?';
-  return text + (word.size() > 40 ? "...'" : "'");
+  std::string text(1, '\'');
+  for (const char c : word.substr(0, 40)) text.push_back(c >= ' ' && c < 127 ? c : '?');
+  text.append(word.size() > 40 ? "...'" : "'");
+  return text;
 }
 
 std::string grouped(std::uint64_t value) {
-  std::string text = std::to_string(value);
-  for (std::size_t i = text.size(); i > 3; i -= 3) text.insert(i - 3, ",");
+  const std::string digits = std::to_string(value);
+  std::string text;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) text.push_back(',');
+    text.push_back(digits[i]);
+  }
   return text;
 }
 

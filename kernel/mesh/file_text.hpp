@@ -41,8 +41,8 @@ std::string grouped(std::uint64_t value);
 /// std::from_chars: about 10 ns an integer, 30 ns a double.
 class TextCursor {
  public:
-  enum class Comments { none, hash };  ///< hash: from '#' to the end of the line
-  explicit TextCursor(const FileText& file, Comments comments = Comments::none)
+  enum class Comments { absent, hash };  ///< hash: from '#' to the end of the line
+  explicit TextCursor(const FileText& file, Comments comments = Comments::absent)
       : file_(&file), p_(file.begin()), end_(file.end()), comments_(comments) {}
 
   const char* position() const { return p_; }

@@ -17,6 +17,7 @@ Reader reader_by_content(const FileText& file) {
   const std::size_t start = text.find_first_not_of(" \t\r\n");
   text.remove_prefix(start == text.npos ? text.size() : start);
   if (text.starts_with("# vtk DataFile")) return read_vtk_legacy;
+  if (text.starts_with("<?xml") || text.starts_with("<VTKFile")) return read_vtu;
   if (text.starts_with("$")) return read_gmsh;
   if (text.starts_with("MeshVersionFormatted")) return read_medit;
   return nullptr;
@@ -27,6 +28,7 @@ Reader reader_by_extension(const std::filesystem::path& path) {
   if (extension == ".mesh") return read_medit;
   if (extension == ".msh") return read_gmsh;
   if (extension == ".vtk") return read_vtk_legacy;
+  if (extension == ".vtu") return read_vtu;
   return nullptr;
 }
 

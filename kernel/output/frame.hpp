@@ -12,9 +12,10 @@ namespace suture {
 /// One array of a frame, tightly packed, component fastest.
 struct FrameField {
   std::string name;
-  int components = 1;                  ///< 1, 3 or 6 (XX YY ZZ XY YZ XZ)
-  std::vector<double> values;          ///< of vertices or elements
-  std::vector<std::int64_t> ids;       ///< instead of values: an integer array
+  int components = 1;               ///< 1, 3 or 6 (XX YY ZZ XY YZ XZ)
+  std::vector<double> values{};     ///< of vertices or elements
+  std::vector<std::int64_t> ids{};  ///< instead of values: an integer array
+  bool global_ids = false;          ///< the user's numbers; read_mesh finds them again
 };
 
 /// A copy of what one frame shows, so that the simulation can go on while it is
@@ -22,13 +23,13 @@ struct FrameField {
 /// user are fields. Nodes X0..X7; the writer converts to VTK's order.
 struct Frame {
   std::uint64_t number = 0;
-  double time = 0;                     ///< s
+  double time = 0;  ///< s
   std::vector<Vec3> points;
-  std::vector<Hexahedron> hexahedra;   ///< or
+  std::vector<Hexahedron> hexahedra;  ///< or
   std::vector<std::array<Index, 2>> lines;
   std::vector<FrameField> point_fields;
   std::vector<FrameField> cell_fields;
-  std::string field_data_provenance;   ///< scene hash, plugin versions, threads
+  std::string field_data_provenance;  ///< scene hash, plugin versions, threads
 };
 
 }  // namespace suture

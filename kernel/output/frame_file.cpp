@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/output/frame_file.hpp"
+
+#include <stdexcept>
+
+#include "kernel/base/error.hpp"
+#include "kernel/base/file.hpp"
+#include "kernel/mesh/vtk_order.hpp"
+#include "kernel/vtk/vtk_module.hpp"
+
+namespace suture {
+namespace {
+
+void check_field(const FrameField& field, std::size_t tuples) {
+  const std::size_t size = field.ids.empty() ? field.values.size() : field.ids.size();
+  if (field.components < 1 || size != tuples * static_cast<std::size_t>(field.components)) {
+    throw std::invalid_argument("frame field '" + field.name + "' has " + std::to_string(size) +
+                                " values for " + std::to_string(tuples) + " cells");
+  }
+}
+
+std::size_t cell_count(const Frame& frame) {
+  return frame.lines.empty() ? frame.hexahedra.size() : frame.lines.size();
+}
+
+std::vector<VtuArray> arrays_of(const std::vector<FrameField>& fields) {
+  std::vector<VtuArray> arrays;
+  for (const FrameField& field : fields) {
+    VtuArray array;
+    array.name = field.name;
+    array.components = field.components;
+    if (field.ids.empty())
+      array.values = field.values.data();
+    else
+      array.ids = field.ids.data();
+    array.global_ids = field.global_ids;
+    arrays.push_back(std::move(array));
+  }
+  return arrays;
+}
+
+VtuCompression compression_of(FrameWriterOptions::Compression compression) {
+  switch (compression) {
+    case FrameWriterOptions::Compression::raw:
+      return VtuCompression::raw;
+    case FrameWriterOptions::Compression::zlib:
+      return VtuCompression::zlib;
+    case FrameWriterOptions::Compression::lz4:
+      break;
+  }
+  return VtuCompression::lz4;
+}
+
+}  // namespace
+
+void check_frame(const Frame& frame) {
+  for (const FrameField& field : frame.point_fields) check_field(field, frame.points.size());
+  for (const FrameField& field : frame.cell_fields) check_field(field, cell_count(frame));
+}
+
+void write_frame(const std::filesystem::path& path, Frame& frame,
+                 FrameWriterOptions::Compression compression) {
+  for (Hexahedron& nodes : frame.hexahedra) nodes = swap_vtk_order(nodes);
+  VtuImage image;
+  image.points = frame.points.data();
+  image.point_count = frame.points.size();
+  image.cell_count = cell_count(frame);
+  image.nodes_per_cell = frame.lines.empty() ? 8 : 2;
+  image.connectivity = frame.lines.empty() ? reinterpret_cast<const Index*>(frame.hexahedra.data())
+                                           : reinterpret_cast<const Index*>(frame.lines.data());
+  image.point_arrays = arrays_of(frame.point_fields);
+  image.cell_arrays = arrays_of(frame.cell_fields);
+  image.time = frame.time;
+  image.provenance = frame.field_data_provenance;
+  image.compression = compression_of(compression);
+
+  AtomicFile file(path);
+  const VtuOutcome outcome = vtk_module().write_vtu(file.temporary().string(), image);
+  if (outcome.error != 0) fail_io(path, "written", outcome.error);
+  if (!outcome.text.empty()) throw IoError(path.string() + ": cannot be written: " + outcome.text);
+  file.commit();
+}
+
+}  // namespace suture

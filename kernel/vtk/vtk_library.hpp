@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "kernel/vtk/vtk_module.hpp"
+
+// Inside libsuture-vtk.so only.
+
+namespace suture {
+
+/// Collects what VTK reports on this thread while it lives.
+class VtkMessages {
+ public:
+  VtkMessages();
+  ~VtkMessages();
+  VtkMessages(const VtkMessages&) = delete;
+  VtkMessages& operator=(const VtkMessages&) = delete;
+  /// The first message, which names the cause; "" if all went well.
+  const std::string& first() const { return first_; }
+  static void add(const char* text);
+
+ private:
+  VtkMessages* outer_;
+  std::string first_;
+};
+
+std::string read_vtu_file(const std::string& path, VtkGrid& grid);
+VtuOutcome write_vtu_file(const std::string& path, const VtuImage& image);
+
+}  // namespace suture

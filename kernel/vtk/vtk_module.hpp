@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernel/vtk/vtk_grid.hpp"
+
+// VTK behind a small interface. Its libraries (30 MB, 10 ms to load) sit behind the
+// one module libsuture-vtk.so, which is loaded when the first .vtu is read or written.
+
+namespace suture {
+
+/// One array to write, tightly packed, component fastest; exactly one pointer set.
+struct VtuArray {
+  std::string name;
+  int components = 1;
+  const double* values = nullptr;
+  const std::int64_t* ids = nullptr;
+  const std::uint8_t* flags = nullptr;
+  bool global_ids = false;  ///< the user's own numbers: marked as such
+};
+
+enum class VtuCompression { raw, lz4, zlib };
+
+/// What a .vtu file is to hold. Points to memory of the caller; nothing is copied.
+struct VtuImage {
+  const Vec3* points = nullptr;
+  std::size_t point_count = 0;
+  const Index* connectivity = nullptr;  ///< VTK's node order
+  std::size_t cell_count = 0;
+  int nodes_per_cell = 8;  ///< 8: hexahedra, 2: lines
+  std::vector<VtuArray> point_arrays, cell_arrays;
+  std::optional<double> time;  ///< s, as "TimeValue"
+  std::string provenance;      ///< as the text "provenance"; empty: none
+  VtuCompression compression = VtuCompression::lz4;
+};
+
+/// What came of writing: the system's errno, or VTK's own words; else 0 and "".
+struct VtuOutcome {
+  int error = 0;
+  std::string text;
+};
+
+class VtkModule {
+ public:
+  virtual ~VtkModule() = default;
+  /// Reads a .vtu file. Returns "" or what is wrong with it.
+  virtual std::string read_vtu(const std::string& path, VtkGrid& grid) const = 0;
+  /// Writes appended raw data under exactly this name. Any thread, several at a time.
+  virtual VtuOutcome write_vtu(const std::string& path, const VtuImage& image) const = 0;
+};
+
+/// The module, loaded at the first call. Throws IoError if it cannot be.
+const VtkModule& vtk_module();
+
+}  // namespace suture

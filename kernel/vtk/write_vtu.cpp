@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vtkCellArray.h>
+#include <vtkCellData.h>
+#include <vtkDoubleArray.h>
+#include <vtkObjectFactory.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkStringArray.h>
+#include <vtkTypeInt32Array.h>
+#include <vtkTypeInt64Array.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLUnstructuredGridWriter.h>
+
+#include <cerrno>
+#include <fstream>
+
+#include "kernel/vtk/vtk_library.hpp"
+
+namespace suture {
+namespace {
+
+// A file that remembers why it could not be written: VTK knows only that.
+class RecordingBuffer : public std::filebuf {
+ public:
+  int error() const { return error_; }
+  void record() {
+    if (error_ == 0) error_ = errno != 0 ? errno : EIO;
+  }
+
+ protected:
+  std::streamsize xsputn(const char* data, std::streamsize n) override {
+    errno = 0;
+    const std::streamsize written = std::filebuf::xsputn(data, n);
+    if (written != n) record();
+    return written;
+  }
+  int_type overflow(int_type c) override {
+    errno = 0;
+    const int_type result = std::filebuf::overflow(c);
+    if (traits_type::eq_int_type(result, traits_type::eof())) record();
+    return result;
+  }
+  pos_type seekoff(off_type offset, std::ios_base::seekdir way,
+                   std::ios_base::openmode mode) override {
+    errno = 0;
+    const pos_type result = std::filebuf::seekoff(offset, way, mode);
+    if (result == pos_type(off_type(-1))) record();
+    return result;
+  }
+  pos_type seekpos(pos_type position, std::ios_base::openmode mode) override {
+    errno = 0;
+    const pos_type result = std::filebuf::seekpos(position, mode);
+    if (result == pos_type(off_type(-1))) record();
+    return result;
+  }
+  int sync() override {
+    errno = 0;
+    const int result = std::filebuf::sync();
+    if (result != 0) record();
+    return result;
+  }
+
+ private:
+  int error_ = 0;
+};
+
+// VTK's writer opens a file of its own and offers no way to give it a stream, but
+// keeps the stream in a member: it is exchanged before the first byte is written.
+class StreamWriter : public vtkXMLUnstructuredGridWriter {
+ public:
+  static StreamWriter* New();
+  vtkTypeMacro(StreamWriter, vtkXMLUnstructuredGridWriter) void SetStream(std::ostream* stream) {
+    stream_ = stream;
+  }
+
+ protected:
+  int StartFile() override {
+    Stream = stream_;
+    Stream->imbue(std::locale::classic());
+    return Superclass::StartFile();
+  }
+
+ private:
+  std::ostream* stream_ = nullptr;
+};
+vtkStandardNewMacro(StreamWriter)
+
+    // `data` stays the caller's: VTK is told to keep its hands off.
+    template <class Array, class T>
+    vtkSmartPointer<Array> borrowed(const T* data, std::size_t tuples, int components) {
+  auto array = vtkSmartPointer<Array>::New();
+  array->SetNumberOfComponents(components);
+  using Value = typename Array::ValueType;
+  static_assert(sizeof(Value) == sizeof(T));
+  auto* values = const_cast<Value*>(reinterpret_cast<const Value*>(data));
+  array->SetArray(values, static_cast<vtkIdType>(tuples) * components, 1);
+  return array;
+}
+
+vtkSmartPointer<vtkDataArray> array_of(const VtuArray& source, std::size_t tuples) {
+  vtkSmartPointer<vtkDataArray> array;
+  if (source.values) array = borrowed<vtkDoubleArray>(source.values, tuples, source.components);
+  if (source.ids) array = borrowed<vtkTypeInt64Array>(source.ids, tuples, source.components);
+  if (source.flags) array = borrowed<vtkUnsignedCharArray>(source.flags, tuples, source.components);
+  if (!array) array = vtkSmartPointer<vtkDoubleArray>::New();
+  array->SetName(source.name.c_str());
+  if (source.components == 6) {
+    const char* names[6] = {"XX", "YY", "ZZ", "XY", "YZ", "XZ"};
+    for (int c = 0; c < 6; ++c) array->SetComponentName(c, names[c]);
+  }
+  return array;
+}
+
+void add_arrays(vtkDataSetAttributes* data, const std::vector<VtuArray>& sources,
+                std::size_t tuples) {
+  for (const VtuArray& source : sources) {
+    const auto array = array_of(source, tuples);
+    if (source.global_ids)
+      data->SetGlobalIds(array);
+    else
+      data->AddArray(array);
+  }
+}
+
+vtkSmartPointer<vtkUnstructuredGrid> grid_of(const VtuImage& image) {
+  auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
+  const vtkNew<vtkPoints> points;
+  points->SetData(borrowed<vtkDoubleArray>(image.points->data(), image.point_count, 3));
+  grid->SetPoints(points);
+
+  const vtkIdType n = static_cast<vtkIdType>(image.cell_count);
+  const vtkNew<vtkTypeInt32Array> offsets;
+  offsets->SetNumberOfValues(n + 1);
+  for (vtkIdType c = 0; c <= n; ++c)
+    offsets->SetValue(c, static_cast<std::int32_t>(c * image.nodes_per_cell));
+  const vtkNew<vtkUnsignedCharArray> types;
+  types->SetNumberOfValues(n);
+  types->FillValue(image.nodes_per_cell == 8 ? VTK_HEXAHEDRON : VTK_LINE);
+  const vtkNew<vtkCellArray> cells;
+  cells->SetData(offsets, borrowed<vtkTypeInt32Array>(image.connectivity,
+                                                      image.cell_count * image.nodes_per_cell, 1));
+  grid->SetCells(types, cells);
+
+  add_arrays(grid->GetPointData(), image.point_arrays, image.point_count);
+  add_arrays(grid->GetCellData(), image.cell_arrays, image.cell_count);
+  return grid;
+}
+
+void add_field_data(vtkUnstructuredGrid* grid, const VtuImage& image) {
+  if (image.time) {
+    const vtkNew<vtkDoubleArray> time;
+    time->SetName("TimeValue");
+    time->InsertNextValue(*image.time);
+    grid->GetFieldData()->AddArray(time);
+  }
+  if (!image.provenance.empty()) {
+    const vtkNew<vtkStringArray> text;
+    text->SetName("provenance");
+    text->InsertNextValue(image.provenance);
+    grid->GetFieldData()->AddArray(text);
+  }
+}
+
+void set_compression(vtkXMLWriter* writer, VtuCompression compression) {
+  switch (compression) {
+    case VtuCompression::raw:
+      writer->SetCompressorTypeToNone();
+      break;
+    case VtuCompression::lz4:
+      writer->SetCompressorTypeToLZ4();
+      break;
+    case VtuCompression::zlib:
+      writer->SetCompressorTypeToZLib();
+      break;
+  }
+}
+
+}  // namespace
+
+VtuOutcome write_vtu_file(const std::string& path, const VtuImage& image) {
+  const VtkMessages messages;
+  RecordingBuffer file;
+  std::vector<char> buffer(1 << 18);
+  file.pubsetbuf(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+  errno = 0;
+  if (!file.open(path, std::ios::out | std::ios::binary | std::ios::trunc)) return {errno, {}};
+  std::ostream stream(&file);
+
+  const auto grid = grid_of(image);
+  add_field_data(grid, image);
+  const vtkNew<StreamWriter> writer;
+  writer->SetStream(&stream);
+  writer->SetFileName(path.c_str());
+  writer->SetInputData(grid);
+  writer->SetDataModeToAppended();
+  writer->EncodeAppendedDataOff();
+  writer->SetHeaderTypeToUInt64();
+  set_compression(writer, image.compression);
+  const bool written = writer->Write() == 1;
+  errno = 0;
+  if (!file.close()) file.record();
+  if (file.error() != 0) return {file.error(), {}};
+  if (!written || !messages.first().empty()) {
+    return {0, messages.first().empty() ? "VTK gives no reason" : messages.first()};
+  }
+  return {};
+}
+
+}  // namespace suture

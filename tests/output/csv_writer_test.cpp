@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/output/csv_writer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <random>
+#include <sstream>
+
+#include "kernel/base/error.hpp"
+#include "tests/mesh/temporary_folder.hpp"
+
+namespace suture {
+namespace {
+
+std::vector<std::vector<std::string>> rows_of(const std::filesystem::path& path) {
+  std::istringstream text(read_text(path));
+  std::vector<std::vector<std::string>> rows;
+  for (std::string line; std::getline(text, line);) {
+    std::istringstream cells(line);
+    rows.emplace_back();
+    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+  }
+  return rows;
+}
+
+TEST(CsvWriter, DoublesMakeTheRoundTripToTheBit) {
+  const TemporaryFolder folder;
+  const auto path = folder / "deeper" / "energies.csv";
+  const unsigned seed = std::random_device{}();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937_64 random(seed);
+  std::vector<std::array<double, 2>> written{{0.1, -0.0},
+                                             {std::numeric_limits<double>::denorm_min(), 1e308}};
+  while (written.size() < 5000) {
+    const double value = std::bit_cast<double>(random());
+    if (std::isfinite(value)) written.push_back({value, double(random() % 1000) / 1000});
+  }
+  {
+    CsvWriter table(path, {"time [s]", "kinetic energy [J]"});
+    for (std::size_t i = 0; i < written.size(); ++i) table.row(100000 * i, written[i]);
+    table.finish();
+  }
+  const auto rows = rows_of(path);
+  ASSERT_EQ(rows.size(), written.size() + 1);
+  EXPECT_EQ(rows[0], (std::vector<std::string>{"step", "time [s]", "kinetic energy [J]"}));
+  for (std::size_t i = 0; i < written.size(); ++i) {
+    ASSERT_EQ(rows[i + 1].size(), 3u);
+    EXPECT_EQ(rows[i + 1][0], std::to_string(100000 * i));
+    for (int c = 0; c < 2; ++c) {
+      const double back = std::strtod(rows[i + 1][c + 1].c_str(), nullptr);
+      EXPECT_EQ(std::bit_cast<std::uint64_t>(back), std::bit_cast<std::uint64_t>(written[i][c]));
+    }
+  }
+}
+
+TEST(CsvWriter, QuotesNamesWithCommasAndRefusesRowsOfAnotherLength) {
+  const TemporaryFolder folder;
+  CsvWriter table(folder / "t.csv", {"tip, \"upper\" [m]"});
+  EXPECT_THROW(table.row(0, std::array<double, 2>{1, 2}), std::invalid_argument);
+  table.finish();
+  EXPECT_EQ(read_text(folder / "t.csv"), "step,\"tip, \"\"upper\"\" [m]\"\n");
+}
+
+TEST(CsvWriter, NothingIsLostWithoutFinish) {
+  const TemporaryFolder folder;
+  { CsvWriter(folder / "t.csv", {"a"}).row(7, std::array<double, 1>{0.5}); }
+  EXPECT_EQ(read_text(folder / "t.csv"), "step,a\n7,0.5\n");
+}
+
+TEST(CsvWriter, AFullDiskIsTold) {
+  CsvWriter table("/dev/full", {"a"});
+  table.row(0, std::array<double, 1>{1});
+  try {
+    table.finish();
+    FAIL() << "no error";
+  } catch (const IoError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "/dev/full: cannot be written: No space left on device; free some space or choose "
+              "another output folder");
+  }
+}
+
+TEST(CsvWriter, AFileInPlaceOfTheFolderIsTold) {
+  const TemporaryFolder folder;
+  folder.write("out", "x");
+  CsvWriter table(folder / "out" / "t.csv", {"a"});
+  EXPECT_THROW(table.finish(), IoError);
+}
+
+}  // namespace
+}  // namespace suture

@@ -15,7 +15,7 @@ namespace suture {
 
 /// What a number may be; the unit is for the message only.
 struct Range {
-  std::string unit;  ///< "s"; "" or "1" if it has none
+  std::string unit{};  ///< "s"; "" or "1" if it has none
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
   bool minimum_excluded = false;
@@ -27,10 +27,17 @@ struct Range {
 
   static Range any(std::string unit) { return {std::move(unit)}; }
   static Range positive(std::string unit) {
-    return {.unit = std::move(unit), .minimum = 0, .minimum_excluded = true};
+    return {std::move(unit), 0, std::numeric_limits<double>::infinity(), true, false};
   }
-  static Range not_negative(std::string unit) { return {.unit = std::move(unit), .minimum = 0}; }
+  static Range not_negative(std::string unit) { return {std::move(unit), 0}; }
 };
+}
+static Range positive(std::string unit) {
+  return {.unit = std::move(unit), .minimum = 0, .minimum_excluded = true};
+}
+static Range not_negative(std::string unit) { return {.unit = std::move(unit), .minimum = 0}; }
+}
+;
 
 /// The readers of single values: nothing, and a mistake noted, if the value is
 /// of another type or out of range.

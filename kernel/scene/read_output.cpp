@@ -14,12 +14,13 @@ std::vector<std::string> model_fields(const Scene& scene) {
   for (const ModelUse& use : scene.models) {
     for (std::uint32_t i = 0; use.model != nullptr && i < use.model->attribute_count; ++i) {
       const suture_attribute& attribute = use.model->attributes[i];
-      if ((attribute.flags & SUTURE_OUTPUT) != 0) names.emplace_back(attribute.name);
+      const bool shown = (attribute.flags & (SUTURE_OUTPUT | SUTURE_SHARED_MASS)) == SUTURE_OUTPUT;
+      if (shown && attribute.dimension != 2) names.emplace_back(attribute.name);
     }
     for (std::uint32_t i = 0; use.model != nullptr && i < use.model->functor_count; ++i) {
       const suture_functor& functor = use.model->functors[i];
       const auto* output =
-          functor.extension == nullptr
+          functor.extension == nullptr || functor.dimension == 2
               ? nullptr
               : static_cast<const suture_output_1*>(functor.extension(SUTURE_OUTPUT_1));
       for (std::uint32_t f = 0; output != nullptr && f < output->field_count; ++f) {

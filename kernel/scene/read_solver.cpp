@@ -15,7 +15,7 @@ void read_step(ObjectReader& object, SolverOptions& solver) {
   } else if (!automatic) {
     solver.dt = object.number("dt", Range::positive("s"));
   }
-  const Range share{.minimum = 0, .maximum = 1, .minimum_excluded = true};
+  const Range share{"1", 0, 1, true, false};
   if (object.find("safety") != nullptr && !automatic) {
     object.complain("safety", "belongs to \"dt\": \"auto\"; here dt is given");
   }
@@ -29,7 +29,7 @@ void read_end(ObjectReader& object, SolverOptions& solver) {
   if (object.find("end") == nullptr && object.find("until") == nullptr && object.is_object()) {
     object.complain("says no end: give 'end' in s, or \"until\": \"rest\"");
   }
-  const Range part{.minimum = 0, .maximum = 1, .minimum_excluded = true, .maximum_excluded = true};
+  const Range part{"1", 0, 1, true, true};
   if (object.find("tolerance") != nullptr && object.find("until") == nullptr) {
     object.complain("tolerance", "belongs to \"until\": \"rest\"");
   }

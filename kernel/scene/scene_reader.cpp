@@ -102,9 +102,9 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<std::strin
 }
 
 const std::vector<std::string>& standard_fields() {
-  static const std::vector<std::string> fields{
-      "displacement", "velocity",  "force",          "reaction", "mass",      "fixed",
-      "stress",       "von_mises", "energy_density", "island",   "global_ids"};
+  static const std::vector<std::string> fields{"displacement", "velocity", "force",   "reaction",
+                                               "mass",         "fixed",    "node_id", "element_id",
+                                               "island",       "model"};
   return fields;
 }
 

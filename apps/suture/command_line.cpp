@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "apps/suture/command_line.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "kernel/base/error.hpp"
+#include "kernel/base/isa.hpp"
+#include "kernel/base/nearest.hpp"
+#include "suture/plugin.h"
+
+namespace suture {
+namespace {
+
+constexpr const char* footer =
+    "Exit codes: 0 good; 2 usage; 3 scene or mesh; 4 plugin; 5 numerical; 6 file system\n"
+    "or memory; 130 stopped by Ctrl-C (the first one finishes the step and writes a\n"
+    "frame, the second one kills). The scene format: docs/scene-format.md.";
+
+std::string version_text() {
+  const std::string isa(best_isa());
+  return "suture " SUTURE_VERSION ", plugin interface " + std::to_string(SUTURE_ABI_MAJOR) + "." +
+         std::to_string(SUTURE_ABI_MINOR) + ", instruction set " + (isa.empty() ? "base" : isa);
+}
+
+void add_scene(CLI::App& app, std::filesystem::path& scene, std::vector<std::string>& sets) {
+  app.add_option("scene", scene, "scene file (JSON)")->required();
+  app.add_option("--set", sets, "change the scene: /solver/dt=1e-4; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("/PATH=VALUE");
+  app.add_option_function<std::uint64_t>(
+         "--threads",
+         [&sets](std::uint64_t n) { sets.push_back("/solver/threads=" + std::to_string(n)); },
+         "the same as --set /solver/threads=N")
+      ->type_name("N");
+}
+
+/// The commands as CLI11 knows them; one of them is parsed.
+struct Parser {
+  CLI::App app{"Suture simulates soft bodies that are cut while they move."};
+  CommandLine line;
+  RunCommand run;
+  CheckCommand check;
+  ExplainCommand explain;
+  DescribeCommand describe;
+  MeshInfoCommand info;
+  MeshConvertCommand convert;
+  MeshBoxCommand box;
+
+  Parser() {
+    app.name("suture");
+    app.footer(footer);
+    app.require_subcommand(1);
+    app.fallthrough();
+    app.set_version_flag("--version", version_text, "print the version");
+    auto* quiet = app.add_flag("-q,--quiet", line.quiet, "warnings and errors only");
+    app.add_flag("-v,--verbose", line.verbose, "say more")->excludes(quiet);
+    add_scene_commands();
+    add_model_commands();
+    add_mesh_commands();
+  }
+
+ private:
+  void add_scene_commands() {
+    auto* run_app = app.add_subcommand("run", "run a scene");
+    add_scene(*run_app, run.scene, run.sets);
+    run_app
+        ->add_option_function<std::string>(
+            "-o,--output",
+            [this](const std::string& d) { run.sets.push_back("/output/directory=" + d); },
+            "the same as --set /output/directory=DIR")
+        ->type_name("DIR");
+    run_app->callback([this] { line.command = run; });
+
+    auto* check_app = app.add_subcommand("check", "tell everything that is wrong with a scene");
+    add_scene(*check_app, check.scene, check.sets);
+    check_app->callback([this] { line.command = check; });
+
+    auto* explain_app =
+        app.add_subcommand("explain", "tell what a run would load, build, compute, skip and cost");
+    add_scene(*explain_app, explain.scene, explain.sets);
+    explain_app->add_flag("--json", explain.json, "as JSON");
+    explain_app->callback([this] { line.command = explain; });
+  }
+
+  void add_model_commands() {
+    app.add_subcommand("models", "list the models of all plugins found")->callback([this] {
+      line.command = ModelsCommand{};
+    });
+    auto* describe_app =
+        app.add_subcommand("describe", "parameters, attributes and source of a model");
+    describe_app->add_option("model", describe.model, "id of the model")->required();
+    describe_app->callback([this] { line.command = describe; });
+  }
+
+  void add_mesh_commands() {
+    auto* mesh = app.add_subcommand("mesh", "look at, convert and make meshes");
+    mesh->require_subcommand(1);
+    const auto add_scale = [](CLI::App* sub, double& scale) {
+      sub->add_option("--scale", scale, "factor to metres")->check(CLI::PositiveNumber);
+    };
+    auto* info_app = mesh->add_subcommand("info", "count, measure and check a mesh");
+    info_app->add_option("file", info.file, "mesh file (.vtu .vtk .mesh .msh)")->required();
+    add_scale(info_app, info.scale);
+    info_app->callback([this] { line.command = info; });
+
+    auto* convert_app = mesh->add_subcommand("convert", "from one file format to another");
+    convert_app->add_option("from", convert.from, "mesh file")->required();
+    convert_app->add_option("to", convert.to, "new file (.vtu .vtk .mesh .msh)")->required();
+    add_scale(convert_app, convert.scale);
+    convert_app->callback([this] { line.command = convert; });
+
+    auto* generate = mesh->add_subcommand("generate", "make a mesh");
+    generate->require_subcommand(1);
+    auto* box_app = generate->add_subcommand("box", "a regular or graded grid");
+    box_app->add_option("to", box.to, "new file (.vtu .vtk .mesh .msh)")->required();
+    box_app->add_option("--size", box.box.size, "lengths along x, y and z in m")->required();
+    box_app->add_option("--cells", box.box.cells, "cells along x, y and z")->required();
+    box_app->add_option("--origin", box.box.origin, "smallest coordinates in m");
+    box_app->add_option("--grading", box.box.grading, "last cell / first cell along x, y and z");
+    box_app->callback([this] { line.command = box; });
+  }
+};
+
+// The innermost command that was given.
+const CLI::App& innermost(const CLI::App& app) {
+  const auto given = app.get_subcommands();
+  return given.empty() ? app : innermost(*given.front());
+}
+
+// Options that this command takes, its parents' included.
+std::vector<std::string> options_of(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* a = &app; a != nullptr; a = a->get_parent()) {
+    for (const CLI::Option* option : a->get_options()) {
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+      for (const std::string& name : option->get_snames()) names.push_back("-" + name);
+    }
+  }
+  return names;
+}
+
+std::string full_name(const CLI::App& app) {
+  const CLI::App* parent = app.get_parent();
+  return (parent == nullptr ? "" : full_name(*parent) + " ") + app.get_name();
+}
+
+// CLI11 knows that a word is one too many; we know what was meant by it.
+[[noreturn]] void fail_with_word(const CLI::App& app, const std::string& word) {
+  const CLI::App& command = innermost(app);
+  const std::string name = full_name(command);
+  if (word.starts_with('-')) {
+    throw UsageError(name + ": unknown option '" + word + "'" +
+                     did_you_mean(word.substr(0, word.find('=')), options_of(command)) +
+                     "; 'suture " + (&command == &app ? "" : command.get_name() + " ") +
+                     "--help' lists them");
+  }
+  std::vector<std::string> commands;
+  std::string list;
+  for (const CLI::App* sub : command.get_subcommands([](const CLI::App*) { return true; })) {
+    commands.push_back(sub->get_name());
+    list += (list.empty() ? "" : ", ") + sub->get_name();
+  }
+  if (commands.empty()) throw UsageError(name + ": '" + word + "' is one argument too many");
+  throw UsageError(name + ": unknown command '" + word + "'" + did_you_mean(word, commands) +
+                   "; one of " + list);
+}
+
+}  // namespace
+
+CommandLine parse_command_line(int argc, const char* const* argv) {
+  Parser parser;
+  if (argc < 2) throw UsageError("no command given\n\n" + parser.app.help());
+  try {
+    parser.app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    return {.command = TextCommand{innermost(parser.app).help()}};
+  } catch (const CLI::CallForVersion& version) {
+    return {.command = TextCommand{std::string(version.what()) + "\n"}};
+  } catch (const CLI::ParseError& error) {
+    for (const std::string& word : parser.app.remaining(true)) fail_with_word(parser.app, word);
+    throw UsageError(full_name(innermost(parser.app)) + ": " + error.what());
+  }
+  return parser.line;
+}
+
+}  // namespace suture

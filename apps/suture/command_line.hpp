@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "kernel/mesh/box.hpp"
+
+namespace suture {
+
+struct RunCommand {
+  std::filesystem::path scene;
+  std::vector<std::string> sets;
+};
+struct CheckCommand {
+  std::filesystem::path scene;
+  std::vector<std::string> sets;
+};
+struct ExplainCommand {
+  std::filesystem::path scene;
+  std::vector<std::string> sets;
+  bool json = false;
+};
+struct ModelsCommand {};
+struct DescribeCommand {
+  std::string model;
+};
+struct MeshInfoCommand {
+  std::filesystem::path file;
+  double scale = 1;
+};
+struct MeshConvertCommand {
+  std::filesystem::path from, to;
+  double scale = 1;
+};
+struct MeshBoxCommand {
+  BoxOptions box;
+  std::filesystem::path to;
+};
+/// --help, --version: a text for standard output.
+struct TextCommand {
+  std::string text;
+};
+
+struct CommandLine {
+  bool quiet = false, verbose = false;
+  std::variant<RunCommand, CheckCommand, ExplainCommand, ModelsCommand, DescribeCommand,
+               MeshInfoCommand, MeshConvertCommand, MeshBoxCommand, TextCommand>
+      command;
+};
+
+/// Throws UsageError, with the nearest command or option for one that is unknown.
+CommandLine parse_command_line(int argc, const char* const* argv);
+
+}  // namespace suture

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "apps/suture/command_line.hpp"
+#include "apps/suture/console.hpp"
+
+namespace suture {
+
+/// One function per subcommand, each in the file of its name. They return the
+/// exit code and throw the errors of kernel/base/error.hpp.
+int run(const RunCommand& command, Console& console);
+int check(const CheckCommand& command, Console& console);
+int explain(const ExplainCommand& command, Console& console);
+int models(const ModelsCommand& command, Console& console);
+int describe(const DescribeCommand& command, Console& console);
+int mesh_info(const MeshInfoCommand& command, Console& console);
+int mesh_convert(const MeshConvertCommand& command, Console& console);
+int mesh_generate_box(const MeshBoxCommand& command, Console& console);
+
+}  // namespace suture

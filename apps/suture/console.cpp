@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "apps/suture/console.hpp"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+
+namespace suture {
+namespace {
+
+std::string format(const char* pattern, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, pattern, value);
+  return text;
+}
+
+}  // namespace
+
+Console::Console(bool quiet, bool verbose)
+    : quiet_(quiet), verbose_(verbose), terminal_(isatty(STDERR_FILENO) == 1) {
+  diagnostics_.on_warning = [this](const std::string& text) {
+    clear_status();
+    std::fprintf(stderr, "suture: warning: %s\n", text.c_str());
+  };
+}
+
+void Console::print(const std::string& line) {
+  clear_status();
+  std::fprintf(stdout, "%s\n", line.c_str());
+}
+
+void Console::note(const std::string& line) {
+  if (quiet_) return;
+  clear_status();
+  std::fprintf(stderr, "%s\n", line.c_str());
+}
+
+void Console::status(const std::string& line) {
+  if (quiet_) return;
+  clear_status();
+  std::fprintf(stderr, terminal_ ? "%s" : "%s\n", line.c_str());
+  std::fflush(stderr);
+  status_shown_ = terminal_;
+}
+
+void Console::error(const std::string& text) {
+  clear_status();
+  std::fflush(stdout);
+  std::fprintf(stderr, "suture: error: %s\n", text.c_str());
+}
+
+void Console::count_warnings() {
+  clear_status();
+  const std::size_t warnings = diagnostics_.warnings().size();
+  if (warnings > 0) std::fprintf(stderr, "suture: %s\n", count(warnings, "warning").c_str());
+}
+
+void Console::clear_status() {
+  if (status_shown_) std::fputs("\r\x1b[K", stderr);
+  status_shown_ = false;
+}
+
+std::string count(unsigned long long n, const std::string& what) {
+  return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
+}
+
+std::string short_number(double value) {
+  if (!(std::fabs(value) >= 1000)) return format("%.3g", value);
+  for (const char* unit : {"k", "M"}) {
+    value /= 1000;
+    // 999.5 would be shown as 1e+03.
+    if (std::fabs(value) < 999.5) return format("%.3g ", value) + unit;
+  }
+  return format("%.3g G", value / 1000);
+}
+
+std::string duration(double seconds) {
+  if (seconds < 1) return format("%.0f ms", seconds * 1000);
+  if (seconds < 60) return format("%.1f s", seconds);
+  const double minutes = std::floor(seconds / 60);
+  if (minutes < 60)
+    return format("%.0f min ", minutes) + format("%02.0f s", std::floor(seconds - 60 * minutes));
+  return format("%.0f h ", std::floor(minutes / 60)) + format("%02.0f min", std::fmod(minutes, 60));
+}
+
+std::string memory(double bytes) { return short_number(bytes) + (bytes < 1000 ? " B" : "B"); }
+
+}  // namespace suture

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "kernel/base/diagnostics.hpp"
+
+namespace suture {
+
+/// What the user sees. Results go to standard output; warnings, errors and
+/// progress to standard error, where a terminal has one line that is rewritten.
+class Console {
+ public:
+  Console(bool quiet, bool verbose);
+  Console(const Console&) = delete;
+  Console& operator=(const Console&) = delete;
+
+  bool quiet() const { return quiet_; }
+  bool verbose() const { return verbose_; }
+  bool is_terminal() const { return terminal_; }
+
+  /// A result; `line` without its end.
+  void print(const std::string& line);
+  /// Something that happened, unless quiet.
+  void note(const std::string& line);
+  /// Replaces the line of progress on a terminal; a line of its own in a log.
+  void status(const std::string& line);
+  void error(const std::string& text);
+  /// Says how many warnings there were, if any. Call it last.
+  void count_warnings();
+
+  Diagnostics& diagnostics() { return diagnostics_; }
+
+ private:
+  void clear_status();
+
+  bool quiet_, verbose_, terminal_;
+  bool status_shown_ = false;
+  Diagnostics diagnostics_;
+};
+
+/// "1 face", "2 faces".
+std::string count(unsigned long long n, const std::string& what);
+/// Three significant digits with a factor: "12.3 M", "4.56 k", "789".
+std::string short_number(double value);
+/// "340 ms", "12.3 s", "4 min 05 s", "3 h 07 min".
+std::string duration(double seconds);
+/// "12.3 MB".
+std::string memory(double bytes);
+
+}  // namespace suture

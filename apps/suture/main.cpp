@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstdio>
+#include <new>
+
+#include "apps/suture/commands.hpp"
+#include "kernel/base/error.hpp"
+
+namespace suture {
+namespace {
+
+/// Chooses the function of a command.
+struct Dispatch {
+  Console& console;
+  int operator()(const RunCommand& command) const { return run(command, console); }
+  int operator()(const CheckCommand& command) const { return check(command, console); }
+  int operator()(const ExplainCommand& command) const { return explain(command, console); }
+  int operator()(const ModelsCommand& command) const { return models(command, console); }
+  int operator()(const DescribeCommand& command) const { return describe(command, console); }
+  int operator()(const MeshInfoCommand& command) const { return mesh_info(command, console); }
+  int operator()(const MeshConvertCommand& command) const { return mesh_convert(command, console); }
+  int operator()(const MeshBoxCommand& command) const {
+    return mesh_generate_box(command, console);
+  }
+  int operator()(const TextCommand& command) const {
+    std::fputs(command.text.c_str(), stdout);
+    return 0;
+  }
+};
+
+// Calls f; an exception becomes a message and an exit code.
+template <class F>
+int guarded(Console& console, F&& f) {
+  try {
+    return f();
+  } catch (const Error& error) {
+    console.error(error.what());
+    return error.exit_code();
+  } catch (const std::bad_alloc&) {
+    console.error("out of memory; 'suture explain' tells what a scene needs");
+    return 6;
+  } catch (const std::exception& error) {
+    console.error(std::string("unexpected: ") + error.what() + "; please report this");
+    return 1;
+  }
+}
+
+}  // namespace
+}  // namespace suture
+
+int main(int argc, char** argv) {
+  using namespace suture;
+  CommandLine line;
+  Console early(false, false);
+  const int usage = guarded(early, [&] {
+    line = parse_command_line(argc, argv);
+    return 0;
+  });
+  if (usage != 0) return usage;
+  Console console(line.quiet, line.verbose);
+  const int code = guarded(console, [&] { return std::visit(Dispatch{console}, line.command); });
+  console.count_warnings();
+  // Results that could not be written (a full disk behind a redirection) are an error.
+  if (std::fflush(stdout) != 0 && code == 0) {
+    console.error("cannot write to standard output");
+    return 6;
+  }
+  return code;
+}

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+
+#include "apps/suture/commands.hpp"
+#include "kernel/mesh/mesh_file.hpp"
+#include "kernel/topology/import.hpp"
+#include "kernel/topology/rest_shape.hpp"
+
+namespace suture {
+namespace {
+
+std::string text_of(const Vec3& v) {
+  char text[100];
+  std::snprintf(text, sizeof text, "[%.6g, %.6g, %.6g]", v[0], v[1], v[2]);
+  return text;
+}
+
+void print_counts(const Mesh& mesh, Console& console) {
+  console.print(mesh.source + ": " + count(mesh.points.size(), "point") + ", " +
+                std::to_string(mesh.hexahedra.size()) +
+                (mesh.hexahedra.size() == 1 ? " hexahedron" : " hexahedra"));
+  for (const auto& [type, number] : mesh.skipped_cells) {
+    console.print("skipped: " + std::to_string(number) + " " + type);
+  }
+}
+
+void print_sets(const char* of, const std::map<std::string, std::vector<Index>>& sets,
+                Console& console) {
+  for (const auto& [name, members] : sets) {
+    console.print(std::string("set of ") + of + " \"" + name +
+                  "\": " + std::to_string(members.size()));
+  }
+}
+
+void print_bounds(const Mesh& mesh, Console& console) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Vec3 low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
+  for (const Vec3& point : mesh.points) {
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], point[a]);
+      high[a] = std::max(high[a], point[a]);
+    }
+  }
+  console.print("bounding box: " + text_of(low) + " to " + text_of(high) + " m");
+}
+
+// Volume, and the scaled shape: smallest corner Jacobian over the mean one.
+void print_shape(const Imported& imported, Console& console) {
+  double volume = 0, worst = std::numeric_limits<double>::infinity();
+  Index worst_element = 0;
+  for (Index e = 0; e < imported.complex.element_count(); ++e) {
+    Corners corners;
+    for (std::size_t n = 0; n < 8; ++n)
+      corners[n] = imported.rest[imported.complex.vertices()[e][n]];
+    double element_volume = 0;
+    for (const double j : gauss_jacobians(corners)) element_volume += j / 8;
+    const auto jacobians = corner_jacobians(corners);
+    const double quality = *std::min_element(jacobians.begin(), jacobians.end()) / element_volume;
+    volume += element_volume;
+    if (quality < worst) worst_element = imported.user_element[e];
+    worst = std::min(worst, quality);
+  }
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "volume: %.6g m^3; smallest corner Jacobian over volume: %.3g (element %u)", volume,
+                worst, worst_element);
+  console.print(text);
+}
+
+void print_topology(Imported& imported, Console& console) {
+  CellComplex& complex = imported.complex;
+  complex.require_edges();
+  complex.require_faces();
+  std::size_t boundary = 0;
+  for (Index e = 0; e < complex.element_count(); ++e) {
+    for (int f = 0; f < 6; ++f) boundary += complex.neighbour(e, f) == none ? 1 : 0;
+  }
+  Index islands = 0;
+  complex.islands(&islands);
+  console.print("cells: " + std::to_string(complex.count(0)) + " vertices, " +
+                std::to_string(complex.count(1)) + " edges, " + std::to_string(complex.count(2)) +
+                " faces (" + std::to_string(boundary) + " on the boundary); " +
+                count(islands, "island"));
+}
+
+}  // namespace
+
+int mesh_info(const MeshInfoCommand& command, Console& console) {
+  const Mesh mesh = read_mesh(command.file, command.scale, console.diagnostics());
+  print_counts(mesh, console);
+  print_sets("points", mesh.point_sets, console);
+  print_sets("elements", mesh.element_sets, console);
+  print_bounds(mesh, console);
+  Imported imported = import_mesh(mesh, {}, console.diagnostics());
+  print_topology(imported, console);
+  print_shape(imported, console);
+  return 0;
+}
+
+int mesh_convert(const MeshConvertCommand& command, Console& console) {
+  const Mesh mesh = read_mesh(command.from, command.scale, console.diagnostics());
+  write_mesh(command.to, mesh, console.diagnostics());
+  if (!console.quiet()) print_counts(mesh, console);
+  return 0;
+}
+
+int mesh_generate_box(const MeshBoxCommand& command, Console& console) {
+  const Mesh mesh = make_box(command.box);
+  write_mesh(command.to, mesh, console.diagnostics());
+  if (!console.quiet()) print_counts(mesh, console);
+  return 0;
+}
+
+}  // namespace suture

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+
+#include "apps/suture/commands.hpp"
+#include "kernel/run/simulation.hpp"
+#include "kernel/scene/scene_reader.hpp"
+
+namespace suture {
+namespace {
+
+volatile std::sig_atomic_t signal_caught = 0;
+
+// The first signal asks for an orderly end; the second finds the default action
+// (SA_RESETHAND) and kills.
+void catch_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int number) { signal_caught = number; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+  for (const int number : {SIGINT, SIGTERM}) sigaction(number, &action, nullptr);
+}
+
+std::string significant(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+std::string describe(const Progress& progress) {
+  std::string text =
+      "step " + std::to_string(progress.step) + ", t = " + significant(progress.time);
+  if (progress.end > 0) {
+    text += " of " + significant(progress.end) + " s";
+    text += ", " + significant(100 * progress.time / progress.end) + " %";
+  } else {
+    text += " s, residual " + significant(progress.residual) + " (rest below " +
+            significant(progress.tolerance) + ")";
+  }
+  text += ", " + short_number(progress.elements_per_second) + " elements/s";
+  if (progress.seconds_left >= 0) text += ", " + duration(progress.seconds_left) + " left";
+  return text;
+}
+
+/// Shows progress: on a terminal a few times a second, in a log every ten seconds.
+class Watcher final : public Observer {
+ public:
+  explicit Watcher(Console& console) : console_(console) {}
+
+  void on_progress(const Progress& progress) override {
+    const auto now = std::chrono::steady_clock::now();
+    if (now < next_) return;
+    const bool first = next_ == std::chrono::steady_clock::time_point{};
+    next_ =
+        now + (console_.is_terminal() ? std::chrono::milliseconds(200) : std::chrono::seconds(10));
+    // A log gets no line for a run that is over before the first interval is.
+    if (!first || console_.is_terminal()) console_.status(describe(progress));
+  }
+  void on_message(const std::string& message) override { console_.note(message); }
+  bool stop_requested() override { return signal_caught != 0; }
+
+ private:
+  Console& console_;
+  std::chrono::steady_clock::time_point next_{};
+};
+
+void print_summary(const RunSummary& summary, Console& console) {
+  constexpr const char* outcomes[] = {"finished", "at rest", "interrupted"};
+  std::string text = outcomes[static_cast<int>(summary.outcome)];
+  text += " at t = " + significant(summary.time) + " s: " + count(summary.steps, "step") + " in " +
+          duration(summary.seconds) + " (" + short_number(summary.elements_per_second) +
+          " elements/s, " + count(summary.threads, "thread") + ")";
+  if (summary.frames > 0) text += ", " + count(summary.frames, "frame");
+  if (summary.faces_cut > 0) text += ", " + count(summary.faces_cut, "face") + " cut";
+  if (summary.inverted_elements > 0) {
+    text += ", " + count(summary.inverted_elements, "inverted element");
+  }
+  console.print(text);
+  if (!summary.pvd.empty()) console.print("open in ParaView: " + summary.pvd);
+}
+
+}  // namespace
+
+int run(const RunCommand& command, Console& console) {
+  catch_signals();
+  PluginHost host(&console.diagnostics());
+  const Scene scene = read_scene(command.scene, command.sets, host, console.diagnostics());
+  Simulation simulation(scene, host, console.diagnostics());
+  if (console.verbose()) {
+    for (const Decision& decision : simulation.decisions()) {
+      console.note((decision.skipped ? "skipped " : "") + decision.subject + ": " +
+                   decision.reason);
+    }
+  }
+  Watcher watcher(console);
+  const RunSummary summary = simulation.run(watcher);
+  if (!console.quiet()) print_summary(summary, console);
+  return summary.outcome == RunSummary::Outcome::interrupted ? 128 + signal_caught : 0;
+}
+
+}  // namespace suture

@@ -32,12 +32,6 @@ struct Range {
   static Range not_negative(std::string unit) { return {std::move(unit), 0}; }
 };
 }
-static Range positive(std::string unit) {
-  return {.unit = std::move(unit), .minimum = 0, .minimum_excluded = true};
-}
-static Range not_negative(std::string unit) { return {.unit = std::move(unit), .minimum = 0}; }
-}
-;
 
 /// The readers of single values: nothing, and a mistake noted, if the value is
 /// of another type or out of range.

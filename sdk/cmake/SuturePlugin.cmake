@@ -13,7 +13,8 @@
 # "avx512"), which goes into the plugin's note.
 #
 # What each flag is for:
-#   -fno-math-errno, -fno-trapping-math  sqrt and selects become instructions;
+#   -fno-math-errno, -fno-trapping-math, -fno-signed-zeros  sqrt and selects become
+#       instructions and a sum may start from zero for free;
 #       values, NaN and infinity are as IEEE 754 says. -ffast-math is not used:
 #       it would let the compiler assume that no NaN exists, and the host's check
 #       for one would be removed with it.
@@ -34,7 +35,8 @@ function(_suture_plugin_object target file isa)
   target_link_libraries(${target} PRIVATE suture::sdk)
   target_compile_definitions(${target} PRIVATE SUTURE_PLUGIN_ISA="${isa}")
   target_compile_options(${target} PRIVATE
-    $<$<NOT:$<CONFIG:Debug>>:-O3> -fno-math-errno -fno-trapping-math -ffp-contract=fast
+    $<$<NOT:$<CONFIG:Debug>>:-O3> -fno-math-errno -fno-trapping-math -fno-signed-zeros
+    -ffp-contract=fast
     $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique> $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-psabi>
     -Wall -Wextra ${ARG_FLAGS})
   target_link_options(${target} PRIVATE

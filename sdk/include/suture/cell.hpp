@@ -84,6 +84,7 @@ using constants_of = typename constants_of_model<Model>::type;
 template <class T, class Model>
 class cell {
  public:
+  static constexpr bool is_cell = true;
   using scalar = T;
   using real = real_of<T>;  ///< of what is never differentiated
 

@@ -210,6 +210,21 @@ SUTURE_INLINE pack<N> rsqrt(pack<N> x) {
   return improve(improve(pack<N>(vector(bits))));
 }
 
+/// 1/x for normal x, to 2 units in the last place.
+SUTURE_INLINE double reciprocal(double x) { return 1 / x; }
+
+template <int N>
+SUTURE_INLINE pack<N> reciprocal(pack<N> x) {
+#if defined(__AVX512F__)
+  if constexpr (N == 8) {  // y (1 + e + e^2 + e^3), e = 1 - x y < 2^-14
+    const pack<N> y = typename pack<N>::vector(_mm512_maskz_rcp14_pd(0xff, __m512d(x.v)));
+    const pack<N> e = 1.0 - x * y;
+    return y + y * e * (1.0 + e * (1.0 + e));
+  }
+#endif
+  return 1.0 / x;
+}
+
 /// What a constant lane looks like to a template: the double below a T.
 template <class T>
 inline constexpr bool is_pack = false;

@@ -230,8 +230,9 @@ const void* extension(const char* id) noexcept {
     if (is(SUTURE_INSPECT_1)) return &table;
   }
   if constexpr (has_fields<F>) {
-    static constexpr suture_output_1 table{
-        sizeof(suture_output_1), std::uint32_t(std::size(F::fields)), F::fields, &output<M, F>};
+    static constexpr suture_output_1 table{sizeof(suture_output_1),
+                                           std::uint32_t(std::size(F::fields)),
+                                           std::data(F::fields), &output<M, F>};
     if (is(SUTURE_OUTPUT_1)) return &table;
   }
   return nullptr;

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: MIT
+//
+// suture/continuum.hpp - a whole hyperelastic model from its law in closed form.
+//
+//   #include "suture/continuum.hpp"
+//
+//   struct neo_hooke : suture::continuum<neo_hooke> {
+//     static constexpr const char *id = "neo-hooke", *doc = "Compressible neo-Hookean solid",
+//       *formula = "W = mu/2 (F:F - 3) - mu ln J + lambda/2 (ln J)^2",
+//       *citation = "Bonet and Wood, Nonlinear Continuum Mechanics, 2008, eq. 6.27";
+//     enum { mu, lambda, rho };
+//     static constexpr suture::parameter parameters[] = {
+//         suture::number("mu", "Pa", "shear modulus").above(0),
+//         suture::number("lambda", "Pa", "first Lame constant").at_least(0),
+//         suture::number("rho", "kg/m^3", "density").above(0)};
+//     static double density(const suture::values& p) { return p[rho]; }
+//     template <class T, class P>
+//     static T energy(const suture::mat3<T>& F, const P& p) {
+//       const T ln_j = log(det(F));
+//       return 0.5 * p[mu] * (dot(F, F) - 3) - p[mu] * ln_j + 0.5 * p[lambda] * ln_j * ln_j;
+//     }
+//   };
+//   SUTURE_PLUGIN("neo-hooke", "1.0", "MIT", "Neo-Hookean solid", neo_hooke)
+//
+// That gives forces on trilinear hexahedra (parallelepipeds on a faster path),
+// mass, energy, exact tangent, stable step, and the fields "stress", "von-mises"
+// and "energy-density".
+//
+// A law has one or both of, as static templates of the model:
+//   energy(F, p) -> T        energy density W per rest volume, J/m^3
+//   stress(F, p) -> mat3<T>  first Piola-Kirchhoff stress P = dW/dF, Pa
+// Without stress() P is found from energy() on dual numbers, at nine times its
+// cost; without energy() no energies are offered. `p` is the model's constants if
+// it declares them, else its parameters by index.
+//
+// Besides, a model may have
+//   static int points(values)   Gauss points per axis, 2 (default) or 3
+// and the members of any model (model.hpp).
+#ifndef SUTURE_CONTINUUM_HPP
+#define SUTURE_CONTINUUM_HPP
+
+#include "suture/hexahedron.hpp"
+#include "suture/model.hpp"
+
+namespace suture {
+
+namespace detail {
+
+/// What a law gets as `p`: the model's constants, or its parameters.
+template <class M>
+using material_of =
+    std::conditional_t<std::is_same_v<constants_of<M>, no_constants>, values, constants_of<M>>;
+template <class M, class Cell>
+SUTURE_INLINE decltype(auto) material(const Cell& c) {
+  if constexpr (std::is_same_v<constants_of<M>, no_constants>)
+    return c.parameters();
+  else
+    return c.constants();
+}
+
+template <class M, class = void>
+inline constexpr bool has_stress = false;
+template <class M>
+inline constexpr bool
+    has_stress<M, std::void_t<decltype(M::stress(std::declval<const mat3<native>&>(),
+                                                 std::declval<const material_of<M>&>()))>> = true;
+template <class M, class = void>
+inline constexpr bool has_energy_density = false;
+template <class M>
+inline constexpr bool
+    has_energy_density<M, std::void_t<decltype(M::energy(std::declval<const mat3<native>&>(),
+                                                         std::declval<const material_of<M>&>()))>> =
+        true;
+template <class M, class = void>
+inline constexpr bool has_points = false;
+template <class M>
+inline constexpr bool has_points<M, std::void_t<decltype(&M::points)>> = true;
+
+/// P of the law: its own, or dW/dF_ij one component after the other.
+template <class M, class T, class Material>
+SUTURE_INLINE mat3<T> law_stress(const mat3<T>& F, const Material& p) {
+  if constexpr (has_stress<M>) {
+    return M::stress(F, p);
+  } else {
+    mat3<T> P;
+    mat3<dual<T>> G;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) G(i, j) = F(i, j);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        G(i, j).derivative = 1.0;
+        P(i, j) = M::energy(G, p).derivative;
+        G(i, j).derivative = 0.0;
+      }
+    return P;
+  }
+}
+
+/// J^-1 of parallelepipeds, row-major: component 3*axis + coordinate. Entries
+/// that are rounding (below 1e-13 of the largest) are zero, so that a box is
+/// recognised as one.
+struct inverse_jacobian {
+  static constexpr int components = 9;
+  template <class Cell, class Out>
+  static void compute(const Cell& c, const Out& out) {
+    vec3<typename Cell::real> X[8];
+    for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
+    const auto inverse_j = inverse(mean_edges(X));
+    auto largest = abs(inverse_j(0, 0));
+    for (int i = 1; i < 9; ++i) largest = max(largest, abs(inverse_j(i / 3, i % 3)));
+    for (int i = 0; i < 9; ++i) {
+      const auto entry = inverse_j(i / 3, i % 3);
+      out.set(0, i, select(abs(entry) < 1e-13 * largest, 0.0 * entry, entry));
+    }
+  }
+};
+
+/// An eighth of the element's mass for each node.
+template <class M>
+struct lumped_mass {
+  static constexpr int components = 1;
+  template <class Cell, class Out>
+  static void compute(const Cell& c, const Out& out) {
+    vec3<typename Cell::real> X[8];
+    for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
+    const auto share = volume(X) * (0.125 * M::density(c.parameters()));
+    for (int n = 0; n < 8; ++n) out.set(n, 0, share);
+  }
+};
+
+/// What parallelepipeds and general hexahedra have in common. `Shape` offers
+/// with_geometry<Q>(cell, work): calls work(geometry).
+template <class M, class Shape>
+struct continuum_functor : on_volumes {
+  static constexpr const char* doc = "Nodal forces of the stress";
+  static constexpr int witnesses = 1;  // every Gauss point acts on every node
+
+  template <class Cell>
+  static SUTURE_INLINE void positions(const Cell& c, vec3<typename Cell::scalar> (&x)[8]) {
+    for (int n = 0; n < 8; ++n) x[n] = c.position(n);
+  }
+
+  template <class Cell>
+  static SUTURE_INLINE void force(const Cell& c) {
+    points(
+        c, [&](auto q) __attribute__((always_inline)) {
+          Shape::template with_geometry<q()>(
+              c, [&](const auto& g) __attribute__((always_inline)) { force_with<q()>(c, g); });
+        });
+  }
+
+  template <class Cell>
+  static auto energy(const Cell& c)
+      -> std::enable_if_t<has_energy_density<M> && Cell::is_cell, typename Cell::scalar> {
+    typename Cell::scalar sum(0.0);
+    deformations(c, [&](const auto& F, const auto& w) { sum += w * M::energy(F, material<M>(c)); });
+    return sum;
+  }
+
+  static constexpr auto fields = [] {
+    constexpr auto stress = field("stress", "Pa", "Cauchy stress, mean of the Gauss points", 6);
+    constexpr auto mises = field("von-mises", "Pa", "Equivalent stress of von Mises of it");
+    constexpr auto energy = field("energy-density", "J/m^3", "Stored energy per rest volume");
+    if constexpr (has_energy_density<M>)
+      return std::array<suture_field, 3>{stress, mises, energy};
+    else
+      return std::array<suture_field, 2>{stress, mises};
+  }();
+
+  template <class Cell, class Results>
+  static void output(const Cell& c, const Results& out) {
+    using T = typename Cell::scalar;
+    T rest_volume(0.0), stored(0.0);
+    sym3<T> sum{};
+    deformations(c, [&](const mat3<T>& F, const T& w) {
+      rest_volume += w;
+      sum = sum + cauchy(law_stress<M>(F, material<M>(c)), F) * w;
+      if constexpr (has_energy_density<M>) stored += w * M::energy(F, material<M>(c));
+    });
+    const sym3<T> stress = sum * (1.0 / rest_volume);
+    out.set(0, stress);
+    out.set(1, von_mises(stress));
+    if constexpr (has_energy_density<M>) out.set(2, stored / rest_volume);
+  }
+
+ private:
+  /// Calls work(integral_constant) with the number of Gauss points per axis.
+  template <class Cell, class Work>
+  static SUTURE_INLINE void points(const Cell& c, Work&& work) {
+    if constexpr (has_points<M>)
+      if (M::points(c.parameters()) == 3) return work(std::integral_constant<int, 3>());
+    work(std::integral_constant<int, 2>());
+  }
+
+  /// One body of code per rule and geometry: together they would spill.
+  template <int Q, class Cell, class Geometry>
+  static __attribute__((noinline)) void force_with(const Cell& c, const Geometry& g) {
+    using T = typename Cell::scalar;
+    vec3<T> x[8], f[8];
+    positions(c, x);
+    internal_force<Q>(
+        x, g,
+        [&](const mat3<T>& F)
+            __attribute__((always_inline)) { return law_stress<M>(F, material<M>(c)); },
+        f);
+    for (int n = 0; n < 8; ++n) c.force(n, f[n]);
+  }
+
+  template <class Cell, class Visit>
+  static void deformations(const Cell& c, Visit&& visit) {
+    points(c, [&](auto q) {
+      Shape::template with_geometry<q()>(c, [&](const auto& g) {
+        vec3<typename Cell::scalar> x[8];
+        positions(c, x);
+        for_deformations<q()>(x, g, visit);
+      });
+    });
+  }
+};
+
+template <class M>
+struct parallelepipeds : continuum_functor<M, parallelepipeds<M>> {
+  static constexpr const char* name = "parallelepipeds";
+  static constexpr std::uint32_t shape = SUTURE_PARALLELEPIPED;
+  static constexpr auto cell_columns = columns(0);
+
+  template <int Q, class Cell, class Work>
+  static SUTURE_INLINE void with_geometry(const Cell& c, Work&& work) {
+    using R = typename Cell::real;
+    mat3<R> inverse_j;
+    R skew(0.0);
+    for (int i = 0; i < 9; ++i) {
+      inverse_j(i / 3, i % 3) = c.column(0, i);
+      if (i % 4) skew = max(skew, abs(inverse_j(i / 3, i % 3)));
+    }
+    if (all(skew == 0.0))
+      work(box_geometry<R>(inverse_j));
+    else
+      work(parallelepiped_geometry<R>(inverse_j));
+  }
+};
+
+template <class M>
+struct general_hexahedra : continuum_functor<M, general_hexahedra<M>> {
+  static constexpr const char* name = "general hexahedra";
+  static constexpr std::uint32_t shape = SUTURE_GENERAL;
+  static constexpr std::uint32_t reads = SUTURE_READ_REST | SUTURE_READ_POSITION;
+
+  template <int Q, class Cell, class Work>
+  static SUTURE_INLINE void with_geometry(const Cell& c, Work&& work) {
+    using R = typename Cell::real;
+    vec3<R> X[8];
+    for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
+    work(general_geometry<R, Q>(X));
+  }
+};
+
+}  // namespace detail
+
+/// Base of a model that is one constitutive law on hexahedra.
+template <class M>
+struct continuum : model {
+  static constexpr std::uint32_t flags = SUTURE_CONTINUUM;
+  static constexpr attribute attributes[2] = {
+      on_volume_cells("inverse-jacobian", "1/m", "J^-1 of the rest shape, row-major", 9)
+          .from_volumes(contribution<M, detail::inverse_jacobian>),
+      on_vertices("mass", "kg", "An eighth of the mass of every incident element")
+          .from_volumes(contribution<M, detail::lumped_mass<M>>)
+          .flag(SUTURE_SHARED_MASS)};
+  using functors = list<detail::parallelepipeds<M>, detail::general_hexahedra<M>>;
+};
+
+}  // namespace suture
+
+#endif

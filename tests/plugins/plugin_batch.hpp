@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dlfcn.h>
+
+#include <array>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "kernel/base/aligned.hpp"
+#include "suture/plugin.h"
+
+/// What a test needs of the host: loads one file, makes an instance, and fills
+/// batches by hand, so that a failure here is the plugin's and nobody else's.
+namespace suture::test {
+
+using Point = std::array<double, 3>;
+using Hexahedron = std::array<Point, 8>;
+
+/// The built files of a plugin that this processor runs: "base", "avx2", "avx512".
+inline std::vector<std::string> runnable_isas() {
+  std::vector<std::string> isas{"base"};
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) isas.push_back("avx2");
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
+    isas.push_back("avx512");
+#endif
+  return isas;
+}
+
+inline const suture_plugin& load_plugin(const std::string& folder, const std::string& name,
+                                        const std::string& isa) {
+  const std::string file = folder + "/" + name + (isa == "base" ? "" : "." + isa) + ".so";
+  void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!library) throw std::runtime_error(dlerror());
+  const auto entry = reinterpret_cast<suture_plugin_fn>(dlsym(library, SUTURE_PLUGIN_SYMBOL));
+  if (!entry) throw std::runtime_error(file + " exports no " SUTURE_PLUGIN_SYMBOL);
+  return *entry();
+}
+
+struct Report {
+  int severity;
+  std::uint32_t cell;
+  std::string key, text;
+};
+
+/// One use of a model with given parameters; keeps what it reports.
+class ModelInstance {
+ public:
+  ModelInstance(const suture_model& model, std::vector<double> parameters)
+      : model_(model), parameters_(std::move(parameters)) {
+    host_ = {sizeof(suture_host), SUTURE_ABI_MINOR, &ModelInstance::keep,
+             [](const char*) { return 0; }};
+    error.size = sizeof error;
+    memory_.assign(model.instance_bytes / sizeof(double) + 1, 0.0);
+    context_ = {sizeof context_,
+                std::uint32_t(parameters_.size()),
+                parameters_.data(),
+                nullptr,
+                &host_,
+                &error,
+                this};
+    if (model.prepare) {
+      if (model.prepare(&context_, memory_.data()) != SUTURE_OK)
+        throw std::runtime_error(error.text);
+      context_.instance = memory_.data();
+    }
+  }
+  ModelInstance(const ModelInstance&) = delete;
+
+  const suture_context* context() const { return &context_; }
+  const suture_model& model() const { return model_; }
+  const suture_functor& functor(const std::string& name) const {
+    for (std::uint32_t i = 0; i < model_.functor_count; ++i)
+      if (model_.functors[i].name == name) return model_.functors[i];
+    throw std::runtime_error("no functor " + name);
+  }
+  template <class Extension>
+  static const Extension& extension(const suture_functor& f, const char* id) {
+    const void* table = f.extension ? f.extension(id) : nullptr;
+    if (!table) throw std::runtime_error(std::string(f.name) + " has no " + id);
+    return *static_cast<const Extension*>(table);
+  }
+
+  suture_error error{};
+  std::vector<Report> reports;
+
+ private:
+  static void keep(const suture_context* c, int32_t severity, uint32_t cell, const char* key,
+                   const char* text) {
+    static_cast<ModelInstance*>(c->host_data)->reports.push_back({severity, cell, key, text});
+  }
+
+  const suture_model& model_;
+  std::vector<double> parameters_;
+  suture_host host_{};
+  AlignedVector<double> memory_;
+  suture_context context_{};
+};
+
+/// Eight hexahedra, gathered; columns of a functor filled from the model's
+/// contributions as the kernel would (attributes of dimension 3).
+class HexahedronBatch {
+ public:
+  HexahedronBatch(ModelInstance& instance, const suture_functor& functor,
+                  const std::array<Hexahedron, 8>& rest)
+      : instance_(instance), functor_(functor) {
+    for (int lane = 0; lane < 8; ++lane) set(rest_, lane, rest[lane]);
+    position_ = rest_;
+    batch.size = sizeof batch;
+    batch.lanes = SUTURE_LANES;
+    batch.valid = SUTURE_LANES;
+    batch.nodes = 8;
+    batch.cell_ids = ids_.data();
+    batch.rest = rest_.data();  // as contributions get it
+    for (std::uint32_t k = 0; k < functor.cell_column_count; ++k) {
+      const suture_attribute& a = instance.model().attributes[functor.cell_columns[k]];
+      columns_.emplace_back(a.components * 8);
+      check(a.contribution(instance.context(), &batch, columns_.back().data()));
+    }
+    for (auto& c : columns_) pointers_.push_back(c.data());
+    batch.cell_columns = pointers_.data();
+    batch.rest = functor.reads & SUTURE_READ_REST ? rest_.data() : nullptr;
+    batch.position = functor.reads & SUTURE_READ_POSITION ? position_.data() : nullptr;
+    batch.force = force_.data();
+  }
+  HexahedronBatch(const HexahedronBatch&) = delete;
+
+  void move(int lane, const Hexahedron& x) { set(position_, lane, x); }
+  double& position(int lane, int node, int c) { return position_[(node * 3 + c) * 8 + lane]; }
+
+  suture_status force() { return functor_.force(instance_.context(), &batch); }
+  double force_at(int lane, int node, int c) const { return force_[(node * 3 + c) * 8 + lane]; }
+
+  std::array<double, 8> energy() {
+    alignas(64) std::array<double, 8> out;
+    check(ModelInstance::extension<suture_energy_1>(functor_, SUTURE_ENERGY_1)
+              .energy(instance_.context(), &batch, out.data()));
+    return out;
+  }
+  /// df for the direction dx, laid out as a batch's force.
+  AlignedVector<double> tangent(const AlignedVector<double>& dx) {
+    AlignedVector<double> dv(192, 0.0), df(192);
+    check(ModelInstance::extension<suture_tangent_1>(functor_, SUTURE_TANGENT_1)
+              .apply(instance_.context(), &batch, dx.data(), dv.data(), df.data()));
+    return df;
+  }
+  /// The bound matrices: stiffness[(node*6 + c)*8 + lane].
+  AlignedVector<double> stiffness_bounds() {
+    AlignedVector<double> k(384), c(384);
+    check(ModelInstance::extension<suture_stable_dt_1>(functor_, SUTURE_STABLE_DT_1)
+              .bounds(instance_.context(), &batch, k.data(), c.data()));
+    return k;
+  }
+  /// An output field: value[component*8 + lane].
+  AlignedVector<double> field(const std::string& name) {
+    const auto& table = ModelInstance::extension<suture_output_1>(functor_, SUTURE_OUTPUT_1);
+    std::vector<double*> out(table.field_count, nullptr);
+    AlignedVector<double> values;
+    for (std::uint32_t i = 0; i < table.field_count; ++i)
+      if (table.fields[i].name == name) {
+        values.resize(table.fields[i].components * 8);
+        out[i] = values.data();
+      }
+    check(table.compute(instance_.context(), &batch, out.data()));
+    return values;
+  }
+
+  suture_batch batch{};
+
+ private:
+  static void set(AlignedVector<double>& v, int lane, const Hexahedron& x) {
+    for (int n = 0; n < 8; ++n)
+      for (int c = 0; c < 3; ++c) v[(n * 3 + c) * 8 + lane] = x[n][c];
+  }
+  void check(suture_status status) {
+    if (status != SUTURE_OK) throw std::runtime_error(instance_.error.text);
+  }
+
+  ModelInstance& instance_;
+  const suture_functor& functor_;
+  AlignedVector<double> rest_ = AlignedVector<double>(192), position_ = AlignedVector<double>(192),
+                        force_ = AlignedVector<double>(192);
+  std::array<std::uint32_t, 8> ids_{10, 11, 12, 13, 14, 15, 16, 17};
+  std::vector<AlignedVector<double>> columns_;
+  std::vector<const double*> pointers_;
+};
+
+}  // namespace suture::test

@@ -31,7 +31,6 @@ struct Range {
   }
   static Range not_negative(std::string unit) { return {std::move(unit), 0}; }
 };
-}
 
 /// The readers of single values: nothing, and a mistake noted, if the value is
 /// of another type or out of range.

@@ -161,15 +161,17 @@ CellSet Instance::region(const CellComplex& complex, const Column& rest,
     std::iota(elements.begin(), elements.end(), Index{0});
   }
   if (asks_for_shape()) {
-    const auto general = std::ranges::stable_partition(elements, [&](Index e) {
+    const auto has_parallel_edges = [&](Index e) {
       HexahedronNodes x;
       for (std::size_t i = 0; i < 8; ++i) {
         const double* row = rest.rows() + rest.offset(complex.vertices_of(e)[i]);
         x[i] = {row[0], row[1], row[2]};
       }
       return is_parallelepiped(x);
-    });
-    general_begin = static_cast<Index>(general.begin() - elements.begin());
+    };
+    const auto general =
+        std::stable_partition(elements.begin(), elements.end(), has_parallel_edges);
+    general_begin = static_cast<Index>(general - elements.begin());
   } else {
     general_begin = static_cast<Index>(elements.size());
   }

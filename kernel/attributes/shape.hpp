@@ -16,9 +16,11 @@ using HexahedronNodes = std::array<Vec3, 8>;
 bool is_parallelepiped(const HexahedronNodes& x);
 
 /// Volume of the trilinear hexahedron, m^3, exact; negative if it is mirrored.
-///   12 V = [x7-x1 + x6-x0] . (x7-x2) x (x3-x0) + two more of the kind
+/// With v0..v7 the nodes in the order of VTK (X0 X1 X3 X2 X4 X5 X7 X6):
+///   12 V = [(v3-v1)+(v7-v2)] . (v6-v3) x (v2-v0) + [(v4-v3)+(v5-v7)] . (v6-v4) x (v7-v0)
+///        + [(v1-v4)+(v2-v5)] . (v6-v1) x (v5-v0)
 /// J. Grandy, Efficient computation of volume of hexahedral cells, UCRL-ID-128886
-/// (1997), eq. (17), nodes there in the order of VTK.
+/// (1997). Checked in tests against the integral of det J.
 double hexahedron_volume(const HexahedronNodes& x);
 
 }  // namespace suture

@@ -29,7 +29,7 @@ struct Body {
   CellComplex complex;
   std::vector<Vec3> rest;
 
-  Body(std::array<Index, 3> cells, Random* random = nullptr, double distortion = 0.2) {
+  explicit Body(std::array<Index, 3> cells, Random* random = nullptr, double distortion = 0.2) {
     BoxOptions box;
     box.cells = cells;
     box.size = {double(cells[0]), double(cells[1]), double(cells[2])};

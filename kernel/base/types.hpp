@@ -7,7 +7,7 @@
 namespace suture {
 
 /// Number of a cell, a vertex or an element. 32 bits: half the memory traffic
-/// of 64, and 178 million hexahedra are the limit that darts set anyway.
+/// of 64, and 89 million hexahedra are the limit that darts set anyway.
 using Index = std::uint32_t;
 inline constexpr Index none = 0xFFFFFFFFu;
 

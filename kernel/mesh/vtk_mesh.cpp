@@ -120,8 +120,8 @@ void add_sets(Sets& sets, const VtkGrid::Labels& labels) {
     if (by_value.size() > max_labels) return;
   }
   for (auto& [value, members] : by_value) {
-    if (!flags) sets[labels.name + " " + std::to_string(value)] = std::move(members);
-    if (flags && value == 1) sets[labels.name] = std::move(members);
+    if (flags && value == 0) continue;
+    sets[flags ? labels.name : labels.name + " " + std::to_string(value)] = std::move(members);
   }
 }
 

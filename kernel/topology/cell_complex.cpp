@@ -9,20 +9,27 @@
 
 namespace suture {
 
+using namespace incidence;
+
 namespace {
 
-constexpr Index most_elements = none / 24;
-
 void check_size(std::size_t elements) {
-  if (elements >= most_elements)
+  if (elements >= incidence::most_elements)
     throw TopologyError("the mesh has " + std::to_string(elements) +
-                        " elements; the map numbers its darts with 32 bits, which allows " +
-                        std::to_string(most_elements - 1) + " hexahedra");
+                        " elements; the links of the map have room for " +
+                        std::to_string(incidence::most_elements - 1));
 }
 
 /// Cuts append cells; room for them in advance keeps a small cut of a large map from
 /// copying tables. Pages that nobody touches take no memory.
 std::size_t room_for(std::size_t cells) { return cells + cells / 4 + 64; }
+
+/// The faces at each corner, one bit each.
+constexpr auto corner_faces = [] {
+  std::array<std::uint8_t, 8> result{};
+  for (int d = 0; d < 24; ++d) result[hexahedron::dart_vertex[d]] |= 1 << d / 4;
+  return result;
+}();
 
 }  // namespace
 
@@ -32,56 +39,77 @@ CellComplex::CellComplex(std::vector<Hexahedron> hexahedra, Index vertex_count,
                          std::vector<Split>* pinched, const Naming& naming) {
   check_size(hexahedra.size());
   std::vector<MapFault> faults;
-  mates_ = match_faces(hexahedra, vertex_count, faults);
+  links_ = match_faces(hexahedra, vertex_count, faults);
   if (!faults.empty()) throw TopologyError(describe(faults, naming));
   vertices_ = std::move(hexahedra);
-  marks_.assign((vertices_.size() + 63) / 64, 0);
+  element_marks_.assign(vertices_.size() / 64 + 1, 0);
+  cell_marks_.assign(vertex_count / 64 + 1, 0);
   split_pinched_vertices(vertex_count, pinched);
 }
 
-/// Floods the elements around each vertex from its smallest one. A corner that is
-/// left over belongs to another component, which becomes a vertex of its own.
+template <int Dimension>
+void CellComplex::collect_star(Dart start, std::vector<Dart>& out) const {
+  constexpr std::size_t searched = 64;  // below, linear search is fastest
+  std::unordered_set<Place> seen;
+  std::vector<Place>& places = out;
+  const auto is_new = [&](Place place) {
+    if (places.size() < searched) return std::ranges::find(places, place) == places.end();
+    if (seen.empty()) seen.insert(places.begin(), places.end());
+    return seen.insert(place).second;
+  };
+  places.assign(1, place_of<Dimension>(start));
+  for (std::size_t next = 0; next < places.size(); ++next) {
+    const Place here = places[next];
+    for (const Exit exit : exits<Dimension>[here & 15]) {
+      const Link link = links_[6 * (here >> 4) + exit.face];
+      if (link == none) continue;
+      const Place there = link >> 5 << 4 | across<Dimension>[link & 31][exit.position];
+      if (is_new(there)) places.push_back(there);
+    }
+  }
+  std::ranges::sort(places);
+  std::ranges::transform(places, out.begin(), dart_at<Dimension>);
+}
+
+/// A corner none of whose neighbours around the vertex belongs to an earlier element
+/// is the first of its component, or at least a local one. A vertex with a single
+/// such corner is whole; only the others are flooded.
 void CellComplex::split_pinched_vertices(Index vertex_count, std::vector<Split>* pinched) {
-  using namespace incidence;
-  std::vector<Dart>& some_dart = some_dart_[0];
-  some_dart.reserve(room_for(vertex_count));
-  some_dart.assign(vertex_count, none);
-  std::vector<std::uint8_t> reached(vertices_.size(), 0);  // one bit per corner
-  std::vector<Dart> queue;
+  some_dart_[0].reserve(room_for(vertex_count));
+  some_dart_[0].assign(vertex_count, none);
+  std::vector<Dart> further;
   for (Index e = 0; e < vertices_.size(); ++e) {
-    if (reached[e] == 0xFF) continue;
+    unsigned earlier = 0;  // bit f: the neighbour across face f
+    for (unsigned f = 0; f < 6; ++f) earlier |= unsigned{links_[6 * e + f] < link_of(e, 0)} << f;
     for (int i = 0; i < 8; ++i) {
-      if (reached[e] >> i & 1) continue;
-      Index vertex = vertices_[e][i];
-      const Dart start = 24 * e + hexahedron::vertex_darts[i][0];
-      if (some_dart[vertex] != none) {
-        const auto fresh = static_cast<Index>(some_dart.size());
-        if (pinched) pinched->push_back({vertex, fresh});
-        some_dart.push_back(none);
-        vertex = fresh;
-      }
-      some_dart[vertex] = start;
-      queue.assign(1, start);
-      reached[e] |= static_cast<std::uint8_t>(1 << i);
-      for (std::size_t next = 0; next < queue.size(); ++next) {
-        const Dart base = queue[next] - queue[next] % 24;
-        const int corner = hexahedron::dart_vertex[queue[next] % 24];
-        vertices_[base / 24][corner] = vertex;
-        for (const auto exit : hexahedron::vertex_darts[corner]) {
-          const Dart mate = beta3(base + exit);
-          if (mate == none) continue;
-          const Dart there = landing<0>(mate);
-          const auto bit = static_cast<std::uint8_t>(1 << hexahedron::dart_vertex[there % 24]);
-          if (reached[there / 24] & bit) continue;
-          reached[there / 24] |= bit;
-          queue.push_back(there);
-        }
-      }
+      if (earlier & corner_faces[i]) continue;
+      Dart& first = some_dart_[0][vertices_[e][i]];
+      const Dart here = 24 * e + hexahedron::vertex_darts[i][0];
+      if (first == none)
+        first = here;
+      else
+        further.push_back(here);
     }
   }
   for (Index v = 0; v < vertex_count; ++v)
-    if (some_dart[v] == none)
+    if (some_dart_[0][v] == none)
       throw TopologyError("vertex " + std::to_string(v) + " belongs to no element");
+  std::ranges::sort(further, {}, [&](Dart d) { return std::pair(origin(d), d); });
+  std::vector<Dart> star;
+  Index flooded = none;  // the vertex whose first component is in star
+  for (const Dart d : further) {
+    const Index vertex = origin(d);
+    if (vertex >= vertex_count) continue;  // split off already
+    if (vertex != flooded) collect_star<0>(some_dart_[0][vertex], star);
+    flooded = vertex;
+    if (std::ranges::binary_search(star, d)) continue;
+    std::vector<Dart> component;
+    collect_star<0>(d, component);
+    const Index fresh = count(0);
+    some_dart_[0].push_back(component[0]);
+    for (const Dart c : component) vertices_[c / 24][hexahedron::dart_vertex[c % 24]] = fresh;
+    if (pinched) pinched->push_back({vertex, fresh});
+  }
 }
 
 /// An edge's elements form a path or a cycle: walks it from its smallest dart one
@@ -91,36 +119,45 @@ void CellComplex::require_edges() {
   std::array<Index, 12> unknown;
   unknown.fill(none);
   edges_.assign(vertices_.size(), unknown);
-  std::vector<Dart>& some_dart = some_dart_[1];
-  some_dart.reserve(room_for(3 * vertices_.size()));
+  some_dart_[1].reserve(room_for(3 * vertices_.size()));
   for (Index e = 0; e < vertices_.size(); ++e)
-    for (int i = 0; i < 12; ++i) {
+    for (unsigned i = 0; i < 12; ++i) {
       if (edges_[e][i] != none) continue;
-      const auto id = static_cast<Index>(some_dart.size());
-      some_dart.push_back(24 * e + hexahedron::edge_darts[i][0]);
+      const Index id = count(1);
+      some_dart_[1].push_back(dart_at<1>(e << 4 | i));
       edges_[e][i] = id;
-      for (const auto way : hexahedron::edge_darts[i]) {
-        Dart mate = beta3(24 * e + way);
-        for (; mate != none && edge(mate) == none; mate = beta3(beta2(mate)))
-          edges_[mate / 24][hexahedron::dart_edge[mate % 24]] = id;
-        if (mate != none) break;  // back at the start: a cycle
-      }
+      for (const Exit way : exits<1>[i])
+        if (number_edge(e, way, id)) break;
     }
+  cell_marks_.resize(std::max(cell_marks_.size(), some_dart_[1].size() / 64 + 1));
+}
+
+/// Numbers an edge in the elements behind an exit of e; true if that leads round to e.
+bool CellComplex::number_edge(Index e, Exit way, Index id) {
+  for (;;) {
+    const Link link = links_[6 * e + way.face];
+    if (link == none) return false;
+    e = link >> 5;
+    const int edge = across<1>[link & 31][way.position];
+    if (edges_[e][edge] == id) return true;
+    edges_[e][edge] = id;
+    const auto [one, other] = exits<1>[edge];
+    way = one.face == (link & 31) / 4 ? other : one;  // in through one face, out through the other
+  }
 }
 
 void CellComplex::require_faces() {
   if (has_faces()) return;
   faces_.resize(vertices_.size());
-  std::vector<Dart>& some_dart = some_dart_[2];
-  some_dart.reserve(room_for(3 * vertices_.size()));
+  some_dart_[2].reserve(room_for(3 * vertices_.size()));
   for (Index e = 0; e < vertices_.size(); ++e)
     for (int f = 0; f < 6; ++f) {
-      const Dart mate = mates_[6 * e + f];
-      if (mate != none && mate / 4 < 6 * e + f) {
-        faces_[e][f] = face(mate);
+      const Link link = links_[6 * e + f];
+      if (link < link_of(e, 4 * f)) {
+        faces_[e][f] = faces_[link >> 5][(link & 31) / 4];
       } else {
-        faces_[e][f] = static_cast<Index>(some_dart.size());
-        some_dart.push_back(24 * e + 4 * f);
+        faces_[e][f] = count(2);
+        some_dart_[2].push_back(24 * e + 4 * f);
       }
     }
 }
@@ -144,29 +181,6 @@ Index CellComplex::cell(int dimension, Dart d) const {
     default:
       return d / 24;
   }
-}
-
-template <int Dimension>
-void CellComplex::collect_star(Dart start, std::vector<Dart>& out) const {
-  using namespace incidence;
-  constexpr std::size_t searched = 64;  // linear search is fastest below
-  std::unordered_set<Dart> seen;
-  const auto is_new = [&](Dart d) {
-    if (out.size() < searched) return std::ranges::find(out, d) == out.end();
-    if (seen.empty()) seen.insert(out.begin(), out.end());
-    return seen.insert(d).second;
-  };
-  out.assign(1, canonical<Dimension>(start));
-  for (std::size_t next = 0; next < out.size(); ++next) {
-    const Dart local = out[next] % 24, base = out[next] - local;
-    for (const auto exit : exits<Dimension>(local_cell<Dimension>(static_cast<int>(local)))) {
-      const Dart mate = beta3(base + exit);
-      if (mate == none) continue;
-      const Dart there = canonical<Dimension>(landing<Dimension>(mate));
-      if (is_new(there)) out.push_back(there);
-    }
-  }
-  std::ranges::sort(out);
 }
 
 void CellComplex::star(int dimension, Index id, std::vector<Dart>& out) const {

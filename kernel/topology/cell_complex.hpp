@@ -8,6 +8,7 @@
 #include "kernel/base/types.hpp"
 #include "kernel/topology/face_matching.hpp"
 #include "kernel/topology/hexahedron_tables.hpp"
+#include "kernel/topology/incidence.hpp"
 
 namespace suture {
 
@@ -27,12 +28,6 @@ struct Stars {
   std::vector<Index> offsets{0};
   std::vector<Dart> darts;
 
-  /// Appends a cell with these darts.
-  void append(Index cell, std::span<const Dart> star) {
-    cells.push_back(cell);
-    darts.insert(darts.end(), star.begin(), star.end());
-    offsets.push_back(static_cast<Index>(darts.size()));
-  }
   std::size_t size() const { return cells.size(); }
   std::span<const Dart> operator[](std::size_t i) const {
     return std::span(darts).subspan(offsets[i], offsets[i + 1] - offsets[i]);
@@ -59,8 +54,8 @@ struct TopologyChange {
 /// share that cell.
 ///
 /// Memory per hexahedron: 24 B beta3, 32 B vertex ids, 48 B edge ids, 24 B face
-/// ids, one bit; per vertex, edge and face one dart (4 B). A large grid (1 vertex, 3 edges
-/// and 3 faces per element) takes 156 B per hexahedron, 60 B without edges and faces.
+/// ids, half a byte of marks; per vertex, edge and face one dart (4 B). A large grid (1 vertex, 3
+/// edges and 3 faces per element) takes 156 B per hexahedron, 60 B without edges and faces.
 class CellComplex {
  public:
   CellComplex() = default;
@@ -101,13 +96,13 @@ class CellComplex {
   static constexpr Dart beta2(Dart d) { return d - d % 24 + hexahedron::beta2[d % 24]; }
   /// `none` on the boundary. O(1).
   Dart beta3(Dart d) const {
-    const Dart first = mates_[d / 4];
-    return first == none ? none : (first & ~3u) | ((first - d) & 3u);
+    const incidence::Link first = links_[d / 4];
+    return first == none ? none : (incidence::dart_of(first) & ~3u) | ((first - d) & 3u);
   }
   /// Element on the other side of face f of element e, or `none`.
   Index neighbour(Index e, int f) const {
-    const Dart first = mates_[6 * e + f];
-    return first == none ? none : first / 24;
+    const incidence::Link first = links_[6 * e + f];
+    return first == none ? none : first >> 5;
   }
 
   /// Vertex where the dart starts.
@@ -128,10 +123,10 @@ class CellComplex {
 
   /// 3-unsews all given faces (any dart of each; both sides and repetitions
   /// allowed) in one batch. Throws TopologyError if !can_cut() for one of them, and
-  /// then nothing has happened. New ids do not depend on the order of `faces`:
-  /// vertices and edges are numbered in order of (old cell, smallest element of the
-  /// component), faces in order of their smallest dart; the component of the
-  /// smallest element keeps the old id. O(faces cut), whatever the size of the map.
+  /// then nothing has happened. The component of the smallest element keeps the old
+  /// id. New ids do not depend on the order of `faces`: they follow the cut faces by
+  /// smallest dart, within a face its darts, and around a cell the smallest elements.
+  /// O(faces cut), whatever the size of the map.
   TopologyChange cut(std::span<const Dart> faces);
   /// True if the dart exists and its face separates two elements.
   bool can_cut(Dart face) const { return face / 24 < element_count() && beta3(face) != none; }
@@ -146,28 +141,30 @@ class CellComplex {
  private:
   friend struct CellComplexAccess;  // tests corrupt a map through it
 
-  /// The stored id of the vertex (dimension 0) or edge (1) of a dart.
-  template <int Dimension>
-  Index& label(Dart d);
   template <int Dimension>
   void collect_star(Dart start, std::vector<Dart>& out) const;
   void split_pinched_vertices(Index vertex_count, std::vector<Split>* pinched);
+  bool number_edge(Index e, incidence::Exit way, Index id);
 
   // cut.cpp
-  struct CutFace;
-  std::vector<CutFace> unlink(std::span<const Dart> faces);
+  struct StarFlood;
+  /// The stored id of a vertex (dimension 0) or edge (1) at a place of incidence.hpp.
   template <int Dimension>
-  void split_cells(std::span<const CutFace> cut_faces, TopologyChange& change);
-  void split_faces(std::span<const CutFace> cut_faces, TopologyChange& change);
-  std::vector<Index> elements_of(std::span<const CutFace> cut_faces,
-                                 const std::array<Stars, 3>& stars);
+  Index& label(std::uint32_t place);
+  std::vector<Dart> mark_leaving(std::span<const Dart> faces);
+  template <int Dimension>
+  void split_cells(std::span<const Dart> cut_faces, TopologyChange& change);
+  template <int Dimension>
+  void flood_star(std::uint32_t start, Index cell, StarFlood& flood);
+  void split_faces(std::span<const Dart> cut_faces, TopologyChange& change);
 
   std::vector<Hexahedron> vertices_;
   std::vector<std::array<Index, 12>> edges_;
   std::vector<std::array<Index, 6>> faces_;
-  std::vector<Dart> mates_;  ///< 6 e + f: beta3 of the first dart of the face, or none
+  std::vector<incidence::Link> links_;  ///< 6 e + f: beta3 of the face's first dart, or none
   std::array<std::vector<Dart>, 3> some_dart_;
-  std::vector<std::uint64_t> marks_;  ///< one bit per element, all 0 between operations
+  // One bit per cell of any dimension below 3, one per element; 0 between operations.
+  std::vector<std::uint64_t> cell_marks_, element_marks_;
 };
 
 }  // namespace suture

@@ -8,54 +8,111 @@
 
 namespace suture {
 
-/// A face as it was before the cut: a is its smallest dart, b = beta3(a).
-struct CellComplex::CutFace {
-  Dart a, b;
+namespace {
 
-  /// Dart k of side a, or the dart of the same vertex or edge on side b.
-  template <int Dimension>
-  Dart side(int which, Dart k) const {
-    return which == 0 ? a + k : incidence::landing<Dimension>((b & ~3u) | ((b - k) & 3u));
+using namespace incidence;
+
+/// In a link during a cut: it goes.
+constexpr Link leaving = 0x80000000u;
+
+/// Sets the bit of cell i; true if it was not set.
+bool mark(std::vector<std::uint64_t>& marks, Index i) {
+  std::uint64_t& word = marks[i / 64];
+  const std::uint64_t bit = std::uint64_t{1} << (i % 64);
+  const bool fresh = !(word & bit);
+  word |= bit;
+  return fresh;
+}
+
+void unmark(std::vector<std::uint64_t>& marks, const std::vector<Index>& marked) {
+  for (const Index i : marked) marks[i / 64] = 0;
+}
+
+/// Room for what a cut through regular elements reports; only touched pages take memory.
+void reserve(TopologyChange& change, int dimension, std::size_t faces) {
+  const std::size_t cells = dimension == 1 ? 5 : 3, darts = dimension == 2 ? 2 : 9;
+  change.splits[dimension].reserve(cells * faces / 2 + 8);
+  change.stars[dimension].cells.reserve(cells * faces + 16);
+  change.stars[dimension].offsets.reserve(cells * faces + 17);
+  change.stars[dimension].darts.reserve(darts * faces + 64);
+}
+
+void insertion_sort(Place* begin, Place* end) {
+  for (Place* i = begin + 1; i < end; ++i) {
+    const Place value = *i;
+    Place* to = i;
+    for (; to > begin && to[-1] > value; --to) *to = to[-1];
+    *to = value;
+  }
+}
+
+}  // namespace
+
+/// The elements around one cell, in components.
+struct CellComplex::StarFlood {
+  struct Component {
+    std::uint32_t begin, end;  ///< in places
+  };
+  std::vector<Place> places;
+  std::vector<Component> components;
+  std::vector<Place> beyond;  ///< across links that leave
+
+  /// Components in order of their smallest elements, each ascending.
+  void sort() {
+    for (const Component& c : components) {
+      Place* const first = places.data() + c.begin;
+      if (c.end - c.begin < 24)
+        insertion_sort(first, places.data() + c.end);
+      else
+        std::sort(first, places.data() + c.end);
+    }
+    const auto smallest = [&](const Component& c) { return places[c.begin]; };
+    if (components.size() == 2) {
+      if (smallest(components[1]) < smallest(components[0]))
+        std::swap(components[0], components[1]);
+    } else {
+      std::ranges::sort(components, {}, smallest);
+    }
   }
 };
 
 template <>
-inline Index& CellComplex::label<0>(Dart d) {
-  return vertices_[d / 24][hexahedron::dart_vertex[d % 24]];
+inline Index& CellComplex::label<0>(Place place) {
+  return vertices_[place >> 4][place & 15];
 }
 template <>
-inline Index& CellComplex::label<1>(Dart d) {
-  return edges_[d / 24][hexahedron::dart_edge[d % 24]];
+inline Index& CellComplex::label<1>(Place place) {
+  return edges_[place >> 4][place & 15];
 }
 
 /*        before                            after
  *
- *    v-------w-------v'              v-------w1    w2-------v'
- *    |   e   F   g   |               |   e   |F   G|   g    |
- *    |       |       |      cut F    |       |     |        |
- *    |- - - -w'- - - |   -------->   |- - - -w' - - - - - - |
- *    |       |       |               |       |              |
- *    +-------+-------+               +-------+--------------+
+ *    v-------w-------v'              v-------w     w'-------v'
+ *    |   e   F   g   |               |   e   F     G   g    |
+ *    |       |       |               |        \   /         |
+ *    |- - - -u- - - -|    cut F      |- - - - - u - - - - - |
+ *    |   e'  |   g'  |   -------->   |   e'     |     g'    |
+ *    +-------+-------+               +----------+-----------+
  *
  *   beta3 joins F and G              beta3(F) = beta3(G) = none
  *
- * w splits: without F the elements around it form two components. w' does not: they
- * still hang together below. Only the elements around the cut's own vertices and
- * edges are looked at.
+ * w splits: without F the elements around it form two components. u does not: its
+ * elements still hang together below. Only elements around the vertices and edges of
+ * the cut faces are looked at.
  */
 TopologyChange CellComplex::cut(std::span<const Dart> faces) {
-  const std::vector<CutFace> cut_faces = unlink(faces);
+  const std::vector<Dart> cut_faces = mark_leaving(faces);
   TopologyChange change;
   change.faces_cut = static_cast<Index>(cut_faces.size());
   split_cells<0>(cut_faces, change);
   if (has_edges()) split_cells<1>(cut_faces, change);
-  if (has_faces()) split_faces(cut_faces, change);
-  change.elements = elements_of(cut_faces, change.stars);
+  split_faces(cut_faces, change);
   return change;
 }
 
-/// Relinks, and returns each cut face once, in order of their smallest darts.
-std::vector<CellComplex::CutFace> CellComplex::unlink(std::span<const Dart> faces) {
+/// Marks the links that the cut removes; returns the smallest dart of each cut face,
+/// ascending: from here on the order of the request is forgotten.
+std::vector<Dart> CellComplex::mark_leaving(std::span<const Dart> faces) {
   for (const Dart d : faces)
     if (!can_cut(d))
       throw TopologyError(d / 24 < element_count()
@@ -65,125 +122,128 @@ std::vector<CellComplex::CutFace> CellComplex::unlink(std::span<const Dart> face
                                     "be cut"
                               : "dart " + std::to_string(d) + " does not exist: the map has " +
                                     std::to_string(element_count()) + " elements");
-  std::vector<CutFace> result;
+  std::vector<Dart> result;
   result.reserve(faces.size());
   for (const Dart d : faces) {
-    const Dart first = d & ~3u, mate = mates_[d / 4];
-    if (mate == none) continue;  // the same face again
-    const Dart other = mate & ~3u;
-    result.push_back(first < other ? CutFace{first, mate} : CutFace{other, mates_[other / 4]});
-    mates_[first / 4] = mates_[other / 4] = none;
+    const Link link = links_[d / 4];
+    if (link & leaving) continue;  // the same face again
+    const Dart other = incidence::dart_of(link) & ~3u;
+    links_[d / 4] |= leaving;
+    links_[other / 4] |= leaving;
+    result.push_back(std::min(d & ~3u, other));
   }
-  const auto smallest = [](const CutFace& f) { return f.a; };
-  if (!std::ranges::is_sorted(result, {}, smallest)) {
-    std::vector<CutFace> spare;
-    radix_sort(result, spare, smallest);
+  if (!std::ranges::is_sorted(result)) {
+    std::vector<Dart> spare;
+    radix_sort(result, spare, [](Dart d) { return d; });
   }
   return result;
 }
 
 /// Splits the vertices (dimension 0) or edges (1) of the cut faces where their
-/// elements no longer hang together. Every component that the cut has made touches
-/// a cut face, so floods from both sides of those find them all; a flooded
-/// incidence carries the label `none` until its component has got its number.
+/// elements no longer hang together.
 template <int Dimension>
-void CellComplex::split_cells(std::span<const CutFace> cut_faces, TopologyChange& change) {
-  using namespace incidence;
-  struct Corner {
-    Index cell, at;  // at: 4 * cut face + k
-  };
-  std::vector<Corner> corners, spare;
-  corners.reserve(4 * cut_faces.size());
-  for (Index i = 0; i < cut_faces.size(); ++i)
-    for (Dart k = 0; k < 4; ++k)
-      corners.push_back({label<Dimension>(cut_faces[i].a + k), 4 * i + k});
-  radix_sort(corners, spare, [](const Corner& c) { return c.cell; });
-
+void CellComplex::split_cells(std::span<const Dart> cut_faces, TopologyChange& change) {
+  reserve(change, Dimension, cut_faces.size());
   Stars& stars = change.stars[Dimension];
-  std::vector<Dart> flooded;  // of all components of one cell
-  std::vector<std::span<Dart>> components;
-  std::vector<std::size_t> begin;
-  for (auto first = corners.begin(); first != corners.end();) {
-    const Index cell = first->cell;
-    flooded.clear();
-    begin.clear();
-    auto last = first;
-    for (; last != corners.end() && last->cell == cell; ++last)
-      for (const int which : {0, 1}) {
-        const Dart start = cut_faces[last->at / 4].template side<Dimension>(which, last->at % 4);
-        if (label<Dimension>(start) != cell) continue;
-        begin.push_back(flooded.size());
-        label<Dimension>(start) = none;
-        flooded.push_back(canonical<Dimension>(start));
-        for (std::size_t next = begin.back(); next < flooded.size(); ++next) {
-          const Dart local = flooded[next] % 24, base = flooded[next] - local;
-          for (const auto exit : exits<Dimension>(local_cell<Dimension>(static_cast<int>(local)))) {
-            const Dart mate = beta3(base + exit);
-            if (mate == none) continue;
-            const Dart there = landing<Dimension>(mate);
-            if (label<Dimension>(there) != cell) continue;
-            label<Dimension>(there) = none;
-            flooded.push_back(canonical<Dimension>(there));
-          }
+  const Index old_count = count(Dimension);
+  cell_marks_.resize(std::max(cell_marks_.size(), old_count / std::size_t{64} + 1));
+  StarFlood flood;
+  std::vector<Index> touched;
+  touched.reserve(2 * cut_faces.size() + 16);
+  for (const Dart face : cut_faces)
+    for (Dart d = face; d < face + 4; ++d) {
+      const Place start = place_of<Dimension>(d);
+      const Index cell = label<Dimension>(start);
+      if (cell >= old_count || !mark(cell_marks_, cell)) continue;  // done at another face
+      touched.push_back(cell);
+      flood_star<Dimension>(start, cell, flood);
+      if (flood.components.size() == 1) {
+        for (const Place place : flood.places) label<Dimension>(place) = cell;
+        continue;
+      }
+      flood.sort();
+      Index id = cell;
+      for (const StarFlood::Component& component : flood.components) {
+        if (id != cell) {
+          some_dart_[Dimension].push_back(dart_at<Dimension>(flood.places[component.begin]));
+          change.splits[Dimension].push_back({cell, id});
+        }
+        stars.cells.push_back(id);
+        for (std::uint32_t i = component.begin; i < component.end; ++i) {
+          const Place place = flood.places[i];
+          label<Dimension>(place) = id;
+          stars.darts.push_back(dart_at<Dimension>(place));
+          if (mark(element_marks_, place >> 4)) change.elements.push_back(place >> 4);
+        }
+        stars.offsets.push_back(static_cast<Index>(stars.darts.size()));
+        id = count(Dimension);
+      }
+    }
+  unmark(cell_marks_, touched);
+}
+
+/// Finds all elements around the cell as it was before the cut, through links that
+/// stay as one component, across links that leave into further ones. What has been
+/// reached carries the label `none`.
+template <int Dimension>
+void CellComplex::flood_star(Place start, Index cell, StarFlood& flood) {
+  flood.places.clear();
+  flood.components.clear();
+  flood.beyond.clear();
+  flood.beyond.push_back(start);
+  std::uint32_t next = 0;
+  while (!flood.beyond.empty()) {
+    const Place first = flood.beyond.back();
+    flood.beyond.pop_back();
+    if (label<Dimension>(first) != cell) continue;
+    label<Dimension>(first) = none;
+    flood.places.push_back(first);
+    const std::uint32_t begin = next;
+    for (; next < flood.places.size(); ++next) {
+      const Place here = flood.places[next];
+      const Link* const links = links_.data() + std::size_t{6} * (here >> 4);
+      for (const Exit exit : exits<Dimension>[here & 15]) {
+        const Link link = links[exit.face];
+        if (link == none) continue;
+        const Place there =
+            (link & ~leaving) >> 5 << 4 | across<Dimension>[link & 31][exit.position];
+        if (label<Dimension>(there) != cell) continue;
+        if (link & leaving) {
+          flood.beyond.push_back(there);
+        } else {
+          label<Dimension>(there) = none;
+          flood.places.push_back(there);
         }
       }
-    first = last;
-    if (begin.size() == 1) {
-      for (const Dart d : flooded) label<Dimension>(d) = cell;
-      continue;
     }
-    components.clear();
-    begin.push_back(flooded.size());
-    for (std::size_t c = 0; c + 1 < begin.size(); ++c) {
-      components.emplace_back(flooded.data() + begin[c], flooded.data() + begin[c + 1]);
-      std::ranges::sort(components.back());
-    }
-    std::ranges::sort(components, {}, [](std::span<Dart> s) { return s[0]; });
-    for (const std::span<Dart> component : components) {
-      Index id = cell;
-      if (component.data() != components[0].data()) {
-        id = static_cast<Index>(some_dart_[Dimension].size());
-        some_dart_[Dimension].push_back(component[0]);
-        change.splits[Dimension].push_back({cell, id});
-      }
-      for (const Dart d : component) label<Dimension>(d) = id;
-      stars.append(id, component);
-    }
+    flood.components.push_back({begin, next});
   }
 }
 
-/// A cut face becomes two faces; that of the smallest dart keeps the number.
-void CellComplex::split_faces(std::span<const CutFace> cut_faces, TopologyChange& change) {
-  for (const CutFace& f : cut_faces) {
-    const Dart second = f.b & ~3u;
-    const Index old_id = face(f.a), new_id = static_cast<Index>(some_dart_[2].size());
+/// Unlinks. A cut face becomes two faces; that of the smallest dart keeps the number.
+void CellComplex::split_faces(std::span<const Dart> cut_faces, TopologyChange& change) {
+  if (has_faces()) reserve(change, 2, cut_faces.size());
+  for (const Dart first : cut_faces) {
+    const Link link = links_[first / 4] & ~(leaving | 3u);
+    const Dart second = incidence::dart_of(link);
+    links_[first / 4] = links_[second / 4] = none;
+    for (const Index e : {first / 24, link >> 5})
+      if (mark(element_marks_, e)) change.elements.push_back(e);
+    if (!has_faces()) continue;
+    const Index old_id = face(first), new_id = count(2);
     some_dart_[2].push_back(second);
-    faces_[second / 24][second % 24 / 4] = new_id;
+    faces_[link >> 5][(link & 31) / 4] = new_id;
     change.splits[2].push_back({old_id, new_id});
-    change.stars[2].append(old_id, {&f.a, 1});
-    change.stars[2].append(new_id, {&second, 1});
+    Stars& stars = change.stars[2];
+    for (const auto [id, dart] : {std::pair{old_id, first}, std::pair{new_id, second}}) {
+      stars.cells.push_back(id);
+      stars.darts.push_back(dart);
+      stars.offsets.push_back(static_cast<Index>(stars.darts.size()));
+    }
   }
-}
-
-std::vector<Index> CellComplex::elements_of(std::span<const CutFace> cut_faces,
-                                            const std::array<Stars, 3>& stars) {
-  std::vector<Index> elements, spare;
-  const auto add = [&](Index e) {
-    std::uint64_t& word = marks_[e / 64];
-    const std::uint64_t bit = std::uint64_t{1} << (e % 64);
-    if (word & bit) return;
-    word |= bit;
-    elements.push_back(e);
-  };
-  for (const CutFace& f : cut_faces) {
-    add(f.a / 24);
-    add(f.b / 24);
-  }
-  for (const Stars& s : stars)
-    for (const Dart d : s.darts) add(d / 24);
-  for (const Index e : elements) marks_[e / 64] = 0;
-  radix_sort(elements, spare, [](Index e) { return e; });
-  return elements;
+  unmark(element_marks_, change.elements);
+  std::vector<Index> spare;
+  radix_sort(change.elements, spare, [](Index e) { return e; });
 }
 
 }  // namespace suture

@@ -8,6 +8,8 @@
 namespace suture {
 namespace {
 
+using incidence::Link;
+using incidence::link_of;
 using Kind = MapFault::Kind;
 
 /// True if all indices exist and differ; else the first fault is appended.
@@ -30,87 +32,91 @@ bool check_vertices(Index e, const Hexahedron& h, Index vertex_count,
   return false;
 }
 
-/// Vertices of a face from its largest on, in the order of its darts.
+/// The vertices of a face from one of its darts on, in the order of the darts.
 struct TurnedFace {
-  int first;                ///< position of the largest vertex
-  Index v, a, opposite, b;  ///< v is the largest
+  Index first, second, opposite, last;
 };
 
-TurnedFace turn(const Hexahedron& h, int f) {
-  using hexahedron::dart_vertex;
-  const Index n[4] = {h[dart_vertex[4 * f]], h[dart_vertex[4 * f + 1]], h[dart_vertex[4 * f + 2]],
-                      h[dart_vertex[4 * f + 3]]};
-  const int p = n[1] > n[0] ? 1 : 0, q = n[3] > n[2] ? 3 : 2;
-  const int k = n[q] > n[p] ? q : p;
-  return {k, n[k], n[(k + 1) & 3], n[(k + 2) & 3], n[(k + 3) & 3]};
+TurnedFace turned(const Hexahedron& h, unsigned dart) {
+  const auto vertex = [&](unsigned steps) {
+    return h[hexahedron::dart_vertex[(dart & ~3u) | ((dart + steps) & 3u)]];
+  };
+  return {vertex(0), vertex(1), vertex(2), vertex(3)};
+}
+
+/// The local dart of face f that starts at the largest vertex.
+unsigned largest_first(const Hexahedron& h, unsigned f) {
+  const TurnedFace n = turned(h, 4 * f);
+  const unsigned low = n.second > n.first, high = 2 + (n.last > n.opposite);
+  return 4 * f + (std::max(n.opposite, n.last) > std::max(n.first, n.second) ? high : low);
 }
 
 class Matcher {
  public:
   Matcher(std::span<const Hexahedron> hexahedra, Index vertex_count, std::vector<MapFault>& faults)
-      : hexahedra_(hexahedra), faults_(faults), head_(vertex_count, none) {
-    mates_.assign(hexahedra.size() * 6, none);
+      : hexahedra_(hexahedra), faults_(faults), newest_(vertex_count, none) {
+    links_.assign(hexahedra.size() * 6, none);
     seen_.reserve(hexahedra.size() * 3 + hexahedra.size() / 4 + 64);
   }
 
-  /// Mates the face with one seen before, or files it.
-  void add(Index e, int f) {
-    const TurnedFace face = turn(hexahedra_[e], f);
-    const Dart dart = 24 * e + 4 * f + face.first;
-    const Index sum = face.a + face.opposite + face.b;
-    for (Index i = head_[face.v]; i != none; i = seen_[i].next) {
-      if (seen_[i].sum != sum) continue;
-      if (meet(seen_[i].dart, dart, face)) return;
-    }
-    seen_.push_back({dart, sum, head_[face.v]});
-    head_[face.v] = static_cast<Index>(seen_.size() - 1);
+  /// Links the face with one seen before, or files it.
+  void add(Index e, unsigned f) {
+    const unsigned dart = largest_first(hexahedra_[e], f);
+    const TurnedFace face = turned(hexahedra_[e], dart);
+    const Index sum = face.second + face.opposite + face.last;
+    Index& newest = newest_[face.first];
+    for (Index i = newest; i != none; i = seen_[i].next)
+      if (seen_[i].sum == sum && meet(seen_[i].link, link_of(e, dart), face)) return;
+    seen_.push_back({link_of(e, dart), sum, newest});
+    newest = static_cast<Index>(seen_.size() - 1);
   }
 
-  std::vector<Dart> take() { return std::move(mates_); }
+  std::vector<Link> take() { return std::move(links_); }
 
  private:
   struct Seen {
-    Dart dart;   ///< that starts at the largest vertex
+    Link link;   ///< the dart that starts at the largest vertex
     Index sum;   ///< of the other three vertices: tells most different faces apart
     Index next;  ///< in the list of the same largest vertex
   };
 
-  /// True if `earlier` and `dart` belong to the same face; mates them or says why not.
-  bool meet(Dart earlier, Dart dart, const TurnedFace& face) {
-    const TurnedFace other = turn(hexahedra_[earlier / 24], static_cast<int>(earlier / 4 % 6));
-    if (other.opposite == face.opposite && other.a == face.b && other.b == face.a) {
-      if (mates_[earlier / 4] != none) {
-        fault(Kind::third_element, {earlier / 24, mates_[earlier / 4] / 24, dart / 24}, face);
+  /// True if both are the same face; links them or says why not.
+  bool meet(Link earlier, Link here, const TurnedFace& face) {
+    const TurnedFace other = turned(hexahedra_[earlier >> 5], earlier & 31);
+    if (other.opposite == face.opposite && other.second == face.last && other.last == face.second) {
+      Link& there = links_of(earlier);
+      if (there != none) {
+        fault(Kind::third_element, {earlier >> 5, there >> 5, here >> 5}, face);
         return true;
       }
-      // The edge that starts at the largest vertex here ends at it there:
-      // beta3(dart + k) = earlier - 1 - k around the face.
-      mates_[earlier / 4] = rotated(dart, 3 + earlier);
-      mates_[dart / 4] = rotated(earlier, 3 + dart);
+      // The edge that starts at the largest vertex here ends at it there, and the
+      // other side runs backwards: beta3(dart k) = dart p + q - 1 - k there, where p
+      // and q are the positions of the largest vertex.
+      there = (here & ~3u) | ((here + earlier + 3) & 3u);
+      links_of(here) = (earlier & ~3u) | ((here + earlier + 3) & 3u);
       return true;
     }
-    std::array<Index, 3> mine{face.a, face.opposite, face.b};
-    std::array<Index, 3> theirs{other.a, other.opposite, other.b};
+    std::array<Index, 3> mine{face.second, face.opposite, face.last};
+    std::array<Index, 3> theirs{other.second, other.opposite, other.last};
     std::ranges::sort(mine);
     std::ranges::sort(theirs);
     if (mine != theirs) return false;
     fault(other.opposite == face.opposite ? Kind::same_side : Kind::not_cyclic,
-          {earlier / 24, dart / 24, none}, face);
+          {earlier >> 5, here >> 5, none}, face);
     return true;
   }
 
-  /// The dart `steps` further around the face of `dart`.
-  static Dart rotated(Dart dart, Dart steps) { return (dart & ~3u) | ((dart + steps) & 3u); }
+  Link& links_of(Link dart) { return links_[std::size_t{6} * (dart >> 5) + (dart & 31) / 4]; }
 
   void fault(Kind kind, std::array<Index, 3> elements, const TurnedFace& face) {
-    faults_.push_back({kind, elements, {face.v, face.a, face.opposite, face.b}});
+    faults_.push_back({kind, elements, {face.first, face.second, face.opposite, face.last}});
   }
 
   std::span<const Hexahedron> hexahedra_;
   std::vector<MapFault>& faults_;
-  std::vector<Index> head_;  ///< per largest vertex: last of its faces in seen_
+  std::vector<Index> newest_;  ///< per largest vertex: the last of its faces in seen_
   std::vector<Seen> seen_;
-  std::vector<Dart> mates_;
+  std::vector<Link> links_;
 };
 
 std::string sentence(const MapFault& fault, const Naming& naming) {
@@ -151,12 +157,12 @@ const char* headline(Kind kind) {
 
 }  // namespace
 
-std::vector<Dart> match_faces(std::span<const Hexahedron> hexahedra, Index vertex_count,
+std::vector<Link> match_faces(std::span<const Hexahedron> hexahedra, Index vertex_count,
                               std::vector<MapFault>& faults) {
   Matcher matcher(hexahedra, vertex_count, faults);
   for (Index e = 0; e < hexahedra.size(); ++e) {
     if (!check_vertices(e, hexahedra[e], vertex_count, faults)) continue;
-    for (int f = 0; f < 6; ++f) matcher.add(e, f);
+    for (unsigned f = 0; f < 6; ++f) matcher.add(e, f);
   }
   return matcher.take();
 }

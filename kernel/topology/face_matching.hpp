@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "kernel/base/types.hpp"
+#include "kernel/topology/incidence.hpp"
 
 namespace suture {
 
@@ -39,8 +39,8 @@ struct MapFault {
 /// where vertices are numbered by first touch that is the newest one, so lists are
 /// short even around an axis of thousands of elements, and near in memory.
 /// Temporary memory 12 B per face and 4 B per vertex.
-std::vector<Dart> match_faces(std::span<const Hexahedron> hexahedra, Index vertex_count,
-                              std::vector<MapFault>& faults);
+std::vector<incidence::Link> match_faces(std::span<const Hexahedron> hexahedra, Index vertex_count,
+                                         std::vector<MapFault>& faults);
 
 /// All faults, grouped by kind, as text: counts, then at most 20 of each kind.
 std::string describe(std::span<const MapFault> faults, const Naming& naming);

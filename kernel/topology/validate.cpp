@@ -78,7 +78,7 @@ void check_orbits(const CellComplex& map) {
     for (const Dart d : star) reached[d] = true;
   }
   for (Dart d = 0; d < 24 * map.element_count(); ++d)
-    if (canonical<Dimension>(d) == d && !reached[d])
+    if (dart_at<Dimension>(place_of<Dimension>(d)) == d && !reached[d])
       broken("one " + name + " per id", d,
              "id " + std::to_string(map.cell(Dimension, d)) + " belongs to another orbit");
 }
@@ -97,10 +97,11 @@ void CellComplex::validate() const {
     check_labels(*this, 2);
     check_orbits<2>(*this);
   }
-  for (std::size_t i = 0; i < marks_.size(); ++i)
-    if (marks_[i] != 0)
-      broken("no element is marked between operations", static_cast<Dart>(24 * 64 * i),
-             "one of the 64 elements from here on is");
+  for (const auto* marks : {&cell_marks_, &element_marks_})
+    for (std::size_t i = 0; i < marks->size(); ++i)
+      if ((*marks)[i] != 0)
+        broken("nothing is marked between operations", 0,
+               "one of the cells from " + std::to_string(64 * i) + " on is");
 }
 
 }  // namespace suture

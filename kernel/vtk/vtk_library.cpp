@@ -17,9 +17,8 @@ thread_local VtkMessages* current_messages = nullptr;
 class MessageWindow : public vtkOutputWindow {
  public:
   static MessageWindow* New();
-  vtkTypeMacro(MessageWindow, vtkOutputWindow) void DisplayText(const char* text) override {
-    VtkMessages::add(text);
-  }
+  vtkTypeMacro(MessageWindow, vtkOutputWindow)
+  void DisplayText(const char* text) override { VtkMessages::add(text); }
   void DisplayErrorText(const char* text) override { VtkMessages::add(text); }
   void DisplayWarningText(const char* text) override { VtkMessages::add(text); }
   void DisplayGenericWarningText(const char* text) override { VtkMessages::add(text); }
@@ -27,7 +26,7 @@ class MessageWindow : public vtkOutputWindow {
 };
 vtkStandardNewMacro(MessageWindow)
 
-    class Library final : public VtkModule {
+class Library final : public VtkModule {
  public:
   Library() {
     const vtkNew<MessageWindow> window;

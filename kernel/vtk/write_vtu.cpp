@@ -70,9 +70,8 @@ class RecordingBuffer : public std::filebuf {
 class StreamWriter : public vtkXMLUnstructuredGridWriter {
  public:
   static StreamWriter* New();
-  vtkTypeMacro(StreamWriter, vtkXMLUnstructuredGridWriter) void SetStream(std::ostream* stream) {
-    stream_ = stream;
-  }
+  vtkTypeMacro(StreamWriter, vtkXMLUnstructuredGridWriter)
+  void SetStream(std::ostream* stream) { stream_ = stream; }
 
  protected:
   int StartFile() override {
@@ -86,9 +85,9 @@ class StreamWriter : public vtkXMLUnstructuredGridWriter {
 };
 vtkStandardNewMacro(StreamWriter)
 
-    // `data` stays the caller's: VTK is told to keep its hands off.
-    template <class Array, class T>
-    vtkSmartPointer<Array> borrowed(const T* data, std::size_t tuples, int components) {
+// `data` stays the caller's: VTK is told to keep its hands off.
+template <class Array, class T>
+vtkSmartPointer<Array> borrowed(const T* data, std::size_t tuples, int components) {
   auto array = vtkSmartPointer<Array>::New();
   array->SetNumberOfComponents(components);
   using Value = typename Array::ValueType;

@@ -257,7 +257,7 @@ Body::Body(suture::BoxOptions box, bool distorted) {
   std::uniform_real_distribution<double> shift(-0.1, 0.1);
   const double h = box.size[0] / box.cells[0];
   if (distorted)
-    for (std::size_t i = 0; i < grid.points.size(); i += 23)
+    for (std::size_t i = 0; i < grid.points.size(); i += 29)
       for (double& c : grid.points[i]) c += h * shift(random);
   mesh = suture::import_mesh(std::move(grid), {}, diagnostics);
   attributes = std::make_unique<suture::Attributes>(mesh.complex, mesh.rest);

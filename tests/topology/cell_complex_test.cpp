@@ -122,7 +122,7 @@ TEST(CellComplex, NumbersIslandsBySmallestElement) {
 }
 
 TEST(CellComplex, RefusesWhatIsNoMapAndNamesAllElements) {
-  const auto refuses = [](Mesh mesh, std::initializer_list<const char*> words) {
+  const auto refuses = [](const Mesh& mesh, std::initializer_list<const char*> words) {
     try {
       CellComplex map(mesh.hexahedra, Index(mesh.points.size()));
       ADD_FAILURE() << "accepted";

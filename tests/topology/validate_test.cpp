@@ -8,14 +8,14 @@ namespace suture {
 
 /// Reaches into a map to break it.
 struct CellComplexAccess {
-  static std::vector<Dart>& mates(CellComplex& map) { return map.mates_; }
+  static std::vector<incidence::Link>& links(CellComplex& map) { return map.links_; }
   static std::vector<Hexahedron>& vertices(CellComplex& map) { return map.vertices_; }
   static std::vector<std::array<Index, 12>>& edges(CellComplex& map) { return map.edges_; }
   static std::vector<std::array<Index, 6>>& faces(CellComplex& map) { return map.faces_; }
   static std::vector<Dart>& some_dart(CellComplex& map, int dimension) {
     return map.some_dart_[dimension];
   }
-  static std::vector<std::uint64_t>& marks(CellComplex& map) { return map.marks_; }
+  static std::vector<std::uint64_t>& marks(CellComplex& map) { return map.element_marks_; }
 };
 
 namespace {
@@ -41,23 +41,23 @@ class Validate : public ::testing::Test {
 TEST_F(Validate, AcceptsASoundMap) { EXPECT_NO_THROW(map.validate()); }
 
 TEST_F(Validate, FindsAFaceUnlinkedOnOneSide) {
-  Access::mates(map)[2] = none;  // face x1 of element 0; its mate is x0 of element 1
+  Access::links(map)[2] = none;  // face x1 of element 0; its mate is x0 of element 1
   expect_broken("beta3(beta3(d)) = d", "dart 24 (element 1, face 0, position 0)");
 }
 
 TEST_F(Validate, FindsAFaceGluedToItsOwnElement) {
-  Access::mates(map)[0] = 8;
+  Access::links(map)[0] = 8;
   expect_broken("beta3 joins different elements", "dart 0 (element 0, face 0, position 0)");
 }
 
 TEST_F(Validate, FindsAMateThatDoesNotExist) {
-  Access::mates(map)[0] = 24 * 8;
+  Access::links(map)[0] = incidence::link_of(8, 0);
   expect_broken("beta3 maps to a dart", "dart 0 ");
 }
 
 TEST_F(Validate, FindsATurnedFace) {
-  Dart& one = Access::mates(map)[2];
-  Dart& other = Access::mates(map)[6];
+  incidence::Link& one = Access::links(map)[2];
+  incidence::Link& other = Access::links(map)[6];
   one = (one & ~3u) | ((one + 1) & 3);
   other = (other & ~3u) | ((other + 1) & 3);
   expect_broken("one id per vertex", "dart 8 (element 0, face 2, position 0)");

@@ -265,10 +265,10 @@ RestSums rest_sums(const RestInput* input, uint32_t begin, uint32_t end) {
     const uint64_t at = static_cast<uint64_t>(i) * 4;
     const int bits = static_cast<int>(in.fixed[i]);
     const Row free = {bits & 1 ? 0.0 : 1.0, bits & 2 ? 0.0 : 1.0, bits & 4 ? 0.0 : 1.0, 0.0};
-    Row load_here = gravity * in.mass[i];
-    if (in.external) load_here += load(in.external + at);
+    const Row weight = gravity * in.mass[i];
+    const Row load_here = in.external ? weight + load(in.external + at) : weight;
     const Row f = load(in.force + at), x = load(in.position + at), v = load(in.velocity + at);
-    const Row r = f + load_here;
+    const Row r = f + weight;
     residual += r * r * free;
     reaction += r * r * (1.0 - free);
     external += load_here * load_here * free;

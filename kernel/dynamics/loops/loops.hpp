@@ -102,8 +102,8 @@ struct RestSums {
 struct RestInput {
   const double* position;
   const double* velocity;
-  const double* force;     ///< internal
-  const double* external;  ///< rows, or null: gravity alone
+  const double* force;     ///< f: of the models and the loads
+  const double* external;  ///< rows of the loads alone, or null
   const double* mass;
   const double* fixed;  ///< bits 1 x, 2 y, 4 z as a double
   double gravity[4];

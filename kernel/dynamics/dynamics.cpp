@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/dynamics/dynamics.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <string>
+
+#include "kernel/base/parallel.hpp"
+#include "kernel/dynamics/loops/dispatch.hpp"
+
+namespace suture {
+namespace {
+
+constexpr Index pass_chunk = 4096;          // vertices: 0.4 MB of columns, within a core's cache
+constexpr Index parallel_vertices = 32768;  // below, one thread is as fast
+constexpr Index sum_chunk = 4096;
+
+/// Number of ranges of `size` that hold `count`.
+Index parts(Index count, Index size) { return (count + size - 1) / size; }
+
+/// Kick over h with damping alpha: v' = decay v + gain a, exact for constant a.
+///   decay = exp(-alpha h),  gain = (1 - decay) / alpha,  h without damping
+struct Kick {
+  double decay = 1, gain = 0;
+  Kick() = default;
+  Kick(double alpha, double h) : gain(h) {
+    if (alpha == 0) return;
+    decay = std::exp(-alpha * h);
+    gain = -std::expm1(-alpha * h) / alpha;
+  }
+};
+
+std::string at_time(double time) { return "at t = " + std::to_string(time) + " s"; }
+
+}  // namespace
+
+struct Dynamics::Impl {
+  Impl(Attributes& a, const CellComplex& c, const DynamicsOptions& o)
+      : attributes(a),
+        complex(&c),
+        options(o),
+        loops(hot_loops()),
+        forces(a, c, o.threads),
+        workers(o.threads) {}
+
+  // ---- forces ----
+
+  /// The column `force` holds those of (x, v, time), for a step of dt.
+  void evaluate(double dt) {
+    if (evaluated && evaluated_dt == dt) return;
+    if (evaluated) clear_forces();
+    evaluated = false;
+    try {
+      forces.add_forces(time, dt);
+    } catch (...) {
+      clear_forces();  // passes rely on zeros; the state before the step is whole
+      throw;
+    }
+    loads.add_to(attributes.force().rows(), attributes.position().rows(), time);
+    evaluated = true;
+    evaluated_dt = dt;
+  }
+
+  void clear_forces() {
+    double* rows = attributes.force().rows();
+    std::fill(rows, rows + std::size_t{attributes.vertex_count()} * 4, 0.0);
+  }
+
+  // ---- passes ----
+
+  loops::Motion motion() {
+    loops::Motion m{};
+    m.position = attributes.position().rows();
+    m.velocity = attributes.velocity().rows();
+    m.force = attributes.force().rows();
+    m.mass = attributes.mass().rows();
+    const double ramp = options.gravity_ramp.value(time);
+    for (std::size_t c = 0; c < 3; ++c) m.gravity[c] = ramp * options.gravity[c];
+    return m;
+  }
+
+  static void set(loops::Motion& m, int i, const Kick& kick) {
+    m.decay[i] = kick.decay;
+    m.gain[i] = kick.gain;
+  }
+
+  template <class Pass>
+  void run(const loops::Motion& m, Pass pass) {
+    const Index vertices = attributes.vertex_count();
+    std::atomic<bool> broken{false};
+    const auto one = [&](std::size_t part) {
+      const auto begin = static_cast<Index>(part) * pass_chunk;
+      if (pass(&m, begin, std::min(begin + pass_chunk, vertices)) != 0) broken = true;
+    };
+    if (vertices >= parallel_vertices)
+      workers.parallel_for(parts(vertices, pass_chunk), one);
+    else
+      for (Index part = 0; part < parts(vertices, pass_chunk); ++part) one(part);
+    if (broken) refuse_not_finite();
+  }
+
+  /// A step whose kicks are k[0] and, of Verlet, k[1]; then the drift.
+  void advance(double dt, double end, const Kick* kicks, int count) {
+    loops::Motion m = motion();
+    for (int i = 0; i < count; ++i) set(m, i, kicks[i]);
+    m.drift = dt;
+    evaluated = false;
+    run(m, count == 2 ? loops.kick_kick_drift : loops.kick_drift);
+    time = end;
+    constraints.apply(attributes, time);
+    forces.accept();
+  }
+
+  [[noreturn]] void refuse_not_finite() const {
+    const double* v = attributes.velocity().rows();
+    Index vertex = 0;
+    const auto finite = [&](Index i) {
+      return std::isfinite(v[4 * std::size_t{i}]) && std::isfinite(v[4 * std::size_t{i} + 1]) &&
+             std::isfinite(v[4 * std::size_t{i} + 2]);
+    };
+    while (vertex + 1 < attributes.vertex_count() && finite(vertex)) ++vertex;
+    const Index element = complex->dart_of(0, vertex) / 24;
+    throw NumericalError(at_time(time) + ": the velocity of vertex " + std::to_string(vertex) +
+                         " (element " + std::to_string(shown(element)) +
+                         ") is no finite number; use a smaller \"dt\", or \"auto\"");
+  }
+
+  Index shown(Index element) const {
+    return attributes.user_element.empty() ? element : attributes.user_element[element];
+  }
+
+  // ---- schemes ----
+
+  void step(double dt, double end) {
+    if (options.scheme == DynamicsOptions::Scheme::symplectic_euler)
+      step_euler(dt, end);
+    else
+      step_verlet(dt, end);
+    last_dt = dt;
+  }
+
+  void step_euler(double dt, double end) {
+    evaluate(dt);
+    const Kick kick(options.damping, dt);
+    advance(dt, end, &kick, 1);
+  }
+
+  /// The forces are those at the end of the step before, so its dt is theirs: they
+  /// must not be computed again when the velocities have had their half kick.
+  void step_verlet(double dt, double end) {
+    evaluate(last_dt != 0 ? last_dt : dt);
+    const Kick half(options.damping, dt / 2);
+    const Kick kicks[2] = {pending, half};
+    if (is_pending)
+      advance(dt, end, kicks, 2);
+    else
+      advance(dt, end, &half, 1);
+    pending = half;
+    is_pending = true;
+  }
+
+  void synchronise() {
+    evaluate(last_dt);
+    if (!is_pending) return;
+    loops::Motion m = motion();
+    set(m, 0, pending);
+    run(m, loops.kick);
+    is_pending = false;
+    constraints.apply(attributes, time);
+  }
+
+  double external_potential() const;
+  loops::RestSums rest_sums();
+
+  Attributes& attributes;
+  const CellComplex* complex;
+  DynamicsOptions options;
+  const loops::Table& loops;
+  ForceLoop forces;
+  Workers workers;
+  Constraints constraints;
+  Loads loads;
+
+  double time = 0, last_dt = 0;
+  bool evaluated = false;  // the column `force` is that of the present state
+  double evaluated_dt = 0;
+  Kick pending;  // Verlet: the half kick that the velocities lack
+  bool is_pending = false;
+  AlignedVector<double> old_position, old_force, external;  // of rest_sums()
+};
+
+Dynamics::Dynamics(Attributes& attributes, const CellComplex& complex,
+                   const DynamicsOptions& options)
+    : impl_(std::make_unique<Impl>(attributes, complex, options)) {}
+Dynamics::~Dynamics() = default;
+
+Constraints& Dynamics::constraints() { return impl_->constraints; }
+Loads& Dynamics::loads() { return impl_->loads; }
+ForceLoop& Dynamics::forces() { return impl_->forces; }
+const ForceLoop& Dynamics::forces() const { return impl_->forces; }
+double Dynamics::time() const { return impl_->time; }
+
+void Dynamics::start(double time) {
+  const Column& mass = impl_->attributes.mass();
+  for (Index v = 0; v < impl_->attributes.vertex_count(); ++v) {
+    if (mass.get(v, 0) > 0) continue;
+    const Index element = impl_->complex->dart_of(0, v) / 24;
+    throw InputError("element " + std::to_string(impl_->shown(element)) +
+                     " has a vertex without mass: no model with a density acts on it; give the "
+                     "models regions that cover the mesh");
+  }
+  impl_->time = time;
+  invalidate();
+  impl_->constraints.apply(impl_->attributes, time);
+}
+
+void Dynamics::step(double dt, double end) { impl_->step(dt, end); }
+void Dynamics::synchronise() { impl_->synchronise(); }
+
+void Dynamics::update(const CellComplex& complex, const TopologyChange& change) {
+  impl_->complex = &complex;
+  impl_->forces.update(complex, change);
+  impl_->constraints.update(change);
+  impl_->loads.update(complex);
+  invalidate();
+}
+
+void Dynamics::invalidate() {
+  impl_->clear_forces();
+  impl_->evaluated = false;
+  impl_->old_position.clear();
+}
+
+void Dynamics::set_damping(double alpha) { impl_->options.damping = alpha; }
+double Dynamics::damping() const { return impl_->options.damping; }
+
+// ------------------------------------------------------------------- checks --
+
+double Dynamics::kinetic_energy() const {
+  const Index vertices = impl_->attributes.vertex_count();
+  double sum = 0;
+  for (Index begin = 0; begin < vertices; begin += sum_chunk)
+    sum +=
+        impl_->loops.kinetic(impl_->attributes.velocity().rows(), impl_->attributes.mass().rows(),
+                             begin, std::min(begin + sum_chunk, vertices));
+  return sum;
+}
+
+double Dynamics::Impl::external_potential() const {
+  const double* rest = attributes.rest().rows();
+  const double* position = attributes.position().rows();
+  const double* mass = attributes.mass().rows();
+  const double ramp = options.gravity_ramp.value(time);
+  double sum = 0;
+  for (Index v = 0; v < attributes.vertex_count(); ++v) {
+    const std::size_t at = std::size_t{v} * 4;
+    double work = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+      work += options.gravity[c] * (position[at + c] - rest[at + c]);
+    sum -= mass[v] * work;
+  }
+  return ramp * sum + loads.potential(rest, position, time);
+}
+
+Dynamics::Energies Dynamics::energies() {
+  synchronise();
+  return {kinetic_energy(), impl_->forces.energy(impl_->time), impl_->external_potential()};
+}
+
+ForceLoop::Bounds Dynamics::bounds() { return impl_->forces.bounds(impl_->time); }
+
+Dynamics::Inversions Dynamics::inversions() const {
+  const Index elements = impl_->complex->element_count();
+  const Index* nodes = impl_->complex->vertices().data()->data();
+  const auto& users = impl_->attributes.user_element;
+  Inversions found;
+  for (Index begin = 0; begin < elements; begin += sum_chunk) {
+    Index first = none;
+    const Index end = std::min(begin + sum_chunk, elements);
+    const Index here =
+        impl_->loops.inverted(nodes, impl_->attributes.position().rows(), begin, end, &first);
+    if (here == 0) continue;
+    found.count += here;
+    // Users' numbers are in another order: look at each element of the chunk.
+    for (Index e = first; e < end; ++e) {
+      if (!users.empty() && users[e] >= found.first) continue;
+      if (e == first ||
+          impl_->loops.inverted(nodes, impl_->attributes.position().rows(), e, e + 1, &first) != 0)
+        found.first = std::min(found.first, impl_->shown(e));
+    }
+  }
+  return found;
+}
+
+loops::RestSums Dynamics::Impl::rest_sums() {
+  evaluate(last_dt);
+  const std::size_t size = std::size_t{attributes.vertex_count()} * 4;
+  loops::RestInput in{};
+  in.position = attributes.position().rows();
+  in.velocity = attributes.velocity().rows();
+  in.force = attributes.force().rows();
+  in.mass = attributes.mass().rows();
+  in.fixed = attributes.fixed().rows();
+  const double ramp = options.gravity_ramp.value(time);
+  for (std::size_t c = 0; c < 3; ++c) in.gravity[c] = ramp * options.gravity[c];
+  if (!loads.empty()) {
+    external.assign(size, 0);
+    loads.add_to(external.data(), in.position, time);
+    in.external = external.data();
+  }
+  if (old_position.size() != size) {
+    old_position.assign(in.position, in.position + size);
+    old_force.assign(in.force, in.force + size);
+  }
+  in.old_position = old_position.data();
+  in.old_force = old_force.data();
+  loops::RestSums sum{};
+  for (Index begin = 0; begin < attributes.vertex_count(); begin += sum_chunk) {
+    const Index end = std::min(begin + sum_chunk, attributes.vertex_count());
+    const loops::RestSums part = loops.rest_sums(&in, begin, end);
+    sum.residual += part.residual;
+    sum.external += part.external;
+    sum.reaction += part.reaction;
+    sum.kinetic += part.kinetic;
+    sum.work += part.work;
+    sum.inertia += part.inertia;
+  }
+  return sum;
+}
+
+loops::RestSums Dynamics::rest_sums() { return impl_->rest_sums(); }
+
+double Dynamics::settled_after() const {
+  return std::max({impl_->options.gravity_ramp.to, impl_->loads.settled_after(),
+                   impl_->constraints.settled_after()});
+}
+
+}  // namespace suture

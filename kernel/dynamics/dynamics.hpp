@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "kernel/dynamics/constraints.hpp"
+#include "kernel/dynamics/force_loop.hpp"
+#include "kernel/dynamics/loads.hpp"
+#include "kernel/dynamics/loops/loops.hpp"
+
+namespace suture {
+
+/// What moves and how.
+struct DynamicsOptions {
+  enum class Scheme { symplectic_euler, velocity_verlet };
+  Scheme scheme = Scheme::symplectic_euler;
+  double damping = 0;  ///< alpha, 1/s: f = -alpha m v
+  Vec3 gravity{};      ///< m/s^2
+  TimeRamp gravity_ramp;
+  unsigned threads = 0;  ///< 0: as many as pay
+};
+
+/// Positions and velocities through time: forces, loads, gravity, damping,
+/// constraints and the integrator, on the columns of `attributes`.
+///
+/// With a = f/m + g and h = dt, and damping integrated exactly (stable for any
+/// alpha h, of second order in Verlet's splitting): e = exp(-alpha h),
+///   symplectic Euler   v' = e v + (1 - e)/alpha a(x, v),   x' = x + h v'
+///   velocity Verlet    half a kick, x' = x + h v, half a kick with a(x')
+/// Verlet's second half kick is left to the next step, where both are made in one
+/// pass over the vertices; synchronise() makes it at once, with the same rounding.
+/// So there is one evaluation of forces per step in both. Viscous forces see the
+/// velocity half a step before the positions (Verlet): first order in dt.
+///
+/// After a step the columns are those of time(), constrained components exactly
+/// where they are prescribed; only Verlet's velocity waits for synchronise().
+class Dynamics {
+ public:
+  Dynamics(Attributes& attributes, const CellComplex& complex, const DynamicsOptions& options);
+  ~Dynamics();
+
+  // Before start().
+  Constraints& constraints();
+  Loads& loads();
+  ForceLoop& forces();
+  const ForceLoop& forces() const;
+
+  /// Puts constrained vertices where they are at `time`. Throws InputError if a
+  /// vertex has no mass.
+  void start(double time = 0);
+
+  /// One step to `end` (= time() + dt but for rounding, which the caller's clock
+  /// avoids). Throws NumericalError for a failing model, and for a velocity that
+  /// is not finite, naming the vertex. O(cells + vertices).
+  void step(double dt, double end);
+  double time() const;
+
+  /// Velocities at time(), and in the column `force` what the models and loads
+  /// (not gravity) give there: before a frame, a cut, or energies. The next step
+  /// gives the same bits whether or not this was called.
+  void synchronise();
+
+  /// A cut was made and attributes.apply() called. Call synchronise() before the
+  /// cut. O(cells touched + loaded).
+  void update(const CellComplex& complex, const TopologyChange& change);
+  /// Positions, velocities or masses were changed by others.
+  void invalidate();
+
+  void set_damping(double alpha);
+  double damping() const;
+
+  struct Energies {
+    double kinetic = 0, elastic = 0;
+    double external = 0;  ///< potential of gravity and dead loads, 0 at rest positions
+    double total() const { return kinetic + elastic + external; }
+  };
+  /// Of the synchronised state; synchronises. Fixed order of summation.
+  Energies energies();
+  double kinetic_energy() const;
+
+  /// Stable step of the present state, s; infinite without forces. See
+  /// stable_step.hpp; O(an evaluation of forces).
+  ForceLoop::Bounds bounds();
+
+  /// Elements with a corner Jacobian <= 0: how many, and the lowest number that
+  /// users see. O(elements), far below an evaluation of forces.
+  struct Inversions {
+    Index count = 0;
+    Index first = none;  ///< as users number elements
+  };
+  Inversions inversions() const;
+
+  /// Sums for the search of rest (rest_search.hpp) at the present state; evaluates
+  /// forces that the next step uses.
+  loops::RestSums rest_sums();
+  /// When the last ramp of gravity, loads and motions ends, s.
+  double settled_after() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace suture

@@ -1,0 +1,39 @@
+# Installs this build into PREFIX, builds the project in outside/ against it and
+# lets the installed program find the plugin.
+# usage: cmake -D BUILD=... -D PREFIX=... -D FLAGS=... -P outside.cmake
+function(must)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE out)
+  if(NOT code EQUAL 0)
+    string(JOIN " " command ${ARGN})
+    message(FATAL_ERROR "${command}\nended with ${code}:\n${out}")
+  endif()
+  set(out "${out}" PARENT_SCOPE)
+endfunction()
+
+file(REMOVE_RECURSE ${PREFIX})
+must(${CMAKE_COMMAND} --install ${BUILD} --prefix ${PREFIX}/usr)
+# Out of sight of the source and build trees: the installed files must do.
+file(COPY ${CMAKE_CURRENT_LIST_DIR}/outside DESTINATION ${PREFIX})
+must(${CMAKE_COMMAND} -G Ninja -S ${PREFIX}/outside -B ${PREFIX}/outside/build
+  -DCMAKE_PREFIX_PATH=${PREFIX}/usr -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS=${FLAGS}")
+must(${CMAKE_COMMAND} --build ${PREFIX}/outside/build)
+must(${CMAKE_COMMAND} --install ${PREFIX}/outside/build --prefix ${PREFIX}/mine)
+
+# The installed program sees its own plugins and, when told where, the outsider.
+must(${PREFIX}/usr/bin/suture models)
+foreach(model mss-baudet tm-faure)
+  if(NOT out MATCHES "${model}")
+    message(FATAL_ERROR "the installed suture does not list ${model}:\n${out}")
+  endif()
+endforeach()
+file(GLOB_RECURSE plugin ${PREFIX}/mine/outside-drag.so)
+cmake_path(GET plugin PARENT_PATH folder)
+set(ENV{SUTURE_PLUGIN_PATH} ${folder})
+must(${PREFIX}/usr/bin/suture describe outside-drag)
+if(NOT out MATCHES "N s/m")
+  message(FATAL_ERROR "suture describe outside-drag does not name the unit of c:\n${out}")
+endif()
+must(${PREFIX}/usr/bin/suture models)
+if(NOT out MATCHES "outside-drag")
+  message(FATAL_ERROR "suture models does not list outside-drag:\n${out}")
+endif()

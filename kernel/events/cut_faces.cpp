@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/events/cut_faces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kernel/base/error.hpp"
+
+namespace suture {
+namespace {
+
+double dot(const Vec3& a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/// Sum over corners of n.(x - p), and the same with every product's magnitude: what
+/// rounding scales with.
+struct Side {
+  double sum = 0, magnitude = 0;
+  bool positive() const { return sum >= -8 * std::numeric_limits<double>::epsilon() * magnitude; }
+};
+
+/// The user's points of a face, sorted.
+std::array<Index, 4> points_of(const CellComplex& complex, Dart face,
+                               std::span<const Index> point_of_vertex) {
+  std::array<Index, 4> points;
+  for (Dart k = 0; k < 4; ++k) points[k] = point_of_vertex[complex.origin((face & ~3u) + k)];
+  std::ranges::sort(points);
+  return points;
+}
+
+bool shared_a_face(const CellComplex& complex, Index a, Index b,
+                   std::span<const Index> point_of_vertex) {
+  for (Dart f = 24 * a; f < 24 * (a + 1); f += 4)
+    for (Dart g = 24 * b; g < 24 * (b + 1); g += 4)
+      if (points_of(complex, f, point_of_vertex) == points_of(complex, g, point_of_vertex))
+        return true;
+  return false;
+}
+
+}  // namespace
+
+std::vector<Dart> faces_across_plane(const CellComplex& complex, const double* rows,
+                                     const Vec3& point, const Vec3& normal, std::size_t stride) {
+  const double size = std::hypot(normal[0], normal[1], normal[2]);
+  if (!std::isfinite(point[0] + point[1] + point[2]) || !std::isfinite(size) || size == 0)
+    throw InputError("a plane needs a finite point and a finite normal that is not zero");
+  const Vec3 n{normal[0] / size, normal[1] / size, normal[2] / size};
+  const Vec3 magnitudes{std::abs(n[0]), std::abs(n[1]), std::abs(n[2])};
+  const double offset = dot(n, point.data());
+  const Vec3 far{std::abs(point[0]), std::abs(point[1]), std::abs(point[2])};
+  const double offset_magnitude = dot(magnitudes, far.data());
+
+  std::vector<char> positive(complex.element_count());
+  for (Index e = 0; e < complex.element_count(); ++e) {
+    Side side;
+    for (const Index v : complex.vertices_of(e)) {
+      const double* x = rows + stride * v;
+      const Vec3 away{std::abs(x[0]), std::abs(x[1]), std::abs(x[2])};
+      side.sum += dot(n, x) - offset;
+      side.magnitude += dot(magnitudes, away.data()) + offset_magnitude;
+    }
+    positive[e] = side.positive();
+  }
+  std::vector<Dart> faces;
+  for (Index e = 0; e < complex.element_count(); ++e)
+    for (int f = 0; f < 6; ++f) {
+      const Index other = complex.neighbour(e, f);
+      if (other != none && e < other && positive[e] != positive[other])
+        faces.push_back(24 * e + 4 * f);
+    }
+  return faces;
+}
+
+Dart face_between(const CellComplex& complex, const std::string& path, const ElementPair& pair,
+                  const std::function<Index(std::uint64_t)>& element_of,
+                  std::span<const Index> point_of_vertex) {
+  const std::string names =
+      "elements " + std::to_string(pair[0]) + " and " + std::to_string(pair[1]);
+  std::array<Index, 2> elements;
+  for (int i = 0; i < 2; ++i) {
+    elements[i] = element_of(pair[i]);
+    if (elements[i] == none)
+      throw InputError(path + ": the mesh has no element " + std::to_string(pair[i]));
+  }
+  if (elements[0] == elements[1])
+    throw InputError(path + ": names element " + std::to_string(pair[0]) +
+                     " twice; a face lies between two elements");
+  for (int f = 0; f < 6; ++f)
+    if (complex.neighbour(elements[0], f) == elements[1]) return 24 * elements[0] + 4 * f;
+  if (point_of_vertex.empty())
+    throw InputError(path + ": " + names + " have no common face (or it was cut before)");
+  if (shared_a_face(complex, elements[0], elements[1], point_of_vertex)) return none;
+  throw InputError(path + ": " + names + " are no neighbours: they have no common face");
+}
+
+ListedFaces faces_between(const CellComplex& complex, const std::string& path,
+                          std::span<const ElementPair> pairs,
+                          const std::function<Index(std::uint64_t)>& element_of,
+                          std::span<const Index> point_of_vertex) {
+  ListedFaces result;
+  std::string faults;
+  for (std::size_t i = 0; i < pairs.size(); ++i) try {
+      const Dart face = face_between(complex, path + "/" + std::to_string(i), pairs[i], element_of,
+                                     point_of_vertex);
+      if (face == none)
+        result.cut_before.push_back(pairs[i]);
+      else
+        result.faces.push_back(face);
+    } catch (const InputError& error) {
+      faults += (faults.empty() ? "" : "\n") + std::string(error.what());
+    }
+  if (!faults.empty()) throw InputError(faults);
+  return result;
+}
+
+}  // namespace suture

@@ -1,0 +1,130 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws frames of a run side by side, coloured by von Mises stress or displacement.
+
+usage: xvfb-run -a docs/images/render.py RUN.pvd PICTURE.png [TIME ...]
+
+Without times: the first frame, two between and the last. Debian packages:
+python3-vtk9 xvfb libgl1-mesa-dri.
+"""
+import os
+import sys
+import xml.etree.ElementTree as ElementTree
+
+import vtk
+
+WIDTH, HEIGHT = 1280, 380  # of one frame, pixels
+
+
+def frames(pvd):
+    """[(time, path)] of a ParaView collection of hexahedra."""
+    folder = os.path.dirname(os.path.abspath(pvd))
+    sets = ElementTree.parse(pvd).getroot().iter("DataSet")
+    return sorted((float(s.get("timestep")), os.path.join(folder, s.get("file"))) for s in sets)
+
+
+def chosen(all_frames, times):
+    if times:
+        return [min(all_frames, key=lambda f: abs(f[0] - t)) for t in times]
+    last = len(all_frames) - 1
+    return [all_frames[round(last * k / 3)] for k in range(4)]
+
+
+def read(path):
+    reader = vtk.vtkXMLUnstructuredGridReader()
+    reader.SetFileName(path)
+    reader.Update()
+    return reader.GetOutput()
+
+
+def scalar_range(grids, field):
+    low_high = [g.GetCellData().GetArray(field).GetRange() for g in grids]
+    return 0.0, max(high for _, high in low_high)
+
+
+def renderer_of(grid, field, value_range, colours, camera):
+    surface = vtk.vtkDataSetSurfaceFilter()
+    surface.SetInputData(grid)
+    mapper = vtk.vtkPolyDataMapper()
+    mapper.SetInputConnection(surface.GetOutputPort())
+    mapper.SetScalarModeToUseCellFieldData()
+    mapper.SelectColorArray(field)
+    mapper.SetScalarRange(*value_range)
+    mapper.SetLookupTable(colours)
+    actor = vtk.vtkActor()
+    actor.SetMapper(mapper)
+    actor.GetProperty().EdgeVisibilityOn()
+    actor.GetProperty().SetEdgeColor(0.15, 0.15, 0.2)
+    actor.GetProperty().SetAmbient(0.25)
+    renderer = vtk.vtkRenderer()
+    renderer.SetBackground(1, 1, 1)
+    renderer.AddActor(actor)
+    renderer.SetActiveCamera(camera)
+    return renderer
+
+
+def label(renderer, text):
+    actor = vtk.vtkTextActor()
+    actor.SetInput(text)
+    actor.GetTextProperty().SetFontSize(26)
+    actor.GetTextProperty().SetColor(0.1, 0.1, 0.1)
+    actor.SetPosition(24, HEIGHT - 48)
+    renderer.AddViewProp(actor)
+
+
+def common_camera(grids):
+    """Looks at the box of all frames together, a little from above."""
+    box = vtk.vtkBoundingBox()
+    for grid in grids:
+        box.AddBounds(grid.GetBounds())
+    centre = [0.0, 0.0, 0.0]
+    box.GetCenter(centre)
+    camera = vtk.vtkCamera()
+    camera.SetFocalPoint(*centre)
+    longest = max(range(3), key=box.GetLength)
+    side = 1 if longest == 2 else 2  # look across the long axis
+    size = [box.GetLength(i) for i in range(3)]
+    eye = list(centre)
+    up = [0.0, 0.0, 0.0]
+    up[3 - longest - side] = 1.0
+    eye[side] += 2.0 * size[longest]
+    eye[3 - longest - side] += 0.55 * size[longest]
+    eye[longest] += 0.45 * size[longest]
+    camera.SetPosition(*eye)
+    camera.SetViewUp(*up)
+    camera.ParallelProjectionOn()
+    camera.SetParallelScale(0.19 * size[longest] + 0.42 * size[3 - longest - side])
+    return camera
+
+
+def main():
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    picked = chosen(frames(sys.argv[1]), [float(t) for t in sys.argv[3:]])
+    grids = [read(path) for _, path in picked]
+    field = "von_mises"
+    value_range = scalar_range(grids, field)
+    colours = vtk.vtkColorTransferFunction()
+    colours.SetColorSpaceToDiverging()
+    colours.AddRGBPoint(value_range[0], 0.23, 0.30, 0.75)
+    colours.AddRGBPoint(value_range[1], 0.71, 0.02, 0.15)
+    camera = common_camera(grids)
+    window = vtk.vtkRenderWindow()
+    window.SetOffScreenRendering(1)
+    window.SetMultiSamples(8)
+    window.SetSize(WIDTH, HEIGHT * len(grids))
+    for row, (grid, (time, _)) in enumerate(zip(grids, picked)):
+        renderer = renderer_of(grid, field, value_range, colours, camera)
+        renderer.SetViewport(0, 1 - (row + 1) / len(grids), 1, 1 - row / len(grids))
+        label(renderer, f"t = {time:.3g} s")
+        window.AddRenderer(renderer)
+    window.Render()
+    image = vtk.vtkWindowToImageFilter()
+    image.SetInput(window)
+    writer = vtk.vtkPNGWriter()
+    writer.SetFileName(sys.argv[2])
+    writer.SetInputConnection(image.GetOutputPort())
+    writer.Write()
+
+
+main()

@@ -7,7 +7,7 @@
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLUnstructuredGridReader.h>
 
-#include <new>
+#include <exception>
 
 #include "kernel/vtk/vtk_library.hpp"
 
@@ -74,8 +74,9 @@ std::string read(const std::string& path, VtkGrid& grid) {
 std::string read_vtu_file(const std::string& path, VtkGrid& grid) {
   try {
     return read(path, grid);
-  } catch (const std::bad_alloc&) {
-    return "the file asks for more memory than there is; a count in it is wrong";
+  } catch (const std::exception& error) {
+    // VTK allocates what a damaged header asks for.
+    return std::string("VTK cannot read the file (") + error.what() + "); a count in it is wrong";
   }
 }
 

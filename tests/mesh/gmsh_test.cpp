@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include "kernel/base/error.hpp"
+#include "kernel/mesh/mesh_file.hpp"
+#include "tests/mesh/temporary_folder.hpp"
+
+namespace suture {
+namespace {
+
+using Sets = std::map<std::string, std::vector<Index>>;
+
+// Files of Gmsh itself: data/two_hexahedra.geo.
+std::filesystem::path data(const std::string& name) {
+  return std::filesystem::path(SUTURE_TEST_DATA) / name;
+}
+
+void expect_two_hexahedra(const Mesh& mesh) {
+  ASSERT_EQ(mesh.points.size(), 12u);
+  EXPECT_EQ(mesh.points[6], (Vec3{1, 1, 1}));
+  EXPECT_EQ(mesh.points[11], (Vec3{0, 1, 2}));
+  EXPECT_EQ(mesh.hexahedra,
+            (std::vector<Hexahedron>{{0, 1, 3, 2, 4, 5, 7, 6}, {4, 5, 7, 6, 8, 9, 11, 10}}));
+  EXPECT_EQ(
+      mesh.point_sets,
+      (Sets{{"clamped", {0, 1, 2, 3}}, {"physical surface 7", {8, 9, 10, 11}}, {"corner", {2}}}));
+  EXPECT_EQ(mesh.element_sets, (Sets{{"soft tissue", {0}}, {"body", {0, 1}}}));
+  EXPECT_EQ(mesh.point_ids, (std::vector<std::uint64_t>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}));
+  EXPECT_EQ(mesh.skipped_cells,
+            (std::map<std::string, std::size_t>{{"quadrilaterals", 2}, {"points as cells", 1}}));
+}
+
+TEST(Gmsh, ReadsEveryFormatAlike) {
+  for (const char* name :
+       {"two_msh22.msh", "two_msh22_binary.msh", "two_msh41.msh", "two_msh41_binary.msh"}) {
+    SCOPED_TRACE(name);
+    Diagnostics diagnostics;
+    const Mesh mesh = read_mesh(data(name), 1, diagnostics);
+    expect_two_hexahedra(mesh);
+    // Format 2 repeats the lower element for its second group: one of both stays.
+    const bool format_2 = std::string(name).find("22") != std::string::npos;
+    EXPECT_EQ(mesh.element_ids,
+              format_2 ? (std::vector<std::uint64_t>{4, 6}) : (std::vector<std::uint64_t>{4, 5}));
+    EXPECT_EQ(diagnostics.warnings().size(), 1u);
+  }
+}
+
+std::string error_of(const std::string& text) {
+  const TemporaryFolder folder;
+  Diagnostics diagnostics;
+  try {
+    read_mesh(folder.write("m.msh", text), 1, diagnostics);
+  } catch (const InputError& error) {
+    const std::string what = error.what();
+    return what.substr(what.find("m.msh"));
+  }
+  return "no error";
+}
+
+std::string replaced(const std::string& file, const std::string& old_text,
+                     const std::string& new_text) {
+  std::string text = read_text(data(file));
+  const std::size_t at = text.find(old_text);
+  EXPECT_NE(at, text.npos) << old_text;
+  return text.replace(at, old_text.size(), new_text);
+}
+
+TEST(Gmsh, SaysWhatIsWrongAndWhere) {
+  const std::string v2 = "two_msh22.msh", v4 = "two_msh41.msh";
+  EXPECT_EQ(error_of(replaced(v2, "2.2 0 8", "3.7 0 8")).substr(0, 10), "m.msh:2: f");
+  EXPECT_EQ(error_of(replaced(v4, "4.1 0 8", "4.1 0 4")), "m.msh:2: data size 4; 8 is expected");
+  EXPECT_EQ(error_of(replaced(v2, "7 1 1 1", "7 1 1 inf")),
+            "m.msh:19: coordinate is 'inf', which is not finite");
+  EXPECT_EQ(error_of(replaced(v2, "7 1 1 1", "6 1 1 1")),
+            "m.msh:24: node 6 is defined twice in the section before");
+  EXPECT_EQ(error_of(replaced(v2, "6 5 2 2 2 5", "6 5 2 2 2 99")),
+            "m.msh:33: an element has node 99, which is not among the 12 nodes of the file");
+  EXPECT_EQ(error_of(replaced(v2, "$Nodes\n12", "$Nodes\n11")),
+            "m.msh:24: expected $EndNodes, found '12'");
+  EXPECT_NE(error_of(replaced(v2, "$Elements\n6", "$Elements\n7")).find("m.msh:34: expected"),
+            std::string::npos);
+  EXPECT_EQ(error_of(replaced(v4, "1 2 3 4 5 6 7 8", "1 2 3 4 5 6 7 x")),
+            "m.msh:111: expected an integer (node of an element), found 'x'");
+  EXPECT_EQ(error_of("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"),
+            "m.msh:4: there is no section $Nodes: the file is truncated");
+  EXPECT_EQ(error_of("$NOD\n0\n$ENDNOD\n").substr(0, 9), "m.msh:1: ");
+}
+
+TEST(Gmsh, RefusesHexahedraOfHigherOrder) {
+  EXPECT_NE(error_of(read_text(data("second_order.msh"))).find("hexahedra with 27 nodes"),
+            std::string::npos);
+}
+
+TEST(Gmsh, DoesNotTrustCounts) {
+  EXPECT_NE(error_of(replaced("two_msh22.msh", "$Nodes\n12", "$Nodes\n1200000000000"))
+                .find("m.msh:12: 1,200,000,000,000 nodes are announced"),
+            std::string::npos);
+  std::string binary = read_text(data("two_msh41_binary.msh"));
+  const std::size_t nodes = binary.find("$Nodes\n") + 7;
+  for (std::size_t i = 8; i < 15; ++i) binary[nodes + i] = '\x7f';
+  EXPECT_NE(error_of(binary).find("nodes are announced"), std::string::npos) << error_of(binary);
+  EXPECT_NE(error_of(binary).find("m.msh, byte "), std::string::npos);
+}
+
+TEST(Gmsh, TagsMayBeFarApart) {
+  const TemporaryFolder folder;
+  Diagnostics diagnostics;
+  std::string text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n";
+  for (int i = 0; i < 8; ++i) {
+    text += std::to_string(1000000000 + 7 * i) + " " + std::to_string(i % 2) + " 0 0\n";
+  }
+  text += "$EndNodes\n$Elements\n1\n77 5 0";
+  for (int i = 7; i >= 0; --i) text += " " + std::to_string(1000000000 + 7 * i);
+  text += "\n$EndElements\n";
+  const Mesh mesh = read_mesh(folder.write("m.msh", text), 1, diagnostics);
+  EXPECT_EQ(mesh.hexahedra[0], (Hexahedron{7, 6, 4, 5, 3, 2, 0, 1}));
+  EXPECT_EQ(mesh.point_ids[3], 1000000021u);
+  EXPECT_EQ(mesh.element_ids[0], 77u);
+}
+
+}  // namespace
+}  // namespace suture

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include "kernel/base/error.hpp"
+#include "kernel/mesh/mesh_file.hpp"
+#include "tests/mesh/temporary_folder.hpp"
+
+namespace suture {
+namespace {
+
+using Sets = std::map<std::string, std::vector<Index>>;
+
+const std::string cells_of_version_3 =
+    "CELLS 3 23\n8 0 1 2 3 4 5 6 7\n4 0 1 2 5\n8 0 1 3 2 4 5 7 6\n";
+const std::string cells_of_version_5 =
+    "CELLS 4 20\nOFFSETS vtktypeint64\n0 8 12 20\nCONNECTIVITY vtktypeint64\n"
+    "0 1 2 3 4 5 6 7\n0 1 2 5\n0 1 3 2 4 5 7 6\n";
+
+// A hexahedron, a tetrahedron and a voxel on the corners of a cube.
+std::string cube_text(const std::string& version, const std::string& cells) {
+  return "# vtk DataFile Version " + version +
+         "\na cube\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+         "POINTS 8 float\n0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1\n\n" +
+         cells +
+         "CELL_TYPES 3\n12 10 11\n"
+         "CELL_DATA 3\nSCALARS material int 1\nLOOKUP_TABLE default\n5 6 7\n"
+         "METADATA\nINFORMATION 0\n\n"
+         "FIELD FieldData 2\nof%20both 1 3 unsigned_char\n0 0 1\nstress 6 3 double\n"
+         "1 2 3 4 5 6 1 2 3 4 5 6 1 2 3 4 5 6\n"
+         "POINT_DATA 8\nVECTORS u float\n0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1\n"
+         "GLOBAL_IDS ids vtkIdType\n10 11 12 13 14 15 16 17\n";
+}
+
+Mesh read(const std::string& text) {
+  const TemporaryFolder folder;
+  Diagnostics diagnostics;
+  return read_mesh(folder.write("m.vtk", text), 1, diagnostics);
+}
+
+std::string error_of(const std::string& text) {
+  try {
+    read(text);
+  } catch (const InputError& error) {
+    const std::string what = error.what();
+    return what.substr(what.find("m.vtk"));
+  }
+  return "no error";
+}
+
+std::string replaced(const std::string& old_text, const std::string& new_text) {
+  std::string text = cube_text("3.0", cells_of_version_3);
+  const std::size_t at = text.find(old_text);
+  EXPECT_NE(at, text.npos) << old_text;
+  return text.replace(at, old_text.size(), new_text);
+}
+
+TEST(VtkLegacy, ReadsHexahedraVoxelsAndLabels) {
+  for (const std::string& text :
+       {cube_text("3.0", cells_of_version_3), cube_text("5.1", cells_of_version_5)}) {
+    const Mesh mesh = read(text);
+    ASSERT_EQ(mesh.points.size(), 8u);
+    EXPECT_EQ(mesh.points[6], (Vec3{1, 1, 1}));
+    EXPECT_EQ(mesh.hexahedra,
+              (std::vector<Hexahedron>{{0, 1, 3, 2, 4, 5, 7, 6}, {0, 1, 3, 2, 4, 5, 7, 6}}));
+    EXPECT_EQ(mesh.element_sets,
+              (Sets{{"material 5", {0}}, {"material 7", {1}}, {"of both", {1}}}));
+    EXPECT_EQ(mesh.point_ids, (std::vector<std::uint64_t>{10, 11, 12, 13, 14, 15, 16, 17}));
+    EXPECT_EQ(mesh.skipped_cells, (std::map<std::string, std::size_t>{{"tetrahedra", 1}}));
+  }
+}
+
+TEST(VtkLegacy, SaysWhatIsWrongAndInWhichLine) {
+  EXPECT_EQ(error_of("nothing of the kind"),
+            "m.vtk:1: a legacy VTK file begins with '# vtk DataFile Version', found 'nothing of "
+            "the kind'");
+  EXPECT_EQ(error_of(replaced("UNSTRUCTURED_GRID", "POLYDATA")),
+            "m.vtk:4: the data set is 'POLYDATA', a surface; an UNSTRUCTURED_GRID with hexahedra "
+            "is needed");
+  EXPECT_EQ(error_of(replaced("ASCII", "ASCCI")),
+            "m.vtk:3: expected ASCII or BINARY, found 'ascci'");
+  EXPECT_EQ(error_of(replaced("0 1 1 1 1 0", "0 1 1 nan 1 0")),
+            "m.vtk:6: coordinate is 'nan', which is not finite");
+  EXPECT_EQ(error_of(replaced("4 5 7 6", "4 5 7 8")),
+            "m.vtk:11: cell 2 has point 8; there are points 0 to 7");
+  EXPECT_EQ(error_of(replaced("4 0 1 2 5", "4000 0 1 2 5")),
+            "m.vtk:10: cell 1 has 4000 points, more than the size of CELLS admits");
+  EXPECT_EQ(error_of(replaced("CELL_TYPES 3", "CELL_TYPES 4")),
+            "m.vtk:12: 4 cell types for 3 cells");
+  EXPECT_EQ(error_of(replaced("12 10 11", "12 10 25")).substr(0, 27),
+            "m.vtk: cell 2: hexahedra wi");
+  EXPECT_EQ(error_of(replaced("CELL_DATA 3", "CELL_DATA 2")), "m.vtk:14: 2 values for 3 cells");
+  EXPECT_NE(error_of(replaced("POINTS 8", "POINTS 800000000000")).find("m.vtk"), std::string::npos);
+  EXPECT_NE(error_of(replaced("CELLS 3 23", "CELLS 3 2300000000000")).find("are announced"),
+            std::string::npos);
+}
+
+TEST(VtkLegacy, TetrahedraOfEightNodesAreHexahedraWithAWarning) {
+  const TemporaryFolder folder;
+  Diagnostics diagnostics;
+  const Mesh mesh =
+      read_mesh(folder.write("m.vtk", replaced("12 10 11", "10 10 11")), 1, diagnostics);
+  EXPECT_EQ(mesh.hexahedra.size(), 2u);
+  ASSERT_EQ(diagnostics.warnings().size(), 2u);
+  EXPECT_NE(diagnostics.warnings()[0].find("1 cells of VTK type 10 (tetrahedron) have 8 nodes"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace suture

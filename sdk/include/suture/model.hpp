@@ -38,8 +38,9 @@
 //     fields[], output(const Cell&, results&)
 //     inspect(const Cell&)                  reports on rest shapes
 //     enabled(values, uint32_t& reads)   -> bool
-// What is present is offered; the tangent is always offered, from force() on dual
-// numbers. Functions may throw suture::failure.
+// What is present is offered. The tangent is always offered, from force() on dual
+// numbers, and without bounds() the stable step is found from it by power iteration.
+// Functions may throw suture::failure.
 #ifndef SUTURE_MODEL_HPP
 #define SUTURE_MODEL_HPP
 

@@ -262,7 +262,7 @@ template <class M>
 struct continuum : model {
   static constexpr std::uint32_t flags = SUTURE_CONTINUUM;
   static constexpr attribute attributes[2] = {
-      on_volume_cells("inverse-jacobian", "1/m", "J^-1 of the rest shape, row-major", 9)
+      on_volume_cells("inverse_jacobian", "1/m", "J^-1 of the rest shape, row-major", 9)
           .from_volumes(contribution<M, detail::inverse_jacobian>),
       on_vertices("mass", "kg", "An eighth of the mass of every incident element")
           .from_volumes(contribution<M, detail::lumped_mass<M>>)

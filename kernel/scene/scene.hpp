@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "kernel/base/types.hpp"
-#include "kernel/dynamics/time_ramp.hpp"
 #include "kernel/mesh/box.hpp"
 #include "kernel/mesh/voxels.hpp"
 #include "kernel/topology/import.hpp"
@@ -55,6 +54,13 @@ struct Selection {
   static constexpr double default_tolerance = 1e-6;
 };
 
+/// 0 at `from`, 1 at `to`, smooth (3s^2-2s^3) or linear between. from == to: a step.
+struct Ramp {
+  double from = 0, to = 0;
+  bool smooth = false;
+  double at(double time) const;
+};
+
 struct MeshSource {
   std::optional<BoxOptions> box;       ///< or
   std::optional<VoxelOptions> voxels;  ///< or
@@ -78,7 +84,7 @@ struct Constraint {
   Vec3 translation{};  ///< m, at the end of the ramp
   Vec3 axis{}, centre{};
   double angle = 0;  ///< rad, at the end of the ramp
-  TimeRamp ramp;
+  Ramp ramp;
   bool moves = false;
 };
 
@@ -92,7 +98,7 @@ struct Load {
   Vec3 value{};
   double pressure = 0;
   Selection where;
-  TimeRamp ramp;
+  Ramp ramp;
 };
 
 struct CutPlane {
@@ -150,7 +156,7 @@ struct Scene {
   MeshSource mesh;
   std::vector<ModelUse> models;
   Vec3 gravity{};  ///< m/s^2
-  TimeRamp gravity_ramp;
+  Ramp gravity_ramp;
   std::vector<Constraint> constraints;
   std::vector<Load> loads;
   std::vector<Event> events;  ///< by time

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "kernel/attributes/attributes.hpp"
+#include "kernel/dynamics/dynamics.hpp"
+#include "kernel/plugin_host/plugin_host.hpp"
+#include "kernel/topology/import.hpp"
+
+namespace suture::bench {
+
+/// A block of one model as a run has it: gravity, one end held, symplectic Euler
+/// at half the stable step. Cells are cubes of 25 mm but for `aspect`.
+struct BodyOptions {
+  std::string model;
+  std::map<std::string, double> parameters;  ///< by name, over E, nu, rho
+  std::array<Index, 3> cells{10, 10, 40};
+  bool distorted = false;  ///< general hexahedra: points moved by up to 10 %
+  unsigned threads = 1;
+};
+
+class Body {
+ public:
+  Body(PluginHost& host, const BodyOptions& options);
+
+  /// One step, and the time goes on.
+  void step();
+  /// `count` cuts, one after the other, each of one inner face chosen at random.
+  /// Returns the seconds they took.
+  double cut_random(unsigned count, unsigned seed);
+
+  Index element_count() const { return mesh_.complex.element_count(); }
+  Dynamics& dynamics() { return *dynamics_; }
+  const CellComplex& complex() const { return mesh_.complex; }
+  Attributes& attributes() { return *attributes_; }
+
+ private:
+  Diagnostics diagnostics_;
+  Imported mesh_;
+  std::unique_ptr<Attributes> attributes_;
+  std::unique_ptr<Dynamics> dynamics_;
+  double dt_ = 0;
+  double time_ = 0;
+};
+
+/// Near-cubic grid of about `elements` elements in the paper's proportions 1:1:4;
+/// the 60 x 60 x 120 grid at 432,000.
+std::array<Index, 3> grid_of(Index elements);
+
+}  // namespace suture::bench

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// suture-bench: the figures of this program on this machine. One file per
+// subcommand; each prints a table and, with --json, writes the same as JSON.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "apps/suture-bench/commands.hpp"
+#include "kernel/base/error.hpp"
+
+int main(int argc, char** argv) {
+  CLI::App app{"The figures of Suture on this machine"};
+  app.fallthrough();  // --json behind a subcommand, too
+  std::string json;
+  app.add_option("--json", json, "Write the figures to this file as well");
+  std::vector<suture::bench::Command> commands;
+  suture::bench::add_force(app, commands);
+  suture::bench::add_step(app, commands);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    suture::bench::Report report;
+    // Without a subcommand: all of them.
+    const bool all = app.get_subcommands().empty();
+    for (const auto& command : commands)
+      if (all || command.app->parsed()) command.run(report);
+    if (!json.empty()) report.write_json(json);
+  } catch (const suture::Error& error) {
+    std::fprintf(stderr, "suture-bench: %s\n", error.what());
+    return error.exit_code();
+  }
+  return 0;
+}

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+
+#include "apps/suture-bench/body.hpp"
+#include "apps/suture-bench/commands.hpp"
+#include "apps/suture-bench/timer.hpp"
+
+namespace suture::bench {
+namespace {
+
+struct Options {
+  std::vector<Index> sizes{500, 4000, 32000, 432000};
+  std::vector<std::string> models{"tm-faure", "mss-baudet"};
+  unsigned threads = 1;
+  double seconds = 0.5;
+};
+
+/// Step and force alternate, so that a slow moment of the machine hits both.
+void measure_model(const std::string& model, Index size, const Options& options, PluginHost& host,
+                   Report& report) {
+  Body body(host, {model, {}, grid_of(size), false, options.threads});
+  const double ns = 1e9 / body.element_count();
+  Dynamics& dynamics = body.dynamics();
+  double step = 1e9, force = 1e9, energy = 1e9, bounds = 1e9, inversions = 1e9;
+  const double part = options.seconds / 5;
+  for (int round = 0; round < 5; ++round) {
+    step = std::min(step, measure([&] { body.step(); }, options.threads, part).median);
+    force = std::min(
+        force, measure([&] { dynamics.forces().add_forces(0, 0); }, options.threads, part).median);
+    dynamics.invalidate();
+  }
+  energy = measure([&] { dynamics.forces().energy(0); }, options.threads, part).median;
+  bounds = measure([&] { dynamics.bounds(); }, options.threads, part).median;
+  inversions = measure([&] { dynamics.inversions(); }, options.threads, part).median;
+  report.add(Line()
+                 .add("elements", static_cast<double>(body.element_count()))
+                 .add("step ns/el", ns * step)
+                 .add("force ns/el", ns * force)
+                 .add("step/force", step / force)
+                 .add("energy ns/el", ns * energy)
+                 .add("stable dt ns/el", ns * bounds)
+                 .add("inversion ns/el", ns * inversions));
+}
+
+void run(const Options& options, Report& report) {
+  PluginHost host;
+  for (const std::string& model : options.models) {
+    report.begin("step " + model, "where the time of a step goes, best of 5 medians, " +
+                                      std::to_string(options.threads) +
+                                      " thread(s); checks are not part of every step");
+    for (const Index size : options.sizes) measure_model(model, size, options, host, report);
+  }
+}
+
+}  // namespace
+
+void add_step(CLI::App& app, std::vector<Command>& commands) {
+  auto* command = app.add_subcommand("step", "Where the time of a step goes");
+  auto options = std::make_shared<Options>();
+  command->add_option("--sizes", options->sizes, "Elements (432000: the 60x60x120 grid)");
+  command->add_option("--models", options->models, "Models");
+  command->add_option("--threads", options->threads, "Threads")->check(CLI::PositiveNumber);
+  command->add_option("--seconds", options->seconds, "Time spent on each figure");
+  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+}
+
+}  // namespace suture::bench

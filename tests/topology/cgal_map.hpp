@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "kernel/mesh/mesh.hpp"
+
+namespace suture {
+
+/// The oracle: the same hexahedra in CGAL's Linear_cell_complex_for_combinatorial_map,
+/// glued by looking for equal sets of four points, with nothing of ours but the
+/// numbering of darts (formulas of the dart[6][4] array: each hexahedron as CGAL
+/// makes it, dart[j][k] = beta1^k of its j-th face). CGAL stays in one translation unit.
+class CgalMap {
+ public:
+  explicit CgalMap(const Mesh& mesh);
+  ~CgalMap();
+
+  /// unsew<3> for each, in the given order.
+  void cut(const std::vector<Dart>& faces);
+
+  /// For every dart 24 e + 4 f + k the smallest dart of its orbit: of the cell of
+  /// dimension 0..3, or of the connected component (4).
+  std::vector<Dart> orbits(int dimension) const;
+  bool is_valid() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace suture

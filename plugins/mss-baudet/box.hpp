@@ -6,6 +6,8 @@
 #define MSS_BAUDET_BOX_HPP
 
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 #include "suture/tensor.hpp"
 
@@ -54,6 +56,21 @@ template <class Node>
 SUTURE_INLINE auto box_lengths(const Node& node) {
   return decltype(mean_edge(node, 0)){norm(mean_edge(node, 0)), norm(mean_edge(node, 1)),
                                       norm(mean_edge(node, 2))};
+}
+
+/// x rounded to 40 significant bits (1e-12): equal for lengths that differ by the
+/// rounding of coordinates, but for the few that lie halfway between two results.
+inline double to_40_bits(double x) {
+  std::uint64_t bits;
+  std::memcpy(&bits, &x, sizeof bits);
+  constexpr int dropped = 13;
+  bits = (bits + (std::uint64_t{1} << (dropped - 1))) >> dropped << dropped;
+  std::memcpy(&x, &bits, sizeof bits);
+  return x;
+}
+template <int N>
+suture::pack<N> to_40_bits(suture::pack<N> x) {
+  return suture::pack<N>::map(x, [](double lane) { return to_40_bits(lane); });
 }
 
 /// Volume of the trilinear element: det J is of degree 2 in each coordinate, so

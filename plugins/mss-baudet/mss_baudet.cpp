@@ -98,14 +98,21 @@ struct inner_length_of {
   }
 };
 
-/// Zero without correction: a column of equal values is stored once.
+/// Zero without correction. Lengths are rounded so that the elements of a grid,
+/// which differ by the rounding of their coordinates, agree to the bit although D
+/// is a small difference of large terms: a column of equal values is stored once.
 struct correction_of {
   static constexpr int components = 6;
   template <class Cell, class Out>
   static void compute(const Cell& c, Out out) {
-    const auto B = correction_of_box(material_of(c.parameters()), box_lengths(rest_of(c)));
-    const double on = c.parameter(p_correction);
-    for (int i = 0; i < 6; ++i) out.set(0, i, on * B.c[i]);
+    using R = typename Cell::real;
+    suture::sym3<R> B{R(0.0), R(0.0), R(0.0), R(0.0), R(0.0), R(0.0)};
+    if (c.parameter(p_correction) != 0) {
+      auto l = box_lengths(rest_of(c));
+      for (int a = 0; a < 3; ++a) l[a] = to_40_bits(l[a]);
+      B = correction_of_box(material_of(c.parameters()), l);
+    }
+    for (int i = 0; i < 6; ++i) out.set(0, i, B.c[i]);
   }
 };
 

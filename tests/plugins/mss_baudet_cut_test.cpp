@@ -148,5 +148,22 @@ TEST(MssBaudetCut, ViscosityAfterAPlaneCutComesFromTheNewSums) {
   EXPECT_EQ(islands, 2u);
 }
 
+// On a grid no element has memory of its own, with correction neither, although
+// coordinates are rounded: lengths of 1.2/120 differ in their last bits.
+TEST(MssBaudetCut, ElementsOfAGridShareTheirConstants) {
+  const Mesh mesh = make_box({.size = {0.3, 0.3, 1.2}, .cells = {3, 3, 120}});
+  CellComplex complex(mesh.hexahedra, static_cast<Index>(mesh.points.size()));
+  Attributes attributes(complex, mesh.points);
+  Diagnostics diagnostics;
+  const auto parameters =
+      in_declared_order(mss_baudet(), with(paper_material(), {{"correction", 1}}));
+  Instance& instance = attributes.add(
+      std::make_unique<Instance>(mss_baudet(), "beam", parameters, diagnostics), complex, {});
+  attributes.initialise(complex, diagnostics);
+  EXPECT_EQ(instance.table(3).columns.size(), 4u);
+  for (const Column& column : instance.table(3).columns)
+    EXPECT_TRUE(column.is_constant()) << column.spec().name;
+}
+
 }  // namespace
 }  // namespace suture::testing

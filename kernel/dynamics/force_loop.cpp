@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/dynamics/force_loop.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <deque>
@@ -153,6 +154,7 @@ struct ForceLoop::Impl {
   }
 
   double energy_of(Index number, double time);
+  bool add_field(Index number, std::string_view field, double time, std::span<double> values);
   void add_bounds(Index number, double time, VertexBounds& sums);
 
   Attributes& attributes;
@@ -212,6 +214,48 @@ double ForceLoop::energy(double time) {
     if (!impl_->functors[i].skipped()) sum += impl_->energy_of(i, time);
   impl_->raise_failures(time);
   return sum;
+}
+
+// ------------------------------------------------------------ output fields --
+
+bool ForceLoop::Impl::add_field(Index number, std::string_view field, double time,
+                                std::span<double> values) {
+  const auto* extension = functors[number].extension<suture_output_1>(SUTURE_OUTPUT_1);
+  if (!extension) return false;
+  const std::span fields(extension->fields, extension->field_count);
+  const auto wanted = std::find_if(fields.begin(), fields.end(),
+                                   [&](const suture_field& f) { return f.name == field; });
+  if (wanted == fields.end()) return false;
+  const auto width = std::size_t{wanted->components};
+  const auto place = static_cast<std::size_t>(wanted - fields.begin());
+  run(number, time, 0,
+      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Range> ranges,
+          Index) {
+        AlignedVector<double> out(width * lanes);
+        std::vector<double*> places(fields.size(), nullptr);
+        places[place] = out.data();
+        for_each_batch(job, worker, ranges, [&](suture_batch& batch, Index row) {
+          const suture_status status = extension->compute(worker.context, &batch, places.data());
+          for (Index l = 0; l < batch.valid; ++l)
+            for (std::size_t c = 0; c < width; ++c)
+              values[(row + l) * width + c] = out[c * lanes + l];
+          return status;
+        });
+      });
+  return true;
+}
+
+bool ForceLoop::compute_field(const Instance& instance, int dimension, std::string_view field,
+                              double time, std::span<double> values) {
+  bool given = false;
+  for (Index i = 0; i < impl_->functors.size(); ++i) {
+    const CompiledFunctor& functor = impl_->functors[i];
+    const bool asked = &functor.instance() == &instance && !functor.skipped() &&
+                       static_cast<int>(functor.functor().dimension) == dimension;
+    if (asked) given |= impl_->add_field(i, field, time, values);
+  }
+  impl_->raise_failures(time);
+  return given;
 }
 
 // ------------------------------------------------------------------- bounds --

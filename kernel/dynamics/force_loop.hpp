@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
@@ -53,6 +54,12 @@ class ForceLoop {
     Index vertex = none;
   };
   Bounds bounds(double time);
+
+  /// An output field (suture.output/1) of an instance's functors on cells of a
+  /// dimension: values[row*components + c] of its table; rows that no functor
+  /// serves are left alone. False if no enabled functor gives the field.
+  bool compute_field(const Instance& instance, int dimension, std::string_view field, double time,
+                     std::span<double> values);
 
   /// Re-reads connectivity, rows and chunks after a change. O(cells touched) but
   /// when an eighth of the rows is new (edges) or for functors on faces.

@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "kernel/attributes/attributes.hpp"
 #include "kernel/base/diagnostics.hpp"
+#include "kernel/dynamics/dynamics.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
 #include "kernel/scene/scene.hpp"
 
@@ -16,18 +18,18 @@ namespace suture {
 struct Decision {
   std::string subject;  ///< "edge ids", "functor tissue/inner springs", "writer"
   bool skipped = false;
-  std::string reason;   ///< "no model and no event works on 1-cells"
+  std::string reason;  ///< "no model and no event works on 1-cells"
 };
 
 /// Where a run stands; handed to the observer a few times a second.
 struct Progress {
   std::uint64_t step = 0;
-  double time = 0;             ///< s simulated
-  double end = 0;              ///< s; 0 if the run ends at rest
-  double residual = 0;         ///< |f| / |f_ext|, for runs until rest; else 0
+  double time = 0;      ///< s simulated
+  double end = 0;       ///< s; 0 if the run ends at rest
+  double residual = 0;  ///< |f| / |f_ext|, for runs until rest; else 0
   double tolerance = 0;
   double elements_per_second = 0;
-  double seconds_left = -1;    ///< ETA; < 0: unknown
+  double seconds_left = -1;  ///< ETA; < 0: unknown
 };
 
 /// Eyes and brake of a run. Called on the thread that runs it, between steps.
@@ -43,20 +45,20 @@ struct RunSummary {
   enum class Outcome { finished, at_rest, interrupted };
   Outcome outcome = Outcome::finished;
   std::uint64_t steps = 0, frames = 0, faces_cut = 0, inverted_elements = 0;
-  double time = 0, dt = 0;             ///< s; dt of the last step
-  double seconds = 0;                  ///< wall clock of the loop
+  double time = 0, dt = 0;  ///< s; dt of the last step
+  double seconds = 0;       ///< wall clock of the loop
   double elements_per_second = 0;
   unsigned threads = 1;
-  std::string pvd;                     ///< file to open in ParaView, or ""
+  std::string pvd;  ///< file to open in ParaView, or ""
 };
 
 /// What a run will cost, from the compiled scene and a few timed steps.
 struct Estimate {
-  std::uint64_t steps = 0;             ///< 0: unknown (until rest)
+  std::uint64_t steps = 0;  ///< 0: unknown (until rest)
   std::uint64_t frames = 0;
-  double dt = 0, stable_dt = 0;        ///< s
+  double dt = 0, stable_dt = 0;  ///< s
   double seconds_per_step = 0, seconds = 0;
-  double bytes = 0;                    ///< peak of the process
+  double bytes = 0;  ///< peak of the process
 };
 
 /// A scene compiled into a run. The constructor does everything that can fail
@@ -67,10 +69,20 @@ class Simulation {
   Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics);
   ~Simulation();
 
-  /// Runs to the end, writes frames and tables. Throws NumericalError (after
-  /// writing the last good frame), IoError. Interrupted: finishes the step,
-  /// writes a frame and returns.
+  /// Runs to the end, writes frames and tables. Throws NumericalError (frames
+  /// written before stay; no frame shows a broken state) and IoError.
+  /// Interrupted: finishes the step, writes a frame and returns.
   RunSummary run(Observer& observer);
+  /// The same up to `time`, for programs that look in between; run() or the next
+  /// call goes on from there. Looking changes no bit of what follows.
+  void run_to(double time, Observer& observer);
+
+  Dynamics::Energies energies();  ///< J; potentials are zero at rest positions
+
+  const CellComplex& complex() const;
+  Attributes& attributes();
+  /// Mean displacement of the vertices that a selection names, m.
+  Vec3 mean_displacement(const Selection& selection) const;
 
   const std::vector<Decision>& decisions() const;
   /// Times a few steps (the simulation is used up by that).

@@ -15,9 +15,9 @@ Selection require_where(ObjectReader& object, const std::string& what) {
   return read_selection(*where, object.path_of("where"), object.mistakes());
 }
 
-Ramp optional_ramp(ObjectReader& object) {
+TimeRamp optional_ramp(ObjectReader& object) {
   const JsonValue* ramp = object.find("ramp");
-  return ramp ? read_ramp(*ramp, object.path_of("ramp"), object.mistakes()) : Ramp{};
+  return ramp ? read_ramp(*ramp, object.path_of("ramp"), object.mistakes()) : TimeRamp{};
 }
 
 // "xz" -> bits 1 and 4.
@@ -98,8 +98,8 @@ void read_load(ObjectReader& object, Reading& reading) {
 
 }  // namespace
 
-Ramp read_ramp(const JsonValue& value, const std::string& path, Mistakes& mistakes) {
-  Ramp ramp;
+TimeRamp read_ramp(const JsonValue& value, const std::string& path, Mistakes& mistakes) {
+  TimeRamp ramp;
   if (value.kind == JsonValue::Kind::number) {
     ramp.to = read_number(value, path, Range::not_negative("s"), mistakes).value_or(0);
     return ramp;
@@ -144,14 +144,3 @@ void read_loads(ObjectReader& top, Reading& reading) {
 }
 
 }  // namespace suture::scene_parts
-
-namespace suture {
-
-double Ramp::at(double time) const {
-  if (time >= to) return 1;
-  if (time <= from) return 0;
-  const double s = (time - from) / (to - from);
-  return smooth ? s * s * (3 - 2 * s) : s;
-}
-
-}  // namespace suture

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kernel/base/types.hpp"
+#include "kernel/dynamics/time_ramp.hpp"
 #include "kernel/mesh/box.hpp"
 #include "kernel/mesh/voxels.hpp"
 #include "kernel/topology/import.hpp"
@@ -54,13 +55,6 @@ struct Selection {
   static constexpr double default_tolerance = 1e-6;
 };
 
-/// 0 at `from`, 1 at `to`, smooth (3s^2-2s^3) or linear between. from == to: a step.
-struct Ramp {
-  double from = 0, to = 0;
-  bool smooth = false;
-  double at(double time) const;
-};
-
 struct MeshSource {
   std::optional<BoxOptions> box;       ///< or
   std::optional<VoxelOptions> voxels;  ///< or
@@ -84,7 +78,7 @@ struct Constraint {
   Vec3 translation{};  ///< m, at the end of the ramp
   Vec3 axis{}, centre{};
   double angle = 0;  ///< rad, at the end of the ramp
-  Ramp ramp;
+  TimeRamp ramp;
   bool moves = false;
 };
 
@@ -98,7 +92,7 @@ struct Load {
   Vec3 value{};
   double pressure = 0;
   Selection where;
-  Ramp ramp;
+  TimeRamp ramp;
 };
 
 struct CutPlane {
@@ -156,7 +150,7 @@ struct Scene {
   MeshSource mesh;
   std::vector<ModelUse> models;
   Vec3 gravity{};  ///< m/s^2
-  Ramp gravity_ramp;
+  TimeRamp gravity_ramp;
   std::vector<Constraint> constraints;
   std::vector<Load> loads;
   std::vector<Event> events;  ///< by time

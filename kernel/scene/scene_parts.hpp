@@ -28,7 +28,7 @@ std::optional<Vec3> read_direction(ObjectReader& object, const std::string& key)
 /// A required vector of any length.
 Vec3 require_vector(ObjectReader& object, const std::string& key, const std::string& unit,
                     const std::string& what);
-Ramp read_ramp(const JsonValue& value, const std::string& path, Mistakes& mistakes);
+TimeRamp read_ramp(const JsonValue& value, const std::string& path, Mistakes& mistakes);
 /// Reads every object of the array at `key`, if there is one.
 void for_each_object(ObjectReader& parent, const std::string& key, const std::string& of_what,
                      const std::function<void(ObjectReader&)>& read);

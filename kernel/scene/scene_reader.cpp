@@ -29,7 +29,7 @@ void read_version(ObjectReader& top) {
 void warn_of_late_ramps(const Reading& reading) {
   const Scene& scene = reading.scene;
   if (!scene.solver.end) return;
-  const auto check = [&](const Ramp& ramp, const std::string& what) {
+  const auto check = [&](const TimeRamp& ramp, const std::string& what) {
     if (ramp.to > *scene.solver.end) {
       reading.diagnostics.warn(what +
                                ": the ramp ends after the run; the full value is never reached");

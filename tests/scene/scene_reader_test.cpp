@@ -324,15 +324,5 @@ TEST(SceneReader, SuggestsFilesOfTheFolder) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(Ramp, RisesFromZeroToOne) {
-  const Ramp step{}, linear{1, 3, false}, smooth{1, 3, true};
-  EXPECT_EQ(step.at(0), 1);
-  EXPECT_EQ(linear.at(0.5), 0);
-  EXPECT_EQ(linear.at(1.5), 0.25);
-  EXPECT_EQ(linear.at(4), 1);
-  EXPECT_EQ(smooth.at(2), 0.5);
-  EXPECT_EQ(smooth.at(1.5), 0.15625);
-}
-
 }  // namespace
 }  // namespace suture::testing

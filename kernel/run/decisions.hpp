@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "kernel/run/recorder.hpp"
+#include "kernel/run/simulation.hpp"
+
+namespace suture {
+
+/// What was built, loaded and looped over for this scene, and what was skipped
+/// and why. Plugins that several models share are named once per model.
+std::vector<Decision> decide(const Scene& scene, PluginHost& host, World& world,
+                             const Recorder& recorder);
+
+}  // namespace suture

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "kernel/output/frame.hpp"
+#include "kernel/run/world.hpp"
+
+namespace suture {
+
+/// One field that a scene may ask for.
+struct FieldChoice {
+  enum class On { points, cells, springs };
+  std::string name;
+  On on = On::points;
+  bool needs_force = false;  ///< forces must belong to the positions of the frame
+  /// Computes the field; `gravity` (m/s^2) and `time` (s) as they are now.
+  std::function<void(World&, const Vec3& gravity, double time, FrameField&)> fill;
+};
+
+/// Fields that every simulation has: displacement, velocity, force, reaction,
+/// mass, fixed, node_id (points), element_id, island, model (elements).
+const std::vector<FieldChoice>& kernel_fields();
+
+/// Fields of the models in a run: output extensions and attributes flagged for
+/// output. A field of several instances is one array, NaN where no model gives it.
+std::vector<FieldChoice> model_fields(World& world);
+
+/// The chosen fields; all of a run's for the springs. Throws InputError for a
+/// name that no model of this scene gives, with the nearest.
+std::vector<FieldChoice> choose_fields(World& world, const OutputOptions& options);
+
+}  // namespace suture

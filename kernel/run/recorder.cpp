@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/run/recorder.hpp"
+
+#include <algorithm>
+
+namespace suture {
+namespace {
+
+FrameWriterOptions writer_options(const OutputOptions& options) {
+  FrameWriterOptions result;
+  result.directory = options.directory;
+  switch (options.compression) {
+    case OutputOptions::Compression::off:
+      result.compression = FrameWriterOptions::Compression::raw;
+      break;
+    case OutputOptions::Compression::lz4:
+      result.compression = FrameWriterOptions::Compression::lz4;
+      break;
+    case OutputOptions::Compression::zlib:
+      result.compression = FrameWriterOptions::Compression::zlib;
+      break;
+  }
+  return result;
+}
+
+void copy_points(World& world, std::vector<Vec3>& points) {
+  const Column& x = world.attributes.position();
+  const double* row = x.rows();
+  points.resize(x.size());
+  for (Vec3& p : points) {
+    p = {row[0], row[1], row[2]};
+    row += x.stride();
+  }
+}
+
+void fill_fields(const std::vector<FieldChoice>& choices, FieldChoice::On on, World& world,
+                 const Vec3& gravity, double time, std::vector<FrameField>& fields) {
+  std::size_t used = 0;
+  for (const FieldChoice& choice : choices) {
+    if (choice.on != on) continue;
+    if (used == fields.size()) fields.emplace_back();
+    FrameField& field = fields[used++];
+    field.name = choice.name;
+    choice.fill(world, gravity, time, field);
+  }
+  fields.resize(used);
+}
+
+std::vector<std::string> probe_columns(const std::vector<Probe>& probes) {
+  std::vector<std::string> columns{"time [s]"};
+  for (const Probe& probe : probes) {
+    for (const char* quantity : {"position", "displacement", "force"}) {
+      for (const char* axis : {"x", "y", "z"}) {
+        const std::string unit = quantity[0] == 'f' ? " [N]" : " [m]";
+        columns.push_back(probe.name + " " + quantity + " " + axis + unit);
+      }
+    }
+  }
+  return columns;
+}
+
+}  // namespace
+
+Recorder::Recorder(const Scene& scene, World& world, std::string provenance)
+    : world_(world), provenance_(std::move(provenance)) {
+  const OutputOptions& options = scene.output;
+  if (!options.enabled) return;
+  fields_ = choose_fields(world, options);
+  frames_need_force_ =
+      std::any_of(fields_.begin(), fields_.end(), [](const auto& f) { return f.needs_force; });
+  for (const Probe& probe : options.probes)
+    probe_vertices_.push_back(world.selector.vertices(probe.where));
+  frames_ = std::make_unique<FrameWriter>(writer_options(options));
+  if (options.springs) {
+    FrameWriterOptions springs = writer_options(options);
+    springs.prefix = springs.collection = "springs";
+    springs_ = std::make_unique<FrameWriter>(springs);
+  }
+  if (options.energies_every > 0) {
+    energies_ = std::make_unique<CsvWriter>(
+        options.directory / "energies.csv",
+        std::vector<std::string>{"time [s]", "dt [s]", "kinetic [J]", "elastic [J]", "external [J]",
+                                 "total [J]"});
+  }
+  if (options.probes_every > 0 && !options.probes.empty()) {
+    probes_ = std::make_unique<CsvWriter>(options.directory / "probes.csv",
+                                          probe_columns(options.probes));
+  }
+}
+
+void Recorder::frame(double time, const Vec3& gravity) {
+  if (!frames_) return;
+  Frame frame = frames_->take_frame();
+  frame.number = frame_number_;
+  frame.time = time;
+  copy_points(world_, frame.points);
+  const auto hexahedra = world_.complex().vertices();
+  frame.hexahedra.assign(hexahedra.begin(), hexahedra.end());
+  frame.lines.clear();
+  fill_fields(fields_, FieldChoice::On::points, world_, gravity, time, frame.point_fields);
+  fill_fields(fields_, FieldChoice::On::cells, world_, gravity, time, frame.cell_fields);
+  frame.field_data_provenance = provenance_;
+  frames_->submit(std::move(frame));
+  if (springs_) springs_frame(time, gravity);
+  ++frame_number_;
+}
+
+// The edges of every instance that has functors on them, row by row.
+void Recorder::springs_frame(double time, const Vec3& gravity) {
+  Frame frame = springs_->take_frame();
+  frame.number = frame_number_;
+  frame.time = time;
+  copy_points(world_, frame.points);
+  frame.hexahedra.clear();
+  frame.lines.clear();
+  for (const auto& instance : world_.attributes.instances()) {
+    const CellSet& cells = instance->table(1).cells;
+    for (Index row = 0; row < cells.size(); ++row) {
+      const Dart d = world_.complex().dart_of(1, cells.cell(row));
+      frame.lines.push_back(
+          {world_.complex().origin(d), world_.complex().origin(CellComplex::beta1(d))});
+    }
+  }
+  frame.point_fields.clear();
+  fill_fields(fields_, FieldChoice::On::springs, world_, gravity, time, frame.cell_fields);
+  frame.field_data_provenance = provenance_;
+  springs_->submit(std::move(frame));
+}
+
+void Recorder::energies(std::uint64_t step, double time, double dt, const Dynamics::Energies& row) {
+  const std::array<double, 6> values{time, dt, row.kinetic, row.elastic, row.external, row.total()};
+  energies_->row(step, values);
+}
+
+// Mean position and displacement, and the sum of internal force, load and weight.
+void Recorder::probes(std::uint64_t step, double time, const Vec3& gravity) {
+  std::vector<double> values{time};
+  const Column &x = world_.attributes.position(), &rest = world_.attributes.rest();
+  const Column &force = world_.attributes.force(), &mass = world_.attributes.mass();
+  for (const auto& vertices : probe_vertices_) {
+    Vec3 position{}, displacement{}, total{};
+    for (const Index v : vertices) {
+      for (int a = 0; a < 3; ++a) {
+        const auto i = static_cast<std::size_t>(a);
+        position[i] += x.get(v, a) / static_cast<double>(vertices.size());
+        displacement[i] += (x.get(v, a) - rest.get(v, a)) / static_cast<double>(vertices.size());
+        total[i] += force.get(v, a) + mass.get(v, 0) * gravity[i];
+      }
+    }
+    for (const Vec3& v : {position, displacement, total})
+      values.insert(values.end(), v.begin(), v.end());
+  }
+  probes_->row(step, values);
+}
+
+void Recorder::finish() {
+  if (frames_) frames_->finish();
+  if (springs_) springs_->finish();
+  if (energies_) energies_->finish();
+  if (probes_) probes_->finish();
+}
+
+std::string Recorder::collection() const { return frames_ ? frames_->collection().string() : ""; }
+
+}  // namespace suture

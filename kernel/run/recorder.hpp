@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernel/output/csv_writer.hpp"
+#include "kernel/output/frame_writer.hpp"
+#include "kernel/run/fields.hpp"
+
+namespace suture {
+
+/// Writes what a run leaves behind: frames, springs, energies.csv, probes.csv.
+/// Nothing is created on disk before the first record.
+class Recorder {
+ public:
+  /// Throws InputError for fields or probes that the scene cannot have.
+  Recorder(const Scene& scene, World& world, std::string provenance);
+
+  bool writes_frames() const { return frames_ != nullptr; }
+  bool writes_energies() const { return energies_ != nullptr; }
+  bool writes_probes() const { return probes_ != nullptr; }
+  /// Frames (or probes) show forces: they must belong to the present positions.
+  bool frames_need_force() const { return frames_need_force_; }
+
+  void frame(double time, const Vec3& gravity);
+  void energies(std::uint64_t step, double time, double dt, const Dynamics::Energies& row);
+  void probes(std::uint64_t step, double time, const Vec3& gravity);
+  /// Waits until all is on disk. Throws IoError.
+  void finish();
+
+  std::size_t frames_written() const { return frame_number_; }
+  std::string collection() const;
+  const std::vector<FieldChoice>& fields() const { return fields_; }
+
+ private:
+  void springs_frame(double time, const Vec3& gravity);
+
+  World& world_;
+  std::string provenance_;
+  std::vector<FieldChoice> fields_;
+  bool frames_need_force_ = false;
+  std::size_t frame_number_ = 0;
+  std::vector<std::vector<Index>> probe_vertices_;
+  std::unique_ptr<FrameWriter> frames_, springs_;
+  std::unique_ptr<CsvWriter> energies_, probes_;
+};
+
+}  // namespace suture

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/run/select.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "kernel/base/error.hpp"
+#include "kernel/base/nearest.hpp"
+
+namespace suture {
+namespace {
+
+double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+
+double length(const Vec3& a) { return std::sqrt(dot(a, a)); }
+
+// Whether a point lies in a geometric selection. `diagonal`: of the mesh, m.
+struct Contains {
+  const Vec3& p;
+  double diagonal;
+  bool operator()(const Selection::All&) const { return true; }
+  bool operator()(const Selection::Box& b) const {
+    for (int a = 0; a < 3; ++a) {
+      if (p[a] < b.min[a] || p[a] > b.max[a]) return false;
+    }
+    return true;
+  }
+  bool operator()(const Selection::Plane& s) const {
+    const double tolerance =
+        s.tolerance < 0 ? Selection::default_tolerance * diagonal : s.tolerance;
+    return std::abs(dot(minus(p, s.point), s.normal)) <= tolerance * length(s.normal);
+  }
+  bool operator()(const Selection::HalfSpace& s) const {
+    return dot(minus(p, s.point), s.normal) >= 0;
+  }
+  bool operator()(const Selection::Sphere& s) const {
+    return length(minus(p, s.centre)) <= s.radius;
+  }
+  bool operator()(const Selection::Nearest&) const { return false; }
+  bool operator()(const Selection::Ids&) const { return false; }
+  bool operator()(const Selection::Named&) const { return false; }
+};
+
+struct Bounds {
+  Vec3 low, high;
+};
+
+Bounds bounds(const std::vector<Vec3>& points) {
+  Bounds box{points.front(), points.front()};
+  for (const Vec3& p : points) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      box.low[a] = std::min(box.low[a], p[a]);
+      box.high[a] = std::max(box.high[a], p[a]);
+    }
+  }
+  return box;
+}
+
+std::string bounds_text(const std::vector<Vec3>& points) {
+  const auto [low, high] = bounds(points);
+  std::ostringstream text;
+  text << '[' << low[0] << ", " << low[1] << ", " << low[2] << "] to [" << high[0] << ", "
+       << high[1] << ", " << high[2] << "] m";
+  return text.str();
+}
+
+Index nearest_to(const Vec3& target, const std::vector<Vec3>& points) {
+  const auto distance = [&](const Vec3& p) { return length(minus(p, target)); };
+  const auto best =
+      std::min_element(points.begin(), points.end(),
+                       [&](const Vec3& a, const Vec3& b) { return distance(a) < distance(b); });
+  return static_cast<Index>(best - points.begin());
+}
+
+std::vector<Vec3> centroids(const Imported& imported) {
+  std::vector<Vec3> result(imported.complex.element_count());
+  for (Index e = 0; e < imported.complex.element_count(); ++e) {
+    for (Index v : imported.complex.vertices_of(e)) {
+      for (std::size_t a = 0; a < 3; ++a) result[e][a] += imported.rest[v][a] / 8;
+    }
+  }
+  return result;
+}
+
+std::vector<std::string> set_names(const std::map<std::string, std::vector<Index>>& a,
+                                   const std::map<std::string, std::vector<Index>>& b) {
+  std::vector<std::string> names;
+  for (const auto& [name, unused] : a) names.push_back(name);
+  for (const auto& [name, unused] : b) names.push_back(name);
+  return names;
+}
+
+[[noreturn]] void unknown_set(const Selection& selection, const std::string& set,
+                              const std::vector<std::string>& names) {
+  std::string text =
+      selection.path + ": the mesh has no set '" + set + "'" + did_you_mean(set, names);
+  text += names.empty() ? "; it has no named sets" : "; it has";
+  for (std::size_t i = 0; i < names.size() && i < 12; ++i) text += (i ? ", " : " ") + names[i];
+  throw InputError(text + (names.size() > 12 ? ", ..." : ""));
+}
+
+[[noreturn]] void unknown_id(const Selection& selection, const char* kind, std::uint64_t id) {
+  throw InputError(selection.path + ": the mesh has no " + kind + " with id " + std::to_string(id));
+}
+
+std::map<std::uint64_t, Index> positions(const std::vector<std::uint64_t>& ids) {
+  std::map<std::uint64_t, Index> map;
+  for (std::size_t i = 0; i < ids.size(); ++i) map.emplace(ids[i], static_cast<Index>(i));
+  return map;
+}
+
+// Position of a user's id in the mesh, or `none`.
+Index position_of(std::uint64_t id, std::size_t count, const std::map<std::uint64_t, Index>& map) {
+  if (map.empty()) return id < count ? static_cast<Index>(id) : none;
+  const auto found = map.find(id);
+  return found == map.end() ? none : found->second;
+}
+
+}  // namespace
+
+MeshNames MeshNames::of(const Mesh& mesh) {
+  return {mesh.point_sets,  mesh.element_sets,  mesh.point_ids,
+          mesh.element_ids, mesh.points.size(), mesh.hexahedra.size()};
+}
+
+Selector::Selector(const Imported& imported, const MeshNames& names)
+    : imported_(imported),
+      names_(names),
+      diagonal_(length(minus(bounds(imported.rest).high, bounds(imported.rest).low))),
+      point_position_(positions(names.point_ids)),
+      element_position_(positions(names.element_ids)) {}
+
+Index Selector::element_with_id(std::uint64_t id) const {
+  const Index position = position_of(id, names_.element_count, element_position_);
+  return position == none ? none : imported_.element_of[position];
+}
+
+std::vector<Index> Selector::named_vertices(const Selection& selection,
+                                            const std::string& set) const {
+  std::vector<Index> result;
+  if (const auto found = names_.point_sets.find(set); found != names_.point_sets.end()) {
+    for (Index point : found->second) {
+      for (Index vertex : imported_.vertices_of_point(point)) result.push_back(vertex);
+    }
+  } else if (const auto elements = names_.element_sets.find(set);
+             elements != names_.element_sets.end()) {
+    for (Index position : elements->second) {
+      const Hexahedron& nodes = imported_.complex.vertices_of(imported_.element_of[position]);
+      result.insert(result.end(), nodes.begin(), nodes.end());
+    }
+  } else {
+    unknown_set(selection, set, set_names(names_.point_sets, names_.element_sets));
+  }
+  return result;
+}
+
+bool Selector::contains(const Selection& selection, const Vec3& p) const {
+  return std::visit(Contains{p, diagonal_}, selection.what);
+}
+
+std::vector<char> Selector::vertex_mask(const Selection& selection) const {
+  std::vector<char> mask(imported_.rest.size());
+  if (const auto* ids = std::get_if<Selection::Ids>(&selection.what)) {
+    for (std::uint64_t id : ids->ids) {
+      const Index point = position_of(id, names_.point_count, point_position_);
+      if (point == none) unknown_id(selection, "node", id);
+      for (Index vertex : imported_.vertices_of_point(point)) mask[vertex] = 1;
+    }
+  } else if (const auto* named = std::get_if<Selection::Named>(&selection.what)) {
+    for (Index vertex : named_vertices(selection, named->set)) mask[vertex] = 1;
+  } else if (const auto* near = std::get_if<Selection::Nearest>(&selection.what)) {
+    mask[nearest_to(near->point, imported_.rest)] = 1;
+  } else {
+    for (std::size_t v = 0; v < mask.size(); ++v) mask[v] = contains(selection, imported_.rest[v]);
+  }
+  return mask;
+}
+
+std::vector<Index> Selector::vertices(const Selection& selection) const {
+  const std::vector<char> mask = vertex_mask(selection);
+  std::vector<Index> result;
+  for (std::size_t v = 0; v < mask.size(); ++v) {
+    if (mask[v]) result.push_back(static_cast<Index>(v));
+  }
+  if (result.empty()) {
+    throw InputError(selection.path + ": selects no node; the nodes lie in " +
+                     bounds_text(imported_.rest));
+  }
+  return result;
+}
+
+std::vector<Index> Selector::elements(const Selection& selection) const {
+  const CellComplex& complex = imported_.complex;
+  std::vector<Index> result;
+  if (const auto* ids = std::get_if<Selection::Ids>(&selection.what)) {
+    for (std::uint64_t id : ids->ids) {
+      const Index element = element_with_id(id);
+      if (element == none) unknown_id(selection, "element", id);
+      result.push_back(element);
+    }
+  } else if (const auto* named = std::get_if<Selection::Named>(&selection.what)) {
+    const auto found = names_.element_sets.find(named->set);
+    if (found == names_.element_sets.end()) {
+      unknown_set(selection, named->set, set_names(names_.element_sets, {}));
+    }
+    for (Index position : found->second) result.push_back(imported_.element_of[position]);
+  } else {
+    const std::vector<Vec3> centres = centroids(imported_);
+    if (const auto* near = std::get_if<Selection::Nearest>(&selection.what)) {
+      result.push_back(nearest_to(near->point, centres));
+    }
+    for (Index e = 0; e < complex.element_count(); ++e) {
+      if (contains(selection, centres[e])) result.push_back(e);
+    }
+  }
+  if (result.empty()) {
+    throw InputError(
+        selection.path +
+        ": selects no element (an element is selected by its centroid); the mesh lies in " +
+        bounds_text(imported_.rest));
+  }
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+std::vector<Dart> Selector::boundary_faces(const Selection& selection) const {
+  const CellComplex& complex = imported_.complex;
+  const std::vector<char> mask = vertex_mask(selection);
+  std::vector<Dart> result;
+  for (Index e = 0; e < complex.element_count(); ++e) {
+    const Hexahedron& nodes = complex.vertices_of(e);
+    for (int f = 0; f < 6; ++f) {
+      const auto& corners = suture_hexahedron_faces[f];
+      const bool selected =
+          std::all_of(corners, corners + 4, [&](auto c) { return mask[nodes[c]] != 0; });
+      if (selected && complex.neighbour(e, f) == none)
+        result.push_back(24 * e + 4 * static_cast<Dart>(f));
+    }
+  }
+  if (result.empty()) {
+    throw InputError(selection.path +
+                     ": selects no boundary face (all four nodes of a face must be selected); the "
+                     "nodes lie in " +
+                     bounds_text(imported_.rest));
+  }
+  return result;
+}
+
+}  // namespace suture

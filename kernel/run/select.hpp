@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "kernel/scene/scene.hpp"
+#include "kernel/topology/import.hpp"
+
+namespace suture {
+
+/// What the file calls things: kept aside when a mesh is imported, because the
+/// complex has numbers of its own.
+struct MeshNames {
+  std::map<std::string, std::vector<Index>> point_sets;
+  std::map<std::string, std::vector<Index>> element_sets;
+  std::vector<std::uint64_t> point_ids;  ///< empty: 0, 1, 2, ...
+  std::vector<std::uint64_t> element_ids;
+  std::size_t point_count = 0, element_count = 0;
+
+  static MeshNames of(const Mesh& mesh);
+  std::uint64_t element_id(Index position) const {
+    return element_ids.empty() ? position : element_ids[position];
+  }
+  std::uint64_t point_id(Index position) const {
+    return point_ids.empty() ? position : point_ids[position];
+  }
+};
+
+/// Turns the selections of a scene into cells of the complex, once, at rest.
+/// Results are ascending. A selection that selects nothing, an unknown set or
+/// an unknown id throws InputError with the selection's JSON path. O(cells).
+class Selector {
+ public:
+  Selector(const Imported& imported, const MeshNames& names);
+
+  std::vector<Index> vertices(const Selection& selection) const;
+  /// Elements whose centroid is selected (ids and sets: the elements named).
+  std::vector<Index> elements(const Selection& selection) const;
+  /// One dart of each boundary face whose four vertices are selected.
+  std::vector<Dart> boundary_faces(const Selection& selection) const;
+
+  /// Element of the complex with the user's id, or `none`.
+  Index element_with_id(std::uint64_t id) const;
+
+ private:
+  bool contains(const Selection& selection, const Vec3& p) const;
+  std::vector<char> vertex_mask(const Selection& selection) const;
+  std::vector<Index> named_vertices(const Selection& selection, const std::string& set) const;
+
+  const Imported& imported_;
+  const MeshNames& names_;
+  double diagonal_;
+  std::map<std::uint64_t, Index> point_position_, element_position_;  ///< only where ids are given
+};
+
+}  // namespace suture

@@ -1,0 +1,369 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/run/simulation.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <sstream>
+
+#include "kernel/base/error.hpp"
+#include "kernel/dynamics/rest_search.hpp"
+#include "kernel/events/cut_faces.hpp"
+#include "kernel/run/clock.hpp"
+#include "kernel/run/decisions.hpp"
+#include "kernel/run/guard.hpp"
+
+namespace suture {
+namespace {
+
+using Wall = std::chrono::steady_clock;
+
+double seconds_since(Wall::time_point start) {
+  return std::chrono::duration<double>(Wall::now() - start).count();
+}
+
+// Steps between looks at energy and inversion, and between those at the bound
+// of an automatic dt: 1 % of the forces each. Counted in steps, not seconds, so
+// that a run is the same on every machine.
+constexpr std::uint64_t guard_steps = 64;
+constexpr std::uint64_t bound_steps = 1024;
+constexpr std::uint64_t rest_step_limit = 10'000'000;
+
+// Times that an automatic dt must hit.
+std::vector<double> stops_of(const Scene& scene) {
+  std::vector<double> stops{scene.gravity_ramp.from, scene.gravity_ramp.to};
+  for (const Event& event : scene.events) stops.push_back(event.at);
+  const auto add = [&](const TimeRamp& ramp) { stops.insert(stops.end(), {ramp.from, ramp.to}); };
+  for (const Constraint& constraint : scene.constraints) add(constraint.ramp);
+  for (const Load& load : scene.loads) add(load.ramp);
+  return stops;
+}
+
+std::string provenance_of(const Scene& scene, PluginHost& host, const World& world) {
+  std::ostringstream text;
+  text << "suture " SUTURE_VERSION "; scene " << scene.file.filename().string() << ' ' << scene.hash
+       << "; mesh " << world.mesh_source << ';';
+  for (const ModelUse& use : scene.models) {
+    const suture_plugin& plugin = host.plugin_of(*use.model);
+    text << ' ' << use.model->id << " (" << plugin.id << ' ' << plugin.version << ", "
+         << host.file_of(*use.model).filename().string() << ");";
+  }
+  text << " threads " << world.dynamics->forces().threads() << "; "
+       << world.dynamics->forces().isa();
+  return text.str();
+}
+
+}  // namespace
+
+struct Simulation::Impl {
+  Impl(const Scene& s, PluginHost& host, Diagnostics& d)
+      : scene(s),
+        diagnostics(d),
+        world(s, d),
+        recorder(s, world, provenance_of(s, host, world)),
+        clock(s.solver.dt, stops_of(s), s.output.enabled ? s.output.every : 0, s.solver.end),
+        guard(s, world, d) {
+    decisions = decide(scene, host, world, recorder);
+    if (scene.solver.until_rest) {
+      rest.emplace(scene.solver.tolerance, scene.solver.automatic_damping);
+      if (!scene.events.empty()) rest->wait_until(scene.events.back().at);
+    }
+    world.dynamics->start();
+    find_stable_step();
+  }
+
+  Vec3 gravity_now() const {
+    Vec3 g = scene.gravity;
+    for (double& component : g) component *= scene.gravity_ramp.value(clock.time());
+    return g;
+  }
+
+  // ---- the stable step ----
+
+  // A fixed dt is compared once, and again after each cut; an automatic one follows.
+  void find_stable_step() {
+    try {
+      stable = world.dynamics->bounds().dt;
+    } catch (const PluginError&) {
+      if (!scene.solver.dt) throw;
+      return;  // a model without a bound runs with the user's dt
+    }
+    if (scene.solver.dt && *scene.solver.dt > stable && !warned_of_dt) {
+      warned_of_dt = true;
+      std::ostringstream text;
+      text << "/solver/dt is " << *scene.solver.dt << " s, above the bound of the stable step, "
+           << stable
+           << " s (which is on the safe side by up to a quarter); the run may become unstable, "
+              "\"auto\" follows the bound";
+      diagnostics.warn(text.str());
+    }
+    if (!scene.solver.dt && !std::isfinite(stable)) {
+      throw InputError(
+          "/solver/dt: \"auto\" needs a force, and no model gives one; give a number of seconds");
+    }
+  }
+
+  double next_dt() { return clock.next_dt(scene.solver.safety * stable); }
+
+  // ---- events ----
+
+  void fire_events(Observer& observer) {
+    while (next_event < scene.events.size() && clock.reached(scene.events[next_event].at)) {
+      fire(scene.events[next_event++], observer);
+    }
+  }
+
+  std::vector<Dart> faces_of(const Event& event) {
+    const Column& shape = event.rest_shape ? world.attributes.rest() : world.attributes.position();
+    if (const auto* plane = std::get_if<CutPlane>(&event.what)) {
+      return faces_across_plane(world.complex(), shape.rows(), plane->point, plane->normal);
+    }
+    ListedFaces listed = faces_between(
+        world.complex(), event.path, std::get<CutFaces>(event.what).element_pairs,
+        [&](std::uint64_t id) { return world.selector.element_with_id(id); }, world.user_vertex);
+    if (!listed.cut_before.empty()) {
+      diagnostics.warn(event.path + ": " + std::to_string(listed.cut_before.size()) +
+                       " of the faces are cut already, the first between elements " +
+                       std::to_string(listed.cut_before[0][0]) + " and " +
+                       std::to_string(listed.cut_before[0][1]));
+    }
+    return std::move(listed.faces);
+  }
+
+  void fire(const Event& event, Observer& observer) {
+    const std::vector<Dart> faces = faces_of(event);
+    std::ostringstream text;
+    text << "t = " << clock.time() << " s: ";
+    if (faces.empty()) {
+      diagnostics.warn(text.str() + event.path + " cuts no face: the blade misses the body");
+      return;
+    }
+    const Index cut = world.cut(faces);
+    summary.faces_cut += cut;
+    Index islands = 0;
+    world.complex().islands(&islands);
+    text << "cut " << cut << (cut == 1 ? " face, " : " faces, ") << islands
+         << (islands == 1 ? " island" : " islands");
+    observer.on_message(text.str());
+    find_stable_step();
+  }
+
+  // ---- records ----
+
+  bool frame_is_due() const {
+    const OutputOptions& output = scene.output;
+    if (!recorder.writes_frames()) return false;
+    if (clock.step() == 0) return true;
+    if (output.every_steps > 0) return clock.step() % output.every_steps == 0;
+    return output.every > 0 &&
+           clock.reached(static_cast<double>(recorder.frames_written()) * output.every);
+  }
+
+  void write_frame() {
+    guard.check(clock.step(), clock.time(), last_dt);
+    world.dynamics->synchronise();
+    recorder.frame(clock.time(), gravity_now());
+    last_frame_step = clock.step();
+  }
+
+  void record() {
+    if (frame_is_due()) write_frame();
+    if (recorder.writes_energies() && clock.step() % scene.output.energies_every == 0) {
+      recorder.energies(clock.step(), clock.time(), last_dt, world.dynamics->energies());
+    }
+    if (recorder.writes_probes() && clock.step() % scene.output.probes_every == 0) {
+      world.dynamics->synchronise();
+      recorder.probes(clock.step(), clock.time(), gravity_now());
+    }
+  }
+
+  void finish() {
+    if (recorder.writes_frames() && last_frame_step != clock.step()) write_frame();
+    recorder.finish();
+  }
+
+  // ---- the loop ----
+
+  void step() {
+    const double dt = next_dt();
+    if (!(dt > 0))
+      throw NumericalError("the stable step is " + std::to_string(dt) + " s; nothing can move on");
+    const double begin = clock.time();
+    clock.advance();
+    try {
+      world.dynamics->step(clock.time() - begin, clock.time());
+    } catch (const NumericalError& error) {
+      throw NumericalError("step " + std::to_string(clock.step()) + ": " + error.what());
+    }
+    last_dt = dt;
+    if (clock.step() % guard_steps == 0) guard.check(clock.step(), clock.time(), dt);
+    if (!scene.solver.dt && clock.step() % bound_steps == 0) find_stable_step();
+  }
+
+  bool is_at_end() {
+    if (clock.finished()) {
+      summary.outcome = RunSummary::Outcome::finished;
+      if (rest) {
+        std::ostringstream text;
+        text << "not at rest at /solver/end, t = " << clock.time() << " s: the residual is "
+             << rest->residual() << ", asked for " << rest->tolerance();
+        diagnostics.warn(text.str());
+      }
+      return true;
+    }
+    if (rest && clock.step() > 0 && rest->at_rest(*world.dynamics)) {
+      summary.outcome = RunSummary::Outcome::at_rest;
+      return true;
+    }
+    const std::uint64_t limit = scene.solver.max_steps ? scene.solver.max_steps
+                                : rest                 ? rest_step_limit
+                                                       : 0;
+    if (limit == 0 || clock.step() < limit) return false;
+    if (!rest) return true;
+    std::ostringstream text;
+    text << "not at rest after " << limit << " steps: the residual is " << rest->residual()
+         << ", asked for " << rest->tolerance()
+         << "; raise /solver/max_steps or /solver/tolerance, or damp more";
+    throw NumericalError(text.str());
+  }
+
+  void report(Observer& observer, Wall::time_point start, std::uint64_t first_step) {
+    Progress progress;
+    progress.step = clock.step();
+    progress.time = clock.time();
+    progress.end = scene.solver.end.value_or(0);
+    if (rest) {
+      progress.residual = rest->residual();
+      progress.tolerance = rest->tolerance();
+    }
+    const double spent = seconds_since(start);
+    const auto steps = static_cast<double>(clock.step() - first_step);
+    progress.elements_per_second = spent > 0 ? steps * world.complex().element_count() / spent : 0;
+    if (progress.end > 0 && clock.time() > 0 && !rest) {
+      progress.seconds_left = spent * (progress.end - clock.time()) / clock.time();
+    }
+    observer.on_progress(progress);
+  }
+
+  /// Until `until`, or the end of the scene. Things due at a time come in the
+  /// order events, records, step: a frame shows what an event at its time did.
+  void loop(std::optional<double> until, Observer& observer) {
+    const Wall::time_point start = Wall::now();
+    Wall::time_point reported = start;
+    const std::uint64_t first_step = clock.step();
+    while (true) {
+      fire_events(observer);
+      if (recorded_step != clock.step()) record();
+      recorded_step = clock.step();
+      if (is_at_end() || (until && clock.reached(*until))) break;
+      if (observer.stop_requested()) {
+        summary.outcome = RunSummary::Outcome::interrupted;
+        break;
+      }
+      step();
+      if (clock.step() % 16 == 0 && seconds_since(reported) > 0.1) {
+        report(observer, start, first_step);
+        reported = Wall::now();
+      }
+    }
+    summary.seconds += seconds_since(start);
+  }
+
+  RunSummary run(Observer& observer) {
+    loop(std::nullopt, observer);
+    finish();
+    summary.steps = clock.step();
+    summary.time = clock.time();
+    summary.dt = last_dt;
+    summary.frames = recorder.frames_written();
+    summary.inverted_elements = guard.inverted_elements();
+    summary.threads = world.dynamics->forces().threads();
+    if (summary.seconds > 0) {
+      summary.elements_per_second =
+          static_cast<double>(summary.steps) * world.complex().element_count() / summary.seconds;
+    }
+    summary.pvd = recorder.collection();
+    return summary;
+  }
+
+  const Scene& scene;
+  Diagnostics& diagnostics;
+  World world;
+  Recorder recorder;
+  Clock clock;
+  Guard guard;
+  std::optional<RestSearch> rest;
+  std::vector<Decision> decisions;
+  RunSummary summary;
+  std::size_t next_event = 0;
+  double stable = 0, last_dt = 0;
+  bool warned_of_dt = false;
+  std::uint64_t recorded_step = ~std::uint64_t{0}, last_frame_step = ~std::uint64_t{0};
+};
+
+Simulation::Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics)
+    : impl_(std::make_unique<Impl>(scene, host, diagnostics)) {}
+
+Simulation::~Simulation() = default;
+
+RunSummary Simulation::run(Observer& observer) { return impl_->run(observer); }
+
+void Simulation::run_to(double time, Observer& observer) { impl_->loop(time, observer); }
+
+Dynamics::Energies Simulation::energies() { return impl_->world.dynamics->energies(); }
+
+const std::vector<Decision>& Simulation::decisions() const { return impl_->decisions; }
+
+const CellComplex& Simulation::complex() const { return impl_->world.imported.complex; }
+
+Attributes& Simulation::attributes() { return impl_->world.attributes; }
+
+Vec3 Simulation::mean_displacement(const Selection& selection) const {
+  const std::vector<Index> vertices = impl_->world.selector.vertices(selection);
+  const Column &x = impl_->world.attributes.position(), &rest = impl_->world.attributes.rest();
+  Vec3 mean{};
+  for (const Index v : vertices) {
+    for (int a = 0; a < 3; ++a) {
+      mean[static_cast<std::size_t>(a)] +=
+          (x.get(v, a) - rest.get(v, a)) / static_cast<double>(vertices.size());
+    }
+  }
+  return mean;
+}
+
+// Times steps as they come until a tenth of a second has gone, and a frame if the
+// scene writes any.
+Estimate Simulation::estimate() {
+  Impl& impl = *impl_;
+  const Scene& scene = impl.scene;
+  Estimate estimate;
+  estimate.stable_dt = impl.stable;
+  estimate.dt = impl.next_dt();
+  const Wall::time_point start = Wall::now();
+  std::uint64_t steps = 0;
+  while (seconds_since(start) < 0.1) {
+    impl.step();
+    ++steps;
+  }
+  estimate.seconds_per_step = seconds_since(start) / static_cast<double>(steps);
+  if (scene.solver.end)
+    estimate.steps = static_cast<std::uint64_t>(std::ceil(*scene.solver.end / estimate.dt - 1e-9));
+  if (impl.recorder.writes_frames() && scene.solver.end) {
+    estimate.frames = 2;
+    if (scene.output.every > 0) {
+      estimate.frames =
+          1 + static_cast<std::uint64_t>(std::ceil(*scene.solver.end / scene.output.every - 1e-9));
+    }
+    if (scene.output.every_steps > 0)
+      estimate.frames = 1 + estimate.steps / scene.output.every_steps;
+  }
+  estimate.seconds = static_cast<double>(estimate.steps) * estimate.seconds_per_step;
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  estimate.bytes = 1024.0 * static_cast<double>(usage.ru_maxrss);
+  return estimate;
+}
+
+}  // namespace suture

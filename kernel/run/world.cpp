@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/run/world.hpp"
+
+#include <algorithm>
+
+#include "kernel/base/error.hpp"
+#include "kernel/mesh/mesh_file.hpp"
+
+namespace suture {
+namespace {
+
+Mesh load_mesh(const MeshSource& source, Diagnostics& diagnostics) {
+  if (source.box) return make_box(*source.box);
+  if (source.voxels) return make_voxels(*source.voxels);
+  return read_mesh(source.file, source.scale, diagnostics);
+}
+
+DynamicsOptions dynamics_options(const Scene& scene) {
+  DynamicsOptions options;
+  options.scheme = scene.solver.integrator == SolverOptions::Integrator::velocity_verlet
+                       ? DynamicsOptions::Scheme::velocity_verlet
+                       : DynamicsOptions::Scheme::symplectic_euler;
+  options.damping = scene.solver.damping;
+  options.gravity = scene.gravity;
+  options.gravity_ramp = scene.gravity_ramp;
+  options.threads = scene.solver.threads;
+  return options;
+}
+
+// Every element needs a model, or its vertices would have no mass.
+void check_coverage(const World& world) {
+  const auto& instances = world.attributes.instances();
+  const Index count = world.imported.complex.element_count();
+  if (std::any_of(instances.begin(), instances.end(),
+                  [&](const auto& i) { return i->table(3).cells.is_all(); })) {
+    return;
+  }
+  std::vector<char> covered(count);
+  for (const auto& instance : instances) {
+    for (const Index e : instance->table(3).cells.cells()) covered[e] = 1;
+  }
+  const auto bare = std::count(covered.begin(), covered.end(), 0);
+  if (bare == 0) return;
+  const auto first =
+      static_cast<Index>(std::find(covered.begin(), covered.end(), 0) - covered.begin());
+  throw InputError("/models: " + std::to_string(bare) + " of " + std::to_string(count) +
+                   " elements have no model, the first is element " +
+                   std::to_string(world.names.element_id(world.imported.user_element[first])) +
+                   "; let the regions of the models cover the mesh");
+}
+
+}  // namespace
+
+World::World(const Scene& scene, Diagnostics& diagnostics)
+    : World(scene, load_mesh(scene.mesh, diagnostics), diagnostics) {}
+
+World::World(const Scene& scene, Mesh mesh, Diagnostics& diagnostics)
+    : mesh_source(mesh.source),
+      names(MeshNames::of(mesh)),
+      imported(import_mesh(std::move(mesh), scene.mesh.import, diagnostics)),
+      selector(imported, names),
+      attributes(imported.complex, imported.rest),
+      user_vertex(imported.user_vertex) {
+  for (const Index element : imported.user_element) {
+    attributes.user_element.push_back(static_cast<Index>(names.element_id(element)));
+  }
+  add_models(scene, diagnostics);
+  dynamics = std::make_unique<Dynamics>(attributes, complex(), dynamics_options(scene));
+  add_constraints(scene);
+  add_loads(scene);
+}
+
+void World::add_models(const Scene& scene, Diagnostics& diagnostics) {
+  for (const ModelUse& use : scene.models) {
+    std::vector<Index> region;
+    if (!std::holds_alternative<Selection::All>(use.region.what))
+      region = selector.elements(use.region);
+    attributes.add(std::make_unique<Instance>(*use.model, use.name, use.parameters, diagnostics),
+                   complex(), std::move(region));
+  }
+  check_coverage(*this);
+  attributes.initialise(complex(), diagnostics);
+}
+
+void World::add_constraints(const Scene& scene) {
+  for (const Constraint& constraint : scene.constraints) {
+    PrescribedMotion motion;
+    if (constraint.moves) {
+      motion.translation = constraint.translation;
+      motion.axis = constraint.axis;
+      motion.centre = constraint.centre;
+      motion.angle = constraint.angle;
+      motion.ramp = constraint.ramp;
+    }
+    dynamics->constraints().add(selector.vertices(constraint.where), constraint.components, motion,
+                                attributes);
+  }
+}
+
+void World::add_loads(const Scene& scene) {
+  Loads& loads = dynamics->loads();
+  for (const Load& load : scene.loads) {
+    switch (load.kind) {
+      case Load::Kind::force:
+        loads.add_force(complex(), attributes, selector.vertices(load.where), load.value,
+                        load.ramp);
+        break;
+      case Load::Kind::traction:
+        loads.add_traction(complex(), attributes, selector.boundary_faces(load.where), load.value,
+                           load.ramp);
+        break;
+      case Load::Kind::pressure:
+        loads.add_pressure(complex(), selector.boundary_faces(load.where), load.pressure,
+                           load.ramp);
+        break;
+    }
+  }
+}
+
+Index World::cut(const std::vector<Dart>& faces) {
+  dynamics->synchronise();
+  const TopologyChange change = complex().cut(faces);
+  for (const Split& split : change.splits[0]) user_vertex.push_back(user_vertex[split.old_cell]);
+  attributes.apply(complex(), change);
+  dynamics->update(complex(), change);
+  return change.faces_cut;
+}
+
+}  // namespace suture

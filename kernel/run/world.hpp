@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "kernel/attributes/attributes.hpp"
+#include "kernel/dynamics/dynamics.hpp"
+#include "kernel/run/select.hpp"
+#include "kernel/scene/scene.hpp"
+
+namespace suture {
+
+/// What a scene builds before the first step, in the order of the flow: mesh,
+/// complex, attributes, dynamics with its constraints and loads. Members refer to each
+/// other: neither copied nor moved.
+class World {
+ public:
+  /// Throws whatever the stages throw: InputError, TopologyError, PluginError.
+  World(const Scene& scene, Diagnostics& diagnostics);
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  CellComplex& complex() { return imported.complex; }
+  /// 3-unsews faces, then everything that depends on cells follows. Returns how
+  /// many were cut.
+  Index cut(const std::vector<Dart>& faces);
+
+  std::string mesh_source;
+  MeshNames names;
+  Imported imported;
+  Selector selector;
+  Attributes attributes;
+  std::unique_ptr<Dynamics> dynamics;
+  std::vector<Index> user_vertex;  ///< of every vertex, also of those that cuts made
+
+ private:
+  World(const Scene& scene, Mesh mesh, Diagnostics& diagnostics);
+  void add_models(const Scene& scene, Diagnostics& diagnostics);
+  void add_constraints(const Scene& scene);
+  void add_loads(const Scene& scene);
+};
+
+}  // namespace suture

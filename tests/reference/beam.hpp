@@ -16,6 +16,8 @@
 // 6e-15 m. Root elements of the full load invert from 0.45 s on: compare to 0.40 s.
 #pragma once
 
+#include <ostream>
+
 namespace suture::reference {
 
 struct StaticBeam {
@@ -26,6 +28,8 @@ struct StaticBeam {
   double tip_ux, tip_uy;   ///< m
   double strain_energy;    ///< J
 };
+
+inline void PrintTo(const StaticBeam& beam, std::ostream* out) { *out << beam.name; }
 
 inline constexpr StaticBeam static_beams[] = {
     {"A_Q1_5x5x20_G2", 20, 5, "gauss2", 9.8, -0.1498277739630259, -0.49929120063264626,

@@ -45,6 +45,10 @@ class TextCursor {
   explicit TextCursor(const FileText& file, Comments comments = Comments::absent)
       : file_(&file), p_(file.begin()), end_(file.end()), comments_(comments) {}
 
+  /// A part of the file.
+  TextCursor(const FileText& file, const char* begin, const char* end)
+      : file_(&file), p_(begin), end_(end), comments_(Comments::absent) {}
+
   const char* position() const { return p_; }
   void seek(const char* p) { p_ = p; }
   std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - p_); }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "kernel/mesh/readers.hpp"
-#include "kernel/vtk/vtk_grid.hpp"
+#include "kernel/mesh/vtk_grid.hpp"
 
 namespace suture {
 

@@ -23,7 +23,7 @@ CsvWriter::CsvWriter(std::filesystem::path path, const std::vector<std::string>&
       columns_(columns.size()),
       buffer_("step"),
       flushed_(std::chrono::steady_clock::now()) {
-  for (const std::string& name : columns) buffer_ += "," + cell(name);
+  for (const std::string& name : columns) buffer_.append(1, ',').append(cell(name));
   buffer_ += '\n';
 }
 

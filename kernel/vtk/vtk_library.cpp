@@ -33,8 +33,9 @@ class Library final : public VtkModule {
     vtkOutputWindow::SetInstance(window);
     vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
   }
-  std::string read_vtu(const std::string& path, VtkGrid& grid) const override {
-    return read_vtu_file(path, grid);
+  bool expand(VtuCompression compression, std::span<const unsigned char> block,
+              std::span<unsigned char> out) const override {
+    return expand_block(compression, block, out);
   }
   VtuOutcome write_vtu(const std::string& path, const VtuImage& image) const override {
     return write_vtu_file(path, image);

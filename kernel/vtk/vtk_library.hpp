@@ -25,7 +25,8 @@ class VtkMessages {
   std::string first_;
 };
 
-std::string read_vtu_file(const std::string& path, VtkGrid& grid);
+bool expand_block(VtuCompression compression, std::span<const unsigned char> block,
+                  std::span<unsigned char> out);
 VtuOutcome write_vtu_file(const std::string& path, const VtuImage& image);
 
 }  // namespace suture

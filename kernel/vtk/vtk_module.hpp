@@ -4,13 +4,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "kernel/vtk/vtk_grid.hpp"
+#include "kernel/base/types.hpp"
 
 // VTK behind a small interface. Its libraries (30 MB, 10 ms to load) sit behind the
-// one module libsuture-vtk.so, which is loaded when the first .vtu is read or written.
+// one module libsuture-vtk.so, which is loaded when the first .vtu is written or a compressed one
+// is read.
 
 namespace suture {
 
@@ -24,7 +26,7 @@ struct VtuArray {
   bool global_ids = false;  ///< the user's own numbers: marked as such
 };
 
-enum class VtuCompression { raw, lz4, zlib };
+enum class VtuCompression { raw, lz4, zlib, lzma };
 
 /// What a .vtu file is to hold. Points to memory of the caller; nothing is copied.
 struct VtuImage {
@@ -48,8 +50,9 @@ struct VtuOutcome {
 class VtkModule {
  public:
   virtual ~VtkModule() = default;
-  /// Reads a .vtu file. Returns "" or what is wrong with it.
-  virtual std::string read_vtu(const std::string& path, VtkGrid& grid) const = 0;
+  /// Expands one block, which must give exactly `out.size()` bytes; false if not.
+  virtual bool expand(VtuCompression compression, std::span<const unsigned char> block,
+                      std::span<unsigned char> out) const = 0;
   /// Writes appended raw data under exactly this name. Any thread, several at a time.
   virtual VtuOutcome write_vtu(const std::string& path, const VtuImage& image) const = 0;
 };

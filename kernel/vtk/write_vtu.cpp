@@ -102,11 +102,20 @@ std::string escaped(const std::string& name) {
   std::string text;
   for (const char c : name) {
     switch (c) {
-      case '&': text += "&amp;"; break;
-      case '<': text += "&lt;"; break;
-      case '>': text += "&gt;"; break;
-      case '"': text += "&quot;"; break;
-      default: text += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+      case '&':
+        text += "&amp;";
+        break;
+      case '<':
+        text += "&lt;";
+        break;
+      case '>':
+        text += "&gt;";
+        break;
+      case '"':
+        text += "&quot;";
+        break;
+      default:
+        text += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
     }
   }
   return text;
@@ -183,6 +192,9 @@ void set_compression(vtkXMLWriter* writer, VtuCompression compression) {
       break;
     case VtuCompression::lz4:
       writer->SetCompressorTypeToLZ4();
+      break;
+    case VtuCompression::lzma:
+      writer->SetCompressorTypeToLZMA();
       break;
     case VtuCompression::zlib:
       writer->SetCompressorTypeToZLib();

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+
+#include "kernel/mesh/readers.hpp"
+
+// The XML of .vtu files: tags and attributes, as much as VTK's writers use.
+
+namespace suture {
+
+/// <name key="value" ...>, </name> or <name ... />; views into the file.
+struct XmlTag {
+  std::string_view name;
+  std::string_view attributes;
+  bool closes = false;         ///< </name>
+  bool closes_itself = false;  ///< <name ... />
+  const char* at = nullptr;    ///< its '<'
+  const char* end = nullptr;   ///< behind its '>'
+
+  /// The value as it stands in the file; empty if there is none.
+  std::string_view operator[](std::string_view key) const;
+};
+
+/// The text of an attribute: &quot; &amp; &lt; &gt; &apos; replaced.
+std::string unescaped(std::string_view value);
+
+/// Goes from tag to tag; comments and declarations are passed over.
+class XmlCursor {
+ public:
+  explicit XmlCursor(const FileText& file) : file_(file), p_(file.begin()) {}
+  /// The next tag; none at the end of the file. Fails for a tag without end.
+  std::optional<XmlTag> next();
+  /// Where the next tag begins: the end of the text from here on.
+  const char* end_of_text() const;
+  void seek(const char* p) { p_ = p; }
+
+ private:
+  const FileText& file_;
+  const char* p_;
+};
+
+}  // namespace suture

@@ -55,10 +55,11 @@ void check_not_empty(const Mesh& mesh) {
   throw InputError(text + ". Suture simulates hexahedra: export or generate a hexahedral mesh");
 }
 
-void check_points(const Mesh& mesh, const UserNames& names) {
-  std::vector<MapFault> faults;
-  std::vector<Index> not_finite;
+/// The points that elements name; throws if one does not exist or is not finite.
+std::vector<bool> check_points(const Mesh& mesh, const UserNames& names) {
   const auto count = static_cast<Index>(mesh.points.size());
+  std::vector<bool> used(count, false);
+  std::vector<MapFault> faults;
   for (Index e = 0; e < mesh.hexahedra.size(); ++e)
     for (const Index v : mesh.hexahedra[e]) {
       if (v >= count) {
@@ -66,30 +67,34 @@ void check_points(const Mesh& mesh, const UserNames& names) {
             {MapFault::Kind::index_out_of_range, {e, none, none}, {v, none, none, none}});
         break;
       }
-      const Vec3& x = mesh.points[v];
-      if (!std::isfinite(x[0] + x[1] + x[2])) not_finite.push_back(v);
+      used[v] = true;
     }
   if (!faults.empty())
-    throw TopologyError(prefix(mesh.source) + "(points 0 to " + std::to_string(count) +
-                        " - 1) has " +
+    throw TopologyError(prefix(mesh.source) + "has " + counted(count, "point", "points") +
+                        ", counted from 0, and " +
                         describe(faults, {.element = [&](Index e) { return names.element(e); }}));
-  if (not_finite.empty()) return;
-  std::ranges::sort(not_finite);
-  not_finite.erase(std::unique(not_finite.begin(), not_finite.end()), not_finite.end());
-  throw InputError(prefix(mesh.source) + "has " + counted(not_finite.size(), "point", "points") +
-                   " with a coordinate that is not a finite number: " +
-                   listed(not_finite, [&](Index p) { return names.point(p); }));
+  std::vector<Index> not_finite;
+  for (Index p = 0; p < count; ++p) {
+    const Vec3& x = mesh.points[p];
+    if (used[p] && !std::isfinite(x[0] + x[1] + x[2])) not_finite.push_back(p);
+  }
+  if (!not_finite.empty())
+    throw InputError(prefix(mesh.source) + "has " + counted(not_finite.size(), "point", "points") +
+                     " with a coordinate that is not a finite number: " +
+                     listed(not_finite, [&](Index p) { return names.point(p); }));
+  return used;
 }
 
 // --------------------------------------------------------------- numbering --
 
 /// Fills the maps between the numbers of the mesh and those of the complex, and the
 /// rest positions; returns the elements in their new order, over new vertices.
-std::vector<Hexahedron> number(const Mesh& mesh, bool renumber, Imported& out) {
+std::vector<Hexahedron> number(const Mesh& mesh, const std::vector<bool>& used, bool renumber,
+                               Imported& out) {
   const auto elements = static_cast<Index>(mesh.hexahedra.size());
   const auto points = static_cast<Index>(mesh.points.size());
   if (renumber && !is_local(mesh.hexahedra, points)) {
-    out.user_element = curve_order(mesh.hexahedra, mesh.points);
+    out.user_element = curve_order(mesh.hexahedra, mesh.points, used);
   } else {
     out.user_element.resize(elements);
     std::iota(out.user_element.begin(), out.user_element.end(), Index{0});
@@ -105,13 +110,8 @@ std::vector<Hexahedron> number(const Mesh& mesh, bool renumber, Imported& out) {
   };
   out.user_vertex.reserve(points);
   out.rest.reserve(points);
-  if (!renumber) {
-    std::vector<bool> used(points, false);
-    for (const Hexahedron& h : mesh.hexahedra)
-      for (const Index p : h) used[p] = true;
-    for (Index p = 0; p < points; ++p)
-      if (used[p]) add_vertex(p);
-  }
+  for (Index p = 0; p < points && !renumber; ++p)
+    if (used[p]) add_vertex(p);
   std::vector<Hexahedron> hexahedra(elements);
   for (Index e = 0; e < elements; ++e)
     for (int i = 0; i < 8; ++i) {
@@ -155,26 +155,36 @@ Shapes orient(std::vector<Hexahedron>& hexahedra, const std::vector<Vec3>& rest)
 
 // ----------------------------------------------------------------- pinched --
 
-/// Pairs of points with several edges of the complex between them. On the boundary
-/// each edge has two sides (open path of elements), so more than two sides between
-/// two points tell of several edges.
+/// Pairs of points with several edges of the complex between them, each of them on
+/// the boundary. The elements around a boundary edge form a path, on whose ends it is
+/// a side of a boundary face, once from a to b and once from b to a: so each such edge
+/// appears once among the sides with a < b.
 std::vector<std::array<Index, 2>> pinched_edges(const CellComplex& complex,
                                                 const std::vector<Index>& user_vertex) {
-  std::vector<std::uint64_t> sides, spare;
+  struct Side {
+    Index a, b;
+  };
+  std::vector<Side> sides, spare;
   for (Index e = 0; e < complex.element_count(); ++e)
     for (int f = 0; f < 6; ++f) {
       if (complex.neighbour(e, f) != none) continue;
       for (Dart d = 24 * e + 4 * f; d < 24 * e + 4 * f + 4; ++d) {
-        const auto [a, b] = std::minmax(
-            {user_vertex[complex.origin(d)], user_vertex[complex.origin(CellComplex::beta1(d))]});
-        sides.push_back(std::uint64_t{a} << 32 | b);
+        const Side side{user_vertex[complex.origin(d)],
+                        user_vertex[complex.origin(CellComplex::beta1(d))]};
+        if (side.a < side.b) sides.push_back(side);
       }
     }
-  radix_sort(sides, spare, [](std::uint64_t s) { return s; });
+  radix_sort(sides, spare, [](const Side& s) { return s.a; });
   std::vector<std::array<Index, 2>> result;
-  for (std::size_t i = 0; i + 2 < sides.size(); ++i)
-    if (sides[i] == sides[i + 2] && (i == 0 || sides[i - 1] != sides[i]))
-      result.push_back({static_cast<Index>(sides[i] >> 32), static_cast<Index>(sides[i])});
+  for (auto first = sides.begin(); first != sides.end();) {
+    const auto last =
+        std::find_if(first, sides.end(), [&](const Side& s) { return s.a != first->a; });
+    std::sort(first, last, [](const Side& s, const Side& t) { return s.b < t.b; });
+    for (auto it = first; it + 1 < last; ++it)
+      if (it[0].b == it[1].b && (it == first || it[-1].b != it[0].b))
+        result.push_back({it->a, it->b});
+    first = last;
+  }
   return result;
 }
 
@@ -225,14 +235,19 @@ void report_inverted(const Shapes& shapes, const std::string& where, const Namin
                      listed(shapes.inverted, naming.element, 20));
     return;
   }
+  const std::size_t admissible = shapes.inverted.size() - shapes.hopeless.size();
   std::string text = where + "has " + counted(refused.size(), "element", "elements") +
                      (allowed ? " with a Jacobian <= 0 at a corner and at a Gauss point: "
                               : " with a corner Jacobian <= 0 at rest: ") +
                      listed(refused, naming.element) + ". ";
-  if (!allowed && shapes.hopeless.size() < shapes.inverted.size())
-    text += "\"allow_inverted_rest\": true admits those whose quadrature points are positive (" +
-            std::to_string(shapes.inverted.size() - shapes.hopeless.size()) + " of them); else ";
-  throw TopologyError(text + "repair the mesh");
+  if (!allowed && admissible > 0)
+    text += "\"allow_inverted_rest\": true admits " +
+            (admissible == refused.size() ? std::string("them") : std::to_string(admissible)) +
+            " (positive at all quadrature points). ";
+  if (allowed || admissible < refused.size())
+    text += "Repair the mesh where " +
+            std::string(allowed ? "these are" : "quadrature points are not positive");
+  throw TopologyError(text);
 }
 
 }  // namespace
@@ -251,10 +266,10 @@ Imported import_mesh(Mesh mesh, const ImportOptions& options, Diagnostics& diagn
   check_not_empty(mesh);
   const UserNames names{std::move(mesh.point_ids), std::move(mesh.element_ids)};
   const std::string where = prefix(mesh.source);
-  check_points(mesh, names);
+  const std::vector<bool> used = check_points(mesh, names);
 
   Imported out;
-  std::vector<Hexahedron> hexahedra = number(mesh, options.renumber, out);
+  std::vector<Hexahedron> hexahedra = number(mesh, used, options.renumber, out);
   const std::size_t unused = mesh.points.size() - out.rest.size();
   mesh = {};  // gives its memory back before the map is built
 

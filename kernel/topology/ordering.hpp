@@ -16,8 +16,9 @@ namespace suture {
 bool is_local(std::span<const Hexahedron> hexahedra, Index point_count);
 
 /// Elements along a space-filling curve (Morton) through their centroids:
-/// result[i] is the position in `hexahedra` of the i-th. O(elements).
-/// All points that the elements name must be finite.
-std::vector<Index> curve_order(std::span<const Hexahedron> hexahedra, std::span<const Vec3> points);
+/// result[i] is the position in `hexahedra` of the i-th. `used`: the points that the
+/// elements name, which must be finite. O(elements).
+std::vector<Index> curve_order(std::span<const Hexahedron> hexahedra, std::span<const Vec3> points,
+                               const std::vector<bool>& used);
 
 }  // namespace suture

@@ -1,23 +1,21 @@
 # SPDX-License-Identifier: MIT
 #
-# suture_add_plugin(NAME SOURCES a.cpp ... [CXX_STANDARD 17])
+# suture_add_plugin(NAME SOURCES a.cpp ... [CXX_STANDARD 17] [FOLDER dir])
 #
 # Builds one shared object per instruction set from the same sources:
 #   NAME.so         the base line of the architecture, always
 #   NAME.avx2.so    x86-64-v3 (Haswell and later), on x86-64 only
 #   NAME.avx512.so  x86-64-v4 (Skylake-SP and later), on x86-64 only
-# into <build>/lib/suture/plugins and <libdir>/suture/plugins. The host loads
-# the best one that the processor runs. The objects share no code: an inline
-# function compiled for AVX-512 in one of them can never become the copy that an
-# old processor executes. Sources see SUTURE_PLUGIN_ISA ("base", "avx2",
-# "avx512"), which goes into the plugin's note.
+# into <build>/lib/suture/plugins and, on install, <libdir>/suture/plugins; with
+# FOLDER into that folder only (plugins of tests). The host loads the best one that
+# the processor runs. The objects share no code: an inline function compiled for
+# AVX-512 in one of them can never become the copy that an old processor executes.
 #
 # What each flag is for:
-#   -fno-math-errno, -fno-trapping-math, -fno-signed-zeros  sqrt and selects become
-#       instructions and a sum may start from zero for free;
-#       values, NaN and infinity are as IEEE 754 says. -ffast-math is not used:
-#       it would let the compiler assume that no NaN exists, and the host's check
-#       for one would be removed with it.
+#   -fno-math-errno, -fno-trapping-math, -fno-signed-zeros  roots and selects become
+#       instructions, and a sum may start from zero for free. Values, NaN and
+#       infinity are as IEEE 754 says. -ffast-math is not used: the compiler would
+#       assume that no NaN exists, and remove every check for one.
 #   -ffp-contract=fast  a*b+c in one rounding where the processor has it.
 #   hidden visibility and plugin.map  suture_plugin_v1 is the only dynamic
 #       symbol, so no plugin can call into another by accident.
@@ -29,41 +27,47 @@ include(GNUInstallDirs)
 
 set(SUTURE_PLUGIN_MAP ${CMAKE_CURRENT_LIST_DIR}/plugin.map CACHE INTERNAL "")
 
-function(_suture_plugin_object target file isa)
-  cmake_parse_arguments(PARSE_ARGV 3 ARG "" "CXX_STANDARD" "SOURCES;FLAGS")
+function(_suture_plugin_object target)
+  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "CXX_STANDARD;FOLDER" "SOURCES;FLAGS")
   add_library(${target} MODULE ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE suture::sdk)
-  target_compile_definitions(${target} PRIVATE SUTURE_PLUGIN_ISA="${isa}")
   target_compile_options(${target} PRIVATE
     $<$<NOT:$<CONFIG:Debug>>:-O3> -fno-math-errno -fno-trapping-math -fno-signed-zeros
-    -ffp-contract=fast
-    $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique> $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-psabi>
+    -ffp-contract=fast $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique>
+    $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-psabi>
     -Wall -Wextra ${ARG_FLAGS})
   target_link_options(${target} PRIVATE
     -Wl,-z,defs -Wl,--version-script=${SUTURE_PLUGIN_MAP})
   set_target_properties(${target} PROPERTIES
-    PREFIX "" OUTPUT_NAME ${file} SUFFIX .so
+    PREFIX "" OUTPUT_NAME ${target} SUFFIX .so
     C_STANDARD 11 CXX_STANDARD ${ARG_CXX_STANDARD} CXX_EXTENSIONS OFF
     C_VISIBILITY_PRESET hidden CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
     LINK_DEPENDS ${SUTURE_PLUGIN_MAP}
     LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib/suture/plugins)
-  install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/suture/plugins)
+  if(ARG_FOLDER)
+    set_target_properties(${target} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${ARG_FOLDER})
+  else()
+    install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/suture/plugins)
+  endif()
 endfunction()
 
 function(suture_add_plugin name)
-  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "CXX_STANDARD" "SOURCES")
+  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "CXX_STANDARD;FOLDER" "SOURCES")
   if(NOT ARG_SOURCES OR ARG_UNPARSED_ARGUMENTS)
-    message(FATAL_ERROR "suture_add_plugin(${name} SOURCES file... [CXX_STANDARD n]): "
+    message(FATAL_ERROR "suture_add_plugin(${name} SOURCES file... [CXX_STANDARD n] [FOLDER dir]): "
       "got no sources, or did not understand '${ARG_UNPARSED_ARGUMENTS}'")
   endif()
   if(NOT ARG_CXX_STANDARD)
     set(ARG_CXX_STANDARD 17)
   endif()
   set(common CXX_STANDARD ${ARG_CXX_STANDARD} SOURCES ${ARG_SOURCES})
-  _suture_plugin_object(${name} ${name} base ${common})
+  if(ARG_FOLDER)
+    list(PREPEND common FOLDER ${ARG_FOLDER})
+  endif()
+  _suture_plugin_object(${name} ${common})
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
-    _suture_plugin_object(${name}.avx2 ${name}.avx2 avx2 ${common} FLAGS -march=x86-64-v3)
-    _suture_plugin_object(${name}.avx512 ${name}.avx512 avx512 ${common}
+    _suture_plugin_object(${name}.avx2 ${common} FLAGS -march=x86-64-v3)
+    _suture_plugin_object(${name}.avx512 ${common}
       FLAGS -march=x86-64-v4 -mprefer-vector-width=512)
   endif()
 endfunction()

@@ -468,6 +468,6 @@ TEST_P(TmFaure, StepBoundIsSafeOnABlock) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Isa, TmFaure, testing::ValuesIn(runnable_isas()),
-                         [](const auto& info) { return info.param; });
+                         [](const auto& isa) { return isa.param; });
 
 }  // namespace

@@ -384,4 +384,7 @@ typedef struct suture_inspect_1 {
 #ifdef __cplusplus
 }
 #endif
+
+#include "suture/layout.h"
+
 #endif

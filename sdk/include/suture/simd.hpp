@@ -171,9 +171,9 @@ using native = pack<native_lanes>;
 SUTURE_INLINE double select(bool m, double a, double b) { return m ? a : b; }
 SUTURE_INLINE double min(double a, double b) { return a < b ? a : b; }
 SUTURE_INLINE double max(double a, double b) { return a > b ? a : b; }
-SUTURE_INLINE double abs(double a) { return std::fabs(a); }
 SUTURE_INLINE bool any(bool m) { return m; }
 SUTURE_INLINE bool all(bool m) { return m; }
+using std::abs;
 using std::cbrt;
 using std::cos;
 using std::exp;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/base/parallel.hpp"
 
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -26,7 +27,11 @@ static void release(void*) {}
 namespace suture {
 
 struct Workers::Arena {
-  explicit Arena(unsigned threads) : tbb(static_cast<int>(threads)) {}
+  // Without the limit TBB warns of more threads than cores, and ignores the wish.
+  explicit Arena(unsigned threads)
+      : limit(tbb::global_control::max_allowed_parallelism, threads),
+        tbb(static_cast<int>(threads)) {}
+  tbb::global_control limit;
   tbb::task_arena tbb;
 };
 

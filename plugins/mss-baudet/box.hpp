@@ -16,18 +16,18 @@ namespace mss_baudet {
 using suture::vec3;
 
 /// What to do with an edge stiffness below zero (thin boxes).
-enum negative_stiffness { clamp, keep, refuse };
+enum NegativeStiffness { clamp, keep, refuse };
 
 /// The isotropic material that the springs stand for, from the parameters.
-struct material {
+struct Material {
   double E;       ///< Young's modulus, Pa
   double nu;      ///< Poisson's ratio
   double rho;     ///< density, kg/m^3
   double lambda;  ///< E nu / ((1+nu)(1-2nu)), Pa
   double mu;      ///< E / (2(1+nu)), Pa
-  negative_stiffness negative;
+  NegativeStiffness negative;
 
-  material(double e, double n, double r, negative_stiffness policy)
+  Material(double e, double n, double r, NegativeStiffness policy)
       : E(e),
         nu(n),
         rho(r),
@@ -61,7 +61,7 @@ SUTURE_INLINE auto box_lengths(const Node& node) {
 /// x rounded to 40 significant bits (1e-12): equal for lengths that differ by the
 /// rounding of coordinates, but for the few that lie halfway between two results.
 inline double to_40_bits(double x) {
-  std::uint64_t bits;
+  std::uint64_t bits = 0;
   std::memcpy(&bits, &x, sizeof bits);
   constexpr int dropped = 13;
   bits = (bits + (std::uint64_t{1} << (dropped - 1))) >> dropped << dropped;
@@ -95,7 +95,7 @@ auto volume(const Node& node) {
 
 /// Spring constants of one element: its share of the 12 edges, its 4 inner springs.
 template <class T>
-struct spring_constants {
+struct SpringConstants {
   vec3<T> edge;  ///< of each of the four edges along x, y, z, N/m
   T inner;       ///< of each inner diagonal, N/m
 };
@@ -107,9 +107,9 @@ struct spring_constants {
 ///   k_a  = b c / (4 a) (E + nu (G_ab + G_ac)) - k_d a^2 / d^2
 /// For a cube: k_d = 3 E l / (8 (1+nu)), k_a = E l (1+4nu) / (8 (1+nu)).
 template <class T>
-spring_constants<T> springs_of_box(const material& m, const vec3<T>& l) {
+SpringConstants<T> springs_of_box(const Material& m, const vec3<T>& l) {
   const T d2 = dot(l, l), volume = l[0] * l[1] * l[2];
-  spring_constants<T> k;
+  SpringConstants<T> k;
   k.inner = m.mu * d2 / (4.0 * cbrt(volume));
   const T shear = 4.0 * k.inner * volume / d2;  // G_ab = shear / c^2
   for (int a = 0; a < 3; ++a) {
@@ -122,7 +122,7 @@ spring_constants<T> springs_of_box(const material& m, const vec3<T>& l) {
 
 /// springs_of_box() with the scene's choice about negative constants applied.
 template <class T>
-spring_constants<T> used_springs_of_box(const material& m, const vec3<T>& l) {
+SpringConstants<T> used_springs_of_box(const Material& m, const vec3<T>& l) {
   using suture::max;
   auto k = springs_of_box(m, l);
   if (m.negative == clamp)
@@ -138,7 +138,7 @@ spring_constants<T> used_springs_of_box(const material& m, const vec3<T>& l) {
 ///   B_ab = V D_ab / (4 a b)                                      (N/m)
 /// For a cube D_aa = (4nu-1) lambda and D_ab = lambda - mu.
 template <class T>
-suture::sym3<T> correction_of_box(const material& m, const vec3<T>& l) {
+suture::sym3<T> correction_of_box(const Material& m, const vec3<T>& l) {
   const auto k = used_springs_of_box(m, l);
   const T d2 = dot(l, l), volume = l[0] * l[1] * l[2];
   suture::sym3<T> B;
@@ -154,8 +154,8 @@ suture::sym3<T> correction_of_box(const material& m, const vec3<T>& l) {
 
 /// What an uncorrected lattice of cubes shows instead of E and nu:
 ///   E_lat = 2 E (1+4nu) / (3+4nu),   nu_lat = 1 / (3+4nu)
-inline double lattice_E(const material& m) { return 2 * m.E * (1 + 4 * m.nu) / (3 + 4 * m.nu); }
-inline double lattice_nu(const material& m) { return 1 / (3 + 4 * m.nu); }
+inline double lattice_young(const Material& m) { return 2 * m.E * (1 + 4 * m.nu) / (3 + 4 * m.nu); }
+inline double lattice_nu(const Material& m) { return 1 / (3 + 4 * m.nu); }
 
 }  // namespace mss_baudet
 

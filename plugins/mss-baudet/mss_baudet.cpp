@@ -11,9 +11,9 @@
 
 namespace mss_baudet {
 
-/// Parameters and attributes by position in the lists of `model`.
-enum parameter_index { p_E, p_nu, p_rho, p_correction, p_viscosity, p_negative };
-enum attribute_index {
+/// Parameters and attributes by position in the lists of `MssBaudet`.
+enum ParameterIndex { p_young, p_nu, p_rho, p_correction, p_viscosity, p_negative };
+enum AttributeIndex {
   a_mass,
   a_stiffness,
   a_rest_tension,
@@ -25,9 +25,9 @@ enum attribute_index {
 
 inline constexpr const char* negative_words[] = {"clamp", "keep", "refuse"};
 
-inline material material_of(const suture::values& p) {
-  return {p[p_E], p[p_nu], p[p_rho],
-          static_cast<negative_stiffness>(static_cast<int>(p[p_negative]))};
+inline Material material_of(const suture::values& p) {
+  return {p[p_young], p[p_nu], p[p_rho],
+          static_cast<NegativeStiffness>(static_cast<int>(p[p_negative]))};
 }
 
 /// Position of a node of a cell, at rest or now, as box.hpp asks for it.
@@ -50,7 +50,7 @@ template <class Cell, class Mask>
 // ------------------------------------------------------------ contributions --
 // What each element gives to its vertices, edges and itself; the host sums.
 
-struct mass_share {
+struct MassShare {
   static constexpr int components = 1;
   template <class Cell, class Out>
   static void compute(const Cell& c, Out out) {
@@ -59,7 +59,7 @@ struct mass_share {
   }
 };
 
-struct stiffness_share {
+struct StiffnessShare {
   static constexpr int components = 1;
   template <class Cell, class Out>
   static void compute(const Cell& c, Out out) {
@@ -70,7 +70,7 @@ struct stiffness_share {
 
 /// k l with the length of the edge itself: elements around it agree on that,
 /// whatever their boxes are.
-struct rest_tension_share {
+struct RestTensionShare {
   static constexpr int components = 1;
   template <class Cell, class Out>
   static void compute(const Cell& c, Out out) {
@@ -82,7 +82,7 @@ struct rest_tension_share {
   }
 };
 
-struct inner_stiffness_of {
+struct InnerStiffness {
   static constexpr int components = 1;
   template <class Cell, class Out>
   static void compute(const Cell& c, Out out) {
@@ -90,7 +90,7 @@ struct inner_stiffness_of {
   }
 };
 
-struct inner_length_of {
+struct InnerLength {
   static constexpr int components = 4;
   template <class Cell, class Out>
   static void compute(const Cell& c, Out out) {
@@ -101,7 +101,7 @@ struct inner_length_of {
 /// Zero without correction. Lengths are rounded so that the elements of a grid,
 /// which differ by the rounding of their coordinates, agree to the bit although D
 /// is a small difference of large terms: a column of equal values is stored once.
-struct correction_of {
+struct Correction {
   static constexpr int components = 6;
   template <class Cell, class Out>
   static void compute(const Cell& c, Out out) {
@@ -116,7 +116,7 @@ struct correction_of {
   }
 };
 
-struct box_of {
+struct BoxLengths {
   static constexpr int components = 3;
   template <class Cell, class Out>
   static void compute(const Cell& c, Out out) {
@@ -131,7 +131,7 @@ struct box_of {
 /// Two functors, of which a scene runs one: without viscosity neither velocities
 /// nor masses are gathered.
 template <bool with_viscosity>
-struct edge_springs : suture::on_edges {
+struct EdgeSprings : suture::on_edges {
   static constexpr const char* name =
       with_viscosity ? "edge springs with viscosity" : "edge springs";
   static constexpr const char* doc = "One spring along each edge, of all elements around it.";
@@ -215,7 +215,7 @@ struct edge_springs : suture::on_edges {
 
 /// Four functors, of which a scene runs one.
 template <bool with_viscosity, bool with_correction>
-struct inner_springs : suture::on_volumes {
+struct InnerSprings : suture::on_volumes {
   static constexpr const char* name =
       with_viscosity ? (with_correction ? "inner springs with viscosity and correction"
                                         : "inner springs with viscosity")
@@ -256,8 +256,8 @@ struct inner_springs : suture::on_volumes {
     using R = typename Cell::real;
     const suture::sym3<R> B{c.column(2, 0), c.column(2, 1), c.column(2, 2),
                             c.column(2, 3), c.column(2, 4), c.column(2, 5)};
-    return corrected_box<T>(position_of(c), B,
-                            vec3<R>{c.column(3, 0), c.column(3, 1), c.column(3, 2)});
+    return CorrectedBox<T>(position_of(c), B,
+                           vec3<R>{c.column(3, 0), c.column(3, 1), c.column(3, 2)});
   }
 
   template <class Cell>
@@ -379,7 +379,7 @@ void inspect_shape(const Cell& c) {
 template <class Cell>
 void inspect_stiffness(const Cell& c) {
   using suture::min;
-  const material m = material_of(c.parameters());
+  const Material m = material_of(c.parameters());
   const auto k = springs_of_box(m, box_lengths(rest_of(c)));
   const auto least = min(min(k.edge[0], k.edge[1]), k.edge[2]);
   const auto negative = least < 0.0;
@@ -395,14 +395,14 @@ void inspect_stiffness(const Cell& c) {
 
 template <bool with_viscosity, bool with_correction>
 template <class Cell>
-void inner_springs<with_viscosity, with_correction>::inspect(const Cell& c) {
+void InnerSprings<with_viscosity, with_correction>::inspect(const Cell& c) {
   inspect_shape(c);
   inspect_stiffness(c);
 }
 
 // -------------------------------------------------------------------- model --
 
-struct model : suture::model {
+struct MssBaudet : suture::model {
   static constexpr const char* id = "mss-baudet";
   static constexpr const char* doc =
       "Mass-spring system on hexahedra: a spring per edge, four inner diagonals per element";
@@ -434,40 +434,38 @@ struct model : suture::model {
                      negative_words)};
 
   template <class C>
-  static constexpr suture_contribution_fn sum = suture::contribution<model, C>;
+  static constexpr suture_contribution_fn sum = suture::contribution<MssBaudet, C>;
 
   static constexpr suture::attribute attributes[] = {
       suture::on_vertices("mass", "kg", "lumped mass, sum of rho V / 8")
-          .from_volumes(sum<mass_share>)
+          .from_volumes(sum<MassShare>)
           .flag(SUTURE_SHARED_MASS),
       suture::on_edge_cells("stiffness", "N/m", "sum of k_e over the elements at the edge")
-          .from_volumes(sum<stiffness_share>)
+          .from_volumes(sum<StiffnessShare>)
           .output(),
       suture::on_edge_cells("rest_tension", "N", "sum of k_e l_e; over the stiffness: rest length")
-          .from_volumes(sum<rest_tension_share>),
+          .from_volumes(sum<RestTensionShare>),
       suture::on_volume_cells("inner_stiffness", "N/m", "of each inner diagonal")
-          .from_volumes(sum<inner_stiffness_of>),
+          .from_volumes(sum<InnerStiffness>),
       suture::on_volume_cells("inner_length", "m", "rest lengths of the inner diagonals", 4)
-          .from_volumes(sum<inner_length_of>),
+          .from_volumes(sum<InnerLength>),
       suture::on_volume_cells("correction_stiffness", "N/m",
                               "B of the correction's energy, XX YY ZZ XY YZ XZ", 6)
-          .from_volumes(sum<correction_of>),
+          .from_volumes(sum<Correction>),
       suture::on_volume_cells("box", "m", "lengths of the mean edges at rest", 3)
-          .from_volumes(sum<box_of>)};
+          .from_volumes(sum<BoxLengths>)};
 
-  using functors = suture::list<edge_springs<false>, edge_springs<true>,
-                                inner_springs<false, false>, inner_springs<true, false>,
-                                inner_springs<false, true>, inner_springs<true, true>>;
-
-  struct constants {};
+  using functors =
+      suture::list<EdgeSprings<false>, EdgeSprings<true>, InnerSprings<false, false>,
+                   InnerSprings<true, false>, InnerSprings<false, true>, InnerSprings<true, true>>;
 
   /// Says what the lattice shows where that is 2 % or more from what was asked for.
-  static void prepare(const suture::setup& p, constants&) {
-    const material m = material_of(p);
-    const double off = lattice_E(m) / m.E - 1;
+  static void prepare(const suture::setup& p, suture::no_constants&) {
+    const Material m = material_of(p);
+    const double off = lattice_young(m) / m.E - 1;
     if (p[p_correction] != 0 || std::fabs(off) < 0.02) return;
     p.warn("lattice-moduli",
-           "without correction a lattice of cubes shows E = " + number(lattice_E(m)) +
+           "without correction a lattice of cubes shows E = " + number(lattice_young(m)) +
                " Pa and nu = " + number(lattice_nu(m)) + " instead of " + number(m.E) + " Pa and " +
                number(m.nu) + " (they agree at nu = 0.25); set \"correction\": true");
   }
@@ -476,4 +474,4 @@ struct model : suture::model {
 }  // namespace mss_baudet
 
 SUTURE_PLUGIN("mss-baudet", "1.0.0", "MIT", "Mass-spring system of Baudet on hexahedra",
-              mss_baudet::model)
+              mss_baudet::MssBaudet)

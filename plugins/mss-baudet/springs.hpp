@@ -78,14 +78,14 @@ SUTURE_INLINE suture::sym3<T> damping_bound(const vec3<T>& u, const T& gamma) {
 
 /// Mean edge vectors of a deformed element and what the correction makes of them.
 template <class T>
-struct corrected_box {
+struct CorrectedBox {
   vec3<T> axis[3];      ///< A_a = sum_n side_a(n) x_n / 4, m
   T inverse_length[3];  ///< 1/|A_a|
   T elongation[3];      ///< |A_a| - l_a, m
   T tension[3];         ///< sum_b B_ab (|A_b| - l_b), N
 
   template <class Node, class R>
-  SUTURE_INLINE corrected_box(const Node& node, const suture::sym3<R>& B, const vec3<R>& rest) {
+  SUTURE_INLINE CorrectedBox(const Node& node, const suture::sym3<R>& B, const vec3<R>& rest) {
     for (int a = 0; a < 3; ++a) {
       axis[a] = mean_edge(node, a);
       const T square = dot(axis[a], axis[a]);
@@ -116,7 +116,7 @@ struct corrected_box {
 /// term of d2U = 4 sum_ab B_ab p_a p_b + sum_a 4 tension_a/|A_a| |p_a transversal|^2
 /// by c_a = B_aa + sum_{b != a} |B_ab|, and |sum_n side(n) y_n / 4|^2 <= sum_n y_n^2 / 2.
 template <class T, class R>
-SUTURE_INLINE suture::sym3<T> stiffness_bound(const corrected_box<T>& box,
+SUTURE_INLINE suture::sym3<T> stiffness_bound(const CorrectedBox<T>& box,
                                               const suture::sym3<R>& B) {
   using suture::abs;
   using suture::max;

@@ -24,26 +24,25 @@ const fs::path plugins = TEST_PLUGINS;
 class PluginHostTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    fs::remove_all(root_);
-    fs::create_directories(root_ / "a");
-    fs::create_directories(root_ / "b");
-    setenv("XDG_DATA_HOME", (root_ / "data").c_str(), 1);
-    setenv("SUTURE_PLUGIN_PATH", ((root_ / "a").string() + ":" + (root_ / "b").string()).c_str(),
-           1);
+    fs::remove_all(root);
+    fs::create_directories(root / "a");
+    fs::create_directories(root / "b");
+    setenv("XDG_DATA_HOME", (root / "data").c_str(), 1);
+    setenv("SUTURE_PLUGIN_PATH", ((root / "a").string() + ":" + (root / "b").string()).c_str(), 1);
     unsetenv("SUTURE_ISA");
     unsetenv("TEST_PLUGIN_LOADED");
   }
   void TearDown() override {
-    fs::remove_all(root_);
+    fs::remove_all(root);
     unsetenv("SUTURE_PLUGIN_PATH");
     unsetenv("XDG_DATA_HOME");
   }
 
   /// Puts a test plugin into a folder under a name.
   fs::path put(const std::string& plugin, const fs::path& folder, const std::string& name) {
-    fs::create_directories(root_ / folder);
-    fs::copy_file(plugins / (plugin + ".so"), root_ / folder / name);
-    return root_ / folder / name;
+    fs::create_directories(root / folder);
+    fs::copy_file(plugins / (plugin + ".so"), root / folder / name);
+    return root / folder / name;
   }
 
   template <class Action>
@@ -66,7 +65,7 @@ class PluginHostTest : public ::testing::Test {
     });
   }
 
-  const fs::path root_ = fs::temp_directory_path() / ("suture-plugins-" + std::to_string(getpid()));
+  const fs::path root = fs::temp_directory_path() / ("suture-plugins-" + std::to_string(getpid()));
 };
 
 TEST_F(PluginHostTest, LoadsAModelFromANamedFile) {
@@ -123,11 +122,11 @@ TEST_F(PluginHostTest, RefusesTablesThatCannotBeUsed) {
 }
 
 TEST_F(PluginHostTest, RefusesFilesThatAreNoLibraries) {
-  std::ofstream(root_ / "a" / "text.so") << "hello";
+  std::ofstream(root / "a" / "text.so") << "hello";
   PluginHost host;
-  EXPECT_THAT(message_of([&] { host.add_file(root_ / "a" / "text.so"); }),
+  EXPECT_THAT(message_of([&] { host.add_file(root / "a" / "text.so"); }),
               EndsWith("text.so: it is not a shared library (no ELF file)"));
-  EXPECT_THAT(message_of([&] { host.add_file(root_ / "a" / "txt.so"); }),
+  EXPECT_THAT(message_of([&] { host.add_file(root / "a" / "txt.so"); }),
               HasSubstr("there is no such file (did you mean 'text.so'?)"));
   // Found on the search path under the model's name: the same reason, not "not found".
   EXPECT_THAT(message_of([&] { host.model("text"); }),
@@ -140,8 +139,8 @@ TEST_F(PluginHostTest, AMissingModelNamesTheNearestAndThePlacesSearched) {
   EXPECT_THAT(
       message_of([&] { host.model("goood"); }),
       AllOf(HasSubstr("no plugin has the model 'goood' (did you mean 'good'?)"),
-            HasSubstr((root_ / "a").string() + " (SUTURE_PLUGIN_PATH)"),
-            HasSubstr((root_ / "data/suture/plugins").string() + " (user folder, no such folder)"),
+            HasSubstr((root / "a").string() + " (SUTURE_PLUGIN_PATH)"),
+            HasSubstr((root / "data/suture/plugins").string() + " (user folder, no such folder)"),
             HasSubstr("lib/suture/plugins (beside the program"), HasSubstr("`suture models`")));
   EXPECT_EQ(std::getenv("TEST_PLUGIN_LOADED"), nullptr);
 }
@@ -164,7 +163,7 @@ TEST_F(PluginHostTest, TheFirstFolderWinsWithAWarning) {
   ASSERT_EQ(diagnostics.warnings().size(), 2u);
   EXPECT_THAT(diagnostics.warnings()[0],
               AllOf(HasSubstr("model 'good' is in more than one plugin: " + first.string()),
-                    HasSubstr((root_ / "b" / "good.so").string() + " is not")));
+                    HasSubstr((root / "b" / "good.so").string() + " is not")));
 }
 
 TEST_F(PluginHostTest, InAFolderThePluginNamedLikeTheModelWins) {
@@ -184,7 +183,7 @@ TEST_F(PluginHostTest, AFileNamedInTheSceneWinsOverTheFolders) {
 
 TEST_F(PluginHostTest, OneFileOnTwoWaysIsNoConflict) {
   const auto file = put("good", "a", "good.so");
-  fs::create_symlink(file, root_ / "b" / "good.so");
+  fs::create_symlink(file, root / "b" / "good.so");
   Diagnostics diagnostics;
   PluginHost host(&diagnostics);
   host.add_file(file);
@@ -202,10 +201,10 @@ TEST_F(PluginHostTest, TakesTheBestBuildThatRuns) {
   for (const std::string isa : {"base", "avx2", "avx512"}) {
     setenv("SUTURE_ISA", isa.c_str(), 1);
     const std::string best(best_isa());  // less than asked for on an older processor
-    const fs::path file = root_ / "a" / (best.empty() ? "good.so" : "good." + best + ".so");
+    const fs::path file = root / "a" / (best.empty() ? "good.so" : "good." + best + ".so");
     PluginHost found, named;
     EXPECT_EQ(found.file_of(found.model("good")), file);
-    named.add_file(root_ / "a" / "good.so");
+    named.add_file(root / "a" / "good.so");
     EXPECT_EQ(named.file_of(named.model("good")), file);
   }
 }
@@ -249,7 +248,7 @@ TEST_F(PluginHostTest, ListsEveryFileWithoutLoadingAny) {
   EXPECT_EQ(list[0].isa, "base");
   EXPECT_EQ(list[0].problem, "");
   EXPECT_THAT(list[1].problem, AllOf(HasSubstr("its model 'good' is hidden by "),
-                                     HasSubstr((root_ / "a" / "good.so").string())));
+                                     HasSubstr((root / "a" / "good.so").string())));
   EXPECT_THAT(list[2].problem, HasSubstr("it carries no Suture note"));
   EXPECT_EQ(list[3].plugin, "other-major");
   EXPECT_THAT(list[3].problem, HasSubstr("built for plugin ABI 7.0"));

@@ -3,42 +3,11 @@
 // The mass-spring system of Baudet for hexahedra, on the cells of the map: one
 // spring per edge, summed over the elements around it, and four inner diagonals
 // per element. See README.md for the equations and their sources.
-#include <cstdio>
-#include <string>
-
+#include "contributions.hpp"
 #include "springs.hpp"
-#include "suture/model.hpp"
+#include "warnings.hpp"
 
 namespace mss_baudet {
-
-/// Parameters and attributes by position in the lists of `MssBaudet`.
-enum ParameterIndex { p_young, p_nu, p_rho, p_correction, p_viscosity, p_negative };
-enum AttributeIndex {
-  a_mass,
-  a_stiffness,
-  a_rest_tension,
-  a_inner_stiffness,
-  a_inner_length,
-  a_correction,
-  a_box
-};
-
-inline constexpr const char* negative_words[] = {"clamp", "keep", "refuse"};
-
-inline Material material_of(const suture::values& p) {
-  return {p[p_young], p[p_nu], p[p_rho],
-          static_cast<NegativeStiffness>(static_cast<int>(p[p_negative]))};
-}
-
-/// Position of a node of a cell, at rest or now, as box.hpp asks for it.
-template <class Cell>
-SUTURE_INLINE auto rest_of(const Cell& c) {
-  return [&c](int n) { return c.rest(n); };
-}
-template <class Cell>
-SUTURE_INLINE auto position_of(const Cell& c) {
-  return [&c](int n) { return c.position(n); };
-}
 
 template <class Cell, class Mask>
 [[gnu::cold, gnu::noinline]] void fail_zero_length(const Cell& c, const Mask& good) {
@@ -46,85 +15,6 @@ template <class Cell, class Mask>
                                   "the ends of a spring coincide, or their positions are no "
                                   "numbers: its force has no direction; reduce dt or the load"));
 }
-
-// ------------------------------------------------------------ contributions --
-// What each element gives to its vertices, edges and itself; the host sums.
-
-struct MassShare {
-  static constexpr int components = 1;
-  template <class Cell, class Out>
-  static void compute(const Cell& c, Out out) {
-    const auto share = c.parameter(p_rho) * 0.125 * volume(rest_of(c));
-    for (int n = 0; n < 8; ++n) out.set(n, 0, share);
-  }
-};
-
-struct StiffnessShare {
-  static constexpr int components = 1;
-  template <class Cell, class Out>
-  static void compute(const Cell& c, Out out) {
-    const auto k = used_springs_of_box(material_of(c.parameters()), box_lengths(rest_of(c)));
-    for (int e = 0; e < 12; ++e) out.set(e, 0, k.edge[e / 4]);
-  }
-};
-
-/// k l with the length of the edge itself: elements around it agree on that,
-/// whatever their boxes are.
-struct RestTensionShare {
-  static constexpr int components = 1;
-  template <class Cell, class Out>
-  static void compute(const Cell& c, Out out) {
-    const auto k = used_springs_of_box(material_of(c.parameters()), box_lengths(rest_of(c)));
-    for (int e = 0; e < 12; ++e) {
-      const auto* ends = suture_hexahedron_edges[e];
-      out.set(e, 0, k.edge[e / 4] * norm(c.rest(ends[1]) - c.rest(ends[0])));
-    }
-  }
-};
-
-struct InnerStiffness {
-  static constexpr int components = 1;
-  template <class Cell, class Out>
-  static void compute(const Cell& c, Out out) {
-    out.set(0, 0, springs_of_box(material_of(c.parameters()), box_lengths(rest_of(c))).inner);
-  }
-};
-
-struct InnerLength {
-  static constexpr int components = 4;
-  template <class Cell, class Out>
-  static void compute(const Cell& c, Out out) {
-    for (int s = 0; s < 4; ++s) out.set(0, s, norm(c.rest(7 - s) - c.rest(s)));
-  }
-};
-
-/// Zero without correction. Lengths are rounded so that the elements of a grid,
-/// which differ by the rounding of their coordinates, agree to the bit although D
-/// is a small difference of large terms: a column of equal values is stored once.
-struct Correction {
-  static constexpr int components = 6;
-  template <class Cell, class Out>
-  static void compute(const Cell& c, Out out) {
-    using R = typename Cell::real;
-    suture::sym3<R> B{R(0.0), R(0.0), R(0.0), R(0.0), R(0.0), R(0.0)};
-    if (c.parameter(p_correction) != 0) {
-      auto l = box_lengths(rest_of(c));
-      for (int a = 0; a < 3; ++a) l[a] = to_40_bits(l[a]);
-      B = correction_of_box(material_of(c.parameters()), l);
-    }
-    for (int i = 0; i < 6; ++i) out.set(0, i, B.c[i]);
-  }
-};
-
-struct BoxLengths {
-  static constexpr int components = 3;
-  template <class Cell, class Out>
-  static void compute(const Cell& c, Out out) {
-    const auto l = box_lengths(rest_of(c));
-    const double on = c.parameter(p_correction);
-    for (int a = 0; a < 3; ++a) out.set(0, a, on * l[a]);
-  }
-};
 
 // ------------------------------------------------------------- edge springs --
 
@@ -318,87 +208,11 @@ struct InnerSprings : suture::on_volumes {
   }
 
   template <class Cell>
-  static void inspect(const Cell& c);
+  static void inspect(const Cell& c) {
+    inspect_shape(c);
+    inspect_stiffness(c);
+  }
 };
-
-// ----------------------------------------------------------------- warnings --
-
-inline std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", x);
-  return text;
-}
-
-/// Lane of the first cell in which `where` holds.
-template <class Mask>
-int first_of(const Mask& where) {
-  int i = 0;
-  while (!where[i]) ++i;
-  return i;
-}
-
-/// Rest shapes outside of the formulas' range, to 1e-6 of the edges' lengths.
-template <class Cell>
-auto is_no_box(const Cell& c) {
-  const auto node = rest_of(c);
-  const vec3<typename Cell::real> A[3] = {mean_edge(node, 0), mean_edge(node, 1),
-                                          mean_edge(node, 2)};
-  auto bad = dot(A[0], A[0]) < 0.0;
-  for (int e = 0; e < 12; ++e) {
-    const auto* ends = suture_hexahedron_edges[e];
-    const auto off = node(ends[1]) - node(ends[0]) - A[e / 4];
-    bad = bad | (dot(off, off) > 1e-12 * dot(A[e / 4], A[e / 4]));
-  }
-  for (int a = 0; a < 3; ++a) {
-    const auto& b = A[(a + 1) % 3];
-    const auto cosine = dot(A[a], b);
-    bad = bad | (cosine * cosine > 1e-12 * dot(A[a], A[a]) * dot(b, b));
-  }
-  return bad;
-}
-
-template <class Cell>
-void inspect_shape(const Cell& c) {
-  using suture::max;
-  using suture::min;
-  const auto bad = is_no_box(c);
-  if (any(bad))
-    c.report(SUTURE_WARNING, bad, "not-a-box",
-             "the rest shape is no box, for which the springs are derived; the box of its mean "
-             "edges is taken, with the real lengths as rest lengths");
-  const auto l = box_lengths(rest_of(c));
-  const auto ratio = max(max(l[0], l[1]), l[2]) / min(min(l[0], l[1]), l[2]);
-  const auto flat = ratio > 1.2;
-  if (any(flat))
-    c.report(SUTURE_WARNING, flat, "aspect-ratio",
-             "the edges have the ratio " + number(ratio[first_of(flat)]) +
-                 ": the three shear moduli then differ by up to its square, as one inner spring "
-                 "cannot meet them all; keep below 1.2");
-}
-
-template <class Cell>
-void inspect_stiffness(const Cell& c) {
-  using suture::min;
-  const Material m = material_of(c.parameters());
-  const auto k = springs_of_box(m, box_lengths(rest_of(c)));
-  const auto least = min(min(k.edge[0], k.edge[1]), k.edge[2]);
-  const auto negative = least < 0.0;
-  if (!any(negative)) return;
-  const char* then = m.negative == clamp  ? "; it is set to 0"
-                     : m.negative == keep ? "; it is used as it is, and may be unstable"
-                                          : "";
-  c.report(m.negative == refuse ? SUTURE_ERROR : SUTURE_WARNING, negative, "negative-stiffness",
-           "the box is so long that the formula gives an edge the stiffness " +
-               number(least[first_of(negative)]) + " N/m" + then +
-               " (parameter negative_stiffness); use boxes of edge ratio below 1.2");
-}
-
-template <bool with_viscosity, bool with_correction>
-template <class Cell>
-void InnerSprings<with_viscosity, with_correction>::inspect(const Cell& c) {
-  inspect_shape(c);
-  inspect_stiffness(c);
-}
 
 // -------------------------------------------------------------------- model --
 

@@ -39,6 +39,7 @@ void CsvWriter::row(std::uint64_t step, std::span<const double> values) {
     throw std::invalid_argument(path_.string() + ": " + std::to_string(values.size()) +
                                 " values for " + std::to_string(columns_) + " columns");
   }
+  has_rows_ = true;
   char text[32];
   buffer_.append(text, std::to_chars(text, text + sizeof text, step).ptr);
   for (const double value : values) {
@@ -64,7 +65,7 @@ void CsvWriter::flush() {
 }
 
 void CsvWriter::finish() {
-  if (std::exchange(finished_, true)) return;
+  if (std::exchange(finished_, true) || !has_rows_) return;
   flush();
   file_->close();
 }

@@ -16,7 +16,7 @@ namespace suture {
 /// A table that grows during a run: energies.csv, probes.csv. Numbers are the
 /// shortest that read back to the same double. Rows reach the disk once a second
 /// or every 64 kB; a table of an earlier run is replaced when the first rows are
-/// written.
+/// written, and left alone if there are none.
 class CsvWriter {
  public:
   /// `columns` with units, such as "kinetic energy [J]"; "step" is put before them.
@@ -39,7 +39,7 @@ class CsvWriter {
   std::string buffer_;
   std::optional<OutputFile> file_;
   std::chrono::steady_clock::time_point flushed_;
-  bool finished_ = false;
+  bool has_rows_ = false, finished_ = false;
 };
 
 }  // namespace suture

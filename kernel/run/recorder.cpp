@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "kernel/vtk/vtk_module.hpp"
+
 namespace suture {
 namespace {
 
@@ -88,9 +90,7 @@ Recorder::Recorder(const Scene& scene, World& world, std::string provenance)
   }
 }
 
-void Recorder::frame(double time, const Vec3& gravity) {
-  if (!frames_) return;
-  Frame frame = frames_->take_frame();
+void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity) {
   frame.number = frame_number_;
   frame.time = time;
   copy_points(world_, frame.points);
@@ -100,9 +100,28 @@ void Recorder::frame(double time, const Vec3& gravity) {
   fill_fields(fields_, FieldChoice::On::points, world_, gravity, time, frame.point_fields);
   fill_fields(fields_, FieldChoice::On::cells, world_, gravity, time, frame.cell_fields);
   frame.field_data_provenance = provenance_;
+}
+
+void Recorder::frame(double time, const Vec3& gravity) {
+  if (!frames_) return;
+  Frame frame = frames_->take_frame();
+  fill_frame(frame, time, gravity);
   frames_->submit(std::move(frame));
   if (springs_) springs_frame(time, gravity);
   ++frame_number_;
+}
+
+std::size_t Recorder::rehearse(double time, const Vec3& gravity) {
+  if (!frames_) return 0;
+  vtk_module();
+  Frame frame = frames_->take_frame();
+  fill_frame(frame, time, gravity);
+  std::size_t bytes =
+      frame.points.size() * sizeof(Vec3) + frame.hexahedra.size() * sizeof(Hexahedron);
+  for (const auto* fields : {&frame.point_fields, &frame.cell_fields}) {
+    for (const FrameField& field : *fields) bytes += 8 * (field.values.size() + field.ids.size());
+  }
+  return bytes;
 }
 
 // The edges of every instance that has functors on them, row by row.

@@ -28,6 +28,9 @@ class Recorder {
   void frame(double time, const Vec3& gravity);
   void energies(std::uint64_t step, double time, double dt, const Dynamics::Energies& row);
   void probes(std::uint64_t step, double time, const Vec3& gravity);
+  /// Fills a frame that is not written, and loads what writing needs: for an
+  /// estimate. Returns its bytes; 0 without output.
+  std::size_t rehearse(double time, const Vec3& gravity);
   /// Waits until all is on disk. Throws IoError.
   void finish();
 
@@ -36,6 +39,7 @@ class Recorder {
   const std::vector<FieldChoice>& fields() const { return fields_; }
 
  private:
+  void fill_frame(Frame& frame, double time, const Vec3& gravity);
   void springs_frame(double time, const Vec3& gravity);
 
   World& world_;

@@ -288,6 +288,8 @@ struct Simulation::Impl {
     return summary;
   }
 
+  std::uint64_t steps_to_rest(double budget);
+
   const Scene& scene;
   Diagnostics& diagnostics;
   World world;
@@ -333,36 +335,66 @@ Vec3 Simulation::mean_displacement(const Selection& selection) const {
   return mean;
 }
 
-// Times steps as they come until a tenth of a second has gone, and a frame if the
-// scene writes any.
+namespace {
+
+/// Frames that are in memory at once: one is filled, one written, two wait.
+constexpr double frames_alive = 4;
+
+std::uint64_t frames_until(const Scene& scene, double end, std::uint64_t steps) {
+  const OutputOptions& output = scene.output;
+  if (output.every_steps > 0) return 1 + steps / output.every_steps;
+  return output.every > 0 ? 1 + static_cast<std::uint64_t>(std::ceil(end / output.every - 1e-9))
+                          : 2;
+}
+
+}  // namespace
+
+/// Steps until rest from those made: the residual falls by a factor per step.
+std::uint64_t Simulation::Impl::steps_to_rest(double budget) {
+  const Wall::time_point start = Wall::now();
+  std::uint64_t middle_step = 0;
+  double middle_residual = 0;
+  while (seconds_since(start) < budget) {
+    step();
+    if (rest->at_rest(*world.dynamics)) return clock.step();
+    if (middle_step == 0 && seconds_since(start) > budget / 2) {
+      middle_step = clock.step();
+      middle_residual = rest->residual();
+    }
+  }
+  const auto steps = static_cast<double>(clock.step() - middle_step);
+  const double rate = std::log(middle_residual / rest->residual()) / steps;
+  if (middle_step == 0 || !(rate > 0)) return 0;
+  const double left = std::log(rest->residual() / rest->tolerance()) / rate;
+  return clock.step() + static_cast<std::uint64_t>(std::max(left, 0.0));
+}
+
 Estimate Simulation::estimate() {
   Impl& impl = *impl_;
-  const Scene& scene = impl.scene;
   Estimate estimate;
   estimate.stable_dt = impl.stable;
   estimate.dt = impl.next_dt();
-  const Wall::time_point start = Wall::now();
-  std::uint64_t steps = 0;
-  while (seconds_since(start) < 0.1) {
-    impl.step();
-    ++steps;
+  Wall::time_point start = Wall::now();
+  const auto bytes = static_cast<double>(impl.recorder.rehearse(0, impl.gravity_now()));
+  const double frame_seconds = seconds_since(start);
+  start = Wall::now();
+  const double end = impl.scene.solver.end.value_or(0);
+  if (impl.rest) {
+    estimate.steps = impl.steps_to_rest(1.0);
+  } else {
+    while (seconds_since(start) < 0.2 && !impl.clock.finished()) impl.step();
+    estimate.steps = static_cast<std::uint64_t>(std::ceil(end / estimate.dt - 1e-9));
   }
-  estimate.seconds_per_step = seconds_since(start) / static_cast<double>(steps);
-  if (scene.solver.end)
-    estimate.steps = static_cast<std::uint64_t>(std::ceil(*scene.solver.end / estimate.dt - 1e-9));
-  if (impl.recorder.writes_frames() && scene.solver.end) {
-    estimate.frames = 2;
-    if (scene.output.every > 0) {
-      estimate.frames =
-          1 + static_cast<std::uint64_t>(std::ceil(*scene.solver.end / scene.output.every - 1e-9));
-    }
-    if (scene.output.every_steps > 0)
-      estimate.frames = 1 + estimate.steps / scene.output.every_steps;
+  estimate.seconds_per_step = seconds_since(start) / static_cast<double>(impl.clock.step());
+  if (impl.recorder.writes_frames() && estimate.steps > 0) {
+    const double last = impl.rest ? static_cast<double>(estimate.steps) * estimate.dt : end;
+    estimate.frames = frames_until(impl.scene, last, estimate.steps);
   }
-  estimate.seconds = static_cast<double>(estimate.steps) * estimate.seconds_per_step;
+  estimate.seconds = static_cast<double>(estimate.steps) * estimate.seconds_per_step +
+                     static_cast<double>(estimate.frames) * frame_seconds;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  estimate.bytes = 1024.0 * static_cast<double>(usage.ru_maxrss);
+  estimate.bytes = 1024.0 * static_cast<double>(usage.ru_maxrss) + (frames_alive - 1) * bytes;
   return estimate;
 }
 

@@ -60,8 +60,16 @@ TEST(CsvWriter, QuotesNamesWithCommasAndRefusesRowsOfAnotherLength) {
   const TemporaryFolder folder;
   CsvWriter table(folder / "t.csv", {"tip, \"upper\" [m]"});
   EXPECT_THROW(table.row(0, std::array<double, 2>{1, 2}), std::invalid_argument);
+  table.row(0, std::array<double, 1>{2});
   table.finish();
-  EXPECT_EQ(read_text(folder / "t.csv"), "step,\"tip, \"\"upper\"\" [m]\"\n");
+  EXPECT_EQ(read_text(folder / "t.csv"), "step,\"tip, \"\"upper\"\" [m]\"\n0,2\n");
+}
+
+TEST(CsvWriter, WithoutRowsAnOlderTableStays) {
+  const TemporaryFolder folder;
+  CsvWriter(folder / "t.csv", {"a"}).row(7, std::array<double, 1>{0.5});
+  { CsvWriter unused(folder / "t.csv", {"b"}); }
+  EXPECT_EQ(read_text(folder / "t.csv"), "step,a\n7,0.5\n");
 }
 
 TEST(CsvWriter, NothingIsLostWithoutFinish) {

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/scene/json_document.hpp"
+#include "tests/apps/program.hpp"
+
+namespace suture::testing {
+namespace {
+
+using Commands = Program;
+
+TEST_F(Commands, HelpAndVersionAreNoErrors) {
+  for (const char* option : {"--help", "-h"}) {
+    const Outcome help = suture({option});
+    EXPECT_EQ(help.code, 0) << help;
+    for (const char* command : {"run", "check", "explain", "models", "describe", "mesh"}) {
+      EXPECT_TRUE(help.out.find(command) != std::string::npos) << command << help;
+    }
+  }
+  const Outcome version = suture({"--version"});
+  EXPECT_EQ(version.code, 0) << version;
+  EXPECT_EQ(version.out.find("suture "), 0u) << version;
+  EXPECT_TRUE(suture({"run", "--help"}).says("--set")) << suture({"run", "--help"});
+}
+
+struct Wrong {
+  std::vector<std::string> arguments;
+  const char* words;
+};
+
+TEST_F(Commands, WrongUsageNamesWhatWasMeant) {
+  const Wrong wrong[] = {
+      {{}, "no command"},
+      {{"rnu", "s.json"}, "did you mean 'run'"},
+      {{"run"}, "scene"},
+      {{"run", "s.json", "--thread", "2"}, "did you mean '--threads'"},
+      {{"run", "s.json", "--stet=/a=1"}, "did you mean '--set'"},
+      {{"--quite", "run", "s.json"}, "did you mean '--quiet'"},
+      {{"run", "s.json", "t.json"}, "one argument too many"},
+      {{"run", "-q", "-v", "s.json"}, "exclude"},
+      {{"mesh"}, "subcommand"},
+      {{"mesh", "inof", "a.vtu"}, "did you mean 'info'"},
+      {{"mesh", "generate", "box", "a.vtu", "--size", "1", "1", "--cells", "1", "1", "1"},
+       "--size"},
+      {{"mesh", "info", "a.vtu", "--scale", "-1"}, "--scale"}};
+  for (const Wrong& use : wrong) {
+    const Outcome outcome = suture(use.arguments);
+    EXPECT_EQ(outcome.code, 2) << use.words << outcome;
+    EXPECT_TRUE(outcome.says(use.words)) << use.words << outcome;
+    EXPECT_TRUE(outcome.out.empty()) << outcome;
+  }
+}
+
+TEST_F(Commands, ListsAndDescribesModels) {
+  const Outcome list = suture({"models"});
+  EXPECT_EQ(list.code, 0) << list;
+  EXPECT_TRUE(list.says("tm-faure") && list.says("mss-baudet")) << list;
+  const Outcome model = suture({"describe", "mss-baudet"});
+  EXPECT_EQ(model.code, 0) << model;
+  for (const char* words : {"E Pa: ", "required", "number > -0.25 and < 0.5", "true or false",
+                            "default false", "source: ", "MIT"}) {
+    EXPECT_TRUE(model.says(words)) << words << model;
+  }
+  const Outcome unknown = suture({"describe", "tm-fuare"});
+  EXPECT_EQ(unknown.code, 4) << unknown;
+  EXPECT_TRUE(unknown.says("tm-faure")) << unknown;
+}
+
+TEST_F(Commands, MeshesAreMadeConvertedAndMeasured) {
+  const Outcome made = suture(
+      {"mesh", "generate", "box", "a.vtu", "--size", "1", "0.5", "0.25", "--cells", "4", "2", "1"});
+  EXPECT_EQ(made.code, 0) << made;
+  for (const char* format : {"b.vtk", "c.mesh", "d.msh"}) {
+    const Outcome converted = suture({"mesh", "convert", "a.vtu", format, "--scale", "2"});
+    EXPECT_EQ(converted.code, 0) << converted;
+    const Outcome info = suture({"mesh", "info", format});
+    EXPECT_EQ(info.code, 0) << info;
+    for (const char* words : {"30 points, 8 hexahedra", "[0, 0, 0] to [2, 1, 0.5] m", "30 vertices",
+                              "(28 on the boundary)", "1 island", "volume: 1 m^3"}) {
+      EXPECT_TRUE(info.says(words)) << words << info;
+    }
+  }
+  const Outcome unknown = suture({"mesh", "convert", "a.vtu", "a.xyz"});
+  EXPECT_EQ(unknown.code, 2) << unknown;
+}
+
+TEST_F(Commands, CheckRunsNothing) {
+  const Outcome good = scene("check", "");
+  EXPECT_EQ(good.code, 0) << good;
+  EXPECT_TRUE(good.says("good")) << good;
+  EXPECT_FALSE(std::filesystem::exists(folder() / "out"));
+}
+
+TEST_F(Commands, ExplainTellsWhatIsSkippedAndCosts) {
+  const Outcome text = scene("explain", "");
+  EXPECT_EQ(text.code, 0) << text;
+  for (const char* words : {"skipped", "cost", "steps: 10", "memory"}) {
+    EXPECT_TRUE(text.says(words)) << words << text;
+  }
+  const Outcome json = suture({"explain", "--json", "s.json"});
+  EXPECT_EQ(json.code, 0) << json;
+  const JsonValue root = parse_json(json.out, "explain");
+  EXPECT_EQ(root.find("steps")->natural, 10u);
+  EXPECT_GT(root.find("decisions")->items.size(), 3u);
+  EXPECT_FALSE(std::filesystem::exists(folder() / "out"));
+}
+
+}  // namespace
+}  // namespace suture::testing

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <csignal>
+
+#include "tests/apps/program.hpp"
+
+namespace suture::testing {
+namespace {
+
+using Runs = Program;
+
+std::size_t frames_in(const std::filesystem::path& folder) {
+  std::size_t frames = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    frames += entry.path().extension() == ".vtu" ? 1 : 0;
+  }
+  return frames;
+}
+
+TEST_F(Runs, WriteFramesTablesAndASummary) {
+  const Outcome run = scene("run", R"(, "gravity": [0, -9.8, 0],
+    "output": {"directory": "o", "every_steps": 5, "energies": {"every_steps": 1},
+               "probes": {"every_steps": 2, "at": [{"name": "top", "point": [0, 1, 0]}]}})");
+  EXPECT_EQ(run.code, 0) << run;
+  EXPECT_TRUE(run.says("10 steps") && run.says("3 frames") && run.says(".pvd")) << run;
+  EXPECT_EQ(frames_in(folder() / "o"), 3u);
+  const std::string energies = read("o/energies.csv"), probes = read("o/probes.csv");
+  EXPECT_EQ(std::count(energies.begin(), energies.end(), '\n'), 12) << energies;
+  EXPECT_EQ(std::count(probes.begin(), probes.end(), '\n'), 7) << probes;
+}
+
+TEST_F(Runs, QuietSaysNothingAndNoOutputWritesNothing) {
+  write("unused", "");
+  scene("run", "");
+  const Outcome quiet = suture({"run", "-q", "s.json", "--set", "/output=false"});
+  EXPECT_EQ(quiet.code, 0) << quiet;
+  EXPECT_EQ(quiet.out + quiet.err, "") << quiet;
+  std::filesystem::remove_all(folder() / "out");
+  suture({"run", "s.json", "--set", "/output=false"});
+  EXPECT_FALSE(std::filesystem::exists(folder() / "out"));
+}
+
+TEST_F(Runs, CtrlCFinishesTheStepAndWritesAFrame) {
+  scene("run", "");
+  const Outcome run = interrupted(
+      {"run", "s.json", "--set", "/solver/end=1000", "--set", "/solver/max_steps=4000000000",
+       "--set", "/output={\"directory\": \"o\", \"energies\": {\"every_steps\": 1000}}"},
+      SIGINT, "o/energies.csv");
+  EXPECT_EQ(run.code, 130) << run;
+  EXPECT_TRUE(run.says("interrupted")) << run;
+  EXPECT_EQ(frames_in(folder() / "o"), 2u);
+}
+
+TEST_F(Runs, FoldersThatCannotBeWritten) {
+  write("file", "");
+  const Outcome run = scene("run", ", \"output\": {\"directory\": \"file/inside\"}");
+  EXPECT_EQ(run.code, 6) << run;
+  EXPECT_TRUE(run.says("file/inside")) << run;
+}
+
+// Standing still is stable at any step: gravity and a held side make it move.
+constexpr const char* moving = R"(, "gravity": [0, -9.8, 0],
+  "constraints": [{"fix": "xyz", "where": {"set": "x0"}}], "output": {"directory": "o"})";
+
+TEST_F(Runs, StepsThatAreTooLongWarnAndStop) {
+  const Outcome run = scene("run", moving, {"/solver/dt=0.5", "/solver/end=200"});
+  EXPECT_EQ(run.code, 5) << run;
+  EXPECT_TRUE(run.says("warning") && run.says("stable")) << run;
+  EXPECT_TRUE(run.says("step") && run.says("dt")) << run;
+}
+
+TEST_F(Runs, RestThatIsNotReachedIsAnError) {
+  const Outcome run = scene(
+      "run", moving, {"/solver={\"until\": \"rest\", \"max_steps\": 20, \"tolerance\": 1e-9}"});
+  EXPECT_EQ(run.code, 5) << run;
+  EXPECT_TRUE(run.says("20")) << run;
+}
+
+struct Cut {
+  const char* what;
+  const char* event;
+  const char* words;
+};
+
+TEST_F(Runs, OddCutsAreDoneOrTold) {
+  const Cut cuts[] = {
+      {"meets no face",
+       R"({"at": 0.005, "cut": {"plane": {"point": [9, 0, 0], "normal": [1, 0, 0]}}})", "no face"},
+      {"at time 0", R"({"at": 0, "cut": {"plane": {"point": [0.5, 0, 0], "normal": [1, 0, 0]}}})",
+       "4 faces cut"},
+      {"at the end",
+       R"({"at": 0.01, "cut": {"plane": {"point": [0.5, 0, 0], "normal": [1, 0, 0]}}})",
+       "4 faces cut"},
+      {"into single elements",
+       R"({"at": 0.005, "cut": {"faces": [[0,1],[2,3],[4,5],[6,7],[0,2],[1,3],[4,6],[5,7],[0,4],[1,5],[2,6],[3,7]]}})",
+       "12 faces cut"},
+      {"a face twice at once", R"({"at": 0.005, "cut": {"faces": [[0,1],[1,0]]}})", "1 face cut"},
+      {"a face twice in turn",
+       R"({"at": 0.005, "cut": {"faces": [[0,1]]}}, {"at": 0.006, "cut": {"faces": [[0,1]]}})",
+       "1 face cut"}};
+  for (const Cut& cut : cuts) {
+    const Outcome run = scene("run", std::string(moving) + ", \"events\": [" + cut.event + "]");
+    EXPECT_EQ(run.code, 0) << cut.what << "\n" << run;
+    EXPECT_TRUE(run.says(cut.words)) << cut.what << "\n" << run;
+  }
+}
+
+// Every scene that we ship is good; what it is warned of, its header says.
+TEST_F(Runs, ShippedScenesAreGood) {
+  std::size_t scenes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(SUTURE_SCENES)) {
+    if (entry.path().extension() != ".json") continue;
+    const Outcome outcome = suture({"check", entry.path().string()});
+    EXPECT_EQ(outcome.code, 0) << entry.path() << "\n" << outcome;
+    ++scenes;
+  }
+  EXPECT_GE(scenes, 6u);
+}
+
+}  // namespace
+}  // namespace suture::testing

@@ -49,6 +49,9 @@ void read_fields(ObjectReader& object, Reading& reading) {
   const auto* items = read_array(*value, path, "names", reading.mistakes);
   if (items == nullptr) return;
   fields.clear();
+  // A model that could not be found might know any name.
+  const auto lost = [](const ModelUse& use) { return use.model == nullptr; };
+  if (std::any_of(reading.scene.models.begin(), reading.scene.models.end(), lost)) return;
   const std::vector<std::string> known = known_fields(reading.scene);
   for (std::size_t i = 0; i < items->size(); ++i) {
     const auto index = read_choice((*items)[i], child_path(path, i), known, reading.mistakes);

@@ -176,9 +176,10 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     return {.command = TextCommand{innermost(parser.app).help()}};
   } catch (const CLI::CallForVersion& version) {
     return {.command = TextCommand{std::string(version.what()) + "\n"}};
-  } catch (const CLI::ArgumentMismatch& error) {
+  } catch (const CLI::ConversionError& error) {
     throw UsageError(full_name(innermost(parser.app)) + ": " + error.what());
   } catch (const CLI::ParseError& error) {
+    // With a word too many, CLI11 may complain of something that follows from it.
     for (const std::string& word : parser.app.remaining(true)) fail_with_word(parser.app, word);
     throw UsageError(full_name(innermost(parser.app)) + ": " + error.what());
   }

@@ -47,7 +47,7 @@ struct FrameWriter::Impl {
   std::vector<Frame> used;
   std::exception_ptr error;
   std::size_t written = 0;
-  bool busy = false, stopping = false;
+  bool busy = false, stopping = false, has_folder = false;
   std::thread thread;
 
   PvdFile pvd;
@@ -71,7 +71,9 @@ struct FrameWriter::Impl {
     }
   }
 
-  void make_folder() const {
+  // Not before the first frame: a scene that is only looked at leaves no trace.
+  void make_folder() {
+    if (std::exchange(has_folder, true)) return;
     std::error_code failed;
     fs::create_directories(options.directory, failed);
     if (failed) fail_io(options.directory, "made as output folder", failed.value());
@@ -116,9 +118,7 @@ struct FrameWriter::Impl {
 };
 
 FrameWriter::FrameWriter(FrameWriterOptions options)
-    : impl_(std::make_unique<Impl>(std::move(options))) {
-  impl_->make_folder();
-}
+    : impl_(std::make_unique<Impl>(std::move(options))) {}
 
 FrameWriter::~FrameWriter() {
   {
@@ -140,6 +140,7 @@ Frame FrameWriter::take_frame() {
 void FrameWriter::submit(Frame frame) {
   check_frame(frame);
   Impl& impl = *impl_;
+  impl.make_folder();
   std::unique_lock lock(impl.mutex);
   impl.rethrow();
   if (!impl.options.background) {

@@ -65,6 +65,7 @@ struct Simulation::Impl {
         recorder(s, world, provenance_of(s, host, world)),
         clock(s.solver.dt, stops_of(s), s.output.enabled ? s.output.every : 0, s.solver.end),
         guard(s, world, d) {
+    check_events();
     decisions = decide(scene, host, world, recorder);
     if (scene.solver.until_rest) {
       rest.emplace(scene.solver.tolerance, scene.solver.automatic_damping);
@@ -112,6 +113,13 @@ struct Simulation::Impl {
   void fire_events(Observer& observer) {
     while (next_event < scene.events.size() && clock.reached(scene.events[next_event].at)) {
       fire(scene.events[next_event++], observer);
+    }
+  }
+
+  // Lists that name no face are the scene's fault, and told before anything runs.
+  void check_events() {
+    for (const Event& event : scene.events) {
+      if (std::holds_alternative<CutFaces>(event.what)) faces_of(event);
     }
   }
 

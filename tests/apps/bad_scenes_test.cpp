@@ -33,7 +33,7 @@ TEST_F(BadScenes, FiveMistakesAreToldAtOnceAndNothingRuns) {
   "events": [{"at": 1, "cut": {"faces": [[0, 1]]}}],
   "output": {"fields": ["strss"]})");
   EXPECT_EQ(five.code, 3) << five;
-  for (const char* words : {"s.json:6:3: /gravty", "'gravity'", "s.json:7:36: /constraints/0/were",
+  for (const char* words : {"s.json:6:3: /gravty", "'gravity'", "s.json:7:34: /constraints/0/were",
                             "'where' is missing", "s.json:8:21: /events/0/at",
                             "s.json:9:25: /output/fields/0", "'stress'", "5 mistakes"}) {
     EXPECT_TRUE(five.says(words)) << words << five;

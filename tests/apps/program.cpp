@@ -20,7 +20,8 @@ std::ostream& operator<<(std::ostream& stream, const Outcome& outcome) {
 }
 
 Program::Program() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "suture-apps-XXXXXX").string();
+  std::string pattern =
+      (std::filesystem::temp_directory_path() / ("suture-apps-" + std::string(6, 'X'))).string();
   if (mkdtemp(pattern.data()) == nullptr) std::abort();
   folder_ = pattern;
 }

@@ -213,7 +213,7 @@ TEST(FrameWriter, AFileInPlaceOfTheFolderIsTold) {
   const TemporaryFolder folder;
   folder.write("out", "x");
   try {
-    FrameWriter writer({.directory = folder / "out" / "deeper"});
+    FrameWriter({.directory = folder / "out" / "deeper"}).submit(box_frame(0));
     FAIL();
   } catch (const IoError& error) {
     EXPECT_NE(std::string(error.what()).find("Not a directory"), std::string::npos) << error.what();

@@ -205,7 +205,7 @@ TEST_P(TmFaure, UniaxialStretchHasItsClosedForm) {
     batch.move(lane, box_of(s * a, t * b, t * c));
   }
   ASSERT_EQ(batch.force(), SUTURE_OK);
-  const auto stress = batch.field("stress"), mises = batch.field("von-mises");
+  const auto stress = batch.field("stress"), mises = batch.field("von_mises");
   for (int lane = 0; lane < 8; ++lane) {
     const double s = stretches[lane], t2 = 1 - poisson * (s * s - 1);
     const double P = young * s * (s * s - 1) / 2;
@@ -232,7 +232,7 @@ TEST_P(TmFaure, SimpleShearHasItsClosedForm) {
     HexahedronBatch batch(instance, instance.functor(functor_of(form)), rest);
     for (int lane = 0; lane < 8; ++lane)
       batch.move(lane, affine(rest[lane], {{{1, 0.1 * lane, 0}, {0, 1, 0}, {0, 0, 1}}}));
-    const auto stress = batch.field("stress"), energy = batch.field("energy-density");
+    const auto stress = batch.field("stress"), energy = batch.field("energy_density");
     for (int lane = 0; lane < 8; ++lane) {
       const double g = 0.1 * lane, g2 = g * g;
       const double expected[6] = {(l / 2 + 2 * m) * g2 + (l / 2 + m) * g2 * g2,

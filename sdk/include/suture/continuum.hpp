@@ -23,8 +23,8 @@
 //   SUTURE_PLUGIN("neo-hooke", "1.0", "MIT", "Neo-Hookean solid", neo_hooke)
 //
 // That gives forces on trilinear hexahedra (parallelepipeds on a faster path),
-// mass, energy, exact tangent, stable step, and the fields "stress", "von-mises"
-// and "energy-density".
+// mass, energy, exact tangent, stable step, and the fields "stress", "von_mises"
+// and "energy_density".
 //
 // A law has one or both of, as static templates of the model:
 //   energy(F, p) -> T        energy density W per rest volume, J/m^3
@@ -159,8 +159,8 @@ struct continuum_functor : on_volumes {
 
   static constexpr auto fields = [] {
     constexpr auto stress = field("stress", "Pa", "Cauchy stress, mean of the Gauss points", 6);
-    constexpr auto mises = field("von-mises", "Pa", "Equivalent stress of von Mises of it");
-    constexpr auto energy = field("energy-density", "J/m^3", "Stored energy per rest volume");
+    constexpr auto mises = field("von_mises", "Pa", "Equivalent stress of von Mises of it");
+    constexpr auto energy = field("energy_density", "J/m^3", "Stored energy per rest volume");
     if constexpr (has_energy_density<M>)
       return std::array<suture_field, 3>{stress, mises, energy};
     else

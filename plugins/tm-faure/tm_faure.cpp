@@ -50,8 +50,8 @@ struct tm_faure : suture::continuum<tm_faure> {
   /// P = F S, S = lambda tr(E) I + 2 mu E
   template <class T>
   static suture::mat3<T> stress(const suture::mat3<T>& F, const constants& c) {
-    const auto strain = green_strain(F);
-    return F * add_diagonal(2 * c.mu * strain, c.lambda * trace(strain));
+    const auto strain2 = twice_green_strain(F);  // 2 E
+    return F * add_diagonal(c.mu * strain2, (0.5 * c.lambda) * trace(strain2));
   }
 };
 

@@ -234,9 +234,9 @@ struct parallelepipeds : continuum_functor<M, parallelepipeds<M>> {
       if (i % 4) skew = max(skew, abs(inverse_j(i / 3, i % 3)));
     }
     if (all(skew == 0.0))
-      work(box_geometry<R>(inverse_j));
+      work(box_geometry<R, Q>(inverse_j));
     else
-      work(parallelepiped_geometry<R>(inverse_j));
+      work(parallelepiped_geometry<R, Q>(inverse_j));
   }
 };
 

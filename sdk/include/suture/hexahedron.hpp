@@ -34,6 +34,16 @@ struct gauss<3> {
   static constexpr double weight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
 };
 
+/// Weights of the product rule, as a factor of all points times one of the point:
+/// for Q = 2 all points weigh the same, and the factor goes where it costs least.
+template <int Q>
+inline constexpr double common_weight = Q == 2 ? 0.125 : 1.0;
+template <int Q>
+SUTURE_INLINE constexpr double point_weight(int i, int j, int k) {
+  constexpr const double(&w)[Q] = gauss<Q>::weight;
+  return Q == 2 ? 1.0 : w[i] * w[j] * w[k];
+}
+
 /// From the values `a`, `b` at the ends of an axis to those at its Gauss points.
 template <int Q, class T>
 SUTURE_INLINE void to_points(const T& a, const T& b, T* out, int stride) {
@@ -128,16 +138,19 @@ SUTURE_INLINE void scatter(const axis_values<T, Q>& s, vec3<T> (&f)[8]) {
 // How local gradients become physical ones, F = dx/dxi J^-1, and how the stress
 // P goes back, s = P cof(J) = P J^-T det J. A geometry offers
 //   start(gradients)      once before the points
-//   point(i, j, k)        an object with F(dx/dxi), flux(P) and det J
-//   finish(stresses)      once after the points
+//   point(i, j, k)        an object with F(dx/dxi), flux(P) and measure() = det J
+//   finish(stresses)      once after the points; with it the fluxes have been
+//                         multiplied by common_weight<Q>
 
 /// Constant J: parallelepipeds. Holds J^-1 (rows: local axes) and det J.
-template <class R>
+template <class R, int Q>
 struct parallelepiped_geometry {
   mat3<R> inverse_jacobian;
   R volume;
   SUTURE_INLINE explicit parallelepiped_geometry(const mat3<R>& inverse)
-      : inverse_jacobian(inverse), volume(1.0 / det(inverse)), back_(transpose(inverse) * volume) {}
+      : inverse_jacobian(inverse),
+        volume(1.0 / det(inverse)),
+        back_(transpose(inverse) * (volume * common_weight<Q>)) {}
 
   struct at_point {
     const parallelepiped_geometry& g;
@@ -152,9 +165,9 @@ struct parallelepiped_geometry {
     SUTURE_INLINE const R& measure() const { return g.volume; }
   };
   SUTURE_INLINE at_point point(int, int, int) const { return {*this}; }
-  template <class T, int Q>
+  template <class T>
   SUTURE_INLINE void start(axis_values<T, Q>&) const {}
-  template <class T, int Q>
+  template <class T>
   SUTURE_INLINE void finish(axis_values<T, Q>&) const {}
 
  private:
@@ -163,7 +176,7 @@ struct parallelepiped_geometry {
 
 /// Constant diagonal J: boxes along the axes. Scaling the Q^2 values per axis
 /// replaces two matrix products at each of the Q^3 points.
-template <class R>
+template <class R, int Q>
 struct box_geometry {
   vec3<R> inverse_length;
   R volume;
@@ -184,13 +197,14 @@ struct box_geometry {
     SUTURE_INLINE const R& measure() const { return volume; }
   };
   SUTURE_INLINE at_point point(int, int, int) const { return {volume}; }
-  template <class T, int Q>
+  template <class T>
   SUTURE_INLINE void start(axis_values<T, Q>& gradients) const {
     for (int d = 0; d < 3; ++d) gradients.scale_axis(d, inverse_length[d]);
   }
-  template <class T, int Q>
+  template <class T>
   SUTURE_INLINE void finish(axis_values<T, Q>& stresses) const {
-    for (int d = 0; d < 3; ++d) stresses.scale_axis(d, inverse_length[d] * volume);
+    for (int d = 0; d < 3; ++d)
+      stresses.scale_axis(d, inverse_length[d] * (volume * common_weight<Q>));
   }
 };
 
@@ -221,7 +235,10 @@ struct general_geometry {
   template <class T>
   SUTURE_INLINE void start(axis_values<T, Q>&) const {}
   template <class T>
-  SUTURE_INLINE void finish(axis_values<T, Q>&) const {}
+  SUTURE_INLINE void finish(axis_values<T, Q>& stresses) const {
+    if constexpr (Q == 2)
+      for (int d = 0; d < 3; ++d) stresses.scale_axis(d, common_weight<Q>);
+  }
 };
 
 // -------------------------------------------------------------- integrals --
@@ -249,10 +266,12 @@ SUTURE_INLINE void internal_force(const vec3<T> (&x)[8], const Geometry& geometr
   geometry.start(g);
   axis_values<T, Q> s{};
   for_each_point<Q>([&](int i, int j, int k) __attribute__((always_inline)) {
-    constexpr const double(&w)[Q] = gauss<Q>::weight;
     const auto point = geometry.point(i, j, k);
     const mat3<T> P = law(point.F(g.at(i, j, k)));
-    s.add(i, j, k, point.flux(P) * (w[i] * w[j] * w[k]));
+    if constexpr (Q == 2)
+      s.add(i, j, k, point.flux(P));
+    else
+      s.add(i, j, k, point.flux(P) * point_weight<Q>(i, j, k));
   });
   geometry.finish(s);
   scatter<Q>(s, f);
@@ -265,9 +284,8 @@ SUTURE_INLINE void for_deformations(const vec3<T> (&x)[8], const Geometry& geome
   axis_values<T, Q> g = gradients<Q>(x);
   geometry.start(g);
   for_each_point<Q>([&](int i, int j, int k) __attribute__((always_inline)) {
-    constexpr const double(&w)[Q] = gauss<Q>::weight;
     const auto point = geometry.point(i, j, k);
-    visit(point.F(g.at(i, j, k)), point.measure() * (w[i] * w[j] * w[k]));
+    visit(point.F(g.at(i, j, k)), point.measure() * (common_weight<Q> * point_weight<Q>(i, j, k)));
   });
 }
 

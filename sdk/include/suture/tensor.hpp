@@ -194,12 +194,21 @@ SUTURE_INLINE sym3<product<A, S>> add_diagonal(const sym3<A>& a, const S& s) {
   return {a.c[0] + s, a.c[1] + s, a.c[2] + s, a.c[3] * 1.0, a.c[4] * 1.0, a.c[5] * 1.0};
 }
 
+/// F'F - I, twice the Green-Lagrange strain E. The diagonal starts from -1, so
+/// that small strains keep their digits and each entry takes three operations.
+template <class T>
+SUTURE_INLINE sym3<T> twice_green_strain(const mat3<T>& F) {
+  const auto& f = F.column;
+  const auto square = [](const vec3<T>& a) __attribute__((always_inline)) {
+    return ((a[0] * a[0] - 1.0) + a[1] * a[1]) + a[2] * a[2];
+  };
+  return {square(f[0]),    square(f[1]),    square(f[2]),
+          dot(f[0], f[1]), dot(f[1], f[2]), dot(f[0], f[2])};
+}
 /// Green-Lagrange strain E = (F'F - I) / 2.
 template <class T>
 SUTURE_INLINE sym3<T> green_strain(const mat3<T>& F) {
-  const auto& f = F.column;
-  return {0.5 * dot(f[0], f[0]) - 0.5, 0.5 * dot(f[1], f[1]) - 0.5, 0.5 * dot(f[2], f[2]) - 0.5,
-          0.5 * dot(f[0], f[1]),       0.5 * dot(f[1], f[2]),       0.5 * dot(f[0], f[2])};
+  return twice_green_strain(F) * 0.5;
 }
 
 /// Cauchy stress P F' / J of the first Piola-Kirchhoff stress P.

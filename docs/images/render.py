@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws frames of a run side by side, coloured by von Mises stress or displacement.
+"""Draws frames of a run below each other, warped by displacement, coloured by von Mises stress.
 
 usage: xvfb-run -a docs/images/render.py RUN.pvd PICTURE.png [TIME ...]
 
@@ -33,8 +33,11 @@ def chosen(all_frames, times):
 def read(path):
     reader = vtk.vtkXMLUnstructuredGridReader()
     reader.SetFileName(path)
-    reader.Update()
-    return reader.GetOutput()
+    warp = vtk.vtkWarpVector()  # points in the files are at rest
+    warp.SetInputConnection(reader.GetOutputPort())
+    warp.SetInputArrayToProcess(0, 0, 0, vtk.vtkDataObject.FIELD_ASSOCIATION_POINTS, "displacement")
+    warp.Update()
+    return warp.GetOutput()
 
 
 def scalar_range(grids, field):
@@ -102,7 +105,7 @@ def main():
         sys.exit(__doc__)
     picked = chosen(frames(sys.argv[1]), [float(t) for t in sys.argv[3:]])
     grids = [read(path) for _, path in picked]
-    field = "von_mises"
+    field = "von-mises"
     value_range = scalar_range(grids, field)
     colours = vtk.vtkColorTransferFunction()
     colours.SetColorSpaceToDiverging()

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws frames of a run below each other, warped by displacement, coloured by von Mises stress.
+"""Draws frames of a run, two in a row, warped by displacement, coloured by von Mises stress.
 
 usage: xvfb-run -a docs/images/render.py RUN.pvd PICTURE.png [TIME ...]
 
@@ -13,7 +13,7 @@ import xml.etree.ElementTree as ElementTree
 
 import vtk
 
-WIDTH, HEIGHT = 1280, 380  # of one frame, pixels
+WIDTH, HEIGHT = 640, 400  # of one frame, pixels
 
 
 def frames(pvd):
@@ -58,7 +58,7 @@ def renderer_of(grid, field, value_range, colours, camera):
     actor.SetMapper(mapper)
     actor.GetProperty().EdgeVisibilityOn()
     actor.GetProperty().SetEdgeColor(0.15, 0.15, 0.2)
-    actor.GetProperty().SetAmbient(0.25)
+    actor.GetProperty().SetAmbient(0.45)
     renderer = vtk.vtkRenderer()
     renderer.SetBackground(1, 1, 1)
     renderer.AddActor(actor)
@@ -69,9 +69,9 @@ def renderer_of(grid, field, value_range, colours, camera):
 def label(renderer, text):
     actor = vtk.vtkTextActor()
     actor.SetInput(text)
-    actor.GetTextProperty().SetFontSize(26)
+    actor.GetTextProperty().SetFontSize(22)
     actor.GetTextProperty().SetColor(0.1, 0.1, 0.1)
-    actor.SetPosition(24, HEIGHT - 48)
+    actor.SetPosition(24, HEIGHT - 40)
     renderer.AddViewProp(actor)
 
 
@@ -96,7 +96,7 @@ def common_camera(grids):
     camera.SetPosition(*eye)
     camera.SetViewUp(*up)
     camera.ParallelProjectionOn()
-    camera.SetParallelScale(0.19 * size[longest] + 0.42 * size[3 - longest - side])
+    camera.SetParallelScale(0.22 * size[longest] + 0.25 * size[3 - longest - side])
     return camera
 
 
@@ -115,10 +115,12 @@ def main():
     window = vtk.vtkRenderWindow()
     window.SetOffScreenRendering(1)
     window.SetMultiSamples(8)
-    window.SetSize(WIDTH, HEIGHT * len(grids))
-    for row, (grid, (time, _)) in enumerate(zip(grids, picked)):
+    rows = (len(grids) + 1) // 2
+    window.SetSize(2 * WIDTH, HEIGHT * rows)
+    for i, (grid, (time, _)) in enumerate(zip(grids, picked)):
         renderer = renderer_of(grid, field, value_range, colours, camera)
-        renderer.SetViewport(0, 1 - (row + 1) / len(grids), 1, 1 - row / len(grids))
+        row, left = i // 2, 0.5 * (i % 2)
+        renderer.SetViewport(left, 1 - (row + 1) / rows, left + 0.5, 1 - row / rows)
         label(renderer, f"t = {time:.3g} s")
         window.AddRenderer(renderer)
     window.Render()

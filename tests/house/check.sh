@@ -34,7 +34,7 @@ machine_paths() {
 }
 
 unfinished() {
-  offences 'TO''DO|FIX''ME|X''XX|GTEST_''SKIP|place''holder' \
+  offences 'TO''DO|FIX''ME|GTEST_''SKIP|place''holder' \
     'unfinished work does not land' "$text"
 }
 
@@ -60,7 +60,7 @@ include_direction() {
       "kernel/$leaf may include base and mesh only" "^kernel/$leaf/.*$sources" || bad=1
   done
   # Threads in one place, so that ThreadSanitizer sees what TBB orders.
-  offences '#include <(tbb|oneapi/tbb)/' 'threads are kernel/base/parallel.hpp' "$sources" \
+  offences '#include <(tbb|oneapi/tbb)/(parallel|task|flow|concurrent)' 'threads are kernel/base/parallel.hpp' "$sources" \
     '^kernel/base/parallel.cpp$' || bad=1
   return $bad
 }
@@ -76,7 +76,9 @@ spdx_of() {
 }
 licences() {
   local bad=0
-  spdx_of '^(kernel|apps|tests)/.*\.(h|hpp|c|cpp|sh|py)$' GPL-3.0-or-later || bad=1
+  # Models in tests/sdk are examples to copy, under the licence of the SDK.
+  spdx_of '^tests/sdk/.*'"$sources" '\(MIT\|GPL-3.0-or-later\)' || bad=1
+  spdx_of '^(kernel|apps|tests/([^s]|scene|solvers)[^/]*)/.*\.(h|hpp|c|cpp|sh|py)$' GPL-3.0-or-later || bad=1
   spdx_of '^(sdk|plugins)/.*\.(h|hpp|c|cpp)$' MIT || bad=1
   return $bad
 }

@@ -5,10 +5,19 @@
 
 SUTURE_NOTE("c11", "c11")
 
-static const suture_plugin plugin = {sizeof(suture_plugin), SUTURE_MAGIC, SUTURE_ABI_MAJOR,
-                                     SUTURE_ABI_MINOR,      SUTURE_LANES, 0,
-                                     "c11",                 "1.0",        "MIT",
-                                     "from C",              NULL,         0,
-                                     0,                     NULL};
+static const suture_plugin plugin = {sizeof(suture_plugin),
+                                     SUTURE_MAGIC,
+                                     SUTURE_ABI_MAJOR,
+                                     SUTURE_ABI_MINOR,
+                                     SUTURE_LANES,
+                                     0,
+                                     "c11",
+                                     "1.0",
+                                     "MIT",
+                                     "from C",
+                                     NULL,
+                                     0,
+                                     0,
+                                     NULL};
 
 const suture_plugin* c11_plugin(void) { return &plugin; }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "suture/continuum.hpp"
 
 struct neo_hooke : suture::continuum<neo_hooke> {

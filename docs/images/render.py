@@ -105,7 +105,7 @@ def main():
         sys.exit(__doc__)
     picked = chosen(frames(sys.argv[1]), [float(t) for t in sys.argv[3:]])
     grids = [read(path) for _, path in picked]
-    field = "von-mises"
+    field = "von_mises"
     value_range = scalar_range(grids, field)
     colours = vtk.vtkColorTransferFunction()
     colours.SetColorSpaceToDiverging()

@@ -66,8 +66,10 @@ function(suture_add_plugin name)
   endif()
   _suture_plugin_object(${name} ${common})
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
-    _suture_plugin_object(${name}.avx2 ${common} FLAGS -march=x86-64-v3)
+    # A sanitizer looks at the base line: same source, a fifth of the compile time.
+    set(plain $<$<BOOL:${SUTURE_SANITIZER}>:-fno-sanitize=all>)
+    _suture_plugin_object(${name}.avx2 ${common} FLAGS -march=x86-64-v3 ${plain})
     _suture_plugin_object(${name}.avx512 ${common}
-      FLAGS -march=x86-64-v4 -mprefer-vector-width=512)
+      FLAGS -march=x86-64-v4 -mprefer-vector-width=512 ${plain})
   endif()
 endfunction()

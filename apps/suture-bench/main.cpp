@@ -14,6 +14,8 @@ int main(int argc, char** argv) {
   std::string json;
   app.add_option("--json", json, "Write the figures to this file as well");
   std::vector<suture::bench::Command> commands;
+  suture::bench::add_build(app, commands);
+  suture::bench::add_cut(app, commands);
   suture::bench::add_force(app, commands);
   suture::bench::add_step(app, commands);
   CLI11_PARSE(app, argc, argv);

@@ -197,6 +197,14 @@ void CellComplex::star(int dimension, Index id, std::vector<Dart>& out) const {
   }
 }
 
+std::size_t CellComplex::memory() const {
+  const auto bytes = [](const auto& v) { return v.size() * sizeof(v[0]); };
+  std::size_t sum = bytes(vertices_) + bytes(edges_) + bytes(faces_) + bytes(links_) +
+                    bytes(cell_marks_) + bytes(element_marks_);
+  for (const std::vector<Dart>& darts : some_dart_) sum += bytes(darts);
+  return sum;
+}
+
 std::vector<Index> CellComplex::islands(Index* count) const {
   std::vector<Index> island(element_count(), none);
   std::vector<Index> queue;

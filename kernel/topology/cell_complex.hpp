@@ -134,6 +134,9 @@ class CellComplex {
   /// Connected component of each element: ids 0.. in order of smallest element.
   std::vector<Index> islands(Index* count = nullptr) const;
 
+  /// Bytes of the map and its ids, without what is reserved for cuts to come.
+  std::size_t memory() const;
+
   /// Checks every law of the map and of the ids; throws TopologyError naming
   /// the broken law and dart. O(elements).
   void validate() const;

@@ -22,16 +22,18 @@ std::uint64_t spread(std::uint64_t x) {
 }  // namespace
 
 bool is_local(std::span<const Hexahedron> hexahedra, Index point_count) {
-  constexpr Index reach = 16384;
+  constexpr Index first_level = 512, second_level = 16384;
   std::vector<Index> last(point_count, none);
-  std::size_t far = 0;
+  std::size_t late = 0, very_late = 0;
   for (Index e = 0; e < hexahedra.size(); ++e) {
     for (const Index v : hexahedra[e]) {
       const Index before = last[v];
       last[v] = e;
-      far += before != none && e - before > reach;
+      if (before == none) continue;
+      late += e - before > first_level;
+      very_late += e - before > second_level;
     }
-    if (3 * far > point_count) return false;
+    if (late > 2 * std::size_t{point_count} || 3 * very_late > point_count) return false;
   }
   return true;
 }

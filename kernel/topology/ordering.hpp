@@ -8,11 +8,12 @@
 
 namespace suture {
 
-/// True if walking the elements in their order finds vertices again while they
-/// are still in the cache: on average at most every third vertex is asked for
-/// again after more than 16,384 other elements (about half of a 2 MB second-level
-/// cache with positions and forces). Grids with layers of up to 16,384 cells, whose
-/// order also suits the prefetcher, and most meshers' output pass. O(elements).
+/// True if walking the elements in their order finds vertices again while they are
+/// still in the cache: per vertex at most two returns after more than 512 other
+/// elements (first-level cache), and at most one in three vertices with a return after
+/// more than 16,384 (half of a 2 MB second-level cache with positions and forces).
+/// Grids with layers of up to 16,384 cells pass, whose order also suits the
+/// prefetcher, and most meshers' output. O(elements).
 bool is_local(std::span<const Hexahedron> hexahedra, Index point_count);
 
 /// Elements along a space-filling curve (Morton) through their centroids:

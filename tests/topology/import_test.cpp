@@ -74,7 +74,7 @@ TEST(Import, KeepsANaturalOrder) {
 
 TEST(Import, OrdersShuffledElementsAlongACurve) {
   std::mt19937 random(3);
-  const Mesh mesh = shuffled(grid(40, 40, 40), random);
+  const Mesh mesh = shuffled(grid(20, 20, 20), random);
   EXPECT_FALSE(is_local(mesh.hexahedra, Index(mesh.points.size())));
   const Imported in = import(mesh);
   expect_maps_are_consistent(mesh, in);
@@ -84,7 +84,7 @@ TEST(Import, OrdersShuffledElementsAlongACurve) {
 
 TEST(Import, WithoutRenumberingKeepsTheOrderOfPointsAndElements) {
   std::mt19937 random(4);
-  const Mesh mesh = shuffled(grid(40, 40, 20), random);
+  const Mesh mesh = shuffled(grid(20, 20, 20), random);
   const Imported in = import(mesh, {.renumber = false});
   expect_maps_are_consistent(mesh, in);
   EXPECT_TRUE(std::ranges::is_sorted(in.user_element));

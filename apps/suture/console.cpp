@@ -76,7 +76,8 @@ std::string short_number(double value) {
 }
 
 std::string duration(double seconds) {
-  if (seconds < 1) return format("%.0f ms", seconds * 1000);
+  if (seconds < 1e-3) return format("%.3g us", seconds * 1e6);
+  if (seconds < 1) return format("%.3g ms", seconds * 1000);
   if (seconds < 60) return format("%.1f s", seconds);
   const double minutes = std::floor(seconds / 60);
   if (minutes < 60)

@@ -43,7 +43,7 @@ class Console {
 std::string count(unsigned long long n, const std::string& what);
 /// Three significant digits with a factor: "12.3 M", "4.56 k", "789".
 std::string short_number(double value);
-/// "340 ms", "12.3 s", "4 min 05 s", "3 h 07 min".
+/// "12.3 us", "340 ms", "12.3 s", "4 min 05 s", "3 h 07 min".
 std::string duration(double seconds);
 /// "12.3 MB".
 std::string memory(double bytes);

@@ -12,11 +12,10 @@
 namespace suture::bench {
 namespace {
 
-constexpr double cell = 0.025;  // m, of the paper's Fig. 8
-
 Mesh block(const BodyOptions& options) {
   BoxOptions box;
   box.cells = options.cells;
+  const double cell = options.cell;
   for (std::size_t c = 0; c < 3; ++c) box.size[c] = cell * options.cells[c];
   Mesh mesh = make_box(box);
   if (!options.distorted) return mesh;
@@ -54,14 +53,15 @@ Body::Body(PluginHost& host, const BodyOptions& options)
   attributes_->initialise(mesh_.complex, diagnostics_);
   DynamicsOptions motion;
   motion.gravity = {0, -9.8, 0};
+  motion.gravity_ramp.to = options.ramp;
   motion.threads = options.threads;
   dynamics_ = std::make_unique<Dynamics>(*attributes_, mesh_.complex, motion);
   std::vector<Index> held;
   for (Index v = 0; v < attributes_->vertex_count(); ++v)
-    if (attributes_->rest().get(v, 2) < 1e-9 * cell) held.push_back(v);
+    if (attributes_->rest().get(v, 2) < 1e-9 * options.cell) held.push_back(v);
   dynamics_->constraints().add(held, 7, {}, *attributes_);
   dynamics_->start();
-  dt_ = 0.5 * dynamics_->bounds().dt;
+  dt_ = options.safety * dynamics_->bounds().dt;
 }
 
 void Body::step() {
@@ -78,7 +78,7 @@ double Body::cut_random(unsigned count, unsigned seed) {
       face = random() % (24 * element_count()) / 4 * 4;
     } while (!mesh_.complex.can_cut(face));
     const double start = now(1);
-    dynamics_->synchronise();
+    dynamics_->synchronise_velocities();
     const TopologyChange change = mesh_.complex.cut({&face, 1});
     attributes_->apply(mesh_.complex, change);
     dynamics_->update(mesh_.complex, change);

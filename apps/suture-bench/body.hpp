@@ -14,13 +14,16 @@
 namespace suture::bench {
 
 /// A block of one model as a run has it: gravity, one end held, symplectic Euler
-/// at half the stable step. Cells are cubes of 25 mm but for `aspect`.
+/// at half the stable step.
 struct BodyOptions {
   std::string model;
   std::map<std::string, double> parameters;  ///< by name, over E, nu, rho
   std::array<Index, 3> cells{10, 10, 40};
   bool distorted = false;  ///< general hexahedra: points moved by up to 10 %
   unsigned threads = 1;
+  double cell = 0.025;  ///< m, edge of the cubes; that of the paper's Fig. 8
+  double ramp = 0;      ///< s, of gravity
+  double safety = 0.5;  ///< dt over the stable step
 };
 
 class Body {
@@ -37,6 +40,7 @@ class Body {
   Dynamics& dynamics() { return *dynamics_; }
   const CellComplex& complex() const { return mesh_.complex; }
   Attributes& attributes() { return *attributes_; }
+  double dt() const { return dt_; }
 
  private:
   Diagnostics diagnostics_;

@@ -25,5 +25,7 @@ void add_build(CLI::App& app, std::vector<Command>& commands);
 void add_force(CLI::App& app, std::vector<Command>& commands);
 /// Where the time of a step goes.
 void add_step(CLI::App& app, std::vector<Command>& commands);
+/// Time until the paper's cantilever is at rest.
+void add_rest(CLI::App& app, std::vector<Command>& commands);
 
 }  // namespace suture::bench

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -43,7 +44,11 @@ double springs(const Body& body) { return body.complex().count(1) + 4.0 * body.e
 
 void measure_case(const Case& c, Index size, const Options& options, PluginHost& host,
                   Report& report) {
-  Body body(host, {c.model, c.parameters, grid_of(size), c.distorted, options.threads});
+  Body body(host, {.model = c.model,
+                   .parameters = c.parameters,
+                   .cells = grid_of(size),
+                   .distorted = c.distorted,
+                   .threads = options.threads});
   const double elements = body.element_count();
   const auto rate = [&](const Timing& t, double count) { return 1e-6 * count / t.median; };
   const auto step = [&] { body.step(); };
@@ -54,13 +59,15 @@ void measure_case(const Case& c, Index size, const Options& options, PluginHost&
   line.add("step M el/s", rate(fresh, elements));
   if (c.springs) line.add("M springs/s", rate(fresh, fresh_springs));
   line.add("ns/el", 1e9 * fresh.median / elements);
+  const auto force = [&] { body.dynamics().forces().add_forces(0, 0); };
+  line.add("force M el/s", rate(measure(force, options.threads, options.seconds), elements));
+  Column& sums = body.attributes().force();
+  std::fill(sums.rows(), sums.rows() + std::size_t{sums.size()} * 4, 0.0);
   if (options.cuts != 0 && elements > 4 * options.cuts) {
     line.add("us/cut", 1e6 * body.cut_random(options.cuts, 1) / options.cuts);
     const Timing cut = measure(step, options.threads, options.seconds);
     line.add("cut M el/s", rate(cut, elements)).add("cut/fresh", cut.median / fresh.median);
   }
-  const auto force = [&] { body.dynamics().forces().add_forces(0, 0); };
-  line.add("force M el/s", rate(measure(force, options.threads, options.seconds), elements));
   report.add(std::move(line));
 }
 

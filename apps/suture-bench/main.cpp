@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   suture::bench::add_cut(app, commands);
   suture::bench::add_force(app, commands);
   suture::bench::add_step(app, commands);
+  suture::bench::add_rest(app, commands);
   CLI11_PARSE(app, argc, argv);
   try {
     suture::bench::Report report;

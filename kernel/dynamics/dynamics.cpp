@@ -217,17 +217,20 @@ void Dynamics::start(double time) {
 
 void Dynamics::step(double dt, double end) { impl_->step(dt, end); }
 void Dynamics::synchronise() { impl_->synchronise(); }
+void Dynamics::synchronise_velocities() {
+  if (impl_->is_pending) impl_->synchronise();
+}
 
 void Dynamics::update(const CellComplex& complex, const TopologyChange& change) {
   impl_->complex = &complex;
   impl_->forces.update(complex, change);
   impl_->constraints.update(change);
-  impl_->loads.update(complex);
+  if (!change.splits[0].empty()) impl_->loads.update(complex);
   invalidate();
 }
 
 void Dynamics::invalidate() {
-  impl_->clear_forces();
+  if (impl_->evaluated) impl_->clear_forces();  // else they are zero already
   impl_->evaluated = false;
   impl_->old_position.clear();
 }

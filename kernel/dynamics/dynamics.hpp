@@ -61,8 +61,12 @@ class Dynamics {
   /// gives the same bits whether or not this was called.
   void synchronise();
 
-  /// A cut was made and attributes.apply() called. Call synchronise() before the
-  /// cut. O(cells touched + loaded).
+  /// The velocities alone: before a cut, where the forces are not wanted. Costs
+  /// nothing with symplectic Euler.
+  void synchronise_velocities();
+
+  /// A cut was made and attributes.apply() called. Call synchronise_velocities()
+  /// before the cut. O(cells touched + loaded).
   void update(const CellComplex& complex, const TopologyChange& change);
   /// Positions, velocities or masses were changed by others.
   void invalidate();

@@ -118,7 +118,7 @@ void World::add_loads(const Scene& scene) {
 }
 
 Index World::cut(const std::vector<Dart>& faces) {
-  dynamics->synchronise();
+  dynamics->synchronise_velocities();
   const TopologyChange change = complex().cut(faces);
   for (const Split& split : change.splits[0]) user_vertex.push_back(user_vertex[split.old_cell]);
   attributes.apply(complex(), change);

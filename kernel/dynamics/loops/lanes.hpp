@@ -15,11 +15,24 @@ namespace {
 
 constexpr uint32_t lanes = 8;
 
+/// Eight cells of N nodes anywhere.
+template <uint32_t N>
+struct Cells {
+  const uint32_t* nodes[lanes];
+  uint32_t vertex(uint32_t l, uint32_t n) const { return nodes[l][n]; }
+};
+
+/// Eight cells of N nodes one behind the other: most batches of most bodies.
+template <uint32_t N>
+struct Block {
+  const uint32_t* nodes;
+  uint32_t vertex(uint32_t l, uint32_t n) const { return nodes[l * N + n]; }
+};
+
 /// Address of the row of node `n` of the cell in lane `l`.
-template <class T>
-inline __attribute__((always_inline)) T* row_of(T* rows, const uint32_t* const* cell, uint32_t l,
-                                                uint32_t n) {
-  return rows + static_cast<uint64_t>(cell[l][n]) * 4;
+template <class T, class C>
+inline __attribute__((always_inline)) T* row_of(T* rows, const C& cells, uint32_t l, uint32_t n) {
+  return rows + static_cast<uint64_t>(cells.vertex(l, n)) * 4;
 }
 
 #if defined(__AVX512F__)
@@ -29,9 +42,9 @@ inline __attribute__((always_inline)) __m512d two_rows(const double* low, const 
 }
 
 /// out[c*8 + l] = component c of the row of lane l.
-inline __attribute__((always_inline)) void gather_node(const double* rows,
-                                                       const uint32_t* const* cell, uint32_t n,
-                                                       double* out) {
+template <class C>
+inline __attribute__((always_inline)) void gather_node(const double* rows, const C& cell,
+                                                       uint32_t n, double* out) {
   const __m512d a = two_rows(row_of(rows, cell, 0, n), row_of(rows, cell, 2, n));
   const __m512d b = two_rows(row_of(rows, cell, 1, n), row_of(rows, cell, 3, n));
   const __m512d c = two_rows(row_of(rows, cell, 4, n), row_of(rows, cell, 6, n));
@@ -43,36 +56,6 @@ inline __attribute__((always_inline)) void gather_node(const double* rows,
   _mm512_store_pd(out, _mm512_shuffle_f64x2(xz_low, xz_high, 0x88));
   _mm512_store_pd(out + 8, _mm512_shuffle_f64x2(y_low, y_high, 0x88));
   _mm512_store_pd(out + 16, _mm512_shuffle_f64x2(xz_low, xz_high, 0xDD));
-}
-
-inline __attribute__((always_inline)) void add_row(double* row, __m256d value) {
-  _mm256_store_pd(row, _mm256_add_pd(_mm256_load_pd(row), value));
-}
-
-/// Row of lane l += (in[l], in[8 + l], in[16 + l]), lanes in order: lanes may
-/// share a vertex.
-inline __attribute__((always_inline)) void scatter_node(double* rows, const uint32_t* const* cell,
-                                                        uint32_t n, uint32_t valid,
-                                                        const double* in) {
-  const __m512d x = _mm512_load_pd(in), y = _mm512_load_pd(in + 8), z = _mm512_load_pd(in + 16);
-  const __m512d zero = _mm512_setzero_pd();
-  const __m512d xy_even = _mm512_unpacklo_pd(x, y), xy_odd = _mm512_unpackhi_pd(x, y);
-  const __m512d z_even = _mm512_unpacklo_pd(z, zero), z_odd = _mm512_unpackhi_pd(z, zero);
-  const __m512i first = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11);
-  const __m512i second = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
-  const __m512d r02 = _mm512_permutex2var_pd(xy_even, first, z_even);
-  const __m512d r13 = _mm512_permutex2var_pd(xy_odd, first, z_odd);
-  const __m512d r46 = _mm512_permutex2var_pd(xy_even, second, z_even);
-  const __m512d r57 = _mm512_permutex2var_pd(xy_odd, second, z_odd);
-  const __m256d row[8] = {_mm512_castpd512_pd256(r02),    _mm512_castpd512_pd256(r13),
-                          _mm512_extractf64x4_pd(r02, 1), _mm512_extractf64x4_pd(r13, 1),
-                          _mm512_castpd512_pd256(r46),    _mm512_castpd512_pd256(r57),
-                          _mm512_extractf64x4_pd(r46, 1), _mm512_extractf64x4_pd(r57, 1)};
-  if (valid == lanes) {
-    for (uint32_t l = 0; l < lanes; ++l) add_row(row_of(rows, cell, l, n), row[l]);
-  } else {
-    for (uint32_t l = 0; l < valid; ++l) add_row(row_of(rows, cell, l, n), row[l]);
-  }
 }
 
 #elif defined(__AVX__)
@@ -94,53 +77,52 @@ inline __attribute__((always_inline)) void gather_half(const double* r0, const d
   _mm256_store_pd(out + 16, _mm256_unpacklo_pd(zw02, zw13));
 }
 
-inline __attribute__((always_inline)) void gather_node(const double* rows,
-                                                       const uint32_t* const* cell, uint32_t n,
-                                                       double* out) {
+template <class C>
+inline __attribute__((always_inline)) void gather_node(const double* rows, const C& cell,
+                                                       uint32_t n, double* out) {
   gather_half(row_of(rows, cell, 0, n), row_of(rows, cell, 1, n), row_of(rows, cell, 2, n),
               row_of(rows, cell, 3, n), out);
   gather_half(row_of(rows, cell, 4, n), row_of(rows, cell, 5, n), row_of(rows, cell, 6, n),
               row_of(rows, cell, 7, n), out + 4);
 }
 
-inline __attribute__((always_inline)) void add_row(double* row, __m256d value) {
+#endif
+
+#if defined(__AVX__)
+
+/// Row of lane l += (in[l], in[8 + l], in[16 + l], 0). Built from 128-bit halves
+/// with loads that broadcast: an unpack and a blend per row, which three ports
+/// share, where a transpose of 512-bit registers would queue at one.
+inline __attribute__((always_inline)) void add_to_row(double* row, const double* in, __m128d xy,
+                                                      uint32_t l) {
+  const __m256d z = _mm256_broadcast_sd(in + 16 + l);
+  const __m256d value = _mm256_blend_pd(_mm256_zextpd128_pd256(xy), z, 4);
   _mm256_store_pd(row, _mm256_add_pd(_mm256_load_pd(row), value));
 }
 
-inline __attribute__((always_inline)) void rows_of_half(const double* in, __m256d* row) {
-  const __m256d x = _mm256_load_pd(in), y = _mm256_load_pd(in + 8), z = _mm256_load_pd(in + 16);
-  const __m256d zero = _mm256_setzero_pd();
-  const __m256d xy_even = _mm256_unpacklo_pd(x, y), xy_odd = _mm256_unpackhi_pd(x, y);
-  const __m256d z_even = _mm256_unpacklo_pd(z, zero), z_odd = _mm256_unpackhi_pd(z, zero);
-  row[0] = _mm256_permute2f128_pd(xy_even, z_even, 0x20);
-  row[1] = _mm256_permute2f128_pd(xy_odd, z_odd, 0x20);
-  row[2] = _mm256_permute2f128_pd(xy_even, z_even, 0x31);
-  row[3] = _mm256_permute2f128_pd(xy_odd, z_odd, 0x31);
-}
-
-inline __attribute__((always_inline)) void scatter_node(double* rows, const uint32_t* const* cell,
-                                                        uint32_t n, uint32_t valid,
-                                                        const double* in) {
-  __m256d row[8];
-  rows_of_half(in, row);
-  rows_of_half(in + 4, row + 4);
-  if (valid == lanes) {
-    for (uint32_t l = 0; l < lanes; ++l) add_row(row_of(rows, cell, l, n), row[l]);
-  } else {
-    for (uint32_t l = 0; l < valid; ++l) add_row(row_of(rows, cell, l, n), row[l]);
+/// Lanes in order, each read after the write before: lanes may share a vertex.
+template <class C>
+inline __attribute__((always_inline)) void scatter_node(double* rows, const C& cell, uint32_t n,
+                                                        uint32_t valid, const double* in) {
+  for (uint32_t l = 0; l < lanes; l += 2) {
+    const __m128d x = _mm_load_pd(in + l), y = _mm_load_pd(in + 8 + l);
+    if (l < valid) add_to_row(row_of(rows, cell, l, n), in, _mm_unpacklo_pd(x, y), l);
+    if (l + 1 < valid) add_to_row(row_of(rows, cell, l + 1, n), in, _mm_unpackhi_pd(x, y), l + 1);
   }
 }
 
 #else
 
-inline void gather_node(const double* rows, const uint32_t* const* cell, uint32_t n, double* out) {
+template <class C>
+inline void gather_node(const double* rows, const C& cell, uint32_t n, double* out) {
   for (uint32_t l = 0; l < lanes; ++l) {
     const double* row = row_of(rows, cell, l, n);
     for (uint32_t c = 0; c < 3; ++c) out[c * lanes + l] = row[c];
   }
 }
 
-inline void scatter_node(double* rows, const uint32_t* const* cell, uint32_t n, uint32_t valid,
+template <class C>
+inline void scatter_node(double* rows, const C& cell, uint32_t n, uint32_t valid,
                          const double* in) {
   for (uint32_t l = 0; l < valid; ++l) {
     double* row = row_of(rows, cell, l, n);

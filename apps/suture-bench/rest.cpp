@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+
+#include "apps/suture-bench/body.hpp"
+#include "apps/suture-bench/commands.hpp"
+#include "apps/suture-bench/timer.hpp"
+#include "kernel/dynamics/rest_search.hpp"
+
+namespace suture::bench {
+namespace {
+
+struct Options {
+  std::vector<Index> across{5, 10};
+  double tolerance = 1e-6, ramp = 0.1, safety = 0.9;
+};
+
+/// Mean deflection of the free end, m.
+double tip(Body& body) {
+  double sum = 0;
+  int count = 0;
+  Attributes& a = body.attributes();
+  for (Index v = 0; v < a.vertex_count(); ++v) {
+    if (a.rest().get(v, 2) < 1 - 1e-9) continue;
+    sum += a.position().get(v, 1) - a.rest().get(v, 1);
+    ++count;
+  }
+  return sum / count;
+}
+
+void relax(Index n, const Options& options, PluginHost& host, Report& report) {
+  const double begin = now(1);
+  Body body(host, {.model = "tm-faure",
+                   .cells = {n, n, 4 * n},
+                   .cell = 0.25 / n,
+                   .ramp = options.ramp,
+                   .safety = options.safety});
+  RestSearch search(options.tolerance, true);
+  constexpr double most_steps = 1e6;
+  double steps = 0;
+  do {
+    body.step();
+    ++steps;
+  } while (!search.at_rest(body.dynamics()) && steps < most_steps);
+  report.add(Line()
+                 .add("elements", static_cast<double>(body.element_count()))
+                 .add("steps", steps)
+                 .add("CPU s", now(1) - begin)
+                 .add("tip m", tip(body))
+                 .add("residual", search.residual())
+                 .add("dt s", body.dt())
+                 .add("alpha 1/s", body.dynamics().damping()));
+}
+
+void run(const Options& options, Report& report) {
+  PluginHost host;
+  report.begin("rest",
+               "cantilever of 1 m under its weight (E 400 kPa, nu 0.3, rho 1000), tm-faure gauss2, "
+               "from the mesh to rest, one thread");
+  for (const Index n : options.across) relax(n, options, host, report);
+}
+
+}  // namespace
+
+void add_rest(CLI::App& app, std::vector<Command>& commands) {
+  auto* command = app.add_subcommand("rest", "Time until the paper's cantilever is at rest");
+  auto options = std::make_shared<Options>();
+  command->add_option("--across", options->across, "Cells over the height; four times that along");
+  command->add_option("--tolerance", options->tolerance, "Residual over load");
+  command->add_option("--ramp", options->ramp, "Time in which gravity grows, s");
+  command->add_option("--safety", options->safety, "dt over the stable step");
+  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+}
+
+}  // namespace suture::bench

@@ -151,15 +151,17 @@ class CellComplex {
 
   // cut.cpp
   struct StarFlood;
-  /// The stored id of a vertex (dimension 0) or edge (1) at a place of incidence.hpp.
+  /// The vertex (dimension 0) or edge (1) ids, a row per element.
   template <int Dimension>
-  Index& label(std::uint32_t place);
-  std::vector<Dart> mark_leaving(std::span<const Dart> faces);
+  auto* rows();
+  std::vector<incidence::Link> mark_leaving(std::span<const Dart> faces);
   template <int Dimension>
-  void split_cells(std::span<const Dart> cut_faces, TopologyChange& change);
+  void split_cells(std::span<const incidence::Link> cut_faces, TopologyChange& change);
   template <int Dimension>
-  void flood_star(std::uint32_t start, Index cell, StarFlood& flood);
-  void split_faces(std::span<const Dart> cut_faces, TopologyChange& change);
+  void flood_star(incidence::Place start, Index cell, StarFlood& flood);
+  template <int Dimension>
+  void name_components(Index cell, const StarFlood& flood, TopologyChange& change);
+  void split_faces(std::span<const incidence::Link> cut_faces, TopologyChange& change);
 
   std::vector<Hexahedron> vertices_;
   std::vector<std::array<Index, 12>> edges_;

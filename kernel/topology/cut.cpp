@@ -15,6 +15,9 @@ using namespace incidence;
 /// In a link during a cut: it goes.
 constexpr Link leaving = 0x80000000u;
 
+/// Where a dart's face has its link.
+std::size_t side_of(Link dart) { return std::size_t{6} * (dart >> 5) + (dart & 31) / 4; }
+
 /// Sets the bit of cell i; true if it was not set.
 bool mark(std::vector<std::uint64_t>& marks, Index i) {
   std::uint64_t& word = marks[i / 64];
@@ -53,7 +56,8 @@ struct CellComplex::StarFlood {
   struct Component {
     std::uint32_t begin, end;  ///< in places
   };
-  std::vector<Place> places;
+  std::vector<Place> places = std::vector<Place>(64);  ///< those below `reached` count
+  std::uint32_t reached = 0;
   std::vector<Component> components;
   std::vector<Place> beyond;  ///< across links that leave
 
@@ -76,13 +80,12 @@ struct CellComplex::StarFlood {
   }
 };
 
-template <>
-inline Index& CellComplex::label<0>(Place place) {
-  return vertices_[place >> 4][place & 15];
-}
-template <>
-inline Index& CellComplex::label<1>(Place place) {
-  return edges_[place >> 4][place & 15];
+template <int Dimension>
+inline auto* CellComplex::rows() {
+  if constexpr (Dimension == 0)
+    return vertices_.data();
+  else
+    return edges_.data();
 }
 
 /*        before                            after
@@ -101,7 +104,7 @@ inline Index& CellComplex::label<1>(Place place) {
  * the cut faces are looked at.
  */
 TopologyChange CellComplex::cut(std::span<const Dart> faces) {
-  const std::vector<Dart> cut_faces = mark_leaving(faces);
+  const std::vector<Link> cut_faces = mark_leaving(faces);
   TopologyChange change;
   change.faces_cut = static_cast<Index>(cut_faces.size());
   split_cells<0>(cut_faces, change);
@@ -110,9 +113,9 @@ TopologyChange CellComplex::cut(std::span<const Dart> faces) {
   return change;
 }
 
-/// Marks the links that the cut removes; returns the smallest dart of each cut face,
-/// ascending: from here on the order of the request is forgotten.
-std::vector<Dart> CellComplex::mark_leaving(std::span<const Dart> faces) {
+/// Marks the links that the cut removes; returns each cut face as the first dart of
+/// its smaller side, ascending: from here on the order of the request is forgotten.
+std::vector<Link> CellComplex::mark_leaving(std::span<const Dart> faces) {
   for (const Dart d : faces)
     if (!can_cut(d))
       throw TopologyError(d / 24 < element_count()
@@ -122,19 +125,19 @@ std::vector<Dart> CellComplex::mark_leaving(std::span<const Dart> faces) {
                                     "be cut"
                               : "dart " + std::to_string(d) + " does not exist: the map has " +
                                     std::to_string(element_count()) + " elements");
-  std::vector<Dart> result;
+  std::vector<Link> result;
   result.reserve(faces.size());
   for (const Dart d : faces) {
-    const Link link = links_[d / 4];
+    Link& link = links_[d / 4];
     if (link & leaving) continue;  // the same face again
-    const Dart other = incidence::dart_of(link) & ~3u;
-    links_[d / 4] |= leaving;
-    links_[other / 4] |= leaving;
-    result.push_back(std::min(d & ~3u, other));
+    const Link here = link_of(d / 24, d % 24 & ~3u), there = link & ~3u;
+    link |= leaving;
+    links_[side_of(there)] |= leaving;
+    result.push_back(std::min(here, there));
   }
   if (!std::ranges::is_sorted(result)) {
-    std::vector<Dart> spare;
-    radix_sort(result, spare, [](Dart d) { return d; });
+    std::vector<Link> spare;
+    radix_sort(result, spare, [](Link l) { return l; });
   }
   return result;
 }
@@ -142,41 +145,27 @@ std::vector<Dart> CellComplex::mark_leaving(std::span<const Dart> faces) {
 /// Splits the vertices (dimension 0) or edges (1) of the cut faces where their
 /// elements no longer hang together.
 template <int Dimension>
-void CellComplex::split_cells(std::span<const Dart> cut_faces, TopologyChange& change) {
+void CellComplex::split_cells(std::span<const Link> cut_faces, TopologyChange& change) {
   reserve(change, Dimension, cut_faces.size());
-  Stars& stars = change.stars[Dimension];
+  auto* const label = rows<Dimension>();
   const Index old_count = count(Dimension);
   cell_marks_.resize(std::max(cell_marks_.size(), old_count / std::size_t{64} + 1));
   StarFlood flood;
   std::vector<Index> touched;
   touched.reserve(2 * cut_faces.size() + 16);
-  for (const Dart face : cut_faces)
-    for (Dart d = face; d < face + 4; ++d) {
-      const Place start = place_of<Dimension>(d);
-      const Index cell = label<Dimension>(start);
+  for (const Link face : cut_faces)
+    for (Link dart = face; dart < face + 4; ++dart) {
+      const Place start = dart >> 5 << 4 | local_cell<Dimension>(static_cast<int>(dart & 31));
+      const Index cell = label[start >> 4][start & 15];
       if (cell >= old_count || !mark(cell_marks_, cell)) continue;  // done at another face
       touched.push_back(cell);
       flood_star<Dimension>(start, cell, flood);
-      if (flood.components.size() == 1) {
-        for (const Place place : flood.places) label<Dimension>(place) = cell;
-        continue;
-      }
-      flood.sort();
-      Index id = cell;
-      for (const StarFlood::Component& component : flood.components) {
-        if (id != cell) {
-          some_dart_[Dimension].push_back(dart_at<Dimension>(flood.places[component.begin]));
-          change.splits[Dimension].push_back({cell, id});
-        }
-        stars.cells.push_back(id);
-        for (std::uint32_t i = component.begin; i < component.end; ++i) {
-          const Place place = flood.places[i];
-          label<Dimension>(place) = id;
-          stars.darts.push_back(dart_at<Dimension>(place));
-          if (mark(element_marks_, place >> 4)) change.elements.push_back(place >> 4);
-        }
-        stars.offsets.push_back(static_cast<Index>(stars.darts.size()));
-        id = count(Dimension);
+      if (flood.components.size() > 1) {
+        flood.sort();
+        name_components<Dimension>(cell, flood, change);
+      } else {
+        for (std::uint32_t i = 0; i < flood.reached; ++i)
+          label[flood.places[i] >> 4][flood.places[i] & 15] = cell;
       }
     }
   unmark(cell_marks_, touched);
@@ -187,57 +176,91 @@ void CellComplex::split_cells(std::span<const Dart> cut_faces, TopologyChange& c
 /// reached carries the label `none`.
 template <int Dimension>
 void CellComplex::flood_star(Place start, Index cell, StarFlood& flood) {
-  flood.places.clear();
+  auto* const label = rows<Dimension>();
+  const Link* const all_links = links_.data();
   flood.components.clear();
-  flood.beyond.clear();
-  flood.beyond.push_back(start);
-  std::uint32_t next = 0;
+  flood.beyond.assign(1, start);
+  std::uint32_t next = 0, reached = 0;
   while (!flood.beyond.empty()) {
     const Place first = flood.beyond.back();
     flood.beyond.pop_back();
-    if (label<Dimension>(first) != cell) continue;
-    label<Dimension>(first) = none;
-    flood.places.push_back(first);
+    Index& id = label[first >> 4][first & 15];
+    if (id != cell) continue;
+    id = none;
     const std::uint32_t begin = next;
-    for (; next < flood.places.size(); ++next) {
-      const Place here = flood.places[next];
-      const Link* const links = links_.data() + std::size_t{6} * (here >> 4);
+    flood.places[reached++] = first;
+    for (; next < reached; ++next) {
+      if (reached + 4 > flood.places.size()) flood.places.resize(2 * flood.places.size());
+      Place* const places = flood.places.data();
+      const Place here = places[next];
+      const Link* const links = all_links + std::size_t{6} * (here >> 4);
       for (const Exit exit : exits<Dimension>[here & 15]) {
         const Link link = links[exit.face];
         if (link == none) continue;
-        const Place there =
-            (link & ~leaving) >> 5 << 4 | across<Dimension>[link & 31][exit.position];
-        if (label<Dimension>(there) != cell) continue;
+        const int cell_there = across<Dimension>[link & 31][exit.position];
+        const Index element_there = (link & ~leaving) >> 5;
+        const Place there = element_there << 4 | static_cast<Place>(cell_there);
+        Index& id_there = label[element_there][cell_there];
+        const bool fresh = id_there == cell;
         if (link & leaving) {
-          flood.beyond.push_back(there);
-        } else {
-          label<Dimension>(there) = none;
-          flood.places.push_back(there);
+          if (fresh) flood.beyond.push_back(there);
+          continue;
         }
+        // Without a branch: whether a neighbour was reached before is hard to predict.
+        id_there = fresh ? none : id_there;
+        places[reached] = there;
+        reached += fresh;
       }
     }
     flood.components.push_back({begin, next});
   }
+  flood.reached = reached;
 }
 
-/// Unlinks. A cut face becomes two faces; that of the smallest dart keeps the number.
-void CellComplex::split_faces(std::span<const Dart> cut_faces, TopologyChange& change) {
+/// The first component keeps the number of the cell, the others get new ones.
+template <int Dimension>
+void CellComplex::name_components(Index cell, const StarFlood& flood, TopologyChange& change) {
+  auto* const label = rows<Dimension>();
+  Stars& stars = change.stars[Dimension];
+  auto star_end = static_cast<Index>(stars.darts.size());
+  stars.darts.resize(star_end + flood.reached);
+  Dart* const darts = stars.darts.data();
+  Index id = cell;
+  for (const StarFlood::Component& component : flood.components) {
+    if (id != cell) {
+      some_dart_[Dimension].push_back(dart_at<Dimension>(flood.places[component.begin]));
+      change.splits[Dimension].push_back({cell, id});
+    }
+    for (std::uint32_t i = component.begin; i < component.end; ++i) {
+      const Place place = flood.places[i];
+      label[place >> 4][place & 15] = id;
+      darts[star_end++] = dart_at<Dimension>(place);
+      if (mark(element_marks_, place >> 4)) change.elements.push_back(place >> 4);
+    }
+    stars.cells.push_back(id);
+    stars.offsets.push_back(star_end);
+    id = count(Dimension);
+  }
+}
+
+/// Unlinks. A cut face becomes two faces; that of the smaller side keeps the number.
+void CellComplex::split_faces(std::span<const Link> cut_faces, TopologyChange& change) {
   if (has_faces()) reserve(change, 2, cut_faces.size());
-  for (const Dart first : cut_faces) {
-    const Link link = links_[first / 4] & ~(leaving | 3u);
-    const Dart second = incidence::dart_of(link);
-    links_[first / 4] = links_[second / 4] = none;
-    for (const Index e : {first / 24, link >> 5})
-      if (mark(element_marks_, e)) change.elements.push_back(e);
+  for (const Link first : cut_faces) {
+    Link& link = links_[side_of(first)];
+    const Link second = link & ~(leaving | 3u);
+    link = links_[side_of(second)] = none;
+    for (const Link side : {first, second})
+      if (mark(element_marks_, side >> 5)) change.elements.push_back(side >> 5);
     if (!has_faces()) continue;
-    const Index old_id = face(first), new_id = count(2);
-    some_dart_[2].push_back(second);
-    faces_[link >> 5][(link & 31) / 4] = new_id;
+    const Index old_id = faces_[first >> 5][(first & 31) / 4], new_id = count(2);
+    faces_[second >> 5][(second & 31) / 4] = new_id;
+    some_dart_[2].push_back(incidence::dart_of(second));
     change.splits[2].push_back({old_id, new_id});
     Stars& stars = change.stars[2];
-    for (const auto [id, dart] : {std::pair{old_id, first}, std::pair{new_id, second}}) {
+    for (const auto [id, side] : {std::pair{old_id, first}, std::pair{new_id, second}}) {
       stars.cells.push_back(id);
-      stars.darts.push_back(dart);
+      stars.darts.push_back(incidence::dart_of(side));
       stars.offsets.push_back(static_cast<Index>(stars.darts.size()));
     }
   }

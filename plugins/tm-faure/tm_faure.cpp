@@ -2,7 +2,7 @@
 #include "suture/continuum.hpp"
 
 /// St Venant-Kirchhoff solid on trilinear hexahedra; equations in README.md.
-struct tm_faure : suture::continuum<tm_faure> {
+struct TmFaure : suture::continuum<TmFaure> {
   static constexpr const char* id = "tm-faure";
   static constexpr const char* doc = "Tensor-mass: St Venant-Kirchhoff solid on hexahedra";
   static constexpr const char* formula =
@@ -12,7 +12,7 @@ struct tm_faure : suture::continuum<tm_faure> {
       "X. Faure, F. Zara, F. Jaillet, J.-M. Moreau: An Implicit Tensor-Mass solver on the GPU "
       "for soft bodies simulation. VRIPHYS 2012";
 
-  enum { E, nu, rho, quadrature };
+  enum { young, poisson, rho, quadrature };
   static constexpr const char* quadratures[] = {"gauss2", "exact"};
   static constexpr suture::parameter parameters[] = {
       suture::number("E", "Pa", "Young's modulus").above(0),
@@ -25,13 +25,13 @@ struct tm_faure : suture::continuum<tm_faure> {
                      "the paper, at 3 times the cost",
                      quadratures)};
 
-  struct constants {
+  struct Constants {
     double lambda, mu;  // Lame's, Pa
   };
-  static void prepare(const suture::setup& p, constants& c) {
-    c.lambda = p[E] * p[nu] / ((1 + p[nu]) * (1 - 2 * p[nu]));
-    c.mu = p[E] / (2 * (1 + p[nu]));
-    if (p[nu] > 0.45)
+  static void prepare(const suture::setup& p, Constants& c) {
+    c.lambda = p[young] * p[poisson] / ((1 + p[poisson]) * (1 - 2 * p[poisson]));
+    c.mu = p[young] / (2 * (1 + p[poisson]));
+    if (p[poisson] > 0.45)
       p.warn("volumetric-locking",
              "nu > 0.45: fully integrated hexahedra are far too stiff in bending (a cantilever of "
              "5x5x20 cells with nu = 0.499 sags by less than half); take nu <= 0.45 or refine");
@@ -42,18 +42,17 @@ struct tm_faure : suture::continuum<tm_faure> {
 
   /// W = lambda/2 (tr E)^2 + mu tr(E^2)
   template <class T>
-  static T energy(const suture::mat3<T>& F, const constants& c) {
+  static T energy(const suture::mat3<T>& F, const Constants& c) {
     const auto strain = green_strain(F);
     return 0.5 * c.lambda * trace(strain) * trace(strain) + c.mu * dot(strain, strain);
   }
 
   /// P = F S, S = lambda tr(E) I + 2 mu E
   template <class T>
-  static suture::mat3<T> stress(const suture::mat3<T>& F, const constants& c) {
+  static suture::mat3<T> stress(const suture::mat3<T>& F, const Constants& c) {
     const auto strain2 = twice_green_strain(F);  // 2 E
     return F * add_diagonal(c.mu * strain2, (0.5 * c.lambda) * trace(strain2));
   }
 };
 
-SUTURE_PLUGIN("tm-faure", "0.1.0", "MIT", "Tensor-mass model of Faure et al. on hexahedra",
-              tm_faure)
+SUTURE_PLUGIN("tm-faure", "0.1.0", "MIT", "Tensor-mass model of Faure et al. on hexahedra", TmFaure)

@@ -17,10 +17,9 @@
 #       infinity are as IEEE 754 says. -ffast-math is not used: the compiler would
 #       assume that no NaN exists, and remove every check for one.
 #   -ffp-contract=fast  a*b+c in one rounding where the processor has it.
-#   hidden visibility and plugin.map  suture_plugin_v1 is the only dynamic
-#       symbol, so no plugin can call into another by accident.
-#   -fno-gnu-unique  an inline static stays the plugin's own even though glibc
-#       would merge it with every other library's.
+#   hidden visibility and plugin.map  suture_plugin_v1 is the only dynamic symbol.
+#       No plugin can call into another by accident, and inline statics stay the
+#       plugin's own, which glibc would else merge over all libraries (STB_GNU_UNIQUE).
 #   -z defs  a missing symbol is an error now, not at the first call.
 include_guard(GLOBAL)
 include(GNUInstallDirs)
@@ -33,8 +32,7 @@ function(_suture_plugin_object target)
   target_link_libraries(${target} PRIVATE suture::sdk)
   target_compile_options(${target} PRIVATE
     $<$<NOT:$<CONFIG:Debug>>:-O3> -fno-math-errno -fno-trapping-math -fno-signed-zeros
-    -ffp-contract=fast $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique>
-    $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-psabi>
+    -ffp-contract=fast $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-psabi>
     -Wall -Wextra ${ARG_FLAGS})
   target_link_options(${target} PRIVATE
     -Wl,-z,defs -Wl,--version-script=${SUTURE_PLUGIN_MAP})

@@ -3,7 +3,7 @@
 
 /// Everything that a functor on edges may declare, in little space: a spring with
 /// a dashpot, whose columns are summed from the elements.
-struct dashpot : suture::model, suture::on_edges {
+struct Dashpot : suture::model, suture::on_edges {
   static constexpr const char *id = "dashpot", *doc = "Kelvin-Voigt springs on edges",
                               *formula = "f = k (L - l) u + c (dv.u) u", *citation = "textbook";
   enum { stiffness, damping, mode };
@@ -13,7 +13,7 @@ struct dashpot : suture::model, suture::on_edges {
       suture::number("c", "N s/m", "Damping").at_least(0).below(1e6).or_else(0.5),
       suture::choice("mode", "linear, or one of two ways to fail", modes)};
 
-  struct rest_length {
+  struct RestLength {
     static constexpr int components = 2;
     template <class Cell, class Out>
     static void compute(const Cell& c, const Out& out) {
@@ -26,15 +26,15 @@ struct dashpot : suture::model, suture::on_edges {
   };
   static constexpr suture::attribute attributes[] = {
       suture::on_edge_cells("rest", "m", "Sum of rest lengths, and of ones", 2)
-          .from_volumes(suture::contribution<dashpot, rest_length>)};
+          .from_volumes(suture::contribution<Dashpot, RestLength>)};
   static constexpr auto cell_columns = suture::columns(0);
   static constexpr auto vertex_columns = suture::columns(suture::vertex_mass);
   static constexpr auto reads = SUTURE_READ_POSITION | SUTURE_READ_VELOCITY;
 
-  struct constants {
+  struct Constants {
     double twice_k;
   };
-  static void prepare(const suture::setup& p, constants& c) {
+  static void prepare(const suture::setup& p, Constants& c) {
     if (p[mode] == 1) p.refuse("refused", "mode refuse was asked for");
     c.twice_k = 2 * p[stiffness];
   }
@@ -59,4 +59,4 @@ struct dashpot : suture::model, suture::on_edges {
     c.force(1, -(tension * u));
   }
 };
-SUTURE_PLUGIN("dashpot", "1.0", "MIT", "Test of the C++ layer", dashpot)
+SUTURE_PLUGIN("dashpot", "1.0", "MIT", "Test of the C++ layer", Dashpot)

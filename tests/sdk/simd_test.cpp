@@ -102,8 +102,8 @@ TEST(DualNumbers, NestToSecondDerivatives) {
   const auto first = [](double x) { return everything(dual<double>(x, 1.0)).derivative; };
   for (const double x : {0.3, 0.9, 1.4, 2.7}) {
     const double h = 1e-6;
-    using second = dual<dual<double>>;
-    const second y = everything(second(dual<double>(x, 1.0), dual<double>(1.0, 0.0)));
+    using Second = dual<dual<double>>;
+    const Second y = everything(Second(dual<double>(x, 1.0), dual<double>(1.0, 0.0)));
     EXPECT_NEAR(y.derivative.derivative, (first(x + h) - first(x - h)) / (2 * h), 1e-6);
   }
 }

@@ -41,7 +41,8 @@ struct failure : std::runtime_error {
   throw f;
 }
 
-/// Parameters by index: author's enumerations index the declared list.
+/// Parameters by place in the declared list. Authors name the places with an
+/// enumeration beside the list: enum { mu, lambda, rho }; p[mu].
 class values {
  public:
   explicit values(const suture_context* context) : context_(context) {}
@@ -52,7 +53,9 @@ class values {
   const suture_context* context_;
 };
 
-/// Parameters plus what prepare() may tell the user.
+/// Parameters, and what prepare() may tell the user about them. Ranges of single
+/// parameters are declared in the list and checked by the host; this is for what
+/// only several together show. `key` is a short stable word ("unstable-ratio").
 class setup : public values {
  public:
   using values::values;
@@ -66,15 +69,15 @@ class setup : public values {
   }
 };
 
-/// Model::constants if the model has them, else an empty struct.
+/// Model::Constants if the model has them, else an empty struct.
 struct no_constants {};
 template <class Model, class = void>
 struct constants_of_model {
   using type = no_constants;
 };
 template <class Model>
-struct constants_of_model<Model, std::void_t<typename Model::constants>> {
-  using type = typename Model::constants;
+struct constants_of_model<Model, std::void_t<typename Model::Constants>> {
+  using type = typename Model::Constants;
 };
 template <class Model>
 using constants_of = typename constants_of_model<Model>::type;
@@ -93,35 +96,57 @@ class cell {
                      const double* dv = nullptr)
       : context_(context), batch_(batch), lane_(lane), force_(force), dx_(dx), dv_(dv) {}
 
-  // -- geometry and state; m, m/s, s --
+  // ---- geometry and state ----
+  // Nodes are numbered as in plugin.h: 0, 1 of an edge, outward from side 0 of a
+  // face, X0..X7 of a hexahedron with the x index fastest.
+
+  /// Rest position of a node, m. Needs SUTURE_READ_REST. Never a dual number: the
+  /// rest shape does not move.
   SUTURE_INLINE vec3<real> rest(int node) const { return vector<real>(batch_->rest, node); }
+  /// Present position of a node, m. Needs SUTURE_READ_POSITION (the default).
   SUTURE_INLINE vec3<T> position(int node) const { return moving(batch_->position, dx_, node); }
+  /// Velocity of a node, m/s. Needs SUTURE_READ_VELOCITY.
   SUTURE_INLINE vec3<T> velocity(int node) const { return moving(batch_->velocity, dv_, node); }
+  /// Time of the positions, s, and length of the step in progress, s (0 outside one).
   double time() const { return batch_->time; }
   double dt() const { return batch_->dt; }
 
-  // -- columns, by their place in the functor's cell_columns / vertex_columns --
+  // ---- columns ----
+
+  /// Component of a column of this cell; `k` counts the functor's cell_columns, so
+  /// with cell_columns = columns(3, 1) column(0) is attribute 3.
   SUTURE_INLINE real column(int k, int component = 0) const {
     return load<real>(batch_->cell_columns[k] + component * stride + lane_);
   }
+  /// Component of a column of a node; `k` counts the functor's vertex_columns, and
+  /// `components` is what that attribute was declared with.
   SUTURE_INLINE real vertex_column(int k, int node, int component = 0, int components = 1) const {
     return load<real>(batch_->vertex_columns[k] + (node * components + component) * stride + lane_);
   }
-  /// Writes the trial copy of a column declared with trial().
-  SUTURE_INLINE void trial(int k, int component, const real& value) const {
-    store(batch_->trial_columns[k] + component * stride + lane_, value);
+  /// Writes the trial copy of column `k`, declared with trial(): the next state of a
+  /// material with memory. column(k) keeps the accepted state until the kernel
+  /// accepts the step. Does nothing while a derivative or a bound is computed.
+  SUTURE_INLINE void trial(int k, int component, const T& value) const {
+    if constexpr (!is_dual<T>)
+      if (batch_->trial_columns && batch_->trial_columns[k])
+        store(batch_->trial_columns[k] + component * stride + lane_, value);
   }
 
-  // -- parameters --
+  // ---- parameters ----
+
+  /// Value of parameter `i`, by place in the declared list; the same in all cells.
   SUTURE_INLINE double parameter(int i) const { return context_->parameters[i]; }
+  /// All of them, for functions that take values.
   suture::values parameters() const { return suture::values(context_); }
-  /// What Model::prepare stored.
+  /// What Model::prepare stored: derived once, read by every cell.
   SUTURE_INLINE const constants_of<Model>& constants() const {
     return *static_cast<const constants_of<Model>*>(context_->instance);
   }
 
-  // -- results --
-  /// Sets the force on a node, N. Every node must be set, once.
+  // ---- results ----
+
+  /// Sets the force on a node, N. Every node must be set, once: what the layer
+  /// passes on is not cleared before. With dual numbers the derivative is stored.
   SUTURE_INLINE void force(int node, const vec3<T>& f) const {
     for (int c = 0; c < 3; ++c) {
       double* const p = force_ + (node * 3 + c) * stride + lane_;
@@ -132,8 +157,11 @@ class cell {
     }
   }
 
-  // -- findings --
-  /// In inspect(): reports every cell in which `where` holds.
+  // ---- findings ----
+
+  /// In inspect(): reports every cell in which `where` holds. `key` is a short stable
+  /// word, `text` one sentence with the remedy; the user sees each key once, with the
+  /// number of cells. SUTURE_ERROR refuses the scene.
   template <class Mask>
   void report(suture_severity severity, const Mask& where, const char* key,
               const std::string& text) const {
@@ -141,7 +169,8 @@ class cell {
       if (bit(where, i))
         context_->host->report(context_, severity, batch_->cell_ids[lane_ + i], key, text.c_str());
   }
-  /// In force(): throws `f` for the first cell in which `good` does not hold.
+  /// In force(): throws `f` for the first cell in which `good` does not hold. Costs
+  /// one test per pack while all is well.
   template <class Mask>
   SUTURE_INLINE void require(const Mask& good, failure f) const {
     if (__builtin_expect(all(good), 1)) return;

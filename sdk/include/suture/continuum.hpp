@@ -4,7 +4,7 @@
 //
 //   #include "suture/continuum.hpp"
 //
-//   struct neo_hooke : suture::continuum<neo_hooke> {
+//   struct NeoHooke : suture::continuum<NeoHooke> {
 //     static constexpr const char *id = "neo-hooke", *doc = "Compressible neo-Hookean solid",
 //       *formula = "W = mu/2 (F:F - 3) - mu ln J + lambda/2 (ln J)^2",
 //       *citation = "Bonet and Wood, Nonlinear Continuum Mechanics, 2008, eq. 6.27";
@@ -20,7 +20,7 @@
 //       return 0.5 * p[mu] * (dot(F, F) - 3) - p[mu] * ln_j + 0.5 * p[lambda] * ln_j * ln_j;
 //     }
 //   };
-//   SUTURE_PLUGIN("neo-hooke", "1.0", "MIT", "Neo-Hookean solid", neo_hooke)
+//   SUTURE_PLUGIN("neo-hooke", "1.0", "MIT", "Neo-Hookean solid", NeoHooke)
 //
 // That gives forces on trilinear hexahedra (parallelepipeds on a faster path),
 // mass, energy, exact tangent, stable step, and the fields "stress", "von_mises"
@@ -30,7 +30,7 @@
 //   energy(F, p) -> T        energy density W per rest volume, J/m^3
 //   stress(F, p) -> mat3<T>  first Piola-Kirchhoff stress P = dW/dF, Pa
 // Without stress() P is found from energy() on dual numbers, at nine times its
-// cost; without energy() no energies are offered. `p` is the model's constants if
+// cost; without energy() no energies are offered. `p` is the model's Constants if
 // it declares them, else its parameters by index.
 //
 // Besides, a model may have

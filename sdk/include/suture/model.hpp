@@ -6,7 +6,7 @@
 //
 //   #include "suture/model.hpp"
 //
-//   struct drag : suture::model, suture::on_edges {       // model and functor in one
+//   struct Drag : suture::model, suture::on_edges {       // model and functor in one
 //     static constexpr const char* id = "drag";
 //     static constexpr const char* doc = "Edges that resist their own motion";
 //     static constexpr const char* formula = "f_n = -c v_n / 2";
@@ -19,10 +19,10 @@
 //       for (int n = 0; n < 2; ++n) e.force(n, -0.5 * e.parameter(c) * e.velocity(n));
 //     }
 //   };
-//   SUTURE_PLUGIN("drag", "1.0", "MIT", "Drag on edges", drag)
+//   SUTURE_PLUGIN("drag", "1.0", "MIT", "Drag on edges", Drag)
 //
 // A model of several functors lists them instead of being one:
-//   using functors = suture::list<edge_springs, inner_springs>;
+//   using functors = suture::list<EdgeSprings, InnerSprings>;
 //
 // Members of a model (M: must, others optional):
 //   M id, doc, formula, citation            const char*
@@ -30,7 +30,7 @@
 //     parameters[]                          suture::parameter
 //     attributes[]                          suture::attribute
 //     functors                              suture::list<...>
-//     constants, prepare(setup, constants&) what functors derive from parameters
+//     Constants, prepare(setup, Constants&) what functors derive from parameters
 // Members of a functor, besides those of its base (on_edges, on_faces, on_volumes):
 //   M force(Cell&)                          sets the force on every node
 //     energy(const Cell&)                -> T, J

@@ -255,8 +255,8 @@ suture_status contribution(const suture_context* context, const suture_batch* ba
 template <class M>
 suture_status prepare(const suture_context* context, void* instance) noexcept {
   return guarded(context, nullptr, [&] {
-    using constants = constants_of<M>;
-    M::prepare(setup(context), *new (instance) constants());
+    using Constants = constants_of<M>;
+    M::prepare(setup(context), *new (instance) Constants());
   });
 }
 
@@ -404,7 +404,7 @@ constexpr suture_note note_of(const char* plugin_id) {
 namespace suture {
 
 /// The C function of a contribution struct C of model M, for from_volumes():
-///   struct rest_length {                              // on edges of a hexahedron
+///   struct RestLength {                              // on edges of a hexahedron
 ///     static constexpr int components = 1;
 ///     template <class Cell, class Out> static void compute(const Cell& c, Out out) {
 ///       for (int k = 0; k < 12; ++k) out.set(k, 0, ...);

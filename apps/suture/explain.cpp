@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "apps/suture/commands.hpp"
 #include "kernel/run/simulation.hpp"
@@ -36,43 +37,29 @@ void print_text(const Scene& scene, const Simulation& simulation, const Estimate
   console.print("  memory: about " + memory(cost.bytes));
 }
 
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    char escape[8];
-    std::snprintf(escape, sizeof escape, "\\u%04x", static_cast<unsigned char>(c));
-    if (c == '"' || c == '\\') {
-      out += std::string("\\") + c;
-    } else {
-      out += static_cast<unsigned char>(c) < 0x20 ? escape : std::string(1, c);
-    }
-  }
-  return out + "\"";
-}
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
-}
-
 void print_json(const Scene& scene, const Simulation& simulation, const Estimate& cost,
                 Console& console) {
-  std::string decisions;
+  nlohmann::ordered_json decisions = nlohmann::ordered_json::array();
   for (const Decision& decision : simulation.decisions()) {
-    decisions += decisions.empty() ? "\n" : ",\n";
-    decisions += "    {\"subject\": " + quoted(decision.subject) +
-                 ", \"skipped\": " + (decision.skipped ? "true" : "false") +
-                 ", \"reason\": " + quoted(decision.reason) + "}";
+    decisions.push_back({{"subject", decision.subject},
+                         {"skipped", decision.skipped},
+                         {"reason", decision.reason}});
   }
-  console.print("{\n  \"scene\": " + quoted(scene.file.string()) + ",\n  \"hash\": " +
-                quoted(scene.hash) + ",\n  \"decisions\": [" + decisions + "\n  ],");
-  console.print("  \"steps\": " + (cost.steps == 0 ? "null" : std::to_string(cost.steps)) +
-                ", \"frames\": " + std::to_string(cost.frames) + ", \"dt_s\": " + number(cost.dt) +
-                ", \"stable_dt_s\": " + number(cost.stable_dt) +
-                ",\n  \"seconds_per_step\": " + number(cost.seconds_per_step) +
-                ", \"seconds\": " + (cost.steps == 0 ? "null" : number(cost.seconds)) +
-                ", \"bytes\": " + number(cost.bytes) + "\n}");
+  nlohmann::ordered_json report = {{"scene", scene.file.string()},
+                                   {"hash", scene.hash},
+                                   {"decisions", decisions},
+                                   {"steps", nullptr},
+                                   {"frames", cost.frames},
+                                   {"dt_s", cost.dt},
+                                   {"stable_dt_s", cost.stable_dt},
+                                   {"seconds_per_step", cost.seconds_per_step},
+                                   {"seconds", nullptr},
+                                   {"bytes", cost.bytes}};
+  if (cost.steps > 0) {  // else it ends at rest, nobody knows when
+    report["steps"] = cost.steps;
+    report["seconds"] = cost.seconds;
+  }
+  console.print(report.dump(2));
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <set>
+#include <sstream>
 
 #include "kernel/base/error.hpp"
 #include "kernel/mesh/box.hpp"
@@ -77,6 +79,32 @@ TEST_F(RoundTrip, GmshKeepsSetsAndIds) {
   };
   EXPECT_EQ(ids_of(read, "even ones"), ids_of(mesh_, "even ones"));
   EXPECT_EQ(ids_of(read, "100 % upper 'half'"), ids_of(mesh_, "100 % upper \"half\""));
+}
+
+// Gmsh refuses a file in which two elements have one tag.
+TEST_F(RoundTrip, GmshElementsHaveTagsOfTheirOwn) {
+  write_mesh(folder_ / "m.msh", mesh_, diagnostics_);
+  std::istringstream text(read_text(folder_ / "m.msh"));
+  std::string line;
+  while (std::getline(text, line) && line != "$Elements") {
+  }
+  std::size_t blocks = 0, count = 0, least = 0, most = 0;
+  text >> blocks >> count >> least >> most;
+  std::set<std::size_t> tags;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    std::size_t dimension = 0, entity = 0, type = 0, n = 0;
+    text >> dimension >> entity >> type >> n;
+    for (std::size_t i = 0; i < n; ++i) {
+      std::size_t tag = 0, node = 0;
+      text >> tag;
+      for (int k = type == 5 ? 8 : 1; k > 0; --k) text >> node;
+      EXPECT_TRUE(tags.insert(tag).second) << "tag " << tag;
+    }
+  }
+  EXPECT_EQ(tags.size(), count);
+  EXPECT_GT(count, 60u);
+  EXPECT_EQ(*tags.begin(), least);
+  EXPECT_EQ(*tags.rbegin(), most);
 }
 
 TEST_F(RoundTrip, MeditKeepsOneSetEachAndWarns) {

@@ -44,8 +44,9 @@ std::string decoded(std::string_view name) {
   std::string text;
   for (std::size_t i = 0; i < name.size(); ++i) {
     unsigned code = 0;
+    const char* digits = name.data() + i + 1;
     if (name[i] == '%' && i + 2 < name.size() &&
-        std::from_chars(&name[i + 1], &name[i + 3], code, 16).ptr == &name[i + 3]) {
+        std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2) {
       text += static_cast<char>(code);
       i += 2;
     } else {

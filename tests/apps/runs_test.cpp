@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <csignal>
 
+#include "kernel/scene/scene_reader.hpp"
 #include "tests/apps/program.hpp"
 
 namespace suture::testing {
@@ -28,6 +30,19 @@ TEST_F(Runs, WriteFramesTablesAndASummary) {
   EXPECT_EQ(std::count(probes.begin(), probes.end(), '\n'), 7) << probes;
 }
 
+// Every name that the reader lets pass is one that the run can write.
+TEST_F(Runs, WriteEveryFieldThatTheReaderKnows) {
+  std::string names = "\"stress\"";
+  for (const std::string& name : standard_fields()) names += ", \"" + name + "\"";
+  const Outcome run =
+      scene("run", ", \"output\": {\"directory\": \"o\", \"fields\": [" + names + "]}");
+  EXPECT_EQ(run.code, 0) << run;
+  const std::string frame = read("o/frame_0001.vtu");
+  for (const std::string& name : standard_fields()) {
+    EXPECT_NE(frame.find("Name=\"" + name + "\""), std::string::npos) << name;
+  }
+}
+
 TEST_F(Runs, QuietSaysNothingAndNoOutputWritesNothing) {
   write("unused", "");
   scene("run", "");
@@ -42,7 +57,7 @@ TEST_F(Runs, QuietSaysNothingAndNoOutputWritesNothing) {
 TEST_F(Runs, CtrlCFinishesTheStepAndWritesAFrame) {
   scene("run", "");
   const Outcome run = interrupted(
-      {"run", "s.json", "--set", "/solver/end=1000", "--set", "/solver/max_steps=4000000000",
+      {"run", "s.json", "--set", "/solver/end=1e7", "--set", "/solver/max_steps=40000000000",
        "--set", "/output={\"directory\": \"o\", \"energies\": {\"every_steps\": 1000}}"},
       SIGINT, "o/energies.csv");
   EXPECT_EQ(run.code, 130) << run;

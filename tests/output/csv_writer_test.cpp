@@ -95,6 +95,7 @@ TEST(CsvWriter, AFileInPlaceOfTheFolderIsTold) {
   const TemporaryFolder folder;
   folder.write("out", "x");
   CsvWriter table(folder / "out" / "t.csv", {"a"});
+  table.row(0, std::array<double, 1>{1});
   EXPECT_THROW(table.finish(), IoError);
 }
 

@@ -12,12 +12,10 @@ namespace {
 
 double dot(const Vec3& a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/// Sum over corners of n.(x - p), and the same with every product's magnitude: what
-/// rounding scales with.
-struct Side {
-  double sum = 0, magnitude = 0;
-  bool positive() const { return sum >= -8 * std::numeric_limits<double>::epsilon() * magnitude; }
-};
+/// The sum of the magnitudes that dot() adds up: its rounding is relative to that.
+double magnitude_of_dot(const Vec3& a, const double* b) {
+  return std::abs(a[0] * b[0]) + std::abs(a[1] * b[1]) + std::abs(a[2] * b[2]);
+}
 
 /// The user's points of a face, sorted.
 std::array<Index, 4> points_of(const CellComplex& complex, Dart face,
@@ -45,21 +43,21 @@ std::vector<Dart> faces_across_plane(const CellComplex& complex, const double* r
   if (!std::isfinite(point[0] + point[1] + point[2]) || !std::isfinite(size) || size == 0)
     throw InputError("a plane needs a finite point and a finite normal that is not zero");
   const Vec3 n{normal[0] / size, normal[1] / size, normal[2] / size};
-  const Vec3 magnitudes{std::abs(n[0]), std::abs(n[1]), std::abs(n[2])};
   const double offset = dot(n, point.data());
-  const Vec3 far{std::abs(point[0]), std::abs(point[1]), std::abs(point[2])};
-  const double offset_magnitude = dot(magnitudes, far.data());
 
+  std::vector<double> height(complex.count(0));
+  double magnitude = 0;
+  for (Index v = 0; v < height.size(); ++v) {
+    height[v] = dot(n, rows + stride * v) - offset;
+    magnitude = std::max(magnitude, magnitude_of_dot(n, rows + stride * v));
+  }
+  const double rounding =
+      32 * std::numeric_limits<double>::epsilon() * (magnitude + magnitude_of_dot(n, point.data()));
   std::vector<char> positive(complex.element_count());
   for (Index e = 0; e < complex.element_count(); ++e) {
-    Side side;
-    for (const Index v : complex.vertices_of(e)) {
-      const double* x = rows + stride * v;
-      const Vec3 away{std::abs(x[0]), std::abs(x[1]), std::abs(x[2])};
-      side.sum += dot(n, x) - offset;
-      side.magnitude += dot(magnitudes, away.data()) + offset_magnitude;
-    }
-    positive[e] = side.positive();
+    double sum = 0;
+    for (const Index v : complex.vertices_of(e)) sum += height[v];
+    positive[e] = sum >= -rounding;
   }
   std::vector<Dart> faces;
   for (Index e = 0; e < complex.element_count(); ++e)

@@ -53,6 +53,25 @@ TEST(FacesAcrossPlane, CentroidsOnThePlaneCountAsPositive) {
   }
 }
 
+TEST(FacesAcrossPlane, CentroidsOnAnObliquePlaneCountAsPositive) {
+  // The diagonal plane x = y, far from the origin: coordinates of 1000 cancel.
+  Mesh mesh = grid(5, 5, 1);
+  const CellComplex map = complex_of(mesh);
+  for (Vec3& p : mesh.points) p = {1000 + 0.1 * p[0], 1000 + 0.1 * p[1], p[2]};
+  const std::vector<double> rows = rows_of(mesh, 4);
+  for (const Vec3 normal : {Vec3{1, -1, 0}, Vec3{-1, 1, 0}}) {
+    const auto faces = faces_across_plane(map, rows.data(), {1000, 1000, 0}, normal);
+    EXPECT_EQ(faces.size(), 8u);
+    for (const Dart d : faces) {  // diagonal elements stay on the side of the normal
+      Index e = d / 24, other = map.beta3(d) / 24;
+      if (e % 5 != e / 5) std::swap(e, other);
+      EXPECT_EQ(e % 5, e / 5);
+      const double away = (double(other % 5) - double(other / 5)) * normal[0];
+      EXPECT_LT(away, 0);
+    }
+  }
+}
+
 TEST(FacesAcrossPlane, SeparateWhatLiesOnDifferentSides) {
   const unsigned seed = 99;
   SCOPED_TRACE(seed);

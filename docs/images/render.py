@@ -13,7 +13,7 @@ import xml.etree.ElementTree as ElementTree
 
 import vtk
 
-WIDTH, HEIGHT = 640, 400  # of one frame, pixels
+WIDTH, HEIGHT = 640, 340  # of one frame, pixels
 
 
 def frames(pvd):
@@ -96,7 +96,7 @@ def common_camera(grids):
     camera.SetPosition(*eye)
     camera.SetViewUp(*up)
     camera.ParallelProjectionOn()
-    camera.SetParallelScale(0.22 * size[longest] + 0.25 * size[3 - longest - side])
+    camera.SetParallelScale(0.31 * size[longest])
     return camera
 
 

@@ -36,7 +36,8 @@ void Report::begin(std::string name, std::string note) {
 
 void Report::add(Line line) {
   Table& table = tables_.back();
-  if (table.lines.empty()) {
+  // Lines may have more figures than those before (cuts need enough elements).
+  if (table.lines.empty() || table.lines.back().cells.size() != line.cells.size()) {
     for (const auto& [name, value] : line.cells)
       std::printf("%*s  ", static_cast<int>(width(name)), name.c_str());
     std::printf("\n");

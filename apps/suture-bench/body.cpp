@@ -73,7 +73,7 @@ double Body::cut_random(unsigned count, unsigned seed) {
   std::mt19937 random(seed);
   double seconds = 0;
   for (unsigned i = 0; i < count; ++i) {
-    Dart face;
+    Dart face = none;
     do {
       face = random() % (24 * element_count()) / 4 * 4;
     } while (!mesh_.complex.can_cut(face));

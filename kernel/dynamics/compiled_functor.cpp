@@ -141,6 +141,11 @@ const loops::Job& CompiledFunctor::job(Attributes& attributes, const CellComplex
   job_.time = time;
   job_.dt = dt;
   job_.function = functor_.force;
+  read_columns(attributes);
+  return job_;
+}
+
+void CompiledFunctor::read_columns(Attributes& attributes) {
   job_.has_trial = 0;
   for (std::size_t i = 0; i < cell_columns_.size(); ++i) {
     Column& column = *instance_.column(functor_.cell_columns[i]);
@@ -164,7 +169,6 @@ const loops::Job& CompiledFunctor::job(Attributes& attributes, const CellComplex
   job_.vertex_column_count = static_cast<std::uint32_t>(vertex_columns_.size());
   job_.cell_columns = cell_columns_.data();
   job_.vertex_columns = vertex_columns_.data();
-  return job_;
 }
 
 }  // namespace suture

@@ -57,6 +57,7 @@ class CompiledFunctor {
  private:
   void refuse_unknown() const;
   Connectivity connectivity(const CellComplex& complex) const;
+  void read_columns(Attributes& attributes);
   std::vector<loops::Range> wanted_rows(const CellComplex& complex) const;
   std::vector<loops::Range> wanted_faces(const CellComplex& complex) const;
   CellSet const& cells() const { return instance_.table(dimension_).cells; }

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <string>
 
-#include "kernel/base/parallel.hpp"
 #include "kernel/dynamics/loops/dispatch.hpp"
 
 namespace suture {
@@ -37,12 +36,7 @@ std::string at_time(double time) { return "at t = " + std::to_string(time) + " s
 
 struct Dynamics::Impl {
   Impl(Attributes& a, const CellComplex& c, const DynamicsOptions& o)
-      : attributes(a),
-        complex(&c),
-        options(o),
-        loops(hot_loops()),
-        forces(a, c, o.threads),
-        workers(o.threads) {}
+      : attributes(a), complex(&c), options(o), loops(hot_loops()), forces(a, c, o.threads) {}
 
   // ---- forces ----
 
@@ -94,7 +88,7 @@ struct Dynamics::Impl {
       if (pass(&m, begin, std::min(begin + pass_chunk, vertices)) != 0) broken = true;
     };
     if (vertices >= parallel_vertices)
-      workers.parallel_for(parts(vertices, pass_chunk), one);
+      forces.workers().parallel_for(parts(vertices, pass_chunk), one);
     else
       for (Index part = 0; part < parts(vertices, pass_chunk); ++part) one(part);
     if (broken) refuse_not_finite();
@@ -178,7 +172,6 @@ struct Dynamics::Impl {
   DynamicsOptions options;
   const loops::Table& loops;
   ForceLoop forces;
-  Workers workers;
   Constraints constraints;
   Loads loads;
 

@@ -7,7 +7,6 @@
 #include <deque>
 #include <limits>
 
-#include "kernel/base/parallel.hpp"
 #include "kernel/dynamics/compiled_functor.hpp"
 #include "kernel/dynamics/failures.hpp"
 #include "kernel/dynamics/loops/dispatch.hpp"
@@ -69,8 +68,8 @@ std::array<double, 6> free_part(std::array<double, 6> a, int fixed) {
   for (int c = 0; c < 3; ++c) {
     if (!(fixed >> c & 1)) continue;
     a[static_cast<std::size_t>(c)] = 0;
-    a[static_cast<std::size_t>(3 + c)] = 0;  // XY, YZ, XZ
-    a[static_cast<std::size_t>(3 + (c + 2) % 3)] = 0;
+    a[3 + static_cast<std::size_t>(c)] = 0;  // XY, YZ, XZ
+    a[3 + (static_cast<std::size_t>(c) + 2) % 3] = 0;
   }
   return a;
 }
@@ -335,6 +334,8 @@ std::vector<ForceLoop::Summary> ForceLoop::summary() const {
   }
   return lines;
 }
+
+const Workers& ForceLoop::workers() const { return impl_->threads; }
 
 unsigned ForceLoop::threads() const {
   for (const CompiledFunctor& functor : impl_->functors)

@@ -11,6 +11,7 @@
 
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/parallel.hpp"
 
 namespace suture {
 
@@ -74,8 +75,9 @@ class ForceLoop {
   };
   std::vector<Summary> summary() const;
 
-  unsigned threads() const;      ///< that the forces run on; 1 below the size where more pay
-  std::string_view isa() const;  ///< "avx512", "avx2" or "base"
+  const Workers& workers() const;  ///< the run's threads
+  unsigned threads() const;        ///< that the forces run on; 1 below the size where more pay
+  std::string_view isa() const;    ///< "avx512", "avx2" or "base"
 
  private:
   struct Impl;

@@ -13,7 +13,7 @@
 
 namespace {
 
-constexpr uint32_t lanes = 8;
+enum : uint32_t { lanes = 8 };
 
 /// Eight cells of N nodes anywhere.
 template <uint32_t N>

@@ -109,7 +109,7 @@ void add_sets_by_value(Sets& sets, const std::string& prefix,
     last->push_back(static_cast<Index>(i));
   }
   for (auto& [value, members] : by_value) {
-    sets[prefix + " " + std::to_string(value)] = std::move(members);
+    sets[std::string(prefix).append(1, ' ').append(std::to_string(value))] = std::move(members);
   }
 }
 

@@ -19,7 +19,8 @@ namespace suture {
 /// truncated or garbage, a coordinate that is no finite number, an index out of
 /// range, hexahedra with more than 8 nodes, no hexahedron at all (says what the
 /// file holds). Memory is never allocated for a count that the file is too short for.
-/// Cost: 0.3 us per hexahedron and its points in text, 0.05 us in binary.
+/// Cost, a million hexahedra of a grid: 0.26 s Medit, 0.28 s Gmsh, 0.27 s .vtk in
+/// binary, 0.40 s .vtu with LZ4 (processor time, sets included).
 Mesh read_mesh(const std::filesystem::path& path, double scale, Diagnostics& diagnostics);
 
 /// Writes `.vtu` (binary), `.vtk` (legacy 4.2, binary), `.mesh` (ASCII) or `.msh`

@@ -32,13 +32,13 @@ const TypeOf* type_of(const VtuDataArray& array) {
   return found == std::end(types) ? nullptr : found;
 }
 
-std::array<std::int8_t, 256> make_base64_values() {
-  std::array<std::int8_t, 256> values;
+std::array<int, 256> make_base64_values() {
+  std::array<int, 256> values;
   values.fill(-1);
   const std::string_view digits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   for (std::size_t i = 0; i < digits.size(); ++i) {
-    values[static_cast<unsigned char>(digits[i])] = static_cast<std::int8_t>(i);
+    values[static_cast<unsigned char>(digits[i])] = static_cast<int>(i);
   }
   return values;
 }
@@ -46,7 +46,7 @@ std::array<std::int8_t, 256> make_base64_values() {
 // Decodes from `p` as many whole groups as hold n bytes, and moves p behind them.
 // Fewer bytes come back where the text ends, is no base64 or is padded before.
 Bytes base64(const char*& p, const char* end, std::uint64_t n) {
-  static const std::array<std::int8_t, 256> values = make_base64_values();
+  static const std::array<int, 256> values = make_base64_values();
   Bytes bytes;
   bytes.reserve(std::min<std::uint64_t>(n, static_cast<std::uint64_t>(end - p) / 4 * 3) + 3);
   while (bytes.size() < n && end - p >= 4) {
@@ -198,7 +198,7 @@ void convert(Bytes& bytes, bool swap, std::vector<To>& values) {
     if (swap) std::reverse(at, at + sizeof(From));
     From value;
     std::memcpy(&value, at, sizeof(From));
-    values[i] = static_cast<To>(value);
+    values[i] = static_cast<To>(value);  // NOLINT(bugprone-signed-char-misuse): Int8 is a number
   }
 }
 

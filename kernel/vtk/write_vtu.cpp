@@ -71,7 +71,7 @@ class StreamWriter : public vtkXMLUnstructuredGridWriter {
  public:
   static StreamWriter* New();
   vtkTypeMacro(StreamWriter, vtkXMLUnstructuredGridWriter)
-  void SetStream(std::ostream* stream) { stream_ = stream; }
+  void write_to(std::ostream* stream) { stream_ = stream; }
 
  protected:
   int StartFile() override {
@@ -92,6 +92,8 @@ vtkSmartPointer<Array> borrowed(const T* data, std::size_t tuples, int component
   array->SetNumberOfComponents(components);
   using Value = typename Array::ValueType;
   static_assert(sizeof(Value) == sizeof(T));
+  // VTK knows no arrays of constants; a writer does not write to them.
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast)
   auto* values = const_cast<Value*>(reinterpret_cast<const Value*>(data));
   array->SetArray(values, static_cast<vtkIdType>(tuples) * components, 1);
   return array;
@@ -216,7 +218,7 @@ VtuOutcome write_vtu_file(const std::string& path, const VtuImage& image) {
   const auto grid = grid_of(image);
   add_field_data(grid, image);
   const vtkNew<StreamWriter> writer;
-  writer->SetStream(&stream);
+  writer->write_to(&stream);
   writer->SetFileName(path.c_str());
   writer->SetInputData(grid);
   writer->SetDataModeToAppended();

@@ -347,6 +347,8 @@ namespace {
 
 /// Frames that are in memory at once: one is filled, one written, two wait.
 constexpr double frames_alive = 4;
+/// What the writer takes when it is at work (VTK's objects, its thread), measured.
+constexpr double writer_bytes = 3e6;
 
 std::uint64_t frames_until(const Scene& scene, double end, std::uint64_t steps) {
   const OutputOptions& output = scene.output;
@@ -382,8 +384,9 @@ Estimate Simulation::estimate() {
   Estimate estimate;
   estimate.stable_dt = impl.stable;
   estimate.dt = impl.next_dt();
-  Wall::time_point start = Wall::now();
   const auto bytes = static_cast<double>(impl.recorder.rehearse(0, impl.gravity_now()));
+  Wall::time_point start = Wall::now();
+  impl.recorder.rehearse(0, impl.gravity_now());  // the first one loaded the writer
   const double frame_seconds = seconds_since(start);
   start = Wall::now();
   const double end = impl.scene.solver.end.value_or(0);
@@ -402,7 +405,8 @@ Estimate Simulation::estimate() {
                      static_cast<double>(estimate.frames) * frame_seconds;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  estimate.bytes = 1024.0 * static_cast<double>(usage.ru_maxrss) + (frames_alive - 1) * bytes;
+  estimate.bytes = 1024.0 * static_cast<double>(usage.ru_maxrss);
+  if (bytes > 0) estimate.bytes += writer_bytes + (frames_alive - 1) * bytes;
   return estimate;
 }
 

@@ -17,7 +17,7 @@ namespace suture::bench {
 /// at half the stable step.
 struct BodyOptions {
   std::string model;
-  std::map<std::string, double> parameters;  ///< by name, over E, nu, rho
+  std::map<std::string, double> parameters{};  ///< by name, over E, nu, rho
   std::array<Index, 3> cells{10, 10, 40};
   bool distorted = false;  ///< general hexahedra: points moved by up to 10 %
   unsigned threads = 1;

@@ -258,7 +258,7 @@ void CellComplex::split_faces(std::span<const Link> cut_faces, TopologyChange& c
     some_dart_[2].push_back(incidence::dart_of(second));
     change.splits[2].push_back({old_id, new_id});
     Stars& stars = change.stars[2];
-    for (const auto [id, side] : {std::pair{old_id, first}, std::pair{new_id, second}}) {
+    for (const auto& [id, side] : {std::pair{old_id, first}, std::pair{new_id, second}}) {
       stars.cells.push_back(id);
       stars.darts.push_back(incidence::dart_of(side));
       stars.offsets.push_back(static_cast<Index>(stars.darts.size()));

@@ -7,7 +7,8 @@
 namespace suture {
 
 /// Number of a cell, a vertex or an element. 32 bits: half the memory traffic
-/// of 64, and 89 million hexahedra are the limit that darts set anyway.
+/// of 64, and the 67 million hexahedra that links can name are fewer
+/// (topology/incidence.hpp).
 using Index = std::uint32_t;
 inline constexpr Index none = 0xFFFFFFFFu;
 

@@ -34,16 +34,27 @@ struct Stars {
   }
 };
 
+/// Two cells became one: `gone` is no cell any more, its number stays unused.
+struct Merge {
+  Index kept;
+  Index gone;
+};
+
 /// What an operation did to the cells. Attributes follow from this alone.
 struct TopologyChange {
   std::array<std::vector<Split>, 3> splits;  ///< dimensions 0, 1, 2
-  /// Old and new cells that lost or gained elements, per dimension: each old cell
-  /// is followed by the new ones that left it.
+  /// Of several cells that became one, the smallest number is kept: `kept` is never
+  /// `gone` in another merge, every `gone` is there once. By `kept`, then `gone`.
+  std::array<std::vector<Merge>, 3> merges;
+  /// Cells whose last element was removed, ascending; dimension 3: the elements.
+  std::array<std::vector<Index>, 4> removed;
+  /// Cells that lost or gained elements and still are, per dimension, as they are
+  /// afterwards: each old cell is followed by the new ones that left it.
   std::array<Stars, 3> stars;
   /// Elements incident to any of those stars, ascending.
   std::vector<Index> elements;
-  Index faces_cut = 0;
-  bool empty() const { return faces_cut == 0; }
+  Index faces_cut = 0, faces_sewn = 0;
+  bool empty() const { return faces_cut == 0 && faces_sewn == 0 && removed[3].empty(); }
 };
 
 /// The combinatorial 3-map of a set of hexahedra. Dart 24 e + 4 f + k is never
@@ -68,8 +79,8 @@ class CellComplex {
               std::vector<Split>* pinched = nullptr, const Naming& naming = {});
 
   Index element_count() const { return static_cast<Index>(vertices_.size()); }
-  /// Cells of a dimension: 0 vertices, 1 edges, 2 faces, 3 elements. Edges and
-  /// faces are counted once they have been required.
+  /// Numbers of cells given so far (see exists()): 0 vertices, 1 edges, 2 faces,
+  /// elements. Edges and faces are counted once they have been required.
   Index count(int dimension) const {
     return dimension == 3 ? element_count() : static_cast<Index>(some_dart_[dimension].size());
   }
@@ -113,6 +124,10 @@ class CellComplex {
   Index face(Dart d) const { return faces_[d / 24][d % 24 / 4]; }
   /// The id of the cell of a dimension (0..3) that the dart belongs to.
   Index cell(int dimension, Dart d) const;
+  /// False for a number whose cell was removed or merged into another; never used again.
+  bool exists(int dimension, Index id) const {
+    return dimension == 3 ? vertices_[id][0] != none : some_dart_[dimension][id] != none;
+  }
   /// The smallest dart of cell `id` (origin at it, on it, ...). O(1).
   Dart dart_of(int dimension, Index id) const {
     return dimension == 3 ? 24 * id : some_dart_[dimension][id];

@@ -53,6 +53,7 @@ struct TmFaure : suture::continuum<TmFaure> {
     const auto strain2 = twice_green_strain(F);  // 2 E
     return F * add_diagonal(c.mu * strain2, (0.5 * c.lambda) * trace(strain2));
   }
+  static suture::lame isotropic(const Constants& c) { return {c.lambda, c.mu}; }
 };
 
 SUTURE_PLUGIN("tm-faure", "0.1.0", "MIT", "Tensor-mass model of Faure et al. on hexahedra", TmFaure)

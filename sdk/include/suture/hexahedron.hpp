@@ -86,6 +86,16 @@ struct axis_values {
     for (int d = 0; d < 3; ++d)
       for (int c = 0; c < 3; ++c) along[d][c][place[d]] += m(c, d);
   }
+  /// add(i, j, k, A M), each sum a chain of fused operations.
+  template <class S>
+  SUTURE_INLINE void add_product(int i, int j, int k, const mat3<T>& A, const S& M) {
+    const int place[3] = {j + Q * k, i + Q * k, i + Q * j};
+    for (int d = 0; d < 3; ++d)
+      for (int c = 0; c < 3; ++c) {
+        T& sum = along[d][c][place[d]];
+        for (int m = 0; m < 3; ++m) sum += A(c, m) * M(m, d);
+      }
+  }
   template <class S>
   SUTURE_INLINE void scale_axis(int d, const S& s) {
     for (int c = 0; c < 3; ++c)
@@ -138,7 +148,8 @@ SUTURE_INLINE void scatter(const axis_values<T, Q>& s, vec3<T> (&f)[8]) {
 // How local gradients become physical ones, F = dx/dxi J^-1, and how the stress
 // P goes back, s = P cof(J) = P J^-T det J. A geometry offers
 //   start(gradients)      once before the points
-//   point(i, j, k)        an object with F(dx/dxi), flux(P) and measure() = det J
+//   point(i, j, k)        an object with F(dx/dxi), measure() = det J, and
+//                         add_flux(P, stresses), which adds s at that point
 //   finish(stresses)      once after the points; with it the fluxes have been
 //                         multiplied by common_weight<Q>
 
@@ -154,17 +165,18 @@ struct parallelepiped_geometry {
 
   struct at_point {
     const parallelepiped_geometry& g;
+    int i, j, k;
     template <class T>
     SUTURE_INLINE mat3<T> F(const mat3<T>& gradient) const {
       return gradient * g.inverse_jacobian;
     }
     template <class T>
-    SUTURE_INLINE mat3<T> flux(const mat3<T>& P) const {
-      return P * g.back_;
+    SUTURE_INLINE void add_flux(const mat3<T>& P, axis_values<T, Q>& s) const {
+      s.add_product(i, j, k, P, g.back_);
     }
     SUTURE_INLINE const R& measure() const { return g.volume; }
   };
-  SUTURE_INLINE at_point point(int, int, int) const { return {*this}; }
+  SUTURE_INLINE at_point point(int i, int j, int k) const { return {*this, i, j, k}; }
   template <class T>
   SUTURE_INLINE void start(axis_values<T, Q>&) const {}
   template <class T>
@@ -186,17 +198,18 @@ struct box_geometry {
 
   struct at_point {
     const R& volume;
+    int i, j, k;
     template <class T>
     SUTURE_INLINE const mat3<T>& F(const mat3<T>& gradient) const {
       return gradient;
     }
     template <class T>
-    SUTURE_INLINE const mat3<T>& flux(const mat3<T>& P) const {
-      return P;
+    SUTURE_INLINE void add_flux(const mat3<T>& P, axis_values<T, Q>& s) const {
+      s.add(i, j, k, P);
     }
     SUTURE_INLINE const R& measure() const { return volume; }
   };
-  SUTURE_INLINE at_point point(int, int, int) const { return {volume}; }
+  SUTURE_INLINE at_point point(int i, int j, int k) const { return {volume, i, j, k}; }
   template <class T>
   SUTURE_INLINE void start(axis_values<T, Q>& gradients) const {
     for (int d = 0; d < 3; ++d) gradients.scale_axis(d, inverse_length[d]);
@@ -217,21 +230,25 @@ struct general_geometry {
   struct at_point {
     mat3<R> cof;
     R jacobian, inverse;
-    SUTURE_INLINE explicit at_point(const mat3<R>& J)
+    int i, j, k;
+    SUTURE_INLINE at_point(const mat3<R>& J, int i_, int j_, int k_)
         : cof(cofactor(J)),
           jacobian(dot(J.column[0], cof.column[0])),
-          inverse(reciprocal(jacobian)) {}
+          inverse(reciprocal(jacobian)),
+          i(i_),
+          j(j_),
+          k(k_) {}
     template <class T>
     SUTURE_INLINE mat3<T> F(const mat3<T>& gradient) const {
       return gradient * transpose(cof) * inverse;
     }
     template <class T>
-    SUTURE_INLINE mat3<T> flux(const mat3<T>& P) const {
-      return P * cof;
+    SUTURE_INLINE void add_flux(const mat3<T>& P, axis_values<T, Q>& s) const {
+      s.add_product(i, j, k, P, cof);
     }
     SUTURE_INLINE const R& measure() const { return jacobian; }
   };
-  SUTURE_INLINE at_point point(int i, int j, int k) const { return at_point(rest.at(i, j, k)); }
+  SUTURE_INLINE at_point point(int i, int j, int k) const { return {rest.at(i, j, k), i, j, k}; }
   template <class T>
   SUTURE_INLINE void start(axis_values<T, Q>&) const {}
   template <class T>
@@ -269,11 +286,44 @@ SUTURE_INLINE void internal_force(const vec3<T> (&x)[8], const Geometry& geometr
     const auto point = geometry.point(i, j, k);
     const mat3<T> P = law(point.F(g.at(i, j, k)));
     if constexpr (Q == 2)
-      s.add(i, j, k, point.flux(P));
+      point.add_flux(P, s);
     else
-      s.add(i, j, k, point.flux(P) * point_weight<Q>(i, j, k));
+      point.add_flux(P * point_weight<Q>(i, j, k), s);
   });
   geometry.finish(s);
+  scatter<Q>(s, f);
+}
+
+/// Nodal forces of S = lambda tr(E) I + 2 mu E (second Piola-Kirchhoff stress, Pa) on
+/// boxes along the axes. With the lengths l_a, G = dx/dxi and D_a = 1/l_a, F = G D, so
+///   2 E_ab = D_a D_b (G'G)_ab - delta_ab,   s = P cof(J) = G M,
+///   M_ab = V D_a D_b S_ab:   M_ab = mu V D_a^2 D_b^2 (G'G)_ab           (a != b)
+///                            M_aa = V D_a^2 (lambda tr(E) + mu 2 E_aa)
+/// The lengths enter six numbers of M instead of nine of F and nine of P: a tenth fewer
+/// operations than internal_force() with box_geometry.
+template <int Q, class T, class R>
+SUTURE_INLINE void isotropic_box_force(const vec3<T> (&x)[8], const box_geometry<R, Q>& box,
+                                       const R& lambda, const R& mu, vec3<T> (&f)[8]) {
+  const axis_values<T, Q> g = gradients<Q>(x);
+  const vec3<R>& D = box.inverse_length;
+  const vec3<R> square{D[0] * D[0], D[1] * D[1], D[2] * D[2]};
+  const vec3<R> weight = square * (box.volume * common_weight<Q>);
+  const vec3<R> mu_weight = weight * mu;
+  const R xy = mu_weight[0] * square[1], yz = mu_weight[1] * square[2],
+          xz = mu_weight[0] * square[2], half_lambda = 0.5 * lambda;
+  axis_values<T, Q> s{};
+  for_each_point<Q>([&](int i, int j, int k) __attribute__((always_inline)) {
+    const mat3<T> G = g.at(i, j, k);
+    const auto& c = G.column;
+    vec3<T> strain2, diagonal;
+    for (int a = 0; a < 3; ++a) strain2[a] = square[a] * dot(c[a], c[a]) - 1.0;
+    const T pressure = half_lambda * (strain2[0] + strain2[1] + strain2[2]);
+    for (int a = 0; a < 3; ++a) diagonal[a] = mu_weight[a] * strain2[a] + weight[a] * pressure;
+    sym3<T> M{diagonal[0],          diagonal[1],          diagonal[2],
+              xy * dot(c[0], c[1]), yz * dot(c[1], c[2]), xz * dot(c[0], c[2])};
+    if constexpr (Q != 2) M = M * point_weight<Q>(i, j, k);
+    s.add_product(i, j, k, G, M);
+  });
   scatter<Q>(s, f);
 }
 

@@ -121,7 +121,7 @@ void CellComplex::require_edges() {
   edges_.assign(vertices_.size(), unknown);
   some_dart_[1].reserve(room_for(3 * vertices_.size()));
   for (Index e = 0; e < vertices_.size(); ++e)
-    for (unsigned i = 0; i < 12; ++i) {
+    for (unsigned i = 0; i < 12 && exists(3, e); ++i) {
       if (edges_[e][i] != none) continue;
       const Index id = count(1);
       some_dart_[1].push_back(dart_at<1>(e << 4 | i));
@@ -148,10 +148,12 @@ bool CellComplex::number_edge(Index e, Exit way, Index id) {
 
 void CellComplex::require_faces() {
   if (has_faces()) return;
-  faces_.resize(vertices_.size());
+  std::array<Index, 6> unknown;
+  unknown.fill(none);
+  faces_.assign(vertices_.size(), unknown);
   some_dart_[2].reserve(room_for(3 * vertices_.size()));
   for (Index e = 0; e < vertices_.size(); ++e)
-    for (int f = 0; f < 6; ++f) {
+    for (int f = 0; f < 6 && exists(3, e); ++f) {
       const Link link = links_[6 * e + f];
       if (link < link_of(e, 4 * f)) {
         faces_[e][f] = faces_[link >> 5][(link & 31) / 4];
@@ -200,7 +202,7 @@ void CellComplex::star(int dimension, Index id, std::vector<Dart>& out) const {
 std::size_t CellComplex::memory() const {
   const auto bytes = [](const auto& v) { return v.size() * sizeof(v[0]); };
   std::size_t sum = bytes(vertices_) + bytes(edges_) + bytes(faces_) + bytes(links_) +
-                    bytes(cell_marks_) + bytes(element_marks_);
+                    bytes(cell_marks_) + bytes(element_marks_) + bytes(removed_marks_);
   for (const std::vector<Dart>& darts : some_dart_) sum += bytes(darts);
   return sum;
 }
@@ -210,7 +212,7 @@ std::vector<Index> CellComplex::islands(Index* count) const {
   std::vector<Index> queue;
   Index found = 0;
   for (Index seed = 0; seed < element_count(); ++seed) {
-    if (island[seed] != none) continue;
+    if (island[seed] != none || !exists(3, seed)) continue;
     queue.assign(1, seed);
     island[seed] = found;
     while (!queue.empty()) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "kernel/base/types.hpp"
@@ -40,6 +41,11 @@ struct Merge {
   Index gone;
 };
 
+/// Two darts that sew() makes each other's beta3; their faces follow edge by edge.
+struct Seam {
+  Dart one, other;
+};
+
 /// What an operation did to the cells. Attributes follow from this alone.
 struct TopologyChange {
   std::array<std::vector<Split>, 3> splits;  ///< dimensions 0, 1, 2
@@ -53,7 +59,10 @@ struct TopologyChange {
   std::array<Stars, 3> stars;
   /// Elements incident to any of those stars, ascending.
   std::vector<Index> elements;
-  Index faces_cut = 0, faces_sewn = 0;
+  /// Faces that two elements shared and no longer share; after pierce() those between a
+  /// removed element and one that stays (the faces among removed elements are removed).
+  Index faces_cut = 0;
+  Index faces_sewn = 0;
   bool empty() const { return faces_cut == 0 && faces_sewn == 0 && removed[3].empty(); }
 };
 
@@ -78,6 +87,7 @@ class CellComplex {
   CellComplex(std::vector<Hexahedron> hexahedra, Index vertex_count,
               std::vector<Split>* pinched = nullptr, const Naming& naming = {});
 
+  /// Numbers of elements given so far, removed ones included (see exists()).
   Index element_count() const { return static_cast<Index>(vertices_.size()); }
   /// Numbers of cells given so far (see exists()): 0 vertices, 1 edges, 2 faces,
   /// elements. Edges and faces are counted once they have been required.
@@ -128,6 +138,8 @@ class CellComplex {
   bool exists(int dimension, Index id) const {
     return dimension == 3 ? vertices_[id][0] != none : some_dart_[dimension][id] != none;
   }
+  /// Cells that exist: count() without the holes.
+  Index existing(int dimension) const { return count(dimension) - holes_[dimension]; }
   /// The smallest dart of cell `id` (origin at it, on it, ...). O(1).
   Dart dart_of(int dimension, Index id) const {
     return dimension == 3 ? 24 * id : some_dart_[dimension][id];
@@ -146,7 +158,33 @@ class CellComplex {
   /// True if the dart exists and its face separates two elements.
   bool can_cut(Dart face) const { return face / 24 < element_count() && beta3(face) != none; }
 
-  /// Connected component of each element: ids 0.. in order of smallest element.
+  /// Removes elements, repetitions allowed, in one batch. Throws TopologyError if one
+  /// does not exist or none would be left, and then nothing has happened. Cells whose
+  /// last element goes are removed with it; where the elements left around a vertex or
+  /// an edge no longer hang together it splits, as in a cut. A face shared with an
+  /// element that stays is a boundary face from then on. The vertex, edge and face ids
+  /// of a removed element are `none`. The order of `elements` does not matter.
+  /// O(removed and the elements around them), whatever the size of the map.
+  TopologyChange pierce(std::span<const Index> elements);
+  /// True if the element exists and is not the last one.
+  bool can_pierce(Index element) const {
+    return element < element_count() && exists(3, element) && existing(3) > 1;
+  }
+
+  /// 3-sews faces in one batch. Each face must be on the boundary, of an element other
+  /// than its mate's, and in no other seam, and no element may come to have one vertex
+  /// twice; otherwise throws TopologyError with the first reason found, and then
+  /// nothing has happened. Of cells that become one the smallest number stays. The
+  /// order of the seams and of their sides does not matter. Where the vertices lie is
+  /// not looked at. O(faces sewn and the elements around them).
+  TopologyChange sew(std::span<const Seam> seams);
+  /// True if sew() accepts this seam alone.
+  bool can_sew(Dart one, Dart other) const { return why_not_sew(one, other).empty(); }
+  /// What forbids the seam, as a sentence for the user; empty if nothing does.
+  std::string why_not_sew(Dart one, Dart other) const;
+
+  /// Connected component of each element: ids 0.. in order of smallest element; `none`
+  /// for removed ones.
   std::vector<Index> islands(Index* count = nullptr) const;
 
   /// Bytes of the map and its ids, without what is reserved for cuts to come.
@@ -164,19 +202,43 @@ class CellComplex {
   void split_pinched_vertices(Index vertex_count, std::vector<Split>* pinched);
   bool number_edge(Index e, incidence::Exit way, Index id);
 
+  /// The vertex (dimension 0), edge (1) or face (2) ids, a row per element.
+  template <int Dimension>
+  auto* rows() {
+    if constexpr (Dimension == 0) return vertices_.data();
+    if constexpr (Dimension == 1) return edges_.data();
+    if constexpr (Dimension == 2) return faces_.data();
+  }
+
   // cut.cpp
   struct StarFlood;
-  /// The vertex (dimension 0) or edge (1) ids, a row per element.
-  template <int Dimension>
-  auto* rows();
   std::vector<incidence::Link> mark_leaving(std::span<const Dart> faces);
-  template <int Dimension>
+  /// Whether an operation only takes links away, or elements too.
+  enum class Loss { links, elements };
+  template <int Dimension, Loss What = Loss::links>
   void split_cells(std::span<const incidence::Link> cut_faces, TopologyChange& change);
   template <int Dimension>
   void flood_star(incidence::Place start, Index cell, StarFlood& flood);
   template <int Dimension>
   void name_components(Index cell, const StarFlood& flood, TopologyChange& change);
   void split_faces(std::span<const incidence::Link> cut_faces, TopologyChange& change);
+
+  // pierce.cpp
+  bool is_removed(Index e) const { return removed_marks_[e / 64] >> e % 64 & 1; }
+  std::vector<Index> mark_removed(std::span<const Index> elements);
+  std::vector<incidence::Link> mark_rim(std::span<const Index> going);
+  void free_rim(std::span<const incidence::Link> rim, TopologyChange& change);
+  template <int Dimension>
+  void remove_cells(std::span<const Index> going, TopologyChange& change);
+
+  // sew.cpp
+  struct MergedCells;
+  std::string why_no_seam(Seam seam) const;
+  template <int Dimension>
+  MergedCells merged_cells(std::span<const Seam> seams) const;
+  template <int Dimension>
+  void merge_cells(const MergedCells& merged, TopologyChange& change);
+  void merge_faces(std::span<const Seam> seams, TopologyChange& change);
 
   std::vector<Hexahedron> vertices_;
   std::vector<std::array<Index, 12>> edges_;
@@ -185,6 +247,9 @@ class CellComplex {
   std::array<std::vector<Dart>, 3> some_dart_;
   // One bit per cell of any dimension below 3, one per element; 0 between operations.
   std::vector<std::uint64_t> cell_marks_, element_marks_;
+  // One bit per removed element, empty as long as there is none; and the holes per dimension.
+  std::vector<std::uint64_t> removed_marks_;
+  std::array<Index, 4> holes_{};
 };
 
 }  // namespace suture

@@ -5,31 +5,14 @@
 #include "kernel/base/radix_sort.hpp"
 #include "kernel/topology/cell_complex.hpp"
 #include "kernel/topology/incidence.hpp"
+#include "kernel/topology/marks.hpp"
 
 namespace suture {
 
 namespace {
 
 using namespace incidence;
-
-/// In a link during a cut: it goes.
-constexpr Link leaving = 0x80000000u;
-
-/// Where a dart's face has its link.
-std::size_t side_of(Link dart) { return std::size_t{6} * (dart >> 5) + (dart & 31) / 4; }
-
-/// Sets the bit of cell i; true if it was not set.
-bool mark(std::vector<std::uint64_t>& marks, Index i) {
-  std::uint64_t& word = marks[i / 64];
-  const std::uint64_t bit = std::uint64_t{1} << (i % 64);
-  const bool fresh = !(word & bit);
-  word |= bit;
-  return fresh;
-}
-
-void unmark(std::vector<std::uint64_t>& marks, const std::vector<Index>& marked) {
-  for (const Index i : marked) marks[i / 64] = 0;
-}
+using namespace marks;
 
 /// Room for what a cut through regular elements reports; only touched pages take memory.
 void reserve(TopologyChange& change, int dimension, std::size_t faces) {
@@ -61,6 +44,14 @@ struct CellComplex::StarFlood {
   std::vector<Component> components;
   std::vector<Place> beyond;  ///< across links that leave
 
+  /// Forgets the components of elements that go.
+  template <class IsRemoved>
+  void drop(const IsRemoved& removed) {
+    std::erase_if(components, [&](const Component& c) { return removed(places[c.begin] >> 4); });
+    reached = 0;
+    for (const Component& c : components) reached += c.end - c.begin;
+  }
+
   /// Components in order of their smallest elements, each ascending.
   void sort() {
     for (const Component& c : components) {
@@ -79,14 +70,6 @@ struct CellComplex::StarFlood {
     }
   }
 };
-
-template <int Dimension>
-inline auto* CellComplex::rows() {
-  if constexpr (Dimension == 0)
-    return vertices_.data();
-  else
-    return edges_.data();
-}
 
 /*        before                            after
  *
@@ -121,8 +104,9 @@ std::vector<Link> CellComplex::mark_leaving(std::span<const Dart> faces) {
       throw TopologyError(d / 24 < element_count()
                               ? "face " + std::to_string(d % 24 / 4) + " of element " +
                                     std::to_string(d / 24) +
-                                    " is on the boundary: only a face between two elements can "
-                                    "be cut"
+                                    (exists(3, d / 24) ? " is on the boundary"
+                                                       : " is gone: the element was removed") +
+                                    ": only a face between two elements can be cut"
                               : "dart " + std::to_string(d) + " does not exist: the map has " +
                                     std::to_string(element_count()) + " elements");
   std::vector<Link> result;
@@ -143,8 +127,9 @@ std::vector<Link> CellComplex::mark_leaving(std::span<const Dart> faces) {
 }
 
 /// Splits the vertices (dimension 0) or edges (1) of the cut faces where their
-/// elements no longer hang together.
-template <int Dimension>
+/// elements no longer hang together. If elements go, they drop out of their cells, and
+/// what is left of these is told even if it is whole.
+template <int Dimension, CellComplex::Loss What>
 void CellComplex::split_cells(std::span<const Link> cut_faces, TopologyChange& change) {
   reserve(change, Dimension, cut_faces.size());
   auto* const label = rows<Dimension>();
@@ -160,7 +145,13 @@ void CellComplex::split_cells(std::span<const Link> cut_faces, TopologyChange& c
       if (cell >= old_count || !mark(cell_marks_, cell)) continue;  // done at another face
       touched.push_back(cell);
       flood_star<Dimension>(start, cell, flood);
-      if (flood.components.size() > 1) {
+      if constexpr (What == Loss::elements) {
+        flood.drop([this](Index e) { return is_removed(e); });
+        flood.sort();
+        some_dart_[Dimension][cell] =
+            dart_at<Dimension>(flood.places[flood.components.front().begin]);
+        name_components<Dimension>(cell, flood, change);
+      } else if (flood.components.size() > 1) {
         flood.sort();
         name_components<Dimension>(cell, flood, change);
       } else {
@@ -170,6 +161,11 @@ void CellComplex::split_cells(std::span<const Link> cut_faces, TopologyChange& c
     }
   unmark(cell_marks_, touched);
 }
+
+template void CellComplex::split_cells<0, CellComplex::Loss::elements>(std::span<const Link>,
+                                                                       TopologyChange&);
+template void CellComplex::split_cells<1, CellComplex::Loss::elements>(std::span<const Link>,
+                                                                       TopologyChange&);
 
 /// Finds all elements around the cell as it was before the cut, through links that
 /// stay as one component, across links that leave into further ones. What has been

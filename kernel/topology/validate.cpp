@@ -43,6 +43,7 @@ void check_beta3(const CellComplex& map) {
 void check_labels(const CellComplex& map, int dimension) {
   const std::string name = cell_names[dimension];
   for (Dart d = 0; d < 24 * map.element_count(); ++d) {
+    if (!map.exists(3, d / 24)) continue;
     const Index id = map.cell(dimension, d);
     if (id >= map.count(dimension))
       broken("every " + name + " id is below the count", d, "it is " + std::to_string(id));
@@ -65,6 +66,7 @@ void check_orbits(const CellComplex& map) {
   std::vector<bool> reached(std::size_t{24} * map.element_count(), false);
   std::vector<Dart> star;
   for (Index id = 0; id < map.count(Dimension); ++id) {
+    if (!map.exists(Dimension, id)) continue;
     const Dart some = map.dart_of(Dimension, id);
     if (some / 24 >= map.element_count())
       broken("dart_of is a dart", some, "given for " + name + " " + std::to_string(id));
@@ -78,15 +80,36 @@ void check_orbits(const CellComplex& map) {
     for (const Dart d : star) reached[d] = true;
   }
   for (Dart d = 0; d < 24 * map.element_count(); ++d)
-    if (dart_at<Dimension>(place_of<Dimension>(d)) == d && !reached[d])
+    if (map.exists(3, d / 24) && dart_at<Dimension>(place_of<Dimension>(d)) == d && !reached[d])
       broken("one " + name + " per id", d,
              "id " + std::to_string(map.cell(Dimension, d)) + " belongs to another orbit");
+}
+
+/// Nothing is left of a removed element, and the holes are counted.
+void check_holes(const CellComplex& map, int dimension) {
+  Index holes = 0;
+  for (Index id = 0; id < map.count(dimension); ++id) holes += !map.exists(dimension, id);
+  if (holes != map.count(dimension) - map.existing(dimension))
+    broken("existing() counts the " +
+               (dimension == 3 ? "elements" : cell_names[dimension] + std::string(" ids")),
+           0,
+           std::to_string(holes) + " do not exist, existing() says " +
+               std::to_string(map.existing(dimension)) + " of " +
+               std::to_string(map.count(dimension)) + " do");
+  for (Dart d = 0; dimension < 3 && d < 24 * map.element_count(); ++d)
+    if (!map.exists(3, d / 24) && (map.cell(dimension, d) != none || map.beta3(d) != none))
+      broken("a removed element has no cells and no neighbours", d,
+             "it has " + std::string(cell_names[dimension]) + " " +
+                 std::to_string(map.cell(dimension, d)));
 }
 
 }  // namespace
 
 void CellComplex::validate() const {
   check_beta3(*this);
+  check_holes(*this, 3);
+  for (int dimension = 0; dimension < 3; ++dimension)
+    if (dimension == 0 || count(dimension) > 0) check_holes(*this, dimension);
   check_labels(*this, 0);
   check_orbits<0>(*this);
   if (!edges_.empty()) {

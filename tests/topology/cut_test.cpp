@@ -1,51 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include <set>
-
 #include "kernel/base/error.hpp"
+#include "tests/topology/changes.hpp"
 #include "tests/topology/meshes.hpp"
 
 namespace suture {
 namespace {
 
 using namespace meshes;
-
-/// Every star of a change is the star in the map, every other cell's is unchanged.
-void expect_change_tells_all(const CellComplex& before, const CellComplex& after,
-                             const TopologyChange& change) {
-  std::set<Index> elements;
-  for (int dimension = 0; dimension < 3; ++dimension) {
-    std::set<Index> told;
-    std::vector<Dart> old_star, new_star;
-    for (std::size_t i = 0; i < change.stars[dimension].size(); ++i) {
-      const Index id = change.stars[dimension].cells[i];
-      EXPECT_TRUE(told.insert(id).second);
-      after.star(dimension, id, new_star);
-      const auto star = change.stars[dimension][i];
-      EXPECT_TRUE(std::ranges::equal(star, new_star)) << "dimension " << dimension;
-      EXPECT_EQ(star[0], after.dart_of(dimension, id));
-      for (const Dart d : star) elements.insert(d / 24);
-      if (id >= before.count(dimension)) continue;
-      before.star(dimension, id, old_star);
-      EXPECT_GT(old_star.size(), new_star.size());
-    }
-    for (Index id = 0; id < after.count(dimension); ++id) {
-      if (told.contains(id)) continue;
-      ASSERT_LT(id, before.count(dimension));
-      before.star(dimension, id, old_star);
-      after.star(dimension, id, new_star);
-      EXPECT_EQ(old_star, new_star);
-    }
-    Index next = before.count(dimension);
-    for (const Split& split : change.splits[dimension]) {
-      EXPECT_EQ(split.new_cell, next++);
-      EXPECT_LT(split.old_cell, before.count(dimension));
-    }
-    EXPECT_EQ(next, after.count(dimension));
-  }
-  EXPECT_TRUE(std::ranges::equal(change.elements, elements));
-}
 
 TEST(Cut, SeparatesTwoCubes) {
   CellComplex map = complex_of(two_cubes());

@@ -15,6 +15,7 @@ struct CellComplexAccess {
   static std::vector<Dart>& some_dart(CellComplex& map, int dimension) {
     return map.some_dart_[dimension];
   }
+  static std::array<Index, 4>& holes(CellComplex& map) { return map.holes_; }
   static std::vector<std::uint64_t>& marks(CellComplex& map) { return map.element_marks_; }
 };
 
@@ -97,6 +98,19 @@ TEST_F(Validate, FindsADartThatIsNotTheSmallest) {
 TEST_F(Validate, FindsFaceIdsThatDiffer) {
   Access::faces(map)[0][2] = Access::faces(map)[0][1];
   expect_broken("one id per face", "dart 8 ");
+}
+
+TEST_F(Validate, FindsWhatIsLeftOfARemovedElement) {
+  map.pierce(std::array<Index, 1>{5});
+  EXPECT_NO_THROW(map.validate());
+  Access::edges(map)[5][2] = 0;
+  expect_broken("a removed element has no cells", "element 5, face 1, position 1");
+}
+
+TEST_F(Validate, FindsHolesThatAreNotCounted) {
+  map.pierce(std::array<Index, 1>{5});
+  ++Access::holes(map)[1];
+  expect_broken("existing() counts the edge ids", "3 do not exist");
 }
 
 TEST_F(Validate, FindsForgottenMarks) {

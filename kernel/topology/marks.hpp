@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "kernel/topology/incidence.hpp"
+
+/// What is marked while an operation runs: links that go, and cells, a bit each.
+namespace suture::marks {
+
+/// In a link during an operation: it goes.
+inline constexpr incidence::Link leaving = 0x80000000u;
+
+/// Where a dart's face has its link.
+inline std::size_t side_of(incidence::Link dart) {
+  return std::size_t{6} * (dart >> 5) + (dart & 31) / 4;
+}
+
+/// Sets the bit of cell i; true if it was not set.
+inline bool mark(std::vector<std::uint64_t>& marks, Index i) {
+  std::uint64_t& word = marks[i / 64];
+  const std::uint64_t bit = std::uint64_t{1} << (i % 64);
+  const bool fresh = !(word & bit);
+  word |= bit;
+  return fresh;
+}
+
+inline void unmark(std::vector<std::uint64_t>& marks, const std::vector<Index>& marked) {
+  for (const Index i : marked) marks[i / 64] = 0;
+}
+
+}  // namespace suture::marks

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
+#include "kernel/base/error.hpp"
+#include "kernel/base/radix_sort.hpp"
+#include "kernel/topology/cell_complex.hpp"
+#include "kernel/topology/incidence.hpp"
+#include "kernel/topology/marks.hpp"
+
+namespace suture {
+
+using namespace incidence;
+using namespace marks;
+
+namespace {
+
+void sort_ascending(std::vector<Index>& values) {
+  if (std::ranges::is_sorted(values)) return;
+  std::vector<Index> spare;
+  radix_sort(values, spare, [](Index value) { return value; });
+}
+
+}  // namespace
+
+/*        before                             after
+ *
+ *    +-------v-------+                +-------v - - - +
+ *    |   a   |   e   |                |   a   |         .
+ *    |       |       |                |       F         .
+ *    +-------u-------w   pierce e     +-------u - - - - +
+ *    |   b   F'  c   |  --------->    |   b   F'  c     |
+ *    |       |       |                |       |         |
+ *    +-------+-------+                +-------+---------w
+ *
+ * The face F between a and e stays, on the boundary. A cell whose last element was e
+ * (the corner beyond v and w) is removed. Around every other cell of e the elements
+ * left are flooded as in a cut, where e counts as a component that is then forgotten:
+ * u stays whole because a, b and c hang together. If b had been removed before, a and
+ * c would part at u.
+ */
+TopologyChange CellComplex::pierce(std::span<const Index> elements) {
+  const std::vector<Index> going = mark_removed(elements);
+  const std::vector<Link> rim = mark_rim(going);
+  TopologyChange change;
+  change.faces_cut = static_cast<Index>(rim.size());
+  split_cells<0, Loss::elements>(rim, change);
+  if (has_edges()) split_cells<1, Loss::elements>(rim, change);
+  free_rim(rim, change);
+  for (const Index e : going) std::fill_n(links_.data() + std::size_t{6} * e, 6, none);
+  remove_cells<0>(going, change);
+  if (has_edges()) remove_cells<1>(going, change);
+  if (has_faces()) remove_cells<2>(going, change);
+  holes_[3] += static_cast<Index>(going.size());
+  change.removed[3] = going;
+  return change;
+}
+
+/// Refuses what cannot go, then marks the rest; returns them ascending, each once.
+std::vector<Index> CellComplex::mark_removed(std::span<const Index> elements) {
+  for (const Index e : elements)
+    if (e >= element_count() || !exists(3, e))
+      throw TopologyError(
+          "element " + std::to_string(e) +
+          (e < element_count()
+               ? " was removed before"
+               : " does not exist: the map has " + std::to_string(element_count()) + " elements") +
+          "; only an element that is there can be removed");
+  std::vector<Index> going(elements.begin(), elements.end());
+  sort_ascending(going);
+  going.erase(std::unique(going.begin(), going.end()), going.end());
+  if (!going.empty() && going.size() == existing(3))
+    throw TopologyError("all " + std::to_string(going.size()) +
+                        " elements that are left would be removed; leave at least one");
+  removed_marks_.resize(element_count() / std::size_t{64} + 1);
+  for (const Index e : going) mark(removed_marks_, e);
+  return going;
+}
+
+/// Marks the links between elements that go and such that stay; returns the faces as
+/// mark_leaving() does.
+std::vector<Link> CellComplex::mark_rim(std::span<const Index> going) {
+  std::vector<Link> rim;
+  for (const Index e : going)
+    for (unsigned f = 0; f < 6; ++f) {
+      Link& link = links_[std::size_t{6} * e + f];
+      if (link == none || is_removed(link >> 5)) continue;
+      rim.push_back(std::min(link_of(e, 4 * f), link & ~3u));
+      links_[side_of(link)] |= leaving;
+      link |= leaving;
+    }
+  std::vector<Link> spare;
+  radix_sort(rim, spare, [](Link l) { return l; });
+  return rim;
+}
+
+/// Unlinks. The face stays with the element that stays.
+void CellComplex::free_rim(std::span<const Link> rim, TopologyChange& change) {
+  Stars& stars = change.stars[2];
+  for (const Link first : rim) {
+    const Link second = links_[side_of(first)] & ~(leaving | 3u);
+    const bool first_goes = is_removed(first >> 5);
+    const Link stays = first_goes ? second : first, goes = first_goes ? first : second;
+    links_[side_of(stays)] = none;
+    if (mark(element_marks_, stays >> 5)) change.elements.push_back(stays >> 5);
+    if (!has_faces()) continue;
+    faces_[goes >> 5][(goes & 31) / 4] = none;
+    const Index id = faces_[stays >> 5][(stays & 31) / 4];
+    some_dart_[2][id] = incidence::dart_of(stays);
+    stars.cells.push_back(id);
+    stars.darts.push_back(incidence::dart_of(stays));
+    stars.offsets.push_back(static_cast<Index>(stars.darts.size()));
+  }
+  unmark(element_marks_, change.elements);
+  sort_ascending(change.elements);
+}
+
+/// What still carries a number in an element that goes had no other element.
+template <int Dimension>
+void CellComplex::remove_cells(std::span<const Index> going, TopologyChange& change) {
+  std::vector<Index>& removed = change.removed[Dimension];
+  auto* const label = rows<Dimension>();
+  for (const Index e : going)
+    for (Index& id : label[e]) {
+      if (id != none && some_dart_[Dimension][id] != none) {
+        some_dart_[Dimension][id] = none;
+        removed.push_back(id);
+      }
+      id = none;
+    }
+  holes_[Dimension] += static_cast<Index>(removed.size());
+  sort_ascending(removed);
+}
+
+}  // namespace suture

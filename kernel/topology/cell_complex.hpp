@@ -13,6 +13,10 @@
 
 namespace suture {
 
+namespace incidence {
+struct HalfStars;
+}
+
 /// One cell became two: `new_cell` is the number given to a component that
 /// left `old_cell`. New numbers are consecutive from the previous count.
 struct Split {
@@ -217,6 +221,8 @@ class CellComplex {
   enum class Loss { links, elements };
   template <int Dimension, Loss What = Loss::links>
   void split_cells(std::span<const incidence::Link> cut_faces, TopologyChange& change);
+  template <int Dimension>
+  void split_in_halves(Index cell, incidence::HalfStars& halves, TopologyChange& change);
   template <int Dimension>
   void flood_star(incidence::Place start, Index cell, StarFlood& flood);
   template <int Dimension>

@@ -6,6 +6,7 @@
 #include "kernel/topology/cell_complex.hpp"
 #include "kernel/topology/incidence.hpp"
 #include "kernel/topology/marks.hpp"
+#include "kernel/topology/regular_star.hpp"
 
 namespace suture {
 
@@ -23,7 +24,19 @@ void reserve(TopologyChange& change, int dimension, std::size_t faces) {
   change.stars[dimension].darts.reserve(darts * faces + 64);
 }
 
-void insertion_sort(Place* begin, Place* end) {
+/// Few places, ascending.
+void sort_places(Place* begin, Place* end) {
+  // Without branches, which would be hard to predict, where a full half star is.
+  const auto order = [begin](int i, int j) {
+    const Place low = std::min(begin[i], begin[j]), high = std::max(begin[i], begin[j]);
+    begin[i] = low;
+    begin[j] = high;
+  };
+  if (end - begin == 2) return order(0, 1);
+  if (end - begin == 4) {
+    order(0, 1), order(2, 3), order(0, 2), order(1, 3);
+    return order(1, 2);
+  }
   for (Place* i = begin + 1; i < end; ++i) {
     const Place value = *i;
     Place* to = i;
@@ -57,7 +70,7 @@ struct CellComplex::StarFlood {
     for (const Component& c : components) {
       Place* const first = places.data() + c.begin;
       if (c.end - c.begin < 24)
-        insertion_sort(first, places.data() + c.end);
+        sort_places(first, places.data() + c.end);
       else
         std::sort(first, places.data() + c.end);
     }
@@ -136,6 +149,7 @@ void CellComplex::split_cells(std::span<const Link> cut_faces, TopologyChange& c
   const Index old_count = count(Dimension);
   cell_marks_.resize(std::max(cell_marks_.size(), old_count / std::size_t{64} + 1));
   StarFlood flood;
+  HalfStars halves;
   std::vector<Index> touched;
   touched.reserve(2 * cut_faces.size() + 16);
   for (const Link face : cut_faces)
@@ -144,6 +158,10 @@ void CellComplex::split_cells(std::span<const Link> cut_faces, TopologyChange& c
       const Index cell = label[start >> 4][start & 15];
       if (cell >= old_count || !mark(cell_marks_, cell)) continue;  // done at another face
       touched.push_back(cell);
+      if (What == Loss::links && half_stars<Dimension>(links_.data(), dart, halves)) {
+        split_in_halves<Dimension>(cell, halves, change);
+        continue;
+      }
       flood_star<Dimension>(start, cell, flood);
       if constexpr (What == Loss::elements) {
         flood.drop([this](Index e) { return is_removed(e); });
@@ -166,6 +184,37 @@ template void CellComplex::split_cells<0, CellComplex::Loss::elements>(std::span
                                                                        TopologyChange&);
 template void CellComplex::split_cells<1, CellComplex::Loss::elements>(std::span<const Link>,
                                                                        TopologyChange&);
+
+/// The cell splits in two; the half with the smallest element keeps the number.
+template <int Dimension>
+void CellComplex::split_in_halves(Index cell, HalfStars& halves, TopologyChange& change) {
+  auto* const label = rows<Dimension>();
+  Place *kept = halves.above.data(), *leaves = halves.below.data();
+  const std::size_t size = halves.size;
+  sort_places(kept, kept + size);
+  sort_places(leaves, leaves + size);
+  if (leaves[0] < kept[0]) std::swap(kept, leaves);
+  const Index id = count(Dimension);
+  some_dart_[Dimension].push_back(dart_at<Dimension>(leaves[0]));
+  change.splits[Dimension].push_back({cell, id});
+  Stars& stars = change.stars[Dimension];
+  stars.cells.push_back(cell);
+  stars.cells.push_back(id);
+  const std::size_t end = stars.darts.size();
+  stars.darts.resize(end + 2 * size);
+  stars.offsets.push_back(static_cast<Index>(end + size));
+  stars.offsets.push_back(static_cast<Index>(end + 2 * size));
+  Dart* const darts = stars.darts.data() + end;
+  for (std::size_t i = 0; i < size; ++i) {
+    label[leaves[i] >> 4][leaves[i] & 15] = id;
+    darts[i] = dart_at<Dimension>(kept[i]);
+    darts[size + i] = dart_at<Dimension>(leaves[i]);
+  }
+  if (halves.cut_all) return;  // split_faces() finds them
+  for (std::size_t i = 0; i < size; ++i)
+    for (const Place place : {kept[i], leaves[i]})
+      if (mark(element_marks_, place >> 4)) change.elements.push_back(place >> 4);
+}
 
 /// Finds all elements around the cell as it was before the cut, through links that
 /// stay as one component, across links that leave into further ones. What has been

@@ -138,6 +138,20 @@ TEST(Cut, SeparatesWheelsOfAnyValence) {
   map.validate();
 }
 
+/// Both sides of the cut face hang together behind the axis, two steps away: what
+/// looks like two regular half stars is one and the same.
+TEST(Cut, OfOneOfTwoFacesThatTwoElementsShareLeavesTheAxisWhole) {
+  CellComplex map = complex_of(wheel(2));
+  const std::vector<Dart> faces = interior_faces(map);
+  ASSERT_EQ(faces.size(), 2u);
+  const CellComplex before = map;
+  const TopologyChange change = map.cut(std::span(faces).first(1));
+  map.validate();
+  EXPECT_EQ(change.splits[0].size(), 2u);  // the spoke's outer vertices
+  EXPECT_EQ(change.splits[1].size(), 3u);  // all edges of the face but the axis
+  expect_change_tells_all(before, map, change);
+}
+
 TEST(Cut, RandomSequencesKeepTheLaws) {
   const unsigned seed = 20260101;
   SCOPED_TRACE(seed);

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+
+#include "kernel/topology/incidence.hpp"
+#include "kernel/topology/marks.hpp"
+
+/// The stars that nearly all cut cells have, read off without a flood.
+///
+/// A cut surface without rim or branch at a vertex leaves a half star on either side,
+/// elements a_i above and b_i below, glued through cut faces F_i one to one:
+///
+///        g0 | g1                 Seen along the surface: the dart d_i of F_i starts at
+///       a0  |  a1                v. Around the edge of d_i the elements a_i, a_i+1 meet
+///     ------v------  F_i         in face g_i, and below them b_i, b_i+1 must meet too.
+///       b0  |  b1
+///           |                    A step above and a step below in parallel, until the
+///                                ring closes or both reach the boundary of the mesh.
+///
+/// At an edge of the surface two elements meet on either side. Everything else (rims,
+/// branches, elements that touch the surface at a point) is for the flood.
+namespace suture::incidence {
+
+namespace detail {
+template <class Function>
+constexpr std::array<Local, 32> local_table(Function of) {
+  std::array<Local, 32> result{};
+  for (int d = 0; d < hexahedron::darts; ++d) result[d] = static_cast<Local>(of(d));
+  return result;
+}
+}  // namespace detail
+
+// Of the local part of a link; 32 entries, so that no index is out of range.
+inline constexpr auto beta2_of = detail::local_table([](int d) { return hexahedron::beta2[d]; });
+inline constexpr auto next_of = detail::local_table(hexahedron::beta1);
+inline constexpr auto previous_of = detail::local_table(hexahedron::beta0);
+
+inline Link beta2(Link dart) { return (dart & ~31u) | beta2_of[dart & 31]; }
+inline Link next(Link dart) { return (dart & ~31u) | next_of[dart & 31]; }
+inline Link previous(Link dart) { return (dart & ~31u) | previous_of[dart & 31]; }
+/// beta3 of a dart whose face has the link `link`, not none, without marks.
+inline Link across_link(Link link, Link dart) { return (link & ~3u) | ((link - dart) & 3u); }
+
+template <int Dimension>
+Place place_of_link(Link dart) {
+  return dart >> 5 << 4 | local_cell<Dimension>(static_cast<int>(dart & 31));
+}
+
+/// Two half stars: places above[0..size), below[0..size), which is at most `most`.
+struct HalfStars {
+  static constexpr std::size_t most = 8;
+  std::array<Place, most> above, below;
+  std::size_t size = 0;
+  bool cut_all = true;  ///< every element of both has a face that is cut
+};
+
+namespace detail {
+
+enum class Step { on, end, irregular };
+
+/// From the dart above, on the edge around which the surface goes on, and its beta3
+/// below, to the dart of the next face on that edge and its mate's.
+inline Step step(const Link* links, Link& above, Link& below) {
+  const Link up = beta2(above), down = beta2(below);
+  const Link link_up = links[marks::side_of(up)], link_down = links[marks::side_of(down)];
+  if (link_up == none && link_down == none) return Step::end;
+  if ((link_up | link_down) & marks::leaving) return Step::irregular;  // none among them
+  above = beta2(across_link(link_up, up));
+  below = beta2(across_link(link_down, down));
+  return Step::on;
+}
+
+/// The face of `above` is cut and joins it with `below`.
+inline bool is_glued(const Link* links, Link above, Link below) {
+  const Link link = links[marks::side_of(above)];
+  return link != none && (link & marks::leaving) &&
+         across_link(link & ~marks::leaving, above) == below;
+}
+
+}  // namespace detail
+
+/// The half stars of the vertex where `start`, a dart of a cut face, begins. False if
+/// it is not regular. `links`: as stored, those of cut faces marked as leaving.
+inline bool half_stars_of_vertex(const Link* links, Link start, HalfStars& stars) {
+  using detail::Step;
+  stars.size = 0;
+  stars.cut_all = true;
+  const auto add = [&](Link above, Link below) {
+    stars.above[stars.size] = place_of_link<0>(above);
+    stars.below[stars.size++] = place_of_link<0>(below);
+  };
+  // Darts `above` leave the vertex, their beta3 `below` arrive there.
+  const Link mate = across_link(links[marks::side_of(start)] & ~marks::leaving, start);
+  Link above = start, below = mate;
+  for (;;) {
+    add(above, next(below));
+    if (stars.below[stars.size - 1] == stars.above[0]) return false;  // one side only
+    const Step step = detail::step(links, above, below);
+    if (step == Step::irregular) return false;
+    if (step == Step::end) break;
+    if (!detail::is_glued(links, above, below)) return false;
+    above = next(above);
+    below = previous(below);
+    if (above == start) return below == mate;
+    if (stars.size == HalfStars::most) return false;
+  }
+  // The boundary: now the other way, with darts `above` that arrive at the vertex.
+  above = previous(start);
+  below = next(mate);
+  for (;;) {
+    const Step step = detail::step(links, above, below);
+    if (step == Step::irregular) return false;
+    if (step == Step::end) return true;
+    if (!detail::is_glued(links, above, below) || stars.size == HalfStars::most) return false;
+    add(above, next(below));
+    if (stars.below[stars.size - 1] == stars.above[0]) return false;
+    above = previous(above);
+    below = next(below);
+  }
+}
+
+/// The half stars of the edge of `start`, a dart of a cut face: two elements each, or
+/// one each at the boundary.
+inline bool half_stars_of_edge(const Link* links, Link start, HalfStars& stars) {
+  using detail::Step;
+  Link above = start;
+  Link below = across_link(links[marks::side_of(start)] & ~marks::leaving, start);
+  stars.above[0] = place_of_link<1>(above);
+  stars.below[0] = place_of_link<1>(below);
+  stars.size = 1;
+  stars.cut_all = true;
+  const Step step = detail::step(links, above, below);
+  if (step == Step::irregular) return false;
+  if (step == Step::end) return stars.above[0] != stars.below[0];
+  stars.above[1] = place_of_link<1>(above);
+  stars.below[1] = place_of_link<1>(below);
+  stars.size = 2;
+  if (stars.above[1] == stars.below[0]) return false;
+  if (detail::is_glued(links, above, below)) return true;
+  stars.cut_all = false;
+  return links[marks::side_of(above)] == none && links[marks::side_of(below)] == none;
+}
+
+template <int Dimension>
+bool half_stars(const Link* links, Link start, HalfStars& stars) {
+  if constexpr (Dimension == 0)
+    return half_stars_of_vertex(links, start, stars);
+  else
+    return half_stars_of_edge(links, start, stars);
+}
+
+}  // namespace suture::incidence

@@ -34,6 +34,11 @@ void add_scene(CLI::App& app, std::filesystem::path& scene, std::vector<std::str
       ->type_name("N");
 }
 
+void add_skip(CLI::App& app, bool& skip) {
+  app.add_flag("!--no-skip", skip,
+               "build and compute also what the scene does not need: slower, the same results");
+}
+
 /// The commands as CLI11 knows them; one of them is parsed.
 struct Parser {
   CLI::App app{"Suture simulates soft bodies that are cut while they move."};
@@ -69,6 +74,7 @@ struct Parser {
             [this](const std::string& d) { run.sets.push_back("/output/directory=" + d); },
             "the same as --set /output/directory=DIR")
         ->type_name("DIR");
+    add_skip(*run_app, run.skip);
     run_app->callback([this] { line.command = run; });
 
     auto* check_app = app.add_subcommand("check", "tell everything that is wrong with a scene");
@@ -79,6 +85,7 @@ struct Parser {
         app.add_subcommand("explain", "tell what a run would load, build, compute, skip and cost");
     add_scene(*explain_app, explain.scene, explain.sets);
     explain_app->add_flag("--json", explain.json, "as JSON");
+    add_skip(*explain_app, explain.skip);
     explain_app->callback([this] { line.command = explain; });
   }
 

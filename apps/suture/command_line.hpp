@@ -13,6 +13,7 @@ namespace suture {
 struct RunCommand {
   std::filesystem::path scene;
   std::vector<std::string> sets;
+  bool skip = true;
 };
 struct CheckCommand {
   std::filesystem::path scene;
@@ -21,7 +22,7 @@ struct CheckCommand {
 struct ExplainCommand {
   std::filesystem::path scene;
   std::vector<std::string> sets;
-  bool json = false;
+  bool json = false, skip = true;
 };
 struct ModelsCommand {};
 struct DescribeCommand {

@@ -67,7 +67,7 @@ void print_json(const Scene& scene, const Simulation& simulation, const Estimate
 int explain(const ExplainCommand& command, Console& console) {
   PluginHost host(&console.diagnostics());
   const Scene scene = read_scene(command.scene, command.sets, host, console.diagnostics());
-  Simulation simulation(scene, host, console.diagnostics());
+  Simulation simulation(scene, host, console.diagnostics(), command.skip);
   const Estimate cost = simulation.estimate();
   (command.json ? print_json : print_text)(scene, simulation, cost, console);
   return 0;

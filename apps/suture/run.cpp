@@ -85,7 +85,7 @@ int run(const RunCommand& command, Console& console) {
   catch_signals();
   PluginHost host(&console.diagnostics());
   const Scene scene = read_scene(command.scene, command.sets, host, console.diagnostics());
-  Simulation simulation(scene, host, console.diagnostics());
+  Simulation simulation(scene, host, console.diagnostics(), command.skip);
   if (console.verbose()) {
     for (const Decision& decision : simulation.decisions()) {
       console.note((decision.skipped ? "skipped " : "") + decision.subject + ": " +

@@ -66,7 +66,7 @@ void Attributes::initialise(const CellComplex& complex, Diagnostics& diagnostics
     const suture_model& model = instance->model();
     for (std::uint32_t a = 0; a < model.attribute_count; ++a) {
       const suture_attribute& attribute = model.attributes[a];
-      if (attribute.policy != SUTURE_FROM_VOLUMES) continue;
+      if (attribute.policy != SUTURE_FROM_VOLUMES || !instance->needs(a)) continue;
       const auto dimension = static_cast<int>(attribute.dimension);
       Column* own = instance->column(a);
       Column& column = own ? *own : *mass_;
@@ -74,7 +74,7 @@ void Attributes::initialise(const CellComplex& complex, Diagnostics& diagnostics
       if (own) column.fill(0);
       sum_contributions(*instance, attribute, complex, rest, cells, column);
       require_finite(*instance, attribute, cells, column);
-      if (own) column.compress(dimension == 3 ? volume_tolerance : 0);
+      if (own && instance->skips()) column.compress(dimension == 3 ? volume_tolerance : 0);
     }
   }
   for (const auto& instance : instances_)

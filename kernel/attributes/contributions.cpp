@@ -157,6 +157,7 @@ void TouchedSums::find_targets(Instance& instance, const TopologyChange& change,
   for (std::uint32_t a = 0; a < model.attribute_count; ++a) {
     const suture_attribute& attribute = model.attributes[a];
     if (attribute.policy != SUTURE_FROM_VOLUMES || attribute.dimension == 3) continue;
+    if (!instance.needs(a)) continue;
     if (change.stars[attribute.dimension].cells.empty()) continue;
     Column* own = instance.column(a);
     Column& column = own ? *own : mass;

@@ -104,10 +104,9 @@ bool admits(const Instance& instance, const suture_functor& functor, const CellC
   return true;
 }
 
-const suture_inspect_1* inspection_of(Instance& instance, const suture_functor& functor) {
-  std::uint32_t reads = functor.reads;
-  if (!functor.extension) return nullptr;
-  if (functor.enabled && functor.enabled(&instance.context(0), &reads) == 0) return nullptr;
+const suture_inspect_1* inspection_of(const Instance& instance, const suture_functor& functor) {
+  const auto number = static_cast<std::size_t>(&functor - instance.model().functors);
+  if (!functor.extension || !instance.functor(number).runs) return nullptr;
   return static_cast<const suture_inspect_1*>(functor.extension(SUTURE_INSPECT_1));
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <string_view>
 #include <utility>
 
 #include "kernel/attributes/shape.hpp"
@@ -19,7 +20,13 @@ void report(const suture_context* context, std::int32_t severity, std::uint32_t 
 
 std::int32_t has_extension(const char* id) { return host_has_extension(id) ? 1 : 0; }
 
+std::int32_t has_extension_or_everything(const char* id) {
+  return has_extension(id) != 0 || std::string_view(id) == SUTURE_EVERYTHING_1 ? 1 : 0;
+}
+
 const suture_host host = {sizeof(suture_host), SUTURE_ABI_MINOR, &report, &has_extension};
+const suture_host host_of_everything = {sizeof(suture_host), SUTURE_ABI_MINOR, &report,
+                                        &has_extension_or_everything};
 
 ColumnSpec spec_of(const suture_attribute& attribute) {
   ColumnSpec spec;
@@ -69,13 +76,14 @@ CellSet cells_of_region(const CellComplex& complex, const CellSet& region, int d
 }  // namespace
 
 Instance::Instance(const suture_model& model, std::string name, std::vector<double> parameters,
-                   Diagnostics& diagnostics)
-    : model_(model), name_(std::move(name)), parameters_(std::move(parameters)) {
+                   Diagnostics& diagnostics, bool skip)
+    : model_(model), name_(std::move(name)), parameters_(std::move(parameters)), skip_(skip) {
   check_tables();
   for (int d = 0; d < 4; ++d) table(d).dimension = d;
   prepared_.assign((model_.instance_bytes + sizeof(double) - 1) / sizeof(double), 0);
   set_workers(1);
   prepare(diagnostics);
+  ask_functors();
 }
 
 Instance::~Instance() = default;
@@ -111,7 +119,7 @@ void Instance::set_workers(unsigned count) {
                        static_cast<std::uint32_t>(parameters_.size()),
                        parameters_.data(),
                        prepared_.empty() ? nullptr : prepared_.data(),
-                       &host,
+                       skip_ ? &host : &host_of_everything,
                        &worker->error,
                        &findings_};
     reset(worker->error);
@@ -137,12 +145,41 @@ void Instance::prepare(Diagnostics& diagnostics) {
     throw PluginError(title() + " could not be prepared: " + workers_[0]->error.text);
 }
 
+void Instance::ask_functors() {
+  for (const suture_functor& f : std::span(model_.functors, model_.functor_count)) {
+    Enabled answer{true, f.reads};
+    if (f.enabled) answer.runs = f.enabled(&context(0), &answer.reads) != 0;
+    answer.reads = skip_ ? answer.reads & f.reads : f.reads;
+    enabled_.push_back(answer);
+  }
+  constexpr std::uint32_t for_others = SUTURE_OUTPUT | SUTURE_SHARED_MASS;
+  for (std::uint32_t a = 0; a < model_.attribute_count; ++a)
+    needed_.push_back(!skip_ || (model_.attributes[a].flags & for_others) != 0 || is_read(a));
+}
+
+/// By a functor that runs, or by none at all: then it is there for others.
+bool Instance::is_read(std::uint32_t attribute) const {
+  bool named = false;
+  for (std::uint32_t i = 0; i < model_.functor_count; ++i) {
+    const suture_functor& f = model_.functors[i];
+    const bool reads =
+        std::ranges::count(std::span(f.cell_columns, f.cell_column_count), attribute) != 0 ||
+        std::ranges::count(std::span(f.vertex_columns, f.vertex_column_count), attribute) != 0;
+    if (reads && enabled_[i].runs) return true;
+    named |= reads;
+  }
+  return !named;
+}
+
 bool Instance::uses(int dimension) const {
   const auto d = static_cast<std::uint32_t>(dimension);
-  for (const suture_attribute& a : std::span(model_.attributes, model_.attribute_count))
-    if (a.dimension == d && (a.flags & SUTURE_SHARED_MASS) == 0) return true;
-  for (const suture_functor& f : std::span(model_.functors, model_.functor_count))
-    if (f.dimension == d) return true;
+  for (std::uint32_t a = 0; a < model_.attribute_count; ++a) {
+    const suture_attribute& attribute = model_.attributes[a];
+    const bool shares_mass = (attribute.flags & SUTURE_SHARED_MASS) != 0;
+    if (attribute.dimension == d && !shares_mass && needs(a)) return true;
+  }
+  for (std::uint32_t i = 0; i < model_.functor_count; ++i)
+    if (model_.functors[i].dimension == d && enabled_[i].runs) return true;
   return false;
 }
 
@@ -186,10 +223,11 @@ void Instance::build(CellComplex& complex, const Column& rest, std::vector<Index
   for (int d = 0; d < 3; ++d)
     if (uses(d)) table(d).cells = cells_of_region(complex, table(3).cells, d);
   columns_.clear();
-  for (const suture_attribute& a : std::span(model_.attributes, model_.attribute_count))
-    columns_.push_back((a.flags & SUTURE_SHARED_MASS) != 0
-                           ? nullptr
-                           : &table(static_cast<int>(a.dimension)).add(spec_of(a)));
+  for (std::uint32_t i = 0; i < model_.attribute_count; ++i) {
+    const suture_attribute& a = model_.attributes[i];
+    const bool own = (a.flags & SUTURE_SHARED_MASS) == 0 && needs(i);
+    columns_.push_back(own ? &table(static_cast<int>(a.dimension)).add(spec_of(a)) : nullptr);
+  }
 }
 
 }  // namespace suture

@@ -22,8 +22,9 @@ class Instance {
  public:
   /// Runs the model's prepare(). Throws InputError with what it reported as an
   /// error, PluginError if it failed or its tables contradict themselves.
+  /// `skip`: false makes it compute also what adds nothing (suture run --no-skip).
   Instance(const suture_model& model, std::string name, std::vector<double> parameters,
-           Diagnostics& diagnostics);
+           Diagnostics& diagnostics, bool skip = true);
   ~Instance();
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
@@ -34,7 +35,18 @@ class Instance {
   /// "model 'tissue' (mss-baudet)", the beginning of messages.
   std::string title() const;
 
-  /// True if an attribute or a functor of the model is on cells of `dimension`.
+  /// What the model said of a functor and these parameters, once.
+  struct Enabled {
+    bool runs = true;
+    std::uint32_t reads = 0;  ///< suture_read bits that it wants, of those declared
+  };
+  const Enabled& functor(std::size_t number) const { return enabled_[number]; }
+  bool skips() const { return skip_; }
+
+  /// False for an attribute that only functors read which do not run: it gets no
+  /// column. Attributes for output, and those that no functor names, are needed.
+  bool needs(std::uint32_t attribute) const { return needed_[attribute]; }
+  /// True if a needed attribute or a functor that runs is on cells of `dimension`.
   bool uses(int dimension) const;
 
   /// Tables of the dimensions that uses(), and always table(3), whose cells are
@@ -46,7 +58,7 @@ class Instance {
   std::span<Table, 4> tables() { return tables_; }
 
   /// Column of an attribute by its position in model().attributes; nullptr for a
-  /// share of the kernel's mass (SUTURE_SHARED_MASS).
+  /// share of the kernel's mass (SUTURE_SHARED_MASS), and if it is not needed.
   Column* column(std::uint32_t attribute) const { return columns_[attribute]; }
 
   /// Cell sets and columns for `elements` (ascending; empty = all). Builds ids of
@@ -75,6 +87,8 @@ class Instance {
   };
   void check_tables() const;
   void prepare(Diagnostics& diagnostics);
+  void ask_functors();
+  bool is_read(std::uint32_t attribute) const;
   bool asks_for_shape() const;
   CellSet region(const CellComplex& complex, const Column& rest, std::vector<Index> elements);
 
@@ -83,6 +97,9 @@ class Instance {
   std::vector<double> parameters_;
   std::array<Table, 4> tables_;
   std::vector<Column*> columns_;
+  std::vector<Enabled> enabled_;  ///< by position in model().functors
+  std::vector<bool> needed_;      ///< by position in model().attributes
+  bool skip_;
   AlignedVector<double> prepared_;  ///< the model's own memory
   std::vector<std::unique_ptr<Worker>> workers_;
   Findings findings_;

@@ -34,6 +34,24 @@ std::vector<std::vector<loops::Range>> make_chunks(std::span<const loops::Range>
   return chunks;
 }
 
+/// Appends the blocks of a range for which !drop(block), joined; returns the rows
+/// that were dropped.
+template <class Drop>
+Index keep(loops::Range range, Drop drop, std::vector<loops::Range>& kept) {
+  Index dropped = 0;
+  while (range.begin < range.end) {
+    const loops::Range block{range.begin, std::min(range.end, (range.begin / lanes + 1) * lanes)};
+    range.begin = block.end;
+    if (drop(block))
+      dropped += block.end - block.begin;
+    else if (!kept.empty() && kept.back().end == block.begin)
+      kept.back().end = block.end;
+    else
+      kept.push_back(block);
+  }
+  return dropped;
+}
+
 template <class Visit>
 void for_each_vertex(const Connectivity& cells, std::span<const loops::Range> ranges, Visit visit) {
   for (const loops::Range& range : ranges)
@@ -89,6 +107,28 @@ void BatchList::add_chunk(std::span<const loops::Range> ranges) {
   chunk_begin_.push_back(static_cast<Index>(ranges_.size()));
 }
 
+void BatchList::leave_out(const Connectivity& cells, const std::vector<bool>& still) {
+  const auto all_still = [&](loops::Range block) {
+    bool all = true;
+    for_each_vertex(cells, {&block, 1}, [&](Index v) { all = all && (v == none || still[v]); });
+    return all;
+  };
+  BatchList kept;
+  kept.cells_ = cells_;
+  kept.tail_ = tail_;
+  kept.left_out_ = left_out_;
+  std::vector<loops::Range> chunk;
+  for (Index colour = 0; colour < colour_count(); ++colour) {
+    for (Index c = chunk_begin(colour); c < chunk_end(colour); ++c) {
+      chunk.clear();
+      for (const loops::Range& range : ranges(c)) kept.left_out_ += keep(range, all_still, chunk);
+      if (!chunk.empty()) kept.add_chunk(chunk);
+    }
+    kept.colour_begin_.push_back(kept.chunk_count());
+  }
+  *this = std::move(kept);
+}
+
 bool BatchList::append(Index first, Index last) {
   if (first == last) return true;
   tail_ += last - first;
@@ -96,7 +136,7 @@ bool BatchList::append(Index first, Index last) {
   const loops::Range added{first, last};
   // Neighbouring tail chunks grow together: a thousand cuts of one face each
   // shall not leave a thousand chunks.
-  if (tail_ > last - first && ranges_.back().end == first) {
+  if (tail_ > last - first && !ranges_.empty() && ranges_.back().end == first) {
     ranges_.back().end = last;
     return true;
   }

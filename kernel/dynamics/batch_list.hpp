@@ -43,7 +43,12 @@ class BatchList {
   /// time to build the list anew.
   bool append(Index first, Index last);
 
-  Index cell_count() const { return cells_ + tail_; }
+  /// Leaves out the blocks of 8 rows all of whose vertices are `still`. The order of
+  /// the others stays. O(rows x nodes).
+  void leave_out(const Connectivity& cells, const std::vector<bool>& still);
+  Index left_out() const { return left_out_; }
+
+  Index cell_count() const { return cells_ + tail_ - left_out_; }
   Index batch_count() const;
   Index chunk_count() const { return static_cast<Index>(chunk_begin_.size()) - 1; }
   Index colour_count() const { return static_cast<Index>(colour_begin_.size()) - 1; }
@@ -59,7 +64,7 @@ class BatchList {
  private:
   void add_chunk(std::span<const loops::Range> ranges);
 
-  Index cells_ = 0, tail_ = 0;
+  Index cells_ = 0, tail_ = 0, left_out_ = 0;
   std::vector<loops::Range> ranges_;
   std::vector<Index> chunk_begin_{0};   // into ranges_
   std::vector<Index> colour_begin_{0};  // into chunks

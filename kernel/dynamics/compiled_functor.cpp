@@ -40,13 +40,12 @@ CompiledFunctor::CompiledFunctor(Instance& instance, const suture_functor& funct
     : instance_(instance),
       functor_(functor),
       nodes_(nodes),
-      dimension_(static_cast<int>(functor.dimension)),
-      reads_(functor.reads) {
+      dimension_(static_cast<int>(functor.dimension)) {
   refuse_unknown();
-  if (functor.enabled && functor.enabled(&instance.context(0), &reads_) == 0) {
-    reason_ = "gives no force with these parameters";
-  }
-  reads_ &= functor.reads;
+  const Instance::Enabled& answer =
+      instance.functor(static_cast<std::size_t>(&functor - instance.model().functors));
+  if (!answer.runs) reason_ = "gives no force with these parameters";
+  reads_ = answer.reads;
   cell_columns_.resize(functor.cell_column_count);
   vertex_columns_.resize(functor.vertex_column_count);
 }
@@ -115,6 +114,12 @@ void CompiledFunctor::build(const CellComplex& complex) {
     return;
   }
   list_ = BatchList(connectivity(complex), rows, complex.count(0));
+  if (still_) list_.leave_out(connectivity(complex), *still_);
+}
+
+void CompiledFunctor::leave_out(const std::vector<bool>* still, const CellComplex& complex) {
+  still_ = still;
+  if (!skipped()) list_.leave_out(connectivity(complex), *still);
 }
 
 void CompiledFunctor::update(const CellComplex& complex, const TopologyChange& change) {

@@ -35,6 +35,8 @@ class CompiledFunctor {
 
   /// Rows, chunks and colours anew. O(rows).
   void build(const CellComplex& complex);
+  /// Leaves out rows between `still` vertices, now and after every change.
+  void leave_out(const std::vector<bool>* still, const CellComplex& complex);
   /// After a change; `nodes` is up to date already.
   void update(const CellComplex& complex, const TopologyChange& change);
 
@@ -69,6 +71,7 @@ class CompiledFunctor {
   std::uint32_t reads_;
   std::string reason_;  ///< why it is skipped
   BatchList list_;
+  const std::vector<bool>* still_ = nullptr;
   Index rows_ = 0;  ///< of the table when the list was made or appended to
   loops::Job job_{};
   std::vector<loops::CellColumn> cell_columns_;

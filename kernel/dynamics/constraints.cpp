@@ -105,6 +105,19 @@ void Constraints::update(const TopologyChange& change) {
   }
 }
 
+std::vector<bool> Constraints::still(Index vertex_count) const {
+  std::vector<std::uint8_t> held(vertex_count);
+  std::vector<bool> result(vertex_count);
+  for (const Group& group : groups_)
+    if (!group.motion.moves())
+      for (const Index v : group.vertices) held[v] |= group.components;
+  for (const Group& group : groups_)
+    if (group.motion.moves())
+      for (const Index v : group.vertices) held[v] = 0;
+  for (Index v = 0; v < vertex_count; ++v) result[v] = held[v] == 7;
+  return result;
+}
+
 Index Constraints::vertex_count() const {
   std::size_t count = 0;
   for (const Group& group : groups_) count += group.vertices.size();

@@ -39,6 +39,10 @@ class Constraints {
   /// first call.
   void update(const TopologyChange& change);
 
+  /// Vertices all of whose components are held at rest, and never move. One per
+  /// vertex of the complex.
+  std::vector<bool> still(Index vertex_count) const;
+
   bool empty() const { return groups_.empty(); }
   Index vertex_count() const;    ///< constrained, counted once per group
   double settled_after() const;  ///< time when the last motion ends, s

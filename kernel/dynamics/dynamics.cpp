@@ -228,6 +228,10 @@ void Dynamics::invalidate() {
   impl_->old_position.clear();
 }
 
+Index Dynamics::skip_still_cells() {
+  return impl_->forces.skip_still(impl_->constraints.still(impl_->attributes.vertex_count()));
+}
+
 void Dynamics::set_damping(double alpha) { impl_->options.damping = alpha; }
 double Dynamics::damping() const { return impl_->options.damping; }
 

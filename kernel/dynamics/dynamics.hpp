@@ -71,6 +71,10 @@ class Dynamics {
   /// Positions, velocities or masses were changed by others.
   void invalidate();
 
+  /// Cells between vertices that are held at rest for good are left out from now
+  /// on (ForceLoop::skip_still); returns how many. After the constraints are added.
+  Index skip_still_cells();
+
   void set_damping(double alpha);
   double damping() const;
 

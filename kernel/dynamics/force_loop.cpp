@@ -89,9 +89,11 @@ struct ForceLoop::Impl {
   void add(Instance& instance) {
     std::array<RowNodes*, 4> nodes{};
     const suture_model& model = instance.model();
-    for (const suture_functor& functor : std::span(model.functors, model.functor_count)) {
+    for (std::size_t i = 0; i < model.functor_count; ++i) {
+      const suture_functor& functor = model.functors[i];
       const auto dimension = functor.dimension;
-      if ((dimension == 1 || dimension == 2) && !nodes[dimension]) {
+      const bool has_rows = (dimension == 1 || dimension == 2) && instance.functor(i).runs;
+      if (has_rows && !nodes[dimension]) {
         row_nodes.emplace_back(instance, static_cast<int>(dimension), *complex);
         nodes[dimension] = &row_nodes.back();
       }
@@ -102,7 +104,8 @@ struct ForceLoop::Impl {
 
   bool pays(const CompiledFunctor& functor) const {
     const std::size_t nodes = std::size_t{2} << (functor.functor().dimension - 1);
-    return threads.threads() > 1 && functor.list().cell_count() * nodes >= parallel_nodes;
+    const bool large = functor.list().cell_count() * nodes >= parallel_nodes;
+    return threads.threads() > 1 && (large || !functor.instance().skips());
   }
 
   /// chunk(worker, ranges, chunk number) for all chunks, colour after colour.
@@ -152,6 +155,9 @@ struct ForceLoop::Impl {
     first.raise(functor.title(), cell_words[functor.functor().dimension], time);
   }
 
+  void split_still(const TopologyChange& change);
+  Index skip_still();
+
   double energy_of(Index number, double time);
   bool add_field(Index number, std::string_view field, double time, std::span<double> values);
   void add_bounds(Index number, double time, VertexBounds& sums);
@@ -163,6 +169,7 @@ struct ForceLoop::Impl {
   std::vector<WorkerMemory> workers;
   std::deque<RowNodes> row_nodes;
   std::deque<CompiledFunctor> functors;
+  std::vector<bool> still;  ///< vertices held where they are at rest; empty: nothing is left out
 };
 
 ForceLoop::ForceLoop(Attributes& attributes, const CellComplex& complex, unsigned threads)
@@ -318,8 +325,30 @@ ForceLoop::Bounds ForceLoop::bounds(double time) {
 
 // --------------------------------------------------------- changes, summary --
 
+Index ForceLoop::Impl::skip_still() {
+  Index skipped = 0;
+  for (CompiledFunctor& functor : functors) {
+    functor.leave_out(&still, *complex);
+    skipped += functor.list().left_out();
+  }
+  return skipped;
+}
+
+Index ForceLoop::skip_still(std::vector<bool> still) {
+  impl_->still = std::move(still);
+  return impl_->skip_still();
+}
+
+/// The parts of a vertex are held alike.
+void ForceLoop::Impl::split_still(const TopologyChange& change) {
+  if (still.empty()) return;
+  still.resize(complex->count(0));
+  for (const Split& split : change.splits[0]) still[split.new_cell] = still[split.old_cell];
+}
+
 void ForceLoop::update(const CellComplex& complex, const TopologyChange& change) {
   impl_->complex = &complex;
+  impl_->split_still(change);
   for (RowNodes& nodes : impl_->row_nodes) nodes.update(complex, change);
   for (CompiledFunctor& functor : impl_->functors) functor.update(complex, change);
 }
@@ -329,8 +358,8 @@ std::vector<ForceLoop::Summary> ForceLoop::summary() const {
   for (const CompiledFunctor& functor : impl_->functors) {
     const BatchList& list = functor.list();
     lines.push_back({functor.instance().name(), functor.functor().name, list.cell_count(),
-                     list.batch_count(), list.chunk_count(), list.colour_count(), functor.reads(),
-                     functor.skipped(), functor.reason()});
+                     list.batch_count(), list.chunk_count(), list.colour_count(), list.left_out(),
+                     functor.reads(), functor.skipped(), functor.reason()});
   }
   return lines;
 }

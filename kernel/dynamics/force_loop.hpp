@@ -66,9 +66,17 @@ class ForceLoop {
   /// when an eighth of the rows is new (edges) or for functors on faces.
   void update(const CellComplex& complex, const TopologyChange& change);
 
+  /// Leaves out blocks of 8 cells all of whose vertices are `still` (one per vertex:
+  /// held where they are at rest, for good), of every functor: their forces move
+  /// nothing. What is left keeps its order, so free vertices get the same bits.
+  /// Forces and fields at those cells are not computed from now on. Returns how many
+  /// cells are left out. O(cells).
+  Index skip_still(std::vector<bool> still);
+
   struct Summary {  ///< for `suture explain`
     std::string instance, functor;
     Index cells = 0, batches = 0, chunks = 0, colours = 0;
+    Index left_out = 0;       ///< by skip_still(), not among the cells
     std::uint32_t reads = 0;  ///< suture_read bits that are gathered
     bool skipped = false;
     std::string reason;

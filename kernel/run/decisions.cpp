@@ -3,7 +3,8 @@
 // What was decided when a scene was compiled, in the order of the flow.
 #include "kernel/run/decisions.hpp"
 
-#include <sstream>
+#include <algorithm>
+#include <variant>
 
 namespace suture {
 namespace {
@@ -34,43 +35,64 @@ void decide_plugins(const Scene& scene, PluginHost& host, std::vector<Decision>&
   list.push_back({"other plugins", true, "only those that the scene names are loaded"});
 }
 
+// Why something is done although the scene does not need it.
+constexpr const char* no_skip = "not needed, done because of --no-skip";
+
 void decide_cells(World& world, std::vector<Decision>& list) {
   const CellComplex& complex = world.complex();
   list.push_back({"3-map", false,
                   count_text(complex.element_count(), "element") + ", " +
                       std::to_string(complex.count(0)) + " vertices, from " + world.mesh_source});
-  const auto ids = [&](const char* subject, bool built, int dimension, const char* cells) {
-    list.push_back({subject, !built,
-                    built ? std::to_string(complex.count(dimension)) + " " + cells
-                          : std::string("no model works on ") + cells});
+  const auto& instances = world.attributes.instances();
+  const auto ids = [&](const char* subject, int dimension, const char* cells) {
+    const bool used = std::any_of(instances.begin(), instances.end(),
+                                  [&](const auto& i) { return i->uses(dimension); });
+    if (!used && world.skips)
+      list.push_back({subject, true, std::string("no model works on ") + cells});
+    else
+      list.push_back(
+          {subject, false,
+           used ? std::to_string(complex.count(dimension)) + " " + cells : std::string(no_skip)});
   };
-  ids("edge ids", complex.has_edges(), 1, "edges");
-  ids("face ids", complex.has_faces(), 2, "faces");
+  ids("edge ids", 1, "edges");
+  ids("face ids", 2, "faces");
+}
+
+void decide_column(const Instance& instance, std::uint32_t attribute, std::vector<Decision>& list) {
+  const suture_attribute& declared = instance.model().attributes[attribute];
+  const std::string subject = "column " + instance.name() + "/" + declared.name;
+  const Column* column = instance.column(attribute);
+  if (!instance.needs(attribute))
+    list.push_back({subject, true, "no functor that runs reads it: neither summed nor stored"});
+  else if (column != nullptr && column->is_constant())
+    list.push_back({subject, true, "the same everywhere: stored once"});
+  else if (column != nullptr)
+    list.push_back({subject, false, count_text(column->size(), "row")});
 }
 
 void decide_columns(World& world, std::vector<Decision>& list) {
-  for (const auto& instance : world.attributes.instances()) {
-    for (int dimension = 1; dimension <= 3; ++dimension) {
-      for (const Column& column : instance->table(dimension).columns) {
-        list.push_back({"column " + instance->name() + "/" + column.spec().name,
-                        column.is_constant(),
-                        column.is_constant() ? "the same everywhere: stored once"
-                                             : count_text(column.size(), "row")});
-      }
-    }
+  for (const auto& instance : world.attributes.instances())
+    for (std::uint32_t a = 0; a < instance->model().attribute_count; ++a)
+      decide_column(*instance, a, list);
+}
+
+void decide_functor(const ForceLoop::Summary& functor, std::vector<Decision>& list) {
+  const std::string subject = "functor " + functor.instance + "/" + functor.functor;
+  if (functor.skipped) {
+    list.push_back({subject, true, functor.reason});
+    return;
   }
+  list.push_back({subject, false,
+                  count_text(functor.cells, "cell") + " in " + std::to_string(functor.batches) +
+                      " batches, " + count_text(functor.colours, "colour") + "; gathers " +
+                      reads_text(functor.reads)});
+  const bool velocities = (functor.reads & SUTURE_READ_VELOCITY) != 0;
+  if (!velocities) list.push_back({"velocities for " + subject, true, "it reads none"});
 }
 
 void decide_functors(World& world, std::vector<Decision>& list) {
-  for (const ForceLoop::Summary& functor : world.dynamics->forces().summary()) {
-    std::string text = functor.reason;
-    if (!functor.skipped) {
-      text = count_text(functor.cells, "cell") + " in " + std::to_string(functor.batches) +
-             " batches, " + count_text(functor.colours, "colour") + "; gathers " +
-             reads_text(functor.reads);
-    }
-    list.push_back({"functor " + functor.instance + "/" + functor.functor, functor.skipped, text});
-  }
+  for (const ForceLoop::Summary& functor : world.dynamics->forces().summary())
+    decide_functor(functor, list);
   const unsigned threads = world.dynamics->forces().threads();
   list.push_back({"threads", threads == 1,
                   threads == 1
@@ -96,17 +118,24 @@ void decide_physics(const Scene& scene, World& world, std::vector<Decision>& lis
        scene.events.empty() ? "the scene has none" : count_text(scene.events.size(), "cut")});
 }
 
-void decide_output(const Scene& scene, const Recorder& recorder, std::vector<Decision>& list) {
+std::string names(const std::vector<FieldChoice>& fields) {
+  std::string text;
+  for (const FieldChoice& field : fields) text += (text.empty() ? "" : ", ") + field.name;
+  return text.empty() ? "no fields" : text;
+}
+
+void decide_output(const Scene& scene, const World& world, const Recorder& recorder,
+                   std::vector<Decision>& list) {
   if (!recorder.writes_frames()) {
     list.push_back({"writer", true, "the scene asks for no output"});
     return;
   }
-  std::string fields;
-  for (const FieldChoice& field : recorder.fields())
-    fields += (fields.empty() ? "" : ", ") + field.name;
   list.push_back({"frames", false,
-                  "to " + scene.output.directory.string() + ", with " +
-                      (fields.empty() ? "no fields" : fields) + "; other fields are not computed"});
+                  "to " + scene.output.directory.string() + ", with " + names(recorder.fields())});
+  const std::string others = names(recorder.other_fields());
+  list.push_back(
+      {"other fields", world.skips,
+       others + ": " + (world.skips ? "not asked for" : std::string(no_skip) + ", and dropped")});
   list.push_back({"energies.csv", !recorder.writes_energies(),
                   recorder.writes_energies()
                       ? "every " + count_text(scene.output.energies_every, "step")
@@ -119,7 +148,39 @@ void decide_output(const Scene& scene, const Recorder& recorder, std::vector<Dec
                   scene.output.springs ? "a second file per frame" : "not asked for"});
 }
 
+bool only_cuts(const std::vector<Event>& events) {
+  return std::all_of(events.begin(), events.end(), [](const Event& event) {
+    return std::holds_alternative<CutPlane>(event.what) ||
+           std::holds_alternative<CutFaces>(event.what);
+  });
+}
+
+// Who looks at forces, stresses or energies where nothing moves; "" if nobody.
+std::string who_looks_at_still_cells(const Scene& scene, const World& world,
+                                     const Recorder& recorder) {
+  if (!world.skips) return no_skip;
+  if (recorder.frames_need_force()) return "computed: frames show forces";
+  if (recorder.frames_run_functors()) return "computed: frames show fields of the models";
+  if (recorder.writes_probes()) return "computed: probes show forces";
+  if (recorder.writes_energies()) return "computed: energies.csv sums over all cells";
+  if (scene.solver.until_rest) return "computed: the search for rest looks at energy";
+  if (!only_cuts(scene.events)) return "computed: an event may look at every cell";
+  return "";
+}
+
 }  // namespace
+
+Decision decide_still_cells(const Scene& scene, World& world, const Recorder& recorder) {
+  const std::string subject = "cells between fixed vertices";
+  const std::string reason = who_looks_at_still_cells(scene, world, recorder);
+  if (!reason.empty()) return {subject, false, reason};
+  const Index cells = world.dynamics->skip_still_cells();
+  if (cells == 0) return {subject, false, "there is no block of 8 of them"};
+  return {subject, true,
+          std::to_string(cells) +
+              " (whole blocks of 8): they move nothing, and nobody asks for "
+              "their stress, forces or energy"};
+}
 
 std::vector<Decision> decide(const Scene& scene, PluginHost& host, World& world,
                              const Recorder& recorder) {
@@ -129,7 +190,7 @@ std::vector<Decision> decide(const Scene& scene, PluginHost& host, World& world,
   decide_columns(world, list);
   decide_functors(world, list);
   decide_physics(scene, world, list);
-  decide_output(scene, recorder, list);
+  decide_output(scene, world, recorder, list);
   return list;
 }
 

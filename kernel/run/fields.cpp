@@ -147,7 +147,8 @@ FieldChoice output_field(const suture_functor& functor, const suture_field& fiel
                                return world.dynamics->forces().compute_field(instance, dimension,
                                                                              name, time, rows);
                              });
-          }};
+          },
+          true};
 }
 
 FieldChoice attribute_field(const suture_attribute& attribute) {
@@ -170,11 +171,20 @@ FieldChoice attribute_field(const suture_attribute& attribute) {
           }};
 }
 
-void add_once(std::vector<FieldChoice>& fields, FieldChoice field) {
-  const bool known = std::any_of(fields.begin(), fields.end(), [&](const FieldChoice& f) {
+bool contains(const std::vector<FieldChoice>& fields, const FieldChoice& field) {
+  return std::any_of(fields.begin(), fields.end(), [&](const FieldChoice& f) {
     return f.name == field.name && f.on == field.on;
   });
-  if (!known) fields.push_back(std::move(field));
+}
+
+void add_once(std::vector<FieldChoice>& fields, FieldChoice field) {
+  if (!contains(fields, field)) fields.push_back(std::move(field));
+}
+
+std::vector<FieldChoice> all_fields(World& world) {
+  std::vector<FieldChoice> all = kernel_fields();
+  for (FieldChoice& field : model_fields(world)) all.push_back(std::move(field));
+  return all;
 }
 
 }  // namespace
@@ -214,8 +224,7 @@ std::vector<FieldChoice> model_fields(World& world) {
 }
 
 std::vector<FieldChoice> choose_fields(World& world, const OutputOptions& options) {
-  std::vector<FieldChoice> all = kernel_fields();
-  for (FieldChoice& field : model_fields(world)) all.push_back(std::move(field));
+  const std::vector<FieldChoice> all = all_fields(world);
   std::vector<FieldChoice> chosen;
   for (const std::string& name : options.fields) {
     const auto found = std::find_if(all.begin(), all.end(), [&](const FieldChoice& f) {
@@ -238,6 +247,13 @@ std::vector<FieldChoice> choose_fields(World& world, const OutputOptions& option
                  [](const FieldChoice& f) { return f.on == On::springs; });
   }
   return chosen;
+}
+
+std::vector<FieldChoice> fields_besides(World& world, const std::vector<FieldChoice>& chosen) {
+  std::vector<FieldChoice> others;
+  for (FieldChoice& field : all_fields(world))
+    if (!contains(chosen, field)) others.push_back(std::move(field));
+  return others;
 }
 
 }  // namespace suture

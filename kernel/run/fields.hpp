@@ -18,6 +18,7 @@ struct FieldChoice {
   bool needs_force = false;  ///< forces must belong to the positions of the frame
   /// Computes the field; `gravity` (m/s^2) and `time` (s) as they are now.
   std::function<void(World&, const Vec3& gravity, double time, FrameField&)> fill;
+  bool runs_functors = false;  ///< an output of a model, not a column
 };
 
 /// Fields that every simulation has: displacement, velocity, force, reaction,
@@ -31,5 +32,8 @@ std::vector<FieldChoice> model_fields(World& world);
 /// The chosen fields; all of a run's for the springs. Throws InputError for a
 /// name that no model of this scene gives, with the nearest.
 std::vector<FieldChoice> choose_fields(World& world, const OutputOptions& options);
+
+/// The fields of this scene that are not among `chosen`.
+std::vector<FieldChoice> fields_besides(World& world, const std::vector<FieldChoice>& chosen);
 
 }  // namespace suture

@@ -70,6 +70,9 @@ Recorder::Recorder(const Scene& scene, World& world, std::string provenance)
   fields_ = choose_fields(world, options);
   frames_need_force_ =
       std::any_of(fields_.begin(), fields_.end(), [](const auto& f) { return f.needs_force; });
+  frames_run_functors_ =
+      std::any_of(fields_.begin(), fields_.end(), [](const auto& f) { return f.runs_functors; });
+  other_fields_ = fields_besides(world, fields_);
   for (const Probe& probe : options.probes)
     probe_vertices_.push_back(world.selector.vertices(probe.where));
   frames_ = std::make_unique<FrameWriter>(writer_options(options));
@@ -108,7 +111,14 @@ void Recorder::frame(double time, const Vec3& gravity) {
   fill_frame(frame, time, gravity);
   frames_->submit(std::move(frame));
   if (springs_) springs_frame(time, gravity);
+  if (!world_.skips) fill_other_fields(time, gravity);
   ++frame_number_;
+}
+
+/// Computed and dropped: a run that skips nothing pays for every field.
+void Recorder::fill_other_fields(double time, const Vec3& gravity) {
+  FrameField unused;
+  for (const FieldChoice& field : other_fields_) field.fill(world_, gravity, time, unused);
 }
 
 std::size_t Recorder::rehearse(double time, const Vec3& gravity) {

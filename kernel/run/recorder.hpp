@@ -25,6 +25,9 @@ class Recorder {
   /// Frames (or probes) show forces: they must belong to the present positions.
   bool frames_need_force() const { return frames_need_force_; }
 
+  /// Frames show what functors of the models compute (stress).
+  bool frames_run_functors() const { return frames_run_functors_; }
+
   void frame(double time, const Vec3& gravity);
   void energies(std::uint64_t step, double time, double dt, const Dynamics::Energies& row);
   void probes(std::uint64_t step, double time, const Vec3& gravity);
@@ -37,15 +40,18 @@ class Recorder {
   std::size_t frames_written() const { return frame_number_; }
   std::string collection() const;
   const std::vector<FieldChoice>& fields() const { return fields_; }
+  /// Fields of this scene that were not chosen.
+  const std::vector<FieldChoice>& other_fields() const { return other_fields_; }
 
  private:
   void fill_frame(Frame& frame, double time, const Vec3& gravity);
   void springs_frame(double time, const Vec3& gravity);
+  void fill_other_fields(double time, const Vec3& gravity);
 
   World& world_;
   std::string provenance_;
-  std::vector<FieldChoice> fields_;
-  bool frames_need_force_ = false;
+  std::vector<FieldChoice> fields_, other_fields_;
+  bool frames_need_force_ = false, frames_run_functors_ = false;
   std::size_t frame_number_ = 0;
   std::vector<std::vector<Index>> probe_vertices_;
   std::unique_ptr<FrameWriter> frames_, springs_;

@@ -58,15 +58,17 @@ std::string provenance_of(const Scene& scene, PluginHost& host, const World& wor
 }  // namespace
 
 struct Simulation::Impl {
-  Impl(const Scene& s, PluginHost& host, Diagnostics& d)
+  Impl(const Scene& s, PluginHost& host, Diagnostics& d, bool skip)
       : scene(s),
         diagnostics(d),
-        world(s, d),
+        world(s, d, skip),
         recorder(s, world, provenance_of(s, host, world)),
         clock(s.solver.dt, stops_of(s), s.output.enabled ? s.output.every : 0, s.solver.end),
         guard(s, world, d) {
     check_events();
+    Decision still = decide_still_cells(scene, world, recorder);
     decisions = decide(scene, host, world, recorder);
+    decisions.push_back(std::move(still));
     if (scene.solver.until_rest) {
       rest.emplace(scene.solver.tolerance, scene.solver.automatic_damping);
       if (!scene.events.empty()) rest->wait_until(scene.events.back().at);
@@ -313,8 +315,8 @@ struct Simulation::Impl {
   std::uint64_t recorded_step = ~std::uint64_t{0}, last_frame_step = ~std::uint64_t{0};
 };
 
-Simulation::Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics)
-    : impl_(std::make_unique<Impl>(scene, host, diagnostics)) {}
+Simulation::Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip)
+    : impl_(std::make_unique<Impl>(scene, host, diagnostics, skip)) {}
 
 Simulation::~Simulation() = default;
 

@@ -66,7 +66,9 @@ struct Estimate {
 /// run() does the rest.
 class Simulation {
  public:
-  Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics);
+  /// `skip`: leave out what the scene does not need (decisions() says what); false
+  /// computes it all the same, with the same results (suture run --no-skip).
+  Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip = true);
   ~Simulation();
 
   /// Runs to the end, writes frames and tables. Throws NumericalError (frames

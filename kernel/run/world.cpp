@@ -51,11 +51,12 @@ void check_coverage(const World& world) {
 
 }  // namespace
 
-World::World(const Scene& scene, Diagnostics& diagnostics)
-    : World(scene, load_mesh(scene.mesh, diagnostics), diagnostics) {}
+World::World(const Scene& scene, Diagnostics& diagnostics, bool skip)
+    : World(scene, load_mesh(scene.mesh, diagnostics), diagnostics, skip) {}
 
-World::World(const Scene& scene, Mesh mesh, Diagnostics& diagnostics)
-    : mesh_source(mesh.source),
+World::World(const Scene& scene, Mesh mesh, Diagnostics& diagnostics, bool skip)
+    : skips(skip),
+      mesh_source(mesh.source),
       names(MeshNames::of(mesh)),
       imported(import_mesh(std::move(mesh), scene.mesh.import, diagnostics)),
       selector(imported, names),
@@ -71,12 +72,17 @@ World::World(const Scene& scene, Mesh mesh, Diagnostics& diagnostics)
 }
 
 void World::add_models(const Scene& scene, Diagnostics& diagnostics) {
+  if (!skips) {
+    complex().require_edges();
+    complex().require_faces();
+  }
   for (const ModelUse& use : scene.models) {
     std::vector<Index> region;
     if (!std::holds_alternative<Selection::All>(use.region.what))
       region = selector.elements(use.region);
-    attributes.add(std::make_unique<Instance>(*use.model, use.name, use.parameters, diagnostics),
-                   complex(), std::move(region));
+    attributes.add(
+        std::make_unique<Instance>(*use.model, use.name, use.parameters, diagnostics, skips),
+        complex(), std::move(region));
   }
   check_coverage(*this);
   attributes.initialise(complex(), diagnostics);

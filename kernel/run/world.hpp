@@ -16,8 +16,10 @@ namespace suture {
 /// other: neither copied nor moved.
 class World {
  public:
-  /// Throws whatever the stages throw: InputError, TopologyError, PluginError.
-  World(const Scene& scene, Diagnostics& diagnostics);
+  /// `skip`: leave out what the scene does not need; false builds and computes it
+  /// all the same. Throws whatever the stages throw: InputError, TopologyError,
+  /// PluginError.
+  World(const Scene& scene, Diagnostics& diagnostics, bool skip = true);
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
@@ -26,6 +28,7 @@ class World {
   /// many were cut.
   Index cut(const std::vector<Dart>& faces);
 
+  const bool skips;  ///< leaves out what the scene does not need
   std::string mesh_source;
   MeshNames names;
   Imported imported;
@@ -35,7 +38,7 @@ class World {
   std::vector<Index> user_vertex;  ///< of every vertex, also of those that cuts made
 
  private:
-  World(const Scene& scene, Mesh mesh, Diagnostics& diagnostics);
+  World(const Scene& scene, Mesh mesh, Diagnostics& diagnostics, bool skip);
   void add_models(const Scene& scene, Diagnostics& diagnostics);
   void add_constraints(const Scene& scene);
   void add_loads(const Scene& scene);

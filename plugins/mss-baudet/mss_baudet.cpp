@@ -37,7 +37,7 @@ struct EdgeSprings : suture::on_edges {
   static constexpr int witnesses = 1;
 
   static bool enabled(const suture::values& p, std::uint32_t&) {
-    return (p[p_viscosity] > 0) == with_viscosity;
+    return (p[p_viscosity] > 0 || p.everything()) == with_viscosity;
   }
 
   template <class Cell>
@@ -131,7 +131,8 @@ struct InnerSprings : suture::on_volumes {
   static constexpr int witnesses = 4;  // springs end at nodes 0..3, the correction at all
 
   static bool enabled(const suture::values& p, std::uint32_t&) {
-    return (p[p_viscosity] > 0) == with_viscosity && (p[p_correction] != 0) == with_correction;
+    return (p[p_viscosity] > 0 || p.everything()) == with_viscosity &&
+           (p[p_correction] != 0 || p.everything()) == with_correction;
   }
 
   template <class Cell>

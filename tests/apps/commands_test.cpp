@@ -103,5 +103,29 @@ TEST_F(Commands, ExplainTellsWhatIsSkippedAndCosts) {
   EXPECT_FALSE(std::filesystem::exists(folder() / "out"));
 }
 
+// The text and the JSON of explain name the same decisions, each with a reason.
+TEST_F(Commands, NoSkipLeavesNothingOut) {
+  scene("explain", "");
+  const auto skipped = [&](std::vector<std::string> arguments) {
+    std::vector<std::string> subjects;
+    const std::string json = suture(arguments).out;
+    const JsonValue root = parse_json(json, "explain");
+    for (const JsonValue& decision : root.find("decisions")->items) {
+      EXPECT_FALSE(decision.find("reason")->text.empty());
+      if (decision.find("skipped")->boolean) subjects.push_back(decision.find("subject")->text);
+    }
+    return subjects;
+  };
+  const std::vector<std::string> less = skipped({"explain", "--json", "s.json"}),
+                                 all = skipped({"explain", "--json", "--no-skip", "s.json"});
+  const Outcome text = suture({"explain", "s.json"}), run = suture({"run", "--no-skip", "s.json"});
+  for (const std::string subject : {"edge ids", "face ids", "other fields"}) {
+    EXPECT_EQ(std::count(less.begin(), less.end(), subject), 1) << subject;
+    EXPECT_EQ(std::count(all.begin(), all.end(), subject), 0) << subject;
+    EXPECT_TRUE(text.says(subject + ": ")) << text;
+  }
+  EXPECT_EQ(run.code, 0) << run;
+}
+
 }  // namespace
 }  // namespace suture::testing

@@ -184,6 +184,34 @@ TEST(ForceLoop, SkipsWhatGivesNoForce) {
   EXPECT_TRUE(lines[2].skipped);
 }
 
+// Springs without stiffness, on edges or inside: neither run nor stored, edges not
+// even numbered, before cuts and after; computed all the same they change no bit.
+TEST(ForceLoop, WhatGivesNoForceChangesNoBit) {
+  for (const int off : {spring_model::edge_stiffness, spring_model::diagonal_stiffness}) {
+    const bool edges = off == spring_model::edge_stiffness;
+    std::vector<double> forces[2];
+    for (const bool skip : {true, false}) {
+      Body body(box(6, 5, 4));
+      auto parameters = spring_model::defaults();
+      parameters[static_cast<std::size_t>(off)] = 0;
+      const Instance& instance = body.add(parameters, {}, skip);
+      body.initialise();
+      EXPECT_EQ(body.mesh.complex.has_edges(), !(edges && skip));
+      EXPECT_EQ(instance.column(edges ? 1 : 2) == nullptr, skip);
+      ForceLoop loop(*body.attributes, body.mesh.complex, 1);
+      for (const auto& line : loop.summary())
+        EXPECT_EQ(line.skipped,
+                  line.functor == "others" || (skip && (line.functor == "edges") == edges))
+            << line.functor << ": " << line.reason;
+      loop.update(body.mesh.complex, body.cut_random(12, 1));
+      body.shake(0.02, 3);
+      forces[skip] = forces_of(body, loop);
+    }
+    EXPECT_GT(*std::max_element(forces[0].begin(), forces[0].end()), 0.1);
+    EXPECT_TRUE(forces[0] == forces[1]);
+  }
+}
+
 TEST(ForceLoop, EnergyHasTheForcesAsGradient) {
   Body body(box(3, 3, 3));
   auto parameters = spring_model::defaults();

@@ -96,9 +96,14 @@ suture_status edge_bounds(const suture_context* context, const suture_batch* bat
   return SUTURE_OK;
 }
 
+bool everything(const suture_context* context) {
+  return context->host->has_extension(SUTURE_EVERYTHING_1) != 0;
+}
+
 std::int32_t edges_enabled(const suture_context* context, std::uint32_t* reads) {
   if (context->parameters[edge_damping] == 0) *reads &= ~std::uint32_t{SUTURE_READ_VELOCITY};
-  return context->parameters[edge_stiffness] != 0 || context->parameters[edge_damping] != 0;
+  return context->parameters[edge_stiffness] != 0 || context->parameters[edge_damping] != 0 ||
+         everything(context);
 }
 
 double diagonal_factor(std::uint32_t shape) { return shape == SUTURE_GENERAL ? 0.5 : 1; }
@@ -151,7 +156,7 @@ const void* edge_extension(const char* id) {
 }
 
 std::int32_t diagonals_enabled(const suture_context* context, std::uint32_t*) {
-  return context->parameters[diagonal_stiffness] != 0;
+  return context->parameters[diagonal_stiffness] != 0 || everything(context);
 }
 
 constexpr double big = std::numeric_limits<double>::infinity();
@@ -264,10 +269,10 @@ Body::Body(suture::BoxOptions box, bool distorted) {
   attributes->user_element = mesh.user_element;
 }
 
-suture::Instance& Body::add(std::vector<double> parameters, std::vector<Index> region) {
-  return attributes->add(
-      std::make_unique<suture::Instance>(model(), "springs", std::move(parameters), diagnostics),
-      mesh.complex, std::move(region));
+suture::Instance& Body::add(std::vector<double> parameters, std::vector<Index> region, bool skip) {
+  return attributes->add(std::make_unique<suture::Instance>(
+                             model(), "springs", std::move(parameters), diagnostics, skip),
+                         mesh.complex, std::move(region));
 }
 
 void Body::initialise() { attributes->initialise(mesh.complex, diagnostics); }

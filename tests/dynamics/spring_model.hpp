@@ -21,7 +21,9 @@ const suture_model& model();
 /// A block with optionally distorted elements and an instance on a region.
 struct Body {
   explicit Body(suture::BoxOptions box, bool distorted = false);
-  suture::Instance& add(std::vector<double> parameters, std::vector<suture::Index> region = {});
+  /// `skip`: leave out what adds nothing.
+  suture::Instance& add(std::vector<double> parameters, std::vector<suture::Index> region = {},
+                        bool skip = true);
   void initialise();
   /// Positions moved and velocities set at random (seeded), up to `amount`.
   void shake(double amount, unsigned seed);

@@ -48,6 +48,10 @@ class values {
   explicit values(const suture_context* context) : context_(context) {}
   double operator[](int i) const { return context_->parameters[i]; }
   const suture_context* context() const { return context_; }
+  /// For enabled(): the run is to compute also what adds nothing (--no-skip).
+  bool everything() const {
+    return context_->host && context_->host->has_extension(SUTURE_EVERYTHING_1) != 0;
+  }
 
  private:
   const suture_context* context_;

@@ -371,6 +371,12 @@ typedef struct suture_tangent_1 {
                          const double* dv, double* df);
 } suture_tangent_1;
 
+/* Of the host, asked for with suture_host.has_extension: this run is to compute
+ * everything, also what adds nothing (suture run --no-skip, which shows that
+ * skipping changes no result). A functor whose coefficients are all zero is then
+ * enabled, and of alternatives the fullest. */
+#define SUTURE_EVERYTHING_1 "suture.everything/1"
+
 /* Looks at the cells once before the run and reports what the user should know
  * through host->report: rest shapes outside the model's range, and the like.
  * The batch holds rest positions (and positions = rest) and columns. */

@@ -61,7 +61,7 @@ Body::Body(PluginHost& host, const BodyOptions& options)
     if (attributes_->rest().get(v, 2) < 1e-9 * options.cell) held.push_back(v);
   dynamics_->constraints().add(held, 7, {}, *attributes_);
   dynamics_->start();
-  dt_ = options.safety * dynamics_->bounds().dt;
+  dt_ = options.safety * dynamics_->stable_step();
 }
 
 void Body::step() {
@@ -84,7 +84,7 @@ double Body::cut_random(unsigned count, unsigned seed) {
     dynamics_->update(mesh_.complex, change);
     seconds += now(1) - start;
   }
-  dt_ = 0.5 * dynamics_->bounds().dt;
+  dt_ = 0.5 * dynamics_->stable_step();
   return seconds;
 }
 

@@ -23,7 +23,7 @@ void measure_model(const std::string& model, Index size, const Options& options,
   Body body(host, {.model = model, .cells = grid_of(size), .threads = options.threads});
   const double ns = 1e9 / body.element_count();
   Dynamics& dynamics = body.dynamics();
-  double step = 1e9, force = 1e9, energy = 1e9, bounds = 1e9, inversions = 1e9;
+  double step = 1e9, force = 1e9, energy = 1e9, inversions = 1e9;
   const double part = options.seconds / 5;
   for (int round = 0; round < 5; ++round) {
     step = std::min(step, measure([&] { body.step(); }, options.threads, part).median);
@@ -33,7 +33,11 @@ void measure_model(const std::string& model, Index size, const Options& options,
     std::fill(sums.rows(), sums.rows() + std::size_t{sums.size()} * 4, 0.0);
   }
   energy = measure([&] { dynamics.forces().energy(0); }, options.threads, part).median;
-  bounds = measure([&] { dynamics.bounds(); }, options.threads, part).median;
+  const double cpu = now(1);
+  const double dt = dynamics.stable_step();
+  const double search = now(1) - cpu;
+  const double again = measure([&] { dynamics.stable_step(); }, options.threads, part).median;
+  const double bound = dynamics.bounds().dt;
   inversions = measure([&] { dynamics.inversions(); }, options.threads, part).median;
   report.add(Line()
                  .add("elements", static_cast<double>(body.element_count()))
@@ -41,7 +45,10 @@ void measure_model(const std::string& model, Index size, const Options& options,
                  .add("force ns/el", ns * force)
                  .add("step/force", step / force)
                  .add("energy ns/el", ns * energy)
-                 .add("stable dt ns/el", ns * bounds)
+                 .add("first dt/force", search / force)
+                 .add("next dt/force", again / force)
+                 .add("dt s", dt)
+                 .add("bound/dt", bound / dt)
                  .add("inversion ns/el", ns * inversions));
 }
 

@@ -12,8 +12,8 @@ namespace suture {
 /// The extensions that this host asks plugins for: what suture_host.has_extension
 /// answers, and what a plugin may list under required_extensions. An id is added
 /// here together with the code that uses it.
-inline constexpr std::array<std::string_view, 4> host_extensions{
-    SUTURE_ENERGY_1, SUTURE_STABLE_DT_1, SUTURE_OUTPUT_1, SUTURE_INSPECT_1};
+inline constexpr std::array<std::string_view, 5> host_extensions{
+    SUTURE_ENERGY_1, SUTURE_STABLE_DT_1, SUTURE_TANGENT_1, SUTURE_OUTPUT_1, SUTURE_INSPECT_1};
 
 inline bool host_has_extension(std::string_view id) {
   return std::find(host_extensions.begin(), host_extensions.end(), id) != host_extensions.end();

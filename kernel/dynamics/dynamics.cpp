@@ -7,6 +7,7 @@
 #include <string>
 
 #include "kernel/dynamics/loops/dispatch.hpp"
+#include "kernel/dynamics/step_search.hpp"
 
 namespace suture {
 namespace {
@@ -36,7 +37,12 @@ std::string at_time(double time) { return "at t = " + std::to_string(time) + " s
 
 struct Dynamics::Impl {
   Impl(Attributes& a, const CellComplex& c, const DynamicsOptions& o)
-      : attributes(a), complex(&c), options(o), loops(hot_loops()), forces(a, c, o.threads) {}
+      : attributes(a),
+        complex(&c),
+        options(o),
+        loops(hot_loops()),
+        forces(a, c, o.threads),
+        step_search(forces, a) {}
 
   // ---- forces ----
 
@@ -172,6 +178,7 @@ struct Dynamics::Impl {
   DynamicsOptions options;
   const loops::Table& loops;
   ForceLoop forces;
+  StepSearch step_search;
   Constraints constraints;
   Loads loads;
 
@@ -266,6 +273,14 @@ double Dynamics::Impl::external_potential() const {
 Dynamics::Energies Dynamics::energies() {
   synchronise();
   return {kinetic_energy(), impl_->forces.energy(impl_->time), impl_->external_potential()};
+}
+
+double Dynamics::stable_step() {
+  if (impl_->forces.has_tangent()) {
+    const double dt = impl_->step_search.largest(impl_->time);
+    if (dt > 0) return dt;  // false if the state is beyond numbers
+  }
+  return bounds().dt;
 }
 
 ForceLoop::Bounds Dynamics::bounds() { return impl_->forces.bounds(impl_->time); }

@@ -63,6 +63,12 @@ struct VertexBounds {
   std::vector<std::array<double, 6>> stiffness, damping;
 };
 
+/// A direction of dx and dv: a row of 3 per vertex, times a factor each.
+struct Direction {
+  const float* rows;
+  double dx, dv;
+};
+
 /// The part of a bound that acts on free components.
 std::array<double, 6> free_part(std::array<double, 6> a, int fixed) {
   for (int c = 0; c < 3; ++c) {
@@ -161,6 +167,7 @@ struct ForceLoop::Impl {
   double energy_of(Index number, double time);
   bool add_field(Index number, std::string_view field, double time, std::span<double> values);
   void add_bounds(Index number, double time, VertexBounds& sums);
+  void add_tangent(Index number, const Direction& d, double time, float* out);
 
   Attributes& attributes;
   const CellComplex* complex;
@@ -321,6 +328,56 @@ ForceLoop::Bounds ForceLoop::bounds(double time) {
     }
   }
   return bounds;
+}
+
+// ------------------------------------------------------------------ tangent --
+
+bool ForceLoop::has_tangent() const {
+  return std::ranges::all_of(impl_->functors, [](const CompiledFunctor& functor) {
+    return functor.skipped() || functor.extension<suture_tangent_1>(SUTURE_TANGENT_1);
+  });
+}
+
+bool ForceLoop::reads_velocity() const {
+  return std::ranges::any_of(impl_->functors, [](const CompiledFunctor& functor) {
+    return !functor.skipped() && (functor.reads() & SUTURE_READ_VELOCITY) != 0;
+  });
+}
+
+void ForceLoop::Impl::add_tangent(Index number, const Direction& d, double time, float* out) {
+  const auto* extension = functors[number].extension<suture_tangent_1>(SUTURE_TANGENT_1);
+  run(number, time, 0,
+      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Range> ranges,
+          Index) {
+        for_each_batch(job, worker, ranges, [&](suture_batch& batch, Index row) {
+          alignas(64) double dx[8 * 3 * lanes], dv[8 * 3 * lanes], df[8 * 3 * lanes];
+          const auto for_each_value = [&](Index count, auto value) {
+            for (Index l = 0; l < count; ++l) {
+              const Index r = row + std::min(l, batch.valid - 1);
+              const Index* nodes =
+                  job.nodes + std::size_t{job.cells ? job.cells[r] : r} * job.node_count;
+              for (Index n = 0; n < job.node_count; ++n)
+                for (std::size_t c = 0; c < 3; ++c)
+                  value(std::size_t{nodes[n]} * 3 + c, (n * 3 + c) * lanes + l);
+            }
+          };
+          for_each_value(lanes, [&](std::size_t vertex, std::size_t at) {
+            dx[at] = d.dx * static_cast<double>(d.rows[vertex]);
+            dv[at] = d.dv * static_cast<double>(d.rows[vertex]);
+          });
+          const suture_status status = extension->apply(worker.context, &batch, dx, dv, df);
+          for_each_value(batch.valid, [&](std::size_t vertex, std::size_t at) {
+            out[vertex] += static_cast<float>(df[at]);
+          });
+          return status;
+        });
+      });
+}
+
+void ForceLoop::add_tangent(const float* d, double dx, double dv, double time, float* out) {
+  for (Index i = 0; i < impl_->functors.size(); ++i)
+    if (!impl_->functors[i].skipped()) impl_->add_tangent(i, {d, dx, dv}, time, out);
+  impl_->raise_failures(time);
 }
 
 // --------------------------------------------------------- changes, summary --

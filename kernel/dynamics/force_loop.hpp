@@ -56,6 +56,12 @@ class ForceLoop {
   };
   Bounds bounds(double time);
 
+  /// out += the derivative of all forces in the direction (dx d, dv d), for d and out
+  /// of 3 floats per vertex. Needs has_tangent(). About three evaluations of forces.
+  void add_tangent(const float* d, double dx, double dv, double time, float* out);
+  bool has_tangent() const;     ///< every enabled functor has suture.tangent/1
+  bool reads_velocity() const;  ///< some enabled functor does
+
   /// An output field (suture.output/1) of an instance's functors on cells of a
   /// dimension: values[row*components + c] of its table; rows that no functor
   /// serves are left alone. False if no enabled functor gives the field.

@@ -72,7 +72,7 @@ void Guard::check_energy(std::uint64_t step, double time, double dt) {
   text << when(step, time) << "the energy grows: " << energy.kinetic << " J kinetic and "
        << energy.elastic << " J elastic, while loads and start account for " << given
        << " J; the step is unstable. Lower /solver/dt (now " << dt << " s; stable is about "
-       << world_.dynamics->bounds().dt << " s) or set it to \"auto\"";
+       << world_.dynamics->stable_step() << " s) or set it to \"auto\"";
   throw NumericalError(text.str());
 }
 

@@ -24,11 +24,11 @@ double seconds_since(Wall::time_point start) {
   return std::chrono::duration<double>(Wall::now() - start).count();
 }
 
-// Steps between looks at energy and inversion, and between those at the bound
-// of an automatic dt: 1 % of the forces each. Counted in steps, not seconds, so
+// Steps between looks at energy and inversion, and between searches of the stable
+// step for an automatic dt: 1 and 3 % of the forces. Counted in steps, not seconds, so
 // that a run is the same on every machine.
 constexpr std::uint64_t guard_steps = 64;
-constexpr std::uint64_t bound_steps = 1024;
+constexpr std::uint64_t search_steps = 512;
 constexpr std::uint64_t rest_step_limit = 10'000'000;
 
 // Times that an automatic dt must hit.
@@ -88,7 +88,7 @@ struct Simulation::Impl {
   // A fixed dt is compared once, and again after each cut; an automatic one follows.
   void find_stable_step() {
     try {
-      stable = world.dynamics->bounds().dt;
+      stable = world.dynamics->stable_step();
     } catch (const PluginError&) {
       if (!scene.solver.dt) throw;
       return;  // a model without a bound runs with the user's dt
@@ -96,10 +96,9 @@ struct Simulation::Impl {
     if (scene.solver.dt && *scene.solver.dt > stable && !warned_of_dt) {
       warned_of_dt = true;
       std::ostringstream text;
-      text << "/solver/dt is " << *scene.solver.dt << " s, above the bound of the stable step, "
-           << stable
-           << " s (which is on the safe side by up to a quarter); the run may become unstable, "
-              "\"auto\" follows the bound";
+      text << "/solver/dt is " << *scene.solver.dt
+           << " s, above the stable step of the present state, " << stable
+           << " s; the run will become unstable, \"auto\" follows it";
       diagnostics.warn(text.str());
     }
     if (!scene.solver.dt && !std::isfinite(stable)) {
@@ -209,7 +208,7 @@ struct Simulation::Impl {
     }
     last_dt = dt;
     if (clock.step() % guard_steps == 0) guard.check(clock.step(), clock.time(), dt);
-    if (!scene.solver.dt && clock.step() % bound_steps == 0) find_stable_step();
+    if (!scene.solver.dt && clock.step() % search_steps == 0) find_stable_step();
   }
 
   bool is_at_end() {

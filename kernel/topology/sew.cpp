@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <numeric>
 
 #include "kernel/base/error.hpp"
 #include "kernel/topology/cell_complex.hpp"
+#include "kernel/topology/disjoint_sets.hpp"
 #include "kernel/topology/incidence.hpp"
-#include "kernel/topology/marks.hpp"
 
 namespace suture {
 
@@ -15,44 +14,6 @@ namespace {
 
 std::string face_text(Dart d) {
   return "face " + std::to_string(d % 24 / 4) + " of element " + std::to_string(d / 24);
-}
-
-/// Sets of positions 0.. that grow together; the smallest position stands for its set.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t size) : parent_(size) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-  std::size_t find(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void unite(std::size_t i, std::size_t j) {
-    i = find(i);
-    j = find(j);
-    parent_[std::max(i, j)] = std::min(i, j);
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
-/// Numbers of cells that become one, two by two and in any order, as groups of equal
-/// cells: each group ascending, the groups by their smallest cell.
-std::vector<std::vector<Index>> groups(const std::vector<std::pair<Index, Index>>& equal) {
-  std::vector<Index> cells;
-  for (const auto& [a, b] : equal) cells.insert(cells.end(), {a, b});
-  std::ranges::sort(cells);
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  const auto place = [&](Index cell) {
-    return static_cast<std::size_t>(std::ranges::lower_bound(cells, cell) - cells.begin());
-  };
-  DisjointSets sets(cells.size());
-  for (const auto& [a, b] : equal) sets.unite(place(a), place(b));
-  std::vector<std::vector<Index>> all(cells.size());
-  for (std::size_t i = 0; i < cells.size(); ++i) all[sets.find(i)].push_back(cells[i]);
-  std::erase_if(all, [](const auto& group) { return group.size() < 2; });
-  return all;
 }
 
 /// The pairs of cells that the seams glue, where they are not one already.
@@ -172,7 +133,7 @@ template <int Dimension>
 CellComplex::MergedCells CellComplex::merged_cells(std::span<const Seam> seams) const {
   MergedCells merged;
   std::vector<Dart> star;
-  for (const std::vector<Index>& group : groups(glued<Dimension>(*this, seams))) {
+  for (const std::vector<Index>& group : groups_of_equal(glued<Dimension>(*this, seams))) {
     Stars& stars = merged.stars;
     for (const Index cell : group) {
       if (cell != group[0]) merged.merges.push_back({group[0], cell});

@@ -9,7 +9,8 @@ namespace suture {
 namespace {
 
 constexpr Index lanes = SUTURE_LANES;
-constexpr Index least_tail = 512;  // rows; a small tail is never worth colouring
+constexpr Index least_tail = 512;   // rows; a small tail is never worth colouring
+constexpr Index most_colours = 64;  // threads wait for each other between colours
 
 /// Cuts ranges into chunks of about `size` rows, at borders of blocks.
 std::vector<std::vector<loops::Range>> make_chunks(std::span<const loops::Range> rows, Index size) {
@@ -89,8 +90,15 @@ std::vector<Index> colour_chunks(const Connectivity& cells,
 
 BatchList::BatchList(const Connectivity& cells, std::vector<loops::Range> rows,
                      Index vertex_count) {
-  for (const loops::Range& range : rows) cells_ += range.end - range.begin;
-  const auto chunks = make_chunks(rows, chunk_rows(cells_));
+  add_coloured(cells, rows, vertex_count);
+}
+
+void BatchList::add_coloured(const Connectivity& cells, std::span<const loops::Range> rows,
+                             Index vertex_count) {
+  Index added = 0;
+  for (const loops::Range& range : rows) added += range.end - range.begin;
+  cells_ += added;
+  const auto chunks = make_chunks(rows, chunk_rows(added));
   const std::vector<Index> colour = colour_chunks(cells, chunks, vertex_count);
   const Index colours = chunks.empty() ? 0 : *std::max_element(colour.begin(), colour.end()) + 1;
   std::vector<std::vector<Index>> of_colour(colours);
@@ -129,19 +137,25 @@ void BatchList::leave_out(const Connectivity& cells, const std::vector<bool>& st
   *this = std::move(kept);
 }
 
-bool BatchList::append(Index first, Index last) {
+bool BatchList::append(const Connectivity& cells, Index first, Index last, Index vertex_count) {
   if (first == last) return true;
-  tail_ += last - first;
-  if (tail_ > least_tail && tail_ > cells_ / 8) return false;
-  const loops::Range added{first, last};
-  // Neighbouring tail chunks grow together: a thousand cuts of one face each
-  // shall not leave a thousand chunks.
-  if (tail_ > last - first && !ranges_.empty() && ranges_.back().end == first) {
+  // The tail grows: a thousand cuts of one face each shall not leave a thousand chunks.
+  if (tail_ > 0 && !ranges_.empty() && ranges_.back().end == first) {
     ranges_.back().end = last;
-    return true;
+  } else {
+    const loops::Range added{first, last};
+    add_chunk({&added, 1});
+    colour_begin_.push_back(chunk_count());
   }
-  add_chunk({&added, 1});
-  colour_begin_.push_back(chunk_count());
+  tail_ += last - first;
+  if (tail_ <= least_tail || tail_ <= cells_ / 8) return true;
+  const loops::Range tail = ranges_.back();
+  if (tail.end - tail.begin != tail_ || colour_count() > most_colours) return false;
+  ranges_.pop_back();
+  chunk_begin_.pop_back();
+  colour_begin_.pop_back();
+  tail_ = 0;
+  add_coloured(cells, {&tail, 1}, vertex_count);
   return true;
 }
 

@@ -30,8 +30,9 @@ struct Connectivity {
 /// order: the same bits for every number of threads. Chunk size depends on the
 /// number of rows alone.
 ///
-/// A cut only removes sharing, so the colours stay valid. Rows that it adds go
-/// to tail chunks, each a colour of its own, until they are an eighth of all.
+/// A cut only removes sharing, so the colours stay valid. Rows that it adds go to a
+/// tail, one chunk and a colour of its own, until it is an eighth of all; then the tail
+/// is coloured by itself.
 class BatchList {
  public:
   BatchList() = default;
@@ -40,8 +41,8 @@ class BatchList {
   BatchList(const Connectivity& cells, std::vector<loops::Range> rows, Index vertex_count);
 
   /// Rows [first, last) were added behind all others. Returns false if it is
-  /// time to build the list anew.
-  bool append(Index first, Index last);
+  /// time to build the list anew. Amortised O(rows added).
+  bool append(const Connectivity& cells, Index first, Index last, Index vertex_count);
 
   /// Leaves out the blocks of 8 rows all of whose vertices are `still`. The order of
   /// the others stays. O(rows x nodes).
@@ -62,6 +63,8 @@ class BatchList {
   }
 
  private:
+  void add_coloured(const Connectivity& cells, std::span<const loops::Range> rows,
+                    Index vertex_count);
   void add_chunk(std::span<const loops::Range> ranges);
 
   Index cells_ = 0, tail_ = 0, left_out_ = 0;

@@ -5,11 +5,31 @@
 #include "kernel/base/error.hpp"
 
 namespace suture {
+namespace {
+
+/// The three edges (1) or faces (2) of its element at the vertex where a dart starts.
+template <int Dimension>
+std::array<Index, 3> cells_at(const CellComplex& complex, Dart dart) {
+  const Index element = dart / hexahedron::darts;
+  const auto darts = hexahedron::vertex_darts[hexahedron::dart_vertex[dart % hexahedron::darts]];
+  std::array<Index, 3> cells;
+  for (std::size_t i = 0; i < 3; ++i)
+    if constexpr (Dimension == 1)
+      cells[i] = complex.edges_of(element)[hexahedron::dart_edge[darts[i]]];
+    else
+      cells[i] = complex.faces_of(element)[darts[i] / hexahedron::darts_per_face];
+  return cells;
+}
+
+}  // namespace
 
 RowNodes::RowNodes(const Instance& instance, int dimension, const CellComplex& complex)
     : cells_(instance.table(dimension).cells),
       dimension_(dimension),
       node_count_(static_cast<std::size_t>(nodes_of_cell(dimension))) {
+  // Room for what cuts append: copying all rows for the first of them would cost more
+  // than the cut. Pages that nobody touches take no memory.
+  nodes_.reserve(cells_.size() * node_count_ * 3 / 2);
   nodes_.resize(cells_.size() * node_count_);
   for (Index row = 0; row < cells_.size(); ++row) read_row(complex, row);
 }
@@ -23,15 +43,45 @@ void RowNodes::read_cell(const CellComplex& complex, Index cell) {
   if (row != none) read_row(complex, row);
 }
 
-/// A cell that was not split may still have a new vertex, and a row may describe
-/// another cell now: every cell of every touched element is read again.
 void RowNodes::update(const CellComplex& complex, const TopologyChange& change) {
   nodes_.resize(cells_.size() * node_count_);
-  for (const Index element : change.elements) {
+  const bool only_split = change.faces_sewn == 0 && change.removed[3].empty();
+  if (!only_split) return read_elements(complex, change.elements);
+  for (const Index cell : change.stars[static_cast<std::size_t>(dimension_)].cells)
+    read_cell(complex, cell);
+  if (dimension_ == 1)
+    follow_vertices<1>(complex, change);
+  else
+    follow_vertices<2>(complex, change);
+}
+
+/// A cell that is what it was may have another vertex now, and a row may describe
+/// another cell: every cell of every touched element is read again.
+void RowNodes::read_elements(const CellComplex& complex, std::span<const Index> elements) {
+  for (const Index element : elements) {
     if (dimension_ == 1)
       for (const Index edge : complex.edges_of(element)) read_cell(complex, edge);
     else
       for (const Index face : complex.faces_of(element)) read_cell(complex, face);
+  }
+}
+
+/// After splits alone: cells around a new vertex, whose elements all are its own now.
+template <int Dimension>
+void RowNodes::follow_vertices(const CellComplex& complex, const TopologyChange& change) {
+  const Stars& stars = change.stars[0];
+  auto split = change.splits[0].begin();
+  for (std::size_t i = 0; i < stars.size() && split != change.splits[0].end(); ++i) {
+    if (stars.cells[i] != split->new_cell) continue;  // in one order
+    for (const Dart dart : stars[i])
+      for (const Index cell : cells_at<Dimension>(complex, dart)) {
+        const Index row = cells_.row(cell);
+        if (row == none) continue;
+        Index* const nodes = nodes_.data() + row * (std::size_t{1} << Dimension);
+        for (int n = 0; n < 1 << Dimension; ++n)
+          nodes[n] = nodes[n] == split->old_cell ? split->new_cell : nodes[n];
+      }
+    ++split;
   }
 }
 
@@ -127,7 +177,8 @@ void CompiledFunctor::update(const CellComplex& complex, const TopologyChange& c
   const Index before = rows_;
   rows_ = cells().size();
   const bool may_append = dimension_ == 1 || functor_.faces == SUTURE_ALL_FACES;
-  if (!may_append || !list_.append(before, rows_)) build(complex);
+  if (!may_append || !list_.append(connectivity(complex), before, rows_, complex.count(0)))
+    build(complex);
 }
 
 const loops::Job& CompiledFunctor::job(Attributes& attributes, const CellComplex& complex,

@@ -14,12 +14,16 @@ namespace suture {
 class RowNodes {
  public:
   RowNodes(const Instance& instance, int dimension, const CellComplex& complex);
+  /// O(cells in the change).
   void update(const CellComplex& complex, const TopologyChange& change);
   const Index* data() const { return nodes_.data(); }
 
  private:
   void read_row(const CellComplex& complex, Index row);
   void read_cell(const CellComplex& complex, Index cell);
+  void read_elements(const CellComplex& complex, std::span<const Index> elements);
+  template <int Dimension>
+  void follow_vertices(const CellComplex& complex, const TopologyChange& change);
 
   const CellSet& cells_;
   int dimension_;

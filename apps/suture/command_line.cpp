@@ -50,6 +50,8 @@ struct Parser {
   MeshInfoCommand info;
   MeshConvertCommand convert;
   MeshBoxCommand box;
+  MeshVoxelizeCommand voxels;
+  MeshBodyCommand body;
 
   Parser() {
     app.name("suture");
@@ -116,8 +118,11 @@ struct Parser {
     add_scale(convert_app, convert.scale);
     convert_app->callback([this] { line.command = convert; });
 
-    auto* generate = mesh->add_subcommand("generate", "make a mesh");
+    add_voxelize(*mesh->add_subcommand("voxelize", "fill a closed surface with equal cubes"));
+
+    auto* generate = mesh->add_subcommand("generate", "make a mesh, or a surface to be filled");
     generate->require_subcommand(1);
+    add_body(*generate->add_subcommand("body", "the surface of an animal or a mushroom"));
     auto* box_app = generate->add_subcommand("box", "a regular or graded grid");
     box_app->add_option("to", box.to, "new file (.vtu .vtk .mesh .msh)")->required();
     box_app->add_option("--size", box.box.size, "lengths along x, y and z in m")->required();
@@ -125,6 +130,30 @@ struct Parser {
     box_app->add_option("--origin", box.box.origin, "smallest coordinates in m");
     box_app->add_option("--grading", box.box.grading, "last cell / first cell along x, y and z");
     box_app->callback([this] { line.command = box; });
+  }
+
+  void add_voxelize(CLI::App& sub) {
+    sub.add_option("surface", voxels.from, "surface file (.obj .off .ply .stl .vtp)")->required();
+    sub.add_option("-o,--output", voxels.to, "new file (.vtu .vtk .mesh .msh)")->required();
+    auto* cells =
+        sub.add_option("--cells", voxels.options.cells, "about as many hexahedra, within 1 %")
+            ->check(CLI::PositiveNumber);
+    sub.add_option("--edge", voxels.options.edge, "edge of a cube in m")
+        ->check(CLI::PositiveNumber)
+        ->excludes(cells);
+    sub.add_option("--scale", voxels.scale, "factor to metres")->check(CLI::PositiveNumber);
+    sub.add_flag("--repair", voxels.repair, "fill holes; let the surface cross itself");
+    sub.add_flag("--largest-island", voxels.options.largest_island,
+                 "keep only the largest part that hangs together");
+    sub.callback([this] { line.command = voxels; });
+  }
+
+  void add_body(CLI::App& sub) {
+    sub.add_option("name", body.preset, "frog, elephant, mushroom or giraffe")->required();
+    sub.add_option("-o,--output", body.to, "new file (.stl .obj .off .ply)")->required();
+    sub.add_option("--size", body.size, "about the edge of its triangles in m")
+        ->check(CLI::PositiveNumber);
+    sub.callback([this] { line.command = body; });
   }
 };
 

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "kernel/geometry/voxelize.hpp"
 #include "kernel/mesh/box.hpp"
 
 namespace suture {
@@ -40,6 +41,17 @@ struct MeshBoxCommand {
   BoxOptions box;
   std::filesystem::path to;
 };
+struct MeshVoxelizeCommand {
+  std::filesystem::path from, to;
+  VoxelizeOptions options;
+  double scale = 1;
+  bool repair = false;
+};
+struct MeshBodyCommand {
+  std::string preset;
+  std::filesystem::path to;
+  double size = 0;
+};
 /// --help, --version: a text for standard output.
 struct TextCommand {
   std::string text;
@@ -48,7 +60,8 @@ struct TextCommand {
 struct CommandLine {
   bool quiet = false, verbose = false;
   std::variant<RunCommand, CheckCommand, ExplainCommand, ModelsCommand, DescribeCommand,
-               MeshInfoCommand, MeshConvertCommand, MeshBoxCommand, TextCommand>
+               MeshInfoCommand, MeshConvertCommand, MeshBoxCommand, MeshVoxelizeCommand,
+               MeshBodyCommand, TextCommand>
       command;
 };
 

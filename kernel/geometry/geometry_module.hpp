@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kernel/geometry/surface.hpp"
+
+// CGAL behind a small interface of plain data. Its headers take a minute to compile
+// and its objects 3 MB: both stay in libsuture-geometry.so, which is loaded when a
+// scene has a blade of triangles or a surface is filled with cubes.
+
+namespace suture {
+
+enum class SurfaceFormat { obj, off, ply, stl };
+
+/// What was found, and done, on the way to a surface that bounds a body.
+struct Closing {
+  std::size_t border_edges = 0;   ///< with a face on one side only
+  std::size_t holes_filled = 0;   ///< only with repair
+  std::size_t crossings = 0;      ///< pairs of triangles
+  std::size_t faces_dropped = 0;  ///< degenerate or there twice
+  TriangleSurface surface;        ///< oriented outward; empty if it is not closed
+};
+
+/// Cubes in rows along x, then y, then z.
+struct CubeGrid {
+  Vec3 origin{};  ///< corner of smallest coordinates, m
+  double edge = 0;
+  std::array<Index, 3> cells{};
+  std::size_t size() const { return std::size_t{cells[0]} * cells[1] * cells[2]; }
+};
+
+/// Two ends of a link.
+struct Link {
+  Vec3 a, b;
+};
+
+/// Triangles in an AABB tree. Queries may be made from several threads at once.
+class TriangleTree {
+ public:
+  virtual ~TriangleTree() = default;
+  /// crossed[i] = whether link i crosses a triangle: crosses() of blade.hpp.
+  virtual void crossings(std::span<const Link> links, std::uint8_t* crossed) const = 0;
+};
+
+class GeometryModule {
+ public:
+  virtual ~GeometryModule() = default;
+  /// False if the text is not of the format.
+  virtual bool read(SurfaceFormat format, std::string_view text, PolygonSoup& out) const = 0;
+  virtual std::string write(SurfaceFormat format, const TriangleSurface& surface) const = 0;
+  /// Merges equal points, orients, triangulates; with `repair`, fills holes.
+  virtual Closing close(const PolygonSoup& soup, bool repair) const = 0;
+  /// Whether the centre of each cube lies inside (its winding number is not 0).
+  virtual std::vector<std::uint8_t> fill(const TriangleSurface& surface,
+                                         const CubeGrid& grid) const = 0;
+  /// The zero of a function that is negative inside, within a ball around a centre
+  /// that lies inside; triangles of about `size`.
+  virtual TriangleSurface isosurface(const std::function<double(const Vec3&)>& value,
+                                     const Vec3& centre, double radius, double size) const = 0;
+  virtual std::unique_ptr<TriangleTree> tree(const TriangleSurface& surface) const = 0;
+  /// crosses() of blade.hpp for one triangle.
+  virtual bool crosses(const std::array<Vec3, 3>& triangle, const Link& link) const = 0;
+};
+
+/// The module, loaded at the first call. Throws IoError if it cannot be.
+const GeometryModule& geometry_module();
+
+}  // namespace suture

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Surfaces from files, made closed: CGAL's polygon mesh processing.
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/IO/OBJ.h>
+#include <CGAL/IO/OFF.h>
+#include <CGAL/IO/PLY.h>
+#include <CGAL/IO/STL.h>
+#include <CGAL/Polygon_mesh_processing/border.h>
+#include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
+#include <CGAL/Polygon_mesh_processing/orientation.h>
+#include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
+#include <CGAL/Polygon_mesh_processing/repair_polygon_soup.h>
+#include <CGAL/Polygon_mesh_processing/self_intersections.h>
+#include <CGAL/Polygon_mesh_processing/triangulate_faces.h>
+#include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
+#include <CGAL/Surface_mesh.h>
+
+#include <sstream>
+
+#include "kernel/geometry/module/parts.hpp"
+
+namespace suture::cgal {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Point = Kernel::Point_3;
+using SurfaceMesh = CGAL::Surface_mesh<Point>;
+namespace processing = CGAL::Polygon_mesh_processing;
+using Points = std::vector<Point>;
+using Polygons = std::vector<std::vector<std::size_t>>;
+
+bool read_as(SurfaceFormat format, std::istream& in, Points& points, Polygons& polygons) {
+  const auto silent = CGAL::parameters::verbose(false);
+  switch (format) {
+    case SurfaceFormat::obj:
+      return CGAL::IO::read_OBJ(in, points, polygons, silent);
+    case SurfaceFormat::off:
+      return CGAL::IO::read_OFF(in, points, polygons, silent);
+    case SurfaceFormat::ply:
+      return CGAL::IO::read_PLY(in, points, polygons, silent);
+    case SurfaceFormat::stl:
+      return CGAL::IO::read_STL(in, points, polygons, silent);
+  }
+  return false;
+}
+
+// False for a corner that is no point.
+bool to_soup(const Points& points, const Polygons& polygons, PolygonSoup& out) {
+  for (const Point& p : points) out.points.push_back({p.x(), p.y(), p.z()});
+  for (const auto& polygon : polygons) {
+    for (const std::size_t corner : polygon) {
+      if (corner >= points.size()) return false;
+      out.corners.push_back(static_cast<Index>(corner));
+    }
+    out.offsets.push_back(static_cast<Index>(out.corners.size()));
+  }
+  return true;
+}
+
+void from_soup(const PolygonSoup& soup, Points& points, Polygons& polygons) {
+  points.reserve(soup.points.size());
+  for (const Vec3& p : soup.points) points.emplace_back(p[0], p[1], p[2]);
+  polygons.reserve(soup.size());
+  for (std::size_t i = 0; i < soup.size(); ++i)
+    polygons.emplace_back(soup.corners.begin() + soup.offsets[i],
+                          soup.corners.begin() + soup.offsets[i + 1]);
+}
+
+TriangleSurface to_surface(const SurfaceMesh& mesh) {
+  TriangleSurface surface;
+  std::vector<Index> number(mesh.number_of_vertices() + mesh.number_of_removed_vertices(), none);
+  for (const auto v : mesh.vertices()) {
+    number[v] = static_cast<Index>(surface.points.size());
+    const Point& p = mesh.point(v);
+    surface.points.push_back({p.x(), p.y(), p.z()});
+  }
+  for (const auto f : mesh.faces()) {
+    Triangle corners{};
+    std::size_t n = 0;
+    for (const auto v : CGAL::vertices_around_face(mesh.halfedge(f), mesh))
+      corners[n++] = number[v];
+    surface.triangles.push_back(corners);
+  }
+  return surface;
+}
+
+std::size_t border_edges(const SurfaceMesh& mesh) {
+  std::size_t count = 0;
+  for (const auto h : mesh.halfedges()) count += mesh.is_border(h) ? 1 : 0;
+  return count;
+}
+
+// Returns the number of holes that got a lid.
+std::size_t fill_holes(SurfaceMesh& mesh) {
+  std::vector<SurfaceMesh::Halfedge_index> borders;
+  processing::extract_boundary_cycles(mesh, std::back_inserter(borders));
+  std::size_t filled = 0;
+  for (const auto border : borders) {
+    std::vector<SurfaceMesh::Face_index> lid;
+    processing::triangulate_hole(mesh, border, std::back_inserter(lid));
+    filled += lid.empty() ? 0 : 1;
+  }
+  return filled;
+}
+
+std::size_t count_crossings(const SurfaceMesh& mesh) {
+  std::vector<std::pair<SurfaceMesh::Face_index, SurfaceMesh::Face_index>> pairs;
+  processing::self_intersections(mesh, std::back_inserter(pairs));
+  return pairs.size();
+}
+
+}  // namespace
+
+bool read(SurfaceFormat format, std::string_view text, PolygonSoup& out) {
+  std::istringstream in{std::string(text)};
+  Points points;
+  Polygons polygons;
+  try {
+    // A reader may call points without a face an error; the caller has better words.
+    const bool good = read_as(format, in, points, polygons);
+    return (good || (polygons.empty() && !points.empty())) && to_soup(points, polygons, out);
+  } catch (const std::exception&) {  // bad_alloc or length_error of a damaged header
+    return false;
+  }
+}
+
+std::string write(SurfaceFormat format, const TriangleSurface& surface) {
+  Points points;
+  for (const Vec3& p : surface.points) points.emplace_back(p[0], p[1], p[2]);
+  const auto exact = CGAL::parameters::stream_precision(17);
+  std::ostringstream out;
+  if (format == SurfaceFormat::stl || format == SurfaceFormat::ply) CGAL::IO::set_binary_mode(out);
+  switch (format) {
+    case SurfaceFormat::obj:
+      CGAL::IO::write_OBJ(out, points, surface.triangles, exact);
+      break;
+    case SurfaceFormat::off:
+      CGAL::IO::write_OFF(out, points, surface.triangles, exact);
+      break;
+    case SurfaceFormat::ply:
+      CGAL::IO::write_PLY(out, points, surface.triangles, exact);
+      break;
+    case SurfaceFormat::stl:
+      CGAL::IO::write_STL(out, points, surface.triangles, exact);
+      break;
+  }
+  return std::move(out).str();
+}
+
+Closing close(const PolygonSoup& soup, bool repair) {
+  Points points;
+  Polygons polygons;
+  from_soup(soup, points, polygons);
+  Closing result;
+  processing::repair_polygon_soup(points, polygons);
+  result.faces_dropped = soup.size() - std::min(soup.size(), polygons.size());
+  processing::orient_polygon_soup(points, polygons);
+  SurfaceMesh mesh;
+  processing::polygon_soup_to_polygon_mesh(points, polygons, mesh);
+  processing::triangulate_faces(mesh);
+  result.border_edges = border_edges(mesh);
+  if (result.border_edges != 0) {
+    if (!repair) return result;
+    result.holes_filled = fill_holes(mesh);
+    if (border_edges(mesh) != 0) return result;
+  }
+  result.crossings = count_crossings(mesh);
+  if (result.crossings == 0)
+    processing::orient_to_bound_a_volume(mesh);
+  else if (repair)
+    processing::orient(mesh);
+  else
+    return result;
+  result.surface = to_surface(mesh);
+  result.surface.source = soup.source;
+  return result;
+}
+
+}  // namespace suture::cgal

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/geometry/surface_file.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+
+#include "kernel/base/error.hpp"
+#include "kernel/base/file.hpp"
+#include "kernel/base/nearest.hpp"
+#include "kernel/geometry/geometry_module.hpp"
+#include "kernel/geometry/vtp.hpp"
+#include "kernel/mesh/file_text.hpp"
+
+namespace suture {
+namespace {
+
+const std::vector<std::string> extensions{".obj", ".off", ".ply", ".stl"};
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string text = path.extension().string();
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+// The position in `known` of the extension; `known.size()` if it is not there.
+std::size_t position_of(const std::filesystem::path& path, const std::vector<std::string>& known) {
+  return std::ranges::find(known, lower_extension(path)) - known.begin();
+}
+
+std::string unknown_extension(const std::filesystem::path& path,
+                              const std::vector<std::string>& known) {
+  std::string list;
+  for (const std::string& e : known) list += (list.empty() ? "" : " ") + e;
+  const std::string extension = lower_extension(path);
+  return path.string() + ": '" + extension + "' is no format of a surface" +
+         did_you_mean(extension, known) + "; one of " + list;
+}
+
+void scale_points(PolygonSoup& soup, double scale) {
+  if (!(scale > 0) || !std::isfinite(scale))
+    throw InputError(soup.source + ": scale must be positive and finite");
+  for (std::size_t i = 0; i < soup.points.size(); ++i)
+    for (double& x : soup.points[i]) {
+      x *= scale;
+      if (!std::isfinite(x))
+        throw InputError(soup.source + ": point " + std::to_string(i) +
+                         " has a coordinate that is no finite number");
+    }
+}
+
+std::string plural(std::size_t n, const std::string& one, const std::string& many) {
+  return grouped(n) + " " + (n == 1 ? one : many);
+}
+
+}  // namespace
+
+Box box_of(const std::vector<Vec3>& points) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  for (const Vec3& p : points)
+    for (int a = 0; a < 3; ++a) {
+      box.low[a] = std::min(box.low[a], p[a]);
+      box.high[a] = std::max(box.high[a], p[a]);
+    }
+  return box;
+}
+
+PolygonSoup read_soup(const std::filesystem::path& path, double scale) {
+  auto known = extensions;
+  known.emplace_back(".vtp");
+  const std::size_t format = position_of(path, known);
+  if (format == known.size()) throw InputError(unknown_extension(path, known));
+  const FileText file(path);
+  PolygonSoup soup;
+  if (known[format] == ".vtp") {
+    soup = read_vtp(file);
+  } else if (!geometry_module().read(static_cast<SurfaceFormat>(format), file.view(), soup)) {
+    throw InputError(path.string() + ": cannot be read as " + known[format].substr(1) +
+                     ": the file is damaged or of another format");
+  }
+  soup.source = path.string();
+  if (soup.size() == 0)
+    throw InputError(path.string() + ": there is no face in it (" +
+                     plural(soup.points.size(), "point", "points") + "); a surface is needed");
+  scale_points(soup, scale);
+  return soup;
+}
+
+TriangleSurface read_triangles(const std::filesystem::path& path, double scale) {
+  PolygonSoup soup = read_soup(path, scale);
+  TriangleSurface surface{soup.source, std::move(soup.points), {}};
+  std::size_t others = 0;
+  for (std::size_t i = 0; i < soup.size(); ++i) {
+    const Index* corner = &soup.corners[soup.offsets[i]];
+    if (soup.offsets[i + 1] - soup.offsets[i] == 3)
+      surface.triangles.push_back({corner[0], corner[1], corner[2]});
+    else
+      ++others;
+  }
+  if (others != 0)
+    throw InputError(path.string() + ": " + plural(others, "face is", "faces are") +
+                     " no triangle; triangulate the surface before it is used as a blade");
+  return surface;
+}
+
+void write_surface(const std::filesystem::path& path, const TriangleSurface& surface) {
+  const std::size_t format = position_of(path, extensions);
+  if (format == extensions.size()) throw UsageError(unknown_extension(path, extensions));
+  write_file(path, geometry_module().write(static_cast<SurfaceFormat>(format), surface));
+}
+
+TriangleSurface close_surface(const PolygonSoup& soup, bool repair, Diagnostics& diagnostics) {
+  Closing closing = geometry_module().close(soup, repair);
+  const std::string border = plural(closing.border_edges, "edge has", "edges have");
+  const std::string crossings =
+      plural(closing.crossings, "pair of triangles", "pairs of triangles") + " cross each other";
+  if (closing.surface.triangles.empty()) {
+    if (closing.crossings != 0)
+      throw InputError(soup.source + ": the surface crosses itself (" + crossings +
+                       "); --repair takes what its sheets enclose together");
+    if (closing.border_edges == 0)
+      throw InputError(soup.source + ": no face has an area: there is nothing to fill");
+    throw InputError(soup.source + ": the surface is not closed: " + border +
+                     " a face on one side only" +
+                     (repair ? ", and not every hole could be given a lid"
+                             : "; --repair puts a lid on each hole"));
+  }
+  if (closing.holes_filled != 0)
+    diagnostics.warn(soup.source + ": the surface is not closed, " + border +
+                     " a face on one side only; " +
+                     plural(closing.holes_filled, "hole was", "holes were") + " given a lid");
+  if (closing.crossings != 0)
+    diagnostics.warn(soup.source + ": the surface crosses itself (" + crossings +
+                     "); what its sheets enclose together is filled");
+  return std::move(closing.surface);
+}
+
+}  // namespace suture

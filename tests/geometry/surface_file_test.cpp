@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/geometry/surface_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "kernel/base/error.hpp"
+#include "tests/geometry/surfaces.hpp"
+
+namespace suture {
+namespace {
+
+using test::error_of;
+using test::file_with;
+
+std::string text_of(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+std::string read_error(const std::string& name, const std::string& text) {
+  const auto path = file_with(name, text);
+  return error_of<InputError>([&] { read_triangles(path); });
+}
+
+TEST(SurfaceFile, MakesTheRoundTrip) {
+  const TriangleSurface sphere = test::sphere_surface({0.1, 0.2, 0.3}, 1, 2);
+  for (const char* name : {"s.obj", "s.off", "s.ply"}) {
+    const auto path = file_with(name, "");
+    write_surface(path, sphere);
+    const TriangleSurface read = read_triangles(path);
+    EXPECT_EQ(read.points, sphere.points) << name;
+    EXPECT_EQ(read.triangles, sphere.triangles) << name;
+  }
+}
+
+TEST(SurfaceFile, MakesTheRoundTripInSinglePrecision) {
+  const TriangleSurface sphere = test::sphere_surface({0.1, 0.2, 0.3}, 1, 2);
+  const auto path = file_with("s.stl", "");
+  write_surface(path, sphere);
+  EXPECT_EQ(std::filesystem::file_size(path), 84 + 50 * sphere.triangles.size());
+  const TriangleSurface read = read_triangles(path);
+  ASSERT_EQ(read.triangles.size(), sphere.triangles.size());
+  for (std::size_t t = 0; t < read.triangles.size(); ++t)
+    for (int n = 0; n < 3; ++n)
+      for (int a = 0; a < 3; ++a)
+        EXPECT_NEAR(read.points[read.triangles[t][n]][a], sphere.points[sphere.triangles[t][n]][a],
+                    1e-6);
+}
+
+constexpr const char* vtp = R"(<?xml version="1.0"?>
+<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt32">
+<PolyData><Piece NumberOfPoints="4" NumberOfVerts="0" NumberOfLines="0" NumberOfStrips="0" NumberOfPolys="2">
+<Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">0 0 0 1 0 0 1 1 0 0 1 0.5</DataArray></Points>
+<Polys><DataArray type="Int64" Name="connectivity" format="ascii">0 1 2 0 2 3</DataArray>
+<DataArray type="Int64" Name="offsets" format="ascii">3 6</DataArray></Polys>
+</Piece></PolyData></VTKFile>)";
+
+TEST(SurfaceFile, ReadsVtp) {
+  const TriangleSurface surface = read_triangles(file_with("s.vtp", vtp), 2);
+  EXPECT_EQ(surface.points, (std::vector<Vec3>{{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 1}}));
+  EXPECT_EQ(surface.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}}));
+}
+
+TEST(SurfaceFile, SaysWhatIsWrongInVtp) {
+  std::string text = vtp;
+  text.replace(text.find("0 2 3"), 5, "0 2 4");
+  EXPECT_NE(read_error("v.vtp", text).find("point 4"), std::string::npos);
+  text = vtp;
+  text.replace(text.find("3 6<"), 3, "3 5");
+  EXPECT_NE(read_error("v.vtp", text).find("offsets"), std::string::npos);
+  text = vtp;
+  text.replace(text.find("PolyData"), 8, "ImageData");
+  EXPECT_NE(read_error("v.vtp", text).find("PolyData with polygons"), std::string::npos);
+}
+
+TEST(SurfaceFile, SaysWhatIsWrong) {
+  EXPECT_NE(read_error("a.slt", "x").find("did you mean '.stl'"), std::string::npos);
+  EXPECT_NE(read_error("a.obj", "v 0 0 0\n").find("no face"), std::string::npos);
+  EXPECT_NE(read_error("a.off", "OFF\n3 1").find("damaged"), std::string::npos);
+  EXPECT_NE(read_error("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
+                .find("1 face is no triangle"),
+            std::string::npos);
+  EXPECT_NE(read_error("a.obj", "v 0 0 0\nv 1 0 0\nf 1 2 7\n"), "");
+  EXPECT_NE(error_of<InputError>([] { read_triangles("no-such.stl"); }).find("no such file"),
+            std::string::npos);
+  EXPECT_NE(error_of<UsageError>([] { write_surface("a.obk", {}); }).find("did you mean '.obj'"),
+            std::string::npos);
+}
+
+TEST(SurfaceFile, RefusesNumbersThatAreNone) {
+  const auto path = file_with("n.stl", "");
+  write_surface(path, test::box_surface({0, 0, 0}, {1, 1, 1}));
+  std::string text = text_of(path);
+  for (std::size_t i = 0; i < 4; ++i) text[84 + 12 + i] = '\xff';  // first corner, x: NaN
+  EXPECT_NE(read_error("n.stl", text).find("no finite number"), std::string::npos);
+}
+
+// Truncated at every length: an error or a surface, never a crash.
+TEST(SurfaceFile, SurvivesTruncation) {
+  const TriangleSurface box = test::box_surface({0, 0, 0}, {1, 1, 1});
+  for (const char* name : {"t.obj", "t.off", "t.ply", "t.stl"}) {
+    const auto whole = file_with(name, "");
+    write_surface(whole, box);
+    const std::string text = text_of(whole);
+    int refused = 0;
+    for (std::size_t size = 0; size < text.size(); size += 7)
+      refused += read_error(name, text.substr(0, size)).empty() ? 0 : 1;
+    EXPECT_GT(refused, 0) << name;
+  }
+}
+
+}  // namespace
+}  // namespace suture

@@ -25,6 +25,7 @@ const std::vector<Case>& cases() {
       {"TM boxes, gauss2", "tm-faure", {}, false, false},
       {"TM boxes, exact", "tm-faure", {{"quadrature", 1}}, false, false},
       {"TM general, gauss2", "tm-faure", {}, true, false},
+      {"TM general, gauss2, geometry recomputed", "tm-faure", {{"geometry", 1}}, true, false},
       {"MSS undamped", "mss-baudet", {}, false, true},
       {"MSS, viscosity", "mss-baudet", {{"viscosity", 1}}, false, true},
       {"MSS, correction", "mss-baudet", {{"correction", 1}}, false, true},

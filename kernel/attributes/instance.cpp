@@ -152,7 +152,12 @@ void Instance::ask_functors() {
     answer.reads = skip_ ? answer.reads & f.reads : f.reads;
     enabled_.push_back(answer);
   }
+  find_needed();
+}
+
+void Instance::find_needed() {
   constexpr std::uint32_t for_others = SUTURE_OUTPUT | SUTURE_SHARED_MASS;
+  needed_.clear();
   for (std::uint32_t a = 0; a < model_.attribute_count; ++a)
     needed_.push_back(!skip_ || (model_.attributes[a].flags & for_others) != 0 || is_read(a));
 }
@@ -165,10 +170,18 @@ bool Instance::is_read(std::uint32_t attribute) const {
     const bool reads =
         std::ranges::count(std::span(f.cell_columns, f.cell_column_count), attribute) != 0 ||
         std::ranges::count(std::span(f.vertex_columns, f.vertex_column_count), attribute) != 0;
-    if (reads && enabled_[i].runs) return true;
+    if (reads && enabled_[i].runs && has_cells(f)) return true;
     named |= reads;
   }
   return !named;
+}
+
+/// False if no element of the region has the shape that the functor is written for;
+/// known once the region is.
+bool Instance::has_cells(const suture_functor& functor) const {
+  const Index elements = table(3).cells.size();
+  if (elements == 0 || functor.dimension != 3 || functor.shape == SUTURE_ANY_SHAPE) return true;
+  return functor.shape == SUTURE_PARALLELEPIPED ? general_begin > 0 : general_begin < elements;
 }
 
 bool Instance::uses(int dimension) const {
@@ -220,6 +233,7 @@ void Instance::build(CellComplex& complex, const Column& rest, std::vector<Index
   if (uses(1)) complex.require_edges();
   if (uses(2)) complex.require_faces();
   table(3).cells = region(complex, rest, std::move(elements));
+  find_needed();
   for (int d = 0; d < 3; ++d)
     if (uses(d)) table(d).cells = cells_of_region(complex, table(3).cells, d);
   columns_.clear();

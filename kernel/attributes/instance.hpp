@@ -88,7 +88,9 @@ class Instance {
   void check_tables() const;
   void prepare(Diagnostics& diagnostics);
   void ask_functors();
+  void find_needed();
   bool is_read(std::uint32_t attribute) const;
+  bool has_cells(const suture_functor& functor) const;
   bool asks_for_shape() const;
   CellSet region(const CellComplex& complex, const Column& rest, std::vector<Index> elements);
 

@@ -12,8 +12,9 @@ struct TmFaure : suture::continuum<TmFaure> {
       "X. Faure, F. Zara, F. Jaillet, J.-M. Moreau: An Implicit Tensor-Mass solver on the GPU "
       "for soft bodies simulation. VRIPHYS 2012";
 
-  enum { young, poisson, rho, quadrature };
+  enum { young, poisson, rho, quadrature, geometry };
   static constexpr const char* quadratures[] = {"gauss2", "exact"};
+  static constexpr const char* geometries[] = {"stored", "recomputed"};
   static constexpr suture::parameter parameters[] = {
       suture::number("E", "Pa", "Young's modulus").above(0),
       suture::number("nu", "1", "Poisson's ratio; above 0.45 full integration locks")
@@ -23,7 +24,12 @@ struct TmFaure : suture::continuum<TmFaure> {
       suture::choice("quadrature",
                      "gauss2: 2x2x2 points; exact: 3x3x3, on boxes the symbolic integration of "
                      "the paper, at 3 times the cost",
-                     quadratures)};
+                     quadratures),
+      suture::choice(
+          "geometry",
+          "of elements that are no parallelepipeds, with gauss2; stored: up to a quarter "
+          "faster, 640 B per element",
+          geometries)};
 
   struct Constants {
     double lambda, mu;  // Lame's, Pa
@@ -39,6 +45,7 @@ struct TmFaure : suture::continuum<TmFaure> {
 
   static double density(const suture::values& p) { return p[rho]; }
   static int points(const suture::values& p) { return p[quadrature] == 1 ? 3 : 2; }
+  static bool stores(const suture::values& p) { return p[geometry] == 0; }
 
   /// W = lambda/2 (tr E)^2 + mu tr(E^2)
   template <class T>

@@ -72,6 +72,10 @@ void print_summary(const RunSummary& summary, Console& console) {
           " elements/s, " + count(summary.threads, "thread") + ")";
   if (summary.frames > 0) text += ", " + count(summary.frames, "frame");
   if (summary.faces_cut > 0) text += ", " + count(summary.faces_cut, "face") + " cut";
+  if (summary.faces_torn > 0) text += ", " + count(summary.faces_torn, "face") + " torn";
+  if (summary.faces_sewn > 0) text += ", " + count(summary.faces_sewn, "face") + " sewn";
+  if (summary.elements_removed > 0)
+    text += ", " + count(summary.elements_removed, "element") + " removed";
   if (summary.inverted_elements > 0) {
     text += ", " + count(summary.inverted_elements, "inverted element");
   }

@@ -48,6 +48,7 @@ std::vector<Dart> faces_across_plane(const CellComplex& complex, const double* r
   std::vector<double> height(complex.count(0));
   double magnitude = 0;
   for (Index v = 0; v < height.size(); ++v) {
+    if (!complex.exists(0, v)) continue;  // its place may be anything
     height[v] = dot(n, rows + stride * v) - offset;
     magnitude = std::max(magnitude, magnitude_of_dot(n, rows + stride * v));
   }
@@ -55,6 +56,7 @@ std::vector<Dart> faces_across_plane(const CellComplex& complex, const double* r
       32 * std::numeric_limits<double>::epsilon() * (magnitude + magnitude_of_dot(n, point.data()));
   std::vector<char> positive(complex.element_count());
   for (Index e = 0; e < complex.element_count(); ++e) {
+    if (!complex.exists(3, e)) continue;
     double sum = 0;
     for (const Index v : complex.vertices_of(e)) sum += height[v];
     positive[e] = sum >= -rounding;
@@ -83,6 +85,7 @@ Dart face_between(const CellComplex& complex, const std::string& path, const Ele
   if (elements[0] == elements[1])
     throw InputError(path + ": names element " + std::to_string(pair[0]) +
                      " twice; a face lies between two elements");
+  if (!complex.exists(3, elements[0]) || !complex.exists(3, elements[1])) return none;
   for (int f = 0; f < 6; ++f)
     if (complex.neighbour(elements[0], f) == elements[1]) return 24 * elements[0] + 4 * f;
   if (point_of_vertex.empty())

@@ -31,7 +31,8 @@ using ElementPair = std::array<std::uint64_t, 2>;
 /// of a user's, or `none`; `path` is where the pair stands in the scene, for messages.
 /// Throws InputError if a number is unknown, both are the same, or the elements have
 /// no common face. If it was cut before, `point_of_vertex` (the user's point of every
-/// vertex, also of those that cuts made) tells that: the answer is `none` then.
+/// vertex, also of those that cuts made) tells that: the answer is `none` then, as for
+/// an element that was removed.
 Dart face_between(const CellComplex& complex, const std::string& path, const ElementPair& pair,
                   const std::function<Index(std::uint64_t)>& element_of,
                   std::span<const Index> point_of_vertex = {});

@@ -20,9 +20,13 @@ Clock::Clock(std::optional<double> fixed_dt, std::vector<double> stops, double p
   std::sort(stops_.begin(), stops_.end());
 }
 
-bool Clock::reached(double t) const {
-  return t <= time_ + (fixed_dt_ ? *fixed_dt_ / 2 : same * std::max(1.0, std::abs(time_)));
+double Clock::tolerance() const {
+  return fixed_dt_ ? *fixed_dt_ / 2 : same * std::max(1.0, std::abs(time_));
 }
+
+bool Clock::reached(double t) const { return t <= time_ + tolerance(); }
+
+bool Clock::passed(double t) const { return t < time_ - tolerance(); }
 
 double Clock::next_stop() const {
   const double after = time_ + same * std::max(1.0, std::abs(time_));

@@ -22,6 +22,8 @@ class Clock {
   double time() const { return time_; }
   /// True if `t` is not later than now (to half a fixed step, else to rounding).
   bool reached(double t) const;
+  /// True if `t` is earlier than now, by more than reached() lets pass.
+  bool passed(double t) const;
   bool finished() const { return end_ && reached(*end_); }
 
   /// Length of the step to come. `stable` bounds an automatic dt; pass the same
@@ -32,6 +34,7 @@ class Clock {
 
  private:
   double next_stop() const;
+  double tolerance() const;
 
   std::optional<double> fixed_dt_, end_;
   std::vector<double> stops_;  // ascending

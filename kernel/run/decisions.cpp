@@ -113,9 +113,12 @@ void decide_physics(const Scene& scene, World& world, std::vector<Decision>& lis
                       ? "the scene has none"
                       : std::to_string(world.dynamics->constraints().vertex_count()) +
                             " vertices, a pass over their list"});
-  list.push_back(
-      {"events", scene.events.empty(),
-       scene.events.empty() ? "the scene has none" : count_text(scene.events.size(), "cut")});
+}
+
+void decide_events(const Scene& scene, std::vector<Decision>& list) {
+  if (scene.events.empty()) list.push_back({"events", true, "the scene has none"});
+  for (const Event& event : scene.events)
+    list.push_back({"event " + event.path, false, event.summary()});
 }
 
 std::string names(const std::vector<FieldChoice>& fields) {
@@ -190,6 +193,7 @@ std::vector<Decision> decide(const Scene& scene, PluginHost& host, World& world,
   decide_columns(world, list);
   decide_functors(world, list);
   decide_physics(scene, world, list);
+  decide_events(scene, list);
   decide_output(scene, world, recorder, list);
   return list;
 }

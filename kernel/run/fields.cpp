@@ -85,8 +85,8 @@ void element_id(World& world, const Vec3&, double, FrameField& field) {
 }
 
 void island(World& world, const Vec3&, double, FrameField& field) {
-  const std::vector<Index> islands = world.complex().islands();
-  fill_ids(world.complex().element_count(), field, [&](Index e) { return islands[e]; });
+  const Islands& islands = world.islands();
+  fill_ids(world.complex().element_count(), field, [&](Index e) { return islands.of(e); });
 }
 
 void model(World& world, const Vec3&, double, FrameField& field) {
@@ -124,6 +124,7 @@ void gather_instances(World& world, int dimension, int components, FrameField& f
     std::vector<double> of_rows(cells.size() * width, std::numeric_limits<double>::quiet_NaN());
     if (values(*instance, of_rows)) {
       for (Index row = 0; row < cells.size(); ++row) {
+        if (!has_cell(world.complex(), instance->table(dimension), row)) continue;
         const std::size_t place = dimension == 1 ? springs + row : cells.cell(row);
         std::copy_n(of_rows.data() + row * width, width, field.values.data() + place * width);
       }

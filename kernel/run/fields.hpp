@@ -21,6 +21,12 @@ struct FieldChoice {
   bool runs_functors = false;  ///< an output of a model, not a column
 };
 
+/// False for a row whose cell was removed, or left the instance.
+inline bool has_cell(const CellComplex& complex, const Table& table, Index row) {
+  const Index cell = table.cells.cell(row);
+  return cell != none && complex.exists(table.dimension, cell) && table.cells.row(cell) == row;
+}
+
 /// Fields that every simulation has: displacement, velocity, force, reaction,
 /// mass, fixed, node_id (points), element_id, island, model (elements).
 const std::vector<FieldChoice>& kernel_fields();

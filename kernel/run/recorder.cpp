@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "kernel/run/shown.hpp"
 #include "kernel/vtk/vtk_module.hpp"
 
 namespace suture {
@@ -46,6 +47,10 @@ void fill_fields(const std::vector<FieldChoice>& choices, FieldChoice::On on, Wo
     choice.fill(world, gravity, time, field);
   }
   fields.resize(used);
+}
+
+bool has_holes(const CellComplex& complex) {
+  return complex.existing(0) < complex.count(0) || complex.existing(3) < complex.count(3);
 }
 
 std::vector<std::string> probe_columns(const std::vector<Probe>& probes) {
@@ -103,6 +108,7 @@ void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity) {
   fill_fields(fields_, FieldChoice::On::points, world_, gravity, time, frame.point_fields);
   fill_fields(fields_, FieldChoice::On::cells, world_, gravity, time, frame.cell_fields);
   frame.field_data_provenance = provenance_;
+  if (has_holes(world_.complex())) leave_out_holes(frame, Shown::of(world_.complex()), {});
 }
 
 void Recorder::frame(double time, const Vec3& gravity) {
@@ -142,9 +148,15 @@ void Recorder::springs_frame(double time, const Vec3& gravity) {
   copy_points(world_, frame.points);
   frame.hexahedra.clear();
   frame.lines.clear();
+  std::vector<Index> lines;  // those whose edge is left
   for (const auto& instance : world_.attributes.instances()) {
     const CellSet& cells = instance->table(1).cells;
     for (Index row = 0; row < cells.size(); ++row) {
+      if (!has_cell(world_.complex(), instance->table(1), row)) {
+        frame.lines.emplace_back();
+        continue;
+      }
+      lines.push_back(static_cast<Index>(frame.lines.size()));
       const Dart d = world_.complex().dart_of(1, cells.cell(row));
       frame.lines.push_back(
           {world_.complex().origin(d), world_.complex().origin(CellComplex::beta1(d))});
@@ -153,6 +165,7 @@ void Recorder::springs_frame(double time, const Vec3& gravity) {
   frame.point_fields.clear();
   fill_fields(fields_, FieldChoice::On::springs, world_, gravity, time, frame.cell_fields);
   frame.field_data_provenance = provenance_;
+  if (has_holes(world_.complex())) leave_out_holes(frame, Shown::of(world_.complex()), lines);
   springs_->submit(std::move(frame));
 }
 

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/nearest.hpp"
+#include "kernel/events/centroid.hpp"
 
 namespace suture {
 namespace {
@@ -191,8 +193,8 @@ std::vector<Index> Selector::vertices(const Selection& selection) const {
   return result;
 }
 
-std::vector<Index> Selector::elements(const Selection& selection) const {
-  const CellComplex& complex = imported_.complex;
+// Elements that the scene names one by one or by a set, ascending.
+std::vector<Index> Selector::listed_elements(const Selection& selection) const {
   std::vector<Index> result;
   if (const auto* ids = std::get_if<Selection::Ids>(&selection.what)) {
     for (std::uint64_t id : ids->ids) {
@@ -206,12 +208,20 @@ std::vector<Index> Selector::elements(const Selection& selection) const {
       unknown_set(selection, named->set, set_names(names_.element_sets, {}));
     }
     for (Index position : found->second) result.push_back(imported_.element_of[position]);
-  } else {
+  }
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+std::vector<Index> Selector::elements(const Selection& selection) const {
+  std::vector<Index> result = listed_elements(selection);
+  if (result.empty()) {
     const std::vector<Vec3> centres = centroids(imported_);
     if (const auto* near = std::get_if<Selection::Nearest>(&selection.what)) {
       result.push_back(nearest_to(near->point, centres));
     }
-    for (Index e = 0; e < complex.element_count(); ++e) {
+    for (Index e = 0; e < centres.size(); ++e) {
       if (contains(selection, centres[e])) result.push_back(e);
     }
   }
@@ -221,8 +231,25 @@ std::vector<Index> Selector::elements(const Selection& selection) const {
         ": selects no element (an element is selected by its centroid); the mesh lies in " +
         bounds_text(imported_.rest));
   }
-  std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+std::vector<Index> Selector::elements_now(const Selection& selection, const double* rows) const {
+  const CellComplex& complex = imported_.complex;
+  std::vector<Index> result = listed_elements(selection);
+  std::erase_if(result, [&](Index e) { return !complex.exists(3, e); });
+  const auto* near = std::get_if<Selection::Nearest>(&selection.what);
+  double nearest = std::numeric_limits<double>::infinity();
+  for (Index e = 0; e < complex.element_count(); ++e) {
+    if (!complex.exists(3, e)) continue;
+    const Vec3 centre = centroid(complex.vertices_of(e), rows, 4);
+    if (contains(selection, centre)) result.push_back(e);
+    const double distance = near ? length(minus(centre, near->point)) : nearest;
+    if (distance < nearest) {
+      nearest = distance;
+      result.assign(1, e);
+    }
+  }
   return result;
 }
 

@@ -38,6 +38,9 @@ class Selector {
   std::vector<Index> vertices(const Selection& selection) const;
   /// Elements whose centroid is selected (ids and sets: the elements named).
   std::vector<Index> elements(const Selection& selection) const;
+  /// The same while it runs: of the elements that are left, by their centroids where
+  /// vertex v is at rows[4 v]. Maybe none.
+  std::vector<Index> elements_now(const Selection& selection, const double* rows) const;
   /// One dart of each boundary face whose four vertices are selected.
   std::vector<Dart> boundary_faces(const Selection& selection) const;
 
@@ -45,6 +48,7 @@ class Selector {
   Index element_with_id(std::uint64_t id) const;
 
  private:
+  std::vector<Index> listed_elements(const Selection& selection) const;
   bool contains(const Selection& selection, const Vec3& p) const;
   std::vector<char> vertex_mask(const Selection& selection) const;
   std::vector<Index> named_vertices(const Selection& selection, const std::string& set) const;

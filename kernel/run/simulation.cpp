@@ -10,9 +10,10 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/dynamics/rest_search.hpp"
-#include "kernel/events/cut_faces.hpp"
 #include "kernel/run/clock.hpp"
 #include "kernel/run/decisions.hpp"
+#include "kernel/run/event_runner.hpp"
+#include "kernel/run/event_schedule.hpp"
 #include "kernel/run/guard.hpp"
 
 namespace suture {
@@ -34,7 +35,10 @@ constexpr std::uint64_t rest_step_limit = 10'000'000;
 // Times that an automatic dt must hit.
 std::vector<double> stops_of(const Scene& scene) {
   std::vector<double> stops{scene.gravity_ramp.from, scene.gravity_ramp.to};
-  for (const Event& event : scene.events) stops.push_back(event.at);
+  for (const Event& event : scene.events) {
+    for (const double time : {event.start(), event.finish()})
+      if (std::isfinite(time)) stops.push_back(time);
+  }
   const auto add = [&](const TimeRamp& ramp) { stops.insert(stops.end(), {ramp.from, ramp.to}); };
   for (const Constraint& constraint : scene.constraints) add(constraint.ramp);
   for (const Load& load : scene.loads) add(load.ramp);
@@ -64,14 +68,15 @@ struct Simulation::Impl {
         world(s, d, skip),
         recorder(s, world, provenance_of(s, host, world)),
         clock(s.solver.dt, stops_of(s), s.output.enabled ? s.output.every : 0, s.solver.end),
-        guard(s, world, d) {
-    check_events();
+        guard(s, world, d),
+        schedule(s.events, world),
+        events(s, world, d) {
     Decision still = decide_still_cells(scene, world, recorder);
     decisions = decide(scene, host, world, recorder);
     decisions.push_back(std::move(still));
     if (scene.solver.until_rest) {
       rest.emplace(scene.solver.tolerance, scene.solver.automatic_damping);
-      if (!scene.events.empty()) rest->wait_until(scene.events.back().at);
+      rest->wait_until(schedule.settled_after());
     }
     world.dynamics->start();
     find_stable_step();
@@ -112,48 +117,19 @@ struct Simulation::Impl {
   // ---- events ----
 
   void fire_events(Observer& observer) {
-    while (next_event < scene.events.size() && clock.reached(scene.events[next_event].at)) {
-      fire(scene.events[next_event++], observer);
-    }
+    for (const std::size_t i : schedule.due(clock)) tell(events.fire(i, clock.time()), observer);
   }
 
-  // Lists that name no face are the scene's fault, and told before anything runs.
-  void check_events() {
-    for (const Event& event : scene.events) {
-      if (std::holds_alternative<CutFaces>(event.what)) faces_of(event);
-    }
-  }
-
-  std::vector<Dart> faces_of(const Event& event) {
-    const Column& shape = event.rest_shape ? world.attributes.rest() : world.attributes.position();
-    if (const auto* plane = std::get_if<CutPlane>(&event.what)) {
-      return faces_across_plane(world.complex(), shape.rows(), plane->point, plane->normal);
-    }
-    ListedFaces listed = faces_between(
-        world.complex(), event.path, std::get<CutFaces>(event.what).element_pairs,
-        [&](std::uint64_t id) { return world.selector.element_with_id(id); }, world.user_vertex);
-    if (!listed.cut_before.empty()) {
-      diagnostics.warn(event.path + ": " + std::to_string(listed.cut_before.size()) +
-                       " of the faces are cut already, the first between elements " +
-                       std::to_string(listed.cut_before[0][0]) + " and " +
-                       std::to_string(listed.cut_before[0][1]));
-    }
-    return std::move(listed.faces);
-  }
-
-  void fire(const Event& event, Observer& observer) {
-    const std::vector<Dart> faces = faces_of(event);
+  // The cells are others: so are the islands and the stable step.
+  void tell(const EventOutcome& outcome, Observer& observer) {
+    if (!outcome.changed()) return;
+    summary.faces_cut += outcome.faces_cut;
+    summary.faces_torn += outcome.faces_torn;
+    summary.faces_sewn += outcome.faces_sewn;
+    summary.elements_removed += outcome.elements_removed;
+    const Index islands = world.islands().existing();
     std::ostringstream text;
-    text << "t = " << clock.time() << " s: ";
-    if (faces.empty()) {
-      diagnostics.warn(text.str() + event.path + " cuts no face: the blade misses the body");
-      return;
-    }
-    const Index cut = world.cut(faces);
-    summary.faces_cut += cut;
-    Index islands = 0;
-    world.complex().islands(&islands);
-    text << "cut " << cut << (cut == 1 ? " face, " : " faces, ") << islands
+    text << "t = " << clock.time() << " s: " << outcome.text() << ", " << islands
          << (islands == 1 ? " island" : " islands");
     observer.on_message(text.str());
     find_stable_step();
@@ -282,6 +258,7 @@ struct Simulation::Impl {
 
   RunSummary run(Observer& observer) {
     loop(std::nullopt, observer);
+    events.finish();
     finish();
     summary.steps = clock.step();
     summary.time = clock.time();
@@ -305,10 +282,11 @@ struct Simulation::Impl {
   Recorder recorder;
   Clock clock;
   Guard guard;
+  EventSchedule schedule;
+  EventRunner events;
   std::optional<RestSearch> rest;
   std::vector<Decision> decisions;
   RunSummary summary;
-  std::size_t next_event = 0;
   double stable = 0, last_dt = 0;
   bool warned_of_dt = false;
   std::uint64_t recorded_step = ~std::uint64_t{0}, last_frame_step = ~std::uint64_t{0};
@@ -322,6 +300,10 @@ Simulation::~Simulation() = default;
 RunSummary Simulation::run(Observer& observer) { return impl_->run(observer); }
 
 void Simulation::run_to(double time, Observer& observer) { impl_->loop(time, observer); }
+
+void Simulation::apply(const Event& event, Observer& observer) {
+  impl_->tell(impl_->events.apply(event, impl_->clock.time()), observer);
+}
 
 Dynamics::Energies Simulation::energies() { return impl_->world.dynamics->energies(); }
 

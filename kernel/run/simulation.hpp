@@ -44,7 +44,8 @@ class Observer {
 struct RunSummary {
   enum class Outcome { finished, at_rest, interrupted };
   Outcome outcome = Outcome::finished;
-  std::uint64_t steps = 0, frames = 0, faces_cut = 0, inverted_elements = 0;
+  std::uint64_t steps = 0, frames = 0, inverted_elements = 0;
+  std::uint64_t faces_cut = 0, faces_torn = 0, faces_sewn = 0, elements_removed = 0;
   double time = 0, dt = 0;  ///< s; dt of the last step
   double seconds = 0;       ///< wall clock of the loop
   double elements_per_second = 0;
@@ -78,6 +79,10 @@ class Simulation {
   /// The same up to `time`, for programs that look in between; run() or the next
   /// call goes on from there. Looking changes no bit of what follows.
   void run_to(double time, Observer& observer);
+
+  /// An operation now, between two calls of run_to(), told like an event of the scene
+  /// (its times are not looked at). Throws as events do, and then nothing has happened.
+  void apply(const Event& event, Observer& observer);
 
   Dynamics::Energies energies();  ///< J; potentials are zero at rest positions
 

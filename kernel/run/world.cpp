@@ -123,13 +123,37 @@ void World::add_loads(const Scene& scene) {
   }
 }
 
-Index World::cut(const std::vector<Dart>& faces) {
+TopologyChange World::cut(const std::vector<Dart>& faces) {
   dynamics->synchronise_velocities();
-  const TopologyChange change = complex().cut(faces);
+  TopologyChange change = complex().cut(faces);
+  follow(change);
+  return change;
+}
+
+TopologyChange World::pierce(const std::vector<Index>& elements) {
+  dynamics->synchronise_velocities();
+  TopologyChange change = complex().pierce(elements);
+  follow(change);
+  return change;
+}
+
+TopologyChange World::sew(const std::vector<Seam>& seams) {
+  dynamics->synchronise_velocities();
+  TopologyChange change = complex().sew(seams);
+  follow(change);
+  return change;
+}
+
+void World::follow(const TopologyChange& change) {
   for (const Split& split : change.splits[0]) user_vertex.push_back(user_vertex[split.old_cell]);
   attributes.apply(complex(), change);
   dynamics->update(complex(), change);
-  return change.faces_cut;
+  if (islands_) islands_->update(complex(), change);
+}
+
+const Islands& World::islands() {
+  if (!islands_) islands_.emplace(complex());
+  return *islands_;
 }
 
 }  // namespace suture

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/dynamics/dynamics.hpp"
 #include "kernel/run/select.hpp"
 #include "kernel/scene/scene.hpp"
+#include "kernel/topology/islands.hpp"
 
 namespace suture {
 
@@ -24,9 +26,15 @@ class World {
   World& operator=(const World&) = delete;
 
   CellComplex& complex() { return imported.complex; }
-  /// 3-unsews faces, then everything that depends on cells follows. Returns how
-  /// many were cut.
-  Index cut(const std::vector<Dart>& faces);
+  // Operations of CellComplex, after which everything that depends on cells follows.
+  // They throw what the complex throws, and then nothing has happened.
+  TopologyChange cut(const std::vector<Dart>& faces);
+  TopologyChange pierce(const std::vector<Index>& elements);
+  TopologyChange sew(const std::vector<Seam>& seams);
+  /// The pieces, known through all operations from the first call on.
+  const Islands& islands();
+  /// The number by which users know an element.
+  std::uint64_t element_name(Index e) const { return names.element_id(imported.user_element[e]); }
 
   const bool skips;  ///< leaves out what the scene does not need
   std::string mesh_source;
@@ -42,6 +50,9 @@ class World {
   void add_models(const Scene& scene, Diagnostics& diagnostics);
   void add_constraints(const Scene& scene);
   void add_loads(const Scene& scene);
+  void follow(const TopologyChange& change);
+
+  std::optional<Islands> islands_;
 };
 
 }  // namespace suture

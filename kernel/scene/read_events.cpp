@@ -7,71 +7,87 @@
 namespace suture::scene_parts {
 namespace {
 
-CutPlane read_plane(ObjectReader plane) {
-  CutPlane cut;
-  cut.point = require_vector(plane, "point", "m", "a point of the plane [x, y, z] in m");
-  plane.require("normal", "the direction across the cut [x, y, z]");
-  cut.normal = read_direction(plane, "normal").value_or(Vec3{1, 0, 0});
-  plane.finish();
-  return cut;
+// A time that must lie within the run.
+double read_time(ObjectReader& object, const std::string& key, const Scene& scene) {
+  const double time = object.number(key, Range::not_negative("s")).value_or(0);
+  if (scene.solver.end && time > *scene.solver.end) {
+    const std::string text = describe(*object.find(key));  // "the number 2"
+    object.complain(key, "is after the end of the run (/solver/end); is " + text);
+  }
+  return time;
 }
 
-std::optional<std::array<std::uint64_t, 2>> read_pair(const JsonValue& value,
-                                                      const std::string& path, Mistakes& mistakes) {
-  if (value.kind != JsonValue::Kind::array || value.items.size() != 2) {
-    mistakes.add(value.at, path,
-                 "must be the numbers of the two elements of a face [a, b], is " + describe(value));
-    return {};
+Condition read_condition(ObjectReader object) {
+  Condition condition;
+  if (const JsonValue* where = object.require("where", "the nodes that are looked at"))
+    condition.where = read_selection(*where, object.path_of("where"), object.mistakes());
+  static const std::array<std::string, 3> quantities{"displacement", "velocity", "position"};
+  object.require("of", "\"displacement\", \"velocity\" or \"position\"");
+  condition.of = static_cast<Condition::Of>(object.choice("of", quantities).value_or(0));
+  static const std::array<std::string, 4> components{"x", "y", "z", "magnitude"};
+  condition.component = static_cast<int>(object.choice("component", components).value_or(3));
+  static const std::array<std::string, 2> sides{"above", "below"};
+  const std::string unit = condition.of == Condition::Of::velocity ? "m/s" : "m";
+  if (const auto side = object.one_of(sides)) {
+    condition.above = *side == 0;
+    condition.bound = object.number(sides[*side], Range::any(unit)).value_or(0);
   }
-  const auto a = read_natural(value.items[0], child_path(path, 0), 0, UINT64_MAX, mistakes);
-  const auto b = read_natural(value.items[1], child_path(path, 1), 0, UINT64_MAX, mistakes);
-  if (!a || !b) return {};
-  if (*a == *b) {
-    mistakes.add(value.at, path, "names element " + std::to_string(*a) + " twice; a face has two");
-    return {};
-  }
-  return std::array{*a, *b};
+  condition.every = object.natural("every", 1).value_or(1);
+  object.finish();
+  return condition;
 }
 
-CutFaces read_faces(const JsonValue& value, const std::string& path, Mistakes& mistakes) {
-  CutFaces cut;
-  const auto* items = read_array(value, path, "pairs of element numbers", mistakes);
-  if (items == nullptr) return cut;
-  if (items->empty()) mistakes.add(value.at, path, "is empty: cuts nothing");
-  for (std::size_t i = 0; i < items->size(); ++i) {
-    if (const auto pair = read_pair((*items)[i], child_path(path, i), mistakes)) {
-      cut.element_pairs.push_back(*pair);
-    }
+// 'from' and 'until' of an event that repeats.
+void read_interval(ObjectReader& object, Event& event, const Scene& scene) {
+  const bool repeats = object.find("every") != nullptr;
+  for (const char* key : {"from", "until"}) {
+    if (!repeats && object.find(key) != nullptr) object.complain(key, "belongs to 'every' (steps)");
   }
-  return cut;
+  event.from = read_time(object, "from", scene);
+  if (object.find("until") != nullptr) {
+    event.until = read_time(object, "until", scene);
+    if (*event.until < event.from) object.complain("until", "is before 'from'");
+  }
 }
 
-void read_cut(ObjectReader cut, Event& event) {
-  static const std::array<std::string, 2> kinds{"plane", "faces"};
-  if (const auto kind = cut.one_of(kinds)) {
-    const JsonValue& inner = *cut.find(kinds[*kind]);
-    const std::string path = cut.path_of(kinds[*kind]);
-    if (*kind == 0) event.what = read_plane({inner, path, cut.mistakes()});
-    if (*kind == 1) event.what = read_faces(inner, path, cut.mistakes());
+void read_schedule(ObjectReader& object, Event& event, const Scene& scene) {
+  static const std::array<std::string, 3> kinds{"at", "every", "when"};
+  const auto kind = object.one_of(kinds);
+  if (kind == 0u) event.at = read_time(object, "at", scene);
+  if (kind == 1u) event.every = object.natural("every", 1).value_or(1);
+  if (kind == 2u) {
+    event.when = read_condition({*object.find("when"), object.path_of("when"), object.mistakes()});
   }
-  cut.finish();
+  read_interval(object, event, scene);
+}
+
+std::optional<Operation> read_operation(ObjectReader& object, Reading& reading) {
+  static const std::array<std::string, 2> kinds{"cut", "tear"};
+  const auto kind = object.one_of(kinds);
+  if (!kind) return {};
+  const ObjectReader inner(*object.find(kinds[*kind]), object.path_of(kinds[*kind]),
+                           object.mistakes());
+  if (*kind == 0) return read_cut(inner);
+  return read_tear(inner, reading);
+}
+
+// Which operations have geometry that may be looked up in either shape.
+bool has_shape(const Operation& what) {
+  return std::holds_alternative<CutPlane>(what) || std::holds_alternative<Pierce>(what);
 }
 
 void read_event(ObjectReader& object, Reading& reading) {
   Event event;
   event.path = object.path();
-  object.require("at", "when it happens, in s");
-  event.at = object.number("at", Range::not_negative("s")).value_or(0);
-  const auto& end = reading.scene.solver.end;
-  if (end && event.at > *end) {
-    const std::string text = describe(*object.find("at"));  // "the number 2"
-    object.complain("at", "is after the end of the run (/solver/end); is " + text);
-  }
-  if (const JsonValue* cut = object.require("cut", "what happens")) {
-    read_cut({*cut, object.path_of("cut"), reading.mistakes}, event);
-  }
+  const auto operation = read_operation(object, reading);
+  if (operation) event.what = *operation;
+  read_schedule(object, event, reading.scene);
   static const std::array<std::string, 2> shapes{"deformed", "rest"};
   event.rest_shape = object.choice("shape", shapes) == 1u;
+  if (operation && object.find("shape") != nullptr && !has_shape(*operation) &&
+      !std::holds_alternative<CutFaces>(*operation)) {
+    object.complain("shape", std::string("means nothing to ") + event.operation());
+  }
   reading.scene.events.push_back(std::move(event));
 }
 
@@ -82,7 +98,7 @@ void read_events(ObjectReader& top, Reading& reading) {
                   [&](ObjectReader& object) { read_event(object, reading); });
   std::vector<Event>& events = reading.scene.events;
   std::stable_sort(events.begin(), events.end(),
-                   [](const Event& a, const Event& b) { return a.at < b.at; });
+                   [](const Event& a, const Event& b) { return a.start() < b.start(); });
 }
 
 }  // namespace suture::scene_parts

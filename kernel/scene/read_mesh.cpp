@@ -79,20 +79,20 @@ std::string nearest_file(const std::filesystem::path& file) {
   return did_you_mean(file.filename().string(), names);
 }
 
-void read_file(const JsonValue& value, const std::string& path, Reading& reading) {
+}  // namespace
+
+std::filesystem::path read_file(const JsonValue& value, const std::string& path, Reading& reading) {
   const auto name = read_string(value, path, reading.mistakes);
-  if (!name) return;
-  std::filesystem::path& file = reading.scene.mesh.file;
-  file = (reading.folder / *name).lexically_normal();
+  if (!name) return {};
+  const std::filesystem::path file = (reading.folder / *name).lexically_normal();
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) {
     reading.mistakes.add(value.at, path,
                          "no file '" + file.string() + "'" + nearest_file(file) +
                              "; paths are relative to the folder of the scene");
   }
+  return file;
 }
-
-}  // namespace
 
 void read_mesh(const JsonValue& value, Reading& reading) {
   ObjectReader mesh(value, "/mesh", reading.mistakes);
@@ -102,7 +102,7 @@ void read_mesh(const JsonValue& value, Reading& reading) {
     const JsonValue& inner = *mesh.find(sources[*source]);
     const std::string path = mesh.path_of(sources[*source]);
     if (*source == 0) read_box(inner, path, reading);
-    if (*source == 1) read_file(inner, path, reading);
+    if (*source == 1) reading.scene.mesh.file = read_file(inner, path, reading);
     if (*source == 2) read_voxels(inner, path, reading);
   }
 

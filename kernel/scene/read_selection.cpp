@@ -8,19 +8,6 @@
 namespace suture::scene_parts {
 namespace {
 
-Selection::Box read_box(ObjectReader box) {
-  Selection::Box result;
-  result.min = require_vector(box, "min", "m", "the corner of smallest coordinates [x, y, z] in m");
-  result.max = require_vector(box, "max", "m", "the corner of largest coordinates [x, y, z] in m");
-  for (int a = 0; a < 3; ++a) {
-    if (result.min[a] > result.max[a]) {
-      box.complain(std::string("'min' is larger than 'max' along ") + "xyz"[a]);
-    }
-  }
-  box.finish();
-  return result;
-}
-
 Selection::Plane read_plane(ObjectReader plane) {
   Selection::Plane result{};
   result.point = require_vector(plane, "point", "m", "a point of the plane [x, y, z] in m");
@@ -62,6 +49,19 @@ Selection::Ids read_ids(const JsonValue& value, const std::string& path, Mistake
 }
 
 }  // namespace
+
+Selection::Box read_box(ObjectReader box) {
+  Selection::Box result;
+  result.min = require_vector(box, "min", "m", "the corner of smallest coordinates [x, y, z] in m");
+  result.max = require_vector(box, "max", "m", "the corner of largest coordinates [x, y, z] in m");
+  for (int a = 0; a < 3; ++a) {
+    if (result.min[a] > result.max[a]) {
+      box.complain(std::string("'min' is larger than 'max' along ") + "xyz"[a]);
+    }
+  }
+  box.finish();
+  return result;
+}
 
 Selection read_selection(const JsonValue& value, const std::string& path, Mistakes& mistakes) {
   Selection selection;
@@ -122,6 +122,23 @@ Vec3 require_vector(ObjectReader& object, const std::string& key, const std::str
                     const std::string& what) {
   object.require(key, what);
   return object.vector(key, Range::any(unit)).value_or(Vec3{});
+}
+
+std::vector<Vec3> read_points(const JsonValue& value, const std::string& path, std::size_t least,
+                              Mistakes& mistakes) {
+  std::vector<Vec3> points;
+  const auto* items = read_array(value, path, "points [x, y, z] in m", mistakes);
+  if (items == nullptr) return points;
+  if (items->size() < least) {
+    mistakes.add(value.at, path,
+                 "must have at least " + std::to_string(least) + " points, has " +
+                     std::to_string(items->size()));
+  }
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    points.push_back(
+        read_vector((*items)[i], child_path(path, i), Range::any("m"), mistakes).value_or(Vec3{}));
+  }
+  return points;
 }
 
 void for_each_object(ObjectReader& parent, const std::string& key, const std::string& of_what,

@@ -5,13 +5,14 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "kernel/base/types.hpp"
 #include "kernel/dynamics/time_ramp.hpp"
 #include "kernel/mesh/box.hpp"
 #include "kernel/mesh/voxels.hpp"
+#include "kernel/scene/event.hpp"
+#include "kernel/scene/selection.hpp"
 #include "kernel/topology/import.hpp"
 #include "suture/plugin.h"
 
@@ -19,41 +20,6 @@ namespace suture {
 
 /// What a scene file says, checked: plain data, nothing built. Every member
 /// that can be wrong later (an empty selection) carries the JSON path it came from.
-
-/// Some points or elements. Geometry is tested at rest; an element is selected
-/// if its centroid is. A load in Pa acts on the boundary faces all four corners
-/// of which are selected.
-struct Selection {
-  struct All {};
-  struct Box {
-    Vec3 min, max;
-  };
-  struct Plane {
-    Vec3 point, normal;
-    double tolerance;
-  };  ///< |distance| <= tolerance, m; < 0: default_tolerance
-  struct HalfSpace {
-    Vec3 point, normal;
-  };  ///< on the side of the normal
-  struct Sphere {
-    Vec3 centre;
-    double radius;
-  };
-  struct Nearest {
-    Vec3 point;
-  };  ///< the one point or element nearest to it
-  struct Ids {
-    std::vector<std::uint64_t> ids;
-  };  ///< the file's own numbers
-  struct Named {
-    std::string set;
-  };
-  std::variant<All, Box, Plane, HalfSpace, Sphere, Nearest, Ids, Named> what = All{};
-  std::string path;  ///< "/constraints/0/where"
-
-  /// Of a plane without a tolerance, as a part of the diagonal of the mesh's bounding box.
-  static constexpr double default_tolerance = 1e-6;
-};
 
 struct MeshSource {
   std::optional<BoxOptions> box;       ///< or
@@ -93,19 +59,6 @@ struct Load {
   double pressure = 0;
   Selection where;
   TimeRamp ramp;
-};
-
-struct CutPlane {
-  Vec3 point, normal;
-};
-struct CutFaces {
-  std::vector<std::array<std::uint64_t, 2>> element_pairs;
-};  ///< user ids of both sides
-struct Event {
-  double at = 0;  ///< s
-  std::variant<CutPlane, CutFaces> what;
-  bool rest_shape = false;  ///< "shape": "rest"
-  std::string path;
 };
 
 struct SolverOptions {
@@ -153,7 +106,7 @@ struct Scene {
   TimeRamp gravity_ramp;
   std::vector<Constraint> constraints;
   std::vector<Load> loads;
-  std::vector<Event> events;  ///< by time
+  std::vector<Event> events;  ///< by time (Event::start)
   SolverOptions solver;
   OutputOptions output;
 };

@@ -32,6 +32,16 @@ TimeRamp read_ramp(const JsonValue& value, const std::string& path, Mistakes& mi
 /// Reads every object of the array at `key`, if there is one.
 void for_each_object(ObjectReader& parent, const std::string& key, const std::string& of_what,
                      const std::function<void(ObjectReader&)>& read);
+/// A file that must exist, relative to the scene's folder, as an absolute path.
+std::filesystem::path read_file(const JsonValue& value, const std::string& path, Reading& reading);
+/// Points [[x, y, z], ...] in m, at least `least` of them.
+std::vector<Vec3> read_points(const JsonValue& value, const std::string& path, std::size_t least,
+                              Mistakes& mistakes);
+/// A box {"min", "max"} in m.
+Selection::Box read_box(ObjectReader box);
+/// Pairs of element numbers [[4, 5], ...].
+std::vector<std::array<std::uint64_t, 2>> read_pairs(const JsonValue& value,
+                                                     const std::string& path, Mistakes& mistakes);
 /// Names end up in file and field names.
 bool is_good_name(std::string_view name);
 
@@ -41,7 +51,14 @@ void read_gravity(ObjectReader& top, Reading& reading);
 void read_constraints(ObjectReader& top, Reading& reading);
 void read_loads(ObjectReader& top, Reading& reading);
 void read_solver(const JsonValue& value, Reading& reading);
-/// After read_solver: events must lie within the run.
+/// The operations of an event (read_cut.cpp, read_operations.cpp).
+Operation read_cut(ObjectReader cut);
+Pierce read_pierce(ObjectReader pierce);
+Tear read_tear(ObjectReader tear, Reading& reading);
+SewFaces read_suture(ObjectReader suture);
+RemoveIslands read_remove_islands(ObjectReader remove);
+/// After read_solver and read_models: events must lie within the run, and may look
+/// at what a model declares.
 void read_events(ObjectReader& top, Reading& reading);
 /// After read_models: models bring fields of their own.
 void read_output(const JsonValue* value, Reading& reading);

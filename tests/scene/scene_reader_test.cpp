@@ -181,7 +181,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{R"(, "events": [{"at": -1, "cut": {"faces": [[0,1]]}}])", "/events/0/at", ">= 0 s"},
         Bad{R"(, "events": [{"at": 2, "cut": {"faces": [[0,1]]}}])", "/events/0/at",
             "after the end of the run"},
-        Bad{R"(, "events": [{"at": 0.5}])", "/events/0", "'cut' is missing"},
+        Bad{R"(, "events": [{"at": 0.5}])", "/events/0", "exactly one of 'cut', "},
         Bad{R"(, "events": [{"at": 0.5, "cut": {"faces": [[1,1]]}}])", "/events/0/cut/faces/0",
             "twice"},
         Bad{R"(, "events": [{"at": 0.5, "cut": {"faces": []}}])", "/events/0/cut/faces", "empty"},

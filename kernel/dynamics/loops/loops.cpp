@@ -7,6 +7,7 @@
 #include "kernel/dynamics/loops/loops.hpp"
 
 #include "kernel/dynamics/loops/lanes.hpp"
+#include "kernel/dynamics/loops/stretch.hpp"
 
 namespace {
 
@@ -327,9 +328,19 @@ uint32_t inverted(const uint32_t* nodes, const double* position, uint32_t begin,
   return found;
 }
 
-const Table table = {
-    sizeof(Table),  0,       isa_name,  forces,  gather, pass<1, true>, pass<2, true>,
-    pass<1, false>, kinetic, rest_sums, inverted};
+const Table table = {sizeof(Table),
+                     0,
+                     isa_name,
+                     forces,
+                     gather,
+                     pass<1, true>,
+                     pass<2, true>,
+                     pass<1, false>,
+                     kinetic,
+                     rest_sums,
+                     inverted,
+                     stretched<MayStrain>,
+                     stretched<MayElongate>};
 
 }  // namespace
 

@@ -111,6 +111,16 @@ struct RestInput {
   double* old_force;
 };
 
+/// Elements whose stretch is looked at: row -> element -> 8 vertices.
+struct Stretch {
+  const uint32_t* nodes;  ///< 8 vertices per element
+  const uint32_t* cells;  ///< row -> element, or null: the row itself
+  const double* position;
+  const double* metric;  ///< in blocks of 8 rows; what it means, the test says
+  uint64_t block;        ///< doubles from block to block; 0: constant
+  double bound;
+};
+
 struct Table {
   uint32_t size;
   uint32_t reserved;
@@ -130,6 +140,13 @@ struct Table {
   /// of them in *first.
   uint32_t (*inverted)(const uint32_t* nodes, const double* position, uint32_t begin, uint32_t end,
                        uint32_t* first);
+  /// Rows in [begin, end), begin a multiple of 8, that may pass a bound; the others
+  /// certainly do not. Written to `found`, which has room for all; returns how many.
+  ///   strained   largest eigenvalue of F^T F above `bound` (metric: G, 9 components,
+  ///              a quarter of the reciprocals of the mean edge vectors at rest)
+  ///   elongated  an edge longer than its limit (metric: squares of the limits, 12)
+  uint32_t (*strained)(const Stretch*, uint32_t begin, uint32_t end, uint32_t* found);
+  uint32_t (*elongated)(const Stretch*, uint32_t begin, uint32_t end, uint32_t* found);
 };
 
 /// Doubles of Worker::scratch that a job needs.

@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/events/match_faces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <unordered_map>
+
+#include "kernel/base/error.hpp"
+
+namespace suture {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+bool is_boundary(const CellComplex& complex, Dart face) { return complex.beta3(face) == none; }
+
+/// The dart of `other`'s face that is opposite to `one` if that face is turned by `turn`.
+Dart partner(Dart other, Dart turn) { return (other & ~3u) | (turn & 3u); }
+
+/// Corner k of the face of `one` meets the end of the dart that goes with it.
+Index corner_vertex(const CellComplex& complex, Dart one, Dart k) {
+  return complex.origin((one & ~3u) | ((one + k) & 3u));
+}
+Index partner_vertex(const CellComplex& complex, Dart other, Dart k) {
+  return complex.origin(CellComplex::beta1((other & ~3u) | ((other - k) & 3u)));
+}
+
+/// The turn at which both faces have the same points, corner by corner.
+std::optional<Seam> same_points(const CellComplex& complex, Dart one, Dart other,
+                                std::span<const Index> points) {
+  for (Dart turn = 0; turn < 4; ++turn) {
+    const Seam seam{one, partner(other, turn)};
+    bool same = true;
+    for (Dart k = 0; k < 4; ++k) {
+      same = same && points[corner_vertex(complex, seam.one, k)] ==
+                         points[partner_vertex(complex, seam.other, k)];
+    }
+    if (same) return seam;
+  }
+  return {};
+}
+
+// ------------------------------------------------------ by place --
+
+struct Places {
+  const CellComplex& complex;
+  const double* rows;
+  std::size_t stride;
+
+  const double* at(Index vertex) const { return rows + stride * vertex; }
+  double distance2(Index v, Index w) const {
+    double sum = 0;
+    for (int c = 0; c < 3; ++c) sum += (at(v)[c] - at(w)[c]) * (at(v)[c] - at(w)[c]);
+    return sum;
+  }
+  Vec3 centre(Dart face) const {
+    Vec3 sum{};
+    for (Dart k = 0; k < 4; ++k)
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += at(complex.origin((face & ~3u) + k))[c] / 4;
+    return sum;
+  }
+  /// Cross product of the diagonals: twice the area, inward.
+  Vec3 area(Dart face) const {
+    const Dart d = face & ~3u;
+    Vec3 p, q;
+    for (std::size_t c = 0; c < 3; ++c) {
+      p[c] = at(complex.origin(d + 2))[c] - at(complex.origin(d))[c];
+      q[c] = at(complex.origin(d + 3))[c] - at(complex.origin(d + 1))[c];
+    }
+    return {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
+  }
+  bool look_at_each_other(Dart one, Dart other) const {
+    const Vec3 a = area(one), b = area(other);
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] < 0;
+  }
+};
+
+/// Two faces as near as they can be turned: the largest distance of two corners.
+struct Pairing {
+  Seam seam;
+  double distance = infinite;  ///< m
+};
+
+Pairing nearest_turn(const Places& places, Dart one, Dart other) {
+  Pairing best;
+  for (Dart turn = 0; turn < 4; ++turn) {
+    const Seam seam{one, partner(other, turn)};
+    double worst = 0;
+    for (Dart k = 0; k < 4; ++k)
+      worst = std::max(worst, places.distance2(corner_vertex(places.complex, seam.one, k),
+                                               partner_vertex(places.complex, seam.other, k)));
+    if (std::sqrt(worst) < best.distance) best = {seam, std::sqrt(worst)};
+  }
+  return best;
+}
+
+std::vector<Dart> boundary_faces(const CellComplex& complex, std::span<const Index> elements) {
+  std::vector<Dart> faces;
+  for (const Index e : elements)
+    for (Dart d = 24 * e; complex.exists(3, e) && d < 24 * (e + 1); d += 4)
+      if (is_boundary(complex, d)) faces.push_back(d);
+  return faces;
+}
+
+/// Faces by the cube of edge `gap` that their centre is in.
+class Grid {
+ public:
+  explicit Grid(double gap) : gap_(gap) {}
+  void add(const Vec3& p, Dart face) { cubes_[key(cube(p))].push_back(face); }
+  template <class Visit>
+  void near(const Vec3& p, Visit visit) const {
+    const auto c = cube(p);
+    for (int n = 0; n < 27; ++n) {
+      const auto found =
+          cubes_.find(key({c[0] + n % 3 - 1, c[1] + n / 3 % 3 - 1, c[2] + n / 9 - 1}));
+      if (found == cubes_.end()) continue;
+      for (const Dart face : found->second) visit(face);
+    }
+  }
+
+ private:
+  using Cube = std::array<std::int64_t, 3>;
+  Cube cube(const Vec3& p) const {
+    Cube c;
+    for (std::size_t a = 0; a < 3; ++a) c[a] = static_cast<std::int64_t>(std::floor(p[a] / gap_));
+    return c;
+  }
+  // Cubes that share a key only cost time: distances are compared afterwards.
+  static std::uint64_t key(const Cube& c) {
+    std::uint64_t k = 0;
+    for (const std::int64_t i : c) k = (k ^ static_cast<std::uint64_t>(i)) * 0x9E3779B97F4A7C15u;
+    return k;
+  }
+  double gap_;
+  std::unordered_map<std::uint64_t, std::vector<Dart>> cubes_;
+};
+
+/// All pairs of faces that look at each other with centres within the gap.
+std::vector<Pairing> pairings(const Places& places, const std::vector<Dart>& a,
+                              const std::vector<Dart>& b, double gap) {
+  Grid grid(gap);
+  for (const Dart face : b) grid.add(places.centre(face), face);
+  std::vector<Pairing> found;
+  for (const Dart face : a) {
+    const Vec3 p = places.centre(face);
+    grid.near(p, [&](Dart other) {
+      if (other / 24 == face / 24 || !places.look_at_each_other(face, other)) return;
+      const Vec3 q = places.centre(other);
+      if (std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]) <= gap)
+        found.push_back(nearest_turn(places, face, other));
+    });
+  }
+  std::ranges::sort(found, [](const Pairing& x, const Pairing& y) {
+    return std::tie(x.distance, x.seam.one, x.seam.other) <
+           std::tie(y.distance, y.seam.one, y.seam.other);
+  });
+  return found;
+}
+
+std::string side_name(Dart face) {
+  static constexpr const char* names[] = {"x0", "y0", "x1", "y1", "z0", "z1"};
+  return names[face % 24 / 4];
+}
+
+[[noreturn]] void tell_misfits(const std::vector<Pairing>& misfits, double gap,
+                               const std::string& path, const ElementName& name_of) {
+  std::string text = path + ": " + std::to_string(misfits.size()) +
+                     (misfits.size() == 1 ? " face does" : " faces do") + " not match any within " +
+                     std::to_string(gap) + " m: their corners do not pair.";
+  for (std::size_t i = 0; i < misfits.size() && i < 4; ++i) {
+    const Seam& seam = misfits[i].seam;
+    text += "\n  side " + side_name(seam.one) + " of element " +
+            std::to_string(name_of(seam.one / 24)) + " and side " + side_name(seam.other) +
+            " of element " + std::to_string(name_of(seam.other / 24)) + ": corners are " +
+            std::to_string(misfits[i].distance) + " m apart";
+  }
+  throw InputError(text + (misfits.size() > 4 ? "\n  ..." : "") +
+                   "\nnothing was sewn; both sides need the same grid of faces");
+}
+
+}  // namespace
+
+std::vector<Seam> seams_of_cuts(const CellComplex& complex, std::span<const Index> point_of_vertex,
+                                std::span<const Index> elements) {
+  std::map<std::array<Index, 4>, Dart> open;  // by their points, sorted
+  std::vector<Seam> seams;
+  const auto add = [&](Index e) {
+    for (Dart d = 24 * e; complex.exists(3, e) && d < 24 * (e + 1); d += 4) {
+      if (!is_boundary(complex, d)) continue;
+      std::array<Index, 4> points;
+      for (Dart k = 0; k < 4; ++k) points[k] = point_of_vertex[complex.origin(d + k)];
+      std::ranges::sort(points);
+      const auto [place, fresh] = open.try_emplace(points, d);
+      if (fresh) continue;
+      if (const auto seam = same_points(complex, place->second, d, point_of_vertex)) {
+        seams.push_back(*seam);
+        open.erase(place);
+      }
+    }
+  };
+  if (elements.empty())
+    for (Index e = 0; e < complex.element_count(); ++e) add(e);
+  for (const Index e : elements) add(e);
+  std::ranges::sort(seams, {}, &Seam::one);
+  return seams;
+}
+
+std::vector<Seam> seams_within_gap(const CellComplex& complex, const double* rows,
+                                   std::span<const Index> a, std::span<const Index> b, double gap,
+                                   const std::string& path, const ElementName& name_of,
+                                   std::size_t stride) {
+  const Places places{complex, rows, stride};
+  const std::vector<Dart> of_a = boundary_faces(complex, a), of_b = boundary_faces(complex, b);
+  std::vector<Seam> seams;
+  std::vector<Pairing> misfits;
+  std::map<Dart, bool> taken;  // by the first dart of the face
+  for (const Pairing& pairing : pairings(places, of_a, of_b, gap)) {
+    bool &one = taken[pairing.seam.one & ~3u], &other = taken[pairing.seam.other & ~3u];
+    if (one || other) continue;
+    if (pairing.distance > gap) {
+      misfits.push_back(pairing);
+      continue;
+    }
+    one = other = true;
+    seams.push_back(pairing.seam);
+  }
+  // A face that fits one neighbour need not fit the others.
+  std::erase_if(misfits, [&](const Pairing& misfit) {
+    return taken[misfit.seam.one & ~3u] || taken[misfit.seam.other & ~3u];
+  });
+  if (!misfits.empty()) tell_misfits(misfits, gap, path, name_of);
+  return seams;
+}
+
+namespace {
+
+/// The seam of one pair; nothing if there is none to make (`idle`).
+std::optional<Seam> seam_between(const Places& places, const std::string& path,
+                                 const ElementPair& pair,
+                                 const std::function<Index(std::uint64_t)>& element_of,
+                                 std::span<const Index> points) {
+  const CellComplex& complex = places.complex;
+  std::array<Index, 2> e;
+  for (std::size_t i = 0; i < 2; ++i) {
+    e[i] = element_of(pair[i]);
+    if (e[i] == none)
+      throw InputError(path + ": the mesh has no element " + std::to_string(pair[i]));
+  }
+  if (!complex.exists(3, e[0]) || !complex.exists(3, e[1])) return {};
+  const std::vector<Dart> of_one = boundary_faces(complex, std::span(&e[0], 1)),
+                          of_other = boundary_faces(complex, std::span(&e[1], 1));
+  for (const Dart one : of_one)
+    for (const Dart other : of_other)
+      if (const auto seam = same_points(complex, one, other, points)) return seam;
+  for (int f = 0; f < 6; ++f)
+    if (complex.neighbour(e[0], f) == e[1]) return {};
+  Pairing best;
+  for (const Dart one : of_one)
+    for (const Dart other : of_other)
+      if (places.look_at_each_other(one, other)) {
+        const Pairing pairing = nearest_turn(places, one, other);
+        if (pairing.distance < best.distance) best = pairing;
+      }
+  if (best.distance < infinite) return best.seam;
+  throw InputError(path + ": elements " + std::to_string(pair[0]) + " and " +
+                   std::to_string(pair[1]) +
+                   " have no boundary faces that look at each other: there is nothing to sew");
+}
+
+}  // namespace
+
+ListedSeams seams_between(const CellComplex& complex, const double* rows, const std::string& path,
+                          std::span<const ElementPair> pairs,
+                          const std::function<Index(std::uint64_t)>& element_of,
+                          std::span<const Index> point_of_vertex, std::size_t stride) {
+  ListedSeams result;
+  std::string faults;
+  for (std::size_t i = 0; i < pairs.size(); ++i) try {
+      const auto seam = seam_between({complex, rows, stride}, path + "/" + std::to_string(i),
+                                     pairs[i], element_of, point_of_vertex);
+      if (seam)
+        result.seams.push_back(*seam);
+      else
+        result.idle.push_back(pairs[i]);
+    } catch (const InputError& error) {
+      faults += (faults.empty() ? "" : "\n") + std::string(error.what());
+    }
+  if (!faults.empty()) throw InputError(faults);
+  return result;
+}
+
+}  // namespace suture

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "kernel/topology/cell_complex.hpp"
+
+namespace suture {
+
+/// The elements whose centroid lies within `radius` (m) of the polyline through
+/// `path` (one point or more), ascending; maybe none. Vertex v is at
+/// rows[stride * v], deformed or at rest. O(elements + elements near the path x
+/// segments), about 10 ns per element.
+std::vector<Index> elements_along_path(const CellComplex& complex, const double* rows,
+                                       std::span<const Vec3> path, double radius,
+                                       std::size_t stride = 4);
+
+}  // namespace suture

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/events/tear.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "kernel/attributes/cell_nodes.hpp"
+#include "kernel/base/error.hpp"
+#include "kernel/dynamics/loops/dispatch.hpp"
+
+namespace suture {
+namespace {
+
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+
+/// What the bound of the first look gives away to rounding.
+constexpr double slack = 1e-9;
+
+/// Rows per task of a thread, and rows below which one thread does all.
+constexpr Index rows_per_task = 8192;
+
+ColumnSpec metric_spec(const Tear& tear) {
+  ColumnSpec spec;
+  spec.name = "metric";
+  spec.components = tear.by == Tear::By::elongation ? 12 : 9;
+  return spec;
+}
+
+/// Mean of what two elements say; of one, if the other has nothing to say.
+double mean(double a, double b) {
+  if (std::isnan(a)) return b;
+  return std::isnan(b) ? a : (a + b) / 2;
+}
+
+void add_face(const CellComplex& complex, Dart face, std::vector<Dart>& faces) {
+  faces.push_back(std::min(face & ~3u, complex.beta3(face) & ~3u));
+}
+
+}  // namespace
+
+struct TearCheck::Look {
+  const CellComplex& complex;
+  Attributes& attributes;
+  Dynamics& dynamics;
+
+  HexahedronNodes nodes(const Column& places, Index e) const {
+    HexahedronNodes x;
+    const Hexahedron& vertices = complex.vertices_of(e);
+    for (std::size_t n = 0; n < 8; ++n) {
+      const double* row = places.rows() + places.offset(vertices[n]);
+      x[n] = {row[0], row[1], row[2]};
+    }
+    return x;
+  }
+  HexahedronNodes now(Index e) const { return nodes(attributes.position(), e); }
+  HexahedronNodes rest(Index e) const { return nodes(attributes.rest(), e); }
+  AxisValue strain(Index e) const {
+    return principal_strain(now(e), reciprocals(mean_edges(rest(e))));
+  }
+};
+
+TearCheck::TearCheck(const Tear& tear, std::vector<Index> elements, const CellComplex& complex,
+                     std::string path)
+    : tear_(tear), path_(std::move(path)), metric_(metric_spec(tear), 3) {
+  if (elements.empty()) return;
+  is_chosen_.assign(complex.element_count(), 0);
+  for (const Index e : elements) is_chosen_[e] = 1;
+}
+
+// ------------------------------------------------------- the first look --
+
+Column TearCheck::make_metric(const Look& look) const {
+  Column metric(metric_spec(tear_), 3);
+  metric.resize(row_count_);
+  metric.expand();
+  for (Index row = 0; row < row_count_; ++row) {
+    const HexahedronNodes rest = look.rest(rows_.empty() ? row : rows_[row]);
+    if (tear_.by == Tear::By::elongation) {
+      for (int e = 0; e < 12; ++e) {
+        const double limit =
+            edge_length(rest, static_cast<std::size_t>(e)) * (1 + tear_.above) * (1 - slack);
+        metric.set(row, e, limit * limit);
+      }
+    } else {
+      const auto G = reciprocals(mean_edges(rest));
+      for (int c = 0; c < 9; ++c)
+        metric.set(row, c, G[static_cast<std::size_t>(c / 3)][static_cast<std::size_t>(c % 3)] / 4);
+    }
+  }
+  metric.pad();
+  metric.compress(slack / 100);
+  return metric;
+}
+
+void TearCheck::build(const Look& look) {
+  if (is_built_) return;
+  const Index count = look.complex.element_count();
+  rows_.clear();
+  for (Index e = 0; e < count; ++e)
+    if (takes_part(e) && look.complex.exists(3, e)) rows_.push_back(e);
+  row_count_ = static_cast<Index>(rows_.size());
+  if (row_count_ == count) rows_ = {};
+  if (tear_.by != Tear::By::field) metric_ = make_metric(look);
+  is_built_ = true;
+}
+
+/// Rows' elements that may be above the threshold, ascending.
+std::vector<Index> TearCheck::stretched(const Look& look) const {
+  loops::Stretch job{};
+  job.nodes = look.complex.vertices().front().data();
+  job.cells = rows_.empty() ? nullptr : rows_.data();
+  job.position = look.attributes.position().rows();
+  job.metric = metric_.block(0);
+  job.block = metric_.is_constant() ? 0 : std::uint64_t{8} * metric_.spec().components;
+  // E > above  <=>  F^T F > 1 + 2 above
+  job.bound = (1 + 2 * tear_.above) * (1 - slack);
+  const auto test = tear_.by == Tear::By::elongation ? hot_loops().elongated : hot_loops().strained;
+
+  const Index tasks = (row_count_ + rows_per_task - 1) / rows_per_task;
+  std::vector<std::vector<Index>> found(tasks);
+  const auto one = [&](std::size_t task) {
+    const auto begin = static_cast<Index>(task) * rows_per_task;
+    const Index end = std::min(begin + rows_per_task, row_count_);
+    Index out[rows_per_task];
+    const Index n = test(&job, begin, end, out);
+    found[task].assign(out, out + n);
+  };
+  if (tasks > 4)
+    look.dynamics.forces().workers().parallel_for(tasks, one);
+  else
+    for (Index task = 0; task < tasks; ++task) one(task);
+
+  std::vector<Index> elements;
+  for (const auto& part : found)
+    for (const Index row : part) elements.push_back(rows_.empty() ? row : rows_[row]);
+  return elements;
+}
+
+// ------------------------------------------------------------- the faces --
+
+/// `values`: of every element, or null: the strain itself.
+std::vector<Dart> TearCheck::by_principal(const Look& look, const std::vector<double>* values) {
+  const CellComplex& complex = look.complex;
+  const auto value_of = [&](Index e) { return values ? (*values)[e] : look.strain(e).value; };
+  std::vector<Index> candidates;
+  if (values) {
+    for (Index row = 0; row < row_count_; ++row) {
+      const Index e = rows_.empty() ? row : rows_[row];
+      if ((*values)[e] > tear_.above) candidates.push_back(e);
+    }
+  } else {
+    candidates = stretched(look);
+  }
+  std::vector<Dart> faces;
+  for (const Index e : candidates) {
+    const AxisValue strain = look.strain(e);
+    const double value = values ? (*values)[e] : strain.value;
+    if (!(value > tear_.above)) continue;
+    for (const int f : faces_of_axis[static_cast<std::size_t>(strain.axis)]) {
+      const Index other = complex.neighbour(e, f);
+      if (other == none || !takes_part(other)) continue;
+      const double others = value_of(other);
+      if (others > value) continue;  // then it is the other that says which face
+      if (mean(value, others) > tear_.above)
+        add_face(complex, 24 * e + 4 * static_cast<Dart>(f), faces);
+    }
+  }
+  return faces;
+}
+
+/// `values`: of every edge, or null: the elongation.
+std::vector<Dart> TearCheck::by_edges(const Look& look, const std::vector<double>* values) {
+  const CellComplex& complex = look.complex;
+  const auto value_of = [&](Index e) {
+    if (!values) return elongations(look.now(e), look.rest(e));
+    std::array<double, 3> most{no_value, no_value, no_value};
+    for (std::size_t i = 0; i < 12; ++i) {
+      const double value = (*values)[complex.edges_of(e)[i]];
+      if (!(value <= most[i / 4]) && !std::isnan(value)) most[i / 4] = value;
+    }
+    return most;
+  };
+  std::vector<Index> candidates;
+  if (!values) {
+    candidates = stretched(look);
+  } else if (rows_.empty()) {
+    candidates.resize(row_count_);
+    for (Index e = 0; e < row_count_; ++e) candidates[e] = e;
+  } else {
+    candidates = rows_;
+  }
+  std::vector<Dart> faces;
+  for (const Index e : candidates) {
+    const std::array<double, 3> value = value_of(e);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (!(value[axis] > tear_.above)) continue;
+      for (const int f : faces_of_axis[axis]) {
+        const Dart face = 24 * e + 4 * static_cast<Dart>(f);
+        const Dart mate = complex.beta3(face);
+        if (mate == none || !takes_part(mate / 24)) continue;
+        const auto across = static_cast<std::size_t>(axis_of_face[mate % 24 / 4]);
+        if (mean(value[axis], value_of(mate / 24)[across]) > tear_.above)
+          add_face(complex, face, faces);
+      }
+    }
+  }
+  return faces;
+}
+
+/// 3 if elements have the field, 1 if edges have it.
+int TearCheck::field_dimension(const Look& look) const {
+  for (const auto& instance : look.attributes.instances()) {
+    if (instance->name() != tear_.model) continue;
+    const suture_model& model = instance->model();
+    for (const suture_functor& functor : std::span(model.functors, model.functor_count)) {
+      const auto* output =
+          functor.extension == nullptr
+              ? nullptr
+              : static_cast<const suture_output_1*>(functor.extension(SUTURE_OUTPUT_1));
+      for (std::uint32_t f = 0; output != nullptr && f < output->field_count; ++f)
+        if (output->fields[f].name == tear_.field && output->fields[f].components == 1)
+          return static_cast<int>(functor.dimension);
+    }
+  }
+  throw PluginError(path_ + "/by: no model '" + tear_.model + "' gives '" + tear_.field + "'");
+}
+
+/// The field by cell of the complex; NaN where there is none.
+std::vector<double> TearCheck::field_values(const Look& look, int dimension) const {
+  std::vector<double> values(look.complex.count(dimension), no_value);
+  for (const auto& instance : look.attributes.instances()) {
+    if (instance->name() != tear_.model) continue;
+    const CellSet& cells = instance->table(dimension).cells;
+    std::vector<double> rows(cells.size(), no_value);
+    if (!look.dynamics.forces().compute_field(*instance, dimension, tear_.field,
+                                              look.dynamics.time(), rows)) {
+      throw PluginError(path_ + "/by: model '" + tear_.model + "' computes no '" + tear_.field +
+                        "' with these parameters");
+    }
+    for (Index row = 0; row < cells.size(); ++row)
+      if (cells.row(cells.cell(row)) == row) values[cells.cell(row)] = rows[row];
+  }
+  return values;
+}
+
+std::vector<Dart> TearCheck::find(const Look& look) {
+  build(look);
+  if (row_count_ == 0) return {};
+  std::vector<Dart> faces;
+  if (tear_.by == Tear::By::principal_strain) {
+    faces = by_principal(look, nullptr);
+  } else if (tear_.by == Tear::By::elongation) {
+    faces = by_edges(look, nullptr);
+  } else {
+    const int dimension = field_dimension(look);
+    const std::vector<double> values = field_values(look, dimension);
+    faces = dimension == 1 ? by_edges(look, &values) : by_principal(look, &values);
+  }
+  std::ranges::sort(faces);
+  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  return faces;
+}
+
+// ------------------------------------------------------------ the answer --
+
+void TearCheck::check_share(const CellComplex& complex, std::size_t torn) const {
+  std::size_t faces = 0;
+  for (Index row = 0; row < row_count_; ++row) {
+    const Index e = rows_.empty() ? row : rows_[row];
+    for (int f = 0; f < 6; ++f) {
+      const Index other = complex.neighbour(e, f);
+      faces += other != none && e < other && takes_part(other);
+    }
+  }
+  if (static_cast<double>(torn) <= tear_.most * static_cast<double>(faces)) return;
+  std::ostringstream text;
+  text << path_ << ": would tear " << torn << " of " << faces
+       << " faces at once, more than 'most' admits (" << 100 * tear_.most
+       << " %); nothing was torn. A criterion that tears everything is no crack: raise 'above', "
+          "ramp the load, give a 'where', or raise 'most'";
+  throw NumericalError(text.str());
+}
+
+std::vector<Dart> TearCheck::faces(const CellComplex& complex, Attributes& attributes,
+                                   Dynamics& dynamics) {
+  const std::vector<Dart> faces = find({complex, attributes, dynamics});
+  if (!faces.empty()) check_share(complex, faces.size());
+  return faces;
+}
+
+bool TearCheck::can_tear(const CellComplex& complex, Attributes& attributes, Dynamics& dynamics) {
+  try {
+    return !faces(complex, attributes, dynamics).empty();
+  } catch (const NumericalError&) {
+    return false;
+  }
+}
+
+}  // namespace suture

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/run/event_runner.hpp"
+
+#include <sstream>
+
+#include "kernel/base/error.hpp"
+#include "kernel/events/cut_faces.hpp"
+#include "kernel/events/islands.hpp"
+#include "kernel/events/match_faces.hpp"
+#include "kernel/events/pierce_path.hpp"
+#include "kernel/events/plane_patch.hpp"
+
+namespace suture {
+namespace {
+
+std::string count_text(Index n, const char* one) {
+  return std::to_string(n) + ' ' + one + (n == 1 ? "" : "s");
+}
+
+std::string time_text(double time) {
+  std::ostringstream text;
+  text << "t = " << time << " s: ";
+  return text.str();
+}
+
+}  // namespace
+
+std::string EventOutcome::text() const {
+  std::string text;
+  const auto add = [&](const char* verb, Index n, const char* what) {
+    if (n > 0) text += (text.empty() ? "" : ", ") + std::string(verb) + count_text(n, what);
+  };
+  add("cut ", faces_cut, "face");
+  add("tore ", faces_torn, "face");
+  add("sewed ", faces_sewn, "face");
+  add("removed ", elements_removed, "element");
+  return text;
+}
+
+// ------------------------------------------------------------ operations --
+
+/// One operation on its way: everything it needs, and an overload per kind.
+struct EventRunner::Call {
+  EventRunner& runner;
+  const Event& event;
+  double time;
+  TearCheck* tear;
+  World& world = runner.world_;
+
+  const double* shape() const {
+    Attributes& a = world.attributes;
+    return (event.rest_shape ? a.rest() : a.position()).rows();
+  }
+  void warn(const std::string& text) const {
+    runner.diagnostics_.warn(time_text(time) + event.path + text);
+  }
+
+  EventOutcome cut(const std::vector<Dart>& faces) const {
+    EventOutcome outcome;
+    if (faces.empty())
+      warn(" cuts no face: the blade misses the body");
+    else
+      outcome.faces_cut = world.cut(faces).faces_cut;
+    return outcome;
+  }
+
+  EventOutcome operator()(const CutPlane& plane) const {
+    return cut(faces_across_patch(world.complex(), shape(),
+                                  {plane.point, plane.normal, plane.radius, plane.polygon}));
+  }
+
+  EventOutcome operator()(const CutFaces& listed) const {
+    const ListedFaces faces = faces_of(listed);
+    if (!faces.cut_before.empty()) {
+      warn("/cut/faces: " + std::to_string(faces.cut_before.size()) +
+           " of the faces are cut already, the first between elements " +
+           std::to_string(faces.cut_before[0][0]) + " and " +
+           std::to_string(faces.cut_before[0][1]));
+    }
+    return faces.faces.empty() ? EventOutcome{} : cut(faces.faces);
+  }
+  ListedFaces faces_of(const CutFaces& listed) const {
+    return faces_between(
+        world.complex(), event.path + "/cut/faces", listed.element_pairs,
+        [&](std::uint64_t id) { return world.selector.element_with_id(id); }, world.user_vertex);
+  }
+
+  EventOutcome operator()(const Pierce& pierce) const {
+    return remove(pierce.where
+                      ? world.selector.elements_now(*pierce.where, shape())
+                      : elements_along_path(world.complex(), shape(), pierce.path, pierce.radius),
+                  " removes no element: nothing is left where it pierces");
+  }
+
+  EventOutcome operator()(const RemoveIslands& islands) const {
+    return remove(elements_of_islands(world.complex(), world.islands(), shape(), islands),
+                  " removes no island: all are large enough and within the region");
+  }
+
+  EventOutcome remove(const std::vector<Index>& elements, const char* nothing) const {
+    EventOutcome outcome;
+    if (elements.empty()) {
+      if (event.is_timed()) warn(nothing);
+      return outcome;
+    }
+    if (elements.size() >= world.complex().existing(3)) {
+      throw InputError(time_text(time) + event.path + ": " + event.operation() +
+                       " would remove all " + std::to_string(elements.size()) +
+                       " elements that are left, and nothing would be simulated; nothing was "
+                       "removed");
+    }
+    outcome.elements_removed = static_cast<Index>(world.pierce(elements).removed[3].size());
+    runner.rest_changed();
+    return outcome;
+  }
+
+  EventOutcome operator()(const SewFaces& sew) const {
+    EventOutcome outcome;
+    const std::vector<Seam> seams = seams_of(sew);
+    if (seams.empty()) {
+      if (event.is_timed()) warn(" sews no face: " + why_none(sew));
+      return outcome;
+    }
+    try {
+      outcome.faces_sewn = world.sew(seams).faces_sewn;
+    } catch (const TopologyError& error) {
+      throw TopologyError(time_text(time) + event.path + "/suture: " + error.what() +
+                          "; nothing was sewn");
+    }
+    runner.rest_changed();
+    return outcome;
+  }
+
+  std::vector<Seam> seams_of(const SewFaces& sew) const {
+    const CellComplex& complex = world.complex();
+    const double* rows = world.attributes.position().rows();
+    const auto selected = [&](const Selection& s) { return world.selector.elements_now(s, rows); };
+    if (sew.between) {
+      return seams_within_gap(complex, rows, selected((*sew.between)[0]),
+                              selected((*sew.between)[1]), sew.gap,
+                              time_text(time) + event.path + "/suture/between",
+                              [&](Index e) { return world.element_name(e); });
+    }
+    if (!sew.element_pairs.empty()) return listed_seams(sew);
+    std::vector<Index> where;
+    if (sew.where) where = world.selector.elements_now(*sew.where, world.attributes.rest().rows());
+    if (sew.where && where.empty()) return {};
+    return seams_of_cuts(complex, world.user_vertex, where);
+  }
+
+  std::vector<Seam> listed_seams(const SewFaces& sew) const {
+    ListedSeams listed = seams_between(
+        world.complex(), world.attributes.position().rows(), event.path + "/suture/faces",
+        sew.element_pairs, [&](std::uint64_t id) { return world.selector.element_with_id(id); },
+        world.user_vertex);
+    if (!listed.idle.empty() && !listed.seams.empty()) {
+      warn("/suture/faces: " + std::to_string(listed.idle.size()) +
+           " of the pairs share a face or were removed, the first is elements " +
+           std::to_string(listed.idle[0][0]) + " and " + std::to_string(listed.idle[0][1]));
+    }
+    return std::move(listed.seams);
+  }
+
+  static std::string why_none(const SewFaces& sew) {
+    if (sew.between) return "none of one side is within the gap of one of the other";
+    return sew.element_pairs.empty() ? "nothing that was cut is open there"
+                                     : "all pairs share a face already, or were removed";
+  }
+
+  EventOutcome operator()(const Tear&) const {
+    EventOutcome outcome;
+    const std::vector<Dart> faces = tear->faces(world.complex(), world.attributes, *world.dynamics);
+    if (!faces.empty())
+      outcome.faces_torn = world.cut(faces).faces_cut;
+    else if (event.is_timed())
+      warn(" tears no face: the criterion is below its threshold everywhere");
+    return outcome;
+  }
+};
+
+// ---------------------------------------------------------------- runner --
+
+EventRunner::EventRunner(const Scene& scene, World& world, Diagnostics& diagnostics)
+    : scene_(scene), world_(world), diagnostics_(diagnostics), had_effect_(scene.events.size()) {
+  for (const Event& event : scene.events) {
+    check(event);
+    tears_.push_back(tear_check(event));
+  }
+}
+
+EventRunner::~EventRunner() = default;
+
+// Lists and sets that the mesh does not have are the scene's fault, and told before
+// anything runs. What geometry selects is known when the event comes.
+void EventRunner::check(const Event& event) {
+  if (const auto* faces = std::get_if<CutFaces>(&event.what))
+    Call{*this, event, 0, nullptr}.faces_of(*faces);
+  const auto check_names = [&](const Selection& selection) {
+    const bool names = std::holds_alternative<Selection::Ids>(selection.what) ||
+                       std::holds_alternative<Selection::Named>(selection.what);
+    if (names) world_.selector.elements(selection);
+  };
+  if (const auto* pierce = std::get_if<Pierce>(&event.what))
+    if (pierce->where) check_names(*pierce->where);
+  if (const auto* sew = std::get_if<SewFaces>(&event.what)) {
+    if (sew->where) check_names(*sew->where);
+    if (sew->between)
+      for (const Selection& selection : *sew->between) check_names(selection);
+    check_pairs(event, *sew);
+  }
+}
+
+void EventRunner::check_pairs(const Event& event, const SewFaces& sew) const {
+  for (std::size_t i = 0; i < sew.element_pairs.size(); ++i)
+    for (const std::uint64_t id : sew.element_pairs[i])
+      if (world_.selector.element_with_id(id) == none)
+        throw InputError(event.path + "/suture/faces/" + std::to_string(i) +
+                         ": the mesh has no element " + std::to_string(id));
+}
+
+void EventRunner::rest_changed() {
+  for (const auto& tear : tears_)
+    if (tear) tear->invalidate();
+}
+
+std::unique_ptr<TearCheck> EventRunner::tear_check(const Event& event) const {
+  const auto* tear = std::get_if<Tear>(&event.what);
+  if (tear == nullptr) return nullptr;
+  std::vector<Index> elements;
+  if (tear->where) elements = world_.selector.elements(*tear->where);
+  return std::make_unique<TearCheck>(*tear, std::move(elements), world_.complex(),
+                                     event.path + "/tear");
+}
+
+EventOutcome EventRunner::fire(std::size_t i, double time) {
+  const Event& event = scene_.events[i];
+  const EventOutcome outcome = std::visit(Call{*this, event, time, tears_[i].get()}, event.what);
+  had_effect_[i] |= outcome.changed();
+  return outcome;
+}
+
+EventOutcome EventRunner::apply(const Event& event, double time) {
+  check(event);
+  const auto tear = tear_check(event);
+  return std::visit(Call{*this, event, time, tear.get()}, event.what);
+}
+
+void EventRunner::finish() {
+  for (std::size_t i = 0; i < scene_.events.size(); ++i) {
+    const Event& event = scene_.events[i];
+    if (had_effect_[i] || event.is_timed()) continue;  // those were told of at their time
+    diagnostics_.warn(event.path + ": " + event.operation() + " had no effect in the whole run" +
+                      (event.when ? ": its condition never held, or there was nothing to do" : ""));
+  }
+}
+
+}  // namespace suture

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernel/events/tear.hpp"
+#include "kernel/run/world.hpp"
+
+namespace suture {
+
+/// What an operation did.
+struct EventOutcome {
+  Index faces_cut = 0, faces_torn = 0, faces_sewn = 0, elements_removed = 0;
+  bool changed() const { return faces_cut + faces_torn + faces_sewn + elements_removed > 0; }
+  /// "cut 25 faces"; "" if nothing was changed.
+  std::string text() const;
+};
+
+/// Makes the operations of a scene's events happen to a world: finds what each is
+/// about (kernel/events), and hands that to cut(), pierce() or sew().
+class EventRunner {
+ public:
+  /// Throws InputError for lists and selections that cannot be meant, before
+  /// anything has run.
+  EventRunner(const Scene& scene, World& world, Diagnostics& diagnostics);
+  ~EventRunner();
+
+  /// Event `i` of the scene, now. What cannot be done throws InputError or
+  /// NumericalError beginning with the event's path, and then nothing has happened;
+  /// what has no effect warns (a look that repeats: at the end, once).
+  EventOutcome fire(std::size_t i, double time);
+  /// The same for any operation, from C++: an event that is in no scene.
+  EventOutcome apply(const Event& event, double time);
+  /// Warns of events that had no effect in the whole run.
+  void finish();
+
+ private:
+  struct Call;  // one operation on its way
+
+  void check(const Event& event);
+  void check_pairs(const Event& event, const SewFaces& sew) const;
+  std::unique_ptr<TearCheck> tear_check(const Event& event) const;
+  void rest_changed();  ///< elements went, or have other rest places
+
+  const Scene& scene_;
+  World& world_;
+  Diagnostics& diagnostics_;
+  std::vector<std::unique_ptr<TearCheck>> tears_;  ///< by event; null for other operations
+  std::vector<char> had_effect_;
+};
+
+}  // namespace suture

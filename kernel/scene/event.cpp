@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/scene/event.hpp"
+
+#include <sstream>
+
+namespace suture {
+namespace {
+
+// What is looked at each time, per kind of operation.
+struct What {
+  std::string operator()(const CutPlane& cut) const {
+    const bool bounded = cut.radius < std::numeric_limits<double>::infinity();
+    return bounded               ? "the faces that a disc separates"
+           : cut.polygon.empty() ? "the faces that a plane separates"
+                                 : "the faces that a polygon separates";
+  }
+  std::string operator()(const CutFaces& cut) const {
+    return std::to_string(cut.element_pairs.size()) + " listed faces";
+  }
+  std::string operator()(const Pierce& pierce) const {
+    return pierce.where ? "the elements of a selection" : "the elements along a path";
+  }
+  std::string operator()(const Tear& tear) const {
+    static constexpr const char* values[] = {"the largest principal strain of each element",
+                                             "the elongation of each edge", ""};
+    const std::string field =
+        tear.model + "/" + tear.field + ", which the model computes each time";
+    return "faces by " +
+           (tear.by == Tear::By::field ? field : values[static_cast<std::size_t>(tear.by)]);
+  }
+  std::string operator()(const SewFaces& sew) const {
+    return sew.between                 ? "boundary faces between two selections"
+           : sew.element_pairs.empty() ? "faces that were cut"
+                                       : std::to_string(sew.element_pairs.size()) + " listed faces";
+  }
+  std::string operator()(const RemoveIslands&) const {
+    return "islands, known from all operations";
+  }
+};
+
+}  // namespace
+
+std::string Event::summary() const {
+  std::ostringstream text;
+  text << operation() << ' ' << std::visit(What{}, what);
+  if (every > 0) {
+    text << ", every " << every << (every == 1 ? " step" : " steps") << " from " << from << " s";
+    if (until) text << " until " << *until << " s";
+  } else if (when) {
+    text << ", once a condition holds, looked at every " << when->every
+         << (when->every == 1 ? " step" : " steps");
+  } else {
+    text << ", at " << at << " s";
+  }
+  return text.str();
+}
+
+const char* Event::operation() const {
+  static constexpr const char* names[] = {"cut",  "cut",    "pierce",
+                                          "tear", "suture", "remove_islands"};
+  static_assert(std::size(names) == std::variant_size_v<Operation>);
+  return names[what.index()];
+}
+
+double Event::start() const { return every > 0 ? from : when ? 0 : at; }
+
+double Event::finish() const {
+  if (every > 0) return until.value_or(std::numeric_limits<double>::infinity());
+  return when ? std::numeric_limits<double>::infinity() : at;
+}
+
+}  // namespace suture

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "kernel/scene/selection.hpp"
+
+namespace suture {
+
+// What happens: one struct per operation.
+
+/// Opens the faces between elements on different sides of a plane, all of them or
+/// those where the plane is inside the disc or the polygon.
+struct CutPlane {
+  Vec3 point, normal;
+  double radius = std::numeric_limits<double>::infinity();  ///< of a disc around `point`, m
+  std::vector<Vec3> polygon{};  ///< in the plane, m; empty: not bounded so
+};
+
+/// Opens listed faces.
+struct CutFaces {
+  std::vector<std::array<std::uint64_t, 2>> element_pairs;  ///< user ids of both sides
+};
+
+/// Removes elements: those selected, or those around a polyline.
+struct Pierce {
+  std::optional<Selection> where;  ///< or
+  std::vector<Vec3> path;          ///< m
+  double radius = 0;               ///< m, from the polyline to the centroid
+};
+
+/// Opens faces where a value has passed a threshold (events/tear.hpp).
+struct Tear {
+  enum class By { principal_strain, elongation, field };
+  By by = By::principal_strain;
+  std::string model, field;  ///< of By::field: the instance's name and its output
+  double above = 0;          ///< in the unit of the value
+  std::optional<Selection> where;
+  double most = 0.25;  ///< part of the faces between the elements that one look may open
+};
+
+/// 3-sews boundary faces (events/match_faces.hpp).
+struct SewFaces {
+  std::vector<std::array<std::uint64_t, 2>> element_pairs;  ///< user ids; or
+  std::optional<std::array<Selection, 2>> between;          ///< with
+  double gap = 0;                                           ///< m; or
+  std::optional<Selection> where;  ///< what was cut there comes together; none: everywhere
+};
+
+/// Removes whole islands that have fewer elements, or have left a box. Both given:
+/// either suffices.
+struct RemoveIslands {
+  std::uint64_t below = 0;                ///< elements; 0: any size stays
+  std::optional<Selection::Box> outside;  ///< of the deformed shape
+};
+
+using Operation = std::variant<CutPlane, CutFaces, Pierce, Tear, SewFaces, RemoveIslands>;
+
+// When it happens.
+
+/// Holds while a component of the mean over some nodes is above (below) a bound.
+struct Condition {
+  enum class Of { displacement, velocity, position };
+  Selection where;
+  Of of = Of::displacement;
+  int component = 3;  ///< 0 x, 1 y, 2 z, 3 the magnitude of the mean
+  bool above = true;
+  double bound = 0;         ///< m or m/s
+  std::uint64_t every = 1;  ///< steps between looks
+};
+
+/// One event: at a time; or every so many steps; or once a condition holds.
+struct Event {
+  double at = 0;                  ///< s; or
+  std::uint64_t every = 0;        ///< steps, if > 0,
+  double from = 0;                ///< s,
+  std::optional<double> until{};  ///< s; or
+  std::optional<Condition> when{};
+  Operation what;
+  bool rest_shape = false;  ///< "shape": "rest"
+  std::string path;         ///< "/events/0"
+
+  /// "cut", "pierce", "tear", "suture", "remove_islands": the key in the scene.
+  const char* operation() const;
+  bool is_timed() const { return every == 0 && !when; }
+  /// "pierce, every 4 steps from 0.5 s: ...", for `suture explain`.
+  std::string summary() const;
+  /// When it can happen for the first time and for the last, s.
+  double start() const;
+  double finish() const;  ///< infinite if nobody can say
+};
+
+}  // namespace suture

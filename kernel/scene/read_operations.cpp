@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Operations of an event besides cuts: pierce, tear, suture, remove_islands.
+#include <algorithm>
+#include <array>
+
+#include "kernel/base/nearest.hpp"
+#include "kernel/scene/scene_parts.hpp"
+
+namespace suture::scene_parts {
+namespace {
+
+std::optional<Selection> optional_selection(ObjectReader& object, const std::string& key) {
+  const JsonValue* value = object.find(key);
+  if (value == nullptr) return {};
+  return read_selection(*value, object.path_of(key), object.mistakes());
+}
+
+// One number per edge or element: what tearing can compare with a threshold.
+std::vector<std::string> scalar_fields(const suture_model& model) {
+  std::vector<std::string> names;
+  for (std::uint32_t i = 0; i < model.functor_count; ++i) {
+    const suture_functor& functor = model.functors[i];
+    const bool fits = functor.dimension == 1 || functor.dimension == 3;
+    const auto* output =
+        functor.extension == nullptr || !fits
+            ? nullptr
+            : static_cast<const suture_output_1*>(functor.extension(SUTURE_OUTPUT_1));
+    for (std::uint32_t f = 0; output != nullptr && f < output->field_count; ++f) {
+      if (output->fields[f].components == 1) names.emplace_back(output->fields[f].name);
+    }
+  }
+  return names;
+}
+
+// {"model": NAME, "field": NAME}: the name of an instance, or its model's id if that
+// is meant for one only.
+void read_field(ObjectReader by, Tear& tear, Reading& reading) {
+  by.require("model", "the name of a model of this scene");
+  by.require("field", "a value that the model declares");
+  tear.by = Tear::By::field;
+  tear.model = by.string("model").value_or("");
+  tear.field = by.string("field").value_or("");
+  std::vector<std::string> names;
+  for (const ModelUse& use : reading.scene.models) names.push_back(use.name);
+  const auto use = std::find(names.begin(), names.end(), tear.model);
+  if (use == names.end() && by.find("model") != nullptr) {
+    by.complain("model", "no model of this scene is named '" + tear.model + "'" +
+                             did_you_mean(tear.model, names));
+  } else if (use != names.end() && by.find("field") != nullptr) {
+    const auto* model = reading.scene.models[static_cast<std::size_t>(use - names.begin())].model;
+    const auto fields = model == nullptr ? std::vector{tear.field} : scalar_fields(*model);
+    if (std::find(fields.begin(), fields.end(), tear.field) == fields.end()) {
+      std::string text = "'" + tear.model + "' gives no single number '" + tear.field +
+                         "' of its elements or edges" + did_you_mean(tear.field, fields);
+      for (std::size_t i = 0; i < fields.size(); ++i)
+        text += (i ? ", " : "; it gives ") + fields[i];
+      by.complain("field", text);
+    }
+  }
+  by.finish();
+}
+
+void read_by(ObjectReader& tear, Tear& result, Reading& reading) {
+  const JsonValue* by =
+      tear.require("by", "\"principal-strain\", \"elongation\" or {\"model\", \"field\"}");
+  if (by == nullptr) return;
+  if (by->kind == JsonValue::Kind::object) {
+    read_field({*by, tear.path_of("by"), tear.mistakes()}, result, reading);
+    return;
+  }
+  static const std::array<std::string, 2> kinds{"principal-strain", "elongation"};
+  if (tear.choice("by", kinds) == 1u) result.by = Tear::By::elongation;
+}
+
+}  // namespace
+
+Pierce read_pierce(ObjectReader pierce) {
+  Pierce result;
+  static const std::array<std::string, 2> kinds{"where", "path"};
+  const auto kind = pierce.one_of(kinds);
+  if (kind == 0u) result.where = optional_selection(pierce, "where");
+  if (kind == 1u) {
+    result.path = read_points(*pierce.find("path"), pierce.path_of("path"), 2, pierce.mistakes());
+    pierce.require("radius", "elements whose centroid is that near to the path go, in m");
+  } else if (pierce.find("radius") != nullptr) {
+    pierce.complain("radius", "belongs to 'path'");
+  }
+  result.radius = pierce.number("radius", Range::positive("m")).value_or(0);
+  pierce.finish();
+  return result;
+}
+
+Tear read_tear(ObjectReader tear, Reading& reading) {
+  Tear result;
+  read_by(tear, result, reading);
+  tear.require("above", "the threshold");
+  const bool strain = result.by != Tear::By::field;
+  result.above = tear.number("above", strain ? Range::positive("1") : Range::any("")).value_or(1);
+  result.where = optional_selection(tear, "where");
+  result.most = tear.number("most", Range{"1", 0, 1, true, false}).value_or(result.most);
+  tear.finish();
+  return result;
+}
+
+SewFaces read_suture(ObjectReader suture) {
+  SewFaces result;
+  int ways = 0;
+  if (const JsonValue* faces = suture.find("faces")) {
+    ++ways;
+    result.element_pairs = read_pairs(*faces, suture.path_of("faces"), suture.mistakes());
+  }
+  if (const JsonValue* between = suture.find("between")) {
+    ++ways;
+    const std::string path = suture.path_of("between");
+    const auto* items = read_array(*between, path, "two selections", suture.mistakes());
+    if (items != nullptr && items->size() == 2) {
+      result.between = {read_selection((*items)[0], child_path(path, 0), suture.mistakes()),
+                        read_selection((*items)[1], child_path(path, 1), suture.mistakes())};
+    } else if (items != nullptr) {
+      suture.complain("between", "must be two selections of elements [A, B], has " +
+                                     std::to_string(items->size()));
+    }
+    suture.require("gap", "how far apart two corners may be, in m");
+  } else if (suture.find("gap") != nullptr) {
+    suture.complain("gap", "belongs to 'between'");
+  }
+  result.gap = suture.number("gap", Range::positive("m")).value_or(0);
+  if (suture.find("where") != nullptr) ++ways;
+  result.where = optional_selection(suture, "where");
+  if (ways > 1) suture.complain("must have one of 'faces', 'between' and 'where', or none");
+  suture.finish();
+  return result;
+}
+
+RemoveIslands read_remove_islands(ObjectReader remove) {
+  RemoveIslands result;
+  result.below = remove.natural("below", 1).value_or(0);
+  if (const JsonValue* outside = remove.find("outside")) {
+    ObjectReader region(*outside, remove.path_of("outside"), remove.mistakes());
+    if (const JsonValue* box = region.require("box", "the region of interest {\"min\", \"max\"}"))
+      result.outside = read_box({*box, region.path_of("box"), remove.mistakes()});
+    region.finish();
+  }
+  if (remove.is_object() && remove.find("below") == nullptr && remove.find("outside") == nullptr)
+    remove.complain("must have 'below' (elements), 'outside' (a region) or both");
+  remove.finish();
+  return result;
+}
+
+}  // namespace suture::scene_parts

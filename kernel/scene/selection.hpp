@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "kernel/base/types.hpp"
+
+namespace suture {
+
+/// Some points or elements. Geometry is tested at rest; an element is selected
+/// if its centroid is. A load in Pa acts on the boundary faces all four corners
+/// of which are selected.
+struct Selection {
+  struct All {};
+  struct Box {
+    Vec3 min, max;
+  };
+  struct Plane {
+    Vec3 point, normal;
+    double tolerance;
+  };  ///< |distance| <= tolerance, m; < 0: default_tolerance
+  struct HalfSpace {
+    Vec3 point, normal;
+  };  ///< on the side of the normal
+  struct Sphere {
+    Vec3 centre;
+    double radius;
+  };
+  struct Nearest {
+    Vec3 point;
+  };  ///< the one point or element nearest to it
+  struct Ids {
+    std::vector<std::uint64_t> ids;
+  };  ///< the file's own numbers
+  struct Named {
+    std::string set;
+  };
+  std::variant<All, Box, Plane, HalfSpace, Sphere, Nearest, Ids, Named> what = All{};
+  std::string path;  ///< "/constraints/0/where"
+
+  /// Of a plane without a tolerance, as a part of the diagonal of the mesh's bounding box.
+  static constexpr double default_tolerance = 1e-6;
+};
+
+}  // namespace suture

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Events in a running simulation: when they come, what they do, what they say.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "kernel/base/error.hpp"
+#include "tests/run/beam.hpp"
+
+namespace suture::test {
+namespace {
+
+PluginHost& host() {
+  static PluginHost plugins;
+  return plugins;
+}
+
+// What an observer hears.
+struct Listener : Observer {
+  std::vector<std::string> lines;
+  void on_message(const std::string& line) override { lines.push_back(line); }
+};
+
+// A bar of 8 x 2 x 2 elements along x that is pulled at x1 by `pull` m in 0.1 s.
+Scene pulled_bar(double pull) {
+  Scene scene = beam(host(), "tm-faure", 8, 2, 0);
+  scene.solver.dt = 2e-4;
+  scene.solver.end = 0.2;
+  scene.solver.damping = 50;
+  Constraint hand;
+  hand.where.what = Selection::Named{"x1"};
+  hand.moves = true;
+  hand.translation = {pull, 0, 0};
+  hand.ramp = {0, 0.1, true};
+  scene.constraints.push_back(hand);
+  return scene;
+}
+
+Event event_of(Operation what, double at = 0) {
+  Event event;
+  event.at = at;
+  event.what = std::move(what);
+  event.path = "/events/0";
+  return event;
+}
+
+struct Outcome {
+  Listener heard;
+  Diagnostics diagnostics;
+  RunSummary summary;
+  std::unique_ptr<Simulation> simulation;
+
+  explicit Outcome(const Scene& scene) {
+    simulation = std::make_unique<Simulation>(scene, host(), diagnostics);
+    summary = simulation->run(heard);
+  }
+};
+
+Event tear_of(double above, std::uint64_t every) {
+  Tear tear;
+  tear.above = above;
+  Event event = event_of(tear);
+  event.every = every;
+  return event;
+}
+
+// The bar necks nowhere: strain is largest at the hands, which hold the cross-section.
+TEST(TearEvent, ABarThatIsPulledTearsAcross) {
+  Scene scene = pulled_bar(0.6);
+  scene.events.push_back(tear_of(0.45, 4));
+  std::get<Tear>(scene.events[0].what).where = Selection{};  // all
+  const Outcome run(scene);
+  EXPECT_GE(run.summary.faces_torn, 4u) << "a cross-section has four faces";
+  EXPECT_EQ(run.summary.faces_cut, 0u);
+  Index islands = 0;
+  run.simulation->complex().islands(&islands);
+  EXPECT_GE(islands, 2u);
+  ASSERT_FALSE(run.heard.lines.empty());
+  EXPECT_NE(run.heard.lines[0].find(" s: tore "), std::string::npos) << run.heard.lines[0];
+  EXPECT_TRUE(run.diagnostics.warnings().empty());
+}
+
+TEST(TearEvent, WithoutEffectIsToldOnce) {
+  Scene scene = pulled_bar(0.01);
+  scene.events.push_back(tear_of(0.3, 1));
+  const Outcome run(scene);
+  EXPECT_EQ(run.summary.faces_torn, 0u);
+  EXPECT_TRUE(run.heard.lines.empty());
+  ASSERT_EQ(run.diagnostics.warnings().size(), 1u);
+  EXPECT_EQ(run.diagnostics.warnings()[0], "/events/0: tear had no effect in the whole run");
+}
+
+// Checking changes nothing: the same bits as a run without the event.
+TEST(TearEvent, ALookChangesNoBit) {
+  std::vector<double> places;
+  for (const bool looks : {false, true}) {
+    Scene scene = pulled_bar(0.1);
+    if (looks) scene.events.push_back(tear_of(0.9, 1));
+    Outcome run(scene);
+    const Column& x = run.simulation->attributes().position();
+    const std::vector<double> now(x.rows(), x.rows() + std::size_t{4} * x.size());
+    if (looks)
+      EXPECT_EQ(now, places);
+    else
+      places = now;
+  }
+}
+
+TEST(TearEvent, EverythingAtOnceStopsTheRunAndTearsNothing) {
+  Scene scene = pulled_bar(0.6);
+  scene.events.push_back(tear_of(0.2, 1));
+  scene.events[0].from = 0.09;
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Listener heard;
+  try {
+    simulation.run(heard);
+    ADD_FAILURE();
+  } catch (const NumericalError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("/events/0/tear: would tear"), std::string::npos) << text;
+  }
+  Index islands = 0;
+  simulation.complex().islands(&islands);
+  EXPECT_EQ(islands, 1u);
+  EXPECT_TRUE(heard.lines.empty());
+}
+
+// By the model's own value on elements, and on edges.
+TEST(TearEvent, ByAValueThatAModelDeclares) {
+  for (const char* model : {"tm-faure", "mss-baudet"}) {
+    Scene scene = pulled_bar(0.6);
+    const bool springs = std::string(model) == "mss-baudet";
+    scene.models = beam(host(), model, 8, 2, 0).models;
+    Tear tear;
+    tear.by = Tear::By::field;
+    tear.model = model;
+    tear.field = springs ? "strain" : "von_mises";
+    tear.above = springs ? 0.45 : 250e3;
+    Event event = event_of(tear);
+    event.every = 2;
+    scene.events.push_back(event);
+    const Outcome run(scene);
+    EXPECT_GE(run.summary.faces_torn, 4u) << model;
+  }
+}
+
+// Repeated cuts at 4, 8, 12 ... steps: only the first has faces to open.
+TEST(Schedule, EveryCountsStepsFromUntil) {
+  Scene scene = pulled_bar(0.1);
+  Event cut = event_of(CutPlane{{0.5, 0, 0}, {1, 0, 0}});
+  cut.every = 4;
+  cut.from = 0.01;     // step 50
+  cut.until = 0.0204;  // step 102
+  scene.events.push_back(cut);
+  const Outcome run(scene);
+  ASSERT_EQ(run.heard.lines.size(), 1u);
+  EXPECT_EQ(run.heard.lines[0], "t = 0.0104 s: cut 4 faces, 2 islands") << "step 52";
+  // 56, 60, ... 100 miss: 12 times. Step 102 is no multiple of 4.
+  EXPECT_EQ(run.diagnostics.warnings().size(), 12u);
+}
+
+// x1 moves as 3 s^2 - 2 s^3 of 0.1 m: half of it at t = 0.05 s.
+TEST(Schedule, WhenHoldsOnceItsConditionIsTrue) {
+  for (const auto of : {Condition::Of::displacement, Condition::Of::position}) {
+    Scene scene = pulled_bar(0.1);
+    Event cut = event_of(CutPlane{{0.5, 0, 0}, {1, 0, 0}});
+    Condition condition;
+    condition.where.what = Selection::Named{"x1"};
+    condition.of = of;
+    condition.component = of == Condition::Of::displacement ? 3 : 0;
+    condition.bound = (of == Condition::Of::displacement ? 0 : 1) + 0.05 - 1e-6;
+    condition.every = 5;
+    cut.when = condition;
+    scene.events.push_back(cut);
+    const Outcome run(scene);
+    ASSERT_EQ(run.heard.lines.size(), 1u);
+    EXPECT_EQ(run.heard.lines[0], "t = 0.05 s: cut 4 faces, 2 islands");
+    EXPECT_TRUE(run.diagnostics.warnings().empty());
+  }
+}
+
+TEST(Schedule, AConditionThatNeverHoldsIsTold) {
+  Scene scene = pulled_bar(0.1);
+  Event cut = event_of(CutPlane{{0.5, 0, 0}, {1, 0, 0}});
+  cut.when = Condition{};
+  cut.when->bound = 0.2;
+  scene.events.push_back(cut);
+  const Outcome run(scene);
+  EXPECT_EQ(run.summary.faces_cut, 0u);
+  ASSERT_EQ(run.diagnostics.warnings().size(), 1u);
+  EXPECT_NE(run.diagnostics.warnings()[0].find("never held"), std::string::npos);
+}
+
+// The same operation between two calls of run_to().
+TEST(Apply, MakesAnOperationFromOutside) {
+  Scene scene = pulled_bar(0.1);
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Listener heard;
+  simulation.run_to(0.05, heard);
+  CutPlane half{{0.5, 0, 0}, {1, 0, 0}};
+  half.polygon = {{0.5, 0, -1}, {0.5, 0.125, -1}, {0.5, 0.125, 1}, {0.5, 0, 1}};
+  simulation.apply(event_of(half), heard);
+  EXPECT_EQ(heard.lines, (std::vector<std::string>{"t = 0.05 s: cut 2 faces, 1 island"}));
+  simulation.apply(event_of(CutPlane{{0.5, 0, 0}, {1, 0, 0}}), heard);
+  EXPECT_EQ(heard.lines.back(), "t = 0.05 s: cut 2 faces, 2 islands");
+  EXPECT_EQ(simulation.run(heard).faces_cut, 4u);
+}
+
+}  // namespace
+}  // namespace suture::test

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The events of a scene: every operation, every way to say when, every mistake.
+#include <gtest/gtest.h>
+
+#include "tests/scene/fake_model.hpp"
+
+namespace suture::testing {
+namespace {
+
+Scene events(const std::string& list) { return read(scene_with(", \"events\": [" + list + "]")); }
+
+template <class What>
+What only(const std::string& event) {
+  const Scene scene = events(event);
+  return std::get<What>(scene.events.at(0).what);
+}
+
+TEST(Events, OfOneTimeKeepTheirOrderAndRepeatedOnesStartFromWhereTheyStart) {
+  const Scene scene = events(R"(
+    {"at": 0.5, "cut": {"faces": [[0, 1]]}},
+    {"every": 4, "from": 0.25, "until": 0.75, "tear": {"by": "elongation", "above": 0.5}},
+    {"at": 0, "cut": {"faces": [[2, 3]]}},
+    {"at": 0.5, "cut": {"faces": [[4, 5]]}},
+    {"when": {"where": {"set": "x1"}, "of": "velocity", "component": "y", "below": -2,
+              "every": 10}, "cut": {"faces": [[6, 7]]}})");
+  std::vector<std::string> order;
+  for (const Event& event : scene.events) order.push_back(event.path);
+  EXPECT_EQ(order, (std::vector<std::string>{"/events/2", "/events/4", "/events/1", "/events/0",
+                                             "/events/3"}));
+  const Event& repeated = scene.events[2];
+  EXPECT_EQ(repeated.every, 4u);
+  EXPECT_EQ(repeated.from, 0.25);
+  EXPECT_EQ(*repeated.until, 0.75);
+  EXPECT_FALSE(repeated.is_timed());
+  const Condition& condition = *scene.events[1].when;
+  EXPECT_EQ(condition.of, Condition::Of::velocity);
+  EXPECT_EQ(condition.component, 1);
+  EXPECT_FALSE(condition.above);
+  EXPECT_EQ(condition.bound, -2);
+  EXPECT_EQ(condition.every, 10u);
+}
+
+TEST(Events, PlanesMayBeBounded) {
+  const auto disc = only<CutPlane>(
+      R"({"at": 0, "cut": {"plane": {"point": [1, 2, 3], "normal": [0, 0, 2], "radius": 0.5}}})");
+  EXPECT_EQ(disc.radius, 0.5);
+  const auto polygon = only<CutPlane>(
+      R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,1], [2,0,1], [2,3,1], [0,3,1]]}}})");
+  EXPECT_EQ(polygon.normal, (Vec3{0, 0, 12})) << "twice the area, by the right hand";
+  EXPECT_EQ(polygon.polygon.size(), 4u);
+}
+
+TEST(Events, TearNamesWhatItLooksAt) {
+  const auto tear = only<Tear>(
+      R"({"every": 1, "tear": {"by": "principal-strain", "above": 0.3, "most": 0.5,
+          "where": {"half_space": {"point": [0, 0, 0], "normal": [1, 0, 0]}}}})");
+  EXPECT_EQ(tear.by, Tear::By::principal_strain);
+  EXPECT_EQ(tear.above, 0.3);
+  EXPECT_EQ(tear.most, 0.5);
+  EXPECT_EQ(tear.where->path, "/events/0/tear/where");
+}
+
+struct Bad {
+  const char* event;
+  const char* path;
+  const char* words;
+};
+void PrintTo(const Bad& bad, std::ostream* stream) { *stream << bad.event; }
+
+class EventMistakes : public ::testing::TestWithParam<Bad> {};
+TEST_P(EventMistakes, AreNamed) {
+  const Bad& bad = GetParam();
+  const std::string error = error_of(scene_with(std::string(", \"events\": [") + bad.event + "]"));
+  EXPECT_NE(error.find(std::string(bad.path) + ": "), std::string::npos) << error;
+  EXPECT_NE(error.find(bad.words), std::string::npos) << error;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    When, EventMistakes,
+    ::testing::Values(
+        Bad{R"({"cut": {"faces": [[0, 1]]}})", "/events/0", "exactly one of 'at', "},
+        Bad{R"({"at": 1, "every": 2, "cut": {"faces": [[0, 1]]}})", "/events/0",
+            "has 'at', 'every'"},
+        Bad{R"({"at": -0.1, "cut": {"faces": [[0, 1]]}})", "/events/0/at", ">= 0 s"},
+        Bad{R"({"every": 0, "cut": {"faces": [[0, 1]]}})", "/events/0/every", "1"},
+        Bad{R"({"every": 2.5, "cut": {"faces": [[0, 1]]}})", "/events/0/every", "whole number"},
+        Bad{R"({"at": 0, "from": 0, "cut": {"faces": [[0, 1]]}})", "/events/0/from", "'every'"},
+        Bad{R"({"every": 2, "from": 2, "cut": {"faces": [[0, 1]]}})", "/events/0/from",
+            "after the end"},
+        Bad{R"({"every": 2, "from": 0.5, "until": 0.4, "cut": {"faces": [[0, 1]]}})",
+            "/events/0/until", "before 'from'"},
+        Bad{R"({"when": {"of": "velocity", "above": 1}, "cut": {"faces": [[0, 1]]}})",
+            "/events/0/when", "'where' is missing"},
+        Bad{R"({"when": {"where": "all", "of": "speed", "above": 1}, "cut": {"faces": [[0, 1]]}})",
+            "/events/0/when/of", "'velocity'"},
+        Bad{R"({"when": {"where": "all", "of": "velocity"}, "cut": {"faces": [[0, 1]]}})",
+            "/events/0/when", "'above', 'below'"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    What, EventMistakes,
+    ::testing::Values(
+        Bad{R"({"at": 0, "cutt": {"faces": [[0, 1]]}})", "/events/0", "exactly one of 'cut'"},
+        Bad{R"({"at": 0, "cut": {"plane": {"point": [0,0,0], "normal": [1,0,0], "radius": 0}}})",
+            "/events/0/cut/plane/radius", "> 0 m"},
+        Bad{R"({"at": 0, "cut": {"plane": {"normal": [1,0,0], "polygon": [[0,0,0],[1,0,0],[0,1,0]]}}})",
+            "/events/0/cut/plane/normal", "told by 'polygon'"},
+        Bad{R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,0],[1,0,0]]}}})",
+            "/events/0/cut/plane/polygon", "at least 3"},
+        Bad{R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,0],[1,0,0],[2,0,0]]}}})",
+            "/events/0/cut/plane/polygon", "no area"},
+        Bad{R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,0],[1,0,0],[1,1,0.1],[0,1,0]]}}})",
+            "/events/0/cut/plane/polygon", "not flat"},
+        Bad{R"({"at": 0, "tear": {"by": "elongation", "above": 0.3}, "shape": "rest"})",
+            "/events/0/shape", "means nothing to tear"},
+        Bad{R"({"at": 0, "tear": {"by": "elongation"}})", "/events/0/tear", "'above' is missing"},
+        Bad{R"({"at": 0, "tear": {"by": "elongation", "above": -1}})", "/events/0/tear/above",
+            "> 0"},
+        Bad{R"({"at": 0, "tear": {"by": "strain", "above": 1}})", "/events/0/tear/by",
+            "principal-strain"},
+        Bad{R"({"at": 0, "tear": {"by": {"model": "jely", "field": "wobble"}, "above": 1}})",
+            "/events/0/tear/by/model", "did you mean 'jelly'"},
+        Bad{R"({"at": 0, "tear": {"by": {"model": "jelly", "field": "wobble"}, "above": 1}})",
+            "/events/0/tear/by/field", "gives no single number"},
+        Bad{R"({"at": 0, "tear": {"by": "elongation", "above": 1, "most": 1.5}})",
+            "/events/0/tear/most", "<= 1"}));
+
+}  // namespace
+}  // namespace suture::testing

@@ -46,6 +46,7 @@ struct Parser {
   RunCommand run;
   CheckCommand check;
   ExplainCommand explain;
+  ReplayCommand replay;
   DescribeCommand describe;
   MeshInfoCommand info;
   MeshConvertCommand convert;
@@ -89,6 +90,11 @@ struct Parser {
     explain_app->add_flag("--json", explain.json, "as JSON");
     add_skip(*explain_app, explain.skip);
     explain_app->callback([this] { line.command = explain; });
+
+    auto* replay_app = app.add_subcommand(
+        "replay", "repeat the operations of a journal on its mesh and check the map after each");
+    replay_app->add_option("journal", replay.journal, "journal file")->required();
+    replay_app->callback([this] { line.command = replay; });
   }
 
   void add_model_commands() {

@@ -25,6 +25,9 @@ struct ExplainCommand {
   std::vector<std::string> sets;
   bool json = false, skip = true;
 };
+struct ReplayCommand {
+  std::filesystem::path journal;
+};
 struct ModelsCommand {};
 struct DescribeCommand {
   std::string model;
@@ -59,9 +62,9 @@ struct TextCommand {
 
 struct CommandLine {
   bool quiet = false, verbose = false;
-  std::variant<RunCommand, CheckCommand, ExplainCommand, ModelsCommand, DescribeCommand,
-               MeshInfoCommand, MeshConvertCommand, MeshBoxCommand, MeshVoxelizeCommand,
-               MeshBodyCommand, TextCommand>
+  std::variant<RunCommand, CheckCommand, ExplainCommand, ReplayCommand, ModelsCommand,
+               DescribeCommand, MeshInfoCommand, MeshConvertCommand, MeshBoxCommand,
+               MeshVoxelizeCommand, MeshBodyCommand, TextCommand>
       command;
 };
 

@@ -12,6 +12,7 @@ int run(const RunCommand& command, Console& console);
 int check(const CheckCommand& command, Console& console);
 int explain(const ExplainCommand& command, Console& console);
 int models(const ModelsCommand& command, Console& console);
+int replay(const ReplayCommand& command, Console& console);
 int describe(const DescribeCommand& command, Console& console);
 int mesh_info(const MeshInfoCommand& command, Console& console);
 int mesh_convert(const MeshConvertCommand& command, Console& console);

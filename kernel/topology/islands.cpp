@@ -5,6 +5,7 @@
 #include <queue>
 #include <tuple>
 
+#include "kernel/base/error.hpp"
 #include "kernel/topology/disjoint_sets.hpp"
 
 namespace suture {
@@ -273,6 +274,40 @@ std::vector<Index> Islands::smaller_than(Index elements) const {
   for (Index i = 0; i < count(); ++i)
     if (size_[i] > 0 && size_[i] < elements) result.push_back(i);
   return result;
+}
+
+void Islands::validate(const CellComplex& complex) const {
+  const auto broken = [](const std::string& what) {
+    throw TopologyError("the islands are not those of the map: " + what);
+  };
+  Index components = 0;
+  const std::vector<Index> component = complex.islands(&components);
+  if (components != existing_)
+    broken(std::to_string(existing_) + " are counted, there are " + std::to_string(components));
+  std::vector<Index> island_of(components, none), component_of(size_.size(), none),
+      size(size_.size(), 0);
+  const auto is_first_or = [](Index& known, Index value) {
+    if (known == none) known = value;
+    return known == value;
+  };
+  for (Index e = 0; e < component.size(); ++e) {
+    const Index island = island_[e];
+    if ((island == none) != (component[e] == none))
+      broken("element " + std::to_string(e) + " was removed, or has no island");
+    if (island == none) continue;
+    ++size[island];
+    if (!is_first_or(island_of[component[e]], island) ||
+        !is_first_or(component_of[island], component[e]))
+      broken("element " + std::to_string(e) + " is said to be in island " + std::to_string(island));
+    if (reached_[e] != none) broken("element " + std::to_string(e) + " is still marked");
+  }
+  for (Index i = 0; i < count(); ++i) {
+    if (size[i] != size_[i])
+      broken("island " + std::to_string(i) + " has " + std::to_string(size[i]) + " elements, not " +
+             std::to_string(size_[i]));
+    if (size_[i] > 0 && island_[some_[i]] != i)
+      broken("element " + std::to_string(some_[i]) + " is not in island " + std::to_string(i));
+  }
 }
 
 }  // namespace suture

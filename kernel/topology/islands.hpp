@@ -53,6 +53,10 @@ class Islands {
   /// Islands of fewer than `elements` elements, ascending. O(count()).
   std::vector<Index> smaller_than(Index elements) const;
 
+  /// Compares with the components that the map finds in whole; throws TopologyError
+  /// naming the element or island that differs. O(elements).
+  void validate(const CellComplex& complex) const;
+
  private:
   struct Part;
   class Race;

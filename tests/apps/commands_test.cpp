@@ -11,7 +11,8 @@ TEST_F(Commands, HelpAndVersionAreNoErrors) {
   for (const char* option : {"--help", "-h"}) {
     const Outcome help = suture({option});
     EXPECT_EQ(help.code, 0) << help;
-    for (const char* command : {"run", "check", "explain", "models", "describe", "mesh"}) {
+    for (const char* command :
+         {"run", "check", "explain", "replay", "models", "describe", "mesh"}) {
       EXPECT_TRUE(help.out.find(command) != std::string::npos) << command << help;
     }
   }
@@ -125,6 +126,29 @@ TEST_F(Commands, NoSkipLeavesNothingOut) {
     EXPECT_TRUE(text.says(subject + ": ")) << text;
   }
   EXPECT_EQ(run.code, 0) << run;
+}
+
+TEST_F(Commands, ReplayRepeatsAJournal) {
+  const std::string mesh =
+      "suture-journal 1\npoints 12\n0 0 0 1 0 0 2 0 0 0 1 0 1 1 0 2 1 0\n"
+      "0 0 1 1 0 1 2 0 1 0 1 1 1 1 1 2 1 1\n"
+      "hexahedra 2\n0 1 3 4 6 7 9 10\n1 2 4 5 7 8 10 11\n";
+  write("a.journal", mesh + "operations 3\ncut 1  8\nsew 1  8 24\npierce 2  0 1\n");
+  const Outcome good = suture({"replay", "a.journal"});
+  EXPECT_EQ(good.code, 0) << good;
+  EXPECT_TRUE(good.says("operation 1: cut of 1 face; splits 4 vertices, 4 edges, 1 face; 2 isl"))
+      << good;
+  EXPECT_TRUE(good.says("operation 2: sew of 1 face; merges 4 vertices, 4 edges, 1 face; 1 isl"))
+      << good;
+  EXPECT_TRUE(good.says("operation 3: pierce of 1 element (1 not possible)")) << good;
+  EXPECT_TRUE(good.says("a.journal: good (3 operations on 2 elements")) << good;
+  EXPECT_TRUE(suture({"-q", "replay", "a.journal"}).err.empty());
+
+  write("b.journal", mesh + "operations 1\ncut 1  800\n");
+  const Outcome damaged = suture({"replay", "b.journal"});
+  EXPECT_EQ(damaged.code, 3) << damaged;
+  EXPECT_TRUE(damaged.says("b.journal:9: dart 800")) << damaged;
+  EXPECT_EQ(suture({"replay", "c.journal"}).code, 3);
 }
 
 }  // namespace

@@ -94,11 +94,41 @@ void CgalMap::cut(const std::vector<Dart>& faces) {
   for (const Dart d : faces) impl_->complex.unsew<3>(impl_->darts[d]);
 }
 
+void CgalMap::pierce(const std::vector<Index>& elements) {
+  for (const Index e : elements) {
+    impl_->complex.remove_cell<3>(impl_->darts[24 * e]);
+    std::fill_n(impl_->darts.begin() + 24 * std::ptrdiff_t(e), 24, nullptr);
+  }
+}
+
+void CgalMap::sew(const std::vector<Seam>& seams) {
+  for (const auto& [one, other] : seams) {
+    if (!impl_->complex.is_sewable<3>(impl_->darts[one], impl_->darts[other]))
+      throw std::logic_error("not sewable");
+    impl_->complex.sew<3>(impl_->darts[one], impl_->darts[other]);
+  }
+}
+
+bool CgalMap::folds(const std::vector<Seam>& seams) {
+  sew(seams);
+  const std::vector<Dart> vertex = orbits(0);
+  bool result = false;
+  for (std::size_t element = 0; element < vertex.size(); element += 24) {
+    if (vertex[element] == none) continue;
+    std::vector<Dart> corners(vertex.begin() + std::ptrdiff_t(element),
+                              vertex.begin() + std::ptrdiff_t(element) + 24);
+    std::ranges::sort(corners);
+    result |= std::unique(corners.begin(), corners.end()) - corners.begin() < 8;
+  }
+  for (const Seam& seam : seams) impl_->complex.unsew<3>(impl_->darts[seam.one]);
+  return result;
+}
+
 std::vector<Dart> CgalMap::orbits(int dimension) const {
   Complex& c = impl_->complex;
   std::vector<Dart> smallest(impl_->darts.size(), none);
   for (std::size_t d = 0; d < smallest.size(); ++d) {
-    if (smallest[d] != none) continue;
+    if (smallest[d] != none || impl_->darts[d] == nullptr) continue;
     const Handle h = impl_->darts[d];
     switch (dimension) {
       case 0:

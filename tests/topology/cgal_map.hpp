@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kernel/mesh/mesh.hpp"
+#include "kernel/topology/cell_complex.hpp"
 
 namespace suture {
 
@@ -20,8 +21,17 @@ class CgalMap {
   /// unsew<3> for each, in the given order.
   void cut(const std::vector<Dart>& faces);
 
+  /// remove_cell<3> for each.
+  void pierce(const std::vector<Index>& elements);
+  /// sew<3> for each. Throws std::logic_error where CGAL finds it not sewable.
+  void sew(const std::vector<Seam>& seams);
+  /// Whether sewing would make two corners of an element one vertex; tries it and
+  /// undoes it.
+  bool folds(const std::vector<Seam>& seams);
+
   /// For every dart 24 e + 4 f + k the smallest dart of its orbit: of the cell of
-  /// dimension 0..3, or of the connected component (4).
+  /// dimension 0..3, or of the connected component (4); `none`
+  /// for darts of removed elements.
   std::vector<Dart> orbits(int dimension) const;
   bool is_valid() const;
 

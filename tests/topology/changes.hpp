@@ -5,72 +5,114 @@
 
 #include <algorithm>
 #include <set>
+#include <string>
 
 #include "kernel/topology/cell_complex.hpp"
 
 namespace suture {
 
-/// The cells of one dimension that a change says are no more, checked for its order.
-inline std::set<Index> expect_told_gone(const TopologyChange& change, int dimension) {
-  std::set<Index> gone(change.removed[dimension].begin(), change.removed[dimension].end());
-  EXPECT_EQ(gone.size(), change.removed[dimension].size());
-  EXPECT_TRUE(std::ranges::is_sorted(change.removed[dimension]));
-  if (dimension == 3) return gone;
-  const auto& merges = change.merges[dimension];
-  EXPECT_TRUE(
-      std::ranges::is_sorted(merges, {}, [](const Merge& m) { return std::pair(m.kept, m.gone); }));
-  for (const Merge& merge : merges) {
-    EXPECT_LT(merge.kept, merge.gone);
-    EXPECT_TRUE(gone.insert(merge.gone).second);
+/// Whether a change tells every cell whose star differs, with the star it has
+/// afterwards, and every cell that is no more, while the others are as they were.
+class ChangeCheck {
+ public:
+  /// What is not told, or told wrongly: the first offence, or "".
+  static std::string offence(const CellComplex& before, const CellComplex& after,
+                             const TopologyChange& change) {
+    ChangeCheck check(before, after, change);
+    for (int dimension = 0; dimension < 3; ++dimension) check.dimension(dimension);
+    for (const Index e : check.gone(3)) check.expect(!after.exists(3, e), 3, e, "is not removed");
+    check.expect(after.existing(3) + change.removed[3].size() == before.existing(3), 3, none,
+                 "removed elements are not counted");
+    check.expect(std::ranges::equal(change.elements, check.elements_), 3, none,
+                 "the elements are not those of the stars");
+    return check.offence_;
   }
-  for (const Merge& merge : merges) EXPECT_FALSE(gone.contains(merge.kept));
-  return gone;
-}
 
-/// A change tells every cell whose star differs, with the star it has afterwards, and
-/// every cell that is no more; the others are as they were.
+ private:
+  ChangeCheck(const CellComplex& before, const CellComplex& after, const TopologyChange& change)
+      : before_(before), after_(after), change_(change) {}
+
+  void expect(bool holds, int dimension, Index id, const std::string& what) {
+    if (holds || !offence_.empty()) return;
+    offence_ = "change: dimension " + std::to_string(dimension) +
+               (id == none ? "" : ", cell " + std::to_string(id)) + ": " + what;
+  }
+
+  void dimension(int d) {
+    const std::set<Index> gone_cells = gone(d), told = stars(d);
+    for (Index id = 0; id < after_.count(d); ++id) {
+      if (told.contains(id)) continue;
+      expect(id < before_.count(d), d, id, "a new cell without a star");
+      if (id >= before_.count(d)) return;
+      expect(after_.exists(d, id) == (before_.exists(d, id) && !gone_cells.contains(id)), d, id,
+             "is there, or gone, untold");
+      if (!after_.exists(d, id)) continue;
+      before_.star(d, id, old_star_);
+      after_.star(d, id, new_star_);
+      expect(old_star_ == new_star_, d, id, "has another star untold");
+    }
+    splits(d, gone_cells.size());
+  }
+
+  std::set<Index> stars(int d) {
+    std::set<Index> told;
+    const Stars& stars = change_.stars[static_cast<std::size_t>(d)];
+    for (std::size_t i = 0; i < stars.size(); ++i) {
+      const Index id = stars.cells[i];
+      expect(told.insert(id).second, d, id, "two stars");
+      expect(after_.exists(d, id), d, id, "a star of a cell that is not there");
+      if (!offence_.empty()) return told;
+      after_.star(d, id, new_star_);
+      expect(std::ranges::equal(stars[i], new_star_), d, id, "not the star of the map");
+      expect(stars[i][0] == after_.dart_of(d, id), d, id, "dart_of is not the first");
+      for (const Dart dart : stars[i]) elements_.insert(dart / 24);
+      if (id >= before_.count(d)) continue;
+      before_.star(d, id, old_star_);
+      expect(old_star_ != new_star_, d, id, "told without need");
+    }
+    return told;
+  }
+
+  /// The cells that are said to be no more.
+  std::set<Index> gone(int d) {
+    const std::vector<Index>& removed = change_.removed[static_cast<std::size_t>(d)];
+    expect(std::ranges::is_sorted(removed), d, none, "removed cells not ascending");
+    std::set<Index> result(removed.begin(), removed.end());
+    expect(result.size() == removed.size(), d, none, "removed twice");
+    if (d == 3) return result;
+    const std::vector<Merge>& merges = change_.merges[static_cast<std::size_t>(d)];
+    const auto pair = [](const Merge& m) { return std::pair(m.kept, m.gone); };
+    expect(std::ranges::is_sorted(merges, {}, pair), d, none, "merges not in order");
+    for (const Merge& m : merges) {
+      expect(m.kept < m.gone, d, m.gone, "is smaller than the cell kept");
+      expect(result.insert(m.gone).second, d, m.gone, "gone twice");
+    }
+    for (const Merge& m : merges) expect(!result.contains(m.kept), d, m.kept, "kept and gone");
+    return result;
+  }
+
+  void splits(int d, std::size_t gone_cells) {
+    const std::vector<Split>& splits = change_.splits[static_cast<std::size_t>(d)];
+    Index next = before_.count(d);
+    for (const Split& split : splits) {
+      expect(split.new_cell == next++, d, split.new_cell, "new numbers are not consecutive");
+      expect(split.old_cell < before_.count(d), d, split.old_cell, "a new cell that splits");
+    }
+    expect(next == after_.count(d), d, none, "new cells without a split");
+    expect(after_.existing(d) + gone_cells == before_.existing(d) + splits.size(), d, none,
+           "cells are not counted");
+  }
+
+  const CellComplex &before_, &after_;
+  const TopologyChange& change_;
+  std::set<Index> elements_;
+  std::vector<Dart> old_star_, new_star_;
+  std::string offence_;
+};
+
 inline void expect_change_tells_all(const CellComplex& before, const CellComplex& after,
                                     const TopologyChange& change) {
-  std::set<Index> elements;
-  for (int dimension = 0; dimension < 3; ++dimension) {
-    SCOPED_TRACE("dimension " + std::to_string(dimension));
-    std::set<Index> told;
-    std::vector<Dart> old_star, new_star;
-    const std::set<Index> gone = expect_told_gone(change, dimension);
-    for (std::size_t i = 0; i < change.stars[dimension].size(); ++i) {
-      const Index id = change.stars[dimension].cells[i];
-      EXPECT_TRUE(told.insert(id).second);
-      ASSERT_TRUE(after.exists(dimension, id));
-      after.star(dimension, id, new_star);
-      const auto star = change.stars[dimension][i];
-      EXPECT_TRUE(std::ranges::equal(star, new_star)) << "cell " << id;
-      EXPECT_EQ(star[0], after.dart_of(dimension, id));
-      for (const Dart d : star) elements.insert(d / 24);
-      if (id >= before.count(dimension)) continue;
-      before.star(dimension, id, old_star);
-      EXPECT_NE(old_star, new_star);
-    }
-    for (Index id = 0; id < after.count(dimension); ++id) {
-      if (told.contains(id)) continue;
-      ASSERT_LT(id, before.count(dimension));
-      EXPECT_EQ(after.exists(dimension, id), before.exists(dimension, id) && !gone.contains(id));
-      if (!after.exists(dimension, id)) continue;
-      before.star(dimension, id, old_star);
-      after.star(dimension, id, new_star);
-      EXPECT_EQ(old_star, new_star);
-    }
-    Index next = before.count(dimension);
-    for (const Split& split : change.splits[dimension]) {
-      EXPECT_EQ(split.new_cell, next++);
-      EXPECT_LT(split.old_cell, before.count(dimension));
-    }
-    EXPECT_EQ(next, after.count(dimension));
-    EXPECT_EQ(after.existing(dimension),
-              before.existing(dimension) + change.splits[dimension].size() - gone.size());
-  }
-  EXPECT_EQ(after.existing(3), before.existing(3) - expect_told_gone(change, 3).size());
-  for (const Index e : change.removed[3]) EXPECT_FALSE(after.exists(3, e));
-  EXPECT_TRUE(std::ranges::equal(change.elements, elements));
+  EXPECT_EQ(ChangeCheck::offence(before, after, change), "");
 }
 
 }  // namespace suture

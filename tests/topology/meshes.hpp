@@ -99,6 +99,64 @@ inline Mesh shuffled(const Mesh& mesh, std::mt19937& random) {
   return result;
 }
 
+/// Each element numbered from another of its corners, the same way round: neighbours
+/// then meet in all of the turns that a foreign mesh may have.
+inline Mesh turned(const Mesh& mesh, std::mt19937& random) {
+  constexpr std::array<std::array<int, 8>, 2> quarter_turns = {{
+      {1, 3, 0, 2, 5, 7, 4, 6},  // about z
+      {4, 5, 0, 1, 6, 7, 2, 3},  // about x
+  }};
+  Mesh result = mesh;
+  for (Hexahedron& h : result.hexahedra)
+    for (auto turns = random() % 12; turns > 0; --turns) {
+      const Hexahedron before = h;
+      const auto& turn = quarter_turns[random() % 2];
+      for (std::size_t i = 0; i < 8; ++i) h[i] = before[static_cast<std::size_t>(turn[i])];
+    }
+  return result;
+}
+
+/// A cylinder as mesh generators make it: a core of m x m cells in the cross-section,
+/// around it layers of cells that go over from the square to the circle; axes where
+/// three and where five elements meet. Without the core a pipe, of genus 1.
+inline Mesh o_grid(int m, int layers, int height, bool core) {
+  Mesh mesh;
+  mesh.source = "O-grid";
+  std::map<std::array<int, 4>, Index> point;  // ring (0: core), place on it, second, z
+  const auto at = [&](std::array<int, 4> key, double x, double y) {
+    const auto [it, fresh] = point.try_emplace(key, static_cast<Index>(mesh.points.size()));
+    if (fresh) mesh.points.push_back({x, y, double(key[3])});
+    return it->second;
+  };
+  const auto square = [&](int i, int j, int z) {
+    return at({0, i, j, z}, 2.0 * i / m - 1, 2.0 * j / m - 1);
+  };
+  const auto ring = [&](int r, int place, int z) {  // the rim of the square, then outward
+    place %= 4 * m;
+    const int side = place / m, step = place % m;
+    const int i = side == 0 ? step : side == 1 ? m : side == 2 ? m - step : 0;
+    const int j = side == 0 ? 0 : side == 1 ? step : side == 2 ? m : m - step;
+    if (r == 0) return square(i, j, z);
+    const double x = 2.0 * i / m - 1, y = 2.0 * j / m - 1, part = double(r) / layers;
+    const double scale = 1 - part + 3 * part / std::hypot(x, y);
+    return at({r, place, 0, z}, x * scale, y * scale);
+  };
+  for (int z = 0; z < height; ++z) {
+    const auto add = [&](const auto& corner) {
+      mesh.hexahedra.push_back({corner(0, 0, z), corner(1, 0, z), corner(0, 1, z), corner(1, 1, z),
+                                corner(0, 0, z + 1), corner(1, 0, z + 1), corner(0, 1, z + 1),
+                                corner(1, 1, z + 1)});
+    };
+    for (int i = 0; core && i < m; ++i)
+      for (int j = 0; j < m; ++j)
+        add([&](int a, int b, int level) { return square(i + a, j + b, level); });
+    for (int r = 0; r < layers; ++r)
+      for (int p = 0; p < 4 * m; ++p)
+        add([&](int a, int b, int level) { return ring(r + 1 - b, p + a, level); });
+  }
+  return mesh;
+}
+
 inline CellComplex complex_of(const Mesh& mesh) {
   CellComplex complex(mesh.hexahedra, static_cast<Index>(mesh.points.size()));
   complex.require_edges();

@@ -39,34 +39,93 @@ std::vector<double> parameters_of(const suture_model& model,
   return values;
 }
 
+/// Seconds since the last call.
+class Stopwatch {
+ public:
+  double lap() {
+    const double before = last_;
+    last_ = now(2);
+    return last_ - before;
+  }
+
+ private:
+  double last_ = now(2);
+};
+
+Imported timed_import(const BodyOptions& options, Diagnostics& diagnostics, BodyTimes& times) {
+  Stopwatch watch;
+  Mesh mesh = block(options);
+  times.mesh = watch.lap();
+  Imported imported = import_mesh(std::move(mesh), {}, diagnostics);
+  times.map = watch.lap();
+  return imported;
+}
+
 }  // namespace
 
 Body::Body(PluginHost& host, const BodyOptions& options)
-    : mesh_(import_mesh(block(options), {}, diagnostics_)) {
+    : mesh_(timed_import(options, diagnostics_, times_)) {
+  for (std::size_t c = 0; c < 3; ++c) length_[c] = options.cell * options.cells[c];
   const suture_model& model = host.model(options.model);
+  Stopwatch watch;
   attributes_ = std::make_unique<Attributes>(mesh_.complex, mesh_.rest);
   attributes_->user_element = mesh_.user_element;
   attributes_->add(
       std::make_unique<Instance>(model, options.model, parameters_of(model, options.parameters),
-                                 diagnostics_),
+                                 diagnostics_, options.skip),
       mesh_.complex, {});
   attributes_->initialise(mesh_.complex, diagnostics_);
+  times_.attributes = watch.lap();
   DynamicsOptions motion;
-  motion.gravity = {0, -9.8, 0};
+  motion.gravity = options.gravity;
   motion.gravity_ramp.to = options.ramp;
   motion.threads = options.threads;
   dynamics_ = std::make_unique<Dynamics>(*attributes_, mesh_.complex, motion);
   std::vector<Index> held;
   for (Index v = 0; v < attributes_->vertex_count(); ++v)
-    if (attributes_->rest().get(v, 2) < 1e-9 * options.cell) held.push_back(v);
+    if (attributes_->rest().get(v, 2) < options.held + 1e-9 * options.cell) held.push_back(v);
   dynamics_->constraints().add(held, 7, {}, *attributes_);
   dynamics_->start();
+  times_.loops = watch.lap();
   dt_ = options.safety * dynamics_->stable_step();
+  times_.stable_step = watch.lap();
 }
 
 void Body::step() {
   dynamics_->step(dt_, time_ + dt_);
   time_ += dt_;
+}
+
+void Body::require_all_ids() {
+  mesh_.complex.require_edges();
+  mesh_.complex.require_faces();
+}
+
+void Body::cut(std::span<const Dart> faces) {
+  dynamics_->synchronise_velocities();
+  const TopologyChange change = mesh_.complex.cut(faces);
+  attributes_->apply(mesh_.complex, change);
+  dynamics_->update(mesh_.complex, change);
+}
+
+Index Body::cut_strip(int part, int parts) {
+  const double* rest = attributes_->rest().rows();
+  const auto low = [&](Index e, int axis) {
+    return rest[std::size_t{mesh_.complex.vertices_of(e)[0]} * 4 + static_cast<std::size_t>(axis)];
+  };
+  const double middle = length_[0] / 2, slack = 1e-6 * length_[0];
+  const double from = length_[1] * part / parts, to = length_[1] * (part + 1) / parts;
+  std::vector<Dart> faces;
+  for (Index e = 0; e < element_count(); ++e) {
+    if (low(e, 1) < from - slack || low(e, 1) > to - slack || low(e, 0) > middle - slack) continue;
+    for (int f = 0; f < 6; ++f) {
+      const Index other = mesh_.complex.neighbour(e, f);
+      if (other != none && low(other, 0) > middle - slack)
+        faces.push_back(24 * e + 4 * static_cast<Dart>(f));
+    }
+  }
+  if (!faces.empty()) cut(faces);
+  return static_cast<Index>(faces.size());
 }
 
 double Body::cut_random(unsigned count, unsigned seed) {
@@ -78,10 +137,7 @@ double Body::cut_random(unsigned count, unsigned seed) {
       face = random() % (24 * element_count()) / 4 * 4;
     } while (!mesh_.complex.can_cut(face));
     const double start = now(1);
-    dynamics_->synchronise_velocities();
-    const TopologyChange change = mesh_.complex.cut({&face, 1});
-    attributes_->apply(mesh_.complex, change);
-    dynamics_->update(mesh_.complex, change);
+    cut({&face, 1});
     seconds += now(1) - start;
   }
   dt_ = 0.5 * dynamics_->stable_step();

@@ -4,7 +4,9 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/dynamics/dynamics.hpp"
@@ -21,9 +23,18 @@ struct BodyOptions {
   std::array<Index, 3> cells{10, 10, 40};
   bool distorted = false;  ///< general hexahedra: points moved by up to 10 %
   unsigned threads = 1;
-  double cell = 0.025;  ///< m, edge of the cubes; that of the paper's Fig. 8
-  double ramp = 0;      ///< s, of gravity
-  double safety = 0.5;  ///< dt over the stable step
+  double cell = 0.025;       ///< m, edge of the cubes; that of the paper's Fig. 8
+  double ramp = 0;           ///< s, of gravity
+  double safety = 0.5;       ///< dt over the stable step
+  Vec3 gravity{0, -9.8, 0};  ///< m/s^2
+  double held = 0;           ///< m along z that is held, from the end
+  bool skip = true;          ///< false: compute also what adds nothing
+};
+
+/// Wall clock of the parts of building a body, s.
+struct BodyTimes {
+  double plugin = 0;  ///< not of Body
+  double mesh = 0, map = 0, attributes = 0, loops = 0, stable_step = 0;
 };
 
 class Body {
@@ -39,14 +50,26 @@ class Body {
   Index element_count() const { return mesh_.complex.element_count(); }
   Dynamics& dynamics() { return *dynamics_; }
   const CellComplex& complex() const { return mesh_.complex; }
+  /// Opens part `part` of `parts` of the middle plane across x, a strip over y.
+  /// Returns the faces cut.
+  Index cut_strip(int part, int parts);
+
   Attributes& attributes() { return *attributes_; }
+  const Attributes& attributes() const { return *attributes_; }
   double dt() const { return dt_; }
+  const BodyTimes& times() const { return times_; }
+  /// Ids of edges and faces, whether a model needs them or not.
+  void require_all_ids();
 
  private:
+  void cut(std::span<const Dart> faces);
+
   Diagnostics diagnostics_;
+  BodyTimes times_;
   Imported mesh_;
   std::unique_ptr<Attributes> attributes_;
   std::unique_ptr<Dynamics> dynamics_;
+  Vec3 length_{};  ///< m, of the block
   double dt_ = 0;
   double time_ = 0;
 };

@@ -25,6 +25,21 @@ void add_build(CLI::App& app, std::vector<Command>& commands);
 void add_force(CLI::App& app, std::vector<Command>& commands);
 /// Where the time of a step goes.
 void add_step(CLI::App& app, std::vector<Command>& commands);
+/// Growing beams on one thread and on many (the paper's Fig. 8).
+void add_scaling(CLI::App& app, std::vector<Command>& commands);
+
+/// From a scene to its first step, and the memory that it holds.
+void add_startup(CLI::App& app, std::vector<Command>& commands);
+
+/// What each thing that is skipped would cost.
+void add_skip(CLI::App& app, std::vector<Command>& commands);
+
+/// What a frame costs the simulation.
+void add_frame(CLI::App& app, std::vector<Command>& commands);
+
+/// The largest block that moves in real time.
+void add_realtime(CLI::App& app, std::vector<Command>& commands);
+
 /// Time until the paper's cantilever is at rest.
 void add_rest(CLI::App& app, std::vector<Command>& commands);
 

@@ -7,6 +7,7 @@
 
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
+#include "apps/suture-bench/machine.hpp"
 #include "apps/suture-bench/timer.hpp"
 
 namespace suture::bench {
@@ -18,23 +19,26 @@ struct Case {
   std::map<std::string, double> parameters;
   bool distorted;
   bool springs;  // count springs too
+  /// Operations per element (a multiply-add is two), counted in the machine code of
+  /// the AVX-512 plugin; 0: not counted. 3 edges per element.
+  double operations;
 };
 
 const std::vector<Case>& cases() {
   static const std::vector<Case> list{
-      {"TM boxes, gauss2", "tm-faure", {}, false, false},
-      {"TM boxes, exact", "tm-faure", {{"quadrature", 1}}, false, false},
-      {"TM general, gauss2", "tm-faure", {}, true, false},
-      {"TM general, gauss2, geometry recomputed", "tm-faure", {{"geometry", 1}}, true, false},
-      {"MSS undamped", "mss-baudet", {}, false, true},
-      {"MSS, viscosity", "mss-baudet", {{"viscosity", 1}}, false, true},
-      {"MSS, correction", "mss-baudet", {{"correction", 1}}, false, true},
+      {"TM boxes, gauss2", "tm-faure", {}, false, false, 1142},
+      {"TM boxes, exact", "tm-faure", {{"quadrature", 1}}, false, false, 0},
+      {"TM general, gauss2", "tm-faure", {}, true, false, 0},
+      {"TM general, gauss2, geometry recomputed", "tm-faure", {{"geometry", 1}}, true, false, 2504},
+      {"MSS undamped", "mss-baudet", {}, false, true, 196},
+      {"MSS, viscosity", "mss-baudet", {{"viscosity", 1}}, false, true, 0},
+      {"MSS, correction", "mss-baudet", {{"correction", 1}}, false, true, 0},
   };
   return list;
 }
 
 struct Options {
-  std::vector<Index> sizes{4000, 32000, 432000};
+  std::vector<Index> sizes{1000, 4000, 32000, 432000, 4000000};
   std::string only;
   unsigned threads = 1, cuts = 1000;
   double seconds = 0.5;
@@ -42,6 +46,16 @@ struct Options {
 
 /// Springs of a step: edges, and four inner ones per element.
 double springs(const Body& body) { return body.complex().count(1) + 4.0 * body.element_count(); }
+
+/// Beside the two roofs of the machine: bytes that must move if no cache helps (so
+/// more than the whole stream is possible), and operations.
+void add_roofline(const Case& c, const Body& body, double seconds, unsigned threads, Line& line) {
+  const Machine& roof = machine(threads);
+  const double bytes = bytes_per_element(body), rate = body.element_count() / seconds;
+  line.add("B/el", bytes).add("% of stream", 100 * bytes * rate / roof.bandwidth);
+  if (c.operations == 0) return;
+  line.add("flop/el", c.operations).add("% of peak", 100 * c.operations * rate / roof.flops);
+}
 
 void measure_case(const Case& c, Index size, const Options& options, PluginHost& host,
                   Report& report) {
@@ -61,7 +75,9 @@ void measure_case(const Case& c, Index size, const Options& options, PluginHost&
   if (c.springs) line.add("M springs/s", rate(fresh, fresh_springs));
   line.add("ns/el", 1e9 * fresh.median / elements);
   const auto force = [&] { body.dynamics().forces().add_forces(0, 0); };
-  line.add("force M el/s", rate(measure(force, options.threads, options.seconds), elements));
+  const Timing forces = measure(force, options.threads, options.seconds);
+  line.add("force M el/s", rate(forces, elements));
+  add_roofline(c, body, forces.median, options.threads, line);
   Column& sums = body.attributes().force();
   std::fill(sums.rows(), sums.rows() + std::size_t{sums.size()} * 4, 0.0);
   if (options.cuts != 0 && elements > 4 * options.cuts) {
@@ -72,8 +88,21 @@ void measure_case(const Case& c, Index size, const Options& options, PluginHost&
   report.add(std::move(line));
 }
 
+void add_roofs(unsigned threads, Report& report) {
+  const Machine& roof = machine(threads);
+  report.begin("force: roofs",
+               "of this machine, measured: multiply-adds on registers, and "
+               "a[i] = b[i] + s c[i] through memory (24 B each); " +
+                   std::to_string(threads) + " thread(s)");
+  report.add(Line()
+                 .add("GFlop/s", 1e-9 * roof.flops)
+                 .add("GB/s", 1e-9 * roof.bandwidth)
+                 .add("flop/B at the ridge", roof.flops / roof.bandwidth));
+}
+
 void run(const Options& options, Report& report) {
   PluginHost host;
+  add_roofs(options.threads, report);
   for (const Case& c : cases()) {
     if (std::string(c.name).find(options.only) == std::string::npos) continue;
     report.begin(c.name, "whole steps of symplectic Euler with gravity and a held end, " +

@@ -18,6 +18,11 @@ int main(int argc, char** argv) {
   suture::bench::add_cut(app, commands);
   suture::bench::add_force(app, commands);
   suture::bench::add_step(app, commands);
+  suture::bench::add_scaling(app, commands);
+  suture::bench::add_startup(app, commands);
+  suture::bench::add_skip(app, commands);
+  suture::bench::add_frame(app, commands);
+  suture::bench::add_realtime(app, commands);
   suture::bench::add_rest(app, commands);
   CLI11_PARSE(app, argc, argv);
   try {

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "apps/suture-bench/report.hpp"
 
+#include <unistd.h>
+
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/isa.hpp"
@@ -54,6 +57,9 @@ void Report::write_json(const std::filesystem::path& file) const {
   out["machine"]["processor"] = processor();
   const std::string_view isa = best_isa();
   out["machine"]["isa"] = isa.empty() ? "base" : std::string(isa);
+  out["machine"]["cores"] = std::thread::hardware_concurrency();
+  out["machine"]["memory_GB"] = 1e-9 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) *
+                                static_cast<double>(sysconf(_SC_PAGESIZE));
   out["machine"]["compiler"] = __VERSION__;
   for (const Table& table : tables_) {
     auto& entry = out["tables"][table.name];

@@ -92,6 +92,7 @@ struct Simulation::Impl {
 
   // A fixed dt is compared once, and again after each cut; an automatic one follows.
   void find_stable_step() {
+    if (scene.solver.dt && warned_of_dt) return;  // nothing more to say
     try {
       stable = world.dynamics->stable_step();
     } catch (const PluginError&) {

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "kernel/plugin_host/plugin_host.hpp"
+#include "kernel/run/recorder.hpp"
+
+namespace suture::bench {
+
+/// A block of tm-faure at rest whose frames go to a folder that is removed again.
+class Frames {
+ public:
+  Frames(PluginHost& host, const std::array<Index, 3>& cells, std::vector<std::string> fields,
+         bool skip) {
+    folder_ = std::filesystem::temp_directory_path() / ("suture-bench-" + std::to_string(getpid()));
+    scene_.mesh.box =
+        BoxOptions{.size = {0.025 * cells[0], 0.025 * cells[1], 0.025 * cells[2]}, .cells = cells};
+    ModelUse use;
+    use.name = "tissue";
+    use.model = &host.model("tm-faure");
+    use.parameters = {400e3, 0.3, 1000, 0};
+    scene_.models.push_back(use);
+    scene_.output.directory = folder_;
+    scene_.output.fields = std::move(fields);
+    world_ = std::make_unique<World>(scene_, diagnostics_, skip);
+    world_->dynamics->start();
+    recorder_ = std::make_unique<Recorder>(scene_, *world_, "suture-bench");
+  }
+  ~Frames() {
+    recorder_->finish();
+    std::filesystem::remove_all(folder_);
+  }
+  Frames(const Frames&) = delete;
+  Frames& operator=(const Frames&) = delete;
+
+  void write() { recorder_->frame(0.1 * count_++, {}); }
+  /// Until the frames so far are likely on disk.
+  void wait() const { std::this_thread::sleep_for(std::chrono::milliseconds(150)); }
+
+ private:
+  std::filesystem::path folder_;
+  Scene scene_;
+  Diagnostics diagnostics_;
+  std::unique_ptr<World> world_;
+  std::unique_ptr<Recorder> recorder_;
+  int count_ = 0;
+};
+
+}  // namespace suture::bench

@@ -1,0 +1,160 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""docs/benchmarks.md and its plots from what suture-bench wrote.
+
+usage: report.py FOLDER DOCS
+
+FOLDER holds NAME.json of `suture-bench NAME --json`. A section per file, in the
+order of SECTIONS; a file that is not there leaves its section out. A new section:
+a line there, and a function that plots if tables are not enough.
+Debian's interpreter, with python3-matplotlib.
+"""
+import json
+import math
+import pathlib
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+plt.rcParams.update({"figure.figsize": (6.4, 3.6), "figure.dpi": 90, "font.size": 9,
+                     "axes.grid": True, "grid.alpha": 0.3, "legend.fontsize": 8,
+                     "savefig.bbox": "tight"})
+
+
+# ---------------------------------------------------------------- tables --
+
+def shown(value):
+    """Three or four figures; whole numbers whole."""
+    if value is None:
+        return ""
+    if isinstance(value, str):
+        return value
+    if value == int(value) and abs(value) < 1e15:
+        return f"{int(value):,}" if abs(value) >= 10000 else str(int(value))
+    if abs(value) >= 1000:
+        return f"{value:,.0f}"
+    return f"{value:.3g}"
+
+
+def table_text(table):
+    """Markdown; lines may have more figures than others."""
+    columns = list(dict.fromkeys(name for row in table["rows"] for name in row))
+    lines = ["| " + " | ".join(columns) + " |", "|---" * len(columns) + "|"]
+    for row in table["rows"]:
+        lines.append("| " + " | ".join(shown(row.get(c)) for c in columns) + " |")
+    return "\n".join(lines)
+
+
+def column(table, name):
+    return [row.get(name, math.nan) for row in table["rows"]]
+
+
+# ----------------------------------------------------------------- plots --
+# Each draws the tables of one file and returns the picture's name, or None.
+
+def save(docs, name):
+    folder = docs / "images"
+    folder.mkdir(exist_ok=True)
+    plt.savefig(folder / f"bench-{name}.png")
+    plt.close()
+    return f"images/bench-{name}.png"
+
+
+def plot_force(tables, docs):
+    for name, table in tables.items():
+        if "elements" in table["rows"][0]:
+            plt.semilogx(column(table, "elements"), column(table, "force M el/s"), "o-", label=name,
+                         markersize=3)
+    plt.xlabel("elements")
+    plt.ylabel("forces, M elements/s")
+    plt.ylim(bottom=0)
+    plt.legend()
+    return save(docs, "force")
+
+
+def plot_scaling(tables, docs):
+    for i, (name, table) in enumerate(t for t in tables.items() if "speed-up" in t[1]["rows"][0]):
+        for kind, style in (("sequential", "--"), ("parallel", "-")):
+            plt.loglog(column(table, "elements"), column(table, f"{kind} ms/step"), "o" + style,
+                       color=f"C{i}", markersize=3, label=f"{name.split(': ')[1]}, {kind}")
+    plt.xlabel("elements of 0.025 m")
+    plt.ylabel("ms per step")
+    plt.legend()
+    return save(docs, "scaling")
+
+
+def plot_step(tables, docs):
+    for name, table in tables.items():
+        plt.semilogx(column(table, "elements"), column(table, "step/force"), "o-", markersize=3,
+                     label=name)
+    plt.xlabel("elements")
+    plt.ylabel("a whole step over its forces")
+    plt.legend()
+    return save(docs, "step")
+
+
+def plot_skip(tables, docs):
+    table = tables["skip"]
+    names = [f"{r['skipped']} ({r['scene']})" for r in table["rows"]]
+    plt.figure(figsize=(6.4, 0.36 * len(names) + 0.6))
+    plt.barh(names, column(table, "saves %"))
+    plt.gca().invert_yaxis()
+    plt.xlabel("% saved")
+    return save(docs, "skip")
+
+
+# (NAME of NAME.json, title, what it tells, plot or None)
+SECTIONS = [
+    ("force", "Forces", "Rates of the models through the SDK by size: whole steps, the forces alone, "
+     "and what fraction of this machine's roofs they reach. `B/el` is what must move if no cache "
+     "helps, so small bodies, which stay in a cache, may exceed the stream.", plot_force),
+    ("step", "A step", "Where the time of a step goes.", plot_step),
+    ("scaling", "Threads", "The paper's Fig. 8: sequential and parallel. The first table is what two "
+     "threads can gain on this machine at all.", plot_scaling),
+    ("realtime", "Real time", "The largest block that advances one second in one second, and the "
+     "largest that also shows every frame of 1/30 s in time while it is cut.", None),
+    ("skip", "What is skipped", "Time with and without each thing that a scene may not need "
+     "(`suture explain` tells which it does not).", plot_skip),
+    ("startup", "Start, and memory", "From a scene to its first step.", None),
+    ("frame", "Frames", "What a frame costs the thread that simulates; the rest is written behind "
+     "it.", None),
+    ("build", "The map", "Checks, renumbering, matching and ids of a mesh.", None),
+    ("cut", "Cuts", "Time per face that a cut opens.", None),
+    ("rest", "Rest", "The paper's cantilever under its weight, to rest.", None),
+]
+
+
+def machine_text(machine):
+    names = {"processor": "Processor", "cores": "Cores", "memory_GB": "Memory, GB",
+             "isa": "Instruction set of the loops", "compiler": "Compiler", "suture": "Suture",
+             "system": "System", "libraries": "Libraries", "date": "Date"}
+    rows = [f"| {title} | {shown(machine[key])} |" for key, title in names.items() if key in machine]
+    return "\n".join(["| | |", "|---|---|"] + rows)
+
+
+def main():
+    folder, docs = map(pathlib.Path, sys.argv[1:3])
+    parts, machine = [], {}
+    for name, title, text, plot in SECTIONS:
+        file = folder / f"{name}.json"
+        if not file.exists():
+            continue
+        data = json.loads(file.read_text())
+        machine.update(data["machine"])
+        parts.append(f"## {title}\n\n{text}\n")
+        if plot:
+            picture = plot(data["tables"], docs)
+            if picture:
+                parts.append(f"![{title}]({picture})\n")
+        for table_name, table in data["tables"].items():
+            parts.append(f"**{table_name}**: {table['note']}\n\n{table_text(table)}\n")
+    head = ("# Benchmarks\n\nWritten by `./dev bench`; figures are of one machine, which others may "
+            "use at the same time.\n\n" + machine_text(machine) + "\n")
+    (docs / "benchmarks.md").write_text("\n".join([head, *parts]))
+    print(f"wrote {docs / 'benchmarks.md'}")
+
+
+main()

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The paper's Fig. 8: growing beams of cubes of 0.025 m, on one thread and on many.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <thread>
+
+#include "apps/suture-bench/commands.hpp"
+#include "apps/suture-bench/machine.hpp"
+#include "apps/suture-bench/timer.hpp"
+
+namespace suture::bench {
+namespace {
+
+struct Case {
+  const char* name;
+  const char* model;
+  std::map<std::string, double> parameters;
+};
+
+const std::vector<Case>& cases() {
+  static const std::vector<Case> list{{"TM", "tm-faure", {}},
+                                      {"MSS", "mss-baudet", {}},
+                                      {"MSS, viscosity", "mss-baudet", {{"viscosity", 1}}}};
+  return list;
+}
+
+struct Options {
+  std::vector<Index> across{5, 8, 10, 15, 20, 30, 48};
+  unsigned threads = std::max(1u, std::thread::hardware_concurrency());
+  int rounds = 7;
+  double seconds = 0.05;
+};
+
+/// One thread and many take turns, so that a slow moment of the machine hits both;
+/// the wall clock counts for both.
+struct Alternating {
+  double one = 1e9, many = 1e9;
+  template <class One, class Many>
+  Alternating(const Options& options, One one_thread, Many many_threads) {
+    constexpr unsigned wall = 2;
+    for (int round = 0; round < options.rounds; ++round) {
+      one = std::min(one, measure(one_thread, wall, options.seconds).median);
+      many = std::min(many, measure(many_threads, wall, options.seconds).median);
+    }
+  }
+  double speed_up() const { return one / many; }
+};
+
+void measure_beam(const Case& c, Index n, const Options& options, PluginHost& host,
+                  Report& report) {
+  BodyOptions body{.model = c.model, .parameters = c.parameters, .cells = {n, n, 4 * n}};
+  Body one(host, body);
+  body.threads = options.threads;
+  Body many(host, body);
+  const Alternating step(
+      options, [&] { one.step(); }, [&] { many.step(); });
+  const Alternating force(
+      options, [&] { one.dynamics().forces().add_forces(0, 0); },
+      [&] { many.dynamics().forces().add_forces(0, 0); });
+  const double elements = one.element_count();
+  report.add(Line()
+                 .add("elements", elements)
+                 .add("sequential ms/step", 1e3 * step.one)
+                 .add("parallel ms/step", 1e3 * step.many)
+                 .add("speed-up", step.speed_up())
+                 .add("of forces", force.speed_up())
+                 .add("M el/s", 1e-6 * elements / step.many)
+                 .add("s per s", step.many / many.dt()));
+}
+
+void run(const Options& options, Report& report) {
+  PluginHost host;
+  const Machine &one = machine(1), &many = machine(options.threads);
+  report.begin("scaling: the machine",
+               "what threads that share nothing gain: multiply-adds on registers, and a stream "
+               "through memory");
+  report.add(Line()
+                 .add("threads", static_cast<double>(options.threads))
+                 .add("GFlop/s, 1", 1e-9 * one.flops)
+                 .add("GFlop/s, all", 1e-9 * many.flops)
+                 .add("arithmetic speed-up", many.flops / one.flops)
+                 .add("GB/s, 1", 1e-9 * one.bandwidth)
+                 .add("GB/s, all", 1e-9 * many.bandwidth)
+                 .add("memory speed-up", many.bandwidth / one.bandwidth));
+  for (const Case& c : cases()) {
+    report.begin(std::string("scaling: ") + c.name,
+                 "beams n x n x 4n of cubes of 0.025 m, whole steps, best of " +
+                     std::to_string(options.rounds) + " medians by the wall clock, 1 and " +
+                     std::to_string(options.threads) + " threads in turn");
+    for (const Index n : options.across) measure_beam(c, n, options, host, report);
+  }
+}
+
+}  // namespace
+
+void add_scaling(CLI::App& app, std::vector<Command>& commands) {
+  auto* command = app.add_subcommand("scaling", "Growing beams, sequential and parallel");
+  auto options = std::make_shared<Options>();
+  command->add_option("--across", options->across, "Cells over the height; four times that along");
+  command->add_option("--threads", options->threads, "Threads")->check(CLI::PositiveNumber);
+  command->add_option("--rounds", options->rounds, "Turns of each")->check(CLI::PositiveNumber);
+  command->add_option("--seconds", options->seconds, "Time spent on each figure and turn");
+  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+}
+
+}  // namespace suture::bench

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/geometry/centroids.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+
+namespace suture {
+namespace {
+
+std::string text_of(const Box& box) {
+  char text[200];
+  std::snprintf(text, sizeof text, "[%.4g, %.4g, %.4g] to [%.4g, %.4g, %.4g]", box.low[0],
+                box.low[1], box.low[2], box.high[0], box.high[1], box.high[2]);
+  return text;
+}
+
+}  // namespace
+
+void centroids_of(const CellComplex& complex, const Places& places, std::vector<Row4>& out,
+                  const Workers* workers) {
+  out.resize(complex.element_count());
+  const auto vertices = complex.vertices();
+  for_chunks(out.size(), workers, [&](std::size_t first, std::size_t last, std::size_t) {
+    for (std::size_t e = first; e < last; ++e)
+      out[e] = vertices[e][0] == none ? Row4{} : centroid_of(vertices[e], places);
+  });
+}
+
+std::string why_nothing_was_cut(const Box& blade, const CellComplex& complex,
+                                const Places& places) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Box body{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  for (Index v = 0; v < complex.count(0); ++v) {
+    if (!complex.exists(0, v)) continue;
+    for (int a = 0; a < 3; ++a) {
+      const double x = places.rows[places.stride * v + a];
+      body.low[a] = std::min(body.low[a], x);
+      body.high[a] = std::max(body.high[a], x);
+    }
+  }
+  bool apart = false;
+  for (int a = 0; a < 3; ++a)
+    apart = apart || blade.high[a] < body.low[a] || blade.low[a] > body.high[a];
+  return "the blade cuts nothing: " +
+         std::string(apart ? "it lies beside the body" : "it lies between no two centroids") +
+         "; blade " + text_of(blade) + " m, body " + text_of(body) + " m";
+}
+
+}  // namespace suture

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/geometry/surface_blade.hpp"
+
+#include <cmath>
+
+#include "kernel/base/error.hpp"
+#include "kernel/geometry/geometry_module.hpp"
+
+namespace suture {
+namespace {
+
+void check(const TriangleSurface& surface) {
+  const std::string& name = surface.source;
+  if (surface.triangles.empty()) throw InputError(name + ": the blade has no triangle");
+  for (std::size_t i = 0; i < surface.points.size(); ++i)
+    for (const double x : surface.points[i])
+      if (!std::isfinite(x))
+        throw InputError(name + ": point " + std::to_string(i) + " of the blade is not finite");
+  for (std::size_t i = 0; i < surface.triangles.size(); ++i)
+    for (const Index corner : surface.triangles[i])
+      if (corner >= surface.points.size())
+        throw InputError(name + ": triangle " + std::to_string(i) + " of the blade has point " +
+                         std::to_string(corner) + "; there are " +
+                         std::to_string(surface.points.size()));
+}
+
+/// Corners at two places only, or three on a line to the last bit. A thinner test than the exact
+/// one: what it leaves without area crosses nothing.
+bool has_no_area(const TriangleSurface& s, const Triangle& t) {
+  const Vec3 &a = s.points[t[0]], &b = s.points[t[1]], &c = s.points[t[2]];
+  double sum = 0;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    sum += std::abs((b[i] - a[i]) * (c[j] - a[j]) - (b[j] - a[j]) * (c[i] - a[i]));
+  }
+  return sum == 0;
+}
+
+TriangleSurface checked(TriangleSurface surface, Diagnostics& diagnostics) {
+  if (surface.source.empty()) surface.source = "blade";
+  check(surface);
+  const std::size_t dropped =
+      std::erase_if(surface.triangles, [&](const Triangle& t) { return has_no_area(surface, t); });
+  if (surface.triangles.empty())
+    throw InputError(surface.source + ": no triangle of the blade has an area");
+  if (dropped != 0)
+    diagnostics.warn(surface.source + ": " + std::to_string(dropped) +
+                     (dropped == 1 ? " triangle" : " triangles") +
+                     " without area cut nothing and were dropped");
+  return surface;
+}
+
+bool overlap(const Box& box, const Row4& a, const Row4& b) {
+  for (int i = 0; i < 3; ++i)
+    if (std::max(a[i], b[i]) < box.low[i] || std::min(a[i], b[i]) > box.high[i]) return false;
+  return true;
+}
+
+}  // namespace
+
+SurfaceBlade::SurfaceBlade(TriangleSurface surface, Diagnostics& diagnostics)
+    : surface_(checked(std::move(surface), diagnostics)),
+      box_(box_of(surface_.points)),
+      grid_(surface_, box_),
+      tree_(geometry_module().tree(surface_)) {}
+SurfaceBlade::~SurfaceBlade() = default;
+SurfaceBlade::SurfaceBlade(SurfaceBlade&&) noexcept = default;
+SurfaceBlade& SurfaceBlade::operator=(SurfaceBlade&&) noexcept = default;
+
+std::vector<Dart> SurfaceBlade::faces_cut(const CellComplex& complex, const Places& places,
+                                          const Workers* workers) const {
+  std::vector<Row4> centroids;
+  centroids_of(complex, places, centroids, workers);
+  std::vector<std::vector<Dart>> cut(centroids.size() / chunk_size + 1);
+  for_chunks(centroids.size(), workers,
+             [&](std::size_t first, std::size_t last, std::size_t chunk) {
+               std::vector<Dart> near;
+               std::vector<Link> links;
+               for (std::size_t e = first; e < last; ++e)
+                 for (int f = 0; f < 6; ++f) {
+                   const Index n = complex.neighbour(static_cast<Index>(e), f);
+                   if (n == none || n < e || !overlap(box_, centroids[e], centroids[n])) continue;
+                   const Link link{vec3(centroids[e]), vec3(centroids[n])};
+                   if (!grid_.may_meet(link.a, link.b)) continue;
+                   near.push_back(static_cast<Dart>(24 * e + 4 * f));
+                   links.push_back(link);
+                 }
+               std::vector<std::uint8_t> crossed(links.size());
+               tree_->crossings(links, crossed.data());
+               for (std::size_t i = 0; i < near.size(); ++i)
+                 if (crossed[i]) cut[chunk].push_back(near[i]);
+             });
+  std::vector<Dart> faces;
+  for (const auto& part : cut) faces.insert(faces.end(), part.begin(), part.end());
+  return faces;
+}
+
+}  // namespace suture

@@ -8,7 +8,11 @@
 namespace suture {
 
 namespace {
-constexpr int longest = 256;
+// Cubes along the longest axis: about as many as a surface of so many triangles has
+// along its own, four times; few triangles are as quick to ask by the tree.
+int longest_for(std::size_t triangles) {
+  return std::clamp(static_cast<int>(4 * std::sqrt(double(triangles))), 8, 256);
+}
 // Rounding of a cube's place, relative to its edge; coordinates are told apart from
 // the lattice's corner, so far-off blades only lose what their coordinates have lost.
 constexpr double slack = 1e-6;
@@ -26,7 +30,7 @@ NearGrid::NearGrid(const TriangleSurface& surface, const Box& box) {
     magnitude = std::max({magnitude, std::abs(box.low[a]), std::abs(box.high[a])});
   }
   // Cubes no thinner than what a coordinate can tell apart.
-  edge_ = std::max(extent / (longest - 2), 1e-8 * magnitude);
+  edge_ = std::max(extent / (longest_for(surface.triangles.size()) - 2), 1e-8 * magnitude);
   if (edge_ == 0) edge_ = 1;
   std::size_t cubes = 1;
   for (int a = 0; a < 3; ++a) {

@@ -18,6 +18,9 @@ namespace {
 /// changes them, and its sums must be those of a fresh start.
 constexpr double volume_tolerance = 1e-13;
 
+/// The kernel's columns of vertices; their merges are merging.hpp's VertexMerge.
+constexpr std::size_t own_columns = 6;
+
 Column& add_column(Table& table, const char* name, const char* unit, const char* doc,
                    int components, suture_policy policy) {
   ColumnSpec spec;
@@ -36,8 +39,8 @@ Attributes::Attributes(const CellComplex& complex, std::span<const Vec3> rest) {
     throw InputError("attributes: " + std::to_string(rest.size()) + " rest positions for " +
                      std::to_string(complex.count(0)) + " vertices; one each is needed");
   for (int d = 0; d < 4; ++d) kernel(d).dimension = d;
-  kernel(0).cells = CellSet::all(complex.count(0));
-  kernel(3).cells = CellSet::all(complex.element_count());
+  kernel(0).cells = all_cells(complex, 0);
+  kernel(3).cells = all_cells(complex, 3);
   Table& t = kernel(0);
   rest_ = &add_column(t, "rest", "m", "Position without load.", 3, SUTURE_COPY);
   position_ = &add_column(t, "position", "m", "Present position.", 3, SUTURE_COPY);
@@ -52,17 +55,20 @@ Attributes::Attributes(const CellComplex& complex, std::span<const Vec3> rest) {
 
 Instance& Attributes::add(std::unique_ptr<Instance> instance, CellComplex& complex,
                           std::vector<Index> elements) {
-  instance->build(complex, *rest_, std::move(elements));
-  if (complex.has_edges()) kernel(1).cells = CellSet::all(complex.count(1));
-  if (complex.has_faces()) kernel(2).cells = CellSet::all(complex.count(2));
+  instance->build(complex, rest_places(complex), std::move(elements));
+  if (complex.has_edges()) kernel(1).cells = all_cells(complex, 1);
+  if (complex.has_faces()) kernel(2).cells = all_cells(complex, 2);
   return *instances_.emplace_back(std::move(instance));
 }
 
 void Attributes::initialise(const CellComplex& complex, Diagnostics& diagnostics) {
   sums_.reserve(complex);
-  RestBatch rest(complex, *rest_, user_element);
+  RestBatch rest(rest_places(complex), user_element);
+  for (Table& table : kernel_) MergePolicies::weigh(table, kernel(3).cells, rest_places(complex));
   mass_->fill(0);
   for (const auto& instance : instances_) {
+    for (Table& table : instance->tables())
+      MergePolicies::weigh(table, instance->table(3).cells, rest_places(complex));
     const suture_model& model = instance->model();
     for (std::uint32_t a = 0; a < model.attribute_count; ++a) {
       const suture_attribute& attribute = model.attributes[a];
@@ -78,31 +84,61 @@ void Attributes::initialise(const CellComplex& complex, Diagnostics& diagnostics
     }
   }
   for (const auto& instance : instances_)
-    inspect(*instance, complex, *rest_, *mass_, user_element, diagnostics);
+    inspect(*instance, rest_places(complex), *mass_, user_element, diagnostics);
 }
 
 void Attributes::apply(const CellComplex& complex, const TopologyChange& change) {
   if (change.empty()) return;
-  follow(kernel_, kernel(3).cells, complex, change);
-  for (const Index vertex : change.stars[0].cells) mass_->rows()[vertex] = 0;
+  merge_vertices(complex, change);  // first: then elements have the right rest places
+  follow(kernel_, complex, change, own_columns);
+  clear_vertices(change);
   sums_.mark(complex, change);
-  RestBatch rest(complex, *rest_, user_element);
+  RestBatch rest(rest_places(complex), user_element);
   for (const auto& instance : instances_) {
-    follow(instance->tables(), instance->table(3).cells, complex, change);
+    follow(instance->tables(), complex, change);
     sums_.sum(*instance, complex, rest, change, *mass_);
   }
   sums_.clear(change);
 }
 
-void Attributes::follow(std::span<Table, 4> tables, const CellSet& region,
-                        const CellComplex& complex, const TopologyChange& change) {
-  if (!region.is_all() || std::ranges::any_of(tables, SplitPolicies::weighs)) {
+void Attributes::follow(std::span<Table, 4> tables, const CellComplex& complex,
+                        const TopologyChange& change, std::size_t first_column) {
+  const CellSet& region = tables[3].cells;
+  if (!region.is_all() || std::ranges::any_of(tables, SplitPolicies::weighs) ||
+      change.faces_sewn != 0) {
     touched_.reserve(complex.element_count());
     touched_.select(region, change.elements);
-    if (touched_.members().empty()) return;
+    if (touched_.members().empty() && change.removed[3].empty()) return;
   }
-  for (Table& table : tables.first<3>())
-    if (table.cells.size() > 0) policies_.apply(table, complex, *rest_, touched_, change);
+  const RestPlaces rest = rest_places(complex);
+  for (Table& table : tables) {
+    if (table.cells.size() == 0) continue;
+    if (table.dimension < 3) policies_.apply(table, complex, rest, touched_, change);
+    merging_.apply(table, rest, touched_, vertex_weights_, policies_.new_rows(), change,
+                   table.dimension == 0 ? first_column : 0);
+  }
+}
+
+void Attributes::merge_vertices(const CellComplex& complex, const TopologyChange& change) {
+  vertex_weights_.clear();
+  for (const auto& [kept, gone] : change.merges[0])
+    vertex_weights_.push_back({mass_->get(kept, 0), mass_->get(gone, 0)});
+  VertexMerge{*rest_, *position_, *velocity_, *fixed_, own_rest_}.apply(complex, change,
+                                                                        vertex_weights_);
+}
+
+/// What is gone is zero, so that integrators and sums may pass over it; masses that are
+/// to be summed again begin at zero.
+void Attributes::clear_vertices(const TopologyChange& change) {
+  for (const Merge& merge : change.merges[0]) clear_vertex(merge.gone);
+  for (const Index vertex : change.removed[0]) clear_vertex(vertex);
+  for (const Index element : change.removed[3]) own_rest_.remove(element);
+  for (const Index vertex : change.stars[0].cells) mass_->rows()[vertex] = 0;
+}
+
+void Attributes::clear_vertex(Index vertex) {
+  for (Column* column : {velocity_, force_, mass_, fixed_})
+    for (int c = 0; c < column->spec().components; ++c) column->set(vertex, c, 0);
 }
 
 void Attributes::accept_trials() {

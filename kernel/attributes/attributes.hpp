@@ -8,6 +8,8 @@
 
 #include "kernel/attributes/contributions.hpp"
 #include "kernel/attributes/instance.hpp"
+#include "kernel/attributes/merging.hpp"
+#include "kernel/attributes/own_rest.hpp"
 #include "kernel/attributes/policies.hpp"
 #include "kernel/attributes/table.hpp"
 #include "kernel/attributes/touched.hpp"
@@ -20,7 +22,9 @@ namespace suture {
 ///
 /// Memory per vertex of the kernel's columns: 4 x 32 B (rest, position, velocity,
 /// force) + 8 B mass + 8 B fixed = 144 B; a bit per vertex, edge and face for the
-/// sums after an operation; 4 B per element once a region or a SHARE column needs it.
+/// sums after an operation; 4 B per element once a region or a SHARE column needs it;
+/// 8 B per row of a table with a SHARE column. After the first removal or merge a bit
+/// per row.
 class Attributes {
  public:
   /// Kernel columns from the imported mesh: rest position = position, velocity,
@@ -41,11 +45,12 @@ class Attributes {
   void initialise(const CellComplex& complex, Diagnostics& diagnostics);
 
   /// Applies the declared policies to the kernel's tables and to those of every
-  /// instance. New cells join the sets of the instances of their elements; a cell
-  /// of which an instance's elements left in whole is renamed in its set, so that
-  /// a row's cell changes: afterwards row(c) is to be read again for every cell c
-  /// of change.stars. from_volumes sums of touched cells have the same bits as
-  /// those of initialise() on the cut complex. O(cells in the change).
+  /// instance: splits, then merges, then removals. Rows of cells that are gone stay
+  /// behind, dead, the kernel's columns of such vertices are zero. New cells join the sets of the
+  /// instances of their elements; a cell of which an instance's elements left in whole is renamed
+  /// in its set, so that a row's cell changes: afterwards row(c) is to be read again for every cell
+  /// c of change.stars. from_volumes sums of touched cells have the same bits as those of
+  /// initialise() on the cut complex. O(cells in the change).
   void apply(const CellComplex& complex, const TopologyChange& change);
 
   /// After a step that was accepted: swaps the trial copies of all columns.
@@ -63,23 +68,33 @@ class Attributes {
   Column& position() { return *position_; }
   Column& velocity() { return *velocity_; }
   Column& force() { return *force_; }
-  Column& mass() { return *mass_; }    ///< kg, rows of 1
-  Column& fixed() { return *fixed_; }  ///< rows of 1
-  Index vertex_count() const { return mass_->size(); }
+  Column& mass() { return *mass_; }                     ///< kg, rows of 1
+  Column& fixed() { return *fixed_; }                   ///< rows of 1
+  Index vertex_count() const { return mass_->size(); }  ///< rows, dead ones included
+
+  /// Where elements are at rest; the column rest() alone does not know of elements that
+  /// have rest positions of their own. The accessor refers to both and to `complex`.
+  RestPlaces rest_places(const CellComplex& complex) const { return {complex, *rest_, own_rest_}; }
 
   /// Numbers of elements that users see, for messages and suture_batch.cell_ids;
   /// empty: the complex's own. Set before initialise().
   std::vector<Index> user_element;
 
  private:
-  void follow(std::span<Table, 4> tables, const CellSet& region, const CellComplex& complex,
-              const TopologyChange& change);
+  void follow(std::span<Table, 4> tables, const CellComplex& complex, const TopologyChange& change,
+              std::size_t first_column = 0);
+  void merge_vertices(const CellComplex& complex, const TopologyChange& change);
+  void clear_vertices(const TopologyChange& change);
+  void clear_vertex(Index vertex);
 
   std::array<Table, 4> kernel_;
   std::vector<std::unique_ptr<Instance>> instances_;
   Column *rest_, *position_, *velocity_, *force_, *mass_, *fixed_;
   TouchedElements touched_;
+  OwnRest own_rest_;
   SplitPolicies policies_;
+  MergePolicies merging_;
+  std::vector<MergeWeight> vertex_weights_;
   TouchedSums sums_;
 };
 

@@ -84,6 +84,30 @@ void Column::scale_row(Index row, double factor) {
   if (row + 1 == size_) pad();
 }
 
+void Column::mix_row(Index to, Index from, double weight) {
+  if (constant_) return;
+  for (int c = 0; c < spec_.components; ++c) {
+    const std::size_t a = stored(to, c), b = stored(from, c);
+    data_[a] = std::lerp(data_[a], data_[b], weight);
+    if (has_trial()) trial_[a] = std::lerp(trial_[a], trial_[b], weight);
+  }
+  if (to + 1 == size_) pad();
+}
+
+void Column::add_row(Index to, Index from) {
+  expand();
+  for (int c = 0; c < spec_.components; ++c) {
+    data_[stored(to, c)] += data_[stored(from, c)];
+    if (has_trial()) trial_[stored(to, c)] += trial_[stored(from, c)];
+  }
+  if (to + 1 == size_) pad();
+}
+
+void Column::hold_row(Index row) {
+  for (int c = 0; c < spec_.components; ++c) trial_[stored(row, c)] = data_[stored(row, c)];
+  if (row + 1 == size_) pad();
+}
+
 void Column::fill(double value) {
   constant_ = dimension_ != 0 && !has_trial();
   if (constant_) {

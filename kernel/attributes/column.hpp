@@ -67,7 +67,11 @@ class Column {
   /// All components, of the trial copy too, split by split in this order.
   void copy_rows(std::span<const RowSplit> splits);
   void scale_row(Index row, double factor);  ///< of the trial copy too
-  void fill(double value);                   ///< every row and component; not the trial copy
+  /// Row `to` goes by `weight` (0..1) towards row `from`, the trial copy too: equal
+  /// values keep their bits, and a weight of 1 gives those of `from`.
+  void mix_row(Index to, Index from, double weight);
+  void add_row(Index to, Index from);  ///< row `to` += row `from`, of the trial copy too
+  void fill(double value);             ///< every row and component; not the trial copy
 
   double* rows() { return data_.data(); }  ///< dimension 0, never constant
   const double* rows() const { return data_.data(); }
@@ -99,6 +103,9 @@ class Column {
   double* trial_rows() { return trial_.data(); }
   double* trial_block(Index b) { return trial_.data() + block_offset(b); }
   void accept() { data_.swap(trial_); }  ///< the trial values become the values
+  /// The trial copy of a row that is not visited for a while: whatever is accepted
+  /// meanwhile, the row keeps its values.
+  void hold_row(Index row);
 
  private:
   std::size_t block_offset(Index b) const {

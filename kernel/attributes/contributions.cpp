@@ -34,9 +34,8 @@ const Index* cells_of(const CellComplex& complex, std::uint32_t dimension, const
 
 }  // namespace
 
-RestBatch::RestBatch(const CellComplex& complex, const Column& rest,
-                     std::span<const Index> user_element)
-    : complex_(complex), rest_(rest), user_element_(user_element) {
+RestBatch::RestBatch(const RestPlaces& rest, std::span<const Index> user_element)
+    : rest_(rest), user_element_(user_element) {
   batch_.size = sizeof(suture_batch);
   batch_.lanes = lanes;
   batch_.nodes = 8;
@@ -49,10 +48,9 @@ const suture_batch& RestBatch::gather(std::span<const Index> elements) {
   for (Index lane = 0; lane < lanes; ++lane) {
     const Index e = elements[lane < batch_.valid ? lane : batch_.valid - 1];
     ids_[lane] = user_element_.empty() ? e : user_element_[e];
-    const Hexahedron& nodes = complex_.vertices_of(e);
     double* out = positions_.data() + lane;
-    for (const Index node : nodes) {
-      const double* row = rest_.rows() + std::size_t{node} * 4;
+    for (std::size_t node = 0; node < 8; ++node) {
+      const double* row = rest_.corner(e, node);
       out[0] = row[0];
       out[lanes] = row[1];
       out[2 * lanes] = row[2];

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernel/attributes/instance.hpp"
+#include "kernel/attributes/own_rest.hpp"
 
 namespace suture {
 
@@ -18,14 +19,13 @@ inline constexpr std::array<int, 4> contribution_cells = {8, 12, 6, 1};
 class RestBatch {
  public:
   /// `user_element`: numbers that messages show, or empty.
-  RestBatch(const CellComplex& complex, const Column& rest, std::span<const Index> user_element);
+  RestBatch(const RestPlaces& rest, std::span<const Index> user_element);
 
   /// 1..8 elements.
   const suture_batch& gather(std::span<const Index> elements);
 
  private:
-  const CellComplex& complex_;
-  const Column& rest_;
+  RestPlaces rest_;
   std::span<const Index> user_element_;
   alignas(SUTURE_ALIGNMENT) std::array<double, 8 * 3 * SUTURE_LANES> positions_;
   std::array<std::uint32_t, SUTURE_LANES> ids_;

@@ -10,16 +10,15 @@ namespace suture {
 namespace {
 
 constexpr Index lanes = SUTURE_LANES;
+using hexahedron::Local;
 
 /// A functor's batch at rest, gathered lane by lane: this runs once.
 class InspectionBatch {
  public:
-  InspectionBatch(const Instance& instance, const suture_functor& functor,
-                  const CellComplex& complex, const Column& rest, const Column& mass,
-                  std::span<const Index> user_element)
+  InspectionBatch(const Instance& instance, const suture_functor& functor, const RestPlaces& rest,
+                  const Column& mass, std::span<const Index> user_element)
       : instance_(instance),
         functor_(functor),
-        complex_(complex),
         rest_(rest),
         mass_(mass),
         user_element_(user_element),
@@ -62,10 +61,12 @@ class InspectionBatch {
       for (int c = 0; c < cell_sources_[i]->spec().components; ++c)
         cell_values_[i][static_cast<std::size_t>(c) * lanes + lane] = cell_sources_[i]->get(row, c);
     std::array<Index, 8> nodes;
-    cell_nodes(complex_, dimension_, cell, nodes.data());
+    std::array<Local, 8> corners;
+    cell_nodes(rest_.complex(), dimension_, cell, nodes.data());
+    const Index element = cell_corners(rest_.complex(), dimension_, cell, corners.data());
     for (std::size_t n = 0; n < static_cast<std::size_t>(node_count_); ++n) {
       for (std::size_t c = 0; c < 3; ++c)
-        positions_[(n * 3 + c) * lanes + lane] = rest_.get(nodes[n], static_cast<int>(c));
+        positions_[(n * 3 + c) * lanes + lane] = rest_.corner(element, corners[n])[c];
       for (std::size_t i = 0; i < vertex_sources_.size(); ++i) gather_vertex(i, n, nodes[n], lane);
     }
   }
@@ -80,8 +81,8 @@ class InspectionBatch {
 
   const Instance& instance_;
   const suture_functor& functor_;
-  const CellComplex& complex_;
-  const Column &rest_, &mass_;
+  RestPlaces rest_;
+  const Column& mass_;
   std::span<const Index> user_element_;
   int dimension_, node_count_;
   AlignedVector<double> positions_;
@@ -94,6 +95,7 @@ class InspectionBatch {
 
 bool admits(const Instance& instance, const suture_functor& functor, const CellComplex& complex,
             Index row) {
+  if (!instance.table(static_cast<int>(functor.dimension)).cells.is_live(row)) return false;
   if (functor.dimension == 3 && functor.shape != SUTURE_ANY_SHAPE)
     return (row < instance.general_begin) == (functor.shape == SUTURE_PARALLELEPIPED);
   if (functor.dimension == 2 && functor.faces != SUTURE_ALL_FACES) {
@@ -112,18 +114,18 @@ const suture_inspect_1* inspection_of(const Instance& instance, const suture_fun
 
 }  // namespace
 
-void inspect(Instance& instance, const CellComplex& complex, const Column& rest, const Column& mass,
+void inspect(Instance& instance, const RestPlaces& rest, const Column& mass,
              std::span<const Index> user_element, Diagnostics& diagnostics) {
   const suture_model& model = instance.model();
   for (const suture_functor& functor : std::span(model.functors, model.functor_count)) {
     const suture_inspect_1* extension = inspection_of(instance, functor);
     if (!extension) continue;
-    InspectionBatch batch(instance, functor, complex, rest, mass, user_element);
+    InspectionBatch batch(instance, functor, rest, mass, user_element);
     const Index rows = instance.table(static_cast<int>(functor.dimension)).cells.size();
     std::array<Index, lanes> admitted;
     Index filled = 0;
     for (Index row = 0; row < rows; ++row) {
-      if (admits(instance, functor, complex, row)) admitted[filled++] = row;
+      if (admits(instance, functor, rest.complex(), row)) admitted[filled++] = row;
       if (filled == 0 || (filled < lanes && row + 1 < rows)) continue;
       suture_context& context = instance.context(0);
       Instance::reset(*context.error);

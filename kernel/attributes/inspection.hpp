@@ -11,7 +11,7 @@ namespace suture {
 /// enabled over the cells the functor is for, at rest, and hands the findings on.
 /// `mass`: the kernel's column. Throws InputError for errors the model reports.
 /// O(cells) for such functors, nothing for others.
-void inspect(Instance& instance, const CellComplex& complex, const Column& rest, const Column& mass,
+void inspect(Instance& instance, const RestPlaces& rest, const Column& mass,
              std::span<const Index> user_element, Diagnostics& diagnostics);
 
 }  // namespace suture

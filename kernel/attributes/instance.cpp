@@ -55,7 +55,7 @@ std::vector<Index> incident_cells(const CellSet& region, Index cell_count, Cells
 
 CellSet cells_of_region(const CellComplex& complex, const CellSet& region, int dimension) {
   const Index count = complex.count(dimension);
-  if (region.size() == complex.element_count()) return CellSet::all(count);
+  if (region.size() == complex.element_count()) return all_cells(complex, dimension);
   switch (dimension) {
     case 0:
       return CellSet::of(
@@ -74,6 +74,13 @@ CellSet cells_of_region(const CellComplex& complex, const CellSet& region, int d
 }
 
 }  // namespace
+
+CellSet all_cells(const CellComplex& complex, int dimension) {
+  CellSet cells = CellSet::all(complex.count(dimension));
+  for (Index cell = 0; cell < cells.size() && complex.existing(dimension) < cells.size(); ++cell)
+    if (!complex.exists(dimension, cell)) cells.remove(cell);
+  return cells;
+}
 
 Instance::Instance(const suture_model& model, std::string name, std::vector<double> parameters,
                    Diagnostics& diagnostics, bool skip)
@@ -203,22 +210,16 @@ bool Instance::asks_for_shape() const {
   });
 }
 
-CellSet Instance::region(const CellComplex& complex, const Column& rest,
-                         std::vector<Index> elements) {
+CellSet Instance::region(const RestPlaces& rest, std::vector<Index> elements) {
+  const CellComplex& complex = rest.complex();
   const Index count = complex.element_count();
   if (elements.empty() || elements.size() == count) {
     elements.resize(count);
     std::iota(elements.begin(), elements.end(), Index{0});
+    std::erase_if(elements, [&](Index e) { return !complex.exists(3, e); });
   }
   if (asks_for_shape()) {
-    const auto has_parallel_edges = [&](Index e) {
-      HexahedronNodes x;
-      for (std::size_t i = 0; i < 8; ++i) {
-        const double* row = rest.rows() + rest.offset(complex.vertices_of(e)[i]);
-        x[i] = {row[0], row[1], row[2]};
-      }
-      return is_parallelepiped(x);
-    };
+    const auto has_parallel_edges = [&](Index e) { return is_parallelepiped(rest.of(e)); };
     const auto general =
         std::stable_partition(elements.begin(), elements.end(), has_parallel_edges);
     general_begin = static_cast<Index>(general - elements.begin());
@@ -229,10 +230,10 @@ CellSet Instance::region(const CellComplex& complex, const Column& rest,
   return CellSet::of(std::move(elements), count);
 }
 
-void Instance::build(CellComplex& complex, const Column& rest, std::vector<Index> elements) {
+void Instance::build(CellComplex& complex, const RestPlaces& rest, std::vector<Index> elements) {
   if (uses(1)) complex.require_edges();
   if (uses(2)) complex.require_faces();
-  table(3).cells = region(complex, rest, std::move(elements));
+  table(3).cells = region(rest, std::move(elements));
   find_needed();
   for (int d = 0; d < 3; ++d)
     if (uses(d)) table(d).cells = cells_of_region(complex, table(3).cells, d);

@@ -8,11 +8,16 @@
 #include <vector>
 
 #include "kernel/attributes/findings.hpp"
+#include "kernel/attributes/own_rest.hpp"
 #include "kernel/attributes/table.hpp"
 #include "kernel/base/diagnostics.hpp"
 #include "kernel/topology/cell_complex.hpp"
 
 namespace suture {
+
+/// All cells of a dimension that are there; row = cell, holes are dead rows. O(1)
+/// without holes.
+CellSet all_cells(const CellComplex& complex, int dimension);
 
 /// One use of a model in a scene: its parameters, its region, its own columns.
 /// The same model twice is two instances; an edge between them has a row in
@@ -61,10 +66,10 @@ class Instance {
   /// share of the kernel's mass (SUTURE_SHARED_MASS), and if it is not needed.
   Column* column(std::uint32_t attribute) const { return columns_[attribute]; }
 
-  /// Cell sets and columns for `elements` (ascending; empty = all). Builds ids of
-  /// edges and faces if the model uses them. `rest`: the kernel's column. Called
-  /// by Attributes::add. O(elements of the complex).
-  void build(CellComplex& complex, const Column& rest, std::vector<Index> elements);
+  /// Cell sets and columns for `elements` (ascending; empty = all that are
+  /// there). Builds ids of edges and faces if the model uses them. Called by
+  /// Attributes::add. O(elements of the complex).
+  void build(CellComplex& complex, const RestPlaces& rest, std::vector<Index> elements);
 
   /// Context for worker `worker` (0 .. workers-1); error record of its own, to be
   /// reset() before a call. There is one worker until set_workers().
@@ -92,7 +97,7 @@ class Instance {
   bool is_read(std::uint32_t attribute) const;
   bool has_cells(const suture_functor& functor) const;
   bool asks_for_shape() const;
-  CellSet region(const CellComplex& complex, const Column& rest, std::vector<Index> elements);
+  CellSet region(const RestPlaces& rest, std::vector<Index> elements);
 
   const suture_model& model_;
   std::string name_;

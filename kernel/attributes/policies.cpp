@@ -19,30 +19,21 @@ bool is_shared(const Column& column) {
   return column.spec().policy == SUTURE_SHARE && !column.spec().on_split;
 }
 
-double volume_at_rest(const Column& rest, const Hexahedron& vertices) {
-  HexahedronNodes x;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double* row = rest.rows() + rest.offset(vertices[i]);
-    x[i] = {row[0], row[1], row[2]};
-  }
-  return hexahedron_volume(x);
-}
-
 }  // namespace
 
 bool SplitPolicies::weighs(const Table& table) {
   return std::ranges::any_of(table.columns, is_shared);
 }
 
-void SplitPolicies::apply(Table& table, const CellComplex& complex, const Column& rest,
+void SplitPolicies::apply(Table& table, const CellComplex& complex, const RestPlaces& rest,
                           const TouchedElements& touched, const TopologyChange& change) {
   const auto dimension = static_cast<std::size_t>(table.dimension);
   const std::span<const Split> splits = change.splits[dimension];
   const Stars& stars = change.stars[dimension];
+  rows_.clear();
   if (splits.empty()) return;
   const bool weighed = weighs(table);
   if (weighed || !table.cells.is_all()) find_stars(stars, complex.count(table.dimension));
-  rows_.clear();
   if (table.cells.is_all()) {
     table.cells.append_all(static_cast<Index>(splits.size()));
     for (const Split& split : splits) rows_.push_back({split.old_cell, split.new_cell});
@@ -53,7 +44,7 @@ void SplitPolicies::apply(Table& table, const CellComplex& complex, const Column
   for (Column& column : table.columns)
     if (!is_shared(column)) follow(column);
   if (!weighed) return;
-  weigh(table.cells, complex, rest, touched, stars);  // needs the new rows of `rest`
+  weigh(table.cells, rest, touched, stars);  // needs the new rows of `rest`
   for (Column& column : table.columns)
     if (is_shared(column)) follow(column);
 }
@@ -113,11 +104,10 @@ void SplitPolicies::split_region(CellSet& cells, std::span<const Split> splits, 
   }
 }
 
-void SplitPolicies::weigh(const CellSet& cells, const CellComplex& complex, const Column& rest,
+void SplitPolicies::weigh(const CellSet& cells, const RestPlaces& rest,
                           const TouchedElements& touched, const Stars& stars) {
   volumes_.clear();
-  for (const Index e : touched.members())
-    volumes_.push_back(volume_at_rest(rest, complex.vertices_of(e)));
+  for (const Index e : touched.members()) volumes_.push_back(hexahedron_volume(rest.of(e)));
   weights_.assign(stars.cells.size(), 0);
   for (Index i = 0; i < stars.cells.size(); ++i)
     for (Index j = stars.offsets[i]; j < stars.offsets[i + 1]; ++j) {

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "kernel/attributes/own_rest.hpp"
 #include "kernel/attributes/table.hpp"
 #include "kernel/attributes/touched.hpp"
 #include "kernel/topology/cell_complex.hpp"
@@ -21,18 +22,21 @@ class SplitPolicies {
   /// then every column follows its declared policy, but for the sums of
   /// SUTURE_FROM_VOLUMES (contributions.hpp).
   /// `touched`: the region's elements in the change; need not be selected for a
-  /// table of all cells that does not weigh. `rest`: the kernel's column.
+  /// table of all cells that does not weigh.
   /// O(cells of the dimension in the change).
-  void apply(Table& table, const CellComplex& complex, const Column& rest,
+  void apply(Table& table, const CellComplex& complex, const RestPlaces& rest,
              const TouchedElements& touched, const TopologyChange& change);
+
+  /// The rows that the last apply() added, in order.
+  std::span<const RowSplit> new_rows() const { return rows_; }
 
  private:
   void find_stars(const Stars& stars, Index cell_count);
   void follow(Column& column) const;
   void split_region(CellSet& cells, std::span<const Split> splits, const Stars& stars,
                     const TouchedElements& touched);
-  void weigh(const CellSet& cells, const CellComplex& complex, const Column& rest,
-             const TouchedElements& touched, const Stars& stars);
+  void weigh(const CellSet& cells, const RestPlaces& rest, const TouchedElements& touched,
+             const Stars& stars);
 
   std::vector<RowSplit> rows_;
   /// Parts of the incident volume, per split. Of several splits of one row the

@@ -33,11 +33,13 @@ void CellSet::append(Index cell) {
   assert(!all_ && !contains(cell));
   cells_.push_back(cell);
   place(cell, size_++);
+  live_.resize(size_);
 }
 
 void CellSet::append_all(Index count) {
   assert(all_);
   size_ += count;
+  live_.resize(size_);
 }
 
 void CellSet::rename(Index from, Index to) {
@@ -46,6 +48,12 @@ void CellSet::rename(Index from, Index to) {
   row_of_[from] = none;
   cells_[row] = to;
   place(to, row);
+}
+
+void CellSet::remove(Index cell) {
+  assert(contains(cell));
+  live_.kill(row(cell), size_);
+  if (!all_) row_of_[cell] = none;
 }
 
 Column& Table::add(ColumnSpec spec) {

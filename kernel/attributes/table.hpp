@@ -7,12 +7,15 @@
 #include <vector>
 
 #include "kernel/attributes/column.hpp"
+#include "kernel/attributes/live_mask.hpp"
 
 namespace suture {
 
 /// The cells of one dimension that a table describes, in the order of its rows.
-/// All cells of the complex (row = cell) or those of a model's region.
-/// Memory: nothing for all cells, else 4 B per row and 4 B per cell of the complex.
+/// All cells of the complex (row = cell) or those of a model's region. A row whose
+/// cell left the set stays behind, dead: loops over rows skip it (is_live()).
+/// Memory: nothing for all cells, else 4 B per row and 4 B per cell of the complex;
+/// a bit per row once a row is dead.
 class CellSet {
  public:
   CellSet() = default;
@@ -20,15 +23,20 @@ class CellSet {
   /// Row i is cells[i]; `cell_count` cells are in the complex.
   static CellSet of(std::vector<Index> cells, Index cell_count);
 
-  Index size() const { return size_; }
+  Index size() const { return size_; }  ///< rows, dead ones included
   bool is_all() const { return all_; }
+  bool is_live(Index row) const { return live_[row]; }
+  Index live_count() const { return size_ - live_.dead(); }
+  const LiveMask& live() const { return live_; }
+  /// Of a dead row the cell that it was for.
   Index cell(Index row) const { return all_ ? row : cells_[row]; }
-  /// `none` if the cell is not in the set.
+  /// `none` if the cell is not in the set. A set of all cells does not look whether
+  /// the cell is still there; contains() does.
   Index row(Index cell) const {
     if (all_) return cell;
     return cell < row_of_.size() ? row_of_[cell] : none;
   }
-  bool contains(Index cell) const { return row(cell) != none; }
+  bool contains(Index cell) const { return all_ ? live_[cell] : row(cell) != none; }
   std::span<const Index> cells() const { return cells_; }  ///< empty if is_all()
   /// Row of each cell or `none`, for loops over batches; empty if is_all().
   std::span<const Index> rows() const { return row_of_; }
@@ -39,6 +47,8 @@ class CellSet {
   void append_all(Index count);
   /// The row of `from` describes `to` from now on; `from` leaves the set.
   void rename(Index from, Index to);
+  /// The cell leaves the set and its row dies.
+  void remove(Index cell);
 
  private:
   void place(Index cell, Index row);
@@ -47,6 +57,7 @@ class CellSet {
   Index size_ = 0;
   std::vector<Index> cells_;
   std::vector<Index> row_of_;
+  LiveMask live_;
 };
 
 /// One table per cell dimension (the kernel's own, and one per instance of a
@@ -55,6 +66,9 @@ struct Table {
   int dimension = 0;
   CellSet cells;
   std::deque<Column> columns;  ///< deque: references stay valid
+  /// Incident volume at rest of each row, m^3, where a column is shared by volumes
+  /// (SUTURE_SHARE): what a removal leaves of it is told from this. Else empty.
+  std::vector<double> volumes;
 
   /// A column for all rows. Throws InputError if the name is taken.
   Column& add(ColumnSpec spec);

@@ -159,6 +159,23 @@ bool BatchList::append(const Connectivity& cells, Index first, Index last, Index
   return true;
 }
 
+ChunkFinder::ChunkFinder(const BatchList& list) : colour_of_(list.chunk_count()) {
+  for (Index colour = 0; colour < list.colour_count(); ++colour)
+    for (Index c = list.chunk_begin(colour); c < list.chunk_end(colour); ++c) {
+      colour_of_[c] = colour;
+      for (const loops::Range& range : list.ranges(c)) places_.push_back({range, c});
+    }
+  std::ranges::sort(places_, {}, [](const Place& p) { return p.range.begin; });
+}
+
+Index ChunkFinder::chunk(Index row) const {
+  const auto after =
+      std::ranges::upper_bound(places_, row, {}, [](const Place& p) { return p.range.begin; });
+  if (after == places_.begin()) return none;
+  const Place& place = *std::prev(after);
+  return row < place.range.end ? place.chunk : none;
+}
+
 Index BatchList::batch_count() const {
   Index batches = 0;
   for (const loops::Range& range : ranges_)

@@ -10,13 +10,16 @@
 namespace suture {
 
 /// Which vertices a row of a table touches: `nodes` per cell, `cells` maps a row
-/// to its place there (null: the row itself).
+/// to its place there (null: the row itself). `live`: as in loops::Job; dead rows touch
+/// none.
 struct Connectivity {
   const Index* nodes = nullptr;
   const Index* cells = nullptr;
   Index node_count = 0;
+  const std::uint8_t* live = nullptr;
 
   std::span<const Index> of(Index row) const {
+    if (live && (live[row / SUTURE_LANES] >> row % SUTURE_LANES & 1) == 0) return {};
     const std::size_t cell = cells ? cells[row] : row;
     return {nodes + cell * node_count, node_count};
   }
@@ -30,9 +33,10 @@ struct Connectivity {
 /// order: the same bits for every number of threads. Chunk size depends on the
 /// number of rows alone.
 ///
-/// A cut only removes sharing, so the colours stay valid. Rows that it adds go to a
-/// tail, one chunk and a colour of its own, until it is an eighth of all; then the tail
-/// is coloured by itself.
+/// A cut or a removal only takes sharing away, so the colours stay valid. Rows that a
+/// cut adds go to a tail, one chunk and a colour of its own, until it is an eighth of
+/// all; then the tail is coloured by itself. After a merge ChunkFinder tells whether the
+/// colours still hold.
 class BatchList {
  public:
   BatchList() = default;
@@ -71,6 +75,22 @@ class BatchList {
   std::vector<loops::Range> ranges_;
   std::vector<Index> chunk_begin_{0};   // into ranges_
   std::vector<Index> colour_begin_{0};  // into chunks
+};
+
+/// Finds the chunk of a row. O(ranges log ranges) to make, O(log ranges) to ask.
+class ChunkFinder {
+ public:
+  explicit ChunkFinder(const BatchList& list);
+  Index chunk(Index row) const;  ///< `none` if the row was left out
+  Index colour(Index chunk) const { return colour_of_[chunk]; }
+
+ private:
+  struct Place {
+    loops::Range range;
+    Index chunk;
+  };
+  std::vector<Place> places_;  ///< ascending
+  std::vector<Index> colour_of_;
 };
 
 /// Rows of a chunk for a functor that visits `rows` rows: enough chunks to share

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/dynamics/compiled_functor.hpp"
 
+#include <algorithm>
+
 #include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/base/error.hpp"
 
@@ -23,7 +25,7 @@ std::array<Index, 3> cells_at(const CellComplex& complex, Dart dart) {
 
 }  // namespace
 
-RowNodes::RowNodes(const Instance& instance, int dimension, const CellComplex& complex)
+RowNodes::RowNodes(const Instance& instance, int dimension, const RestPlaces& rest)
     : cells_(instance.table(dimension).cells),
       dimension_(dimension),
       node_count_(static_cast<std::size_t>(nodes_of_cell(dimension))) {
@@ -31,7 +33,8 @@ RowNodes::RowNodes(const Instance& instance, int dimension, const CellComplex& c
   // than the cut. Pages that nobody touches take no memory.
   nodes_.reserve(cells_.size() * node_count_ * 3 / 2);
   nodes_.resize(cells_.size() * node_count_);
-  for (Index row = 0; row < cells_.size(); ++row) read_row(complex, row);
+  for (Index row = 0; row < cells_.size(); ++row)
+    if (cells_.is_live(row)) read_row(rest.complex(), row);
 }
 
 void RowNodes::read_row(const CellComplex& complex, Index row) {
@@ -43,7 +46,41 @@ void RowNodes::read_cell(const CellComplex& complex, Index cell) {
   if (row != none) read_row(complex, row);
 }
 
-void RowNodes::update(const CellComplex& complex, const TopologyChange& change) {
+void RowNodes::update(const RestPlaces& rest, const TopologyChange& change) {
+  read_nodes(rest.complex(), change);
+  if (!rest.own().empty()) read_rest(rest, change.elements);
+}
+
+void RowNodes::read_rest(const RestPlaces& rest, std::span<const Index> elements) {
+  rest_slot_.resize(cells_.size(), none);
+  for (const Index element : elements) {
+    if (dimension_ == 1)
+      for (const Index edge : rest.complex().edges_of(element)) read_rest_of(rest, edge);
+    else
+      for (const Index face : rest.complex().faces_of(element)) read_rest_of(rest, face);
+  }
+}
+
+void RowNodes::read_rest_of(const RestPlaces& rest, Index cell) {
+  const Index row = cells_.row(cell);
+  if (row == none) return;
+  std::array<hexahedron::Local, 8> corners;
+  const Index element = cell_corners(rest.complex(), dimension_, cell, corners.data());
+  Index& slot = rest_slot_[row];
+  if (rest.own().slot(element) == none) {
+    slot = none;
+    return;
+  }
+  if (slot == none) {
+    slot = static_cast<Index>(own_rest_.size() / (4 * node_count_));
+    own_rest_.resize(own_rest_.size() + 4 * node_count_);
+  }
+  double* out = own_rest_.data() + 4 * node_count_ * slot;
+  for (std::size_t n = 0; n < node_count_; ++n, out += 4)
+    std::copy_n(rest.corner(element, corners[n]), 3, out);
+}
+
+void RowNodes::read_nodes(const CellComplex& complex, const TopologyChange& change) {
   nodes_.resize(cells_.size() * node_count_);
   const bool only_split = change.faces_sewn == 0 && change.removed[3].empty();
   if (!only_split) return read_elements(complex, change.elements);
@@ -125,9 +162,10 @@ void CompiledFunctor::refuse_unknown() const {
 
 Connectivity CompiledFunctor::connectivity(const CellComplex& complex) const {
   const auto count = static_cast<Index>(nodes_of_cell(dimension_));
-  if (dimension_ != 3) return {nodes_->data(), nullptr, count};
+  const std::uint8_t* live = cells().live().data();
+  if (dimension_ != 3) return {nodes_->data(), nullptr, count, live};
   return {complex.vertices().data()->data(), cells().is_all() ? nullptr : cells().cells().data(),
-          count};
+          count, live};
 }
 
 std::vector<loops::Range> CompiledFunctor::wanted_rows(const CellComplex& complex) const {
@@ -143,6 +181,7 @@ std::vector<loops::Range> CompiledFunctor::wanted_rows(const CellComplex& comple
 std::vector<loops::Range> CompiledFunctor::wanted_faces(const CellComplex& complex) const {
   std::vector<loops::Range> ranges;
   for (Index row = 0; row < cells().size(); ++row) {
+    if (!cells().is_live(row)) continue;
     const bool boundary = complex.beta3(complex.dart_of(2, cells().cell(row))) == none;
     if (boundary != (functor_.faces == SUTURE_BOUNDARY_FACES)) continue;
     if (!ranges.empty() && ranges.back().end == row)
@@ -173,16 +212,46 @@ void CompiledFunctor::leave_out(const std::vector<bool>* still, const CellComple
 }
 
 void CompiledFunctor::update(const CellComplex& complex, const TopologyChange& change) {
-  if (skipped() || change.empty() || dimension_ == 3) return;
+  if (skipped() || change.empty()) return;
   const Index before = rows_;
   rows_ = cells().size();
-  const bool may_append = dimension_ == 1 || functor_.faces == SUTURE_ALL_FACES;
+  const bool may_append = dimension_ != 2 || functor_.faces == SUTURE_ALL_FACES;
   if (!may_append || !list_.append(connectivity(complex), before, rows_, complex.count(0)))
-    build(complex);
+    return build(complex);
+  if (!change.merges[0].empty() && clashes(complex, change)) build(complex);
+}
+
+/// The rows at the vertex where the dart starts, in the dart's element.
+std::vector<Index> CompiledFunctor::rows_at(const CellComplex& complex, Dart dart) const {
+  if (dimension_ == 3) return {cells().row(dart / hexahedron::darts)};
+  const auto around = dimension_ == 1 ? cells_at<1>(complex, dart) : cells_at<2>(complex, dart);
+  std::vector<Index> rows;
+  for (const Index cell : around) rows.push_back(cells().row(cell));
+  return rows;
+}
+
+/// Two chunks of one colour share a vertex since vertices became one.
+bool CompiledFunctor::clashes(const CellComplex& complex, const TopologyChange& change) const {
+  const ChunkFinder finder(list_);
+  std::vector<Index> chunks, colours;
+  for (std::size_t i = 0; i < change.stars[0].size(); ++i) {
+    chunks.clear();
+    colours.clear();
+    for (const Dart dart : change.stars[0][i])
+      for (const Index row : rows_at(complex, dart))
+        if (const Index chunk = row == none ? none : finder.chunk(row); chunk != none)
+          chunks.push_back(chunk);
+    std::ranges::sort(chunks);
+    chunks.erase(std::unique(chunks.begin(), chunks.end()), chunks.end());
+    for (const Index chunk : chunks) colours.push_back(finder.colour(chunk));
+    std::ranges::sort(colours);
+    if (std::ranges::adjacent_find(colours) != colours.end()) return true;
+  }
+  return false;
 }
 
 const loops::Job& CompiledFunctor::job(Attributes& attributes, const CellComplex& complex,
-                                       double time, double dt) {
+                                       const LiveMask& live, double time, double dt) {
   const Connectivity nodes = connectivity(complex);
   job_.nodes = nodes.nodes;
   job_.cells = nodes.cells;
@@ -197,6 +266,10 @@ const loops::Job& CompiledFunctor::job(Attributes& attributes, const CellComplex
   job_.time = time;
   job_.dt = dt;
   job_.function = functor_.force;
+  job_.live = live.data();
+  const OwnRest& own = attributes.rest_places(complex).own();
+  job_.rest_slots = dimension_ == 3 ? own.slots() : nodes_->rest_slots();
+  job_.own_rest = dimension_ == 3 ? own.rows() : nodes_->own_rest();
   read_columns(attributes);
   return job_;
 }

@@ -9,16 +9,23 @@
 
 namespace suture {
 
-/// Vertices of the rows of an instance's edges or faces, kept up to date through
-/// cuts. Elements need none: the complex's own list serves.
+/// Vertices of the rows of an instance's edges or faces, kept up to date through all
+/// operations, and their rest positions where they differ from those of the vertices.
+/// Elements need none: the complex's own list and OwnRest serve.
 class RowNodes {
  public:
-  RowNodes(const Instance& instance, int dimension, const CellComplex& complex);
+  RowNodes(const Instance& instance, int dimension, const RestPlaces& rest);
   /// O(cells in the change).
-  void update(const CellComplex& complex, const TopologyChange& change);
+  void update(const RestPlaces& rest, const TopologyChange& change);
   const Index* data() const { return nodes_.data(); }
+  /// As in loops::Job; null while no element has rest positions of its own.
+  const Index* rest_slots() const { return rest_slot_.empty() ? nullptr : rest_slot_.data(); }
+  const double* own_rest() const { return own_rest_.data(); }
 
  private:
+  void read_nodes(const CellComplex& complex, const TopologyChange& change);
+  void read_rest(const RestPlaces& rest, std::span<const Index> elements);
+  void read_rest_of(const RestPlaces& rest, Index cell);
   void read_row(const CellComplex& complex, Index row);
   void read_cell(const CellComplex& complex, Index cell);
   void read_elements(const CellComplex& complex, std::span<const Index> elements);
@@ -29,6 +36,8 @@ class RowNodes {
   int dimension_;
   std::size_t node_count_;
   std::vector<Index> nodes_;
+  std::vector<Index> rest_slot_;    ///< by row
+  AlignedVector<double> own_rest_;  ///< node_count_ rows of 4 per slot
 };
 
 /// One functor of one instance, ready to run: which rows, which arrays.
@@ -44,8 +53,11 @@ class CompiledFunctor {
   /// After a change; `nodes` is up to date already.
   void update(const CellComplex& complex, const TopologyChange& change);
 
-  /// The job with the present addresses of all columns. O(columns).
-  const loops::Job& job(Attributes& attributes, const CellComplex& complex, double time, double dt);
+  /// The job with the present addresses of all columns, for the rows of `live`.
+  /// O(columns).
+  const loops::Job& job(Attributes& attributes, const CellComplex& complex, const LiveMask& live,
+                        double time, double dt);
+  const CellSet& cells() const { return instance_.table(dimension_).cells; }
 
   Instance& instance() const { return instance_; }
   const suture_functor& functor() const { return functor_; }
@@ -66,7 +78,8 @@ class CompiledFunctor {
   void read_columns(Attributes& attributes);
   std::vector<loops::Range> wanted_rows(const CellComplex& complex) const;
   std::vector<loops::Range> wanted_faces(const CellComplex& complex) const;
-  CellSet const& cells() const { return instance_.table(dimension_).cells; }
+  bool clashes(const CellComplex& complex, const TopologyChange& change) const;
+  std::vector<Index> rows_at(const CellComplex& complex, Dart dart) const;
 
   Instance& instance_;
   const suture_functor& functor_;

@@ -87,22 +87,52 @@ void Constraints::apply(Attributes& attributes, double time) const {
   }
 }
 
-void Constraints::update(const TopologyChange& change) {
+void Constraints::update(const TopologyChange& change, Index vertex_count) {
   const auto& splits = change.splits[0];
-  if (splits.empty()) return;
-  const Index highest = splits.back().new_cell;
+  const auto& merges = change.merges[0];
+  const auto& removed = change.removed[0];
+  if (splits.empty() && merges.empty() && removed.empty()) return;
+  find_members(vertex_count);
+  std::vector<std::uint8_t> held_before;
+  for (const Merge& merge : merges) held_before.push_back(held(merge.kept));
   for (Group& group : groups_) {
-    if (group.member.empty()) {
-      group.member.resize(highest + 1);
-      for (const Index v : group.vertices) group.member[v] = true;
+    const auto join = [&](Index vertex) {
+      if (group.member[vertex]) return;
+      group.member[vertex] = true;
+      group.vertices.push_back(vertex);
+    };
+    for (const Split& split : splits)
+      if (group.member[split.old_cell]) join(split.new_cell);
+    bool loses = false;
+    const auto leave = [&](Index vertex) {
+      loses = loses || group.member[vertex];
+      group.member[vertex] = false;
+    };
+    for (std::size_t i = 0; i < merges.size(); ++i) {
+      if (group.member[merges[i].gone] && (group.components & ~held_before[i]) != 0)
+        join(merges[i].kept);
+      leave(merges[i].gone);
     }
-    if (group.member.size() <= highest) group.member.resize(highest + 1);
-    for (const Split& split : splits) {
-      if (!group.member[split.old_cell]) continue;
-      group.member[split.new_cell] = true;
-      group.vertices.push_back(split.new_cell);
-    }
+    for (const Index vertex : removed) leave(vertex);
+    if (loses) std::erase_if(group.vertices, [&](Index v) { return !group.member[v]; });
   }
+}
+
+void Constraints::find_members(Index vertex_count) {
+  for (Group& group : groups_) {
+    const bool first = group.member.empty();
+    group.member.resize(vertex_count);
+    for (std::size_t i = 0; first && i < group.vertices.size(); ++i)
+      group.member[group.vertices[i]] = true;
+  }
+}
+
+/// Components that some group holds; needs find_members().
+std::uint8_t Constraints::held(Index vertex) const {
+  std::uint8_t components = 0;
+  for (const Group& group : groups_)
+    if (group.member[vertex]) components |= group.components;
+  return components;
 }
 
 std::vector<bool> Constraints::still(Index vertex_count) const {

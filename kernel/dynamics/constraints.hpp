@@ -35,9 +35,11 @@ class Constraints {
   /// `time`. O(constrained vertices).
   void apply(Attributes& attributes, double time) const;
 
-  /// The parts of a split vertex are constrained alike. O(splits), after the
-  /// first call.
-  void update(const TopologyChange& change);
+  /// The parts of a split vertex are constrained alike. Of vertices that became one
+  /// each hands on what holds it, but components that are held already keep the motion
+  /// of the vertex that stays. Removed vertices are forgotten. O(change), and O(group)
+  /// where a group loses a vertex; the first call O(vertices).
+  void update(const TopologyChange& change, Index vertex_count);
 
   /// Vertices all of whose components are held at rest, and never move. One per
   /// vertex of the complex.
@@ -52,8 +54,10 @@ class Constraints {
     PrescribedMotion motion;
     std::uint8_t components;
     std::vector<Index> vertices;
-    std::vector<bool> member;  ///< by vertex; filled by the first split
+    std::vector<bool> member;  ///< by vertex; filled by the first change
   };
+  void find_members(Index vertex_count);
+  std::uint8_t held(Index vertex) const;
   std::vector<Group> groups_;
 };
 

@@ -57,14 +57,27 @@ struct Dynamics::Impl {
       clear_forces();  // passes rely on zeros; the state before the step is whole
       throw;
     }
-    loads.add_to(attributes.force().rows(), attributes.position().rows(), time);
+    loads.add_to(attributes.force().rows(), attributes.position().rows(), time, moving());
     evaluated = true;
     evaluated_dt = dt;
   }
 
   void clear_forces() {
     double* rows = attributes.force().rows();
-    std::fill(rows, rows + std::size_t{attributes.vertex_count()} * 4, 0.0);
+    if (!asleep) std::fill_n(rows, std::size_t{attributes.vertex_count()} * 4, 0.0);
+    for (Index v = 0; asleep && v < attributes.vertex_count(); ++v)  // sleepers keep theirs
+      if (awake[v]) std::fill_n(rows + std::size_t{v} * 4, 4, 0.0);
+  }
+
+  /// Vertices that are there and awake.
+  const LiveMask& moving() const { return asleep ? awake : attributes.kernel(0).cells.live(); }
+
+  void wake() {
+    if (!asleep) return;
+    asleep = false;
+    forces.wake_all();
+    clear_forces();
+    evaluated = false;
   }
 
   // ---- passes ----
@@ -77,6 +90,7 @@ struct Dynamics::Impl {
     m.mass = attributes.mass().rows();
     const double ramp = options.gravity_ramp.value(time);
     for (std::size_t c = 0; c < 3; ++c) m.gravity[c] = ramp * options.gravity[c];
+    m.live = moving().data();
     return m;
   }
 
@@ -172,6 +186,9 @@ struct Dynamics::Impl {
 
   double external_potential() const;
   loops::RestSums rest_sums();
+  std::vector<Index> vertices_of(std::span<const Index> elements) const;
+  void require_islands(std::span<const Index> elements) const;
+  Vec3 total_force(Index vertex) const;
 
   Attributes& attributes;
   const CellComplex* complex;
@@ -187,6 +204,8 @@ struct Dynamics::Impl {
   double evaluated_dt = 0;
   Kick pending;  // Verlet: the half kick that the velocities lack
   bool is_pending = false;
+  bool asleep = false;                                      // some island is
+  LiveMask awake;                                           // vertices, while something sleeps
   AlignedVector<double> old_position, old_force, external;  // of rest_sums()
 };
 
@@ -204,7 +223,7 @@ double Dynamics::time() const { return impl_->time; }
 void Dynamics::start(double time) {
   const Column& mass = impl_->attributes.mass();
   for (Index v = 0; v < impl_->attributes.vertex_count(); ++v) {
-    if (mass.get(v, 0) > 0) continue;
+    if (mass.get(v, 0) > 0 || !impl_->complex->exists(0, v)) continue;
     const Index element = impl_->complex->dart_of(0, v) / 24;
     throw InputError("element " + std::to_string(impl_->shown(element)) +
                      " has a vertex without mass: no model with a density acts on it; give the "
@@ -222,12 +241,90 @@ void Dynamics::synchronise_velocities() {
 }
 
 void Dynamics::update(const CellComplex& complex, const TopologyChange& change) {
+  impl_->wake();
   impl_->complex = &complex;
   impl_->forces.update(complex, change);
-  impl_->constraints.update(change);
-  if (!change.splits[0].empty()) impl_->loads.update(complex);
+  impl_->constraints.update(change, complex.count(0));
+  const bool only_apart = change.faces_sewn == 0 && change.removed[3].empty();
+  if (!only_apart || !change.splits[0].empty())
+    impl_->loads.update(impl_->attributes.rest_places(complex));
   invalidate();
 }
+
+// -------------------------------------------------------------------- sleep --
+
+std::vector<Index> Dynamics::Impl::vertices_of(std::span<const Index> elements) const {
+  std::vector<Index> vertices;
+  for (const Index e : elements) {
+    const Hexahedron& nodes = complex->vertices_of(e);
+    vertices.insert(vertices.end(), nodes.begin(), nodes.end());
+  }
+  std::ranges::sort(vertices);
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
+void Dynamics::Impl::require_islands(std::span<const Index> elements) const {
+  std::vector<bool> inside(complex->element_count());
+  for (const Index e : elements) {
+    if (e >= complex->element_count() || !complex->exists(3, e))
+      throw InputError("element " + std::to_string(e) + " cannot sleep: there is none");
+    inside[e] = true;
+  }
+  for (const Index e : elements)
+    for (int f = 0; f < 6; ++f) {
+      const Index other = complex->neighbour(e, f);
+      if (other != none && !inside[other])
+        throw InputError("element " + std::to_string(shown(e)) +
+                         " cannot sleep alone: it hangs together with element " +
+                         std::to_string(shown(other)) + "; put whole islands to sleep");
+    }
+}
+
+/// Of the models, the loads and gravity, in the free components.
+Vec3 Dynamics::Impl::total_force(Index vertex) const {
+  const int bits = static_cast<int>(attributes.fixed().get(vertex, 0));
+  const double weight = options.gravity_ramp.value(time) * attributes.mass().get(vertex, 0);
+  Vec3 f{};
+  for (int c = 0; c < 3; ++c)
+    if ((bits >> c & 1) == 0)
+      f[static_cast<std::size_t>(c)] =
+          attributes.force().get(vertex, c) + weight * options.gravity[static_cast<std::size_t>(c)];
+  return f;
+}
+
+Dynamics::Stillness Dynamics::stillness(std::span<const Index> elements) {
+  synchronise();
+  Stillness result;
+  double squares = 0;
+  for (const Index v : impl_->vertices_of(elements)) {
+    const Vec3 f = impl_->total_force(v);
+    const double force = std::hypot(f[0], f[1], f[2]);
+    squares += force * force;
+    const Column& velocity = impl_->attributes.velocity();
+    const double speed = std::hypot(velocity.get(v, 0), velocity.get(v, 1), velocity.get(v, 2));
+    result.acceleration = std::max(result.acceleration, force / impl_->attributes.mass().get(v, 0));
+    result.velocity = std::max(result.velocity, speed);
+  }
+  result.residual = std::sqrt(squares);
+  return result;
+}
+
+void Dynamics::sleep(std::span<const Index> elements) {
+  if (elements.empty()) return;
+  impl_->require_islands(elements);
+  synchronise();  // what sleeps keeps the forces of this state
+  if (!impl_->asleep) impl_->awake = impl_->attributes.kernel(0).cells.live();
+  impl_->asleep = true;
+  impl_->forces.sleep(elements);
+  for (const Index v : impl_->vertices_of(elements)) {
+    impl_->awake.kill(v, impl_->attributes.vertex_count());
+    for (int c = 0; c < 3; ++c) impl_->attributes.velocity().set(v, c, 0);
+  }
+}
+
+void Dynamics::wake_all() { impl_->wake(); }
+bool Dynamics::sleeps() const { return impl_->asleep; }
 
 void Dynamics::invalidate() {
   if (impl_->evaluated) impl_->clear_forces();  // else they are zero already
@@ -267,7 +364,7 @@ double Dynamics::Impl::external_potential() const {
       work += options.gravity[c] * (position[at + c] - rest[at + c]);
     sum -= mass[v] * work;
   }
-  return ramp * sum + loads.potential(rest, position, time);
+  return ramp * sum + loads.potential(position, time);
 }
 
 Dynamics::Energies Dynamics::energies() {
@@ -288,20 +385,21 @@ ForceLoop::Bounds Dynamics::bounds() { return impl_->forces.bounds(impl_->time);
 Dynamics::Inversions Dynamics::inversions() const {
   const Index elements = impl_->complex->element_count();
   const Index* nodes = impl_->complex->vertices().data()->data();
+  const std::uint8_t* live = impl_->attributes.kernel(3).cells.live().data();
   const auto& users = impl_->attributes.user_element;
   Inversions found;
   for (Index begin = 0; begin < elements; begin += sum_chunk) {
     Index first = none;
     const Index end = std::min(begin + sum_chunk, elements);
     const Index here =
-        impl_->loops.inverted(nodes, impl_->attributes.position().rows(), begin, end, &first);
+        impl_->loops.inverted(nodes, live, impl_->attributes.position().rows(), begin, end, &first);
     if (here == 0) continue;
     found.count += here;
     // Users' numbers are in another order: look at each element of the chunk.
     for (Index e = first; e < end; ++e) {
       if (!users.empty() && users[e] >= found.first) continue;
-      if (e == first ||
-          impl_->loops.inverted(nodes, impl_->attributes.position().rows(), e, e + 1, &first) != 0)
+      if (e == first || impl_->loops.inverted(nodes, live, impl_->attributes.position().rows(), e,
+                                              e + 1, &first) != 0)
         found.first = std::min(found.first, impl_->shown(e));
     }
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "kernel/dynamics/constraints.hpp"
@@ -65,8 +66,8 @@ class Dynamics {
   /// nothing with symplectic Euler.
   void synchronise_velocities();
 
-  /// A cut was made and attributes.apply() called. Call synchronise_velocities()
-  /// before the cut. O(cells touched + loaded).
+  /// An operation was made and attributes.apply() called. Call synchronise_velocities()
+  /// before the operation. Wakes all that sleeps. O(cells touched + loaded).
   void update(const CellComplex& complex, const TopologyChange& change);
   /// Positions, velocities or masses were changed by others.
   void invalidate();
@@ -74,6 +75,31 @@ class Dynamics {
   /// Cells between vertices that are held at rest for good are left out from now
   /// on (ForceLoop::skip_still); returns how many. After the constraints are added.
   Index skip_still_cells();
+
+  /// How far a set of elements is from rest, over its vertices and free components,
+  /// with all forces, loads and gravity. Synchronises. O(elements).
+  struct Stillness {
+    double residual = 0;      ///< sqrt(sum |f|^2), N
+    double acceleration = 0;  ///< largest |f| / m, m/s^2
+    double velocity = 0;      ///< largest, m/s
+  };
+  Stillness stillness(std::span<const Index> elements);
+
+  /// Islands that are still may sleep: their vertices are frozen with velocity zero,
+  /// their cells are not computed. They wake at the next update() or wake_all(); wake
+  /// them too before a load, gravity or a motion of theirs changes (settled_after()).
+  /// `elements`: whole islands, or InputError. O(elements).
+  ///
+  /// What is lost: with acceleration a and velocity v from stillness(), while the forces
+  /// are linear in the displacements and K >= 0, each mode obeys u'' = a_i - w_i^2 u, so
+  /// that the motion omitted in a sleep of length T is, in the root mean square weighed
+  /// by mass, at most
+  ///     v T + a T^2 / 2   and   v / w + 2 a / w^2
+  /// w being the lowest angular frequency of the island as it is held (0 if it is free,
+  /// so that only the first bound holds).
+  void sleep(std::span<const Index> elements);
+  void wake_all();
+  bool sleeps() const;
 
   void set_damping(double alpha);
   double damping() const;

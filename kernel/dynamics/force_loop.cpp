@@ -100,7 +100,8 @@ struct ForceLoop::Impl {
       const auto dimension = functor.dimension;
       const bool has_rows = (dimension == 1 || dimension == 2) && instance.functor(i).runs;
       if (has_rows && !nodes[dimension]) {
-        row_nodes.emplace_back(instance, static_cast<int>(dimension), *complex);
+        row_nodes.emplace_back(instance, static_cast<int>(dimension),
+                               attributes.rest_places(*complex));
         nodes[dimension] = &row_nodes.back();
       }
       functors.emplace_back(instance, functor, dimension < 3 ? nodes[dimension] : nullptr);
@@ -117,8 +118,12 @@ struct ForceLoop::Impl {
   /// chunk(worker, ranges, chunk number) for all chunks, colour after colour.
   template <class Chunk>
   void run(Index number, double time, double dt, Chunk chunk) {
+    run(number, functors[number].cells().live(), time, dt, chunk);
+  }
+  template <class Chunk>
+  void run(Index number, const LiveMask& live, double time, double dt, Chunk chunk) {
     CompiledFunctor& functor = functors[number];
-    const loops::Job& job = functor.job(attributes, *complex, time, dt);
+    const loops::Job& job = functor.job(attributes, *complex, live, time, dt);
     const BatchList& list = functor.list();
     const bool parallel = pays(functor);
     for (Index colour = 0; colour < list.colour_count(); ++colour) {
@@ -135,17 +140,20 @@ struct ForceLoop::Impl {
     }
   }
 
-  /// batch(batch, nodes of its cells) for every batch of some ranges.
+  /// visit(batch, rows of its lanes) for every batch of some ranges.
   template <class Visit>
   void for_each_batch(const loops::Job& job, const loops::Worker& worker,
                       std::span<const loops::Range> ranges, Visit visit) const {
     loops::Buffers buffers;
     suture_batch batch;
     for (const loops::Range& range : ranges)
-      for (Index row = range.begin; row < range.end; row += batch.valid) {
-        const Index valid = std::min(range.end - row, lanes - row % lanes);
-        loops.gather(&job, &worker, row, valid, &buffers, &batch);
-        const suture_status status = visit(batch, row);
+      for (Index row = range.begin; row < range.end;) {
+        const Index here = std::min(range.end - row, lanes - row % lanes);
+        const loops::BatchRows rows = loops::live_rows(job.live, row, here);
+        row += here;
+        if (rows.valid == 0) continue;
+        loops.gather(&job, &worker, &rows, &buffers, &batch);
+        const suture_status status = visit(batch, rows);
         if (status != SUTURE_OK) worker.failed(worker.data, status, &batch);
       }
   }
@@ -161,8 +169,10 @@ struct ForceLoop::Impl {
     first.raise(functor.title(), cell_words[functor.functor().dimension], time);
   }
 
-  void split_still(const TopologyChange& change);
+  void follow_still(const TopologyChange& change);
   Index skip_still();
+  const LiveMask& awake(const CompiledFunctor& functor) const;
+  void sleep(Instance& instance, std::array<LiveMask, 4>& awake, std::span<const Index> elements);
 
   double energy_of(Index number, double time);
   bool add_field(Index number, std::string_view field, double time, std::span<double> values);
@@ -176,6 +186,8 @@ struct ForceLoop::Impl {
   std::vector<WorkerMemory> workers;
   std::deque<RowNodes> row_nodes;
   std::deque<CompiledFunctor> functors;
+  /// Rows that are neither dead nor asleep, per instance; empty if none sleeps.
+  std::vector<std::array<LiveMask, 4>> awake_rows;
   std::vector<bool> still;  ///< vertices held where they are at rest; empty: nothing is left out
 };
 
@@ -188,7 +200,7 @@ void ForceLoop::add_forces(double time, double dt) {
   const auto& loops = impl_->loops;
   for (Index i = 0; i < impl_->functors.size(); ++i) {
     if (impl_->functors[i].skipped()) continue;
-    impl_->run(i, time, dt,
+    impl_->run(i, impl_->awake(impl_->functors[i]), time, dt,
                [&](const loops::Job& job, const loops::Worker& worker,
                    std::span<const loops::Range> ranges, Index) {
                  loops.forces(&job, &worker, ranges.data(),
@@ -209,7 +221,7 @@ double ForceLoop::Impl::energy_of(Index number, double time) {
   run(number, time, 0,
       [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Range> ranges,
           Index chunk) {
-        for_each_batch(job, worker, ranges, [&](suture_batch& batch, Index) {
+        for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows&) {
           alignas(64) double out[lanes];
           const suture_status status = extension->energy(worker.context, &batch, out);
           for (Index l = 0; l < batch.valid; ++l) of_chunk[chunk] += out[l];
@@ -247,11 +259,11 @@ bool ForceLoop::Impl::add_field(Index number, std::string_view field, double tim
         AlignedVector<double> out(width * lanes);
         std::vector<double*> places(fields.size(), nullptr);
         places[place] = out.data();
-        for_each_batch(job, worker, ranges, [&](suture_batch& batch, Index row) {
+        for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {
           const suture_status status = extension->compute(worker.context, &batch, places.data());
           for (Index l = 0; l < batch.valid; ++l)
             for (std::size_t c = 0; c < width; ++c)
-              values[(row + l) * width + c] = out[c * lanes + l];
+              values[rows.row[l] * width + c] = out[c * lanes + l];
           return status;
         });
       });
@@ -284,12 +296,12 @@ void ForceLoop::Impl::add_bounds(Index number, double time, VertexBounds& sums) 
   run(number, time, 0,
       [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Range> ranges,
           Index) {
-        for_each_batch(job, worker, ranges, [&](suture_batch& batch, Index row) {
+        for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {
           alignas(64) double stiffness[8 * 6 * lanes] = {}, damping[8 * 6 * lanes] = {};
           const suture_status status =
               extension->bounds(worker.context, &batch, stiffness, damping);
           for (Index l = 0; l < batch.valid; ++l) {
-            const Index r = row + l;
+            const Index r = rows.row[l];
             const Index* nodes =
                 job.nodes + std::size_t{job.cells ? job.cells[r] : r} * job.node_count;
             for (Index n = 0; n < job.node_count; ++n)
@@ -316,7 +328,7 @@ ForceLoop::Bounds ForceLoop::bounds(double time) {
   const double* fixed = impl_->attributes.fixed().rows();
   for (Index v = 0; v < vertices; ++v) {
     const int bits = static_cast<int>(fixed[v]);
-    if (bits == 7) continue;
+    if (bits == 7 || mass[v] == 0) continue;  // held, or gone
     const double k = largest_eigenvalue(free_part(sums.stiffness[v], bits)) / mass[v];
     const double c = largest_eigenvalue(free_part(sums.damping[v], bits)) / mass[v];
     bounds.stiffness = std::max(bounds.stiffness, k);
@@ -349,11 +361,11 @@ void ForceLoop::Impl::add_tangent(Index number, const Direction& d, double time,
   run(number, time, 0,
       [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Range> ranges,
           Index) {
-        for_each_batch(job, worker, ranges, [&](suture_batch& batch, Index row) {
+        for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {
           alignas(64) double dx[8 * 3 * lanes], dv[8 * 3 * lanes], df[8 * 3 * lanes];
           const auto for_each_value = [&](Index count, auto value) {
             for (Index l = 0; l < count; ++l) {
-              const Index r = row + std::min(l, batch.valid - 1);
+              const Index r = rows.row[l];
               const Index* nodes =
                   job.nodes + std::size_t{job.cells ? job.cells[r] : r} * job.node_count;
               for (Index n = 0; n < job.node_count; ++n)
@@ -380,6 +392,50 @@ void ForceLoop::add_tangent(const float* d, double dx, double dv, double time, f
   impl_->raise_failures(time);
 }
 
+// -------------------------------------------------------------------- sleep --
+
+const LiveMask& ForceLoop::Impl::awake(const CompiledFunctor& functor) const {
+  if (awake_rows.empty()) return functor.cells().live();
+  const auto is_its = [&](const auto& instance) { return instance.get() == &functor.instance(); };
+  const auto& instances = attributes.instances();
+  const auto at = std::ranges::find_if(instances, is_its) - instances.begin();
+  return awake_rows[static_cast<std::size_t>(at)][functor.functor().dimension];
+}
+
+/// Rows that no loop visits keep their state through every acceptance.
+void ForceLoop::Impl::sleep(Instance& instance, std::array<LiveMask, 4>& awake,
+                            std::span<const Index> elements) {
+  const auto put_to_sleep = [&](int dimension, Index cell) {
+    Table& table = instance.table(dimension);
+    if (!table.cells.contains(cell)) return;
+    const Index row = table.cells.row(cell);
+    awake[static_cast<std::size_t>(dimension)].kill(row, table.cells.size());
+    for (Column& column : table.columns)
+      if (column.has_trial()) column.hold_row(row);
+  };
+  for (const Index e : elements) {
+    put_to_sleep(3, e);
+    if (instance.table(1).cells.size() != 0)
+      for (const Index edge : complex->edges_of(e)) put_to_sleep(1, edge);
+    if (instance.table(2).cells.size() != 0)
+      for (const Index face : complex->faces_of(e)) put_to_sleep(2, face);
+  }
+}
+
+void ForceLoop::sleep(std::span<const Index> elements) {
+  auto& instances = impl_->attributes.instances();
+  if (impl_->awake_rows.empty()) {
+    impl_->awake_rows.resize(instances.size());
+    for (std::size_t i = 0; i < instances.size(); ++i)
+      for (int d = 0; d < 4; ++d)
+        impl_->awake_rows[i][static_cast<std::size_t>(d)] = instances[i]->table(d).cells.live();
+  }
+  for (std::size_t i = 0; i < instances.size(); ++i)
+    impl_->sleep(*instances[i], impl_->awake_rows[i], elements);
+}
+
+void ForceLoop::wake_all() { impl_->awake_rows.clear(); }
+
 // --------------------------------------------------------- changes, summary --
 
 Index ForceLoop::Impl::skip_still() {
@@ -396,17 +452,21 @@ Index ForceLoop::skip_still(std::vector<bool> still) {
   return impl_->skip_still();
 }
 
-/// The parts of a vertex are held alike.
-void ForceLoop::Impl::split_still(const TopologyChange& change) {
+/// The parts of a vertex are held alike; what is sewn to a held vertex is held.
+void ForceLoop::Impl::follow_still(const TopologyChange& change) {
   if (still.empty()) return;
   still.resize(complex->count(0));
   for (const Split& split : change.splits[0]) still[split.new_cell] = still[split.old_cell];
+  for (const Merge& merge : change.merges[0])
+    still[merge.kept] = still[merge.kept] || still[merge.gone];
 }
 
 void ForceLoop::update(const CellComplex& complex, const TopologyChange& change) {
   impl_->complex = &complex;
-  impl_->split_still(change);
-  for (RowNodes& nodes : impl_->row_nodes) nodes.update(complex, change);
+  impl_->follow_still(change);
+  impl_->awake_rows.clear();
+  const RestPlaces rest = impl_->attributes.rest_places(complex);
+  for (RowNodes& nodes : impl_->row_nodes) nodes.update(rest, change);
   for (CompiledFunctor& functor : impl_->functors) functor.update(complex, change);
 }
 

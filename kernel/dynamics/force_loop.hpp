@@ -79,6 +79,13 @@ class ForceLoop {
   /// cells are left out. O(cells).
   Index skip_still(std::vector<bool> still);
 
+  /// Cells of these elements are not visited by add_forces() any more; state columns
+  /// keep what they hold. Energies, fields and bounds go on seeing them. For whole
+  /// islands: a cell that a waking element shares is left out too. O(elements), the
+  /// first time O(rows / 8).
+  void sleep(std::span<const Index> elements);
+  void wake_all();  ///< update() wakes too
+
   struct Summary {  ///< for `suture explain`
     std::string instance, functor;
     Index cells = 0, batches = 0, chunks = 0, colours = 0;

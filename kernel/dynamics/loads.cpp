@@ -30,6 +30,20 @@ std::array<Index, 4> face_nodes(const CellComplex& complex, Dart face) {
   return {x[local[0]], x[local[1]], x[local[2]], x[local[3]]};
 }
 
+Quad rest_corners(const RestPlaces& rest, Dart face) {
+  Quad x;
+  for (std::size_t a = 0; a < 4; ++a) {
+    const double* p = rest.corner(face / 24, suture_hexahedron_faces[face % 24 / 4][a]);
+    x[a] = {p[0], p[1], p[2]};
+  }
+  return x;
+}
+
+/// The face is still there and on the boundary.
+bool is_open(const CellComplex& complex, Dart face) {
+  return complex.exists(3, face / 24) && complex.beta3(face) == none;
+}
+
 Quad corners_of(const double* rows, const std::array<Index, 4>& nodes) {
   return {row(rows, nodes[0]), row(rows, nodes[1]), row(rows, nodes[2]), row(rows, nodes[3])};
 }
@@ -65,8 +79,8 @@ std::array<double, 4> corner_areas(const Quad& x) {
 
 /// Boundary area around each vertex of a set, from faces that lie in it wholly;
 /// empty if a vertex has none.
-std::vector<double> areas_around(const CellComplex& complex, const double* rest,
-                                 std::span<const Index> vertices) {
+std::vector<double> areas_around(const RestPlaces& rest, std::span<const Index> vertices) {
+  const CellComplex& complex = rest.complex();
   std::map<Index, double> area;
   for (const Index v : vertices) area[v] = 0;
   std::vector<Dart> faces, star;
@@ -84,7 +98,7 @@ std::vector<double> areas_around(const CellComplex& complex, const double* rest,
     const auto nodes = face_nodes(complex, face);
     if (!std::all_of(nodes.begin(), nodes.end(), [&](Index n) { return area.contains(n); }))
       continue;
-    const auto parts = corner_areas(corners_of(rest, nodes));
+    const auto parts = corner_areas(rest_corners(rest, face));
     for (std::size_t a = 0; a < 4; ++a) area[nodes[a]] += parts[a];
   }
   std::vector<double> areas;
@@ -95,17 +109,14 @@ std::vector<double> areas_around(const CellComplex& complex, const double* rest,
 
 }  // namespace
 
-void Loads::add_at_vertex(DeadLoad& load, const CellComplex& complex, Attributes& attributes,
-                          Index vertex, const Vec3& force) {
+void Loads::add_at_vertex(DeadLoad& load, const RestPlaces& rest, Index vertex, const Vec3& force) {
+  const CellComplex& complex = rest.complex();
   std::vector<Dart> star;
   complex.star(0, vertex, star);
-  const double* rest = attributes.rest().rows();
   std::vector<double> volumes;
   double total = 0;
   for (const Dart d : star) {
-    HexahedronNodes x;
-    for (std::size_t i = 0; i < 8; ++i) x[i] = row(rest, complex.vertices_of(d / 24)[i]);
-    volumes.push_back(std::abs(hexahedron_volume(x)));
+    volumes.push_back(std::abs(hexahedron_volume(rest.of(d / 24))));
     total += volumes.back();
   }
   for (std::size_t i = 0; i < star.size(); ++i) {
@@ -119,10 +130,15 @@ void Loads::add_at_vertex(DeadLoad& load, const CellComplex& complex, Attributes
   }
 }
 
-void Loads::sum_corners(DeadLoad& load, const CellComplex& complex) {
+void Loads::sum_corners(DeadLoad& load, const RestPlaces& rest) {
   load.nodal.clear();
-  for (const Corner& corner : load.corners)
-    load.nodal.push_back({complex.vertices_of(corner.element)[corner.node], corner.force});
+  if (load.corners.empty()) return;
+  for (const Corner& corner : load.corners) {
+    const double* x = rest.corner(corner.element, corner.node);
+    const Vec3& f = corner.force;
+    load.nodal.push_back({rest.complex().vertices_of(corner.element)[corner.node], f,
+                          f[0] * x[0] + f[1] * x[1] + f[2] * x[2]});
+  }
   std::stable_sort(load.nodal.begin(), load.nodal.end(),
                    [](const Nodal& a, const Nodal& b) { return a.vertex < b.vertex; });
   std::size_t last = 0;
@@ -132,6 +148,7 @@ void Loads::sum_corners(DeadLoad& load, const CellComplex& complex) {
       continue;
     }
     for (std::size_t c = 0; c < 3; ++c) load.nodal[last].force[c] += load.nodal[i].force[c];
+    load.nodal[last].at_rest += load.nodal[i].at_rest;
   }
   load.nodal.resize(last + 1);
 }
@@ -139,8 +156,8 @@ void Loads::sum_corners(DeadLoad& load, const CellComplex& complex) {
 void Loads::add_force(const CellComplex& complex, Attributes& attributes,
                       std::span<const Index> vertices, const Vec3& total, const TimeRamp& ramp) {
   if (vertices.empty()) throw InputError("a force acts on no vertex: select at least one");
-  const double* rest = attributes.rest().rows();
-  std::vector<double> weights = areas_around(complex, rest, vertices);
+  const RestPlaces rest = attributes.rest_places(complex);
+  std::vector<double> weights = areas_around(rest, vertices);
   if (weights.empty()) weights.assign(vertices.size(), 1);
   double sum = 0;
   for (const double w : weights) sum += w;
@@ -148,29 +165,29 @@ void Loads::add_force(const CellComplex& complex, Attributes& attributes,
   load.ramp = ramp;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const double w = weights[i] / sum;
-    add_at_vertex(load, complex, attributes, vertices[i],
-                  {total[0] * w, total[1] * w, total[2] * w});
+    add_at_vertex(load, rest, vertices[i], {total[0] * w, total[1] * w, total[2] * w});
   }
-  sum_corners(load, complex);
+  sum_corners(load, rest);
   dead_.push_back(std::move(load));
 }
 
 void Loads::add_traction(const CellComplex& complex, Attributes& attributes,
                          std::span<const Dart> faces, const Vec3& traction, const TimeRamp& ramp) {
   if (faces.empty()) throw InputError("a traction acts on no face: select at least one");
-  const double* rest = attributes.rest().rows();
+  const RestPlaces rest = attributes.rest_places(complex);
   DeadLoad load;
   load.ramp = ramp;
   for (const Dart face : faces) {
-    const auto areas = corner_areas(corners_of(rest, face_nodes(complex, face)));
+    const auto areas = corner_areas(rest_corners(rest, face));
     const auto& local = suture_hexahedron_faces[face % 24 / 4];
     for (std::size_t a = 0; a < 4; ++a)
       load.corners.push_back(
           {face / 24,
            local[a],
-           {traction[0] * areas[a], traction[1] * areas[a], traction[2] * areas[a]}});
+           {traction[0] * areas[a], traction[1] * areas[a], traction[2] * areas[a]},
+           face});
   }
-  sum_corners(load, complex);
+  sum_corners(load, rest);
   dead_.push_back(std::move(load));
 }
 
@@ -182,11 +199,11 @@ void Loads::add_pressure(const CellComplex& complex, std::span<const Dart> faces
   pressures_.push_back(std::move(load));
 }
 
-void Loads::add_to(double* rows, const double* position, double time) const {
+void Loads::add_to(double* rows, const double* position, double time, const LiveMask& live) const {
   for (const DeadLoad& load : dead_) {
     const double s = load.ramp.value(time);
     for (const Nodal& nodal : load.nodal)
-      for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t c = 0; c < 3 && live[nodal.vertex]; ++c)
         rows[std::size_t{nodal.vertex} * 4 + c] += s * nodal.force[c];
   }
   for (const PressureLoad& load : pressures_) {
@@ -195,28 +212,36 @@ void Loads::add_to(double* rows, const double* position, double time) const {
       for_each_point(corners_of(position, nodes),
                      [&](const std::array<double, 4>& n, const Vec3& inward) {
                        for (std::size_t a = 0; a < 4; ++a)
-                         for (std::size_t c = 0; c < 3; ++c)
+                         for (std::size_t c = 0; c < 3 && live[nodes[a]]; ++c)
                            rows[std::size_t{nodes[a]} * 4 + c] += p * n[a] * inward[c];
                      });
   }
 }
 
-double Loads::potential(const double* rest, const double* position, double time) const {
+double Loads::potential(const double* position, double time) const {
   double sum = 0;
   for (const DeadLoad& load : dead_) {
     const double s = load.ramp.value(time);
-    for (const Nodal& nodal : load.nodal)
-      for (std::size_t c = 0; c < 3; ++c) {
-        const std::size_t at = std::size_t{nodal.vertex} * 4 + c;
-        sum -= s * nodal.force[c] * (position[at] - rest[at]);
-      }
+    for (const Nodal& nodal : load.nodal) {
+      const double* x = position + std::size_t{nodal.vertex} * 4;
+      const Vec3& f = nodal.force;
+      sum -= s * (f[0] * x[0] + f[1] * x[1] + f[2] * x[2] - nodal.at_rest);
+    }
   }
   return sum;
 }
 
-void Loads::update(const CellComplex& complex) {
-  for (DeadLoad& load : dead_) sum_corners(load, complex);
+void Loads::update(const RestPlaces& rest) {
+  const CellComplex& complex = rest.complex();
+  for (DeadLoad& load : dead_) {
+    std::erase_if(load.corners, [&](const Corner& corner) {
+      return !complex.exists(3, corner.element) ||
+             (corner.face != none && !is_open(complex, corner.face));
+    });
+    sum_corners(load, rest);
+  }
   for (PressureLoad& load : pressures_) {
+    std::erase_if(load.faces, [&](Dart face) { return !is_open(complex, face); });
     load.nodes.clear();
     for (const Dart face : load.faces) load.nodes.push_back(face_nodes(complex, face));
   }

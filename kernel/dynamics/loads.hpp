@@ -14,7 +14,9 @@ namespace suture {
 /// External forces besides gravity. Every load is kept per corner of an element,
 /// which no cut changes: a vertex receives what the corners of its elements
 /// carry, so the parts of a split vertex share its load in proportion to their
-/// volumes and the total stays.
+/// volumes and the total stays; vertices that are sewn add up. What a removed element
+/// carried is gone with it. A traction or a pressure on a face that is sewn ends there,
+/// for good: a cut that opens the face again makes another surface.
 class Loads {
  public:
   /// `total` newtons on `vertices`: shared in proportion to the boundary area
@@ -34,15 +36,16 @@ class Loads {
   void add_pressure(const CellComplex& complex, std::span<const Dart> faces, double pressure,
                     const TimeRamp& ramp);
 
-  /// Adds all loads at `time` to `rows` (4 per vertex). O(loaded vertices, faces).
-  void add_to(double* rows, const double* position, double time) const;
+  /// Adds all loads at `time` to `rows` (4 per vertex) of the vertices that are `live`.
+  /// O(loaded vertices, faces).
+  void add_to(double* rows, const double* position, double time, const LiveMask& live = {}) const;
 
-  /// Potential of the dead loads, - sum f . (x - X), J. A pressure that follows
-  /// the surface has none.
-  double potential(const double* rest, const double* position, double time) const;
+  /// Potential of the dead loads, - sum f . (x - X) over the corners, J. A pressure
+  /// that follows the surface has none.
+  double potential(const double* position, double time) const;
 
-  /// After a cut: corners have other vertices. O(corners loaded).
-  void update(const CellComplex& complex);
+  /// After a change: corners have other vertices. O(corners loaded).
+  void update(const RestPlaces& rest);
 
   bool empty() const { return dead_.empty() && pressures_.empty(); }
   bool has_pressure() const { return !pressures_.empty(); }
@@ -53,10 +56,12 @@ class Loads {
     Index element;
     std::uint32_t node;
     Vec3 force;
+    Dart face = none;  ///< whose boundary carries it, if it is on one
   };
   struct Nodal {
     Index vertex;
     Vec3 force;
+    double at_rest;  ///< sum of f . X
   };
   struct DeadLoad {
     std::vector<Corner> corners;
@@ -70,9 +75,9 @@ class Loads {
     TimeRamp ramp;
   };
 
-  void add_at_vertex(DeadLoad& load, const CellComplex& complex, Attributes& attributes,
-                     Index vertex, const Vec3& force);
-  static void sum_corners(DeadLoad& load, const CellComplex& complex);
+  static void add_at_vertex(DeadLoad& load, const RestPlaces& rest, Index vertex,
+                            const Vec3& force);
+  static void sum_corners(DeadLoad& load, const RestPlaces& rest);
 
   std::vector<DeadLoad> dead_;
   std::vector<PressureLoad> pressures_;

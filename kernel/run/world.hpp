@@ -29,7 +29,10 @@ class World {
   // Operations of CellComplex, after which everything that depends on cells follows.
   // They throw what the complex throws, and then nothing has happened.
   TopologyChange cut(const std::vector<Dart>& faces);
+  /// Momentum and mass go with the elements, exactly those of their shares.
   TopologyChange pierce(const std::vector<Index>& elements);
+  /// Velocities merge by mass, so momentum stays. Vertices that join meet at once in
+  /// their common centre of mass: bring them near before.
   TopologyChange sew(const std::vector<Seam>& seams);
   /// The pieces, known through all operations from the first call on.
   const Islands& islands();

@@ -34,6 +34,11 @@ struct Stars {
   std::vector<Dart> darts;
 
   std::size_t size() const { return cells.size(); }
+  void append(Index cell, std::span<const Dart> star) {
+    cells.push_back(cell);
+    darts.insert(darts.end(), star.begin(), star.end());
+    offsets.push_back(static_cast<Index>(darts.size()));
+  }
   std::span<const Dart> operator[](std::size_t i) const {
     return std::span(darts).subspan(offsets[i], offsets[i + 1] - offsets[i]);
   }
@@ -56,6 +61,8 @@ struct TopologyChange {
   /// Of several cells that became one, the smallest number is kept: `kept` is never
   /// `gone` in another merge, every `gone` is there once. By `kept`, then `gone`.
   std::array<std::vector<Merge>, 3> merges;
+  /// The stars that the `gone` cells had, in the order of merges.
+  std::array<Stars, 3> gone;
   /// Cells whose last element was removed, ascending; dimension 3: the elements.
   std::array<std::vector<Index>, 4> removed;
   /// Cells that lost or gained elements and still are, per dimension, as they are

@@ -45,6 +45,7 @@ Dart repeated_face(std::span<const Seam> seams) {
 struct CellComplex::MergedCells {
   std::vector<Merge> merges;
   Stars stars;  ///< of the cells kept, afterwards
+  Stars gone;   ///< of the others, before
 
   /// Why the result would be no map; empty if it is one.
   std::string fault(const CellComplex& map) const {
@@ -136,8 +137,11 @@ CellComplex::MergedCells CellComplex::merged_cells(std::span<const Seam> seams) 
   for (const std::vector<Index>& group : groups_of_equal(glued<Dimension>(*this, seams))) {
     Stars& stars = merged.stars;
     for (const Index cell : group) {
-      if (cell != group[0]) merged.merges.push_back({group[0], cell});
       collect_star<Dimension>(some_dart_[Dimension][cell], star);
+      if (cell != group[0]) {
+        merged.merges.push_back({group[0], cell});
+        merged.gone.append(cell, star);
+      }
       stars.darts.insert(stars.darts.end(), star.begin(), star.end());
     }
     std::sort(stars.darts.begin() + stars.offsets.back(), stars.darts.end());
@@ -161,25 +165,26 @@ void CellComplex::merge_cells(const MergedCells& merged, TopologyChange& change)
   }
   holes_[Dimension] += static_cast<Index>(merged.merges.size());
   change.merges[Dimension] = merged.merges;
+  change.gone[Dimension] = merged.gone;
   change.stars[Dimension] = merged.stars;
 }
 
 void CellComplex::merge_faces(std::span<const Seam> seams, TopologyChange& change) {
+  std::vector<std::pair<Merge, Dart>> merged;  // with the dart of the face that goes
   for (const auto& [one, other] : seams) {
-    const Index a = face(one), b = face(other);
-    change.merges[2].push_back({std::min(a, b), std::max(a, b)});
-    faces_[one / 24][one % 24 / 4] = faces_[other / 24][other % 24 / 4] = std::min(a, b);
-    some_dart_[2][std::max(a, b)] = none;
-    some_dart_[2][std::min(a, b)] = std::min(one & ~3u, other & ~3u);
+    const Index kept = std::min(face(one), face(other)), gone = std::max(face(one), face(other));
+    merged.push_back({{kept, gone}, some_dart_[2][gone]});
+    faces_[one / 24][one % 24 / 4] = faces_[other / 24][other % 24 / 4] = kept;
+    some_dart_[2][gone] = none;
+    some_dart_[2][kept] = std::min(one & ~3u, other & ~3u);
   }
   holes_[2] += static_cast<Index>(seams.size());
-  std::ranges::sort(change.merges[2], {}, &Merge::kept);
-  Stars& stars = change.stars[2];
-  for (const Merge& merge : change.merges[2]) {
+  std::ranges::sort(merged, {}, [](const auto& m) { return m.first.kept; });
+  for (const auto& [merge, dart_of_gone] : merged) {
+    change.merges[2].push_back(merge);
+    change.gone[2].append(merge.gone, std::span(&dart_of_gone, 1));
     const Dart first = some_dart_[2][merge.kept];
-    stars.cells.push_back(merge.kept);
-    stars.darts.insert(stars.darts.end(), {first, beta3(first) & ~3u});
-    stars.offsets.push_back(static_cast<Index>(stars.darts.size()));
+    change.stars[2].append(merge.kept, std::array{first, beta3(first) & ~3u});
   }
 }
 

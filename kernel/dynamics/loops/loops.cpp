@@ -23,22 +23,27 @@ constexpr const char* isa_name = "base";
 
 // ------------------------------------------------------------------- gather --
 
-/// Lanes behind the last valid one repeat it.
+inline uint32_t cell_of(const Job& job, uint32_t row) { return job.cells ? job.cells[row] : row; }
+
+/// Rows row .. row+valid-1, which all live; lanes behind the last repeat it.
+inline BatchRows rows_of_block(uint32_t row, uint32_t valid) {
+  BatchRows rows;
+  rows.valid = valid;
+  for (uint32_t l = 0; l < lanes; ++l) rows.row[l] = row + (l < valid ? l : valid - 1);
+  return rows;
+}
+
 template <uint32_t N>
-inline __attribute__((always_inline)) Cells<N> find_cells(const Job& job, uint32_t row,
-                                                          uint32_t valid) {
+inline __attribute__((always_inline)) Cells<N> find_cells(const Job& job, const BatchRows& rows) {
   Cells<N> cells;
-  for (uint32_t l = 0; l < lanes; ++l) {
-    const uint32_t r = row + (l < valid ? l : valid - 1);
-    cells.nodes[l] = job.nodes + static_cast<uint64_t>(job.cells ? job.cells[r] : r) * N;
-  }
+  for (uint32_t l = 0; l < lanes; ++l)
+    cells.nodes[l] = job.nodes + static_cast<uint64_t>(cell_of(job, rows.row[l])) * N;
   return cells;
 }
 
-inline void fill_ids(const Job& job, uint32_t row, uint32_t valid, uint32_t* ids) {
+inline void fill_ids(const Job& job, const BatchRows& rows, uint32_t* ids) {
   for (uint32_t l = 0; l < lanes; ++l) {
-    const uint32_t r = row + (l < valid ? l : valid - 1);
-    const uint32_t cell = job.cells ? job.cells[r] : r;
+    const uint32_t r = rows.row[l], cell = cell_of(job, r);
     ids[l] = job.row_ids ? job.row_ids[r] : job.ids ? job.ids[cell] : cell;
   }
 }
@@ -67,56 +72,76 @@ double* gather_vertex_columns(const Job& job, const Worker& worker, const C& cel
   return out;
 }
 
-/// Columns of the cells are read in place, unless the batch does not begin with
-/// its block: then its lanes are moved to the front, through scratch.
-void point_to_cell_columns(const Job& job, const Worker& worker, uint32_t row, uint32_t valid,
-                           double* spare) {
-  const uint64_t block = row / lanes;
-  const uint32_t shift = row % lanes;
+/// Columns of the cells are read in place if the batch is a block from its beginning on;
+/// behind the last row of a table they repeat it.
+inline bool in_place(const Job& job, const BatchRows& rows) {
+  if (rows.row[0] % lanes != 0 || (job.live && rows.valid != lanes)) return false;
+  return rows.row[rows.valid - 1] - rows.row[0] + 1 == rows.valid;
+}
+
+/// Otherwise the lanes are moved to the front, through scratch.
+void move_cell_columns(const Job& job, const Worker& worker, const BatchRows& rows, double* spare) {
+  const uint64_t block = rows.row[0] / lanes;
   for (uint32_t i = 0; i < job.cell_column_count; ++i) {
     const CellColumn& column = job.cell_columns[i];
     const double* data = column.data + block * column.block;
-    worker.cell_columns[i] = data;
-    worker.trial_columns[i] = column.trial ? column.trial + block * column.block : nullptr;
-    if (shift == 0) continue;
     const uint32_t doubles = column.components * lanes;
-    for (uint32_t k = 0; k < doubles; ++k) {
-      const uint32_t l = k % lanes;
-      spare[k] = data[k - l + shift + (l < valid ? l : valid - 1)];
-    }
+    for (uint32_t k = 0; k < doubles; ++k)
+      spare[k] = data[k - k % lanes + rows.row[k % lanes] % lanes];
     worker.cell_columns[i] = spare;
-    if (column.trial) worker.trial_columns[i] = spare + doubles;
+    worker.trial_columns[i] = column.trial ? spare + doubles : nullptr;
     spare += 2 * doubles;
   }
 }
 
-/// Trial values of a batch that does not begin with its block go home.
-void return_trials(const Job& job, const Worker& worker, uint32_t row, uint32_t valid) {
-  const uint32_t shift = row % lanes;
-  if (shift == 0) return;
+void point_to_cell_columns(const Job& job, const Worker& worker, const BatchRows& rows,
+                           double* spare) {
+  if (!in_place(job, rows)) return move_cell_columns(job, worker, rows, spare);
+  const uint64_t block = rows.row[0] / lanes;
+  for (uint32_t i = 0; i < job.cell_column_count; ++i) {
+    const CellColumn& column = job.cell_columns[i];
+    worker.cell_columns[i] = column.data + block * column.block;
+    worker.trial_columns[i] = column.trial ? column.trial + block * column.block : nullptr;
+  }
+}
+
+/// Trial values of lanes that were moved go home.
+void return_trials(const Job& job, const Worker& worker, const BatchRows& rows) {
+  if (in_place(job, rows)) return;
   for (uint32_t i = 0; i < job.cell_column_count; ++i) {
     const CellColumn& column = job.cell_columns[i];
     if (!column.trial) continue;
-    double* home = column.trial + row / lanes * column.block;
+    double* home = column.trial + rows.row[0] / lanes * column.block;
     for (uint32_t c = 0; c < column.components; ++c)
-      for (uint32_t l = 0; l < valid; ++l)
-        home[c * lanes + shift + l] = worker.trial_columns[i][c * lanes + l];
+      for (uint32_t l = 0; l < rows.valid; ++l)
+        home[c * lanes + rows.row[l] % lanes] = worker.trial_columns[i][c * lanes + l];
+  }
+}
+
+/// Rest positions of cells that have their own instead of their vertices'.
+void take_own_rest(const Job& job, const BatchRows& rows, double* rest) {
+  const uint32_t nodes = job.node_count;
+  for (uint32_t l = 0; l < lanes; ++l) {
+    const uint32_t slot = job.rest_slots[cell_of(job, rows.row[l])];
+    if (slot == UINT32_MAX) continue;
+    const double* own = job.own_rest + static_cast<uint64_t>(slot) * nodes * 4;
+    for (uint32_t n = 0; n < nodes; ++n)
+      for (uint32_t c = 0; c < 3; ++c) rest[(n * 3 + c) * lanes + l] = own[n * 4 + c];
   }
 }
 
 template <uint32_t N, class C>
 inline __attribute__((always_inline)) void gather_batch(const Job& job, const Worker& worker,
-                                                        uint32_t row, uint32_t valid,
-                                                        const C& cells, Buffers& buffers,
-                                                        suture_batch& batch) {
-  batch.valid = valid;
+                                                        const BatchRows& rows, const C& cells,
+                                                        Buffers& buffers, suture_batch& batch) {
+  batch.valid = rows.valid;
   if (job.position) gather_rows<N>(job.position, cells, buffers.position);
   if (job.rest) gather_rows<N>(job.rest, cells, buffers.rest);
   if (job.velocity) gather_rows<N>(job.velocity, cells, buffers.velocity);
   double* spare = worker.scratch;
   if (job.vertex_column_count != 0) spare = gather_vertex_columns<N>(job, worker, cells);
-  if (job.cell_column_count != 0) point_to_cell_columns(job, worker, row, valid, spare);
-  fill_ids(job, row, valid, buffers.ids);
+  if (job.cell_column_count != 0) point_to_cell_columns(job, worker, rows, spare);
+  fill_ids(job, rows, buffers.ids);
 }
 
 void begin_batches(const Job& job, const Worker& worker, Buffers& buffers, suture_batch& batch) {
@@ -147,14 +172,16 @@ inline void reset(suture_error* error) {
 
 template <uint32_t N, class C>
 inline __attribute__((always_inline)) void one_batch(const Job& job, const Worker& worker,
-                                                     uint32_t row, uint32_t valid, const C& cells,
+                                                     const BatchRows& rows, const C& cells,
                                                      Buffers& buffers, suture_batch& batch) {
-  gather_batch<N>(job, worker, row, valid, cells, buffers, batch);
+  gather_batch<N>(job, worker, rows, cells, buffers, batch);
+  if (job.rest_slots && job.rest) take_own_rest(job, rows, buffers.rest);
   reset(worker.context->error);
   const suture_status status = job.function(worker.context, &batch);
   if (status != 0) worker.failed(worker.data, status, &batch);
   for (uint32_t n = 0; n < N; ++n)
-    scatter_node(job.force, cells, n, valid, batch.force + n * 3 * lanes);
+    scatter_node(job.force, cells, n, rows.valid, batch.force + n * 3 * lanes);
+  if (job.has_trial) return_trials(job, worker, rows);
 }
 
 template <uint32_t N>
@@ -168,15 +195,17 @@ void forces_of(const Job& job, const Worker& worker, const Range* ranges, uint32
     const uint32_t end = ranges[i].end;
     for (uint32_t row = ranges[i].begin; row < end;) {
       const uint32_t to_block = lanes - row % lanes;
-      const uint32_t valid = end - row < to_block ? end - row : to_block;
-      if (valid == lanes && !job.cells) {
+      const uint32_t here = end - row < to_block ? end - row : to_block;
+      const bool whole = !job.live || job.live[row / lanes] == 0xFF;
+      if (here == lanes && !job.cells && whole) {
         const Block<N> cells{job.nodes + static_cast<uint64_t>(row) * N};
-        one_batch<N>(job, worker, row, lanes, cells, buffers, batch);
+        one_batch<N>(job, worker, rows_of_block(row, lanes), cells, buffers, batch);
       } else {
-        one_batch<N>(job, worker, row, valid, find_cells<N>(job, row, valid), buffers, batch);
+        const BatchRows rows = whole ? rows_of_block(row, here) : live_rows(job.live, row, here);
+        if (rows.valid != 0)
+          one_batch<N>(job, worker, rows, find_cells<N>(job, rows), buffers, batch);
       }
-      if (job.has_trial) return_trials(job, worker, row, valid);
-      row += valid;
+      row += here;
     }
   }
 }
@@ -188,18 +217,19 @@ void forces(const Job* job, const Worker* worker, const Range* ranges, uint32_t 
 }
 
 template <uint32_t N>
-void gather_one(const Job& job, const Worker& worker, uint32_t row, uint32_t valid,
-                Buffers& buffers, suture_batch& batch) {
+void gather_one(const Job& job, const Worker& worker, const BatchRows& rows, Buffers& buffers,
+                suture_batch& batch) {
   begin_batches(job, worker, buffers, batch);
-  gather_batch<N>(job, worker, row, valid, find_cells<N>(job, row, valid), buffers, batch);
+  gather_batch<N>(job, worker, rows, find_cells<N>(job, rows), buffers, batch);
+  if (job.rest_slots && job.rest) take_own_rest(job, rows, buffers.rest);
   reset(worker.context->error);
 }
 
-void gather(const Job* job, const Worker* worker, uint32_t row, uint32_t valid, Buffers* buffers,
+void gather(const Job* job, const Worker* worker, const BatchRows* rows, Buffers* buffers,
             suture_batch* batch) {
-  if (job->node_count == 2) return gather_one<2>(*job, *worker, row, valid, *buffers, *batch);
-  if (job->node_count == 4) return gather_one<4>(*job, *worker, row, valid, *buffers, *batch);
-  gather_one<8>(*job, *worker, row, valid, *buffers, *batch);
+  if (job->node_count == 2) return gather_one<2>(*job, *worker, *rows, *buffers, *batch);
+  if (job->node_count == 4) return gather_one<4>(*job, *worker, *rows, *buffers, *batch);
+  gather_one<8>(*job, *worker, *rows, *buffers, *batch);
 }
 
 // -------------------------------------------------------------- integrators --
@@ -217,6 +247,29 @@ inline bool not_finite(Row zero) {  // NaN in any place
   return !(zero[0] == 0 && zero[1] == 0 && zero[2] == 0);
 }
 
+template <int Kicks, bool Drift>
+inline __attribute__((always_inline)) void move_vertex(const Motion& m, uint64_t at, double inverse,
+                                                       Row gravity, Row& zero) {
+  const Row a = load(m.force + at) * inverse + gravity;
+  Row v = load(m.velocity + at) * m.decay[0] + a * m.gain[0];
+  if (Kicks == 2) v = v * m.decay[1] + a * m.gain[1];
+  zero += v * 0.0;
+  store(m.velocity + at, v);
+  if (Drift) {
+    store(m.position + at, load(m.position + at) + v * m.drift);
+    store(m.force + at, Row{});
+  }
+}
+
+/// A block of which only some vertices live.
+template <int Kicks, bool Drift>
+void move_some(const Motion& m, uint32_t first, uint32_t count, Row gravity, Row& zero) {
+  for (uint32_t l = 0; l < count; ++l)
+    if (m.live[first / lanes] >> l & 1)
+      move_vertex<Kicks, Drift>(m, static_cast<uint64_t>(first + l) * 4, 1.0 / m.mass[first + l],
+                                gravity, zero);
+}
+
 /// One vertex after the other, masses inverted eight at a time (a division per
 /// vertex would cost as much as the rest of the pass).
 template <int Kicks, bool Drift>
@@ -226,6 +279,10 @@ int32_t pass(const Motion* motion, uint32_t begin, uint32_t end) {
   Row zero = {};  // stays zero unless a velocity is infinite or no number
   for (uint32_t first = begin; first < end; first += lanes) {
     const uint32_t n = end - first < lanes ? end - first : lanes;
+    if (m.live && m.live[first / lanes] != 0xFF) {
+      move_some<Kicks, Drift>(m, first, n, gravity, zero);
+      continue;
+    }
     double inverse[lanes];
     for (uint32_t l = 0; l < n; ++l) inverse[l] = 1.0 / m.mass[first + l];
     for (uint32_t l = 0; l < n; l += 2) {
@@ -234,18 +291,8 @@ int32_t pass(const Motion* motion, uint32_t begin, uint32_t end) {
       __builtin_prefetch(m.velocity + ahead, 1);
       __builtin_prefetch(m.position + ahead, 1);
     }
-    for (uint32_t l = 0; l < n; ++l) {
-      const uint64_t at = static_cast<uint64_t>(first + l) * 4;
-      const Row a = load(m.force + at) * inverse[l] + gravity;
-      Row v = load(m.velocity + at) * m.decay[0] + a * m.gain[0];
-      if (Kicks == 2) v = v * m.decay[1] + a * m.gain[1];
-      zero += v * 0.0;
-      store(m.velocity + at, v);
-      if (Drift) {
-        store(m.position + at, load(m.position + at) + v * m.drift);
-        store(m.force + at, Row{});
-      }
-    }
+    for (uint32_t l = 0; l < n; ++l)
+      move_vertex<Kicks, Drift>(m, static_cast<uint64_t>(first + l) * 4, inverse[l], gravity, zero);
   }
   return not_finite(zero) ? 1 : 0;
 }
@@ -307,21 +354,25 @@ inline void corner_jacobian(const double* x, uint32_t n, double* out) {
   }
 }
 
-uint32_t inverted(const uint32_t* nodes, const double* position, uint32_t begin, uint32_t end,
-                  uint32_t* first) {
+uint32_t inverted(const uint32_t* nodes, const uint8_t* live, const double* position,
+                  uint32_t begin, uint32_t end, uint32_t* first) {
   Job job = {};
   job.nodes = nodes;
   alignas(64) double x[192];
   uint32_t found = 0;
-  for (uint32_t row = begin; row < end; row += lanes) {
-    const uint32_t valid = end - row < lanes ? end - row : lanes;
-    gather_rows<8>(position, find_cells<8>(job, row, valid), x);
+  for (uint32_t row = begin; row < end;) {
+    const uint32_t to_block = lanes - row % lanes;
+    const uint32_t here = end - row < to_block ? end - row : to_block;
+    const BatchRows rows = live_rows(live, row, here);
+    row += here;
+    if (rows.valid == 0) continue;
+    gather_rows<8>(position, find_cells<8>(job, rows), x);
     double smallest[lanes];
     for (uint32_t l = 0; l < lanes; ++l) smallest[l] = __builtin_inf();
     for (uint32_t n = 0; n < 8; ++n) corner_jacobian(x, n, smallest);
-    for (uint32_t l = 0; l < valid; ++l) {
+    for (uint32_t l = 0; l < rows.valid; ++l) {
       if (smallest[l] > 0) continue;
-      if (found == 0) *first = row + l;
+      if (found == 0) *first = rows.row[l];
       ++found;
     }
   }

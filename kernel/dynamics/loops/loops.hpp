@@ -53,7 +53,28 @@ struct Job {
   double* force;
   double time, dt;
   suture_force_fn function;
+  const uint8_t* live;         ///< a bit per row, a byte per block of 8; null: all rows
+  const uint32_t* rest_slots;  ///< position in `nodes` -> slot in own_rest or UINT32_MAX; or null
+  const double* own_rest;      ///< rows: node n of slot s is row node_count s + n
 };
+
+/// The rows of a batch: those of a block that live, moved to the front. Lanes behind
+/// the last repeat it. None: valid = 0.
+struct BatchRows {
+  uint32_t row[8];
+  uint32_t valid;
+};
+
+/// Rows row .. row+count-1 of one block.
+static inline BatchRows live_rows(const uint8_t* live, uint32_t row, uint32_t count) {
+  BatchRows rows = {{0, 0, 0, 0, 0, 0, 0, 0}, 0};
+  const uint32_t bits = live ? live[row / 8] : 0xFFu;
+  for (uint32_t r = row; r < row + count; ++r)
+    if (bits >> r % 8 & 1) rows.row[rows.valid++] = r;
+  for (uint32_t l = rows.valid; l < 8 && rows.valid != 0; ++l)
+    rows.row[l] = rows.row[rows.valid - 1];
+  return rows;
+}
 
 /// What one thread needs; never shared. `scratch` is 64-byte aligned and holds
 /// scratch_doubles(job); the pointer lists have a place per declared column.
@@ -79,6 +100,7 @@ struct alignas(64) Buffers {
 ///   a = f / m + gravity
 ///   v = decay[k] v + gain[k] a      for each of the `kicks`
 ///   x = x + drift v,  f = 0         if drifting
+/// Vertices that do not live are left alone.
 struct Motion {
   double* position;
   double* velocity;
@@ -87,6 +109,7 @@ struct Motion {
   double gravity[4];
   double decay[2], gain[2];
   double drift;
+  const uint8_t* live;  ///< as in Job
 };
 
 /// Sums of the search for rest over vertices [begin, end), free components only.
@@ -127,8 +150,8 @@ struct Table {
   const char* isa;
   /// Forces of all cells in `ranges` added to the vertices, in order.
   void (*forces)(const Job*, const Worker*, const Range* ranges, uint32_t count);
-  /// Fills `batch` with rows row .. row+valid-1 of one block (extensions).
-  void (*gather)(const Job*, const Worker*, uint32_t row, uint32_t valid, Buffers*, suture_batch*);
+  /// Fills `batch` with rows of one block, at least one (extensions).
+  void (*gather)(const Job*, const Worker*, const BatchRows*, Buffers*, suture_batch*);
   /// Passes of integrators; they return 1 if a velocity is not finite.
   int32_t (*kick_drift)(const Motion*, uint32_t begin, uint32_t end);
   int32_t (*kick_kick_drift)(const Motion*, uint32_t begin, uint32_t end);
@@ -136,10 +159,10 @@ struct Table {
   /// sum m v^2 / 2 in a fixed order.
   double (*kinetic)(const double* velocity, const double* mass, uint32_t begin, uint32_t end);
   RestSums (*rest_sums)(const RestInput*, uint32_t begin, uint32_t end);
-  /// Number of elements in [begin, end) with a corner Jacobian <= 0; the first
+  /// Number of live elements in [begin, end) with a corner Jacobian <= 0; the first
   /// of them in *first.
-  uint32_t (*inverted)(const uint32_t* nodes, const double* position, uint32_t begin, uint32_t end,
-                       uint32_t* first);
+  uint32_t (*inverted)(const uint32_t* nodes, const uint8_t* live, const double* position,
+                       uint32_t begin, uint32_t end, uint32_t* first);
   /// Rows in [begin, end), begin a multiple of 8, that may pass a bound; the others
   /// certainly do not. Written to `found`, which has room for all; returns how many.
   ///   strained   largest eigenvalue of F^T F above `bound` (metric: G, 9 components,

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "kernel/base/types.hpp"
+
+namespace suture {
+
+/// Which rows of a table are live: a byte per block of 8 rows, a bit per lane, as the
+/// loops over batches read it. Rows never move, so a row whose cell is gone stays
+/// behind as a hole. Nothing is stored as long as every row is live.
+class LiveMask {
+ public:
+  static constexpr std::uint8_t full = 0xFF;  ///< of a block
+
+  bool all() const { return blocks_.empty(); }
+  bool operator[](Index row) const { return all() || (blocks_[row / 8] >> row % 8 & 1) != 0; }
+  Index dead() const { return dead_; }
+
+  /// `rows`: of the table. O(1), but the first: O(rows).
+  void kill(Index row, Index rows) {
+    if (all()) blocks_.assign(blocks_for(rows), full);
+    dead_ += (*this)[row] ? 1 : 0;
+    blocks_[row / 8] &= static_cast<std::uint8_t>(~(1u << row % 8));
+  }
+  /// Rows that are added are live, and so are the lanes behind the last.
+  void resize(Index rows) {
+    if (!all()) blocks_.resize(blocks_for(rows), full);
+  }
+
+  /// Null while all rows live.
+  const std::uint8_t* data() const { return all() ? nullptr : blocks_.data(); }
+
+ private:
+  static std::size_t blocks_for(Index rows) { return rows / std::size_t{8} + 1; }
+
+  std::vector<std::uint8_t> blocks_;
+  Index dead_ = 0;
+};
+
+}  // namespace suture

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/attributes/own_rest.hpp"
+
+namespace suture {
+
+void OwnRest::set(Index element, const HexahedronNodes& x, Index element_count) {
+  if (slot_of_.size() < element_count) slot_of_.resize(element_count, none);
+  Index& slot = slot_of_[element];
+  if (slot == none && !free_.empty()) {
+    slot = free_.back();
+    free_.pop_back();
+  } else if (slot == none) {
+    slot = static_cast<Index>(rows_.size() / 32);
+    rows_.resize(rows_.size() + 32);
+  }
+  for (std::size_t i = 0; i < x.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) rows_[(std::size_t{slot} * 8 + i) * 4 + c] = x[i][c];
+}
+
+void OwnRest::remove(Index element) {
+  if (slot(element) == none) return;
+  free_.push_back(slot_of_[element]);
+  slot_of_[element] = none;
+}
+
+}  // namespace suture

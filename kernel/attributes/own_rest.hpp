@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "kernel/attributes/column.hpp"
+#include "kernel/attributes/shape.hpp"
+#include "kernel/base/aligned.hpp"
+#include "kernel/topology/cell_complex.hpp"
+
+namespace suture {
+
+/// Rest positions of elements that have their own: where faces were sewn that do not
+/// coincide at rest, one rest position per vertex would bend the rest shape of the
+/// elements around it. Memory: nothing while no element needs it; then 4 B per element
+/// and 256 B for each that has its own.
+class OwnRest {
+ public:
+  bool empty() const { return slot_of_.empty(); }
+  /// `none` if the element takes the rest positions of its vertices.
+  Index slot(Index element) const { return element < slot_of_.size() ? slot_of_[element] : none; }
+  /// The element has its own rest positions from now on. O(1), the first time O(elements).
+  void set(Index element, const HexahedronNodes& x, Index element_count);
+  /// The element was removed; its slot is used again.
+  void remove(Index element);
+
+  /// By element; null if empty(). Elements have slots once one has.
+  const Index* slots() const { return empty() ? nullptr : slot_of_.data(); }
+  /// Rows of 4 doubles as in vertex columns: corner i of slot s is row 8 s + i.
+  const double* rows() const { return rows_.data(); }
+  Index count() const { return static_cast<Index>(rows_.size() / 32 - free_.size()); }
+
+ private:
+  std::vector<Index> slot_of_, free_;
+  AlignedVector<double> rows_;
+};
+
+/// Where the corners of elements are at rest: every reader of rest positions asks
+/// here. An edge or a face takes those of the element of its dart_of() (side 0).
+class RestPlaces {
+ public:
+  RestPlaces(const CellComplex& complex, const Column& vertex_rest, const OwnRest& own)
+      : complex_(complex), vertex_rest_(vertex_rest), own_(own) {}
+
+  /// x, y, z of corner i of an element, m. O(1).
+  const double* corner(Index element, std::size_t i) const {
+    const Index slot = own_.empty() ? none : own_.slot(element);
+    if (slot != none) return own_.rows() + (std::size_t{slot} * 8 + i) * 4;
+    return vertex_rest_.rows() + std::size_t{complex_.vertices_of(element)[i]} * 4;
+  }
+  HexahedronNodes of(Index element) const {
+    HexahedronNodes x;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double* p = corner(element, i);
+      x[i] = {p[0], p[1], p[2]};
+    }
+    return x;
+  }
+  const CellComplex& complex() const { return complex_; }
+  const OwnRest& own() const { return own_; }
+
+ private:
+  const CellComplex& complex_;
+  const Column& vertex_rest_;
+  const OwnRest& own_;
+};
+
+}  // namespace suture

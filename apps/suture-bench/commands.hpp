@@ -21,6 +21,8 @@ struct Command {
 void add_cut(CLI::App& app, std::vector<Command>& commands);
 /// Time and memory per hexahedron of building the map from a mesh.
 void add_build(CLI::App& app, std::vector<Command>& commands);
+/// Blades of triangles, and moving ones.
+void add_blade(CLI::App& app, std::vector<Command>& commands);
 /// Rates of the models' forces through the SDK, by size, fresh and after cuts.
 void add_force(CLI::App& app, std::vector<Command>& commands);
 /// Where the time of a step goes.

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   std::vector<suture::bench::Command> commands;
   suture::bench::add_build(app, commands);
   suture::bench::add_cut(app, commands);
+  suture::bench::add_blade(app, commands);
   suture::bench::add_force(app, commands);
   suture::bench::add_step(app, commands);
   suture::bench::add_scaling(app, commands);

@@ -63,9 +63,9 @@ unsigned seed() {
   return given ? static_cast<unsigned>(std::atoi(given)) : 2026u;
 }
 
-// 10,000 sequences in full, 200 otherwise; 12 operations each on 100 to 220 elements.
+// 10,000 sequences in full, 160 otherwise; 12 operations each on 100 to 220 elements.
 TEST(Fuzz, RandomSequencesDoTheSameToBothMaps) {
-  const unsigned sequences = std::getenv("SUTURE_FULL") ? 10000 : 200;
+  const unsigned sequences = std::getenv("SUTURE_FULL") ? 10000 : 160;
   std::cout << "seed " << seed() << ", " << sequences << " sequences\n";
   fuzz::Tally tally;
   for (unsigned i = 0; i < sequences; ++i) {

@@ -10,12 +10,13 @@
 namespace suture {
 namespace {
 
-/// Bound of compress() for columns of 3-cells, relative to the largest magnitude.
+/// Bound within which the values of elements count as equal, relative to the largest
+/// magnitude: of columns of 3-cells, and of what each element gives to a sum.
 /// Congruent elements of a grid differ by rounding of their coordinates, some
 /// 1e-16 x cells along an axis; 1e-13 covers 1000 of them and stays below the
 /// 1e-12 of the stiffness scale within which rigid motions must give no force.
-/// Columns of other dimensions are compressed only if equal to the bit: a cut
-/// changes them, and its sums must be those of a fresh start.
+/// Columns of other dimensions are compressed only if equal to the bit: a cut changes
+/// them, and its sums must be those of a fresh start.
 constexpr double volume_tolerance = 1e-13;
 
 /// The kernel's columns of vertices; their merges are merging.hpp's VertexMerge.
@@ -78,7 +79,11 @@ void Attributes::initialise(const CellComplex& complex, Diagnostics& diagnostics
       Column& column = own ? *own : *mass_;
       const CellSet& cells = own ? instance->table(dimension).cells : kernel(0).cells;
       if (own) column.fill(0);
-      sum_contributions(*instance, attribute, complex, rest, cells, column);
+      std::vector<double> alike;
+      if (dimension < 3 && instance->skips())
+        alike = alike_contribution(*instance, attribute, complex, rest, volume_tolerance);
+      sum_contributions(*instance, attribute, complex, rest, cells, column,
+                        sums_.keep_alike(*instance, attribute, std::move(alike)));
       require_finite(*instance, attribute, cells, column);
       if (own && instance->skips()) column.compress(dimension == 3 ? volume_tolerance : 0);
     }
@@ -92,7 +97,6 @@ void Attributes::apply(const CellComplex& complex, const TopologyChange& change)
   merge_vertices(complex, change);  // first: then elements have the right rest places
   follow(kernel_, complex, change, own_columns);
   clear_vertices(change);
-  sums_.mark(complex, change);
   RestBatch rest(rest_places(complex), user_element);
   for (const auto& instance : instances_) {
     follow(instance->tables(), complex, change);

@@ -27,8 +27,8 @@ void Column::grow(AlignedVector<double>& data, Index rows) const {
   if (needed > data.capacity()) data.reserve(2 * needed);
   data.resize(needed, spec_.initial);
   if (dimension_ == 0) {
-    for (std::size_t i = offset(size_) + 3; spec_.components == 3 && i < needed; i += 4)
-      data[i] = 0;
+    const bool has_unused = spec_.components == 3 && spec_.initial != 0;
+    for (std::size_t i = offset(size_) + 3; has_unused && i < needed; i += 4) data[i] = 0;
     return;
   }
   // Lanes that held copies of the last row become rows.
@@ -63,8 +63,13 @@ void Column::copy_rows(std::span<const RowSplit> splits) {
 void Column::copy_rows(AlignedVector<double>& data, std::span<const RowSplit> splits) const {
   double* values = data.data();
   if (dimension_ == 0 && stride_ == 4) {
-    for (const auto& [from, to] : splits)
-      std::copy_n(values + std::size_t{from} * 4, 4, values + std::size_t{to} * 4);
+    for (const auto& [from, to] : splits) {
+      // std::copy_n calls memmove: a third of the time of following a cut.
+      const double* source = values + std::size_t{from} * 4;
+      double* target = values + std::size_t{to} * 4;
+      const double x = source[0], y = source[1], z = source[2], w = source[3];
+      target[0] = x, target[1] = y, target[2] = z, target[3] = w;
+    }
     return;
   }
   const std::size_t step = component_step();

@@ -3,13 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "kernel/base/error.hpp"
+#include "kernel/topology/incidence.hpp"
 
 namespace suture {
 namespace {
 
 constexpr Index lanes = SUTURE_LANES;
+
+/// What a contribution functor writes, at most.
+struct alignas(SUTURE_ALIGNMENT) Contributions : std::array<double, std::size_t{12} * 9 * lanes> {};
 
 const Index* cells_of(const CellComplex& complex, std::uint32_t dimension, const Index& element) {
   switch (dimension) {
@@ -22,6 +27,26 @@ const Index* cells_of(const CellComplex& complex, std::uint32_t dimension, const
     default:
       return &element;
   }
+}
+
+/// visit(elements) for up to 8 elements of the region at a time, in the order of
+/// `elements`, until it returns false.
+template <class Elements, class Visit>
+void for_each_batch(const CellSet& region, const Elements& elements, Visit visit) {
+  std::array<Index, lanes> batch;
+  Index filled = 0;
+  for (const Index e : elements) {
+    if (!region.contains(e)) continue;
+    batch[filled++] = e;
+    if (filled < lanes) continue;
+    if (!visit(std::span<const Index>(batch))) return;
+    filled = 0;
+  }
+  if (filled != 0) visit(std::span<const Index>(batch).first(filled));
+}
+
+auto all_elements(const CellComplex& complex) {
+  return std::views::iota(Index{0}, complex.element_count());
 }
 
 [[noreturn]] void refuse_value(const Instance& instance, const suture_attribute& attribute,
@@ -79,51 +104,94 @@ void require_finite(const Instance& instance, const suture_attribute& attribute,
         refuse_value(instance, attribute, cells.cell(row), column.get(row, c));
 }
 
+std::vector<double> alike_contribution(Instance& instance, const suture_attribute& attribute,
+                                       const CellComplex& complex, RestBatch& rest,
+                                       double relative) {
+  std::vector<double> first;
+  double bound = 0;
+  Contributions out;
+  const std::size_t count = contribution_cells[attribute.dimension] * attribute.components;
+  for_each_batch(instance.table(3).cells, all_elements(complex),
+                 [&](std::span<const Index> elements) {
+                   contribute(instance, attribute, rest.gather(elements), out.data());
+                   if (first.empty())
+                     for (std::size_t i = 0; i < count; ++i) {
+                       first.push_back(out[i * lanes]);
+                       bound = std::max(bound, relative * std::abs(first.back()));
+                     }
+                   bool alike = true;
+                   for (std::size_t i = 0; i < count; ++i)
+                     for (std::size_t lane = 0; lane < elements.size(); ++lane)
+                       alike &= std::abs(out[i * lanes + lane] - first[i]) <= bound;
+                   if (!alike) first.clear();
+                   return alike;
+                 });
+  return first;
+}
+
 void sum_contributions(Instance& instance, const suture_attribute& attribute,
                        const CellComplex& complex, RestBatch& rest, const CellSet& cells,
-                       Column& column) {
+                       Column& column, std::span<const double> alike) {
   column.expand();
   double* values = column.dimension() == 0 ? column.rows() : column.block(0);
   const std::size_t step = column.component_step();
   const int per_element = contribution_cells[attribute.dimension];
   const int components = column.spec().components;
-  alignas(SUTURE_ALIGNMENT) std::array<double, std::size_t{12} * 9 * lanes> out;
-
-  const CellSet& region = instance.table(3).cells;
-  const Index count = complex.element_count();
-  std::array<Index, lanes> batch;
-  Index filled = 0;
-  for (Index e = 0; e < count; ++e) {
-    if (region.contains(e)) batch[filled++] = e;
-    if (filled == 0 || (filled < lanes && e + 1 < count)) continue;
-    contribute(instance, attribute, rest.gather({batch.data(), filled}), out.data());
-    for (Index lane = 0; lane < filled; ++lane) {
-      const Index* incident = cells_of(complex, attribute.dimension, batch[lane]);
-      const double* from = out.data() + lane;
-      for (int k = 0; k < per_element; ++k) {
-        double* to = values + column.offset(cells.row(incident[k]));
-        for (int c = 0; c < components; ++c, from += lanes)
-          to[static_cast<std::size_t>(c) * step] += *from;
-      }
-    }
-    filled = 0;
-  }
+  Contributions out;
+  for (std::size_t i = 0; i < alike.size(); ++i) std::fill_n(&out[i * lanes], lanes, alike[i]);
+  for_each_batch(instance.table(3).cells, all_elements(complex),
+                 [&](std::span<const Index> elements) {
+                   if (alike.empty())
+                     contribute(instance, attribute, rest.gather(elements), out.data());
+                   for (Index lane = 0; lane < elements.size(); ++lane) {
+                     const Index* incident = cells_of(complex, attribute.dimension, elements[lane]);
+                     const double* from = out.data() + lane;
+                     for (int k = 0; k < per_element; ++k) {
+                       double* to = values + column.offset(cells.row(incident[k]));
+                       for (int c = 0; c < components; ++c, from += lanes)
+                         to[static_cast<std::size_t>(c) * step] += *from;
+                     }
+                   }
+                   return true;
+                 });
   column.pad();
 }
+
+// ------------------------------------------------------------- touched cells --
 
 void TouchedSums::reserve(const CellComplex& complex) {
   for (std::size_t d = 0; d < 3; ++d)
     marks_[d].resize(complex.count(static_cast<int>(d)) / 64 + 1, 0);
 }
 
+std::span<const double> TouchedSums::keep_alike(const Instance& instance,
+                                                const suture_attribute& attribute,
+                                                std::vector<double> values) {
+  std::erase_if(
+      alike_, [&](const Alike& a) { return a.instance == &instance && a.attribute == &attribute; });
+  if (values.empty()) return {};
+  return alike_.emplace_back(Alike{&instance, &attribute, std::move(values)}).values;
+}
+
+std::span<const double> TouchedSums::alike(const Instance& instance,
+                                           const suture_attribute& attribute) const {
+  for (const Alike& a : alike_)
+    if (a.instance == &instance && a.attribute == &attribute) return a.values;
+  return {};
+}
+
 void TouchedSums::mark(const CellComplex& complex, const TopologyChange& change) {
+  if (marked_) return;
   reserve(complex);
+  marked_ = true;
   for (std::size_t d = 0; d < 3; ++d)
     for (const Index cell : change.stars[d].cells)
       marks_[d][cell / 64] |= std::uint64_t{1} << (cell % 64);
 }
 
 void TouchedSums::clear(const TopologyChange& change) {
+  if (!marked_) return;
+  marked_ = false;
   for (std::size_t d = 0; d < 3; ++d)
     for (const Index cell : change.stars[d].cells) marks_[d][cell / 64] = 0;
 }
@@ -131,20 +199,17 @@ void TouchedSums::clear(const TopologyChange& change) {
 void TouchedSums::sum(Instance& instance, const CellComplex& complex, RestBatch& rest,
                       const TopologyChange& change, Column& mass) {
   find_targets(instance, change, mass);
+  sum_alike<0>(instance, change);
+  sum_alike<1>(instance, change);
+  sum_alike<2>(instance, change);
   if (std::ranges::all_of(targets_, [](const auto& t) { return t.empty(); })) return;
+  mark(complex, change);
   for (const auto& targets : targets_)
     for (const Target& target : targets) start(target, change);
-
-  const CellSet& region = instance.table(3).cells;
-  std::array<Index, lanes> elements;
-  Index filled = 0;
-  for (std::size_t i = 0; i < change.elements.size(); ++i) {
-    const Index e = change.elements[i];
-    if (region.contains(e)) elements[filled++] = e;
-    if (filled == 0 || (filled < lanes && i + 1 < change.elements.size())) continue;
-    add_batch(instance, complex, rest.gather({elements.data(), filled}), {elements.data(), filled});
-    filled = 0;
-  }
+  for_each_batch(instance.table(3).cells, change.elements, [&](std::span<const Index> elements) {
+    add_batch(instance, complex, rest.gather(elements), elements);
+    return true;
+  });
   for (const auto& targets : targets_)
     for (const Target& target : targets) finish(instance, target, change);
 }
@@ -152,6 +217,7 @@ void TouchedSums::sum(Instance& instance, const CellComplex& complex, RestBatch&
 void TouchedSums::find_targets(Instance& instance, const TopologyChange& change, Column& mass) {
   const suture_model& model = instance.model();
   for (auto& targets : targets_) targets.clear();
+  for (auto& targets : alike_targets_) targets.clear();
   for (std::uint32_t a = 0; a < model.attribute_count; ++a) {
     const suture_attribute& attribute = model.attributes[a];
     if (attribute.policy != SUTURE_FROM_VOLUMES || attribute.dimension == 3) continue;
@@ -160,10 +226,56 @@ void TouchedSums::find_targets(Instance& instance, const TopologyChange& change,
     Column* own = instance.column(a);
     Column& column = own ? *own : mass;
     column.expand();
-    targets_[attribute.dimension].push_back(
+    const std::span<const double> values = alike(instance, attribute);
+    auto& targets = values.empty() ? targets_ : alike_targets_;
+    targets[attribute.dimension].push_back(
         {&attribute, &column,
          own ? &instance.table(static_cast<int>(attribute.dimension)).cells : nullptr,
-         column.dimension() == 0 ? column.rows() : column.block(0)});
+         column.dimension() == 0 ? column.rows() : column.block(0), attribute.components,
+         values.data()});
+  }
+}
+
+/// Elements that give alike values need not be asked again: the star of a cell says
+/// which of the values it gets, in the order of the elements.
+template <int Dimension>
+void TouchedSums::sum_alike(const Instance& instance, const TopologyChange& change) {
+  const std::vector<Target>& targets = alike_targets_[Dimension];
+  if (targets.empty()) return;
+  const CellSet& region = instance.table(3).cells;
+  const bool everywhere = region.is_all();
+  const Stars& stars = change.stars[Dimension];
+  for (std::size_t i = 0; i < stars.size(); ++i) {
+    const std::span<const Dart> star = stars[i];
+    if (places_.size() < star.size()) places_.resize(2 * star.size());
+    std::uint8_t* const places = places_.data();
+    std::size_t count = 0;
+    for (const Dart dart : star) {
+      const Index element = dart / hexahedron::darts;
+      places[count] =
+          incidence::local_cell<Dimension>(static_cast<int>(dart - element * hexahedron::darts));
+      count += everywhere || region.contains(element);
+    }
+    for (const Target& target : targets) target.set_alike(stars.cells[i], places, count);
+  }
+  for (const Target& target : targets) target.column->pad();
+}
+
+inline void TouchedSums::Target::set_alike(Index cell, const std::uint8_t* places,
+                                           std::size_t count) const {
+  const Index row = cells ? cells->row(cell) : cell;
+  if (row == none) return;
+  if (components == 1) {
+    double sum = cells ? 0 : values[row];  // other instances have given to the mass
+    for (std::size_t i = 0; i < count; ++i) sum += alike[places[i]];
+    values[row] = sum;
+    return;
+  }
+  double* to = values + column->offset(row);
+  for (std::size_t c = 0; c < components; ++c, to += column->component_step()) {
+    double sum = 0;
+    for (std::size_t i = 0; i < count; ++i) sum += alike[places[i] * components + c];
+    *to = sum;
   }
 }
 
@@ -204,7 +316,7 @@ void TouchedSums::find_hits(const CellComplex& complex, std::uint32_t dimension,
 }
 
 void TouchedSums::add_hits(Instance& instance, const suture_batch& batch, Target& target) {
-  alignas(SUTURE_ALIGNMENT) std::array<double, std::size_t{12} * 9 * lanes> out;
+  Contributions out;
   contribute(instance, *target.attribute, batch, out.data());
   const Column& column = *target.column;
   const auto components = static_cast<std::size_t>(column.spec().components);

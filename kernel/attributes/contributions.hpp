@@ -43,12 +43,19 @@ void contribute(Instance& instance, const suture_attribute& attribute, const sut
 void require_finite(const Instance& instance, const suture_attribute& attribute,
                     const CellSet& cells, const Column& column);
 
+/// What the first element of the region gives to a from_volumes attribute of dimension
+/// 0..2, contribution_cells x components values, if every element gives the same within
+/// `relative` times the largest of them; else empty. O(elements), less if they differ.
+std::vector<double> alike_contribution(Instance& instance, const suture_attribute& attribute,
+                                       const CellComplex& complex, RestBatch& rest,
+                                       double relative);
+
 /// A from_volumes attribute summed over all elements of the region, in ascending
 /// order, into `column`; its rows are those of `cells`. Sums are added to what
-/// `column` holds. O(elements).
+/// `column` holds. `alike`: taken for every element if it is not empty. O(elements).
 void sum_contributions(Instance& instance, const suture_attribute& attribute,
                        const CellComplex& complex, RestBatch& rest, const CellSet& cells,
-                       Column& column);
+                       Column& column, std::span<const double> alike);
 
 /// The same sums, again, at the cells that an operation touched. Work space, kept
 /// between operations: a bit per vertex, edge and face.
@@ -57,16 +64,19 @@ class TouchedSums {
   /// Room for the marks; otherwise the first operation pays for it.
   void reserve(const CellComplex& complex);
 
-  /// Marks the cells of change.stars for sum(); clear() with the same change.
-  void mark(const CellComplex& complex, const TopologyChange& change);
-  void clear(const TopologyChange& change);
+  /// From now on sum() takes `values` for every element, unless they are empty.
+  /// Returns the values that are kept.
+  std::span<const double> keep_alike(const Instance& instance, const suture_attribute& attribute,
+                                     std::vector<double> values);
 
-  /// All from_volumes attributes of the instance at the marked cells; its shares
+  /// All from_volumes attributes of the instance at the touched cells; its shares
   /// are added to `mass`, whose touched rows the caller has set to zero. Each sum
   /// adds the same values in the same order as sum_contributions() on the complex
   /// after the operation: the same bits. O(cells and elements in the change).
   void sum(Instance& instance, const CellComplex& complex, RestBatch& rest,
            const TopologyChange& change, Column& mass);
+  /// After the last sum() with a change.
+  void clear(const TopologyChange& change);
 
  private:
   struct Target {
@@ -74,13 +84,27 @@ class TouchedSums {
     Column* column;
     const CellSet* cells;  ///< nullptr: rows of the kernel's mass, row = cell
     double* values;
-    double all = 0;  ///< sum of everything added, to see a value that is not finite
+    std::size_t components;
+    const double* alike = nullptr;  ///< what every element gives
+    double all = 0;                 ///< sum of everything added, to see a value that is not finite
+
+    /// The row of a cell becomes the sum over its elements, in which it is places[i].
+    void set_alike(Index cell, const std::uint8_t* places, std::size_t count) const;
   };
   /// A value in the batch of contributions that belongs to a touched cell.
   struct Hit {
     Index cell;
     std::uint16_t k, lane;  ///< local number of the cell in the element of the lane
   };
+  struct Alike {
+    const Instance* instance;
+    const suture_attribute* attribute;
+    std::vector<double> values;
+  };
+  std::span<const double> alike(const Instance& instance, const suture_attribute& attribute) const;
+  void mark(const CellComplex& complex, const TopologyChange& change);
+  template <int Dimension>
+  void sum_alike(const Instance& instance, const TopologyChange& change);
   void find_targets(Instance& instance, const TopologyChange& change, Column& mass);
   static void start(const Target& target, const TopologyChange& change);
   void add_batch(Instance& instance, const CellComplex& complex, const suture_batch& batch,
@@ -93,7 +117,10 @@ class TouchedSums {
   std::array<std::vector<std::uint64_t>, 3> marks_;  ///< all zero between operations
   std::array<Hit, std::size_t{12} * SUTURE_LANES + 1> hits_;
   std::size_t hit_count_ = 0;
-  std::array<std::vector<Target>, 3> targets_;
+  std::array<std::vector<Target>, 3> targets_, alike_targets_;
+  std::vector<Alike> alike_;
+  std::vector<std::uint8_t> places_;
+  bool marked_ = false;
 };
 
 }  // namespace suture

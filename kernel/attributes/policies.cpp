@@ -59,6 +59,7 @@ void SplitPolicies::follow(Column& column) const {
       column.copy_rows(rows_);
       return;
     case SUTURE_ZERO:
+      if (!column.is_constant() && column.spec().initial == 0) return;  // as new rows are
       for (const RowSplit& s : rows_)
         for (int c = 0; c < column.spec().components; ++c) column.set(s.new_row, c, 0);
       return;

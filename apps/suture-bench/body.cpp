@@ -108,7 +108,7 @@ void Body::cut(std::span<const Dart> faces) {
   dynamics_->update(mesh_.complex, change);
 }
 
-Index Body::cut_strip(int part, int parts) {
+std::vector<Dart> Body::strip(int part, int parts) const {
   const double* rest = attributes_->rest().rows();
   const auto low = [&](Index e, int axis) {
     return rest[std::size_t{mesh_.complex.vertices_of(e)[0]} * 4 + static_cast<std::size_t>(axis)];
@@ -124,8 +124,7 @@ Index Body::cut_strip(int part, int parts) {
         faces.push_back(24 * e + 4 * static_cast<Dart>(f));
     }
   }
-  if (!faces.empty()) cut(faces);
-  return static_cast<Index>(faces.size());
+  return faces;
 }
 
 double Body::cut_random(unsigned count, unsigned seed) {

@@ -50,9 +50,11 @@ class Body {
   Index element_count() const { return mesh_.complex.element_count(); }
   Dynamics& dynamics() { return *dynamics_; }
   const CellComplex& complex() const { return mesh_.complex; }
-  /// Opens part `part` of `parts` of the middle plane across x, a strip over y.
-  /// Returns the faces cut.
-  Index cut_strip(int part, int parts);
+  /// Faces of part `part` of `parts` of the middle plane across x, a strip over y,
+  /// that are not open yet.
+  std::vector<Dart> strip(int part, int parts) const;
+  /// Opens faces, and everything follows.
+  void cut(std::span<const Dart> faces);
 
   Attributes& attributes() { return *attributes_; }
   const Attributes& attributes() const { return *attributes_; }
@@ -62,8 +64,6 @@ class Body {
   void require_all_ids();
 
  private:
-  void cut(std::span<const Dart> faces);
-
   Diagnostics diagnostics_;
   BodyTimes times_;
   Imported mesh_;

@@ -15,6 +15,7 @@ namespace suture::bench {
 struct Command {
   CLI::App* app;
   std::function<void(Report&)> run;
+  bool measures = true;  ///< false: not among those that run without a subcommand
 };
 
 /// Time per cut face, beside CGAL's unsew<3>.
@@ -35,6 +36,9 @@ void add_startup(CLI::App& app, std::vector<Command>& commands);
 
 /// What each thing that is skipped would cost.
 void add_skip(CLI::App& app, std::vector<Command>& commands);
+
+/// Work to be counted by callgrind (tests/house/counted.sh), nothing measured.
+void add_count(CLI::App& app, std::vector<Command>& commands);
 
 /// What a frame costs the simulation.
 void add_frame(CLI::App& app, std::vector<Command>& commands);

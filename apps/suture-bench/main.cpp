@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
   suture::bench::add_startup(app, commands);
   suture::bench::add_skip(app, commands);
   suture::bench::add_frame(app, commands);
+  suture::bench::add_count(app, commands);
   suture::bench::add_realtime(app, commands);
   suture::bench::add_rest(app, commands);
   CLI11_PARSE(app, argc, argv);
@@ -31,7 +32,7 @@ int main(int argc, char** argv) {
     // Without a subcommand: all of them.
     const bool all = app.get_subcommands().empty();
     for (const auto& command : commands)
-      if (all || command.app->parsed()) command.run(report);
+      if ((all && command.measures) || command.app->parsed()) command.run(report);
     if (!json.empty()) report.write_json(json);
   } catch (const suture::Error& error) {
     std::fprintf(stderr, "suture-bench: %s\n", error.what());

@@ -75,7 +75,9 @@ Frames show(Body& body, const Options& options) {
   double next_frame = options.frame, next_cut = options.cut_every / 2, start = wall();
   for (double t = 0; t < 1; t += body.dt()) {
     if (t >= next_cut) {
-      result.faces += body.cut_strip(result.cuts++, static_cast<int>(1 / options.cut_every));
+      const auto faces = body.strip(result.cuts++, static_cast<int>(1 / options.cut_every));
+      result.faces += static_cast<Index>(faces.size());
+      body.cut(faces);
       next_cut += options.cut_every;
     }
     body.step();

@@ -153,8 +153,8 @@ void decide_output(const Scene& scene, const World& world, const Recorder& recor
 
 bool only_cuts(const std::vector<Event>& events) {
   return std::all_of(events.begin(), events.end(), [](const Event& event) {
-    return std::holds_alternative<CutPlane>(event.what) ||
-           std::holds_alternative<CutFaces>(event.what);
+    return !event.when && (std::holds_alternative<CutPlane>(event.what) ||
+                           std::holds_alternative<CutFaces>(event.what));
   });
 }
 

@@ -123,6 +123,7 @@ SECTIONS = [
      "it.", None),
     ("build", "The map", "Checks, renumbering, matching and ids of a mesh.", None),
     ("cut", "Cuts", "Time per face that a cut opens.", None),
+    ("blade", "Blades", "Finding the faces that a blade cuts.", None),
     ("rest", "Rest", "The paper's cantilever under its weight, to rest.", None),
 ]
 

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "apps/suture/commands.hpp"
+#include "kernel/base/error.hpp"
 #include "kernel/geometry/body.hpp"
 #include "kernel/geometry/surface_file.hpp"
 #include "kernel/mesh/mesh_file.hpp"
@@ -116,6 +117,8 @@ int mesh_generate_box(const MeshBoxCommand& command, Console& console) {
 }
 
 int mesh_voxelize(const MeshVoxelizeCommand& command, Console& console) {
+  if (command.options.cells == 0 && command.options.edge == 0)
+    throw UsageError("suture mesh voxelize: --cells or --edge says how large the cubes are");
   const TriangleSurface surface =
       close_surface(read_soup(command.from, command.scale), command.repair, console.diagnostics());
   const Mesh mesh = voxelize(surface, command.options, console.diagnostics());

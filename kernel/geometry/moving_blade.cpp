@@ -165,18 +165,7 @@ std::vector<Dart> MovingBlade::advance(const CellComplex& complex, const Places&
   std::vector<Dart> faces;
   if (!first && time > last) {
     if (before_.empty()) before_ = now_;
-    Step step{path(std::max(last, begin()), std::min(time, end())), {}, before_, now_, {}};
-    step.box = box_of(step.path[0].points);
-    for (BladeKey& key : step.path) {
-      add(step.box, key.points);
-      key.time = (key.time - last) / (time - last);
-    }
-    step.outside.resize(now_.size());
-    for_chunks(now_.size(), workers, [&](std::size_t e0, std::size_t e1, std::size_t) {
-      for (std::size_t e = e0; e < e1; ++e)
-        step.outside[e] =
-            static_cast<std::uint8_t>(outcode(step.box, before_[e]) & outcode(step.box, now_[e]));
-    });
+    const Step step = step_between(last, workers);
     std::vector<std::vector<Dart>> cut(now_.size() / chunk_size + 1);
     for_chunks(now_.size(), workers, [&](std::size_t e0, std::size_t e1, std::size_t chunk) {
       look_for_crossings(complex, step, e0, e1, cut[chunk]);
@@ -185,6 +174,22 @@ std::vector<Dart> MovingBlade::advance(const CellComplex& complex, const Places&
   }
   before_.swap(now_);
   return faces;
+}
+
+MovingBlade::Step MovingBlade::step_between(double last, const Workers* workers) const {
+  Step step{path(std::max(last, begin()), std::min(time_, end())), {}, before_, now_, {}};
+  step.box = box_of(step.path[0].points);
+  for (BladeKey& key : step.path) {
+    add(step.box, key.points);
+    key.time = (key.time - last) / (time_ - last);
+  }
+  step.outside.resize(now_.size());
+  for_chunks(now_.size(), workers, [&](std::size_t e0, std::size_t e1, std::size_t) {
+    for (std::size_t e = e0; e < e1; ++e)
+      step.outside[e] =
+          static_cast<std::uint8_t>(outcode(step.box, before_[e]) & outcode(step.box, now_[e]));
+  });
+  return step;
 }
 
 // A link is near if no side of the blade's box has both elements beyond it all the time.

@@ -83,6 +83,28 @@ TEST_F(Commands, MeshesAreMadeConvertedAndMeasured) {
   EXPECT_EQ(unknown.code, 2) << unknown;
 }
 
+TEST_F(Commands, SurfacesAreGeneratedAndFilled) {
+  const Outcome made = suture({"mesh", "generate", "body", "frog", "-o", "frog.stl"});
+  EXPECT_EQ(made.code, 0) << made;
+  EXPECT_TRUE(made.says("--cells 2354")) << made;
+  const Outcome filled = suture({"mesh", "voxelize", "frog.stl", "--cells", "2354", "-o", "f.vtu"});
+  EXPECT_EQ(filled.code, 0) << filled;
+  const Outcome info = suture({"mesh", "info", "f.vtu"});
+  EXPECT_TRUE(info.says("1 island")) << info;
+  EXPECT_FALSE(info.says("warning")) << info;
+
+  const Outcome unknown = suture({"mesh", "generate", "body", "frg", "-o", "frog.stl"});
+  EXPECT_EQ(unknown.code, 2) << unknown;
+  EXPECT_TRUE(unknown.says("did you mean 'frog'")) << unknown;
+  const Outcome neither = suture({"mesh", "voxelize", "frog.stl", "-o", "f.vtu"});
+  EXPECT_EQ(neither.code, 2) << neither;
+  write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const Outcome open = suture({"mesh", "voxelize", "open.obj", "--cells", "9", "-o", "o.vtu"});
+  EXPECT_EQ(open.code, 3) << open;
+  EXPECT_TRUE(open.says("3 edges have a face on one side only")) << open;
+  EXPECT_FALSE(std::filesystem::exists(folder() / "o.vtu"));
+}
+
 TEST_F(Commands, CheckRunsNothing) {
   const Outcome good = scene("check", "");
   EXPECT_EQ(good.code, 0) << good;

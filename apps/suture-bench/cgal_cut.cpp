@@ -1,91 +1,79 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "apps/suture-bench/cgal_cut.hpp"
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Linear_cell_complex_for_combinatorial_map.h>
-
-#include <algorithm>
-#include <unordered_map>
+#include "apps/suture-bench/lcc_build.hpp"
 
 namespace suture::bench {
 namespace {
 
+struct Particle : lcc::Motion {
+  double mass = 0;
+};
+struct Spring {
+  double stiffness = 0, tension = 0;
+};
+struct Element {
+  lcc::Share share;
+  std::array<std::array<const void*, 4>, 6> dart;  ///< addresses: handles are not known yet
+  std::array<double, 4> inner_length;
+  double inner_stiffness;
+};
+
 struct Items {
   template <class Refs>
   struct Dart_wrapper {
-    using Vertex = CGAL::Cell_attribute_with_point<Refs>;
-    using Cell = CGAL::Cell_attribute<Refs>;
-    using Attributes = std::tuple<Vertex, Cell, Cell>;
+    using Vertex = CGAL::Cell_attribute_with_point<Refs, Particle>;
+    using Edge = CGAL::Cell_attribute<Refs, Spring>;
+    using Face = CGAL::Cell_attribute<Refs>;
+    using Volume = CGAL::Cell_attribute<Refs, Element>;
+    using Attributes = std::tuple<Vertex, Edge, Face, Volume>;
   };
 };
+using Map = lcc::Complex<Items>;
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Complex = CGAL::Linear_cell_complex_for_combinatorial_map<
-    3, 3, CGAL::Linear_cell_complex_traits<3, Kernel>, Items>;
-using Handle = Complex::Dart_handle;
-
-/// An unordered set of four points, hashed by its sum.
-using Face = std::array<Index, 4>;
-struct Hash {
-  std::size_t operator()(const Face& f) const {
-    return (f[0] + std::size_t{f[1]} + f[2] + f[3]) * 0x9E3779B97F4A7C15u;
+class CgalCut final : public CutBaseLine {
+ public:
+  explicit CgalCut(const Mesh& mesh) : faces_(lcc::build(map_, mesh)) {
+    lcc::add_attributes<1>(map_);
+    lcc::add_attributes<2>(map_);
+    lcc::add_attributes<3>(map_);
+    const lcc::Sums<Map> sums{map_};
+    sums.fill(faces_);
+    fill_elements();
+    map_.onsplit_functor<0>() = [this](auto& old, auto& fresh) {
+      lcc::Sums<Map>{map_}.split_vertex(old, fresh);
+    };
+    map_.onsplit_functor<1>() = [this](auto& old, auto& fresh) {
+      lcc::Sums<Map>{map_}.split_edge(old, fresh);
+    };
   }
+
+  void cut(const std::vector<Dart>& faces) override {
+    for (const Dart d : faces) map_.unsew<3>(faces_[d / 4]);
+  }
+
+  double mass() override { return lcc::total_mass(map_); }
+
+ private:
+  void fill_elements() {
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+      auto& element = map_.info<3>(faces_[i]);
+      auto& darts = element.dart[i % 6];
+      Map::Dart_handle d = faces_[i];
+      for (std::size_t k = 0; k < 4; ++k, d = map_.beta(d, 1)) darts[k] = &*d;
+      element.inner_length.fill(std::sqrt(3.0) * element.share.tension / element.share.stiffness);
+      element.inner_stiffness = element.share.stiffness;
+    }
+  }
+
+  Map map_;
+  std::vector<Map::Dart_handle> faces_;  ///< 6 e + f
 };
 
 }  // namespace
 
-struct CgalCut::Impl {
-  Complex complex;
-  std::vector<Handle> faces;  ///< 6 e + f: the face's dart 24 e + 4 f
-
-  template <int Dimension>
-  void add_attributes() {
-    for (auto d = complex.darts().begin(); d != complex.darts().end(); ++d)
-      if (complex.attribute<Dimension>(d) == complex.null_handle)
-        complex.set_attribute<Dimension>(d, complex.create_attribute<Dimension>());
-  }
-};
-
-CgalCut::CgalCut(const Mesh& mesh) : impl_(std::make_unique<Impl>()) {
-  Complex& complex = impl_->complex;
-  std::unordered_map<Face, std::pair<Handle, Index>, Hash> open;  // dart, its first point
-  for (const Hexahedron& h : mesh.hexahedra) {
-    const auto x = [&](int i) {
-      const Vec3& p = mesh.points[h[i]];
-      return Complex::Point(p[0], p[1], p[2]);
-    };
-    std::array<Handle, 6> face;
-    face[0] = complex.make_hexahedron(x(2), x(0), x(1), x(3), x(7), x(6), x(4), x(5));
-    for (int j = 1; j < 4; ++j) face[j] = complex.beta(face[j - 1], 1, 1, 2);
-    face[4] = complex.beta(face[0], 0, 2);
-    face[5] = complex.beta(face[3], 1, 2);
-    for (int f = 0; f < 6; ++f) {
-      impl_->faces.push_back(face[f]);
-      Face points;
-      for (int k = 0; k < 4; ++k) points[k] = h[hexahedron::dart_vertex[4 * f + k]];
-      const Index second = points[1];
-      const Index first = points[0];
-      std::ranges::sort(points);
-      const auto [it, fresh] = open.try_emplace(points, face[f], first);
-      if (fresh) continue;
-      // The dart there that starts where ours ends.
-      Handle there = it->second.first;
-      const Complex::Point& end = complex.point(complex.beta(face[f], 1));
-      if (it->second.second != second) do
-          there = complex.beta(there, 1);
-        while (complex.point(there) != end);
-      complex.sew<3>(face[f], there);
-      open.erase(it);
-    }
-  }
-  impl_->add_attributes<1>();
-  impl_->add_attributes<2>();
-}
-
-CgalCut::~CgalCut() = default;
-
-void CgalCut::cut(const std::vector<Dart>& faces) {
-  for (const Dart d : faces) impl_->complex.unsew<3>(impl_->faces[d / 4]);
+std::unique_ptr<CutBaseLine> make_cgal_cut(const Mesh& mesh) {
+  return std::make_unique<CgalCut>(mesh);
 }
 
 }  // namespace suture::bench

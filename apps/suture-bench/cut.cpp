@@ -1,115 +1,294 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <malloc.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
 #include <memory>
+#include <random>
 
 #include "apps/suture-bench/cgal_cut.hpp"
 #include "apps/suture-bench/commands.hpp"
+#include "apps/suture-bench/cut_case.hpp"
+#include "apps/suture-bench/suture_cut.hpp"
 #include "apps/suture-bench/timer.hpp"
+#include "kernel/base/error.hpp"
 #include "kernel/mesh/box.hpp"
-#include "kernel/topology/import.hpp"
 
 namespace suture::bench {
 namespace {
 
 struct Options {
-  std::vector<Index> sides{100, 200, 400, 800};
-  unsigned rounds = 7;
-  bool cgal = true;
+  std::vector<Index> sides{200, 400, 600, 800};
+  std::vector<std::string> bodies{"frog", "elephant", "mushroom", "giraffe"};
+  unsigned rounds = 3;
+  bool base_lines = true;
+  Index large = 800;
 };
 
-/// Unit cubes in two layers, whole numbers as coordinates: CGAL compares points exactly.
-Mesh two_layers(Index side) {
-  const auto n = static_cast<double>(side);
-  return make_box({.size = {n, n, 2}, .cells = {side, side, 2}});
+double resident_bytes() {
+  malloc_trim(0);
+  std::size_t size = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> size >> resident;
+  return static_cast<double>(resident) * 4096;
 }
 
-/// The faces between the layers, counted by the user's element numbers.
-std::vector<Dart> between_layers(const Imported& in, Index side) {
-  std::vector<Dart> faces;
-  for (Index e = 0; e < in.complex.element_count(); ++e)
-    for (int f = 0; f < 6; ++f) {
-      const Index other = in.complex.neighbour(e, f);
-      if (other != none && in.user_element[other] == in.user_element[e] + side * side)
-        faces.push_back(24 * e + 4 * f);
-    }
-  std::ranges::sort(faces);
-  return faces;
-}
+/// What one round of a method on a case gave.
+struct Round {
+  std::vector<double> seconds;  ///< of each cut
+  OperationTimes parts;         ///< of all cuts, Suture only
+  double bytes = 0;             ///< of the model before the cuts
+  double mass_lost = 0;         ///< relative
+};
 
-struct Sample {
-  std::vector<double> seconds;
-  double median() {
-    std::ranges::sort(seconds);
-    return seconds[seconds.size() / 2];
+struct Method {
+  std::string name;
+  std::function<Round(const CutCase&)> run;
+};
+
+double lost(double before, double after) { return std::abs(after - before) / before; }
+
+Round run_suture(PluginHost& host, const std::string& model, const CutCase& c) {
+  Round round;
+  const double bytes = resident_bytes();
+  SutureCut body(host, model, c.mesh);
+  round.bytes = resident_bytes() - bytes;
+  const double mass = body.mass();
+  for (const auto& faces : c.cuts) {
+    const OperationTimes times = body.cut(faces);
+    round.seconds.push_back(times.all());
+    round.parts.topology += times.topology;
+    round.parts.attributes += times.attributes;
+    round.parts.dynamics += times.dynamics;
   }
-};
-
-Imported import_quietly(Mesh mesh) {
-  Diagnostics diagnostics;
-  Imported in = import_mesh(std::move(mesh), {}, diagnostics);
-  in.complex.require_edges();
-  in.complex.require_faces();
-  return in;
+  round.mass_lost = lost(mass, body.mass());
+  return round;
 }
 
-void add_line(Report& report, Index side, std::size_t faces, const char* method, Sample& sample,
-              double base_line) {
-  const double us = 1e6 * sample.median() / static_cast<double>(faces);
-  report.add(Line()
-                 .add("mesh", std::to_string(side) + "x" + std::to_string(side) + "x2")
-                 .add("elements", 2.0 * side * side)
-                 .add("faces", static_cast<double>(faces))
-                 .add("method", method)
-                 .add("us/face", us)
-                 .add("best us/face", 1e6 * sample.seconds.front() / static_cast<double>(faces))
-                 .add("times faster", base_line / us));
-}
-
-/// Rounds of both methods alternate, so that a slow moment of the machine hits both;
-/// a round is a fresh map and all faces between its layers.
-void measure_grid(Index side, const Options& options, Report& report) {
-  Sample ours, cgal;
-  std::size_t count = 0;
-  for (unsigned round = 0; round < options.rounds; ++round) {
-    Imported in = import_quietly(two_layers(side));
-    const std::vector<Dart> faces = between_layers(in, side);
-    count = faces.size();
+Round run_base_line(std::unique_ptr<CutBaseLine> (*make)(const Mesh&), const CutCase& c) {
+  Round round;
+  const double bytes = resident_bytes();
+  const auto map = make(c.mesh);
+  round.bytes = resident_bytes() - bytes;
+  const double mass = map->mass();
+  for (const auto& faces : c.cuts) {
     const double start = now(1);
-    const TopologyChange change = in.complex.cut(faces);
-    ours.seconds.push_back(now(1) - start);
-    if (!options.cgal || round >= std::max(1u, options.rounds / 2)) continue;
-    CgalCut base(two_layers(side));
-    std::vector<Dart> same(faces);  // in the numbers of the mesh
-    for (Dart& d : same) d = 24 * in.user_element[d / 24] + d % 24;
-    const double begin = now(1);
-    base.cut(same);
-    cgal.seconds.push_back(now(1) - begin);
+    map->cut(faces);
+    round.seconds.push_back(now(1) - start);
   }
-  double base_line = 0;
-  if (options.cgal) {
-    base_line = 1e6 * cgal.median() / static_cast<double>(count);
-    add_line(report, side, count, "CGAL unsew<3>", cgal, base_line);
+  round.mass_lost = lost(mass, map->mass());
+  return round;
+}
+
+std::vector<Method> methods(PluginHost& host, const Options& options) {
+  std::vector<Method> all;
+  for (const char* model : {"mss-baudet", "tm-faure"})
+    all.push_back({std::string("Suture, ") + model,
+                   [&host, model](const CutCase& c) { return run_suture(host, model, c); }});
+  if (!options.base_lines) return all;
+  all.push_back(
+      {"CGAL unsew<3>", [](const CutCase& c) { return run_base_line(make_cgal_cut, c); }});
+  all.push_back(
+      {"Flechon 2013", [](const CutCase& c) { return run_base_line(make_flechon_cut, c); }});
+  return all;
+}
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+/// All rounds of a method on a case.
+struct Sample {
+  std::vector<Round> rounds;
+
+  double seconds(std::size_t cut) const {
+    std::vector<double> of_cut;
+    for (const Round& r : rounds) of_cut.push_back(r.seconds[cut]);
+    return median(of_cut);
   }
-  add_line(report, side, count, "Suture", ours, base_line);
+  double all_seconds() const {
+    std::vector<double> sums;
+    for (const Round& r : rounds) {
+      sums.push_back(0);
+      for (const double s : r.seconds) sums.back() += s;
+    }
+    return median(sums);
+  }
+  double part(double OperationTimes::*which) const {
+    std::vector<double> of_part;
+    for (const Round& r : rounds) of_part.push_back(r.parts.*which);
+    return median(of_part);
+  }
+};
+
+/// Rounds of the methods alternate, so that a slow moment of the machine hits all.
+std::vector<Sample> measure(const CutCase& c, const std::vector<Method>& all, unsigned rounds) {
+  std::vector<Sample> samples(all.size());
+  for (unsigned round = 0; round < rounds; ++round)
+    for (std::size_t m = 0; m < all.size(); ++m) {
+      samples[m].rounds.push_back(all[m].run(c));
+      if (samples[m].rounds.back().mass_lost > 1e-9)
+        throw InputError("the benchmark's " + all[m].name + " loses mass in a cut of " + c.name);
+    }
+  return samples;
+}
+
+void add_lines(Report& report, const CutCase& c, const std::vector<Method>& all,
+               const std::vector<Sample>& samples) {
+  const auto faces = static_cast<double>(c.faces());
+  const auto elements = static_cast<double>(c.mesh.hexahedra.size());
+  for (std::size_t m = 0; m < all.size(); ++m) {
+    const Sample& sample = samples[m];
+    Line line;
+    line.add("mesh", c.name)
+        .add("elements", elements)
+        .add("faces", faces)
+        .add("method", all[m].name)
+        .add("ms", 1e3 * sample.all_seconds())
+        .add("median_us_per_face", 1e6 * sample.all_seconds() / faces)
+        .add("bytes_per_element", sample.rounds[0].bytes / elements);
+    const bool ours = m < 2;
+    const auto part = [&](double OperationTimes::*which) -> Line::Value {
+      if (!ours) return "";
+      return 1e6 * sample.part(which) / faces;
+    };
+    const auto slower = [&](std::size_t base_line) -> Line::Value {
+      if (samples.size() <= base_line || base_line <= m) return "";
+      return samples[base_line].all_seconds() / sample.all_seconds();
+    };
+    line.add("topology us", part(&OperationTimes::topology))
+        .add("attributes us", part(&OperationTimes::attributes))
+        .add("loops us", part(&OperationTimes::dynamics))
+        .add("CGAL / this", slower(2))
+        .add("Flechon / this", slower(3));
+    report.add(std::move(line));
+  }
+}
+
+void compare_grids(const Options& options, const std::vector<Method>& all, Report& report) {
+  report.begin("cut",
+               "the paper's Fig. 5: all faces between two layers of cubes; vertices, edges "
+               "and faces split, masses and stiffnesses summed again, columns grown, rows of "
+               "the force loops updated; median of fresh bodies, processor time");
+  for (const Index side : options.sides) {
+    const CutCase c = two_layers(side);
+    add_lines(report, c, all, measure(c, all, options.rounds));
+  }
+}
+
+void compare_bodies(const Options& options, const std::vector<Method>& all, Report& report) {
+  report.begin("cut bodies",
+               "the paper's Table 1 on generated bodies of as many elements, one "
+               "plane each, and its Fig. 11: ten cuts of the giraffe together");
+  for (const std::string& name : options.bodies) {
+    const CutCase c = body_case(name);
+    add_lines(report, c, all, measure(c, all, options.rounds));
+  }
+  if (std::ranges::find(options.bodies, "giraffe") == options.bodies.end()) return;
+  const CutCase ten = ten_cuts();
+  const std::vector<Sample> samples = measure(ten, all, options.rounds);
+  add_lines(report, ten, all, samples);
+  report.begin("ten cuts", "Fig. 11, one after the other, us per face");
+  for (std::size_t i = 0; i < ten.cuts.size(); ++i) {
+    Line line;
+    line.add("cut", static_cast<double>(i + 1));
+    line.add("faces", static_cast<double>(ten.cuts[i].size()));
+    for (std::size_t m = 0; m < all.size(); ++m)
+      line.add(all[m].name, 1e6 * samples[m].seconds(i) / static_cast<double>(ten.cuts[i].size()));
+    report.add(std::move(line));
+  }
+}
+
+/// The same thousand faces in a small and in a large mesh.
+void compare_sizes(const Options& options, const std::vector<Method>& all, Report& report) {
+  report.begin("cut sizes", "1,000 faces in a row of a small and of a large mesh");
+  for (const Index side : {Index{71}, options.large}) {
+    const CutCase c = two_layers(side, 1000);
+    const std::vector<Method> ours(all.begin(), all.begin() + 2);
+    add_lines(report, c, ours, measure(c, ours, 3 * options.rounds));
+  }
+}
+
+/// One operation after the other, of one face or element each, chosen at random.
+void single_operations(PluginHost& host, const Options& options, Report& report) {
+  report.begin("single cuts",
+               "a face, or an element, at a time: 1,000 cuts at random in 20x20x20 "
+               "and in large cubes of cells; us per operation");
+  for (const char* model : {"mss-baudet", "tm-faure"})
+    for (const Index n :
+         {Index{20}, static_cast<Index>(std::cbrt(2.0 * options.large * options.large))}) {
+      const auto length = static_cast<double>(n);
+      SutureCut body(host, model, make_box({.size = {length, length, length}, .cells = {n, n, n}}));
+      std::mt19937 random(1);
+      std::vector<double> cuts, pierces;
+      for (int i = 0; i < 1000; ++i) {
+        Dart face = none;
+        do face = random() % (24 * body.element_count()) / 4 * 4;
+        while (!body.can_cut(face));
+        cuts.push_back(body.cut({&face, 1}).all());
+      }
+      for (int i = 0; i < 1000; ++i) {
+        Index element = none;
+        do element = random() % body.element_count();
+        while (!body.can_pierce(element));
+        pierces.push_back(body.pierce({&element, 1}).all());
+      }
+      report.add(Line()
+                     .add("model", model)
+                     .add("elements", static_cast<double>(n) * n * n)
+                     .add("cut us", 1e6 * median(cuts))
+                     .add("pierce us", 1e6 * median(pierces)));
+    }
+}
+
+/// A cavity.
+void pierce_many(PluginHost& host, const Options& options, Report& report) {
+  report.begin("pierce", "every element of a slab of an eighth of a block, removed at once");
+  for (const char* model : {"mss-baudet", "tm-faure"})
+    for (const Index n : {Index{24}, Index{80}}) {
+      std::vector<double> seconds;
+      std::vector<Index> slab(n * n * n / 8);
+      for (Index i = 0; i < slab.size(); ++i) slab[i] = n * n * (n / 2) + i;
+      for (unsigned round = 0; round < options.rounds; ++round) {
+        const auto length = static_cast<double>(n);
+        SutureCut body(host, model,
+                       make_box({.size = {length, length, length}, .cells = {n, n, n}}));
+        seconds.push_back(body.pierce(slab).all());
+      }
+      report.add(Line()
+                     .add("model", model)
+                     .add("elements", static_cast<double>(n) * n * n)
+                     .add("removed", static_cast<double>(slab.size()))
+                     .add("us per removed element",
+                          1e6 * median(seconds) / static_cast<double>(slab.size())));
+    }
 }
 
 void run(const Options& options, Report& report) {
-  report.begin("cut",
-               "all faces between two layers, vertices, edges and faces split and their stars "
-               "reported, median of fresh maps, processor time");
-  for (const Index side : options.sides) measure_grid(side, options, report);
+  PluginHost host;
+  const std::vector<Method> all = methods(host, options);
+  compare_grids(options, all, report);
+  compare_bodies(options, all, report);
+  compare_sizes(options, all, report);
+  single_operations(host, options, report);
+  pierce_many(host, options, report);
 }
 
 }  // namespace
 
 void add_cut(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("cut", "Time per cut face, beside CGAL's linear cell complex");
+  auto* command = app.add_subcommand(
+      "cut", "Time per cut face, beside CGAL's unsew<3> and the model before the paper's");
   auto options = std::make_shared<Options>();
   command->add_option("--sides", options->sides, "n of the grids n x n x 2");
-  command->add_option("--rounds", options->rounds, "Fresh maps for each figure")
+  command->add_option("--bodies", options->bodies, "Bodies of the paper's Table 1");
+  command->add_option("--large", options->large, "n of the large grid n x n x 2");
+  command->add_option("--rounds", options->rounds, "Fresh bodies for each figure")
       ->check(CLI::PositiveNumber);
-  command->add_flag("!--no-cgal", options->cgal, "Without the base line");
+  command->add_flag("!--no-base-lines", options->base_lines, "Suture only");
   commands.push_back({command, [options](Report& report) { run(*options, report); }});
 }
 

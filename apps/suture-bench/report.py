@@ -106,6 +106,18 @@ def plot_skip(tables, docs):
     return save(docs, "skip")
 
 
+def plot_cut(tables, docs):
+    rows = tables["cut"]["rows"]
+    for method in dict.fromkeys(r["method"] for r in rows):
+        mine = [r for r in rows if r["method"] == method]
+        plt.loglog([r["faces"] for r in mine], [r["ms"] / 1000 for r in mine], "o-", markersize=3,
+                   label=method)
+    plt.xlabel("faces disconnected")
+    plt.ylabel("s")
+    plt.legend()
+    return save(docs, "cut")
+
+
 # (NAME of NAME.json, title, what it tells, plot or None)
 SECTIONS = [
     ("force", "Forces", "Rates of the models through the SDK by size: whole steps, the forces alone, "
@@ -122,7 +134,13 @@ SECTIONS = [
     ("frame", "Frames", "What a frame costs the thread that simulates; the rest is written behind "
      "it.", None),
     ("build", "The map", "Checks, renumbering, matching and ids of a mesh.", None),
-    ("cut", "Cuts", "Time per face that a cut opens.", None),
+    ("cut", "Cuts", "The paper's Fig. 5 and Table 1, with everything that follows a cut, beside two "
+     "base lines on CGAL's linear cell complex with the same attributes: the paper's model "
+     "(`unsew<3>` with split functors), and the model before it (Flechon 2013: springs point to "
+     "particles, particles list their inner springs, both set right after each face). The paper "
+     "found the second 1.9 times slower than the first. Here it is 1.2 to 1.3 times: lists are "
+     "contiguous arrays of pointers, split in one pass, elements around a particle are visited "
+     "once, and most of the time is `unsew<3>` itself, which both share.", plot_cut),
     ("blade", "Blades", "Finding the faces that a blade cuts.", None),
     ("rest", "Rest", "The paper's cantilever under its weight, to rest.", None),
 ]

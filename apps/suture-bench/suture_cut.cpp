@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "apps/suture-bench/suture_cut.hpp"
+
+#include "apps/suture-bench/timer.hpp"
+
+namespace suture::bench {
+namespace {
+
+/// The paper's material; defaults for the rest.
+std::vector<double> parameters_of(const suture_model& model) {
+  std::vector<double> values;
+  for (const suture_parameter& p : std::span(model.parameters, model.parameter_count)) {
+    const std::string_view name = p.name;
+    values.push_back(name == "E"     ? 400e3
+                     : name == "nu"  ? 0.3
+                     : name == "rho" ? 1000
+                                     : p.default_value);
+  }
+  return values;
+}
+
+}  // namespace
+
+SutureCut::SutureCut(PluginHost& host, const std::string& name, Mesh mesh)
+    : mesh_(import_mesh(std::move(mesh), {}, diagnostics_)) {
+  const suture_model& model = host.model(name);
+  mesh_.complex.require_edges();
+  mesh_.complex.require_faces();
+  attributes_ = std::make_unique<Attributes>(mesh_.complex, mesh_.rest);
+  attributes_->user_element = mesh_.user_element;
+  attributes_->add(std::make_unique<Instance>(model, name, parameters_of(model), diagnostics_),
+                   mesh_.complex, {});
+  attributes_->initialise(mesh_.complex, diagnostics_);
+  dynamics_ = std::make_unique<Dynamics>(*attributes_, mesh_.complex, DynamicsOptions{});
+}
+
+OperationTimes SutureCut::cut(std::span<const Dart> faces) {
+  std::vector<Dart> ours(faces.begin(), faces.end());
+  for (Dart& d : ours) d = 24 * mesh_.element_of[d / 24] + d % 24;
+  const double start = now(1);
+  dynamics_->synchronise_velocities();
+  OperationTimes times = follow(mesh_.complex.cut(ours), start);
+  times.release = now(1) - start - times.all();
+  return times;
+}
+
+OperationTimes SutureCut::pierce(std::span<const Index> elements) {
+  std::vector<Index> ours(elements.begin(), elements.end());
+  for (Index& e : ours) e = mesh_.element_of[e];
+  const double start = now(1);
+  dynamics_->synchronise_velocities();
+  OperationTimes times = follow(mesh_.complex.pierce(ours), start);
+  times.release = now(1) - start - times.all();
+  return times;
+}
+
+OperationTimes SutureCut::follow(const TopologyChange& change, double start) {
+  const double cut = now(1);
+  attributes_->apply(mesh_.complex, change);
+  const double applied = now(1);
+  dynamics_->update(mesh_.complex, change);
+  return {cut - start, applied - cut, now(1) - applied};
+}
+
+double SutureCut::mass() {
+  double sum = 0;
+  for (Index v = 0; v < attributes_->vertex_count(); ++v) sum += attributes_->mass().get(v, 0);
+  return sum;
+}
+
+}  // namespace suture::bench

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws frames of a run, two in a row, warped by displacement, coloured by von Mises stress.
+"""Draws frames of a run, two in a row, as they are deformed, coloured by von Mises stress.
 
 usage: xvfb-run -a docs/images/render.py RUN.pvd PICTURE.png [TIME ...]
 
@@ -33,11 +33,8 @@ def chosen(all_frames, times):
 def read(path):
     reader = vtk.vtkXMLUnstructuredGridReader()
     reader.SetFileName(path)
-    warp = vtk.vtkWarpVector()  # points in the files are at rest
-    warp.SetInputConnection(reader.GetOutputPort())
-    warp.SetInputArrayToProcess(0, 0, 0, vtk.vtkDataObject.FIELD_ASSOCIATION_POINTS, "displacement")
-    warp.Update()
-    return warp.GetOutput()
+    reader.Update()
+    return reader.GetOutput()
 
 
 def scalar_range(grids, field):

@@ -55,7 +55,7 @@ struct TearCheck::Look {
     return x;
   }
   HexahedronNodes now(Index e) const { return nodes(attributes.position(), e); }
-  HexahedronNodes rest(Index e) const { return nodes(attributes.rest(), e); }
+  HexahedronNodes rest(Index e) const { return attributes.rest_places(complex).of(e); }
   AxisValue strain(Index e) const {
     return principal_strain(now(e), reciprocals(mean_edges(rest(e))));
   }

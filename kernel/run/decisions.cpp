@@ -117,8 +117,15 @@ void decide_physics(const Scene& scene, World& world, std::vector<Decision>& lis
 
 void decide_events(const Scene& scene, std::vector<Decision>& list) {
   if (scene.events.empty()) list.push_back({"events", true, "the scene has none"});
-  for (const Event& event : scene.events)
+  bool blades = false;
+  for (const Event& event : scene.events) {
     list.push_back({"event " + event.path, false, event.summary()});
+    blades |= std::holds_alternative<CutSurface>(event.what) ||
+              std::holds_alternative<CutBlade>(event.what);
+  }
+  list.push_back(
+      {"geometry module", !blades,
+       blades ? "exact predicates for blades" : "no event cuts with a surface or a moving blade"});
 }
 
 std::string names(const std::vector<FieldChoice>& fields) {

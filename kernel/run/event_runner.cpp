@@ -9,6 +9,9 @@
 #include "kernel/events/match_faces.hpp"
 #include "kernel/events/pierce_path.hpp"
 #include "kernel/events/plane_patch.hpp"
+#include "kernel/geometry/moving_blade.hpp"
+#include "kernel/geometry/surface_blade.hpp"
+#include "kernel/geometry/surface_file.hpp"
 
 namespace suture {
 namespace {
@@ -44,7 +47,7 @@ struct EventRunner::Call {
   EventRunner& runner;
   const Event& event;
   double time;
-  TearCheck* tear;
+  State& state;
   World& world = runner.world_;
 
   const double* shape() const {
@@ -55,18 +58,33 @@ struct EventRunner::Call {
     runner.diagnostics_.warn(time_text(time) + event.path + text);
   }
 
-  EventOutcome cut(const std::vector<Dart>& faces) const {
+  EventOutcome opened(const std::vector<Dart>& faces) const {
     EventOutcome outcome;
-    if (faces.empty())
-      warn(" cuts no face: the blade misses the body");
-    else
-      outcome.faces_cut = world.cut(faces).faces_cut;
+    if (!faces.empty()) outcome.faces_cut = world.cut(faces).faces_cut;
     return outcome;
   }
+  EventOutcome cut(const std::vector<Dart>& faces) const {
+    if (faces.empty()) warn(" cuts no face: the blade misses the body");
+    return opened(faces);
+  }
+  const Workers* workers() const { return &world.dynamics->forces().workers(); }
 
   EventOutcome operator()(const CutPlane& plane) const {
     return cut(faces_across_patch(world.complex(), shape(),
                                   {plane.point, plane.normal, plane.radius, plane.polygon}));
+  }
+
+  EventOutcome operator()(const CutSurface&) const {
+    const Places places{shape()};
+    const std::vector<Dart> faces = state.surface->faces_cut(world.complex(), places, workers());
+    if (faces.empty())
+      warn(" cuts no face: " + why_nothing_was_cut(state.surface->box(), world.complex(), places));
+    return opened(faces);
+  }
+
+  EventOutcome operator()(const CutBlade&) const {
+    return opened(state.blade->advance(world.complex(), Places{world.attributes.position().rows()},
+                                       time, workers()));
   }
 
   EventOutcome operator()(const CutFaces& listed) const {
@@ -110,7 +128,7 @@ struct EventRunner::Call {
                        "removed");
     }
     outcome.elements_removed = static_cast<Index>(world.pierce(elements).removed[3].size());
-    runner.rest_changed();
+    runner.elements_changed(false);
     return outcome;
   }
 
@@ -127,7 +145,7 @@ struct EventRunner::Call {
       throw TopologyError(time_text(time) + event.path + "/suture: " + error.what() +
                           "; nothing was sewn");
     }
-    runner.rest_changed();
+    runner.elements_changed(true);
     return outcome;
   }
 
@@ -169,7 +187,8 @@ struct EventRunner::Call {
 
   EventOutcome operator()(const Tear&) const {
     EventOutcome outcome;
-    const std::vector<Dart> faces = tear->faces(world.complex(), world.attributes, *world.dynamics);
+    const std::vector<Dart> faces =
+        state.tear->faces(world.complex(), world.attributes, *world.dynamics);
     if (!faces.empty())
       outcome.faces_torn = world.cut(faces).faces_cut;
     else if (event.is_timed())
@@ -181,28 +200,53 @@ struct EventRunner::Call {
 // ---------------------------------------------------------------- runner --
 
 EventRunner::EventRunner(const Scene& scene, World& world, Diagnostics& diagnostics)
-    : scene_(scene), world_(world), diagnostics_(diagnostics), had_effect_(scene.events.size()) {
-  for (const Event& event : scene.events) {
-    check(event);
-    tears_.push_back(tear_check(event));
-  }
+    : scene_(scene), world_(world), diagnostics_(diagnostics) {
+  for (const Event& event : scene.events) states_.push_back(prepare(event));
 }
 
 EventRunner::~EventRunner() = default;
 
+EventRunner::State EventRunner::prepare(const Event& event) {
+  State state;
+  check(event);
+  if (const auto* tear = std::get_if<Tear>(&event.what)) {
+    std::vector<Index> elements;
+    if (tear->where) elements = world_.selector.elements(*tear->where);
+    state.tear = std::make_unique<TearCheck>(*tear, std::move(elements), world_.complex(),
+                                             event.path + "/tear");
+  }
+  try {
+    if (const auto* cut = std::get_if<CutSurface>(&event.what)) {
+      TriangleSurface surface = read_triangles(cut->file, cut->scale);
+      for (Vec3& p : surface.points)
+        for (std::size_t c = 0; c < 3; ++c) p[c] += cut->translation[c];
+      state.surface = std::make_unique<SurfaceBlade>(std::move(surface), diagnostics_);
+    } else if (const auto* blade = std::get_if<CutBlade>(&event.what)) {
+      std::vector<BladeKey> keys;
+      for (const CutBlade::Station& station : blade->stations)
+        keys.push_back({station.at, station.points});
+      state.blade = std::make_unique<MovingBlade>(std::move(keys));
+    }
+  } catch (const InputError& error) {
+    throw InputError(event.path + "/cut: " + error.what());
+  }
+  return state;
+}
+
 // Lists and sets that the mesh does not have are the scene's fault, and told before
 // anything runs. What geometry selects is known when the event comes.
 void EventRunner::check(const Event& event) {
-  if (const auto* faces = std::get_if<CutFaces>(&event.what))
-    Call{*this, event, 0, nullptr}.faces_of(*faces);
   const auto check_names = [&](const Selection& selection) {
     const bool names = std::holds_alternative<Selection::Ids>(selection.what) ||
                        std::holds_alternative<Selection::Named>(selection.what);
     if (names) world_.selector.elements(selection);
   };
-  if (const auto* pierce = std::get_if<Pierce>(&event.what))
+  if (const auto* faces = std::get_if<CutFaces>(&event.what)) {
+    State unused;
+    Call{*this, event, 0, unused}.faces_of(*faces);
+  } else if (const auto* pierce = std::get_if<Pierce>(&event.what)) {
     if (pierce->where) check_names(*pierce->where);
-  if (const auto* sew = std::get_if<SewFaces>(&event.what)) {
+  } else if (const auto* sew = std::get_if<SewFaces>(&event.what)) {
     if (sew->where) check_names(*sew->where);
     if (sew->between)
       for (const Selection& selection : *sew->between) check_names(selection);
@@ -218,39 +262,39 @@ void EventRunner::check_pairs(const Event& event, const SewFaces& sew) const {
                          ": the mesh has no element " + std::to_string(id));
 }
 
-void EventRunner::rest_changed() {
-  for (const auto& tear : tears_)
-    if (tear) tear->invalidate();
-}
-
-std::unique_ptr<TearCheck> EventRunner::tear_check(const Event& event) const {
-  const auto* tear = std::get_if<Tear>(&event.what);
-  if (tear == nullptr) return nullptr;
-  std::vector<Index> elements;
-  if (tear->where) elements = world_.selector.elements(*tear->where);
-  return std::make_unique<TearCheck>(*tear, std::move(elements), world_.complex(),
-                                     event.path + "/tear");
+// Tissue that was sewn has jumped, and not past a blade.
+void EventRunner::elements_changed(bool moved) {
+  for (State& state : states_) {
+    if (state.tear) state.tear->invalidate();
+    if (state.blade && moved) state.blade->reset();
+  }
 }
 
 EventOutcome EventRunner::fire(std::size_t i, double time) {
   const Event& event = scene_.events[i];
-  const EventOutcome outcome = std::visit(Call{*this, event, time, tears_[i].get()}, event.what);
-  had_effect_[i] |= outcome.changed();
+  const EventOutcome outcome = std::visit(Call{*this, event, time, states_[i]}, event.what);
+  states_[i].had_effect |= outcome.changed();
   return outcome;
 }
 
 EventOutcome EventRunner::apply(const Event& event, double time) {
-  check(event);
-  const auto tear = tear_check(event);
-  return std::visit(Call{*this, event, time, tear.get()}, event.what);
+  if (std::holds_alternative<CutBlade>(event.what))
+    throw InputError(event.path + "/cut: a moving blade takes time; put it into the scene");
+  State state = prepare(event);
+  return std::visit(Call{*this, event, time, state}, event.what);
 }
 
 void EventRunner::finish() {
   for (std::size_t i = 0; i < scene_.events.size(); ++i) {
     const Event& event = scene_.events[i];
-    if (had_effect_[i] || event.is_timed()) continue;  // those were told of at their time
-    diagnostics_.warn(event.path + ": " + event.operation() + " had no effect in the whole run" +
-                      (event.when ? ": its condition never held, or there was nothing to do" : ""));
+    if (states_[i].had_effect || event.is_timed()) continue;  // those were told of at their time
+    std::string text = event.path + ": " + event.operation() + " had no effect in the whole run";
+    if (event.when) text += ": its condition never held, or there was nothing to do";
+    if (states_[i].blade) {
+      text += ": " + why_nothing_was_cut(states_[i].blade->box(), world_.complex(),
+                                         Places{world_.attributes.position().rows()});
+    }
+    diagnostics_.warn(text);
   }
 }
 

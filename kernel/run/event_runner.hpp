@@ -11,6 +11,9 @@
 
 namespace suture {
 
+class MovingBlade;
+class SurfaceBlade;
+
 /// What an operation did.
 struct EventOutcome {
   Index faces_cut = 0, faces_torn = 0, faces_sewn = 0, elements_removed = 0;
@@ -39,17 +42,23 @@ class EventRunner {
 
  private:
   struct Call;  // one operation on its way
+  /// What an event keeps from one time to the next, by its operation.
+  struct State {
+    std::unique_ptr<TearCheck> tear;
+    std::unique_ptr<SurfaceBlade> surface;
+    std::unique_ptr<MovingBlade> blade;
+    bool had_effect = false;
+  };
 
+  State prepare(const Event& event);
   void check(const Event& event);
   void check_pairs(const Event& event, const SewFaces& sew) const;
-  std::unique_ptr<TearCheck> tear_check(const Event& event) const;
-  void rest_changed();  ///< elements went, or have other rest places
+  void elements_changed(bool moved);
 
   const Scene& scene_;
   World& world_;
   Diagnostics& diagnostics_;
-  std::vector<std::unique_ptr<TearCheck>> tears_;  ///< by event; null for other operations
-  std::vector<char> had_effect_;
+  std::vector<State> states_;  ///< by event
 };
 
 }  // namespace suture

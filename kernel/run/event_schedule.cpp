@@ -51,7 +51,7 @@ bool EventSchedule::is_due(std::size_t i, const Clock& clock) {
     state.done = clock.passed(last);
     return !state.done && clock.step() % event.every == 0;
   }
-  state.done = clock.reached(last);
+  state.done = clock.time() >= last;  // not half a step earlier: the blade goes all its way
   return true;
 }
 

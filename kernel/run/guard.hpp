@@ -19,6 +19,10 @@ class Guard {
   /// the elements; energies are summed only when the kinetic energy has doubled.
   void check(std::uint64_t step, double time, double dt);
 
+  /// An operation has taken elements away or brought vertices together: the energy
+  /// starts anew.
+  void restart() { has_start_ = false; }
+
   std::uint64_t inverted_elements() const { return worst_inverted_; }
 
  private:

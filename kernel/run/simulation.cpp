@@ -128,6 +128,7 @@ struct Simulation::Impl {
     summary.faces_torn += outcome.faces_torn;
     summary.faces_sewn += outcome.faces_sewn;
     summary.elements_removed += outcome.elements_removed;
+    if (outcome.faces_sewn + outcome.elements_removed > 0) guard.restart();
     const Index islands = world.islands().existing();
     std::ostringstream text;
     text << "t = " << clock.time() << " s: " << outcome.text() << ", " << islands

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/scene/event.hpp"
 
+#include <cmath>
 #include <sstream>
 
 namespace suture {
@@ -13,6 +14,13 @@ struct What {
     return bounded               ? "the faces that a disc separates"
            : cut.polygon.empty() ? "the faces that a plane separates"
                                  : "the faces that a polygon separates";
+  }
+  std::string operator()(const CutSurface& cut) const {
+    return "the faces that the triangles of " + cut.file.filename().string() + " separate";
+  }
+  std::string operator()(const CutBlade& cut) const {
+    return "the faces that a blade of " + std::to_string(cut.stations.front().points.size()) +
+           " points crosses on its way through the tissue";
   }
   std::string operator()(const CutFaces& cut) const {
     return std::to_string(cut.element_pairs.size()) + " listed faces";
@@ -43,7 +51,10 @@ struct What {
 std::string Event::summary() const {
   std::ostringstream text;
   text << operation() << ' ' << std::visit(What{}, what);
-  if (every > 0) {
+  if (std::holds_alternative<CutBlade>(what)) {
+    text << ", every step from " << start() << " s";
+    if (std::isfinite(finish())) text << " until " << finish() << " s";
+  } else if (every > 0) {
     text << ", every " << every << (every == 1 ? " step" : " steps") << " from " << from << " s";
     if (until) text << " until " << *until << " s";
   } else if (when) {
@@ -56,15 +67,21 @@ std::string Event::summary() const {
 }
 
 const char* Event::operation() const {
-  static constexpr const char* names[] = {"cut",  "cut",    "pierce",
-                                          "tear", "suture", "remove_islands"};
-  static_assert(std::size(names) == std::variant_size_v<Operation>);
+  static constexpr const char* names[] = {"cut",    "cut",  "cut",    "cut",
+                                          "pierce", "tear", "suture", "remove_islands"};
+  static_assert(std::size(names) == std::variant_size_v<EventOperation>);
   return names[what.index()];
 }
 
-double Event::start() const { return every > 0 ? from : when ? 0 : at; }
+double Event::start() const {
+  if (const auto* blade = std::get_if<CutBlade>(&what)) return blade->stations.front().at;
+  return every > 0 ? from : when ? 0 : at;
+}
 
 double Event::finish() const {
+  if (const auto* blade = std::get_if<CutBlade>(&what); blade && blade->stations.size() > 1)
+    return blade->stations.back().at;
+  if (std::holds_alternative<CutBlade>(what)) return std::numeric_limits<double>::infinity();
   if (every > 0) return until.value_or(std::numeric_limits<double>::infinity());
   return when ? std::numeric_limits<double>::infinity() : at;
 }

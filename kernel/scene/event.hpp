@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <optional>
 #include <string>
@@ -21,6 +22,23 @@ struct CutPlane {
   Vec3 point, normal;
   double radius = std::numeric_limits<double>::infinity();  ///< of a disc around `point`, m
   std::vector<Vec3> polygon{};  ///< in the plane, m; empty: not bounded so
+};
+
+/// Opens the faces that a triangulated surface separates.
+struct CutSurface {
+  std::filesystem::path file;  ///< absolute
+  double scale = 1;
+  Vec3 translation{};  ///< m, after scaling
+};
+
+/// Opens the faces that a segment or polyline crosses as it moves: between stations
+/// every point goes straight. One station: a blade that stands still from then on.
+struct CutBlade {
+  struct Station {
+    double at = 0;               ///< s
+    std::vector<Vec3> points{};  ///< m, as many at every station
+  };
+  std::vector<Station> stations;
 };
 
 /// Opens listed faces.
@@ -60,7 +78,8 @@ struct RemoveIslands {
   std::optional<Selection::Box> outside;  ///< of the deformed shape
 };
 
-using Operation = std::variant<CutPlane, CutFaces, Pierce, Tear, SewFaces, RemoveIslands>;
+using EventOperation =
+    std::variant<CutPlane, CutSurface, CutBlade, CutFaces, Pierce, Tear, SewFaces, RemoveIslands>;
 
 // When it happens.
 
@@ -75,20 +94,21 @@ struct Condition {
   std::uint64_t every = 1;  ///< steps between looks
 };
 
-/// One event: at a time; or every so many steps; or once a condition holds.
+/// One event: at a time; or every so many steps; or once a condition holds; a moving
+/// blade: at every step from its first station to its last.
 struct Event {
   double at = 0;                  ///< s; or
   std::uint64_t every = 0;        ///< steps, if > 0,
   double from = 0;                ///< s,
   std::optional<double> until{};  ///< s; or
   std::optional<Condition> when{};
-  Operation what;
+  EventOperation what;
   bool rest_shape = false;  ///< "shape": "rest"
   std::string path;         ///< "/events/0"
 
   /// "cut", "pierce", "tear", "suture", "remove_islands": the key in the scene.
   const char* operation() const;
-  bool is_timed() const { return every == 0 && !when; }
+  bool is_timed() const { return every == 0 && !when && !std::holds_alternative<CutBlade>(what); }
   /// "pierce, every 4 steps from 0.5 s: ...", for `suture explain`.
   std::string summary() const;
   /// When it can happen for the first time and for the last, s.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Blades of a scene: planes and lists of faces.
+// Blades of a scene: planes, surfaces, moving blades, lists of faces.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -67,6 +67,50 @@ CutPlane read_plane(ObjectReader plane) {
   return cut;
 }
 
+CutSurface read_surface(ObjectReader surface, Reading& reading) {
+  CutSurface cut;
+  if (const JsonValue* file = surface.require("file", "triangles: .obj, .stl, .ply or .vtp"))
+    cut.file = read_file(*file, surface.path_of("file"), reading);
+  cut.scale = surface.number("scale", Range::positive("1")).value_or(1);
+  cut.translation = surface.vector("translation", Range::any("m")).value_or(Vec3{});
+  surface.finish();
+  return cut;
+}
+
+CutBlade::Station read_station(ObjectReader& object, const Scene& scene) {
+  CutBlade::Station station{};
+  object.require("at", "when the blade is there, in s");
+  station.at = object.number("at", Range::not_negative("s")).value_or(0);
+  if (scene.solver.end && station.at > *scene.solver.end)
+    object.complain("at", "is after the end of the run (/solver/end)");
+  if (const JsonValue* points = object.require("points", "a segment or polyline [[x, y, z], ...]"))
+    station.points = read_points(*points, object.path_of("points"), 2, object.mistakes());
+  return station;
+}
+
+CutBlade read_blade(ObjectReader blade, Reading& reading) {
+  CutBlade cut;
+  blade.require("path", "where the blade is when: [{\"at\", \"points\"}]");
+  for_each_object(blade, "path", "stations", [&](ObjectReader& object) {
+    CutBlade::Station station = read_station(object, reading.scene);
+    if (!cut.stations.empty()) {
+      const CutBlade::Station& last = cut.stations.back();
+      if (station.at <= last.at) object.complain("at", "must be later than the station before");
+      if (station.points.size() != last.points.size())
+        object.complain("points", "must be as many as at the station before, " +
+                                      std::to_string(last.points.size()) + "; are " +
+                                      std::to_string(station.points.size()));
+    }
+    cut.stations.push_back(std::move(station));
+  });
+  if (cut.stations.empty()) {
+    if (blade.find("path") != nullptr) blade.complain("path", "is empty: a blade is somewhere");
+    cut.stations.resize(1);
+  }
+  blade.finish();
+  return cut;
+}
+
 }  // namespace
 
 std::vector<std::array<std::uint64_t, 2>> read_pairs(const JsonValue& value,
@@ -95,15 +139,17 @@ std::vector<std::array<std::uint64_t, 2>> read_pairs(const JsonValue& value,
   return pairs;
 }
 
-Operation read_cut(ObjectReader cut) {
-  static const std::array<std::string, 2> kinds{"plane", "faces"};
+EventOperation read_cut(ObjectReader cut, Reading& reading) {
+  static const std::array<std::string, 4> kinds{"plane", "surface", "blade", "faces"};
   const auto kind = cut.one_of(kinds);
-  Operation result;
+  EventOperation result;
   if (kind) {
     const JsonValue& inner = *cut.find(kinds[*kind]);
     const std::string path = cut.path_of(kinds[*kind]);
     if (*kind == 0) result = read_plane({inner, path, cut.mistakes()});
-    if (*kind == 1) result = CutFaces{read_pairs(inner, path, cut.mistakes())};
+    if (*kind == 1) result = read_surface({inner, path, cut.mistakes()}, reading);
+    if (*kind == 2) result = read_blade({inner, path, cut.mistakes()}, reading);
+    if (*kind == 3) result = CutFaces{read_pairs(inner, path, cut.mistakes())};
   }
   cut.finish();
   return result;

@@ -52,6 +52,13 @@ void read_interval(ObjectReader& object, Event& event, const Scene& scene) {
 
 void read_schedule(ObjectReader& object, Event& event, const Scene& scene) {
   static const std::array<std::string, 3> kinds{"at", "every", "when"};
+  if (std::holds_alternative<CutBlade>(event.what)) {
+    for (const char* key : {"at", "every", "when", "from", "until"}) {
+      if (object.find(key) != nullptr)
+        object.complain(key, "is told by the path of the blade, which has times of its own");
+    }
+    return;
+  }
   const auto kind = object.one_of(kinds);
   if (kind == 0u) event.at = read_time(object, "at", scene);
   if (kind == 1u) event.every = object.natural("every", 1).value_or(1);
@@ -61,19 +68,24 @@ void read_schedule(ObjectReader& object, Event& event, const Scene& scene) {
   read_interval(object, event, scene);
 }
 
-std::optional<Operation> read_operation(ObjectReader& object, Reading& reading) {
-  static const std::array<std::string, 2> kinds{"cut", "tear"};
+std::optional<EventOperation> read_operation(ObjectReader& object, Reading& reading) {
+  static const std::array<std::string, 5> kinds{"cut", "pierce", "tear", "suture",
+                                                "remove_islands"};
   const auto kind = object.one_of(kinds);
   if (!kind) return {};
   const ObjectReader inner(*object.find(kinds[*kind]), object.path_of(kinds[*kind]),
                            object.mistakes());
-  if (*kind == 0) return read_cut(inner);
-  return read_tear(inner, reading);
+  if (*kind == 0) return read_cut(inner, reading);
+  if (*kind == 1) return read_pierce(inner);
+  if (*kind == 2) return read_tear(inner, reading);
+  if (*kind == 3) return read_suture(inner);
+  return read_remove_islands(inner);
 }
 
 // Which operations have geometry that may be looked up in either shape.
-bool has_shape(const Operation& what) {
-  return std::holds_alternative<CutPlane>(what) || std::holds_alternative<Pierce>(what);
+bool has_shape(const EventOperation& what) {
+  return std::holds_alternative<CutPlane>(what) || std::holds_alternative<CutSurface>(what) ||
+         std::holds_alternative<Pierce>(what);
 }
 
 void read_event(ObjectReader& object, Reading& reading) {
@@ -86,7 +98,10 @@ void read_event(ObjectReader& object, Reading& reading) {
   event.rest_shape = object.choice("shape", shapes) == 1u;
   if (operation && object.find("shape") != nullptr && !has_shape(*operation) &&
       !std::holds_alternative<CutFaces>(*operation)) {
-    object.complain("shape", std::string("means nothing to ") + event.operation());
+    object.complain("shape", std::string("means nothing to ") + event.operation() +
+                                 (std::holds_alternative<CutBlade>(*operation)
+                                      ? " by a blade: it moves through the deformed shape"
+                                      : ""));
   }
   reading.scene.events.push_back(std::move(event));
 }

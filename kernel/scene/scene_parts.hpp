@@ -52,7 +52,7 @@ void read_constraints(ObjectReader& top, Reading& reading);
 void read_loads(ObjectReader& top, Reading& reading);
 void read_solver(const JsonValue& value, Reading& reading);
 /// The operations of an event (read_cut.cpp, read_operations.cpp).
-Operation read_cut(ObjectReader cut);
+EventOperation read_cut(ObjectReader cut, Reading& reading);
 Pierce read_pierce(ObjectReader pierce);
 Tear read_tear(ObjectReader tear, Reading& reading);
 SewFaces read_suture(ObjectReader suture);

@@ -87,6 +87,110 @@ TEST_F(BadScenes, WhatOthersRunWithAllTheSame) {
   }
 }
 
+// Blades, seams and holes that cannot be: one message with the event's path, before the
+// first step where it can be known, and no file is written then.
+TEST_F(BadScenes, OperationsThatCannotBeMeant) {
+  write("empty.obj", "");
+  write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+  write("quad.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+  write("nan.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n");
+  write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  write("noise.stl", std::string("\x7f\x45\x4c\x46\0\0\1", 7));
+  write("blade.step", "ISO-10303-21;");
+  const std::string surface = "/events=[{\"at\": 0, \"cut\": {\"surface\": {\"file\": \"";
+  const BadValue surfaces[] = {
+      {"empty.obj", 3, "/events/0/cut"},  {"points.obj", 3, "/events/0/cut"},
+      {"quad.obj", 3, "/events/0/cut"},   {"nan.obj", 3, "/events/0/cut"},
+      {"line.obj", 3, "/events/0/cut"},   {"noise.stl", 3, "/events/0/cut"},
+      {"blade.step", 3, "/events/0/cut"}, {"nowhere.obj", 3, "/events/0/cut/surface/file"}};
+  for (const BadValue& value : surfaces) {
+    for (const char* command : {"run", "check"}) {
+      const Outcome outcome = scene(command, "", {surface + value.set + "\"}}}]"});
+      EXPECT_EQ(outcome.code, value.code) << command << ' ' << value.set << "\n" << outcome;
+      EXPECT_TRUE(outcome.says(value.words)) << value.set << "\n" << outcome;
+      EXPECT_FALSE(std::filesystem::exists(folder() / "out")) << value.set;
+    }
+  }
+  const BadValue values[] = {
+      {"{\"at\": -1, \"pierce\": {\"where\": \"all\"}}", 3, "/events/0/at: must be >= 0 s"},
+      {"{\"at\": 0, \"pierce\": {\"where\": {\"ids\": [99]}}}", 3,
+       "/events/0/pierce/where: the mesh has no element with id 99"},
+      {"{\"at\": 0, \"suture\": {\"faces\": [[0, 99]]}}", 3,
+       "/events/0/suture/faces/0: the mesh has no element 99"},
+      {"{\"at\": 0, \"suture\": {\"where\": {\"set\": \"B\"}}}", 3, "/events/0/suture/where"},
+      {"{\"at\": 0, \"tear\": {\"by\": \"elongation\", \"above\": 1, \"where\": {\"sphere\": "
+       "{\"centre\": [9, 9, 9], \"radius\": 1}}}}",
+       3, "/events/0/tear/where: selects no element"},
+      {"{\"when\": {\"where\": {\"set\": \"B\"}, \"of\": \"velocity\", \"above\": 1}, \"suture\": "
+       "{}}",
+       3, "/events/0/when/where"}};
+  for (const BadValue& value : values) {
+    for (const char* command : {"run", "check"}) {
+      const Outcome outcome = scene(command, "", {std::string("/events=[") + value.set + "]"});
+      EXPECT_EQ(outcome.code, value.code) << command << ' ' << value.set << "\n" << outcome;
+      EXPECT_TRUE(outcome.says(value.words)) << value.set << "\n" << outcome;
+      EXPECT_FALSE(std::filesystem::exists(folder() / "out")) << value.set;
+    }
+  }
+}
+
+// What shows only on the way stops the run; the frames before it stay whole.
+TEST_F(BadScenes, OperationsThatFailOnTheWayLoseNothing) {
+  const std::string moving = R"(, "gravity": [0, -9.8, 0],
+    "constraints": [{"fix": "xyz", "where": {"set": "x0"}}],
+    "output": {"directory": "o", "every_steps": 1}, "events": [)";
+  const BadValue values[] = {
+      {R"({"at": 0.005, "pierce": {"where": "all"}})", 3,
+       "t = 0.005 s: /events/0: pierce would remove all 8 elements"},
+      {R"({"at": 0.005, "remove_islands": {"below": 100}})", 3,
+       "/events/0: remove_islands would remove all 8 elements"},
+      {R"({"at": 0.005, "tear": {"by": "principal-strain", "above": 1e-9, "most": 0.1}})", 5,
+       "/events/0/tear: would tear"},
+      // A corner cube is gone, and two sides of its place are to be sewn:
+      // they stand at right angles.
+      {R"({"at": 0.005, "pierce": {"where": {"ids": [0, 7]}}},
+          {"at": 0.005, "suture": {"between": [{"ids": [1, 2]}, {"ids": [4, 5, 6]}], "gap": 0.9}})",
+       3, "/events/1/suture"}};
+  for (const BadValue& value : values) {
+    std::filesystem::remove_all(folder() / "o");
+    const Outcome outcome = scene("run", moving + value.set + "]");
+    EXPECT_EQ(outcome.code, value.code) << value.set << "\n" << outcome;
+    EXPECT_TRUE(outcome.says(value.words)) << value.set << "\n" << outcome;
+    EXPECT_TRUE(outcome.says("nothing was")) << value.set << "\n" << outcome;
+    const std::string list = read("o/run.pvd");
+    for (const char* frame : {"frame_0000.vtu", "frame_0004.vtu"}) {
+      EXPECT_NE(list.find(frame), std::string::npos) << list;
+      EXPECT_NE(read(std::string("o/") + frame).find("</VTKFile>"), std::string::npos) << frame;
+    }
+    EXPECT_EQ(list.find("frame_0006"), std::string::npos) << list;
+  }
+}
+
+// Far away, or with nothing to do: a warning, and the run goes on.
+TEST_F(BadScenes, OperationsWithoutEffectAreTold) {
+  write("far.obj", "v 9 0 0\nv 9 1 0\nv 9 0 1\nf 1 2 3\n");
+  const BadValue values[] = {
+      {R"({"at": 0.005, "cut": {"surface": {"file": "far.obj"}}})", 0, "cuts no face"},
+      {R"({"cut": {"blade": {"path": [{"at": 0, "points": [[9, 0, 0], [9, 1, 0]]}]}}})", 0,
+       "cut had no effect in the whole run"},
+      {R"({"at": 0.005, "pierce": {"path": [[9, 0, 0], [9, 1, 0]], "radius": 0.5}})", 0,
+       "removes no element"},
+      {R"({"at": 0.005, "tear": {"by": "elongation", "above": 1}})", 0, "tears no face"},
+      {R"({"every": 2, "tear": {"by": "elongation", "above": 1}})", 0,
+       "tear had no effect in the whole run"},
+      {R"({"at": 0.005, "suture": {}})", 0, "nothing that was cut is open"},
+      {R"({"at": 0.005, "suture": {"faces": [[0, 1]]}})", 0, "share a face already"},
+      {R"({"at": 0.005, "suture": {"between": ["all", "all"], "gap": 0.01}})", 0,
+       "none of one side is within the gap"},
+      {R"({"at": 0.005, "remove_islands": {"below": 3}})", 0, "removes no island"}};
+  for (const BadValue& value : values) {
+    const Outcome outcome = scene("run", std::string(", \"events\": [") + value.set + "]");
+    EXPECT_EQ(outcome.code, 0) << value.set << "\n" << outcome;
+    EXPECT_TRUE(outcome.says(value.words)) << value.set << "\n" << outcome;
+    EXPECT_TRUE(outcome.says("1 warning")) << value.set << "\n" << outcome;
+  }
+}
+
 TEST_F(BadScenes, PluginsThatAreNone) {
   write("text.so", "this is no library");
   const Outcome text = scene("run", ", \"plugins\": [\"text.so\"]");

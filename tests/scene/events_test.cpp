@@ -3,6 +3,8 @@
 // The events of a scene: every operation, every way to say when, every mistake.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/scene/fake_model.hpp"
 
 namespace suture::testing {
@@ -59,6 +61,39 @@ TEST(Events, TearNamesWhatItLooksAt) {
   EXPECT_EQ(tear.above, 0.3);
   EXPECT_EQ(tear.most, 0.5);
   EXPECT_EQ(tear.where->path, "/events/0/tear/where");
+}
+
+TEST(Events, ABladeHasTimesOfItsOwn) {
+  const Scene scene = events(R"(
+    {"cut": {"blade": {"path": [{"at": 0.25, "points": [[0, 0, 0], [1, 0, 0]]},
+                                {"at": 0.5, "points": [[0, 1, 0], [1, 2, 0]]}]}}},
+    {"cut": {"blade": {"path": [{"at": 0, "points": [[0, 0, 0], [1, 0, 0]]}]}}})");
+  EXPECT_EQ(scene.events[0].path, "/events/1");
+  EXPECT_TRUE(std::isinf(scene.events[0].finish())) << "a blade that stands still";
+  EXPECT_EQ(scene.events[1].start(), 0.25);
+  EXPECT_EQ(scene.events[1].finish(), 0.5);
+  EXPECT_FALSE(scene.events[1].is_timed());
+  EXPECT_EQ(std::get<CutBlade>(scene.events[1].what).stations[1].points[1], (Vec3{1, 2, 0}));
+}
+
+TEST(Events, PierceSutureAndRemoval) {
+  const auto pierce = only<Pierce>(
+      R"({"at": 0, "pierce": {"path": [[0, 0, 0], [1, 1, 1]], "radius": 0.5}, "shape": "rest"})");
+  EXPECT_EQ(pierce.path.size(), 2u);
+  EXPECT_EQ(pierce.radius, 0.5);
+  EXPECT_TRUE(std::holds_alternative<Selection::Ids>(
+      only<Pierce>(R"({"at": 0, "pierce": {"where": {"ids": [3, 4]}}})").where->what));
+  const auto between = only<SewFaces>(
+      R"({"at": 0, "suture": {"between": [{"set": "a"}, {"set": "b"}], "gap": 0.1}})");
+  EXPECT_EQ((*between.between)[1].path, "/events/0/suture/between/1");
+  EXPECT_EQ(between.gap, 0.1);
+  EXPECT_EQ(only<SewFaces>(R"({"at": 0, "suture": {"faces": [[1, 2]]}})").element_pairs.size(), 1u);
+  EXPECT_FALSE(only<SewFaces>(R"({"at": 0, "suture": {}})").where);
+  const auto remove = only<RemoveIslands>(
+      R"({"every": 9, "remove_islands": {"below": 8,
+          "outside": {"box": {"min": [0, 0, 0], "max": [1, 1, 1]}}}})");
+  EXPECT_EQ(remove.below, 8u);
+  EXPECT_EQ(remove.outside->max[2], 1);
 }
 
 struct Bad {
@@ -123,7 +158,40 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{R"({"at": 0, "tear": {"by": {"model": "jelly", "field": "wobble"}, "above": 1}})",
             "/events/0/tear/by/field", "gives no single number"},
         Bad{R"({"at": 0, "tear": {"by": "elongation", "above": 1, "most": 1.5}})",
-            "/events/0/tear/most", "<= 1"}));
+            "/events/0/tear/most", "<= 1"},
+        Bad{R"({"at": 0, "cut": {"surface": {"file": "nowhere.stl"}}})",
+            "/events/0/cut/surface/file", "no file"},
+        Bad{R"({"at": 0, "cut": {"surface": {}}})", "/events/0/cut/surface", "'file' is missing"},
+        Bad{R"({"at": 0, "cut": {"blade": {"path": [{"at": 0, "points": [[0,0,0],[1,0,0]]}]}}})",
+            "/events/0/at", "times of its own"},
+        Bad{R"({"cut": {"blade": {"path": []}}})", "/events/0/cut/blade/path", "is empty"},
+        Bad{R"({"cut": {"blade": {"path": [{"at": 0, "points": [[0,0,0]]}]}}})",
+            "/events/0/cut/blade/path/0/points", "at least 2"},
+        Bad{R"({"cut": {"blade": {"path": [{"at": 0.5, "points": [[0,0,0],[1,0,0]]},
+                                           {"at": 0.5, "points": [[0,0,0],[1,0,0]]}]}}})",
+            "/events/0/cut/blade/path/1/at", "later than"},
+        Bad{R"({"cut": {"blade": {"path": [{"at": 0, "points": [[0,0,0],[1,0,0]]},
+                                           {"at": 1, "points": [[0,0,0],[1,0,0],[2,0,0]]}]}}})",
+            "/events/0/cut/blade/path/1/points", "must be as many"},
+        Bad{R"({"cut": {"blade": {"path": [{"at": -1, "points": [[0,0,0],[1,0,0]]}]}}})",
+            "/events/0/cut/blade/path/0/at", ">= 0 s"},
+        Bad{R"({"cut": {"blade": {"path": [{"at": 2, "points": [[0,0,0],[1,0,0]]}]}}})",
+            "/events/0/cut/blade/path/0/at", "after the end"},
+        Bad{R"({"at": 0, "pierce": {}})", "/events/0/pierce", "exactly one of 'where', 'path'"},
+        Bad{R"({"at": 0, "pierce": {"path": [[0,0,0],[1,0,0]]}})", "/events/0/pierce",
+            "'radius' is missing"},
+        Bad{R"({"at": 0, "pierce": {"where": "all", "radius": 1}})", "/events/0/pierce/radius",
+            "belongs to 'path'"},
+        Bad{R"({"at": 0, "suture": {"between": ["all"], "gap": 1}})", "/events/0/suture/between",
+            "two selections"},
+        Bad{R"({"at": 0, "suture": {"between": ["all", "all"]}})", "/events/0/suture",
+            "'gap' is missing"},
+        Bad{R"({"at": 0, "suture": {"faces": [[0, 1]], "where": "all"}})", "/events/0/suture",
+            "one of 'faces'"},
+        Bad{R"({"at": 0, "suture": {"faces": [[0]]}})", "/events/0/suture/faces/0", "[a, b]"},
+        Bad{R"({"at": 0, "remove_islands": {}})", "/events/0/remove_islands", "'below'"},
+        Bad{R"({"at": 0, "remove_islands": {"outside": {}}})", "/events/0/remove_islands/outside",
+            "'box' is missing"}));
 
 }  // namespace
 }  // namespace suture::testing

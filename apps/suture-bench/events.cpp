@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+
+#include "apps/suture-bench/body.hpp"
+#include "apps/suture-bench/commands.hpp"
+#include "apps/suture-bench/timer.hpp"
+#include "kernel/events/tear.hpp"
+
+namespace suture::bench {
+namespace {
+
+struct Options {
+  std::vector<Index> sizes{4000, 50000, 432000};
+  unsigned threads = 1;
+  double seconds = 0.5;
+};
+
+// A deformed state in which nothing tears, as at almost every look.
+void bend(Body& body) {
+  Column &x = body.attributes().position(), &rest = body.attributes().rest();
+  for (Index v = 0; v < x.size(); ++v)
+    for (int c = 0; c < 3; ++c)
+      x.set(v, c, rest.get(v, c) * 1.02 + 0.001 * rest.get(v, (c + 1) % 3));
+}
+
+/// The force and the look alternate, so that a slow moment of the machine hits both.
+void measure_tear(Index size, bool distorted, Tear::By by, const Options& options, PluginHost& host,
+                  Report& report) {
+  Body body(host, {.model = "tm-faure",
+                   .cells = grid_of(size),
+                   .distorted = distorted,
+                   .threads = options.threads});
+  bend(body);
+  Tear tear;
+  tear.by = by;
+  tear.above = 0.3;
+  TearCheck check(tear, {}, body.complex(), "/tear");
+  Dynamics& dynamics = body.dynamics();
+  const double ns = 1e9 / body.element_count(), part = options.seconds / 5;
+  double force = 1e9, look = 1e9;
+  for (int round = 0; round < 5; ++round) {
+    force = std::min(
+        force, measure([&] { dynamics.forces().add_forces(0, 0); }, options.threads, part).median);
+    look = std::min(look, measure([&] { check.faces(body.complex(), body.attributes(), dynamics); },
+                                  options.threads, part)
+                              .median);
+  }
+  report.add(Line()
+                 .add("elements", static_cast<double>(body.element_count()))
+                 .add("mesh", distorted ? "general" : "boxes")
+                 .add("by", by == Tear::By::elongation ? "elongation" : "principal-strain")
+                 .add("force ns/el", ns * force)
+                 .add("look ns/el", ns * look)
+                 .add("look/force", look / force)
+                 .add("every 4: look/force", look / force / 4));
+}
+
+void run(const Options& options, Report& report) {
+  PluginHost host;
+  report.begin("tear",
+               "a look for faces that tear, where none does, beside the force of tm-faure; "
+               "best of 5 medians, " +
+                   std::to_string(options.threads) + " thread(s)");
+  for (const bool distorted : {false, true})
+    for (const Tear::By by : {Tear::By::principal_strain, Tear::By::elongation})
+      for (const Index size : options.sizes)
+        measure_tear(size, distorted, by, options, host, report);
+}
+
+}  // namespace
+
+void add_events(CLI::App& app, std::vector<Command>& commands) {
+  auto* command = app.add_subcommand("events", "What looking for a tear costs beside the forces");
+  auto options = std::make_shared<Options>();
+  command->add_option("--sizes", options->sizes, "Elements");
+  command->add_option("--threads", options->threads, "Threads")->check(CLI::PositiveNumber);
+  command->add_option("--seconds", options->seconds, "Time spent on each figure");
+  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+}
+
+}  // namespace suture::bench

@@ -301,38 +301,44 @@ suture::TopologyChange Body::cut_random(unsigned count, unsigned seed) {
 
 namespace {
 
-/// visit(nodes, a, b, k, c) for every spring of an instance.
+/// visit(ends a and b, their rest positions, k, c) for every spring of an instance.
 template <class Visit>
 void for_each_spring(Body& body, suture::Instance& instance, Visit visit) {
   const auto p = instance.parameters();
   const auto& complex = body.mesh.complex;
-  std::array<Index, 8> nodes{};
+  const suture::RestPlaces rest = body.attributes->rest_places(complex);
+  std::array<suture::hexahedron::Local, 8> corners{};
   const auto& edges = instance.table(1);
   for (Index row = 0; row < edges.cells.size(); ++row) {
-    suture::cell_nodes(complex, 1, edges.cells.cell(row), nodes.data());
-    visit(nodes[0], nodes[1], p[edge_stiffness] * edges.columns[0].get(row, 0), p[edge_damping]);
+    if (!edges.cells.is_live(row)) continue;
+    const Index e = suture::cell_corners(complex, 1, edges.cells.cell(row), corners.data());
+    const auto& nodes = complex.vertices_of(e);
+    visit(nodes[corners[0]], nodes[corners[1]], rest.corner(e, corners[0]),
+          rest.corner(e, corners[1]), p[edge_stiffness] * edges.columns[0].get(row, 0),
+          p[edge_damping]);
   }
   const auto& volumes = instance.table(3);
   for (Index row = 0; row < volumes.cells.size(); ++row) {
-    suture::cell_nodes(complex, 3, volumes.cells.cell(row), nodes.data());
-    suture::HexahedronNodes x;
-    for (std::size_t i = 0; i < 8; ++i)
-      for (int c = 0; c < 3; ++c)
-        x[i][static_cast<std::size_t>(c)] = body.attributes->rest().get(nodes[i], c);
-    const double id = body.mesh.user_element[volumes.cells.cell(row)] % 97;
-    const double k =
-        p[diagonal_stiffness] * (1 + 0.001 * id) *
-        diagonal_factor(suture::is_parallelepiped(x) ? SUTURE_PARALLELEPIPED : SUTURE_GENERAL);
-    for (const auto& d : diagonals)
-      visit(nodes[static_cast<std::size_t>(d[0])], nodes[static_cast<std::size_t>(d[1])], k, 0.0);
+    if (!volumes.cells.is_live(row)) continue;
+    const Index e = volumes.cells.cell(row);
+    const auto& nodes = complex.vertices_of(e);
+    const double id = body.mesh.user_element[e] % 97;
+    const double k = p[diagonal_stiffness] * (1 + 0.001 * id) *
+                     diagonal_factor(suture::is_parallelepiped(rest.of(e)) ? SUTURE_PARALLELEPIPED
+                                                                           : SUTURE_GENERAL);
+    for (const auto& d : diagonals) {
+      const auto i = static_cast<std::size_t>(d[0]), j = static_cast<std::size_t>(d[1]);
+      visit(nodes[i], nodes[j], rest.corner(e, i), rest.corner(e, j), k, 0.0);
+    }
   }
 }
 
-Spring spring_between(Body& body, Index a, Index b, double k, double c) {
+Spring spring_between(Body& body, Index a, Index b, const double* rest_a, const double* rest_b,
+                      double k, double c) {
   double rest[6], x[6], v[6];
   for (int i = 0; i < 3; ++i) {
-    rest[i] = body.attributes->rest().get(a, i);
-    rest[3 + i] = body.attributes->rest().get(b, i);
+    rest[i] = rest_a[i];
+    rest[3 + i] = rest_b[i];
     x[i] = body.attributes->position().get(a, i);
     x[3 + i] = body.attributes->position().get(b, i);
     v[i] = body.attributes->velocity().get(a, i);
@@ -345,21 +351,23 @@ Spring spring_between(Body& body, Index a, Index b, double k, double c) {
 
 std::vector<Vec3> reference_forces(Body& body, suture::Instance& instance) {
   std::vector<Vec3> forces(body.attributes->vertex_count());
-  for_each_spring(body, instance, [&](Index a, Index b, double k, double c) {
-    const Spring s = spring_between(body, a, b, k, c);
-    for (std::size_t i = 0; i < 3; ++i) {
-      forces[a][i] += s.force[i];
-      forces[b][i] -= s.force[i];
-    }
-  });
+  for_each_spring(body, instance,
+                  [&](Index a, Index b, const double* p, const double* q, double k, double c) {
+                    const Spring s = spring_between(body, a, b, p, q, k, c);
+                    for (std::size_t i = 0; i < 3; ++i) {
+                      forces[a][i] += s.force[i];
+                      forces[b][i] -= s.force[i];
+                    }
+                  });
   return forces;
 }
 
 double reference_energy(Body& body, suture::Instance& instance) {
   double sum = 0;
-  for_each_spring(body, instance, [&](Index a, Index b, double k, double c) {
-    sum += spring_between(body, a, b, k, c).energy;
-  });
+  for_each_spring(body, instance,
+                  [&](Index a, Index b, const double* p, const double* q, double k, double c) {
+                    sum += spring_between(body, a, b, p, q, k, c).energy;
+                  });
   return sum;
 }
 

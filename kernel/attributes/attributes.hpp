@@ -49,8 +49,8 @@ class Attributes {
   /// behind, dead, the kernel's columns of such vertices are zero. New cells join the sets of the
   /// instances of their elements; a cell of which an instance's elements left in whole is renamed
   /// in its set, so that a row's cell changes: afterwards row(c) is to be read again for every cell
-  /// c of change.stars. from_volumes sums of touched cells have the same bits as those of
-  /// initialise() on the cut complex. O(cells in the change).
+  /// c of change.stars. from_volumes sums of touched cells have the bits of
+  /// initialise() on the cut complex (but see decision 018). O(cells in the change).
   void apply(const CellComplex& complex, const TopologyChange& change);
 
   /// After a step that was accepted: swaps the trial copies of all columns.

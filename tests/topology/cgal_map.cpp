@@ -110,7 +110,9 @@ void CgalMap::sew(const std::vector<Seam>& seams) {
 }
 
 bool CgalMap::folds(const std::vector<Seam>& seams) {
-  sew(seams);
+  // Darts only: CGAL 5.5 does not find its own points valid after such a sew and unsew.
+  for (const auto& [one, other] : seams)
+    impl_->complex.topo_sew<3>(impl_->darts[one], impl_->darts[other]);
   const std::vector<Dart> vertex = orbits(0);
   bool result = false;
   for (std::size_t element = 0; element < vertex.size(); element += 24) {
@@ -120,7 +122,7 @@ bool CgalMap::folds(const std::vector<Seam>& seams) {
     std::ranges::sort(corners);
     result |= std::unique(corners.begin(), corners.end()) - corners.begin() < 8;
   }
-  for (const Seam& seam : seams) impl_->complex.unsew<3>(impl_->darts[seam.one]);
+  for (const Seam& seam : seams) impl_->complex.topo_unsew<3>(impl_->darts[seam.one]);
   return result;
 }
 

@@ -242,6 +242,8 @@ class CellComplex {
   std::vector<incidence::Link> mark_rim(std::span<const Index> going);
   void free_rim(std::span<const incidence::Link> rim, TopologyChange& change);
   template <int Dimension>
+  bool lose_elements(Index cell, incidence::HalfStars& halves, TopologyChange& change);
+  template <int Dimension>
   void remove_cells(std::span<const Index> going, TopologyChange& change);
 
   // sew.cpp

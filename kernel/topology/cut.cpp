@@ -24,27 +24,6 @@ void reserve(TopologyChange& change, int dimension, std::size_t faces) {
   change.stars[dimension].darts.reserve(darts * faces + 64);
 }
 
-/// Few places, ascending.
-void sort_places(Place* begin, Place* end) {
-  // Without branches, which would be hard to predict, where a full half star is.
-  const auto order = [begin](int i, int j) {
-    const Place low = std::min(begin[i], begin[j]), high = std::max(begin[i], begin[j]);
-    begin[i] = low;
-    begin[j] = high;
-  };
-  if (end - begin == 2) return order(0, 1);
-  if (end - begin == 4) {
-    order(0, 1), order(2, 3), order(0, 2), order(1, 3);
-    return order(1, 2);
-  }
-  for (Place* i = begin + 1; i < end; ++i) {
-    const Place value = *i;
-    Place* to = i;
-    for (; to > begin && to[-1] > value; --to) *to = to[-1];
-    *to = value;
-  }
-}
-
 }  // namespace
 
 /// The elements around one cell, in components.
@@ -162,6 +141,10 @@ void CellComplex::split_cells(std::span<const Link> cut_faces, TopologyChange& c
         split_in_halves<Dimension>(cell, halves, change);
         continue;
       }
+      if (What == Loss::elements &&
+          half_stars<Dimension, Surface::any>(links_.data(), dart, halves) &&
+          lose_elements<Dimension>(cell, halves, change))
+        continue;
       flood_star<Dimension>(start, cell, flood);
       if constexpr (What == Loss::elements) {
         flood.drop([this](Index e) { return is_removed(e); });

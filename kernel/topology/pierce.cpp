@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <bit>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/radix_sort.hpp"
 #include "kernel/topology/cell_complex.hpp"
 #include "kernel/topology/incidence.hpp"
 #include "kernel/topology/marks.hpp"
+#include "kernel/topology/regular_star.hpp"
 
 namespace suture {
 
@@ -18,6 +20,39 @@ void sort_ascending(std::vector<Index>& values) {
   if (std::ranges::is_sorted(values)) return;
   std::vector<Index> spare;
   radix_sort(values, spare, [](Index value) { return value; });
+}
+
+/// Whether what is left of a star hangs together. Bit i of `left`: the i-th element
+/// above stays, bit n + i: the one below. False also where that is not as easily told.
+template <int Dimension>
+bool hangs_together(unsigned left, unsigned n, bool closed);
+
+/// The elements form a prism: a ring above, one below, and the faces between them.
+template <>
+bool hangs_together<0>(unsigned left, unsigned n, bool closed) {
+  const unsigned ring = (1u << n) - 1;
+  if (std::popcount(left) + 1u == 2 * n) return true;  // one element less parts nothing
+  if (!closed) return false;
+  const auto beside = [&](unsigned x) {
+    return (x << 1 | x >> (n - 1) | x >> 1 | x << (n - 1)) & ring;
+  };
+  unsigned reached = left & -left;
+  for (unsigned before = 0; reached != before;) {
+    before = reached;
+    const unsigned above = reached & ring, below = reached >> n;
+    reached |= (beside(above) | below) | (beside(below) | above) << n;
+    reached &= left;
+  }
+  return reached == left;
+}
+
+/// The elements form a path above 1, above 0, below 0, below 1, or a ring.
+template <>
+bool hangs_together<1>(unsigned left, unsigned n, bool closed) {
+  if (n == 1) return true;
+  const unsigned path = (left >> 1 & 1) | (left & 1) << 1 | (left & 12);
+  const auto is_run = [](unsigned x) { return ((x + (x & -x)) & x) == 0; };
+  return is_run(path) || (closed && is_run(15 & ~path));
 }
 
 }  // namespace
@@ -113,6 +148,43 @@ void CellComplex::free_rim(std::span<const Link> rim, TopologyChange& change) {
   unmark(element_marks_, change.elements);
   sort_ascending(change.elements);
 }
+
+/// Most stars are read off and stay in one piece: drops their removed elements and tells
+/// the others. False for any other star, and then nothing has happened.
+template <int Dimension>
+bool CellComplex::lose_elements(Index cell, HalfStars& halves, TopologyChange& change) {
+  const std::size_t n = halves.size;
+  std::array<Place, 2 * HalfStars::most> places;
+  unsigned left = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    places[i] = halves.above[i];
+    places[n + i] = halves.below[i];
+  }
+  for (std::size_t i = 0; i < 2 * n; ++i) left |= unsigned{!is_removed(places[i] >> 4)} << i;
+  if (!hangs_together<Dimension>(left, static_cast<unsigned>(n), halves.closed)) return false;
+  sort_places(places.data(), places.data() + 2 * n);
+  if (std::adjacent_find(places.data(), places.data() + 2 * n) != places.data() + 2 * n)
+    return false;
+  auto* const label = rows<Dimension>();
+  Stars& stars = change.stars[Dimension];
+  const std::size_t first = stars.darts.size();
+  for (std::size_t i = 0; i < 2 * n; ++i) {
+    const Place place = places[i];
+    if (is_removed(place >> 4)) {
+      label[place >> 4][place & 15] = none;
+    } else {
+      stars.darts.push_back(dart_at<Dimension>(place));
+      if (mark(element_marks_, place >> 4)) change.elements.push_back(place >> 4);
+    }
+  }
+  some_dart_[Dimension][cell] = stars.darts[first];
+  stars.cells.push_back(cell);
+  stars.offsets.push_back(static_cast<Index>(stars.darts.size()));
+  return true;
+}
+
+template bool CellComplex::lose_elements<0>(Index, HalfStars&, TopologyChange&);
+template bool CellComplex::lose_elements<1>(Index, HalfStars&, TopologyChange&);
 
 /// What still carries a number in an element that goes had no other element.
 template <int Dimension>

@@ -47,13 +47,39 @@ Place place_of_link(Link dart) {
   return dart >> 5 << 4 | local_cell<Dimension>(static_cast<int>(dart & 31));
 }
 
+/// Few places, ascending.
+inline void sort_places(Place* begin, Place* end) {
+  // Without branches, which would be hard to predict, where a full half star is.
+  const auto order = [begin](int i, int j) {
+    const Place low = std::min(begin[i], begin[j]), high = std::max(begin[i], begin[j]);
+    begin[i] = low;
+    begin[j] = high;
+  };
+  if (end - begin == 2) return order(0, 1);
+  if (end - begin == 4) {
+    order(0, 1), order(2, 3), order(0, 2), order(1, 3);
+    return order(1, 2);
+  }
+  for (Place* i = begin + 1; i < end; ++i) {
+    const Place value = *i;
+    Place* to = i;
+    for (; to > begin && to[-1] > value; --to) *to = to[-1];
+    *to = value;
+  }
+}
+
 /// Two half stars: places above[0..size), below[0..size), which is at most `most`.
 struct HalfStars {
   static constexpr std::size_t most = 8;
   std::array<Place, most> above, below;
   std::size_t size = 0;
   bool cut_all = true;  ///< every element of both has a face that is cut
+  bool closed = false;  ///< the last elements are neighbours of the first ones (of each other)
 };
+
+/// Whether the faces between above and below must be those that are cut, and no others;
+/// or whether cut faces are like any other, so that both halves are the whole star.
+enum class Surface { cut, any };
 
 namespace detail {
 
@@ -61,20 +87,27 @@ enum class Step { on, end, irregular };
 
 /// From the dart above, on the edge around which the surface goes on, and its beta3
 /// below, to the dart of the next face on that edge and its mate's.
-inline Step step(const Link* links, Link& above, Link& below) {
+template <Surface What>
+Step step(const Link* links, Link& above, Link& below) {
   const Link up = beta2(above), down = beta2(below);
-  const Link link_up = links[marks::side_of(up)], link_down = links[marks::side_of(down)];
+  Link link_up = links[marks::side_of(up)], link_down = links[marks::side_of(down)];
   if (link_up == none && link_down == none) return Step::end;
+  if constexpr (What == Surface::any) {
+    if (link_up == none || link_down == none) return Step::irregular;
+    link_up &= ~marks::leaving;
+    link_down &= ~marks::leaving;
+  }
   if ((link_up | link_down) & marks::leaving) return Step::irregular;  // none among them
   above = beta2(across_link(link_up, up));
   below = beta2(across_link(link_down, down));
   return Step::on;
 }
 
-/// The face of `above` is cut and joins it with `below`.
-inline bool is_glued(const Link* links, Link above, Link below) {
+/// The face of `above` joins it with `below`, and is cut.
+template <Surface What>
+bool is_glued(const Link* links, Link above, Link below) {
   const Link link = links[marks::side_of(above)];
-  return link != none && (link & marks::leaving) &&
+  return link != none && (What == Surface::any || (link & marks::leaving)) &&
          across_link(link & ~marks::leaving, above) == below;
 }
 
@@ -82,10 +115,11 @@ inline bool is_glued(const Link* links, Link above, Link below) {
 
 /// The half stars of the vertex where `start`, a dart of a cut face, begins. False if
 /// it is not regular. `links`: as stored, those of cut faces marked as leaving.
-inline bool half_stars_of_vertex(const Link* links, Link start, HalfStars& stars) {
+template <Surface What>
+bool half_stars_of_vertex(const Link* links, Link start, HalfStars& stars) {
   using detail::Step;
   stars.size = 0;
-  stars.cut_all = true;
+  stars.cut_all = stars.closed = true;
   const auto add = [&](Link above, Link below) {
     stars.above[stars.size] = place_of_link<0>(above);
     stars.below[stars.size++] = place_of_link<0>(below);
@@ -96,23 +130,24 @@ inline bool half_stars_of_vertex(const Link* links, Link start, HalfStars& stars
   for (;;) {
     add(above, next(below));
     if (stars.below[stars.size - 1] == stars.above[0]) return false;  // one side only
-    const Step step = detail::step(links, above, below);
+    const Step step = detail::step<What>(links, above, below);
     if (step == Step::irregular) return false;
     if (step == Step::end) break;
-    if (!detail::is_glued(links, above, below)) return false;
+    if (!detail::is_glued<What>(links, above, below)) return false;
     above = next(above);
     below = previous(below);
     if (above == start) return below == mate;
     if (stars.size == HalfStars::most) return false;
   }
   // The boundary: now the other way, with darts `above` that arrive at the vertex.
+  stars.closed = false;
   above = previous(start);
   below = next(mate);
   for (;;) {
-    const Step step = detail::step(links, above, below);
+    const Step step = detail::step<What>(links, above, below);
     if (step == Step::irregular) return false;
     if (step == Step::end) return true;
-    if (!detail::is_glued(links, above, below) || stars.size == HalfStars::most) return false;
+    if (!detail::is_glued<What>(links, above, below) || stars.size == HalfStars::most) return false;
     add(above, next(below));
     if (stars.below[stars.size - 1] == stars.above[0]) return false;
     above = previous(above);
@@ -122,7 +157,8 @@ inline bool half_stars_of_vertex(const Link* links, Link start, HalfStars& stars
 
 /// The half stars of the edge of `start`, a dart of a cut face: two elements each, or
 /// one each at the boundary.
-inline bool half_stars_of_edge(const Link* links, Link start, HalfStars& stars) {
+template <Surface What>
+bool half_stars_of_edge(const Link* links, Link start, HalfStars& stars) {
   using detail::Step;
   Link above = start;
   Link below = across_link(links[marks::side_of(start)] & ~marks::leaving, start);
@@ -130,24 +166,28 @@ inline bool half_stars_of_edge(const Link* links, Link start, HalfStars& stars) 
   stars.below[0] = place_of_link<1>(below);
   stars.size = 1;
   stars.cut_all = true;
-  const Step step = detail::step(links, above, below);
+  stars.closed = false;
+  const Step step = detail::step<What>(links, above, below);
   if (step == Step::irregular) return false;
   if (step == Step::end) return stars.above[0] != stars.below[0];
   stars.above[1] = place_of_link<1>(above);
   stars.below[1] = place_of_link<1>(below);
   stars.size = 2;
   if (stars.above[1] == stars.below[0]) return false;
-  if (detail::is_glued(links, above, below)) return true;
+  if (detail::is_glued<What>(links, above, below)) {
+    stars.closed = true;
+    return true;
+  }
   stars.cut_all = false;
   return links[marks::side_of(above)] == none && links[marks::side_of(below)] == none;
 }
 
-template <int Dimension>
+template <int Dimension, Surface What = Surface::cut>
 bool half_stars(const Link* links, Link start, HalfStars& stars) {
   if constexpr (Dimension == 0)
-    return half_stars_of_vertex(links, start, stars);
+    return half_stars_of_vertex<What>(links, start, stars);
   else
-    return half_stars_of_edge(links, start, stars);
+    return half_stars_of_edge<What>(links, start, stars);
 }
 
 }  // namespace suture::incidence

@@ -26,19 +26,6 @@ Mesh block(const BodyOptions& options) {
   return mesh;
 }
 
-/// In declared order; the paper's material (E = 400 kPa, nu = 0.3, rho = 1000).
-std::vector<double> parameters_of(const suture_model& model,
-                                  const std::map<std::string, double>& wanted) {
-  std::map<std::string, double> known{{"E", 400e3}, {"nu", 0.3}, {"rho", 1000}};
-  for (const auto& [name, value] : wanted) known[name] = value;
-  std::vector<double> values;
-  for (const suture_parameter& p : std::span(model.parameters, model.parameter_count)) {
-    const auto found = known.find(p.name);
-    values.push_back(found == known.end() ? p.default_value : found->second);
-  }
-  return values;
-}
-
 /// Seconds since the last call.
 class Stopwatch {
  public:
@@ -62,6 +49,18 @@ Imported timed_import(const BodyOptions& options, Diagnostics& diagnostics, Body
 }
 
 }  // namespace
+
+std::vector<double> parameters_of(const suture_model& model,
+                                  const std::map<std::string, double>& wanted) {
+  std::map<std::string, double> known{{"E", 400e3}, {"nu", 0.3}, {"rho", 1000}};
+  for (const auto& [name, value] : wanted) known[name] = value;
+  std::vector<double> values;
+  for (const suture_parameter& p : std::span(model.parameters, model.parameter_count)) {
+    const auto found = known.find(p.name);
+    values.push_back(found == known.end() ? p.default_value : found->second);
+  }
+  return values;
+}
 
 Body::Body(PluginHost& host, const BodyOptions& options)
     : mesh_(timed_import(options, diagnostics_, times_)) {

@@ -37,6 +37,11 @@ struct BodyTimes {
   double mesh = 0, map = 0, attributes = 0, loops = 0, stable_step = 0;
 };
 
+/// In declared order; the paper's material (E = 400 kPa, nu = 0.3, rho = 1000), but
+/// for what is wanted.
+std::vector<double> parameters_of(const suture_model& model,
+                                  const std::map<std::string, double>& wanted);
+
 class Body {
  public:
   Body(PluginHost& host, const BodyOptions& options);

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "apps/suture-bench/body.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
 #include "kernel/run/recorder.hpp"
 
@@ -26,7 +27,7 @@ class Frames {
     ModelUse use;
     use.name = "tissue";
     use.model = &host.model("tm-faure");
-    use.parameters = {400e3, 0.3, 1000, 0};
+    use.parameters = parameters_of(*use.model, {});
     scene_.models.push_back(use);
     scene_.output.directory = folder_;
     scene_.output.fields = std::move(fields);

@@ -33,7 +33,9 @@ bool inside(const PlanePatch& patch, const Vec3& p) {
     const Vec3& a = patch.polygon[i];
     const Vec3& b = patch.polygon[(i + 1) % patch.polygon.size()];
     if ((a[v] > p[v]) == (b[v] > p[v])) continue;
-    odd ^= p[u] < a[u] + (p[v] - a[v]) * (b[u] - a[u]) / (b[v] - a[v]);
+    // From the lower end, whichever way the side runs, so that neighbours agree to the bit.
+    const Vec3 &low = a[v] < b[v] ? a : b, &high = a[v] < b[v] ? b : a;
+    odd ^= p[u] < low[u] + (p[v] - low[v]) * (high[u] - low[u]) / (high[v] - low[v]);
   }
   return odd;
 }

@@ -93,7 +93,7 @@ TriangleSurface read_triangles(const std::filesystem::path& path, double scale) 
   TriangleSurface surface{soup.source, std::move(soup.points), {}};
   std::size_t others = 0;
   for (std::size_t i = 0; i < soup.size(); ++i) {
-    const Index* corner = &soup.corners[soup.offsets[i]];
+    const Index* corner = soup.corners.data() + soup.offsets[i];
     if (soup.offsets[i + 1] - soup.offsets[i] == 3)
       surface.triangles.push_back({corner[0], corner[1], corner[2]});
     else

@@ -3,6 +3,8 @@
 // What plane patches, paths and boxes choose.
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "kernel/events/islands.hpp"
 #include "kernel/events/pierce_path.hpp"
 #include "kernel/events/plane_patch.hpp"
@@ -44,6 +46,30 @@ TEST(FacesAcrossPatch, ADiscOpensWhatItCovers) {
   disc.radius = 0.4;
   disc.point = {4, 4, 1};  // between the segments
   EXPECT_TRUE(faces_across_patch(block.complex, block.rows.data(), disc).empty());
+}
+
+// Triangles from the sides of a square to a point in it, whose common sides pass through segments:
+// each segment belongs to exactly one.
+TEST(FacesAcrossPatch, TrianglesAroundAPointMissAndRepeatNothing) {
+  const Block block(grid(9, 9, 2));
+  const unsigned seed = 4;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_int_distribution<int> step(1, 26);
+  const Vec3 corners[] = {{0, 0, 1}, {9, 0, 1}, {9, 9, 1}, {0, 9, 1}};
+  for (int round = 0; round < 300; ++round) {
+    const Vec3 middle{step(random) / 3.0, step(random) / 3.0, 1};
+    std::vector<Dart> all;
+    for (int i = 0; i < 4; ++i) {
+      const Vec3 triangle[] = {corners[i], corners[(i + 1) % 4], middle};
+      const PlanePatch patch{.point = {0, 0, 1}, .normal = {0, 0, 1}, .polygon = triangle};
+      const auto part = faces_across_patch(block.complex, block.rows.data(), patch);
+      all.insert(all.end(), part.begin(), part.end());
+    }
+    EXPECT_EQ(all.size(), 81u) << middle[0] << ' ' << middle[1];
+    std::ranges::sort(all);
+    EXPECT_EQ(std::ranges::unique(all).size(), 0u) << middle[0] << ' ' << middle[1];
+  }
 }
 
 // Two polygons that share a side open what their union opens, each face once.

@@ -5,7 +5,6 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/events/cut_faces.hpp"
-#include "kernel/geometry/plane_bounds.hpp"
 #include "kernel/geometry/surface_blade.hpp"
 #include "tests/geometry/dyadic.hpp"
 #include "tests/geometry/surfaces.hpp"
@@ -195,76 +194,6 @@ TEST(SurfaceBlade, SaysWhyNothingWasCut) {
   EXPECT_NE(why(square({9, 9, 9}, {1, 0, 0}, {0, 1, 0})).find("beside the body"),
             std::string::npos);
   EXPECT_NE(why(square({1, 1, 0.25}, {1, 0, 0}, {0, 1, 0})).find("between no two centroids"),
-            std::string::npos);
-}
-
-// --------------------------------------------------------------- bounded planes --
-
-TEST(PlaneBounds, ADiscKeepsWhatIsWithinItsRadius) {
-  const Block block = block_of(9, 9, 2);
-  const Vec3 centre{4.5, 4.5, 1}, normal{0, 0, 2};
-  const PlaneBounds disc = PlaneBounds::disc(centre, normal, 3);
-  std::vector<Dart> faces =
-      faces_across_plane(block.complex, block.rows.data(), disc.point(), disc.normal());
-  ASSERT_EQ(faces.size(), 81u);
-  disc.keep_within(faces, block.complex, block.places());
-  EXPECT_EQ(faces.size(), 29u);  // lattice points within a circle of 3, itself included
-}
-
-TEST(PlaneBounds, APolygonKeepsWhatItCovers) {
-  const Block block = block_of(6, 6, 2);
-  // An L, not convex, seen from above counterclockwise.
-  const PlaneBounds l =
-      PlaneBounds::polygon({{0, 0, 1}, {4, 0, 1}, {4, 2, 1}, {2, 2, 1}, {2, 6, 1}, {0, 6, 1}});
-  EXPECT_EQ(l.normal(), (Vec3{0, 0, 1}));
-  std::vector<Dart> faces =
-      faces_across_plane(block.complex, block.rows.data(), l.point(), l.normal());
-  l.keep_within(faces, block.complex, block.places());
-  EXPECT_EQ(faces.size(), 4u * 2 + 2 * 4);
-  EXPECT_EQ(l.box().high, (Vec3{4, 6, 1}));
-}
-
-// Sides on the links: two polygons that share one do not both have a link, and none is lost.
-TEST(PlaneBounds, NeighbouringPolygonsShareNothing) {
-  std::mt19937 random(5);
-  std::uniform_int_distribution<int> step(0, 16);
-  for (int round = 0; round < 200; ++round) {
-    const auto corner = [&] { return Vec3{step(random) / 4.0, step(random) / 4.0, 0}; };
-    const Vec3 a{0, 0, 0}, b{4, 0, 0}, c{4, 4, 0}, d{0, 4, 0}, m = corner();
-    if (m[0] == 0 || m[1] == 0 || m[0] == 4 || m[1] == 4) continue;
-    const PlaneBounds parts[] = {PlaneBounds::polygon({a, b, m}), PlaneBounds::polygon({b, c, m}),
-                                 PlaneBounds::polygon({c, d, m}), PlaneBounds::polygon({d, a, m})};
-    for (int i = 0; i < 20; ++i) {
-      const Vec3 p = corner();
-      if (p[0] == 4 || p[1] == 4) continue;
-      int count = 0;
-      for (const PlaneBounds& part : parts) count += part.covers(p) ? 1 : 0;
-      EXPECT_EQ(count, 1) << p[0] << ' ' << p[1] << " around " << m[0] << ' ' << m[1];
-    }
-  }
-}
-
-TEST(PlaneBounds, SayWhatIsWrong) {
-  const auto error = [](auto&& make) { return error_of<InputError>(make); };
-  EXPECT_NE(error([] {
-              PlaneBounds::disc({0, 0, 0}, {0, 0, 0}, 1);
-            }).find("normal"),
-            std::string::npos);
-  EXPECT_NE(error([] {
-              PlaneBounds::disc({0, 0, 0}, {0, 0, 1}, 0);
-            }).find("radius"),
-            std::string::npos);
-  EXPECT_NE(error([] {
-              PlaneBounds::polygon({{0, 0, 0}, {1, 0, 0}});
-            }).find("3 corners"),
-            std::string::npos);
-  EXPECT_NE(error([] {
-              PlaneBounds::polygon({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}});
-            }).find("on a line"),
-            std::string::npos);
-  EXPECT_NE(error([] {
-              PlaneBounds::polygon({{0, 0, 0}, {1, 0, 0}, {1, 1, 0.1}, {0, 1, 0}});
-            }).find("not flat"),
             std::string::npos);
 }
 

@@ -63,8 +63,9 @@ void from_soup(const PolygonSoup& soup, Points& points, Polygons& polygons) {
   for (const Vec3& p : soup.points) points.emplace_back(p[0], p[1], p[2]);
   polygons.reserve(soup.size());
   for (std::size_t i = 0; i < soup.size(); ++i)
-    polygons.emplace_back(soup.corners.begin() + soup.offsets[i],
-                          soup.corners.begin() + soup.offsets[i + 1]);
+    if (soup.offsets[i + 1] - soup.offsets[i] >= 3)
+      polygons.emplace_back(soup.corners.begin() + soup.offsets[i],
+                            soup.corners.begin() + soup.offsets[i + 1]);
 }
 
 TriangleSurface to_surface(const SurfaceMesh& mesh) {

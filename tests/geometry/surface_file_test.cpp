@@ -107,8 +107,11 @@ TEST(SurfaceFile, SurvivesTruncation) {
     write_surface(whole, box);
     const std::string text = text_of(whole);
     int refused = 0;
-    for (std::size_t size = 0; size < text.size(); size += 7)
+    for (std::size_t size = 0; size < text.size(); size += 7) {
       refused += read_error(name, text.substr(0, size)).empty() ? 0 : 1;
+      Diagnostics diagnostics;
+      error_of<InputError>([&] { close_surface(read_soup(whole), true, diagnostics); });
+    }
     EXPECT_GT(refused, 0) << name;
   }
 }

@@ -159,6 +159,7 @@ Closing close(const PolygonSoup& soup, bool repair) {
   processing::orient_polygon_soup(points, polygons);
   SurfaceMesh mesh;
   processing::polygon_soup_to_polygon_mesh(points, polygons, mesh);
+  if (mesh.number_of_faces() == 0) return result;
   processing::triangulate_faces(mesh);
   result.border_edges = border_edges(mesh);
   if (result.border_edges != 0) {

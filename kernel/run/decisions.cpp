@@ -116,6 +116,10 @@ void decide_physics(const Scene& scene, World& world, std::vector<Decision>& lis
 }
 
 void decide_events(const Scene& scene, std::vector<Decision>& list) {
+  const bool sleeps = scene.solver.sleep_acceleration > 0;
+  list.push_back({"sleep", !sleeps,
+                  sleeps ? "islands that are still are not computed until an operation wakes them"
+                         : "not asked for"});
   if (scene.events.empty()) list.push_back({"events", true, "the scene has none"});
   bool blades = false;
   for (const Event& event : scene.events) {

@@ -2,12 +2,16 @@
 #include "kernel/run/recorder.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "kernel/run/shown.hpp"
 #include "kernel/vtk/vtk_module.hpp"
 
 namespace suture {
 namespace {
+
+/// In a table: of nodes that were all removed.
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 FrameWriterOptions writer_options(const OutputOptions& options) {
   FrameWriterOptions result;
@@ -181,14 +185,18 @@ void Recorder::probes(std::uint64_t step, double time, const Vec3& gravity) {
   const Column &force = world_.attributes.force(), &mass = world_.attributes.mass();
   for (const auto& vertices : probe_vertices_) {
     Vec3 position{}, displacement{}, total{};
+    double count = 0;  // of those that are left
+    for (const Index v : vertices) count += world_.complex().exists(0, v);
     for (const Index v : vertices) {
+      if (!world_.complex().exists(0, v)) continue;
       for (int a = 0; a < 3; ++a) {
         const auto i = static_cast<std::size_t>(a);
-        position[i] += x.get(v, a) / static_cast<double>(vertices.size());
-        displacement[i] += (x.get(v, a) - rest.get(v, a)) / static_cast<double>(vertices.size());
+        position[i] += x.get(v, a) / count;
+        displacement[i] += (x.get(v, a) - rest.get(v, a)) / count;
         total[i] += force.get(v, a) + mass.get(v, 0) * gravity[i];
       }
     }
+    if (count == 0) position = displacement = total = {no_value, no_value, no_value};
     for (const Vec3& v : {position, displacement, total})
       values.insert(values.end(), v.begin(), v.end());
   }

@@ -15,6 +15,7 @@
 #include "kernel/run/event_runner.hpp"
 #include "kernel/run/event_schedule.hpp"
 #include "kernel/run/guard.hpp"
+#include "kernel/run/sleeper.hpp"
 
 namespace suture {
 namespace {
@@ -70,7 +71,8 @@ struct Simulation::Impl {
         clock(s.solver.dt, stops_of(s), s.output.enabled ? s.output.every : 0, s.solver.end),
         guard(s, world, d),
         schedule(s.events, world),
-        events(s, world, d) {
+        events(s, world, d),
+        sleeper(s.solver, world) {
     Decision still = decide_still_cells(scene, world, recorder);
     decisions = decide(scene, host, world, recorder);
     decisions.push_back(std::move(still));
@@ -128,6 +130,7 @@ struct Simulation::Impl {
     summary.faces_torn += outcome.faces_torn;
     summary.faces_sewn += outcome.faces_sewn;
     summary.elements_removed += outcome.elements_removed;
+    sleeper.woken();
     if (outcome.faces_sewn + outcome.elements_removed > 0) guard.restart();
     const Index islands = world.islands().existing();
     std::ostringstream text;
@@ -135,6 +138,14 @@ struct Simulation::Impl {
          << (islands == 1 ? " island" : " islands");
     observer.on_message(text.str());
     find_stable_step();
+  }
+
+  void tell_of_sleep(Observer& observer) {
+    if (sleeper.look(clock.step()) == 0) return;
+    std::ostringstream text;
+    text << "t = " << clock.time() << " s: " << sleeper.sleeping() << " of "
+         << world.islands().existing() << " islands sleep";
+    observer.on_message(text.str());
   }
 
   // ---- records ----
@@ -250,6 +261,7 @@ struct Simulation::Impl {
         break;
       }
       step();
+      tell_of_sleep(observer);
       if (clock.step() % 16 == 0 && seconds_since(reported) > 0.1) {
         report(observer, start, first_step);
         reported = Wall::now();
@@ -286,6 +298,7 @@ struct Simulation::Impl {
   Guard guard;
   EventSchedule schedule;
   EventRunner events;
+  Sleeper sleeper;
   std::optional<RestSearch> rest;
   std::vector<Decision> decisions;
   RunSummary summary;

@@ -54,6 +54,19 @@ void read_damping(ObjectReader& object, SolverOptions& solver) {
   }
 }
 
+void read_sleep(ObjectReader& object, SolverOptions& solver) {
+  const JsonValue* value = object.find("sleep");
+  if (value == nullptr) return;
+  ObjectReader sleep(*value, object.path_of("sleep"), object.mistakes());
+  sleep.require("acceleration", "an island sleeps below it, in m/s^2");
+  sleep.require("velocity", "an island sleeps below it, in m/s");
+  solver.sleep_acceleration = sleep.number("acceleration", Range::positive("m/s^2")).value_or(0);
+  solver.sleep_velocity = sleep.number("velocity", Range::positive("m/s")).value_or(0);
+  sleep.finish();
+  if (solver.until_rest)
+    object.complain("sleep", "and \"until\": \"rest\" exclude each other: at rest the run ends");
+}
+
 }  // namespace
 
 void read_solver(const JsonValue& value, Reading& reading) {
@@ -66,6 +79,7 @@ void read_solver(const JsonValue& value, Reading& reading) {
   read_step(object, solver);
   read_end(object, solver);
   read_damping(object, solver);
+  read_sleep(object, solver);
   solver.max_steps = object.natural("max_steps", 1).value_or(solver.max_steps);
   solver.threads = static_cast<unsigned>(object.natural("threads", 0, 1024).value_or(0));
   static const std::array<std::string, 2> on_inversion{"stop", "warn"};

@@ -73,6 +73,8 @@ struct SolverOptions {
   double damping = 0;              ///< 1/s, mass-proportional: f = -damping m v
   bool automatic_damping = false;  ///< with until_rest
   unsigned threads = 0;            ///< 0: as many as pay
+  double sleep_acceleration = 0;   ///< m/s^2; 0: no island sleeps
+  double sleep_velocity = 0;       ///< m/s
   enum class OnInversion { by_model, stop, warn };
   OnInversion on_inversion = OnInversion::by_model;
 };

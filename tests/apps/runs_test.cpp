@@ -119,6 +119,28 @@ TEST_F(Runs, OddCutsAreDoneOrTold) {
   }
 }
 
+// Two of eight cubes go: frames before show them, frames after do not, and what is
+// shown is whole; fields, springs and probes follow.
+TEST_F(Runs, FramesLeaveOutWhatWasRemoved) {
+  const Outcome run =
+      scene("run", R"(, "gravity": [0, -9.8, 0],
+    "events": [{"at": 0.005, "pierce": {"where": {"ids": [0, 7]}}}],
+    "output": {"directory": "o", "every_steps": 5, "springs": true,
+               "fields": ["displacement", "node_id", "element_id", "island", "strain"],
+               "probes": {"every_steps": 5, "at": [{"name": "gone", "point": [0, 0, 0]},
+                                                   {"name": "left", "point": [1, 0, 0]}]}})",
+            {"/models/0/model=mss-baudet", "/output/fields=[\"island\", \"element_id\"]"});
+  ASSERT_EQ(run.code, 0) << run;
+  EXPECT_TRUE(run.says("removed 2 elements") && run.says("2 elements removed")) << run;
+  EXPECT_TRUE(suture({"mesh", "info", "o/frame_0000.vtu"}).says("8 hexahedra"));
+  const Outcome after = suture({"mesh", "info", "o/frame_0001.vtu"});
+  EXPECT_EQ(after.code, 0) << after;
+  EXPECT_TRUE(after.says("6 hexahedra") && after.says("25 points")) << after;
+  const std::string probes = read("o/probes.csv");
+  EXPECT_NE(probes.find("nan"), std::string::npos) << probes;
+  EXPECT_TRUE(std::filesystem::exists(folder() / "o/springs_0002.vtu"));
+}
+
 // Every scene that we ship is good; what it is warned of, its header says.
 TEST_F(Runs, ShippedScenesAreGood) {
   std::size_t scenes = 0;

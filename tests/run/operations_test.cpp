@@ -268,6 +268,55 @@ TEST(IslandEvents, CrumbsAndWhatHasFallenAreRemoved) {
   EXPECT_EQ(summary.elements_removed, 17u);
 }
 
+// A cantilever cut loose from its wall side comes to rest and sleeps; the next cut wakes
+// it. With the same scene awake the places agree within the stated bound.
+TEST(Sleep, LosesNoMoreThanItsBoundAndAnyEventWakes) {
+  const double a = 1e-3, v = 1e-4;
+  std::vector<std::vector<double>> places;
+  for (const bool sleeps : {false, true}) {
+    Scene scene = beam(host(), "tm-faure", 8, 2, 1);
+    scene.solver.dt = 1e-3;
+    scene.solver.end = 3;
+    scene.solver.damping = 20;
+    Constraint other;
+    other.where.what = Selection::Named{"x1"};
+    scene.constraints.push_back(other);
+    if (sleeps) {
+      scene.solver.sleep_acceleration = a;
+      scene.solver.sleep_velocity = v;
+    }
+    scene.events.push_back(event_of(CutPlane{{0.4, 0, 0}, {1, 0, 0}}));
+    scene.events.push_back(event_of(CutPlane{{0.8, 0, 0}, {1, 0, 0}}, 2.5));
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    Listener heard;
+    simulation.run_to(2.45, heard);
+    std::vector<double> now;
+    for (const Hexahedron& nodes : simulation.complex().vertices())
+      for (const Index vertex : nodes)
+        for (int c = 0; c < 3; ++c)
+          now.push_back(simulation.attributes().position().get(vertex, c));
+    places.push_back(now);
+    simulation.run(heard);
+    if (!sleeps) continue;
+    ASSERT_GE(heard.lines.size(), 3u);
+    EXPECT_NE(heard.lines[1].find(" of 2 islands sleep"), std::string::npos) << heard.lines[1];
+    EXPECT_EQ(heard.lines[2], "t = 2.5 s: cut 4 faces, 3 islands");
+    // The piece that was cut off 0.5 s before the end is awake: damped, it falls
+    // g/alpha (T - (1 - exp(-alpha T))/alpha) = 0.0225 m, more than all had sagged.
+    double fall = 0;
+    const Column& x = simulation.attributes().position();
+    for (Index vertex = 0; vertex < x.size(); ++vertex) fall = std::min(fall, x.get(vertex, 1));
+    EXPECT_LT(fall, -0.0225) << "m";
+  }
+  double worst = 0;
+  for (std::size_t i = 0; i < places[0].size(); ++i)
+    worst = std::max(worst, std::abs(places[0][i] - places[1][i]));
+  const double longest = 2.45;  // s; no sleep is longer
+  EXPECT_LE(worst, v * longest + a * longest * longest / 2);
+  EXPECT_GT(worst, 0) << "something slept";
+}
+
 TEST(Mistakes, LeaveEverythingAsItWas) {
   Scene scene = falling_block("tm-faure", 3);
   Diagnostics diagnostics;

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/run/sleeper.hpp"
+
+#include <algorithm>
+
+namespace suture {
+namespace {
+
+constexpr std::uint64_t steps_between_looks = 64;
+constexpr unsigned looks_needed = 4;
+
+/// Elements by island, ascending.
+std::vector<std::vector<Index>> elements_by_island(const Islands& islands, Index elements) {
+  std::vector<std::vector<Index>> lists(islands.count());
+  for (Index e = 0; e < elements; ++e)
+    if (islands.of(e) != none) lists[islands.of(e)].push_back(e);
+  return lists;
+}
+
+}  // namespace
+
+Sleeper::Sleeper(const SolverOptions& options, World& world)
+    : world_(world), acceleration_(options.sleep_acceleration), velocity_(options.sleep_velocity) {}
+
+bool Sleeper::is_still(std::span<const Index> elements) const {
+  const Dynamics::Stillness found = world_.dynamics->stillness(elements);
+  return found.acceleration <= acceleration_ && found.velocity <= velocity_;
+}
+
+Index Sleeper::look(std::uint64_t step) {
+  if (!is_enabled() || step % steps_between_looks != 0) return 0;
+  if (world_.dynamics->time() < world_.dynamics->settled_after()) return 0;
+  const Islands& islands = world_.islands();
+  still_looks_.resize(islands.count());
+  Index fallen_asleep = 0;
+  const auto lists = elements_by_island(islands, world_.complex().element_count());
+  for (Index island = 0; island < islands.count(); ++island) {
+    unsigned& looks = still_looks_[island];
+    if (lists[island].empty() || looks >= looks_needed) continue;
+    looks = is_still(lists[island]) ? looks + 1 : 0;
+    if (looks < looks_needed) continue;
+    world_.dynamics->sleep(lists[island]);
+    ++fallen_asleep;
+  }
+  return fallen_asleep;
+}
+
+void Sleeper::woken() { std::ranges::fill(still_looks_, 0u); }
+
+Index Sleeper::sleeping() const {
+  return static_cast<Index>(
+      std::ranges::count_if(still_looks_, [](unsigned looks) { return looks >= looks_needed; }));
+}
+
+}  // namespace suture

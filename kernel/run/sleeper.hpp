@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "kernel/run/world.hpp"
+
+namespace suture {
+
+/// Puts islands to sleep that have come to rest (solver option "sleep"): an island
+/// whose nodes have all stayed below an acceleration and a velocity for four looks
+/// running, 64 steps apart, after the last ramp and motion. It is frozen and costs
+/// nothing until an operation wakes all.
+///
+/// What is lost: with acceleration a and velocity v when it fell asleep, the motion
+/// omitted in a time T is at most v T + a T^2 / 2 (Dynamics::sleep, there also the
+/// bound that does not grow with T).
+class Sleeper {
+ public:
+  Sleeper(const SolverOptions& options, World& world);
+
+  bool is_enabled() const { return acceleration_ > 0; }
+  /// After every step. Returns how many islands fell asleep now. A look costs a pass
+  /// over what is awake, every 64 steps.
+  Index look(std::uint64_t step);
+  /// An operation was made: dynamics has woken all.
+  void woken();
+  /// Islands that sleep.
+  Index sleeping() const;
+
+ private:
+  bool is_still(std::span<const Index> elements) const;
+
+  World& world_;
+  double acceleration_, velocity_;     ///< m/s^2, m/s
+  std::vector<unsigned> still_looks_;  ///< by island
+};
+
+}  // namespace suture

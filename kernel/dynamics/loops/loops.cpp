@@ -25,6 +25,14 @@ constexpr const char* isa_name = "base";
 
 inline uint32_t cell_of(const Job& job, uint32_t row) { return job.cells ? job.cells[row] : row; }
 
+/// The rows of a whole block: most batches of most bodies. Numbers, not an array.
+struct BlockRows {
+  uint32_t first;
+  static constexpr uint32_t valid = lanes;
+};
+inline uint32_t row_in(const BlockRows& rows, uint32_t l) { return rows.first + l; }
+inline uint32_t row_in(const BatchRows& rows, uint32_t l) { return rows.row[l]; }
+
 /// Rows row .. row+valid-1, which all live; lanes behind the last repeat it.
 inline BatchRows rows_of_block(uint32_t row, uint32_t valid) {
   BatchRows rows;
@@ -41,9 +49,10 @@ inline __attribute__((always_inline)) Cells<N> find_cells(const Job& job, const 
   return cells;
 }
 
-inline void fill_ids(const Job& job, const BatchRows& rows, uint32_t* ids) {
+template <class R>
+inline void fill_ids(const Job& job, const R& rows, uint32_t* ids) {
   for (uint32_t l = 0; l < lanes; ++l) {
-    const uint32_t r = rows.row[l], cell = cell_of(job, r);
+    const uint32_t r = row_in(rows, l), cell = cell_of(job, r);
     ids[l] = job.row_ids ? job.row_ids[r] : job.ids ? job.ids[cell] : cell;
   }
 }
@@ -94,16 +103,22 @@ void move_cell_columns(const Job& job, const Worker& worker, const BatchRows& ro
   }
 }
 
-void point_to_cell_columns(const Job& job, const Worker& worker, const BatchRows& rows,
-                           double* spare) {
-  if (!in_place(job, rows)) return move_cell_columns(job, worker, rows, spare);
-  const uint64_t block = rows.row[0] / lanes;
+void point_to_cell_columns(const Job& job, const Worker& worker, const BlockRows& rows, double*) {
+  const uint64_t block = rows.first / lanes;
   for (uint32_t i = 0; i < job.cell_column_count; ++i) {
     const CellColumn& column = job.cell_columns[i];
     worker.cell_columns[i] = column.data + block * column.block;
     worker.trial_columns[i] = column.trial ? column.trial + block * column.block : nullptr;
   }
 }
+
+void point_to_cell_columns(const Job& job, const Worker& worker, const BatchRows& rows,
+                           double* spare) {
+  if (!in_place(job, rows)) return move_cell_columns(job, worker, rows, spare);
+  point_to_cell_columns(job, worker, BlockRows{rows.row[0]}, spare);
+}
+
+inline void return_trials(const Job&, const Worker&, const BlockRows&) {}
 
 /// Trial values of lanes that were moved go home.
 void return_trials(const Job& job, const Worker& worker, const BatchRows& rows) {
@@ -119,10 +134,11 @@ void return_trials(const Job& job, const Worker& worker, const BatchRows& rows) 
 }
 
 /// Rest positions of cells that have their own instead of their vertices'.
-void take_own_rest(const Job& job, const BatchRows& rows, double* rest) {
+template <class R>
+void take_own_rest(const Job& job, const R& rows, double* rest) {
   const uint32_t nodes = job.node_count;
   for (uint32_t l = 0; l < lanes; ++l) {
-    const uint32_t slot = job.rest_slots[cell_of(job, rows.row[l])];
+    const uint32_t slot = job.rest_slots[cell_of(job, row_in(rows, l))];
     if (slot == UINT32_MAX) continue;
     const double* own = job.own_rest + static_cast<uint64_t>(slot) * nodes * 4;
     for (uint32_t n = 0; n < nodes; ++n)
@@ -130,9 +146,9 @@ void take_own_rest(const Job& job, const BatchRows& rows, double* rest) {
   }
 }
 
-template <uint32_t N, class C>
+template <uint32_t N, class R, class C>
 inline __attribute__((always_inline)) void gather_batch(const Job& job, const Worker& worker,
-                                                        const BatchRows& rows, const C& cells,
+                                                        const R& rows, const C& cells,
                                                         Buffers& buffers, suture_batch& batch) {
   batch.valid = rows.valid;
   if (job.position) gather_rows<N>(job.position, cells, buffers.position);
@@ -170,9 +186,9 @@ inline void reset(suture_error* error) {
 
 // ------------------------------------------------------------------- forces --
 
-template <uint32_t N, class C>
+template <uint32_t N, class R, class C>
 inline __attribute__((always_inline)) void one_batch(const Job& job, const Worker& worker,
-                                                     const BatchRows& rows, const C& cells,
+                                                     const R& rows, const C& cells,
                                                      Buffers& buffers, suture_batch& batch) {
   gather_batch<N>(job, worker, rows, cells, buffers, batch);
   if (job.rest_slots && job.rest) take_own_rest(job, rows, buffers.rest);
@@ -199,7 +215,7 @@ void forces_of(const Job& job, const Worker& worker, const Range* ranges, uint32
       const bool whole = !job.live || job.live[row / lanes] == 0xFF;
       if (here == lanes && !job.cells && whole) {
         const Block<N> cells{job.nodes + static_cast<uint64_t>(row) * N};
-        one_batch<N>(job, worker, rows_of_block(row, lanes), cells, buffers, batch);
+        one_batch<N>(job, worker, BlockRows{row}, cells, buffers, batch);
       } else {
         const BatchRows rows = whole ? rows_of_block(row, here) : live_rows(job.live, row, here);
         if (rows.valid != 0)

@@ -73,9 +73,21 @@ struct Places {
     }
     return {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
   }
+  /// Opposite sides, neither behind the other by more than half an edge: lips of a cut
+  /// may have gone through each other, the two ends of a beam look away from each other.
   bool look_at_each_other(Dart one, Dart other) const {
-    const Vec3 a = area(one), b = area(other);
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] < 0;
+    const Vec3 a = area(one), b = area(other), from = centre(one), to = centre(other);
+    double opposite = 0, behind_one = 0, behind_other = 0, a2 = 0, b2 = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      opposite -= a[c] * b[c];
+      behind_one += a[c] * (to[c] - from[c]);
+      behind_other += b[c] * (from[c] - to[c]);
+      a2 += a[c] * a[c];
+      b2 += b[c] * b[c];
+    }
+    // |area| is twice the face's: half an edge is sqrt(|area| / 8).
+    const auto depth = [](double area2) { return std::sqrt(area2 * std::sqrt(area2) / 8); };
+    return opposite > 0 && behind_one < depth(a2) && behind_other < depth(b2);
   }
 };
 

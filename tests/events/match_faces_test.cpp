@@ -177,8 +177,13 @@ TEST(SeamsBetween, FindWhatWasCutElseTheNearest) {
   EXPECT_EQ(found.seams[0].other & ~3u, 8u) << "x1 of element 0";
   EXPECT_EQ(found.idle, (std::vector<ElementPair>{{1, 2}})) << "they share a face";
 
-  // Ends that never were neighbours: x0 of 0 and x1 of 2 turn their backs to each other,
-  // but sides of one row look along y and z as well.
+  // All sides of both ends turn their backs to each other: sewing any two of them
+  // would turn the row inside out.
+  const Cuttable row(grid(3, 1, 1));
+  const std::vector<double> places = row.rows();
+  const std::vector<ElementPair> ends{{0, 2}};
+  EXPECT_THROW(seams_between(row.complex, places.data(), "/p", ends, element_of, row.point),
+               InputError);
   const std::vector<ElementPair> unknown{{0, 9}};
   try {
     seams_between(body.complex, rows.data(), "/p", unknown, element_of, body.point);

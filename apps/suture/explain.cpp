@@ -15,17 +15,36 @@ std::string seconds(double value) {
   return text;
 }
 
+/// Decisions of one kind, one after the other for one reason, on one line.
+void print_decisions(const std::vector<Decision>& decisions, bool skipped, Console& console) {
+  const Decision* last = nullptr;
+  std::string subjects;
+  const auto flush = [&] {
+    if (last) console.print("  " + subjects + ": " + last->reason);
+  };
+  for (const Decision& decision : decisions) {
+    if (decision.skipped != skipped) continue;
+    const auto name = decision.subject.rfind('/');  // "column tissue/mass"
+    const bool joins = last && last->reason == decision.reason && name != std::string::npos &&
+                       decision.subject.compare(0, name + 1, last->subject, 0, name + 1) == 0;
+    if (joins) {
+      subjects += ", " + decision.subject.substr(name + 1);
+      continue;
+    }
+    flush();
+    last = &decision;
+    subjects = decision.subject;
+  }
+  flush();
+}
+
 void print_text(const Scene& scene, const Simulation& simulation, const Estimate& cost,
                 Console& console) {
   console.print(scene.file.filename().string() + (scene.title.empty() ? "" : ": " + scene.title) +
                 " (hash " + scene.hash + ")");
   for (const bool skipped : {false, true}) {
     console.print(skipped ? "\nskipped" : "\ndone");
-    for (const Decision& decision : simulation.decisions()) {
-      if (decision.skipped == skipped) {
-        console.print("  " + decision.subject + ": " + decision.reason);
-      }
-    }
+    print_decisions(simulation.decisions(), skipped, console);
   }
   console.print("\ncost");
   console.print("  step: dt " + seconds(cost.dt) + ", stable below " + seconds(cost.stable_dt) +

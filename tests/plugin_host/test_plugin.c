@@ -91,6 +91,7 @@ const suture_plugin* another_name(void) { return &plugin; }
 const suture_plugin* suture_plugin_v1(void);
 const suture_plugin* suture_plugin_v1(void) {
 #ifdef TEST_RETURNS_NULL
+  (void)plugin;
   return NULL;
 #else
   return &plugin;

@@ -61,8 +61,8 @@ TEST_P(StaticBeam, AgreesWithTheIndependentSolution) {
 }
 
 INSTANTIATE_TEST_SUITE_P(CaseA, StaticBeam, testing::ValuesIn(reference::static_beams),
-                         [](const auto& info) {
-                           std::string name = info.param.name;
+                         [](const auto& test) {
+                           std::string name = test.param.name;
                            std::replace(name.begin(), name.end(), '.', '_');
                            return name;
                          });

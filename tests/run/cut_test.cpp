@@ -54,7 +54,7 @@ struct Snapshot {
 
 class BothModels : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Cut, BothModels, testing::Values("tm-faure", "mss-baudet"),
-                         [](const auto& info) { return std::string(info.param, 2); });
+                         [](const auto& test) { return std::string(test.param, 2); });
 
 TEST_P(BothModels, ACutWhileItMovesKeepsMassMomentumAndEveryCorner) {
   Scene scene = beam(host(), GetParam(), 20, 5, 0.98);

@@ -143,7 +143,7 @@ constexpr const char* still = "cells between fixed vertices";
 
 class StillCells : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Skip, StillCells, testing::Values("tm-faure", "mss-baudet"),
-                         [](const auto& info) { return std::string(info.param, 2); });
+                         [](const auto& test) { return std::string(test.param, 2); });
 
 TEST_P(StillCells, AreSkipped) {
   expect_skip(beam_with_bone(GetParam()), still);

@@ -121,7 +121,7 @@ TriangleSurface close_surface(const PolygonSoup& soup, bool repair, Diagnostics&
       throw InputError(soup.source + ": the surface crosses itself (" + crossings +
                        "); --repair takes what its sheets enclose together");
     if (closing.border_edges == 0)
-      throw InputError(soup.source + ": no face has an area: there is nothing to fill");
+      throw InputError(soup.source + ": the surface encloses no volume: there is nothing to fill");
     throw InputError(soup.source + ": the surface is not closed: " + border +
                      " a face on one side only" +
                      (repair ? ", and not every hole could be given a lid"

@@ -15,6 +15,7 @@
 #include <CGAL/Polygon_mesh_processing/triangulate_faces.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <CGAL/Surface_mesh.h>
+#include <CGAL/exceptions.h>
 
 #include <sstream>
 
@@ -168,12 +169,16 @@ Closing close(const PolygonSoup& soup, bool repair) {
     if (border_edges(mesh) != 0) return result;
   }
   result.crossings = count_crossings(mesh);
-  if (result.crossings == 0)
-    processing::orient_to_bound_a_volume(mesh);
-  else if (repair)
-    processing::orient(mesh);
-  else
+  if (result.crossings != 0 && !repair) return result;
+  try {
+    if (result.crossings == 0)
+      processing::orient_to_bound_a_volume(mesh);
+    else
+      processing::orient(mesh);
+  } catch (const CGAL::Failure_exception&) {  // flat: no side of it is the inner one
+    result.border_edges = 0;
     return result;
+  }
   result.surface = to_surface(mesh);
   result.surface.source = soup.source;
   return result;

@@ -76,9 +76,9 @@ class Attributes {
   /// have rest positions of their own. The accessor refers to both and to `complex`.
   RestPlaces rest_places(const CellComplex& complex) const { return {complex, *rest_, own_rest_}; }
 
-  /// Numbers of elements that users see, for messages and suture_batch.cell_ids;
-  /// empty: the complex's own. Set before initialise().
-  std::vector<Index> user_element;
+  /// Numbers of elements that users see, for messages and suture_batch.cell_ids; kept by
+  /// whoever sets it, before initialise(). Empty: the complex's own.
+  std::span<const Index> user_element;
 
  private:
   void follow(std::span<Table, 4> tables, const CellComplex& complex, const TopologyChange& change,

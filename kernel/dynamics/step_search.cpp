@@ -93,8 +93,8 @@ double StepSearch::largest(double time) {
     dt = next;
     if (settled) break;
   }
-  scale_ = {};
-  scaled_ = {};
+  scale_ = Vector();  // gives its memory back, which = {} would not
+  scaled_ = Vector();
   return dt;
 }
 

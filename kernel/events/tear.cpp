@@ -101,7 +101,7 @@ void TearCheck::build(const Look& look) {
   for (Index e = 0; e < count; ++e)
     if (takes_part(e) && look.complex.exists(3, e)) rows_.push_back(e);
   row_count_ = static_cast<Index>(rows_.size());
-  if (row_count_ == count) rows_ = {};
+  if (row_count_ == count) rows_ = std::vector<Index>();
   if (tear_.by != Tear::By::field) metric_ = make_metric(look);
   is_built_ = true;
 }

@@ -49,41 +49,29 @@ struct Bounds {
   Vec3 low, high;
 };
 
-Bounds bounds(const std::vector<Vec3>& points) {
-  Bounds box{points.front(), points.front()};
-  for (const Vec3& p : points) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      box.low[a] = std::min(box.low[a], p[a]);
-      box.high[a] = std::max(box.high[a], p[a]);
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Of a column of places.
+Bounds bounds(const Column& places) {
+  Bounds box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  for (Index v = 0; v < places.size(); ++v) {
+    for (int c = 0; c < 3; ++c) {
+      const auto a = static_cast<std::size_t>(c);
+      box.low[a] = std::min(box.low[a], places.get(v, c));
+      box.high[a] = std::max(box.high[a], places.get(v, c));
     }
   }
   return box;
 }
 
-std::string bounds_text(const std::vector<Vec3>& points) {
-  const auto [low, high] = bounds(points);
+double diagonal(const Bounds& box) { return length(minus(box.high, box.low)); }
+
+std::string bounds_text(const Column& places) {
+  const auto [low, high] = bounds(places);
   std::ostringstream text;
   text << '[' << low[0] << ", " << low[1] << ", " << low[2] << "] to [" << high[0] << ", "
        << high[1] << ", " << high[2] << "] m";
   return text.str();
-}
-
-Index nearest_to(const Vec3& target, const std::vector<Vec3>& points) {
-  const auto distance = [&](const Vec3& p) { return length(minus(p, target)); };
-  const auto best =
-      std::min_element(points.begin(), points.end(),
-                       [&](const Vec3& a, const Vec3& b) { return distance(a) < distance(b); });
-  return static_cast<Index>(best - points.begin());
-}
-
-std::vector<Vec3> centroids(const Imported& imported) {
-  std::vector<Vec3> result(imported.complex.element_count());
-  for (Index e = 0; e < imported.complex.element_count(); ++e) {
-    for (Index v : imported.complex.vertices_of(e)) {
-      for (std::size_t a = 0; a < 3; ++a) result[e][a] += imported.rest[v][a] / 8;
-    }
-  }
-  return result;
 }
 
 std::vector<std::string> set_names(const std::map<std::string, std::vector<Index>>& a,
@@ -127,10 +115,11 @@ MeshNames MeshNames::of(const Mesh& mesh) {
           mesh.element_ids, mesh.points.size(), mesh.hexahedra.size()};
 }
 
-Selector::Selector(const Imported& imported, const MeshNames& names)
+Selector::Selector(const Imported& imported, const MeshNames& names, const Column& rest)
     : imported_(imported),
       names_(names),
-      diagonal_(length(minus(bounds(imported.rest).high, bounds(imported.rest).low))),
+      rest_(rest),
+      diagonal_(diagonal(bounds(rest))),
       point_position_(positions(names.point_ids)),
       element_position_(positions(names.element_ids)) {}
 
@@ -149,7 +138,9 @@ std::vector<Index> Selector::named_vertices(const Selection& selection,
   } else if (const auto elements = names_.element_sets.find(set);
              elements != names_.element_sets.end()) {
     for (Index position : elements->second) {
-      const Hexahedron& nodes = imported_.complex.vertices_of(imported_.element_of[position]);
+      const Index element = imported_.element_of[position];
+      if (!imported_.complex.exists(3, element)) continue;
+      const Hexahedron& nodes = imported_.complex.vertices_of(element);
       result.insert(result.end(), nodes.begin(), nodes.end());
     }
   } else {
@@ -162,21 +153,46 @@ bool Selector::contains(const Selection& selection, const Vec3& p) const {
   return std::visit(Contains{p, diagonal_}, selection.what);
 }
 
-std::vector<char> Selector::vertex_mask(const Selection& selection) const {
-  std::vector<char> mask(imported_.rest.size());
+/// Cells selected by where they are, ascending: at(cell) of those that exist(cell).
+template <class Exists, class At>
+std::vector<Index> Selector::located(const Selection& selection, Index count, Exists exists,
+                                     At at) const {
+  std::vector<Index> result;
+  const auto* near = std::get_if<Selection::Nearest>(&selection.what);
+  double nearest = infinity;
+  for (Index cell = 0; cell < count; ++cell) {
+    if (!exists(cell)) continue;
+    const Vec3 place = at(cell);
+    if (contains(selection, place)) result.push_back(cell);
+    const double distance = near ? length(minus(place, near->point)) : nearest;
+    if (distance < nearest) {
+      nearest = distance;
+      result.assign(1, cell);
+    }
+  }
+  return result;
+}
+
+std::vector<Index> Selector::listed_vertices(const Selection& selection) const {
+  std::vector<Index> result;
   if (const auto* ids = std::get_if<Selection::Ids>(&selection.what)) {
     for (std::uint64_t id : ids->ids) {
       const Index point = position_of(id, names_.point_count, point_position_);
       if (point == none) unknown_id(selection, "node", id);
-      for (Index vertex : imported_.vertices_of_point(point)) mask[vertex] = 1;
+      for (Index vertex : imported_.vertices_of_point(point)) result.push_back(vertex);
     }
   } else if (const auto* named = std::get_if<Selection::Named>(&selection.what)) {
-    for (Index vertex : named_vertices(selection, named->set)) mask[vertex] = 1;
-  } else if (const auto* near = std::get_if<Selection::Nearest>(&selection.what)) {
-    mask[nearest_to(near->point, imported_.rest)] = 1;
-  } else {
-    for (std::size_t v = 0; v < mask.size(); ++v) mask[v] = contains(selection, imported_.rest[v]);
+    result = named_vertices(selection, named->set);
   }
+  return result;
+}
+
+std::vector<char> Selector::vertex_mask(const Selection& selection) const {
+  const auto exists = [&](Index v) { return imported_.complex.exists(0, v); };
+  const auto at = [&](Index v) { return Vec3{rest_.get(v, 0), rest_.get(v, 1), rest_.get(v, 2)}; };
+  std::vector<char> mask(rest_.size());
+  for (const Index v : listed_vertices(selection)) mask[v] = exists(v);
+  for (const Index v : located(selection, rest_.size(), exists, at)) mask[v] = 1;
   return mask;
 }
 
@@ -187,8 +203,7 @@ std::vector<Index> Selector::vertices(const Selection& selection) const {
     if (mask[v]) result.push_back(static_cast<Index>(v));
   }
   if (result.empty()) {
-    throw InputError(selection.path + ": selects no node; the nodes lie in " +
-                     bounds_text(imported_.rest));
+    throw InputError(selection.path + ": selects no node; the nodes lie in " + bounds_text(rest_));
   }
   return result;
 }
@@ -216,40 +231,29 @@ std::vector<Index> Selector::listed_elements(const Selection& selection) const {
 
 std::vector<Index> Selector::elements(const Selection& selection) const {
   std::vector<Index> result = listed_elements(selection);
-  if (result.empty()) {
-    const std::vector<Vec3> centres = centroids(imported_);
-    if (const auto* near = std::get_if<Selection::Nearest>(&selection.what)) {
-      result.push_back(nearest_to(near->point, centres));
-    }
-    for (Index e = 0; e < centres.size(); ++e) {
-      if (contains(selection, centres[e])) result.push_back(e);
-    }
-  }
+  if (result.empty()) result = located_elements(selection, rest_.rows());
   if (result.empty()) {
     throw InputError(
         selection.path +
         ": selects no element (an element is selected by its centroid); the mesh lies in " +
-        bounds_text(imported_.rest));
+        bounds_text(rest_));
   }
   return result;
 }
 
-std::vector<Index> Selector::elements_now(const Selection& selection, const double* rows) const {
+std::vector<Index> Selector::located_elements(const Selection& selection,
+                                              const double* rows) const {
   const CellComplex& complex = imported_.complex;
+  return located(
+      selection, complex.element_count(), [&](Index e) { return complex.exists(3, e); },
+      [&](Index e) { return centroid(complex.vertices_of(e), rows, 4); });
+}
+
+std::vector<Index> Selector::elements_now(const Selection& selection, const double* rows) const {
   std::vector<Index> result = listed_elements(selection);
-  std::erase_if(result, [&](Index e) { return !complex.exists(3, e); });
-  const auto* near = std::get_if<Selection::Nearest>(&selection.what);
-  double nearest = std::numeric_limits<double>::infinity();
-  for (Index e = 0; e < complex.element_count(); ++e) {
-    if (!complex.exists(3, e)) continue;
-    const Vec3 centre = centroid(complex.vertices_of(e), rows, 4);
-    if (contains(selection, centre)) result.push_back(e);
-    const double distance = near ? length(minus(centre, near->point)) : nearest;
-    if (distance < nearest) {
-      nearest = distance;
-      result.assign(1, e);
-    }
-  }
+  std::erase_if(result, [&](Index e) { return !imported_.complex.exists(3, e); });
+  const std::vector<Index> located = located_elements(selection, rows);
+  result.insert(result.end(), located.begin(), located.end());
   return result;
 }
 
@@ -258,6 +262,7 @@ std::vector<Dart> Selector::boundary_faces(const Selection& selection) const {
   const std::vector<char> mask = vertex_mask(selection);
   std::vector<Dart> result;
   for (Index e = 0; e < complex.element_count(); ++e) {
+    if (!complex.exists(3, e)) continue;
     const Hexahedron& nodes = complex.vertices_of(e);
     for (int f = 0; f < 6; ++f) {
       const auto& corners = suture_hexahedron_faces[f];
@@ -271,7 +276,7 @@ std::vector<Dart> Selector::boundary_faces(const Selection& selection) const {
     throw InputError(selection.path +
                      ": selects no boundary face (all four nodes of a face must be selected); the "
                      "nodes lie in " +
-                     bounds_text(imported_.rest));
+                     bounds_text(rest_));
   }
   return result;
 }

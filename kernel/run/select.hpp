@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "kernel/attributes/column.hpp"
 #include "kernel/scene/scene.hpp"
 #include "kernel/topology/import.hpp"
 
@@ -28,12 +29,13 @@ struct MeshNames {
   }
 };
 
-/// Turns the selections of a scene into cells of the complex, once, at rest.
-/// Results are ascending. A selection that selects nothing, an unknown set or
+/// Turns the selections of a scene into cells of the complex that exist, where they are
+/// at rest. Results are ascending. A selection that selects nothing, an unknown set or
 /// an unknown id throws InputError with the selection's JSON path. O(cells).
 class Selector {
  public:
-  Selector(const Imported& imported, const MeshNames& names);
+  /// `rest`: the rest positions of all vertices.
+  Selector(const Imported& imported, const MeshNames& names, const Column& rest);
 
   std::vector<Index> vertices(const Selection& selection) const;
   /// Elements whose centroid is selected (ids and sets: the elements named).
@@ -50,12 +52,17 @@ class Selector {
  private:
   std::vector<Index> listed_elements(const Selection& selection) const;
   bool contains(const Selection& selection, const Vec3& p) const;
+  template <class Exists, class At>
+  std::vector<Index> located(const Selection& selection, Index count, Exists exists, At at) const;
+  std::vector<Index> located_elements(const Selection& selection, const double* rows) const;
+  std::vector<Index> listed_vertices(const Selection& selection) const;
   std::vector<char> vertex_mask(const Selection& selection) const;
   std::vector<Index> named_vertices(const Selection& selection, const std::string& set) const;
 
   const Imported& imported_;
   const MeshNames& names_;
-  double diagonal_;
+  const Column& rest_;
+  double diagonal_;                                                   ///< of the mesh at rest, m
   std::map<std::uint64_t, Index> point_position_, element_position_;  ///< only where ids are given
 };
 

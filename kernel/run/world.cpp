@@ -2,6 +2,7 @@
 #include "kernel/run/world.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "kernel/base/error.hpp"
 #include "kernel/mesh/mesh_file.hpp"
@@ -59,12 +60,13 @@ World::World(const Scene& scene, Mesh mesh, Diagnostics& diagnostics, bool skip)
       mesh_source(mesh.source),
       names(MeshNames::of(mesh)),
       imported(import_mesh(std::move(mesh), scene.mesh.import, diagnostics)),
-      selector(imported, names),
-      attributes(imported.complex, imported.rest),
-      user_vertex(imported.user_vertex) {
-  for (const Index element : imported.user_element) {
-    attributes.user_element.push_back(static_cast<Index>(names.element_id(element)));
-  }
+      attributes(imported.complex, std::exchange(imported.rest, {})),
+      selector(imported, names, attributes.rest()),
+      user_vertex(std::move(imported.user_vertex)) {
+  for (const Index element : imported.user_element)
+    if (!names.element_ids.empty())
+      element_ids_.push_back(static_cast<Index>(names.element_id(element)));
+  attributes.user_element = names.element_ids.empty() ? imported.user_element : element_ids_;
   add_models(scene, diagnostics);
   dynamics = std::make_unique<Dynamics>(attributes, complex(), dynamics_options(scene));
   add_constraints(scene);

@@ -42,9 +42,9 @@ class World {
   const bool skips;  ///< leaves out what the scene does not need
   std::string mesh_source;
   MeshNames names;
-  Imported imported;
-  Selector selector;
+  Imported imported;  ///< but for what moved on: rest positions, user_vertex
   Attributes attributes;
+  Selector selector;
   std::unique_ptr<Dynamics> dynamics;
   std::vector<Index> user_vertex;  ///< of every vertex, also of those that cuts made
 
@@ -55,6 +55,7 @@ class World {
   void add_loads(const Scene& scene);
   void follow(const TopologyChange& change);
 
+  std::vector<Index> element_ids_;  ///< by element, if the file has numbers of its own
   std::optional<Islands> islands_;
 };
 

@@ -68,7 +68,7 @@ std::vector<Index> curve_order(std::span<const Hexahedron> hexahedra, std::span<
     for (int c = 0; c < 3; ++c) key |= spread(sum >> (21 * c + 5) & 0xFFFF) << c;
     places[e] = {key, e};
   }
-  packed = {};
+  packed = std::vector<std::uint64_t>();
   radix_sort(places, spare, [](const Place& p) { return p.key; });
   std::vector<Index> order(places.size());
   std::ranges::transform(places, order.begin(), &Place::element);

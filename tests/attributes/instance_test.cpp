@@ -180,7 +180,8 @@ TEST(Instance, InspectsTheCellsOfAFunctorWithTheNumbersOfTheUser) {
   const fake::Model model({fake::attribute("v", 3, 1, nullptr, SUTURE_COPY, 0, 2.5)}, {general});
   Diagnostics diagnostics;
   Attributes attributes(row.complex, row.rest);
-  attributes.user_element = {70, 60, 50};
+  const std::vector<Index> numbers{70, 60, 50};
+  attributes.user_element = numbers;
   attributes.add(std::make_unique<Instance>(model.table, "a", std::vector{1.0}, diagnostics),
                  row.complex, {});
   attributes.initialise(row.complex, diagnostics);

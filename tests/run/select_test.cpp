@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Selections speak of the cells that are there, also after operations.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "kernel/base/error.hpp"
+#include "kernel/run/world.hpp"
+#include "tests/run/beam.hpp"
+
+namespace suture::test {
+namespace {
+
+Selection selection(decltype(Selection::what) what) {
+  Selection result;
+  result.what = std::move(what);
+  result.path = "/where";
+  return result;
+}
+
+/// A bar of 4 x 1 x 1 cubes of 0.25 m along x whose first cube is removed, and whose last
+/// is cut off.
+class CutBar : public testing::Test {
+ protected:
+  CutBar() {
+    world_->dynamics->start();
+    const auto last = world_->selector.elements(selection(Selection::Nearest{{1, 0, 0}, -1}));
+    for (Dart d = 24 * last[0]; d < 24 * last[0] + 24; d += 4)
+      if (world_->complex().can_cut(d)) world_->cut({d});
+    world_->pierce(world_->selector.elements(selection(Selection::Nearest{{0, 0, 0}})));
+  }
+  const Selector& selector() const { return world_->selector; }
+
+  PluginHost host_;
+  Diagnostics diagnostics_;
+  Scene scene_ = beam(host_, "tm-faure", 4, 1, 0);
+  std::unique_ptr<World> world_ = std::make_unique<World>(scene_, diagnostics_);
+};
+
+TEST_F(CutBar, VerticesAreThoseThatExistBothSidesOfACutAmongThem) {
+  EXPECT_EQ(selector().vertices(selection(Selection::All{})).size(), 12u + 8u);
+  const auto at = [&](double x) {
+    return selector().vertices(selection(Selection::Plane{{x, 0, 0}, {1, 0, 0}, -1})).size();
+  };
+  EXPECT_EQ(at(0.5), 4u);
+  EXPECT_EQ(at(0.75), 8u);
+  EXPECT_THROW(at(0), InputError) << "the nodes there went with their element";
+  EXPECT_THROW(selector().vertices(selection(Selection::Named{"x0"})), InputError);
+}
+
+TEST_F(CutBar, ElementsAreThoseThatExist) {
+  EXPECT_EQ(selector().elements(selection(Selection::All{})).size(), 3u);
+  const auto nearest = selector().elements(selection(Selection::Nearest{{0, 0, 0}}));
+  ASSERT_EQ(nearest.size(), 1u);
+  EXPECT_TRUE(world_->complex().exists(3, nearest[0]));
+}
+
+TEST_F(CutBar, BoundaryFacesAreThoseOfNow) {
+  const Selection all = selection(Selection::All{});
+  EXPECT_EQ(selector().boundary_faces(all).size(), 10u + 6u) << "a bar of two cubes and a cube";
+}
+
+}  // namespace
+}  // namespace suture::test

@@ -25,7 +25,7 @@ class CutBar : public testing::Test {
  protected:
   CutBar() {
     world_->dynamics->start();
-    const auto last = world_->selector.elements(selection(Selection::Nearest{{1, 0, 0}, -1}));
+    const auto last = world_->selector.elements(selection(Selection::Nearest{{1, 0, 0}}));
     for (Dart d = 24 * last[0]; d < 24 * last[0] + 24; d += 4)
       if (world_->complex().can_cut(d)) world_->cut({d});
     world_->pierce(world_->selector.elements(selection(Selection::Nearest{{0, 0, 0}})));

@@ -13,7 +13,7 @@ namespace {
 
 struct Options {
   std::vector<Index> across{5, 10};
-  double tolerance = 1e-6, ramp = 0.1, safety = 0.9;
+  double tolerance = 1e-6, ramp = 0.1, safety = 0.8;
 };
 
 /// Mean deflection of the free end, m.

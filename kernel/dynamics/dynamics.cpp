@@ -247,6 +247,7 @@ void Dynamics::update(const CellComplex& complex, const TopologyChange& change) 
   impl_->complex = &complex;
   impl_->forces.update(complex, change);
   impl_->constraints.update(change, complex.count(0));
+  impl_->step_search.forget();
   const bool only_apart = change.faces_sewn == 0 && change.removed[3].empty();
   if (!only_apart || !change.splits[0].empty())
     impl_->loads.update(impl_->attributes.rest_places(complex));

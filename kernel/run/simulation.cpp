@@ -16,6 +16,7 @@
 #include "kernel/run/event_schedule.hpp"
 #include "kernel/run/guard.hpp"
 #include "kernel/run/sleeper.hpp"
+#include "kernel/run/step_watch.hpp"
 
 namespace suture {
 namespace {
@@ -26,11 +27,8 @@ double seconds_since(Wall::time_point start) {
   return std::chrono::duration<double>(Wall::now() - start).count();
 }
 
-// Steps between looks at energy and inversion, and between searches of the stable
-// step for an automatic dt: 1 and 3 % of the forces. Counted in steps, not seconds, so
-// that a run is the same on every machine.
+// Steps between looks at energy and inversion, which cost 1 % of the forces then.
 constexpr std::uint64_t guard_steps = 64;
-constexpr std::uint64_t search_steps = 512;
 constexpr std::uint64_t rest_step_limit = 10'000'000;
 
 // Times that an automatic dt must hit.
@@ -70,6 +68,7 @@ struct Simulation::Impl {
         recorder(s, world, provenance_of(s, host, world)),
         clock(s.solver.dt, stops_of(s), s.output.enabled ? s.output.every : 0, s.solver.end),
         guard(s, world, d),
+        watch(s, world, d),
         schedule(s.events, world),
         events(s, world, d),
         sleeper(s.solver, world) {
@@ -81,7 +80,7 @@ struct Simulation::Impl {
       rest->wait_until(schedule.settled_after());
     }
     world.dynamics->start();
-    find_stable_step();
+    watch.start();
   }
 
   Vec3 gravity_now() const {
@@ -90,32 +89,7 @@ struct Simulation::Impl {
     return g;
   }
 
-  // ---- the stable step ----
-
-  // A fixed dt is compared once, and again after each cut; an automatic one follows.
-  void find_stable_step() {
-    if (scene.solver.dt && warned_of_dt) return;  // nothing more to say
-    try {
-      stable = world.dynamics->stable_step();
-    } catch (const PluginError&) {
-      if (!scene.solver.dt) throw;
-      return;  // a model without a bound runs with the user's dt
-    }
-    if (scene.solver.dt && *scene.solver.dt > stable && !warned_of_dt) {
-      warned_of_dt = true;
-      std::ostringstream text;
-      text << "/solver/dt is " << *scene.solver.dt
-           << " s, above the stable step of the present state, " << stable
-           << " s; the run will become unstable, \"auto\" follows it";
-      diagnostics.warn(text.str());
-    }
-    if (!scene.solver.dt && !std::isfinite(stable)) {
-      throw InputError(
-          "/solver/dt: \"auto\" needs a force, and no model gives one; give a number of seconds");
-    }
-  }
-
-  double next_dt() { return clock.next_dt(scene.solver.safety * stable); }
+  double next_dt() { return clock.next_dt(scene.solver.safety * watch.stable()); }
 
   // ---- events ----
 
@@ -137,7 +111,7 @@ struct Simulation::Impl {
     text << "t = " << clock.time() << " s: " << outcome.text() << ", " << islands
          << (islands == 1 ? " island" : " islands");
     observer.on_message(text.str());
-    find_stable_step();
+    watch.after_event(clock.step());
   }
 
   void tell_of_sleep(Observer& observer) {
@@ -197,7 +171,7 @@ struct Simulation::Impl {
     }
     last_dt = dt;
     if (clock.step() % guard_steps == 0) guard.check(clock.step(), clock.time(), dt);
-    if (!scene.solver.dt && clock.step() % search_steps == 0) find_stable_step();
+    watch.after_step(clock.step());
   }
 
   bool is_at_end() {
@@ -296,14 +270,14 @@ struct Simulation::Impl {
   Recorder recorder;
   Clock clock;
   Guard guard;
+  StepWatch watch;
   EventSchedule schedule;
   EventRunner events;
   Sleeper sleeper;
   std::optional<RestSearch> rest;
   std::vector<Decision> decisions;
   RunSummary summary;
-  double stable = 0, last_dt = 0;
-  bool warned_of_dt = false;
+  double last_dt = 0;
   std::uint64_t recorded_step = ~std::uint64_t{0}, last_frame_step = ~std::uint64_t{0};
 };
 
@@ -380,7 +354,8 @@ std::uint64_t Simulation::Impl::steps_to_rest(double budget) {
 Estimate Simulation::estimate() {
   Impl& impl = *impl_;
   Estimate estimate;
-  estimate.stable_dt = impl.stable;
+  impl.watch.search(0);
+  estimate.stable_dt = impl.watch.stable();
   estimate.dt = impl.next_dt();
   const auto bytes = static_cast<double>(impl.recorder.rehearse(0, impl.gravity_now()));
   Wall::time_point start = Wall::now();

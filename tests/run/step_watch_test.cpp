@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The stable step: that the search finds the largest eigenvalue of any body, against a
+// dense solver, and when a run searches.
+#include "kernel/run/step_watch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "kernel/run/world.hpp"
+#include "tests/run/beam.hpp"
+
+namespace suture::test {
+namespace {
+
+PluginHost& host() {
+  static PluginHost plugins;
+  return plugins;
+}
+
+struct Case {
+  const char* name;
+  const char* model;
+  std::map<std::string, double> values;
+};
+
+class StepSearch : public testing::TestWithParam<Case> {};
+INSTANTIATE_TEST_SUITE_P(Models, StepSearch,
+                         testing::Values(Case{"tm", "tm-faure", {}}, Case{"ms", "mss-baudet", {}},
+                                         Case{"viscous", "mss-baudet", {{"viscosity", 1}}}),
+                         [](const auto& model) { return std::string(model.param.name); });
+
+/// Largest eigenvalue of M^-1/2 (dt^2/4 K + dt/2 C) M^-1/2 over the free components, by a
+/// dense solver; the matrix column by column from the derivatives of the forces.
+double largest_eigenvalue(World& w, double dt) {
+  const Index vertices = w.attributes.vertex_count();
+  std::vector<float> direction(3 * vertices), image(3 * vertices);
+  std::vector<Index> free;
+  for (Index i = 0; i < 3 * vertices; ++i) {
+    const auto fixed = static_cast<int>(w.attributes.fixed().get(i / 3, 0));
+    if (w.attributes.mass().get(i / 3, 0) > 0 && !(fixed >> i % 3 & 1)) free.push_back(i);
+  }
+  const auto size = static_cast<Eigen::Index>(free.size());
+  Eigen::MatrixXd matrix(size, size);
+  for (Eigen::Index column = 0; column < size; ++column) {
+    direction.assign(direction.size(), 0);
+    image.assign(image.size(), 0);
+    direction[free[column]] = 1;
+    w.dynamics->forces().add_tangent(direction.data(), dt * dt / 4, dt / 2, 0, image.data());
+    for (Eigen::Index row = 0; row < size; ++row)
+      matrix(row, column) =
+          -image[free[row]] / std::sqrt(w.attributes.mass().get(free[row] / 3, 0) *
+                                        w.attributes.mass().get(free[column] / 3, 0));
+  }
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly)
+      .eigenvalues()[size - 1];
+}
+
+TEST_P(StepSearch, FindsTheLargestEigenvalueOfAnyBody) {
+  const unsigned seed = std::random_device{}();
+  const testing::ScopedTrace trace(__FILE__, __LINE__, "seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> number(-1, 1);
+  for (int round = 0; round < 4; ++round) {
+    const Scene scene = beam(host(), GetParam().model, 5, 4, 10, GetParam().values);
+    Diagnostics diagnostics;
+    World w(scene, diagnostics);
+    w.dynamics->start();
+    std::vector<Index> gone;
+    for (Index e = 0; e < w.complex().element_count(); ++e)
+      if (random() % 5 == 0) gone.push_back(e);
+    w.pierce(gone);
+    Column& position = w.attributes.position();
+    for (Index v = 0; v < w.attributes.vertex_count(); ++v)
+      for (int c = 0; c < 3 && w.complex().exists(0, v); ++c)
+        position.set(v, c, position.get(v, c) + 2e-3 * number(random));
+    w.dynamics->invalidate();
+    // At the step found the eigenvalue is 1, to twice the tolerance of the step.
+    const double largest = largest_eigenvalue(w, w.dynamics->stable_step());
+    EXPECT_GT(largest, 0.965);
+    EXPECT_LT(largest, 1.035);
+  }
+}
+
+class Watch : public testing::Test {
+ protected:
+  Watch() : scene(beam(host(), "tm-faure", 8, 2, 10)), world(scene, diagnostics) {
+    world.dynamics->start();
+    bound = world.dynamics->bounds().dt;
+    stable = world.dynamics->stable_step();
+  }
+  void cut() {
+    Dart inner = 0;
+    while (!world.complex().can_cut(inner)) ++inner;
+    world.cut({inner});
+    bound = world.dynamics->bounds().dt;
+  }
+  Scene scene;
+  Diagnostics diagnostics;
+  World world;
+  double bound = 0, stable = 0;
+};
+
+TEST_F(Watch, AutoStaysBelowTheBoundUntilTheEventsAreOver) {
+  StepWatch watch(scene, world, diagnostics);
+  watch.start();
+  EXPECT_NEAR(watch.stable(), stable, 0.02 * stable);
+  EXPECT_GT(watch.stable(), 1.1 * bound);
+  cut();
+  watch.after_event(10);
+  EXPECT_EQ(watch.stable(), bound);
+  watch.after_event(300);
+  watch.after_step(522);
+  EXPECT_EQ(watch.stable(), bound) << "an event 222 steps ago";
+  watch.after_step(812);
+  EXPECT_NEAR(watch.stable(), world.dynamics->stable_step(), 0.02 * stable);
+}
+
+TEST_F(Watch, AFixedStepBelowTheBoundIsNotSearched) {
+  scene.solver.dt = 0.9 * bound;
+  StepWatch watch(scene, world, diagnostics);
+  watch.start();
+  EXPECT_EQ(watch.stable(), bound);
+  EXPECT_TRUE(diagnostics.warnings().empty());
+}
+
+TEST_F(Watch, AFixedStepBetweenTheBoundAndTheLimitIsSearchedAndAccepted) {
+  scene.solver.dt = (bound + stable) / 2;
+  StepWatch watch(scene, world, diagnostics);
+  watch.start();
+  EXPECT_NEAR(watch.stable(), stable, 0.02 * stable);
+  EXPECT_TRUE(diagnostics.warnings().empty());
+}
+
+TEST_F(Watch, AFixedStepThatAnEventMakesTooLongIsWarnedOfOnce) {
+  scene.solver.dt = 0.98 * stable;
+  StepWatch watch(scene, world, diagnostics);
+  watch.start();
+  EXPECT_TRUE(diagnostics.warnings().empty());
+  for (Index v = 0; v < world.attributes.vertex_count(); ++v)  // a stretched body is stiffer
+    world.attributes.position().set(v, 0, 1.5 * world.attributes.position().get(v, 0));
+  world.dynamics->invalidate();
+  ASSERT_LT(world.dynamics->stable_step(), *scene.solver.dt);
+  watch.after_event(100);
+  watch.after_step(101);
+  EXPECT_TRUE(diagnostics.warnings().empty()) << "searched 101 steps ago";
+  for (const std::uint64_t step : {512, 1024, 2048}) {
+    watch.after_event(step);
+    watch.after_step(step);
+  }
+  ASSERT_EQ(diagnostics.warnings().size(), 1u);
+  EXPECT_NE(diagnostics.warnings()[0].find("/solver/dt"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace suture::test

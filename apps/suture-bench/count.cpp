@@ -49,7 +49,13 @@ void add_count(CLI::App& app, std::vector<Command>& commands) {
   auto* command = app.add_subcommand("count", "Work to be counted by callgrind, not measured");
   auto options = std::make_shared<Options>();
   command->add_option("--model", options->model, "Model");
-  command->add_option("--parameter", options->parameters, "NAME VALUE of the model");
+  command->add_option_function<std::vector<std::string>>(
+      "--parameter",
+      [options](const std::vector<std::string>& given) {
+        for (std::size_t i = 0; i + 1 < given.size(); i += 2)
+          options->parameters[given[i]] = std::stod(given[i + 1]);
+      },
+      "NAME VALUE of the model");
   command->add_flag("--distorted", options->distorted, "General hexahedra");
   command->add_option("--work", options->work, "What is repeated")
       ->check(CLI::IsMember({"force", "step", "cut"}));

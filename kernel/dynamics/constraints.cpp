@@ -17,6 +17,7 @@ double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[
 class Placement {
  public:
   Placement(const PrescribedMotion& motion, double time) : motion_(motion), moves_(motion.moves()) {
+    if (!moves_) return;
     const double s = motion.ramp.value(time), rate = motion.ramp.rate(time);
     sine_ = std::sin(s * motion.angle);
     cosine_ = std::cos(s * motion.angle);
@@ -30,9 +31,9 @@ class Placement {
   }
 
   /// Rodrigues: R r = cos r + sin a x r + (1 - cos) (a . r) a.
-  void place(const double* rest, Vec3& x, Vec3& v) const {
+  void place(const Vec3& rest, Vec3& x, Vec3& v) const {
     if (!moves_) {
-      x = {rest[0], rest[1], rest[2]};
+      x = rest;
       v = {};
       return;
     }
@@ -53,31 +54,44 @@ class Placement {
  private:
   const PrescribedMotion& motion_;
   bool moves_;
-  double sine_, cosine_;
-  Vec3 axis_, shift_, drift_, spin_;
+  double sine_ = 0, cosine_ = 1;
+  Vec3 axis_{}, shift_{}, drift_{}, spin_{};
 };
 
 }  // namespace
 
 void Constraints::add(std::span<const Index> vertices, std::uint8_t components,
                       const PrescribedMotion& motion, Attributes& attributes) {
-  groups_.push_back({motion, components, {vertices.begin(), vertices.end()}, {}});
+  Group& group =
+      groups_.emplace_back(Group{motion, components, {vertices.begin(), vertices.end()}, {}, {}});
+  std::ranges::sort(group.vertices);
+  read_rest(group, attributes);
   for (const Index v : vertices) {
     const int bits = static_cast<int>(attributes.fixed().get(v, 0)) | components;
     attributes.fixed().set(v, 0, bits);
   }
 }
 
-void Constraints::apply(Attributes& attributes, double time) const {
-  const double* rest = attributes.rest().rows();
+void Constraints::read_rest(Group& group, Attributes& attributes) {
+  group.rest.clear();
+  for (const Index v : group.vertices)
+    group.rest.push_back(
+        {attributes.rest().get(v, 0), attributes.rest().get(v, 1), attributes.rest().get(v, 2)});
+}
+
+void Constraints::apply(Attributes& attributes, double time, Index begin, Index end) const {
   double* position = attributes.position().rows();
   double* velocity = attributes.velocity().rows();
   for (const Group& group : groups_) {
+    const auto first = std::ranges::lower_bound(group.vertices, begin);
+    const auto last = std::lower_bound(first, group.vertices.end(), end);
+    if (first == last) continue;
     const Placement placement(group.motion, time);
     Vec3 x, v;
-    for (const Index vertex : group.vertices) {
-      const std::size_t at = std::size_t{vertex} * 4;
-      placement.place(rest + at, x, v);
+    auto rest = group.rest.begin() + (first - group.vertices.begin());
+    for (auto vertex = first; vertex != last; ++vertex, ++rest) {
+      const std::size_t at = std::size_t{*vertex} * 4;
+      placement.place(*rest, x, v);
       for (std::size_t c = 0; c < 3; ++c) {
         if (!(group.components >> c & 1)) continue;
         position[at + c] = x[c];
@@ -87,15 +101,16 @@ void Constraints::apply(Attributes& attributes, double time) const {
   }
 }
 
-void Constraints::update(const TopologyChange& change, Index vertex_count) {
+void Constraints::update(const TopologyChange& change, Attributes& attributes) {
   const auto& splits = change.splits[0];
   const auto& merges = change.merges[0];
   const auto& removed = change.removed[0];
   if (splits.empty() && merges.empty() && removed.empty()) return;
-  find_members(vertex_count);
+  find_members(attributes.vertex_count());
   std::vector<std::uint8_t> held_before;
   for (const Merge& merge : merges) held_before.push_back(held(merge.kept));
   for (Group& group : groups_) {
+    const auto before = static_cast<std::ptrdiff_t>(group.vertices.size());
     const auto join = [&](Index vertex) {
       if (group.member[vertex]) return;
       group.member[vertex] = true;
@@ -114,7 +129,12 @@ void Constraints::update(const TopologyChange& change, Index vertex_count) {
       leave(merges[i].gone);
     }
     for (const Index vertex : removed) leave(vertex);
+    const auto joined = group.vertices.begin() + before;
+    const bool changes = loses || joined != group.vertices.end() || !merges.empty();
+    std::sort(joined, group.vertices.end());
+    std::inplace_merge(group.vertices.begin(), joined, group.vertices.end());
     if (loses) std::erase_if(group.vertices, [&](Index v) { return !group.member[v]; });
+    if (changes) read_rest(group, attributes);
   }
 }
 

@@ -32,14 +32,14 @@ class Constraints {
            Attributes& attributes);
 
   /// Position and velocity (its derivative) of all constrained components at
-  /// `time`. O(constrained vertices).
-  void apply(Attributes& attributes, double time) const;
+  /// `time`, of vertices begin .. end-1. O(constrained among them + groups log vertices).
+  void apply(Attributes& attributes, double time, Index begin = 0, Index end = none) const;
 
   /// The parts of a split vertex are constrained alike. Of vertices that became one
   /// each hands on what holds it, but components that are held already keep the motion
   /// of the vertex that stays. Removed vertices are forgotten. O(change), and O(group)
-  /// where a group loses a vertex; the first call O(vertices).
-  void update(const TopologyChange& change, Index vertex_count);
+  /// where a group gains or loses a vertex; the first call O(vertices).
+  void update(const TopologyChange& change, Attributes& attributes);
 
   /// Vertices all of whose components are held at rest, and never move. One per
   /// vertex of the complex.
@@ -53,9 +53,12 @@ class Constraints {
   struct Group {
     PrescribedMotion motion;
     std::uint8_t components;
-    std::vector<Index> vertices;
+    std::vector<Index> vertices;  ///< ascending
+    /// Theirs, one behind the other: every step reads them, and nothing else of the column.
+    std::vector<Vec3> rest;
     std::vector<bool> member;  ///< by vertex; filled by the first change
   };
+  static void read_rest(Group& group, Attributes& attributes);
   void find_members(Index vertex_count);
   std::uint8_t held(Index vertex) const;
   std::vector<Group> groups_;

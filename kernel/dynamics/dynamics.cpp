@@ -101,13 +101,18 @@ struct Dynamics::Impl {
     m.gain[i] = kick.gain;
   }
 
+  /// `pass`, and the vertices that are held put where they are at `end`.
   template <class Pass>
-  void run(const loops::Motion& m, Pass pass) {
+  void run(const loops::Motion& m, Pass pass, double end) {
     const Index vertices = attributes.vertex_count();
     std::atomic<bool> broken{false};
     const auto one = [&](std::size_t part) {
-      const auto begin = static_cast<Index>(part) * pass_chunk;
-      if (pass(&m, begin, std::min(begin + pass_chunk, vertices)) != 0) broken = true;
+      const Index first = static_cast<Index>(part) * pass_chunk;
+      const Index last = std::min(first + pass_chunk, vertices);
+      if (pass(&m, first, last) == 0)
+        constraints.apply(attributes, end, first, last);
+      else
+        broken = true;
     };
     if (vertices >= parallel_vertices)
       forces.workers().parallel_for(parts(vertices, pass_chunk), one);
@@ -122,9 +127,8 @@ struct Dynamics::Impl {
     for (int i = 0; i < count; ++i) set(m, i, kicks[i]);
     m.drift = dt;
     evaluated = false;
-    run(m, count == 2 ? loops.kick_kick_drift : loops.kick_drift);
+    run(m, count == 2 ? loops.kick_kick_drift : loops.kick_drift, end);
     time = end;
-    constraints.apply(attributes, time);
     forces.accept();
   }
 
@@ -181,9 +185,8 @@ struct Dynamics::Impl {
     if (!is_pending) return;
     loops::Motion m = motion();
     set(m, 0, pending);
-    run(m, loops.kick);
+    run(m, loops.kick, time);
     is_pending = false;
-    constraints.apply(attributes, time);
   }
 
   double external_potential() const;
@@ -246,7 +249,7 @@ void Dynamics::update(const CellComplex& complex, const TopologyChange& change) 
   impl_->wake();
   impl_->complex = &complex;
   impl_->forces.update(complex, change);
-  impl_->constraints.update(change, complex.count(0));
+  impl_->constraints.update(change, impl_->attributes);
   impl_->step_search.forget();
   const bool only_apart = change.faces_sewn == 0 && change.removed[3].empty();
   if (!only_apart || !change.splits[0].empty())

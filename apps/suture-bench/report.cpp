@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "apps/suture-bench/report.hpp"
 
+#include <sys/utsname.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -19,6 +20,12 @@ std::string processor() {
   for (std::string line; std::getline(info, line);)
     if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
   return "unknown";
+}
+
+std::string operating_system() {
+  utsname name{};
+  uname(&name);
+  return std::string(name.sysname) + ' ' + name.release + ' ' + name.machine;
 }
 
 std::size_t width(const std::string& name) { return std::max<std::size_t>(name.size(), 10); }
@@ -60,7 +67,10 @@ void Report::write_json(const std::filesystem::path& file) const {
   out["machine"]["cores"] = std::thread::hardware_concurrency();
   out["machine"]["memory_GB"] = 1e-9 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) *
                                 static_cast<double>(sysconf(_SC_PAGESIZE));
-  out["machine"]["compiler"] = __VERSION__;
+  out["machine"]["system"] = operating_system();
+  out["machine"]["compiler"] = SUTURE_COMPILER;
+  out["machine"]["libraries"] = SUTURE_LIBRARIES;
+  out["machine"]["suture"] = SUTURE_VERSION;
   for (const Table& table : tables_) {
     auto& entry = out["tables"][table.name];
     entry["note"] = table.note;

@@ -12,6 +12,7 @@ Debian's interpreter, with python3-matplotlib.
 import json
 import math
 import pathlib
+import subprocess
 import sys
 
 import matplotlib
@@ -146,10 +147,19 @@ SECTIONS = [
 ]
 
 
+def commit(folder):
+    """Of the sources around `folder`, with the day, or None outside a checkout."""
+    try:
+        asked = ["git", "-C", str(folder), "log", "-1", "--format=%h, %cs"]
+        return subprocess.run(asked, capture_output=True, check=True, text=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        return None
+
+
 def machine_text(machine):
     names = {"processor": "Processor", "cores": "Cores", "memory_GB": "Memory, GB",
              "isa": "Instruction set of the loops", "compiler": "Compiler", "suture": "Suture",
-             "system": "System", "libraries": "Libraries", "date": "Date"}
+             "system": "System", "libraries": "Libraries"}
     rows = [f"| {title} | {shown(machine[key])} |" for key, title in names.items() if key in machine]
     return "\n".join(["| | |", "|---|---|"] + rows)
 
@@ -170,6 +180,8 @@ def main():
                 parts.append(f"![{title}]({picture})\n")
         for table_name, table in data["tables"].items():
             parts.append(f"**{table_name}**: {table['note']}\n\n{table_text(table)}\n")
+    if at := commit(pathlib.Path(__file__).parent):
+        machine["suture"] = f"{machine.get('suture', '')} (commit {at})".strip()
     head = ("# Benchmarks\n\nWritten by `./dev bench`; figures are of one machine, which others may "
             "use at the same time.\n\n" + machine_text(machine) + "\n")
     (docs / "benchmarks.md").write_text("\n".join([head, *parts]))

@@ -11,7 +11,7 @@ namespace suture::bench {
 namespace {
 
 struct Options {
-  std::vector<Index> sizes{500, 4000, 32000, 432000};
+  std::vector<Index> sizes{500, 4000, 32000, 432000, 4000000};
   std::vector<std::string> models{"tm-faure", "mss-baudet"};
   unsigned threads = 1;
   double seconds = 0.5;

@@ -42,20 +42,26 @@ Workers::Workers(unsigned threads)
 
 Workers::~Workers() = default;
 
-void Workers::run(std::size_t count, void* context, Call call) const {
+void Workers::run(std::size_t count, const TaskOrder* order, void* context,
+                  TaskRound::Call call) const {
   if (!arena_ || count < 2) {
     for (std::size_t i = 0; i < count; ++i) call(context, i, 0);
     return;
   }
+  TaskRound round(count, order, threads_);
   char fork = 0;
   char join = 0;
   arena_->tbb.execute([&] {
     release(&fork);
     tbb::parallel_for(
-        std::size_t{0}, count,
-        [&](std::size_t i) {
+        0u, threads_,
+        [&](unsigned) {
           acquire(&fork);
-          call(context, i, static_cast<unsigned>(tbb::this_task_arena::current_thread_index()));
+          // What a task itself gives to TBB must not bring its thread back here.
+          tbb::this_task_arena::isolate([&] {
+            const int worker = tbb::this_task_arena::current_thread_index();
+            round.join(static_cast<unsigned>(worker), context, call);
+          });
           release(&join);
         },
         tbb::simple_partitioner{});

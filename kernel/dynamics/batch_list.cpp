@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <numeric>
 
 namespace suture {
 namespace {
@@ -53,6 +54,10 @@ Index keep(loops::Range range, Drop drop, std::vector<loops::Range>& kept) {
   return dropped;
 }
 
+void add_once(Index chunk, std::vector<Index>& chunks) {
+  if (std::ranges::find(chunks, chunk) == chunks.end()) chunks.push_back(chunk);
+}
+
 template <class Visit>
 void for_each_vertex(const Connectivity& cells, std::span<const loops::Range> ranges, Visit visit) {
   for (const loops::Range& range : ranges)
@@ -91,6 +96,7 @@ std::vector<Index> colour_chunks(const Connectivity& cells,
 BatchList::BatchList(const Connectivity& cells, std::vector<loops::Range> rows,
                      Index vertex_count) {
   add_coloured(cells, rows, vertex_count);
+  find_order(cells, vertex_count);
 }
 
 void BatchList::add_coloured(const Connectivity& cells, std::span<const loops::Range> rows,
@@ -115,6 +121,26 @@ void BatchList::add_chunk(std::span<const loops::Range> ranges) {
   chunk_begin_.push_back(static_cast<Index>(ranges_.size()));
 }
 
+/// Waiting for the last chunk before at each vertex is enough: it waits for those before.
+void BatchList::find_order(const Connectivity& cells, Index vertex_count) {
+  order_.before.assign(chunk_count(), {});
+  std::vector<Index> last(vertex_count, none);
+  for (Index c = 0; c < chunk_count(); ++c)
+    for_each_vertex(cells, ranges(c), [&](Index v) {
+      if (last[v] != none && last[v] != c) add_once(last[v], order_.before[c]);
+      last[v] = c;
+    });
+  std::vector<Index> by_row(chunk_count());
+  std::iota(by_row.begin(), by_row.end(), 0);
+  std::ranges::sort(by_row, {}, [&](Index c) { return ranges(c).front().begin; });
+  order_.place.resize(chunk_count());
+  for (Index place = 0; place < chunk_count(); ++place) order_.place[by_row[place]] = place;
+}
+
+void BatchList::meet(std::span<const Index> chunks) {
+  for (std::size_t i = 1; i < chunks.size(); ++i) add_once(chunks[i - 1], order_.before[chunks[i]]);
+}
+
 void BatchList::leave_out(const Connectivity& cells, const std::vector<bool>& still) {
   const auto all_still = [&](loops::Range block) {
     bool all = true;
@@ -134,6 +160,7 @@ void BatchList::leave_out(const Connectivity& cells, const std::vector<bool>& st
     }
     kept.colour_begin_.push_back(kept.chunk_count());
   }
+  kept.find_order(cells, static_cast<Index>(still.size()));
   *this = std::move(kept);
 }
 
@@ -146,6 +173,9 @@ bool BatchList::append(const Connectivity& cells, Index first, Index last, Index
     const loops::Range added{first, last};
     add_chunk({&added, 1});
     colour_begin_.push_back(chunk_count());
+    order_.place.push_back(chunk_count() - 1);
+    auto& all = order_.before.emplace_back(chunk_count() - 1);
+    std::iota(all.begin(), all.end(), 0);
   }
   tail_ += last - first;
   if (tail_ <= least_tail || tail_ <= cells_ / 8) return true;
@@ -156,6 +186,7 @@ bool BatchList::append(const Connectivity& cells, Index first, Index last, Index
   colour_begin_.pop_back();
   tail_ = 0;
   add_coloured(cells, {&tail, 1}, vertex_count);
+  find_order(cells, vertex_count);
   return true;
 }
 

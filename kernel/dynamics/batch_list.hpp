@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "kernel/base/types.hpp"
+#include "kernel/base/task_order.hpp"
 #include "kernel/dynamics/loops/loops.hpp"
 
 namespace suture {
@@ -27,16 +27,16 @@ struct Connectivity {
 
 /// The rows that one functor visits, in fixed chunks.
 ///
-/// Chunks are coloured so that those of one colour share no vertex. Colours run
-/// one after the other; the chunks of a colour may run in any order, on any
-/// thread, without atomics, and each vertex still receives its forces in one
-/// order: the same bits for every number of threads. Chunk size depends on the
-/// number of rows alone.
+/// Chunks are coloured so that those of one colour share no vertex, and numbered by
+/// colour. A chunk waits for those before it with which it shares a vertex, and may run
+/// beside all others, on any thread: each vertex receives its forces in one order, so
+/// the same bits for every number of threads. Few colours make short chains of chunks
+/// that wait. Chunk size depends on the number of rows alone.
 ///
-/// A cut or a removal only takes sharing away, so the colours stay valid. Rows that a
-/// cut adds go to a tail, one chunk and a colour of its own, until it is an eighth of
-/// all; then the tail is coloured by itself. After a merge ChunkFinder tells whether the
-/// colours still hold.
+/// A cut or a removal only takes sharing away, so colours and order stay valid. Rows
+/// that a cut adds go to a tail, one chunk and a colour of its own that waits for all,
+/// until it is an eighth of all; then the tail is coloured by itself. After a merge
+/// ChunkFinder tells which chunks meet.
 class BatchList {
  public:
   BatchList() = default;
@@ -58,6 +58,11 @@ class BatchList {
   Index chunk_count() const { return static_cast<Index>(chunk_begin_.size()) - 1; }
   Index colour_count() const { return static_cast<Index>(colour_begin_.size()) - 1; }
 
+  /// Which chunks wait for which.
+  const TaskOrder& order() const { return order_; }
+  /// These chunks, ascending, share a vertex from now on.
+  void meet(std::span<const Index> chunks);
+
   /// Chunks chunk_begin .. chunk_end of colour c; chunks are numbered by colour.
   Index chunk_begin(Index colour) const { return colour_begin_[colour]; }
   Index chunk_end(Index colour) const { return colour_begin_[colour + 1]; }
@@ -70,11 +75,13 @@ class BatchList {
   void add_coloured(const Connectivity& cells, std::span<const loops::Range> rows,
                     Index vertex_count);
   void add_chunk(std::span<const loops::Range> ranges);
+  void find_order(const Connectivity& cells, Index vertex_count);
 
   Index cells_ = 0, tail_ = 0, left_out_ = 0;
   std::vector<loops::Range> ranges_;
   std::vector<Index> chunk_begin_{0};   // into ranges_
   std::vector<Index> colour_begin_{0};  // into chunks
+  TaskOrder order_;
 };
 
 /// Finds the chunk of a row. O(ranges log ranges) to make, O(log ranges) to ask.

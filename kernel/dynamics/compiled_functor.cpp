@@ -218,7 +218,7 @@ void CompiledFunctor::update(const CellComplex& complex, const TopologyChange& c
   const bool may_append = dimension_ != 2 || functor_.faces == SUTURE_ALL_FACES;
   if (!may_append || !list_.append(connectivity(complex), before, rows_, complex.count(0)))
     return build(complex);
-  if (!change.merges[0].empty() && clashes(complex, change)) build(complex);
+  if (!change.merges[0].empty() && !follow_merges(complex, change)) build(complex);
 }
 
 /// The rows at the vertex where the dart starts, in the dart's element.
@@ -230,8 +230,9 @@ std::vector<Index> CompiledFunctor::rows_at(const CellComplex& complex, Dart dar
   return rows;
 }
 
-/// Two chunks of one colour share a vertex since vertices became one.
-bool CompiledFunctor::clashes(const CellComplex& complex, const TopologyChange& change) const {
+/// Chunks that share a vertex since vertices became one wait for each other. False if two
+/// of them have one colour.
+bool CompiledFunctor::follow_merges(const CellComplex& complex, const TopologyChange& change) {
   const ChunkFinder finder(list_);
   std::vector<Index> chunks, colours;
   for (std::size_t i = 0; i < change.stars[0].size(); ++i) {
@@ -245,9 +246,10 @@ bool CompiledFunctor::clashes(const CellComplex& complex, const TopologyChange& 
     chunks.erase(std::unique(chunks.begin(), chunks.end()), chunks.end());
     for (const Index chunk : chunks) colours.push_back(finder.colour(chunk));
     std::ranges::sort(colours);
-    if (std::ranges::adjacent_find(colours) != colours.end()) return true;
+    if (std::ranges::adjacent_find(colours) != colours.end()) return false;
+    list_.meet(chunks);
   }
-  return false;
+  return true;
 }
 
 const loops::Job& CompiledFunctor::job(Attributes& attributes, const CellComplex& complex,

@@ -78,7 +78,7 @@ class CompiledFunctor {
   void read_columns(Attributes& attributes);
   std::vector<loops::Range> wanted_rows(const CellComplex& complex) const;
   std::vector<loops::Range> wanted_faces(const CellComplex& complex) const;
-  bool clashes(const CellComplex& complex, const TopologyChange& change) const;
+  bool follow_merges(const CellComplex& complex, const TopologyChange& change);
   std::vector<Index> rows_at(const CellComplex& complex, Dart dart) const;
 
   Instance& instance_;

@@ -115,7 +115,7 @@ struct ForceLoop::Impl {
     return threads.threads() > 1 && (large || !functor.instance().skips());
   }
 
-  /// chunk(worker, ranges, chunk number) for all chunks, colour after colour.
+  /// chunk(worker, ranges, chunk number) for all chunks, in the order of the list.
   template <class Chunk>
   void run(Index number, double time, double dt, Chunk chunk) {
     run(number, functors[number].cells().live(), time, dt, chunk);
@@ -125,19 +125,15 @@ struct ForceLoop::Impl {
     CompiledFunctor& functor = functors[number];
     const loops::Job& job = functor.job(attributes, *complex, live, time, dt);
     const BatchList& list = functor.list();
-    const bool parallel = pays(functor);
-    for (Index colour = 0; colour < list.colour_count(); ++colour) {
-      const Index first = list.chunk_begin(colour), last = list.chunk_end(colour);
-      const auto one = [&](std::size_t i, unsigned w) {
-        const auto c = first + static_cast<Index>(i);
-        const auto worker = workers[w].prepare(job, functor.instance().context(w), number);
-        chunk(job, worker, list.ranges(c), c);
-      };
-      if (parallel)
-        threads.parallel_for(last - first, one);
-      else
-        for (Index i = 0; i < last - first; ++i) one(i, 0);
-    }
+    const auto one = [&](std::size_t i, unsigned w) {
+      const auto c = static_cast<Index>(i);
+      const auto worker = workers[w].prepare(job, functor.instance().context(w), number);
+      chunk(job, worker, list.ranges(c), c);
+    };
+    if (pays(functor))
+      threads.in_order(list.order(), one);
+    else
+      for (Index c = 0; c < list.chunk_count(); ++c) one(c, 0);
   }
 
   /// visit(batch, rows of its lanes) for every batch of some ranges.

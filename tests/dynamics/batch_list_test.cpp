@@ -42,6 +42,32 @@ void expect_lawful(const BatchList& list, const Connectivity& cells, Index rows)
   EXPECT_EQ(list.cell_count(), rows);
 }
 
+/// Of two chunks that share a vertex the later waits for the earlier, by itself or
+/// through others; the places are a permutation.
+void expect_ordered(const BatchList& list, const Connectivity& cells, Index vertices) {
+  const TaskOrder& order = list.order();
+  ASSERT_EQ(order.before.size(), list.chunk_count());
+  std::vector<std::set<Index>> waits(list.chunk_count());  // for these, in the end
+  std::vector<std::set<Index>> chunks_at(vertices);
+  for (Index c = 0; c < list.chunk_count(); ++c) {
+    for (const Index earlier : order.before[c]) {
+      ASSERT_LT(earlier, c);
+      waits[c].insert(earlier);
+      waits[c].insert(waits[earlier].begin(), waits[earlier].end());
+    }
+    for (const loops::Range& range : list.ranges(c))
+      for (Index row = range.begin; row < range.end; ++row)
+        for (const Index vertex : cells.of(row)) chunks_at[vertex].insert(c);
+  }
+  for (const auto& chunks : chunks_at)
+    for (const Index c : chunks)
+      for (const Index earlier : chunks)
+        EXPECT_TRUE(earlier >= c || waits[c].contains(earlier)) << earlier << " and " << c;
+  std::vector<Index> places(order.place);
+  std::ranges::sort(places);
+  for (Index place = 0; place < list.chunk_count(); ++place) EXPECT_EQ(places[place], place);
+}
+
 TEST(BatchList, RowsThatCutsAppendKeepTheColoursApart) {
   const unsigned seed = 20260307;
   SCOPED_TRACE(seed);
@@ -50,6 +76,7 @@ TEST(BatchList, RowsThatCutsAppendKeepTheColoursApart) {
   std::vector<Index> nodes = random_rows(first_rows, vertices, random);
   BatchList list({nodes.data(), nullptr, 2}, {{0, first_rows}}, vertices);
   expect_lawful(list, {nodes.data(), nullptr, 2}, first_rows);
+  expect_ordered(list, {nodes.data(), nullptr, 2}, vertices);
   const Index colours = list.colour_count();
   Index rows = first_rows;
   for (const Index added : {3u, 400u, 1u, 2500u, 5u, 900u, 700u}) {
@@ -58,9 +85,43 @@ TEST(BatchList, RowsThatCutsAppendKeepTheColoursApart) {
     ASSERT_TRUE(list.append({nodes.data(), nullptr, 2}, rows, rows + added, vertices));
     rows += added;
     expect_lawful(list, {nodes.data(), nullptr, 2}, rows);
+    expect_ordered(list, {nodes.data(), nullptr, 2}, vertices);
   }
   EXPECT_GT(list.chunk_count(), 64u + 20u);  // the tails have been divided
   EXPECT_GT(list.colour_count(), colours);
+}
+
+TEST(BatchList, WithoutStillRowsKeepsTheOrderOfTheOthers) {
+  std::mt19937 random(11);
+  const Index rows = 5000, vertices = 3000;
+  const std::vector<Index> nodes = random_rows(rows, vertices, random);
+  const Connectivity cells{nodes.data(), nullptr, 2};
+  BatchList list(cells, {{0, rows}}, vertices);
+  std::vector<bool> still(vertices);
+  for (Index v = 0; v < 1000; ++v) still[v] = true;
+  list.leave_out(cells, still);
+  EXPECT_GT(list.left_out(), 1000u);
+  EXPECT_LT(list.chunk_count(), 64u);
+  expect_ordered(list, cells, vertices);
+}
+
+/// Two chunks that had nothing to do with each other share a vertex since a seam.
+TEST(BatchList, ChunksThatMeetWaitForEachOther) {
+  std::mt19937 random(12);
+  const Index rows = 4000, vertices = 3000;
+  std::vector<Index> nodes = random_rows(rows, vertices, random);
+  const Connectivity cells{nodes.data(), nullptr, 2};
+  BatchList list(cells, {{0, rows}}, vertices);
+  const ChunkFinder finder(list);
+  nodes[2 * 3000] = nodes[2 * 100];
+  std::vector<Index> chunks;
+  for (Index row = 0; row < rows; ++row)
+    if (std::ranges::count(cells.of(row), nodes[2 * 100]) != 0) chunks.push_back(finder.chunk(row));
+  std::ranges::sort(chunks);
+  chunks.erase(std::unique(chunks.begin(), chunks.end()), chunks.end());
+  ASSERT_GT(chunks.size(), 1u);
+  list.meet(chunks);
+  expect_ordered(list, cells, vertices);
 }
 
 TEST(BatchList, WithTooManyColoursAsksToBeMadeAnew) {

@@ -247,8 +247,35 @@ int clashes(const Body& body, const CompiledFunctor& functor, int dimension) {
   return found;
 }
 
+/// Pairs of chunks that share a vertex where the later does not wait for the earlier.
+int unordered(const Body& body, const CompiledFunctor& functor, int dimension) {
+  const CellSet& cells = functor.cells();
+  const BatchList& list = functor.list();
+  std::vector<std::set<Index>> waits(list.chunk_count());
+  std::map<Index, Index> last;  // chunk at each vertex
+  int found = 0;
+  for (Index chunk = 0; chunk < list.chunk_count(); ++chunk) {
+    for (const Index earlier : list.order().before[chunk]) {
+      waits[chunk].insert(earlier);
+      waits[chunk].insert(waits[earlier].begin(), waits[earlier].end());
+    }
+    for (const loops::Range& range : list.ranges(chunk))
+      for (Index row = range.begin; row < range.end; ++row) {
+        if (!cells.is_live(row)) continue;
+        std::array<Index, 8> x;
+        cell_nodes(body.mesh.complex, dimension, cells.cell(row), x.data());
+        for (int n = 0; n < nodes_of_cell(dimension); ++n) {
+          Index& before = last.try_emplace(x[static_cast<std::size_t>(n)], chunk).first->second;
+          found += before != chunk && !waits[chunk].contains(before);
+          before = chunk;
+        }
+      }
+  }
+  return found;
+}
+
 /// Chunks of one colour share no vertex, whatever was sewn: faces anywhere on the body.
-TEST(Removal, ColoursHoldAfterSewing) {
+TEST(Removal, ColoursAndOrderHoldAfterSewing) {
   Body body(box(14, 8, 8));
   Instance& instance = body.add(spring_model::defaults());
   body.initialise();
@@ -260,23 +287,27 @@ TEST(Removal, ColoursHoldAfterSewing) {
   edges.build(complex);
   boxes.build(complex);
   const auto all = [&] { return clashes(body, edges, 1) + clashes(body, boxes, 3); };
+  const auto wrong = [&] { return unordered(body, edges, 1) + unordered(body, boxes, 3); };
   std::vector<Dart> boundary;
   for (Dart d = 0; d < 24 * complex.element_count(); d += 4)
     if (complex.beta3(d) == none) boundary.push_back(d);
   std::mt19937 random(5);
-  int before = 0;
+  int before = 0, met = 0;
   for (int sewn = 0; sewn < 40;) {
     const Seam seam{boundary[random() % boundary.size()], boundary[random() % boundary.size()]};
     if (!complex.can_sew(seam.one, seam.other)) continue;
     const TopologyChange change = follow(body, complex.sew(std::span(&seam, 1)));
     ++sewn;
     before += all() != 0;
+    met += wrong() != 0;
     nodes.update(rest, change);
     edges.update(complex, change);
     boxes.update(complex, change);
     ASSERT_EQ(all(), 0);
+    ASSERT_EQ(wrong(), 0);
   }
   EXPECT_GT(before, 3) << "otherwise this test sees nothing";
+  EXPECT_GT(met, 3) << "otherwise this test sees nothing";
 }
 
 /// Two halves with a gap at rest, moved together, sewn: no force; deformed: the forces of

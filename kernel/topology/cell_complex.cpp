@@ -43,7 +43,7 @@ CellComplex::CellComplex(std::vector<Hexahedron> hexahedra, Index vertex_count,
   if (!faults.empty()) throw TopologyError(describe(faults, naming));
   vertices_ = std::move(hexahedra);
   element_marks_.assign(vertices_.size() / 64 + 1, 0);
-  cell_marks_.assign(vertex_count / 64 + 1, 0);
+  cell_marks_[0].assign(vertex_count / 64 + 1, 0);
   split_pinched_vertices(vertex_count, pinched);
 }
 
@@ -129,7 +129,7 @@ void CellComplex::require_edges() {
       for (const Exit way : exits<1>[i])
         if (number_edge(e, way, id)) break;
     }
-  cell_marks_.resize(std::max(cell_marks_.size(), some_dart_[1].size() / 64 + 1));
+  cell_marks_[1].resize(some_dart_[1].size() / 64 + 1);
 }
 
 /// Numbers an edge in the elements behind an exit of e; true if that leads round to e.
@@ -202,7 +202,8 @@ void CellComplex::star(int dimension, Index id, std::vector<Dart>& out) const {
 std::size_t CellComplex::memory() const {
   const auto bytes = [](const auto& v) { return v.size() * sizeof(v[0]); };
   std::size_t sum = bytes(vertices_) + bytes(edges_) + bytes(faces_) + bytes(links_) +
-                    bytes(cell_marks_) + bytes(element_marks_) + bytes(removed_marks_);
+                    bytes(element_marks_) + bytes(removed_marks_);
+  for (const auto& marks : cell_marks_) sum += bytes(marks);
   for (const std::vector<Dart>& darts : some_dart_) sum += bytes(darts);
   return sum;
 }

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "kernel/base/bulk.hpp"
 #include "kernel/base/types.hpp"
 #include "kernel/topology/face_matching.hpp"
 #include "kernel/topology/hexahedron_tables.hpp"
@@ -29,15 +31,21 @@ struct Split {
 /// ascending (dimension 0: origin at the vertex; 1: on the edge; 2: on the face).
 /// It is always the lowest dart of that element with the property.
 struct Stars {
-  std::vector<Index> cells;
-  std::vector<Index> offsets{0};
-  std::vector<Dart> darts;
+  BulkVector<Index> cells;
+  BulkVector<Index> offsets{0};
+  BulkVector<Dart> darts;
 
   std::size_t size() const { return cells.size(); }
-  void append(Index cell, std::span<const Dart> star) {
+  /// A cell with so many darts, to be written where it says.
+  Dart* append(Index cell, std::size_t size) {
+    const std::size_t end = darts.size();
     cells.push_back(cell);
-    darts.insert(darts.end(), star.begin(), star.end());
-    offsets.push_back(static_cast<Index>(darts.size()));
+    offsets.push_back(static_cast<Index>(end + size));
+    darts.resize(end + size);
+    return darts.data() + end;
+  }
+  void append(Index cell, std::span<const Dart> star) {
+    std::ranges::copy(star, append(cell, star.size()));
   }
   std::span<const Dart> operator[](std::size_t i) const {
     return std::span(darts).subspan(offsets[i], offsets[i + 1] - offsets[i]);
@@ -57,7 +65,7 @@ struct Seam {
 
 /// What an operation did to the cells. Attributes follow from this alone.
 struct TopologyChange {
-  std::array<std::vector<Split>, 3> splits;  ///< dimensions 0, 1, 2
+  std::array<BulkVector<Split>, 3> splits;  ///< dimensions 0, 1, 2
   /// Of several cells that became one, the smallest number is kept: `kept` is never
   /// `gone` in another merge, every `gone` is there once. By `kept`, then `gone`.
   std::array<std::vector<Merge>, 3> merges;
@@ -223,11 +231,14 @@ class CellComplex {
 
   // cut.cpp
   struct StarFlood;
+  struct StarWork;
   std::vector<incidence::Link> mark_leaving(std::span<const Dart> faces);
   /// Whether an operation only takes links away, or elements too.
   enum class Loss { links, elements };
-  template <int Dimension, Loss What = Loss::links>
+  template <Loss What>
   void split_cells(std::span<const incidence::Link> cut_faces, TopologyChange& change);
+  template <int Dimension, Loss What>
+  void split_cell(incidence::Link dart, StarWork& work, TopologyChange& change);
   template <int Dimension>
   void split_in_halves(Index cell, incidence::HalfStars& halves, TopologyChange& change);
   template <int Dimension>
@@ -235,6 +246,8 @@ class CellComplex {
   template <int Dimension>
   void name_components(Index cell, const StarFlood& flood, TopologyChange& change);
   void split_faces(std::span<const incidence::Link> cut_faces, TopologyChange& change);
+  static void add_elements(std::span<const incidence::Link> cut_faces,
+                           std::vector<Index>& elements);
 
   // pierce.cpp
   bool is_removed(Index e) const { return removed_marks_[e / 64] >> e % 64 & 1; }
@@ -260,8 +273,9 @@ class CellComplex {
   std::vector<std::array<Index, 6>> faces_;
   std::vector<incidence::Link> links_;  ///< 6 e + f: beta3 of the face's first dart, or none
   std::array<std::vector<Dart>, 3> some_dart_;
-  // One bit per cell of any dimension below 3, one per element; 0 between operations.
-  std::vector<std::uint64_t> cell_marks_, element_marks_;
+  // One bit per vertex, per edge and per element; 0 between operations.
+  std::array<std::vector<std::uint64_t>, 2> cell_marks_;
+  std::vector<std::uint64_t> element_marks_;
   // One bit per removed element, empty as long as there is none; and the holes per dimension.
   std::vector<std::uint64_t> removed_marks_;
   std::array<Index, 4> holes_{};

@@ -24,6 +24,14 @@ void reserve(TopologyChange& change, int dimension, std::size_t faces) {
   change.stars[dimension].darts.reserve(darts * faces + 64);
 }
 
+/// As they are, where nothing is to be done.
+std::vector<std::uint32_t> sorted(std::vector<std::uint32_t> values) {
+  if (std::ranges::is_sorted(values)) return values;
+  std::vector<std::uint32_t> spare;
+  radix_sort(values, spare, [](std::uint32_t value) { return value; });
+  return values;
+}
+
 }  // namespace
 
 /// The elements around one cell, in components.
@@ -63,6 +71,14 @@ struct CellComplex::StarFlood {
   }
 };
 
+/// What split_cells() keeps from cell to cell.
+struct CellComplex::StarWork {
+  StarFlood flood;
+  HalfStars halves;
+  std::array<Index, 2> old_count;             ///< of vertices, edges
+  std::array<std::vector<Index>, 2> touched;  ///< and marked, but those that split in halves
+};
+
 /*        before                            after
  *
  *    v-------w-------v'              v-------w     w'-------v'
@@ -82,8 +98,7 @@ TopologyChange CellComplex::cut(std::span<const Dart> faces) {
   const std::vector<Link> cut_faces = mark_leaving(faces);
   TopologyChange change;
   change.faces_cut = static_cast<Index>(cut_faces.size());
-  split_cells<0>(cut_faces, change);
-  if (has_edges()) split_cells<1>(cut_faces, change);
+  split_cells<Loss::links>(cut_faces, change);
   split_faces(cut_faces, change);
   return change;
 }
@@ -111,88 +126,82 @@ std::vector<Link> CellComplex::mark_leaving(std::span<const Dart> faces) {
     links_[side_of(there)] |= leaving;
     result.push_back(std::min(here, there));
   }
-  if (!std::ranges::is_sorted(result)) {
-    std::vector<Link> spare;
-    radix_sort(result, spare, [](Link l) { return l; });
-  }
-  return result;
+  return sorted(std::move(result));
 }
 
-/// Splits the vertices (dimension 0) or edges (1) of the cut faces where their
-/// elements no longer hang together. If elements go, they drop out of their cells, and
-/// what is left of these is told even if it is whole.
-template <int Dimension, CellComplex::Loss What>
+/// Splits the vertices and edges of the cut faces where their elements no longer hang
+/// together. If elements go, they drop out of their cells, and what is left of these is
+/// told even if it is whole.
+template <CellComplex::Loss What>
 void CellComplex::split_cells(std::span<const Link> cut_faces, TopologyChange& change) {
-  reserve(change, Dimension, cut_faces.size());
-  auto* const label = rows<Dimension>();
-  const Index old_count = count(Dimension);
-  cell_marks_.resize(std::max(cell_marks_.size(), old_count / std::size_t{64} + 1));
-  StarFlood flood;
-  HalfStars halves;
-  std::vector<Index> touched;
-  touched.reserve(2 * cut_faces.size() + 16);
+  StarWork work{.old_count = {count(0), count(1)}};
+  for (int d = 0; d < 2; ++d) {
+    if (count(d) == 0) continue;
+    reserve(change, d, cut_faces.size());
+    cell_marks_[d].resize(std::max(cell_marks_[d].size(), count(d) / std::size_t{64} + 1));
+  }
+  const bool edges = has_edges();
   for (const Link face : cut_faces)
     for (Link dart = face; dart < face + 4; ++dart) {
-      const Place start = dart >> 5 << 4 | local_cell<Dimension>(static_cast<int>(dart & 31));
-      const Index cell = label[start >> 4][start & 15];
-      if (cell >= old_count || !mark(cell_marks_, cell)) continue;  // done at another face
-      touched.push_back(cell);
-      if (What == Loss::links && half_stars<Dimension>(links_.data(), dart, halves)) {
-        split_in_halves<Dimension>(cell, halves, change);
-        continue;
-      }
-      if (What == Loss::elements &&
-          half_stars<Dimension, Surface::any>(links_.data(), dart, halves) &&
-          lose_elements<Dimension>(cell, halves, change))
-        continue;
-      flood_star<Dimension>(start, cell, flood);
-      if constexpr (What == Loss::elements) {
-        flood.drop([this](Index e) { return is_removed(e); });
-        flood.sort();
-        some_dart_[Dimension][cell] =
-            dart_at<Dimension>(flood.places[flood.components.front().begin]);
-        name_components<Dimension>(cell, flood, change);
-      } else if (flood.components.size() > 1) {
-        flood.sort();
-        name_components<Dimension>(cell, flood, change);
-      } else {
-        for (std::uint32_t i = 0; i < flood.reached; ++i)
-          label[flood.places[i] >> 4][flood.places[i] & 15] = cell;
-      }
+      split_cell<0, What>(dart, work, change);
+      if (edges) split_cell<1, What>(dart, work, change);
     }
-  unmark(cell_marks_, touched);
+  for (int d = 0; d < 2; ++d) {
+    unmark(cell_marks_[d], work.touched[d]);
+    for (const Split& split : change.splits[d]) cell_marks_[d][split.old_cell / 64] = 0;
+  }
 }
 
-template void CellComplex::split_cells<0, CellComplex::Loss::elements>(std::span<const Link>,
-                                                                       TopologyChange&);
-template void CellComplex::split_cells<1, CellComplex::Loss::elements>(std::span<const Link>,
-                                                                       TopologyChange&);
+template void CellComplex::split_cells<CellComplex::Loss::elements>(std::span<const Link>,
+                                                                    TopologyChange&);
+
+/// The vertex where the dart begins, or the edge that it is on, unless that has been
+/// done at another face.
+template <int Dimension, CellComplex::Loss What>
+void CellComplex::split_cell(Link dart, StarWork& work, TopologyChange& change) {
+  auto* const label = rows<Dimension>();
+  const Place start = dart >> 5 << 4 | local_cell<Dimension>(static_cast<int>(dart & 31));
+  const Index cell = label[start >> 4][start & 15];
+  if (cell >= work.old_count[Dimension] || !mark(cell_marks_[Dimension], cell)) return;
+  if (What == Loss::links && half_stars<Dimension>(links_.data(), dart, work.halves))
+    return split_in_halves<Dimension>(cell, work.halves, change);
+  work.touched[Dimension].push_back(cell);
+  if (What == Loss::elements &&
+      half_stars<Dimension, Surface::any>(links_.data(), dart, work.halves) &&
+      lose_elements<Dimension>(cell, work.halves, change))
+    return;
+  StarFlood& flood = work.flood;
+  flood_star<Dimension>(start, cell, flood);
+  if constexpr (What == Loss::elements) {
+    flood.drop([this](Index e) { return is_removed(e); });
+    flood.sort();
+    some_dart_[Dimension][cell] = dart_at<Dimension>(flood.places[flood.components.front().begin]);
+    name_components<Dimension>(cell, flood, change);
+  } else if (flood.components.size() > 1) {
+    flood.sort();
+    name_components<Dimension>(cell, flood, change);
+  } else {
+    for (std::uint32_t i = 0; i < flood.reached; ++i)
+      label[flood.places[i] >> 4][flood.places[i] & 15] = cell;
+  }
+}
 
 /// The cell splits in two; the half with the smallest element keeps the number.
 template <int Dimension>
 void CellComplex::split_in_halves(Index cell, HalfStars& halves, TopologyChange& change) {
   auto* const label = rows<Dimension>();
-  Place *kept = halves.above.data(), *leaves = halves.below.data();
   const std::size_t size = halves.size;
+  Place *kept = halves.above.data(), *leaves = halves.below.data();
   sort_places(kept, kept + size);
   sort_places(leaves, leaves + size);
   if (leaves[0] < kept[0]) std::swap(kept, leaves);
   const Index id = count(Dimension);
   some_dart_[Dimension].push_back(dart_at<Dimension>(leaves[0]));
   change.splits[Dimension].push_back({cell, id});
+  for (std::size_t i = 0; i < size; ++i) label[leaves[i] >> 4][leaves[i] & 15] = id;
   Stars& stars = change.stars[Dimension];
-  stars.cells.push_back(cell);
-  stars.cells.push_back(id);
-  const std::size_t end = stars.darts.size();
-  stars.darts.resize(end + 2 * size);
-  stars.offsets.push_back(static_cast<Index>(end + size));
-  stars.offsets.push_back(static_cast<Index>(end + 2 * size));
-  Dart* const darts = stars.darts.data() + end;
-  for (std::size_t i = 0; i < size; ++i) {
-    label[leaves[i] >> 4][leaves[i] & 15] = id;
-    darts[i] = dart_at<Dimension>(kept[i]);
-    darts[size + i] = dart_at<Dimension>(leaves[i]);
-  }
+  std::transform(kept, kept + size, stars.append(cell, size), dart_at<Dimension>);
+  std::transform(leaves, leaves + size, stars.append(id, size), dart_at<Dimension>);
   if (halves.cut_all) return;  // split_faces() finds them
   for (std::size_t i = 0; i < size; ++i)
     for (const Place place : {kept[i], leaves[i]})
@@ -250,23 +259,19 @@ template <int Dimension>
 void CellComplex::name_components(Index cell, const StarFlood& flood, TopologyChange& change) {
   auto* const label = rows<Dimension>();
   Stars& stars = change.stars[Dimension];
-  auto star_end = static_cast<Index>(stars.darts.size());
-  stars.darts.resize(star_end + flood.reached);
-  Dart* const darts = stars.darts.data();
   Index id = cell;
   for (const StarFlood::Component& component : flood.components) {
     if (id != cell) {
       some_dart_[Dimension].push_back(dart_at<Dimension>(flood.places[component.begin]));
       change.splits[Dimension].push_back({cell, id});
     }
+    Dart* darts = stars.append(id, component.end - component.begin);
     for (std::uint32_t i = component.begin; i < component.end; ++i) {
       const Place place = flood.places[i];
       label[place >> 4][place & 15] = id;
-      darts[star_end++] = dart_at<Dimension>(place);
+      *darts++ = dart_at<Dimension>(place);
       if (mark(element_marks_, place >> 4)) change.elements.push_back(place >> 4);
     }
-    stars.cells.push_back(id);
-    stars.offsets.push_back(star_end);
     id = count(Dimension);
   }
 }
@@ -278,23 +283,32 @@ void CellComplex::split_faces(std::span<const Link> cut_faces, TopologyChange& c
     Link& link = links_[side_of(first)];
     const Link second = link & ~(leaving | 3u);
     link = links_[side_of(second)] = none;
-    for (const Link side : {first, second})
-      if (mark(element_marks_, side >> 5)) change.elements.push_back(side >> 5);
+    if (mark(element_marks_, second >> 5)) change.elements.push_back(second >> 5);
     if (!has_faces()) continue;
     const Index old_id = faces_[first >> 5][(first & 31) / 4], new_id = count(2);
     faces_[second >> 5][(second & 31) / 4] = new_id;
     some_dart_[2].push_back(incidence::dart_of(second));
     change.splits[2].push_back({old_id, new_id});
-    Stars& stars = change.stars[2];
-    for (const auto& [id, side] : {std::pair{old_id, first}, std::pair{new_id, second}}) {
-      stars.cells.push_back(id);
-      stars.darts.push_back(incidence::dart_of(side));
-      stars.offsets.push_back(static_cast<Index>(stars.darts.size()));
-    }
+    *change.stars[2].append(old_id, 1) = incidence::dart_of(first);
+    *change.stars[2].append(new_id, 1) = incidence::dart_of(second);
   }
   unmark(element_marks_, change.elements);
-  std::vector<Index> spare;
-  radix_sort(change.elements, spare, [](Index e) { return e; });
+  add_elements(cut_faces, change.elements);
+}
+
+/// The elements there are, in any order, and those of the smaller sides of the faces,
+/// which are in order: joined, ascending, each once.
+void CellComplex::add_elements(std::span<const Link> cut_faces, std::vector<Index>& elements) {
+  const std::vector<Index> others = sorted(std::move(elements));
+  elements.clear();
+  elements.reserve(cut_faces.size() + others.size());
+  auto other = others.begin();
+  const auto add = [&](Index e) {
+    while (other != others.end() && *other <= e) elements.push_back(*other++);
+    if (elements.empty() || elements.back() != e) elements.push_back(e);
+  };
+  for (const Link face : cut_faces) add(face >> 5);
+  elements.insert(elements.end(), other, others.end());
 }
 
 }  // namespace suture

@@ -74,11 +74,21 @@ constexpr Place place_of(Dart d) {
   return d / 24 << 4 | local_cell<Dimension>(static_cast<int>(d % 24));
 }
 
-/// The lowest dart of the element in the cell: it stands for the place in stars.
+/// lowest_dart[cell]: of an element in one of its cells. 16 entries, as a place may say.
+template <int Dimension>
+inline constexpr auto lowest_dart = [] {
+  std::array<Local, 16> result{};
+  for (int cell = 0; cell < cells<Dimension>; ++cell) {
+    const Exit first = exits<Dimension>[cell][0];
+    result[cell] = static_cast<Local>(4 * first.face + first.position);
+  }
+  return result;
+}();
+
+/// It stands for the place in stars.
 template <int Dimension>
 constexpr Dart dart_at(Place place) {
-  const Exit first = exits<Dimension>[place & 15][0];
-  return 24 * (place >> 4) + 4 * first.face + first.position;
+  return 24 * (place >> 4) + lowest_dart<Dimension>[place & 15];
 }
 
 }  // namespace suture::incidence

@@ -78,8 +78,7 @@ TopologyChange CellComplex::pierce(std::span<const Index> elements) {
   const std::vector<Link> rim = mark_rim(going);
   TopologyChange change;
   change.faces_cut = static_cast<Index>(rim.size());
-  split_cells<0, Loss::elements>(rim, change);
-  if (has_edges()) split_cells<1, Loss::elements>(rim, change);
+  split_cells<Loss::elements>(rim, change);
   free_rim(rim, change);
   for (const Index e : going) std::fill_n(links_.data() + std::size_t{6} * e, 6, none);
   remove_cells<0>(going, change);
@@ -141,9 +140,7 @@ void CellComplex::free_rim(std::span<const Link> rim, TopologyChange& change) {
     faces_[goes >> 5][(goes & 31) / 4] = none;
     const Index id = faces_[stays >> 5][(stays & 31) / 4];
     some_dart_[2][id] = incidence::dart_of(stays);
-    stars.cells.push_back(id);
-    stars.darts.push_back(incidence::dart_of(stays));
-    stars.offsets.push_back(static_cast<Index>(stars.darts.size()));
+    *stars.append(id, 1) = incidence::dart_of(stays);
   }
   unmark(element_marks_, change.elements);
   sort_ascending(change.elements);

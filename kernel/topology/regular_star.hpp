@@ -23,29 +23,39 @@
 namespace suture::incidence {
 
 namespace detail {
+using LocalTable = std::array<Local, 32>;
+
+/// By the local part of a link; 32 entries, so that no index is out of range.
 template <class Function>
-constexpr std::array<Local, 32> local_table(Function of) {
-  std::array<Local, 32> result{};
+constexpr LocalTable local_table(Function of) {
+  LocalTable result{};
   for (int d = 0; d < hexahedron::darts; ++d) result[d] = static_cast<Local>(of(d));
   return result;
 }
+
+inline constexpr LocalTable beta2_of = local_table([](int d) { return hexahedron::beta2[d]; });
+inline constexpr LocalTable next_of = local_table(hexahedron::beta1);
+inline constexpr LocalTable previous_of = local_table(hexahedron::beta0);
+inline constexpr LocalTable next_of_beta2 =
+    local_table([](int d) { return hexahedron::beta1(hexahedron::beta2[d]); });
+inline constexpr LocalTable previous_of_beta2 =
+    local_table([](int d) { return hexahedron::beta0(hexahedron::beta2[d]); });
+inline constexpr LocalTable begin_of =
+    local_table([](int d) { return hexahedron::dart_vertex[d]; });
+inline constexpr LocalTable end_of =
+    local_table([](int d) { return hexahedron::dart_vertex[hexahedron::beta1(d)]; });
+
+inline Link turned(Link dart, const LocalTable& table) { return (dart & ~31u) | table[dart & 31]; }
+/// The place where the dart begins, or ends.
+inline Place place(Link dart, const LocalTable& vertex) {
+  return dart >> 5 << 4 | vertex[dart & 31];
+}
 }  // namespace detail
 
-// Of the local part of a link; 32 entries, so that no index is out of range.
-inline constexpr auto beta2_of = detail::local_table([](int d) { return hexahedron::beta2[d]; });
-inline constexpr auto next_of = detail::local_table(hexahedron::beta1);
-inline constexpr auto previous_of = detail::local_table(hexahedron::beta0);
-
-inline Link beta2(Link dart) { return (dart & ~31u) | beta2_of[dart & 31]; }
-inline Link next(Link dart) { return (dart & ~31u) | next_of[dart & 31]; }
-inline Link previous(Link dart) { return (dart & ~31u) | previous_of[dart & 31]; }
+inline Link next(Link dart) { return detail::turned(dart, detail::next_of); }
+inline Link previous(Link dart) { return detail::turned(dart, detail::previous_of); }
 /// beta3 of a dart whose face has the link `link`, not none, without marks.
 inline Link across_link(Link link, Link dart) { return (link & ~3u) | ((link - dart) & 3u); }
-
-template <int Dimension>
-Place place_of_link(Link dart) {
-  return dart >> 5 << 4 | local_cell<Dimension>(static_cast<int>(dart & 31));
-}
 
 /// Few places, ascending.
 inline void sort_places(Place* begin, Place* end) {
@@ -86,11 +96,14 @@ namespace detail {
 enum class Step { on, end, irregular };
 
 /// From the dart above, on the edge around which the surface goes on, and its beta3
-/// below, to the dart of the next face on that edge and its mate's.
+/// below, to the dart of the next face on that edge and its mate's; each turned by what
+/// its table does after beta2.
 template <Surface What>
-Step step(const Link* links, Link& above, Link& below) {
-  const Link up = beta2(above), down = beta2(below);
-  Link link_up = links[marks::side_of(up)], link_down = links[marks::side_of(down)];
+Step step(const Link* links, Link& above, Link& below, const LocalTable& turn_above = beta2_of,
+          const LocalTable& turn_below = beta2_of) {
+  const Link up = beta2_of[above & 31], down = beta2_of[below & 31];
+  Link link_up = links[std::size_t{6} * (above >> 5) + up / 4];
+  Link link_down = links[std::size_t{6} * (below >> 5) + down / 4];
   if (link_up == none && link_down == none) return Step::end;
   if constexpr (What == Surface::any) {
     if (link_up == none || link_down == none) return Step::irregular;
@@ -98,8 +111,8 @@ Step step(const Link* links, Link& above, Link& below) {
     link_down &= ~marks::leaving;
   }
   if ((link_up | link_down) & marks::leaving) return Step::irregular;  // none among them
-  above = beta2(across_link(link_up, up));
-  below = beta2(across_link(link_down, down));
+  above = turned(across_link(link_up, up), turn_above);
+  below = turned(across_link(link_down, down), turn_below);
   return Step::on;
 }
 
@@ -117,25 +130,23 @@ bool is_glued(const Link* links, Link above, Link below) {
 /// it is not regular. `links`: as stored, those of cut faces marked as leaving.
 template <Surface What>
 bool half_stars_of_vertex(const Link* links, Link start, HalfStars& stars) {
-  using detail::Step;
+  using namespace detail;
   stars.size = 0;
   stars.cut_all = stars.closed = true;
-  const auto add = [&](Link above, Link below) {
-    stars.above[stars.size] = place_of_link<0>(above);
-    stars.below[stars.size++] = place_of_link<0>(below);
+  const auto add = [&](Place above, Place below) {
+    stars.above[stars.size] = above;
+    stars.below[stars.size++] = below;
+    return below != stars.above[0];  // else there is one side only
   };
   // Darts `above` leave the vertex, their beta3 `below` arrive there.
   const Link mate = across_link(links[marks::side_of(start)] & ~marks::leaving, start);
   Link above = start, below = mate;
   for (;;) {
-    add(above, next(below));
-    if (stars.below[stars.size - 1] == stars.above[0]) return false;  // one side only
-    const Step step = detail::step<What>(links, above, below);
-    if (step == Step::irregular) return false;
-    if (step == Step::end) break;
-    if (!detail::is_glued<What>(links, above, below)) return false;
-    above = next(above);
-    below = previous(below);
+    if (!add(place(above, begin_of), place(below, end_of))) return false;
+    const Step on = step<What>(links, above, below, next_of_beta2, previous_of_beta2);
+    if (on == Step::irregular) return false;
+    if (on == Step::end) break;
+    if (!is_glued<What>(links, above, below)) return false;
     if (above == start) return below == mate;
     if (stars.size == HalfStars::most) return false;
   }
@@ -144,14 +155,11 @@ bool half_stars_of_vertex(const Link* links, Link start, HalfStars& stars) {
   above = previous(start);
   below = next(mate);
   for (;;) {
-    const Step step = detail::step<What>(links, above, below);
-    if (step == Step::irregular) return false;
-    if (step == Step::end) return true;
-    if (!detail::is_glued<What>(links, above, below) || stars.size == HalfStars::most) return false;
-    add(above, next(below));
-    if (stars.below[stars.size - 1] == stars.above[0]) return false;
-    above = previous(above);
-    below = next(below);
+    const Step on = step<What>(links, above, below, previous_of_beta2, next_of_beta2);
+    if (on == Step::irregular) return false;
+    if (on == Step::end) return true;
+    if (!is_glued<What>(links, above, below) || stars.size == HalfStars::most) return false;
+    if (!add(place(above, end_of), place(below, begin_of))) return false;
   }
 }
 
@@ -160,18 +168,21 @@ bool half_stars_of_vertex(const Link* links, Link start, HalfStars& stars) {
 template <Surface What>
 bool half_stars_of_edge(const Link* links, Link start, HalfStars& stars) {
   using detail::Step;
+  const auto place_of = [](Link dart) {
+    return dart >> 5 << 4 | local_cell<1>(static_cast<int>(dart & 31));
+  };
   Link above = start;
   Link below = across_link(links[marks::side_of(start)] & ~marks::leaving, start);
-  stars.above[0] = place_of_link<1>(above);
-  stars.below[0] = place_of_link<1>(below);
+  stars.above[0] = place_of(above);
+  stars.below[0] = place_of(below);
   stars.size = 1;
   stars.cut_all = true;
   stars.closed = false;
   const Step step = detail::step<What>(links, above, below);
   if (step == Step::irregular) return false;
   if (step == Step::end) return stars.above[0] != stars.below[0];
-  stars.above[1] = place_of_link<1>(above);
-  stars.below[1] = place_of_link<1>(below);
+  stars.above[1] = place_of(above);
+  stars.below[1] = place_of(below);
   stars.size = 2;
   if (stars.above[1] == stars.below[0]) return false;
   if (detail::is_glued<What>(links, above, below)) {

@@ -120,7 +120,7 @@ void CellComplex::validate() const {
     check_labels(*this, 2);
     check_orbits<2>(*this);
   }
-  for (const auto* marks : {&cell_marks_, &element_marks_})
+  for (const auto* marks : {&cell_marks_[0], &cell_marks_[1], &element_marks_})
     for (std::size_t i = 0; i < marks->size(); ++i)
       if ((*marks)[i] != 0)
         broken("nothing is marked between operations", 0,

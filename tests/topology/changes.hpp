@@ -92,7 +92,7 @@ class ChangeCheck {
   }
 
   void splits(int d, std::size_t gone_cells) {
-    const std::vector<Split>& splits = change_.splits[static_cast<std::size_t>(d)];
+    const auto& splits = change_.splits[static_cast<std::size_t>(d)];
     Index next = before_.count(d);
     for (const Split& split : splits) {
       expect(split.new_cell == next++, d, split.new_cell, "new numbers are not consecutive");

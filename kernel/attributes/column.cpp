@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "kernel/base/bulk.hpp"
+
 namespace suture {
 
 Column::Column(ColumnSpec spec, int dimension)
@@ -24,7 +26,12 @@ void Column::grow(AlignedVector<double>& data, Index rows) const {
   const std::size_t needed = storage(rows);
   // A cut adds rows a few at a time; copying a column of a million rows for the
   // first of them would cost more than the cut.
-  if (needed > data.capacity()) data.reserve(2 * needed);
+  if (needed > data.capacity()) {
+    data.reserve(2 * needed);
+    // But for the page between, which would hold little for as long as nothing is cut.
+    prefer_large_pages(data.data(), needed * sizeof(double));
+    prefer_large_pages(data.data() + needed, needed * sizeof(double));
+  }
   data.resize(needed, spec_.initial);
   if (dimension_ == 0) {
     const bool has_unused = spec_.components == 3 && spec_.initial != 0;
@@ -53,10 +60,16 @@ void Column::set(Index row, int component, double value) {
   if (row + 1 == size_) pad();
 }
 
-void Column::copy_rows(std::span<const RowSplit> splits) {
-  if (constant_) return;
-  copy_rows(data_, splits);
-  if (has_trial()) copy_rows(trial_, splits);
+void Column::append_copies(std::span<const RowSplit> splits) {
+  if (constant_) return resize(size_ + static_cast<Index>(splits.size()));
+  // A few at a time, so that what resize() writes is still in the cache.
+  constexpr std::size_t most = 128;
+  for (; !splits.empty(); splits = splits.subspan(std::min(most, splits.size()))) {
+    const std::span<const RowSplit> some = splits.first(std::min(most, splits.size()));
+    resize(size_ + static_cast<Index>(some.size()));
+    copy_rows(data_, some);
+    if (has_trial()) copy_rows(trial_, some);
+  }
   pad();
 }
 

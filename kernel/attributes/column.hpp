@@ -64,8 +64,9 @@ class Column {
   double get(Index row, int component) const { return data_[stored(row, component)]; }
   /// Expands a constant column if the value differs from it.
   void set(Index row, int component, double value);
-  /// All components, of the trial copy too, split by split in this order.
-  void copy_rows(std::span<const RowSplit> splits);
+  /// The new rows of the splits, which follow the last row in this order: all components
+  /// of the old ones, of the trial copy too.
+  void append_copies(std::span<const RowSplit> splits);
   void scale_row(Index row, double factor);  ///< of the trial copy too
   /// Row `to` goes by `weight` (0..1) towards row `from`, the trial copy too: equal
   /// values keep their bits, and a weight of 1 gives those of `from`.

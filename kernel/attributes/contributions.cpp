@@ -236,47 +236,34 @@ void TouchedSums::find_targets(Instance& instance, const TopologyChange& change,
   }
 }
 
-/// Elements that give alike values need not be asked again: the star of a cell says
-/// which of the values it gets, in the order of the elements.
 template <int Dimension>
 void TouchedSums::sum_alike(const Instance& instance, const TopologyChange& change) {
-  const std::vector<Target>& targets = alike_targets_[Dimension];
-  if (targets.empty()) return;
-  const CellSet& region = instance.table(3).cells;
-  const bool everywhere = region.is_all();
-  const Stars& stars = change.stars[Dimension];
-  for (std::size_t i = 0; i < stars.size(); ++i) {
-    const std::span<const Dart> star = stars[i];
-    if (places_.size() < star.size()) places_.resize(2 * star.size());
-    std::uint8_t* const places = places_.data();
-    std::size_t count = 0;
-    for (const Dart dart : star) {
-      const Index element = dart / hexahedron::darts;
-      places[count] =
-          incidence::local_cell<Dimension>(static_cast<int>(dart - element * hexahedron::darts));
-      count += everywhere || region.contains(element);
-    }
-    for (const Target& target : targets) target.set_alike(stars.cells[i], places, count);
-  }
-  for (const Target& target : targets) target.column->pad();
+  for (const Target& target : alike_targets_[Dimension])
+    target.sum_alike<Dimension>(change.stars[Dimension], instance.table(3).cells);
 }
 
-inline void TouchedSums::Target::set_alike(Index cell, const std::uint8_t* places,
-                                           std::size_t count) const {
-  const Index row = cells ? cells->row(cell) : cell;
-  if (row == none) return;
-  if (components == 1) {
-    double sum = cells ? 0 : values[row];  // other instances have given to the mass
-    for (std::size_t i = 0; i < count; ++i) sum += alike[places[i]];
-    values[row] = sum;
-    return;
+/// Elements that give alike values need not be asked again: the darts of a star say
+/// which of the values the cell gets, in the order of the elements.
+template <int Dimension>
+void TouchedSums::Target::sum_alike(const Stars& stars, const CellSet& region) const {
+  using hexahedron::darts;
+  const bool everywhere = region.is_all();
+  std::array<double, darts> given;
+  for (std::size_t c = 0; c < components; ++c) {
+    for (int d = 0; d < darts; ++d)
+      given[d] = alike[incidence::local_cell<Dimension>(d) * components + c];
+    for (std::size_t i = 0; i < stars.size(); ++i) {
+      const Index row = cells ? cells->row(stars.cells[i]) : stars.cells[i];
+      if (row == none) continue;
+      double& value =
+          values[(components == 1 ? row : column->offset(row)) + c * column->component_step()];
+      double sum = cells ? 0 : value;  // other instances have given to the mass
+      for (const Dart dart : stars[i])
+        if (everywhere || region.contains(dart / darts)) sum += given[dart % darts];
+      value = sum;
+    }
   }
-  double* to = values + column->offset(row);
-  for (std::size_t c = 0; c < components; ++c, to += column->component_step()) {
-    double sum = 0;
-    for (std::size_t i = 0; i < count; ++i) sum += alike[places[i] * components + c];
-    *to = sum;
-  }
+  column->pad();
 }
 
 void TouchedSums::start(const Target& target, const TopologyChange& change) {

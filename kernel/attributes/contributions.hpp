@@ -88,8 +88,9 @@ class TouchedSums {
     const double* alike = nullptr;  ///< what every element gives
     double all = 0;                 ///< sum of everything added, to see a value that is not finite
 
-    /// The row of a cell becomes the sum over its elements, in which it is places[i].
-    void set_alike(Index cell, const std::uint8_t* places, std::size_t count) const;
+    /// The rows of cells become the sums over their elements of the region.
+    template <int Dimension>
+    void sum_alike(const Stars& stars, const CellSet& region) const;
   };
   /// A value in the batch of contributions that belongs to a touched cell.
   struct Hit {
@@ -119,7 +120,6 @@ class TouchedSums {
   std::size_t hit_count_ = 0;
   std::array<std::vector<Target>, 3> targets_, alike_targets_;
   std::vector<Alike> alike_;
-  std::vector<std::uint8_t> places_;
   bool marked_ = false;
 };
 

@@ -36,41 +36,47 @@ void SplitPolicies::apply(Table& table, const CellComplex& complex, const RestPl
   if (weighed || !table.cells.is_all()) find_stars(stars, complex.count(table.dimension));
   if (table.cells.is_all()) {
     table.cells.append_all(static_cast<Index>(splits.size()));
-    for (const Split& split : splits) rows_.push_back({split.old_cell, split.new_cell});
+    if (table.columns.empty()) return;
+    rows_.resize(splits.size());
+    std::ranges::transform(splits, rows_.begin(), [](const Split& s) {
+      return RowSplit{s.old_cell, s.new_cell};
+    });
   } else {
     split_region(table.cells, splits, stars, touched);
   }
-  table.resize_columns();
   for (Column& column : table.columns)
-    if (!is_shared(column)) follow(column);
+    if (!is_shared(column)) follow(column, table.cells.size());
   if (!weighed) return;
   weigh(table.cells, rest, touched, stars);  // needs the new rows of `rest`
   for (Column& column : table.columns)
-    if (is_shared(column)) follow(column);
+    if (is_shared(column)) follow(column, table.cells.size());
 }
 
-void SplitPolicies::follow(Column& column) const {
+void SplitPolicies::follow(Column& column, Index rows) const {
   if (column.spec().on_split) {
+    column.resize(rows);
     for (const RowSplit& s : rows_) column.spec().on_split(column, s.old_row, s.new_row);
     return;
   }
   switch (column.spec().policy) {
     case SUTURE_COPY:
-      column.copy_rows(rows_);
+      column.append_copies(rows_);
       return;
     case SUTURE_ZERO:
+      column.resize(rows);
       if (!column.is_constant() && column.spec().initial == 0) return;  // as new rows are
       for (const RowSplit& s : rows_)
         for (int c = 0; c < column.spec().components; ++c) column.set(s.new_row, c, 0);
       return;
     case SUTURE_SHARE:
-      column.copy_rows(rows_);
+      column.append_copies(rows_);
       for (std::size_t i = 0; i < rows_.size(); ++i) {
         column.scale_row(rows_[i].new_row, new_share_[i]);
         column.scale_row(rows_[i].old_row, old_share_[i]);
       }
       return;
     case SUTURE_FROM_VOLUMES:
+      column.resize(rows);
       return;  // every touched row is summed again, the new ones among them
   }
 }

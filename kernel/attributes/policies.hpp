@@ -27,18 +27,18 @@ class SplitPolicies {
   void apply(Table& table, const CellComplex& complex, const RestPlaces& rest,
              const TouchedElements& touched, const TopologyChange& change);
 
-  /// The rows that the last apply() added, in order.
+  /// The rows that the last apply() added, in order; none of a table without columns.
   std::span<const RowSplit> new_rows() const { return rows_; }
 
  private:
   void find_stars(const Stars& stars, Index cell_count);
-  void follow(Column& column) const;
+  void follow(Column& column, Index rows) const;
   void split_region(CellSet& cells, std::span<const Split> splits, const Stars& stars,
                     const TouchedElements& touched);
   void weigh(const CellSet& cells, const RestPlaces& rest, const TouchedElements& touched,
              const Stars& stars);
 
-  std::vector<RowSplit> rows_;
+  BulkVector<RowSplit> rows_;
   /// Parts of the incident volume, per split. Of several splits of one row the
   /// first carries the old row's part, the others 1.
   std::vector<double> old_share_, new_share_;

@@ -71,8 +71,4 @@ Column* Table::find(std::string_view name) {
   return nullptr;
 }
 
-void Table::resize_columns() {
-  for (Column& column : columns) column.resize(cells.size());
-}
-
 }  // namespace suture

@@ -73,7 +73,6 @@ struct Table {
   /// A column for all rows. Throws InputError if the name is taken.
   Column& add(ColumnSpec spec);
   Column* find(std::string_view name);  ///< nullptr if there is none
-  void resize_columns();                ///< to cells.size()
 };
 
 }  // namespace suture

@@ -13,8 +13,8 @@ namespace suture {
 /// may be kept between calls. Least significant digit first; the digits divide the
 /// bits of the largest key evenly, at most 12 bits each. O(n); 2 ns per item and
 /// digit where the items fit in the cache; std::stable_sort below 256 items.
-template <class T, class Key>
-void radix_sort(std::vector<T>& items, std::vector<T>& spare, Key key) {
+template <class T, class Allocator, class Key>
+void radix_sort(std::vector<T, Allocator>& items, std::vector<T, Allocator>& spare, Key key) {
   if (items.size() < 256) {
     std::stable_sort(items.begin(), items.end(),
                      [&](const T& a, const T& b) { return key(a) < key(b); });

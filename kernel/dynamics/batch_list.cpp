@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <numeric>
 
+#include "kernel/base/bulk.hpp"
+
 namespace suture {
 namespace {
 
@@ -75,7 +77,7 @@ std::vector<Index> colour_chunks(const Connectivity& cells,
   // Colours met at each vertex, 64 at a time. Meshes in a sensible order need
   // about ten; only chunks left over by one round of 64 see another.
   std::vector<Index> colour(chunks.size(), none);
-  std::vector<std::uint64_t> met(vertex_count);
+  BulkVector<std::uint64_t> met(vertex_count);
   Index first = 0;
   for (std::size_t left = chunks.size(); left != 0; first += 64) {
     std::fill(met.begin(), met.end(), 0);

@@ -9,18 +9,32 @@
 namespace suture {
 namespace {
 
-/// The three edges (1) or faces (2) of its element at the vertex where a dart starts.
+/// The three local edges (1) or faces (2) at the vertex where a dart starts.
+template <int Dimension>
+constexpr auto locals_at = [] {
+  std::array<std::array<hexahedron::Local, 3>, hexahedron::darts> result{};
+  for (std::size_t d = 0; d < result.size(); ++d)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto dart = hexahedron::vertex_darts[hexahedron::dart_vertex[d]][i];
+      result[d][i] = Dimension == 1
+                         ? hexahedron::dart_edge[dart]
+                         : static_cast<hexahedron::Local>(dart / hexahedron::darts_per_face);
+    }
+  return result;
+}();
+
+/// Those of the dart's element.
 template <int Dimension>
 std::array<Index, 3> cells_at(const CellComplex& complex, Dart dart) {
   const Index element = dart / hexahedron::darts;
-  const auto darts = hexahedron::vertex_darts[hexahedron::dart_vertex[dart % hexahedron::darts]];
-  std::array<Index, 3> cells;
-  for (std::size_t i = 0; i < 3; ++i)
-    if constexpr (Dimension == 1)
-      cells[i] = complex.edges_of(element)[hexahedron::dart_edge[darts[i]]];
-    else
-      cells[i] = complex.faces_of(element)[darts[i] / hexahedron::darts_per_face];
-  return cells;
+  const auto& [a, b, c] = locals_at<Dimension>[dart % hexahedron::darts];
+  if constexpr (Dimension == 1) {
+    const auto& edges = complex.edges_of(element);
+    return {edges[a], edges[b], edges[c]};
+  } else {
+    const auto& faces = complex.faces_of(element);
+    return {faces[a], faces[b], faces[c]};
+  }
 }
 
 }  // namespace
@@ -81,15 +95,19 @@ void RowNodes::read_rest_of(const RestPlaces& rest, Index cell) {
 }
 
 void RowNodes::read_nodes(const CellComplex& complex, const TopologyChange& change) {
+  const auto rows_before = static_cast<Index>(nodes_.size() / node_count_);
   nodes_.resize(cells_.size() * node_count_);
   const bool only_split = change.faces_sewn == 0 && change.removed[3].empty();
   if (!only_split) return read_elements(complex, change.elements);
-  for (const Index cell : change.stars[static_cast<std::size_t>(dimension_)].cells)
-    read_cell(complex, cell);
+  if (cells_.is_all())
+    for (Index row = rows_before; row < cells_.size(); ++row) read_row(complex, row);
+  else  // an old row may describe a new cell
+    for (const Index cell : change.stars[static_cast<std::size_t>(dimension_)].cells)
+      read_cell(complex, cell);
   if (dimension_ == 1)
-    follow_vertices<1>(complex, change);
+    follow_vertices<1>(complex, change, rows_before);
   else
-    follow_vertices<2>(complex, change);
+    follow_vertices<2>(complex, change, rows_before);
 }
 
 /// A cell that is what it was may have another vertex now, and a row may describe
@@ -103,9 +121,11 @@ void RowNodes::read_elements(const CellComplex& complex, std::span<const Index> 
   }
 }
 
-/// After splits alone: cells around a new vertex, whose elements all are its own now.
+/// After splits alone: cells around a new vertex, whose elements all are its own now, in
+/// the first `rows` rows.
 template <int Dimension>
-void RowNodes::follow_vertices(const CellComplex& complex, const TopologyChange& change) {
+void RowNodes::follow_vertices(const CellComplex& complex, const TopologyChange& change,
+                               Index rows) {
   const Stars& stars = change.stars[0];
   auto split = change.splits[0].begin();
   for (std::size_t i = 0; i < stars.size() && split != change.splits[0].end(); ++i) {
@@ -113,7 +133,7 @@ void RowNodes::follow_vertices(const CellComplex& complex, const TopologyChange&
     for (const Dart dart : stars[i])
       for (const Index cell : cells_at<Dimension>(complex, dart)) {
         const Index row = cells_.row(cell);
-        if (row == none) continue;
+        if (row >= rows) continue;  // `none` too
         Index* const nodes = nodes_.data() + row * (std::size_t{1} << Dimension);
         for (int n = 0; n < 1 << Dimension; ++n)
           nodes[n] = nodes[n] == split->old_cell ? split->new_cell : nodes[n];

@@ -30,7 +30,7 @@ class RowNodes {
   void read_cell(const CellComplex& complex, Index cell);
   void read_elements(const CellComplex& complex, std::span<const Index> elements);
   template <int Dimension>
-  void follow_vertices(const CellComplex& complex, const TopologyChange& change);
+  void follow_vertices(const CellComplex& complex, const TopologyChange& change, Index rows);
 
   const CellSet& cells_;
   int dimension_;

@@ -22,7 +22,10 @@ void check_size(std::size_t elements) {
 
 /// Cuts append cells; room for them in advance keeps a small cut of a large map from
 /// copying tables. Pages that nobody touches take no memory.
-std::size_t room_for(std::size_t cells) { return cells + cells / 4 + 64; }
+std::size_t room_for(std::size_t cells) { return cells + cells / 2 + 64; }
+void prepare_room(std::vector<Dart>& cells) {
+  prefer_large_pages(cells.data() + cells.size(), (cells.capacity() - cells.size()) * sizeof(Dart));
+}
 
 /// The faces at each corner, one bit each.
 constexpr auto corner_faces = [] {
@@ -110,6 +113,7 @@ void CellComplex::split_pinched_vertices(Index vertex_count, std::vector<Split>*
     for (const Dart c : component) vertices_[c / 24][hexahedron::dart_vertex[c % 24]] = fresh;
     if (pinched) pinched->push_back({vertex, fresh});
   }
+  prepare_room(some_dart_[0]);
 }
 
 /// An edge's elements form a path or a cycle: walks it from its smallest dart one
@@ -129,6 +133,7 @@ void CellComplex::require_edges() {
       for (const Exit way : exits<1>[i])
         if (number_edge(e, way, id)) break;
     }
+  prepare_room(some_dart_[1]);
   cell_marks_[1].resize(some_dart_[1].size() / 64 + 1);
 }
 
@@ -162,6 +167,7 @@ void CellComplex::require_faces() {
         some_dart_[2].push_back(24 * e + 4 * f);
       }
     }
+  prepare_room(some_dart_[2]);
 }
 
 // -------------------------------------------------------------- questions --

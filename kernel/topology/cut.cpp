@@ -279,6 +279,7 @@ void CellComplex::name_components(Index cell, const StarFlood& flood, TopologyCh
 /// Unlinks. A cut face becomes two faces; that of the smaller side keeps the number.
 void CellComplex::split_faces(std::span<const Link> cut_faces, TopologyChange& change) {
   if (has_faces()) reserve(change, 2, cut_faces.size());
+  change.elements.reserve(change.elements.size() + cut_faces.size());
   for (const Link first : cut_faces) {
     Link& link = links_[side_of(first)];
     const Link second = link & ~(leaving | 3u);

@@ -87,10 +87,11 @@ TEST(Column, MirrorsAPlainArrayUnderRandomOperationsAndStaysPadded) {
             break;
           }
           case 2: {
-            const Index from = any(), to = any();
-            const RowSplit split{from, to};
-            column.copy_rows({&split, 1});
-            oracle[to] = oracle[from];
+            std::vector<RowSplit> splits;
+            for (std::size_t left = random() % 20 == 0 ? 300 : 1; left != 0; --left)
+              splits.push_back({any(), static_cast<Index>(oracle.size() + splits.size())});
+            column.append_copies(splits);
+            for (const RowSplit& split : splits) oracle.push_back(oracle[split.old_row]);
             break;
           }
           case 3: {
@@ -170,9 +171,8 @@ TEST(Column, TrialValuesBecomeTheValuesWhenAccepted) {
   EXPECT_EQ(column.get(9, 0), 1);
   column.accept();
   EXPECT_EQ(column.get(9, 0), 11);
-  column.resize(12);
   const RowSplit split{9, 11};
-  column.copy_rows({&split, 1});
+  column.append_copies({&split, 1});
   EXPECT_EQ(column.get(11, 0), 11);
   EXPECT_EQ(column.trial_block(1)[3], 1);  // the trial copy follows too
 }

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/base/bulk.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <numeric>
+
+namespace suture {
+namespace {
+
+bool is_aligned(const void* p, std::size_t alignment) {
+  return reinterpret_cast<std::uintptr_t>(p) % alignment == 0;
+}
+
+TEST(Bulk, MemoryIsAlignedAndLargePagesWhereItIsLarge) {
+  constexpr std::size_t large_page = std::size_t{2} << 20;
+  for (const std::size_t bytes : {std::size_t{1}, std::size_t{100}, large_page / 2 - 1}) {
+    void* const memory = allocate_bulk(bytes, 64);
+    EXPECT_TRUE(is_aligned(memory, 64)) << bytes;
+    std::free(memory);
+  }
+  for (const std::size_t bytes : {large_page / 2, large_page, 3 * large_page + 5}) {
+    void* const memory = allocate_bulk(bytes, 4);
+    EXPECT_TRUE(is_aligned(memory, large_page)) << bytes;
+    std::free(memory);
+  }
+}
+
+TEST(Bulk, VectorsKeepTheirItemsWhenTheyGrowPastThePage) {
+  BulkVector<std::uint32_t> grown;
+  for (std::uint32_t i = 0; i < 1'000'000; ++i) grown.push_back(i);
+  const std::size_t end = grown.size();
+  grown.resize(2 * end);  // sets nothing, so neither does it disturb anything
+  std::iota(grown.begin() + static_cast<std::ptrdiff_t>(end), grown.end(), 1'000'000u);
+  for (std::uint32_t i = 0; i < grown.size(); ++i) ASSERT_EQ(grown[i], i);
+}
+
+TEST(Bulk, PagesThatWereWrittenKeepWhatTheyHold) {
+  std::vector<std::uint32_t> written(3'000'000);
+  std::iota(written.begin(), written.end(), 7u);
+  prefer_large_pages(written.data(), written.size() * sizeof(written[0]));
+  prefer_large_pages(written.data() + 1, 12);  // holds no page
+  for (std::uint32_t i = 0; i < written.size(); ++i) ASSERT_EQ(written[i], i + 7);
+}
+
+}  // namespace
+}  // namespace suture

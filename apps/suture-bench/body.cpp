@@ -68,7 +68,7 @@ Body::Body(PluginHost& host, const BodyOptions& options)
   const suture_model& model = host.model(options.model);
   Stopwatch watch;
   attributes_ = std::make_unique<Attributes>(mesh_.complex, mesh_.rest);
-  attributes_->user_element = mesh_.user_element;
+  attributes_->user_element = mesh_.user_element.list();
   attributes_->add(
       std::make_unique<Instance>(model, options.model, parameters_of(model, options.parameters),
                                  diagnostics_, options.skip),

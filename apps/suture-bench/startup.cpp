@@ -12,10 +12,13 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <sstream>
 
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/run/simulation.hpp"
+#include "kernel/scene/scene_reader.hpp"
 
 namespace suture::bench {
 namespace {
@@ -41,16 +44,14 @@ double resident() {
 
 void measure_parts(const std::string& model, Index size, const Options& options, Report& report) {
   std::vector<BodyTimes> times;
-  double bytes = 0, elements = 0;
+  double elements = 0;
   for (int round = 0; round < options.rounds; ++round) {
-    const double before = resident(), start = wall();
+    const double start = wall();
     PluginHost host;
     host.model(model);
     const double loaded = wall() - start;
-    Body body(host, {.model = model, .cells = grid_of(size)});
-    body.step();
+    const Body body(host, {.model = model, .cells = grid_of(size)});
     elements = body.element_count();
-    bytes = std::max(bytes, resident() - before);
     times.push_back(body.times());
     times.back().plugin = loaded;
   }
@@ -66,19 +67,55 @@ void measure_parts(const std::string& model, Index size, const Options& options,
                  .add("map ms", best(&BodyTimes::map))
                  .add("attributes ms", best(&BodyTimes::attributes))
                  .add("loops ms", best(&BodyTimes::loops))
-                 .add("stable step ms", best(&BodyTimes::stable_step))
-                 .add("B/el", bytes / elements));
+                 .add("stable step ms", best(&BodyTimes::stable_step)));
 }
+
+// ------------------------------------------------------------ the program --
+
+/// Scene files, and a folder for them that is removed again.
+class Scenes {
+ public:
+  Scenes() { std::filesystem::create_directories(folder_); }
+  ~Scenes() { std::filesystem::remove_all(folder_); }
+  Scenes(const Scenes&) = delete;
+  Scenes& operator=(const Scenes&) = delete;
+
+  /// A block of cubes under gravity, one end held, for some steps of `dt`.
+  std::filesystem::path write(const std::string& model, const std::array<Index, 3>& cells,
+                              const char* dt, int steps) const {
+    std::ostringstream size, count;
+    for (std::size_t c = 0; c < 3; ++c) {
+      size << (c ? ", " : "") << 0.025 * cells[c];
+      count << (c ? ", " : "") << cells[c];
+    }
+    const auto file = folder_ / "block.json";
+    std::ofstream(file) << R"({"suture": 1, "mesh": {"box": {"size": [)" << size.str()
+                        << R"(], "cells": [)" << count.str() << R"(]}}, "models": [{"model": ")"
+                        << model << R"(", "parameters": {"E": 1e5, "nu": 0.3, "rho": 1000}}],
+    "constraints": [{"where": {"set": "z0"}, "fix": "xyz"}],
+    "gravity": [0, -9.8, 0], "solver": {"end": 1, "dt": )"
+                        << dt << R"(, "max_steps": )" << steps << R"(},
+    "output": {"directory": ")"
+                        << (folder_ / "out").string() << "\"}}\n";
+    return file;
+  }
+
+ private:
+  std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("suture-bench-" + std::to_string(getpid()));
+};
 
 std::filesystem::path program() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "suture";
 }
 
+constexpr const char* no_output = "/output=false";
+
 /// Seconds of `suture run` on a scene file, start to exit.
 double run_program(const std::filesystem::path& scene, bool frames) {
   const std::string path = program().string(), file = scene.string();
   std::vector<const char*> arguments{path.c_str(), "run", "-q", file.c_str()};
-  if (!frames) arguments.insert(arguments.end(), {"--set", "/output=false"});
+  if (!frames) arguments.insert(arguments.end(), {"--set", no_output});
   arguments.push_back(nullptr);
   const double start = wall();
   pid_t child = 0;
@@ -90,17 +127,8 @@ double run_program(const std::filesystem::path& scene, bool frames) {
   return wall() - start;
 }
 
-void measure_program(const Options& options, Report& report) {
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("suture-bench-" + std::to_string(getpid()));
-  std::filesystem::create_directories(folder);
-  const auto scene = folder / "ten.json";
-  std::ofstream(scene)
-      << R"({"suture": 1, "mesh": {"box": {"size": [1, 0.5, 0.1], "cells": [5, 2, 1]}},
-    "models": [{"model": "tm-faure", "parameters": {"E": 1e5, "nu": 0.3, "rho": 1000}}],
-    "gravity": [0, -9.8, 0], "solver": {"dt": 1e-4, "end": 1e-3},
-    "output": {"directory": ")"
-      << (folder / "out").string() << "\"}}\n";
+void measure_program(const Scenes& scenes, const Options& options, Report& report) {
+  const auto scene = scenes.write("tm-faure", {5, 2, 1}, "1e-4", 10);
   for (const bool frames : {false, true}) {
     double best = 1e9;
     for (int round = 0; round < 4 * options.rounds; ++round)
@@ -110,18 +138,65 @@ void measure_program(const Options& options, Report& report) {
                    .add("output", std::string(frames ? "2 frames" : "none"))
                    .add("ms", 1e3 * best));
   }
-  std::filesystem::remove_all(folder);
+}
+
+// ----------------------------------------------------------------- memory --
+
+struct Memory {
+  double held, peak;  ///< B
+};
+
+/// Most that this process has had in memory since reset_peak().
+double peak() {
+  std::ifstream file("/proc/self/status");
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("VmHWM:")) return 1024 * std::stod(line.substr(6));
+  throw IoError("/proc/self/status does not tell the peak of the memory");
+}
+void reset_peak() { std::ofstream("/proc/self/clear_refs") << 5; }
+
+/// What a run holds after its first step, and at most until then.
+Memory memory_of(const std::filesystem::path& file) {
+  const double before = resident();
+  reset_peak();
+  PluginHost host;
+  Diagnostics diagnostics;
+  const Scene scene = read_scene(file, {no_output}, host, diagnostics);
+  Simulation simulation(scene, host, diagnostics);
+  Observer nobody;
+  simulation.run(nobody);
+  return {resident() - before, peak() - before};
+}
+
+void measure_memory(const Scenes& scenes, const std::string& model, const Options& options,
+                    Report& report) {
+  const auto ten = scenes.write(model, {5, 2, 1}, "\"auto\"", 1);
+  memory_of(ten);  // loads what stays loaded
+  const Memory program = memory_of(ten);
+  for (const Index size : options.sizes) {
+    const auto cells = grid_of(size);
+    const double elements = double{1} * cells[0] * cells[1] * cells[2];
+    const Memory run = memory_of(scenes.write(model, cells, "\"auto\"", 1));
+    report.add(Line()
+                   .add("elements", elements)
+                   .add("B/el", std::max(run.held - program.held, 0.0) / elements)
+                   .add("peak B/el", std::max(run.peak - program.peak, 0.0) / elements));
+  }
 }
 
 void run(const Options& options, Report& report) {
   report.begin("startup: the program", "suture run from start to exit, best by the wall clock");
-  measure_program(options, report);
+  const Scenes scenes;
+  measure_program(scenes, options, report);
   for (const std::string& model : options.models) {
-    report.begin("startup: " + model,
-                 "from a box to the first step, best of " + std::to_string(options.rounds) +
-                     ", wall clock, one thread; B/el: memory of the process that it holds after "
-                     "a step, per element");
+    report.begin("startup: " + model, "from a box to the first step, best of " +
+                                          std::to_string(options.rounds) +
+                                          ", wall clock, one thread");
     for (const Index size : options.sizes) measure_parts(model, size, options, report);
+    report.begin("memory: " + model,
+                 "bytes per element, beyond those of a scene of 10: held after the first step of a "
+                 "scene without cuts and frames, and at most until then");
+    measure_memory(scenes, model, options, report);
   }
 }
 

@@ -27,7 +27,7 @@ SutureCut::SutureCut(PluginHost& host, const std::string& name, Mesh mesh)
   mesh_.complex.require_edges();
   mesh_.complex.require_faces();
   attributes_ = std::make_unique<Attributes>(mesh_.complex, mesh_.rest);
-  attributes_->user_element = mesh_.user_element;
+  attributes_->user_element = mesh_.user_element.list();
   attributes_->add(std::make_unique<Instance>(model, name, parameters_of(model), diagnostics_),
                    mesh_.complex, {});
   attributes_->initialise(mesh_.complex, diagnostics_);

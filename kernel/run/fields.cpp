@@ -199,7 +199,7 @@ const std::vector<FieldChoice>& kernel_fields() {
                                                {"fixed", On::points, false, fixed},
                                                {"node_id", On::points, false, node_id},
                                                {"element_id", On::cells, false, element_id},
-                                               {"island", On::cells, false, island},
+                                               {"island", On::cells, false, island, false, true},
                                                {"model", On::cells, false, model}};
   return fields;
 }

@@ -18,7 +18,8 @@ struct FieldChoice {
   bool needs_force = false;  ///< forces must belong to the positions of the frame
   /// Computes the field; `gravity` (m/s^2) and `time` (s) as they are now.
   std::function<void(World&, const Vec3& gravity, double time, FrameField&)> fill;
-  bool runs_functors = false;  ///< an output of a model, not a column
+  bool runs_functors = false;     ///< an output of a model, not a column
+  bool needs_neighbours = false;  ///< asks which elements hang together
 };
 
 /// False for a row whose cell was removed, or left the instance.

@@ -81,6 +81,8 @@ Recorder::Recorder(const Scene& scene, World& world, std::string provenance)
       std::any_of(fields_.begin(), fields_.end(), [](const auto& f) { return f.needs_force; });
   frames_run_functors_ =
       std::any_of(fields_.begin(), fields_.end(), [](const auto& f) { return f.runs_functors; });
+  frames_need_neighbours_ =
+      std::any_of(fields_.begin(), fields_.end(), [](const auto& f) { return f.needs_neighbours; });
   other_fields_ = fields_besides(world, fields_);
   for (const Probe& probe : options.probes)
     probe_vertices_.push_back(world.selector.vertices(probe.where));

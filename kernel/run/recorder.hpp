@@ -28,6 +28,9 @@ class Recorder {
   /// Frames show what functors of the models compute (stress).
   bool frames_run_functors() const { return frames_run_functors_; }
 
+  /// Frames show which elements hang together.
+  bool frames_need_neighbours() const { return frames_need_neighbours_; }
+
   void frame(double time, const Vec3& gravity);
   void energies(std::uint64_t step, double time, double dt, const Dynamics::Energies& row);
   void probes(std::uint64_t step, double time, const Vec3& gravity);
@@ -51,7 +54,7 @@ class Recorder {
   World& world_;
   std::string provenance_;
   std::vector<FieldChoice> fields_, other_fields_;
-  bool frames_need_force_ = false, frames_run_functors_ = false;
+  bool frames_need_force_ = false, frames_run_functors_ = false, frames_need_neighbours_ = false;
   std::size_t frame_number_ = 0;
   std::vector<std::vector<Index>> probe_vertices_;
   std::unique_ptr<FrameWriter> frames_, springs_;

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/heap.hpp"
 #include "kernel/dynamics/rest_search.hpp"
 #include "kernel/run/clock.hpp"
 #include "kernel/run/decisions.hpp"
@@ -75,12 +76,14 @@ struct Simulation::Impl {
     Decision still = decide_still_cells(scene, world, recorder);
     decisions = decide(scene, host, world, recorder);
     decisions.push_back(std::move(still));
+    decisions.push_back(decide_neighbours(scene, world, recorder));
     if (scene.solver.until_rest) {
       rest.emplace(scene.solver.tolerance, scene.solver.automatic_damping);
       rest->wait_until(schedule.settled_after());
     }
     world.dynamics->start();
     watch.start();
+    trim_heap();  // of the search
   }
 
   Vec3 gravity_now() const {
@@ -291,6 +294,7 @@ RunSummary Simulation::run(Observer& observer) { return impl_->run(observer); }
 void Simulation::run_to(double time, Observer& observer) { impl_->loop(time, observer); }
 
 void Simulation::apply(const Event& event, Observer& observer) {
+  impl_->world.complex().require_beta3();
   impl_->tell(impl_->events.apply(event, impl_->clock.time()), observer);
 }
 
@@ -298,7 +302,10 @@ Dynamics::Energies Simulation::energies() { return impl_->world.dynamics->energi
 
 const std::vector<Decision>& Simulation::decisions() const { return impl_->decisions; }
 
-const CellComplex& Simulation::complex() const { return impl_->world.imported.complex; }
+const CellComplex& Simulation::complex() const {
+  impl_->world.complex().require_beta3();
+  return impl_->world.complex();
+}
 
 Attributes& Simulation::attributes() { return impl_->world.attributes; }
 

@@ -86,6 +86,7 @@ class Simulation {
 
   Dynamics::Energies energies();  ///< J; potentials are zero at rest positions
 
+  /// With beta3, which is found again if the run has dropped it.
   const CellComplex& complex() const;
   Attributes& attributes();
   /// Mean displacement of the vertices that a selection names, m.

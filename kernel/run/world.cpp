@@ -5,10 +5,18 @@
 #include <utility>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/heap.hpp"
 #include "kernel/mesh/mesh_file.hpp"
 
 namespace suture {
 namespace {
+
+/// What the import needed meanwhile is gone before the columns come.
+Imported import_and_trim(Mesh mesh, const Scene& scene, Diagnostics& diagnostics) {
+  Imported imported = import_mesh(std::move(mesh), scene.mesh.import, diagnostics);
+  trim_heap();
+  return imported;
+}
 
 Mesh load_mesh(const MeshSource& source, Diagnostics& diagnostics) {
   if (source.box) return make_box(*source.box);
@@ -59,14 +67,17 @@ World::World(const Scene& scene, Mesh mesh, Diagnostics& diagnostics, bool skip)
     : skips(skip),
       mesh_source(mesh.source),
       names(MeshNames::of(mesh)),
-      imported(import_mesh(std::move(mesh), scene.mesh.import, diagnostics)),
+      imported(import_and_trim(std::move(mesh), scene, diagnostics)),
       attributes(imported.complex, std::exchange(imported.rest, {})),
       selector(imported, names, attributes.rest()),
       user_vertex(std::move(imported.user_vertex)) {
-  for (const Index element : imported.user_element)
-    if (!names.element_ids.empty())
-      element_ids_.push_back(static_cast<Index>(names.element_id(element)));
-  attributes.user_element = names.element_ids.empty() ? imported.user_element : element_ids_;
+  if (names.element_ids.empty()) {
+    attributes.user_element = imported.user_element.list();
+  } else {
+    for (Index e = 0; e < complex().element_count(); ++e)
+      element_ids_.push_back(static_cast<Index>(element_name(e)));
+    attributes.user_element = element_ids_;
+  }
   add_models(scene, diagnostics);
   dynamics = std::make_unique<Dynamics>(attributes, complex(), dynamics_options(scene));
   add_constraints(scene);
@@ -154,6 +165,7 @@ void World::follow(const TopologyChange& change) {
 }
 
 const Islands& World::islands() {
+  complex().require_beta3();
   if (!islands_) islands_.emplace(complex());
   return *islands_;
 }

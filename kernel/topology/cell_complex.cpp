@@ -116,10 +116,36 @@ void CellComplex::split_pinched_vertices(Index vertex_count, std::vector<Split>*
   prepare_room(some_dart_[0]);
 }
 
+void CellComplex::drop_beta3() {
+  if (!can_drop_beta3())
+    throw TopologyError(
+        "beta3 cannot be dropped after an operation: faces that were cut may still have the same "
+        "vertices, so it could not be found again");
+  links_ = std::vector<Link>();
+}
+
+void CellComplex::require_beta3() {
+  if (has_beta3()) return;
+  std::vector<MapFault> faults;
+  links_ = match_faces(vertices_, count(0), faults);
+}
+
+void CellComplex::refuse_without_beta3() {
+  throw TopologyError(
+      "beta3 was dropped because nothing needed it; call require_beta3() before asking for "
+      "neighbours, stars or islands");
+}
+
+void CellComplex::begin_operation() {
+  require_beta3();
+  has_operated_ = true;
+}
+
 /// An edge's elements form a path or a cycle: walks it from its smallest dart one
 /// way, and if that ends at the boundary, the other way.
 void CellComplex::require_edges() {
   if (has_edges()) return;
+  require_beta3();
   std::array<Index, 12> unknown;
   unknown.fill(none);
   edges_.assign(vertices_.size(), unknown);
@@ -153,6 +179,7 @@ bool CellComplex::number_edge(Index e, Exit way, Index id) {
 
 void CellComplex::require_faces() {
   if (has_faces()) return;
+  require_beta3();
   std::array<Index, 6> unknown;
   unknown.fill(none);
   faces_.assign(vertices_.size(), unknown);
@@ -193,6 +220,7 @@ Index CellComplex::cell(int dimension, Dart d) const {
 
 void CellComplex::star(int dimension, Index id, std::vector<Dart>& out) const {
   const Dart start = dart_of(dimension, id);
+  if (!has_beta3()) refuse_without_beta3();
   switch (dimension) {
     case 0:
       return collect_star<0>(start, out);

@@ -94,13 +94,9 @@ std::vector<Hexahedron> number(const Mesh& mesh, const std::vector<bool>& used, 
   const auto elements = static_cast<Index>(mesh.hexahedra.size());
   const auto points = static_cast<Index>(mesh.points.size());
   if (renumber && !is_local(mesh.hexahedra, points)) {
-    out.user_element = curve_order(mesh.hexahedra, mesh.points, used);
-  } else {
-    out.user_element.resize(elements);
-    std::iota(out.user_element.begin(), out.user_element.end(), Index{0});
+    out.user_element = Renumbering(curve_order(mesh.hexahedra, mesh.points, used));
+    out.element_of = out.user_element.inverse();
   }
-  out.element_of.resize(elements);
-  for (Index e = 0; e < elements; ++e) out.element_of[out.user_element[e]] = e;
 
   out.vertex_of_point.assign(points, none);
   const auto add_vertex = [&](Index point) {
@@ -263,6 +259,17 @@ void report_inverted(const Shapes& shapes, const std::string& where, const Namin
 }
 
 }  // namespace
+
+Renumbering::Renumbering(std::vector<Index> of) {
+  Index next = 0;
+  if (!std::ranges::all_of(of, [&](Index number) { return number == next++; })) of_ = std::move(of);
+}
+
+Renumbering Renumbering::inverse() const {
+  std::vector<Index> inverse(of_.size());
+  for (Index i = 0; i < of_.size(); ++i) inverse[of_[i]] = i;
+  return Renumbering(std::move(inverse));
+}
 
 std::vector<Index> Imported::vertices_of_point(Index point) const {
   std::vector<Index> result;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -17,13 +18,28 @@ struct ImportOptions {
   bool renumber = true;  ///< elements and vertices for locality (user ids stay)
 };
 
+/// What number a thing has elsewhere. Nothing is stored where all numbers stay.
+class Renumbering {
+ public:
+  Renumbering() = default;
+  /// Number i becomes `of[i]`.
+  explicit Renumbering(std::vector<Index> of);
+
+  Index operator[](Index i) const { return of_.empty() ? i : of_[i]; }
+  std::span<const Index> list() const { return of_; }  ///< empty where all numbers stay
+  Renumbering inverse() const;
+
+ private:
+  std::vector<Index> of_;
+};
+
 /// A mesh turned into a complex: numbers of the complex are not the user's.
 struct Imported {
   CellComplex complex;
   std::vector<Vec3> rest;              ///< per vertex of the complex
   std::vector<Index> user_vertex;      ///< vertex of the complex -> point of the Mesh
-  std::vector<Index> user_element;     ///< element of the complex -> hexahedron of the Mesh
-  std::vector<Index> element_of;       ///< inverse of user_element
+  Renumbering user_element;            ///< element of the complex -> hexahedron of the Mesh
+  Renumbering element_of;              ///< inverse of user_element
   std::vector<Index> vertex_of_point;  ///< point -> its first vertex; none if unused
   /// (point, further vertex) where pinched cells were split, ascending.
   std::vector<std::pair<Index, Index>> split_points;

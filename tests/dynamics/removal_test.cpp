@@ -162,7 +162,7 @@ TEST(Removal, ForcesAreThoseOfAFreshStartOnWhatIsLeft) {
       rest.push_back({body.attributes->rest().get(v, 0), body.attributes->rest().get(v, 1),
                       body.attributes->rest().get(v, 2)});
     Attributes fresh(body.mesh.complex, rest);
-    fresh.user_element = body.mesh.user_element;
+    fresh.user_element = body.mesh.user_element.list();
     fresh.add(std::make_unique<Instance>(spring_model::model(), "springs", spring_model::defaults(),
                                          body.diagnostics),
               body.mesh.complex, {});

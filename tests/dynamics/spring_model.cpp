@@ -266,7 +266,7 @@ Body::Body(suture::BoxOptions box, bool distorted) {
       for (double& c : grid.points[i]) c += h * shift(random);
   mesh = suture::import_mesh(std::move(grid), {}, diagnostics);
   attributes = std::make_unique<suture::Attributes>(mesh.complex, mesh.rest);
-  attributes->user_element = mesh.user_element;
+  attributes->user_element = mesh.user_element.list();
 }
 
 suture::Instance& Body::add(std::vector<double> parameters, std::vector<Index> region, bool skip) {

@@ -221,7 +221,7 @@ void copy_state(World& from, const std::vector<Index>& mine, World& to,
 
 /// The internal number of each element of a mesh, by its place in the file.
 std::vector<Index> by_user(World& w) {
-  std::vector<Index> result(w.imported.user_element.size());
+  std::vector<Index> result(w.complex().element_count());
   for (Index e = 0; e < result.size(); ++e) result[w.imported.user_element[e]] = e;
   return result;
 }

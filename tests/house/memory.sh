@@ -1,0 +1,18 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Memory per element of a tensor-mass scene without cuts and frames: what the run holds
+# after its first step, and at most until then (in the search of the stable step).
+# usage: memory.sh SUTURE-BENCH
+set -euo pipefail
+bench=$1
+# Measured: 217 and 331 (at 432,000 elements, which have fewer vertices each, 210 and 323).
+# What this is to notice takes 12 B and more.
+most=225
+most_peak=345
+
+# The last line: elements, held, peak.
+read -r elements held peak < <("$bench" startup --sizes 108000 --models tm-faure --rounds 1 |
+  tail -n 1)
+echo "$held B per element of at most $most, $peak of $most_peak at the peak ($elements elements)"
+awk -v held="$held" -v peak="$peak" -v most="$most" -v most_peak="$most_peak" \
+  'BEGIN { exit !(held > 100 && held <= most && peak >= held && peak <= most_peak) }'

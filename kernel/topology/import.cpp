@@ -93,8 +93,8 @@ std::vector<Hexahedron> number(const Mesh& mesh, const std::vector<bool>& used, 
                                Imported& out) {
   const auto elements = static_cast<Index>(mesh.hexahedra.size());
   const auto points = static_cast<Index>(mesh.points.size());
-  if (renumber && !is_local(mesh.hexahedra, points)) {
-    out.user_element = Renumbering(curve_order(mesh.hexahedra, mesh.points, used));
+  if (renumber) {
+    out.user_element = Renumbering(local_order(mesh.hexahedra, mesh.points, used));
     out.element_of = out.user_element.inverse();
   }
 

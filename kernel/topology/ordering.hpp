@@ -22,4 +22,23 @@ bool is_local(std::span<const Hexahedron> hexahedra, Index point_count);
 std::vector<Index> curve_order(std::span<const Hexahedron> hexahedra, std::span<const Vec3> points,
                                const std::vector<bool>& used);
 
+/// Elements in layers across the longest axis of the mesh, those of a layer in the
+/// order given, if that makes the parts of several threads meet in far fewer vertices;
+/// else nothing: short meshes, those walked that way, and those of one thread (below
+/// 4096 elements). For orders that are local. O(elements).
+///
+///   given: along the axis      swept: across it
+///   +----------------+         +----------------+
+///   | -------------> |         | | | | | | | | ||
+///   |= = = = = = = = |         | | | | |:| | | ||    = : where two halves meet
+///   | -------------> |         | v v v v v v v v|
+///   +----------------+         +----------------+
+std::vector<Index> sweep_order(std::span<const Hexahedron> hexahedra, std::span<const Vec3> points,
+                               const std::vector<bool>& used);
+
+/// The order in which the import numbers elements: theirs, swept or along the curve.
+/// Nothing if they stay where they are.
+std::vector<Index> local_order(std::span<const Hexahedron> hexahedra, std::span<const Vec3> points,
+                               const std::vector<bool>& used);
+
 }  // namespace suture

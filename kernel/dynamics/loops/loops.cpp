@@ -256,61 +256,84 @@ void gather(const Job* job, const Worker* worker, const BatchRows* rows, Buffers
 constexpr uint32_t prefetch_distance = 24;
 
 typedef double Row __attribute__((vector_size(32), aligned(32)));
+/// Two rows side by side: a register of AVX-512, two of AVX2.
+typedef double TwoRows __attribute__((vector_size(64), aligned(32)));
+typedef double Eight __attribute__((vector_size(64), aligned(8)));
+typedef int64_t Places __attribute__((vector_size(64)));
 
-inline Row load(const double* p) { return *reinterpret_cast<const Row*>(p); }
-inline void store(double* p, Row r) { *reinterpret_cast<Row*>(p) = r; }
-inline bool not_finite(Row zero) {  // NaN in any place
-  return !(zero[0] == 0 && zero[1] == 0 && zero[2] == 0);
+template <class V = Row>
+inline V load(const double* p) {
+  return *reinterpret_cast<const V*>(p);
+}
+template <class V>
+inline void store(double* p, V v) {
+  *reinterpret_cast<V*>(p) = v;
 }
 
-template <int Kicks, bool Drift>
-inline __attribute__((always_inline)) void move_vertex(const Motion& m, uint64_t at, double inverse,
-                                                       Row gravity, Row& zero) {
-  const Row a = load(m.force + at) * inverse + gravity;
-  Row v = load(m.velocity + at) * m.decay[0] + a * m.gain[0];
+/// Moves the vertices of a row or two; `zero` stays zero unless a velocity is infinite
+/// or no number.
+template <int Kicks, bool Drift, class V>
+inline __attribute__((always_inline)) void move(const Motion& m, uint64_t at, V inverse, V gravity,
+                                                V& zero) {
+  const V a = load<V>(m.force + at) * inverse + gravity;
+  V v = load<V>(m.velocity + at) * m.decay[0] + a * m.gain[0];
   if (Kicks == 2) v = v * m.decay[1] + a * m.gain[1];
   zero += v * 0.0;
   store(m.velocity + at, v);
   if (Drift) {
-    store(m.position + at, load(m.position + at) + v * m.drift);
-    store(m.force + at, Row{});
+    store(m.position + at, load<V>(m.position + at) + v * m.drift);
+    store(m.force + at, V{});
   }
 }
 
-/// A block of which only some vertices live.
+/// A block that is not whole, or of which only some vertices live.
 template <int Kicks, bool Drift>
 void move_some(const Motion& m, uint32_t first, uint32_t count, Row gravity, Row& zero) {
   for (uint32_t l = 0; l < count; ++l)
-    if (m.live[first / lanes] >> l & 1)
-      move_vertex<Kicks, Drift>(m, static_cast<uint64_t>(first + l) * 4, 1.0 / m.mass[first + l],
-                                gravity, zero);
+    if (!m.live || (m.live[first / lanes] >> l & 1) != 0)
+      move<Kicks, Drift>(m, static_cast<uint64_t>(first + l) * 4, Row{} + 1.0 / m.mass[first + l],
+                         gravity, zero);
 }
 
-/// One vertex after the other, masses inverted eight at a time (a division per
-/// vertex would cost as much as the rest of the pass).
+/// A whole block, two vertices at a time; masses are inverted together (a division per
+/// vertex would cost as much as the rest), and two sums break the chain of additions.
+template <int Kicks, bool Drift>
+inline void move_block(const Motion& m, uint32_t first, TwoRows gravity, TwoRows (&zero)[2]) {
+  const uint64_t at = static_cast<uint64_t>(first) * 4;
+  for (uint32_t l = 0; l < lanes; l += 2) {
+    const uint64_t ahead = at + (l + prefetch_distance) * 4;
+    __builtin_prefetch(m.force + ahead, 1);
+    __builtin_prefetch(m.velocity + ahead, 1);
+    __builtin_prefetch(m.position + ahead, 1);
+  }
+  const Eight inverse = 1.0 / load<Eight>(m.mass + first);
+  const auto two = [&](int64_t l) __attribute__((always_inline)) {
+    const TwoRows each = __builtin_shuffle(inverse, Places{l, l, l, l, l + 1, l + 1, l + 1, l + 1});
+    move<Kicks, Drift>(m, at + static_cast<uint64_t>(l) * 4, each, gravity, zero[l / 2 % 2]);
+  };
+  two(0);
+  two(2);
+  two(4);
+  two(6);
+}
+
 template <int Kicks, bool Drift>
 int32_t pass(const Motion* motion, uint32_t begin, uint32_t end) {
   const Motion m = *motion;
-  const Row gravity = {m.gravity[0], m.gravity[1], m.gravity[2], 0};
-  Row zero = {};  // stays zero unless a velocity is infinite or no number
+  const double* const g = m.gravity;
+  const Row gravity = {g[0], g[1], g[2], 0};
+  const TwoRows gravities = {g[0], g[1], g[2], 0, g[0], g[1], g[2], 0};
+  Row zero = {};
+  TwoRows zeros[2] = {};
   for (uint32_t first = begin; first < end; first += lanes) {
-    const uint32_t n = end - first < lanes ? end - first : lanes;
-    if (m.live && m.live[first / lanes] != 0xFF) {
-      move_some<Kicks, Drift>(m, first, n, gravity, zero);
-      continue;
-    }
-    double inverse[lanes];
-    for (uint32_t l = 0; l < n; ++l) inverse[l] = 1.0 / m.mass[first + l];
-    for (uint32_t l = 0; l < n; l += 2) {
-      const uint64_t ahead = static_cast<uint64_t>(first + l + prefetch_distance) * 4;
-      __builtin_prefetch(m.force + ahead, 1);
-      __builtin_prefetch(m.velocity + ahead, 1);
-      __builtin_prefetch(m.position + ahead, 1);
-    }
-    for (uint32_t l = 0; l < n; ++l)
-      move_vertex<Kicks, Drift>(m, static_cast<uint64_t>(first + l) * 4, inverse[l], gravity, zero);
+    if (end - first >= lanes && (!m.live || m.live[first / lanes] == 0xFF))
+      move_block<Kicks, Drift>(m, first, gravities, zeros);
+    else
+      move_some<Kicks, Drift>(m, first, end - first < lanes ? end - first : lanes, gravity, zero);
   }
-  return not_finite(zero) ? 1 : 0;
+  const TwoRows both = zeros[0] + zeros[1];
+  zero += Row{both[0] + both[4], both[1] + both[5], both[2] + both[6], 0};
+  return zero[0] == 0 && zero[1] == 0 && zero[2] == 0 ? 0 : 1;
 }
 
 double kinetic(const double* velocity, const double* mass, uint32_t begin, uint32_t end) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "kernel/dynamics/loops/dispatch.hpp"
@@ -354,6 +355,20 @@ double Dynamics::kinetic_energy() const {
     sum +=
         impl_->loops.kinetic(impl_->attributes.velocity().rows(), impl_->attributes.mass().rows(),
                              begin, std::min(begin + sum_chunk, vertices));
+  return sum;
+}
+
+Dynamics::Rounding Dynamics::rounding() const {
+  if (impl_->last_dt == 0) return {};
+  const Column &position = impl_->attributes.position(), &mass = impl_->attributes.mass();
+  const double omega = 2 / impl_->last_dt, epsilon = std::numeric_limits<double>::epsilon();
+  Rounding sum;
+  for (Index v = 0; v < impl_->attributes.vertex_count(); ++v) {
+    const double at = std::hypot(position.get(v, 0), position.get(v, 1), position.get(v, 2));
+    const double force = mass.get(v, 0) * omega * omega * epsilon * at;
+    sum.energy += force * epsilon * at / 2;
+    sum.force_squared += force * force;
+  }
   return sum;
 }
 

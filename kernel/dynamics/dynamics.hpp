@@ -113,6 +113,15 @@ class Dynamics {
   Energies energies();
   double kinetic_energy() const;
 
+  /// What the rounding of positions amounts to: the last step moved each vertex by
+  /// eps |x|, against a stiffness of at most m (2/dt)^2. Energies of that size, times
+  /// the steps made, are noise, and so are forces.
+  struct Rounding {
+    double energy = 0;         ///< J, of a step
+    double force_squared = 0;  ///< N^2, summed over the vertices
+  };
+  Rounding rounding() const;
+
   /// The largest stable step of the present state, s; infinite without forces. From
   /// the tangent (step_search.hpp) if every functor has one, else from bounds().
   /// Throws PluginError for a functor that offers neither.

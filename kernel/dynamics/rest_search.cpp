@@ -9,6 +9,14 @@ namespace {
 constexpr std::uint64_t steps_between_checks = 10;
 constexpr unsigned checks_needed = 10;
 
+/// Without a load or a motion there is nothing to compare with but rounding: ten times
+/// that of a step, as noise adds up.
+bool is_noise(const Dynamics& dynamics, const loops::RestSums& sums) {
+  if (sums.external > 0) return false;
+  const Dynamics::Rounding rounding = dynamics.rounding();
+  return sums.residual <= 100 * rounding.force_squared && sums.kinetic <= 100 * rounding.energy;
+}
+
 }  // namespace
 
 RestSearch::RestSearch(double tolerance, bool choose_damping)
@@ -30,6 +38,10 @@ bool RestSearch::at_rest(Dynamics& dynamics) {
   if (good) {
     const double elastic = dynamics.forces().energy(dynamics.time());
     good = sums.kinetic <= tolerance_ * tolerance_ * elastic;
+  }
+  if (!good && settled && is_noise(dynamics, sums)) {
+    residual_ = 0;
+    good = true;
   }
   good_checks_ = good ? good_checks_ + 1 : 0;
   return good_checks_ >= checks_needed;

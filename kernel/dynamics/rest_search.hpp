@@ -12,7 +12,8 @@ namespace suture {
 ///
 /// At rest: after the last ramp and event, |f_int + f_ext| < tol |f_ext| over the
 /// free components and kinetic < tol^2 elastic energy, ten checks running. With
-/// no load but prescribed motion the reactions stand for f_ext.
+/// no load but prescribed motion the reactions stand for f_ext; with neither, forces
+/// and energy are those of rounding (Dynamics::rounding()).
 ///
 /// Damping: a mode of frequency w decays fastest with alpha = 2 w (critical), and
 /// the slowest mode decides. Its frequency is estimated from the motion between

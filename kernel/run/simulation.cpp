@@ -177,6 +177,17 @@ struct Simulation::Impl {
     watch.after_step(clock.step());
   }
 
+  /// False where the body does not bear what an event would have taken from it: steps
+  /// that are only timed know no events.
+  bool tries_step() {
+    try {
+      step();
+      return true;
+    } catch (const NumericalError&) {
+      return false;
+    }
+  }
+
   bool is_at_end() {
     if (clock.finished()) {
       summary.outcome = RunSummary::Outcome::finished;
@@ -196,11 +207,18 @@ struct Simulation::Impl {
                                 : rest                 ? rest_step_limit
                                                        : 0;
     if (limit == 0 || clock.step() < limit) return false;
-    if (!rest) return true;
+    refuse_more_steps(limit);
+  }
+
+  [[noreturn]] void refuse_more_steps(std::uint64_t limit) const {
     std::ostringstream text;
-    text << "not at rest after " << limit << " steps: the residual is " << rest->residual()
-         << ", asked for " << rest->tolerance()
-         << "; raise /solver/max_steps or /solver/tolerance, or damp more";
+    if (rest)
+      text << "not at rest after " << limit << " steps: the residual is " << rest->residual()
+           << ", asked for " << rest->tolerance()
+           << "; raise /solver/max_steps or /solver/tolerance, or damp more";
+    else
+      text << "t = " << clock.time() << " s after " << limit << " steps, and /solver/end is "
+           << *scene.solver.end << " s; raise /solver/max_steps or dt";
     throw NumericalError(text.str());
   }
 
@@ -343,8 +361,7 @@ std::uint64_t Simulation::Impl::steps_to_rest(double budget) {
   const Wall::time_point start = Wall::now();
   std::uint64_t middle_step = 0;
   double middle_residual = 0;
-  while (seconds_since(start) < budget) {
-    step();
+  while (seconds_since(start) < budget && tries_step()) {
     if (rest->at_rest(*world.dynamics)) return clock.step();
     if (middle_step == 0 && seconds_since(start) > budget / 2) {
       middle_step = clock.step();
@@ -373,7 +390,7 @@ Estimate Simulation::estimate() {
   if (impl.rest) {
     estimate.steps = impl.steps_to_rest(1.0);
   } else {
-    while (seconds_since(start) < 0.2 && !impl.clock.finished()) impl.step();
+    while (seconds_since(start) < 0.2 && !impl.clock.finished() && impl.tries_step()) continue;
     estimate.steps = static_cast<std::uint64_t>(std::ceil(end / estimate.dt - 1e-9));
   }
   estimate.seconds_per_step = seconds_since(start) / static_cast<double>(impl.clock.step());

@@ -135,7 +135,8 @@ std::vector<Link> CellComplex::mark_leaving(std::span<const Dart> faces) {
 /// told even if it is whole.
 template <CellComplex::Loss What>
 void CellComplex::split_cells(std::span<const Link> cut_faces, TopologyChange& change) {
-  StarWork work{.old_count = {count(0), count(1)}};
+  StarWork work;
+  work.old_count = {count(0), count(1)};
   for (int d = 0; d < 2; ++d) {
     if (count(d) == 0) continue;
     reserve(change, d, cut_faces.size());

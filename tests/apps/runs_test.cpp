@@ -90,6 +90,30 @@ TEST_F(Runs, RestThatIsNotReachedIsAnError) {
   EXPECT_TRUE(run.says("20")) << run;
 }
 
+TEST_F(Runs, MoreStepsThanAllowedAreAnError) {
+  const Outcome run = scene("run", moving, {"/solver/max_steps=3"});
+  EXPECT_EQ(run.code, 5) << run;
+  EXPECT_TRUE(run.says("3 steps") && run.says("/solver/max_steps")) << run;
+}
+
+// Nothing acts on it: what moves is rounding.
+TEST_F(Runs, ABodyWithoutLoadsStaysAsItIs) {
+  const std::string mesh = R"(/mesh={"box": {"size": [1, 0.25, 0.25], "cells": [20, 5, 5]}})";
+  for (const char* solver : {R"(/solver={"end": 1})", R"(/solver={"until": "rest"})"}) {
+    const Outcome run = scene("run", "", {mesh, solver, "/solver/max_steps=1000"});
+    EXPECT_EQ(run.code, 0) << run;
+  }
+}
+
+// It turns inside out where the event would have stopped it.
+TEST_F(Runs, ExplainBearsAForceThatAnEventWouldEnd) {
+  const char* pulled = R"(, "gravity": [0, -1e5, 0],
+  "constraints": [{"fix": "xyz", "where": {"set": "x0"}}])";
+  EXPECT_EQ(scene("run", pulled, {"/solver/end=1"}).code, 5);
+  const Outcome explained = scene("explain", pulled, {"/solver/end=1"});
+  EXPECT_EQ(explained.code, 0) << explained;
+}
+
 struct Cut {
   const char* what;
   const char* event;

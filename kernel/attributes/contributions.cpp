@@ -252,14 +252,17 @@ void TouchedSums::Target::sum_alike(const Stars& stars, const CellSet& region) c
   for (std::size_t c = 0; c < components; ++c) {
     for (int d = 0; d < darts; ++d)
       given[d] = alike[incidence::local_cell<Dimension>(d) * components + c];
-    for (std::size_t i = 0; i < stars.size(); ++i) {
+    const Dart* dart = stars.darts.data();
+    const Dart* end = dart;
+    for (std::size_t i = 0; i < stars.size(); ++i, dart = end) {
+      end = stars.darts.data() + stars.offsets[i + 1];
       const Index row = cells ? cells->row(stars.cells[i]) : stars.cells[i];
       if (row == none) continue;
       double& value =
           values[(components == 1 ? row : column->offset(row)) + c * column->component_step()];
       double sum = cells ? 0 : value;  // other instances have given to the mass
-      for (const Dart dart : stars[i])
-        if (everywhere || region.contains(dart / darts)) sum += given[dart % darts];
+      for (; dart < end; ++dart)
+        if (everywhere || region.contains(*dart / darts)) sum += given[*dart % darts];
       value = sum;
     }
   }

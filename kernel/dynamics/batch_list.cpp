@@ -62,9 +62,23 @@ void add_once(Index chunk, std::vector<Index>& chunks) {
 
 template <class Visit>
 void for_each_vertex(const Connectivity& cells, std::span<const loops::Range> ranges, Visit visit) {
-  for (const loops::Range& range : ranges)
+  for (const loops::Range& range : ranges) {
+    if (!cells.cells && !cells.live) {
+      const Index* const first = cells.of(range.begin).data();
+      const std::size_t count = std::size_t{range.end - range.begin} * cells.node_count;
+      for (const Index vertex : std::span(first, count)) visit(vertex);
+      continue;
+    }
     for (Index row = range.begin; row < range.end; ++row)
       for (const Index vertex : cells.of(row)) visit(vertex);
+  }
+}
+
+/// That some rows touch: of rows that a cut adds it is a high one.
+Index lowest_vertex(const Connectivity& cells, const loops::Range& rows, Index vertex_count) {
+  Index lowest = vertex_count;
+  for_each_vertex(cells, {&rows, 1}, [&](Index v) { lowest = std::min(lowest, v); });
+  return lowest;
 }
 
 }  // namespace
@@ -73,23 +87,24 @@ Index chunk_rows(Index rows) { return std::clamp<Index>(rows / 64 / lanes * lane
 
 std::vector<Index> colour_chunks(const Connectivity& cells,
                                  std::span<const std::vector<loops::Range>> chunks,
-                                 Index vertex_count) {
+                                 loops::Range vertices) {
   // Colours met at each vertex, 64 at a time. Meshes in a sensible order need
   // about ten; only chunks left over by one round of 64 see another.
   std::vector<Index> colour(chunks.size(), none);
-  BulkVector<std::uint64_t> met(vertex_count);
+  const Index low = vertices.begin;
+  BulkVector<std::uint64_t> met(vertices.end - low);
   Index first = 0;
   for (std::size_t left = chunks.size(); left != 0; first += 64) {
     std::fill(met.begin(), met.end(), 0);
     for (std::size_t c = 0; c < chunks.size(); ++c) {
       if (colour[c] != none) continue;
       std::uint64_t taken = 0;
-      for_each_vertex(cells, chunks[c], [&](Index v) { taken |= met[v]; });
+      for_each_vertex(cells, chunks[c], [&](Index v) { taken |= met[v - low]; });
       if (taken == ~std::uint64_t{0}) continue;
       const int bit = std::countr_one(taken);
       colour[c] = first + static_cast<Index>(bit);
       --left;
-      for_each_vertex(cells, chunks[c], [&](Index v) { met[v] |= std::uint64_t{1} << bit; });
+      for_each_vertex(cells, chunks[c], [&](Index v) { met[v - low] |= std::uint64_t{1} << bit; });
     }
   }
   return colour;
@@ -97,17 +112,17 @@ std::vector<Index> colour_chunks(const Connectivity& cells,
 
 BatchList::BatchList(const Connectivity& cells, std::vector<loops::Range> rows,
                      Index vertex_count) {
-  add_coloured(cells, rows, vertex_count);
-  find_order(cells, vertex_count);
+  add_coloured(cells, rows, {0, vertex_count});
+  find_order(cells, 0, {0, vertex_count});
 }
 
 void BatchList::add_coloured(const Connectivity& cells, std::span<const loops::Range> rows,
-                             Index vertex_count) {
+                             loops::Range vertices) {
   Index added = 0;
   for (const loops::Range& range : rows) added += range.end - range.begin;
   cells_ += added;
   const auto chunks = make_chunks(rows, chunk_rows(added));
-  const std::vector<Index> colour = colour_chunks(cells, chunks, vertex_count);
+  const std::vector<Index> colour = colour_chunks(cells, chunks, vertices);
   const Index colours = chunks.empty() ? 0 : *std::max_element(colour.begin(), colour.end()) + 1;
   std::vector<std::vector<Index>> of_colour(colours);
   for (std::size_t c = 0; c < chunks.size(); ++c)
@@ -123,15 +138,24 @@ void BatchList::add_chunk(std::span<const loops::Range> ranges) {
   chunk_begin_.push_back(static_cast<Index>(ranges_.size()));
 }
 
-/// Waiting for the last chunk before at each vertex is enough: it waits for those before.
-void BatchList::find_order(const Connectivity& cells, Index vertex_count) {
-  order_.before.assign(chunk_count(), {});
-  std::vector<Index> last(vertex_count, none);
-  for (Index c = 0; c < chunk_count(); ++c)
+/// Of the chunks from `first` on. Waiting for the last chunk before at each vertex is
+/// enough: it waits for those before.
+void BatchList::find_order(const Connectivity& cells, Index first, loops::Range vertices) {
+  auto& before = order_.before;
+  before.resize(first);
+  before.resize(chunk_count());
+  std::vector<Index> last(vertices.end - vertices.begin, none);
+  for (Index c = first; c < chunk_count(); ++c)
     for_each_vertex(cells, ranges(c), [&](Index v) {
-      if (last[v] != none && last[v] != c) add_once(last[v], order_.before[c]);
-      last[v] = c;
+      Index& earlier = last[v - vertices.begin];
+      if (earlier != none && earlier != c) add_once(earlier, before[c]);
+      earlier = c;
     });
+  if (first != 0) {
+    before[first].resize(first);
+    std::iota(before[first].begin(), before[first].end(), 0);
+    for (Index c = first + 1; c < chunk_count(); ++c) add_once(first, before[c]);
+  }
   std::vector<Index> by_row(chunk_count());
   std::iota(by_row.begin(), by_row.end(), 0);
   std::ranges::sort(by_row, {}, [&](Index c) { return ranges(c).front().begin; });
@@ -162,7 +186,7 @@ void BatchList::leave_out(const Connectivity& cells, const std::vector<bool>& st
     }
     kept.colour_begin_.push_back(kept.chunk_count());
   }
-  kept.find_order(cells, static_cast<Index>(still.size()));
+  kept.find_order(cells, 0, {0, static_cast<Index>(still.size())});
   *this = std::move(kept);
 }
 
@@ -187,8 +211,10 @@ bool BatchList::append(const Connectivity& cells, Index first, Index last, Index
   chunk_begin_.pop_back();
   colour_begin_.pop_back();
   tail_ = 0;
-  add_coloured(cells, {&tail, 1}, vertex_count);
-  find_order(cells, vertex_count);
+  const Index first_of_tail = chunk_count();
+  const loops::Range vertices{lowest_vertex(cells, tail, vertex_count), vertex_count};
+  add_coloured(cells, {&tail, 1}, vertices);
+  find_order(cells, first_of_tail, vertices);
   return true;
 }
 

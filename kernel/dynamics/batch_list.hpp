@@ -35,8 +35,9 @@ struct Connectivity {
 ///
 /// A cut or a removal only takes sharing away, so colours and order stay valid. Rows
 /// that a cut adds go to a tail, one chunk and a colour of its own that waits for all,
-/// until it is an eighth of all; then the tail is coloured by itself. After a merge
-/// ChunkFinder tells which chunks meet.
+/// until it is an eighth of all; then the tail is coloured by itself, and its first chunk
+/// waits for all before the tail, the rest for that one. After a merge ChunkFinder tells which
+/// chunks meet.
 class BatchList {
  public:
   BatchList() = default;
@@ -73,9 +74,9 @@ class BatchList {
 
  private:
   void add_coloured(const Connectivity& cells, std::span<const loops::Range> rows,
-                    Index vertex_count);
+                    loops::Range vertices);
   void add_chunk(std::span<const loops::Range> ranges);
-  void find_order(const Connectivity& cells, Index vertex_count);
+  void find_order(const Connectivity& cells, Index first, loops::Range vertices);
 
   Index cells_ = 0, tail_ = 0, left_out_ = 0;
   std::vector<loops::Range> ranges_;
@@ -105,9 +106,9 @@ class ChunkFinder {
 Index chunk_rows(Index rows);
 
 /// Colours 0, 1, ... such that chunks of one colour share no vertex, by first
-/// fit in order of the chunks. Deterministic.
+/// fit in order of the chunks, all of whose vertices are in `vertices`. Deterministic.
 std::vector<Index> colour_chunks(const Connectivity& cells,
                                  std::span<const std::vector<loops::Range>> chunks,
-                                 Index vertex_count);
+                                 loops::Range vertices);
 
 }  // namespace suture

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "kernel/attributes/cell_nodes.hpp"
+#include "kernel/base/bulk.hpp"
 #include "kernel/base/error.hpp"
 
 namespace suture {
@@ -47,6 +48,8 @@ RowNodes::RowNodes(const Instance& instance, int dimension, const RestPlaces& re
   // than the cut. Pages that nobody touches take no memory.
   nodes_.reserve(cells_.size() * node_count_ * 3 / 2);
   nodes_.resize(cells_.size() * node_count_);
+  prefer_large_pages(nodes_.data() + nodes_.size(),
+                     (nodes_.capacity() - nodes_.size()) * sizeof(nodes_[0]));
   for (Index row = 0; row < cells_.size(); ++row)
     if (cells_.is_live(row)) read_row(rest.complex(), row);
 }

@@ -149,7 +149,7 @@ void CellComplex::require_edges() {
   std::array<Index, 12> unknown;
   unknown.fill(none);
   edges_.assign(vertices_.size(), unknown);
-  some_dart_[1].reserve(room_for(3 * vertices_.size()));
+  some_dart_[1].reserve(room_for(4 * vertices_.size()));  // as many as a sheet has
   for (Index e = 0; e < vertices_.size(); ++e)
     for (unsigned i = 0; i < 12 && exists(3, e); ++i) {
       if (edges_[e][i] != none) continue;

@@ -73,10 +73,10 @@ struct CellComplex::StarFlood {
 
 /// What split_cells() keeps from cell to cell.
 struct CellComplex::StarWork {
-  StarFlood flood;
-  HalfStars halves;
-  std::array<Index, 2> old_count;             ///< of vertices, edges
-  std::array<std::vector<Index>, 2> touched;  ///< and marked, but those that split in halves
+  StarFlood flood{};
+  HalfStars halves{};
+  std::array<Index, 2> old_count;               ///< of vertices, edges
+  std::array<std::vector<Index>, 2> touched{};  ///< and marked, but those that split in halves
 };
 
 /*        before                            after

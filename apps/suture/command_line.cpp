@@ -135,6 +135,7 @@ struct Parser {
     box_app->add_option("--cells", box.box.cells, "cells along x, y and z")->required();
     box_app->add_option("--origin", box.box.origin, "smallest coordinates in m");
     box_app->add_option("--grading", box.box.grading, "last cell / first cell along x, y and z");
+    for (CLI::Option* lengths : box_app->get_options()) lengths->delimiter(',');  // 1,1,1 or 1 1 1
     box_app->callback([this] { line.command = box; });
   }
 

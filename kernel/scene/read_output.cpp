@@ -7,6 +7,9 @@
 namespace suture::scene_parts {
 namespace {
 
+// Frames have values of vertices and elements; those of edges go to the series of springs.
+bool is_in_frames(std::uint32_t dimension) { return dimension == 0 || dimension == 3; }
+
 // Fields that the models of the scene bring: columns marked for output and
 // the fields of the output extension of their functors.
 std::vector<std::string> model_fields(const Scene& scene) {
@@ -15,12 +18,12 @@ std::vector<std::string> model_fields(const Scene& scene) {
     for (std::uint32_t i = 0; use.model != nullptr && i < use.model->attribute_count; ++i) {
       const suture_attribute& attribute = use.model->attributes[i];
       const bool shown = (attribute.flags & (SUTURE_OUTPUT | SUTURE_SHARED_MASS)) == SUTURE_OUTPUT;
-      if (shown && attribute.dimension != 2) names.emplace_back(attribute.name);
+      if (shown && is_in_frames(attribute.dimension)) names.emplace_back(attribute.name);
     }
     for (std::uint32_t i = 0; use.model != nullptr && i < use.model->functor_count; ++i) {
       const suture_functor& functor = use.model->functors[i];
       const auto* output =
-          functor.extension == nullptr || functor.dimension == 2
+          functor.extension == nullptr || !is_in_frames(functor.dimension)
               ? nullptr
               : static_cast<const suture_output_1*>(functor.extension(SUTURE_OUTPUT_1));
       for (std::uint32_t f = 0; output != nullptr && f < output->field_count; ++f) {

@@ -43,6 +43,13 @@ TEST_F(Runs, WriteEveryFieldThatTheReaderKnows) {
   }
 }
 
+TEST_F(Runs, ValuesOfSpringsAreNoFieldsOfFrames) {
+  const Outcome run =
+      scene("check", R"(, "output": {"fields": ["strain"]})", {"/models/0/model=mss-baudet"});
+  EXPECT_NE(run.code, 0) << run;
+  EXPECT_TRUE(run.says("/output/fields/0")) << run;
+}
+
 TEST_F(Runs, QuietSaysNothingAndNoOutputWritesNothing) {
   write("unused", "");
   scene("run", "");

@@ -122,6 +122,11 @@ class Dynamics {
   };
   Rounding rounding() const;
 
+  /// The most that gravity and loads, as they are now, can have given since time 0:
+  /// to each vertex as if it fell alone, but not further than the body is long at rest,
+  ///   sum of min(F^2 t^2 / 2m, F L), J.
+  double most_given() const;
+
   /// The largest stable step of the present state, s; infinite without forces. From
   /// the tangent (step_search.hpp) if every functor has one, else from bounds().
   /// Throws PluginError for a functor that offers neither.

@@ -103,6 +103,15 @@ TEST_F(Runs, MoreStepsThanAllowedAreAnError) {
   EXPECT_TRUE(run.says("3 steps") && run.says("/solver/max_steps")) << run;
 }
 
+// At the end it is back where it began, and gravity has given nothing on balance.
+TEST_F(Runs, ABodyThatSwingsBackIsNoAlarm) {
+  const Outcome run = scene("run", moving,
+                            {R"(/mesh={"box": {"size": [0.125, 0.05, 0.025], "cells": [5, 2, 1]}})",
+                             R"(/models/0/parameters={"E": 1e5, "nu": 0.3, "rho": 1000})",
+                             R"(/constraints/0/where={"set": "z0"})", R"(/solver={"end": 0.02})"});
+  EXPECT_EQ(run.code, 0) << run;
+}
+
 // Nothing acts on it: what moves is rounding.
 TEST_F(Runs, ABodyWithoutLoadsStaysAsItIs) {
   const std::string mesh = R"(/mesh={"box": {"size": [1, 0.25, 0.25], "cells": [20, 5, 5]}})";

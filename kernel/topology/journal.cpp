@@ -59,7 +59,8 @@ class Reader {
     const auto found = std::ranges::find(kinds, kind);
     if (found == kinds.end())
       in_.fail("operation " + in_quotes(kind) +
-               did_you_mean(kind, std::vector<std::string>(kinds.begin(), kinds.end())));
+               did_you_mean(kind, std::vector<std::string>(kinds.begin(), kinds.end())) +
+               "; there are cut, tear, pierce and sew");
     operation.kind = static_cast<Operation::Kind>(found - kinds.begin());
     const bool elements = operation.kind == Operation::Kind::pierce;
     const std::size_t end = journal_.mesh.hexahedra.size() * (elements ? 1 : hexahedron::darts);

@@ -2,6 +2,7 @@
 #include "kernel/scene/json_override.hpp"
 
 #include <string>
+#include <vector>
 
 #include "kernel/base/error.hpp"
 
@@ -46,8 +47,17 @@ std::string unescape(std::string_view token) {
   return key;
 }
 
-JsonValue& array_child(JsonValue& array, const std::string& key, const std::string& option) {
-  if (key == "-") return array.items.emplace_back();
+/// What is missing on the way: an array where the next step appends, else an object.
+JsonValue made_for(const std::string& next_key, std::uint32_t number) {
+  JsonValue made;
+  made.kind = next_key == "-" ? JsonValue::Kind::array : JsonValue::Kind::object;
+  made.at = {0, 0, number};
+  return made;
+}
+
+JsonValue& array_child(JsonValue& array, const std::string& key, const JsonValue& missing,
+                       const std::string& option) {
+  if (key == "-") return array.items.emplace_back(missing);
   const bool digits =
       !key.empty() && key.size() < 10 && key.find_first_not_of("0123456789") == std::string::npos;
   const std::size_t index = digits ? std::stoul(key) : array.items.size();
@@ -56,9 +66,9 @@ JsonValue& array_child(JsonValue& array, const std::string& key, const std::stri
                    " items, numbered from 0; there is no '" + key + "' ('-' appends one)");
 }
 
-JsonValue& child(JsonValue& parent, const std::string& key, const std::string& option,
-                 std::uint32_t number) {
-  if (parent.kind == JsonValue::Kind::array) return array_child(parent, key, option);
+JsonValue& child(JsonValue& parent, const std::string& key, const JsonValue& missing,
+                 const std::string& option) {
+  if (parent.kind == JsonValue::Kind::array) return array_child(parent, key, missing, option);
   if (parent.kind != JsonValue::Kind::object) {
     throw UsageError(option + ": '" + key + "' would be inside " + describe(parent) +
                      ", which is no object and no array");
@@ -67,10 +77,7 @@ JsonValue& child(JsonValue& parent, const std::string& key, const std::string& o
   for (JsonMember& member : parent.members) {
     if (member.key == key) return member.value;
   }
-  JsonValue made;
-  made.kind = JsonValue::Kind::object;
-  made.at = {0, 0, number};
-  return parent.members.emplace_back(JsonMember{key, made.at, made}).value;
+  return parent.members.emplace_back(JsonMember{key, missing.at, missing}).value;
 }
 
 }  // namespace
@@ -83,10 +90,15 @@ void apply_override(JsonValue& root, const std::string& text, std::uint32_t numb
   }
   JsonValue* target = &root;
   const std::string pointer = text.substr(0, equals);
+  std::vector<std::string> keys;
   for (std::size_t start = 1; start <= pointer.size();) {
     const std::size_t end = std::min(pointer.find('/', start), pointer.size());
-    target = &child(*target, unescape(pointer.substr(start, end - start)), option, number);
+    keys.push_back(unescape(pointer.substr(start, end - start)));
     start = end + 1;
+  }
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const JsonValue missing = made_for(i + 1 < keys.size() ? keys[i + 1] : "", number);
+    target = &child(*target, keys[i], missing, option);
   }
   *target = parse_value(text.substr(equals + 1), option);
   mark(*target, number);

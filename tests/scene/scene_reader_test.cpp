@@ -292,6 +292,15 @@ TEST(SceneReader, SetsChangeTheSceneAndItsHash) {
   EXPECT_EQ(read(text).hash, read(text, {"/solver/end=1.0"}).hash);
 }
 
+TEST(SceneReader, SetsAppendToWhatIsNotThereYet) {
+  const std::string cut = R"({"at": 0.5, "cut": {"faces": [[0, 1]]}})";
+  const Scene scene = read(scene_with(""), {"/events/-=" + cut, "/events/-=" + cut,
+                                            "/events/-/at=0.25", "/events/2/cut/faces=[[2, 3]]"});
+  ASSERT_EQ(scene.events.size(), 3u);
+  EXPECT_EQ(scene.events[0].at, 0.25);  // they are put in order of time
+  EXPECT_EQ(scene.events[2].at, 0.5);
+}
+
 TEST(SceneReader, SetsThatLeadNowhereAreUsageErrors) {
   for (const char* set :
        {"solver/dt=1", "/solver/dt", "", "/title/x=1", "/models/7/name=a", "/models/x/name=a"}) {

@@ -103,10 +103,12 @@ ListedFaces faces_between(const CellComplex& complex, const std::string& path,
   for (std::size_t i = 0; i < pairs.size(); ++i) try {
       const Dart face = face_between(complex, path + "/" + std::to_string(i), pairs[i], element_of,
                                      point_of_vertex);
-      if (face == none)
-        result.cut_before.push_back(pairs[i]);
-      else
+      const bool whole =
+          complex.exists(3, element_of(pairs[i][0])) && complex.exists(3, element_of(pairs[i][1]));
+      if (face != none)
         result.faces.push_back(face);
+      else
+        (whole ? result.cut_before : result.gone).push_back(pairs[i]);
     } catch (const InputError& error) {
       faults += (faults.empty() ? "" : "\n") + std::string(error.what());
     }

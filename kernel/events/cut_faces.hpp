@@ -37,11 +37,12 @@ Dart face_between(const CellComplex& complex, const std::string& path, const Ele
                   const std::function<Index(std::uint64_t)>& element_of,
                   std::span<const Index> point_of_vertex = {});
 
-/// A list of pairs: the faces, and the pairs that were cut before. Throws one
+/// A list of pairs: the faces, the pairs that were cut before, and those of which an
+/// element was removed. Throws one
 /// InputError with a line per pair at fault ("<path>/3: ..."). O(pairs).
 struct ListedFaces {
   std::vector<Dart> faces;
-  std::vector<ElementPair> cut_before;
+  std::vector<ElementPair> cut_before, gone;
 };
 ListedFaces faces_between(const CellComplex& complex, const std::string& path,
                           std::span<const ElementPair> pairs,

@@ -6,8 +6,10 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <sstream>
 #include <tuple>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "kernel/base/error.hpp"
 
@@ -21,12 +23,10 @@ bool is_boundary(const CellComplex& complex, Dart face) { return complex.beta3(f
 /// The dart of `other`'s face that is opposite to `one` if that face is turned by `turn`.
 Dart partner(Dart other, Dart turn) { return (other & ~3u) | (turn & 3u); }
 
-/// Corner k of the face of `one` meets the end of the dart that goes with it.
-Index corner_vertex(const CellComplex& complex, Dart one, Dart k) {
-  return complex.origin((one & ~3u) | ((one + k) & 3u));
-}
-Index partner_vertex(const CellComplex& complex, Dart other, Dart k) {
-  return complex.origin(CellComplex::beta1((other & ~3u) | ((other - k) & 3u)));
+bool are_joined(const CellComplex& complex, Index e, Index other) {
+  for (int f = 0; f < 6; ++f)
+    if (complex.neighbour(e, f) == other) return true;
+  return false;
 }
 
 /// The turn at which both faces have the same points, corner by corner.
@@ -36,8 +36,8 @@ std::optional<Seam> same_points(const CellComplex& complex, Dart one, Dart other
     const Seam seam{one, partner(other, turn)};
     bool same = true;
     for (Dart k = 0; k < 4; ++k) {
-      same = same && points[corner_vertex(complex, seam.one, k)] ==
-                         points[partner_vertex(complex, seam.other, k)];
+      same = same &&
+             points[corner_vertex(complex, seam, k)] == points[partner_vertex(complex, seam, k)];
     }
     if (same) return seam;
   }
@@ -73,8 +73,9 @@ struct Places {
     }
     return {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
   }
-  /// Opposite sides, neither behind the other by more than half an edge: lips of a cut
-  /// may have gone through each other, the two ends of a beam look away from each other.
+  /// Opposite sides, with 60 degrees to spare (those at the edge of a box are at 90),
+  /// neither behind the other by more than half an edge: lips of a cut may have gone
+  /// through each other, the two ends of a beam look away from each other.
   bool look_at_each_other(Dart one, Dart other) const {
     const Vec3 a = area(one), b = area(other), from = centre(one), to = centre(other);
     double opposite = 0, behind_one = 0, behind_other = 0, a2 = 0, b2 = 0;
@@ -87,7 +88,8 @@ struct Places {
     }
     // |area| is twice the face's: half an edge is sqrt(|area| / 8).
     const auto depth = [](double area2) { return std::sqrt(area2 * std::sqrt(area2) / 8); };
-    return opposite > 0 && behind_one < depth(a2) && behind_other < depth(b2);
+    return opposite > 0.5 * std::sqrt(a2 * b2) && behind_one < depth(a2) &&
+           behind_other < depth(b2);
   }
 };
 
@@ -103,8 +105,8 @@ Pairing nearest_turn(const Places& places, Dart one, Dart other) {
     const Seam seam{one, partner(other, turn)};
     double worst = 0;
     for (Dart k = 0; k < 4; ++k)
-      worst = std::max(worst, places.distance2(corner_vertex(places.complex, seam.one, k),
-                                               partner_vertex(places.complex, seam.other, k)));
+      worst = std::max(worst, places.distance2(corner_vertex(places.complex, seam, k),
+                                               partner_vertex(places.complex, seam, k)));
     if (std::sqrt(worst) < best.distance) best = {seam, std::sqrt(worst)};
   }
   return best;
@@ -151,7 +153,8 @@ class Grid {
   std::unordered_map<std::uint64_t, std::vector<Dart>> cubes_;
 };
 
-/// All pairs of faces that look at each other with centres within the gap.
+/// All pairs of faces that look at each other with centres within the gap, of elements
+/// that have no face in common; nearest first.
 std::vector<Pairing> pairings(const Places& places, const std::vector<Dart>& a,
                               const std::vector<Dart>& b, double gap) {
   Grid grid(gap);
@@ -161,6 +164,7 @@ std::vector<Pairing> pairings(const Places& places, const std::vector<Dart>& a,
     const Vec3 p = places.centre(face);
     grid.near(p, [&](Dart other) {
       if (other / 24 == face / 24 || !places.look_at_each_other(face, other)) return;
+      if (are_joined(places.complex, face / 24, other / 24)) return;
       const Vec3 q = places.centre(other);
       if (std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]) <= gap)
         found.push_back(nearest_turn(places, face, other));
@@ -178,26 +182,29 @@ std::string side_name(Dart face) {
   return names[face % 24 / 4];
 }
 
-[[noreturn]] void tell_misfits(const std::vector<Pairing>& misfits, double gap,
-                               const std::string& path, const ElementName& name_of) {
-  std::string text = path + ": " + std::to_string(misfits.size()) +
-                     (misfits.size() == 1 ? " face does" : " faces do") + " not match any within " +
-                     std::to_string(gap) + " m: their corners do not pair.";
-  for (std::size_t i = 0; i < misfits.size() && i < 4; ++i) {
-    const Seam& seam = misfits[i].seam;
-    text += "\n  side " + side_name(seam.one) + " of element " +
-            std::to_string(name_of(seam.one / 24)) + " and side " + side_name(seam.other) +
-            " of element " + std::to_string(name_of(seam.other / 24)) + ": corners are " +
-            std::to_string(misfits[i].distance) + " m apart";
-  }
-  throw InputError(text + (misfits.size() > 4 ? "\n  ..." : "") +
-                   "\nnothing was sewn; both sides need the same grid of faces");
+std::string apart_text(double distance) {
+  std::ostringstream text;
+  text << "corners are " << distance << " m apart";
+  return text.str();
 }
 
 }  // namespace
 
-std::vector<Seam> seams_of_cuts(const CellComplex& complex, std::span<const Index> point_of_vertex,
-                                std::span<const Index> elements) {
+std::string misfits_text(const std::vector<Misfit>& misfits, const Naming& naming) {
+  std::string text = std::to_string(misfits.size()) +
+                     (misfits.size() == 1 ? " pair of faces stays" : " pairs of faces stay") +
+                     " open:";
+  for (std::size_t i = 0; i < misfits.size() && i < 4; ++i) {
+    const auto& [seam, reason] = misfits[i];
+    text += "\n  side " + side_name(seam.one) + " of element " + naming.element(seam.one / 24) +
+            " and side " + side_name(seam.other) + " of element " +
+            naming.element(seam.other / 24) + ": " + reason;
+  }
+  return text + (misfits.size() > 4 ? "\n  ..." : "");
+}
+
+MatchedSeams seams_of_cuts(const CellComplex& complex, std::span<const Index> point_of_vertex,
+                           std::span<const Index> elements, const Naming& naming) {
   std::map<std::array<Index, 4>, Dart> open;  // by their points, sorted
   std::vector<Seam> seams;
   const auto add = [&](Index e) {
@@ -218,34 +225,37 @@ std::vector<Seam> seams_of_cuts(const CellComplex& complex, std::span<const Inde
     for (Index e = 0; e < complex.element_count(); ++e) add(e);
   for (const Index e : elements) add(e);
   std::ranges::sort(seams, {}, &Seam::one);
-  return seams;
+  SeamBatch batch(complex);
+  MatchedSeams result;
+  for (const Seam seam : seams)
+    if (auto reason = batch.add(seam, naming)) result.misfits.push_back({seam, *reason});
+  result.seams = batch.seams();
+  return result;
 }
 
-std::vector<Seam> seams_within_gap(const CellComplex& complex, const double* rows,
-                                   std::span<const Index> a, std::span<const Index> b, double gap,
-                                   const std::string& path, const ElementName& name_of,
-                                   std::size_t stride) {
+MatchedSeams seams_within_gap(const CellComplex& complex, const double* rows,
+                              std::span<const Index> a, std::span<const Index> b, double gap,
+                              const Naming& naming, std::size_t stride) {
   const Places places{complex, rows, stride};
   const std::vector<Dart> of_a = boundary_faces(complex, a), of_b = boundary_faces(complex, b);
-  std::vector<Seam> seams;
-  std::vector<Pairing> misfits;
-  std::map<Dart, bool> taken;  // by the first dart of the face
-  for (const Pairing& pairing : pairings(places, of_a, of_b, gap)) {
-    bool &one = taken[pairing.seam.one & ~3u], &other = taken[pairing.seam.other & ~3u];
-    if (one || other) continue;
-    if (pairing.distance > gap) {
-      misfits.push_back(pairing);
-      continue;
-    }
-    one = other = true;
-    seams.push_back(pairing.seam);
+  SeamBatch batch(complex);
+  MatchedSeams result;
+  for (const auto& [seam, distance] : pairings(places, of_a, of_b, gap)) {
+    if (batch.has(seam.one) || batch.has(seam.other)) continue;
+    const auto reason =
+        distance > gap ? std::optional(apart_text(distance)) : batch.add(seam, naming);
+    if (reason) result.misfits.push_back({seam, *reason});
   }
-  // A face that fits one neighbour need not fit the others.
-  std::erase_if(misfits, [&](const Pairing& misfit) {
-    return taken[misfit.seam.one & ~3u] || taken[misfit.seam.other & ~3u];
+  // A face that fits one neighbour need not fit the others, and is told of once.
+  std::unordered_set<Dart> told;
+  std::erase_if(result.misfits, [&](const Misfit& misfit) {
+    const auto [one, other] = misfit.seam;
+    if (batch.has(one) || batch.has(other)) return true;
+    const bool first = told.insert(one & ~3u).second, second = told.insert(other & ~3u).second;
+    return !first || !second;
   });
-  if (!misfits.empty()) tell_misfits(misfits, gap, path, name_of);
-  return seams;
+  result.seams = batch.seams();
+  return result;
 }
 
 namespace {
@@ -268,8 +278,7 @@ std::optional<Seam> seam_between(const Places& places, const std::string& path,
   for (const Dart one : of_one)
     for (const Dart other : of_other)
       if (const auto seam = same_points(complex, one, other, points)) return seam;
-  for (int f = 0; f < 6; ++f)
-    if (complex.neighbour(e[0], f) == e[1]) return {};
+  if (are_joined(complex, e[0], e[1])) return {};
   Pairing best;
   for (const Dart one : of_one)
     for (const Dart other : of_other)
@@ -288,20 +297,26 @@ std::optional<Seam> seam_between(const Places& places, const std::string& path,
 ListedSeams seams_between(const CellComplex& complex, const double* rows, const std::string& path,
                           std::span<const ElementPair> pairs,
                           const std::function<Index(std::uint64_t)>& element_of,
-                          std::span<const Index> point_of_vertex, std::size_t stride) {
+                          std::span<const Index> point_of_vertex, const Naming& naming,
+                          std::size_t stride) {
   ListedSeams result;
+  SeamBatch batch(complex);
   std::string faults;
   for (std::size_t i = 0; i < pairs.size(); ++i) try {
-      const auto seam = seam_between({complex, rows, stride}, path + "/" + std::to_string(i),
-                                     pairs[i], element_of, point_of_vertex);
-      if (seam)
-        result.seams.push_back(*seam);
-      else
+      const std::string here = path + "/" + std::to_string(i);
+      const auto seam =
+          seam_between({complex, rows, stride}, here, pairs[i], element_of, point_of_vertex);
+      if (!seam)
         result.idle.push_back(pairs[i]);
+      else if (const auto reason = batch.add(*seam, naming))
+        throw InputError(here + ": elements " + std::to_string(pairs[i][0]) + " and " +
+                         std::to_string(pairs[i][1]) + " cannot be sewn: " + *reason +
+                         "; nothing was sewn");
     } catch (const InputError& error) {
       faults += (faults.empty() ? "" : "\n") + std::string(error.what());
     }
   if (!faults.empty()) throw InputError(faults);
+  result.seams = batch.seams();
   return result;
 }
 

@@ -19,7 +19,7 @@ bool finite(const BladeKey& key) {
 
 void check_key(const std::vector<BladeKey>& keys, std::size_t i) {
   const BladeKey& key = keys[i];
-  const std::string name = "key " + std::to_string(i) + " of the moving blade";
+  const std::string name = "station " + std::to_string(i) + " of the moving blade";
   if (!finite(key)) throw InputError(name + " has a time or a point that is not finite");
   if (key.points.size() < 2)
     throw InputError(name + " has " + std::to_string(key.points.size()) +

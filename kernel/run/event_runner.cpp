@@ -2,6 +2,7 @@
 #include "kernel/run/event_runner.hpp"
 
 #include <sstream>
+#include <utility>
 
 #include "kernel/base/error.hpp"
 #include "kernel/events/cut_faces.hpp"
@@ -57,6 +58,10 @@ struct EventRunner::Call {
   void warn(const std::string& text) const {
     runner.diagnostics_.warn(time_text(time) + event.path + text);
   }
+  /// Of what happens once; what repeats is told of after the run, by finish().
+  void warn_once(const std::string& text) const {
+    if (event.every == 0) warn(text);
+  }
 
   EventOutcome opened(const std::vector<Dart>& faces) const {
     EventOutcome outcome;
@@ -64,8 +69,12 @@ struct EventRunner::Call {
     return outcome;
   }
   EventOutcome cut(const std::vector<Dart>& faces) const {
-    if (faces.empty()) warn(" cuts no face: the blade misses the body");
+    if (faces.empty()) warn_once(" cuts no face: the blade misses the body" + or_is_cut());
     return opened(faces);
+  }
+  /// What else it can be that nothing is cut, once anything has been done to the map.
+  std::string or_is_cut() const {
+    return world.complex().can_drop_beta3() ? "" : ", or the faces there are cut already";
   }
   const Workers* workers() const { return &world.dynamics->forces().workers(); }
 
@@ -77,8 +86,9 @@ struct EventRunner::Call {
   EventOutcome operator()(const CutSurface&) const {
     const Places places{shape()};
     const std::vector<Dart> faces = state.surface->faces_cut(world.complex(), places, workers());
-    if (faces.empty())
-      warn(" cuts no face: " + why_nothing_was_cut(state.surface->box(), world.complex(), places));
+    if (faces.empty() && !event.every)
+      warn(" cuts no face: " + why_nothing_was_cut(state.surface->box(), world.complex(), places) +
+           or_is_cut());
     return opened(faces);
   }
 
@@ -89,13 +99,15 @@ struct EventRunner::Call {
 
   EventOutcome operator()(const CutFaces& listed) const {
     const ListedFaces faces = faces_of(listed);
-    if (!faces.cut_before.empty()) {
-      warn("/cut/faces: " + std::to_string(faces.cut_before.size()) +
-           " of the faces are cut already, the first between elements " +
-           std::to_string(faces.cut_before[0][0]) + " and " +
-           std::to_string(faces.cut_before[0][1]));
-    }
-    return faces.faces.empty() ? EventOutcome{} : cut(faces.faces);
+    tell_of("is cut already", "are cut already", faces.cut_before);
+    tell_of("is gone with an element", "are gone with an element", faces.gone);
+    return opened(faces.faces);
+  }
+  void tell_of(const char* one, const char* many, const std::vector<ElementPair>& pairs) const {
+    if (pairs.empty()) return;
+    warn_once("/cut/faces: " + std::to_string(pairs.size()) + " of the faces " +
+              (pairs.size() == 1 ? one : many) + ", the first between elements " +
+              std::to_string(pairs[0][0]) + " and " + std::to_string(pairs[0][1]));
   }
   ListedFaces faces_of(const CutFaces& listed) const {
     return faces_between(
@@ -118,7 +130,7 @@ struct EventRunner::Call {
   EventOutcome remove(const std::vector<Index>& elements, const char* nothing) const {
     EventOutcome outcome;
     if (elements.empty()) {
-      if (event.is_timed()) warn(nothing);
+      warn_once(nothing);
       return outcome;
     }
     if (elements.size() >= world.complex().existing(3)) {
@@ -127,7 +139,10 @@ struct EventRunner::Call {
                        " elements that are left, and nothing would be simulated; nothing was "
                        "removed");
     }
+    runner.removals_.before(elements);
     outcome.elements_removed = static_cast<Index>(world.pierce(elements).removed[3].size());
+    for (const std::string& loss : runner.removals_.after())
+      warn(' ' + std::string(event.operation()) + ' ' + loss);
     runner.elements_changed(false);
     return outcome;
   }
@@ -136,15 +151,10 @@ struct EventRunner::Call {
     EventOutcome outcome;
     const std::vector<Seam> seams = seams_of(sew);
     if (seams.empty()) {
-      if (event.is_timed()) warn(" sews no face: " + why_none(sew));
+      if (!state.told_misfits) warn_once(" sews no face: " + why_none(sew));
       return outcome;
     }
-    try {
-      outcome.faces_sewn = world.sew(seams).faces_sewn;
-    } catch (const TopologyError& error) {
-      throw TopologyError(time_text(time) + event.path + "/suture: " + error.what() +
-                          "; nothing was sewn");
-    }
+    outcome.faces_sewn = world.sew(seams).faces_sewn;
     runner.elements_changed(true);
     return outcome;
   }
@@ -154,27 +164,39 @@ struct EventRunner::Call {
     const double* rows = world.attributes.position().rows();
     const auto selected = [&](const Selection& s) { return world.selector.elements_now(s, rows); };
     if (sew.between) {
-      return seams_within_gap(complex, rows, selected((*sew.between)[0]),
-                              selected((*sew.between)[1]), sew.gap,
-                              time_text(time) + event.path + "/suture/between",
-                              [&](Index e) { return world.element_name(e); });
+      return without_misfits(seams_within_gap(complex, rows, selected((*sew.between)[0]),
+                                              selected((*sew.between)[1]), sew.gap, naming()));
     }
     if (!sew.element_pairs.empty()) return listed_seams(sew);
     std::vector<Index> where;
     if (sew.where) where = world.selector.elements_now(*sew.where, world.attributes.rest().rows());
     if (sew.where && where.empty()) return {};
-    return seams_of_cuts(complex, world.user_vertex, where);
+    return without_misfits(seams_of_cuts(complex, world.user_vertex, where, naming()));
+  }
+
+  // Whoever leaves the choice of faces to us gets those that can be sewn.
+  std::vector<Seam> without_misfits(MatchedSeams matched) const {
+    if (!matched.misfits.empty() && !std::exchange(state.told_misfits, true))
+      warn("/suture: " + misfits_text(matched.misfits, naming()));
+    return std::move(matched.seams);
+  }
+
+  /// Cells by the numbers of the user's mesh.
+  Naming naming() const {
+    return {[this](Index e) { return std::to_string(world.element_name(e)); },
+            [this](Index v) { return std::to_string(world.names.point_id(world.user_vertex[v])); }};
   }
 
   std::vector<Seam> listed_seams(const SewFaces& sew) const {
     ListedSeams listed = seams_between(
-        world.complex(), world.attributes.position().rows(), event.path + "/suture/faces",
-        sew.element_pairs, [&](std::uint64_t id) { return world.selector.element_with_id(id); },
-        world.user_vertex);
+        world.complex(), world.attributes.position().rows(),
+        time_text(time) + event.path + "/suture/faces", sew.element_pairs,
+        [&](std::uint64_t id) { return world.selector.element_with_id(id); }, world.user_vertex,
+        naming());
     if (!listed.idle.empty() && !listed.seams.empty()) {
-      warn("/suture/faces: " + std::to_string(listed.idle.size()) +
-           " of the pairs share a face or were removed, the first is elements " +
-           std::to_string(listed.idle[0][0]) + " and " + std::to_string(listed.idle[0][1]));
+      warn_once("/suture/faces: " + std::to_string(listed.idle.size()) +
+                " of the pairs share a face or were removed, the first is elements " +
+                std::to_string(listed.idle[0][0]) + " and " + std::to_string(listed.idle[0][1]));
     }
     return std::move(listed.seams);
   }
@@ -191,8 +213,8 @@ struct EventRunner::Call {
         state.tear->faces(world.complex(), world.attributes, *world.dynamics);
     if (!faces.empty())
       outcome.faces_torn = world.cut(faces).faces_cut;
-    else if (event.is_timed())
-      warn(" tears no face: the criterion is below its threshold everywhere");
+    else
+      warn_once(" tears no face: the criterion is below its threshold everywhere");
     return outcome;
   }
 };
@@ -200,7 +222,7 @@ struct EventRunner::Call {
 // ---------------------------------------------------------------- runner --
 
 EventRunner::EventRunner(const Scene& scene, World& world, Diagnostics& diagnostics)
-    : scene_(scene), world_(world), diagnostics_(diagnostics) {
+    : scene_(scene), world_(world), diagnostics_(diagnostics), removals_(scene, world) {
   for (const Event& event : scene.events) states_.push_back(prepare(event));
 }
 
@@ -274,6 +296,7 @@ EventOutcome EventRunner::fire(std::size_t i, double time) {
   const Event& event = scene_.events[i];
   const EventOutcome outcome = std::visit(Call{*this, event, time, states_[i]}, event.what);
   states_[i].had_effect |= outcome.changed();
+  states_[i].came = true;
   return outcome;
 }
 
@@ -287,9 +310,10 @@ EventOutcome EventRunner::apply(const Event& event, double time) {
 void EventRunner::finish() {
   for (std::size_t i = 0; i < scene_.events.size(); ++i) {
     const Event& event = scene_.events[i];
-    if (states_[i].had_effect || event.is_timed()) continue;  // those were told of at their time
+    const bool told = event.is_timed() || (event.when && states_[i].came);  // at its time
+    if (states_[i].had_effect || told) continue;
     std::string text = event.path + ": " + event.operation() + " had no effect in the whole run";
-    if (event.when) text += ": its condition never held, or there was nothing to do";
+    if (event.when) text += ": its condition never held";
     if (states_[i].blade) {
       text += ": " + why_nothing_was_cut(states_[i].blade->box(), world_.complex(),
                                          Places{world_.attributes.position().rows()});

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kernel/events/tear.hpp"
+#include "kernel/run/removal_watch.hpp"
 #include "kernel/run/world.hpp"
 
 namespace suture {
@@ -47,7 +48,8 @@ class EventRunner {
     std::unique_ptr<TearCheck> tear;
     std::unique_ptr<SurfaceBlade> surface;
     std::unique_ptr<MovingBlade> blade;
-    bool had_effect = false;
+    bool came = false, had_effect = false;
+    bool told_misfits = false;
   };
 
   State prepare(const Event& event);
@@ -58,6 +60,7 @@ class EventRunner {
   const Scene& scene_;
   World& world_;
   Diagnostics& diagnostics_;
+  RemovalWatch removals_;
   std::vector<State> states_;  ///< by event
 };
 

@@ -220,6 +220,10 @@ std::vector<Index> Selector::listed_elements(const Selection& selection) const {
   } else if (const auto* named = std::get_if<Selection::Named>(&selection.what)) {
     const auto found = names_.element_sets.find(named->set);
     if (found == names_.element_sets.end()) {
+      if (names_.point_sets.contains(named->set))
+        throw InputError(selection.path + ": '" + named->set +
+                         "' is a set of nodes, and elements are wanted; a box, a half_space or ids "
+                         "select them");
       unknown_set(selection, named->set, set_names(names_.element_sets, {}));
     }
     for (Index position : found->second) result.push_back(imported_.element_of[position]);

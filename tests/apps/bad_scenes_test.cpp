@@ -146,11 +146,11 @@ TEST_F(BadScenes, OperationsThatFailOnTheWayLoseNothing) {
        "/events/0: remove_islands would remove all 8 elements"},
       {R"({"at": 0.005, "tear": {"by": "principal-strain", "above": 1e-9, "most": 0.1}})", 5,
        "/events/0/tear: would tear"},
-      // A corner cube is gone, and two sides of its place are to be sewn:
-      // they stand at right angles.
+      // Two corner cubes are gone, and sides that face across their places are to be sewn:
+      // an element between them would be folded.
       {R"({"at": 0.005, "pierce": {"where": {"ids": [0, 7]}}},
-          {"at": 0.005, "suture": {"between": [{"ids": [1, 2]}, {"ids": [4, 5, 6]}], "gap": 0.9}})",
-       3, "/events/1/suture"}};
+          {"at": 0.005, "suture": {"faces": [[1, 6]]}})",
+       3, "/events/1/suture/faces/0: elements 1 and 6 cannot be sewn: nodes "}};
   for (const BadValue& value : values) {
     std::filesystem::remove_all(folder() / "o");
     const Outcome outcome = scene("run", moving + value.set + "]");
@@ -178,10 +178,17 @@ TEST_F(BadScenes, OperationsWithoutEffectAreTold) {
       {R"({"at": 0.005, "tear": {"by": "elongation", "above": 1}})", 0, "tears no face"},
       {R"({"every": 2, "tear": {"by": "elongation", "above": 1}})", 0,
        "tear had no effect in the whole run"},
+      {R"({"at": 0, "pierce": {"where": {"ids": [0]}}}, {"at": 0.005, "cut": {"faces": [[0, 1]]}})",
+       0, "1 of the faces is gone with an element, the first between elements 0 and 1"},
+      {R"({"at": 0, "cut": {"faces": [[0, 1]]}}, {"at": 0.005, "cut": {"faces": [[0, 1]]}})", 0,
+       "1 of the faces is cut already"},
       {R"({"at": 0.005, "suture": {}})", 0, "nothing that was cut is open"},
       {R"({"at": 0.005, "suture": {"faces": [[0, 1]]}})", 0, "share a face already"},
       {R"({"at": 0.005, "suture": {"between": ["all", "all"], "gap": 0.01}})", 0,
        "none of one side is within the gap"},
+      {R"({"at": 0, "pierce": {"where": {"ids": [0, 7]}}}, {"at": 0.005, "suture":
+          {"between": [{"ids": [1, 2]}, {"ids": [4, 5, 6]}], "gap": 0.9}})",
+       0, "2 pairs of faces stay open"},
       {R"({"at": 0.005, "remove_islands": {"below": 3}})", 0, "removes no island"}};
   for (const BadValue& value : values) {
     const Outcome outcome = scene("run", std::string(", \"events\": [") + value.set + "]");

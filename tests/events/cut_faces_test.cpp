@@ -158,6 +158,10 @@ TEST(FacesBetween, TellsAFaceThatWasCutBefore) {
   EXPECT_EQ(found.faces.size(), 1u);
   EXPECT_EQ(found.cut_before, (std::vector<ElementPair>{{0, 1}}));
   EXPECT_THROW(face_between(map, "/events/1", {0, 1}, element_of), InputError);
+  map.pierce(std::array<Index, 1>{2});
+  const ListedFaces left = faces_between(map, "/events/2/faces", pairs, element_of, point);
+  EXPECT_EQ(left.cut_before, (std::vector<ElementPair>{{0, 1}}));
+  EXPECT_EQ(left.gone, (std::vector<ElementPair>{{1, 2}})) << "no cut took it";
 }
 
 }  // namespace

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "kernel/base/error.hpp"
 #include "tests/topology/meshes.hpp"
 
@@ -16,8 +19,6 @@ std::vector<double> rows_of(const std::vector<Vec3>& points) {
   for (const Vec3& p : points) rows.insert(rows.end(), {p[0], p[1], p[2], 0});
   return rows;
 }
-
-std::uint64_t own_number(Index e) { return e; }
 
 /// Every vertex at the place it had before cuts: the k-th of its kind.
 struct Cuttable {
@@ -58,13 +59,13 @@ TEST(SeamsOfCuts, BringBackTheMapBitForBit) {
     std::shuffle(faces.begin(), faces.end(), random);
     faces.resize(faces.size() / 2);
     body.cut(faces);
-    const std::vector<Seam> seams = seams_of_cuts(body.complex, body.point, {});
+    const std::vector<Seam> seams = seams_of_cuts(body.complex, body.point, {}).seams;
     ASSERT_EQ(seams.size(), faces.size());
     body.complex.sew(seams);
     body.complex.validate();
     for (Dart d = 0; d < 24 * before.element_count(); ++d)
       ASSERT_EQ(body.complex.beta3(d), before.beta3(d));
-    EXPECT_TRUE(seams_of_cuts(body.complex, body.point, {}).empty());
+    EXPECT_TRUE(seams_of_cuts(body.complex, body.point, {}).seams.empty());
   }
 }
 
@@ -72,7 +73,7 @@ TEST(SeamsOfCuts, StayWithinTheElements) {
   Cuttable body(grid(4, 1, 1));
   body.cut(body.inner_faces());
   const std::vector<Index> elements{1, 2, 3};
-  const auto seams = seams_of_cuts(body.complex, body.point, elements);
+  const auto seams = seams_of_cuts(body.complex, body.point, elements).seams;
   ASSERT_EQ(seams.size(), 2u);
   EXPECT_EQ(seams[0].one / 24, 1u);
   EXPECT_EQ(seams[1].one / 24, 2u);
@@ -105,9 +106,10 @@ struct TwoBlocks {
     complex = complex_of(mesh);
     rows = rows_of(mesh.points);
   }
-  std::vector<Seam> match(double gap) const {
-    return seams_within_gap(complex, rows.data(), left, right, gap, "/here", own_number);
+  MatchedSeams matched(double gap) const {
+    return seams_within_gap(complex, rows.data(), left, right, gap);
   }
+  std::vector<Seam> match(double gap) const { return matched(gap).seams; }
 };
 
 TEST(SeamsWithinGap, PairCornersWhateverTheLocalAxes) {
@@ -140,27 +142,104 @@ TEST(SeamsWithinGap, NothingIsNearEnough) {
 }
 
 TEST(SeamsWithinGap, FacesOfOtherGridsAreNamed) {
-  TwoBlocks blocks({0, 0.5, 0});  // shifted by half a face
-  for (double& c : blocks.rows) c *= 1;
-  try {
-    blocks.match(0.5001 - 1e-3 + 0.3);  // centres 0.5 apart, corners too: they pair
-    blocks.match(0.3);
-  } catch (const InputError& error) {
-    ADD_FAILURE() << error.what();
-  }
+  TwoBlocks blocks({0, 0.5, 0});  // shifted by half a face: centres 0.5 apart, corners too
+  EXPECT_TRUE(blocks.matched(0.8).misfits.empty());
+  EXPECT_TRUE(blocks.matched(0.3).misfits.empty());
   // One side twice as fine along y: centres are near, corners are not.
   for (std::size_t v = 0; v < blocks.mesh.points.size(); ++v)
     if (v >= blocks.mesh.points.size() / 2)
       blocks.rows[4 * v + 1] = (blocks.rows[4 * v + 1]) / 4 + 0.3;
-  try {
-    blocks.match(0.25);
-    ADD_FAILURE() << "grids differ";
-  } catch (const InputError& error) {
-    const std::string text = error.what();
-    EXPECT_EQ(text.find("/here: "), 0u) << text;
-    EXPECT_NE(text.find("side x1 of element 1 and side x0 of element 12"), std::string::npos)
-        << text;
-    EXPECT_NE(text.find("nothing was sewn"), std::string::npos) << text;
+  const MatchedSeams found = blocks.matched(0.25);
+  EXPECT_TRUE(found.seams.empty());
+  const std::string text = misfits_text(found.misfits, {});
+  EXPECT_NE(text.find("stay open:\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("side x1 of element 1 and side x0 of element 12: corners are 0."),
+            std::string::npos)
+      << text;
+}
+
+// A cut that ends within the body, whose outer sides meet its lips at right angles
+// within the gap: what was cut is found again, and nothing else.
+//
+//    +---+---+---+          lips of the cut    ====
+//    |   | z0'   |          outer sides are within the gap of them, and no pair
+//    +===+===+---+
+//    |   |   |   |
+//    +---+---+---+
+TEST(SeamsWithinGap, TheEndOfACutIsSewnWhole) {
+  Cuttable body(grid(4, 4, 3));
+  const CellComplex before = body.complex;
+  std::vector<Index> below, above;
+  for (Index e = 0; e < body.complex.element_count(); ++e)
+    (e / 4 % 4 < 2 ? below : above).push_back(e);
+  std::vector<Dart> faces;
+  for (const Dart face : body.inner_faces()) {
+    const Index e = face / 24, other = body.complex.beta3(face) / 24;
+    if ((e / 4 % 4 == 1) && other == e + 4 && e % 4 < 3) faces.push_back(face);
+  }
+  ASSERT_EQ(faces.size(), 9u);
+  body.cut(faces);
+  const std::vector<double> rows = body.rows();
+  for (const double gap : {0.5, 1.5, 2.0, 3.5}) {
+    const MatchedSeams found = seams_within_gap(body.complex, rows.data(), below, above, gap);
+    EXPECT_EQ(found.seams.size(), 9u) << gap;
+    EXPECT_TRUE(found.misfits.empty()) << gap << ": " << misfits_text(found.misfits, {});
+    for (const Seam& seam : found.seams)
+      EXPECT_EQ(before.beta3(seam.one) & ~3u, seam.other & ~3u) << gap;
+    CellComplex sewn = body.complex;
+    EXPECT_EQ(sewn.sew(found.seams).faces_sewn, 9u);
+  }
+}
+
+// Lips that open like a book are sewn up to 60 degrees; sides at more than that belong
+// to an edge of the body.
+TEST(SeamsWithinGap, SidesAtAnAngleDoNotFace) {
+  for (const double angle : {0.0, 0.7, 1.3, 1.6}) {
+    TwoBlocks blocks({0.2, 0, 0});
+    for (std::size_t v = blocks.mesh.points.size() / 2; v < blocks.mesh.points.size(); ++v) {
+      const double x = blocks.rows[4 * v] - 2.2, y = blocks.rows[4 * v + 1];
+      blocks.rows[4 * v] = 2.2 + std::cos(angle) * x + std::sin(angle) * y;
+      blocks.rows[4 * v + 1] = std::cos(angle) * y - std::sin(angle) * x;
+    }
+    const auto lips = std::ranges::count_if(blocks.match(3), [](const Seam& seam) {
+      return seam.one % 24 / 4 == 2 && seam.other % 24 / 4 == 0;  // x1 of the left, x0 of the right
+    });
+    EXPECT_EQ(lips, angle < 1 ? 6 : 0) << angle;
+  }
+}
+
+TEST(SeamBatch, TakesWhatSewTakesAndTellsTheRest) {
+  for (unsigned seed = 1; seed <= 30; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    Cuttable body(blob(4, 0.7, random));
+    std::vector<Dart> faces = body.inner_faces();
+    std::shuffle(faces.begin(), faces.end(), random);
+    faces.resize(faces.size() / 3);
+    body.cut(faces);
+    std::vector<Dart> open;
+    for (Dart d = 0; d < 24 * body.complex.element_count(); ++d)
+      if (body.complex.beta3(d) == none) open.push_back(d);
+    SeamBatch batch(body.complex);
+    int refused = 0;
+    for (int i = 0; i < 60; ++i) {
+      const Seam seam{open[random() % open.size()], open[random() % open.size()]};
+      if (seam.one / 24 == seam.other / 24) continue;
+      std::vector<Seam> with = batch.seams();
+      with.push_back(seam);
+      bool accepted = true;
+      try {
+        CellComplex copy = body.complex;
+        copy.sew(with);
+      } catch (const TopologyError&) {
+        accepted = false;
+      }
+      const auto reason = batch.add(seam);
+      ASSERT_EQ(!reason, accepted) << reason.value_or("");
+      refused += !accepted;
+    }
+    EXPECT_GT(refused, 0);
+    EXPECT_GT(batch.seams().size(), 1u);
   }
 }
 
@@ -190,6 +269,26 @@ TEST(SeamsBetween, FindWhatWasCutElseTheNearest) {
     ADD_FAILURE();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(), "/p/0: the mesh has no element 9");
+  }
+}
+
+// A hole between two elements is not closed by sewing its walls: those above and
+// below would have two nodes in one place. Told with the numbers of the mesh.
+TEST(SeamsBetween, WhatWouldFoldAnElementIsTold) {
+  Cuttable body(grid(3, 3, 1));
+  body.complex.pierce(std::vector<Index>{4});
+  const std::vector<double> rows = body.rows();
+  const auto element_of = [](std::uint64_t id) { return static_cast<Index>(id - 100); };
+  const Naming names{[](Index e) { return std::to_string(e + 100); },
+                     [](Index v) { return "n" + std::to_string(v); }};
+  const std::vector<ElementPair> pairs{{103, 105}};
+  try {
+    seams_between(body.complex, rows.data(), "/p", pairs, element_of, body.point, names);
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "/p/0: elements 103 and 105 cannot be sewn: nodes n3 and n9 of "
+                 "element 101 would become one; nothing was sewn");
   }
 }
 

@@ -206,7 +206,7 @@ TEST(MovingBlade, SaysWhatIsWrong) {
   EXPECT_NE(error({{0, {{0, 0, 0}}}}).find("at least 2"), std::string::npos);
   EXPECT_NE(error({{0, line}, {1, {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}}}).find("the first 2"),
             std::string::npos);
-  EXPECT_NE(error({{0, line}, {0, line}}).find("key 1 of the moving blade has a time"),
+  EXPECT_NE(error({{0, line}, {0, line}}).find("station 1 of the moving blade has a time"),
             std::string::npos);
   EXPECT_NE(error({{0, {{0, 0, 0}, {0, 0, 0}}}}).find("at one place"), std::string::npos);
   EXPECT_NE(error({{std::nan(""), line}}).find("not finite"), std::string::npos);

@@ -317,6 +317,91 @@ TEST(Sleep, LosesNoMoreThanItsBoundAndAnyEventWakes) {
   EXPECT_GT(worst, 0) << "something slept";
 }
 
+// A cut of half the cross-section, sewn by place: the outer sides beside its lips are
+// within the gap, too, at right angles.
+TEST(SutureBetween, SewsTheEndOfACut) {
+  Scene scene = falling_block("tm-faure");
+  CutPlane half{{0.5, 0, 0}, {1, 0, 0}};
+  half.radius = 0.6;
+  scene.events.push_back(event_of(half));
+  SewFaces sew;
+  Selection left, right;
+  left.what = Selection::HalfSpace{{0.5, 0, 0}, {-1, 0, 0}};
+  right.what = Selection::HalfSpace{{0.5, 0, 0}, {1, 0, 0}};
+  sew.between = {left, right};
+  sew.gap = 0.34;  // two elements
+  scene.events.push_back(event_of(sew, 0.01));
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Listener heard;
+  const RunSummary summary = simulation.run(heard);
+  EXPECT_GT(summary.faces_cut, 0u);
+  EXPECT_EQ(summary.faces_sewn, summary.faces_cut);
+  EXPECT_TRUE(diagnostics.warnings().empty()) << diagnostics.warnings()[0];
+}
+
+// What repeats and once had an effect needs no warning; what comes once and finds the
+// faces cut is told so, and not that it misses.
+TEST(Cuts, ThatFindNothingLeftAreToldTruly) {
+  CutPlane plane{{0.5, 0, 0}, {1, 0, 0}};
+  const auto warnings = [&](bool again) {
+    Scene scene = falling_block("tm-faure", 4);
+    scene.events.push_back(event_of(plane));
+    if (again)
+      scene.events.push_back(event_of(plane, 0.01));
+    else
+      scene.events[0].every = 1;
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    Listener heard;
+    simulation.run(heard);
+    return diagnostics.warnings();
+  };
+  EXPECT_TRUE(warnings(false).empty());
+  EXPECT_EQ(warnings(true),
+            (std::vector<std::string>{"t = 0.01 s: /events/0 cuts no face: the blade misses the "
+                                      "body, or the faces there are cut already"}));
+  plane.point[0] = 9;
+  EXPECT_EQ(warnings(false),
+            (std::vector<std::string>{"/events/0: cut had no effect in the whole run"}));
+}
+
+// A load or a constraint that loses what it acts on is told of by its path, once for a
+// part of it and once for all.
+TEST(Pierce, TellsOfLoadsAndConstraintsThatLoseNodes) {
+  Scene scene = falling_block("tm-faure", 4);
+  Load force;
+  force.where.what = Selection::Named{"y0"};
+  force.value = {0, 1, 0};
+  Load pressure = force;
+  pressure.kind = Load::Kind::pressure;
+  pressure.pressure = 1;
+  pressure.where.what = Selection::Named{"z0"};
+  scene.loads = {force, pressure};
+  Constraint hold;
+  hold.where.what = Selection::Named{"x1"};
+  scene.constraints.push_back(hold);
+  const auto slab = [](Vec3 min, Vec3 max, double at) {
+    Pierce pierce;
+    pierce.where.emplace().what = Selection::Box{min, max};
+    return event_of(pierce, at);
+  };
+  // One element at the side y0; then all of that side but those at x1; then those.
+  scene.events = {slab({0.3, -1, 0.3}, {0.4, 0.2, 0.4}, 0),
+                  slab({-1, -1, -1}, {0.7, 0.2, 2}, 0.002), slab({-1, -1, -1}, {2, 0.2, 2}, 0.004)};
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Listener heard;
+  EXPECT_EQ(simulation.run(heard).elements_removed, 16u);
+  const std::string part = " takes a part of what ", ends = " acts on; that part of it ends here";
+  EXPECT_EQ(diagnostics.warnings(),
+            (std::vector<std::string>{
+                "t = 0 s: /events/0 pierce" + part + "/loads/0" + ends,
+                "t = 0.002 s: /events/0 pierce" + part + "/loads/1" + ends,
+                "t = 0.004 s: /events/0 pierce takes all that /loads/0 acts on, which ends here",
+                "t = 0.004 s: /events/0 pierce" + part + "/constraints/0" + ends}));
+}
+
 TEST(Mistakes, LeaveEverythingAsItWas) {
   Scene scene = falling_block("tm-faure", 3);
   Diagnostics diagnostics;
@@ -338,6 +423,10 @@ TEST(Mistakes, LeaveEverythingAsItWas) {
   back_to_back.element_pairs = {{0, 1}, {0, 99}};
   EXPECT_EQ(message(event_of(back_to_back)),
             "/events/0/suture/faces/1: the mesh has no element 99");
+  Pierce nodes;
+  nodes.where.emplace().what = Selection::Named{"y1"};
+  nodes.where->path = "/here";
+  EXPECT_EQ(message(event_of(nodes)).find("/here: 'y1' is a set of nodes, and elements are"), 0u);
   EXPECT_EQ(simulation.complex().existing(3), 27u);
   EXPECT_TRUE(heard.lines.empty());
   simulation.run(heard);

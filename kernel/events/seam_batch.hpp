@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "kernel/topology/cell_complex.hpp"
+#include "kernel/topology/face_matching.hpp"
+
+namespace suture {
+
+// Corner k of the face of seam.one meets the end of the dart that goes with it.
+//
+//     k = 0        one         other
+//       *---->     the face of `one` runs forwards, that of `other` backwards
+//       o <----*
+inline Index corner_vertex(const CellComplex& complex, Seam seam, Dart k) {
+  return complex.origin((seam.one & ~3u) | ((seam.one + k) & 3u));
+}
+inline Index partner_vertex(const CellComplex& complex, Seam seam, Dart k) {
+  return complex.origin(CellComplex::beta1((seam.other & ~3u) | ((seam.other - k) & 3u)));
+}
+
+/// Seams that CellComplex::sew() accepts in one batch, collected one by one: what the
+/// first seams make of the vertices decides about the later ones.
+class SeamBatch {
+ public:
+  explicit SeamBatch(const CellComplex& complex) : complex_(complex) {}
+
+  /// Takes the seam into the batch; if that cannot be, says why, as the end of a
+  /// sentence, and leaves the batch as it was. Both faces must be on the boundary and
+  /// of different elements. O(elements around the four corners).
+  std::optional<std::string> add(Seam seam, const Naming& naming = {});
+  const std::vector<Seam>& seams() const { return seams_; }
+  /// Whether the face (any dart of it) is in a seam of the batch.
+  bool has(Dart face) const { return faces_.contains(face & ~3u); }
+
+ private:
+  using Elements = std::vector<Index>;
+  Index joined(Index vertex) const;
+  Elements around(Index vertex) const;
+  std::string fold_text(Index element, const std::vector<Index>& group, const Naming& naming) const;
+
+  const CellComplex& complex_;
+  std::vector<Seam> seams_;
+  std::unordered_set<Dart> faces_;                ///< by their first darts
+  std::unordered_map<Index, Index> joined_;       ///< a vertex to one that it becomes
+  std::unordered_map<Index, Elements> elements_;  ///< of vertices that others became
+};
+
+}  // namespace suture

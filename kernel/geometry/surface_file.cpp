@@ -10,6 +10,7 @@
 #include "kernel/base/file.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/geometry/geometry_module.hpp"
+#include "kernel/geometry/surface_check.hpp"
 #include "kernel/geometry/vtp.hpp"
 #include "kernel/mesh/file_text.hpp"
 
@@ -74,6 +75,7 @@ PolygonSoup read_soup(const std::filesystem::path& path, double scale) {
   if (format == known.size()) throw InputError(unknown_extension(path, known));
   const FileText file(path);
   PolygonSoup soup;
+  if (known[format] == ".ply") check_ply(file);
   if (known[format] == ".vtp") {
     soup = read_vtp(file);
   } else if (!geometry_module().read(static_cast<SurfaceFormat>(format), file.view(), soup)) {

@@ -91,6 +91,66 @@ TEST(SurfaceFile, SaysWhatIsWrong) {
             std::string::npos);
 }
 
+std::string ply_with(const std::string& header, const std::string& body) {
+  return read_error("p.ply", "ply\nformat ascii 1.0\n" + header + "end_header\n" + body);
+}
+
+constexpr const char* ply_points =
+    "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+constexpr const char* ply_faces = "element face 1\nproperty list uchar int vertex_indices\n";
+constexpr const char* three_points = "0 0 0\n1 0 0\n0 1 0\n";
+
+// CGAL's reader dies of a property without an element.
+TEST(SurfaceFile, SaysWhatIsWrongInTheHeaderOfPly) {
+  const std::string points = ply_points, faces = ply_faces;
+  EXPECT_EQ(ply_with(points + faces, std::string(three_points) + "3 0 1 2\n"), "");
+  const auto says = [&](const std::string& header, const char* words) {
+    const std::string error = ply_with(header, std::string(three_points) + "3 0 1 2\n");
+    EXPECT_NE(error.find(words), std::string::npos) << header << error;
+  };
+  says("property float x\n", "p.ply:3: a property before the first 'element'");
+  says("elemnt vertex 3\nproperty float x\n", "p.ply:3: 'elemnt' begins no line of a header (did");
+  says("comment\nelement vertex x\n", "p.ply:4: 'x' is no number of elements 'vertex'");
+  says("element vertex\n", "p.ply:3: expected 'element'");
+  says("element vertex 3\nproperty flaot x\n", "p.ply:4: 'flaot' is no type of a property (did");
+  says("element vertex 3\nproperty x\n", "p.ply:4: expected 'property TYPE NAME'");
+  says("element face 1\nproperty list float int vertex_indices\n", "counted in integers");
+  says("element vertex 9\n" + faces, "the element 'vertex' has no property");
+  says("element vertex 99999999999\nproperty float x\n", "99,999,999,999 elements 'vertex' are");
+  EXPECT_NE(read_error("p.ply", "ply\nformat ascii 1.0\n").find("within its header"),
+            std::string::npos);
+  EXPECT_NE(read_error("p.ply", "plx\n").find("p.ply:1: expected 'ply'"), std::string::npos);
+  EXPECT_NE(read_error("p.ply", "ply\nformat asci 1.0\n").find("p.ply:2"), std::string::npos);
+}
+
+TEST(SurfaceFile, SaysWhatIsWrongInTheBodyOfPly) {
+  const std::string header = std::string(ply_points) + ply_faces;
+  const auto says = [&](const std::string& body, const char* words) {
+    const std::string error = ply_with(header, body);
+    EXPECT_NE(error.find(words), std::string::npos) << body << error;
+  };
+  says("0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", "p.ply:11: y is 'nan', which is not finite");
+  says("0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "p.ply:13: a face has the point 3; the 3 points");
+  says("0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "p.ply:13: a face has the point -1");
+  says("0 0 0\n1 0 0\n0 1 0\n9 0 1\n", "p.ply:13: 9 vertex_indices are announced");
+  says("0 0 0\n1 0 0\n0 1 0\n3 0 1\n", "p.ply:14: the file ends where vertex_indices is expected");
+  says("0 0 0\n1 0 0\n0.000000 1\n", "the file ends where z is expected: it is truncated");
+}
+
+// A list's count of 2^32 - 1 would be allocated before it is read.
+TEST(SurfaceFile, BoundsTheListsOfBinaryPly) {
+  for (const char* order : {"little", "big"}) {
+    std::string text = std::string("ply\nformat binary_") + order +
+                       "_endian 1.0\nelement face 1\nproperty list uint int vertex_index\n"
+                       "end_header\n\xff\xff\xff\xff";
+    const std::string says =
+        "b.ply, byte " + std::to_string(text.size()) + ": the file ends where vertex_index";
+    EXPECT_NE(read_error("b.ply", text).find(says), std::string::npos);
+    text.pop_back();
+    EXPECT_NE(read_error("b.ply", text).find("truncated"), std::string::npos);
+  }
+}
+
 TEST(SurfaceFile, RefusesNumbersThatAreNone) {
   const auto path = file_with("n.stl", "");
   write_surface(path, test::box_surface({0, 0, 0}, {1, 1, 1}));

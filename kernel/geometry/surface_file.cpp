@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "kernel/base/error.hpp"
@@ -55,6 +56,37 @@ std::string plural(std::size_t n, const std::string& one, const std::string& man
   return grouped(n) + " " + (n == 1 ? one : many);
 }
 
+// A binary file is 80 bytes, a count n, 50 bytes per triangle; CGAL takes it for text if it begins
+// with "solid", and for text too if it does not, where it fails.
+[[noreturn]] void fail_as_stl(const FileText& file) {
+  const std::string_view text = file.view();
+  if (text.starts_with("solid"))
+    throw InputError(file.name() +
+                     ": no triangles up to an 'endsolid' in it: the file is truncated, or of "
+                     "another format");
+  std::uint32_t n = 0;
+  if (text.size() >= 84) std::memcpy(&n, text.data() + 80, 4);
+  throw InputError(file.name() + ": " + grouped(text.size()) +
+                   " bytes are too few for a binary STL file of " + grouped(n) +
+                   " triangles, which has " + grouped(84 + 50 * std::uint64_t{n}) +
+                   ": the file is truncated, or of another format");
+}
+
+PolygonSoup read_by_module(SurfaceFormat format, const FileText& file) {
+  std::string plain;
+  if (format == SurfaceFormat::obj) plain = check_obj(file);
+  if (format == SurfaceFormat::off) check_off(file);
+  if (format == SurfaceFormat::ply) check_ply(file);
+  PolygonSoup soup;
+  std::size_t stopped = 0;
+  if (geometry_module().read(format, plain.empty() ? file.view() : plain, soup, stopped))
+    return soup;
+  if (format == SurfaceFormat::stl) fail_as_stl(file);
+  file.fail_at_line(file.begin() + stopped,
+                    "cannot be read as " + extensions[static_cast<std::size_t>(format)].substr(1) +
+                        " from here on: the file is damaged, truncated or of another format");
+}
+
 }  // namespace
 
 Box box_of(const std::vector<Vec3>& points) {
@@ -74,14 +106,9 @@ PolygonSoup read_soup(const std::filesystem::path& path, double scale) {
   const std::size_t format = position_of(path, known);
   if (format == known.size()) throw InputError(unknown_extension(path, known));
   const FileText file(path);
-  PolygonSoup soup;
-  if (known[format] == ".ply") check_ply(file);
-  if (known[format] == ".vtp") {
-    soup = read_vtp(file);
-  } else if (!geometry_module().read(static_cast<SurfaceFormat>(format), file.view(), soup)) {
-    throw InputError(path.string() + ": cannot be read as " + known[format].substr(1) +
-                     ": the file is damaged or of another format");
-  }
+  PolygonSoup soup = known[format] == ".vtp"
+                         ? read_vtp(file)
+                         : read_by_module(static_cast<SurfaceFormat>(format), file);
   soup.source = path.string();
   if (soup.size() == 0)
     throw InputError(path.string() + ": there is no face in it (" +

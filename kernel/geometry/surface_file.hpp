@@ -10,7 +10,7 @@ namespace suture {
 
 /// Faces of an .obj, .off, .ply, .stl (by CGAL) or .vtp file, coordinates in m after
 /// `scale`. Throws InputError: unknown extension (names the nearest), missing, empty,
-/// damaged, no face, a coordinate that is not finite (says which point).
+/// damaged, no face, a coordinate that is not finite; with the line where the file has lines.
 PolygonSoup read_soup(const std::filesystem::path& path, double scale = 1);
 
 /// The same as triangles, for a blade. Throws InputError also for a face of other

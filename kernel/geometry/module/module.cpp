@@ -6,8 +6,9 @@ namespace {
 
 class CgalModule final : public GeometryModule {
  public:
-  bool read(SurfaceFormat format, std::string_view text, PolygonSoup& out) const override {
-    return cgal::read(format, text, out);
+  bool read(SurfaceFormat format, std::string_view text, PolygonSoup& out,
+            std::size_t& stopped) const override {
+    return cgal::read(format, text, out, stopped);
   }
   std::string write(SurfaceFormat format, const TriangleSurface& surface) const override {
     return cgal::write(format, surface);

@@ -114,17 +114,20 @@ std::size_t count_crossings(const SurfaceMesh& mesh) {
 
 }  // namespace
 
-bool read(SurfaceFormat format, std::string_view text, PolygonSoup& out) {
+bool read(SurfaceFormat format, std::string_view text, PolygonSoup& out, std::size_t& stopped) {
   std::istringstream in{std::string(text)};
   Points points;
   Polygons polygons;
+  bool good = false;
   try {
-    // A reader may call points without a face an error; the caller has better words.
-    const bool good = read_as(format, in, points, polygons);
-    return (good || (polygons.empty() && !points.empty())) && to_soup(points, polygons, out);
+    good = read_as(format, in, points, polygons);
+    // CGAL calls points without a face an error; the caller has better words.
+    if (format == SurfaceFormat::obj && polygons.empty() && in.eof()) good = true;
   } catch (const std::exception&) {  // bad_alloc or length_error of a damaged header
-    return false;
   }
+  in.clear();
+  stopped = std::max<std::streamoff>(in.tellg(), 1) - 1;
+  return good && to_soup(points, polygons, out);
 }
 
 std::string write(SurfaceFormat format, const TriangleSurface& surface) {

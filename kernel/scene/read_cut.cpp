@@ -25,6 +25,47 @@ Vec3 newell(const std::vector<Vec3>& polygon) {
   return sum;
 }
 
+Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+// The largest triangle from the first point to a side: unlike Newell's sum it does not
+// vanish where parts of the polygon are run around in opposite ways.
+Vec3 largest_fan(const std::vector<Vec3>& polygon) {
+  Vec3 largest{};
+  for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
+    const Vec3 n = cross(minus(polygon[i], polygon[0]), minus(polygon[i + 1], polygon[0]));
+    if (dot(n, n) > dot(largest, largest)) largest = n;
+  }
+  return largest;
+}
+
+// Whether c and d lie on opposite sides of the line through a and b, in the plane across n,
+// both further off it than `slack`, twice an area times |n|.
+bool parts(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, const Vec3& n,
+           double slack) {
+  const Vec3 across = cross(n, minus(b, a));
+  const double at_c = dot(across, minus(c, a)), at_d = dot(across, minus(d, a));
+  return std::min(at_c, at_d) < -slack && std::max(at_c, at_d) > slack;
+}
+
+//   a ._   _. d
+//       `x'         Sides that touch do not cross: a polygon may have a hole, and a bridge
+//   c .-' `-. b     to it that is run along twice.
+bool sides_cross(const std::vector<Vec3>& polygon) {
+  const Vec3 n = largest_fan(polygon);
+  const double slack = 1e-9 * dot(n, n);
+  const std::size_t size = polygon.size();
+  for (std::size_t i = 0; i < size; ++i)
+    for (std::size_t j = i + 2; j < size; ++j) {
+      const Vec3 &a = polygon[i], &b = polygon[i + 1], &c = polygon[j],
+                 &d = polygon[(j + 1) % size];
+      if (parts(a, b, c, d, n, slack) && parts(c, d, a, b, n, slack)) return true;
+    }
+  return false;
+}
+
 // The plane of a polygon; its points must lie within a millionth of its size of it.
 void read_polygon(ObjectReader& plane, CutPlane& cut) {
   const std::string path = plane.path_of("polygon");
@@ -39,14 +80,17 @@ void read_polygon(ObjectReader& plane, CutPlane& cut) {
     size = std::max(size, std::sqrt(dot(r, r)));
     off = std::max(off, std::abs(dot(r, cut.normal)) / area);
   }
-  if (!(area > 1e-12 * size * size)) {
-    plane.complain("polygon", "has no area: its points lie on a line");
-    cut.normal = {1, 0, 0};
-  } else if (off > 1e-6 * size) {
+  const bool has_area = area > 1e-12 * size * size;
+  if (has_area && off > 1e-6 * size) {
     plane.complain("polygon",
                    "is not flat: a point lies " + std::to_string(off) +
                        " m off the plane of the others; give a {\"surface\"} of triangles instead");
+  } else if (sides_cross(cut.polygon)) {
+    plane.complain("polygon", "is no polygon: its sides cross; give the points in order around it");
+  } else if (!has_area) {
+    plane.complain("polygon", "has no area: its points lie on a line");
   }
+  if (!has_area) cut.normal = {1, 0, 0};
 }
 
 CutPlane read_plane(ObjectReader plane) {

@@ -51,6 +51,9 @@ TEST(Events, PlanesMayBeBounded) {
       R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,1], [2,0,1], [2,3,1], [0,3,1]]}}})");
   EXPECT_EQ(polygon.normal, (Vec3{0, 0, 12})) << "twice the area, by the right hand";
   EXPECT_EQ(polygon.polygon.size(), 4u);
+  const auto with_hole = only<CutPlane>(R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,0],
+      [3,0,0], [3,3,0], [0,3,0], [0,0,0], [1,1,0], [1,2,0], [2,2,0], [2,1,0], [1,1,0]]}}})");
+  EXPECT_EQ(with_hole.normal, (Vec3{0, 0, 16})) << "sides that touch do not cross";
 }
 
 TEST(Events, TearNamesWhatItLooksAt) {
@@ -143,7 +146,11 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,0],[1,0,0]]}}})",
             "/events/0/cut/plane/polygon", "at least 3"},
         Bad{R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,0],[1,0,0],[2,0,0]]}}})",
-            "/events/0/cut/plane/polygon", "no area"},
+            "/events/0/cut/plane/polygon", "no area: its points lie on a line"},
+        Bad{R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,2],[1,1,2],[1,0,2],[0,1,2]]}}})",
+            "/events/0/cut/plane/polygon", "its sides cross"},
+        Bad{R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,2],[1,1,2],[1,0,2],[0,0.6,2]]}}})",
+            "/events/0/cut/plane/polygon", "its sides cross"},
         Bad{R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,0],[1,0,0],[1,1,0.1],[0,1,0]]}}})",
             "/events/0/cut/plane/polygon", "not flat"},
         Bad{R"({"at": 0, "tear": {"by": "elongation", "above": 0.3}, "shape": "rest"})",

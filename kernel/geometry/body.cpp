@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <vector>
 
 #include "kernel/base/error.hpp"
@@ -164,6 +165,22 @@ void check(const BodyParameters& b) {
   if (!std::isfinite(b.neck_slope)) throw InputError("body: the neck's slope must be finite");
 }
 
+// Triangles of a body grow with 1 / size^2; counted where they are few.
+void require_few(const BodyParameters& parameters, double size, double coarse) {
+  constexpr double most = 50e6;
+  if (size >= coarse / 20) return;  // 400 times those of a coarse surface: some millions
+  const double ratio = coarse / size;
+  const double estimate =
+      double(generate_body(parameters, coarse).triangles.size()) * ratio * ratio;
+  if (estimate <= most) return;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "body: triangles of %.4g m would be about %.2g, more than 50 million; "
+                "take a size of %.2g m or more",
+                size, estimate, size * std::sqrt(estimate / most));
+  throw InputError(text);
+}
+
 }  // namespace
 
 TriangleSurface generate_body(const BodyParameters& parameters, double size) {
@@ -172,11 +189,13 @@ TriangleSurface generate_body(const BodyParameters& parameters, double size) {
   const double radius = body.radius();
   if (!(size >= 0) || !std::isfinite(size))
     throw InputError("body: the size of triangles must be positive and finite");
-  if (size == 0) size = std::min(radius / 30, body.thickness());
+  const double coarse = std::min(radius / 30, body.thickness());
+  if (size == 0) size = coarse;
   if (size > body.thickness())
     throw InputError("body: triangles of " + std::to_string(size) +
                      " m would lose parts that are " + std::to_string(body.thickness()) +
                      " m thick; take a smaller size");
+  require_few(parameters, size, coarse);
   TriangleSurface surface = geometry_module().isosurface(
       [&](const Vec3& p) { return body.value(p); }, {0, 0, 0}, 1.1 * radius, size);
   surface.source = "body";

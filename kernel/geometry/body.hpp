@@ -56,7 +56,8 @@ const BodyPreset& body_preset(std::string_view name);
 
 /// The closed surface of a body, outward, triangles of about `size` m (0: a 60th of
 /// its largest extent). Throws InputError for lengths that are negative or not finite, for
-/// a torso that is flat, and for parts too thin for `size`, which would get lost.
+/// a torso that is flat, for parts too thin for `size`, which would get lost, and for a `size` that
+/// makes more than 50 million triangles, estimated.
 /// CGAL's mesher of implicit surfaces: about 20 us per triangle.
 TriangleSurface generate_body(const BodyParameters& parameters, double size = 0);
 

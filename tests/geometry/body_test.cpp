@@ -95,6 +95,11 @@ TEST(Body, SaysWhatIsWrong) {
               generate_body({.tail_length = 1, .tail_radius = 0.01}, 0.1);
             }).find("would lose"),
             std::string::npos);
+  // A ball of area pi, triangles of about size^2: estimated, not begun.
+  const std::string error = error_of<InputError>([] {
+    generate_body({.torso = {0.5, 0.5, 0.5}}, 1e-9);
+  });
+  EXPECT_NE(error.find("e+18, more than 50 million"), std::string::npos) << error;
 }
 
 }  // namespace

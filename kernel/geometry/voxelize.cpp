@@ -20,8 +20,16 @@ std::string number_text(double x) {
   return text;
 }
 
+std::string size_text(const Box& box) {
+  return number_text(box.high[0] - box.low[0]) + " x " + number_text(box.high[1] - box.low[1]) +
+         " x " + number_text(box.high[2] - box.low[2]) + " m";
+}
+
 // Links name 2^26 elements (topology/incidence.hpp); a lattice has more, outside.
 constexpr double max_cells = 67e6, max_lattice = 4e9;
+// A lattice of 10,000 cubes for each that is wanted: a wire across its box is 200 times as long
+// as thick. What is further away is a stray point, or a surface around next to nothing.
+constexpr double max_outside = 1e4, always_allowed = 1e6;
 
 /// The cubes of a lattice that are inside.
 struct Filling {
@@ -60,6 +68,27 @@ CubeGrid grid_around(const Box& box, double edge, const std::string& source) {
     grid.origin[a] = (box.low[a] + box.high[a]) / 2 - cells * edge / 2;
   }
   return grid;
+}
+
+int longest_axis(const Box& box) {
+  int longest = 0;
+  for (const int a : {1, 2})
+    if (box.high[a] - box.low[a] > box.high[longest] - box.low[longest]) longest = a;
+  return longest;
+}
+
+void require_compact(const TriangleSurface& surface, const Box& box, double edge, double wanted) {
+  double lattice = 1;
+  for (int a = 0; a < 3; ++a)
+    lattice *= std::max(1.0, std::ceil((box.high[a] - box.low[a]) / edge));
+  if (lattice <= std::max(always_allowed, max_outside * wanted)) return;
+  const int a = longest_axis(box);
+  throw InputError(surface.source + ": the surface encloses " + number_text(volume_of(surface)) +
+                   " m^3 only, in a box of " + size_text(box) + ": " + number_text(wanted) +
+                   " cubes of it would need a lattice of " + number_text(lattice) +
+                   "; it reaches from " + number_text(box.low[a]) + " to " +
+                   number_text(box.high[a]) + " m along " + "xyz"[a] +
+                   ": is a point astray? --edge takes the surface as it is");
 }
 
 Filling fill(const TriangleSurface& surface, const Box& box, double edge) {
@@ -122,6 +151,7 @@ Filling fill_with_cells(const TriangleSurface& surface, const Box& box,
   double short_edge = 0, long_edge = std::numeric_limits<double>::infinity();
   Filling best;
   for (int round = 0; round < 16; ++round) {
+    require_compact(surface, box, edge, wanted);
     Filling now = fill_with(surface, box, edge, options);
     (double(now.count) > wanted ? short_edge : long_edge) = edge;
     edge *= std::cbrt(std::max(1.0, double(now.count)) / wanted);
@@ -181,9 +211,14 @@ void split_pinched(Mesh& mesh, Diagnostics& diagnostics) {
       mesh.hexahedra[imported.user_element[e]][n] = point[imported.complex.vertices_of(e)[n]];
 }
 
-std::string size_text(const Box& box) {
-  return number_text(box.high[0] - box.low[0]) + " x " + number_text(box.high[1] - box.low[1]) +
-         " x " + number_text(box.high[2] - box.low[2]) + " m";
+void warn_if_coarse(const Filling& filling, const TriangleSurface& surface, const Box& box,
+                    Diagnostics& diagnostics) {
+  const double edge = filling.grid.edge, volume = volume_of(surface);
+  const double cubes = double(filling.count) * edge * edge * edge;
+  if (cubes <= 2 * volume && volume <= 2 * cubes) return;
+  diagnostics.warn(surface.source + ": the cubes, of edge " + number_text(edge) + " m, have " +
+                   number_text(cubes / volume) + " times the volume of the body of " +
+                   size_text(box) + "; more cells or a shorter edge follows it");
 }
 
 }  // namespace
@@ -207,6 +242,7 @@ Mesh voxelize(const TriangleSurface& surface, const VoxelizeOptions& options,
   if (double(filling.count) > max_cells)
     throw InputError(surface.source + ": " + grouped(filling.count) +
                      " cubes are more than 67,000,000, which a map can number");
+  if (!options.largest_island) warn_if_coarse(filling, surface, box, diagnostics);
   Mesh mesh = mesh_of(filling);
   mesh.source = surface.source;
   split_pinched(mesh, diagnostics);

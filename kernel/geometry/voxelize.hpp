@@ -20,8 +20,11 @@ struct VoxelizeOptions {
 /// within 1 % (the best is kept, a warning tells if it is further away).
 /// Cubes run along x, then y, then z. Pinched vertices (cubes that meet along an edge
 /// or at a corner only) are split as the import does it, with a warning that counts them.
+/// Cubes of less than half or more than twice the volume enclosed get a warning,
+/// unless only the largest island is kept.
 /// Throws InputError: neither or both of cells and edge, more cubes than links can number, no
-/// cube inside (says the size of the body).
+/// cube inside (says the size of the body); with `cells`, more than 10,000 cubes of the bounding
+/// box for each that is wanted, and more than a million (says how far the surface reaches).
 /// Cost: 0.2 us per triangle and 60 ns per cube of the bounding box, for each count.
 Mesh voxelize(const TriangleSurface& surface, const VoxelizeOptions& options,
               Diagnostics& diagnostics);

@@ -110,6 +110,29 @@ TEST(Voxelize, KeepsTheLargestIsland) {
   EXPECT_EQ(box_of(mesh.points).low[0], 4);
 }
 
+// One cube around a body of an eighth of it, and far more than it.
+TEST(Voxelize, WarnsOfCubesThatDoNotFollowTheBody) {
+  const TriangleSurface box = box_surface({0, 0, 0}, {1, 1, 1});
+  Diagnostics diagnostics;
+  voxelize(box, {.edge = 1.2}, diagnostics);
+  EXPECT_TRUE(diagnostics.warnings().empty());
+  EXPECT_EQ(voxelize(box, {.edge = 2}, diagnostics).hexahedra.size(), 1u);
+  ASSERT_EQ(diagnostics.warnings().size(), 1u);
+  EXPECT_NE(diagnostics.warnings()[0].find("8 times the volume of the body of 1 x 1 x 1 m"),
+            std::string::npos)
+      << diagnostics.warnings()[0];
+}
+
+// Cubes are looked for in the whole bounding box.
+TEST(Voxelize, RefusesAPointAstray) {
+  TriangleSurface spike = box_surface({0, 0, 0}, {1, 1, 1});
+  spike.points[0][1] = -1e4;
+  EXPECT_EQ(voxels(spike, {.edge = 1}).hexahedra.empty(), false);
+  for (Vec3& p : spike.points) p[2] += 100 * p[1];
+  const std::string error = test::error_of<InputError>([&] { voxels(spike, {.cells = 100}); });
+  EXPECT_NE(error.find("along z: is a point astray?"), std::string::npos) << error;
+}
+
 // Two boxes that touch along an edge: one body for the centres, two for the map.
 TEST(Voxelize, SplitsPinchedVertices) {
   const TriangleSurface two =

@@ -43,7 +43,9 @@ std::string why_nothing_was_cut(const Box& blade, const CellComplex& complex,
   for (int a = 0; a < 3; ++a)
     apart = apart || blade.high[a] < body.low[a] || blade.low[a] > body.high[a];
   return "the blade cuts nothing: " +
-         std::string(apart ? "it lies beside the body" : "it lies between no two centroids") +
+         std::string(apart
+                         ? "it lies beside the body"
+                         : "it lies between no two centroids of elements that still share a face") +
          "; blade " + text_of(blade) + " m, body " + text_of(body) + " m";
 }
 

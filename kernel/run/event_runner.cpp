@@ -87,8 +87,7 @@ struct EventRunner::Call {
     const Places places{shape()};
     const std::vector<Dart> faces = state.surface->faces_cut(world.complex(), places, workers());
     if (faces.empty() && !event.every)
-      warn(" cuts no face: " + why_nothing_was_cut(state.surface->box(), world.complex(), places) +
-           or_is_cut());
+      warn(" cuts no face: " + why_nothing_was_cut(state.surface->box(), world.complex(), places));
     return opened(faces);
   }
 

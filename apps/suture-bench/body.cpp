@@ -86,7 +86,7 @@ Body::Body(PluginHost& host, const BodyOptions& options)
   dynamics_->constraints().add(held, 7, {}, *attributes_);
   dynamics_->start();
   times_.loops = watch.lap();
-  dt_ = options.safety * dynamics_->stable_step();
+  dt_ = options.safety * (options.search ? dynamics_->stable_step() : dynamics_->bounds().dt);
   times_.stable_step = watch.lap();
 }
 
@@ -138,7 +138,7 @@ double Body::cut_random(unsigned count, unsigned seed) {
     cut({&face, 1});
     seconds += now(1) - start;
   }
-  dt_ = 0.5 * dynamics_->stable_step();
+  dt_ = 0.5 * dynamics_->bounds().dt;
   return seconds;
 }
 

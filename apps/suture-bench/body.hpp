@@ -16,7 +16,7 @@
 namespace suture::bench {
 
 /// A block of one model as a run has it: gravity, one end held, symplectic Euler
-/// at half the stable step.
+/// at half the bound of the stable step.
 struct BodyOptions {
   std::string model;
   std::map<std::string, double> parameters{};  ///< by name, over E, nu, rho
@@ -25,7 +25,8 @@ struct BodyOptions {
   unsigned threads = 1;
   double cell = 0.025;       ///< m, edge of the cubes; that of the paper's Fig. 8
   double ramp = 0;           ///< s, of gravity
-  double safety = 0.5;       ///< dt over the stable step
+  double safety = 0.5;       ///< dt over the stable step, or over its bound
+  bool search = false;       ///< for the stable step: where dt matters, not only the rate
   Vec3 gravity{0, -9.8, 0};  ///< m/s^2
   double held = 0;           ///< m along z that is held, from the end
   bool skip = true;          ///< false: compute also what adds nothing

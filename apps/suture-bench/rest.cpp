@@ -35,7 +35,8 @@ void relax(Index n, const Options& options, PluginHost& host, Report& report) {
                    .cells = {n, n, 4 * n},
                    .cell = 0.25 / n,
                    .ramp = options.ramp,
-                   .safety = options.safety});
+                   .safety = options.safety,
+                   .search = true});
   RestSearch search(options.tolerance, true);
   constexpr double most_steps = 1e6;
   double steps = 0;

@@ -127,10 +127,10 @@ std::vector<Index> curve_order(std::span<const Hexahedron> hexahedra, std::span<
 
 std::vector<Index> sweep_order(std::span<const Hexahedron> hexahedra, std::span<const Vec3> points,
                                const std::vector<bool>& used) {
-  constexpr Index least_elements = 4096;
+  constexpr Index least_elements = 4096, most_elements = 65536;
   constexpr double worth = 1.5;  // times fewer vertices; a map of ids is not for nothing
   const auto elements = static_cast<Index>(hexahedra.size());
-  if (elements < least_elements) return {};
+  if (elements < least_elements || elements > most_elements) return {};
   const double border = mean_border(
       elements, points.size(), [&](Index i) -> auto& { return hexahedra[i]; });
 

@@ -24,8 +24,10 @@ std::vector<Index> curve_order(std::span<const Hexahedron> hexahedra, std::span<
 
 /// Elements in layers across the longest axis of the mesh, those of a layer in the
 /// order given, if that makes the parts of several threads meet in far fewer vertices;
-/// else nothing: short meshes, those walked that way, and those of one thread (below
-/// 4096 elements). For orders that are local. O(elements).
+/// else nothing: short meshes, those walked that way, those of one thread (below 4096
+/// elements), and those that no cache holds (above 65536), where threads that share cost
+/// nothing and a cut along the axis would walk through all of memory. For orders that are
+/// local. O(elements).
 ///
 ///   given: along the axis      swept: across it
 ///   +----------------+         +----------------+

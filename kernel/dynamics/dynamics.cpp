@@ -16,7 +16,7 @@ namespace {
 constexpr Index pass_chunk = 1024;  // vertices: 0.1 MB of columns, 5 us
 /// Below, one thread is as fast. A pass between two parallel loops pays early, because
 /// threads that wait through it fall asleep.
-constexpr Index parallel_vertices = 4096;
+constexpr Index parallel_vertices = 8192;
 constexpr Index sum_chunk = 4096;
 
 /// Number of ranges of `size` that hold `count`.

@@ -1,26 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "apps/suture-bench/suture_cut.hpp"
 
+#include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/timer.hpp"
 
 namespace suture::bench {
-namespace {
-
-/// The paper's material; defaults for the rest.
-std::vector<double> parameters_of(const suture_model& model) {
-  std::vector<double> values;
-  for (const suture_parameter& p : std::span(model.parameters, model.parameter_count)) {
-    const std::string_view name = p.name;
-    values.push_back(name == "E"     ? 400e3
-                     : name == "nu"  ? 0.3
-                     : name == "rho" ? 1000
-                                     : p.default_value);
-  }
-  return values;
-}
-
-}  // namespace
-
 SutureCut::SutureCut(PluginHost& host, const std::string& name, Mesh mesh)
     : mesh_(import_mesh(std::move(mesh), {}, diagnostics_)) {
   const suture_model& model = host.model(name);
@@ -28,7 +12,7 @@ SutureCut::SutureCut(PluginHost& host, const std::string& name, Mesh mesh)
   mesh_.complex.require_faces();
   attributes_ = std::make_unique<Attributes>(mesh_.complex, mesh_.rest);
   attributes_->user_element = mesh_.user_element.list();
-  attributes_->add(std::make_unique<Instance>(model, name, parameters_of(model), diagnostics_),
+  attributes_->add(std::make_unique<Instance>(model, name, parameters_of(model, {}), diagnostics_),
                    mesh_.complex, {});
   attributes_->initialise(mesh_.complex, diagnostics_);
   dynamics_ = std::make_unique<Dynamics>(*attributes_, mesh_.complex, DynamicsOptions{});

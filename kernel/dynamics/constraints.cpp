@@ -4,14 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/base/vec3.hpp"
+
 namespace suture {
 namespace {
-
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /// A motion at one time: what is the same for all its vertices.
 class Placement {

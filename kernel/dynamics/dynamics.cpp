@@ -372,21 +372,15 @@ Dynamics::Rounding Dynamics::rounding() const {
   return sum;
 }
 
-double Dynamics::most_given() const {
+double Dynamics::most_given(double length) const {
   const Index vertices = impl_->attributes.vertex_count();
-  const Column &rest = impl_->attributes.rest(), &mass = impl_->attributes.mass();
+  const Column& mass = impl_->attributes.mass();
   std::vector<double> force(4 * std::size_t{vertices});
   impl_->loads.add_to(force.data(), impl_->attributes.position().rows(), impl_->time);
   const double ramp = impl_->options.gravity_ramp.value(impl_->time);
-  Vec3 low{}, high{};
-  for (int c = 0; c < 3 && vertices > 0; ++c) low[c] = high[c] = rest.get(0, c);
   for (Index v = 0; v < vertices; ++v)
-    for (int c = 0; c < 3; ++c) {
+    for (std::size_t c = 0; c < 3; ++c)
       force[4 * std::size_t{v} + c] += ramp * mass.get(v, 0) * impl_->options.gravity[c];
-      low[c] = std::min(low[c], rest.get(v, c));
-      high[c] = std::max(high[c], rest.get(v, c));
-    }
-  const double length = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
   double sum = 0;
   for (Index v = 0; v < vertices; ++v) {
     if (!(mass.get(v, 0) > 0)) continue;

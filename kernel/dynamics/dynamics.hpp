@@ -123,9 +123,9 @@ class Dynamics {
   Rounding rounding() const;
 
   /// The most that gravity and loads, as they are now, can have given since time 0:
-  /// to each vertex as if it fell alone, but not further than the body is long at rest,
-  ///   sum of min(F^2 t^2 / 2m, F L), J.
-  double most_given() const;
+  /// to each vertex as if it fell alone, but over no more than `length`, m,
+  ///   sum of min(F^2 t^2 / 2m, F length), J.
+  double most_given(double length) const;
 
   /// The largest stable step of the present state, s; infinite without forces. From
   /// the tangent (step_search.hpp) if every functor has one, else from bounds().

@@ -7,15 +7,12 @@
 
 #include "kernel/attributes/shape.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/vec3.hpp"
 
 namespace suture {
 namespace {
 
 using Quad = std::array<Vec3, 4>;
-
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 Vec3 row(const double* rows, Index vertex) {
   const double* p = rows + std::size_t{vertex} * 4;

@@ -4,14 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/base/vec3.hpp"
 #include "kernel/events/centroid.hpp"
 
 namespace suture {
 namespace {
-
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
 /// Where the segment from a to b meets the plane. One of them may lie on it.
 Vec3 crossing(const PlanePatch& patch, const Vec3& a, const Vec3& b) {

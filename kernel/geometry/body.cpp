@@ -8,17 +8,15 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/nearest.hpp"
+#include "kernel/base/vec3.hpp"
 #include "kernel/geometry/geometry_module.hpp"
 
 namespace suture {
 namespace {
 
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 Vec3 along(const Vec3& a, double t, const Vec3& d) {
   return {a[0] + t * d[0], a[1] + t * d[1], a[2] + t * d[2]};
 }
-Vec3 minus(const Vec3& a, const Vec3& b) { return along(a, -1, b); }
-
 /// A ball whose centre runs from a to b and whose radius goes over from `at_a` to `at_b`.
 struct Limb {
   Vec3 a, b;

@@ -72,7 +72,7 @@ void Guard::check_energy(std::uint64_t step, double time, double dt) {
   const double excess = energy.total() - start_energy_;
   if (excess <= given) return;
   const double noise = 10 * static_cast<double>(step) * world_.dynamics->rounding().energy;
-  given = std::max(given, world_.dynamics->most_given());
+  given = std::max(given, world_.dynamics->most_given(world_.selector.diagonal()));
   if (excess <= given + noise) return;
   std::ostringstream text;
   text << when(step, time) << "the energy grows: " << energy.kinetic << " J kinetic and "

@@ -8,13 +8,11 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/nearest.hpp"
+#include "kernel/base/vec3.hpp"
 #include "kernel/events/centroid.hpp"
 
 namespace suture {
 namespace {
-
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
 double length(const Vec3& a) { return std::sqrt(dot(a, a)); }
 
@@ -64,7 +62,7 @@ Bounds bounds(const Column& places) {
   return box;
 }
 
-double diagonal(const Bounds& box) { return length(minus(box.high, box.low)); }
+double diagonal_of(const Bounds& box) { return length(minus(box.high, box.low)); }
 
 std::string bounds_text(const Column& places) {
   const auto [low, high] = bounds(places);
@@ -119,7 +117,7 @@ Selector::Selector(const Imported& imported, const MeshNames& names, const Colum
     : imported_(imported),
       names_(names),
       rest_(rest),
-      diagonal_(diagonal(bounds(rest))),
+      diagonal_(diagonal_of(bounds(rest))),
       point_position_(positions(names.point_ids)),
       element_position_(positions(names.element_ids)) {}
 

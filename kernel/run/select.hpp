@@ -49,6 +49,8 @@ class Selector {
   /// Element of the complex with the user's id, or `none`.
   Index element_with_id(std::uint64_t id) const;
 
+  double diagonal() const { return diagonal_; }  ///< of the mesh at rest, m
+
  private:
   std::vector<Index> listed_elements(const Selection& selection) const;
   bool contains(const Selection& selection, const Vec3& p) const;

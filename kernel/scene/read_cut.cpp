@@ -5,12 +5,11 @@
 #include <array>
 #include <cmath>
 
+#include "kernel/base/vec3.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
 namespace suture::scene_parts {
 namespace {
-
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 // Twice the vector area of a polygon (Newell): its normal, by the size of a right hand.
 Vec3 newell(const std::vector<Vec3>& polygon) {
@@ -23,11 +22,6 @@ Vec3 newell(const std::vector<Vec3>& polygon) {
     }
   }
   return sum;
-}
-
-Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
 // The largest triangle from the first point to a side: unlike Newell's sum it does not

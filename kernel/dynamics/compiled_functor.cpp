@@ -191,22 +191,39 @@ Connectivity CompiledFunctor::connectivity(const CellComplex& complex) const {
           count, live};
 }
 
-std::vector<loops::Range> CompiledFunctor::wanted_rows(const CellComplex& complex) const {
+/// Elements of the shape that the functor is written for, or all cells.
+loops::Range CompiledFunctor::element_rows() const {
   Index begin = 0, end = cells().size();
-  if (dimension_ == 2 && functor_.faces != SUTURE_ALL_FACES) return wanted_faces(complex);
   if (dimension_ == 3 && functor_.shape == SUTURE_PARALLELEPIPED) end = instance_.general_begin;
   if (dimension_ == 3 && functor_.shape == SUTURE_GENERAL) begin = instance_.general_begin;
-  if (begin == end) return {};
-  return {{begin, end}};
+  return {begin, end};
 }
 
-/// Faces on the boundary, or in the interior, as they are now.
+/// On the boundary, or in the interior, as it is now.
+bool CompiledFunctor::wants_face(const CellComplex& complex, Index row) const {
+  if (functor_.faces == SUTURE_ALL_FACES) return true;
+  const bool boundary = complex.beta3(complex.dart_of(2, cells().cell(row))) == none;
+  return boundary == (functor_.faces == SUTURE_BOUNDARY_FACES);
+}
+
+bool CompiledFunctor::visits(const CellComplex& complex, Index row) const {
+  if (skipped() || !cells().is_live(row)) return false;
+  if (dimension_ == 2) return wants_face(complex, row);
+  const loops::Range rows = element_rows();
+  return row >= rows.begin && row < rows.end;
+}
+
+std::vector<loops::Range> CompiledFunctor::wanted_rows(const CellComplex& complex) const {
+  if (dimension_ == 2 && functor_.faces != SUTURE_ALL_FACES) return wanted_faces(complex);
+  const loops::Range rows = element_rows();
+  if (rows.begin == rows.end) return {};
+  return {rows};
+}
+
 std::vector<loops::Range> CompiledFunctor::wanted_faces(const CellComplex& complex) const {
   std::vector<loops::Range> ranges;
   for (Index row = 0; row < cells().size(); ++row) {
-    if (!cells().is_live(row)) continue;
-    const bool boundary = complex.beta3(complex.dart_of(2, cells().cell(row))) == none;
-    if (boundary != (functor_.faces == SUTURE_BOUNDARY_FACES)) continue;
+    if (!cells().is_live(row) || !wants_face(complex, row)) continue;
     if (!ranges.empty() && ranges.back().end == row)
       ++ranges.back().end;
     else

@@ -58,6 +58,11 @@ class CompiledFunctor {
   const loops::Job& job(Attributes& attributes, const CellComplex& complex, const LiveMask& live,
                         double time, double dt);
   const CellSet& cells() const { return instance_.table(dimension_).cells; }
+  int dimension() const { return dimension_; }
+  /// Which vertices the rows of cells() touch.
+  Connectivity connectivity(const CellComplex& complex) const;
+  /// True if the loop visits the row, or leaves it out because nothing there ever moves.
+  bool visits(const CellComplex& complex, Index row) const;
 
   Instance& instance() const { return instance_; }
   const suture_functor& functor() const { return functor_; }
@@ -74,9 +79,10 @@ class CompiledFunctor {
 
  private:
   void refuse_unknown() const;
-  Connectivity connectivity(const CellComplex& complex) const;
   void read_columns(Attributes& attributes);
   std::vector<loops::Range> wanted_rows(const CellComplex& complex) const;
+  loops::Range element_rows() const;
+  bool wants_face(const CellComplex& complex, Index row) const;
   std::vector<loops::Range> wanted_faces(const CellComplex& complex) const;
   bool follow_merges(const CellComplex& complex, const TopologyChange& change);
   std::vector<Index> rows_at(const CellComplex& complex, Dart dart) const;

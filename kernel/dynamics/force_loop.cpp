@@ -3,15 +3,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <deque>
 #include <limits>
 
 #include "kernel/dynamics/compiled_functor.hpp"
-#include "kernel/dynamics/failures.hpp"
+#include "kernel/dynamics/local_rows.hpp"
 #include "kernel/dynamics/loops/dispatch.hpp"
-#include "kernel/dynamics/stable_step.hpp"
-#include "kernel/dynamics/symmetric3.hpp"
+#include "kernel/dynamics/vertex_bounds.hpp"
+#include "kernel/dynamics/worker_memory.hpp"
 
 namespace suture {
 namespace {
@@ -23,62 +22,11 @@ constexpr const char* cell_words[4] = {"vertex", "edge", "face", "element"};
 /// 0.1 ms of work against some microseconds per colour.
 constexpr std::size_t parallel_nodes = 32768;
 
-/// One thread's memory; padded, so that threads do not share a cache line.
-struct alignas(64) WorkerMemory {
-  AlignedVector<double> scratch;
-  std::vector<const double*> cell_columns, vertex_columns;
-  std::vector<double*> trial_columns;
-  Failure failure;
-  Index functor = 0;
-  const suture_error* error = nullptr;
-
-  static void failed(void* data, suture_status status, const suture_batch* batch) {
-    auto& self = *static_cast<WorkerMemory*>(data);
-    self.failure.note(status, self.functor, *self.error, *batch);
-  }
-
-  loops::Worker prepare(const loops::Job& job, const suture_context& context, Index number) {
-    functor = number;
-    error = context.error;
-    const std::uint64_t needed = loops::scratch_doubles(job);
-    if (scratch.size() < needed) scratch.resize(needed);
-    if (cell_columns.size() < job.cell_column_count) {
-      cell_columns.resize(job.cell_column_count);
-      trial_columns.resize(job.cell_column_count);
-    }
-    if (vertex_columns.size() < job.vertex_column_count)
-      vertex_columns.resize(job.vertex_column_count);
-    return {&context,
-            scratch.data(),
-            cell_columns.data(),
-            vertex_columns.data(),
-            trial_columns.data(),
-            &failed,
-            this};
-  }
-};
-
-/// Sums of the bounds of all functors: XX YY ZZ XY YZ XZ per vertex.
-struct VertexBounds {
-  std::vector<std::array<double, 6>> stiffness, damping;
-};
-
 /// A direction of dx and dv: a row of 3 per vertex, times a factor each.
 struct Direction {
   const float* rows;
   double dx, dv;
 };
-
-/// The part of a bound that acts on free components.
-std::array<double, 6> free_part(std::array<double, 6> a, int fixed) {
-  for (int c = 0; c < 3; ++c) {
-    if (!(fixed >> c & 1)) continue;
-    a[static_cast<std::size_t>(c)] = 0;
-    a[3 + static_cast<std::size_t>(c)] = 0;  // XY, YZ, XZ
-    a[3 + (static_cast<std::size_t>(c) + 2) % 3] = 0;
-  }
-  return a;
-}
 
 }  // namespace
 
@@ -140,18 +88,34 @@ struct ForceLoop::Impl {
   template <class Visit>
   void for_each_batch(const loops::Job& job, const loops::Worker& worker,
                       std::span<const loops::Range> ranges, Visit visit) const {
-    loops::Buffers buffers;
-    suture_batch batch;
     for (const loops::Range& range : ranges)
       for (Index row = range.begin; row < range.end;) {
         const Index here = std::min(range.end - row, lanes - row % lanes);
         const loops::BatchRows rows = loops::live_rows(job.live, row, here);
         row += here;
-        if (rows.valid == 0) continue;
-        loops.gather(&job, &worker, &rows, &buffers, &batch);
-        const suture_status status = visit(batch, rows);
-        if (status != SUTURE_OK) worker.failed(worker.data, status, &batch);
+        if (rows.valid != 0) visit_batch(job, worker, rows, visit);
       }
+  }
+  template <class Visit>
+  void visit_batch(const loops::Job& job, const loops::Worker& worker, const loops::BatchRows& rows,
+                   const Visit& visit) const {
+    loops::Buffers buffers;
+    suture_batch batch;
+    loops.gather(&job, &worker, &rows, &buffers, &batch);
+    const suture_status status = visit(batch, rows);
+    if (status != SUTURE_OK) worker.failed(worker.data, status, &batch);
+  }
+  /// The same for batches that local_rows.hpp found.
+  template <class Visit>
+  void for_each_local(Index number, double time, std::span<const loops::BatchRows> batches,
+                      Visit visit) {
+    CompiledFunctor& functor = functors[number];
+    const loops::Job& job = functor.job(attributes, *complex, functor.cells().live(), time, 0);
+    const auto worker = workers[0].prepare(job, functor.instance().context(0), number);
+    const auto one = [&](suture_batch& batch, const loops::BatchRows& rows) {
+      return visit(job, worker, batch, rows);
+    };
+    for (const loops::BatchRows& rows : batches) visit_batch(job, worker, rows, one);
   }
 
   void raise_failures(double time) {
@@ -172,7 +136,6 @@ struct ForceLoop::Impl {
 
   double energy_of(Index number, double time);
   bool add_field(Index number, std::string_view field, double time, std::span<double> values);
-  void add_bounds(Index number, double time, VertexBounds& sums);
   void add_tangent(Index number, const Direction& d, double time, float* out);
 
   Attributes& attributes;
@@ -182,6 +145,8 @@ struct ForceLoop::Impl {
   std::vector<WorkerMemory> workers;
   std::deque<RowNodes> row_nodes;
   std::deque<CompiledFunctor> functors;
+  LocalRows local;
+  LocalBounds local_bounds;
   /// Rows that are neither dead nor asleep, per instance; empty if none sleeps.
   std::vector<std::array<LiveMask, 4>> awake_rows;
   std::vector<bool> still;  ///< vertices held where they are at rest; empty: nothing is left out
@@ -237,6 +202,30 @@ double ForceLoop::energy(double time) {
   return sum;
 }
 
+double ForceLoop::energy_around(std::span<const Index> elements, double time) {
+  double sum = 0;
+  for (Index i = 0; i < impl_->functors.size(); ++i) {
+    const CompiledFunctor& functor = impl_->functors[i];
+    const auto* extension = functor.extension<suture_energy_1>(SUTURE_ENERGY_1);
+    if (functor.skipped() || !extension) continue;
+    impl_->for_each_local(i, time, impl_->local.rows_of(*impl_->complex, functor, elements),
+                          [&](const loops::Job&, const loops::Worker& worker, suture_batch& batch,
+                              const loops::BatchRows&) {
+                            alignas(64) double out[lanes];
+                            const suture_status status =
+                                extension->energy(worker.context, &batch, out);
+                            for (Index l = 0; l < batch.valid; ++l) sum += out[l];
+                            return status;
+                          });
+  }
+  impl_->raise_failures(time);
+  return sum;
+}
+
+std::vector<Index> ForceLoop::elements_around(std::span<const Index> vertices) {
+  return impl_->local.elements_around(*impl_->complex, vertices);
+}
+
 // ------------------------------------------------------------ output fields --
 
 bool ForceLoop::Impl::add_field(Index number, std::string_view field, double time,
@@ -281,60 +270,71 @@ bool ForceLoop::compute_field(const Instance& instance, int dimension, std::stri
 
 // ------------------------------------------------------------------- bounds --
 
-void ForceLoop::Impl::add_bounds(Index number, double time, VertexBounds& sums) {
-  const CompiledFunctor& functor = functors[number];
+namespace {
+
+const suture_stable_dt_1& bounds_of(const CompiledFunctor& functor) {
   const auto* extension = functor.extension<suture_stable_dt_1>(SUTURE_STABLE_DT_1);
-  if (!extension) {
-    throw PluginError(functor.title() +
-                      " offers no bound of the stable step (suture.stable-dt/1): give \"dt\" as a "
-                      "number of seconds, or add the extension to the model");
-  }
-  run(number, time, 0,
-      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Range> ranges,
-          Index) {
-        for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {
-          alignas(64) double stiffness[8 * 6 * lanes] = {}, damping[8 * 6 * lanes] = {};
-          const suture_status status =
-              extension->bounds(worker.context, &batch, stiffness, damping);
-          for (Index l = 0; l < batch.valid; ++l) {
-            const Index r = rows.row[l];
-            const Index* nodes =
-                job.nodes + std::size_t{job.cells ? job.cells[r] : r} * job.node_count;
-            for (Index n = 0; n < job.node_count; ++n)
-              for (std::size_t c = 0; c < 6; ++c) {
-                sums.stiffness[nodes[n]][c] += stiffness[(n * 6 + c) * lanes + l];
-                sums.damping[nodes[n]][c] += damping[(n * 6 + c) * lanes + l];
-              }
-          }
-          return status;
-        });
-      });
+  if (extension) return *extension;
+  throw PluginError(functor.title() +
+                    " offers no bound of the stable step (suture.stable-dt/1): give \"dt\" as a "
+                    "number of seconds, or add the extension to the model");
 }
 
-ForceLoop::Bounds ForceLoop::bounds(double time) {
-  const Index vertices = impl_->attributes.vertex_count();
-  VertexBounds sums{std::vector<std::array<double, 6>>(vertices),
-                    std::vector<std::array<double, 6>>(vertices)};
-  for (Index i = 0; i < impl_->functors.size(); ++i)
-    if (!impl_->functors[i].skipped()) impl_->add_bounds(i, time, sums);
-  impl_->raise_failures(time);
-
-  Bounds bounds;
-  const double* mass = impl_->attributes.mass().rows();
-  const double* fixed = impl_->attributes.fixed().rows();
-  for (Index v = 0; v < vertices; ++v) {
-    const int bits = static_cast<int>(fixed[v]);
-    if (bits == 7 || mass[v] == 0) continue;  // held, or gone
-    const double k = largest_eigenvalue(free_part(sums.stiffness[v], bits)) / mass[v];
-    const double c = largest_eigenvalue(free_part(sums.damping[v], bits)) / mass[v];
-    bounds.stiffness = std::max(bounds.stiffness, k);
-    bounds.damping = std::max(bounds.damping, c);
-    const double dt = stable_step(k, c);
-    if (dt < bounds.dt) {
-      bounds.dt = dt;
-      bounds.vertex = v;
-    }
+/// sums(vertex) += the bounds of every node of a batch.
+template <class Sums>
+suture_status add_bounds(const suture_stable_dt_1& extension, const loops::Job& job,
+                         const loops::Worker& worker, suture_batch& batch,
+                         const loops::BatchRows& rows, Sums& sums) {
+  alignas(64) double stiffness[8 * 6 * lanes] = {}, damping[8 * 6 * lanes] = {};
+  const suture_status status = extension.bounds(worker.context, &batch, stiffness, damping);
+  for (Index l = 0; l < batch.valid; ++l) {
+    const Index r = rows.row[l];
+    const Index* nodes = job.nodes + std::size_t{job.cells ? job.cells[r] : r} * job.node_count;
+    for (Index n = 0; n < job.node_count; ++n)
+      sums.add(nodes[n], stiffness + n * 6 * lanes + l, damping + n * 6 * lanes + l);
   }
+  return status;
+}
+
+}  // namespace
+
+ForceLoop::Bounds ForceLoop::bounds(double time) {
+  VertexBounds sums(impl_->attributes.vertex_count());
+  for (Index i = 0; i < impl_->functors.size(); ++i) {
+    if (impl_->functors[i].skipped()) continue;
+    const suture_stable_dt_1& extension = bounds_of(impl_->functors[i]);
+    impl_->run(i, time, 0,
+               [&](const loops::Job& job, const loops::Worker& worker,
+                   std::span<const loops::Range> ranges, Index) {
+                 impl_->for_each_batch(
+                     job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {
+                       return add_bounds(extension, job, worker, batch, rows, sums);
+                     });
+               });
+  }
+  impl_->raise_failures(time);
+  Bounds bounds;
+  for (Index v = 0; v < impl_->attributes.vertex_count(); ++v)
+    include_vertex(v, sums[v], impl_->attributes, bounds);
+  return bounds;
+}
+
+ForceLoop::Bounds ForceLoop::bounds_around(std::span<const Index> vertices, double time) {
+  LocalBounds& sums = impl_->local_bounds;
+  sums.select(vertices, impl_->attributes.vertex_count());
+  const std::vector<Index> elements = impl_->local.elements_around(*impl_->complex, vertices);
+  for (Index i = 0; i < impl_->functors.size(); ++i) {
+    const CompiledFunctor& functor = impl_->functors[i];
+    if (functor.skipped()) continue;
+    const suture_stable_dt_1& extension = bounds_of(functor);
+    impl_->for_each_local(i, time, impl_->local.rows_at(*impl_->complex, functor, elements, sums),
+                          [&](const auto& job, const auto& worker, auto& batch, const auto& rows) {
+                            return add_bounds(extension, job, worker, batch, rows, sums);
+                          });
+  }
+  impl_->raise_failures(time);
+  Bounds bounds;
+  for (const Index v : vertices) include_vertex(v, sums[v], impl_->attributes, bounds);
   return bounds;
 }
 

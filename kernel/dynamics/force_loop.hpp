@@ -44,6 +44,13 @@ class ForceLoop {
   void accept();
   /// Stored energy of all functors that know theirs, J. Fixed order of summation.
   double energy(double time);
+  /// The part of energy() that lies in these elements, their edges and their faces: an
+  /// operation that touches no others changes energy() by the difference. Elements that
+  /// were removed add nothing. To the rounding of another order. O(elements).
+  double energy_around(std::span<const Index> elements, double time);
+  /// Elements that have one of these vertices, ascending: what an operation on them can
+  /// touch. O(elements around them).
+  std::vector<Index> elements_around(std::span<const Index> vertices);
 
   /// Per vertex the largest eigenvalue of the summed bounds over m:
   /// K/m (1/s^2) and C/m (1/s); the maxima over all free vertices, and the
@@ -55,6 +62,9 @@ class ForceLoop {
     Index vertex = none;
   };
   Bounds bounds(double time);
+  /// bounds() of these vertices alone, each given once, to the rounding of another order.
+  /// O(cells around them); the first time memory for all vertices is set up.
+  Bounds bounds_around(std::span<const Index> vertices, double time);
 
   /// out += the derivative of all forces in the direction (dx d, dv d), for d and out
   /// of 3 floats per vertex. Needs has_tangent(). About three evaluations of forces.

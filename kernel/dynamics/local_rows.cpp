@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/dynamics/local_rows.hpp"
+
+#include <algorithm>
+
+#include "kernel/topology/marks.hpp"
+
+namespace suture {
+namespace {
+
+/// Cells of a dimension of an element.
+std::span<const Index> cells_of(const CellComplex& complex, int dimension, const Index& element) {
+  if (dimension == 1) return complex.edges_of(element);
+  if (dimension == 2) return complex.faces_of(element);
+  return {&element, 1};
+}
+
+}  // namespace
+
+std::vector<Index> LocalRows::elements_around(const CellComplex& complex,
+                                              std::span<const Index> vertices) {
+  element_marks_.resize(complex.element_count() / 64 + 1, 0);
+  std::vector<Index> elements;
+  for (const Index v : vertices) {
+    if (!complex.exists(0, v)) continue;
+    complex.star(0, v, star_);
+    for (const Dart d : star_)
+      if (marks::mark(element_marks_, d / hexahedron::darts))
+        elements.push_back(d / hexahedron::darts);
+  }
+  marks::unmark(element_marks_, elements);
+  std::ranges::sort(elements);
+  return elements;
+}
+
+template <class Wanted>
+std::span<const loops::BatchRows> LocalRows::find(const CellComplex& complex,
+                                                  const CompiledFunctor& functor,
+                                                  std::span<const Index> elements, Wanted wanted) {
+  const CellSet& cells = functor.cells();
+  row_marks_.resize(std::max<std::size_t>(row_marks_.size(), cells.size() / 64 + 1), 0);
+  rows_.clear();
+  for (const Index e : elements) {
+    if (!complex.exists(3, e)) continue;
+    for (const Index cell : cells_of(complex, functor.dimension(), e)) {
+      const Index row = cells.row(cell);
+      if (row != none && functor.visits(complex, row) && wanted(row) &&
+          marks::mark(row_marks_, row))
+        rows_.push_back(row);
+    }
+  }
+  marks::unmark(row_marks_, rows_);
+  std::ranges::sort(rows_);
+  return in_batches();
+}
+
+/// Cell columns are in blocks of 8 rows, so a batch has rows of one block.
+std::span<const loops::BatchRows> LocalRows::in_batches() {
+  batches_.clear();
+  for (std::size_t i = 0; i < rows_.size();) {
+    loops::BatchRows& batch = batches_.emplace_back();
+    batch.valid = 0;
+    const Index block = rows_[i] / SUTURE_LANES;
+    for (; i < rows_.size() && rows_[i] / SUTURE_LANES == block; ++i)
+      batch.row[batch.valid++] = rows_[i];
+    for (Index l = batch.valid; l < SUTURE_LANES; ++l) batch.row[l] = batch.row[batch.valid - 1];
+  }
+  return batches_;
+}
+
+std::span<const loops::BatchRows> LocalRows::rows_of(const CellComplex& complex,
+                                                     const CompiledFunctor& functor,
+                                                     std::span<const Index> elements) {
+  return find(complex, functor, elements, [](Index) { return true; });
+}
+
+std::span<const loops::BatchRows> LocalRows::rows_at(const CellComplex& complex,
+                                                     const CompiledFunctor& functor,
+                                                     std::span<const Index> elements,
+                                                     const LocalBounds& bounds) {
+  return find(complex, functor, elements, [&](Index row) {
+    return std::ranges::any_of(functor.connectivity(complex).of(row),
+                               [&](Index v) { return bounds.contains(v); });
+  });
+}
+
+}  // namespace suture

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernel/dynamics/compiled_functor.hpp"
+#include "kernel/dynamics/vertex_bounds.hpp"
+
+namespace suture {
+
+/// Finds the rows that a functor visits around some elements or vertices, without a pass
+/// over the mesh. Memory: a bit per element and per row of the largest table, cleared by
+/// list. Spans that are returned hold until the next call.
+class LocalRows {
+ public:
+  /// Elements that have one of these vertices, ascending; vertices that are gone have none.
+  std::vector<Index> elements_around(const CellComplex& complex, std::span<const Index> vertices);
+
+  /// Rows of the elements, or of their edges or faces, each once, ascending; elements that
+  /// were removed have none. Batches of fewer than 8 where a block of 8 rows is not whole.
+  std::span<const loops::BatchRows> rows_of(const CellComplex& complex,
+                                            const CompiledFunctor& functor,
+                                            std::span<const Index> elements);
+  /// Only rows with a vertex that is selected in `bounds`.
+  std::span<const loops::BatchRows> rows_at(const CellComplex& complex,
+                                            const CompiledFunctor& functor,
+                                            std::span<const Index> elements,
+                                            const LocalBounds& bounds);
+
+ private:
+  template <class Wanted>
+  std::span<const loops::BatchRows> find(const CellComplex& complex, const CompiledFunctor& functor,
+                                         std::span<const Index> elements, Wanted wanted);
+  std::span<const loops::BatchRows> in_batches();
+
+  std::vector<std::uint64_t> row_marks_, element_marks_;
+  std::vector<Index> rows_;
+  std::vector<Dart> star_;
+  std::vector<loops::BatchRows> batches_;
+};
+
+}  // namespace suture

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "kernel/base/aligned.hpp"
+#include "kernel/dynamics/failures.hpp"
+#include "kernel/dynamics/loops/loops.hpp"
+
+namespace suture {
+
+/// One thread's memory; padded, so that threads do not share a cache line.
+struct alignas(64) WorkerMemory {
+  AlignedVector<double> scratch;
+  std::vector<const double*> cell_columns, vertex_columns;
+  std::vector<double*> trial_columns;
+  Failure failure;
+  Index functor = 0;
+  const suture_error* error = nullptr;
+
+  static void failed(void* data, suture_status status, const suture_batch* batch) {
+    auto& self = *static_cast<WorkerMemory*>(data);
+    self.failure.note(status, self.functor, *self.error, *batch);
+  }
+
+  loops::Worker prepare(const loops::Job& job, const suture_context& context, Index number) {
+    functor = number;
+    error = context.error;
+    const std::uint64_t needed = loops::scratch_doubles(job);
+    if (scratch.size() < needed) scratch.resize(needed);
+    if (cell_columns.size() < job.cell_column_count) {
+      cell_columns.resize(job.cell_column_count);
+      trial_columns.resize(job.cell_column_count);
+    }
+    if (vertex_columns.size() < job.vertex_column_count)
+      vertex_columns.resize(job.vertex_column_count);
+    return {&context,
+            scratch.data(),
+            cell_columns.data(),
+            vertex_columns.data(),
+            trial_columns.data(),
+            &failed,
+            this};
+  }
+};
+
+}  // namespace suture

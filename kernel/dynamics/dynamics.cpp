@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "kernel/dynamics/changed_vertices.hpp"
 #include "kernel/dynamics/loops/dispatch.hpp"
 #include "kernel/dynamics/step_search.hpp"
 
@@ -202,6 +203,7 @@ struct Dynamics::Impl {
   const loops::Table& loops;
   ForceLoop forces;
   StepSearch step_search;
+  ChangedVertices changed;  ///< since bounds_of_changes()
   Constraints constraints;
   Loads loads;
 
@@ -252,6 +254,7 @@ void Dynamics::update(const CellComplex& complex, const TopologyChange& change) 
   impl_->forces.update(complex, change);
   impl_->constraints.update(change, impl_->attributes);
   impl_->step_search.forget();
+  impl_->changed.add(complex, change, impl_->forces.reads_summed_columns());
   const bool only_apart = change.faces_sewn == 0 && change.removed[3].empty();
   if (!only_apart || !change.splits[0].empty())
     impl_->loads.update(impl_->attributes.rest_places(complex));
@@ -421,6 +424,10 @@ double Dynamics::stable_step() {
 }
 
 ForceLoop::Bounds Dynamics::bounds() { return impl_->forces.bounds(impl_->time); }
+
+ForceLoop::Bounds Dynamics::bounds_of_changes() {
+  return impl_->forces.bounds_around(impl_->changed.take(*impl_->complex), impl_->time);
+}
 
 Dynamics::Inversions Dynamics::inversions() const {
   const Index elements = impl_->complex->element_count();

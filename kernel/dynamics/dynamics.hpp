@@ -134,6 +134,10 @@ class Dynamics {
   /// Bounds per vertex on the safe side, cell by cell: for springs and blocks the step
   /// is 0.6 to 0.75 of stable_step(). See stable_step.hpp.
   ForceLoop::Bounds bounds();
+  /// bounds() of the vertices that operations changed since the last call, and of no
+  /// others: the step stays stable below both the stable step before and this one.
+  /// O(cells changed).
+  ForceLoop::Bounds bounds_of_changes();
 
   /// Elements with a corner Jacobian <= 0: how many, and the lowest number that
   /// users see. O(elements), far below an evaluation of forces.

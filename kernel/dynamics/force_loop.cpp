@@ -320,6 +320,7 @@ ForceLoop::Bounds ForceLoop::bounds(double time) {
 }
 
 ForceLoop::Bounds ForceLoop::bounds_around(std::span<const Index> vertices, double time) {
+  if (vertices.empty()) return {};
   LocalBounds& sums = impl_->local_bounds;
   sums.select(vertices, impl_->attributes.vertex_count());
   const std::vector<Index> elements = impl_->local.elements_around(*impl_->complex, vertices);
@@ -349,6 +350,13 @@ bool ForceLoop::has_tangent() const {
 bool ForceLoop::reads_velocity() const {
   return std::ranges::any_of(impl_->functors, [](const CompiledFunctor& functor) {
     return !functor.skipped() && (functor.reads() & SUTURE_READ_VELOCITY) != 0;
+  });
+}
+
+bool ForceLoop::reads_summed_columns() const {
+  return std::ranges::any_of(impl_->functors, [](const CompiledFunctor& functor) {
+    return !functor.skipped() &&
+           (functor.dimension() != 3 || functor.functor().vertex_column_count != 0);
   });
 }
 

@@ -71,6 +71,9 @@ class ForceLoop {
   void add_tangent(const float* d, double dx, double dv, double time, float* out);
   bool has_tangent() const;     ///< every enabled functor has suture.tangent/1
   bool reads_velocity() const;  ///< some enabled functor does
+  /// Some enabled functor is on edges or faces, or reads columns of vertices: an operation
+  /// changes its bounds also at vertices that keep their elements.
+  bool reads_summed_columns() const;
 
   /// An output field (suture.output/1) of an instance's functors on cells of a
   /// dimension: values[row*components + c] of its table; rows that no functor

@@ -17,30 +17,35 @@ void StepWatch::start() {
           "/solver/dt: \"auto\" needs a force, and no model gives one; give a number of seconds");
     return;
   }
-  stable_ = bound().value_or(0);
+  stable_ = bound(&Dynamics::bounds).value_or(0);
   if (*scene_.solver.dt > stable_) search(0);
 }
 
 void StepWatch::after_event(std::uint64_t step) {
   if (warned_) return;  // nothing more to say
-  const std::optional<double> safe = bound();
-  if (!scene_.solver.dt) {
-    if (!safe) return search(step);
-    stable_ = std::min(stable_, *safe);
-    due_ = step + search_steps;
-  } else if (!safe || *scene_.solver.dt > *safe) {
-    due_ = std::max(step, searched_ + search_steps);
+  const std::optional<double> local = bound(&Dynamics::bounds_of_changes);
+  if (scene_.solver.dt) {
+    if (!local || *scene_.solver.dt > *local) due_ = std::max(step, searched_ + search_steps);
+  } else if (!local) {
+    search(step);
+  } else if (*local < stable_) {
+    stable_ = *local;
+    lowered_ = step;
   }
 }
 
 void StepWatch::after_step(std::uint64_t step) {
-  if (step >= due_) search(step);
+  if (step < due_) return;
+  const bool quiet = step >= lowered_ + search_steps;
+  if (scene_.solver.dt || quiet || step >= searched_ + most_steps) return search(step);
+  stable_ = bound(&Dynamics::bounds).value();  // lowered_ by such a bound
+  due_ = step + search_steps;
 }
 
 /// None if a model gives no bounds.
-std::optional<double> StepWatch::bound() {
+std::optional<double> StepWatch::bound(ForceLoop::Bounds (Dynamics::*which)()) {
   try {
-    return world_.dynamics->bounds().dt;
+    return (*world_.dynamics.*which)().dt;
   } catch (const PluginError&) {
     return std::nullopt;
   }

@@ -93,11 +93,15 @@ class Watch : public testing::Test {
     bound = world.dynamics->bounds().dt;
     stable = world.dynamics->stable_step();
   }
-  void cut() {
+  /// A face on two sides of the body: a vertex of it splits. Returns the bound around it.
+  double cut() {
     Dart inner = 0;
     while (!world.complex().can_cut(inner)) ++inner;
-    world.cut({inner});
+    const TopologyChange change = world.cut({inner});
+    EXPECT_FALSE(change.splits[0].empty());
+    std::vector<Index> vertices(change.stars[0].cells.begin(), change.stars[0].cells.end());
     bound = world.dynamics->bounds().dt;
+    return world.dynamics->forces().bounds_around(vertices, 0).dt;
   }
   Scene scene;
   Diagnostics diagnostics;
@@ -105,19 +109,62 @@ class Watch : public testing::Test {
   double bound = 0, stable = 0;
 };
 
-TEST_F(Watch, AutoStaysBelowTheBoundUntilTheEventsAreOver) {
+TEST_F(Watch, AnEventLowersAutoToTheBoundAroundItUntilEventsAreOver) {
   StepWatch watch(scene, world, diagnostics);
   watch.start();
   EXPECT_NEAR(watch.stable(), stable, 0.02 * stable);
   EXPECT_GT(watch.stable(), 1.1 * bound);
-  cut();
+  const double first = cut();
   watch.after_event(10);
-  EXPECT_EQ(watch.stable(), bound);
+  EXPECT_NEAR(watch.stable(), std::min(stable, first), 1e-12 * stable);
+  EXPECT_LT(watch.stable(), stable);
+  const double lower = std::min(first, cut());
   watch.after_event(300);
-  watch.after_step(522);
-  EXPECT_EQ(watch.stable(), bound) << "an event 222 steps ago";
-  watch.after_step(812);
+  EXPECT_NEAR(watch.stable(), lower, 1e-12 * stable);
+  watch.after_step(512);
+  EXPECT_EQ(watch.stable(), bound) << "an event 212 steps ago: no search, but all vertices";
+  watch.after_step(1024);
   EXPECT_NEAR(watch.stable(), world.dynamics->stable_step(), 0.02 * stable);
+}
+
+TEST_F(Watch, AnEventThatChangesNoVertexLeavesTheStepAlone) {
+  StepWatch watch(scene, world, diagnostics);
+  watch.start();
+  const double before = watch.stable();
+  world.dynamics->bounds_of_changes();
+  watch.after_event(500);
+  EXPECT_EQ(watch.stable(), before);
+  watch.after_step(512);
+  EXPECT_NEAR(watch.stable(), stable, 0.02 * stable) << "searched: no event lowered the step";
+}
+
+TEST_F(Watch, EventsInEveryStepDoNotKeepASearchAwayForever) {
+  StepWatch watch(scene, world, diagnostics);
+  watch.start();
+  const auto lower = [&](std::uint64_t step) {
+    Dart inner = 0;
+    while (!world.complex().can_cut(inner)) inner += 4;
+    const double before = watch.stable();
+    world.cut({inner});
+    watch.after_event(step);
+    return watch.stable() < before;
+  };
+  ASSERT_TRUE(lower(1));
+  double searched = 0;
+  for (std::uint64_t step = 512; step <= 4096; step += 512) {
+    watch.after_step(step);
+    if (step < 4096) {
+      EXPECT_NEAR(watch.stable(), world.dynamics->bounds().dt, 1e-12 * stable) << step;
+      Column& x = world.attributes.position();  // so that the next cut lowers the step again
+      for (Index v = 0; v < x.size(); ++v) x.set(v, 0, 1.03 * x.get(v, 0));
+      world.dynamics->invalidate();
+      ASSERT_TRUE(lower(step + 511)) << step;
+    } else {
+      searched = watch.stable();
+    }
+  }
+  EXPECT_NE(searched, world.dynamics->bounds().dt);
+  EXPECT_NEAR(searched, world.dynamics->stable_step(), 0.02 * searched);
 }
 
 TEST_F(Watch, AFixedStepBelowTheBoundIsNotSearched) {
@@ -145,6 +192,7 @@ TEST_F(Watch, AFixedStepThatAnEventMakesTooLongIsWarnedOfOnce) {
     world.attributes.position().set(v, 0, 1.5 * world.attributes.position().get(v, 0));
   world.dynamics->invalidate();
   ASSERT_LT(world.dynamics->stable_step(), *scene.solver.dt);
+  cut();
   watch.after_event(100);
   watch.after_step(101);
   EXPECT_TRUE(diagnostics.warnings().empty()) << "searched 101 steps ago";

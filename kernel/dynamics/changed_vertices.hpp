@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "kernel/topology/marks.hpp"
+
+namespace suture {
+
+/// Vertices whose bounds of the stable step may have grown since the last look: mass or
+/// cells were lost, cells have other columns, or a merge moved a corner of theirs. A bit
+/// per vertex.
+class ChangedVertices {
+ public:
+  /// Bounds of functors on elements that read no columns of vertices depend on the vertex's
+  /// own elements and mass alone, so only the vertices that lost or gained elements count.
+  /// `columns_count`: some functor is on edges or faces, or reads columns of vertices; what
+  /// it reads may have changed at every vertex of the elements touched. O(change).
+  void add(const CellComplex& complex, const TopologyChange& change, bool columns_count) {
+    marks_.resize(complex.count(0) / 64 + 1, 0);
+    for (const Index v : change.stars[0].cells) add(v);
+    if (!columns_count && change.faces_sewn == 0) return;
+    for (const Index e : change.elements)
+      for (const Index v : complex.vertices_of(e)) add(v);
+  }
+
+  /// Those that exist, ascending; from now on there are none.
+  std::vector<Index> take(const CellComplex& complex) {
+    marks::unmark(marks_, vertices_);
+    std::erase_if(vertices_, [&](Index v) { return !complex.exists(0, v); });
+    std::ranges::sort(vertices_);
+    return std::exchange(vertices_, {});
+  }
+
+ private:
+  void add(Index vertex) {
+    if (vertex != none && marks::mark(marks_, vertex)) vertices_.push_back(vertex);
+  }
+
+  std::vector<std::uint64_t> marks_;
+  std::vector<Index> vertices_;
+};
+
+}  // namespace suture

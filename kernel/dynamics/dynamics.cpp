@@ -253,7 +253,7 @@ void Dynamics::update(const CellComplex& complex, const TopologyChange& change) 
   impl_->complex = &complex;
   impl_->forces.update(complex, change);
   impl_->constraints.update(change, impl_->attributes);
-  impl_->step_search.forget();
+  impl_->step_search.follow(change);
   impl_->changed.add(complex, change, impl_->forces.reads_summed_columns());
   const bool only_apart = change.faces_sewn == 0 && change.removed[3].empty();
   if (!only_apart || !change.splits[0].empty())

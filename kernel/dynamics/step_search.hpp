@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <random>
 #include <vector>
 
 #include "kernel/dynamics/force_loop.hpp"
@@ -15,9 +16,10 @@ namespace suture {
 ///
 /// The eigenvector is found by locally optimal descent: Rayleigh-Ritz on the present
 /// vector, its residual and the last direction (Knyazev, SIAM J. Sci. Comput. 23 (2001)
-/// 517). It is kept, so that the next search starts where the last one ended, until the
-/// cells are others. Each 16th search starts at random, lest another mode be overlooked
-/// that grew in the meantime.
+/// 517). It is kept, so that the next search starts where the last one ended. Vertices that
+/// an operation changed may carry a mode of their own now: the next search starts with
+/// random numbers there besides. Each 16th search starts at random everywhere, lest a mode be
+/// overlooked that grew in the meantime.
 ///
 /// Memory while it runs: 96 B per vertex; between searches 12 B.
 class StepSearch {
@@ -26,13 +28,13 @@ class StepSearch {
       : forces_(forces), attributes_(attributes) {}
 
   /// The step, s; infinite without forces. At most 1.5 % too short, and of a start at
-  /// random not 1.5 % too long but for one in 10,000. Costs 5 (again) to 50 (from random)
-  /// directional derivatives, each about three evaluations of the forces.
+  /// random not 1.5 % too long but for one in 10,000. Costs 5 (again), 10 (after an operation) to
+  /// 50 (from random) directional derivatives, each about three evaluations of the forces.
   /// Needs forces.has_tangent().
   double largest(double time);
 
-  /// The cells are others, and so may the mode be.
-  void forget() { mode_.clear(); }
+  /// The cells are others: new vertices move like those they left. O(change).
+  void follow(const TopologyChange& change);
 
  private:
   using Vector = std::vector<float>;  // 3 per vertex; seven digits for three
@@ -43,6 +45,8 @@ class StepSearch {
 
   void set_scales();
   void start_at_random();
+  void start_at_last();
+  float random_number(std::size_t i);
   double damped(double dt, int least);
   void apply(const Vector& x, double stiffness, double damping, Vector& image);
   static void step_to_best(Direction& x, Direction& residual, Direction& last);
@@ -53,8 +57,11 @@ class StepSearch {
   Attributes& attributes_;
   double time_ = 0;
   unsigned searches_ = 0;
-  Vector mode_;   // unit vector, in coordinates sqrt(m) x
-  Vector scale_;  // 1/sqrt(m), 0 where fixed
+  double last_ = 0;             // result of the last search, s
+  std::mt19937 random_;         // the same numbers on every machine
+  Vector mode_;                 // unit vector, in coordinates sqrt(m) x
+  std::vector<Index> changed_;  // vertices, since the last search; some twice
+  Vector scale_;                // 1/sqrt(m), 0 where fixed
   Vector scaled_;
 };
 

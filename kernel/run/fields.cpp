@@ -12,39 +12,64 @@ namespace {
 
 using On = FieldChoice::On;
 
-// Three components of each vertex, tightly packed.
+// value(world, gravity, vertex, component): three components of each vertex.
 template <class Value>
-void fill_vectors(World& world, FrameField& field, Value value) {
-  const Index count = world.complex().count(0);
+FieldChoice vertex_vector(std::string name, std::string unit, bool needs_force, Value value) {
+  FieldChoice field{std::move(name), On::points, needs_force, {}};
   field.components = 3;
-  field.values.resize(std::size_t{3} * count);
-  for (Index v = 0; v < count; ++v) {
-    for (int a = 0; a < 3; ++a)
-      field.values[std::size_t{3} * v + static_cast<std::size_t>(a)] = value(v, a);
-  }
+  field.unit = std::move(unit);
+  field.value = value;
+  field.fill = [value](World& world, const Vec3& gravity, double, FrameField& out) {
+    const Index count = world.complex().count(0);
+    out.components = 3;
+    out.values.resize(std::size_t{3} * count);
+    for (Index v = 0; v < count; ++v) {
+      for (int a = 0; a < 3; ++a)
+        out.values[std::size_t{3} * v + static_cast<std::size_t>(a)] = value(world, gravity, v, a);
+    }
+  };
+  return field;
 }
 
-void fill_column(const Column& column, FrameField& field) {
-  field.components = 1;
-  field.values.resize(column.size());
-  for (Index i = 0; i < column.size(); ++i) field.values[i] = column.get(i, 0);
+// column(world): one value of each vertex.
+template <class ColumnOf>
+FieldChoice vertex_scalar(std::string name, std::string unit, ColumnOf column) {
+  FieldChoice field{std::move(name), On::points, false, {}};
+  field.unit = std::move(unit);
+  field.value = [column](World& world, const Vec3&, Index v, int) {
+    return column(world).get(v, 0);
+  };
+  field.fill = [column](World& world, const Vec3&, double, FrameField& out) {
+    const Column& values = column(world);
+    out.components = 1;
+    out.values.resize(values.size());
+    for (Index i = 0; i < values.size(); ++i) out.values[i] = values.get(i, 0);
+  };
+  return field;
 }
 
+// value(world, cell): a whole number of each vertex or element.
 template <class Value>
-void fill_ids(Index count, FrameField& field, Value value) {
-  field.components = 1;
-  field.ids.resize(count);
-  for (Index i = 0; i < count; ++i) field.ids[i] = static_cast<std::int64_t>(value(i));
+FieldChoice integers(std::string name, On on, Value value) {
+  FieldChoice field{std::move(name), on, false, {}};
+  field.value = [value](World& world, const Vec3&, Index cell, int) {
+    return static_cast<double>(value(world, cell));
+  };
+  field.fill = [value, on](World& world, const Vec3&, double, FrameField& out) {
+    const Index count = world.complex().count(on == On::points ? 0 : 3);
+    out.components = 1;
+    out.ids.resize(count);
+    for (Index i = 0; i < count; ++i) out.ids[i] = static_cast<std::int64_t>(value(world, i));
+  };
+  return field;
 }
 
-void displacement(World& world, const Vec3&, double, FrameField& field) {
-  const Column &x = world.attributes.position(), &rest = world.attributes.rest();
-  fill_vectors(world, field, [&](Index v, int a) { return x.get(v, a) - rest.get(v, a); });
+double displacement(World& world, const Vec3&, Index v, int a) {
+  return world.attributes.position().get(v, a) - world.attributes.rest().get(v, a);
 }
 
-void velocity(World& world, const Vec3&, double, FrameField& field) {
-  const Column& column = world.attributes.velocity();
-  fill_vectors(world, field, [&](Index v, int a) { return column.get(v, a); });
+double velocity(World& world, const Vec3&, Index v, int a) {
+  return world.attributes.velocity().get(v, a);
 }
 
 // f = f_int + loads + m g
@@ -53,40 +78,28 @@ double total_force(World& world, const Vec3& gravity, Index v, int a) {
          world.attributes.mass().get(v, 0) * gravity[static_cast<std::size_t>(a)];
 }
 
-void force(World& world, const Vec3& gravity, double, FrameField& field) {
-  fill_vectors(world, field, [&](Index v, int a) { return total_force(world, gravity, v, a); });
-}
-
 // What the support gives: the opposite of the force, in constrained directions.
-void reaction(World& world, const Vec3& gravity, double, FrameField& field) {
-  fill_vectors(world, field, [&](Index v, int a) {
-    const bool held = (static_cast<int>(world.attributes.fixed().get(v, 0)) >> a & 1) != 0;
-    return held ? -total_force(world, gravity, v, a) : 0.0;
-  });
+double reaction(World& world, const Vec3& gravity, Index v, int a) {
+  const bool held = (static_cast<int>(world.attributes.fixed().get(v, 0)) >> a & 1) != 0;
+  return held ? -total_force(world, gravity, v, a) : 0.0;
 }
 
-void mass(World& world, const Vec3&, double, FrameField& field) {
-  fill_column(world.attributes.mass(), field);
+FieldChoice element_id() {
+  FieldChoice field = integers("element_id", On::cells,
+                               [](World& world, Index e) { return world.element_name(e); });
+  field.fill = [fill = field.fill](World& world, const Vec3& gravity, double time,
+                                   FrameField& out) {
+    out.global_ids = true;
+    fill(world, gravity, time, out);
+  };
+  return field;
 }
 
-void fixed(World& world, const Vec3&, double, FrameField& field) {
-  fill_column(world.attributes.fixed(), field);
-}
-
-void node_id(World& world, const Vec3&, double, FrameField& field) {
-  fill_ids(world.complex().count(0), field,
-           [&](Index v) { return world.names.point_id(world.user_vertex[v]); });
-}
-
-void element_id(World& world, const Vec3&, double, FrameField& field) {
-  field.global_ids = true;
-  fill_ids(world.complex().element_count(), field,
-           [&](Index e) { return world.names.element_id(world.imported.user_element[e]); });
-}
-
-void island(World& world, const Vec3&, double, FrameField& field) {
-  const Islands& islands = world.islands();
-  fill_ids(world.complex().element_count(), field, [&](Index e) { return islands.of(e); });
+FieldChoice island() {
+  FieldChoice field =
+      integers("island", On::cells, [](World& world, Index e) { return world.islands().of(e); });
+  field.needs_neighbours = true;
+  return field;
 }
 
 void model(World& world, const Vec3&, double, FrameField& field) {
@@ -137,11 +150,15 @@ On place_of(std::uint32_t dimension) {
   return dimension == 0 ? On::points : dimension == 1 ? On::springs : On::cells;
 }
 
+std::string unit_of(const char* text) { return text == nullptr ? "1" : text; }
+
 FieldChoice output_field(const suture_functor& functor, const suture_field& field) {
   const int dimension = static_cast<int>(functor.dimension),
             components = static_cast<int>(field.components);
   const std::string name = field.name;
-  return {name, place_of(functor.dimension), false,
+  return {name,
+          place_of(functor.dimension),
+          false,
           [=](World& world, const Vec3&, double time, FrameField& out) {
             gather_instances(world, dimension, components, out,
                              [&](Instance& instance, std::span<double> rows) {
@@ -149,14 +166,19 @@ FieldChoice output_field(const suture_functor& functor, const suture_field& fiel
                                                                              name, time, rows);
                              });
           },
-          true};
+          true,
+          false,
+          components,
+          unit_of(field.unit)};
 }
 
 FieldChoice attribute_field(const suture_attribute& attribute) {
   const int dimension = static_cast<int>(attribute.dimension),
             components = static_cast<int>(attribute.components);
   const std::string name = attribute.name;
-  return {name, place_of(attribute.dimension), false,
+  return {name,
+          place_of(attribute.dimension),
+          false,
           [=](World& world, const Vec3&, double, FrameField& out) {
             gather_instances(
                 world, dimension, components, out, [&](Instance& instance, std::span<double> rows) {
@@ -169,7 +191,11 @@ FieldChoice attribute_field(const suture_attribute& attribute) {
                   }
                   return true;
                 });
-          }};
+          },
+          false,
+          false,
+          components,
+          unit_of(attribute.unit)};
 }
 
 bool contains(const std::vector<FieldChoice>& fields, const FieldChoice& field) {
@@ -182,25 +208,38 @@ void add_once(std::vector<FieldChoice>& fields, FieldChoice field) {
   if (!contains(fields, field)) fields.push_back(std::move(field));
 }
 
-std::vector<FieldChoice> all_fields(World& world) {
-  std::vector<FieldChoice> all = kernel_fields();
-  for (FieldChoice& field : model_fields(world)) all.push_back(std::move(field));
-  return all;
-}
-
 }  // namespace
 
+std::vector<std::string> component_names(int components) {
+  switch (components) {
+    case 1:
+      return {""};
+    case 3:
+      return {"x", "y", "z"};
+    case 6:
+      return {"xx", "yy", "zz", "xy", "yz", "xz"};
+    default:
+      std::vector<std::string> names;
+      for (int c = 0; c < components; ++c) names.push_back(std::to_string(c));
+      return names;
+  }
+}
+
 const std::vector<FieldChoice>& kernel_fields() {
-  static const std::vector<FieldChoice> fields{{"displacement", On::points, false, displacement},
-                                               {"velocity", On::points, false, velocity},
-                                               {"force", On::points, true, force},
-                                               {"reaction", On::points, true, reaction},
-                                               {"mass", On::points, false, mass},
-                                               {"fixed", On::points, false, fixed},
-                                               {"node_id", On::points, false, node_id},
-                                               {"element_id", On::cells, false, element_id},
-                                               {"island", On::cells, false, island, false, true},
-                                               {"model", On::cells, false, model}};
+  static const std::vector<FieldChoice> fields{
+      vertex_vector("displacement", "m", false, displacement),
+      vertex_vector("velocity", "m/s", false, velocity),
+      vertex_vector("force", "N", true, total_force),
+      vertex_vector("reaction", "N", true, reaction),
+      vertex_scalar("mass", "kg",
+                    [](World& world) -> const Column& { return world.attributes.mass(); }),
+      vertex_scalar("fixed", "1",
+                    [](World& world) -> const Column& { return world.attributes.fixed(); }),
+      integers("node_id", On::points,
+               [](World& world, Index v) { return world.names.point_id(world.user_vertex[v]); }),
+      element_id(),
+      island(),
+      {"model", On::cells, false, model}};
   return fields;
 }
 
@@ -224,25 +263,33 @@ std::vector<FieldChoice> model_fields(World& world) {
   return fields;
 }
 
+std::vector<FieldChoice> all_fields(World& world) {
+  std::vector<FieldChoice> all = kernel_fields();
+  for (FieldChoice& field : model_fields(world)) all.push_back(std::move(field));
+  return all;
+}
+
+const FieldChoice& field_named(const std::vector<FieldChoice>& fields, const std::string& name,
+                               const std::string& path) {
+  const auto found = std::find_if(fields.begin(), fields.end(), [&](const FieldChoice& f) {
+    return f.name == name && f.on != On::springs;
+  });
+  if (found != fields.end()) return *found;
+  std::vector<std::string> names;
+  for (const FieldChoice& f : fields) {
+    if (f.on != On::springs) names.push_back(f.name);
+  }
+  std::string text =
+      path + ": no model of this scene gives '" + name + "'" + did_you_mean(name, names);
+  for (std::size_t i = 0; i < names.size(); ++i) text += (i ? ", " : "; there are ") + names[i];
+  throw InputError(text);
+}
+
 std::vector<FieldChoice> choose_fields(World& world, const OutputOptions& options) {
   const std::vector<FieldChoice> all = all_fields(world);
   std::vector<FieldChoice> chosen;
-  for (const std::string& name : options.fields) {
-    const auto found = std::find_if(all.begin(), all.end(), [&](const FieldChoice& f) {
-      return f.name == name && f.on != On::springs;
-    });
-    if (found == all.end()) {
-      std::vector<std::string> names;
-      for (const FieldChoice& f : all) {
-        if (f.on != On::springs) names.push_back(f.name);
-      }
-      std::string text = "/output/fields: no model of this scene gives '" + name + "'" +
-                         did_you_mean(name, names) + "; there are";
-      for (std::size_t i = 0; i < names.size(); ++i) text += (i ? ", " : " ") + names[i];
-      throw InputError(text);
-    }
-    chosen.push_back(*found);
-  }
+  for (const std::string& name : options.fields)
+    chosen.push_back(field_named(all, name, "/output/fields"));
   if (options.springs) {
     std::copy_if(all.begin(), all.end(), std::back_inserter(chosen),
                  [](const FieldChoice& f) { return f.on == On::springs; });

@@ -20,7 +20,16 @@ struct FieldChoice {
   std::function<void(World&, const Vec3& gravity, double time, FrameField&)> fill;
   bool runs_functors = false;     ///< an output of a model, not a column
   bool needs_neighbours = false;  ///< asks which elements hang together
+  int components = 1;
+  std::string unit = "1";  ///< "1": none
+  /// One component at one vertex or element, without computing the others; empty where
+  /// only fill() knows.
+  std::function<double(World&, const Vec3& gravity, Index cell, int component)> value{};
 };
+
+/// What the components of a field are called: "x y z", "xx yy zz xy yz xz", 0, 1, ...;
+/// a single "" for a scalar.
+std::vector<std::string> component_names(int components);
 
 /// False for a row whose cell was removed, or left the instance.
 inline bool has_cell(const CellComplex& complex, const Table& table, Index row) {
@@ -35,6 +44,14 @@ const std::vector<FieldChoice>& kernel_fields();
 /// Fields of the models in a run: output extensions and attributes flagged for
 /// output. A field of several instances is one array, NaN where no model gives it.
 std::vector<FieldChoice> model_fields(World& world);
+
+/// Fields of every run, then those of its models.
+std::vector<FieldChoice> all_fields(World& world);
+
+/// The field of points or elements with this name among `fields`. Throws InputError that
+/// begins with `path` and names the nearest and all others.
+const FieldChoice& field_named(const std::vector<FieldChoice>& fields, const std::string& name,
+                               const std::string& path);
 
 /// The chosen fields; all of a run's for the springs. Throws InputError for a
 /// name that no model of this scene gives, with the nearest.

@@ -156,7 +156,8 @@ void decide_output(const Scene& scene, const World& world, const Recorder& recor
                       : "not asked for"});
   list.push_back({"probes.csv", !recorder.writes_probes(),
                   recorder.writes_probes()
-                      ? "every " + count_text(scene.output.probes_every, "step")
+                      ? "every " + count_text(scene.output.probes_every, "step") + ", with " +
+                            names(recorder.probe_table()->fields())
                       : "not asked for"});
   list.push_back({"springs", !scene.output.springs,
                   scene.output.springs ? "a second file per frame" : "not asked for"});
@@ -175,7 +176,9 @@ std::string who_looks_at_still_cells(const Scene& scene, const World& world,
   if (!world.skips) return no_skip;
   if (recorder.frames_need_force()) return "computed: frames show forces";
   if (recorder.frames_run_functors()) return "computed: frames show fields of the models";
-  if (recorder.writes_probes()) return "computed: probes show forces";
+  if (recorder.probes_need(&FieldChoice::needs_force)) return "computed: probes show forces";
+  if (recorder.probes_need(&FieldChoice::runs_functors))
+    return "computed: probes show fields of the models";
   if (recorder.writes_energies()) return "computed: energies.csv sums over all cells";
   if (scene.solver.until_rest) return "computed: the search for rest looks at energy";
   if (!only_cuts(scene.events)) return "computed: an event may look at every cell";
@@ -188,6 +191,7 @@ std::string who_needs_neighbours(const Scene& scene, const World& world, const R
   if (!scene.events.empty()) return "kept: an event cuts, removes or joins, or looks for islands";
   if (scene.solver.sleep_acceleration > 0) return "kept: islands may sleep";
   if (recorder.frames_need_neighbours()) return "kept: frames show islands";
+  if (recorder.probes_need(&FieldChoice::needs_neighbours)) return "kept: probes show islands";
   return "";
 }
 

@@ -2,16 +2,12 @@
 #include "kernel/run/recorder.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "kernel/run/shown.hpp"
 #include "kernel/vtk/vtk_module.hpp"
 
 namespace suture {
 namespace {
-
-/// In a table: of nodes that were all removed.
-constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 FrameWriterOptions writer_options(const OutputOptions& options) {
   FrameWriterOptions result;
@@ -57,19 +53,6 @@ bool has_holes(const CellComplex& complex) {
   return complex.existing(0) < complex.count(0) || complex.existing(3) < complex.count(3);
 }
 
-std::vector<std::string> probe_columns(const std::vector<Probe>& probes) {
-  std::vector<std::string> columns{"time [s]"};
-  for (const Probe& probe : probes) {
-    for (const char* quantity : {"position", "displacement", "force"}) {
-      for (const char* axis : {"x", "y", "z"}) {
-        const std::string unit = quantity[0] == 'f' ? " [N]" : " [m]";
-        columns.push_back(probe.name + " " + quantity + " " + axis + unit);
-      }
-    }
-  }
-  return columns;
-}
-
 }  // namespace
 
 Recorder::Recorder(const Scene& scene, World& world, std::string provenance)
@@ -84,8 +67,6 @@ Recorder::Recorder(const Scene& scene, World& world, std::string provenance)
   frames_need_neighbours_ =
       std::any_of(fields_.begin(), fields_.end(), [](const auto& f) { return f.needs_neighbours; });
   other_fields_ = fields_besides(world, fields_);
-  for (const Probe& probe : options.probes)
-    probe_vertices_.push_back(world.selector.vertices(probe.where));
   frames_ = std::make_unique<FrameWriter>(writer_options(options));
   if (options.springs) {
     FrameWriterOptions springs = writer_options(options);
@@ -99,8 +80,9 @@ Recorder::Recorder(const Scene& scene, World& world, std::string provenance)
                                  "total [J]"});
   }
   if (options.probes_every > 0 && !options.probes.empty()) {
-    probes_ = std::make_unique<CsvWriter>(options.directory / "probes.csv",
-                                          probe_columns(options.probes));
+    probe_table_.emplace(options, world);
+    probes_ =
+        std::make_unique<CsvWriter>(options.directory / "probes.csv", probe_table_->columns());
   }
 }
 
@@ -180,29 +162,12 @@ void Recorder::energies(std::uint64_t step, double time, double dt, const Dynami
   energies_->row(step, values);
 }
 
-// Mean position and displacement, and the sum of internal force, load and weight.
 void Recorder::probes(std::uint64_t step, double time, const Vec3& gravity) {
-  std::vector<double> values{time};
-  const Column &x = world_.attributes.position(), &rest = world_.attributes.rest();
-  const Column &force = world_.attributes.force(), &mass = world_.attributes.mass();
-  for (const auto& vertices : probe_vertices_) {
-    Vec3 position{}, displacement{}, total{};
-    double count = 0;  // of those that are left
-    for (const Index v : vertices) count += world_.complex().exists(0, v);
-    for (const Index v : vertices) {
-      if (!world_.complex().exists(0, v)) continue;
-      for (int a = 0; a < 3; ++a) {
-        const auto i = static_cast<std::size_t>(a);
-        position[i] += x.get(v, a) / count;
-        displacement[i] += (x.get(v, a) - rest.get(v, a)) / count;
-        total[i] += force.get(v, a) + mass.get(v, 0) * gravity[i];
-      }
-    }
-    if (count == 0) position = displacement = total = {no_value, no_value, no_value};
-    for (const Vec3& v : {position, displacement, total})
-      values.insert(values.end(), v.begin(), v.end());
-  }
-  probes_->row(step, values);
+  probes_->row(step, probe_table_->row(time, gravity));
+}
+
+bool Recorder::probes_need(bool FieldChoice::*what) const {
+  return probe_table_ && probe_table_->needs(what);
 }
 
 void Recorder::finish() {

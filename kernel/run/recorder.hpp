@@ -9,6 +9,7 @@
 #include "kernel/output/csv_writer.hpp"
 #include "kernel/output/frame_writer.hpp"
 #include "kernel/run/fields.hpp"
+#include "kernel/run/probe_table.hpp"
 
 namespace suture {
 
@@ -22,7 +23,7 @@ class Recorder {
   bool writes_frames() const { return frames_ != nullptr; }
   bool writes_energies() const { return energies_ != nullptr; }
   bool writes_probes() const { return probes_ != nullptr; }
-  /// Frames (or probes) show forces: they must belong to the present positions.
+  /// Frames show forces: they must belong to the present positions.
   bool frames_need_force() const { return frames_need_force_; }
 
   /// Frames show what functors of the models compute (stress).
@@ -30,6 +31,11 @@ class Recorder {
 
   /// Frames show which elements hang together.
   bool frames_need_neighbours() const { return frames_need_neighbours_; }
+
+  /// What the probes show; nullptr without probes.
+  const ProbeTable* probe_table() const { return probe_table_ ? &*probe_table_ : nullptr; }
+  /// Some field of the probes needs it: probes_need(&FieldChoice::needs_force).
+  bool probes_need(bool FieldChoice::*what) const;
 
   void frame(double time, const Vec3& gravity);
   void energies(std::uint64_t step, double time, double dt, const Dynamics::Energies& row);
@@ -56,7 +62,7 @@ class Recorder {
   std::vector<FieldChoice> fields_, other_fields_;
   bool frames_need_force_ = false, frames_run_functors_ = false, frames_need_neighbours_ = false;
   std::size_t frame_number_ = 0;
-  std::vector<std::vector<Index>> probe_vertices_;
+  std::optional<ProbeTable> probe_table_;
   std::unique_ptr<FrameWriter> frames_, springs_;
   std::unique_ptr<CsvWriter> energies_, probes_;
 };

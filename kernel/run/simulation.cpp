@@ -149,7 +149,10 @@ struct Simulation::Impl {
       recorder.energies(clock.step(), clock.time(), last_dt, world.dynamics->energies());
     }
     if (recorder.writes_probes() && clock.step() % scene.output.probes_every == 0) {
-      world.dynamics->synchronise();
+      if (recorder.probes_need(&FieldChoice::needs_force))
+        world.dynamics->synchronise();
+      else
+        world.dynamics->synchronise_velocities();
       recorder.probes(clock.step(), clock.time(), gravity_now());
     }
   }

@@ -7,38 +7,78 @@
 namespace suture::scene_parts {
 namespace {
 
-// Frames have values of vertices and elements; those of edges go to the series of springs.
-bool is_in_frames(std::uint32_t dimension) { return dimension == 0 || dimension == 3; }
+/// The fields that models bring, by where their values lie.
+struct ModelFields {
+  std::vector<std::string> of_cells;    ///< of vertices and elements: in frames and probes
+  std::vector<std::string> of_springs;  ///< of edges: in the series of springs
 
-// Fields that the models of the scene bring: columns marked for output and
-// the fields of the output extension of their functors.
-std::vector<std::string> model_fields(const Scene& scene) {
-  std::vector<std::string> names;
+  void add(std::uint32_t dimension, const char* name) {
+    if (dimension == 0 || dimension == 3) of_cells.emplace_back(name);
+    if (dimension == 1) of_springs.emplace_back(name);
+  }
+};
+
+// Columns marked for output and the fields of the output extension of functors.
+ModelFields model_fields(const Scene& scene) {
+  ModelFields names;
   for (const ModelUse& use : scene.models) {
     for (std::uint32_t i = 0; use.model != nullptr && i < use.model->attribute_count; ++i) {
       const suture_attribute& attribute = use.model->attributes[i];
       const bool shown = (attribute.flags & (SUTURE_OUTPUT | SUTURE_SHARED_MASS)) == SUTURE_OUTPUT;
-      if (shown && is_in_frames(attribute.dimension)) names.emplace_back(attribute.name);
+      if (shown) names.add(attribute.dimension, attribute.name);
     }
     for (std::uint32_t i = 0; use.model != nullptr && i < use.model->functor_count; ++i) {
       const suture_functor& functor = use.model->functors[i];
       const auto* output =
-          functor.extension == nullptr || !is_in_frames(functor.dimension)
+          functor.extension == nullptr
               ? nullptr
               : static_cast<const suture_output_1*>(functor.extension(SUTURE_OUTPUT_1));
       for (std::uint32_t f = 0; output != nullptr && f < output->field_count; ++f) {
-        names.emplace_back(output->fields[f].name);
+        names.add(functor.dimension, output->fields[f].name);
       }
     }
   }
   return names;
 }
 
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 std::vector<std::string> known_fields(const Scene& scene) {
   std::vector<std::string> names = standard_fields();
-  for (std::string& name : model_fields(scene)) {
-    if (std::find(names.begin(), names.end(), name) == names.end())
-      names.push_back(std::move(name));
+  for (std::string& name : model_fields(scene).of_cells) {
+    if (!contains(names, name)) names.push_back(std::move(name));
+  }
+  return names;
+}
+
+// A model that could not be found might know any name.
+bool all_models_found(const Scene& scene) {
+  return std::all_of(scene.models.begin(), scene.models.end(),
+                     [](const ModelUse& use) { return use.model != nullptr; });
+}
+
+/// Names of fields, each once. Values of springs have a place of their own.
+std::vector<std::string> read_names(const std::vector<JsonValue>& items, const std::string& path,
+                                    const std::vector<std::string>& known, Reading& reading) {
+  const std::vector<std::string> springs = model_fields(reading.scene).of_springs;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const JsonValue& item = items[i];
+    const std::string item_path = child_path(path, i);
+    if (!contains(known, item.text) && contains(springs, item.text)) {
+      reading.mistakes.add(item.at, item_path,
+                           "'" + item.text +
+                               "' is a value of springs, not of nodes or elements; \"springs\": "
+                               "true in /output writes it for every spring");
+      continue;
+    }
+    const auto index = read_choice(item, item_path, known, reading.mistakes);
+    if (!index) continue;
+    if (contains(names, known[*index]))
+      reading.mistakes.add(item.at, item_path, "given a second time");
+    names.push_back(known[*index]);
   }
   return names;
 }
@@ -52,18 +92,8 @@ void read_fields(ObjectReader& object, Reading& reading) {
   const auto* items = read_array(*value, path, "names", reading.mistakes);
   if (items == nullptr) return;
   fields.clear();
-  // A model that could not be found might know any name.
-  const auto lost = [](const ModelUse& use) { return use.model == nullptr; };
-  if (std::any_of(reading.scene.models.begin(), reading.scene.models.end(), lost)) return;
-  const std::vector<std::string> known = known_fields(reading.scene);
-  for (std::size_t i = 0; i < items->size(); ++i) {
-    const auto index = read_choice((*items)[i], child_path(path, i), known, reading.mistakes);
-    if (!index) continue;
-    if (std::find(fields.begin(), fields.end(), known[*index]) != fields.end()) {
-      reading.mistakes.add((*items)[i].at, child_path(path, i), "given a second time");
-    }
-    fields.push_back(known[*index]);
-  }
+  if (all_models_found(reading.scene))
+    fields = read_names(*items, path, known_fields(reading.scene), reading);
 }
 
 void read_rhythm(ObjectReader& object, Reading& reading) {
@@ -80,8 +110,29 @@ void read_rhythm(ObjectReader& object, Reading& reading) {
   }
 }
 
-Probe read_probe(ObjectReader& object, const OutputOptions& output) {
+void read_probe_fields(ObjectReader& object, Reading& reading, Probe& probe) {
+  static const std::array<std::string, 4> reductions{"mean", "sum", "min", "max"};
+  if (const auto choice = object.choice("of", reductions))
+    probe.of = static_cast<Probe::Of>(*choice);
+  const JsonValue* value = object.find("fields");
+  if (value == nullptr) return;
+  const std::string path = object.path_of("fields");
+  const auto* items = read_array(*value, path, "names", reading.mistakes);
+  if (items == nullptr) return;
+  if (items->empty()) {
+    object.complain("fields",
+                    "is empty; name a field, or leave it out for position, displacement and force");
+  }
+  if (!all_models_found(reading.scene)) return;
+  std::vector<std::string> known{"position"};
+  for (std::string& name : known_fields(reading.scene)) known.push_back(std::move(name));
+  probe.fields = read_names(*items, path, known, reading);
+}
+
+Probe read_probe(ObjectReader& object, Reading& reading) {
+  const OutputOptions& output = reading.scene.output;
   Probe probe;
+  probe.path = object.path();
   object.require("name", "the name of its columns in probes.csv");
   probe.name = object.string("name").value_or("");
   if (object.find("name") != nullptr && !is_good_name(probe.name)) {
@@ -98,13 +149,16 @@ Probe read_probe(ObjectReader& object, const OutputOptions& output) {
   if (kind == 0u) {
     probe.where.what = Selection::Nearest{object.vector("point", Range::any("m")).value_or(Vec3{})};
     probe.where.path = object.path_of("point");
+    probe.at_point = true;
   } else if (kind == 1u) {
     probe.where = read_selection(*object.find("where"), object.path_of("where"), object.mistakes());
   }
+  read_probe_fields(object, reading, probe);
   return probe;
 }
 
-void read_tables(ObjectReader& object, OutputOptions& output) {
+void read_tables(ObjectReader& object, Reading& reading) {
+  OutputOptions& output = reading.scene.output;
   if (const JsonValue* value = object.find("energies")) {
     ObjectReader energies(*value, object.path_of("energies"), object.mistakes());
     output.energies_every = energies.natural("every_steps", 1).value_or(1);
@@ -115,7 +169,7 @@ void read_tables(ObjectReader& object, OutputOptions& output) {
     output.probes_every = probes.natural("every_steps", 1).value_or(1);
     probes.require("at", "an array of {\"name\", \"point\"} or {\"name\", \"where\"}");
     for_each_object(probes, "at", "probes", [&](ObjectReader& probe) {
-      output.probes.push_back(read_probe(probe, output));
+      output.probes.push_back(read_probe(probe, reading));
     });
     probes.finish();
   }
@@ -145,7 +199,7 @@ void read_output(const JsonValue* value, Reading& reading) {
   if (const auto choice = object.choice("compression", compressions)) {
     output.compression = static_cast<OutputOptions::Compression>(*choice);
   }
-  read_tables(object, output);
+  read_tables(object, reading);
   output.springs = object.boolean("springs").value_or(false);
   object.finish();
 }

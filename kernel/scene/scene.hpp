@@ -79,9 +79,15 @@ struct SolverOptions {
   OnInversion on_inversion = OnInversion::by_model;
 };
 
+/// One or more columns of probes.csv: fields over some nodes (or elements).
 struct Probe {
+  enum class Of { mean, sum, min, max };
   std::string name;
   Selection where;
+  std::vector<std::string> fields{};  ///< none: position, displacement and force
+  std::optional<Of> of{};             ///< none: the sum of force and reaction, the mean of others
+  std::string path{};                 ///< "/output/probes/at/0"
+  bool at_point = false;              ///< `where` is a node; fields of elements: of those around it
 };
 
 struct OutputOptions {

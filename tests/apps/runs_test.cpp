@@ -43,11 +43,17 @@ TEST_F(Runs, WriteEveryFieldThatTheReaderKnows) {
   }
 }
 
-TEST_F(Runs, ValuesOfSpringsAreNoFieldsOfFrames) {
-  const Outcome run =
-      scene("check", R"(, "output": {"fields": ["strain"]})", {"/models/0/model=mss-baudet"});
-  EXPECT_NE(run.code, 0) << run;
-  EXPECT_TRUE(run.says("/output/fields/0")) << run;
+TEST_F(Runs, ValuesOfSpringsAreNoFieldsOfFramesOrProbes) {
+  const Outcome run = scene("check", R"(, "output": {"fields": ["strain"],
+      "probes": {"at": [{"name": "a", "where": "all", "fields": ["strain", "mas"]}]}})",
+                            {"/models/0/model=mss-baudet"});
+  EXPECT_EQ(run.code, 3) << run;
+  const std::string words =
+      ": 'strain' is a value of springs, not of nodes or elements; "
+      "\"springs\": true in /output writes it for every spring";
+  EXPECT_TRUE(run.says("/output/fields/0" + words)) << run;
+  EXPECT_TRUE(run.says("/output/probes/at/0/fields/0" + words)) << run;
+  EXPECT_TRUE(run.says("/output/probes/at/0/fields/1: ") && run.says("did you mean 'mass'")) << run;
 }
 
 TEST_F(Runs, QuietSaysNothingAndNoOutputWritesNothing) {

@@ -39,7 +39,9 @@ TEST(SceneReader, ReadsEveryKey) {
     "output": {"directory": "d", "every": 0.1, "fields": ["velocity", "wobble"],
                "compression": "zlib", "energies": {"every_steps": 10}, "springs": true,
                "probes": {"every_steps": 5, "at": [{"name": "tip", "point": [2, 2, 3]},
-                                                   {"name": "end", "where": {"set": "x1"}}]}}})");
+                                                   {"name": "end", "where": {"set": "x1"},
+                                                    "fields": ["position", "wobble"],
+                                                    "of": "max"}]}}})");
   EXPECT_EQ(scene.title, "all of it");
   EXPECT_EQ(scene.mesh.box->origin, (Vec3{1, 2, 3}));
   EXPECT_EQ(scene.mesh.box->cells, (std::array<Index, 3>{4, 2, 1}));
@@ -81,7 +83,14 @@ TEST(SceneReader, ReadsEveryKey) {
   EXPECT_EQ(scene.output.fields, (std::vector<std::string>{"velocity", "wobble"}));
   EXPECT_EQ(scene.output.compression, OutputOptions::Compression::zlib);
   EXPECT_EQ(scene.output.energies_every, 10u);
+  ASSERT_EQ(scene.output.probes.size(), 2u);
   EXPECT_EQ(scene.output.probes[0].name, "tip");
+  EXPECT_TRUE(scene.output.probes[0].at_point);
+  EXPECT_TRUE(scene.output.probes[0].fields.empty());
+  EXPECT_FALSE(scene.output.probes[0].of);
+  EXPECT_FALSE(scene.output.probes[1].at_point);
+  EXPECT_EQ(scene.output.probes[1].fields, (std::vector<std::string>{"position", "wobble"}));
+  EXPECT_EQ(scene.output.probes[1].of, Probe::Of::max);
 }
 
 TEST(SceneReader, FillsInDefaults) {
@@ -200,6 +209,23 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{R"(, "output": {"probes": {"at": [{"name": "a", "point": [0,0,0]},
                                               {"name": "a", "point": [1,0,0]}]}})",
             "/output/probes/at/1/name", "earlier probe"},
+        Bad{R"(, "output": {"probes": {"at": [{"name": "a", "point": [0,0,0],
+                                               "fields": ["mass", "reacton"]}]}})",
+            "/output/probes/at/0/fields/1", "did you mean 'reaction'"},
+        Bad{R"(, "output": {"probes": {"at": [{"name": "a", "where": "all",
+                                               "fields": ["von_mises"]}]}})",
+            "/output/probes/at/0/fields/0",
+            "must be one of 'position', 'displacement', 'velocity'"},
+        Bad{R"(, "output": {"probes": {"at": [{"name": "a", "where": "all",
+                                               "fields": ["mass", "mass"]}]}})",
+            "/output/probes/at/0/fields/1", "second time"},
+        Bad{R"(, "output": {"probes": {"at": [{"name": "a", "where": "all", "fields": []}]}})",
+            "/output/probes/at/0/fields", "leave it out"},
+        Bad{R"(, "output": {"probes": {"at": [{"name": "a", "where": "all", "fields": "mass"}]}})",
+            "/output/probes/at/0/fields", "must be an array of names"},
+        Bad{R"(, "output": {"probes": {"at": [{"name": "a", "where": "all", "of": "average"}]}})",
+            "/output/probes/at/0/of", "must be one of 'mean', 'sum', 'min', 'max'"},
+        Bad{R"(, "output": {"fields": ["position"]})", "/output/fields/0", "must be one of"},
         Bad{R"(, "output": true, "solve": 1)", "/solve", "did you mean 'solver'"}));
 
 // The same for parts that the sound beginning has already: set to what is bad.

@@ -145,10 +145,20 @@ struct Simulation::Impl {
 
   void record() {
     if (frame_is_due()) write_frame();
-    if (recorder.writes_energies() && clock.step() % scene.output.energies_every == 0) {
+    record_tables(false);
+  }
+
+  /// The rows that are due; `last`: of every table that has none of this step.
+  void record_tables(bool last) {
+    const OutputOptions& output = scene.output;
+    const auto due = [&](std::uint64_t every, std::uint64_t& row) {
+      if (row == clock.step() || (!last && clock.step() % every != 0)) return false;
+      row = clock.step();
+      return true;
+    };
+    if (recorder.writes_energies() && due(output.energies_every, last_energies_step))
       recorder.energies(clock.step(), clock.time(), last_dt, world.dynamics->energies());
-    }
-    if (recorder.writes_probes() && clock.step() % scene.output.probes_every == 0) {
+    if (recorder.writes_probes() && due(output.probes_every, last_probes_step)) {
       if (recorder.probes_need(&FieldChoice::needs_force))
         world.dynamics->synchronise();
       else
@@ -159,6 +169,7 @@ struct Simulation::Impl {
 
   void finish() {
     if (recorder.writes_frames() && last_frame_step != clock.step()) write_frame();
+    record_tables(true);
     recorder.finish();
   }
 
@@ -302,7 +313,8 @@ struct Simulation::Impl {
   std::vector<Decision> decisions;
   RunSummary summary;
   double last_dt = 0;
-  std::uint64_t recorded_step = ~std::uint64_t{0}, last_frame_step = ~std::uint64_t{0};
+  std::uint64_t recorded_step = ~std::uint64_t{0}, last_frame_step = ~std::uint64_t{0},
+                last_energies_step = ~std::uint64_t{0}, last_probes_step = ~std::uint64_t{0};
 };
 
 Simulation::Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip)

@@ -124,4 +124,14 @@ Mesh make_box(const BoxOptions& box) {
   return mesh;
 }
 
+Mesh make_local_box(const BoxOptions& options) {
+  check(options);
+  for (int a = 0; a < 3; ++a) ticks(options, a);  // frames show the box where the scene has it
+  BoxOptions local = options;
+  local.origin = {};
+  Mesh mesh = make_box(local);
+  mesh.origin = options.origin;
+  return mesh;
+}
+
 }  // namespace suture

@@ -15,7 +15,8 @@ namespace suture {
 /// order by the reader); numbers are positions in these vectors.
 struct Mesh {
   std::string source;        ///< file name or "box 20 x 5 x 5", for messages
-  std::vector<Vec3> points;  ///< m, after the scene's "scale"
+  std::vector<Vec3> points;  ///< m, after the scene's "scale", from `origin`
+  Vec3 origin{};             ///< of the points in the scene, m
   std::vector<Hexahedron> hexahedra;
   /// Named sets of the file: Gmsh physical groups, Medit references ("ref 3"),
   /// VTK arrays of flags. Values are positions in `points` / `hexahedra`.

@@ -115,4 +115,12 @@ Mesh make_voxels(const VoxelOptions& voxels) {
   return mesh;
 }
 
+Mesh make_local_voxels(const VoxelOptions& options) {
+  VoxelOptions local = options;
+  local.origin = {};
+  Mesh mesh = make_voxels(local);
+  mesh.origin = options.origin;
+  return mesh;
+}
+
 }  // namespace suture

@@ -23,4 +23,8 @@ struct VoxelOptions {
 /// is not positive. Linear in the size of the drawing.
 Mesh make_voxels(const VoxelOptions& options);
 
+/// The same about its own origin: the points of the drawing at 0, to the bit, and `origin`
+/// as Mesh::origin.
+Mesh make_local_voxels(const VoxelOptions& options);
+
 }  // namespace suture

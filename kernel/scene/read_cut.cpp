@@ -12,10 +12,12 @@ namespace suture::scene_parts {
 namespace {
 
 // Twice the vector area of a polygon (Newell): its normal, by the size of a right hand.
+// From its first point: far from the origin the products would be large and their sum not.
 Vec3 newell(const std::vector<Vec3>& polygon) {
   Vec3 sum{};
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vec3 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    const Vec3 a = minus(polygon[i], polygon[0]),
+               b = minus(polygon[(i + 1) % polygon.size()], polygon[0]);
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t d = (c + 1) % 3, e = (c + 2) % 3;
       sum[c] += (a[d] - b[d]) * (a[e] + b[e]);

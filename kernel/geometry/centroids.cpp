@@ -2,21 +2,11 @@
 #include "kernel/geometry/centroids.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <limits>
 
+#include "kernel/base/box_text.hpp"
+
 namespace suture {
-namespace {
-
-std::string text_of(const Box& box) {
-  char text[200];
-  std::snprintf(text, sizeof text, "[%.4g, %.4g, %.4g] to [%.4g, %.4g, %.4g]", box.low[0],
-                box.low[1], box.low[2], box.high[0], box.high[1], box.high[2]);
-  return text;
-}
-
-}  // namespace
-
 void centroids_of(const CellComplex& complex, const Places& places, std::vector<Row4>& out,
                   const Workers* workers) {
   out.resize(complex.element_count());
@@ -27,8 +17,8 @@ void centroids_of(const CellComplex& complex, const Places& places, std::vector<
   });
 }
 
-std::string why_nothing_was_cut(const Box& blade, const CellComplex& complex,
-                                const Places& places) {
+std::string why_nothing_was_cut(const Box& blade, const CellComplex& complex, const Places& places,
+                                const Vec3& origin) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   Box body{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
   for (Index v = 0; v < complex.count(0); ++v) {
@@ -42,6 +32,14 @@ std::string why_nothing_was_cut(const Box& blade, const CellComplex& complex,
   bool apart = false;
   for (int a = 0; a < 3; ++a)
     apart = apart || blade.high[a] < body.low[a] || blade.low[a] > body.high[a];
+  const auto text_of = [&](const Box& box) {
+    Vec3 low = box.low, high = box.high;
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] += origin[a];
+      high[a] += origin[a];
+    }
+    return box_text(low, high, 4);
+  };
   return "the blade cuts nothing: " +
          std::string(apart
                          ? "it lies beside the body"

@@ -57,7 +57,9 @@ void for_chunks(std::size_t count, const Workers* workers, Visit&& visit) {
 }
 
 /// What to tell when a blade has cut nothing: that it lies beside the body, or that it
-/// meets the body's box and separates no two elements. Both boxes are named.
-std::string why_nothing_was_cut(const Box& blade, const CellComplex& complex, const Places& places);
+/// meets the body's box and separates no two elements. Both boxes are named as the user
+/// knows them, who adds `origin` (m).
+std::string why_nothing_was_cut(const Box& blade, const CellComplex& complex, const Places& places,
+                                const Vec3& origin = {});
 
 }  // namespace suture

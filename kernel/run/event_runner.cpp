@@ -87,7 +87,8 @@ struct EventRunner::Call {
     const Places places{shape()};
     const std::vector<Dart> faces = state.surface->faces_cut(world.complex(), places, workers());
     if (faces.empty() && !event.every)
-      warn(" cuts no face: " + why_nothing_was_cut(state.surface->box(), world.complex(), places));
+      warn(" cuts no face: " +
+           why_nothing_was_cut(state.surface->box(), world.complex(), places, world.frame.origin));
     return opened(faces);
   }
 
@@ -315,7 +316,8 @@ void EventRunner::finish() {
     if (event.when) text += ": its condition never held";
     if (states_[i].blade) {
       text += ": " + why_nothing_was_cut(states_[i].blade->box(), world_.complex(),
-                                         Places{world_.attributes.position().rows()});
+                                         Places{world_.attributes.position().rows()},
+                                         world_.frame.origin);
     }
     diagnostics_.warn(text);
   }

@@ -36,7 +36,8 @@ class EventRunner {
   /// NumericalError beginning with the event's path, and then nothing has happened;
   /// what has no effect warns (a look that repeats: at the end, once).
   EventOutcome fire(std::size_t i, double time);
-  /// The same for any operation, from C++: an event that is in no scene.
+  /// The same for any operation, from C++: an event that is in no scene. Coordinates are
+  /// those of the world's frame.
   EventOutcome apply(const Event& event, double time);
   /// Warns of events that had no effect in the whole run.
   void finish();

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/base/vec3.hpp"
+
 namespace suture {
 
 EventSchedule::EventSchedule(const std::vector<Event>& events, World& world)
@@ -72,6 +74,8 @@ bool EventSchedule::holds(std::size_t i) const {
   }
   if (count == 0) return false;
   for (double& component : mean) component /= count;
+  if (condition.of == Condition::Of::position && condition.component == 3)
+    mean = minus(mean, condition.zero);
   const double looked_at = condition.component < 3
                                ? mean[static_cast<std::size_t>(condition.component)]
                                : std::hypot(mean[0], mean[1], mean[2]);

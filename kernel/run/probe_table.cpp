@@ -18,7 +18,8 @@ FieldChoice position() {
   field.components = 3;
   field.unit = "m";
   field.value = [](World& world, const Vec3&, Index v, int a) {
-    return world.attributes.position().get(v, a);
+    const double x = world.attributes.position().get(v, a);
+    return x + world.frame.origin[static_cast<std::size_t>(a)];
   };
   return field;
 }

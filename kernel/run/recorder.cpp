@@ -31,7 +31,7 @@ void copy_points(World& world, std::vector<Vec3>& points) {
   const double* row = x.rows();
   points.resize(x.size());
   for (Vec3& p : points) {
-    p = {row[0], row[1], row[2]};
+    p = world.frame.in_scene({row[0], row[1], row[2]});
     row += x.stride();
   }
 }

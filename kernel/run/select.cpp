@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
+#include "kernel/base/box_text.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/base/vec3.hpp"
@@ -64,14 +64,6 @@ Bounds bounds(const Column& places) {
 
 double diagonal_of(const Bounds& box) { return length(minus(box.high, box.low)); }
 
-std::string bounds_text(const Column& places) {
-  const auto [low, high] = bounds(places);
-  std::ostringstream text;
-  text << '[' << low[0] << ", " << low[1] << ", " << low[2] << "] to [" << high[0] << ", "
-       << high[1] << ", " << high[2] << "] m";
-  return text.str();
-}
-
 std::vector<std::string> set_names(const std::map<std::string, std::vector<Index>>& a,
                                    const std::map<std::string, std::vector<Index>>& b) {
   std::vector<std::string> names;
@@ -113,13 +105,20 @@ MeshNames MeshNames::of(const Mesh& mesh) {
           mesh.element_ids, mesh.points.size(), mesh.hexahedra.size()};
 }
 
-Selector::Selector(const Imported& imported, const MeshNames& names, const Column& rest)
+Selector::Selector(const Imported& imported, const MeshNames& names, const Column& rest,
+                   const BodyFrame& frame)
     : imported_(imported),
       names_(names),
       rest_(rest),
+      frame_(frame),
       diagonal_(diagonal_of(bounds(rest))),
       point_position_(positions(names.point_ids)),
       element_position_(positions(names.element_ids)) {}
+
+std::string Selector::bounds_text() const {
+  const auto [low, high] = bounds(rest_);
+  return box_text(frame_.in_scene(low), frame_.in_scene(high), 6) + " m";
+}
 
 Index Selector::element_with_id(std::uint64_t id) const {
   const Index position = position_of(id, names_.element_count, element_position_);
@@ -163,7 +162,7 @@ std::vector<Index> Selector::located(const Selection& selection, Index count, Ex
     const Vec3 place = at(cell);
     if (contains(selection, place)) result.push_back(cell);
     const double distance = near ? length(minus(place, near->point)) : nearest;
-    if (distance < nearest) {
+    if (near && distance < nearest - near->tie) {
       nearest = distance;
       result.assign(1, cell);
     }
@@ -201,7 +200,7 @@ std::vector<Index> Selector::vertices(const Selection& selection) const {
     if (mask[v]) result.push_back(static_cast<Index>(v));
   }
   if (result.empty()) {
-    throw InputError(selection.path + ": selects no node; the nodes lie in " + bounds_text(rest_));
+    throw InputError(selection.path + ": selects no node; the nodes lie in " + bounds_text());
   }
   return result;
 }
@@ -238,7 +237,7 @@ std::vector<Index> Selector::elements(const Selection& selection) const {
     throw InputError(
         selection.path +
         ": selects no element (an element is selected by its centroid); the mesh lies in " +
-        bounds_text(rest_));
+        bounds_text());
   }
   return result;
 }
@@ -278,7 +277,7 @@ std::vector<Dart> Selector::boundary_faces(const Selection& selection) const {
     throw InputError(selection.path +
                      ": selects no boundary face (all four nodes of a face must be selected); the "
                      "nodes lie in " +
-                     bounds_text(rest_));
+                     bounds_text());
   }
   return result;
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "kernel/attributes/column.hpp"
-#include "kernel/scene/scene.hpp"
+#include "kernel/scene/translate.hpp"
 #include "kernel/topology/import.hpp"
 
 namespace suture {
@@ -34,8 +34,9 @@ struct MeshNames {
 /// an unknown id throws InputError with the selection's JSON path. O(cells).
 class Selector {
  public:
-  /// `rest`: the rest positions of all vertices.
-  Selector(const Imported& imported, const MeshNames& names, const Column& rest);
+  /// `rest`: the rest positions of all vertices, in `frame` like all selections.
+  Selector(const Imported& imported, const MeshNames& names, const Column& rest,
+           const BodyFrame& frame);
 
   std::vector<Index> vertices(const Selection& selection) const;
   /// Elements whose centroid is selected (ids and sets: the elements named).
@@ -52,6 +53,7 @@ class Selector {
   double diagonal() const { return diagonal_; }  ///< of the mesh at rest, m
 
  private:
+  std::string bounds_text() const;
   std::vector<Index> listed_elements(const Selection& selection) const;
   bool contains(const Selection& selection, const Vec3& p) const;
   template <class Exists, class At>
@@ -64,6 +66,7 @@ class Selector {
   const Imported& imported_;
   const MeshNames& names_;
   const Column& rest_;
+  const BodyFrame& frame_;
   double diagonal_;                                                   ///< of the mesh at rest, m
   std::map<std::uint64_t, Index> point_position_, element_position_;  ///< only where ids are given
 };

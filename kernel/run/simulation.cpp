@@ -63,15 +63,14 @@ std::string provenance_of(const Scene& scene, PluginHost& host, const World& wor
 
 struct Simulation::Impl {
   Impl(const Scene& s, PluginHost& host, Diagnostics& d, bool skip)
-      : scene(s),
-        diagnostics(d),
+      : diagnostics(d),
         world(s, d, skip),
-        recorder(s, world, provenance_of(s, host, world)),
+        recorder(scene, world, provenance_of(s, host, world)),
         clock(s.solver.dt, stops_of(s), s.output.enabled ? s.output.every : 0, s.solver.end),
-        guard(s, world, d),
-        watch(s, world, d),
-        schedule(s.events, world),
-        events(s, world, d),
+        guard(scene, world, d),
+        watch(scene, world, d),
+        schedule(scene.events, world),
+        events(scene, world, d),
         sleeper(s.solver, world) {
     Decision still = decide_still_cells(scene, world, recorder);
     decisions = decide(scene, host, world, recorder);
@@ -299,9 +298,9 @@ struct Simulation::Impl {
 
   std::uint64_t steps_to_rest(double budget);
 
-  const Scene& scene;
   Diagnostics& diagnostics;
   World world;
+  const Scene& scene = world.scene;  ///< in the body's frame
   Recorder recorder;
   Clock clock;
   Guard guard;
@@ -328,7 +327,8 @@ void Simulation::run_to(double time, Observer& observer) { impl_->loop(time, obs
 
 void Simulation::apply(const Event& event, Observer& observer) {
   impl_->world.complex().require_beta3();
-  impl_->tell(impl_->events.apply(event, impl_->clock.time()), observer);
+  const Event local = in_frame(event, impl_->world.frame);
+  impl_->tell(impl_->events.apply(local, impl_->clock.time()), observer);
 }
 
 Dynamics::Energies Simulation::energies() { return impl_->world.dynamics->energies(); }
@@ -342,8 +342,11 @@ const CellComplex& Simulation::complex() const {
 
 Attributes& Simulation::attributes() { return impl_->world.attributes; }
 
+Vec3 Simulation::origin() const { return impl_->world.frame.origin; }
+
 Vec3 Simulation::mean_displacement(const Selection& selection) const {
-  const std::vector<Index> vertices = impl_->world.selector.vertices(selection);
+  const Selection local = in_frame(selection, impl_->world.frame);
+  const std::vector<Index> vertices = impl_->world.selector.vertices(local);
   const Column &x = impl_->world.attributes.position(), &rest = impl_->world.attributes.rest();
   Vec3 mean{};
   for (const Index v : vertices) {

@@ -62,9 +62,9 @@ struct Estimate {
   double bytes = 0;  ///< peak of the process
 };
 
-/// A scene compiled into a run. The constructor does everything that can fail
-/// for reasons of the scene or the mesh (nothing is written before it returned);
-/// run() does the rest.
+/// A scene compiled into a run, which keeps a copy of it. The constructor does everything that can
+/// fail for reasons of the scene or the mesh (nothing is written before it returned); run() does
+/// the rest.
 class Simulation {
  public:
   /// `skip`: leave out what the scene does not need (decisions() says what); false
@@ -89,6 +89,9 @@ class Simulation {
   /// With beta3, which is found again if the run has dropped it.
   const CellComplex& complex() const;
   Attributes& attributes();
+  /// The body's own origin in the scene, m. Positions in attributes() count from here;
+  /// events and selections of a caller have coordinates of the scene.
+  Vec3 origin() const;
   /// Mean displacement of the vertices that a selection names, m.
   Vec3 mean_displacement(const Selection& selection) const;
 

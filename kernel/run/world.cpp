@@ -2,11 +2,14 @@
 #include "kernel/run/world.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/heap.hpp"
+#include "kernel/base/vec3.hpp"
 #include "kernel/mesh/mesh_file.hpp"
+#include "kernel/mesh/own_origin.hpp"
 
 namespace suture {
 namespace {
@@ -19,9 +22,18 @@ Imported import_and_trim(Mesh mesh, const Scene& scene, Diagnostics& diagnostics
 }
 
 Mesh load_mesh(const MeshSource& source, Diagnostics& diagnostics) {
-  if (source.box) return make_box(*source.box);
-  if (source.voxels) return make_voxels(*source.voxels);
-  return read_mesh(source.file, source.scale, diagnostics);
+  if (source.box) return make_local_box(*source.box);
+  if (source.voxels) return make_local_voxels(*source.voxels);
+  Mesh mesh = read_mesh(source.file, source.scale, diagnostics);
+  move_to_own_origin(mesh);
+  return mesh;
+}
+
+BodyFrame frame_of(const Mesh& mesh) {
+  if (mesh.origin == Vec3{}) return {};
+  const auto [low, high] = extent_of(mesh);
+  const Vec3 size = minus(high, low);
+  return {mesh.origin, std::sqrt(dot(size, size))};
 }
 
 DynamicsOptions dynamics_options(const Scene& scene) {
@@ -60,16 +72,18 @@ void check_coverage(const World& world) {
 
 }  // namespace
 
-World::World(const Scene& scene, Diagnostics& diagnostics, bool skip)
-    : World(scene, load_mesh(scene.mesh, diagnostics), diagnostics, skip) {}
+World::World(const Scene& given, Diagnostics& diagnostics, bool skip)
+    : World(given, load_mesh(given.mesh, diagnostics), diagnostics, skip) {}
 
-World::World(const Scene& scene, Mesh mesh, Diagnostics& diagnostics, bool skip)
+World::World(const Scene& given, Mesh mesh, Diagnostics& diagnostics, bool skip)
     : skips(skip),
+      frame(frame_of(mesh)),
+      scene(in_frame(given, frame)),
       mesh_source(mesh.source),
       names(MeshNames::of(mesh)),
       imported(import_and_trim(std::move(mesh), scene, diagnostics)),
       attributes(imported.complex, std::exchange(imported.rest, {})),
-      selector(imported, names, attributes.rest()),
+      selector(imported, names, attributes.rest(), frame),
       user_vertex(std::move(imported.user_vertex)) {
   if (names.element_ids.empty()) {
     attributes.user_element = imported.user_element.list();
@@ -78,13 +92,13 @@ World::World(const Scene& scene, Mesh mesh, Diagnostics& diagnostics, bool skip)
       element_ids_.push_back(static_cast<Index>(element_name(e)));
     attributes.user_element = element_ids_;
   }
-  add_models(scene, diagnostics);
+  add_models(diagnostics);
   dynamics = std::make_unique<Dynamics>(attributes, complex(), dynamics_options(scene));
-  add_constraints(scene);
-  add_loads(scene);
+  add_constraints();
+  add_loads();
 }
 
-void World::add_models(const Scene& scene, Diagnostics& diagnostics) {
+void World::add_models(Diagnostics& diagnostics) {
   if (!skips) {
     complex().require_edges();
     complex().require_faces();
@@ -101,7 +115,7 @@ void World::add_models(const Scene& scene, Diagnostics& diagnostics) {
   attributes.initialise(complex(), diagnostics);
 }
 
-void World::add_constraints(const Scene& scene) {
+void World::add_constraints() {
   for (const Constraint& constraint : scene.constraints) {
     PrescribedMotion motion;
     if (constraint.moves) {
@@ -116,7 +130,7 @@ void World::add_constraints(const Scene& scene) {
   }
 }
 
-void World::add_loads(const Scene& scene) {
+void World::add_loads() {
   Loads& loads = dynamics->loads();
   for (const Load& load : scene.loads) {
     switch (load.kind) {

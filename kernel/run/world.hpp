@@ -9,19 +9,21 @@
 #include "kernel/dynamics/dynamics.hpp"
 #include "kernel/run/select.hpp"
 #include "kernel/scene/scene.hpp"
+#include "kernel/scene/translate.hpp"
 #include "kernel/topology/islands.hpp"
 
 namespace suture {
 
 /// What a scene builds before the first step, in the order of the flow: mesh,
-/// complex, attributes, dynamics with its constraints and loads. Members refer to each
-/// other: neither copied nor moved.
+/// complex, attributes, dynamics with its constraints and loads. Positions count from the
+/// lower corner of the body at rest (BodyFrame). Members refer to each other: neither
+/// copied nor moved.
 class World {
  public:
   /// `skip`: leave out what the scene does not need; false builds and computes it
   /// all the same. Throws whatever the stages throw: InputError, TopologyError,
   /// PluginError.
-  World(const Scene& scene, Diagnostics& diagnostics, bool skip = true);
+  World(const Scene& given, Diagnostics& diagnostics, bool skip = true);
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
@@ -39,7 +41,9 @@ class World {
   /// The number by which users know an element.
   std::uint64_t element_name(Index e) const { return names.element_id(imported.user_element[e]); }
 
-  const bool skips;  ///< leaves out what the scene does not need
+  const bool skips;       ///< leaves out what the scene does not need
+  const BodyFrame frame;  ///< all positions here are those of the body in it
+  const Scene scene;      ///< with its coordinates in that frame
   std::string mesh_source;
   MeshNames names;
   Imported imported;  ///< but for what moved on: rest positions, user_vertex
@@ -49,10 +53,10 @@ class World {
   std::vector<Index> user_vertex;  ///< of every vertex, also of those that cuts made
 
  private:
-  World(const Scene& scene, Mesh mesh, Diagnostics& diagnostics, bool skip);
-  void add_models(const Scene& scene, Diagnostics& diagnostics);
-  void add_constraints(const Scene& scene);
-  void add_loads(const Scene& scene);
+  World(const Scene& given, Mesh mesh, Diagnostics& diagnostics, bool skip);
+  void add_models(Diagnostics& diagnostics);
+  void add_constraints();
+  void add_loads();
   void follow(const TopologyChange& change);
 
   std::vector<Index> element_ids_;  ///< by element, if the file has numbers of its own

@@ -91,6 +91,7 @@ struct Condition {
   int component = 3;  ///< 0 x, 1 y, 2 z, 3 the magnitude of the mean
   bool above = true;
   double bound = 0;         ///< m or m/s
+  Vec3 zero{};              ///< m: from where the magnitude of a position counts
   std::uint64_t every = 1;  ///< steps between looks
 };
 

@@ -31,7 +31,8 @@ struct Selection {
   };
   struct Nearest {
     Vec3 point;
-  };  ///< the one point or element nearest to it
+    double tie = 0;  ///< m: of cells whose distances differ by no more, the first
+  };                 ///< the one point or element nearest to it
   struct Ids {
     std::vector<std::uint64_t> ids;
   };  ///< the file's own numbers

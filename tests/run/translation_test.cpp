@@ -8,11 +8,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
+#include <optional>
 
-#include "kernel/geometry/surface_file.hpp"
+#include "kernel/base/error.hpp"
+#include "kernel/events/pierce_path.hpp"
+#include "kernel/events/plane_patch.hpp"
 #include "kernel/mesh/mesh_file.hpp"
+#include "kernel/run/world.hpp"
 #include "kernel/scene/scene_reader.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
@@ -362,6 +364,101 @@ TEST(Translation, OfAMeshFileChangesNothing) {
   expect_same(results[0], results[1], 0);
 }
 
+// How far a node is from the scene's zero: 10,000 km along x, that is its x.
+TEST(Translation, OfTheMagnitudeOfAPosition) {
+  TemporaryFolder folder;
+  const auto run = [&](const Vec3& shift, const char* component) {
+    char bound[40];
+    std::snprintf(bound, sizeof bound, "%.17g", 1.0078125 + shift[0]);
+    const std::string event = R"({"when": {"where": {"nearest": )" + at({1, 0, 0}, shift) +
+                              R"(}, "of": "position", "component": ")" + component +
+                              R"(", "above": )" + bound + R"(}, "cut": {"faces": [[2, 3]]}})";
+    return run_text(every_coordinate(shift, box_at(shift), event, (folder / component).string()));
+  };
+  const Result near = run({}, "x");
+  EXPECT_TRUE(says(near, "cut 1 face"));
+  expect_same(near, run({1 << 23, 0, 0}, "magnitude"), 0);
+}
+
+/// A bar of 8 x 2 x 2 cubes of 0.1 m far away, where 0.1 m is not what it says: what lies
+/// on a bound is inside all the same, as in exact arithmetic.
+class OnTheBound : public testing::TestWithParam<int> {
+ protected:
+  OnTheBound() {
+    scene_.mesh.box = BoxOptions{far_away, {0.8, 0.2, 0.2}, {8, 2, 2}, {1, 1, 1}};
+    scene_.constraints.clear();
+    world_.emplace(scene_, diagnostics_);
+  }
+  static Vec3 p(double x, double y, double z) {
+    return {x + far_away[0], y + far_away[1], z + far_away[2]};
+  }
+  std::vector<Index> vertices(decltype(Selection::what) what) const {
+    Selection selection;
+    selection.what = std::move(what);
+    return world_->selector.vertices(in_frame(selection, world_->frame));
+  }
+  template <class Kind>
+  Kind local(Kind kind) const {
+    Event event;
+    event.what = std::move(kind);
+    return std::get<Kind>(in_frame(std::move(event), world_->frame).what);
+  }
+
+  const double k_ = GetParam(), x_ = 0.1 * k_;
+  Scene scene_ = beam(host(), "tm-faure", 8, 2, 0);
+  Diagnostics diagnostics_;
+  std::optional<World> world_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Translation, OnTheBound, testing::Range(1, 8));
+
+TEST_P(OnTheBound, NodesAreSelected) {
+  const auto layers = [&](decltype(Selection::what) what) {
+    return static_cast<double>(vertices(std::move(what)).size()) / 9;
+  };
+  EXPECT_EQ(layers(Selection::Box{p(-1, 0, 0), p(x_, 0.2, 0.2)}), k_ + 1);
+  EXPECT_EQ(layers(Selection::Box{p(x_, 0, 0), p(1, 0.2, 0.2)}), 9 - k_);
+  EXPECT_EQ(layers(Selection::HalfSpace{p(x_, 0, 0), {3, 0, 0}}), 9 - k_);
+  EXPECT_EQ(layers(Selection::HalfSpace{p(x_, 0, 0), {-3, 0, 0}}), k_ + 1);
+  EXPECT_EQ(layers(Selection::Plane{p(x_, 0, 0), {3, 0, 0}, 0}), 1);
+  EXPECT_EQ(layers(Selection::Plane{p(x_, 0, 0), {3, 0, 0}, -1}), 1);
+  const auto reached = vertices(Selection::Sphere{p(x_, 0, 0), x_});
+  const auto on_axis = std::ranges::count_if(reached, [&](Index v) {
+    return world_->attributes.rest().get(v, 1) == 0 && world_->attributes.rest().get(v, 2) == 0;
+  });
+  EXPECT_EQ(static_cast<double>(on_axis), std::min(2 * k_ + 1, 9.0));
+}
+
+TEST_P(OnTheBound, TheFirstOfEquallyNearNodesIsTheNearest) {
+  const auto nearest = vertices(Selection::Nearest{p(x_ + 0.05, 0.05, 0.05)});
+  const auto first = vertices(Selection::Box{p(x_, 0, 0), p(x_ + 0.1, 0.1, 0.1)});
+  EXPECT_EQ(nearest, std::vector<Index>{first[0]});
+}
+
+TEST_P(OnTheBound, CentroidsCountAsPositiveAndAsInside) {
+  const double* rest = world_->attributes.rest().rows();
+  const auto faces = [&](const CutPlane& scene) {
+    const CutPlane cut = local(scene);
+    return faces_across_patch(world_->complex(), rest,
+                              {cut.point, cut.normal, cut.radius, cut.polygon});
+  };
+  for (const Dart face : faces({p(x_ + 0.05, 0, 0), {3, 0, 0}})) {
+    const Index upper = std::max(face / 24, world_->complex().beta3(face) / 24);
+    EXPECT_EQ(static_cast<double>(world_->element_name(upper) % 8), k_) << "between k - 1 and k";
+  }
+  for (const Dart face : faces({p(x_ + 0.05, 0, 0), {-3, 0, 0}})) {
+    const Index lower = std::min(face / 24, world_->complex().beta3(face) / 24);
+    EXPECT_EQ(static_cast<double>(world_->element_name(lower) % 8), k_) << "between k and k + 1";
+  }
+  // The links of the four bars meet the plane in a square of 0.1 m: three within its side.
+  EXPECT_EQ(faces({p(x_, 0.05, 0.05), {1, 0, 0}, 0.1}).size(), 3u);
+  const Pierce pierce = local(Pierce{{}, {p(x_ + 0.05, 0.05, 0.05)}, x_});
+  const auto elements = elements_along_path(world_->complex(), rest, pierce.path, pierce.radius);
+  const auto in_first_bar =
+      std::ranges::count_if(elements, [&](Index e) { return world_->element_name(e) < 8; });
+  EXPECT_EQ(static_cast<double>(in_first_bar), std::min(2 * k_ + 1, 8.0));
+}
+
 // From C++, too, coordinates are those of the scene.
 TEST(Translation, OfWhatAProgramAsks) {
   std::vector<Vec3> moved;
@@ -406,6 +503,20 @@ TEST(Translation, OfWhatMessagesShow) {
                  "/constraints/0/where: selects no node; the nodes lie in [10000000, -3000000, "
                  "100000] to [10000001, -2999999.75, 100000.25] m");
   }
+}
+
+TEST(Translation, OfWhatIsToldOfABladeThatMisses) {
+  TemporaryFolder folder;
+  const std::string blade = write_blade(folder).string();
+  const Result run = run_text(every_coordinate(
+      far_away, box_at(far_away),
+      R"({"at": 0.01, "cut": {"surface": {"file": ")" + blade + R"(", "translation": [0, 0, 0]}}})",
+      (folder / "out").string()));
+  ASSERT_EQ(run.warnings.size(), 1u);
+  EXPECT_NE(run.warnings[0].find("it lies beside the body; blade [0, -9, -9] to [0, 9, 9] m, body "
+                                 "[10000000, -3000000.0"),
+            std::string::npos)
+      << run.warnings[0];
 }
 
 }  // namespace

@@ -23,8 +23,9 @@ constexpr const char* cell_words[4] = {"vertex", "edge", "face", "element"};
 constexpr std::size_t parallel_nodes = 32768;
 
 /// A direction of dx and dv: a row of 3 per vertex, times a factor each.
+template <class Real>
 struct Direction {
-  const float* rows;
+  const Real* rows;
   double dx, dv;
 };
 
@@ -136,7 +137,10 @@ struct ForceLoop::Impl {
 
   double energy_of(Index number, double time);
   bool add_field(Index number, std::string_view field, double time, std::span<double> values);
-  void add_tangent(Index number, const Direction& d, double time, float* out);
+  template <class Real>
+  void add_tangent(Index number, const Direction<Real>& d, double time, Real* out);
+  template <class Real>
+  void add_tangent(const Direction<Real>& d, double time, Real* out);
 
   Attributes& attributes;
   const CellComplex* complex;
@@ -360,7 +364,8 @@ bool ForceLoop::reads_summed_columns() const {
   });
 }
 
-void ForceLoop::Impl::add_tangent(Index number, const Direction& d, double time, float* out) {
+template <class Real>
+void ForceLoop::Impl::add_tangent(Index number, const Direction<Real>& d, double time, Real* out) {
   const auto* extension = functors[number].extension<suture_tangent_1>(SUTURE_TANGENT_1);
   run(number, time, 0,
       [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Range> ranges,
@@ -383,17 +388,26 @@ void ForceLoop::Impl::add_tangent(Index number, const Direction& d, double time,
           });
           const suture_status status = extension->apply(worker.context, &batch, dx, dv, df);
           for_each_value(batch.valid, [&](std::size_t vertex, std::size_t at) {
-            out[vertex] += static_cast<float>(df[at]);
+            out[vertex] += static_cast<Real>(df[at]);
           });
           return status;
         });
       });
 }
 
+template <class Real>
+void ForceLoop::Impl::add_tangent(const Direction<Real>& d, double time, Real* out) {
+  for (Index i = 0; i < functors.size(); ++i)
+    if (!functors[i].skipped()) add_tangent(i, d, time, out);
+  raise_failures(time);
+}
+
 void ForceLoop::add_tangent(const float* d, double dx, double dv, double time, float* out) {
-  for (Index i = 0; i < impl_->functors.size(); ++i)
-    if (!impl_->functors[i].skipped()) impl_->add_tangent(i, {d, dx, dv}, time, out);
-  impl_->raise_failures(time);
+  impl_->add_tangent(Direction<float>{d, dx, dv}, time, out);
+}
+
+void ForceLoop::add_tangent(const double* d, double dx, double dv, double time, double* out) {
+  impl_->add_tangent(Direction<double>{d, dx, dv}, time, out);
 }
 
 // -------------------------------------------------------------------- sleep --

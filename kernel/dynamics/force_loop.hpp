@@ -67,8 +67,11 @@ class ForceLoop {
   Bounds bounds_around(std::span<const Index> vertices, double time);
 
   /// out += the derivative of all forces in the direction (dx d, dv d), for d and out
-  /// of 3 floats per vertex. Needs has_tangent(). About three evaluations of forces.
+  /// of 3 numbers per vertex. Needs has_tangent(). About three evaluations of forces.
+  /// The forces are differentiated in double; floats halve the memory of a search that
+  /// needs few digits (step_search.hpp).
   void add_tangent(const float* d, double dx, double dv, double time, float* out);
+  void add_tangent(const double* d, double dx, double dv, double time, double* out);
   bool has_tangent() const;     ///< every enabled functor has suture.tangent/1
   bool reads_velocity() const;  ///< some enabled functor does
   /// Some enabled functor is on edges or faces, or reads columns of vertices: an operation

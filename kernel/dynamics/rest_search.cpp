@@ -1,50 +1,119 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/dynamics/rest_search.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace suture {
 namespace {
 
 constexpr std::uint64_t steps_between_checks = 10;
+constexpr std::uint64_t steps_between_roundings = 100;  // a pass over the vertices
 constexpr unsigned checks_needed = 10;
-
-/// Without a load or a motion there is nothing to compare with but rounding: ten times
-/// that of a step, as noise adds up.
-bool is_noise(const Dynamics& dynamics, const loops::RestSums& sums) {
-  if (sums.external > 0) return false;
-  const Dynamics::Rounding rounding = dynamics.rounding();
-  return sums.residual <= 100 * rounding.force_squared && sums.kinetic <= 100 * rounding.energy;
-}
+constexpr double quench_factor = 4;  // of the damping, per stage
+constexpr double quench_end = 1;     // alpha dt
 
 }  // namespace
 
 RestSearch::RestSearch(double tolerance, bool choose_damping)
     : tolerance_(tolerance), choose_damping_(choose_damping) {}
 
-void RestSearch::tune(Dynamics& dynamics, const loops::RestSums& sums) {
-  if (!(sums.work > 0) || !(sums.inertia > 0)) return;  // softening, or no motion: keep
-  dynamics.set_damping(2 * std::sqrt(sums.work / sums.inertia));
+void RestSearch::restart() {
+  stagnation_.restart();
+  limited_ = false;
+  good_checks_ = 0;
+  quenched_until_ = 0;
+}
+
+void RestSearch::look_at_motion(Dynamics& dynamics, const loops::RestSums& sums) {
+  if (steps_ % steps_between_roundings == 0 || rounding_.energy == 0)
+    rounding_ = dynamics.rounding();
+  dt_ = (dynamics.time() - checked_at_) / static_cast<double>(steps_between_checks);
+  checked_at_ = dynamics.time();
+  // Softening, no motion, or noise: keep.
+  if (!(sums.work > 100 * rounding_.energy) || !(sums.inertia > 0)) return;
+  frequency_ = std::sqrt(sums.work / sums.inertia);
+  if (choose_damping_ && quenched_until_ == 0) dynamics.set_damping(2 * frequency_);
+}
+
+/// Kinetic over elastic energy.
+double RestSearch::motion_left(Dynamics& dynamics, const loops::RestSums& sums) const {
+  double elastic = dynamics.forces().energy(dynamics.time());
+  if (elastic == 0) elastic = std::abs(dynamics.energies().external) / 2;
+  return sums.kinetic == 0 ? 0 : sums.kinetic / elastic;
+}
+
+/// Without a load or a motion ten times the rounding of a step, as noise adds up.
+bool RestSearch::is_noise(const loops::RestSums& sums, const Dynamics& dynamics) const {
+  if (sums.external > 0) {
+    const double decay = std::max(dynamics.damping() * dt_, 1e-4);
+    return sums.residual <= rounding_.force_squared * (1 + 1 / (16 * decay));
+  }
+  return sums.residual <= 100 * rounding_.force_squared && sums.kinetic <= 100 * rounding_.energy;
+}
+
+/// The next stage of damping, for as long as noise needs to decay; false after the last.
+bool RestSearch::quench(Dynamics& dynamics) {
+  if (!choose_damping_) return false;
+  if (steps_ < quenched_until_) return true;
+  const double alpha = dynamics.damping();
+  if (alpha * dt_ >= quench_end || !(alpha > 0)) return false;
+  const double next = std::min(quench_factor * alpha, quench_end / dt_);
+  dynamics.set_damping(next);
+  const auto decay = static_cast<std::uint64_t>(std::ceil(8 / (next * dt_)));
+  quenched_until_ = steps_ + std::max(decay, steps_between_checks * 2 * checks_needed);
+  return true;
 }
 
 bool RestSearch::at_rest(Dynamics& dynamics) {
   if (++steps_ % steps_between_checks != 0) return false;
   const loops::RestSums sums = dynamics.rest_sums();
-  if (choose_damping_) tune(dynamics, sums);
+  look_at_motion(dynamics, sums);
   const double scale = sums.external > 0 ? sums.external : sums.reaction;
   residual_ = scale > 0 ? std::sqrt(sums.residual / scale) : std::sqrt(sums.residual);
-  const bool settled = dynamics.time() >= std::max(earliest_, dynamics.settled_after());
-  bool good = settled && residual_ < tolerance_;
-  if (good) {
-    const double elastic = dynamics.forces().energy(dynamics.time());
-    good = sums.kinetic <= tolerance_ * tolerance_ * elastic;
+  if (dynamics.time() < std::max(earliest_, dynamics.settled_after())) {
+    good_checks_ = 0;
+    return false;
   }
-  if (!good && settled && is_noise(dynamics, sums)) {
+  double distance = residual_ / tolerance_;
+  if (distance < 1)
+    distance = std::max(distance, std::sqrt(motion_left(dynamics, sums)) / tolerance_);
+  stagnation_.add(steps_, dynamics.time(), distance, slow_rate(frequency_, dynamics.damping()));
+  const bool noise = is_noise(sums, dynamics);
+  if (noise && sums.external == 0) {
     residual_ = 0;
-    good = true;
+    distance = 0;
   }
-  good_checks_ = good ? good_checks_ + 1 : 0;
-  return good_checks_ >= checks_needed;
+  good_checks_ = distance <= 1 ? good_checks_ + 1 : 0;
+  const bool at_noise = quenched_until_ > 0 || (noise && stagnation_.idle_windows() > 0);
+  limited_ = good_checks_ == 0 && at_noise && !quench(dynamics);
+  return good_checks_ >= checks_needed || limited_;
+}
+
+std::string RestSearch::explanation(Dynamics& dynamics) const {
+  std::ostringstream text;
+  if (limited_) {
+    text << "the residual stays at " << residual_ << ", above /solver/tolerance, " << tolerance_
+         << ": this is the rounding of positions, no smaller residual can be reached; the state "
+            "counts as at rest";
+    return text.str();
+  }
+  text << "no rest: the residual is " << residual_ << ", above /solver/tolerance, " << tolerance_
+       << ", and has not fallen for " << stagnation_.steps_without_progress()
+       << " steps, far above rounding; ";
+  if (dynamics.damping() == 0)
+    text << "nothing damps the motion: set /solver/damping to \"auto\"";
+  else if (const auto inverted = dynamics.inversions(); inverted.count > 0)
+    text << inverted.count << " inverted elements (first: element " << inverted.first
+         << ") have no stable state: lower the load or refine the mesh there";
+  else if (dynamics.loads().has_pressure())
+    text << "a pressure that follows the surface can feed a vibration for ever: set /solver/end, "
+            "or damp more";
+  else
+    text << "the body may have no equilibrium near this state, or a model feeds a vibration: "
+            "lower the load, hold more of the body, damp more, or set /solver/end";
+  return text.str();
 }
 
 }  // namespace suture

@@ -212,15 +212,23 @@ struct Simulation::Impl {
       }
       return true;
     }
-    if (rest && clock.step() > 0 && rest->at_rest(*world.dynamics)) {
-      summary.outcome = RunSummary::Outcome::at_rest;
-      return true;
-    }
+    if (rest && clock.step() > 0 && is_at_rest()) return true;
     const std::uint64_t limit = scene.solver.max_steps ? scene.solver.max_steps
                                 : rest                 ? rest_step_limit
                                                        : 0;
     if (limit == 0 || clock.step() < limit) return false;
     refuse_more_steps(limit);
+  }
+
+  bool is_at_rest() {
+    if (rest->at_rest(*world.dynamics)) {
+      if (rest->limited_by_rounding()) diagnostics.warn(rest->explanation(*world.dynamics));
+      summary.outcome = RunSummary::Outcome::at_rest;
+      return true;
+    }
+    if (rest->stagnates() && !scene.solver.end)
+      throw NumericalError(rest->explanation(*world.dynamics));
+    return false;
   }
 
   [[noreturn]] void refuse_more_steps(std::uint64_t limit) const {

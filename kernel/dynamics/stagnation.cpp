@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/dynamics/stagnation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace suture {
+
+double slow_rate(double w, double alpha) {
+  const double half = alpha / 2;
+  if (half <= w) return std::max(half, 0.01 * w);
+  return w * w / (half + std::sqrt(half * half - w * w));
+}
+
+void Stagnation::restart() {
+  const unsigned restarts = restarts_;
+  *this = {};
+  restarts_ = restarts;
+}
+
+void Stagnation::add(std::uint64_t step, double time, double distance, double rate) {
+  if (checks_++ == 0) window_begin_ = time;
+  last_step_ = step;
+  if (distance < here_) {
+    here_ = distance;
+    here_step_ = step;
+  }
+  if (rate > 0) rate_ = std::min(rate_, rate);
+  if (checks_ < least_checks || !(rate_ * (time - window_begin_) >= window_decays)) return;
+  close_window(step);
+}
+
+void Stagnation::close_window(std::uint64_t step) {
+  if (here_ <= best_ / 2) {
+    best_ = here_;
+    best_step_ = here_step_;
+    idle_ = 0;
+  } else if (here_ > 4 * best_ && restarts_ < restarts_allowed) {
+    ++restarts_;
+    best_ = here_;
+    best_step_ = step;
+    idle_ = 0;
+  } else {
+    ++idle_;
+  }
+  here_ = rate_ = infinite;
+  checks_ = 0;
+}
+
+}  // namespace suture

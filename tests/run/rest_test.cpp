@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a search for rest says when it ends.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "kernel/base/error.hpp"
+#include "tests/run/beam.hpp"
+
+namespace suture::test {
+namespace {
+
+PluginHost& host() {
+  static PluginHost plugins;
+  return plugins;
+}
+
+Scene until_rest(Scene scene, double tolerance = 1e-6) {
+  scene.solver.until_rest = true;
+  scene.solver.automatic_damping = true;
+  scene.solver.tolerance = tolerance;
+  scene.solver.threads = 1;
+  return scene;
+}
+
+struct Result {
+  RunSummary summary;
+  std::string warnings;
+};
+
+Result run(const Scene& scene) {
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Observer nobody;
+  Result result{simulation.run(nobody), {}};
+  for (const auto& warning : diagnostics.warnings()) result.warnings += warning + "\n";
+  return result;
+}
+
+TEST(Rest, BelowRoundingItEndsWithAWarning) {
+  for (const char* model : {"tm-faure", "mss-baudet"}) {
+    const Result result = run(until_rest(beam(host(), model, 8, 2, 1), 1e-15));
+    EXPECT_EQ(result.summary.outcome, RunSummary::Outcome::at_rest);
+    EXPECT_NE(result.warnings.find("rounding of positions"), std::string::npos) << model;
+    EXPECT_LT(result.summary.steps, 10'000u);
+  }
+}
+
+TEST(Rest, WithoutDampingItSaysWhatIsMissing) {
+  Scene scene = until_rest(beam(host(), "tm-faure", 8, 2, 1));
+  scene.solver.automatic_damping = false;
+  try {
+    run(scene);
+    FAIL() << "it swings for ever";
+  } catch (const NumericalError& error) {
+    EXPECT_NE(std::string(error.what()).find("nothing damps the motion"), std::string::npos)
+        << error.what();
+  }
+}
+
+// Steps grow with the stiffness of the volume, 11 times, and not with rounding.
+TEST(Rest, NearlyIncompressibleTakesAtMostTwentyTimesTheSteps) {
+  for (const char* model : {"tm-faure", "mss-baudet"})
+    for (const double stiffness : {400e3, 1e10}) {
+      const auto steps = [&](double nu) {
+        Scene scene = beam(host(), model, 8, 2, 1, {{"nu", nu}, {"E", stiffness}});
+        if (scene.models[0].name == "mss-baudet")
+          scene = beam(host(), model, 8, 2, 1, {{"nu", nu}, {"E", stiffness}, {"correction", 1}});
+        return run(until_rest(scene)).summary.steps;
+      };
+      const std::uint64_t smooth = steps(0.3);
+      EXPECT_GT(smooth, 100u);
+      EXPECT_LT(steps(0.499), 20 * smooth) << model << ", E = " << stiffness;
+    }
+}
+
+}  // namespace
+}  // namespace suture::test

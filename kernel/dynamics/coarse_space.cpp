@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/dynamics/coarse_space.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+
+namespace suture {
+namespace {
+
+/// The piece that each vertex belongs to, pieces numbered from the largest (in vertices);
+/// `none` for vertices without an element.
+std::vector<Index> pieces_of(const CellComplex& complex, Index vertices) {
+  std::vector<Index> parent(vertices);
+  std::iota(parent.begin(), parent.end(), Index{0});
+  const auto root = [&](Index v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  std::vector<bool> used(vertices);
+  for (Index e = 0; e < complex.element_count(); ++e) {
+    if (!complex.exists(3, e)) continue;
+    const Hexahedron& nodes = complex.vertices_of(e);
+    for (const Index v : nodes) {
+      used[v] = true;
+      const Index a = root(nodes[0]), b = root(v);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  std::vector<Index> size(vertices), order, number(vertices, none);
+  for (Index v = 0; v < vertices; ++v)
+    if (used[v] && size[root(v)]++ == 0) order.push_back(root(v));
+  std::ranges::stable_sort(order, [&](Index a, Index b) { return size[a] > size[b]; });
+  for (Index i = 0; i < order.size(); ++i) number[order[i]] = i;
+  std::vector<Index> pieces(vertices, none);
+  for (Index v = 0; v < vertices; ++v)
+    if (used[v]) pieces[v] = number[root(v)];
+  return pieces;
+}
+
+struct Box {
+  Vec3 low, high;
+};
+
+Box box_of(Attributes& attributes, const std::vector<Index>& pieces) {
+  constexpr double far = std::numeric_limits<double>::infinity();
+  Box box{{far, far, far}, {-far, -far, -far}};
+  for (Index v = 0; v < pieces.size(); ++v)
+    for (std::size_t c = 0; pieces[v] != none && c < 3; ++c) {
+      const double x = attributes.rest().get(v, static_cast<int>(c));
+      box.low[c] = std::min(box.low[c], x);
+      box.high[c] = std::max(box.high[c], x);
+    }
+  return box;
+}
+
+/// The side of each vertex along the three axes of the elements, as far as these agree from
+/// element to element: bit a alternates along axis a.
+std::vector<std::uint8_t> parities(const CellComplex& complex, Index vertices) {
+  constexpr std::uint8_t unknown = 8;
+  std::vector<std::uint8_t> parity(vertices, unknown);
+  std::vector<Index> open(complex.element_count());
+  std::iota(open.begin(), open.end(), Index{0});
+  bool seed = true;
+  while (!open.empty()) {
+    std::vector<Index> left;
+    for (const Index e : open) {
+      if (!complex.exists(3, e)) continue;
+      const Hexahedron& nodes = complex.vertices_of(e);
+      unsigned n = 0;
+      while (n < 8 && parity[nodes[n]] == unknown) ++n;
+      if (n == 8 && !seed) {
+        left.push_back(e);
+        continue;
+      }
+      const unsigned base = n == 8 ? 0 : parity[nodes[n]] ^ n;
+      seed = false;
+      for (unsigned i = 0; i < 8; ++i)
+        if (parity[nodes[i]] == unknown) parity[nodes[i]] = static_cast<std::uint8_t>(base ^ i);
+    }
+    seed = left.size() == open.size();  // another piece
+    open = std::move(left);
+  }
+  return parity;
+}
+
+}  // namespace
+
+CoarseSpace::CoarseSpace(const CellComplex& complex, Attributes& attributes,
+                         const std::vector<double>& scale, Index nodes)
+    : mass_root_(scale.size()) {
+  for (std::size_t i = 0; i < scale.size(); ++i) mass_root_[i] = scale[i] > 0 ? 1 / scale[i] : 0;
+  grids_.push_back(make_grid(complex, attributes, nodes));
+  size_ = 3 * grids_.back().count;
+}
+
+void CoarseSpace::add_checkerboards(const CellComplex& complex, Attributes& attributes,
+                                    Index nodes) {
+  Grid grid = make_grid(complex, attributes, nodes);
+  grid.first = size_;
+  grid.signs = parities(complex, attributes.vertex_count());
+  for (std::uint8_t& bits : grid.signs) {
+    const int x = bits & 1, y = bits >> 1 & 1, z = bits >> 2 & 1;
+    bits = static_cast<std::uint8_t>((y ^ z) | (x ^ z) << 1 | (x ^ y) << 2);
+  }
+  size_ += 3 * grid.count;
+  grids_.push_back(std::move(grid));
+}
+
+/// Boxes as near to cubes as the body's box allows, as small as `nodes` allows.
+CoarseSpace::Grid CoarseSpace::make_grid(const CellComplex& complex, Attributes& attributes,
+                                         Index nodes) const {
+  const Index vertices = attributes.vertex_count();
+  const std::vector<Index> pieces = pieces_of(complex, vertices);
+  const Box box = box_of(attributes, pieces);
+  const Vec3 length{box.high[0] - box.low[0], box.high[1] - box.low[1], box.high[2] - box.low[2]};
+  double size = std::cbrt(length[0] * length[1] * length[2] / nodes);
+  Grid grid;
+  for (bool fits = false; !fits; size *= 1.05) {
+    std::array<double, 3> cells;
+    for (std::size_t c = 0; c < 3; ++c) cells[c] = std::max(1.0, std::round(length[c] / size));
+    const bool coarsest = cells == std::array<double, 3>{1, 1, 1};
+    std::map<std::array<std::int64_t, 4>, std::int32_t> numbers;
+    grid.nodes.assign(vertices, {});
+    grid.weights.assign(vertices, {});
+    // Pieces in their order: the largest are served first.
+    std::vector<Index> order;
+    for (Index v = 0; v < vertices; ++v)
+      if (pieces[v] != none) order.push_back(v);
+    std::ranges::stable_sort(order, [&](Index a, Index b) { return pieces[a] < pieces[b]; });
+    fits = true;
+    for (const Index v : order) {
+      std::array<std::int64_t, 3> cell;
+      std::array<double, 3> at;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double x = attributes.rest().get(v, static_cast<int>(c)) - box.low[c];
+        const double place = length[c] > 0 ? x / length[c] * cells[c] : 0;
+        cell[c] = static_cast<std::int64_t>(std::clamp(std::floor(place), 0.0, cells[c] - 1));
+        at[c] = place - static_cast<double>(cell[c]);
+      }
+      for (std::size_t corner = 0; corner < 8; ++corner) {
+        double weight = 1;
+        std::array<std::int64_t, 4> key{0, 0, 0, static_cast<std::int64_t>(pieces[v])};
+        for (std::size_t c = 0; c < 3; ++c) {
+          const auto side = corner >> c & 1;
+          key[c] = cell[c] + static_cast<std::int64_t>(side);
+          weight *= side ? at[c] : 1 - at[c];
+        }
+        grid.nodes[v][corner] = -1;
+        if (weight < 1e-9) continue;
+        auto found = numbers.find(key);
+        if (found == numbers.end()) {
+          if (numbers.size() >= nodes && !coarsest) fits = false;
+          if (numbers.size() >= std::max<std::size_t>(nodes, 8)) continue;  // a crumb
+          found = numbers.emplace(key, static_cast<std::int32_t>(numbers.size())).first;
+        }
+        grid.nodes[v][corner] = found->second;
+        grid.weights[v][corner] = static_cast<float>(weight);
+      }
+      if (!fits) break;
+    }
+    grid.count = static_cast<Eigen::Index>(numbers.size());
+  }
+  return grid;
+}
+
+/// visit(component of a vertex, motion, weight)
+template <class Visit>
+void CoarseSpace::for_each(Visit visit) const {
+  for (const Grid& grid : grids_)
+    for (std::size_t v = 0; v < grid.nodes.size(); ++v)
+      for (std::size_t corner = 0; corner < 8; ++corner) {
+        const std::int32_t node = grid.nodes[v][corner];
+        const auto weight = static_cast<double>(grid.weights[v][corner]);
+        if (node < 0 || weight == 0) continue;
+        for (std::size_t c = 0; c < 3; ++c) {
+          const bool minus = !grid.signs.empty() && (grid.signs[v] >> c & 1);
+          const double factor = mass_root_[3 * v + c] * (minus ? -weight : weight);
+          visit(3 * v + c, grid.first + 3 * node + static_cast<Eigen::Index>(c), factor);
+        }
+      }
+}
+
+void CoarseSpace::prolong(const Eigen::VectorXd& c, double* y) const {
+  for_each([&](std::size_t i, Eigen::Index j, double weight) { y[i] += weight * c[j]; });
+}
+
+Eigen::VectorXd CoarseSpace::restrict(const double* y) const {
+  Eigen::VectorXd c = Eigen::VectorXd::Zero(size_);
+  for_each([&](std::size_t i, Eigen::Index j, double weight) { c[j] += weight * y[i]; });
+  return c;
+}
+
+}  // namespace suture

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "apps/suture/commands.hpp"
+#include "kernel/base/error.hpp"
 #include "kernel/run/simulation.hpp"
 #include "kernel/scene/scene_reader.hpp"
 
@@ -65,7 +66,8 @@ class Watcher final : public Observer {
 };
 
 void print_summary(const RunSummary& summary, Console& console) {
-  constexpr const char* outcomes[] = {"finished", "at rest", "interrupted"};
+  constexpr const char* outcomes[] = {"finished", "at rest", "interrupted",
+                                      "in an unstable equilibrium"};
   std::string text = outcomes[static_cast<int>(summary.outcome)];
   text += " at t = " + significant(summary.time) + " s: " + count(summary.steps, "step") + " in " +
           duration(summary.seconds) + " (" + short_number(summary.elements_per_second) +
@@ -99,6 +101,8 @@ int run(const RunCommand& command, Console& console) {
   Watcher watcher(console);
   const RunSummary summary = simulation.run(watcher);
   if (!console.quiet()) print_summary(summary, console);
+  if (summary.outcome == RunSummary::Outcome::unstable_equilibrium)
+    return NumericalError("").exit_code();
   return summary.outcome == RunSummary::Outcome::interrupted ? 128 + signal_caught : 0;
 }
 

@@ -345,10 +345,13 @@ ForceLoop::Bounds ForceLoop::bounds_around(std::span<const Index> vertices, doub
 
 // ------------------------------------------------------------------ tangent --
 
-bool ForceLoop::has_tangent() const {
-  return std::ranges::all_of(impl_->functors, [](const CompiledFunctor& functor) {
-    return functor.skipped() || functor.extension<suture_tangent_1>(SUTURE_TANGENT_1);
-  });
+bool ForceLoop::has_tangent() const { return without_tangent().empty(); }
+
+std::string ForceLoop::without_tangent() const {
+  for (const CompiledFunctor& functor : impl_->functors)
+    if (!functor.skipped() && !functor.extension<suture_tangent_1>(SUTURE_TANGENT_1))
+      return functor.title();
+  return "";
 }
 
 bool ForceLoop::reads_velocity() const {

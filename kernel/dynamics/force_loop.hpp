@@ -72,8 +72,9 @@ class ForceLoop {
   /// needs few digits (step_search.hpp).
   void add_tangent(const float* d, double dx, double dv, double time, float* out);
   void add_tangent(const double* d, double dx, double dv, double time, double* out);
-  bool has_tangent() const;     ///< every enabled functor has suture.tangent/1
-  bool reads_velocity() const;  ///< some enabled functor does
+  bool has_tangent() const;             ///< every enabled functor has suture.tangent/1
+  std::string without_tangent() const;  ///< the first that has none, or ""
+  bool reads_velocity() const;          ///< some enabled functor does
   /// Some enabled functor is on edges or faces, or reads columns of vertices: an operation
   /// changes its bounds also at vertices that keep their elements.
   bool reads_summed_columns() const;

@@ -30,6 +30,9 @@ void RestSearch::look_at_motion(Dynamics& dynamics, const loops::RestSums& sums)
   if (steps_ % steps_between_roundings == 0 || rounding_.energy == 0)
     rounding_ = dynamics.rounding();
   dt_ = (dynamics.time() - checked_at_) / static_cast<double>(steps_between_checks);
+  // A body that leaves an unstable state moves along forces that grow: such a time counts a
+  // tenth.
+  watched_ += (sums.work > 0 ? 1 : 0.1) * (dynamics.time() - checked_at_);
   checked_at_ = dynamics.time();
   // Softening, no motion, or noise: keep.
   if (!(sums.work > 100 * rounding_.energy) || !(sums.inertia > 0)) return;
@@ -70,8 +73,9 @@ bool RestSearch::at_rest(Dynamics& dynamics) {
   if (++steps_ % steps_between_checks != 0) return false;
   const loops::RestSums sums = dynamics.rest_sums();
   look_at_motion(dynamics, sums);
+  force_ = std::sqrt(sums.residual);
   const double scale = sums.external > 0 ? sums.external : sums.reaction;
-  residual_ = scale > 0 ? std::sqrt(sums.residual / scale) : std::sqrt(sums.residual);
+  residual_ = scale > 0 ? force_ / std::sqrt(scale) : force_;
   if (dynamics.time() < std::max(earliest_, dynamics.settled_after())) {
     good_checks_ = 0;
     return false;
@@ -79,7 +83,7 @@ bool RestSearch::at_rest(Dynamics& dynamics) {
   double distance = residual_ / tolerance_;
   if (distance < 1)
     distance = std::max(distance, std::sqrt(motion_left(dynamics, sums)) / tolerance_);
-  stagnation_.add(steps_, dynamics.time(), distance, slow_rate(frequency_, dynamics.damping()));
+  stagnation_.add(steps_, watched_, distance, slow_rate(frequency_, dynamics.damping()));
   const bool noise = is_noise(sums, dynamics);
   if (noise && sums.external == 0) {
     residual_ = 0;

@@ -54,7 +54,8 @@ class RestSearch {
   /// The state was changed from outside: what was seen of it no longer counts.
   void restart();
 
-  double residual() const { return residual_; }  ///< |f| / |f_ext| at the last check
+  double residual() const { return residual_; }       ///< |f| / |f_ext| at the last check
+  double unbalanced_force() const { return force_; }  ///< |f| at the last check, N
   double tolerance() const { return tolerance_; }
 
  private:
@@ -67,9 +68,11 @@ class RestSearch {
   bool choose_damping_;
   double earliest_ = 0;
   double residual_ = 1;
+  double force_ = 0;
   double frequency_ = 0;  ///< w0 of the last check that was above rounding, 1/s
   double dt_ = 0;         ///< of the steps between the last two checks, on average
   double checked_at_ = 0;
+  double watched_ = 0;           ///< time that counts for the stagnation, s
   Dynamics::Rounding rounding_;  ///< looked up at every tenth check
   Stagnation stagnation_;
   bool limited_ = false;

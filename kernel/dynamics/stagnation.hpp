@@ -25,8 +25,9 @@ class Stagnation {
   static constexpr unsigned patience = 2;
   static constexpr unsigned restarts_allowed = 16;
 
-  /// A check at `time`, s, after `step` steps. `distance`: from rest, 1 where it counts as
-  /// rest. `rate`: of the slowest decay as estimated now, 1/s; 0: unknown.
+  /// A check at `time`, s (of a clock that may stand still), after `step` steps. `distance`: from
+  /// rest, 1 where it counts as rest. `rate`: of the slowest decay as estimated now, 1/s; 0:
+  /// unknown.
   void add(std::uint64_t step, double time, double distance, double rate);
 
   /// Windows without progress, running; 0 as long as the residual falls.

@@ -68,6 +68,8 @@ Recorder::Recorder(const Scene& scene, World& world, std::string provenance)
       std::any_of(fields_.begin(), fields_.end(), [](const auto& f) { return f.needs_neighbours; });
   other_fields_ = fields_besides(world, fields_);
   frames_ = std::make_unique<FrameWriter>(writer_options(options));
+  mode_options_ = writer_options(options);
+  mode_options_.prefix = mode_options_.collection = "mode";
   if (options.springs) {
     FrameWriterOptions springs = writer_options(options);
     springs.prefix = springs.collection = "springs";
@@ -86,7 +88,8 @@ Recorder::Recorder(const Scene& scene, World& world, std::string provenance)
   }
 }
 
-void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity) {
+void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity,
+                          const std::vector<Vec3>* mode) {
   frame.number = frame_number_;
   frame.time = time;
   copy_points(world_, frame.points);
@@ -95,6 +98,12 @@ void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity) {
   frame.lines.clear();
   fill_fields(fields_, FieldChoice::On::points, world_, gravity, time, frame.point_fields);
   fill_fields(fields_, FieldChoice::On::cells, world_, gravity, time, frame.cell_fields);
+  if (mode != nullptr) {
+    FrameField& field = frame.point_fields.emplace_back();
+    field.name = "unstable_mode";
+    field.components = 3;
+    for (const Vec3& u : *mode) field.values.insert(field.values.end(), u.begin(), u.end());
+  }
   frame.field_data_provenance = provenance_;
   if (has_holes(world_.complex())) leave_out_holes(frame, Shown::of(world_.complex()), {});
 }
@@ -107,6 +116,15 @@ void Recorder::frame(double time, const Vec3& gravity) {
   if (springs_) springs_frame(time, gravity);
   if (!world_.skips) fill_other_fields(time, gravity);
   ++frame_number_;
+}
+
+void Recorder::mode(double time, const Vec3& gravity, const std::vector<Vec3>& shape) {
+  if (!frames_) return;
+  if (!modes_) modes_ = std::make_unique<FrameWriter>(mode_options_);
+  Frame frame = modes_->take_frame();
+  fill_frame(frame, time, gravity, &shape);
+  frame.number = modes_written_++;
+  modes_->submit(std::move(frame));
 }
 
 /// Computed and dropped: a run that skips nothing pays for every field.
@@ -173,8 +191,13 @@ bool Recorder::probes_need(bool FieldChoice::*what) const {
 void Recorder::finish() {
   if (frames_) frames_->finish();
   if (springs_) springs_->finish();
+  if (modes_) modes_->finish();
   if (energies_) energies_->finish();
   if (probes_) probes_->finish();
+}
+
+std::string Recorder::mode_collection() const {
+  return modes_ ? modes_->collection().string() : "";
 }
 
 std::string Recorder::collection() const { return frames_ ? frames_->collection().string() : ""; }

@@ -40,6 +40,9 @@ class Recorder {
   void frame(double time, const Vec3& gravity);
   void energies(std::uint64_t step, double time, double dt, const Dynamics::Energies& row);
   void probes(std::uint64_t step, double time, const Vec3& gravity);
+  /// A file of its own, mode_0000.vtu, listed in mode.pvd: the state with the fields of
+  /// frames, and `shape` (of each vertex) as the point field "unstable_mode".
+  void mode(double time, const Vec3& gravity, const std::vector<Vec3>& shape);
   /// Fills a frame that is not written, and loads what writing needs: for an
   /// estimate. Returns its bytes; 0 without output.
   std::size_t rehearse(double time, const Vec3& gravity);
@@ -48,12 +51,14 @@ class Recorder {
 
   std::size_t frames_written() const { return frame_number_; }
   std::string collection() const;
+  std::string mode_collection() const;  ///< "" if no mode was written
   const std::vector<FieldChoice>& fields() const { return fields_; }
   /// Fields of this scene that were not chosen.
   const std::vector<FieldChoice>& other_fields() const { return other_fields_; }
 
  private:
-  void fill_frame(Frame& frame, double time, const Vec3& gravity);
+  void fill_frame(Frame& frame, double time, const Vec3& gravity,
+                  const std::vector<Vec3>* mode = nullptr);
   void springs_frame(double time, const Vec3& gravity);
   void fill_other_fields(double time, const Vec3& gravity);
 
@@ -63,7 +68,9 @@ class Recorder {
   bool frames_need_force_ = false, frames_run_functors_ = false, frames_need_neighbours_ = false;
   std::size_t frame_number_ = 0;
   std::optional<ProbeTable> probe_table_;
-  std::unique_ptr<FrameWriter> frames_, springs_;
+  std::unique_ptr<FrameWriter> frames_, springs_, modes_;
+  FrameWriterOptions mode_options_;
+  std::size_t modes_written_ = 0;
   std::unique_ptr<CsvWriter> energies_, probes_;
 };
 

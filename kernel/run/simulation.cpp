@@ -17,6 +17,7 @@
 #include "kernel/run/event_schedule.hpp"
 #include "kernel/run/guard.hpp"
 #include "kernel/run/sleeper.hpp"
+#include "kernel/run/stability.hpp"
 #include "kernel/run/step_watch.hpp"
 
 namespace suture {
@@ -71,7 +72,8 @@ struct Simulation::Impl {
         watch(scene, world, d),
         schedule(scene.events, world),
         events(scene, world, d),
-        sleeper(s.solver, world) {
+        sleeper(s.solver, world),
+        stability(scene, world, recorder, d) {
     Decision still = decide_still_cells(scene, world, recorder);
     decisions = decide(scene, host, world, recorder);
     decisions.push_back(std::move(still));
@@ -201,7 +203,7 @@ struct Simulation::Impl {
     }
   }
 
-  bool is_at_end() {
+  bool is_at_end(Observer& observer) {
     if (clock.finished()) {
       summary.outcome = RunSummary::Outcome::finished;
       if (rest) {
@@ -212,7 +214,7 @@ struct Simulation::Impl {
       }
       return true;
     }
-    if (rest && clock.step() > 0 && is_at_rest()) return true;
+    if (rest && clock.step() > 0 && is_at_rest(observer)) return true;
     const std::uint64_t limit = scene.solver.max_steps ? scene.solver.max_steps
                                 : rest                 ? rest_step_limit
                                                        : 0;
@@ -220,15 +222,29 @@ struct Simulation::Impl {
     refuse_more_steps(limit);
   }
 
-  bool is_at_rest() {
+  bool is_at_rest(Observer& observer) {
     if (rest->at_rest(*world.dynamics)) {
       if (rest->limited_by_rounding()) diagnostics.warn(rest->explanation(*world.dynamics));
-      summary.outcome = RunSummary::Outcome::at_rest;
-      return true;
+      return ends_at_rest(observer);
     }
     if (rest->stagnates() && !scene.solver.end)
       throw NumericalError(rest->explanation(*world.dynamics));
     return false;
+  }
+
+  /// False after a kick.
+  bool ends_at_rest(Observer& observer) {
+    const auto verdict = stability.examine(*rest, clock.step(), clock.time(), gravity_now());
+    summary.lowest_eigenvalue = stability.lowest_eigenvalue();
+    if (verdict == Stability::Verdict::kicked) {
+      rest->restart();
+      return false;
+    }
+    if (verdict == Stability::Verdict::stable) observer.on_message(stability.text());
+    summary.outcome = verdict == Stability::Verdict::unstable
+                          ? RunSummary::Outcome::unstable_equilibrium
+                          : RunSummary::Outcome::at_rest;
+    return true;
   }
 
   [[noreturn]] void refuse_more_steps(std::uint64_t limit) const {
@@ -271,7 +287,7 @@ struct Simulation::Impl {
       fire_events(observer);
       if (recorded_step != clock.step()) record();
       recorded_step = clock.step();
-      if (is_at_end() || (until && clock.reached(*until))) break;
+      if (is_at_end(observer) || (until && clock.reached(*until))) break;
       if (observer.stop_requested()) {
         summary.outcome = RunSummary::Outcome::interrupted;
         break;
@@ -316,6 +332,7 @@ struct Simulation::Impl {
   EventSchedule schedule;
   EventRunner events;
   Sleeper sleeper;
+  Stability stability;
   std::optional<RestSearch> rest;
   std::vector<Decision> decisions;
   RunSummary summary;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,13 +43,15 @@ class Observer {
 };
 
 struct RunSummary {
-  enum class Outcome { finished, at_rest, interrupted };
+  enum class Outcome { finished, at_rest, interrupted, unstable_equilibrium };
   Outcome outcome = Outcome::finished;
   std::uint64_t steps = 0, frames = 0, inverted_elements = 0;
   std::uint64_t faces_cut = 0, faces_torn = 0, faces_sewn = 0, elements_removed = 0;
   double time = 0, dt = 0;  ///< s; dt of the last step
   double seconds = 0;       ///< wall clock of the loop
   double elements_per_second = 0;
+  /// Of the tangent where the run came to rest, 1/s^2; none if it was not examined.
+  std::optional<double> lowest_eigenvalue;
   unsigned threads = 1;
   std::string pvd;  ///< file to open in ParaView, or ""
 };

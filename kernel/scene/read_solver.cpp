@@ -33,6 +33,10 @@ void read_end(ObjectReader& object, SolverOptions& solver) {
   if (object.find("tolerance") != nullptr && object.find("until") == nullptr) {
     object.complain("tolerance", "belongs to \"until\": \"rest\"");
   }
+  if (object.find("kick") != nullptr && object.find("until") == nullptr) {
+    object.complain("kick", "belongs to \"until\": \"rest\"");
+  }
+  solver.kick = object.number("kick", Range::positive("m")).value_or(0);
   solver.tolerance = object.number("tolerance", part).value_or(solver.tolerance);
   if (solver.dt && solver.end && *solver.dt > *solver.end) {
     object.complain("dt", "is longer than the whole run");

@@ -258,6 +258,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadSet{"/solver/safety=1.5", "/solver/safety", "<= 1"},
         BadSet{"/solver/damping=auto", "/solver/damping", "until"},
         BadSet{"/solver/tolerance=1e-3", "/solver/tolerance", "until"},
+        BadSet{"/solver/kick=1e-3", "/solver/kick", "until"},
         BadSet{"/solver={}", "/solver", "says no end"}, BadSet{"/suture=2", "/suture", "version 2"},
         BadSet{"/mesh={}", "/mesh", "exactly one of 'box', 'file', 'voxels'"},
         BadSet{"/mesh/scale=2", "/mesh/scale", "belongs to a mesh file"},

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/run/stability.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "kernel/base/vec3.hpp"
+
+namespace suture {
+namespace {
+
+/// A product with the tangent takes about as long as five steps.
+unsigned products_for(std::uint64_t steps) {
+  return static_cast<unsigned>(std::clamp<std::uint64_t>(steps / 16, 180, 1500));
+}
+
+Index vertex_of_largest(const LowestMode& mode) {
+  const auto longer = [](const Vec3& a, const Vec3& b) { return dot(a, a) < dot(b, b); };
+  return static_cast<Index>(std::ranges::max_element(mode.shape, longer) - mode.shape.begin());
+}
+
+}  // namespace
+
+/// The forces f that are left turn with a body that nothing holds, which gives its rotations
+/// eigenvalues of about f / (mass of a vertex, root of their number, radius).
+double Stability::rounding_of_rest(const RestSearch& rest) const {
+  const Column& mass = world_.attributes.mass();
+  double total = 0, count = 0;
+  for (Index v = 0; v < world_.attributes.vertex_count(); ++v) {
+    total += mass.get(v, 0);
+    count += mass.get(v, 0) > 0;
+  }
+  return 4 * rest.unbalanced_force() * std::sqrt(count) / (total * world_.selector.diagonal());
+}
+
+Stability::Verdict Stability::examine(const RestSearch& rest, std::uint64_t steps, double time,
+                                      const Vec3& gravity) {
+  ForceLoop& forces = world_.dynamics->forces();
+  if (!forces.has_tangent()) {
+    lowest_.reset();
+    diagnostics_.warn("the stability of the equilibrium was not examined: " +
+                      forces.without_tangent() + " has no tangent (suture.tangent/1)");
+    return Verdict::unknown;
+  }
+  LowestMode mode =
+      find_lowest_mode(forces, world_.complex(), world_.attributes, time, products_for(steps));
+  mode.noise += rounding_of_rest(rest);
+  lowest_ = mode.eigenvalue;
+  if (!mode.negative()) return Verdict::stable;
+  world_.dynamics->synchronise();
+  recorder_.mode(time, gravity, mode.shape);
+  std::string text = describe(mode);
+  if (scene_.solver.kick > 0 && kicks_ < most_kicks) {
+    ++kicks_;
+    std::ostringstream push;
+    push << "; pushed along it by " << scene_.solver.kick << " m (/solver/kick)";
+    diagnostics_.warn(text + push.str());
+    kick(mode);
+    return Verdict::kicked;
+  }
+  if (kicks_ == 0)
+    text += "; give /solver/kick, the length of a push along the mode in m, to go on from here";
+  else
+    text += "; " + std::to_string(kicks_) + " pushes along such modes have not led to a stable one";
+  diagnostics_.warn(text);
+  return Verdict::unstable;
+}
+
+std::string Stability::describe(const LowestMode& mode) const {
+  const Index vertex = vertex_of_largest(mode);
+  const Column& x = world_.attributes.position();
+  std::ostringstream text;
+  text << "the equilibrium is unstable: the lowest eigenvalue of the tangent is " << mode.eigenvalue
+       << " 1/s^2, so a disturbance grows at " << std::sqrt(-mode.eigenvalue)
+       << " 1/s; the mode is largest at element "
+       << world_.element_name(world_.complex().dart_of(0, vertex) / 24) << ", (" << x.get(vertex, 0)
+       << ", " << x.get(vertex, 1) << ", " << x.get(vertex, 2) << ") m";
+  if (const std::string file = recorder_.mode_collection(); !file.empty())
+    text << ", and is the field \"unstable_mode\" of " << file;
+  if (world_.dynamics->loads().has_pressure())
+    text << " (the stiffness of pressures, which follow the surface, is not in it)";
+  return text.str();
+}
+
+void Stability::kick(const LowestMode& mode) {
+  world_.dynamics->synchronise_velocities();
+  Column& x = world_.attributes.position();
+  for (Index v = 0; v < world_.attributes.vertex_count(); ++v)
+    for (int c = 0; c < 3; ++c)
+      x.set(v, c, x.get(v, c) + scene_.solver.kick * mode.shape[v][static_cast<std::size_t>(c)]);
+  world_.dynamics->invalidate();
+}
+
+std::string Stability::text() const {
+  std::ostringstream text;
+  text << "the equilibrium is stable: no eigenvalue of the tangent below " << lowest_.value_or(0)
+       << " 1/s^2 was found";
+  if (lowest_ && *lowest_ > 0)
+    text << " (" << std::sqrt(*lowest_) / (2 * std::numbers::pi) << " Hz)";
+  return text.str();
+}
+
+}  // namespace suture

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The lowest mode against dense solvers and closed forms, and what a run makes of it.
+#include "kernel/dynamics/modes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "kernel/base/error.hpp"
+#include "kernel/run/world.hpp"
+#include "tests/run/beam.hpp"
+
+namespace suture::test {
+namespace {
+
+PluginHost& host() {
+  static PluginHost plugins;
+  return plugins;
+}
+
+LowestMode lowest_mode(World& w, unsigned products = 600) {
+  return find_lowest_mode(w.dynamics->forces(), w.complex(), w.attributes, w.dynamics->time(),
+                          products);
+}
+
+/// Eigenvalues of M^-1/2 K M^-1/2 on the free components, ascending, by a dense solver.
+Eigen::VectorXd eigenvalues(World& w) {
+  const std::size_t size = 3 * std::size_t{w.attributes.vertex_count()};
+  std::vector<double> direction(size), image(size);
+  std::vector<std::size_t> free;
+  for (std::size_t i = 0; i < size; ++i) {
+    const auto v = static_cast<Index>(i / 3);
+    const auto fixed = static_cast<int>(w.attributes.fixed().get(v, 0));
+    if (w.attributes.mass().get(v, 0) > 0 && !(fixed >> i % 3 & 1)) free.push_back(i);
+  }
+  const auto root = [&](std::size_t i) {
+    return std::sqrt(w.attributes.mass().get(static_cast<Index>(i / 3), 0));
+  };
+  Eigen::MatrixXd matrix(free.size(), free.size());
+  for (std::size_t column = 0; column < free.size(); ++column) {
+    direction.assign(size, 0);
+    image.assign(size, 0);
+    direction[free[column]] = 1;
+    w.dynamics->forces().add_tangent(direction.data(), 1, 0, 0, image.data());
+    for (std::size_t row = 0; row < free.size(); ++row)
+      matrix(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)) =
+          -image[free[row]] / (root(free[row]) * root(free[column]));
+  }
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly)
+      .eigenvalues();
+}
+
+/// Every vertex where `place` puts its rest position.
+template <class Place>
+void deform(World& w, Place place) {
+  for (Index v = 0; v < w.attributes.vertex_count(); ++v) {
+    if (!w.complex().exists(0, v)) continue;
+    const Column& rest = w.attributes.rest();
+    const Vec3 x = place(Vec3{rest.get(v, 0), rest.get(v, 1), rest.get(v, 2)});
+    for (int c = 0; c < 3; ++c) w.attributes.position().set(v, c, x[static_cast<std::size_t>(c)]);
+  }
+  w.dynamics->invalidate();
+}
+
+TEST(Tangent, InDoubleIsTheDerivativeOfTheForces) {
+  for (const char* model : {"tm-faure", "mss-baudet"}) {
+    const Scene scene = beam(host(), model, 3, 2, 0);
+    Diagnostics diagnostics;
+    World w(scene, diagnostics);
+    w.dynamics->start();
+    const std::size_t size = 3 * std::size_t{w.attributes.vertex_count()};
+    std::mt19937 random(1);
+    std::vector<double> direction(size), image(size);
+    for (double& d : direction) d = random() / 4294967296.0 - 0.5;
+    const auto forces_at = [&](double h) {
+      std::size_t i = 0;
+      deform(w, [&](Vec3 x) {
+        for (double& c : x) c += h * direction[i++] + 0.02 * std::sin(10 * c);
+        return x;
+      });
+      std::vector<double> force(size);
+      Column& column = w.attributes.force();
+      std::fill_n(column.rows(), std::size_t{column.size()} * 4, 0.0);
+      w.dynamics->forces().add_forces(0, 0);
+      for (std::size_t k = 0; k < size; ++k)
+        force[k] = column.get(static_cast<Index>(k / 3), static_cast<int>(k % 3));
+      std::fill_n(column.rows(), std::size_t{column.size()} * 4, 0.0);
+      return force;
+    };
+    const double h = 1e-5;
+    const std::vector<double> above = forces_at(h), below = forces_at(-h);
+    forces_at(0);
+    w.dynamics->forces().add_tangent(direction.data(), 1, 0, 0, image.data());
+    double worst = 0, scale = 0;
+    for (std::size_t k = 0; k < size; ++k) {
+      worst = std::max(worst, std::abs((above[k] - below[k]) / (2 * h) - image[k]));
+      scale = std::max(scale, std::abs(image[k]));
+    }
+    ASSERT_GT(scale, 1);
+    EXPECT_LT(worst / scale, 1e-7) << model;
+  }
+}
+
+struct State {
+  const char* name;
+  const char* model;
+  double squeeze;  ///< stretch along x
+  double bend;     ///< curvature, 1/m
+  bool pierced;
+};
+
+class Modes : public testing::TestWithParam<State> {};
+INSTANTIATE_TEST_SUITE_P(States, Modes,
+                         testing::Values(State{"TensorMassAtRest", "tm-faure", 1, 0, false},
+                                         State{"TensorMassPierced", "tm-faure", 1, 0, true},
+                                         State{"TensorMassBent", "tm-faure", 1, 0.5, false},
+                                         State{"TensorMassSqueezed", "tm-faure", 0.7, 0, false},
+                                         State{"TensorMassSqueezedALittle", "tm-faure", 0.97, 0,
+                                               false},
+                                         State{"SpringsAtRest", "mss-baudet", 1, 0, false},
+                                         State{"SpringsBent", "mss-baudet", 1, 1, false},
+                                         State{"SpringsSqueezed", "mss-baudet", 0.9, 0, false},
+                                         State{"SpringsPulled", "mss-baudet", 1.2, 0, true}),
+                         [](const auto& state) { return std::string(state.param.name); });
+
+// Also the checkerboards of bent and squeezed springs, of which the smooth motions have none.
+TEST_P(Modes, TheLowestIsThatOfADenseSolver) {
+  const State& state = GetParam();
+  const Scene scene = beam(host(), state.model, 10, 4, 0);
+  Diagnostics diagnostics;
+  World w(scene, diagnostics);
+  w.dynamics->start();
+  if (state.pierced) {
+    std::vector<Index> gone;
+    std::mt19937 random(7);
+    for (Index e = 0; e < w.complex().element_count(); ++e)
+      if (random() % 5 == 0) gone.push_back(e);
+    w.pierce(gone);
+  }
+  deform(w, [&](const Vec3& x) {
+    if (state.bend == 0) return Vec3{x[0] * state.squeeze, x[1], x[2]};
+    const double angle = state.bend * x[0], radius = 1 / state.bend - x[1] + 0.125;
+    return Vec3{radius * std::sin(angle), 1 / state.bend - radius * std::cos(angle), x[2]};
+  });
+  const LowestMode mode = lowest_mode(w);
+  const double expected = eigenvalues(w)[0];
+  EXPECT_LE(mode.products, 601u);
+  EXPECT_EQ(mode.negative(), expected < -mode.noise) << mode.eigenvalue << ", " << expected;
+  EXPECT_NEAR(mode.eigenvalue, expected, 0.2 * std::abs(expected) + mode.noise);
+  double longest = 0;
+  for (const Vec3& u : mode.shape) longest = std::max(longest, std::hypot(u[0], u[1], u[2]));
+  EXPECT_NEAR(longest, 1, 1e-12);
+}
+
+TEST(Modes, OfAFreeBodyAtRestAreRigid) {
+  Scene scene = beam(host(), "tm-faure", 6, 3, 0);
+  scene.constraints.clear();
+  Diagnostics diagnostics;
+  World w(scene, diagnostics);
+  w.dynamics->start();
+  const LowestMode mode = lowest_mode(w);
+  EXPECT_FALSE(mode.negative());
+  EXPECT_LT(std::abs(mode.eigenvalue), 10 * mode.noise);
+}
+
+TEST(Modes, OfABodyWithoutAFreeComponentThereAreNone) {
+  Scene scene = beam(host(), "tm-faure", 2, 1, 0);
+  scene.constraints[0].where.what = Selection::All{};
+  Diagnostics diagnostics;
+  World w(scene, diagnostics);
+  w.dynamics->start();
+  EXPECT_FALSE(lowest_mode(w).negative());
+}
+
+/// A straight column, clamped at the foot, under `factor` times its Euler load.
+Scene column(Index nx, Index n, double factor) {
+  Scene scene = beam(host(), "tm-faure", nx, n, 0, {{"E", 1e6}});
+  scene.mesh.box->size = {1, 0.1, 0.1};
+  const double euler = std::pow(std::numbers::pi / 2, 2) * 1e6 * 1e-4 / 12;  // N
+  Load load;
+  load.kind = Load::Kind::traction;
+  load.value = {-factor * euler / 0.01, 0, 0};
+  load.where.what = Selection::Named{"x1"};
+  load.ramp = {0, 1, false};
+  scene.loads.push_back(load);
+  scene.solver.until_rest = true;
+  scene.solver.automatic_damping = true;
+  scene.solver.threads = 1;
+  return scene;
+}
+
+struct Result {
+  RunSummary summary;
+  std::string warnings;
+  double deflection;
+};
+
+Result run(const Scene& scene) {
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Observer nobody;
+  Result result{simulation.run(nobody), {}, 0};
+  for (const auto& warning : diagnostics.warnings()) result.warnings += warning + "\n";
+  Selection end;
+  end.what = Selection::Named{"x1"};
+  const Vec3 tip = simulation.mean_displacement(end);
+  result.deflection = std::hypot(tip[1], tip[2]);
+  return result;
+}
+
+// Of a slender beam under the share p of its Euler load w^2 = w1^2 (1 - p), very nearly,
+// w1 = 3.516 sqrt(EI / rho A) / L; the mesh is up to a fifth too stiff.
+TEST(Column, IsStableBelowItsEulerLoadAndUnstableAbove) {
+  const double first = std::pow(3.516, 2) * 1e6 * 0.01 / 12 / 1000;
+  for (const Index n : {2u, 4u})
+    for (const double factor : {0.8, 1.7, 3.0, 10.0}) {
+      const Result result = run(column(5 * n, n, factor));
+      ASSERT_TRUE(result.summary.lowest_eigenvalue);
+      const double value = *result.summary.lowest_eigenvalue;
+      EXPECT_EQ(result.summary.outcome, factor < 1 ? RunSummary::Outcome::at_rest
+                                                   : RunSummary::Outcome::unstable_equilibrium)
+          << n << ", " << factor;
+      EXPECT_EQ(result.warnings.find("the equilibrium is unstable") != std::string::npos,
+                factor > 1);
+      EXPECT_LT(value, first * (1.7 - factor)) << n << ", " << factor;
+      if (factor < 1)
+        EXPECT_GT(value, 0) << n;
+      else
+        EXPECT_GT(value, 7 * first * (0.9 - factor)) << n << ", " << factor;
+    }
+}
+
+TEST(Column, BucklesAfterAKick) {
+  Scene scene = column(10, 2, 2.5);
+  scene.solver.kick = 1e-3;
+  const Result result = run(scene);
+  EXPECT_EQ(result.summary.outcome, RunSummary::Outcome::at_rest) << result.warnings;
+  EXPECT_GT(*result.summary.lowest_eigenvalue, 0);
+  EXPECT_GT(result.deflection, 0.3) << "m";
+}
+
+}  // namespace
+}  // namespace suture::test

@@ -42,7 +42,10 @@ class Frames {
   Frames(const Frames&) = delete;
   Frames& operator=(const Frames&) = delete;
 
-  void write() { recorder_->frame(0.1 * count_++, {}); }
+  void write() {
+    recorder_->frame(static_cast<std::uint64_t>(count_), 0.1 * count_, {});
+    recorder_->release(static_cast<std::uint64_t>(count_++));
+  }
   /// Until the frames so far are likely on disk.
   void wait() const { std::this_thread::sleep_for(std::chrono::milliseconds(150)); }
 

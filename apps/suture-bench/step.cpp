@@ -38,7 +38,7 @@ void measure_model(const std::string& model, Index size, const Options& options,
   const double search = now(1) - cpu;
   const double again = measure([&] { dynamics.stable_step(); }, options.threads, part).median;
   const double bound = dynamics.bounds().dt;
-  inversions = measure([&] { dynamics.inversions(); }, options.threads, part).median;
+  inversions = measure([&] { dynamics.inverted_elements(); }, options.threads, part).median;
   report.add(Line()
                  .add("elements", static_cast<double>(body.element_count()))
                  .add("step ns/el", ns * step)

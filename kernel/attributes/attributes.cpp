@@ -145,11 +145,28 @@ void Attributes::clear_vertex(Index vertex) {
     for (int c = 0; c < column->spec().components; ++c) column->set(vertex, c, 0);
 }
 
-void Attributes::accept_trials() {
-  for (const auto& instance : instances_)
+namespace {
+
+template <class Instances, class Visit>
+void for_each_state(const Instances& instances, Visit visit) {
+  for (const auto& instance : instances)
     for (int d = 0; d < 4; ++d)
       for (Column& column : instance->table(d).columns)
-        if (column.has_trial()) column.accept();
+        if (column.has_trial()) visit(column);
+}
+
+}  // namespace
+
+void Attributes::accept_trials() {
+  for_each_state(instances_, [](Column& column) { column.accept(); });
+}
+
+void Attributes::save_states(std::vector<double>& values) const {
+  for_each_state(instances_, [&](const Column& column) { column.save(values); });
+}
+
+void Attributes::restore_states(std::span<const double> values) {
+  for_each_state(instances_, [&](Column& column) { values = column.restore(values); });
 }
 
 }  // namespace suture

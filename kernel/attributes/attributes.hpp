@@ -55,6 +55,10 @@ class Attributes {
 
   /// After a step that was accepted: swaps the trial copies of all columns.
   void accept_trials();
+  /// The accepted states of all columns that have a trial copy; for a step back, with the same
+  /// rows.
+  void save_states(std::vector<double>& values) const;
+  void restore_states(std::span<const double> values);
 
   /// The kernel's columns on cells of a dimension; rows = cells.
   Table& kernel(int dimension) { return kernel_[static_cast<std::size_t>(dimension)]; }

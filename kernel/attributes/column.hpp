@@ -4,6 +4,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "kernel/base/pages.hpp"
 #include "kernel/base/types.hpp"
@@ -104,6 +105,10 @@ class Column {
   double* trial_rows() { return trial_.data(); }
   double* trial_block(Index b) { return trial_.data() + block_offset(b); }
   void accept() { data_.swap(trial_); }  ///< the trial values become the values
+  /// The values alone, for a step back: appended to `values`; read from there, the rest is
+  /// returned. The rows must be the same.
+  void save(std::vector<double>& values) const;
+  std::span<const double> restore(std::span<const double> values);
   /// The trial copy of a row that is not visited for a while: whatever is accepted
   /// meanwhile, the row keeps its values.
   void hold_row(Index row);

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <ranges>
 
 #include "kernel/base/vec3.hpp"
 
@@ -59,13 +62,41 @@ class Placement {
 void Constraints::add(std::span<const Index> vertices, std::uint8_t components,
                       const PrescribedMotion& motion, Attributes& attributes) {
   Group& group =
-      groups_.emplace_back(Group{motion, components, {vertices.begin(), vertices.end()}, {}, {}});
+      groups_.emplace_back(Group{motion, components, {vertices.begin(), vertices.end()}, {}, {}, 0});
   std::ranges::sort(group.vertices);
   read_rest(group, attributes);
+  const double shift = std::sqrt(dot(motion.translation, motion.translation));
+  const double axis = std::sqrt(dot(motion.axis, motion.axis));
+  for (const Vec3& rest : group.rest) {
+    const Vec3 across = axis > 0 ? cross(motion.axis, minus(rest, motion.centre)) : Vec3{};
+    const double radius = axis > 0 ? std::sqrt(dot(across, across)) / axis : 0;
+    group.way = std::max(group.way, shift + std::abs(motion.angle) * radius);
+  }
   for (const Index v : vertices) {
     const int bits = static_cast<int>(attributes.fixed().get(v, 0)) | components;
     attributes.fixed().set(v, 0, bits);
   }
+  gather(attributes);
+}
+
+/// The lists of what is held and what is driven, from the groups.
+void Constraints::gather(Attributes& attributes) {
+  std::map<Index, std::uint8_t> held, driven;
+  for (const Group& group : groups_)
+    for (const Index v : group.vertices) {
+      held[v] |= group.components;
+      if (group.motion.moves()) driven[v] |= group.components;
+    }
+  held_.clear();
+  driven_.clear();
+  for (const auto& [vertex, components] : held) held_.push_back({vertex, components});
+  const Column& velocity = attributes.velocity();
+  for (const auto& [vertex, components] : driven)
+    driven_.push_back(
+        {{vertex, components},
+         {velocity.get(vertex, 0), velocity.get(vertex, 1), velocity.get(vertex, 2)},
+         {},
+         {}});
 }
 
 void Constraints::read_rest(Group& group, Attributes& attributes) {
@@ -97,6 +128,120 @@ void Constraints::apply(Attributes& attributes, double time, Index begin, Index 
   }
 }
 
+namespace {
+
+/// Those of a list with vertices in begin .. end-1.
+template <class List>
+auto within(List& list, Index begin, Index end) {
+  const auto vertex = [](const auto& entry) { return entry.vertex; };
+  const auto first = std::ranges::lower_bound(list, begin, {}, vertex);
+  return std::ranges::subrange(first, std::lower_bound(first, list.end(), end,
+                                                       [](const auto& entry, Index limit) {
+                                                         return entry.vertex < limit;
+                                                       }));
+}
+
+/// Of a column of rows of 4, at a vertex.
+double* row(Column& column, Index vertex) { return column.rows() + std::size_t{vertex} * 4; }
+
+/// visit(c) for each component of the bits.
+template <class Visit>
+void for_each_component(std::uint8_t bits, Visit visit) {
+  for (std::size_t c = 0; c < 3; ++c)
+    if ((bits >> c & 1) != 0) visit(c);
+}
+
+}  // namespace
+
+void Constraints::before_drift(Attributes& attributes, const Vec3& gravity, Index begin,
+                               Index end) {
+  const double* mass = attributes.mass().rows();
+  for (Driven& driven : within(driven_, begin, end)) {
+    const double *f = row(attributes.force(), driven.vertex),
+                 *x = row(attributes.position(), driven.vertex);
+    for (std::size_t c = 0; c < 3; ++c) {
+      driven.force[c] = f[c] + mass[driven.vertex] * gravity[c];
+      driven.position[c] = x[c];
+    }
+    double* v = row(attributes.velocity(), driven.vertex);
+    for_each_component(driven.components, [&](std::size_t c) { v[c] = 0; });
+  }
+  for (const Held& held : within(held_, begin, end)) {
+    double* f = row(attributes.force(), held.vertex);
+    for_each_component(held.components,
+                       [&](std::size_t c) { f[c] = -mass[held.vertex] * gravity[c]; });
+  }
+}
+
+DrivenWork Constraints::after_drift(Attributes& attributes, double before, double now, Index begin,
+                                    Index end, loops::PassSums& sums) {
+  DrivenWork total;
+  for (Driven& driven : within(driven_, begin, end)) {
+    const double mass = attributes.mass().get(driven.vertex, 0);
+    const double* x = row(attributes.position(), driven.vertex);
+    for_each_component(driven.components, [&](std::size_t c) {
+      const double old = driven.velocity[c], next = (x[c] - driven.position[c]) / now;
+      const double force = driven.force[c];
+      if (before > 0) sums.before += force * old;
+      sums.after += force * next;
+      sums.inertia += mass * next * next;
+      total.work -= force * (before * old + now * next) / 2;
+      total.inertia += mass * (next * next - old * old) / 2;
+      driven.velocity[c] = next;
+    });
+  }
+  return total;
+}
+
+void Constraints::before_kick(Attributes& attributes, Index begin, Index end) const {
+  for (const Driven& driven : within(driven_, begin, end)) {
+    double* v = row(attributes.velocity(), driven.vertex);
+    for_each_component(driven.components, [&](std::size_t c) { v[c] = 0; });
+  }
+}
+
+DrivenWork Constraints::after_kick(Attributes& attributes, const Vec3& gravity, double before,
+                                   Index begin, Index end, loops::PassSums& sums) const {
+  DrivenWork total;
+  for (const Driven& driven : within(driven_, begin, end)) {
+    const double mass = attributes.mass().get(driven.vertex, 0);
+    const double* f = row(attributes.force(), driven.vertex);
+    for_each_component(driven.components, [&](std::size_t c) {
+      const double force = f[c] + mass * gravity[c];
+      sums.before += force * driven.velocity[c];
+      total.work -= force * before * driven.velocity[c] / 2;
+    });
+  }
+  return total;
+}
+
+double Constraints::work_until_now(Attributes& attributes, const Vec3& gravity,
+                                   double before) const {
+  loops::PassSums unused{};
+  return after_kick(attributes, gravity, before, 0, none, unused).work;
+}
+
+double Constraints::driven_kinetic(Attributes& attributes) const {
+  double sum = 0;
+  for (const Driven& driven : driven_) {
+    const double mass = attributes.mass().get(driven.vertex, 0);
+    const double* v = row(attributes.velocity(), driven.vertex);
+    for_each_component(driven.components, [&](std::size_t c) { sum += mass * v[c] * v[c] / 2; });
+  }
+  return sum;
+}
+
+std::vector<Vec3> Constraints::mean_velocities() const {
+  std::vector<Vec3> velocities;
+  velocities.reserve(driven_.size());
+  for (const Driven& driven : driven_) velocities.push_back(driven.velocity);
+  return velocities;
+}
+
+void Constraints::set_mean_velocities(const std::vector<Vec3>& velocities) {
+  for (std::size_t i = 0; i < driven_.size(); ++i) driven_[i].velocity = velocities[i];
+}
+
 void Constraints::update(const TopologyChange& change, Attributes& attributes) {
   const auto& splits = change.splits[0];
   const auto& merges = change.merges[0];
@@ -104,6 +249,7 @@ void Constraints::update(const TopologyChange& change, Attributes& attributes) {
   if (splits.empty() && merges.empty() && removed.empty()) return;
   find_members(attributes.vertex_count());
   std::vector<std::uint8_t> held_before;
+  bool any = false;
   for (const Merge& merge : merges) held_before.push_back(held(merge.kept));
   for (Group& group : groups_) {
     const auto before = static_cast<std::ptrdiff_t>(group.vertices.size());
@@ -131,7 +277,9 @@ void Constraints::update(const TopologyChange& change, Attributes& attributes) {
     std::inplace_merge(group.vertices.begin(), joined, group.vertices.end());
     if (loses) std::erase_if(group.vertices, [&](Index v) { return !group.member[v]; });
     if (changes) read_rest(group, attributes);
+    any = any || changes;
   }
+  if (any) gather(attributes);
 }
 
 void Constraints::find_members(Index vertex_count) {
@@ -168,6 +316,19 @@ Index Constraints::vertex_count() const {
   std::size_t count = 0;
   for (const Group& group : groups_) count += group.vertices.size();
   return static_cast<Index>(count);
+}
+
+// A smooth ramp is at most 1.5 times as fast as a linear one.
+double Constraints::longest_step(double time) const {
+  double step = std::numeric_limits<double>::infinity();
+  for (const Group& group : groups_) {
+    const TimeRamp& ramp = group.motion.ramp;
+    const bool is_moving = group.motion.moves() && time >= ramp.from && time < ramp.to;
+    if (!is_moving || group.motion.reach == 0) continue;
+    const double speed = group.way / (ramp.to - ramp.from) * (ramp.smooth ? 1.5 : 1);
+    step = std::min(step, group.motion.reach / speed);
+  }
+  return step;
 }
 
 double Constraints::settled_after() const {

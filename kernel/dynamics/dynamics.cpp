@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <string>
 
 #include "kernel/dynamics/changed_vertices.hpp"
@@ -14,7 +15,7 @@
 namespace suture {
 namespace {
 
-constexpr Index pass_chunk = 1024;  // vertices: 0.1 MB of columns, 5 us
+constexpr Index pass_chunk = MotionSums::chunk;
 /// Below, one thread is as fast. A pass between two parallel loops pays early, because
 /// threads that wait through it fall asleep.
 constexpr Index parallel_vertices = 8192;
@@ -46,7 +47,11 @@ struct Dynamics::Impl {
         options(o),
         loops(hot_loops()),
         forces(a, c, o.threads),
-        step_search(forces, a) {}
+        step_search(forces, a),
+        gravity{o.gravity, o.gravity_ramp},
+        ledger(a, forces, loads, constraints, gravity) {
+    ledger.sums.count_damping(o.damping != 0);
+  }
 
   // ---- forces ----
 
@@ -56,12 +61,11 @@ struct Dynamics::Impl {
     if (evaluated) clear_forces();
     evaluated = false;
     try {
-      forces.add_forces(time, dt);
+      ledger.add_forces(time, dt, last_dt, moving());
     } catch (...) {
       clear_forces();  // passes rely on zeros; the state before the step is whole
       throw;
     }
-    loads.add_to(attributes.force().rows(), attributes.position().rows(), time, moving());
     evaluated = true;
     evaluated_dt = dt;
   }
@@ -71,6 +75,13 @@ struct Dynamics::Impl {
     if (!asleep) std::fill_n(rows, std::size_t{attributes.vertex_count()} * 4, 0.0);
     for (Index v = 0; asleep && v < attributes.vertex_count(); ++v)  // sleepers keep theirs
       if (awake[v]) std::fill_n(rows + std::size_t{v} * 4, 4, 0.0);
+  }
+
+  /// The state is another: the forces must be evaluated there.
+  void forget_forces() {
+    if (evaluated) clear_forces();  // else they are zero already
+    evaluated = false;
+    old_position.clear();
   }
 
   /// Vertices that are there and awake.
@@ -92,8 +103,8 @@ struct Dynamics::Impl {
     m.velocity = attributes.velocity().rows();
     m.force = attributes.force().rows();
     m.mass = attributes.mass().rows();
-    const double ramp = options.gravity_ramp.value(time);
-    for (std::size_t c = 0; c < 3; ++c) m.gravity[c] = ramp * options.gravity[c];
+    std::ranges::copy(gravity.at(time), m.gravity);
+    m.decay[0] = m.decay[1] = 1;
     m.live = moving().data();
     return m;
   }
@@ -103,33 +114,46 @@ struct Dynamics::Impl {
     m.gain[i] = kick.gain;
   }
 
-  /// `pass`, and the vertices that are held put where they are at `end`.
-  template <class Pass>
-  void run(const loops::Motion& m, Pass pass, double end) {
+  /// chunk(number, first vertex, end) for all vertices; true if each returned true.
+  template <class Chunk>
+  bool for_each_chunk(Chunk chunk) {
     const Index vertices = attributes.vertex_count();
-    std::atomic<bool> broken{false};
+    std::atomic<bool> good{true};
     const auto one = [&](std::size_t part) {
       const Index first = static_cast<Index>(part) * pass_chunk;
-      const Index last = std::min(first + pass_chunk, vertices);
-      if (pass(&m, first, last) == 0)
-        constraints.apply(attributes, end, first, last);
-      else
-        broken = true;
+      if (!chunk(part, first, std::min(first + pass_chunk, vertices))) good = false;
     };
     if (vertices >= parallel_vertices)
       forces.workers().parallel_for(parts(vertices, pass_chunk), one);
     else
       for (Index part = 0; part < parts(vertices, pass_chunk); ++part) one(part);
-    if (broken) refuse_not_finite();
+    return good;
   }
 
-  /// A step whose kicks are k[0] and, of Verlet, k[1]; then the drift.
+  /// A step whose kicks are k[0] and, of Verlet, k[1]; then the drift, and what is held is put
+  /// where it is at `end`.
   void advance(double dt, double end, const Kick* kicks, int count) {
     loops::Motion m = motion();
     for (int i = 0; i < count; ++i) set(m, i, kicks[i]);
     m.drift = dt;
+    const auto pass = count == 2 ? loops.kick_kick_drift : loops.kick_drift;
+    const double before = last_dt != 0 ? last_dt : dt, unseen = is_lagging() ? before : 0;
+    const Vec3 g = gravity.at(time);
     evaluated = false;
-    run(m, count == 2 ? loops.kick_kick_drift : loops.kick_drift, end);
+    const bool good = for_each_chunk([&](std::size_t part, Index first, Index last) {
+      loops::PassSums sums;
+      constraints.before_drift(attributes, g, first, last);
+      if (pass(&m, first, last, &sums) != 0) return false;
+      constraints.apply(attributes, end, first, last);
+      const DrivenWork driven =
+          constraints.after_drift(attributes, unseen, dt, first, last, sums);
+      if (unseen > 0) ledger.sums.note_before(part, sums, {});
+      ledger.sums.note_after(part, sums, driven);
+      return true;
+    });
+    if (!good) refuse_not_finite();
+    ledger.sums.finish_step(before, dt);
+    ledger.step_made();
     time = end;
     forces.accept();
   }
@@ -142,10 +166,9 @@ struct Dynamics::Impl {
              std::isfinite(v[4 * std::size_t{i} + 2]);
     };
     while (vertex + 1 < attributes.vertex_count() && finite(vertex)) ++vertex;
-    const Index element = complex->dart_of(0, vertex) / 24;
-    throw NumericalError(at_time(time) + ": the velocity of vertex " + std::to_string(vertex) +
-                         " (element " + std::to_string(shown(element)) +
-                         ") is no finite number; use a smaller \"dt\", or \"auto\"");
+    throw NotFinite(at_time(time) + ": the velocity of vertex " + std::to_string(vertex) +
+                    " (element " + std::to_string(shown(complex->dart_of(0, vertex) / 24)) +
+                    ") is not finite");
   }
 
   Index shown(Index element) const {
@@ -153,6 +176,12 @@ struct Dynamics::Impl {
   }
 
   // ---- schemes ----
+
+  /// The velocities are those of half a step before the positions: always with symplectic
+  /// Euler, and between the steps of Verlet.
+  bool is_lagging() const {
+    return options.scheme == DynamicsOptions::Scheme::symplectic_euler ? last_dt != 0 : is_pending;
+  }
 
   void step(double dt, double end) {
     if (options.scheme == DynamicsOptions::Scheme::symplectic_euler)
@@ -162,9 +191,11 @@ struct Dynamics::Impl {
     last_dt = dt;
   }
 
+  /// The velocities live in the middle of the steps, so that a kick goes from the middle of
+  /// one to the middle of the next.
   void step_euler(double dt, double end) {
     evaluate(dt);
-    const Kick kick(options.damping, dt);
+    const Kick kick(options.damping, last_dt != 0 ? (last_dt + dt) / 2 : dt);
     advance(dt, end, &kick, 1);
   }
 
@@ -187,8 +218,61 @@ struct Dynamics::Impl {
     if (!is_pending) return;
     loops::Motion m = motion();
     set(m, 0, pending);
-    run(m, loops.kick, time);
+    const Vec3 g = gravity.at(time);
+    const bool good = for_each_chunk([&](std::size_t part, Index first, Index last) {
+      loops::PassSums sums;
+      constraints.before_kick(attributes, first, last);
+      if (loops.kick(&m, first, last, &sums) != 0) return false;
+      constraints.apply(attributes, time, first, last);
+      const DrivenWork driven =
+          constraints.after_kick(attributes, g, last_dt, first, last, sums);
+      ledger.sums.note_before(part, sums, driven);
+      return true;
+    });
+    if (!good) refuse_not_finite();
     is_pending = false;
+  }
+
+  // ---- energies ----
+
+  /// What the velocities lack to be those of the positions' time.
+  Kick lacking() const {
+    if (!is_lagging()) return {};
+    return is_pending ? pending : Kick(options.damping, last_dt / 2);
+  }
+
+  /// Of the velocities that `lacking()` would make.
+  double kinetic() {
+    evaluate(last_dt);
+    loops::Motion m = motion();
+    set(m, 0, lacking());
+    double sum = 0;
+    for (Index begin = 0; begin < attributes.vertex_count(); begin += sum_chunk)
+      sum += loops.kinetic(&m, attributes.fixed().rows(), begin,
+                           std::min(begin + sum_chunk, attributes.vertex_count()));
+    return sum;
+  }
+
+  /// sum m a . v- over what is free, h-/2 times: of the half step that no pass has seen.
+  double unseen_work() {
+    if (!is_lagging()) return last_dt * ledger.sums.noted_before() / 2;
+    loops::Motion m = motion();
+    double sum = 0;
+    for (Index begin = 0; begin < attributes.vertex_count(); begin += pass_chunk) {
+      loops::PassSums sums;
+      loops.kick(&m, begin, std::min(begin + pass_chunk, attributes.vertex_count()), &sums);
+      sum += sums.before;
+    }
+    return last_dt * sum / 2;
+  }
+
+  Ledger::Now now() {
+    Ledger::Now n;
+    n.kinetic = kinetic();  // evaluates the forces
+    n.time = time;
+    n.half_step = is_lagging() ? last_dt : 0;
+    if (ledger.needs_work()) n.work = unseen_work();
+    return n;
   }
 
   double external_potential() const;
@@ -206,6 +290,8 @@ struct Dynamics::Impl {
   ChangedVertices changed;  ///< since bounds_of_changes()
   Constraints constraints;
   Loads loads;
+  Gravity gravity;
+  Ledger ledger;
 
   double time = 0, last_dt = 0;
   bool evaluated = false;  // the column `force` is that of the present state
@@ -238,14 +324,19 @@ void Dynamics::start(double time) {
                      "models regions that cover the mesh");
   }
   impl_->time = time;
-  invalidate();
   impl_->constraints.apply(impl_->attributes, time);
+  invalidate();
 }
 
 void Dynamics::step(double dt, double end) { impl_->step(dt, end); }
 void Dynamics::synchronise() { impl_->synchronise(); }
 void Dynamics::synchronise_velocities() {
   if (impl_->is_pending) impl_->synchronise();
+}
+
+void Dynamics::prepare_change(bool only_apart) {
+  synchronise_velocities();
+  if (!only_apart) impl_->ledger.before_jump(impl_->now());
 }
 
 void Dynamics::update(const CellComplex& complex, const TopologyChange& change) {
@@ -258,7 +349,12 @@ void Dynamics::update(const CellComplex& complex, const TopologyChange& change) 
   const bool only_apart = change.faces_sewn == 0 && change.removed[3].empty();
   if (!only_apart || !change.splits[0].empty())
     impl_->loads.update(impl_->attributes.rest_places(complex));
-  invalidate();
+  impl_->forget_forces();
+  if (only_apart)
+    impl_->ledger.follow_splits();
+  else
+    impl_->ledger.forget_last();
+  if (!only_apart) impl_->ledger.after_jump(impl_->now());
 }
 
 // -------------------------------------------------------------------- sleep --
@@ -325,41 +421,47 @@ void Dynamics::sleep(std::span<const Index> elements) {
   impl_->require_islands(elements);
   synchronise();  // what sleeps keeps the forces of this state
   if (!impl_->asleep) impl_->awake = impl_->attributes.kernel(0).cells.live();
+  impl_->ledger.before_jump(impl_->now());
   impl_->asleep = true;
   impl_->forces.sleep(elements);
   for (const Index v : impl_->vertices_of(elements)) {
     impl_->awake.kill(v, impl_->attributes.vertex_count());
     for (int c = 0; c < 3; ++c) impl_->attributes.velocity().set(v, c, 0);
   }
+  impl_->ledger.forget_last();
+  impl_->ledger.after_jump(impl_->now());
 }
 
 void Dynamics::wake_all() { impl_->wake(); }
 bool Dynamics::sleeps() const { return impl_->asleep; }
 
+void Dynamics::displace(std::span<const Vec3> shape, double scale) {
+  prepare_change(false);
+  Column& x = impl_->attributes.position();
+  for (Index v = 0; v < impl_->attributes.vertex_count(); ++v)
+    for (int c = 0; c < 3; ++c)
+      x.set(v, c, x.get(v, c) + scale * shape[v][static_cast<std::size_t>(c)]);
+  impl_->forget_forces();
+  impl_->ledger.forget_last();
+  impl_->ledger.after_jump(impl_->now());
+}
+
 void Dynamics::invalidate() {
-  if (impl_->evaluated) impl_->clear_forces();  // else they are zero already
-  impl_->evaluated = false;
-  impl_->old_position.clear();
+  impl_->forget_forces();
+  impl_->ledger.restart();
 }
 
 Index Dynamics::skip_still_cells() {
   return impl_->forces.skip_still(impl_->constraints.still(impl_->attributes.vertex_count()));
 }
 
-void Dynamics::set_damping(double alpha) { impl_->options.damping = alpha; }
+void Dynamics::set_damping(double alpha) {
+  impl_->options.damping = alpha;
+  impl_->ledger.sums.count_damping(alpha != 0);
+}
 double Dynamics::damping() const { return impl_->options.damping; }
 
 // ------------------------------------------------------------------- checks --
-
-double Dynamics::kinetic_energy() const {
-  const Index vertices = impl_->attributes.vertex_count();
-  double sum = 0;
-  for (Index begin = 0; begin < vertices; begin += sum_chunk)
-    sum +=
-        impl_->loops.kinetic(impl_->attributes.velocity().rows(), impl_->attributes.mass().rows(),
-                             begin, std::min(begin + sum_chunk, vertices));
-  return sum;
-}
 
 Dynamics::Rounding Dynamics::rounding() const {
   if (impl_->last_dt == 0) return {};
@@ -371,25 +473,6 @@ Dynamics::Rounding Dynamics::rounding() const {
     const double force = mass.get(v, 0) * omega * omega * epsilon * at;
     sum.energy += force * epsilon * at / 2;
     sum.force_squared += force * force;
-  }
-  return sum;
-}
-
-double Dynamics::most_given(double length) const {
-  const Index vertices = impl_->attributes.vertex_count();
-  const Column& mass = impl_->attributes.mass();
-  std::vector<double> force(4 * std::size_t{vertices});
-  impl_->loads.add_to(force.data(), impl_->attributes.position().rows(), impl_->time);
-  const double ramp = impl_->options.gravity_ramp.value(impl_->time);
-  for (Index v = 0; v < vertices; ++v)
-    for (std::size_t c = 0; c < 3; ++c)
-      force[4 * std::size_t{v} + c] += ramp * mass.get(v, 0) * impl_->options.gravity[c];
-  double sum = 0;
-  for (Index v = 0; v < vertices; ++v) {
-    if (!(mass.get(v, 0) > 0)) continue;
-    const double* f = &force[4 * std::size_t{v}];
-    const double size = std::hypot(f[0], f[1], f[2]), momentum = size * impl_->time;
-    sum += std::min(momentum * momentum / (2 * mass.get(v, 0)), size * length);
   }
   return sum;
 }
@@ -411,11 +494,77 @@ double Dynamics::Impl::external_potential() const {
 }
 
 Dynamics::Energies Dynamics::energies() {
-  synchronise();
-  return {kinetic_energy(), impl_->forces.energy(impl_->time), impl_->external_potential()};
+  const double kinetic = impl_->kinetic();
+  return {kinetic, impl_->forces.energy(impl_->time), impl_->external_potential()};
 }
 
-double Dynamics::stable_step() {
+EnergyBalance Dynamics::balance() {
+  const EnergyBalance balance = impl_->ledger.balance(impl_->now());
+  // Motion that rounding can make has no frequency: 1000 times that of a step.
+  const double parts_count = parts(impl_->attributes.vertex_count(), pass_chunk);
+  const double way = impl_->last_dt * impl_->last_dt * rounding().energy / 2;
+  impl_->ledger.sums.set_noise(1e6 * way / parts_count);
+  return balance;
+}
+
+double Dynamics::apparent_frequency() const { return impl_->ledger.sums.apparent_frequency(); }
+
+// -------------------------------------------------------------------- steps back --
+
+struct Dynamics::Snapshot::State {
+  double time = 0, last_dt = 0;
+  Kick pending;
+  bool is_pending = false;
+  std::vector<double> motion;   ///< x and v, six doubles per vertex
+  std::vector<double> columns;  ///< states of the models
+  Ledger::State ledger;
+};
+
+Dynamics::Snapshot::Snapshot() = default;
+Dynamics::Snapshot::Snapshot(Snapshot&&) noexcept = default;
+Dynamics::Snapshot& Dynamics::Snapshot::operator=(Snapshot&&) noexcept = default;
+Dynamics::Snapshot::~Snapshot() = default;
+double Dynamics::Snapshot::time() const { return state_->time; }
+
+void Dynamics::save(Snapshot& snapshot) const {
+  if (!snapshot.state_) snapshot.state_ = std::make_unique<Snapshot::State>();
+  Snapshot::State& s = *snapshot.state_;
+  s.time = impl_->time;
+  s.last_dt = impl_->last_dt;
+  s.pending = impl_->pending;
+  s.is_pending = impl_->is_pending;
+  const Index vertices = impl_->attributes.vertex_count();
+  const double *x = impl_->attributes.position().rows(), *v = impl_->attributes.velocity().rows();
+  s.motion.resize(std::size_t{vertices} * 6);
+  double* out = s.motion.data();
+  for (Index i = 0; i < vertices; ++i, x += 4, v += 4, out += 6)
+    out[0] = x[0], out[1] = x[1], out[2] = x[2], out[3] = v[0], out[4] = v[1], out[5] = v[2];
+  s.columns.clear();
+  impl_->attributes.save_states(s.columns);
+  s.ledger = impl_->ledger.save();
+}
+
+void Dynamics::restore(const Snapshot& snapshot) {
+  const Snapshot::State& s = *snapshot.state_;
+  const Index vertices = impl_->attributes.vertex_count();
+  if (s.motion.size() != std::size_t{vertices} * 6)
+    throw std::logic_error("a snapshot of other vertices");
+  impl_->forget_forces();
+  impl_->clear_forces();  // a pass that failed has left some
+  impl_->time = s.time;
+  impl_->last_dt = s.last_dt;
+  impl_->pending = s.pending;
+  impl_->is_pending = s.is_pending;
+  double *x = impl_->attributes.position().rows(), *v = impl_->attributes.velocity().rows();
+  const double* in = s.motion.data();
+  for (Index i = 0; i < vertices; ++i, x += 4, v += 4, in += 6)
+    x[0] = in[0], x[1] = in[1], x[2] = in[2], v[0] = in[3], v[1] = in[4], v[2] = in[5];
+  impl_->attributes.restore_states(s.columns);
+  impl_->ledger.restore(s.ledger);
+}
+
+double Dynamics::stable_step(bool from_random) {
+  if (from_random) impl_->step_search.forget();
   if (impl_->forces.has_tangent()) {
     const double dt = impl_->step_search.largest(impl_->time);
     if (dt > 0) return dt;  // false if the state is beyond numbers
@@ -429,26 +578,21 @@ ForceLoop::Bounds Dynamics::bounds_of_changes() {
   return impl_->forces.bounds_around(impl_->changed.take(*impl_->complex), impl_->time);
 }
 
-Dynamics::Inversions Dynamics::inversions() const {
+std::vector<Index> Dynamics::inverted_elements() const {
   const Index elements = impl_->complex->element_count();
   const Index* nodes = impl_->complex->vertices().data()->data();
   const std::uint8_t* live = impl_->attributes.kernel(3).cells.live().data();
-  const auto& users = impl_->attributes.user_element;
-  Inversions found;
+  const double* position = impl_->attributes.position().rows();
+  std::vector<Index> found;
   for (Index begin = 0; begin < elements; begin += sum_chunk) {
     Index first = none;
     const Index end = std::min(begin + sum_chunk, elements);
-    const Index here =
-        impl_->loops.inverted(nodes, live, impl_->attributes.position().rows(), begin, end, &first);
-    if (here == 0) continue;
-    found.count += here;
-    // Users' numbers are in another order: look at each element of the chunk.
-    for (Index e = first; e < end; ++e) {
-      if (!users.empty() && users[e] >= found.first) continue;
-      if (e == first || impl_->loops.inverted(nodes, live, impl_->attributes.position().rows(), e,
-                                              e + 1, &first) != 0)
-        found.first = std::min(found.first, impl_->shown(e));
-    }
+    Index here = impl_->loops.inverted(nodes, live, position, begin, end, &first);
+    for (Index e = first; here > 0; ++e)
+      if (impl_->loops.inverted(nodes, live, position, e, e + 1, &first) != 0) {
+        found.push_back(e);
+        --here;
+      }
   }
   return found;
 }
@@ -462,8 +606,7 @@ loops::RestSums Dynamics::Impl::rest_sums() {
   in.force = attributes.force().rows();
   in.mass = attributes.mass().rows();
   in.fixed = attributes.fixed().rows();
-  const double ramp = options.gravity_ramp.value(time);
-  for (std::size_t c = 0; c < 3; ++c) in.gravity[c] = ramp * options.gravity[c];
+  std::ranges::copy(gravity.at(time), in.gravity);
   if (!loads.empty()) {
     external.assign(size, 0);
     loads.add_to(external.data(), in.position, time);

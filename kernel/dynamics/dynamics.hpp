@@ -7,10 +7,17 @@
 
 #include "kernel/dynamics/constraints.hpp"
 #include "kernel/dynamics/force_loop.hpp"
+#include "kernel/dynamics/ledger.hpp"
 #include "kernel/dynamics/loads.hpp"
 #include "kernel/dynamics/loops/loops.hpp"
 
 namespace suture {
+
+/// A velocity is infinite or no number.
+class NotFinite : public NumericalError {
+ public:
+  using NumericalError::NumericalError;
+};
 
 /// What moves and how.
 struct DynamicsOptions {
@@ -28,6 +35,7 @@ struct DynamicsOptions {
 /// With a = f/m + g and h = dt, and damping integrated exactly (stable for any
 /// alpha h, of second order in Verlet's splitting): e = exp(-alpha h),
 ///   symplectic Euler   v' = e v + (1 - e)/alpha a(x, v),   x' = x + h v'
+///                      (where h changes, the kick spans half of either step)
 ///   velocity Verlet    half a kick, x' = x + h v, half a kick with a(x')
 /// Verlet's second half kick is left to the next step, where both are made in one
 /// pass over the vertices; synchronise() makes it at once, with the same rounding.
@@ -62,14 +70,21 @@ class Dynamics {
   /// gives the same bits whether or not this was called.
   void synchronise();
 
-  /// The velocities alone: before a cut, where the forces are not wanted. Costs
-  /// nothing with symplectic Euler.
+  /// The velocities alone, where the forces are not wanted. Costs nothing with symplectic Euler.
   void synchronise_velocities();
 
-  /// An operation was made and attributes.apply() called. Call synchronise_velocities()
+  /// Before an operation: completes the velocities, as the forces will be others. Costs
+  /// nothing with symplectic Euler, unless elements are going to be removed or joined
+  /// (`only_apart` false): what energy that takes is booked, for two evaluations.
+  void prepare_change(bool only_apart);
+
+  /// An operation was made and attributes.apply() called. Call prepare_change()
   /// before the operation. Wakes all that sleeps. O(cells touched + loaded).
   void update(const CellComplex& complex, const TopologyChange& change);
-  /// Positions, velocities or masses were changed by others.
+  /// Moves each vertex by `scale` times its row of `shape`, m; what energy that takes is booked
+  /// as an event.
+  void displace(std::span<const Vec3> shape, double scale);
+  /// Positions, velocities or masses were changed by others: the ledger starts again.
   void invalidate();
 
   /// Cells between vertices that are held at rest for good are left out from now
@@ -109,9 +124,35 @@ class Dynamics {
     double external = 0;  ///< potential of gravity and dead loads, 0 at rest positions
     double total() const { return kinetic + elastic + external; }
   };
-  /// Of the synchronised state; synchronises. Fixed order of summation.
+  /// At time(), of velocities at the time of the positions; changes no bit of what follows.
+  /// Fixed order of summation.
   Energies energies();
-  double kinetic_energy() const;
+
+  /// The ledger of the run (ledger.hpp); the first call after start() is its beginning. Costs
+  /// an evaluation of energies, and changes no bit of what follows.
+  EnergyBalance balance();
+
+  /// h w of the motion of the last step, w being its apparent frequency where that is largest
+  /// (motion_sums.hpp): 2 where the step is unstable. Free of cost; 0 where rounding prevails.
+  double apparent_frequency() const;
+
+  /// A state to go back to; 48 B per vertex and the states of the models. Good until an operation,
+  /// sleep or wake_all().
+  class Snapshot {
+   public:
+    Snapshot();
+    Snapshot(Snapshot&&) noexcept;
+    Snapshot& operator=(Snapshot&&) noexcept;
+    ~Snapshot();
+    double time() const;
+
+   private:
+    friend class Dynamics;
+    struct State;
+    std::unique_ptr<State> state_;
+  };
+  void save(Snapshot& snapshot) const;
+  void restore(const Snapshot& snapshot);
 
   /// What the rounding of positions amounts to: the last step moved each vertex by
   /// eps |x|, against a stiffness of at most m (2/dt)^2. Energies of that size, times
@@ -122,15 +163,11 @@ class Dynamics {
   };
   Rounding rounding() const;
 
-  /// The most that gravity and loads, as they are now, can have given since time 0:
-  /// to each vertex as if it fell alone, but over no more than `length`, m,
-  ///   sum of min(F^2 t^2 / 2m, F length), J.
-  double most_given(double length) const;
-
   /// The largest stable step of the present state, s; infinite without forces. From
   /// the tangent (step_search.hpp) if every functor has one, else from bounds().
-  /// Throws PluginError for a functor that offers neither.
-  double stable_step();
+  /// Throws PluginError for a functor that offers neither. `from_random`: the search forgets
+  /// the mode that it found last, and overlooks none.
+  double stable_step(bool from_random = false);
   /// Bounds per vertex on the safe side, cell by cell: for springs and blocks the step
   /// is 0.6 to 0.75 of stable_step(). See stable_step.hpp.
   ForceLoop::Bounds bounds();
@@ -139,13 +176,9 @@ class Dynamics {
   /// O(cells changed).
   ForceLoop::Bounds bounds_of_changes();
 
-  /// Elements with a corner Jacobian <= 0: how many, and the lowest number that
-  /// users see. O(elements), far below an evaluation of forces.
-  struct Inversions {
-    Index count = 0;
-    Index first = none;  ///< as users number elements
-  };
-  Inversions inversions() const;
+  /// Elements with a corner Jacobian <= 0, ascending. O(elements), far below an evaluation
+  /// of forces.
+  std::vector<Index> inverted_elements() const;
 
   /// Sums for the search of rest (rest_search.hpp) at the present state; evaluates
   /// forces that the next step uses.

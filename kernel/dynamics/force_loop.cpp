@@ -161,10 +161,28 @@ ForceLoop::ForceLoop(Attributes& attributes, const CellComplex& complex, unsigne
 
 ForceLoop::~ForceLoop() = default;
 
-void ForceLoop::add_forces(double time, double dt) {
+namespace {
+
+bool has_energy(const CompiledFunctor& functor) {
+  return functor.extension<suture_energy_1>(SUTURE_ENERGY_1) != nullptr;
+}
+
+bool belongs(const CompiledFunctor& functor, ForceLoop::Part part) {
+  if (functor.skipped()) return false;
+  return part == ForceLoop::Part::all ||
+         has_energy(functor) == (part == ForceLoop::Part::with_energy);
+}
+
+bool reads_velocity_now(const CompiledFunctor& functor) {
+  return !functor.skipped() && (functor.reads() & SUTURE_READ_VELOCITY) != 0;
+}
+
+}  // namespace
+
+void ForceLoop::add_forces(double time, double dt, Part part) {
   const auto& loops = impl_->loops;
   for (Index i = 0; i < impl_->functors.size(); ++i) {
-    if (impl_->functors[i].skipped()) continue;
+    if (!belongs(impl_->functors[i], part)) continue;
     impl_->run(i, impl_->awake(impl_->functors[i]), time, dt,
                [&](const loops::Job& job, const loops::Worker& worker,
                    std::span<const loops::Range> ranges, Index) {
@@ -173,6 +191,17 @@ void ForceLoop::add_forces(double time, double dt) {
                });
   }
   impl_->raise_failures(time);
+}
+
+bool ForceLoop::has(Part part) const {
+  return std::ranges::any_of(
+      impl_->functors, [&](const CompiledFunctor& functor) { return belongs(functor, part); });
+}
+
+bool ForceLoop::is_viscoelastic() const {
+  return std::ranges::any_of(impl_->functors, [](const CompiledFunctor& functor) {
+    return reads_velocity_now(functor) && has_energy(functor);
+  });
 }
 
 void ForceLoop::accept() { impl_->attributes.accept_trials(); }
@@ -355,9 +384,7 @@ std::string ForceLoop::without_tangent() const {
 }
 
 bool ForceLoop::reads_velocity() const {
-  return std::ranges::any_of(impl_->functors, [](const CompiledFunctor& functor) {
-    return !functor.skipped() && (functor.reads() & SUTURE_READ_VELOCITY) != 0;
-  });
+  return std::ranges::any_of(impl_->functors, reads_velocity_now);
 }
 
 bool ForceLoop::reads_summed_columns() const {

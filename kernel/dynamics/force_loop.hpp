@@ -36,10 +36,16 @@ class ForceLoop {
   ForceLoop(Attributes& attributes, const CellComplex& complex, unsigned threads);
   ~ForceLoop();
 
-  /// force += sum of all functors, at (position, velocity, time).
+  /// Which functors: those with an energy (suture.energy/1), whose work is minus the change
+  /// of it, those without, or all.
+  enum class Part { all, with_energy, without_energy };
+  /// force += sum of the functors, at (position, velocity, time).
   /// Throws NumericalError with the lowest failing cell's message, StepRejected
   /// if a smaller step may help. `dt`: of the step in progress, 0 outside one.
-  void add_forces(double time, double dt);
+  void add_forces(double time, double dt, Part part = Part::all);
+  bool has(Part part) const;  ///< some enabled functor belongs to it
+  /// Some enabled functor has an energy and reads velocities: besides what it stores it dissipates.
+  bool is_viscoelastic() const;
   /// Trial copies of state columns become the accepted ones.
   void accept();
   /// Stored energy of all functors that know theirs, J. Fixed order of summation.

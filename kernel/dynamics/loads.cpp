@@ -196,35 +196,92 @@ void Loads::add_pressure(const CellComplex& complex, std::span<const Dart> faces
   pressures_.push_back(std::move(load));
 }
 
-void Loads::add_to(double* rows, const double* position, double time, const LiveMask& live) const {
+template <class Visit>
+void Loads::for_each_face(const PressureLoad& load, const double* position, double time,
+                          Visit visit) {
+  const double p = load.pressure * load.ramp.value(time) / 4;
+  for (std::size_t i = 0; i < load.nodes.size(); ++i) {
+    std::array<Vec3, 4> force{};
+    for_each_point(corners_of(position, load.nodes[i]),
+                   [&](const std::array<double, 4>& n, const Vec3& inward) {
+                     for (std::size_t a = 0; a < 4; ++a)
+                       for (std::size_t c = 0; c < 3; ++c) force[a][c] += p * n[a] * inward[c];
+                   });
+    visit(i, force);
+  }
+}
+
+namespace {
+
+void add_at(double* rows, const LiveMask& live, Index vertex, double s, const Vec3& force) {
+  for (std::size_t c = 0; c < 3 && live[vertex]; ++c)
+    rows[std::size_t{vertex} * 4 + c] += s * force[c];
+}
+
+}  // namespace
+
+template <class OnFace>
+void Loads::add(double* rows, const double* position, double time, const LiveMask& live,
+                OnFace on_face) const {
   for (const DeadLoad& load : dead_) {
     const double s = load.ramp.value(time);
-    for (const Nodal& nodal : load.nodal)
-      for (std::size_t c = 0; c < 3 && live[nodal.vertex]; ++c)
-        rows[std::size_t{nodal.vertex} * 4 + c] += s * nodal.force[c];
+    for (const Nodal& nodal : load.nodal) add_at(rows, live, nodal.vertex, s, nodal.force);
   }
-  for (const PressureLoad& load : pressures_) {
-    const double p = load.pressure * load.ramp.value(time) / 4;
-    for (const auto& nodes : load.nodes)
-      for_each_point(corners_of(position, nodes),
-                     [&](const std::array<double, 4>& n, const Vec3& inward) {
-                       for (std::size_t a = 0; a < 4; ++a)
-                         for (std::size_t c = 0; c < 3 && live[nodes[a]]; ++c)
-                           rows[std::size_t{nodes[a]} * 4 + c] += p * n[a] * inward[c];
-                     });
+  for (std::size_t l = 0; l < pressures_.size(); ++l)
+    for_each_face(pressures_[l], position, time,
+                  [&](std::size_t i, const std::array<Vec3, 4>& force) {
+                    const std::array<Index, 4>& nodes = pressures_[l].nodes[i];
+                    for (std::size_t a = 0; a < 4; ++a) add_at(rows, live, nodes[a], 1, force[a]);
+                    on_face(l, i, force);
+                  });
+}
+
+void Loads::add_to(double* rows, const double* position, double time, const LiveMask& live) const {
+  add(rows, position, time, live, [](std::size_t, std::size_t, const std::array<Vec3, 4>&) {});
+}
+
+void Loads::add_and_book(double* rows, const double* position, double time, const LiveMask& live) {
+  book_dead(position, time);
+  const bool first = book_.of_pressure.size() != pressures_.size();
+  book_.of_pressure.resize(pressures_.size());
+  for (std::size_t l = 0; l < pressures_.size(); ++l)
+    book_.of_pressure[l].resize(pressures_[l].nodes.size());
+  add(rows, position, time, live,
+      [&](std::size_t l, std::size_t i, const std::array<Vec3, 4>& force) {
+        Book::Face& last = book_.of_pressure[l][i];
+        const Quad x = corners_of(position, pressures_[l].nodes[i]);
+        for (std::size_t a = 0; a < 4; ++a)
+          for (std::size_t c = 0; c < 3 && !first; ++c)
+            book_.pressure +=
+                (last.force[a][c] + force[a][c]) / 2 * (x[a][c] - last.position[a][c]);
+        last = {x, force};
+      });
+}
+
+double Loads::value(const DeadLoad& load, const double* position) {
+  double sum = 0;
+  for (const Nodal& nodal : load.nodal) {
+    const double* x = position + std::size_t{nodal.vertex} * 4;
+    const Vec3& f = nodal.force;
+    sum += f[0] * x[0] + f[1] * x[1] + f[2] * x[2] - nodal.at_rest;
+  }
+  return sum;
+}
+
+void Loads::book_dead(const double* position, double time) {
+  const bool first = book_.of_dead.size() != dead_.size();
+  book_.of_dead.resize(dead_.size());
+  for (std::size_t l = 0; l < dead_.size(); ++l) {
+    Book::Dead& last = book_.of_dead[l];
+    const Book::Dead now{value(dead_[l], position), dead_[l].ramp.value(time)};
+    if (!first) book_.dead += (last.ramp + now.ramp) / 2 * (now.value - last.value);
+    last = now;
   }
 }
 
 double Loads::potential(const double* position, double time) const {
   double sum = 0;
-  for (const DeadLoad& load : dead_) {
-    const double s = load.ramp.value(time);
-    for (const Nodal& nodal : load.nodal) {
-      const double* x = position + std::size_t{nodal.vertex} * 4;
-      const Vec3& f = nodal.force;
-      sum -= s * (f[0] * x[0] + f[1] * x[1] + f[2] * x[2] - nodal.at_rest);
-    }
-  }
+  for (const DeadLoad& load : dead_) sum -= load.ramp.value(time) * value(load, position);
   return sum;
 }
 
@@ -237,8 +294,19 @@ void Loads::update(const RestPlaces& rest) {
     });
     sum_corners(load, rest);
   }
-  for (PressureLoad& load : pressures_) {
-    std::erase_if(load.faces, [&](Dart face) { return !is_open(complex, face); });
+  for (std::size_t l = 0; l < pressures_.size(); ++l) {
+    PressureLoad& load = pressures_[l];
+    std::vector<Book::Face>* booked =
+        l < book_.of_pressure.size() ? &book_.of_pressure[l] : nullptr;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < load.faces.size(); ++i) {
+      if (!is_open(complex, load.faces[i])) continue;
+      load.faces[kept] = load.faces[i];
+      if (booked) (*booked)[kept] = (*booked)[i];
+      ++kept;
+    }
+    load.faces.resize(kept);
+    if (booked) booked->resize(kept);
     load.nodes.clear();
     for (const Dart face : load.faces) load.nodes.push_back(face_nodes(complex, face));
   }

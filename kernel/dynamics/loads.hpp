@@ -40,6 +40,27 @@ class Loads {
   /// O(loaded vertices, faces).
   void add_to(double* rows, const double* position, double time, const LiveMask& live = {}) const;
 
+  /// The same, and books the work since the last call by the trapezoid: forces of both times
+  /// times the way between them.
+  void add_and_book(double* rows, const double* position, double time, const LiveMask& live);
+
+  /// The work that loads have done, and what booking it needs of the last call.
+  struct Book {
+    struct Dead {
+      double value = 0, ramp = 0;  ///< sum f . (x - X), and the ramp
+    };
+    struct Face {
+      std::array<Vec3, 4> position, force;
+    };
+    double dead = 0, pressure = 0;  ///< J since the start: forces and tractions; pressures
+    std::vector<Dead> of_dead;      ///< by load; empty before the first call
+    std::vector<std::vector<Face>> of_pressure;
+  };
+  const Book& book() const { return book_; }
+  void set_book(Book book) { book_ = std::move(book); }
+  /// Positions or faces jump: nothing is booked between the last call and the next.
+  void forget_last() { book_.of_dead.clear(), book_.of_pressure.clear(); }
+
   /// Potential of the dead loads, - sum f . (x - X) over the corners, J. A pressure
   /// that follows the surface has none.
   double potential(const double* position, double time) const;
@@ -79,8 +100,20 @@ class Loads {
                             const Vec3& force);
   static void sum_corners(DeadLoad& load, const RestPlaces& rest);
 
+  static double value(const DeadLoad& load, const double* position);
+  void book_dead(const double* position, double time);
+  /// on_face(load, face, corner forces) for each face under pressure.
+  template <class OnFace>
+  void add(double* rows, const double* position, double time, const LiveMask& live,
+           OnFace on_face) const;
+  /// visit(face number, corner forces) for each face of a pressure.
+  template <class Visit>
+  static void for_each_face(const PressureLoad& load, const double* position, double time,
+                            Visit visit);
+
   std::vector<DeadLoad> dead_;
   std::vector<PressureLoad> pressures_;
+  Book book_;
 };
 
 }  // namespace suture

@@ -108,8 +108,8 @@ std::string RestSearch::explanation(Dynamics& dynamics) const {
        << " steps, far above rounding; ";
   if (dynamics.damping() == 0)
     text << "nothing damps the motion: set /solver/damping to \"auto\"";
-  else if (const auto inverted = dynamics.inversions(); inverted.count > 0)
-    text << inverted.count << " inverted elements (first: element " << inverted.first
+  else if (const auto inverted = dynamics.inverted_elements(); !inverted.empty())
+    text << "inverted elements (" << inverted.size()
          << ") have no stable state: lower the load or refine the mesh there";
   else if (dynamics.loads().has_pressure())
     text << "a pressure that follows the surface can feed a vibration for ever: set /solver/end, "

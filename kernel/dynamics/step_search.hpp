@@ -35,6 +35,8 @@ class StepSearch {
 
   /// The cells are others: new vertices move like those they left. O(change).
   void follow(const TopologyChange& change);
+  /// The next search starts at random: no mode is overlooked.
+  void forget() { mode_.clear(); }
 
  private:
   using Vector = std::vector<float>;  // 3 per vertex; seven digits for three

@@ -10,6 +10,9 @@ namespace {
 
 // Two times are one if they differ by less than this part of their size.
 constexpr double same = 1e-12;
+/// Steps to a stop beyond which it is not planned for, and how many are planned then.
+constexpr double most_steps = 1e12;
+constexpr std::uint64_t block = 1024;
 
 }  // namespace
 
@@ -37,26 +40,38 @@ double Clock::next_stop() const {
 }
 
 double Clock::next_dt(double stable) {
-  if (fixed_dt_) return *fixed_dt_;
+  if (fixed_dt_) return *fixed_dt_ / static_cast<double>(parts_);
   if (done_ == steps_ || stable != stable_) {
-    const double stop = next_stop();
+    const double steps = std::ceil((next_stop() - time_) / stable * (1 - same));
     start_ = time_;
     stable_ = stable;
     done_ = 0;
-    // Without a stop ahead (a run until rest) go on in blocks of steps.
-    steps_ = std::isinf(stop)
-                 ? 1024
-                 : static_cast<std::uint64_t>(std::ceil((stop - time_) / stable * (1 - same)));
-    steps_ = std::max<std::uint64_t>(steps_, 1);
-    length_ = std::isinf(stop) ? 1024 * stable : stop - time_;
+    // Without a stop ahead (a run until rest, an end that no run reaches) go on in blocks.
+    const bool is_far = !(steps < most_steps);
+    steps_ = is_far ? block : std::max<std::uint64_t>(static_cast<std::uint64_t>(steps), 1);
+    length_ = is_far ? static_cast<double>(block) * stable : next_stop() - time_;
   }
   return length_ / static_cast<double>(steps_);
+}
+
+void Clock::divide(unsigned halvings) {
+  wanted_parts_ = std::uint64_t{1} << halvings;
+  if (wanted_parts_ <= parts_ && parts_made_ != 0) return;  // advance() takes it over
+  parts_made_ *= wanted_parts_ / std::min(parts_, wanted_parts_);
+  parts_ = wanted_parts_;
 }
 
 void Clock::advance() {
   ++step_;
   if (fixed_dt_) {
-    time_ = static_cast<double>(step_) * *fixed_dt_;
+    if (++parts_made_ == parts_) {
+      ++whole_;
+      parts_made_ = 0;
+      parts_ = wanted_parts_;
+    }
+    time_ = (static_cast<double>(whole_) +
+             static_cast<double>(parts_made_) / static_cast<double>(parts_)) *
+            *fixed_dt_;
   } else {
     ++done_;
     time_ = start_ + length_ * (static_cast<double>(done_) / static_cast<double>(steps_));

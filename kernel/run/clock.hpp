@@ -10,7 +10,8 @@ namespace suture {
 /// Time of a run. With a fixed dt, t = step * dt (never a sum that drifts) and
 /// things happen at the step nearest to their time. With an automatic dt the
 /// interval to the next stop (a frame, an event, the end of a ramp) is divided
-/// into equal steps no longer than the stable one, so stops are hit exactly.
+/// into equal steps no longer than the stable one, so stops are hit exactly. A copy is a
+/// time to go back to.
 class Clock {
  public:
   /// `stops`: times that an automatic dt must hit, any order. `period` > 0 adds
@@ -29,6 +30,9 @@ class Clock {
   /// Length of the step to come. `stable` bounds an automatic dt; pass the same
   /// value until it is estimated again. O(1) but at stops.
   double next_dt(double stable);
+  /// Steps of a fixed dt are divided in two `halvings` times, from the next one on (when they
+  /// become longer: from the next whole step on).
+  void divide(unsigned halvings);
   /// The step of next_dt() was made.
   void advance();
 
@@ -44,6 +48,8 @@ class Clock {
   // The interval in progress, automatic dt: start_ + (done_/steps_) length_.
   double start_ = 0, length_ = 0, stable_ = 0;
   std::uint64_t steps_ = 0, done_ = 0;
+  // Fixed dt: whole steps made, and parts_made_ of parts_ of the next.
+  std::uint64_t whole_ = 0, parts_ = 1, parts_made_ = 0, wanted_parts_ = 1;
 };
 
 }  // namespace suture

@@ -307,6 +307,16 @@ EventOutcome EventRunner::apply(const Event& event, double time) {
   return std::visit(Call{*this, event, time, state}, event.what);
 }
 
+// A blade knows where the tissue was at its last step.
+void EventRunner::go_back(double time) {
+  const Places places{world_.attributes.position().rows()};
+  for (State& state : states_) {
+    if (!state.blade || !state.came) continue;
+    state.blade->reset();
+    state.blade->advance(world_.complex(), places, time);
+  }
+}
+
 void EventRunner::finish() {
   for (std::size_t i = 0; i < scene_.events.size(); ++i) {
     const Event& event = scene_.events[i];

@@ -39,6 +39,8 @@ class EventRunner {
   /// The same for any operation, from C++: an event that is in no scene. Coordinates are
   /// those of the world's frame.
   EventOutcome apply(const Event& event, double time);
+  /// The body is as it was at `time`, when no operation has changed it since.
+  void go_back(double time);
   /// Warns of events that had no effect in the whole run.
   void finish();
 

@@ -23,6 +23,23 @@ double EventSchedule::settled_after() const {
   return last;
 }
 
+EventSchedule::Mark EventSchedule::mark() const {
+  Mark mark{{}, {}, next_timed_};
+  for (const State& state : states_) {
+    mark.done.push_back(state.done);
+    mark.last_step.push_back(state.last_step);
+  }
+  return mark;
+}
+
+void EventSchedule::go_back(const Mark& mark) {
+  next_timed_ = mark.next_timed;
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    states_[i].done = mark.done[i];
+    states_[i].last_step = mark.last_step[i];
+  }
+}
+
 std::vector<std::size_t> EventSchedule::due(const Clock& clock) {
   std::vector<std::size_t> now;
   for (; next_timed_ < timed_.size(); ++next_timed_) {

@@ -22,6 +22,15 @@ class EventSchedule {
   /// O(events that are not timed); a condition costs a pass over its nodes.
   std::vector<std::size_t> due(const Clock& clock);
 
+  /// What was due so far: to go back to.
+  struct Mark {
+    std::vector<bool> done;
+    std::vector<std::uint64_t> last_step;
+    std::size_t next_timed;
+  };
+  Mark mark() const;
+  void go_back(const Mark& mark);
+
   /// The last time at which something is known to be due, s: before it a body is not
   /// at rest.
   double settled_after() const;

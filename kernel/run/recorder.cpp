@@ -78,8 +78,9 @@ Recorder::Recorder(const Scene& scene, World& world, std::string provenance)
   if (options.energies_every > 0) {
     energies_ = std::make_unique<CsvWriter>(
         options.directory / "energies.csv",
-        std::vector<std::string>{"time [s]", "dt [s]", "kinetic [J]", "elastic [J]", "external [J]",
-                                 "total [J]"});
+        std::vector<std::string>{"time [s]", "dt [s]", "kinetic [J]", "elastic [J]", "gravity [J]",
+                                 "loads [J]", "pressure [J]", "prescribed [J]", "models [J]",
+                                 "events [J]", "dissipated [J]", "balance [J]"});
   }
   if (options.probes_every > 0 && !options.probes.empty()) {
     probe_table_.emplace(options, world);
@@ -108,12 +109,12 @@ void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity,
   if (has_holes(world_.complex())) leave_out_holes(frame, Shown::of(world_.complex()), {});
 }
 
-void Recorder::frame(double time, const Vec3& gravity) {
+void Recorder::frame(std::uint64_t step, double time, const Vec3& gravity) {
   if (!frames_) return;
-  Frame frame = frames_->take_frame();
-  fill_frame(frame, time, gravity);
-  frames_->submit(std::move(frame));
-  if (springs_) springs_frame(time, gravity);
+  auto frame = std::make_shared<Frame>(frames_->take_frame());
+  fill_frame(*frame, time, gravity);
+  held_.push_back({step, true, [this, frame] { frames_->submit(std::move(*frame)); }});
+  if (springs_) springs_frame(step, time, gravity);
   if (!world_.skips) fill_other_fields(time, gravity);
   ++frame_number_;
 }
@@ -125,6 +126,19 @@ void Recorder::mode(double time, const Vec3& gravity, const std::vector<Vec3>& s
   fill_frame(frame, time, gravity, &shape);
   frame.number = modes_written_++;
   modes_->submit(std::move(frame));
+}
+
+void Recorder::release(std::uint64_t step) {
+  for (; !held_.empty() && held_.front().step <= step; held_.pop_front()) held_.front().write();
+}
+
+void Recorder::go_back(std::uint64_t step) {
+  for (; !held_.empty() && held_.back().step > step; held_.pop_back())
+    if (held_.back().is_frame) --frame_number_;
+}
+
+std::size_t Recorder::frames_held() const {
+  return static_cast<std::size_t>(std::ranges::count_if(held_, &Held::is_frame));
 }
 
 /// Computed and dropped: a run that skips nothing pays for every field.
@@ -147,8 +161,9 @@ std::size_t Recorder::rehearse(double time, const Vec3& gravity) {
 }
 
 // The edges of every instance that has functors on them, row by row.
-void Recorder::springs_frame(double time, const Vec3& gravity) {
-  Frame frame = springs_->take_frame();
+void Recorder::springs_frame(std::uint64_t step, double time, const Vec3& gravity) {
+  auto held = std::make_shared<Frame>(springs_->take_frame());
+  Frame& frame = *held;
   frame.number = frame_number_;
   frame.time = time;
   copy_points(world_, frame.points);
@@ -172,16 +187,20 @@ void Recorder::springs_frame(double time, const Vec3& gravity) {
   fill_fields(fields_, FieldChoice::On::springs, world_, gravity, time, frame.cell_fields);
   frame.field_data_provenance = provenance_;
   if (has_holes(world_.complex())) leave_out_holes(frame, Shown::of(world_.complex()), lines);
-  springs_->submit(std::move(frame));
+  held_.push_back({step, false, [this, held] { springs_->submit(std::move(*held)); }});
 }
 
-void Recorder::energies(std::uint64_t step, double time, double dt, const Dynamics::Energies& row) {
-  const std::array<double, 6> values{time, dt, row.kinetic, row.elastic, row.external, row.total()};
-  energies_->row(step, values);
+void Recorder::energies(std::uint64_t step, double time, double dt, const EnergyBalance& e) {
+  const std::array<double, 12> values{time,       dt,         e.kinetic,  e.elastic,
+                                      e.gravity,  e.loads,    e.pressure, e.prescribed,
+                                      e.models,   e.events,   e.dissipated, e.balance};
+  held_.push_back({step, false, [this, step, values] { energies_->row(step, values); }});
 }
 
 void Recorder::probes(std::uint64_t step, double time, const Vec3& gravity) {
-  probes_->row(step, probe_table_->row(time, gravity));
+  held_.push_back({step, false, [this, step, values = probe_table_->row(time, gravity)] {
+                     probes_->row(step, values);
+                   }});
 }
 
 bool Recorder::probes_need(bool FieldChoice::*what) const {

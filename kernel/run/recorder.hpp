@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
+#include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,8 +16,9 @@
 
 namespace suture {
 
-/// Writes what a run leaves behind: frames, springs, energies.csv, probes.csv.
-/// Nothing is created on disk before the first record.
+/// Writes what a run leaves behind: frames, springs, energies.csv, probes.csv. Records are
+/// held back until release(), as the step that made them may still be rejected.
+/// Nothing is created on disk before the first record is released.
 class Recorder {
  public:
   /// Throws InputError for fields or probes that the scene cannot have.
@@ -37,12 +41,18 @@ class Recorder {
   /// Some field of the probes needs it: probes_need(&FieldChoice::needs_force).
   bool probes_need(bool FieldChoice::*what) const;
 
-  void frame(double time, const Vec3& gravity);
-  void energies(std::uint64_t step, double time, double dt, const Dynamics::Energies& row);
+  void frame(std::uint64_t step, double time, const Vec3& gravity);
+  void energies(std::uint64_t step, double time, double dt, const EnergyBalance& row);
   void probes(std::uint64_t step, double time, const Vec3& gravity);
   /// A file of its own, mode_0000.vtu, listed in mode.pvd: the state with the fields of
   /// frames, and `shape` (of each vertex) as the point field "unstable_mode".
   void mode(double time, const Vec3& gravity, const std::vector<Vec3>& shape);
+  /// Writes what was recorded up to a step.
+  void release(std::uint64_t step);
+  /// Steps after this one are made again: drops their records.
+  void go_back(std::uint64_t step);
+  /// Frames that are held back.
+  std::size_t frames_held() const;
   /// Fills a frame that is not written, and loads what writing needs: for an
   /// estimate. Returns its bytes; 0 without output.
   std::size_t rehearse(double time, const Vec3& gravity);
@@ -59,14 +69,21 @@ class Recorder {
  private:
   void fill_frame(Frame& frame, double time, const Vec3& gravity,
                   const std::vector<Vec3>* mode = nullptr);
-  void springs_frame(double time, const Vec3& gravity);
+  void springs_frame(std::uint64_t step, double time, const Vec3& gravity);
   void fill_other_fields(double time, const Vec3& gravity);
+
+  struct Held {
+    std::uint64_t step;
+    bool is_frame;
+    std::function<void()> write;
+  };
 
   World& world_;
   std::string provenance_;
   std::vector<FieldChoice> fields_, other_fields_;
   bool frames_need_force_ = false, frames_run_functors_ = false, frames_need_neighbours_ = false;
   std::size_t frame_number_ = 0;
+  std::deque<Held> held_;
   std::optional<ProbeTable> probe_table_;
   std::unique_ptr<FrameWriter> frames_, springs_, modes_;
   FrameWriterOptions mode_options_;

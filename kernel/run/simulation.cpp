@@ -16,6 +16,7 @@
 #include "kernel/run/event_runner.hpp"
 #include "kernel/run/event_schedule.hpp"
 #include "kernel/run/guard.hpp"
+#include "kernel/run/kept_states.hpp"
 #include "kernel/run/sleeper.hpp"
 #include "kernel/run/stability.hpp"
 #include "kernel/run/step_watch.hpp"
@@ -32,6 +33,18 @@ double seconds_since(Wall::time_point start) {
 // Steps between looks at energy and inversion, which cost 1 % of the forces then.
 constexpr std::uint64_t guard_steps = 64;
 constexpr std::uint64_t rest_step_limit = 10'000'000;
+// Energy from nowhere, as a part of what was exchanged, that is worth a word. Right runs stay
+// below 0.014.
+constexpr double notable_growth = 0.02;
+// Times that a step is halved before it is given up, and attempts to pass a place where
+// elements or models fail, which a smaller step may not help.
+constexpr unsigned most_halvings = 10, most_attempts = 2;
+
+/// The motion is that of an unstable step.
+class UnstableStep : public NumericalError {
+ public:
+  using NumericalError::NumericalError;
+};
 
 // Times that an automatic dt must hit.
 std::vector<double> stops_of(const Scene& scene) {
@@ -84,6 +97,7 @@ struct Simulation::Impl {
     }
     world.dynamics->start();
     watch.start();
+    guard.start();
     trim_heap();  // of the search
   }
 
@@ -93,7 +107,10 @@ struct Simulation::Impl {
     return g;
   }
 
-  double next_dt() { return clock.next_dt(scene.solver.safety * watch.stable()); }
+  double next_dt() {
+    clock.divide(watch.halvings());
+    return clock.next_dt(watch.wanted());
+  }
 
   // ---- events ----
 
@@ -109,7 +126,8 @@ struct Simulation::Impl {
     summary.faces_sewn += outcome.faces_sewn;
     summary.elements_removed += outcome.elements_removed;
     sleeper.woken();
-    if (outcome.faces_sewn + outcome.elements_removed > 0) guard.restart();
+    recorder.release(clock.step());
+    kept.forget(clock);
     const Index islands = world.islands().existing();
     std::ostringstream text;
     text << "t = " << clock.time() << " s: " << outcome.text() << ", " << islands
@@ -120,6 +138,8 @@ struct Simulation::Impl {
 
   void tell_of_sleep(Observer& observer) {
     if (sleeper.look(clock.step()) == 0) return;
+    recorder.release(clock.step());
+    kept.forget(clock);
     std::ostringstream text;
     text << "t = " << clock.time() << " s: " << sleeper.sleeping() << " of "
          << world.islands().existing() << " islands sleep";
@@ -138,9 +158,8 @@ struct Simulation::Impl {
   }
 
   void write_frame() {
-    guard.check(clock.step(), clock.time(), last_dt);
     world.dynamics->synchronise();
-    recorder.frame(clock.time(), gravity_now());
+    recorder.frame(clock.step(), clock.time(), gravity_now());
     last_frame_step = clock.step();
   }
 
@@ -158,7 +177,7 @@ struct Simulation::Impl {
       return true;
     };
     if (recorder.writes_energies() && due(output.energies_every, last_energies_step))
-      recorder.energies(clock.step(), clock.time(), last_dt, world.dynamics->energies());
+      recorder.energies(clock.step(), clock.time(), last_dt, world.dynamics->balance());
     if (recorder.writes_probes() && due(output.probes_every, last_probes_step)) {
       if (recorder.probes_need(&FieldChoice::needs_force))
         world.dynamics->synchronise();
@@ -171,32 +190,128 @@ struct Simulation::Impl {
   void finish() {
     if (recorder.writes_frames() && last_frame_step != clock.step()) write_frame();
     record_tables(true);
+    recorder.release(clock.step());
     recorder.finish();
   }
 
   // ---- the loop ----
 
-  void step() {
+  /// One step, or back to the beginning of some that were wrong.
+  void step(Observer& observer) {
+    if (kept.look(clock, schedule, *world.dynamics, recorder.frames_held() > 2))
+      recorder.release(kept.older().clock->step());
+    try {
+      make_step();
+      check_step(observer);
+    } catch (const NumericalError& error) {
+      step_back(error, observer);
+    }
+  }
+
+  void make_step() {
     const double dt = next_dt();
     if (!(dt > 0))
       throw NumericalError("the stable step is " + std::to_string(dt) + " s; nothing can move on");
-    const double begin = clock.time();
     clock.advance();
-    try {
-      world.dynamics->step(clock.time() - begin, clock.time());
-    } catch (const NumericalError& error) {
-      throw NumericalError("step " + std::to_string(clock.step()) + ": " + error.what());
+    last_dt = dt;  // and not the difference of two times: forces stay good while dt is the same
+    world.dynamics->step(dt, clock.time());
+  }
+
+  void check_step(Observer& observer) {
+    if (watch.is_alarming(clock.step()) && watch.is_unstable(clock.step(), last_dt)) {
+      std::ostringstream text;
+      text << "the motion has the frequency of an unstable step: omega dt = "
+           << world.dynamics->apparent_frequency() << " where 2 is the limit";
+      throw UnstableStep(text.str());
     }
-    last_dt = dt;
-    if (clock.step() % guard_steps == 0) guard.check(clock.step(), clock.time(), dt);
+    if (clock.step() % guard_steps == 0) check_state(observer);
     watch.after_step(clock.step());
+  }
+
+  /// Throws for numbers that are wrong; energy that grows slowly gets a word.
+  void check_state(Observer& observer) {
+    guard.check(clock.step(), clock.time());
+    if (guard.growth() <= notable_growth) return;
+    std::ostringstream text;
+    text << "t = " << clock.time() << " s: " << 100 * guard.growth()
+         << " % of the energy exchanged came from nowhere";
+    if (watch.is_unstable(clock.step(), last_dt)) throw UnstableStep(text.str());
+    guard.forgive_growth();
+    if (watch.lower_safety()) {
+      observer.on_message(text.str() + "; the step is half the stable one from now on");
+    } else if (!growth_was_told) {
+      growth_was_told = true;
+      diagnostics.warn(text.str() +
+                       ": the step is stable, so either it is too coarse for this motion (lower "
+                       "/solver/dt or /solver/safety), or a model feeds energy that "
+                       "its suture.energy/1 does not know of; see balance in energies.csv");
+    }
+  }
+
+  /// Goes back to the older state that is kept, with a smaller step; throws what is final.
+  void step_back(const NumericalError& error, Observer& observer) {
+    const auto* rejected = dynamic_cast<const StepRejected*>(&error);
+    const bool unstable = dynamic_cast<const UnstableStep*>(&error) != nullptr;
+    const double failed_at = clock.time();
+    const bool same_place = failed_at <= furthest_failure + 64 * last_dt;
+    attempts = same_place ? attempts + 1 : 1;
+    furthest_failure = std::max(furthest_failure, failed_at);
+    const bool may_help = rejected || (!scene.solver.dt && (unstable || attempts <= most_attempts));
+    if (!may_help || kept.empty() || watch.halvings() >= most_halvings) give_up(error);
+    const KeptStates::State& state = kept.take_older();
+    world.dynamics->restore(state.body);
+    clock = *state.clock;
+    schedule.go_back(state.schedule);
+    events.go_back(clock.time());
+    recorder.go_back(clock.step());
+    recorded_step = clock.step();
+    const double factor = rejected ? rejected->step_factor : 0.5;
+    watch.step_back(clock.step(), static_cast<unsigned>(std::ceil(-std::log2(factor) - 1e-9)));
+    std::ostringstream text;
+    text << "t = " << failed_at << " s: " << error.what() << "; back to t = " << clock.time()
+         << " s, dt is " << next_dt() << " s now";
+    observer.on_message(text.str());
+    ++summary.steps_back;
+  }
+
+  [[noreturn]] void give_up(const NumericalError& error) {
+    std::ostringstream text;
+    text << "step " << clock.step() << ", t = " << clock.time() << " s: " << error.what() << ". "
+         << advice(error);
+    throw NumericalError(text.str());
+  }
+
+  /// What fits the scene, and is not in it yet.
+  std::string advice(const NumericalError& error) {
+    std::ostringstream text;
+    const bool inverted = guard.inverted_elements() > 0;
+    if (scene.solver.dt) {
+      if (!(*scene.solver.dt < watch.stable())) {
+        text << "/solver/dt is " << *scene.solver.dt << " s";
+        if (watch.stable() > 0)
+          text << ", above the stable step of this state, about " << watch.stable() << " s";
+        text << ": lower it, or set it to \"auto\"";
+        return text.str();
+      }
+      if (dynamic_cast<const StepRejected*>(&error))
+        return "The model asked for a smaller step, and smaller ones did not help: lower the loads "
+               "or ramp them";
+    }
+    text << "A smaller step does not help";
+    if (inverted)
+      text << ": the load is beyond what the law or the mesh bears. Lower or ramp it, refine the "
+              "mesh there, choose another model, or set on_inversion of the model to \"warn\"";
+    else
+      text << ": lower the loads or ramp them, or look at the model's parameters there";
+    return text.str();
   }
 
   /// False where the body does not bear what an event would have taken from it: steps
   /// that are only timed know no events.
   bool tries_step() {
     try {
-      step();
+      make_step();
+      watch.after_step(clock.step());
       return true;
     } catch (const NumericalError&) {
       return false;
@@ -205,6 +320,7 @@ struct Simulation::Impl {
 
   bool is_at_end(Observer& observer) {
     if (clock.finished()) {
+      if (!ends_well(observer)) return false;
       summary.outcome = RunSummary::Outcome::finished;
       if (rest) {
         std::ostringstream text;
@@ -224,6 +340,7 @@ struct Simulation::Impl {
 
   bool is_at_rest(Observer& observer) {
     if (rest->at_rest(*world.dynamics)) {
+      if (!ends_well(observer)) return false;
       if (rest->limited_by_rounding()) diagnostics.warn(rest->explanation(*world.dynamics));
       return ends_at_rest(observer);
     }
@@ -245,6 +362,17 @@ struct Simulation::Impl {
                           ? RunSummary::Outcome::unstable_equilibrium
                           : RunSummary::Outcome::at_rest;
     return true;
+  }
+
+  /// A last look; false if it went back.
+  bool ends_well(Observer& observer) {
+    const std::uint64_t step = clock.step();
+    try {
+      check_state(observer);
+    } catch (const NumericalError& error) {
+      step_back(error, observer);
+    }
+    return clock.step() == step;
   }
 
   [[noreturn]] void refuse_more_steps(std::uint64_t limit) const {
@@ -292,7 +420,7 @@ struct Simulation::Impl {
         summary.outcome = RunSummary::Outcome::interrupted;
         break;
       }
-      step();
+      step(observer);
       tell_of_sleep(observer);
       if (clock.step() % 16 == 0 && seconds_since(reported) > 0.1) {
         report(observer, start, first_step);
@@ -306,6 +434,8 @@ struct Simulation::Impl {
     loop(std::nullopt, observer);
     events.finish();
     finish();
+    summary.balance = guard.last().balance;
+    summary.exchanged = guard.last().exchanged;
     summary.steps = clock.step();
     summary.time = clock.time();
     summary.dt = last_dt;
@@ -333,10 +463,14 @@ struct Simulation::Impl {
   EventRunner events;
   Sleeper sleeper;
   Stability stability;
+  KeptStates kept;
   std::optional<RestSearch> rest;
   std::vector<Decision> decisions;
   RunSummary summary;
   double last_dt = 0;
+  double furthest_failure = -1;  ///< s
+  unsigned attempts = 0;         ///< to pass it
+  bool growth_was_told = false;
   std::uint64_t recorded_step = ~std::uint64_t{0}, last_frame_step = ~std::uint64_t{0},
                 last_energies_step = ~std::uint64_t{0}, last_probes_step = ~std::uint64_t{0};
 };

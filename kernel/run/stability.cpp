@@ -75,8 +75,8 @@ std::string Stability::describe(const LowestMode& mode) const {
   text << "the equilibrium is unstable: the lowest eigenvalue of the tangent is " << mode.eigenvalue
        << " 1/s^2, so a disturbance grows at " << std::sqrt(-mode.eigenvalue)
        << " 1/s; the mode is largest at element "
-       << world_.element_name(world_.complex().dart_of(0, vertex) / 24) << ", (" << x.get(vertex, 0)
-       << ", " << x.get(vertex, 1) << ", " << x.get(vertex, 2) << ") m";
+       << world_.element_name(world_.complex().dart_of(0, vertex) / 24) << " at "
+       << world_.place_text({x.get(vertex, 0), x.get(vertex, 1), x.get(vertex, 2)});
   if (const std::string file = recorder_.mode_collection(); !file.empty())
     text << ", and is the field \"unstable_mode\" of " << file;
   if (world_.dynamics->loads().has_pressure())
@@ -85,12 +85,7 @@ std::string Stability::describe(const LowestMode& mode) const {
 }
 
 void Stability::kick(const LowestMode& mode) {
-  world_.dynamics->synchronise_velocities();
-  Column& x = world_.attributes.position();
-  for (Index v = 0; v < world_.attributes.vertex_count(); ++v)
-    for (int c = 0; c < 3; ++c)
-      x.set(v, c, x.get(v, c) + scene_.solver.kick * mode.shape[v][static_cast<std::size_t>(c)]);
-  world_.dynamics->invalidate();
+  world_.dynamics->displace(mode.shape, scene_.solver.kick);
 }
 
 std::string Stability::text() const {

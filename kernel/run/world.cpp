@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <sstream>
 #include <utility>
 
 #include "kernel/base/error.hpp"
@@ -125,9 +127,29 @@ void World::add_constraints() {
       motion.angle = constraint.angle;
       motion.ramp = constraint.ramp;
     }
-    dynamics->constraints().add(selector.vertices(constraint.where), constraint.components, motion,
-                                attributes);
+    const std::vector<Index> vertices = selector.vertices(constraint.where);
+    if (constraint.moves) motion.reach = shortest_edge(vertices) / 10;
+    dynamics->constraints().add(vertices, constraint.components, motion, attributes);
   }
+}
+
+/// At rest, of the elements around these vertices, m.
+double World::shortest_edge(const std::vector<Index>& vertices) {
+  double shortest = std::numeric_limits<double>::infinity();
+  std::vector<Dart> star;
+  for (const Index v : vertices) {
+    complex().star(0, v, star);
+    for (const Dart d : star)
+      for (const auto& [a, b] : suture_hexahedron_edges) {
+        const Hexahedron& nodes = complex().vertices_of(d / 24);
+        double squared = 0;
+        for (int c = 0; c < 3; ++c)
+          squared += std::pow(
+              attributes.rest().get(nodes[a], c) - attributes.rest().get(nodes[b], c), 2);
+        shortest = std::min(shortest, std::sqrt(squared));
+      }
+  }
+  return shortest;
 }
 
 void World::add_loads() {
@@ -151,21 +173,21 @@ void World::add_loads() {
 }
 
 TopologyChange World::cut(const std::vector<Dart>& faces) {
-  dynamics->synchronise_velocities();
+  dynamics->prepare_change(true);
   TopologyChange change = complex().cut(faces);
   follow(change);
   return change;
 }
 
 TopologyChange World::pierce(const std::vector<Index>& elements) {
-  dynamics->synchronise_velocities();
+  dynamics->prepare_change(false);
   TopologyChange change = complex().pierce(elements);
   follow(change);
   return change;
 }
 
 TopologyChange World::sew(const std::vector<Seam>& seams) {
-  dynamics->synchronise_velocities();
+  dynamics->prepare_change(false);
   TopologyChange change = complex().sew(seams);
   follow(change);
   return change;
@@ -176,6 +198,21 @@ void World::follow(const TopologyChange& change) {
   attributes.apply(complex(), change);
   dynamics->update(complex(), change);
   if (islands_) islands_->update(complex(), change);
+}
+
+std::string World::place_of(Index e) {
+  Vec3 middle{};
+  for (const Index v : complex().vertices_of(e))
+    for (std::size_t c = 0; c < 3; ++c)
+      middle[c] += attributes.rest().get(v, static_cast<int>(c)) / 8;
+  return place_text(middle);
+}
+
+std::string World::place_text(const Vec3& local) const {
+  const Vec3 p = frame.in_scene(local);
+  std::ostringstream text;
+  text << '(' << p[0] << ", " << p[1] << ", " << p[2] << ") m";
+  return text.str();
 }
 
 const Islands& World::islands() {

@@ -40,6 +40,9 @@ class World {
   const Islands& islands();
   /// The number by which users know an element.
   std::uint64_t element_name(Index e) const { return names.element_id(imported.user_element[e]); }
+  /// "(0.1, 0.2, 0.3) m" in the scene: a point of the body; the middle of an element at rest.
+  std::string place_text(const Vec3& local) const;
+  std::string place_of(Index e);
 
   const bool skips;       ///< leaves out what the scene does not need
   const BodyFrame frame;  ///< all positions here are those of the body in it
@@ -56,6 +59,7 @@ class World {
   World(const Scene& given, Mesh mesh, Diagnostics& diagnostics, bool skip);
   void add_models(Diagnostics& diagnostics);
   void add_constraints();
+  double shortest_edge(const std::vector<Index>& vertices);
   void add_loads();
   void follow(const TopologyChange& change);
 

@@ -103,6 +103,7 @@ void read_model(ObjectReader& object, Reading& reading) {
     use.region = read_selection(*region, object.path_of("region"), reading.mistakes);
   }
   use.region.path = object.path_of("region");
+  use.on_inversion = read_on_inversion(object);
 
   const JsonValue* parameters = object.find("parameters");
   JsonValue defaults;  // what an absent object stands for

@@ -73,6 +73,13 @@ void read_sleep(ObjectReader& object, SolverOptions& solver) {
 
 }  // namespace
 
+OnInversion read_on_inversion(ObjectReader& object) {
+  static const std::array<std::string, 2> words{"stop", "warn"};
+  const auto choice = object.choice("on_inversion", words);
+  if (!choice) return OnInversion::by_model;
+  return *choice == 0 ? OnInversion::stop : OnInversion::warn;
+}
+
 void read_solver(const JsonValue& value, Reading& reading) {
   SolverOptions& solver = reading.scene.solver;
   ObjectReader object(value, "/solver", reading.mistakes);
@@ -86,11 +93,7 @@ void read_solver(const JsonValue& value, Reading& reading) {
   read_sleep(object, solver);
   solver.max_steps = object.natural("max_steps", 1).value_or(solver.max_steps);
   solver.threads = static_cast<unsigned>(object.natural("threads", 0, 1024).value_or(0));
-  static const std::array<std::string, 2> on_inversion{"stop", "warn"};
-  if (const auto choice = object.choice("on_inversion", on_inversion)) {
-    solver.on_inversion =
-        *choice == 0 ? SolverOptions::OnInversion::stop : SolverOptions::OnInversion::warn;
-  }
+  solver.on_inversion = read_on_inversion(object);
   object.finish();
 }
 

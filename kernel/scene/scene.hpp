@@ -29,11 +29,15 @@ struct MeshSource {
   ImportOptions import;
 };
 
+/// What an element that turns inside out means.
+enum class OnInversion { by_model, stop, warn };
+
 struct ModelUse {
   std::string name;  ///< of the instance; default: the id, id-2, ...
   const suture_model* model = nullptr;
   std::vector<double> parameters;  ///< in declared order, defaults filled in
   Selection region;
+  OnInversion on_inversion = OnInversion::by_model;  ///< before the solver's
   std::string path;
 };
 
@@ -76,7 +80,6 @@ struct SolverOptions {
   unsigned threads = 0;            ///< 0: as many as pay
   double sleep_acceleration = 0;   ///< m/s^2; 0: no island sleeps
   double sleep_velocity = 0;       ///< m/s
-  enum class OnInversion { by_model, stop, warn };
   OnInversion on_inversion = OnInversion::by_model;
 };
 

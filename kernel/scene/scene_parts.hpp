@@ -45,6 +45,9 @@ std::vector<std::array<std::uint64_t, 2>> read_pairs(const JsonValue& value,
 /// Names end up in file and field names.
 bool is_good_name(std::string_view name);
 
+/// "on_inversion": "stop" or "warn"; by_model if it is not there.
+OnInversion read_on_inversion(ObjectReader& object);
+
 void read_mesh(const JsonValue& value, Reading& reading);
 void read_models(ObjectReader& top, Reading& reading);
 void read_gravity(ObjectReader& top, Reading& reading);

@@ -72,7 +72,7 @@ TEST(SceneReader, ReadsEveryKey) {
   EXPECT_EQ(scene.solver.integrator, SolverOptions::Integrator::velocity_verlet);
   EXPECT_EQ(scene.solver.dt, 1e-3);
   EXPECT_EQ(scene.solver.max_steps, 1000u);
-  EXPECT_EQ(scene.solver.on_inversion, SolverOptions::OnInversion::warn);
+  EXPECT_EQ(scene.solver.on_inversion, OnInversion::warn);
   ASSERT_EQ(scene.events.size(), 2u);
   EXPECT_EQ(scene.events[0].at, 0.5);  // sorted by time
   EXPECT_EQ(scene.events[0].path, "/events/1");

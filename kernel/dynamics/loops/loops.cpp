@@ -270,15 +270,27 @@ inline void store(double* p, V v) {
   *reinterpret_cast<V*>(p) = v;
 }
 
-/// Moves the vertices of a row or two; `zero` stays zero unless a velocity is infinite
-/// or no number.
-template <int Kicks, bool Drift, class V>
-inline __attribute__((always_inline)) void move(const Motion& m, uint64_t at, V inverse, V gravity,
-                                                V& zero) {
+/// Sums of a pass, lane by lane; `zero` stays zero unless a velocity is infinite or no number.
+struct RowSums {
+  Row zero, before, after, inertia;
+};
+struct TwoRowSums {
+  TwoRows zero, before, after, inertia;
+};
+
+/// Moves the vertices of a row or two.
+template <int Kicks, bool Drift, class V, class S>
+inline __attribute__((always_inline)) void move(const Motion& m, uint64_t at, V inverse, V mass,
+                                                V gravity, S& sums) {
   const V a = load<V>(m.force + at) * inverse + gravity;
-  V v = load<V>(m.velocity + at) * m.decay[0] + a * m.gain[0];
+  const V before = load<V>(m.velocity + at);
+  V v = before * m.decay[0] + a * m.gain[0];
   if (Kicks == 2) v = v * m.decay[1] + a * m.gain[1];
-  zero += v * 0.0;
+  const V momentum = v * mass;
+  sums.zero += v * 0.0;
+  sums.before += a * before * mass;
+  sums.after += a * momentum;
+  sums.inertia += v * momentum;
   store(m.velocity + at, v);
   if (Drift) {
     store(m.position + at, load<V>(m.position + at) + v * m.drift);
@@ -288,17 +300,17 @@ inline __attribute__((always_inline)) void move(const Motion& m, uint64_t at, V 
 
 /// A block that is not whole, or of which only some vertices live.
 template <int Kicks, bool Drift>
-void move_some(const Motion& m, uint32_t first, uint32_t count, Row gravity, Row& zero) {
+void move_some(const Motion& m, uint32_t first, uint32_t count, Row gravity, RowSums& sums) {
   for (uint32_t l = 0; l < count; ++l)
     if (!m.live || (m.live[first / lanes] >> l & 1) != 0)
       move<Kicks, Drift>(m, static_cast<uint64_t>(first + l) * 4, Row{} + 1.0 / m.mass[first + l],
-                         gravity, zero);
+                         Row{} + m.mass[first + l], gravity, sums);
 }
 
 /// A whole block, two vertices at a time; masses are inverted together (a division per
 /// vertex would cost as much as the rest), and two sums break the chain of additions.
 template <int Kicks, bool Drift>
-inline void move_block(const Motion& m, uint32_t first, TwoRows gravity, TwoRows (&zero)[2]) {
+inline void move_block(const Motion& m, uint32_t first, TwoRows gravity, TwoRowSums (&sums)[2]) {
   const uint64_t at = static_cast<uint64_t>(first) * 4;
   for (uint32_t l = 0; l < lanes; l += 2) {
     const uint64_t ahead = at + (l + prefetch_distance) * 4;
@@ -306,10 +318,13 @@ inline void move_block(const Motion& m, uint32_t first, TwoRows gravity, TwoRows
     __builtin_prefetch(m.velocity + ahead, 1);
     __builtin_prefetch(m.position + ahead, 1);
   }
-  const Eight inverse = 1.0 / load<Eight>(m.mass + first);
+  const Eight masses = load<Eight>(m.mass + first), inverses = 1.0 / masses;
   const auto two = [&](int64_t l) __attribute__((always_inline)) {
-    const TwoRows each = __builtin_shuffle(inverse, Places{l, l, l, l, l + 1, l + 1, l + 1, l + 1});
-    move<Kicks, Drift>(m, at + static_cast<uint64_t>(l) * 4, each, gravity, zero[l / 2 % 2]);
+    const Places each{l, l, l, l, l + 1, l + 1, l + 1, l + 1};
+    const TwoRows inverse = __builtin_shuffle(inverses, each);
+    const TwoRows mass = __builtin_shuffle(masses, each);
+    move<Kicks, Drift>(m, at + static_cast<uint64_t>(l) * 4, inverse, mass, gravity,
+                       sums[l / 2 % 2]);
   };
   two(0);
   two(2);
@@ -317,35 +332,56 @@ inline void move_block(const Motion& m, uint32_t first, TwoRows gravity, TwoRows
   two(6);
 }
 
+inline double sum3(Row r) { return r[0] + r[1] + r[2]; }
+
+/// The two halves of a register, and the sums of single rows.
+inline Row fold(const TwoRows& a, const TwoRows& b, Row single) {
+  const TwoRows both = a + b;
+  return single + Row{both[0] + both[4], both[1] + both[5], both[2] + both[6], 0};
+}
+
 template <int Kicks, bool Drift>
-int32_t pass(const Motion* motion, uint32_t begin, uint32_t end) {
+int32_t pass(const Motion* motion, uint32_t begin, uint32_t end, PassSums* result) {
   const Motion m = *motion;
   const double* const g = m.gravity;
   const Row gravity = {g[0], g[1], g[2], 0};
   const TwoRows gravities = {g[0], g[1], g[2], 0, g[0], g[1], g[2], 0};
-  Row zero = {};
-  TwoRows zeros[2] = {};
+  RowSums single = {};
+  TwoRowSums twos[2] = {};
   for (uint32_t first = begin; first < end; first += lanes) {
     if (end - first >= lanes && (!m.live || m.live[first / lanes] == 0xFF))
-      move_block<Kicks, Drift>(m, first, gravities, zeros);
+      move_block<Kicks, Drift>(m, first, gravities, twos);
     else
-      move_some<Kicks, Drift>(m, first, end - first < lanes ? end - first : lanes, gravity, zero);
+      move_some<Kicks, Drift>(m, first, end - first < lanes ? end - first : lanes, gravity, single);
   }
-  const TwoRows both = zeros[0] + zeros[1];
-  zero += Row{both[0] + both[4], both[1] + both[5], both[2] + both[6], 0};
+  result->before = sum3(fold(twos[0].before, twos[1].before, single.before));
+  result->after = sum3(fold(twos[0].after, twos[1].after, single.after));
+  result->inertia = sum3(fold(twos[0].inertia, twos[1].inertia, single.inertia));
+  const Row zero = fold(twos[0].zero, twos[1].zero, single.zero);
   return zero[0] == 0 && zero[1] == 0 && zero[2] == 0 ? 0 : 1;
 }
 
-double kinetic(const double* velocity, const double* mass, uint32_t begin, uint32_t end) {
+/// 1 where a component moves, 0 where it is held.
+inline Row free_components(double fixed) {
+  const int bits = static_cast<int>(fixed);
+  return Row{bits & 1 ? 0.0 : 1.0, bits & 2 ? 0.0 : 1.0, bits & 4 ? 0.0 : 1.0, 0.0};
+}
+
+double kinetic(const Motion* motion, const double* fixed, uint32_t begin, uint32_t end) {
+  const Motion& m = *motion;
+  const Row gravity = {m.gravity[0], m.gravity[1], m.gravity[2], 0};
   Row sum = {};
   for (uint32_t i = begin; i < end; ++i) {
-    const Row v = load(velocity + static_cast<uint64_t>(i) * 4);
-    sum += v * v * mass[i];
+    if (m.live && (m.live[i / lanes] >> i % lanes & 1) == 0) continue;
+    const uint64_t at = static_cast<uint64_t>(i) * 4;
+    const Row v = load(m.velocity + at);
+    const Row a = load(m.force + at) / m.mass[i] + gravity;
+    const Row kicked = v * m.decay[0] + a * m.gain[0];
+    const Row now = v + (kicked - v) * free_components(fixed[i]);
+    sum += now * now * m.mass[i];
   }
   return 0.5 * (sum[0] + sum[1] + sum[2]);
 }
-
-inline double sum3(Row r) { return r[0] + r[1] + r[2]; }
 
 RestSums rest_sums(const RestInput* input, uint32_t begin, uint32_t end) {
   const RestInput& in = *input;
@@ -353,8 +389,7 @@ RestSums rest_sums(const RestInput* input, uint32_t begin, uint32_t end) {
   Row residual = {}, external = {}, reaction = {}, kinetic = {}, work = {}, inertia = {};
   for (uint32_t i = begin; i < end; ++i) {
     const uint64_t at = static_cast<uint64_t>(i) * 4;
-    const int bits = static_cast<int>(in.fixed[i]);
-    const Row free = {bits & 1 ? 0.0 : 1.0, bits & 2 ? 0.0 : 1.0, bits & 4 ? 0.0 : 1.0, 0.0};
+    const Row free = free_components(in.fixed[i]);
     const Row weight = gravity * in.mass[i];
     const Row load_here = in.external ? weight + load(in.external + at) : weight;
     const Row f = load(in.force + at), x = load(in.position + at), v = load(in.velocity + at);

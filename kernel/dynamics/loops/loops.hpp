@@ -96,6 +96,15 @@ struct alignas(64) Buffers {
   uint32_t ids[8];
 };
 
+/// What the vertices of a pass exchange, for the ledger of work and for the apparent
+/// frequency of the motion (motion_sums.hpp). a = f / m + gravity; v- and v+ are the
+/// velocities before and after the kicks of the pass.
+struct PassSums {
+  double before;   ///< sum m a . v-, W
+  double after;    ///< sum m a . v+, W
+  double inertia;  ///< sum m v+ . v+, twice the kinetic energy, J
+};
+
 /// One pass of an integrator over vertices [begin, end).
 ///   a = f / m + gravity
 ///   v = decay[k] v + gain[k] a      for each of the `kicks`
@@ -153,11 +162,12 @@ struct Table {
   /// Fills `batch` with rows of one block, at least one (extensions).
   void (*gather)(const Job*, const Worker*, const BatchRows*, Buffers*, suture_batch*);
   /// Passes of integrators; they return 1 if a velocity is not finite.
-  int32_t (*kick_drift)(const Motion*, uint32_t begin, uint32_t end);
-  int32_t (*kick_kick_drift)(const Motion*, uint32_t begin, uint32_t end);
-  int32_t (*kick)(const Motion*, uint32_t begin, uint32_t end);
-  /// sum m v^2 / 2 in a fixed order.
-  double (*kinetic)(const double* velocity, const double* mass, uint32_t begin, uint32_t end);
+  int32_t (*kick_drift)(const Motion*, uint32_t begin, uint32_t end, PassSums*);
+  int32_t (*kick_kick_drift)(const Motion*, uint32_t begin, uint32_t end, PassSums*);
+  int32_t (*kick)(const Motion*, uint32_t begin, uint32_t end, PassSums*);
+  /// sum m v^2 / 2 in a fixed order, v after the first kick of the motion; components that
+  /// are held (bits 1 x, 2 y, 4 z of `fixed`) are not kicked. Nothing is written.
+  double (*kinetic)(const Motion*, const double* fixed, uint32_t begin, uint32_t end);
   RestSums (*rest_sums)(const RestInput*, uint32_t begin, uint32_t end);
   /// Number of live elements in [begin, end) with a corner Jacobian <= 0; the first
   /// of them in *first.

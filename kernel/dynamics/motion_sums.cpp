@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/dynamics/motion_sums.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace suture {
+
+void MotionSums::resize(Index vertices) { chunks_.resize((vertices + chunk - 1) / chunk); }
+
+double MotionSums::noted_before() const {
+  double sum = 0;
+  for (const Chunk& c : chunks_) sum += c.before;
+  return sum;
+}
+
+double MotionSums::noted_driven() const {
+  double sum = 0;
+  for (const Chunk& c : chunks_) sum += c.driven_before;
+  return sum;
+}
+
+void MotionSums::forget_last() {
+  has_last_ = false;
+  whole_body_only_ = false;
+}
+
+double MotionSums::squared_frequency(double before, double last_after, double last_inertia,
+                                     double h) const {
+  if (!(last_inertia * h * h > noise_)) return 0;
+  return -(before - last_after) * h / last_inertia;
+}
+
+void MotionSums::finish_step(double before, double now) {
+  Chunk sum;
+  double largest = 0;
+  for (Chunk& c : chunks_) {
+    sum.before += c.before;
+    sum.after += c.after;
+    sum.inertia += c.inertia;
+    sum.driven.work += c.driven_before + c.driven.work;
+    sum.driven.inertia += c.driven.inertia;
+    sum.last_after += c.last_after;
+    sum.last_inertia += c.last_inertia;
+    if (!whole_body_only_)
+      largest = std::max(largest,
+                         squared_frequency(c.before, c.last_after, c.last_inertia, before));
+    c.last_after = c.after;
+    c.last_inertia = c.inertia;
+    c.before = c.driven_before = 0;
+  }
+  if (whole_body_only_)
+    largest = squared_frequency(sum.before, sum.last_after, sum.last_inertia, before);
+  frequency_ = has_last_ ? std::sqrt(std::max(largest, 0.0)) : 0;
+  const double work = (before * sum.before + now * sum.after) / 2;
+  work_ += work;
+  driven_ += sum.driven.work;
+  if (damps_ && has_last_)
+    damped_ += work + sum.driven.work + sum.driven.inertia - (sum.inertia - sum.last_inertia) / 2;
+  has_last_ = true;
+  whole_body_only_ = false;
+}
+
+}  // namespace suture

@@ -101,7 +101,7 @@ void Body::require_all_ids() {
 }
 
 void Body::cut(std::span<const Dart> faces) {
-  dynamics_->prepare_change(true);
+  dynamics_->prepare_change({}, true);
   const TopologyChange change = mesh_.complex.cut(faces);
   attributes_->apply(mesh_.complex, change);
   dynamics_->update(mesh_.complex, change);

@@ -22,7 +22,7 @@ OperationTimes SutureCut::cut(std::span<const Dart> faces) {
   std::vector<Dart> ours(faces.begin(), faces.end());
   for (Dart& d : ours) d = 24 * mesh_.element_of[d / 24] + d % 24;
   const double start = now(1);
-  dynamics_->prepare_change(true);
+  dynamics_->prepare_change({}, true);
   OperationTimes times = follow(mesh_.complex.cut(ours), start);
   times.release = now(1) - start - times.all();
   return times;
@@ -32,7 +32,7 @@ OperationTimes SutureCut::pierce(std::span<const Index> elements) {
   std::vector<Index> ours(elements.begin(), elements.end());
   for (Index& e : ours) e = mesh_.element_of[e];
   const double start = now(1);
-  dynamics_->prepare_change(false);
+  dynamics_->prepare_change({}, false);
   OperationTimes times = follow(mesh_.complex.pierce(ours), start);
   times.release = now(1) - start - times.all();
   return times;

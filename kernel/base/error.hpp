@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 
@@ -44,7 +45,11 @@ class PluginError : public Error {
 /// Non-finite values, growing energy, inverted elements, no convergence.
 class NumericalError : public Error {
  public:
-  using Error::Error;
+  static constexpr std::uint64_t nowhere = ~std::uint64_t{0};
+  /// `where`: the element, by the number that users know it by, if the text gives no place.
+  explicit NumericalError(const std::string& text, std::uint64_t where = nowhere)
+      : Error(text), element(where) {}
+  std::uint64_t element;
   int exit_code() const noexcept override { return 5; }
 };
 

@@ -275,6 +275,15 @@ struct Dynamics::Impl {
     return n;
   }
 
+  /// A vertex of an operation that is being made, and its acceleration before.
+  struct Changing {
+    Index vertex;
+    Vec3 acceleration;
+  };
+  std::vector<Vec3> forces_at(std::span<const Index> vertices);
+  Vec3 over_mass(const Vec3& force, Index vertex) const;
+  void kick_changed(const TopologyChange& change);
+
   double external_potential() const;
   loops::RestSums rest_sums();
   std::vector<Index> vertices_of(std::span<const Index> elements) const;
@@ -298,6 +307,7 @@ struct Dynamics::Impl {
   double evaluated_dt = 0;
   Kick pending;  // Verlet: the half kick that the velocities lack
   bool is_pending = false;
+  std::vector<Changing> changing;
   bool asleep = false;                                      // some island is
   LiveMask awake;                                           // vertices, while something sleeps
   AlignedVector<double> old_position, old_force, external;  // of rest_sums()
@@ -334,9 +344,58 @@ void Dynamics::synchronise_velocities() {
   if (impl_->is_pending) impl_->synchronise();
 }
 
-void Dynamics::prepare_change(bool only_apart) {
-  synchronise_velocities();
+void Dynamics::prepare_change(std::span<const Index> vertices, bool only_apart) {
   if (!only_apart) impl_->ledger.before_jump(impl_->now());
+  impl_->changing.clear();
+  if (!impl_->is_lagging()) return;
+  const std::vector<Vec3> forces = impl_->forces_at(vertices);
+  for (std::size_t i = 0; i < forces.size(); ++i)
+    impl_->changing.push_back({vertices[i], impl_->over_mass(forces[i], vertices[i])});
+}
+
+/// Forces of models and loads; zeros where a model fails, as the step will say so.
+std::vector<Vec3> Dynamics::Impl::forces_at(std::span<const Index> vertices) {
+  if (vertices.empty()) return {};
+  try {
+    std::vector<Vec3> result = forces.forces_around(vertices, time);
+    loads.add_at(forces.selection(), vertices, attributes.position().rows(), time, result);
+    return result;
+  } catch (const NumericalError&) {
+    return {};
+  }
+}
+
+Vec3 Dynamics::Impl::over_mass(const Vec3& force, Index vertex) const {
+  const double mass = attributes.mass().get(vertex, 0);
+  return {force[0] / mass, force[1] / mass, force[2] / mass};
+}
+
+/// The kick to come takes the forces f' after the operation for the whole time between two
+/// velocities, but its first half belongs to the forces f before it:
+///   e (v + g/e (f - f')/m) + g f'/m = e v + g f/m       e, g: of the first half
+void Dynamics::Impl::kick_changed(const TopologyChange& change) {
+  std::erase_if(changing, [&](const Changing& c) { return !complex->exists(0, c.vertex); });
+  const std::size_t known = changing.size();
+  if (known == 0) return;
+  std::vector<Changing> parents = changing;
+  std::ranges::sort(parents, {}, &Changing::vertex);
+  for (const Split& split : change.splits[0]) {
+    const auto parent = std::ranges::lower_bound(parents, split.old_cell, {}, &Changing::vertex);
+    if (parent != parents.end() && parent->vertex == split.old_cell)
+      changing.push_back({split.new_cell, parent->acceleration});
+  }
+  std::vector<Index> vertices;
+  for (const Changing& c : changing) vertices.push_back(c.vertex);
+  const std::vector<Vec3> now = forces_at(vertices);
+  const Kick half = lacking();
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const Vec3 a = over_mass(now[i], vertices[i]);
+    const int fixed = static_cast<int>(attributes.fixed().get(vertices[i], 0));
+    double* v = attributes.velocity().rows() + std::size_t{vertices[i]} * 4;
+    for (std::size_t c = 0; c < 3; ++c)
+      if ((fixed >> c & 1) == 0)
+        v[c] += half.gain / half.decay * (changing[i].acceleration[c] - a[c]);
+  }
 }
 
 void Dynamics::update(const CellComplex& complex, const TopologyChange& change) {
@@ -350,6 +409,7 @@ void Dynamics::update(const CellComplex& complex, const TopologyChange& change) 
   if (!only_apart || !change.splits[0].empty())
     impl_->loads.update(impl_->attributes.rest_places(complex));
   impl_->forget_forces();
+  impl_->kick_changed(change);
   if (only_apart)
     impl_->ledger.follow_splits();
   else
@@ -436,7 +496,7 @@ void Dynamics::wake_all() { impl_->wake(); }
 bool Dynamics::sleeps() const { return impl_->asleep; }
 
 void Dynamics::displace(std::span<const Vec3> shape, double scale) {
-  prepare_change(false);
+  prepare_change({}, false);
   Column& x = impl_->attributes.position();
   for (Index v = 0; v < impl_->attributes.vertex_count(); ++v)
     for (int c = 0; c < 3; ++c)
@@ -508,6 +568,22 @@ EnergyBalance Dynamics::balance() {
 }
 
 double Dynamics::apparent_frequency() const { return impl_->ledger.sums.apparent_frequency(); }
+
+Index Dynamics::fastest_vertex() const {
+  const Index chunk = impl_->ledger.sums.fastest_chunk(), vertices = impl_->attributes.vertex_count();
+  const Index first = chunk == none ? 0 : chunk * pass_chunk;
+  const Index last = chunk == none ? vertices : std::min(first + pass_chunk, vertices);
+  const auto energy = [&](Index v) {
+    const double* row = impl_->attributes.velocity().rows() + std::size_t{v} * 4;
+    return impl_->attributes.mass().get(v, 0) *
+           (row[0] * row[0] + row[1] * row[1] + row[2] * row[2]);
+  };
+  Index fastest = first;
+  double most = -1;
+  for (Index v = first; v < last; ++v)
+    if (impl_->complex->exists(0, v) && energy(v) > most) most = energy(fastest = v);
+  return fastest;
+}
 
 // -------------------------------------------------------------------- steps back --
 

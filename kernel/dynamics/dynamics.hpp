@@ -73,10 +73,11 @@ class Dynamics {
   /// The velocities alone, where the forces are not wanted. Costs nothing with symplectic Euler.
   void synchronise_velocities();
 
-  /// Before an operation: completes the velocities, as the forces will be others. Costs
-  /// nothing with symplectic Euler, unless elements are going to be removed or joined
-  /// (`only_apart` false): what energy that takes is booked, for two evaluations.
-  void prepare_change(bool only_apart);
+  /// Before an operation on these vertices, each given once: remembers their accelerations, as
+  /// half a step is still owed to the velocities with the forces before the operation and not
+  /// with those after it. O(cells around them). If elements are going to be removed or joined
+  /// (`only_apart` false), what energy that takes is booked, for two evaluations.
+  void prepare_change(std::span<const Index> vertices, bool only_apart);
 
   /// An operation was made and attributes.apply() called. Call prepare_change()
   /// before the operation. Wakes all that sleeps. O(cells touched + loaded).
@@ -135,6 +136,8 @@ class Dynamics {
   /// h w of the motion of the last step, w being its apparent frequency where that is largest
   /// (motion_sums.hpp): 2 where the step is unstable. Free of cost; 0 where rounding prevails.
   double apparent_frequency() const;
+  /// The vertex with the most kinetic energy there.
+  Index fastest_vertex() const;
 
   /// A state to go back to; 48 B per vertex and the states of the models. Good until an operation,
   /// sleep or wake_all().

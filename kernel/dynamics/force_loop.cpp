@@ -150,7 +150,7 @@ struct ForceLoop::Impl {
   std::deque<RowNodes> row_nodes;
   std::deque<CompiledFunctor> functors;
   LocalRows local;
-  LocalBounds local_bounds;
+  VertexSelection selection;
   /// Rows that are neither dead nor asleep, per instance; empty if none sleeps.
   std::vector<std::array<LiveMask, 4>> awake_rows;
   std::vector<bool> still;  ///< vertices held where they are at rest; empty: nothing is left out
@@ -234,6 +234,40 @@ double ForceLoop::energy(double time) {
   impl_->raise_failures(time);
   return sum;
 }
+
+std::vector<Vec3> ForceLoop::forces_around(std::span<const Index> vertices, double time) {
+  std::vector<Vec3> forces(vertices.size());
+  if (vertices.empty()) return forces;
+  impl_->selection.select(vertices, impl_->attributes.vertex_count());
+  const std::vector<Index> elements = impl_->local.elements_around(*impl_->complex, vertices);
+  alignas(64) double force[8 * 3 * lanes];
+  for (Index i = 0; i < impl_->functors.size(); ++i) {
+    const CompiledFunctor& functor = impl_->functors[i];
+    if (functor.skipped()) continue;
+    impl_->for_each_local(
+        i, time, impl_->local.rows_at(*impl_->complex, functor, elements, impl_->selection),
+        [&](const loops::Job& job, const loops::Worker& worker, suture_batch& batch,
+            const loops::BatchRows& rows) {
+          batch.force = force;
+          const suture_status status = job.function(worker.context, &batch);
+          for (Index l = 0; l < batch.valid; ++l) {
+            const Index r = rows.row[l];
+            const Index* nodes =
+                job.nodes + std::size_t{job.cells ? job.cells[r] : r} * job.node_count;
+            for (Index n = 0; n < job.node_count; ++n) {
+              if (!impl_->selection.contains(nodes[n])) continue;
+              Vec3& sum = forces[impl_->selection.slot(nodes[n])];
+              for (std::size_t c = 0; c < 3; ++c) sum[c] += force[(n * 3 + c) * lanes + l];
+            }
+          }
+          return status;
+        });
+  }
+  impl_->raise_failures(time);
+  return forces;
+}
+
+const VertexSelection& ForceLoop::selection() const { return impl_->selection; }
 
 double ForceLoop::energy_around(std::span<const Index> elements, double time) {
   double sum = 0;
@@ -354,14 +388,15 @@ ForceLoop::Bounds ForceLoop::bounds(double time) {
 
 ForceLoop::Bounds ForceLoop::bounds_around(std::span<const Index> vertices, double time) {
   if (vertices.empty()) return {};
-  LocalBounds& sums = impl_->local_bounds;
-  sums.select(vertices, impl_->attributes.vertex_count());
+  VertexSelection& selection = impl_->selection;
+  selection.select(vertices, impl_->attributes.vertex_count());
+  LocalBounds sums(selection, vertices.size());
   const std::vector<Index> elements = impl_->local.elements_around(*impl_->complex, vertices);
   for (Index i = 0; i < impl_->functors.size(); ++i) {
     const CompiledFunctor& functor = impl_->functors[i];
     if (functor.skipped()) continue;
     const suture_stable_dt_1& extension = bounds_of(functor);
-    impl_->for_each_local(i, time, impl_->local.rows_at(*impl_->complex, functor, elements, sums),
+    impl_->for_each_local(i, time, impl_->local.rows_at(*impl_->complex, functor, elements, selection),
                           [&](const auto& job, const auto& worker, auto& batch, const auto& rows) {
                             return add_bounds(extension, job, worker, batch, rows, sums);
                           });

@@ -12,14 +12,15 @@
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/parallel.hpp"
+#include "kernel/dynamics/vertex_selection.hpp"
 
 namespace suture {
 
 /// A model asks for a smaller step: the state before the step is still good.
 class StepRejected : public NumericalError {
  public:
-  StepRejected(const std::string& text, double factor)
-      : NumericalError(text), step_factor(factor) {}
+  StepRejected(const std::string& text, double factor, std::uint64_t where = nowhere)
+      : NumericalError(text, where), step_factor(factor) {}
   double step_factor;  ///< proposed dt / present dt, in (0, 1)
 };
 
@@ -50,6 +51,10 @@ class ForceLoop {
   void accept();
   /// Stored energy of all functors that know theirs, J. Fixed order of summation.
   double energy(double time);
+  /// What add_forces() adds at these vertices, each given once; in their order. To the
+  /// rounding of another order. O(cells around them).
+  std::vector<Vec3> forces_around(std::span<const Index> vertices, double time);
+  const VertexSelection& selection() const;  ///< of the last call of that
   /// The part of energy() that lies in these elements, their edges and their faces: an
   /// operation that touches no others changes energy() by the difference. Elements that
   /// were removed add nothing. To the rounding of another order. O(elements).

@@ -213,7 +213,7 @@ void Loads::for_each_face(const PressureLoad& load, const double* position, doub
 
 namespace {
 
-void add_at(double* rows, const LiveMask& live, Index vertex, double s, const Vec3& force) {
+void add_row(double* rows, const LiveMask& live, Index vertex, double s, const Vec3& force) {
   for (std::size_t c = 0; c < 3 && live[vertex]; ++c)
     rows[std::size_t{vertex} * 4 + c] += s * force[c];
 }
@@ -225,19 +225,42 @@ void Loads::add(double* rows, const double* position, double time, const LiveMas
                 OnFace on_face) const {
   for (const DeadLoad& load : dead_) {
     const double s = load.ramp.value(time);
-    for (const Nodal& nodal : load.nodal) add_at(rows, live, nodal.vertex, s, nodal.force);
+    for (const Nodal& nodal : load.nodal) add_row(rows, live, nodal.vertex, s, nodal.force);
   }
   for (std::size_t l = 0; l < pressures_.size(); ++l)
     for_each_face(pressures_[l], position, time,
                   [&](std::size_t i, const std::array<Vec3, 4>& force) {
                     const std::array<Index, 4>& nodes = pressures_[l].nodes[i];
-                    for (std::size_t a = 0; a < 4; ++a) add_at(rows, live, nodes[a], 1, force[a]);
+                    for (std::size_t a = 0; a < 4; ++a) add_row(rows, live, nodes[a], 1, force[a]);
                     on_face(l, i, force);
                   });
 }
 
 void Loads::add_to(double* rows, const double* position, double time, const LiveMask& live) const {
   add(rows, position, time, live, [](std::size_t, std::size_t, const std::array<Vec3, 4>&) {});
+}
+
+void Loads::add_at(const VertexSelection& selection, std::span<const Index> vertices,
+                   const double* position, double time, std::vector<Vec3>& forces) const {
+  for (const DeadLoad& load : dead_) {
+    const double s = load.ramp.value(time);
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      const auto nodal = std::ranges::lower_bound(load.nodal, vertices[i], {}, &Nodal::vertex);
+      if (nodal == load.nodal.end() || nodal->vertex != vertices[i]) continue;
+      for (std::size_t c = 0; c < 3; ++c) forces[i][c] += s * nodal->force[c];
+    }
+  }
+  for (PressureLoad load : pressures_) {
+    std::erase_if(load.nodes, [&](const std::array<Index, 4>& nodes) {
+      return std::ranges::none_of(nodes, [&](Index v) { return selection.contains(v); });
+    });
+    for_each_face(load, position, time, [&](std::size_t i, const std::array<Vec3, 4>& force) {
+      for (std::size_t a = 0; a < 4; ++a) {
+        const Index slot = selection.slot(load.nodes[i][a]);
+        for (std::size_t c = 0; c < 3 && slot != none; ++c) forces[slot][c] += force[a][c];
+      }
+    });
+  }
 }
 
 void Loads::add_and_book(double* rows, const double* position, double time, const LiveMask& live) {

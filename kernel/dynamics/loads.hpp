@@ -8,6 +8,7 @@
 
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/dynamics/time_ramp.hpp"
+#include "kernel/dynamics/vertex_selection.hpp"
 
 namespace suture {
 
@@ -39,6 +40,11 @@ class Loads {
   /// Adds all loads at `time` to `rows` (4 per vertex) of the vertices that are `live`.
   /// O(loaded vertices, faces).
   void add_to(double* rows, const double* position, double time, const LiveMask& live = {}) const;
+
+  /// Adds what they give at the vertices of a selection to `forces`, in its order.
+  /// O(selected log loaded, faces).
+  void add_at(const VertexSelection& selection, std::span<const Index> vertices,
+              const double* position, double time, std::vector<Vec3>& forces) const;
 
   /// The same, and books the work since the last call by the trapezoid: forces of both times
   /// times the way between them.

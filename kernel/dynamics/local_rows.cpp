@@ -77,10 +77,10 @@ std::span<const loops::BatchRows> LocalRows::rows_of(const CellComplex& complex,
 std::span<const loops::BatchRows> LocalRows::rows_at(const CellComplex& complex,
                                                      const CompiledFunctor& functor,
                                                      std::span<const Index> elements,
-                                                     const LocalBounds& bounds) {
+                                                     const VertexSelection& selection) {
   return find(complex, functor, elements, [&](Index row) {
     return std::ranges::any_of(functor.connectivity(complex).of(row),
-                               [&](Index v) { return bounds.contains(v); });
+                               [&](Index v) { return selection.contains(v); });
   });
 }
 

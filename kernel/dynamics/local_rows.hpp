@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "kernel/dynamics/compiled_functor.hpp"
-#include "kernel/dynamics/vertex_bounds.hpp"
+#include "kernel/dynamics/vertex_selection.hpp"
 
 namespace suture {
 
@@ -23,11 +23,11 @@ class LocalRows {
   std::span<const loops::BatchRows> rows_of(const CellComplex& complex,
                                             const CompiledFunctor& functor,
                                             std::span<const Index> elements);
-  /// Only rows with a vertex that is selected in `bounds`.
+  /// Only rows with a vertex that is selected.
   std::span<const loops::BatchRows> rows_at(const CellComplex& complex,
                                             const CompiledFunctor& functor,
                                             std::span<const Index> elements,
-                                            const LocalBounds& bounds);
+                                            const VertexSelection& selection);
 
  private:
   template <class Wanted>

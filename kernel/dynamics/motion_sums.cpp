@@ -34,6 +34,7 @@ double MotionSums::squared_frequency(double before, double last_after, double la
 void MotionSums::finish_step(double before, double now) {
   Chunk sum;
   double largest = 0;
+  fastest_ = none;
   for (Chunk& c : chunks_) {
     sum.before += c.before;
     sum.after += c.after;
@@ -42,9 +43,11 @@ void MotionSums::finish_step(double before, double now) {
     sum.driven.inertia += c.driven.inertia;
     sum.last_after += c.last_after;
     sum.last_inertia += c.last_inertia;
-    if (!whole_body_only_)
-      largest = std::max(largest,
-                         squared_frequency(c.before, c.last_after, c.last_inertia, before));
+    const double here = squared_frequency(c.before, c.last_after, c.last_inertia, before);
+    if (here > largest && !whole_body_only_) {
+      largest = here;
+      fastest_ = static_cast<Index>(&c - chunks_.data());
+    }
     c.last_after = c.after;
     c.last_inertia = c.inertia;
     c.before = c.driven_before = 0;

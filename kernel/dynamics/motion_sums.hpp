@@ -55,6 +55,8 @@ class MotionSums {
   /// The largest h w of any chunk in the last step; 0 where nothing moves more than
   /// rounding does.
   double apparent_frequency() const { return frequency_; }
+  /// The chunk where it is; `none` if only the whole body was looked at.
+  Index fastest_chunk() const { return fastest_; }
   /// Chunks whose C h^2 lies below are not looked at, kg m^2.
   void set_noise(double inertia) { noise_ = inertia; }
 
@@ -75,6 +77,7 @@ class MotionSums {
   std::vector<Chunk> chunks_;
   bool has_last_ = false, whole_body_only_ = false, damps_ = false;
   double noise_ = 0, frequency_ = 0;
+  Index fastest_ = none;
   double work_ = 0, damped_ = 0, driven_ = 0;
 };
 

@@ -9,6 +9,7 @@
 #include "kernel/dynamics/force_loop.hpp"
 #include "kernel/dynamics/stable_step.hpp"
 #include "kernel/dynamics/symmetric3.hpp"
+#include "kernel/dynamics/vertex_selection.hpp"
 
 namespace suture {
 
@@ -36,26 +37,18 @@ class VertexBounds {
   std::vector<BoundSums> sums_;
 };
 
-/// Of some vertices; those of others are dropped. 4 B per vertex of the complex, kept
-/// between selections.
+/// Of some vertices; those of others are dropped.
 class LocalBounds {
  public:
-  /// Sums of zero for `vertices`, each at most once. O(vertices), the first time O(all).
-  void select(std::span<const Index> vertices, Index vertex_count) {
-    for (const Index v : selected_) slot_[v] = none;
-    if (slot_.size() < vertex_count) slot_.resize(vertex_count, none);
-    selected_.assign(vertices.begin(), vertices.end());
-    for (std::size_t i = 0; i < selected_.size(); ++i) slot_[selected_[i]] = static_cast<Index>(i);
-    sums_.assign(selected_.size(), {});
-  }
-  bool contains(Index vertex) const { return slot_[vertex] != none; }
+  explicit LocalBounds(const VertexSelection& selection, std::size_t count)
+      : selection_(selection), sums_(count) {}
   void add(Index vertex, const double* k, const double* c) {
-    if (contains(vertex)) sums_[slot_[vertex]].add(k, c);
+    if (selection_.contains(vertex)) sums_[selection_.slot(vertex)].add(k, c);
   }
-  const BoundSums& operator[](Index vertex) const { return sums_[slot_[vertex]]; }
+  const BoundSums& operator[](Index vertex) const { return sums_[selection_.slot(vertex)]; }
 
  private:
-  std::vector<Index> slot_, selected_;
+  const VertexSelection& selection_;
   std::vector<BoundSums> sums_;
 };
 

@@ -11,15 +11,11 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/heap.hpp"
 #include "kernel/dynamics/rest_search.hpp"
-#include "kernel/run/clock.hpp"
 #include "kernel/run/decisions.hpp"
-#include "kernel/run/event_runner.hpp"
 #include "kernel/run/event_schedule.hpp"
-#include "kernel/run/guard.hpp"
-#include "kernel/run/kept_states.hpp"
 #include "kernel/run/sleeper.hpp"
 #include "kernel/run/stability.hpp"
-#include "kernel/run/step_watch.hpp"
+#include "kernel/run/step_control.hpp"
 
 namespace suture {
 namespace {
@@ -30,22 +26,7 @@ double seconds_since(Wall::time_point start) {
   return std::chrono::duration<double>(Wall::now() - start).count();
 }
 
-// Steps between looks at energy and inversion, which cost 1 % of the forces then.
-constexpr std::uint64_t guard_steps = 64;
 constexpr std::uint64_t rest_step_limit = 10'000'000;
-// Energy from nowhere, as a part of what was exchanged, that is worth a word. Right runs stay
-// below 0.014.
-constexpr double notable_growth = 0.02;
-// Times that a step is halved before it is given up, and attempts to pass a place where
-// elements or models fail, which a smaller step may not help.
-constexpr unsigned most_halvings = 10, most_attempts = 2;
-
-/// The motion is that of an unstable step.
-class UnstableStep : public NumericalError {
- public:
-  using NumericalError::NumericalError;
-};
-
 // Times that an automatic dt must hit.
 std::vector<double> stops_of(const Scene& scene) {
   std::vector<double> stops{scene.gravity_ramp.from, scene.gravity_ramp.to};
@@ -80,11 +61,12 @@ struct Simulation::Impl {
       : diagnostics(d),
         world(s, d, skip),
         recorder(scene, world, provenance_of(s, host, world)),
-        clock(s.solver.dt, stops_of(s), s.output.enabled ? s.output.every : 0, s.solver.end),
-        guard(scene, world, d),
-        watch(scene, world, d),
         schedule(scene.events, world),
         events(scene, world, d),
+        control(scene, world, recorder, schedule, events,
+                Clock(s.solver.dt, stops_of(s), s.output.enabled ? s.output.every : 0,
+                      s.solver.end),
+                d),
         sleeper(s.solver, world),
         stability(scene, world, recorder, d) {
     Decision still = decide_still_cells(scene, world, recorder);
@@ -96,8 +78,7 @@ struct Simulation::Impl {
       rest->wait_until(schedule.settled_after());
     }
     world.dynamics->start();
-    watch.start();
-    guard.start();
+    control.start();
     trim_heap();  // of the search
   }
 
@@ -105,11 +86,6 @@ struct Simulation::Impl {
     Vec3 g = scene.gravity;
     for (double& component : g) component *= scene.gravity_ramp.value(clock.time());
     return g;
-  }
-
-  double next_dt() {
-    clock.divide(watch.halvings());
-    return clock.next_dt(watch.wanted());
   }
 
   // ---- events ----
@@ -126,20 +102,17 @@ struct Simulation::Impl {
     summary.faces_sewn += outcome.faces_sewn;
     summary.elements_removed += outcome.elements_removed;
     sleeper.woken();
-    recorder.release(clock.step());
-    kept.forget(clock);
+    control.after_event();
     const Index islands = world.islands().existing();
     std::ostringstream text;
     text << "t = " << clock.time() << " s: " << outcome.text() << ", " << islands
          << (islands == 1 ? " island" : " islands");
     observer.on_message(text.str());
-    watch.after_event(clock.step());
   }
 
   void tell_of_sleep(Observer& observer) {
     if (sleeper.look(clock.step()) == 0) return;
-    recorder.release(clock.step());
-    kept.forget(clock);
+    control.commit();
     std::ostringstream text;
     text << "t = " << clock.time() << " s: " << sleeper.sleeping() << " of "
          << world.islands().existing() << " islands sleep";
@@ -177,7 +150,7 @@ struct Simulation::Impl {
       return true;
     };
     if (recorder.writes_energies() && due(output.energies_every, last_energies_step))
-      recorder.energies(clock.step(), clock.time(), last_dt, world.dynamics->balance());
+      recorder.energies(clock.step(), clock.time(), control.last_dt(), world.dynamics->balance());
     if (recorder.writes_probes() && due(output.probes_every, last_probes_step)) {
       if (recorder.probes_need(&FieldChoice::needs_force))
         world.dynamics->synchronise();
@@ -196,122 +169,20 @@ struct Simulation::Impl {
 
   // ---- the loop ----
 
-  /// One step, or back to the beginning of some that were wrong.
   void step(Observer& observer) {
-    if (kept.look(clock, schedule, *world.dynamics, recorder.frames_held() > 2))
-      recorder.release(kept.older().clock->step());
-    try {
-      make_step();
-      check_step(observer);
-    } catch (const NumericalError& error) {
-      step_back(error, observer);
-    }
-  }
-
-  void make_step() {
-    const double dt = next_dt();
-    if (!(dt > 0))
-      throw NumericalError("the stable step is " + std::to_string(dt) + " s; nothing can move on");
-    clock.advance();
-    last_dt = dt;  // and not the difference of two times: forces stay good while dt is the same
-    world.dynamics->step(dt, clock.time());
-  }
-
-  void check_step(Observer& observer) {
-    if (watch.is_alarming(clock.step()) && watch.is_unstable(clock.step(), last_dt)) {
-      std::ostringstream text;
-      text << "the motion has the frequency of an unstable step: omega dt = "
-           << world.dynamics->apparent_frequency() << " where 2 is the limit";
-      throw UnstableStep(text.str());
-    }
-    if (clock.step() % guard_steps == 0) check_state(observer);
-    watch.after_step(clock.step());
-  }
-
-  /// Throws for numbers that are wrong; energy that grows slowly gets a word.
-  void check_state(Observer& observer) {
-    guard.check(clock.step(), clock.time());
-    if (guard.growth() <= notable_growth) return;
-    std::ostringstream text;
-    text << "t = " << clock.time() << " s: " << 100 * guard.growth()
-         << " % of the energy exchanged came from nowhere";
-    if (watch.is_unstable(clock.step(), last_dt)) throw UnstableStep(text.str());
-    guard.forgive_growth();
-    if (watch.lower_safety()) {
-      observer.on_message(text.str() + "; the step is half the stable one from now on");
-    } else if (!growth_was_told) {
-      growth_was_told = true;
-      diagnostics.warn(text.str() +
-                       ": the step is stable, so either it is too coarse for this motion (lower "
-                       "/solver/dt or /solver/safety), or a model feeds energy that "
-                       "its suture.energy/1 does not know of; see balance in energies.csv");
-    }
-  }
-
-  /// Goes back to the older state that is kept, with a smaller step; throws what is final.
-  void step_back(const NumericalError& error, Observer& observer) {
-    const auto* rejected = dynamic_cast<const StepRejected*>(&error);
-    const bool unstable = dynamic_cast<const UnstableStep*>(&error) != nullptr;
-    const double failed_at = clock.time();
-    const bool same_place = failed_at <= furthest_failure + 64 * last_dt;
-    attempts = same_place ? attempts + 1 : 1;
-    furthest_failure = std::max(furthest_failure, failed_at);
-    const bool may_help = rejected || (!scene.solver.dt && (unstable || attempts <= most_attempts));
-    if (!may_help || kept.empty() || watch.halvings() >= most_halvings) give_up(error);
-    const KeptStates::State& state = kept.take_older();
-    world.dynamics->restore(state.body);
-    clock = *state.clock;
-    schedule.go_back(state.schedule);
-    events.go_back(clock.time());
-    recorder.go_back(clock.step());
-    recorded_step = clock.step();
-    const double factor = rejected ? rejected->step_factor : 0.5;
-    watch.step_back(clock.step(), static_cast<unsigned>(std::ceil(-std::log2(factor) - 1e-9)));
-    std::ostringstream text;
-    text << "t = " << failed_at << " s: " << error.what() << "; back to t = " << clock.time()
-         << " s, dt is " << next_dt() << " s now";
-    observer.on_message(text.str());
-    ++summary.steps_back;
-  }
-
-  [[noreturn]] void give_up(const NumericalError& error) {
-    std::ostringstream text;
-    text << "step " << clock.step() << ", t = " << clock.time() << " s: " << error.what() << ". "
-         << advice(error);
-    throw NumericalError(text.str());
-  }
-
-  /// What fits the scene, and is not in it yet.
-  std::string advice(const NumericalError& error) {
-    std::ostringstream text;
-    const bool inverted = guard.inverted_elements() > 0;
-    if (scene.solver.dt) {
-      if (!(*scene.solver.dt < watch.stable())) {
-        text << "/solver/dt is " << *scene.solver.dt << " s";
-        if (watch.stable() > 0)
-          text << ", above the stable step of this state, about " << watch.stable() << " s";
-        text << ": lower it, or set it to \"auto\"";
-        return text.str();
-      }
-      if (dynamic_cast<const StepRejected*>(&error))
-        return "The model asked for a smaller step, and smaller ones did not help: lower the loads "
-               "or ramp them";
-    }
-    text << "A smaller step does not help";
-    if (inverted)
-      text << ": the load is beyond what the law or the mesh bears. Lower or ramp it, refine the "
-              "mesh there, choose another model, or set on_inversion of the model to \"warn\"";
-    else
-      text << ": lower the loads or ramp them, or look at the model's parameters there";
-    return text.str();
+    control.step([&](const std::string& text) { observer.on_message(text); });
+    // After a step back what comes again is recorded again.
+    for (std::uint64_t* mark :
+         {&recorded_step, &last_frame_step, &last_energies_step, &last_probes_step})
+      if (*mark > clock.step()) *mark = never;
   }
 
   /// False where the body does not bear what an event would have taken from it: steps
   /// that are only timed know no events.
   bool tries_step() {
     try {
-      make_step();
-      watch.after_step(clock.step());
+      control.make_step();
+      control.watch().after_step(clock.step());
       return true;
     } catch (const NumericalError&) {
       return false;
@@ -354,6 +225,7 @@ struct Simulation::Impl {
     const auto verdict = stability.examine(*rest, clock.step(), clock.time(), gravity_now());
     summary.lowest_eigenvalue = stability.lowest_eigenvalue();
     if (verdict == Stability::Verdict::kicked) {
+      control.commit();
       rest->restart();
       return false;
     }
@@ -364,15 +236,8 @@ struct Simulation::Impl {
     return true;
   }
 
-  /// A last look; false if it went back.
   bool ends_well(Observer& observer) {
-    const std::uint64_t step = clock.step();
-    try {
-      check_state(observer);
-    } catch (const NumericalError& error) {
-      step_back(error, observer);
-    }
-    return clock.step() == step;
+    return control.ends_well([&](const std::string& text) { observer.on_message(text); });
   }
 
   [[noreturn]] void refuse_more_steps(std::uint64_t limit) const {
@@ -431,16 +296,23 @@ struct Simulation::Impl {
   }
 
   RunSummary run(Observer& observer) {
-    loop(std::nullopt, observer);
+    try {
+      loop(std::nullopt, observer);
+    } catch (...) {
+      recorder.release(clock.step());  // what stands: a step that failed has taken its own back
+      recorder.finish();
+      throw;
+    }
     events.finish();
     finish();
-    summary.balance = guard.last().balance;
-    summary.exchanged = guard.last().exchanged;
+    summary.balance = control.guard().last().balance;
+    summary.exchanged = control.guard().last().exchanged;
+    summary.steps_back = control.steps_back();
     summary.steps = clock.step();
     summary.time = clock.time();
-    summary.dt = last_dt;
+    summary.dt = control.last_dt();
     summary.frames = recorder.frames_written();
-    summary.inverted_elements = guard.inverted_elements();
+    summary.inverted_elements = control.guard().inverted_elements();
     summary.threads = world.dynamics->forces().threads();
     if (summary.seconds > 0) {
       summary.elements_per_second =
@@ -456,23 +328,18 @@ struct Simulation::Impl {
   World world;
   const Scene& scene = world.scene;  ///< in the body's frame
   Recorder recorder;
-  Clock clock;
-  Guard guard;
-  StepWatch watch;
   EventSchedule schedule;
   EventRunner events;
+  StepControl control;
+  const Clock& clock = control.clock();
   Sleeper sleeper;
   Stability stability;
-  KeptStates kept;
   std::optional<RestSearch> rest;
   std::vector<Decision> decisions;
   RunSummary summary;
-  double last_dt = 0;
-  double furthest_failure = -1;  ///< s
-  unsigned attempts = 0;         ///< to pass it
-  bool growth_was_told = false;
-  std::uint64_t recorded_step = ~std::uint64_t{0}, last_frame_step = ~std::uint64_t{0},
-                last_energies_step = ~std::uint64_t{0}, last_probes_step = ~std::uint64_t{0};
+  static constexpr std::uint64_t never = ~std::uint64_t{0};
+  std::uint64_t recorded_step = never, last_frame_step = never, last_energies_step = never,
+                last_probes_step = never;
 };
 
 Simulation::Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip)
@@ -555,9 +422,9 @@ std::uint64_t Simulation::Impl::steps_to_rest(double budget) {
 Estimate Simulation::estimate() {
   Impl& impl = *impl_;
   Estimate estimate;
-  impl.watch.search(0);
-  estimate.stable_dt = impl.watch.stable();
-  estimate.dt = impl.next_dt();
+  impl.control.watch().search(0);
+  estimate.stable_dt = impl.control.watch().stable();
+  estimate.dt = impl.control.next_dt();
   const auto bytes = static_cast<double>(impl.recorder.rehearse(0, impl.gravity_now()));
   Wall::time_point start = Wall::now();
   impl.recorder.rehearse(0, impl.gravity_now());  // the first one loaded the writer

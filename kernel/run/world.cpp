@@ -172,22 +172,41 @@ void World::add_loads() {
   }
 }
 
+namespace {
+
+std::vector<Index> sorted_once(std::vector<Index> vertices) {
+  std::ranges::sort(vertices);
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
+}  // namespace
+
 TopologyChange World::cut(const std::vector<Dart>& faces) {
-  dynamics->prepare_change(true);
+  std::vector<Index> vertices;
+  for (const Dart d : faces)
+    for (const auto node : suture_hexahedron_faces[d % 24 / 4])
+      vertices.push_back(complex().vertices_of(d / 24)[node]);
+  dynamics->prepare_change(sorted_once(std::move(vertices)), true);
   TopologyChange change = complex().cut(faces);
   follow(change);
   return change;
 }
 
 TopologyChange World::pierce(const std::vector<Index>& elements) {
-  dynamics->prepare_change(false);
+  std::vector<Index> vertices;
+  for (const Index e : elements)
+    vertices.insert(vertices.end(), complex().vertices_of(e).begin(),
+                    complex().vertices_of(e).end());
+  dynamics->prepare_change(sorted_once(std::move(vertices)), false);
   TopologyChange change = complex().pierce(elements);
   follow(change);
   return change;
 }
 
+/// Vertices that meet take the mean of their velocities; nothing is owed to each of them.
 TopologyChange World::sew(const std::vector<Seam>& seams) {
-  dynamics->prepare_change(false);
+  dynamics->prepare_change({}, false);
   TopologyChange change = complex().sew(seams);
   follow(change);
   return change;

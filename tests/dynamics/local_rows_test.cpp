@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include "kernel/dynamics/force_loop.hpp"
 #include "tests/dynamics/spring_model.hpp"
 
 namespace {

@@ -383,7 +383,7 @@ TEST(Removal, WhatIsGoneIsNotIntegrated) {
       for (int i = 0; i < steps; ++i, time += 1e-4) dynamics.step(1e-4, time + 1e-4);
     };
     go(20);
-    dynamics.prepare_change(false);
+    dynamics.prepare_change({}, false);
     std::vector<Index> slab;  // a layer: its vertices go, and the body falls in two
     for (Index e = 0; e < body.mesh.complex.element_count(); ++e) {
       double x = 0;
@@ -399,14 +399,21 @@ TEST(Removal, WhatIsGoneIsNotIntegrated) {
     const double x = body.attributes->position().get(gone, 1);
     double kinetic = 0;
     go(100);
+    dynamics.synchronise();
     const auto energies = dynamics.energies();
+    // With Euler the velocities lag half a step behind: (f + m g) / m for that time, damped.
+    const double lag = scheme == DynamicsOptions::Scheme::symplectic_euler ? 0.5e-4 : 0;
+    const double decay = std::exp(-0.5 * lag), gain = -std::expm1(-0.5 * lag) / 0.5;
     double mass = 0;
     for (Index v = 0; v < body.attributes->vertex_count(); ++v) {
       mass += body.attributes->mass().get(v, 0);
       for (int c = 0; c < 3; ++c) {
         const double v_c = body.attributes->velocity().get(v, c);
         ASSERT_TRUE(std::isfinite(v_c) && std::isfinite(body.attributes->position().get(v, c)));
-        kinetic += 0.5 * body.attributes->mass().get(v, 0) * v_c * v_c;
+        const double m = body.attributes->mass().get(v, 0);
+        if (m == 0) continue;
+        const double a = body.attributes->force().get(v, c) / m + (c == 1 ? -10 : 0);
+        kinetic += 0.5 * m * std::pow(decay * v_c + gain * a, 2);
       }
     }
     EXPECT_NEAR(mass, 1000 * 0.032, 1e-12);

@@ -116,7 +116,7 @@ TEST(Sleep, AnyOperationWakes) {
   const auto place = body.rows(body.attributes->position(), body.left);
   body.go(5, 1e-4);
   EXPECT_EQ(body.rows(body.attributes->position(), body.left), place);
-  body.dynamics->prepare_change(false);
+  body.dynamics->prepare_change({}, false);
   const TopologyChange change = body.mesh.complex.pierce(std::vector{body.right[0]});
   body.attributes->apply(body.mesh.complex, change);
   body.dynamics->update(body.mesh.complex, change);

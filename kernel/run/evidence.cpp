@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/run/evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernel/base/error.hpp"
+#include "kernel/output/frame_writer.hpp"
+#include "kernel/run/shown.hpp"
+
+namespace suture {
+namespace {
+
+enum : std::int64_t { sound = 0, inverted = 1, not_finite = 2 };
+
+bool is_finite(const Vec3& p) {
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+void fill_points(World& world, Frame& frame) {
+  const Column &x = world.attributes.position(), &rest = world.attributes.rest(),
+               &v = world.attributes.velocity();
+  FrameField displacement{"displacement", 3, {}, {}}, velocity{"velocity", 3, {}, {}};
+  for (Index i = 0; i < x.size(); ++i) {
+    frame.points.push_back(world.frame.in_scene({x.get(i, 0), x.get(i, 1), x.get(i, 2)}));
+    for (int c = 0; c < 3; ++c) {
+      displacement.values.push_back(x.get(i, c) - rest.get(i, c));
+      velocity.values.push_back(v.get(i, c));
+    }
+  }
+  frame.point_fields = {std::move(displacement), std::move(velocity)};
+}
+
+Frame frame_of(World& world, double time) {
+  Frame frame;
+  frame.time = time;
+  fill_points(world, frame);
+  const auto hexahedra = world.complex().vertices();
+  frame.hexahedra.assign(hexahedra.begin(), hexahedra.end());
+  FrameField failure{"failure", 1, {}, {}};
+  failure.ids.assign(frame.hexahedra.size(), sound);
+  for (const Index e : world.dynamics->inverted_elements()) failure.ids[e] = inverted;
+  for (std::size_t e = 0; e < frame.hexahedra.size(); ++e)
+    if (std::ranges::any_of(frame.hexahedra[e], [&](Index v) {
+          return !is_finite(frame.points[v]) ||
+                 !std::isfinite(frame.point_fields[1].values[std::size_t{v} * 3]);
+        }))
+      failure.ids[e] = not_finite;
+  frame.cell_fields = {std::move(failure)};
+  leave_out_holes(frame, Shown::of(world.complex()), {});
+  return frame;
+}
+
+}  // namespace
+
+Evidence::Evidence(World& world, double time) : failed_(frame_of(world, time)) {}
+
+void Evidence::add_last_good(World& world, double time) { good_ = frame_of(world, time); }
+
+std::string Evidence::write(const std::filesystem::path& directory) {
+  const auto finite_or = [](double value, double other) {
+    return std::isfinite(value) ? value : other;
+  };
+  for (std::size_t i = 0; i < failed_.points.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) {
+      failed_.points[i][c] = finite_or(failed_.points[i][c], good_ ? good_->points[i][c] : 0);
+      for (std::size_t f = 0; f < failed_.point_fields.size(); ++f) {
+        double& value = failed_.point_fields[f].values[3 * i + c];
+        value = finite_or(value, good_ ? good_->point_fields[f].values[3 * i + c] : 0);
+      }
+    }
+  try {
+    FrameWriterOptions options;
+    options.directory = directory;
+    options.prefix = options.collection = "failed";
+    options.background = false;
+    FrameWriter writer(options);
+    std::size_t number = 0;
+    for (Frame* frame : {good_ ? &*good_ : nullptr, &failed_}) {
+      if (!frame) continue;
+      frame->number = number++;
+      writer.submit(std::move(*frame));
+    }
+    writer.finish();
+    return writer.collection().string() + (number == 2 ? " shows the last good state and this one"
+                                                       : " shows this state");
+  } catch (const Error& error) {
+    return std::string("No frame of this state: ") + error.what();
+  }
+}
+
+}  // namespace suture

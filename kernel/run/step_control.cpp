@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/run/step_control.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "kernel/base/error.hpp"
+#include "kernel/run/evidence.hpp"
+
+namespace suture {
+namespace {
+
+// Steps between looks at energy and inversion, which cost 1 % of the forces then.
+constexpr std::uint64_t guard_steps = 64;
+// Energy from nowhere, as a part of what was exchanged, that is worth a word. Right runs stay
+// below 0.014.
+constexpr double notable_growth = 0.02;
+// How often a step is halved before it is given up, and attempts to pass a place where
+// elements or models fail, which a smaller step may not help.
+constexpr unsigned most_halvings = 10, most_attempts = 2;
+// More frames than these are not held back: the state is kept sooner.
+constexpr std::size_t frames_held = 2;
+
+}  // namespace
+
+StepControl::StepControl(const Scene& scene, World& world, Recorder& recorder,
+                         EventSchedule& schedule, EventRunner& events, Clock clock,
+                         Diagnostics& diagnostics)
+    : scene_(scene),
+      world_(world),
+      recorder_(recorder),
+      schedule_(schedule),
+      events_(events),
+      diagnostics_(diagnostics),
+      clock_(std::move(clock)),
+      guard_(scene, world, diagnostics),
+      watch_(scene, world, diagnostics) {}
+
+void StepControl::start() {
+  watch_.start();
+  guard_.start();
+}
+
+double StepControl::next_dt() {
+  clock_.divide(watch_.halvings());
+  return clock_.next_dt(watch_.wanted());
+}
+
+void StepControl::after_event() {
+  commit();
+  watch_.after_event(clock_.step());
+}
+
+void StepControl::commit() {
+  recorder_.release(clock_.step());
+  kept_.forget(clock_);
+}
+
+// -------------------------------------------------------------------- steps --
+
+void StepControl::step(const Notify& notify) {
+  if (kept_.look(clock_, schedule_, *world_.dynamics, recorder_.frames_held() > frames_held))
+    recorder_.release(kept_.older().clock->step());
+  try {
+    make_step();
+    check_step(notify);
+  } catch (const NumericalError& error) {
+    step_back(error, notify);
+  }
+}
+
+void StepControl::make_step() {
+  const double dt = next_dt();
+  if (!(dt > 0))
+    throw NumericalError("the stable step is " + std::to_string(dt) + " s; nothing can move on");
+  clock_.advance();
+  last_dt_ = dt;  // and not the difference of two times: forces stay good while dt is the same
+  world_.dynamics->step(dt, clock_.time());
+}
+
+void StepControl::check_step(const Notify& notify) {
+  if (watch_.is_alarming(clock_.step()) && watch_.is_unstable(clock_.step(), last_dt_)) {
+    const Index vertex = world_.dynamics->fastest_vertex();
+    const Index element = world_.complex().dart_of(0, vertex) / 24;
+    std::ostringstream text;
+    text << "the step is unstable: the motion reaches omega dt = "
+         << world_.dynamics->apparent_frequency() << ", the limit being 2, at element "
+         << world_.element_name(element) << ", " << world_.place_of(element);
+    throw UnstableStep(text.str());
+  }
+  if (clock_.step() % guard_steps == 0) check_state(notify);
+  watch_.after_step(clock_.step());
+}
+
+/// Throws for numbers that are wrong; energy that grows slowly is reported.
+void StepControl::check_state(const Notify& notify) {
+  guard_.check(clock_.step(), clock_.time());
+  if (guard_.growth() <= notable_growth) return;
+  std::ostringstream text;
+  text << 100 * guard_.growth() << " % of the energy exchanged came from nowhere";
+  if (watch_.is_unstable(clock_.step(), last_dt_))
+    throw UnstableStep("the step is unstable: " + text.str());
+  guard_.forgive_growth();
+  std::ostringstream when;
+  when << "t = " << clock_.time() << " s: ";
+  if (watch_.lower_safety()) {
+    notify(when.str() + text.str() + "; from now on dt is half the stable step");
+  } else if (!growth_was_reported_) {
+    growth_was_reported_ = true;
+    diagnostics_.warn(when.str() + text.str() +
+                      " although the step is stable: it is too coarse for this motion, or a "
+                      "model feeds energy that its suture.energy/1 does not state; lower " +
+                      (scene_.solver.dt ? "/solver/dt" : "/solver/safety") +
+                      " to see which (balance in energies.csv falls with its square)");
+  }
+}
+
+bool StepControl::ends_well(const Notify& notify) {
+  const std::uint64_t step = clock_.step();
+  try {
+    check_state(notify);
+  } catch (const NumericalError& error) {
+    step_back(error, notify);
+  }
+  return clock_.step() == step;
+}
+
+// -------------------------------------------------------------------- steps back --
+
+/// Goes back to the older state that is kept, with a smaller step; throws what is final.
+void StepControl::step_back(const NumericalError& error, const Notify& notify) {
+  const auto* rejected = dynamic_cast<const StepRejected*>(&error);
+  const bool unstable = dynamic_cast<const UnstableStep*>(&error) != nullptr;
+  const double failed_at = clock_.time();
+  const bool same_place = failed_at <= furthest_failure_ + 64 * last_dt_;
+  attempts_ = same_place ? attempts_ + 1 : 1;
+  furthest_failure_ = std::max(furthest_failure_, failed_at);
+  const bool may_help =
+      rejected || (!scene_.solver.dt && (unstable || attempts_ <= most_attempts));
+  if (!may_help || kept_.empty() || watch_.halvings() >= most_halvings) give_up(error);
+  const KeptStates::State& state = kept_.take_older();
+  world_.dynamics->restore(state.body);
+  clock_ = *state.clock;
+  schedule_.go_back(state.schedule);
+  events_.go_back(clock_.time());
+  recorder_.go_back(clock_.step());
+  const double factor = rejected ? rejected->step_factor : 0.5;
+  watch_.step_back(clock_.step(), static_cast<unsigned>(std::ceil(-std::log2(factor) - 1e-9)));
+  std::ostringstream text;
+  text << "t = " << failed_at << " s: " << error.what() << "; back to t = " << clock_.time()
+       << " s, where dt is " << next_dt() << " s";
+  notify(text.str());
+  ++steps_back_;
+}
+
+void StepControl::give_up(const NumericalError& error) {
+  std::ostringstream text;
+  text << "step " << clock_.step() << ", t = " << clock_.time() << " s: " << error.what();
+  const Index element = error.element != NumericalError::nowhere
+                            ? world_.selector.element_with_id(error.element)
+                            : none;
+  if (element != none) text << " (at " << world_.place_of(element) << ')';
+  text << ". " << advice(error);
+  if (scene_.output.enabled) {
+    Evidence evidence(world_, clock_.time());
+    if (kept_.empty()) {
+      recorder_.go_back(clock_.step() - 1);
+    } else {
+      const KeptStates::State& state = kept_.take_older();
+      world_.dynamics->restore(state.body);
+      recorder_.go_back(state.clock->step());
+      evidence.add_last_good(world_, state.clock->time());
+    }
+    text << ". " << evidence.write(scene_.output.directory);
+  }
+  throw NumericalError(text.str());
+}
+
+/// What fits the scene, and is not in it yet.
+std::string StepControl::advice(const NumericalError& error) const {
+  std::ostringstream text;
+  if (scene_.solver.dt && !(*scene_.solver.dt < watch_.stable())) {
+    text << "/solver/dt is " << *scene_.solver.dt << " s";
+    if (watch_.stable() > 0)
+      text << ", and the stable step of this state is about " << watch_.stable() << " s";
+    text << ": lower it, or set it to \"auto\"";
+    return text.str();
+  }
+  if (scene_.solver.dt && dynamic_cast<const StepRejected*>(&error) == nullptr)
+    return "Set /solver/dt to \"auto\", which tries smaller steps at such a place; if that fails "
+           "too, the load is beyond what the law or the mesh bears";
+  text << "Smaller steps do not help: ";
+  if (guard_.inverted_elements() > 0)
+    text << "the load is beyond what the law or the mesh bears. Lower or ramp it, refine the mesh "
+            "there, choose another model, or set on_inversion of the model to \"warn\"";
+  else
+    text << "lower the loads or ramp them, or look at the model's parameters there";
+  return text.str();
+}
+
+}  // namespace suture

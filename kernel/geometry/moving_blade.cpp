@@ -107,12 +107,18 @@ bool crosses_sweep(const Link& link0, const Link& link, const std::vector<Vec3>&
 struct MovingBlade::Step {
   std::vector<BladeKey> path;  ///< times as shares of the step, 0 .. 1
   Box box;
-  const std::vector<Row4>& before;
-  const std::vector<Row4>& now;
-  std::vector<std::uint8_t> outside;  ///< per element: outcode, of both ends of its way
+  std::vector<Index> blocks;  ///< of elements to look at, ascending
+  std::vector<Index> slot;    ///< per block of the tissue: which of `blocks`, or none
+
+  /// Where an element's place in ends_ is, or none.
+  Index place(Index element) const {
+    const Index block = slot[element / TissueBlocks::size];
+    return block == none ? none : block * TissueBlocks::size + element % TissueBlocks::size;
+  }
 };
 
-MovingBlade::MovingBlade(std::vector<BladeKey> keys) : keys_(std::move(keys)) {
+MovingBlade::MovingBlade(std::vector<BladeKey> keys, Look look)
+    : keys_(std::move(keys)), look_(look) {
   if (keys_.empty()) throw InputError("the moving blade has no key; one or more are needed");
   for (std::size_t i = 0; i < keys_.size(); ++i) check_key(keys_, i);
 }
@@ -141,7 +147,7 @@ Box MovingBlade::box() const {
 
 void MovingBlade::reset() {
   started_ = false;
-  before_.clear();
+  tissue_.clear();
 }
 
 std::vector<BladeKey> MovingBlade::path(double from, double to) const {
@@ -161,53 +167,78 @@ std::vector<Dart> MovingBlade::advance(const CellComplex& complex, const Places&
   started_ = true;
   time_ = time;
   if (time < begin() || (!first && last >= end())) return {};
-  centroids_of(complex, places, now_, workers);
+  tissue_.move(complex, places, workers);
   std::vector<Dart> faces;
-  if (!first && time > last) {
-    if (before_.empty()) before_ = now_;
-    const Step step = step_between(last, workers);
-    std::vector<std::vector<Dart>> cut(now_.size() / chunk_size + 1);
-    for_chunks(now_.size(), workers, [&](std::size_t e0, std::size_t e1, std::size_t chunk) {
-      look_for_crossings(complex, step, e0, e1, cut[chunk]);
-    });
-    for (const auto& part : cut) faces.insert(faces.end(), part.begin(), part.end());
-  }
-  before_.swap(now_);
+  if (first || !(time > last)) return faces;
+  const Step step = step_between(complex, last, workers);
+  std::vector<std::vector<Dart>> cut(step.blocks.size());
+  for_chunks(step.blocks.size(), workers, [&](std::size_t b0, std::size_t b1, std::size_t) {
+    for (std::size_t b = b0; b < b1; ++b) look_for_crossings(complex, step, step.blocks[b], cut[b]);
+  });
+  for (const auto& part : cut) faces.insert(faces.end(), part.begin(), part.end());
   return faces;
 }
 
-MovingBlade::Step MovingBlade::step_between(double last, const Workers* workers) const {
-  Step step{path(std::max(last, begin()), std::min(time_, end())), {}, before_, now_, {}};
+MovingBlade::End MovingBlade::look_at(const CellComplex& complex, const Box& box,
+                                      Index element) const {
+  const Hexahedron& corners = complex.vertices_of(element);
+  End end{centroid_of(corners, tissue_.before()), centroid_of(corners, tissue_.now()), 0};
+  end.outside = outcode(box, end.before) & outcode(box, end.now);
+  return end;
+}
+
+MovingBlade::Step MovingBlade::step_between(const CellComplex& complex, double last,
+                                            const Workers* workers) {
+  Step step{path(std::max(last, begin()), std::min(time_, end())), {}, {}, {}};
   step.box = box_of(step.path[0].points);
   for (BladeKey& key : step.path) {
     add(step.box, key.points);
     key.time = (key.time - last) / (time_ - last);
   }
-  step.outside.resize(now_.size());
-  for_chunks(now_.size(), workers, [&](std::size_t e0, std::size_t e1, std::size_t) {
-    for (std::size_t e = e0; e < e1; ++e)
-      step.outside[e] =
-          static_cast<std::uint8_t>(outcode(step.box, before_[e]) & outcode(step.box, now_[e]));
+  constexpr Index size = TissueBlocks::size;
+  const Index elements = complex.element_count();
+  step.blocks = look_ == Look::near ? tissue_.near(step.box) : tissue_.all();
+  step.slot.assign(elements / size + 1, none);
+  for (std::size_t b = 0; b < step.blocks.size(); ++b)
+    step.slot[step.blocks[b]] = static_cast<Index>(b);
+  ends_.resize(std::max(ends_.size(), step.blocks.size() * size));
+  outside_.resize(ends_.size());
+  for_chunks(step.blocks.size(), workers, [&](std::size_t b0, std::size_t b1, std::size_t) {
+    for (std::size_t b = b0; b < b1; ++b) {
+      const Index first = step.blocks[b] * size;
+      for (Index e = first; e < std::min(first + size, elements); ++e) {
+        if (!complex.exists(3, e)) continue;
+        const std::size_t at = b * size + e - first;
+        ends_[at] = look_at(complex, step.box, e);
+        outside_[at] = ends_[at].outside;
+      }
+    }
   });
   return step;
 }
 
 // A link is near if no side of the blade's box has both elements beyond it all the time.
-void MovingBlade::look_for_crossings(const CellComplex& complex, const Step& step,
-                                     std::size_t first, std::size_t last,
+void MovingBlade::look_for_crossings(const CellComplex& complex, const Step& step, Index block,
                                      std::vector<Dart>& cut) const {
-  for (std::size_t e = first; e < last; ++e)
+  constexpr Index size = TissueBlocks::size;
+  const Index last = std::min((block + 1) * size, complex.element_count());
+  for (Index e = block * size; e < last; ++e)
     for (int f = 0; f < 6; ++f) {
-      const Index n = complex.neighbour(static_cast<Index>(e), f);
-      if (n == none || n < e || (step.outside[e] & step.outside[n]) != 0) continue;
-      const Link from{vec3(step.before[e]), vec3(step.before[n])};
-      const Link to{vec3(step.now[e]), vec3(step.now[n])};
+      const Index n = complex.neighbour(e, f);
+      if (n == none || n < e) continue;
+      const Index place = step.place(n);
+      if (place != none && (outside_[step.place(e)] & outside_[place]) != 0) continue;
+      const End& one = ends_[step.place(e)];
+      const End other = place != none ? ends_[place] : look_at(complex, step.box, n);
+      if ((one.outside & other.outside) != 0) continue;
+      const Link from{vec3(one.before), vec3(other.before)};
+      const Link to{vec3(one.now), vec3(other.now)};
       for (std::size_t i = 0; i + 1 < step.path.size(); ++i) {
         const BladeKey &p = step.path[i], &q = step.path[i + 1];
         if (!crosses_sweep(between(from, to, p.time), between(from, to, q.time), p.points,
                            q.points))
           continue;
-        cut.push_back(static_cast<Dart>(24 * e + 4 * f));
+        cut.push_back(24 * e + 4 * static_cast<Dart>(f));
         break;
       }
     }

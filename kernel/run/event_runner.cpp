@@ -65,8 +65,13 @@ struct EventRunner::Call {
 
   EventOutcome opened(const std::vector<Dart>& faces) const {
     EventOutcome outcome;
-    if (!faces.empty()) outcome.faces_cut = world.cut(faces).faces_cut;
+    if (!faces.empty()) outcome.faces_cut = cut_now(faces);
     return outcome;
+  }
+  Index cut_now(const std::vector<Dart>& faces) const {
+    const TopologyChange change = world.cut(faces);
+    runner.follow(change);
+    return change.faces_cut;
   }
   EventOutcome cut(const std::vector<Dart>& faces) const {
     if (faces.empty()) warn_once(" cuts no face: the blade misses the body" + or_is_cut());
@@ -140,10 +145,11 @@ struct EventRunner::Call {
                        "removed");
     }
     runner.removals_.before(elements);
-    outcome.elements_removed = static_cast<Index>(world.pierce(elements).removed[3].size());
+    const TopologyChange change = world.pierce(elements);
+    outcome.elements_removed = static_cast<Index>(change.removed[3].size());
     for (const std::string& loss : runner.removals_.after())
       warn(' ' + std::string(event.operation()) + ' ' + loss);
-    runner.elements_changed(false);
+    runner.follow(change);
     return outcome;
   }
 
@@ -154,8 +160,9 @@ struct EventRunner::Call {
       if (!state.told_misfits) warn_once(" sews no face: " + why_none(sew));
       return outcome;
     }
-    outcome.faces_sewn = world.sew(seams).faces_sewn;
-    runner.elements_changed(true);
+    const TopologyChange change = world.sew(seams);
+    outcome.faces_sewn = change.faces_sewn;
+    runner.follow(change);
     return outcome;
   }
 
@@ -212,7 +219,7 @@ struct EventRunner::Call {
     const std::vector<Dart> faces =
         state.tear->faces(world.complex(), world.attributes, *world.dynamics);
     if (!faces.empty())
-      outcome.faces_torn = world.cut(faces).faces_cut;
+      outcome.faces_torn = cut_now(faces);
     else
       warn_once(" tears no face: the criterion is below its threshold everywhere");
     return outcome;
@@ -285,10 +292,14 @@ void EventRunner::check_pairs(const Event& event, const SewFaces& sew) const {
 }
 
 // Tissue that was sewn has jumped, and not past a blade.
-void EventRunner::elements_changed(bool moved) {
+void EventRunner::follow(const TopologyChange& change) {
+  const bool sewn = change.faces_sewn != 0;
   for (State& state : states_) {
-    if (state.tear) state.tear->invalidate();
-    if (state.blade && moved) state.blade->reset();
+    if (state.tear && (sewn || !change.removed[3].empty())) state.tear->invalidate();
+    if (state.blade && sewn)
+      state.blade->reset();
+    else if (state.blade)
+      state.blade->follow(world_.complex(), change);
   }
 }
 

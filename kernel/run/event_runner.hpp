@@ -58,7 +58,8 @@ class EventRunner {
   State prepare(const Event& event);
   void check(const Event& event);
   void check_pairs(const Event& event, const SewFaces& sew) const;
-  void elements_changed(bool moved);
+  /// What events remember of the tissue, after an operation.
+  void follow(const TopologyChange& change);
 
   const Scene& scene_;
   World& world_;

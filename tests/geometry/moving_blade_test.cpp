@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <random>
 
@@ -181,6 +182,55 @@ TEST(MovingBlade, LeavesNoBridgeInTissueThatTurns) {
   Index islands = 0;
   block.complex.islands(&islands);
   EXPECT_EQ(islands, 2u);
+}
+
+// The same cuts in the same steps as by a look at every element, whatever moves how fast,
+// through cuts and removals, told of or not.
+TEST(MovingBlade, LooksNearItselfAndMissesNothing) {
+  const char* given = std::getenv("SUTURE_SEED");
+  const unsigned first = given ? static_cast<unsigned>(std::atoi(given)) : std::random_device{}();
+  const unsigned rounds = std::getenv("SUTURE_FULL") ? 3000 : 60;
+  std::size_t total = 0;
+  for (unsigned seed = first; seed < first + rounds; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> number(-1, 1);
+    Block block = jittered_block(12, 3 + seed % 5, 9, 1.0 / 64, random);
+    const double far = seed % 4 == 0 ? 1e6 : 0;  // where a coordinate's last place is coarse
+    move(block, {far, -far, far});
+    std::vector<BladeKey> keys;
+    for (int i = 0; i < 4; ++i) {
+      keys.push_back({i * 4.0, {}});
+      for (unsigned p = 0; p < 2 + seed % 2; ++p)
+        keys.back().points.push_back(plus(lattice_point(random, 0.25, -1, 10), {far, -far, far}));
+      if (keys.back().points[0] == keys.back().points[1]) keys.back().points[0][0] += 1;
+    }
+    MovingBlade near(keys), all(keys, MovingBlade::Look::all);
+    const double speed = std::pow(10, 2 * number(random) - 1);  // elements per step
+    Vec3 drift{};
+    for (int step = 0; step <= 16; ++step) {
+      const auto faces = near.advance(block.complex, block.places(), step);
+      ASSERT_EQ(faces, all.advance(block.complex, block.places(), step)) << "step " << step;
+      total += faces.size();
+      const auto follow = [&](const TopologyChange& change) {
+        for (const Split& split : change.splits[0])
+          for (std::size_t a = 0; a < 4; ++a)
+            block.rows.push_back(block.rows[4 * std::size_t{split.old_cell} + a]);
+        if (seed % 3 == 0) return;
+        near.follow(block.complex, change);
+        all.follow(block.complex, change);
+      };
+      if (!faces.empty() && seed % 3 != 2) follow(block.complex.cut(faces));
+      if (const Index e = random() % block.complex.element_count();
+          step % 5 == 2 && block.complex.can_pierce(e))
+        follow(block.complex.pierce({{e}}));
+      for (double& d : drift) d = step % 4 == 0 ? speed * number(random) : d;
+      for (std::size_t v = 0; v < block.rows.size(); v += 4)
+        for (std::size_t a = 0; a < 3; ++a)
+          block.rows[v + a] += drift[a] + 0.2 * speed * number(random);
+    }
+  }
+  EXPECT_GT(total, rounds);
 }
 
 TEST(MovingBlade, ExistsFromItsFirstKeyToItsLast) {

@@ -47,6 +47,21 @@ void add(Box& box, const std::vector<Vec3>& points) {
   }
 }
 
+double distance(const Vec3& a, const Vec3& b) {
+  const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+  return std::sqrt(x * x + y * y + z * z);
+}
+
+/// From p to the segment from a to b.
+double distance(const Vec3& p, const Vec3& a, const Vec3& b) {
+  double along = 0, length2 = 0;
+  for (int i = 0; i < 3; ++i) {
+    along += (p[i] - a[i]) * (b[i] - a[i]);
+    length2 += (b[i] - a[i]) * (b[i] - a[i]);
+  }
+  return distance(p, between(a, b, length2 > 0 ? std::clamp(along / length2, 0.0, 1.0) : 0));
+}
+
 /// One bit for each side of the box beyond which the point lies.
 unsigned outcode(const Box& box, const Row4& p) {
   unsigned code = 0;
@@ -103,18 +118,23 @@ bool crosses_sweep(const Link& link0, const Link& link, const std::vector<Vec3>&
 
 }  // namespace
 
-/// What one call of advance() looks at.
+/// What the blade does in one call of advance().
 struct MovingBlade::Step {
   std::vector<BladeKey> path;  ///< times as shares of the step, 0 .. 1
   Box box;
-  std::vector<Index> blocks;  ///< of elements to look at, ascending
-  std::vector<Index> slot;    ///< per block of the tissue: which of `blocks`, or none
+  double moved = 0;  ///< m, the farthest of its points
+  double size = 0;   ///< m, the largest coordinate
+};
 
-  /// Where an element's place in ends_ is, or none.
-  Index place(Index element) const {
-    const Index block = slot[element / TissueBlocks::size];
-    return block == none ? none : block * TissueBlocks::size + element % TissueBlocks::size;
-  }
+/// An element in a step.
+struct ElementWay {
+  Row4 before, now;  ///< centroids
+  unsigned outside;  ///< sides of the blade's box beyond which both are
+
+  ElementWay(const CellComplex& complex, const TissueBlocks& tissue, const Box& box, Index element)
+      : before(centroid_of(complex.vertices_of(element), tissue.before())),
+        now(centroid_of(complex.vertices_of(element), tissue.now())),
+        outside(outcode(box, before) & outcode(box, now)) {}
 };
 
 MovingBlade::MovingBlade(std::vector<BladeKey> keys, Look look)
@@ -148,6 +168,7 @@ Box MovingBlade::box() const {
 void MovingBlade::reset() {
   started_ = false;
   tissue_.clear();
+  clearances_.clear();
 }
 
 std::vector<BladeKey> MovingBlade::path(double from, double to) const {
@@ -167,81 +188,112 @@ std::vector<Dart> MovingBlade::advance(const CellComplex& complex, const Places&
   started_ = true;
   time_ = time;
   if (time < begin() || (!first && last >= end())) return {};
-  tissue_.move(complex, places, workers);
+  step_ += tissue_.move(complex, places, workers) ? 1 : 2;  // 2: what moved is not known
   std::vector<Dart> faces;
   if (first || !(time > last)) return faces;
-  const Step step = step_between(complex, last, workers);
-  std::vector<std::vector<Dart>> cut(step.blocks.size());
-  for_chunks(step.blocks.size(), workers, [&](std::size_t b0, std::size_t b1, std::size_t) {
-    for (std::size_t b = b0; b < b1; ++b) look_for_crossings(complex, step, step.blocks[b], cut[b]);
+  const Step step = step_between(last);
+  const std::vector<Index> elements = elements_to_look_at(complex, step);
+  std::vector<std::vector<Dart>> cut(elements.size() / chunk_size + 1);
+  std::vector<Found> found(elements.size());
+  for_chunks(elements.size(), workers, [&](std::size_t first_one, std::size_t end, std::size_t c) {
+    for (std::size_t i = first_one; i < end; ++i)
+      found[i] = look_at(complex, step, elements[i], cut[c]);
   });
+  for (std::size_t i = 0; i < elements.size(); ++i) note(elements[i], found[i]);
   for (const auto& part : cut) faces.insert(faces.end(), part.begin(), part.end());
   return faces;
 }
 
-MovingBlade::End MovingBlade::look_at(const CellComplex& complex, const Box& box,
-                                      Index element) const {
-  const Hexahedron& corners = complex.vertices_of(element);
-  End end{centroid_of(corners, tissue_.before()), centroid_of(corners, tissue_.now()), 0};
-  end.outside = outcode(box, end.before) & outcode(box, end.now);
-  return end;
-}
-
-MovingBlade::Step MovingBlade::step_between(const CellComplex& complex, double last,
-                                            const Workers* workers) {
-  Step step{path(std::max(last, begin()), std::min(time_, end())), {}, {}, {}};
+MovingBlade::Step MovingBlade::step_between(double last) const {
+  Step step{path(std::max(last, begin()), std::min(time_, end())), {}};
   step.box = box_of(step.path[0].points);
-  for (BladeKey& key : step.path) {
+  for (std::size_t i = 0; i < step.path.size(); ++i) {
+    BladeKey& key = step.path[i];
     add(step.box, key.points);
     key.time = (key.time - last) / (time_ - last);
+    double farthest = 0;
+    for (std::size_t p = 0; p < key.points.size() && i > 0; ++p)
+      farthest = std::max(farthest, distance(key.points[p], step.path[i - 1].points[p]));
+    step.moved += farthest;
   }
-  constexpr Index size = TissueBlocks::size;
-  const Index elements = complex.element_count();
-  step.blocks = look_ == Look::near ? tissue_.near(step.box) : tissue_.all();
-  step.slot.assign(elements / size + 1, none);
-  for (std::size_t b = 0; b < step.blocks.size(); ++b)
-    step.slot[step.blocks[b]] = static_cast<Index>(b);
-  ends_.resize(std::max(ends_.size(), step.blocks.size() * size));
-  outside_.resize(ends_.size());
-  for_chunks(step.blocks.size(), workers, [&](std::size_t b0, std::size_t b1, std::size_t) {
-    for (std::size_t b = b0; b < b1; ++b) {
-      const Index first = step.blocks[b] * size;
-      for (Index e = first; e < std::min(first + size, elements); ++e) {
-        if (!complex.exists(3, e)) continue;
-        const std::size_t at = b * size + e - first;
-        ends_[at] = look_at(complex, step.box, e);
-        outside_[at] = ends_[at].outside;
-      }
-    }
-  });
+  for (std::size_t a = 0; a < 3; ++a)
+    step.size = std::max({step.size, std::abs(step.box.low[a]), std::abs(step.box.high[a])});
   return step;
 }
 
+/// Counts the step for a block. False if all of it must be looked at; else only elements whose
+/// gaps_ are not above `needed`.
+bool MovingBlade::may_skip(Index block, const Step& step, double& needed) {
+  Clearance& c = clearances_[block];
+  const bool known = look_ == Look::near && c.step + 1 == step_;  // followed up to now
+  const double tissue = known ? tissue_.moved(block) : 0;
+  c.step = step_;
+  c.tissue += tissue;
+  c.moved += tissue + step.moved;
+  const double shortest = c.shortest - 2 * c.tissue;
+  if (known && shortest > 0) {
+    const double seen = tissue + 2 * tissue * (c.reach + c.moved) / shortest;
+    needed = c.moved + seen + 1e-12 * (step.size + c.reach);
+    return true;
+  }
+  c = {0, std::numeric_limits<double>::infinity(), 0, 0, step_};
+  return false;
+}
+
+std::vector<Index> MovingBlade::elements_to_look_at(const CellComplex& complex, const Step& step) {
+  clearances_.resize(tissue_.block_count());
+  gaps_.resize(complex.element_count());
+  std::vector<Index> elements;
+  for (const Index block : look_ == Look::near ? tissue_.near(step.box) : tissue_.all()) {
+    double needed = std::numeric_limits<double>::infinity();
+    const bool some = may_skip(block, step, needed);
+    const Index first = block * TissueBlocks::size;
+    const Index last = std::min(first + TissueBlocks::size, complex.element_count());
+    for (Index e = first; e < last; ++e)
+      if (!(some && gaps_[e] > needed) && complex.exists(3, e)) elements.push_back(e);
+  }
+  return elements;
+}
+
 // A link is near if no side of the blade's box has both elements beyond it all the time.
-void MovingBlade::look_for_crossings(const CellComplex& complex, const Step& step, Index block,
-                                     std::vector<Dart>& cut) const {
-  constexpr Index size = TissueBlocks::size;
-  const Index last = std::min((block + 1) * size, complex.element_count());
-  for (Index e = block * size; e < last; ++e)
-    for (int f = 0; f < 6; ++f) {
-      const Index n = complex.neighbour(e, f);
-      if (n == none || n < e) continue;
-      const Index place = step.place(n);
-      if (place != none && (outside_[step.place(e)] & outside_[place]) != 0) continue;
-      const End& one = ends_[step.place(e)];
-      const End other = place != none ? ends_[place] : look_at(complex, step.box, n);
-      if ((one.outside & other.outside) != 0) continue;
-      const Link from{vec3(one.before), vec3(other.before)};
-      const Link to{vec3(one.now), vec3(other.now)};
-      for (std::size_t i = 0; i + 1 < step.path.size(); ++i) {
-        const BladeKey &p = step.path[i], &q = step.path[i + 1];
-        if (!crosses_sweep(between(from, to, p.time), between(from, to, q.time), p.points,
-                           q.points))
-          continue;
-        cut.push_back(24 * e + 4 * static_cast<Dart>(f));
-        break;
-      }
+MovingBlade::Found MovingBlade::look_at(const CellComplex& complex, const Step& step, Index element,
+                                        std::vector<Dart>& cut) const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const ElementWay one(complex, tissue_, step.box, element);
+  double longest = 0;
+  Found found{infinity, 0, infinity};
+  for (int f = 0; f < 6; ++f) {
+    const Index n = complex.neighbour(element, f);
+    if (n == none || n < element) continue;
+    const ElementWay other(complex, tissue_, step.box, n);
+    const double length = distance(vec3(one.now), vec3(other.now));
+    longest = std::max(longest, length);
+    found.shortest = std::min(found.shortest, length);
+    if ((one.outside & other.outside) != 0) continue;
+    const Link from{vec3(one.before), vec3(other.before)};
+    const Link to{vec3(one.now), vec3(other.now)};
+    for (std::size_t i = 0; i + 1 < step.path.size(); ++i) {
+      const BladeKey &p = step.path[i], &q = step.path[i + 1];
+      if (!crosses_sweep(between(from, to, p.time), between(from, to, q.time), p.points, q.points))
+        continue;
+      cut.push_back(24 * element + 4 * static_cast<Dart>(f));
+      break;
     }
+  }
+  const std::vector<Vec3>& blade = step.path.back().points;
+  for (std::size_t i = 0; i < blade.size(); ++i) {
+    found.reach = std::max(found.reach, distance(vec3(one.now), blade[i]) + longest);
+    if (i > 0)
+      found.gap = std::min(found.gap, distance(vec3(one.now), blade[i - 1], blade[i]) - longest);
+  }
+  return found;
+}
+
+void MovingBlade::note(Index element, const Found& found) {
+  Clearance& c = clearances_[element / TissueBlocks::size];
+  c.reach = std::max(c.reach, found.reach);
+  c.shortest = std::min(c.shortest, found.shortest + 2 * c.tissue);
+  gaps_[element] = found.gap + c.moved;
 }
 
 }  // namespace suture

@@ -60,17 +60,18 @@ void add_once(Index block, std::vector<Index>& list) {
 
 }  // namespace
 
-void TissueBlocks::move(const CellComplex& complex, const Places& places, const Workers* workers) {
+bool TissueBlocks::move(const CellComplex& complex, const Places& places, const Workers* workers) {
   const std::size_t vertices = complex.count(0);
   const bool first = empty(), followed = now_.size() == vertices;
   before_.swap(now_);
   boxes_before_.swap(boxes_now_);
   now_.resize(vertices);
   boxes_now_.resize(blocks_of(vertices, per_box));
+  moved_.assign(boxes_now_.size(), -1);
   for_chunks(vertices, workers, [&](std::size_t begin, std::size_t end, std::size_t) {
     find_boxes(begin, end, places);
   });
-  if (followed) return;
+  if (followed) return true;
   const auto from = first ? 0 : static_cast<std::ptrdiff_t>(before_.size());
   before_.insert(before_.end(), now_.begin() + from, now_.end());
   if (first) boxes_before_.clear();
@@ -78,6 +79,7 @@ void TissueBlocks::move(const CellComplex& complex, const Places& places, const 
   for (std::size_t v = static_cast<std::size_t>(from); v < vertices; ++v)
     include(boxes_before_[v / per_box], before_[v]);
   find_lists(complex);
+  return false;
 }
 
 /// Chunks of vertices are whole blocks.
@@ -131,6 +133,26 @@ void TissueBlocks::follow(const CellComplex& complex, const TopologyChange& chan
     }
     ++split;
   }
+}
+
+double TissueBlocks::vertices_moved(Index vertex_block) const {
+  const std::size_t begin = std::size_t{vertex_block} * per_box;
+  double largest = 0;
+  for (std::size_t v = begin; v < std::min(begin + per_box, now_.size()); ++v) {
+    const double x = now_[v][0] - before_[v][0], y = now_[v][1] - before_[v][1],
+                 z = now_[v][2] - before_[v][2];
+    largest = std::max(largest, x * x + y * y + z * z);
+  }
+  return std::sqrt(largest);
+}
+
+double TissueBlocks::moved(Index block) {
+  double largest = 0;
+  for (const Index v : lists_[block]) {
+    if (moved_[v] < 0) moved_[v] = vertices_moved(v);
+    largest = std::max(largest, moved_[v]);
+  }
+  return largest;
 }
 
 std::vector<Index> TissueBlocks::all() const {

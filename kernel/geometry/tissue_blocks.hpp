@@ -13,8 +13,8 @@ namespace suture {
 /// blocks of consecutive elements against boxes of blocks of consecutive vertices.
 ///
 /// Nothing is assumed of how far a vertex moves. Each step reads every position once, which
-/// gives the box of each block of vertices (about 1 ns per vertex: a step of a blade costs
-/// what it costs to copy the positions). A block of elements knows the blocks of vertices
+/// gives the box of each block of vertices (2 ns per vertex: a step of a blade costs what it
+/// costs to copy the positions). A block of elements knows the blocks of vertices
 /// that the corners of its elements and of their neighbours lie in. A centroid is a mean of
 /// corners, so if all of these boxes, before and after the step, lie beyond one side of a
 /// given box, then so do both centroids of every link of the block, before and after; and
@@ -36,8 +36,8 @@ class TissueBlocks {
   bool empty() const { return now_.empty(); }
 
   /// What was now is before; `places` are now. The first time both, and so for vertices that
-  /// follow() was not told of. O(vertices), then O(elements).
-  void move(const CellComplex& complex, const Places& places, const Workers* workers);
+  /// follow() was not told of; then it returns false. O(vertices), then O(elements).
+  bool move(const CellComplex& complex, const Places& places, const Workers* workers);
   /// An operation that moves no vertex was made, between two calls of move(); `complex` as it
   /// is afterwards. O(change).
   void follow(const CellComplex& complex, const TopologyChange& change);
@@ -47,16 +47,22 @@ class TissueBlocks {
   std::vector<Index> near(const Box& box) const;
 
   std::vector<Index> all() const;  ///< blocks
+  std::size_t block_count() const { return lists_.size(); }
+  /// The farthest that a corner of the block's elements, or of their neighbours, has moved
+  /// in the step, m; a centroid moves no farther. O(vertices there), once per step.
+  double moved(Index block);
 
   Places before() const { return {before_.data()->data(), 3}; }
   Places now() const { return {now_.data()->data(), 3}; }
 
  private:
+  double vertices_moved(Index vertex_block) const;
   void find_boxes(std::size_t first, std::size_t last, const Places& places);
   void find_lists(const CellComplex& complex);
 
   std::vector<Vec3> before_, now_;             ///< per vertex
   std::vector<Box> boxes_before_, boxes_now_;  ///< per block of vertices
+  std::vector<double> moved_;                  ///< per block of vertices; -1: not known yet
   /// Per block of elements: the blocks of vertices that it depends on, each once.
   std::vector<std::vector<Index>> lists_;
 };

@@ -28,6 +28,8 @@ void add_blade(CLI::App& app, std::vector<Command>& commands);
 void add_force(CLI::App& app, std::vector<Command>& commands);
 /// What looking for a tear costs beside the forces.
 void add_events(CLI::App& app, std::vector<Command>& commands);
+/// Whole runs with events beside runs without.
+void add_event_runs(CLI::App& app, std::vector<Command>& commands);
 /// Where the time of a step goes.
 void add_step(CLI::App& app, std::vector<Command>& commands);
 /// Growing beams on one thread and on many (the paper's Fig. 8).

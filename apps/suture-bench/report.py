@@ -143,6 +143,9 @@ SECTIONS = [
      "contiguous arrays of pointers, split in one pass, elements around a particle are visited "
      "once, and most of the time is `unsew<3>` itself, which both share.", plot_cut),
     ("blade", "Blades", "Finding the faces that a blade cuts.", None),
+    ("event-runs", "Runs with events", "Whole runs with events over runs without, in turn. With an "
+     "automatic dt, events shorten the step: the last column is the part of the ratio that is more "
+     "steps.", None),
     ("rest", "Rest", "The paper's cantilever under its weight, to rest.", None),
 ]
 

@@ -15,8 +15,9 @@ using Vector = std::vector<float>;
 constexpr double tolerance = 0.03;  // of the eigenvalue; half of it on the step
 constexpr double exact = 1e-3;      // a residual that single precision can still trust
 constexpr int most_iterations = 80;
-/// For modes around vertices that changed to come up. Of 6,700 searches after random
-/// operations on small bodies
+/// For modes around vertices that changed to come up. Of 6,600 searches after random
+/// operations on small bodies 10 gave a step more than 3 % longer than one from random, 11 %
+/// at most; 83 did without this.
 constexpr int local_iterations = 8;
 
 /// Iterations from a random vector of n components after which the quotient is within

@@ -28,9 +28,9 @@ class StepSearch {
       : forces_(forces), attributes_(attributes) {}
 
   /// The step, s; infinite without forces. At most 1.5 % too short, and of a start at
-  /// random not 1.5 % too long but for one in 10,000. Costs 5 (again), 10 (after an operation) to
-  /// 50 (from random) directional derivatives, each about three evaluations of the forces.
-  /// Needs forces.has_tangent().
+  /// random not 1.5 % too long but for one in 10,000. Costs 5 (again), 9 or more (after an
+  /// operation) to 50 (from random) directional derivatives, each about three evaluations of the
+  /// forces. Needs forces.has_tangent().
   double largest(double time);
 
   /// The cells are others: new vertices move like those they left. O(change).

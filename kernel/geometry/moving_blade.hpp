@@ -58,7 +58,7 @@ class MovingBlade {
   /// Throws InputError if `time` is before the last call's. Remembers where all vertices are,
   /// 50 B each, and 8 B per element (tissue_blocks.hpp). Nothing is computed before the step in
   /// which the blade appears (the tissue counts as still during that one step) and after the last
-  /// key. Cost: 2 ns per vertex and 0.2 us per element that the blade may have come to; nothing
+  /// key. Cost: 2 ns per vertex and the elements that the blade may have come to; nothing
   /// when there is no blade.
   std::vector<Dart> advance(const CellComplex& complex, const Places& places, double time,
                             const Workers* workers = nullptr);

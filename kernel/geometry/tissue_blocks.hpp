@@ -24,7 +24,7 @@ namespace suture {
 /// Lists of blocks only grow with operations (follow()), so they hold what they must:
 /// a cut or a removal takes neighbours away and gives elements new vertices.
 ///
-/// Memory: 50 B per vertex, some 20 B per element.
+/// Memory: 50 B per vertex, and the lists.
 class TissueBlocks {
  public:
   static constexpr Index size = 32;           ///< elements of a block

@@ -12,7 +12,7 @@ namespace suture {
 
 /// Knows the stable step of a run, and how much of it is used. A search
 /// (Dynamics::stable_step()) costs as much as 150 evaluations of the forces from random, 15
-/// where it goes on from the last one, 30 where the cells are others since; the bound on its
+/// where it goes on from the last one, 27 or more where the cells are others since; the bound on its
 /// safe side of all vertices 22, of those that an event changed what the event touched.
 ///  - A fixed dt below the bounds needs no search. An event that takes the bound of the
 ///    vertices it changed below dt is followed by one, at most every 512 steps.

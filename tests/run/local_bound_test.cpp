@@ -153,7 +153,8 @@ TEST_P(LocalBound, StaysBelowTheStableStepAfterAnyOperation) {
       made[surgery.kind()] += ratio > 0;
       largest[surgery.kind()] = std::max(largest[surgery.kind()], ratio);
       // The searches before and after are right to 1.5 %, where viscosity limits the step
-      // to 3 %. The largest of 12,000 operations was 1.0007, but for one such search.
+      // to 3 %. Of about 12,000 operations one came to 1.031, and there the
+      // search before was too long, by a dense solver.
       ASSERT_LT(ratio, 1.05) << surgery.kind() << ", body " << body << ", operation " << i;
     }
     lowered += surgery.lowered();

@@ -6,6 +6,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/nearest.hpp"
+#include "kernel/dynamics/hourglass.hpp"
 
 namespace suture {
 namespace {
@@ -100,6 +101,14 @@ FieldChoice island() {
       integers("island", On::cells, [](World& world, Index e) { return world.islands().of(e); });
   field.needs_neighbours = true;
   return field;
+}
+
+// Alternating part of the deformation over strain.
+void hourglass(World& world, const Vec3&, double, FrameField& field) {
+  const Hourglass found = measure_hourglass(world.complex(), world.attributes);
+  field.components = 1;
+  field.values.resize(world.complex().element_count());
+  for (Index e = 0; e < world.complex().element_count(); ++e) field.values[e] = found.content(e);
 }
 
 void model(World& world, const Vec3&, double, FrameField& field) {
@@ -239,7 +248,8 @@ const std::vector<FieldChoice>& kernel_fields() {
                [](World& world, Index v) { return world.names.point_id(world.user_vertex[v]); }),
       element_id(),
       island(),
-      {"model", On::cells, false, model}};
+      {"model", On::cells, false, model},
+      {"hourglass", On::cells, false, hourglass}};
   return fields;
 }
 

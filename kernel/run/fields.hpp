@@ -38,7 +38,7 @@ inline bool has_cell(const CellComplex& complex, const Table& table, Index row) 
 }
 
 /// Fields that every simulation has: displacement, velocity, force, reaction,
-/// mass, fixed, node_id (points), element_id, island, model (elements).
+/// mass, fixed, node_id (points), element_id, island, model, hourglass (elements).
 const std::vector<FieldChoice>& kernel_fields();
 
 /// Fields of the models in a run: output extensions and attributes flagged for

@@ -13,6 +13,7 @@
 #include "kernel/dynamics/rest_search.hpp"
 #include "kernel/run/decisions.hpp"
 #include "kernel/run/event_schedule.hpp"
+#include "kernel/run/hourglass_watch.hpp"
 #include "kernel/run/sleeper.hpp"
 #include "kernel/run/stability.hpp"
 #include "kernel/run/step_control.hpp"
@@ -304,6 +305,8 @@ struct Simulation::Impl {
       throw;
     }
     events.finish();
+    if (const std::string text = hourglass_warning(scene, world); !text.empty())
+      diagnostics.warn(text);
     finish();
     summary.balance = control.guard().last().balance;
     summary.exchanged = control.guard().last().exchanged;

@@ -102,9 +102,9 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<std::strin
 }
 
 const std::vector<std::string>& standard_fields() {
-  static const std::vector<std::string> fields{"displacement", "velocity", "force",   "reaction",
-                                               "mass",         "fixed",    "node_id", "element_id",
-                                               "island",       "model"};
+  static const std::vector<std::string> fields{"displacement", "velocity", "force",    "reaction",
+                                               "mass",         "fixed",    "node_id",  "element_id",
+                                               "island",       "model",    "hourglass"};
   return fields;
 }
 

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/run/hourglass_watch.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+#include "kernel/dynamics/hourglass.hpp"
+
+namespace suture {
+namespace {
+
+constexpr double significant = 0.5;
+
+Index least_elements(Index elements) { return std::clamp<Index>(elements / 10, 8, 64); }
+
+/// The use of a model that acts on the element; the last, if several do.
+const ModelUse& model_of(const Scene& scene, const World& world, Index element) {
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < scene.models.size(); ++i)
+    if (world.attributes.instances()[i]->table(3).cells.contains(element)) found = i;
+  return scene.models[found];
+}
+
+Vec3 centre_of(World& world, Index element) {
+  Vec3 centre{};
+  for (const Index v : world.complex().vertices_of(element))
+    for (int c = 0; c < 3; ++c)
+      centre[static_cast<std::size_t>(c)] += world.attributes.position().get(v, c) / 8;
+  return centre;
+}
+
+}  // namespace
+
+std::string hourglass_warning(const Scene& scene, World& world) {
+  const Hourglass found = measure_hourglass(world.complex(), world.attributes);
+  Index count = 0, worst = none;
+  for (Index e = 0; e < world.complex().element_count(); ++e) {
+    if (!(found.content(e) > significant)) continue;
+    ++count;
+    if (worst == none || found.content(e) > found.content(worst)) worst = e;
+  }
+  const Index elements = world.complex().existing(3);
+  if (count < least_elements(elements)) return "";
+  const ModelUse& use = model_of(scene, world, worst);
+  const Vec3 centre = centre_of(world, worst);
+  std::ostringstream text;
+  text << count << " of " << elements
+       << " elements hourglass: they move in a checkerboard that no strain explains. The worst is "
+          "element "
+       << world.element_name(worst) << " at (" << centre[0] << ", " << centre[1] << ", "
+       << centre[2] << ") m of model '" << use.name << "', by " << found.content(worst)
+       << " times its strain. ";
+  if ((use.model->flags & SUTURE_CONTINUUM) == 0)
+    text
+        << "Springs do not resist such motions, \"correction\" and a finer mesh do not help: use a "
+           "continuum model (tm-faure), or lower the load";
+  else
+    text << "Lower the load, or refine the mesh there";
+  return text.str();
+}
+
+}  // namespace suture

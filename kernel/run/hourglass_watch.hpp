@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "kernel/run/world.hpp"
+
+namespace suture {
+
+/// A warning if the body as it is has hourglassed, "" if not: how many elements have an
+/// alternating part above half their strain, the worst of them, and what to do. A few
+/// elements are none, as around a force on one node: at least 64, or a tenth of a small
+/// body and 8.
+std::string hourglass_warning(const Scene& scene, World& world);
+
+}  // namespace suture

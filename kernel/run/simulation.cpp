@@ -13,6 +13,7 @@
 #include "kernel/dynamics/rest_search.hpp"
 #include "kernel/run/decisions.hpp"
 #include "kernel/run/event_schedule.hpp"
+#include "kernel/run/free_bodies.hpp"
 #include "kernel/run/hourglass_watch.hpp"
 #include "kernel/run/sleeper.hpp"
 #include "kernel/run/stability.hpp"
@@ -79,6 +80,7 @@ struct Simulation::Impl {
       rest->wait_until(schedule.settled_after());
     }
     world.dynamics->start();
+    if (rest) look_for_free_bodies(scene, world, diagnostics);
     control.start();
     trim_heap();  // of the search
   }
@@ -103,6 +105,7 @@ struct Simulation::Impl {
     summary.faces_sewn += outcome.faces_sewn;
     summary.elements_removed += outcome.elements_removed;
     sleeper.woken();
+    cells_changed = true;
     control.after_event();
     const Index islands = world.islands().existing();
     std::ostringstream text;
@@ -210,7 +213,17 @@ struct Simulation::Impl {
     refuse_more_steps(limit);
   }
 
+  /// An event may have cut a piece off that now falls for ever.
+  void require_no_falling_body() {
+    cells_changed = false;
+    const std::string body = falling_body(scene, world);
+    if (!body.empty())
+      throw NumericalError("no rest: " + body +
+                           "; remove it (remove_islands), hold it, or give /solver/end");
+  }
+
   bool is_at_rest(Observer& observer) {
+    if (cells_changed && !scene.solver.end) require_no_falling_body();
     if (rest->at_rest(*world.dynamics)) {
       if (!ends_well(observer)) return false;
       if (rest->limited_by_rounding()) diagnostics.warn(rest->explanation(*world.dynamics));
@@ -340,6 +353,7 @@ struct Simulation::Impl {
   std::optional<RestSearch> rest;
   std::vector<Decision> decisions;
   RunSummary summary;
+  bool cells_changed = false;  // since the last look for falling pieces
   static constexpr std::uint64_t never = ~std::uint64_t{0};
   std::uint64_t recorded_step = never, last_frame_step = never, last_energies_step = never,
                 last_probes_step = never;

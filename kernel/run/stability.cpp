@@ -48,6 +48,7 @@ Stability::Verdict Stability::examine(const RestSearch& rest, std::uint64_t step
       find_lowest_mode(forces, world_.complex(), world_.attributes, time, products_for(steps));
   mode.noise += rounding_of_rest(rest);
   lowest_ = mode.eigenvalue;
+  neutral_ = mode.eigenvalue <= 10 * mode.noise;
   if (!mode.negative()) return Verdict::stable;
   world_.dynamics->synchronise();
   recorder_.mode(time, gravity, mode.shape);
@@ -90,6 +91,7 @@ void Stability::kick(const LowestMode& mode) {
 
 std::string Stability::text() const {
   std::ostringstream text;
+  if (neutral_) return "the equilibrium is neutral: the lowest eigenvalue of the tangent is zero";
   text << "the equilibrium is stable: no eigenvalue of the tangent below " << lowest_.value_or(0)
        << " 1/s^2 was found";
   if (lowest_ && *lowest_ > 0)

@@ -46,6 +46,7 @@ class Stability {
   Recorder& recorder_;
   Diagnostics& diagnostics_;
   std::optional<double> lowest_;
+  bool neutral_ = false;  ///< zero within rounding
   unsigned kicks_ = 0;
 };
 

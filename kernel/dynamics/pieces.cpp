@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/dynamics/pieces.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace suture {
+
+std::vector<Index> pieces_of(const CellComplex& complex, Index vertices) {
+  std::vector<Index> parent(vertices);
+  std::iota(parent.begin(), parent.end(), Index{0});
+  const auto root = [&](Index v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  std::vector<bool> used(vertices);
+  for (Index e = 0; e < complex.element_count(); ++e) {
+    if (!complex.exists(3, e)) continue;
+    const Hexahedron& nodes = complex.vertices_of(e);
+    for (const Index v : nodes) {
+      used[v] = true;
+      const Index a = root(nodes[0]), b = root(v);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  std::vector<Index> size(vertices), order, number(vertices, none);
+  for (Index v = 0; v < vertices; ++v)
+    if (used[v] && size[root(v)]++ == 0) order.push_back(root(v));
+  std::ranges::stable_sort(order, [&](Index a, Index b) { return size[a] > size[b]; });
+  for (Index i = 0; i < order.size(); ++i) number[order[i]] = i;
+  std::vector<Index> pieces(vertices, none);
+  for (Index v = 0; v < vertices; ++v)
+    if (used[v]) pieces[v] = number[root(v)];
+  return pieces;
+}
+
+}  // namespace suture

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/run/free_bodies.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "kernel/base/error.hpp"
+#include "kernel/dynamics/free_motions.hpp"
+
+namespace suture {
+namespace {
+
+constexpr std::size_t most_told = 3;
+
+/// Gravity and loads after their ramps, in rows of 4.
+std::vector<double> final_forces(const Scene& scene, World& world) {
+  const Attributes& attributes = world.attributes;
+  std::vector<double> force(4 * std::size_t{attributes.vertex_count()});
+  world.dynamics->loads().add_to(force.data(), world.attributes.position().rows(),
+                                 world.dynamics->settled_after());
+  for (Index v = 0; v < attributes.vertex_count(); ++v)
+    for (std::size_t c = 0; c < 3; ++c)
+      force[4 * std::size_t{v} + c] += world.attributes.mass().get(v, 0) * scene.gravity[c];
+  return force;
+}
+
+std::vector<FreePiece> free_pieces(const Scene& scene, World& world) {
+  return find_free_pieces(world.complex(), world.attributes, final_forces(scene, world));
+}
+
+std::string describe(const FreePiece& piece) {
+  std::ostringstream text;
+  text << (piece.elements == 1 ? "a piece of 1 element" : "a piece of ");
+  if (piece.elements != 1) text << piece.elements << " elements";
+  text << " (the first: element " << piece.first_element << ") is free to " << piece.motions();
+  return text.str();
+}
+
+std::string push_of(const FreePiece& piece) {
+  std::ostringstream text;
+  text << "gravity and loads push it with (" << piece.force[0] << ", " << piece.force[1] << ", "
+       << piece.force[2] << ") N";
+  return text.str();
+}
+
+/// Whether models leave all of a translation alone: not those with springs to the ground.
+bool models_let_move(World& world, const FreePiece& piece) {
+  ForceLoop& forces = world.dynamics->forces();
+  if (!forces.has_tangent()) return false;
+  const std::size_t size = 3 * std::size_t{world.attributes.vertex_count()};
+  const auto largest_image = [&](auto value) {
+    std::vector<double> direction(size), image(size);
+    for (std::size_t i = 0; i < size; ++i) direction[i] = value(i);
+    forces.add_tangent(direction.data(), 1, 0, 0, image.data());
+    double largest = 0;
+    for (const double f : image) largest = std::max(largest, std::abs(f));
+    return largest;
+  };
+  const double stiff = largest_image([](std::size_t i) { return i * 7 % 5 < 2 ? 1.0 : -1.0; });
+  for (std::size_t c = 0; c < 3; ++c) {
+    const bool pushed = piece.translations[c] && piece.force[c] != 0;
+    if (pushed &&
+        largest_image([&](std::size_t i) { return i % 3 == c ? 1.0 : 0.0; }) > 1e-8 * stiff)
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void look_for_free_bodies(const Scene& scene, World& world, Diagnostics& diagnostics) {
+  const std::vector<FreePiece> pieces = free_pieces(scene, world);
+  for (const FreePiece& piece : pieces) {
+    if (!piece.is_pushed() || scene.solver.end || !scene.events.empty()) continue;
+    if (!models_let_move(world, piece)) continue;
+    throw InputError("/constraints: " + describe(piece) + ", and " + push_of(piece) +
+                     ", so it never comes to rest; hold it, balance the loads, or give "
+                     "/solver/end");
+  }
+  for (std::size_t i = 0; i < std::min(pieces.size(), most_told); ++i)
+    diagnostics.warn("/constraints: " + describe(pieces[i]) +
+                     (pieces[i].is_pushed() ? "; " + push_of(pieces[i]) : std::string()));
+  if (pieces.size() > most_told)
+    diagnostics.warn("/constraints: " + std::to_string(pieces.size() - most_told) +
+                     " more pieces are not held");
+}
+
+std::string falling_body(const Scene& scene, World& world) {
+  for (const Event& event : scene.events)
+    if (event.finish() > world.dynamics->time()) return "";
+  for (const FreePiece& piece : free_pieces(scene, world))
+    if (piece.is_pushed() && models_let_move(world, piece))
+      return describe(piece) + ", and " + push_of(piece);
+  return "";
+}
+
+}  // namespace suture

@@ -35,7 +35,7 @@ void Stagnation::close_window(std::uint64_t step) {
     best_ = here_;
     best_step_ = here_step_;
     idle_ = 0;
-  } else if (here_ > 4 * best_ && restarts_ < restarts_allowed) {
+  } else if (here_ > 2 * best_ && restarts_ < restarts_allowed) {
     ++restarts_;
     best_ = here_;
     best_step_ = step;

@@ -13,7 +13,7 @@ namespace suture {
 ///   w^2 / (alpha/2 + sqrt(alpha^2/4 - w^2))       above: overdamped
 /// (slow_rate()). The slowest mode decides, so the smallest w that the motion has shown in
 /// a window counts. In a window of `window_decays` / rate seconds the residual should fall
-/// by e^-10; half of it is progress. Without progress in `patience` windows running the
+/// by e^-5; half of it is progress. Without progress in `patience` windows running the
 /// search stagnates: at an estimate of the rate that is 28 times too high, at the earliest.
 ///
 /// A residual that rises for a whole window belongs to a body that leaves a state (it
@@ -21,9 +21,9 @@ namespace suture {
 /// taken for that for ever.
 class Stagnation {
  public:
-  static constexpr double window_decays = 10;
-  static constexpr unsigned patience = 2;
-  static constexpr unsigned restarts_allowed = 16;
+  static constexpr double window_decays = 5;
+  static constexpr unsigned patience = 4;
+  static constexpr unsigned restarts_allowed = 64;
 
   /// A check at `time`, s (of a clock that may stand still), after `step` steps. `distance`: from
   /// rest, 1 where it counts as rest. `rate`: of the slowest decay as estimated now, 1/s; 0:

@@ -35,12 +35,12 @@ TEST(Stagnation, ADistanceThatFallsAtThe28thPartOfTheRateIsProgress) {
   EXPECT_NE(stagnates_after([](double t) { return 1e9 * std::exp(-t / 30); }, 1), 0u);
 }
 
-TEST(Stagnation, AFloorIsFoundTwoWindowsAfterItIsReached) {
+TEST(Stagnation, AFloorIsFoundAfterItsPatience) {
   const auto floor = [](double t) { return std::max(1e6 * std::exp(-t), 10.0); };
   const double reached = std::log(1e5);  // s
   const double found = 0.01 * static_cast<double>(stagnates_after(floor, 1));
-  EXPECT_GT(found, reached + 2 * Stagnation::window_decays - 1);
-  EXPECT_LT(found, reached + 3 * Stagnation::window_decays + 1);
+  EXPECT_GT(found, reached + Stagnation::patience * Stagnation::window_decays - 1);
+  EXPECT_LT(found, reached + (Stagnation::patience + 1) * Stagnation::window_decays + 1);
 }
 
 TEST(Stagnation, ACycleIsNoProgress) {
@@ -52,7 +52,7 @@ TEST(Stagnation, ABodyThatBucklesIsOnItsWay) {
   const auto buckles = [](double t) {
     return t < 300 ? std::exp(-t) + 1e-6 * std::exp(t / 10) : 1e7 * std::exp(300 - t);
   };
-  EXPECT_EQ(stagnates_after(buckles, 1) > 30'000, true) << "not before it is there";
+  EXPECT_EQ(stagnates_after(buckles, 1), 0u);
 }
 
 TEST(Stagnation, RestartForgetsTheRecord) {

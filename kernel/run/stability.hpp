@@ -37,6 +37,7 @@ class Stability {
  private:
   double rounding_of_rest(const RestSearch& rest) const;
   std::string describe(const LowestMode& mode) const;
+  bool is_partial() const;
   void kick(const LowestMode& mode);
 
   static constexpr unsigned most_kicks = 5;

@@ -103,6 +103,25 @@ TEST_F(Runs, RestThatIsNotReachedIsAnError) {
   EXPECT_TRUE(run.says("20")) << run;
 }
 
+// A straight column at five times its Euler load balances, but does not stand.
+TEST_F(Runs, AnUnstableEquilibriumIsReportedWithItsMode) {
+  const std::vector<std::string> column{
+      R"(/mesh={"box": {"size": [1, 0.1, 0.1], "cells": [10, 2, 2]}})",
+      R"(/models/0/parameters={"E": 1e6, "nu": 0.3, "rho": 1000})", "/gravity=[0, 0, 0]",
+      R"(/loads=[{"traction": [-1e4, 0, 0], "where": {"set": "x1"}, "ramp": 1}])",
+      R"(/solver={"until": "rest"})"};
+  const Outcome run = scene("run", moving, column);
+  EXPECT_EQ(run.code, 5) << run;
+  EXPECT_TRUE(run.says("unstable") && run.says("mode.pvd") && run.says("/solver/kick")) << run;
+  EXPECT_NE(read("o/mode_0000.vtu").find("Name=\"unstable_mode\""), std::string::npos);
+  EXPECT_EQ(frames_in(folder() / "o"), 3u) << "first and last, and the mode";
+  std::vector<std::string> kicked = column;
+  kicked.emplace_back("/solver/kick=1e-3");
+  const Outcome buckled = scene("run", moving, kicked);
+  EXPECT_EQ(buckled.code, 0) << buckled;
+  EXPECT_TRUE(buckled.says("at rest") && buckled.says("pushed along it")) << buckled;
+}
+
 TEST_F(Runs, MoreStepsThanAllowedAreAnError) {
   const Outcome run = scene("run", moving, {"/solver/max_steps=3"});
   EXPECT_EQ(run.code, 5) << run;

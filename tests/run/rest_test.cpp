@@ -75,5 +75,21 @@ TEST(Rest, NearlyIncompressibleTakesAtMostTwentyTimesTheSteps) {
     }
 }
 
+// Corrected springs under the full load come to a stable rest that is a checkerboard.
+TEST(Rest, HourglassIsWarnedOf) {
+  const auto sag = [](const char* model, double gravity) {
+    Scene scene = until_rest(beam(host(), model, 12, 3, gravity), 1e-4);
+    if (std::string(model) == "mss-baudet")
+      scene = until_rest(beam(host(), model, 12, 3, gravity, {{"correction", 1}}), 1e-4);
+    scene.gravity_ramp = {0, 2, true};
+    return run(scene);
+  };
+  const Result springs = sag("mss-baudet", 9.8);
+  EXPECT_EQ(springs.summary.outcome, RunSummary::Outcome::at_rest);
+  EXPECT_NE(springs.warnings.find("elements hourglass"), std::string::npos) << springs.warnings;
+  EXPECT_EQ(sag("mss-baudet", 0.98).warnings.find("elements hourglass"), std::string::npos);
+  EXPECT_EQ(sag("tm-faure", 9.8).warnings.find("elements hourglass"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace suture::test

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numeric>
 
+#include "kernel/base/vec3.hpp"
 #include "kernel/dynamics/pieces.hpp"
 
 namespace suture {
@@ -81,58 +81,66 @@ void CoarseSpace::add_checkerboards(const CellComplex& complex, Attributes& attr
   grids_.push_back(std::move(grid));
 }
 
-/// Boxes as near to cubes as the body's box allows, as small as `nodes` allows.
+/// Gives the corners of the box around a vertex to `grid`. False if that takes more than
+/// `nodes` nodes; with `forced` the vertex, of a crumb, goes without.
+bool CoarseSpace::add_vertex(Grid& grid, GridNumbers& numbers, Index vertex, Index piece,
+                             const Vec3& place, const Vec3& cells, std::size_t nodes, bool forced) {
+  std::array<std::int64_t, 3> cell;
+  for (std::size_t c = 0; c < 3; ++c)
+    cell[c] = static_cast<std::int64_t>(std::clamp(std::floor(place[c]), 0.0, cells[c] - 1));
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    double weight = 1;
+    std::array<std::int64_t, 4> key{0, 0, 0, static_cast<std::int64_t>(piece)};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double at = place[c] - static_cast<double>(cell[c]);
+      const bool side = corner >> c & 1;
+      key[c] = cell[c] + side;
+      weight *= side ? at : 1 - at;
+    }
+    grid.nodes[vertex][corner] = -1;
+    if (weight < 1e-9) continue;
+    auto found = numbers.find(key);
+    if (found == numbers.end()) {
+      if (numbers.size() >= nodes && !forced) return false;
+      if (numbers.size() >= nodes) continue;
+      found = numbers.emplace(key, static_cast<std::int32_t>(numbers.size())).first;
+    }
+    grid.nodes[vertex][corner] = found->second;
+    grid.weights[vertex][corner] = static_cast<float>(weight);
+  }
+  return true;
+}
+
+/// Boxes as near to cubes as the body's box allows, as small as `nodes` allows; the largest
+/// pieces are served first.
 CoarseSpace::Grid CoarseSpace::make_grid(const CellComplex& complex, Attributes& attributes,
                                          Index nodes) const {
   const Index vertices = attributes.vertex_count();
   const std::vector<Index> pieces = pieces_of(complex, vertices);
+  std::vector<Index> order;
+  for (Index v = 0; v < vertices; ++v)
+    if (pieces[v] != none) order.push_back(v);
+  std::ranges::stable_sort(order, [&](Index a, Index b) { return pieces[a] < pieces[b]; });
   const Box box = box_of(attributes, pieces);
-  const Vec3 length{box.high[0] - box.low[0], box.high[1] - box.low[1], box.high[2] - box.low[2]};
+  const Vec3 length = minus(box.high, box.low);
+  const std::size_t most = std::max<std::size_t>(nodes, 8);
   double size = std::cbrt(length[0] * length[1] * length[2] / nodes);
   Grid grid;
   for (bool fits = false; !fits; size *= 1.05) {
-    std::array<double, 3> cells;
+    Vec3 cells;
     for (std::size_t c = 0; c < 3; ++c) cells[c] = std::max(1.0, std::round(length[c] / size));
-    const bool coarsest = cells == std::array<double, 3>{1, 1, 1};
-    std::map<std::array<std::int64_t, 4>, std::int32_t> numbers;
+    const bool coarsest = cells == Vec3{1, 1, 1};
+    GridNumbers numbers;
     grid.nodes.assign(vertices, {});
     grid.weights.assign(vertices, {});
-    // Pieces in their order: the largest are served first.
-    std::vector<Index> order;
-    for (Index v = 0; v < vertices; ++v)
-      if (pieces[v] != none) order.push_back(v);
-    std::ranges::stable_sort(order, [&](Index a, Index b) { return pieces[a] < pieces[b]; });
-    fits = true;
-    for (const Index v : order) {
-      std::array<std::int64_t, 3> cell;
-      std::array<double, 3> at;
+    fits = std::ranges::all_of(order, [&](Index v) {
+      Vec3 place{};
       for (std::size_t c = 0; c < 3; ++c) {
         const double x = attributes.rest().get(v, static_cast<int>(c)) - box.low[c];
-        const double place = length[c] > 0 ? x / length[c] * cells[c] : 0;
-        cell[c] = static_cast<std::int64_t>(std::clamp(std::floor(place), 0.0, cells[c] - 1));
-        at[c] = place - static_cast<double>(cell[c]);
+        if (length[c] > 0) place[c] = x / length[c] * cells[c];
       }
-      for (std::size_t corner = 0; corner < 8; ++corner) {
-        double weight = 1;
-        std::array<std::int64_t, 4> key{0, 0, 0, static_cast<std::int64_t>(pieces[v])};
-        for (std::size_t c = 0; c < 3; ++c) {
-          const auto side = corner >> c & 1;
-          key[c] = cell[c] + static_cast<std::int64_t>(side);
-          weight *= side ? at[c] : 1 - at[c];
-        }
-        grid.nodes[v][corner] = -1;
-        if (weight < 1e-9) continue;
-        auto found = numbers.find(key);
-        if (found == numbers.end()) {
-          if (numbers.size() >= nodes && !coarsest) fits = false;
-          if (numbers.size() >= std::max<std::size_t>(nodes, 8)) continue;  // a crumb
-          found = numbers.emplace(key, static_cast<std::int32_t>(numbers.size())).first;
-        }
-        grid.nodes[v][corner] = found->second;
-        grid.weights[v][corner] = static_cast<float>(weight);
-      }
-      if (!fits) break;
-    }
+      return add_vertex(grid, numbers, v, pieces[v], place, cells, most, coarsest);
+    });
     grid.count = static_cast<Eigen::Index>(numbers.size());
   }
   return grid;

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
@@ -14,8 +15,8 @@ namespace suture {
 /// A few hundred smooth motions of a body: trilinear functions of a grid of boxes around
 /// its rest shape, three components each, every island with nodes of its own (crumbs beyond
 /// the limit have none). Beside them, if asked for, the same functions of a coarser grid
-/// times the checkerboards that lattices of springs do not resist (formulas of the
-/// mechanisms: u_a = s_b s_c, s the side of a node along an axis of the elements).
+/// times the checkerboards that lattices of springs do not resist (u_a = s_b s_c,
+/// s = +-1 the side of a node along an axis of the elements).
 ///
 /// Motions are vectors y = sqrt(m) u, 3 per vertex, 0 at held components.
 /// Memory: 100 B per vertex and grid.
@@ -43,6 +44,9 @@ class CoarseSpace {
     Eigen::Index first = 0;           ///< number of its first motion
     Eigen::Index count = 0;           ///< of nodes
   };
+  using GridNumbers = std::map<std::array<std::int64_t, 4>, std::int32_t>;  ///< place, piece
+  static bool add_vertex(Grid& grid, GridNumbers& numbers, Index vertex, Index piece,
+                         const Vec3& place, const Vec3& cells, std::size_t nodes, bool forced);
   Grid make_grid(const CellComplex& complex, Attributes& attributes, Index nodes) const;
   template <class Visit>
   void for_each(Visit visit) const;

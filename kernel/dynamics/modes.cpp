@@ -216,6 +216,30 @@ struct Descent {
   }
 };
 
+/// The lowest modes of the coarse space, with a little of everything, and the last motion.
+MatrixXd start_vectors(const Operator& a, const Coarse& coarse, Random& numbers,
+                       std::span<const double> last_motion) {
+  MatrixXd start(a.size(), block + 1);
+  for (EigenIndex i = 0; i < start.cols(); ++i) {
+    start.col(i) = 1e-3 * a.random(numbers);
+    if (i < std::min<EigenIndex>(block, coarse.size())) start.col(i) += coarse.mode(i);
+  }
+  for (EigenIndex i = 0; !last_motion.empty() && i < a.size(); ++i) {
+    const double scale = a.scale()[static_cast<std::size_t>(i)];
+    start(i, block) = scale > 0 ? last_motion[static_cast<std::size_t>(i)] / scale : 0;
+  }
+  if (start.col(block).norm() > 0) start.col(block).normalize();
+  return start;
+}
+
+/// T r for each column.
+MatrixXd precondition(const Coarse& coarse, const MatrixXd& residual, double largest) {
+  MatrixXd direction = residual / largest;
+  for (EigenIndex i = 0; coarse.size() > 0 && i < residual.cols(); ++i)
+    direction.col(i) += coarse.solve(residual.col(i));
+  return direction;
+}
+
 double noise_of(const CellComplex& complex, Attributes& attributes, double largest) {
   double far = 0;
   for (Index v = 0; v < attributes.vertex_count(); ++v)
@@ -261,28 +285,12 @@ LowestMode find_lowest_mode(ForceLoop& forces, const CellComplex& complex, Attri
   mode.noise = noise_of(complex, attributes, largest);
   const Coarse coarse(a, complex, attributes, std::clamp<Index>(products / 6, 8, 100), largest);
 
-  MatrixXd start(a.size(), block + 1);
-  for (EigenIndex i = 0; i < start.cols(); ++i) {
-    start.col(i) = 1e-3 * a.random(numbers);
-    if (i < std::min<EigenIndex>(block, coarse.size())) start.col(i) += coarse.mode(i);
-  }
-  if (!last_motion.empty()) {
-    for (EigenIndex i = 0; i < a.size(); ++i) {
-      const double scale = a.scale()[static_cast<std::size_t>(i)];
-      start(i, block) = scale > 0 ? last_motion[static_cast<std::size_t>(i)] / scale : 0;
-    }
-  }
-  if (start.col(block).norm() > 0) start.col(block).normalize();
   Descent descent;
-  descent.start(start, a);
+  descent.start(start_vectors(a, coarse, numbers, last_motion), a);
   for (unsigned iteration = 0;; ++iteration) {
     if (descent.x.cols() == 0) return mode;  // nothing is free
     const MatrixXd residual = descent.image - descent.x * descent.values.asDiagonal();
-    MatrixXd direction(residual.rows(), residual.cols());
-    for (EigenIndex i = 0; i < residual.cols(); ++i) {
-      direction.col(i) = residual.col(i) / largest;
-      if (coarse.size() > 0) direction.col(i) += coarse.solve(residual.col(i));
-    }
+    MatrixXd direction = precondition(coarse, residual, largest);
     mode.eigenvalue = descent.values[0];
     mode.error = residual.col(0).dot(direction.col(0));
     const bool good = mode.error <= std::max(wanted * std::abs(mode.eigenvalue), mode.noise);

@@ -203,8 +203,8 @@ StepSearch::Eigenvalue StepSearch::largest_eigenvalue(double stiffness, double d
     found.upper = found.value + error;
     const double wanted = iteration < least ? exact : tolerance;
     if (!(error > wanted * std::abs(found.value)) || iteration == most_iterations) break;
+    combine(1 / error, residual.v, 0, residual.v);  // before: its image may be beyond a float
     apply(residual.v, stiffness, damping, residual.image);
-    residual.scale(1 / error);
     step_to_best(x, residual, last);
   }
   mode_ = std::move(x.v);

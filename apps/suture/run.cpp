@@ -72,6 +72,9 @@ void print_summary(const RunSummary& summary, Console& console) {
   text += " at t = " + significant(summary.time) + " s: " + count(summary.steps, "step") + " in " +
           duration(summary.seconds) + " (" + short_number(summary.elements_per_second) +
           " elements/s, " + count(summary.threads, "thread") + ")";
+  if (summary.steps_back > 0) text += ", " + count(summary.steps_back, "step") + " back";
+  if (summary.exchanged > 0)
+    text += ", balance " + significant(100 * summary.balance / summary.exchanged) + " %";
   if (summary.frames > 0) text += ", " + count(summary.frames, "frame");
   if (summary.faces_cut > 0) text += ", " + count(summary.faces_cut, "face") + " cut";
   if (summary.faces_torn > 0) text += ", " + count(summary.faces_torn, "face") + " torn";

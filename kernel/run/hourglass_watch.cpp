@@ -31,11 +31,13 @@ Vec3 centre_of(World& world, Index element) {
 
 }  // namespace
 
-std::string hourglass_warning(const Scene& scene, World& world) {
+std::string hourglass_warning(const Scene& scene, World& world, bool at_rest) {
   const Hourglass found = measure_hourglass(world.complex(), world.attributes);
   Index count = 0, worst = none;
   for (Index e = 0; e < world.complex().element_count(); ++e) {
     if (!(found.content(e) > significant)) continue;
+    // A continuum that vibrates has such motions too, and resists them.
+    if (!at_rest && (model_of(scene, world, e).model->flags & SUTURE_CONTINUUM) != 0) continue;
     ++count;
     if (worst == none || found.content(e) > found.content(worst)) worst = e;
   }
@@ -47,8 +49,8 @@ std::string hourglass_warning(const Scene& scene, World& world) {
   text << count << " of " << elements
        << " elements hourglass: they move in a checkerboard that no strain explains. The worst is "
           "element "
-       << world.element_name(worst) << " at (" << centre[0] << ", " << centre[1] << ", "
-       << centre[2] << ") m of model '" << use.name << "', by " << found.content(worst)
+       << world.element_name(worst) << " at " << world.place_text(centre) << " of model '"
+       << use.name << "', by " << found.content(worst)
        << " times its strain. ";
   if ((use.model->flags & SUTURE_CONTINUUM) == 0)
     text

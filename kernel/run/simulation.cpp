@@ -175,9 +175,10 @@ struct Simulation::Impl {
 
   void step(Observer& observer) {
     control.step([&](const std::string& text) { observer.on_message(text); });
-    // After a step back what comes again is recorded again.
-    for (std::uint64_t* mark :
-         {&recorded_step, &last_frame_step, &last_energies_step, &last_probes_step})
+    if (recorded_step <= clock.step()) return;
+    // A step back: this state is recorded, what comes after it is not any more.
+    recorded_step = clock.step();
+    for (std::uint64_t* mark : {&last_frame_step, &last_energies_step, &last_probes_step})
       if (*mark > clock.step()) *mark = never;
   }
 
@@ -318,7 +319,9 @@ struct Simulation::Impl {
       throw;
     }
     events.finish();
-    if (const std::string text = hourglass_warning(scene, world); !text.empty())
+    const bool rests = summary.outcome != RunSummary::Outcome::finished &&
+                       summary.outcome != RunSummary::Outcome::interrupted;
+    if (const std::string text = hourglass_warning(scene, world, rests); !text.empty())
       diagnostics.warn(text);
     finish();
     summary.balance = control.guard().last().balance;

@@ -15,6 +15,7 @@ namespace {
 constexpr double alarming = 1.8;
 constexpr unsigned alarms_needed = 2;
 constexpr double low_safety = 0.5;
+constexpr double most_over_bound = 1.7;
 
 }  // namespace
 
@@ -39,8 +40,8 @@ void StepWatch::after_event(std::uint64_t step) {
     if (!local || *scene_.solver.dt > *local) due_ = std::max(step, searched_ + search_steps);
   } else if (!local) {
     search(step);
-  } else if (*local < stable_) {
-    stable_ = *local;
+  } else if (limit_over_bound_ * *local < stable_) {
+    stable_ = limit_over_bound_ * *local;
     lowered_ = step;
   }
 }
@@ -53,7 +54,7 @@ void StepWatch::after_step(std::uint64_t step) {
   if (step < due_) return;
   const bool events_go_on = lowered_ > searched_ && step < lowered_ + search_steps;
   if (!scene_.solver.dt && events_go_on && step < searched_ + most_event_steps) {
-    stable_ = bound(&Dynamics::bounds).value();  // lowered_ by such a bound
+    stable_ = limit_over_bound_ * bound(&Dynamics::bounds).value();  // lowered_ by such a bound
     due_ = step + search_steps;
     return;
   }
@@ -85,6 +86,10 @@ void StepWatch::search(std::uint64_t step, bool from_random) {
   } catch (const PluginError&) {
     if (!scene_.solver.dt) throw;
     return;  // a model without a bound runs with the user's dt
+  }
+  if (!scene_.solver.dt && !scene_.events.empty()) {
+    const double limit = stable_ / bound(&Dynamics::bounds).value_or(stable_);
+    limit_over_bound_ = std::clamp(limit, 1.0, most_over_bound);
   }
   compare();
 }

@@ -19,7 +19,8 @@ namespace suture {
 ///  - "auto" searches at the start, after 512 steps, and then after twice as many as before
 ///    while the step stays the same within 2 %, 8192 at most. An event lowers the step to the
 ///    bound of the vertices that it changed, if that is less: elsewhere nothing is different,
-///    and the step was stable there.
+///    and the step was stable there. The bound is 0.6 to 0.75 of the limit; it is taken times
+///    what the search found over what the bound said of the whole body then.
 ///  - While events go on to lower the step, a search would be out of date at once. Every 512
 ///    steps the bound of all vertices takes its place (4 %), which follows the state both
 ///    ways; a search comes when 512 steps have passed without such an event, and at the latest
@@ -74,6 +75,7 @@ class StepWatch {
   double stable_ = 0;
   unsigned halvings_ = 0;
   std::uint64_t searched_ = 0, due_ = never, interval_ = search_steps;
+  double limit_over_bound_ = 1;    ///< at the last search, 1 to most_over_bound
   std::uint64_t lowered_ = 0;      ///< the step at which an event last lowered stable_
   std::uint64_t clean_since_ = 0;  ///< last alarm, or halving taken back
   std::uint64_t trusted_until_ = 0;

@@ -61,8 +61,8 @@ class Placement {
 
 void Constraints::add(std::span<const Index> vertices, std::uint8_t components,
                       const PrescribedMotion& motion, Attributes& attributes) {
-  Group& group =
-      groups_.emplace_back(Group{motion, components, {vertices.begin(), vertices.end()}, {}, {}, 0});
+  Group& group = groups_.emplace_back(
+      Group{motion, components, {vertices.begin(), vertices.end()}, {}, {}, 0});
   std::ranges::sort(group.vertices);
   read_rest(group, attributes);
   const double shift = std::sqrt(dot(motion.translation, motion.translation));
@@ -92,11 +92,10 @@ void Constraints::gather(Attributes& attributes) {
   for (const auto& [vertex, components] : held) held_.push_back({vertex, components});
   const Column& velocity = attributes.velocity();
   for (const auto& [vertex, components] : driven)
-    driven_.push_back(
-        {{vertex, components},
-         {velocity.get(vertex, 0), velocity.get(vertex, 1), velocity.get(vertex, 2)},
-         {},
-         {}});
+    driven_.push_back({{vertex, components},
+                       {velocity.get(vertex, 0), velocity.get(vertex, 1), velocity.get(vertex, 2)},
+                       {},
+                       {}});
 }
 
 void Constraints::read_rest(Group& group, Attributes& attributes) {
@@ -135,10 +134,9 @@ template <class List>
 auto within(List& list, Index begin, Index end) {
   const auto vertex = [](const auto& entry) { return entry.vertex; };
   const auto first = std::ranges::lower_bound(list, begin, {}, vertex);
-  return std::ranges::subrange(first, std::lower_bound(first, list.end(), end,
-                                                       [](const auto& entry, Index limit) {
-                                                         return entry.vertex < limit;
-                                                       }));
+  return std::ranges::subrange(
+      first, std::lower_bound(first, list.end(), end,
+                              [](const auto& entry, Index limit) { return entry.vertex < limit; }));
 }
 
 /// Of a column of rows of 4, at a vertex.

@@ -36,8 +36,6 @@ struct Kick {
   }
 };
 
-std::string at_time(double time) { return "at t = " + std::to_string(time) + " s"; }
-
 }  // namespace
 
 struct Dynamics::Impl {
@@ -145,8 +143,7 @@ struct Dynamics::Impl {
       constraints.before_drift(attributes, g, first, last);
       if (pass(&m, first, last, &sums) != 0) return false;
       constraints.apply(attributes, end, first, last);
-      const DrivenWork driven =
-          constraints.after_drift(attributes, unseen, dt, first, last, sums);
+      const DrivenWork driven = constraints.after_drift(attributes, unseen, dt, first, last, sums);
       if (unseen > 0) ledger.sums.note_before(part, sums, {});
       ledger.sums.note_after(part, sums, driven);
       return true;
@@ -166,9 +163,8 @@ struct Dynamics::Impl {
              std::isfinite(v[4 * std::size_t{i} + 2]);
     };
     while (vertex + 1 < attributes.vertex_count() && finite(vertex)) ++vertex;
-    throw NotFinite(at_time(time) + ": the velocity of vertex " + std::to_string(vertex) +
-                    " (element " + std::to_string(shown(complex->dart_of(0, vertex) / 24)) +
-                    ") is not finite");
+    throw NotFinite("the velocity of vertex " + std::to_string(vertex) + " is not finite",
+                    shown(complex->dart_of(0, vertex) / 24));
   }
 
   Index shown(Index element) const {
@@ -224,8 +220,7 @@ struct Dynamics::Impl {
       constraints.before_kick(attributes, first, last);
       if (loops.kick(&m, first, last, &sums) != 0) return false;
       constraints.apply(attributes, time, first, last);
-      const DrivenWork driven =
-          constraints.after_kick(attributes, g, last_dt, first, last, sums);
+      const DrivenWork driven = constraints.after_kick(attributes, g, last_dt, first, last, sums);
       ledger.sums.note_before(part, sums, driven);
       return true;
     });
@@ -570,7 +565,8 @@ EnergyBalance Dynamics::balance() {
 double Dynamics::apparent_frequency() const { return impl_->ledger.sums.apparent_frequency(); }
 
 Index Dynamics::fastest_vertex() const {
-  const Index chunk = impl_->ledger.sums.fastest_chunk(), vertices = impl_->attributes.vertex_count();
+  const Index chunk = impl_->ledger.sums.fastest_chunk(),
+              vertices = impl_->attributes.vertex_count();
   const Index first = chunk == none ? 0 : chunk * pass_chunk;
   const Index last = chunk == none ? vertices : std::min(first + pass_chunk, vertices);
   const auto energy = [&](Index v) {

@@ -47,17 +47,16 @@ void Failure::merge(const Failure& other) {
   step_factor_ = factor;
 }
 
-void Failure::raise(const std::string& title, const char* cell_word, double time) const {
-  std::string text = "t = " + std::to_string(time) + " s: " + title;
+void Failure::raise(const std::string& title, const char* cell_word) const {
+  std::string text = title;
   if (cell_known_)
     text += std::string(", ") + cell_word + " " + std::to_string(cell_);
   else
     text += std::string(", near ") + cell_word + " " + std::to_string(cell_);
   text += ": " + (text_.empty() ? "failed without a message" : text_);
   if (code_ != 0) text += " (code " + std::to_string(code_) + ")";
-  const std::uint64_t where = cell_word == std::string_view("element")
-                                  ? std::uint64_t{cell_}
-                                  : NumericalError::nowhere;
+  const std::uint64_t where =
+      cell_word == std::string_view("element") ? std::uint64_t{cell_} : NumericalError::nowhere;
   if (status_ > 0) throw StepRejected(text, step_factor_, where);
   throw NumericalError(text, where);
 }

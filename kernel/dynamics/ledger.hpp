@@ -61,7 +61,7 @@ class Ledger {
   /// The present state, with forces evaluated there.
   struct Now {
     double time = 0;
-    double kinetic = 0;   ///< at the time of the positions, J
+    double kinetic = 0;    ///< at the time of the positions, J
     double half_step = 0;  ///< h- where velocities lag half a step behind the positions, else 0
     double work = 0;       ///< h- A_n / 2: of all forces in the half step that no pass has seen
   };
@@ -105,7 +105,8 @@ class Ledger {
     double exchanged = 0;
   };
   Account account_;
-  std::vector<double> fed_force_;  ///< of functors without an energy at the last evaluation, rows of 4
+  std::vector<double>
+      fed_force_;  ///< of functors without an energy at the last evaluation, rows of 4
   bool fed_is_booked_ = false;
   Account jump_;  ///< energies before a jump, in its `start...`
 };

@@ -82,8 +82,8 @@ std::string Evidence::write(const std::filesystem::path& directory) {
       writer.submit(std::move(*frame));
     }
     writer.finish();
-    return writer.collection().string() + (number == 2 ? " shows the last good state and this one"
-                                                       : " shows this state");
+    return writer.collection().string() +
+           (number == 2 ? " shows the last good state and this one" : " shows this state");
   } catch (const Error& error) {
     return std::string("No frame of this state: ") + error.what();
   }

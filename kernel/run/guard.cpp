@@ -40,10 +40,13 @@ void Guard::check(std::uint64_t step, double time) {
 // Viscous functors only take: what they give is as unexplained as a balance that grows.
 double Guard::unexplained() const { return last_.balance - std::min(last_.dissipated, 0.0); }
 
+double Guard::noise() const {
+  return 10 * static_cast<double>(step_) * world_.dynamics->rounding().energy;
+}
+
 double Guard::growth() const {
-  const double noise = 10 * static_cast<double>(step_) * world_.dynamics->rounding().energy;
   const double grown = unexplained() - forgiven_;
-  return last_.exchanged > 0 && grown > noise ? grown / last_.exchanged : 0;
+  return last_.exchanged > 0 && grown > noise() ? grown / last_.exchanged : 0;
 }
 
 void Guard::check_inversion(std::uint64_t step, double time) {

@@ -29,6 +29,9 @@ class Guard {
   double growth() const;
   void forgive_growth() { forgiven_ = unexplained(); }
 
+  /// What rounding can have added to the energy so far, J.
+  double noise() const;
+
   const EnergyBalance& last() const { return last_; }
   std::uint64_t inverted_elements() const { return worst_inverted_; }
 
@@ -38,9 +41,9 @@ class Guard {
 
   World& world_;
   Diagnostics& diagnostics_;
-  std::vector<bool> stops_;                 ///< on inversion, by instance
-  std::vector<Index> inverted_at_rest_;     ///< admitted by the scene, ascending
-  Index worst_inverted_ = 0;                ///< beyond those
+  std::vector<bool> stops_;              ///< on inversion, by instance
+  std::vector<Index> inverted_at_rest_;  ///< admitted by the scene, ascending
+  Index worst_inverted_ = 0;             ///< beyond those
   std::uint64_t step_ = 0;
   EnergyBalance last_;
   double forgiven_ = 0;

@@ -50,8 +50,7 @@ std::string hourglass_warning(const Scene& scene, World& world, bool at_rest) {
        << " elements hourglass: they move in a checkerboard that no strain explains. The worst is "
           "element "
        << world.element_name(worst) << " at " << world.place_text(centre) << " of model '"
-       << use.name << "', by " << found.content(worst)
-       << " times its strain. ";
+       << use.name << "', by " << found.content(worst) << " times its strain. ";
   if ((use.model->flags & SUTURE_CONTINUUM) == 0)
     text
         << "Springs do not resist such motions, \"correction\" and a finer mesh do not help: use a "

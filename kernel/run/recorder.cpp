@@ -191,9 +191,9 @@ void Recorder::springs_frame(std::uint64_t step, double time, const Vec3& gravit
 }
 
 void Recorder::energies(std::uint64_t step, double time, double dt, const EnergyBalance& e) {
-  const std::array<double, 12> values{time,       dt,         e.kinetic,  e.elastic,
-                                      e.gravity,  e.loads,    e.pressure, e.prescribed,
-                                      e.models,   e.events,   e.dissipated, e.balance};
+  const std::array<double, 12> values{time,      dt,       e.kinetic,    e.elastic,
+                                      e.gravity, e.loads,  e.pressure,   e.prescribed,
+                                      e.models,  e.events, e.dissipated, e.balance};
   held_.push_back({step, false, [this, step, values] { energies_->row(step, values); }});
 }
 

@@ -65,10 +65,10 @@ struct Simulation::Impl {
         recorder(scene, world, provenance_of(s, host, world)),
         schedule(scene.events, world),
         events(scene, world, d),
-        control(scene, world, recorder, schedule, events,
-                Clock(s.solver.dt, stops_of(s), s.output.enabled ? s.output.every : 0,
-                      s.solver.end),
-                d),
+        control(
+            scene, world, recorder, schedule, events,
+            Clock(s.solver.dt, stops_of(s), s.output.enabled ? s.output.every : 0, s.solver.end),
+            d),
         sleeper(s.solver, world),
         stability(scene, world, recorder, d) {
     Decision still = decide_still_cells(scene, world, recorder);
@@ -94,7 +94,16 @@ struct Simulation::Impl {
   // ---- events ----
 
   void fire_events(Observer& observer) {
-    for (const std::size_t i : schedule.due(clock)) tell(events.fire(i, clock.time()), observer);
+    for (const std::size_t i : schedule.due(clock)) {
+      try {
+        tell(events.fire(i, clock.time()), observer);
+      } catch (const NumericalError& error) {
+        std::ostringstream when;
+        when << "t = " << clock.time() << " s: ";
+        const std::string text = error.what();
+        throw NumericalError(text.starts_with("t = ") ? text : when.str() + text);
+      }
+    }
   }
 
   // The cells are others: so are the islands and the stable step.
@@ -324,8 +333,12 @@ struct Simulation::Impl {
     if (const std::string text = hourglass_warning(scene, world, rests); !text.empty())
       diagnostics.warn(text);
     finish();
-    summary.balance = control.guard().last().balance;
-    summary.exchanged = control.guard().last().exchanged;
+    if (const std::string text = control.balance_warning(); !text.empty()) diagnostics.warn(text);
+    const EnergyBalance& energies = control.guard().last();
+    if (energies.exchanged > control.guard().noise()) {
+      summary.balance = energies.balance;
+      summary.exchanged = energies.exchanged;
+    }
     summary.steps_back = control.steps_back();
     summary.steps = clock.step();
     summary.time = clock.time();

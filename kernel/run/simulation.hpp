@@ -47,10 +47,10 @@ struct RunSummary {
   Outcome outcome = Outcome::finished;
   std::uint64_t steps = 0, frames = 0, inverted_elements = 0;
   std::uint64_t faces_cut = 0, faces_torn = 0, faces_sewn = 0, elements_removed = 0;
-  std::uint64_t steps_back = 0;        ///< times that steps were rejected and made again
-  double balance = 0, exchanged = 0;  ///< J: what nothing explains, and its scale
+  std::uint64_t steps_back = 0;       ///< times that steps were rejected and made again
+  double balance = 0, exchanged = 0;  ///< J: what nothing explains, and its scale; 0: rounding
   double time = 0, dt = 0;            ///< s; dt of the last step
-  double seconds = 0;       ///< wall clock of the loop
+  double seconds = 0;                 ///< wall clock of the loop
   double elements_per_second = 0;
   /// Of the tangent where the run came to rest, 1/s^2; none if it was not examined.
   std::optional<double> lowest_eigenvalue;

@@ -16,6 +16,8 @@ constexpr std::uint64_t guard_steps = 64;
 // Energy from nowhere, as a part of what was exchanged, that is worth a word. Right runs stay
 // below 0.014.
 constexpr double notable_growth = 0.02;
+// Of the whole run, either way; sudden loads reach some per cent at a safety of 0.8.
+constexpr double notable_balance = 0.1;
 // How often a step is halved before it is given up, and attempts to pass a place where
 // elements or models fail, which a smaller step may not help.
 constexpr unsigned most_halvings = 10, most_attempts = 2;
@@ -116,6 +118,19 @@ void StepControl::check_state(const Notify& notify) {
   }
 }
 
+std::string StepControl::balance_warning() const {
+  const EnergyBalance& last = guard_.last();
+  const double part = last.exchanged > 0 ? last.balance / last.exchanged : 0;
+  const bool is_noise = std::abs(last.balance) < guard_.noise();
+  if (!(std::abs(part) > notable_balance) || growth_was_reported_ || is_noise) return "";
+  std::ostringstream text;
+  text << "the energies balance to " << 100 * part
+       << " % of what was exchanged only: the step is stable, but coarse for what happened (a "
+          "sudden load or motion); lower "
+       << (scene_.solver.dt ? "/solver/dt" : "/solver/safety");
+  return text.str();
+}
+
 bool StepControl::ends_well(const Notify& notify) {
   const std::uint64_t step = clock_.step();
   try {
@@ -136,8 +151,7 @@ void StepControl::step_back(const NumericalError& error, const Notify& notify) {
   const bool same_place = failed_at <= furthest_failure_ + 64 * last_dt_;
   attempts_ = same_place ? attempts_ + 1 : 1;
   furthest_failure_ = std::max(furthest_failure_, failed_at);
-  const bool may_help =
-      rejected || (!scene_.solver.dt && (unstable || attempts_ <= most_attempts));
+  const bool may_help = rejected || (!scene_.solver.dt && (unstable || attempts_ <= most_attempts));
   if (!may_help || kept_.empty() || watch_.halvings() >= most_halvings) give_up(error);
   const KeptStates::State& state = kept_.take_older();
   world_.dynamics->restore(state.body);
@@ -160,20 +174,19 @@ void StepControl::give_up(const NumericalError& error) {
   const Index element = error.element != NumericalError::nowhere
                             ? world_.selector.element_with_id(error.element)
                             : none;
-  if (element != none) text << " (at " << world_.place_of(element) << ')';
-  text << ". " << advice(error);
-  if (scene_.output.enabled) {
-    Evidence evidence(world_, clock_.time());
-    if (kept_.empty()) {
-      recorder_.go_back(clock_.step() - 1);
-    } else {
-      const KeptStates::State& state = kept_.take_older();
-      world_.dynamics->restore(state.body);
-      recorder_.go_back(state.clock->step());
-      evidence.add_last_good(world_, state.clock->time());
-    }
-    text << ". " << evidence.write(scene_.output.directory);
+  if (element != none) text << "; this element lies at " << world_.place_of(element);
+  Evidence evidence(world_, clock_.time());
+  if (kept_.empty()) {
+    recorder_.go_back(clock_.step() - 1);
+  } else {
+    const KeptStates::State& state = kept_.take_older();
+    world_.dynamics->restore(state.body);
+    recorder_.go_back(state.clock->step());
+    evidence.add_last_good(world_, state.clock->time());
+    if (scene_.solver.dt) watch_.look_again();
   }
+  text << ". " << advice(error);
+  if (scene_.output.enabled) text << ". " << evidence.write(scene_.output.directory);
   throw NumericalError(text.str());
 }
 
@@ -183,7 +196,7 @@ std::string StepControl::advice(const NumericalError& error) const {
   if (scene_.solver.dt && !(*scene_.solver.dt < watch_.stable())) {
     text << "/solver/dt is " << *scene_.solver.dt << " s";
     if (watch_.stable() > 0)
-      text << ", and the stable step of this state is about " << watch_.stable() << " s";
+      text << ", and the stable step of the last good state is about " << watch_.stable() << " s";
     text << ": lower it, or set it to \"auto\"";
     return text.str();
   }

@@ -22,9 +22,9 @@ class UnstableStep : public NumericalError {
 
 /// Makes the steps of a run and vouches for them: a step that turns out to be wrong (its
 /// motion is unstable, a model asks for a smaller one, numbers are not finite, elements turn
-/// inside out) is made again from a state some 32 to 64 steps before, with half the step. What no smaller
-/// step mends, or what a fixed dt forbids, ends the run with its cause, advice that fits the
-/// scene, and two frames: the last good state and the one that failed.
+/// inside out) is made again from a state some 32 to 64 steps before, with half the step. What no
+/// smaller step mends, or what a fixed dt forbids, ends the run with its cause, advice that fits
+/// the scene, and two frames: the last good state and the one that failed.
 class StepControl {
  public:
   using Notify = std::function<void(const std::string&)>;
@@ -38,7 +38,7 @@ class StepControl {
   const Clock& clock() const { return clock_; }
   const Guard& guard() const { return guard_; }
   StepWatch& watch() { return watch_; }
-  double last_dt() const { return last_dt_; }            ///< s
+  double last_dt() const { return last_dt_; }               ///< s
   std::uint64_t steps_back() const { return steps_back_; }  ///< how often
   double next_dt();
 
@@ -49,6 +49,9 @@ class StepControl {
   void make_step();
   /// Looks at the last state; false if it went back instead.
   bool ends_well(const Notify& notify);
+
+  /// A warning if the balance of the whole run did not close, and nothing was said of it; or "".
+  std::string balance_warning() const;
 
   /// An operation has changed the cells. O(what it touched).
   void after_event();

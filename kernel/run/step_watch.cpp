@@ -129,6 +129,14 @@ bool StepWatch::is_unstable(std::uint64_t step, double dt) {
   return unstable;
 }
 
+void StepWatch::look_again() {
+  try {
+    stable_ = world_.dynamics->stable_step(true);
+  } catch (const Error&) {
+    stable_ = 0;
+  }
+}
+
 void StepWatch::step_back(std::uint64_t step, unsigned halvings) {
   halvings_ += halvings;
   alarms_ = 0;

@@ -12,8 +12,8 @@ namespace suture {
 
 /// Knows the stable step of a run, and how much of it is used. A search
 /// (Dynamics::stable_step()) costs as much as 150 evaluations of the forces from random, 15
-/// where it goes on from the last one, 27 or more where the cells are others since; the bound on its
-/// safe side of all vertices 22, of those that an event changed what the event touched.
+/// where it goes on from the last one, 27 or more where the cells are others since; the bound on
+/// its safe side of all vertices 22, of those that an event changed what the event touched.
 ///  - A fixed dt below the bounds needs no search. An event that takes the bound of the
 ///    vertices it changed below dt is followed by one, at most every 512 steps.
 ///  - "auto" searches at the start, after 512 steps, and then after twice as many as before
@@ -47,6 +47,9 @@ class StepWatch {
   /// After an alarm: false if dt is stable, by a search from random, in the present state; it is
   /// not asked again for 512 steps then.
   bool is_unstable(std::uint64_t step, double dt);
+  /// For the last words of a run: the stable step of the present state, from
+  /// random; 0 if no model says.
+  void look_again();
   /// A step was rejected, and the state of `step` is the present one: dt is halved
   /// `halvings` times.
   void step_back(std::uint64_t step, unsigned halvings);

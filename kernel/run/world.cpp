@@ -144,8 +144,8 @@ double World::shortest_edge(const std::vector<Index>& vertices) {
         const Hexahedron& nodes = complex().vertices_of(d / 24);
         double squared = 0;
         for (int c = 0; c < 3; ++c)
-          squared += std::pow(
-              attributes.rest().get(nodes[a], c) - attributes.rest().get(nodes[b], c), 2);
+          squared +=
+              std::pow(attributes.rest().get(nodes[a], c) - attributes.rest().get(nodes[b], c), 2);
         shortest = std::min(shortest, std::sqrt(squared));
       }
   }

@@ -12,8 +12,8 @@ namespace mss_baudet {
 template <class Cell, class Mask>
 [[gnu::cold, gnu::noinline]] void fail_zero_length(const Cell& c, const Mask& good) {
   c.require(good, suture::failure(SUTURE_RETRY,
-                                  "the ends of a spring coincide, or their positions are no "
-                                  "numbers: its force has no direction; reduce dt or the load"));
+                                  "the ends of a spring coincide, or their positions are not "
+                                  "finite: its force has no direction"));
 }
 
 // ------------------------------------------------------------- edge springs --

@@ -114,8 +114,8 @@ template <int Nodes>
   std::memset(batch->force, 0, sizeof(double) * Nodes * 3 * SUTURE_LANES);
   failure f(input ? SUTURE_RETRY : SUTURE_STOP,
             input ? "the force is not finite although positions and velocities are: the cell has "
-                    "left the range of its law; reduce dt or the load"
-                  : "positions or velocities are not finite; reduce dt");
+                    "left the range of its law"
+                  : "positions or velocities are not finite");
   f.lane = bad;
   throw f;
 }

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/stability/runner.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <optional>
+
+#include "kernel/base/error.hpp"
+#include "kernel/run/simulation.hpp"
+#include "kernel/scene/scene_reader.hpp"
+
+namespace suture::test {
+namespace {
+
+constexpr double allowed_growth = 0.02;
+// Of the displacement, between runs at the step and at a quarter of it: phases of modes drift
+// apart by (h w)^2/24 per radian, and a sudden load excites modes of all lengths.
+constexpr double allowed_difference = 0.1, allowed_smooth_difference = 0.05;
+// Of what was exchanged. The balance is h^2/8 sum F^2/m: (h w)^2/4 of the elastic energy of each
+// mode, at 0.8 of the stable step 0.64 of that of the stiffest and next to nothing of slow ones.
+constexpr double allowed_balance = 0.65, allowed_smooth_balance = 0.03;
+
+PluginHost& host() {
+  static PluginHost plugins;
+  return plugins;
+}
+
+struct Listener : Observer {
+  explicit Listener(std::vector<std::string>& list) : messages(list) {}
+  void on_message(const std::string& text) override { messages.push_back(text); }
+  std::vector<std::string>& messages;
+};
+
+bool contains(const std::vector<std::string>& messages, const char* text) {
+  return std::ranges::any_of(
+      messages, [&](const std::string& m) { return m.find(text) != std::string::npos; });
+}
+
+/// Samples of an energy between two times.
+class Level {
+ public:
+  void add(double value) {
+    sum_ += value;
+    ++count_;
+  }
+  double mean() const { return sum_ / count_; }
+
+ private:
+  double sum_ = 0;
+  int count_ = 0;
+};
+
+constexpr int looks = 100;  ///< of each level
+
+const char* kind_of(const Error& error) {
+  if (dynamic_cast<const NumericalError*>(&error)) return "NumericalError";
+  if (dynamic_cast<const TopologyError*>(&error)) return "TopologyError";
+  if (dynamic_cast<const InputError*>(&error)) return "InputError";
+  if (dynamic_cast<const PluginError*>(&error)) return "PluginError";
+  return "Error";
+}
+
+std::string outcome_name(RunSummary::Outcome outcome) {
+  switch (outcome) {
+    case RunSummary::Outcome::finished:
+      return "finished";
+    case RunSummary::Outcome::at_rest:
+      return "at rest";
+    case RunSummary::Outcome::interrupted:
+      return "interrupted";
+    case RunSummary::Outcome::unstable_equilibrium:
+      return "unstable equilibrium";
+  }
+  return "";
+}
+
+/// Kinetic + elastic + potential energy, in the beginning and at the end of what follows the
+/// last change of a load; the same steps as without looking.
+struct Growth {
+  Level first, last;
+  double scale = 0;  ///< J, largest kinetic energy and change of the elastic one
+};
+
+Growth follow_energy(const Trial& trial, Simulation& simulation, Listener& listener) {
+  Growth growth;
+  const double end = trial.scene["solver"]["end"], start = trial.settled, span = end - start;
+  for (int i = 0; i < 2 * looks; ++i) {
+    const double part = (i < looks ? 0.02 : 0.78) + 0.2 * (i % looks + 0.5) / looks;
+    simulation.run_to(start + part * span, listener);
+    const Dynamics::Energies energies = simulation.energies();
+    (i < looks ? growth.first : growth.last).add(energies.total());
+    growth.scale = std::max(growth.scale, energies.kinetic + std::abs(energies.elastic));
+  }
+  return growth;
+}
+
+Vec3 difference(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+double length(const Vec3& a) { return std::hypot(a[0], a[1], a[2]); }
+
+/// Follows the probed node up to the time of comparison.
+struct Path {
+  Path(const Trial& trial, const Scene& scene, double dt) {
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    std::vector<std::string> ignored;
+    Listener listener(ignored);
+    Selection probe;
+    probe.what = Selection::Nearest{trial.probe};
+    const auto look = [&](double time) {
+      simulation.run_to(time, listener);
+      return simulation.mean_displacement(probe);
+    };
+    for (int i = 1; i < 10; ++i)
+      largest = std::max(largest, length(look((trial.compare - dt) * i / 10)));
+    before = look(trial.compare - dt);
+    last = look(trial.compare);
+    largest = std::max(largest, length(last));
+  }
+  Vec3 before{}, last{};  ///< at the end, and dt earlier
+  double largest = 0;
+};
+
+/// Beyond what one step explains: run_to() ends with the step that reaches the time.
+double difference_to_quarter_step(const Trial& trial, const Scene& scene) {
+  Scene fine = scene;
+  if (scene.solver.dt)
+    fine.solver.dt = *scene.solver.dt / 4;
+  else
+    fine.solver.safety = scene.solver.safety / 4;
+  const double dt = scene.solver.dt.value_or(scene.solver.safety * trial.stable);
+  const Path coarse(trial, scene, dt), reference(trial, fine, dt);
+  const double lag = length(difference(reference.last, reference.before));
+  return std::max(0.0, length(difference(coarse.last, reference.last)) - lag) / reference.largest;
+}
+
+/// Whether a run at a tenth of the step is stopped, too.
+bool stops_with_fine_step(const Scene& scene, double stable) {
+  Scene fine = scene;
+  fine.solver.dt = 0.08 * stable;
+  fine.solver.max_steps = 0;
+  Diagnostics diagnostics;
+  std::vector<std::string> ignored;
+  Listener listener(ignored);
+  try {
+    Simulation(fine, host(), diagnostics).run(listener);
+  } catch (const NumericalError&) {
+    return true;
+  }
+  return false;
+}
+
+void judge_right(const Trial& trial, const Scene& scene, Result& result) {
+  const auto set = [&](Verdict verdict, const std::string& reason) {
+    result.verdict = verdict;
+    result.reason = reason;
+  };
+  if (result.outcome == "NumericalError") {
+    if (stops_with_fine_step(scene, trial.stable))
+      return set(Verdict::beyond_law, "a run at a tenth of the step stops, too");
+    return set(Verdict::stopped, result.error);
+  }
+  if (result.outcome != "finished" && result.outcome != "at rest")
+    return set(Verdict::wrong_outcome, result.outcome);
+  const bool told = contains(result.messages, "came from nowhere");
+  if (!std::isfinite(result.growth) || !std::isfinite(result.balance))
+    return set(Verdict::grew, "not finite");
+  if (result.growth > allowed_growth && !told)
+    return set(Verdict::grew, "energy grew by " + std::to_string(100 * result.growth) + " %");
+  const double limit = trial.is_smooth ? allowed_smooth_balance : allowed_balance;
+  if (std::abs(result.balance) > limit && !told)
+    return set(Verdict::inaccurate, "balance " + std::to_string(result.balance));
+  if (result.difference > (trial.is_smooth ? allowed_smooth_difference : allowed_difference))
+    return set(Verdict::inaccurate,
+               std::to_string(100 * result.difference) + " % from a quarter of the step");
+  if (told && trial.is_conservative && result.growth < allowed_growth)
+    set(Verdict::told_needlessly, "growth was reported, and there is none");
+  else if (told)
+    set(Verdict::told, "growth was reported");
+}
+
+void judge(const Trial& trial, const Scene& scene, Result& result) {
+  const auto expect = [&](bool good, Verdict otherwise) {
+    if (good) return;
+    result.verdict = otherwise;
+    result.reason = "ended with " + result.outcome;
+  };
+  const bool stopped = result.outcome == "NumericalError";
+  switch (trial.expected) {
+    case Expected::right:
+      return judge_right(trial, scene, result);
+    case Expected::wrong:
+      return expect(stopped, Verdict::finished_wrong);
+    case Expected::warned:
+      return expect(stopped || contains(result.messages, "/solver/dt"), Verdict::finished_wrong);
+    case Expected::buckles:
+      return expect(result.outcome == "unstable equilibrium", Verdict::finished_wrong);
+    case Expected::refused:
+      return expect(stopped && result.error.find("max_steps") != std::string::npos,
+                    Verdict::wrong_outcome);
+  }
+}
+
+void run(const Trial& trial, const Scene& scene, Result& result) {
+  Diagnostics diagnostics;
+  diagnostics.on_warning = [&](const std::string& text) { result.messages.push_back(text); };
+  Listener listener(result.messages);
+  try {
+    Simulation simulation(scene, host(), diagnostics);
+    std::optional<Growth> growth;
+    const bool looks_in = trial.expected == Expected::right && trial.is_conservative &&
+                          !scene.solver.until_rest && scene.solver.damping == 0;
+    if (looks_in) growth = follow_energy(trial, simulation, listener);
+    const RunSummary summary = simulation.run(listener);
+    result.outcome = outcome_name(summary.outcome);
+    result.steps = summary.steps;
+    result.steps_back = summary.steps_back;
+    if (summary.exchanged > 0) result.balance = summary.balance / summary.exchanged;
+    if (growth && growth->scale > 0) {
+      const double part = 0.76 * (summary.time - trial.settled) / summary.time;
+      const double of_10000 =
+          10'000 / std::max(10'000.0, static_cast<double>(summary.steps) * part);
+      result.growth = (growth->last.mean() - growth->first.mean()) /
+                      std::max(growth->scale, summary.exchanged) * of_10000;
+    }
+  } catch (const Error& error) {
+    result.outcome = kind_of(error);
+    result.error = error.what();
+  }
+}
+
+}  // namespace
+
+const char* name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::good:
+      return "good";
+    case Verdict::told:
+      return "told";
+    case Verdict::told_needlessly:
+      return "told needlessly";
+    case Verdict::beyond_law:
+      return "beyond the law";
+    case Verdict::stopped:
+      return "STOPPED";
+    case Verdict::grew:
+      return "GREW";
+    case Verdict::inaccurate:
+      return "INACCURATE";
+    case Verdict::finished_wrong:
+      return "FINISHED WRONG";
+    case Verdict::wrong_outcome:
+      return "WRONG OUTCOME";
+    case Verdict::not_run:
+      return "NOT RUN";
+  }
+  return "";
+}
+
+Scene read_trial(const Trial& trial, const std::filesystem::path& folder) {
+  if (!trial.mesh.empty()) std::ofstream(folder / "mesh.mesh") << trial.mesh;
+  Diagnostics ignored;
+  const ModelLookup lookup{
+      [](std::string_view id) -> const suture_model& { return host().model(id); },
+      [](const std::filesystem::path&) {}};
+  return read_scene_text(trial.scene.dump(), folder / (trial.name + ".json"), {}, lookup, ignored);
+}
+
+Result run_trial(const Trial& trial, const std::filesystem::path& folder, bool compares) {
+  const auto start = std::chrono::steady_clock::now();
+  Result result;
+  try {
+    const Scene scene = read_trial(trial, folder);
+    run(trial, scene, result);
+    if (result.outcome == "InputError" || result.outcome == "PluginError") {
+      result.verdict = Verdict::not_run;
+      result.reason = result.error;
+    } else {
+      if (compares && trial.compare > 0 && result.error.empty())
+        result.difference = difference_to_quarter_step(trial, scene);
+      judge(trial, scene, result);
+    }
+  } catch (const Error& error) {
+    result.verdict = Verdict::not_run;
+    result.reason = error.what();
+  }
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+}  // namespace suture::test

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What the program says about a run is true: docs/stability.md.
+//   SUTURE_FULL=1                 all trials; otherwise every eighth
+//   SUTURE_STABILITY_SEED=N       other trials
+//   SUTURE_STABILITY_CASE=NAME    this one alone
+//   SUTURE_STABILITY_OUT=FOLDER   a row per trial in FAMILY.csv; the scenes of those that fail
+//                                 (with "all": of all), as files that `suture run` takes
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <optional>
+
+#include "kernel/base/error.hpp"
+#include "tests/mesh/temporary_folder.hpp"
+#include "tests/stability/known_limits.hpp"
+#include "tests/stability/runner.hpp"
+
+namespace suture::test {
+namespace {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr unsigned sample = 64;
+#else
+constexpr unsigned sample = 8;
+#endif
+constexpr unsigned compared = 4;  ///< each of so many is compared with a smaller step
+
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
+}
+
+bool is_chosen(const std::string& family, unsigned index) {
+  if (const std::string only = environment("SUTURE_STABILITY_CASE"); !only.empty()) {
+    const std::size_t dash = only.rfind('-');
+    return only.substr(0, dash) == family && std::stoul(only.substr(dash + 1)) == index;
+  }
+  if (sample == 8 && !environment("SUTURE_FULL").empty()) return true;
+  return index % sample == family.size() % sample;
+}
+
+std::string csv_text(std::string text) {
+  for (char& c : text)
+    if (c == '"' || c == '\n') c = '\'';
+  return '"' + text + '"';
+}
+
+class Report {
+ public:
+  explicit Report(const std::string& family) : folder_(environment("SUTURE_STABILITY_OUT")) {
+    if (folder_.empty()) return;
+    std::filesystem::create_directories(folder_);
+    csv_.open(folder_ / (family + ".csv"));
+    csv_ << "case,verdict,limit,outcome,steps,back,balance,growth,difference,s,title,reason,"
+            "messages\n";
+  }
+
+  void add(const Trial& trial, const Result& result, const char* limit) {
+    if (folder_.empty()) return;
+    std::string messages;
+    for (const std::string& message : result.messages) messages += message + " | ";
+    csv_ << trial.name << ',' << name_of(result.verdict) << ',' << csv_text(limit ? limit : "")
+         << ',' << result.outcome << ',' << result.steps << ',' << result.steps_back << ','
+         << result.balance << ',' << result.growth << ',' << result.difference << ','
+         << result.seconds << ',' << csv_text(trial.title) << ',' << csv_text(result.reason) << ','
+         << csv_text(messages) << std::endl;
+    if (!is_good(result.verdict) || !environment("SUTURE_STABILITY_ALL").empty()) save(trial);
+  }
+
+ private:
+  void save(const Trial& trial) {
+    Json scene = trial.scene;
+    if (!trial.mesh.empty()) {
+      scene["mesh"]["file"] = trial.name + ".mesh";
+      std::ofstream(folder_ / (trial.name + ".mesh")) << trial.mesh;
+    }
+    std::ofstream(folder_ / (trial.name + ".json")) << scene.dump(1) << '\n';
+  }
+
+  std::filesystem::path folder_;
+  std::ofstream csv_;
+};
+
+class Stability : public testing::TestWithParam<unsigned> {};
+INSTANTIATE_TEST_SUITE_P(Family, Stability, testing::Range(0u, unsigned(families().size())),
+                         [](const auto& family) {
+                           std::string name = families()[family.param].name;
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+TEST_P(Stability, SaysWhatIsTrue) {
+  const Family& family = families()[GetParam()];
+  const std::string given = environment("SUTURE_STABILITY_SEED");
+  const std::uint64_t seed = given.empty() ? 1 : std::stoull(given);
+  std::cout << "seed " << seed << '\n';
+  std::map<std::string, unsigned> counts;
+  std::uint64_t long_runs = 0;
+  Report report(family.name);
+  for (unsigned index = 0; index < family.size; ++index) {
+    if (!is_chosen(family.name, index)) continue;
+    const TemporaryFolder folder;
+    Trial trial;
+    Result result;
+    try {
+      trial = make_trial(family, index, seed);
+      result = run_trial(trial, folder.path(), index % compared == 0);
+    } catch (const Error& error) {
+      trial.name = family.name + '-' + std::to_string(index);
+      result.verdict = Verdict::not_run;
+      result.reason = error.what();
+    }
+    const char* limit = seed == 1 ? known_limit(trial.name) : nullptr;
+    report.add(trial, result, limit);
+    long_runs += result.steps >= 10'000;
+    ++counts[limit && !is_good(result.verdict) ? "known limit" : name_of(result.verdict)];
+    if (is_good(result.verdict) || limit) continue;
+    ADD_FAILURE() << trial.name << ": " << name_of(result.verdict) << ": " << result.reason
+                  << "\n  " << trial.title;
+  }
+  for (const auto& [verdict, count] : counts)
+    std::cout << family.name << ": " << count << ' ' << verdict << '\n';
+  std::cout << family.name << ": " << long_runs << " of 10,000 steps or more\n";
+}
+
+}  // namespace
+}  // namespace suture::test

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace suture::test {
+
+using Json = nlohmann::ordered_json;
+
+/// What is known of a trial before it runs.
+enum class Expected {
+  right,    ///< finishes, or comes to rest, with energies that close
+  wrong,    ///< ends with a NumericalError
+  warned,   ///< ends with a NumericalError, or warns of its dt
+  buckles,  ///< ends at an unstable equilibrium
+  refused,  ///< ends with a NumericalError that asks for more steps
+};
+
+/// A run with a known outcome: a scene as users write it, and what to hold it to.
+struct Trial {
+  std::string name;   ///< "twist-017"
+  std::string title;  ///< "tm-faure bar nu 0.3 E 1e+05 ..."
+  Json scene;
+  std::string mesh;  ///< text of "mesh.mesh" beside the scene, or none
+  Expected expected = Expected::right;
+
+  double stable = 0;            ///< s: stable step of the body at rest
+  double settled = 0;           ///< s: ramps and events are over
+  double compare = 0;           ///< s: where a run at a quarter of the step is compared; 0: nowhere
+  bool is_conservative = true;  ///< once settled: no viscosity and no pressure
+  bool is_smooth = false;       ///< loads grow over several periods: the balance is held to less
+  std::array<double, 3> probe{};  ///< m: the node that is nearest is compared
+};
+
+/// Uniform numbers that are the same on every machine.
+class Random {
+ public:
+  Random(std::uint64_t seed, std::string_view family, unsigned index);
+  double number();  ///< 0 .. 1
+  double between(double low, double high) { return low + (high - low) * number(); }
+  /// Evenly in the logarithm.
+  double decades(double low, double high);
+  bool chance(double probability) { return number() < probability; }
+  template <class T>
+  const T& pick(const std::vector<T>& list) {
+    return list[static_cast<std::size_t>(number() * static_cast<double>(list.size()))];
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+/// A family of trials: one load on many bodies.
+struct Family {
+  std::string name;
+  unsigned size = 0;
+  void (*make)(class Draft&) = nullptr;
+};
+
+const std::vector<Family>& families();
+Trial make_trial(const Family& family, unsigned index, std::uint64_t seed);
+
+}  // namespace suture::test

@@ -98,8 +98,9 @@ EnergyBalance Ledger::balance(const Now& now) {
   if (forces_.is_viscoelastic()) b.dissipated -= internal - b.models + stored;
   b.balance = b.kinetic + b.elastic - account_.start - b.gravity - b.loads - b.pressure -
               b.prescribed - b.models - b.events + b.dissipated;
+  b.recoverable = now.leapfrog_part - account_.leapfrog_start;
   account_.exchanged =
-      std::max({account_.exchanged, b.kinetic + std::abs(stored), std::abs(b.gravity),
+      std::max({account_.exchanged, sums.largest_kinetic(), b.kinetic + std::abs(stored), std::abs(b.gravity),
                 std::abs(b.loads), std::abs(b.pressure), std::abs(b.prescribed)});
   b.exchanged = account_.exchanged;
   return b;
@@ -107,6 +108,7 @@ EnergyBalance Ledger::balance(const Now& now) {
 
 void Ledger::before_jump(const Now& now) {
   book_gravity(now.time);
+  jump_.leapfrog_start = now.leapfrog_part;
   jump_.start_elastic = forces_.energy(now.time);
   jump_.start = now.kinetic + jump_.start_elastic;
   jump_.start_driven = constraints_.driven_kinetic(attributes_);
@@ -117,6 +119,7 @@ void Ledger::after_jump(const Now& now) {
   account_.events += now.kinetic + elastic - jump_.start;
   account_.events_elastic += elastic - jump_.start_elastic;
   account_.start_driven += constraints_.driven_kinetic(attributes_) - jump_.start_driven;
+  account_.leapfrog_start += now.leapfrog_part - jump_.leapfrog_start;
   account_.moment_known = false;
   book_gravity(now.time);
 }

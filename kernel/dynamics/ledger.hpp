@@ -32,6 +32,9 @@ struct EnergyBalance {
   double events = 0;      ///< given (or taken: negative) by operations and by sleep
   double dissipated = 0;  ///< by damping and by functors that read velocities
   double balance = 0;     ///< what nothing explains
+  /// Part of the balance that a step of this length gives back: h^2/8 sum F^2/m, now less at the
+  /// start.
+  double recoverable = 0;
   /// The most that has been exchanged at a look so far: the scale for `balance`.
   double exchanged = 0;
 };
@@ -61,7 +64,8 @@ class Ledger {
   /// The present state, with forces evaluated there.
   struct Now {
     double time = 0;
-    double kinetic = 0;    ///< at the time of the positions, J
+    double kinetic = 0;   ///< at the time of the positions, J
+    double leapfrog_part = 0;  ///< h^2/8 sum F^2/m, J
     double half_step = 0;  ///< h- where velocities lag half a step behind the positions, else 0
     double work = 0;       ///< h- A_n / 2: of all forces in the half step that no pass has seen
   };
@@ -73,6 +77,8 @@ class Ledger {
   /// the energy is booked under `events`.
   void before_jump(const Now& now);
   void after_jump(const Now& now);
+  /// The step is another: its energy differs from that of the motion by `difference` more, J.
+  void change_step(double difference) { account_.leapfrog_start += difference; }
   /// Vertices were split; forces and velocities are handed on.
   void follow_splits();
   /// Cells or velocities jumped: nothing is booked between the step before and the next.
@@ -103,6 +109,7 @@ class Ledger {
     bool moment_known = false;
     double fed = 0;  ///< work of functors without an energy beside others with one
     double exchanged = 0;
+    double leapfrog_start = 0;  ///< h^2/8 sum F^2/m where steps began, changed or jumped
   };
   Account account_;
   std::vector<double>

@@ -57,6 +57,7 @@ void MotionSums::finish_step(double before, double now) {
   frequency_ = has_last_ ? std::sqrt(std::max(largest, 0.0)) : 0;
   const double work = (before * sum.before + now * sum.after) / 2;
   work_ += work;
+  largest_kinetic_ = std::max(largest_kinetic_, sum.inertia / 2);
   driven_ += sum.driven.work;
   if (damps_ && has_last_)
     damped_ += work + sum.driven.work + sum.driven.inertia - (sum.inertia - sum.last_inertia) / 2;

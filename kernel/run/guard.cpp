@@ -28,6 +28,7 @@ Guard::Guard(const Scene& scene, World& world, Diagnostics& diagnostics)
 void Guard::check(std::uint64_t step, double time) {
   step_ = step;
   last_ = world_.dynamics->balance();
+  forgiven_ = std::min(forgiven_, unexplained());  // energy that was lost may not come back
   if (!std::isfinite(last_.kinetic) || !std::isfinite(last_.elastic)) {
     std::ostringstream text;
     text << "the energy is not finite: " << last_.kinetic << " J kinetic, " << last_.elastic
@@ -38,7 +39,10 @@ void Guard::check(std::uint64_t step, double time) {
 }
 
 // Viscous functors only take: what they give is as unexplained as a balance that grows.
-double Guard::unexplained() const { return last_.balance - std::min(last_.dissipated, 0.0); }
+// What the step gives back is no growth.
+double Guard::unexplained() const {
+  return last_.balance - last_.recoverable - std::min(last_.dissipated, 0.0);
+}
 
 double Guard::noise() const {
   return 10 * static_cast<double>(step_) * world_.dynamics->rounding().energy;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 #include "kernel/base/error.hpp"
 #include "kernel/run/evidence.hpp"
@@ -98,12 +99,18 @@ void StepControl::check_step(const Notify& notify) {
 /// Throws for numbers that are wrong; energy that grows slowly is reported.
 void StepControl::check_state(const Notify& notify) {
   guard_.check(clock_.step(), clock_.time());
+  const double last_growth = std::exchange(last_growth_, guard_.growth());
   if (guard_.growth() <= notable_growth) return;
   std::ostringstream text;
   text << 100 * guard_.growth() << " % of the energy exchanged came from nowhere";
   if (watch_.is_unstable(clock_.step(), last_dt_))
     throw UnstableStep("the step is unstable: " + text.str());
+  if (guard_.growth() - last_growth > notable_growth / 2 && is_worth_a_smaller_step()) {
+    last_growth_ = last_growth;
+    throw UnstableStep(text.str());
+  }
   guard_.forgive_growth();
+  last_growth_ = 0;
   std::ostringstream when;
   when << "t = " << clock_.time() << " s: ";
   if (watch_.lower_safety()) {
@@ -120,8 +127,9 @@ void StepControl::check_state(const Notify& notify) {
 
 std::string StepControl::balance_warning() const {
   const EnergyBalance& last = guard_.last();
-  const double part = last.exchanged > 0 ? last.balance / last.exchanged : 0;
-  const bool is_noise = std::abs(last.balance) < guard_.noise();
+  const double open = last.balance - last.recoverable;
+  const double part = last.exchanged > 0 ? open / last.exchanged : 0;
+  const bool is_noise = std::abs(open) < guard_.noise();
   if (!(std::abs(part) > notable_balance) || growth_was_reported_ || is_noise) return "";
   std::ostringstream text;
   text << "the energies balance to " << 100 * part
@@ -129,6 +137,15 @@ std::string StepControl::balance_warning() const {
           "sudden load or motion); lower "
        << (scene_.solver.dt ? "/solver/dt" : "/solver/safety");
   return text.str();
+}
+
+/// Energy grew between two looks, though the step is stable now: a wave broke, or an element
+/// snapped through. Each place is tried twice with smaller steps.
+bool StepControl::is_worth_a_smaller_step() {
+  if (scene_.solver.dt || kept_.empty() || watch_.halvings() >= most_halvings) return false;
+  growth_attempts_ = clock_.time() <= furthest_growth_ ? growth_attempts_ + 1 : 1;
+  furthest_growth_ = std::max(furthest_growth_, clock_.time());
+  return growth_attempts_ <= most_attempts;
 }
 
 bool StepControl::ends_well(const Notify& notify) {

@@ -61,6 +61,7 @@ class StepControl {
  private:
   void check_step(const Notify& notify);
   void check_state(const Notify& notify);
+  bool is_worth_a_smaller_step();
   void step_back(const NumericalError& error, const Notify& notify);
   [[noreturn]] void give_up(const NumericalError& error);
   std::string advice(const NumericalError& error) const;
@@ -78,6 +79,9 @@ class StepControl {
   double last_dt_ = 0;
   double furthest_failure_ = -1;  ///< s
   unsigned attempts_ = 0;         ///< to pass it
+  double last_growth_ = 0;        ///< at the look before
+  double furthest_growth_ = -1;   ///< s
+  unsigned growth_attempts_ = 0;  ///< to pass it
   bool growth_was_reported_ = false;
   std::uint64_t steps_back_ = 0;
 };

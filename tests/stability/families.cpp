@@ -300,9 +300,13 @@ void pierce(Draft& d) {
   say(d, "needles", count);
 }
 
+/// Half of them torn where the recoil turns some elements inside out, which these scenes admit.
 void tear(Draft& d) {
   d.choose({"bar", "block", "thick-bar", "graded", "sheared", "general"}, moderate_nus);
-  const double part = d.bearable(d.random.between(0.1, 0.25));
+  const bool violent = d.random.chance(0.5);
+  const double part =
+      d.bearable(violent ? d.random.between(0.1, 0.25) : d.random.between(0.03, 0.1));
+  if (violent) d.trial.scene["solver"]["on_inversion"] = "warn";
   d.fix(0);
   d.move(1, {{"translation", {part * d.body.length(), 0, 0}}}, d.slow_ramp());
   d.trial.scene["events"] = {{{"every", 1 + static_cast<int>(d.random.between(0, 8))},

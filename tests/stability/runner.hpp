@@ -11,16 +11,16 @@
 namespace suture::test {
 
 enum class Verdict {
-  good,             ///< as expected
-  told,             ///< right, and its energy grew by more than 2 %, which was reported
-  told_needlessly,  ///< growth was reported, but energy came back to where it was
-  beyond_law,       ///< stopped, and a run at a tenth of the step stops, too
-  stopped,          ///< a right run was stopped
-  grew,             ///< energy grew by more than 2 % per 10,000 steps without a word
-  inaccurate,       ///< far from a run at a quarter of the step, or a balance that is too large
-  finished_wrong,   ///< a wrong run finished without a word
-  wrong_outcome,    ///< ended in another way than expected
-  not_run,          ///< the scene was refused
+  good,            ///< as expected
+  told,            ///< right, and its energy grew by more than 2 %, which was reported
+  held,            ///< growth was reported or undone, and over the run there is none
+  beyond_law,      ///< stopped, and a run at a tenth of the step stops, too
+  stopped,         ///< a right run was stopped
+  grew,            ///< energy grew by more than 2 % per 10,000 steps without a word
+  inaccurate,      ///< far from a run at a quarter of the step, or a balance that is too large
+  finished_wrong,  ///< a wrong run finished without a word
+  wrong_outcome,   ///< ended in another way than expected
+  not_run,         ///< the scene was refused
 };
 const char* name_of(Verdict verdict);
 inline bool is_good(Verdict v) { return v <= Verdict::beyond_law; }

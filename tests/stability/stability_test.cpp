@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What the program says about a run is true: docs/stability.md.
-//   SUTURE_FULL=1                 all trials; otherwise every eighth
+//   SUTURE_FULL=1                 all trials; otherwise every eighth, fewer where checks are slow
 //   SUTURE_STABILITY_SEED=N       other trials
 //   SUTURE_STABILITY_CASE=NAME    this one alone
-//   SUTURE_STABILITY_OUT=FOLDER   a row per trial in FAMILY.csv; the scenes of those that fail
-//                                 (with "all": of all), as files that `suture run` takes
+//   SUTURE_STABILITY_OUT=FOLDER   a row per trial in FAMILY.csv, and the scenes of those that
+//                                 fail, as files that `suture run` takes
+//   SUTURE_STABILITY_ALL=1        the scenes of all
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -23,8 +24,13 @@ namespace suture::test {
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool is_slow = true;
 constexpr unsigned sample = 64;
+#elif !defined(NDEBUG)
+constexpr bool is_slow = true;
+constexpr unsigned sample = 32;
 #else
+constexpr bool is_slow = false;
 constexpr unsigned sample = 8;
 #endif
 constexpr unsigned compared = 4;  ///< each of so many is compared with a smaller step
@@ -39,7 +45,7 @@ bool is_chosen(const std::string& family, unsigned index) {
     const std::size_t dash = only.rfind('-');
     return only.substr(0, dash) == family && std::stoul(only.substr(dash + 1)) == index;
   }
-  if (sample == 8 && !environment("SUTURE_FULL").empty()) return true;
+  if (!is_slow && !environment("SUTURE_FULL").empty()) return true;
   return index % sample == family.size() % sample;
 }
 

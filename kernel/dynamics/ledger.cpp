@@ -140,7 +140,7 @@ void Ledger::forget_last() {
 
 void Ledger::restart() {
   account_ = {};
-  sums = {};
+  sums.restart();
   forget_last();
   loads_.set_book({});
 }

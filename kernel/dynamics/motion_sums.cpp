@@ -8,6 +8,12 @@ namespace suture {
 
 void MotionSums::resize(Index vertices) { chunks_.resize((vertices + chunk - 1) / chunk); }
 
+void MotionSums::restart() {
+  const bool damps = damps_;
+  *this = {};
+  damps_ = damps;
+}
+
 double MotionSums::noted_before() const {
   double sum = 0;
   for (const Chunk& c : chunks_) sum += c.before;

@@ -44,6 +44,8 @@ class MotionSums {
   double noted_driven() const;
 
   void resize(Index vertices);
+  /// From zero, with what was set; resize() comes next.
+  void restart();
   /// The step is complete: `before` and `now` are its lengths h- and h+, s.
   void finish_step(double before, double now);
   /// Cells were removed or joined, or vertices fell asleep: the sums of the step before are

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernel/topology/cell_complex.hpp"
 #include "kernel/topology/marks.hpp"
 
 namespace suture {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/run/kept_states.hpp"
 
+#include <algorithm>
+
 namespace suture {
 
 bool KeptStates::look(const Clock& clock, const EventSchedule& schedule, const Dynamics& dynamics,
@@ -13,13 +15,14 @@ bool KeptStates::look(const Clock& clock, const EventSchedule& schedule, const D
   dynamics.save(state.body);
   if (count_ == 2) older_ = 1 - older_;
   count_ = count_ < 2 ? count_ + 1 : 2;
-  due_ = clock.step() + steps_between;
+  kept_at_ = clock.step();
+  due_ = kept_at_ + steps_between;
   return true;
 }
 
 void KeptStates::forget(const Clock& clock) {
   count_ = 0;
-  due_ = clock.step() + steps_after_event;
+  due_ = std::max(clock.step(), kept_at_ + steps_after_event);
 }
 
 const KeptStates::State& KeptStates::take_older() {

@@ -25,8 +25,8 @@ class KeptStates {
   /// kept, and the older one is another. `sooner`: do not wait for 32 steps.
   bool look(const Clock& clock, const EventSchedule& schedule, const Dynamics& dynamics,
             bool sooner);
-  /// An operation was made: there is nothing to go back to until eight steps from now, so that a
-  /// blade that cuts in every step costs nothing here.
+  /// An operation was made, which nothing goes back behind. The next state is kept at once, or
+  /// four steps after the last one, so that a blade that cuts in every step costs 1 % here.
   void forget(const Clock& clock);
   bool empty() const { return count_ == 0; }
   /// The older state; it is the only one from now on.
@@ -34,10 +34,10 @@ class KeptStates {
   const State& older() const { return states_[older_]; }
 
  private:
-  static constexpr std::uint64_t steps_between = 32, steps_after_event = 8;
+  static constexpr std::uint64_t steps_between = 32, steps_after_event = 4;
   std::array<State, 2> states_;
   unsigned older_ = 0, count_ = 0;
-  std::uint64_t due_ = 0;
+  std::uint64_t due_ = 0, kept_at_ = 0;
 };
 
 }  // namespace suture

@@ -169,20 +169,29 @@ void StepControl::step_back(const NumericalError& error, const Notify& notify) {
   attempts_ = same_place ? attempts_ + 1 : 1;
   furthest_failure_ = std::max(furthest_failure_, failed_at);
   const bool may_help = rejected || (!scene_.solver.dt && (unstable || attempts_ <= most_attempts));
-  if (!may_help || kept_.empty() || watch_.halvings() >= most_halvings) give_up(error);
-  const KeptStates::State& state = kept_.take_older();
+  // An unstable step right after an operation goes on from here: its energy is in the balance.
+  const bool goes_on = unstable && kept_.empty() && !scene_.solver.dt;
+  if (!may_help || (kept_.empty() && !goes_on) || watch_.halvings() >= most_halvings)
+    give_up(error);
+  if (!goes_on) restore(kept_.take_older());
+  const double factor = rejected ? rejected->step_factor : 0.5;
+  watch_.step_back(clock_.step(), static_cast<unsigned>(std::ceil(-std::log2(factor) - 1e-9)));
+  std::ostringstream text;
+  text << "t = " << failed_at << " s: " << error.what();
+  if (goes_on)
+    text << "; an operation forbids to go back, dt is " << next_dt() << " s from here";
+  else
+    text << "; back to t = " << clock_.time() << " s, where dt is " << next_dt() << " s";
+  notify(text.str());
+  ++steps_back_;
+}
+
+void StepControl::restore(const KeptStates::State& state) {
   world_.dynamics->restore(state.body);
   clock_ = *state.clock;
   schedule_.go_back(state.schedule);
   events_.go_back(clock_.time());
   recorder_.go_back(clock_.step());
-  const double factor = rejected ? rejected->step_factor : 0.5;
-  watch_.step_back(clock_.step(), static_cast<unsigned>(std::ceil(-std::log2(factor) - 1e-9)));
-  std::ostringstream text;
-  text << "t = " << failed_at << " s: " << error.what() << "; back to t = " << clock_.time()
-       << " s, where dt is " << next_dt() << " s";
-  notify(text.str());
-  ++steps_back_;
 }
 
 void StepControl::give_up(const NumericalError& error) {

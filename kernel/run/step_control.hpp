@@ -63,6 +63,7 @@ class StepControl {
   void check_state(const Notify& notify);
   bool is_worth_a_smaller_step();
   void step_back(const NumericalError& error, const Notify& notify);
+  void restore(const KeptStates::State& state);
   [[noreturn]] void give_up(const NumericalError& error);
   std::string advice(const NumericalError& error) const;
 

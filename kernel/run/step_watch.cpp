@@ -15,7 +15,7 @@ namespace {
 constexpr double alarming = 1.8;
 constexpr unsigned alarms_needed = 2;
 constexpr double low_safety = 0.5;
-constexpr double most_over_bound = 1.7;
+constexpr double most_over_bound = 1.4;
 
 }  // namespace
 

@@ -140,7 +140,8 @@ class Dynamics {
   Index fastest_vertex() const;
 
   /// A state to go back to; 48 B per vertex and the states of the models. Good until an operation,
-  /// sleep or wake_all().
+  /// sleep or wake_all(). What follows has the same bits again, but for functors that read
+  /// velocities in a synchronised state of Verlet: they see the velocity after its last half kick.
   class Snapshot {
    public:
     Snapshot();

@@ -277,7 +277,18 @@ void Constraints::update(const TopologyChange& change, Attributes& attributes) {
     if (changes) read_rest(group, attributes);
     any = any || changes;
   }
-  if (any) gather(attributes);
+  if (!any) return;
+  const std::vector<Driven> before = std::move(driven_);
+  gather(attributes);
+  // Those that go on have the mean velocity that they had, the parts of a split vertex its own.
+  const auto hand_on = [&](Index from, Index to) {
+    const auto old = std::ranges::lower_bound(before, from, {}, &Driven::vertex);
+    const auto now = std::ranges::lower_bound(driven_, to, {}, &Driven::vertex);
+    if (old != before.end() && old->vertex == from && now != driven_.end() && now->vertex == to)
+      now->velocity = old->velocity;
+  };
+  for (const Driven& driven : before) hand_on(driven.vertex, driven.vertex);
+  for (const Split& split : splits) hand_on(split.old_cell, split.new_cell);
 }
 
 void Constraints::find_members(Index vertex_count) {

@@ -73,6 +73,12 @@ bool Ledger::needs_work() const {
   return forces_.is_viscoelastic() || !forces_.has(ForceLoop::Part::with_energy);
 }
 
+/// Work of prescribed motion in the half step that is not complete.
+double Ledger::driven_until(const Now& now) const {
+  return sums.noted_driven() +
+         constraints_.work_until_now(attributes_, gravity_.at(now.time), now.half_step);
+}
+
 EnergyBalance Ledger::balance(const Now& now) {
   book_gravity(now.time);
   EnergyBalance b;
@@ -89,11 +95,12 @@ EnergyBalance Ledger::balance(const Now& now) {
   b.gravity = account_.gravity;
   b.loads = loads_.book().dead;
   b.pressure = loads_.book().pressure;
-  b.prescribed = sums.driven_work() + sums.noted_driven() + driven - account_.start_driven +
-                 constraints_.work_until_now(attributes_, gravity_.at(now.time), now.half_step);
+  b.prescribed = sums.driven_work() + driven_until(now) + account_.owed_driven + driven -
+                 account_.start_driven;
   b.events = account_.events;
   b.dissipated = sums.damped();
-  const double internal = sums.work() + now.work - b.gravity - b.loads - b.pressure;
+  const double internal =
+      sums.work() + now.work + account_.owed_work - b.gravity - b.loads - b.pressure;
   b.models = forces_.has(ForceLoop::Part::with_energy) ? account_.fed : internal;
   if (forces_.is_viscoelastic()) b.dissipated -= internal - b.models + stored;
   b.balance = b.kinetic + b.elastic - account_.start - b.gravity - b.loads - b.pressure -
@@ -112,6 +119,8 @@ void Ledger::before_jump(const Now& now) {
   jump_.start_elastic = forces_.energy(now.time);
   jump_.start = now.kinetic + jump_.start_elastic;
   jump_.start_driven = constraints_.driven_kinetic(attributes_);
+  jump_.owed_driven = driven_until(now);
+  jump_.owed_work = now.work;
 }
 
 void Ledger::after_jump(const Now& now) {
@@ -120,7 +129,8 @@ void Ledger::after_jump(const Now& now) {
   account_.events_elastic += elastic - jump_.start_elastic;
   account_.start_driven += constraints_.driven_kinetic(attributes_) - jump_.start_driven;
   account_.leapfrog_start += now.leapfrog_part - jump_.leapfrog_start;
-  account_.moment_known = false;
+  account_.owed_driven += jump_.owed_driven - driven_until(now);
+  account_.owed_work += jump_.owed_work - now.work;
   book_gravity(now.time);
 }
 
@@ -136,6 +146,7 @@ void Ledger::forget_last() {
   sums.forget_last();
   loads_.forget_last();
   fed_force_.clear();
+  account_.moment_known = false;
 }
 
 void Ledger::restart() {

@@ -94,6 +94,7 @@ class Ledger {
  private:
   void book_gravity(double time);
   void book_fed(double last_dt);
+  double driven_until(const Now& now) const;
 
   Attributes& attributes_;
   ForceLoop& forces_;
@@ -108,6 +109,8 @@ class Ledger {
     double gravity = 0, moment = 0, ramp = 0;  ///< work; sum m g . x and ramp when it was booked
     bool moment_known = false;
     double fed = 0;  ///< work of functors without an energy beside others with one
+    /// Of the half step before a jump, which no pass sees with the forces before it.
+    double owed_driven = 0, owed_work = 0;
     double exchanged = 0;
     double leapfrog_start = 0;  ///< h^2/8 sum F^2/m where steps began, changed or jumped
   };

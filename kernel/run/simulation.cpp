@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <sstream>
 
 #include "kernel/base/error.hpp"
@@ -184,11 +185,23 @@ struct Simulation::Impl {
 
   void step(Observer& observer) {
     control.step([&](const std::string& text) { observer.on_message(text); });
-    if (recorded_step <= clock.step()) return;
-    // A step back: this state is recorded, what comes after it is not any more.
-    recorded_step = clock.step();
+    follow_step_back();
+  }
+
+  /// As StepControl::tries().
+  bool tries(const std::function<void()>& look, Observer& observer) {
+    const bool good =
+        control.tries(look, [&](const std::string& text) { observer.on_message(text); });
+    follow_step_back();
+    return good;
+  }
+
+  /// After a step back what comes again is recorded again. The present state was recorded
+  /// before it was kept.
+  void follow_step_back() {
     for (std::uint64_t* mark : {&last_frame_step, &last_energies_step, &last_probes_step})
       if (*mark > clock.step()) *mark = never;
+    if (recorded_step != never) recorded_step = std::min(recorded_step, clock.step());
   }
 
   /// False where the body does not bear what an event would have taken from it: steps
@@ -234,7 +247,9 @@ struct Simulation::Impl {
 
   bool is_at_rest(Observer& observer) {
     if (cells_changed && !scene.solver.end) require_no_falling_body();
-    if (rest->at_rest(*world.dynamics)) {
+    bool rests = false;
+    if (!tries([&] { rests = rest->at_rest(*world.dynamics); }, observer)) return false;
+    if (rests) {
       if (!ends_well(observer)) return false;
       if (rest->limited_by_rounding()) diagnostics.warn(rest->explanation(*world.dynamics));
       return ends_at_rest(observer);
@@ -261,7 +276,10 @@ struct Simulation::Impl {
   }
 
   bool ends_well(Observer& observer) {
-    return control.ends_well([&](const std::string& text) { observer.on_message(text); });
+    const bool good =
+        control.ends_well([&](const std::string& text) { observer.on_message(text); });
+    follow_step_back();
+    return good;
   }
 
   [[noreturn]] void refuse_more_steps(std::uint64_t limit) const {
@@ -302,7 +320,7 @@ struct Simulation::Impl {
     const std::uint64_t first_step = clock.step();
     while (true) {
       fire_events(observer);
-      if (recorded_step != clock.step()) record();
+      if (recorded_step != clock.step() && !tries([&] { record(); }, observer)) continue;
       recorded_step = clock.step();
       if (is_at_end(observer) || (until && clock.reached(*until))) break;
       if (observer.stop_requested()) {

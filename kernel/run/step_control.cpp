@@ -148,14 +148,18 @@ bool StepControl::is_worth_a_smaller_step() {
   return growth_attempts_ <= most_attempts;
 }
 
-bool StepControl::ends_well(const Notify& notify) {
-  const std::uint64_t step = clock_.step();
+bool StepControl::tries(const std::function<void()>& look, const Notify& notify) {
   try {
-    check_state(notify);
+    look();
+    return true;
   } catch (const NumericalError& error) {
     step_back(error, notify);
+    return false;
   }
-  return clock_.step() == step;
+}
+
+bool StepControl::ends_well(const Notify& notify) {
+  return tries([&] { check_state(notify); }, notify);
 }
 
 // -------------------------------------------------------------------- steps back --

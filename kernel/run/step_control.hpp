@@ -47,6 +47,9 @@ class StepControl {
   void step(const Notify& notify);
   /// A step without a second look, for estimates.
   void make_step();
+  /// Looks at the present state with `look`, which may evaluate forces there and fail as a step
+  /// does; false if it went back instead.
+  bool tries(const std::function<void()>& look, const Notify& notify);
   /// Looks at the last state; false if it went back instead.
   bool ends_well(const Notify& notify);
 

@@ -24,7 +24,8 @@ Clock::Clock(std::optional<double> fixed_dt, std::vector<double> stops, double p
 }
 
 double Clock::tolerance() const {
-  return fixed_dt_ ? *fixed_dt_ / 2 : same * std::max(1.0, std::abs(time_));
+  return fixed_dt_ ? *fixed_dt_ / static_cast<double>(2 * parts_)
+                   : same * std::max(1.0, std::abs(time_));
 }
 
 bool Clock::reached(double t) const { return t <= time_ + tolerance(); }

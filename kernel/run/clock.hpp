@@ -21,7 +21,7 @@ class Clock {
 
   std::uint64_t step() const { return step_; }
   double time() const { return time_; }
-  /// True if `t` is not later than now (to half a fixed step, else to rounding).
+  /// True if `t` is not later than now (to half a fixed step or part of one, else to rounding).
   bool reached(double t) const;
   /// True if `t` is earlier than now, by more than reached() lets pass.
   bool passed(double t) const;

@@ -60,5 +60,64 @@ TEST(Clock, ARunUntilRestHasNoEnd) {
   EXPECT_NEAR(clock.time(), 3.0, 1e-12);
 }
 
+TEST(Clock, FixedStepsAreDividedAtOnceAndWholeAgainLater) {
+  Clock clock(0.1, {}, 0, 10.0);
+  const auto step = [&] {
+    const double dt = clock.next_dt(1), before = clock.time();
+    clock.advance();
+    EXPECT_NEAR(clock.time() - before, dt, 1e-15);
+    return dt;
+  };
+  for (int i = 0; i < 7; ++i) EXPECT_EQ(step(), 0.1);
+  clock.divide(2);
+  EXPECT_EQ(step(), 0.1 / 4);
+  clock.divide(3);  // a quarter is two eighths
+  EXPECT_EQ(step(), 0.1 / 8);
+  EXPECT_NEAR(clock.time(), 0.7 + 0.0375, 1e-15);
+  clock.divide(1);  // from the next whole step on
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(step(), 0.1 / 8);
+  EXPECT_EQ(clock.time(), 8 * 0.1);
+  EXPECT_EQ(step(), 0.1 / 2);
+  clock.divide(0);
+  EXPECT_EQ(step(), 0.1 / 2);
+  EXPECT_EQ(step(), 0.1);
+  EXPECT_EQ(clock.time(), 10 * 0.1);
+}
+
+TEST(Clock, ACopyIsATimeToGoBackTo) {
+  for (const bool fixed : {false, true}) {
+    Clock clock(fixed ? std::optional(0.1) : std::nullopt, {0.35}, 0, 10.0);
+    const auto go_on = [&] {
+      std::vector<double> times;
+      for (int i = 0; i < 20; ++i) {
+        clock.next_dt(0.09);
+        clock.advance();
+        times.push_back(clock.time());
+      }
+      return times;
+    };
+    clock.next_dt(0.09);
+    clock.advance();
+    const Clock kept = clock;
+    const std::vector<double> first = go_on();
+    clock = kept;
+    EXPECT_EQ(clock.step(), 1u);
+    EXPECT_EQ(go_on(), first);
+  }
+}
+
+TEST(Clock, AnEndThatNoRunReachesBeginsWithSteps) {
+  Clock clock(std::nullopt, {1e-6}, 0, 1e19);
+  double last = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const double dt = clock.next_dt(1e-3);
+    ASSERT_LE(dt, 1e-3 * (1 + 1e-12));
+    clock.advance();
+    ASSERT_GT(clock.time(), last);
+    last = clock.time();
+    ASSERT_FALSE(clock.finished());
+  }
+}
+
 }  // namespace
 }  // namespace suture

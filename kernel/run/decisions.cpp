@@ -101,6 +101,21 @@ void decide_functors(World& world, std::vector<Decision>& list) {
   list.push_back({"instruction set", false, std::string(world.dynamics->forces().isa())});
 }
 
+void decide_integrator(const Scene& scene, World& world, std::vector<Decision>& list) {
+  if (scene.solver.integrator != SolverOptions::Integrator::velocity_verlet) {
+    list.push_back({"integrator", false, "symplectic Euler, of first order in dt"});
+    return;
+  }
+  for (const ForceLoop::Summary& functor : world.dynamics->forces().summary()) {
+    if (functor.skipped || (functor.reads & SUTURE_READ_VELOCITY) == 0) continue;
+    list.push_back({"integrator", false,
+                    "velocity Verlet, of first order in dt: functor " + functor.instance + "/" +
+                        functor.functor + " reads velocities, which lag half a step behind"});
+    return;
+  }
+  list.push_back({"integrator", false, "velocity Verlet, of second order in dt"});
+}
+
 void decide_physics(const Scene& scene, World& world, std::vector<Decision>& list) {
   const bool weight = scene.gravity != Vec3{};
   list.push_back({"gravity", !weight,
@@ -226,6 +241,7 @@ std::vector<Decision> decide(const Scene& scene, PluginHost& host, World& world,
   decide_cells(world, list);
   decide_columns(world, list);
   decide_functors(world, list);
+  decide_integrator(scene, world, list);
   decide_physics(scene, world, list);
   decide_events(scene, list);
   decide_output(scene, world, recorder, list);

@@ -22,7 +22,8 @@ TEST(SceneReader, ReadsEveryKey) {
       {"model": "jelly", "name": "soft", "region": {"half_space": {"point": [1.5, 0, 0],
        "normal": [-1, 0, 0]}}, "parameters": {"E": 1e3, "nu": 0.45, "order": 3,
        "correction": false, "quadrature": "exact"}},
-      {"model": "jelly", "parameters": {"E": 5}}, {"model": "jelly", "parameters": {"E": 6}}],
+      {"model": "jelly", "on_inversion": "stop", "parameters": {"E": 5}},
+      {"model": "jelly", "parameters": {"E": 6}}],
     "gravity": {"value": [0, -9.8, 0], "ramp": {"from": 0.1, "to": 0.5, "shape": "smooth"}},
     "constraints": [
       {"fix": "xz", "where": {"plane": {"point": [1, 0, 0], "normal": [1, 0, 0]}}},
@@ -55,6 +56,8 @@ TEST(SceneReader, ReadsEveryKey) {
   EXPECT_EQ(scene.models[0].name, "soft");
   EXPECT_EQ(scene.models[1].name, "jelly");
   EXPECT_EQ(scene.models[2].name, "jelly-2");
+  EXPECT_EQ(scene.models[1].on_inversion, OnInversion::stop);
+  EXPECT_EQ(scene.models[2].on_inversion, OnInversion::by_model);
   EXPECT_TRUE(std::holds_alternative<Selection::HalfSpace>(scene.models[0].region.what));
   EXPECT_EQ(scene.gravity[1], -9.8);
   EXPECT_TRUE(scene.gravity_ramp.smooth);
@@ -280,6 +283,7 @@ INSTANTIATE_TEST_SUITE_P(
                "true or false"},
         BadSet{"/models/0/parameters/quadrature=gauss3", "/models/0/parameters/quadrature",
                "did you mean 'gauss2'"},
+        BadSet{"/models/0/on_inversion=wurn", "/models/0/on_inversion", "did you mean 'warn'"},
         BadSet{"/plugins=[\"x.so\"]", "/plugins/0", "no plugin file"}));
 
 TEST(SceneReader, NamesOfModelsMustDiffer) {

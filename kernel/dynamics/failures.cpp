@@ -2,6 +2,7 @@
 #include "kernel/dynamics/failures.hpp"
 
 #include <algorithm>
+#include <sstream>
 #include <string_view>
 #include <tuple>
 
@@ -47,8 +48,10 @@ void Failure::merge(const Failure& other) {
   step_factor_ = factor;
 }
 
-void Failure::raise(const std::string& title, const char* cell_word) const {
-  std::string text = title;
+void Failure::raise(const std::string& title, const char* cell_word, double time) const {
+  std::ostringstream when;
+  when << "t = " << time << " s: ";
+  std::string text = when.str() + title;
   if (cell_known_)
     text += std::string(", ") + cell_word + " " + std::to_string(cell_);
   else

@@ -23,7 +23,7 @@ class Failure {
   Index functor() const { return functor_; }
   /// Throws NumericalError or StepRejected; `title` names model and functor,
   /// `cell_word` what its cells are called.
-  [[noreturn]] void raise(const std::string& title, const char* cell_word) const;
+  [[noreturn]] void raise(const std::string& title, const char* cell_word, double time) const;
 
  private:
   bool comes_before(const Failure& other) const;

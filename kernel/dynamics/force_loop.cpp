@@ -119,7 +119,7 @@ struct ForceLoop::Impl {
     for (const loops::BatchRows& rows : batches) visit_batch(job, worker, rows, one);
   }
 
-  void raise_failures() {
+  void raise_failures(double time) {
     Failure first;
     for (WorkerMemory& worker : workers) {
       first.merge(worker.failure);
@@ -127,7 +127,7 @@ struct ForceLoop::Impl {
     }
     if (!first.any()) return;
     const CompiledFunctor& functor = functors[first.functor()];
-    first.raise(functor.title(), cell_words[functor.functor().dimension]);
+    first.raise(functor.title(), cell_words[functor.functor().dimension], time);
   }
 
   void follow_still(const TopologyChange& change);
@@ -190,7 +190,7 @@ void ForceLoop::add_forces(double time, double dt, Part part) {
                               static_cast<std::uint32_t>(ranges.size()));
                });
   }
-  impl_->raise_failures();
+  impl_->raise_failures(time);
 }
 
 bool ForceLoop::has(Part part) const {
@@ -231,7 +231,7 @@ double ForceLoop::energy(double time) {
   double sum = 0;
   for (Index i = 0; i < impl_->functors.size(); ++i)
     if (!impl_->functors[i].skipped()) sum += impl_->energy_of(i, time);
-  impl_->raise_failures();
+  impl_->raise_failures(time);
   return sum;
 }
 
@@ -263,7 +263,7 @@ std::vector<Vec3> ForceLoop::forces_around(std::span<const Index> vertices, doub
           return status;
         });
   }
-  impl_->raise_failures();
+  impl_->raise_failures(time);
   return forces;
 }
 
@@ -285,7 +285,7 @@ double ForceLoop::energy_around(std::span<const Index> elements, double time) {
                             return status;
                           });
   }
-  impl_->raise_failures();
+  impl_->raise_failures(time);
   return sum;
 }
 
@@ -331,7 +331,7 @@ bool ForceLoop::compute_field(const Instance& instance, int dimension, std::stri
                        static_cast<int>(functor.functor().dimension) == dimension;
     if (asked) given |= impl_->add_field(i, field, time, values);
   }
-  impl_->raise_failures();
+  impl_->raise_failures(time);
   return given;
 }
 
@@ -379,7 +379,7 @@ ForceLoop::Bounds ForceLoop::bounds(double time) {
                      });
                });
   }
-  impl_->raise_failures();
+  impl_->raise_failures(time);
   Bounds bounds;
   for (Index v = 0; v < impl_->attributes.vertex_count(); ++v)
     include_vertex(v, sums[v], impl_->attributes, bounds);
@@ -402,7 +402,7 @@ ForceLoop::Bounds ForceLoop::bounds_around(std::span<const Index> vertices, doub
                             return add_bounds(extension, job, worker, batch, rows, sums);
                           });
   }
-  impl_->raise_failures();
+  impl_->raise_failures(time);
   Bounds bounds;
   for (const Index v : vertices) include_vertex(v, sums[v], impl_->attributes, bounds);
   return bounds;
@@ -465,7 +465,7 @@ template <class Real>
 void ForceLoop::Impl::add_tangent(const Direction<Real>& d, double time, Real* out) {
   for (Index i = 0; i < functors.size(); ++i)
     if (!functors[i].skipped()) add_tangent(i, d, time, out);
-  raise_failures();
+  raise_failures(time);
 }
 
 void ForceLoop::add_tangent(const float* d, double dx, double dv, double time, float* out) {

@@ -106,9 +106,9 @@ EnergyBalance Ledger::balance(const Now& now) {
   b.balance = b.kinetic + b.elastic - account_.start - b.gravity - b.loads - b.pressure -
               b.prescribed - b.models - b.events + b.dissipated;
   b.recoverable = now.leapfrog_part - account_.leapfrog_start;
-  account_.exchanged =
-      std::max({account_.exchanged, sums.largest_kinetic(), b.kinetic + std::abs(stored), std::abs(b.gravity),
-                std::abs(b.loads), std::abs(b.pressure), std::abs(b.prescribed)});
+  account_.exchanged = std::max({account_.exchanged, sums.largest_kinetic(),
+                                 b.kinetic + std::abs(stored), std::abs(b.gravity),
+                                 std::abs(b.loads), std::abs(b.pressure), std::abs(b.prescribed)});
   b.exchanged = account_.exchanged;
   return b;
 }

@@ -64,10 +64,10 @@ class Ledger {
   /// The present state, with forces evaluated there.
   struct Now {
     double time = 0;
-    double kinetic = 0;   ///< at the time of the positions, J
+    double kinetic = 0;        ///< at the time of the positions, J
     double leapfrog_part = 0;  ///< h^2/8 sum F^2/m, J
-    double half_step = 0;  ///< h- where velocities lag half a step behind the positions, else 0
-    double work = 0;       ///< h- A_n / 2: of all forces in the half step that no pass has seen
+    double half_step = 0;      ///< h- where velocities lag half a step behind the positions, else 0
+    double work = 0;           ///< h- A_n / 2: of all forces in the half step that no pass has seen
   };
   /// The first call is the start. Costs an evaluation of energies.
   EnergyBalance balance(const Now& now);

@@ -62,9 +62,9 @@ class MotionSums {
   /// Chunks whose C h^2 lies below are not looked at, kg m^2.
   void set_noise(double inertia) { noise_ = inertia; }
 
-  double work() const { return work_; }              ///< W, J
-  double damped() const { return damped_; }          ///< D, J; counted with damping only
-  double driven_work() const { return driven_; }     ///< sum of DrivenWork::work, J
+  double work() const { return work_; }           ///< W, J
+  double damped() const { return damped_; }       ///< D, J; counted with damping only
+  double driven_work() const { return driven_; }  ///< sum of DrivenWork::work, J
   /// The most that sum m v+ . v+ / 2 was in any step, J.
   double largest_kinetic() const { return largest_kinetic_; }
   void count_damping(bool damps) { damps_ = damps; }

@@ -25,6 +25,14 @@ constexpr unsigned most_halvings = 10, most_attempts = 2;
 // More frames than these are not held back: the state is kept sooner.
 constexpr std::size_t frames_held = 2;
 
+/// With the time, unless the text begins with it.
+std::string timed(double time, const std::string& what) {
+  if (what.starts_with("t = ")) return what;
+  std::ostringstream text;
+  text << "t = " << time << " s: " << what;
+  return text.str();
+}
+
 }  // namespace
 
 StepControl::StepControl(const Scene& scene, World& world, Recorder& recorder,
@@ -181,7 +189,7 @@ void StepControl::step_back(const NumericalError& error, const Notify& notify) {
   const double factor = rejected ? rejected->step_factor : 0.5;
   watch_.step_back(clock_.step(), static_cast<unsigned>(std::ceil(-std::log2(factor) - 1e-9)));
   std::ostringstream text;
-  text << "t = " << failed_at << " s: " << error.what();
+  text << timed(failed_at, error.what());
   if (goes_on)
     text << "; an operation forbids to go back, dt is " << next_dt() << " s from here";
   else
@@ -200,7 +208,7 @@ void StepControl::restore(const KeptStates::State& state) {
 
 void StepControl::give_up(const NumericalError& error) {
   std::ostringstream text;
-  text << "step " << clock_.step() << ", t = " << clock_.time() << " s: " << error.what();
+  text << "step " << clock_.step() << ", " << timed(clock_.time(), error.what());
   const Index element = error.element != NumericalError::nowhere
                             ? world_.selector.element_with_id(error.element)
                             : none;

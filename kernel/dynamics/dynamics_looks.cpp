@@ -7,12 +7,13 @@ Dynamics::Rounding Dynamics::rounding() const {
   if (impl_->last_dt == 0) return {};
   const Column &position = impl_->attributes.position(), &mass = impl_->attributes.mass();
   const double omega = 2 / impl_->last_dt, epsilon = std::numeric_limits<double>::epsilon();
+  const double* x = position.rows();
   Rounding sum;
-  for (Index v = 0; v < impl_->attributes.vertex_count(); ++v) {
-    const double at = std::hypot(position.get(v, 0), position.get(v, 1), position.get(v, 2));
-    const double force = mass.get(v, 0) * omega * omega * epsilon * at;
-    sum.energy += force * epsilon * at / 2;
-    sum.force_squared += force * force;
+  for (Index v = 0; v < impl_->attributes.vertex_count(); ++v, x += 4) {
+    const double stiffness = mass.rows()[v] * omega * omega;
+    const double squared = epsilon * epsilon * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+    sum.energy += stiffness * squared / 2;
+    sum.force_squared += stiffness * stiffness * squared;
   }
   return sum;
 }

@@ -26,8 +26,8 @@ Guard::Guard(const Scene& scene, World& world, Diagnostics& diagnostics)
 }
 
 void Guard::check(std::uint64_t step, double time) {
-  step_ = step;
   last_ = world_.dynamics->balance();
+  noise_ = 10 * static_cast<double>(step) * world_.dynamics->rounding().energy;
   forgiven_ = std::min(forgiven_, unexplained());  // energy that was lost may not come back
   if (!std::isfinite(last_.kinetic) || !std::isfinite(last_.elastic)) {
     std::ostringstream text;
@@ -44,13 +44,9 @@ double Guard::unexplained() const {
   return last_.balance - last_.recoverable - std::min(last_.dissipated, 0.0);
 }
 
-double Guard::noise() const {
-  return 10 * static_cast<double>(step_) * world_.dynamics->rounding().energy;
-}
-
 double Guard::growth() const {
   const double grown = unexplained() - forgiven_;
-  return last_.exchanged > 0 && grown > noise() ? grown / last_.exchanged : 0;
+  return last_.exchanged > 0 && grown > noise_ ? grown / last_.exchanged : 0;
 }
 
 void Guard::check_inversion(std::uint64_t step, double time) {

@@ -30,7 +30,7 @@ class Guard {
   void forgive_growth() { forgiven_ = unexplained(); }
 
   /// What rounding can have added to the energy so far, J.
-  double noise() const;
+  double noise() const { return noise_; }
 
   const EnergyBalance& last() const { return last_; }
   std::uint64_t inverted_elements() const { return worst_inverted_; }
@@ -44,7 +44,7 @@ class Guard {
   std::vector<bool> stops_;              ///< on inversion, by instance
   std::vector<Index> inverted_at_rest_;  ///< admitted by the scene, ascending
   Index worst_inverted_ = 0;             ///< beyond those
-  std::uint64_t step_ = 0;
+  double noise_ = 0;
   EnergyBalance last_;
   double forgiven_ = 0;
 };

@@ -185,7 +185,7 @@ struct Dynamics::Impl {
     // Also the first one, but for that of symplectic Euler, whose kick is whole.
     const bool is_euler = options.scheme == DynamicsOptions::Scheme::symplectic_euler;
     if (!(std::abs(dt - last_dt) <= 1e-9 * dt) && !(is_euler && last_dt == 0)) {
-      evaluate(last_dt != 0 ? last_dt : dt);
+      evaluate(is_euler || last_dt == 0 ? dt : last_dt);  // as the step itself does
       ledger.change_step(leapfrog_part(dt, {}) - leapfrog_part(last_dt, {}));
     }
     if (options.scheme == DynamicsOptions::Scheme::symplectic_euler)

@@ -63,6 +63,7 @@ void Clock::divide(unsigned halvings) {
 }
 
 void Clock::advance() {
+  before_ = {time_, done_, whole_, parts_, parts_made_};
   ++step_;
   if (fixed_dt_) {
     if (++parts_made_ == parts_) {
@@ -77,6 +78,15 @@ void Clock::advance() {
     ++done_;
     time_ = start_ + length_ * (static_cast<double>(done_) / static_cast<double>(steps_));
   }
+}
+
+void Clock::take_back() {
+  --step_;
+  time_ = before_.time;
+  done_ = before_.done;
+  whole_ = before_.whole;
+  parts_ = before_.parts;
+  parts_made_ = before_.parts_made;
 }
 
 }  // namespace suture

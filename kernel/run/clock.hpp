@@ -35,6 +35,8 @@ class Clock {
   void divide(unsigned halvings);
   /// The step of next_dt() was made.
   void advance();
+  /// It was not made after all. Once per advance().
+  void take_back();
 
  private:
   double next_stop() const;
@@ -50,6 +52,11 @@ class Clock {
   std::uint64_t steps_ = 0, done_ = 0;
   // Fixed dt: whole steps made, and parts_made_ of parts_ of the next.
   std::uint64_t whole_ = 0, parts_ = 1, parts_made_ = 0, wanted_parts_ = 1;
+  struct Before {
+    double time;
+    std::uint64_t done, whole, parts, parts_made;
+  };
+  Before before_{};  ///< the last advance()
 };
 
 }  // namespace suture

@@ -181,11 +181,15 @@ void StepControl::step_back(const NumericalError& error, const Notify& notify) {
   attempts_ = same_place ? attempts_ + 1 : 1;
   furthest_failure_ = std::max(furthest_failure_, failed_at);
   const bool may_help = rejected || (!scene_.solver.dt && (unstable || attempts_ <= most_attempts));
-  // An unstable step right after an operation goes on from here: its energy is in the balance.
-  const bool goes_on = unstable && kept_.empty() && !scene_.solver.dt;
+  // Right after an operation the run goes on from here: a step that a model rejects has moved
+  // nothing yet, and the energy of an unstable one is in the balance.
+  const bool goes_on = kept_.empty() && (rejected || (unstable && !scene_.solver.dt));
   if (!may_help || (kept_.empty() && !goes_on) || watch_.halvings() >= most_halvings)
     give_up(error);
-  if (!goes_on) restore(kept_.take_older());
+  if (!goes_on)
+    restore(kept_.take_older());
+  else if (world_.dynamics->time() < clock_.time())
+    clock_.take_back();
   const double factor = rejected ? rejected->step_factor : 0.5;
   watch_.step_back(clock_.step(), static_cast<unsigned>(std::ceil(-std::log2(factor) - 1e-9)));
   std::ostringstream text;

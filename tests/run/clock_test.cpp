@@ -120,4 +120,21 @@ TEST(Clock, AnEndThatNoRunReachesBeginsWithSteps) {
 }
 
 }  // namespace
+TEST(Clock, TakesAStepBack) {
+  for (const std::optional<double> fixed : {std::optional<double>(0.1), std::optional<double>()}) {
+    Clock clock(fixed, {}, 0, 1.0);
+    clock.divide(fixed ? 1 : 0);
+    for (int i = 0; i < 5; ++i) {
+      clock.next_dt(0.03);
+      clock.advance();
+      const double time = clock.time();
+      clock.next_dt(0.03);
+      clock.advance();
+      clock.take_back();
+      EXPECT_EQ(clock.time(), time);
+      EXPECT_EQ(clock.step(), static_cast<std::uint64_t>(i + 1));
+    }
+  }
+}
+
 }  // namespace suture

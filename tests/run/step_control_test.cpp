@@ -187,6 +187,29 @@ TEST_P(Retry, SoonAfterACutIsHonouredAndTheCutStays) {
   }
 }
 
+/// Nothing goes back behind the cut, but a step of Euler that is rejected has moved nothing.
+/// (Forces of Verlet are those of the step before, which cannot be made again.)
+TEST_P(Retry, InTheVeryStepOfACutMakesThatStepSmaller) {
+  scene.output.energies_every = scene.output.probes_every = 0;
+  scene.solver.dt = 1e-4;
+  Event cut;
+  cut.at = 0.02;
+  cut.what = CutPlane{{0.5, 0, 0}, {1, 0, 0}};
+  cut.path = "/events/0";
+  scene.events.push_back(cut);
+  const bool is_euler = GetParam() == Integrator::symplectic_euler;
+  add_moody(1, 0.02, 0.0205, 0.5e-4);
+  if (!is_euler) {
+    EXPECT_THROW(run(), NumericalError);
+    return;
+  }
+  const RunSummary summary = run();
+  EXPECT_EQ(summary.outcome, RunSummary::Outcome::finished);
+  EXPECT_EQ(summary.faces_cut, 4u);
+  EXPECT_EQ(summary.steps_back, 1u);
+  EXPECT_EQ(summary.time, 1000 * 1e-4);
+}
+
 TEST_P(Retry, CutsWithABladeWhatAnUndisturbedRunCuts) {
   scene.solver.dt = 1e-4;
   scene.gravity = {0, 0, 0};

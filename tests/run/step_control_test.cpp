@@ -55,6 +55,13 @@ class Retry : public testing::TestWithParam<Integrator> {
         {{"how", how}, {"from", from}, {"to", to}, {"longest", longest}, {"factor", factor}});
     scene.models.push_back(use);
   }
+  void add_cut() {
+    Event cut;
+    cut.at = 0.02;
+    cut.what = CutPlane{{0.5, 0, 0}, {1, 0, 0}};
+    cut.path = "/events/0";
+    scene.events.push_back(cut);
+  }
   RunSummary run() {
     simulation = std::make_unique<Simulation>(scene, host(), diagnostics);
     return simulation->run(listener);
@@ -171,11 +178,7 @@ TEST_P(Retry, ThatNothingSatisfiesEndsTheRun) {
 
 TEST_P(Retry, SoonAfterACutIsHonouredAndTheCutStays) {
   scene.solver.dt = 1e-4;
-  Event cut;
-  cut.at = 0.02;
-  cut.what = CutPlane{{0.5, 0, 0}, {1, 0, 0}};
-  cut.path = "/events/0";
-  scene.events.push_back(cut);
+  add_cut();
   for (const double from : {0.0212, 0.023, 0.03}) {
     scene.models.resize(1);
     add_moody(1, from, from + 5e-4, 0.5e-4);
@@ -192,11 +195,7 @@ TEST_P(Retry, SoonAfterACutIsHonouredAndTheCutStays) {
 TEST_P(Retry, InTheVeryStepOfACutMakesThatStepSmaller) {
   scene.output.energies_every = scene.output.probes_every = 0;
   scene.solver.dt = 1e-4;
-  Event cut;
-  cut.at = 0.02;
-  cut.what = CutPlane{{0.5, 0, 0}, {1, 0, 0}};
-  cut.path = "/events/0";
-  scene.events.push_back(cut);
+  add_cut();
   const bool is_euler = GetParam() == Integrator::symplectic_euler;
   add_moody(1, 0.02, 0.0205, 0.5e-4);
   if (!is_euler) {

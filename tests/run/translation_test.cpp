@@ -488,7 +488,7 @@ TEST(Translation, OfWhatAProgramAsks) {
   EXPECT_EQ(moved[0], moved[1]);
 }
 
-// What is told of places is told as the scene has them, with digits that show the size.
+// Messages show places as the scene has them, with digits that show the size.
 TEST(Translation, OfWhatMessagesShow) {
   Scene scene = beam(host(), "tm-faure", 8, 2, 9.8);
   scene.mesh.box->origin = far_away;

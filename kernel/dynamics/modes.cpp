@@ -206,6 +206,7 @@ struct Descent {
     const MatrixXd more = beside(directions, last), more_images = beside(images, last_image);
     const MatrixXd all = beside(x, more), all_images = beside(image, more_images);
     const Ritz ritz(all.transpose() * all, all.transpose() * all_images);
+    if (ritz.values.size() == 0) return;  // nothing is free
     const EigenIndex count = std::min<EigenIndex>(block, ritz.values.size());
     const MatrixXd best = ritz.vectors.leftCols(count);
     values = ritz.values.head(count);

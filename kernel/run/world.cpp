@@ -230,6 +230,7 @@ std::string World::place_of(Index e) {
 std::string World::place_text(const Vec3& local) const {
   const Vec3 p = frame.in_scene(local);
   std::ostringstream text;
+  if (!frame.is_scene()) text.precision(10);  // the body is small beside its place
   text << '(' << p[0] << ", " << p[1] << ", " << p[2] << ") m";
   return text.str();
 }

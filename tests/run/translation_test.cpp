@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <regex>
 
 #include "kernel/base/error.hpp"
 #include "kernel/events/pierce_path.hpp"
@@ -73,6 +74,13 @@ struct Result {
   }
 };
 
+/// Messages without the places in them, "(1, 2, 3) m", which are those of the scene.
+std::vector<std::string> without_places(std::vector<std::string> lines) {
+  static const std::regex place("\\([^()]*\\) m");
+  for (std::string& line : lines) line = std::regex_replace(line, place, "(place)");
+  return lines;
+}
+
 /// The same steps, events and islands; displacements within `tolerance` of the largest,
 /// and for 0 the same bits of everything.
 void expect_same(const Result& near, const Result& far, double tolerance) {
@@ -82,7 +90,7 @@ void expect_same(const Result& near, const Result& far, double tolerance) {
   EXPECT_EQ(near.summary.faces_torn, far.summary.faces_torn);
   EXPECT_EQ(near.summary.faces_sewn, far.summary.faces_sewn);
   EXPECT_EQ(near.summary.elements_removed, far.summary.elements_removed);
-  EXPECT_EQ(near.events, far.events);
+  EXPECT_EQ(without_places(near.events), without_places(far.events));
   EXPECT_EQ(near.warnings, far.warnings);
   EXPECT_GT(near.largest, 1e-3) << "something must have moved";
   ASSERT_EQ(near.displacement.size(), far.displacement.size());

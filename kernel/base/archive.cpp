@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/base/archive.hpp"
+
+#include <stdexcept>
+
+#include "kernel/base/error.hpp"
+
+namespace suture {
+namespace {
+
+std::size_t bytes_of(Archive::Scalar type) {
+  switch (type) {
+    case Archive::Scalar::i32:
+    case Archive::Scalar::u32:
+    case Archive::Scalar::f32:
+      return 4;
+    case Archive::Scalar::i64:
+    case Archive::Scalar::u64:
+    case Archive::Scalar::f64:
+      return 8;
+    case Archive::Scalar::u8:
+    case Archive::Scalar::text:
+      break;
+  }
+  return 1;
+}
+
+const char* name_of(Archive::Scalar type) {
+  constexpr const char* names[] = {"8-bit integers",    "32-bit integers",
+                                   "unsigned integers", "64-bit integers",
+                                   "64-bit unsigned integers", "floats",
+                                   "doubles",           "text"};
+  return names[static_cast<std::size_t>(type)];
+}
+
+[[noreturn]] void wrong_way() { throw std::logic_error("an archive used against its direction"); }
+
+}  // namespace
+
+void Archive::text(const char* name, std::string& value) {
+  Shape shape{Scalar::text, 1, value.size()};
+  if (!loads()) return write(name, shape, value.data());
+  const void* data = read(name, shape);
+  value.assign(static_cast<const char*>(data), shape.rows);
+}
+
+// -------------------------------------------------------------------- trees --
+
+std::size_t StateTree::Array::size() const { return rows * columns * bytes_of(type); }
+
+std::size_t StateTree::bytes() const {
+  std::size_t sum = 0;
+  for (const auto& [name, array] : arrays) sum += array.size();
+  for (const auto& [name, group] : groups) sum += group.bytes();
+  return sum;
+}
+
+TreeWriter::TreeWriter(StateTree& tree)
+    : Archive(Extent::everything, Direction::save), path_{&tree} {}
+
+void TreeWriter::refuse(const std::string& why) const { throw std::logic_error(why); }
+
+void TreeWriter::write(const char* name, const Shape& shape, const void* data) {
+  StateTree::Array array{shape.type, shape.columns, shape.rows, nullptr};
+  array.bytes = std::make_unique_for_overwrite<std::byte[]>(array.size());
+  if (array.size() != 0) std::memcpy(array.bytes.get(), data, array.size());
+  if (!path_.back()->arrays.emplace(name, std::move(array)).second)
+    throw std::logic_error(std::string("two states are called ") + name);
+}
+
+const void* TreeWriter::read(const char*, Shape&) { wrong_way(); }
+void TreeWriter::enter(const char* name) { path_.push_back(&path_.back()->groups[name]); }
+void TreeWriter::leave() { path_.pop_back(); }
+
+TreeReader::TreeReader(const StateTree& tree)
+    : Archive(Extent::everything, Direction::load), path_{&tree} {}
+
+void TreeReader::refuse(const std::string& why) const {
+  std::string where;
+  for (const std::string& name : names_) where += '/' + name;
+  throw InputError((where.empty() ? "/" : where) + ": " + why);
+}
+
+void TreeReader::write(const char*, const Shape&, const void*) { wrong_way(); }
+
+const void* TreeReader::read(const char* name, Shape& shape) {
+  const auto found = path_.back()->arrays.find(name);
+  if (found == path_.back()->arrays.end()) refuse(std::string("there is no ") + name);
+  const StateTree::Array& array = found->second;
+  if (array.type != shape.type || array.columns != shape.columns)
+    refuse(std::string(name) + " has " + std::to_string(array.columns) + ' ' +
+           name_of(array.type) + " per row, and should have " + std::to_string(shape.columns) +
+           ' ' + name_of(shape.type));
+  shape.rows = array.rows;
+  return array.bytes.get();
+}
+
+void TreeReader::enter(const char* name) {
+  const auto found = path_.back()->groups.find(name);
+  if (found == path_.back()->groups.end()) refuse(std::string("there is no ") + name);
+  path_.push_back(&found->second);
+  names_.emplace_back(name);
+}
+
+void TreeReader::leave() {
+  path_.pop_back();
+  names_.pop_back();
+}
+
+// ------------------------------------------------------------------ buffers --
+
+void StateBuffer::Writer::refuse(const std::string& why) const { throw std::logic_error(why); }
+void StateBuffer::Reader::refuse(const std::string& why) const { throw std::logic_error(why); }
+const void* StateBuffer::Writer::read(const char*, Shape&) { wrong_way(); }
+void StateBuffer::Reader::write(const char*, const Shape&, const void*) { wrong_way(); }
+
+void StateBuffer::Writer::write(const char*, const Shape& shape, const void* data) {
+  const std::uint64_t rows = shape.rows;
+  const auto append = [&](const void* from, std::size_t size) {
+    const auto* first = static_cast<const std::uint8_t*>(from);
+    if (size != 0) bytes_.insert(bytes_.end(), first, first + size);
+  };
+  append(&rows, sizeof rows);
+  append(data, shape.rows * shape.columns * bytes_of(shape.type));
+}
+
+const void* StateBuffer::Reader::read(const char*, Shape& shape) {
+  std::uint64_t rows = 0;
+  std::memcpy(&rows, bytes_.data() + at_, sizeof rows);
+  shape.rows = rows;
+  const std::uint8_t* data = bytes_.data() + at_ + sizeof rows;
+  at_ += sizeof rows + rows * shape.columns * bytes_of(shape.type);
+  return data;
+}
+
+}  // namespace suture

@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace suture {
+
+namespace archived {
+
+template <class T>
+inline constexpr bool is_vector = false;
+template <class T, class A>
+inline constexpr bool is_vector<std::vector<T, A>> = true;
+template <class T>
+inline constexpr bool is_optional = false;
+template <class T>
+inline constexpr bool is_optional<std::optional<T>> = true;
+
+/// The number that arrays of arrays consist of.
+template <class T>
+struct Element {
+  using Number = T;
+};
+template <class T, std::size_t n>
+struct Element<std::array<T, n>> : Element<T> {};
+template <class T>
+using Number = typename Element<T>::Number;
+
+}  // namespace archived
+
+/// Where an object writes its state, or reads it back. One function serves both, so that they
+/// cannot differ:
+///
+///   void Guard::state(Archive& archive) {
+///     archive("last", last_);
+///     if (archive.has_cells()) archive("inverted", inverted_);
+///   }
+///
+/// Values are numbers, enumerations, bool, strings, arrays and vectors of them, optional ones,
+/// and whatever has a function `state` itself, which becomes a group.
+class Archive {
+ public:
+  /// How much of the state: what steps change, to go back to within a run; or everything that
+  /// differs from what the scene has built, to go on in another process.
+  enum class Extent { motion, everything };
+  enum class Direction { save, load };
+
+  virtual ~Archive() = default;
+  bool loads() const { return direction_ == Direction::load; }
+  /// Also what operations change: cells, lists of cells and columns that belong to them.
+  bool has_cells() const { return extent_ == Extent::everything; }
+
+  template <class T>
+  void operator()(const char* name, T& value) {
+    if constexpr (requires { value.state(*this); }) {
+      group(name, [&] { value.state(*this); });
+    } else if constexpr (archived::is_vector<T>) {
+      vector(name, value);
+    } else if constexpr (archived::is_optional<T>) {
+      optional(name, value);
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      text(name, value);
+    } else if constexpr (std::is_same_v<T, bool>) {
+      auto byte = static_cast<std::uint8_t>(value);
+      one(name, byte);
+      value = byte != 0;
+    } else if constexpr (std::is_enum_v<T>) {
+      auto number = static_cast<std::int64_t>(value);
+      one(name, number);
+      value = static_cast<T>(number);
+    } else {
+      one(name, value);
+    }
+  }
+
+  /// body() with names that count within `name`.
+  template <class Body>
+  void group(const char* name, Body body) {
+    enter(name);
+    body();
+    leave();
+  }
+
+  /// A vector of structs that consist of `Number`s and nothing else: a row each.
+  template <class Number, class Vector>
+  void rows(const char* name, Vector& values) {
+    using Row = typename Vector::value_type;
+    static_assert(std::is_trivially_copyable_v<Row> && sizeof(Row) % sizeof(Number) == 0);
+    numbers(name, scalar_of<Number>(), sizeof(Row) / sizeof(Number), sizeof(Row), values);
+  }
+
+  /// A vector of objects: item(archive, object) for each, in a group of its number.
+  template <class Vector, class Item>
+  void each(const char* name, Vector& objects, Item item) {
+    group(name, [&] {
+      std::uint64_t count = objects.size();
+      (*this)("count", count);
+      if (loads()) resize_objects(objects, count);
+      for (std::size_t i = 0; i < objects.size(); ++i)
+        group(std::to_string(i).c_str(), [&] { item(*this, objects[i]); });
+    });
+  }
+  template <class Vector>
+  void each(const char* name, Vector& objects) {
+    each(name, objects, [](Archive& archive, auto& object) { object.state(archive); });
+  }
+
+  /// Throws InputError that names the present group: what was read cannot be.
+  [[noreturn]] virtual void refuse(const std::string& why) const = 0;
+  /// refuse(why) unless `holds`.
+  void require(bool holds, const char* why) const {
+    if (!holds) refuse(why);
+  }
+
+  enum class Scalar : std::uint8_t { u8, i32, u32, i64, u64, f32, f64, text };
+
+ protected:
+  Archive(Extent extent, Direction direction) : extent_(extent), direction_(direction) {}
+
+  /// `columns` numbers per row; a single value is one row.
+  struct Shape {
+    Scalar type;
+    std::size_t columns, rows;
+  };
+  virtual void write(const char* name, const Shape& shape, const void* data) = 0;
+  /// The bytes of what write() took, `shape.rows` included; type and columns are given, and must
+  /// be those. Good until the next call.
+  virtual const void* read(const char* name, Shape& shape) = 0;
+  virtual void enter(const char* name) = 0;
+  virtual void leave() = 0;
+
+ private:
+  template <class T>
+  static constexpr Scalar scalar_of() {
+    if constexpr (std::is_enum_v<T>) return scalar_of<std::underlying_type_t<T>>();
+    else if constexpr (std::is_same_v<T, float>) return Scalar::f32;
+    else if constexpr (std::is_same_v<T, double>) return Scalar::f64;
+    else if constexpr (sizeof(T) == 1) return Scalar::u8;
+    else if constexpr (sizeof(T) == 4) return std::is_signed_v<T> ? Scalar::i32 : Scalar::u32;
+    else {
+      static_assert(sizeof(T) == 8 && std::is_integral_v<T>);
+      return std::is_signed_v<T> ? Scalar::i64 : Scalar::u64;
+    }
+  }
+
+  template <class T>
+  void one(const char* name, T& value) {
+    using Number = archived::Number<T>;
+    Shape shape{scalar_of<Number>(), sizeof(T) / sizeof(Number), 1};
+    if (!loads()) return write(name, shape, &value);
+    const void* data = read(name, shape);
+    require(shape.rows == 1, "one value was expected, and there are several");
+    std::memcpy(&value, data, sizeof(T));
+  }
+
+  template <class Vector>
+  void numbers(const char* name, Scalar type, std::size_t columns, std::size_t row_bytes,
+               Vector& values) {
+    Shape shape{type, columns, values.size()};
+    if (!loads()) return write(name, shape, values.data());
+    const void* data = read(name, shape);
+    values.resize(shape.rows);
+    if (shape.rows != 0)
+      std::memcpy(static_cast<void*>(values.data()), data, shape.rows * row_bytes);
+  }
+
+  template <class Vector>
+  void vector(const char* name, Vector& values) {
+    using T = typename Vector::value_type;
+    if constexpr (std::is_same_v<T, bool>) {
+      std::vector<std::uint8_t> bytes(values.begin(), values.end());
+      numbers(name, Scalar::u8, 1, 1, bytes);
+      if (loads()) values.assign(bytes.begin(), bytes.end());
+    } else if constexpr (requires(T& item) { item.state(*this); }) {
+      each(name, values);
+    } else if constexpr (archived::is_vector<T>) {
+      each(name, values, [](Archive& archive, T& inner) { archive("values", inner); });
+    } else {
+      using Number = archived::Number<T>;
+      numbers(name, scalar_of<Number>(), sizeof(T) / sizeof(Number), sizeof(T), values);
+    }
+  }
+
+  template <class T>
+  void optional(const char* name, std::optional<T>& value) {
+    group(name, [&] {
+      bool has = value.has_value();
+      (*this)("has", has);
+      if (loads()) has ? void(value.emplace()) : value.reset();
+      if (has) (*this)("value", *value);
+    });
+  }
+
+  void text(const char* name, std::string& value);
+
+  template <class Vector>
+  void resize_objects(Vector& objects, std::uint64_t count) const {
+    if constexpr (requires { objects.resize(count); })
+      objects.resize(count);
+    else
+      require(objects.size() == count, "the number of its items is another");
+  }
+
+  Extent extent_;
+  Direction direction_;
+};
+
+/// A state in memory: named arrays in named groups.
+class StateTree {
+ public:
+  struct Array {
+    Archive::Scalar type;
+    std::size_t columns = 1, rows = 0;
+    std::unique_ptr<std::byte[]> bytes;
+    std::size_t size() const;  ///< bytes
+  };
+  std::map<std::string, Array, std::less<>> arrays;
+  std::map<std::string, StateTree, std::less<>> groups;
+
+  std::size_t bytes() const;  ///< of all arrays
+};
+
+/// Everything that `holder` says of itself.
+template <class Holder>
+void save_state(StateTree& tree, Holder& holder);
+/// Puts it back. Throws InputError with the path of what is missing or has another type.
+template <class Holder>
+void load_state(const StateTree& tree, Holder& holder);
+
+/// The archives of a tree.
+class TreeWriter : public Archive {
+ public:
+  explicit TreeWriter(StateTree& tree);
+  [[noreturn]] void refuse(const std::string& why) const override;
+
+ private:
+  void write(const char* name, const Shape& shape, const void* data) override;
+  const void* read(const char* name, Shape& shape) override;
+  void enter(const char* name) override;
+  void leave() override;
+  std::vector<StateTree*> path_;
+};
+
+class TreeReader : public Archive {
+ public:
+  explicit TreeReader(const StateTree& tree);
+  [[noreturn]] void refuse(const std::string& why) const override;
+
+ private:
+  void write(const char* name, const Shape& shape, const void* data) override;
+  const void* read(const char* name, Shape& shape) override;
+  void enter(const char* name) override;
+  void leave() override;
+  std::vector<const StateTree*> path_;
+  std::vector<std::string> names_;
+};
+
+/// A state to go back to within a run: what steps change, without names, in memory that is
+/// used again.
+class StateBuffer {
+ public:
+  template <class Holder>
+  void save(Holder& holder) {
+    bytes_.clear();
+    Writer writer(bytes_);
+    holder.state(writer);
+  }
+  /// The holder must hold the same cells as then.
+  template <class Holder>
+  void load(Holder& holder) const {
+    Reader reader(bytes_);
+    holder.state(reader);
+  }
+  bool empty() const { return bytes_.empty(); }
+  /// Part of a state that is itself saved.
+  void state(Archive& archive) { archive("bytes", bytes_); }
+
+ private:
+  using Bytes = std::vector<std::uint8_t>;
+  class Writer : public Archive {
+   public:
+    explicit Writer(Bytes& bytes) : Archive(Extent::motion, Direction::save), bytes_(bytes) {}
+    [[noreturn]] void refuse(const std::string& why) const override;
+
+   private:
+    void write(const char* name, const Shape& shape, const void* data) override;
+    const void* read(const char* name, Shape& shape) override;
+    void enter(const char*) override {}
+    void leave() override {}
+    Bytes& bytes_;
+  };
+  class Reader : public Archive {
+   public:
+    explicit Reader(const Bytes& bytes) : Archive(Extent::motion, Direction::load), bytes_(bytes) {}
+    [[noreturn]] void refuse(const std::string& why) const override;
+
+   private:
+    void write(const char* name, const Shape& shape, const void* data) override;
+    const void* read(const char* name, Shape& shape) override;
+    void enter(const char*) override {}
+    void leave() override {}
+    const Bytes& bytes_;
+    std::size_t at_ = 0;
+  };
+  Bytes bytes_;
+};
+
+template <class Holder>
+void save_state(StateTree& tree, Holder& holder) {
+  TreeWriter writer(tree);
+  holder.state(writer);
+}
+
+template <class Holder>
+void load_state(const StateTree& tree, Holder& holder) {
+  TreeReader reader(tree);
+  holder.state(reader);
+}
+
+}  // namespace suture

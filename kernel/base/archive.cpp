@@ -26,10 +26,9 @@ std::size_t bytes_of(Archive::Scalar type) {
 }
 
 const char* name_of(Archive::Scalar type) {
-  constexpr const char* names[] = {"8-bit integers",    "32-bit integers",
-                                   "unsigned integers", "64-bit integers",
-                                   "64-bit unsigned integers", "floats",
-                                   "doubles",           "text"};
+  constexpr const char* names[] = {
+      "8-bit integers",           "32-bit integers", "unsigned integers", "64-bit integers",
+      "64-bit unsigned integers", "floats",          "doubles",           "text"};
   return names[static_cast<std::size_t>(type)];
 }
 
@@ -88,9 +87,9 @@ const void* TreeReader::read(const char* name, Shape& shape) {
   if (found == path_.back()->arrays.end()) refuse(std::string("there is no ") + name);
   const StateTree::Array& array = found->second;
   if (array.type != shape.type || array.columns != shape.columns)
-    refuse(std::string(name) + " has " + std::to_string(array.columns) + ' ' +
-           name_of(array.type) + " per row, and should have " + std::to_string(shape.columns) +
-           ' ' + name_of(shape.type));
+    refuse(std::string(name) + " has " + std::to_string(array.columns) + ' ' + name_of(array.type) +
+           " per row, and should have " + std::to_string(shape.columns) + ' ' +
+           name_of(shape.type));
   shape.rows = array.rows;
   return array.bytes.get();
 }

@@ -142,11 +142,16 @@ class Archive {
  private:
   template <class T>
   static constexpr Scalar scalar_of() {
-    if constexpr (std::is_enum_v<T>) return scalar_of<std::underlying_type_t<T>>();
-    else if constexpr (std::is_same_v<T, float>) return Scalar::f32;
-    else if constexpr (std::is_same_v<T, double>) return Scalar::f64;
-    else if constexpr (sizeof(T) == 1) return Scalar::u8;
-    else if constexpr (sizeof(T) == 4) return std::is_signed_v<T> ? Scalar::i32 : Scalar::u32;
+    if constexpr (std::is_enum_v<T>)
+      return scalar_of<std::underlying_type_t<T>>();
+    else if constexpr (std::is_same_v<T, float>)
+      return Scalar::f32;
+    else if constexpr (std::is_same_v<T, double>)
+      return Scalar::f64;
+    else if constexpr (sizeof(T) == 1)
+      return Scalar::u8;
+    else if constexpr (sizeof(T) == 4)
+      return std::is_signed_v<T> ? Scalar::i32 : Scalar::u32;
     else {
       static_assert(sizeof(T) == 8 && std::is_integral_v<T>);
       return std::is_signed_v<T> ? Scalar::i64 : Scalar::u64;
@@ -181,7 +186,7 @@ class Archive {
       std::vector<std::uint8_t> bytes(values.begin(), values.end());
       numbers(name, Scalar::u8, 1, 1, bytes);
       if (loads()) values.assign(bytes.begin(), bytes.end());
-    } else if constexpr (requires(T& item) { item.state(*this); }) {
+    } else if constexpr (requires(T & item) { item.state(*this); }) {
       each(name, values);
     } else if constexpr (archived::is_vector<T>) {
       each(name, values, [](Archive& archive, T& inner) { archive("values", inner); });

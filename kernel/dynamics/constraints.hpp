@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
-#include "kernel/dynamics/loops/loops.hpp"
-#include "kernel/dynamics/time_ramp.hpp"
+#include "kernel/forces/loops/loops.hpp"
+#include "kernel/forces/time_ramp.hpp"
 
 namespace suture {
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "kernel/dynamics/constraints.hpp"
-#include "kernel/dynamics/force_loop.hpp"
 #include "kernel/dynamics/ledger.hpp"
-#include "kernel/dynamics/loads.hpp"
-#include "kernel/dynamics/loops/loops.hpp"
+#include "kernel/forces/force_loop.hpp"
+#include "kernel/forces/loads.hpp"
+#include "kernel/forces/loops/loops.hpp"
 
 namespace suture {
 

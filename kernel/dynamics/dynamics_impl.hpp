@@ -14,8 +14,8 @@
 
 #include "kernel/dynamics/changed_vertices.hpp"
 #include "kernel/dynamics/dynamics.hpp"
-#include "kernel/dynamics/loops/dispatch.hpp"
 #include "kernel/dynamics/step_search.hpp"
+#include "kernel/forces/loops/dispatch.hpp"
 
 namespace suture {
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "kernel/dynamics/constraints.hpp"
-#include "kernel/dynamics/force_loop.hpp"
-#include "kernel/dynamics/loads.hpp"
 #include "kernel/dynamics/motion_sums.hpp"
+#include "kernel/forces/force_loop.hpp"
+#include "kernel/forces/loads.hpp"
 
 namespace suture {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "kernel/dynamics/force_loop.hpp"
+#include "kernel/forces/force_loop.hpp"
 
 namespace suture {
 

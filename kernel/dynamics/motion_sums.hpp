@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "kernel/dynamics/constraints.hpp"
-#include "kernel/dynamics/loops/loops.hpp"
+#include "kernel/forces/loops/loops.hpp"
 
 namespace suture {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernel/dynamics/stable_step.hpp"
+#include "kernel/forces/stable_step.hpp"
 
 namespace suture {
 namespace {

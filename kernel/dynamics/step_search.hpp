@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "kernel/dynamics/force_loop.hpp"
+#include "kernel/forces/force_loop.hpp"
 
 namespace suture {
 

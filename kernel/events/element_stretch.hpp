@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "kernel/attributes/shape.hpp"
-#include "kernel/dynamics/symmetric3.hpp"
+#include "kernel/forces/symmetric3.hpp"
 #include "kernel/topology/hexahedron_tables.hpp"
 
 namespace suture {

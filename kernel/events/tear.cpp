@@ -8,7 +8,7 @@
 
 #include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/base/error.hpp"
-#include "kernel/dynamics/loops/dispatch.hpp"
+#include "kernel/forces/loops/dispatch.hpp"
 
 namespace suture {
 namespace {

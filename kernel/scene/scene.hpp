@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "kernel/base/types.hpp"
-#include "kernel/dynamics/time_ramp.hpp"
+#include "kernel/forces/time_ramp.hpp"
 #include "kernel/mesh/box.hpp"
 #include "kernel/mesh/voxels.hpp"
 #include "kernel/scene/event.hpp"

@@ -11,7 +11,7 @@
 
 #include "kernel/attributes/shape.hpp"
 #include "kernel/dynamics/rest_search.hpp"
-#include "tests/dynamics/spring_model.hpp"
+#include "tests/forces/spring_model.hpp"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "kernel/dynamics/dynamics.hpp"
-#include "tests/dynamics/spring_model.hpp"
+#include "tests/forces/spring_model.hpp"
 
 namespace {
 

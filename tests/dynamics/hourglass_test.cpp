@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/dynamics/spring_model.hpp"
+#include "tests/forces/spring_model.hpp"
 
 namespace {
 

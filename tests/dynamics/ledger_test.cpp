@@ -13,7 +13,7 @@
 
 #include "kernel/attributes/shape.hpp"
 #include "kernel/dynamics/dynamics.hpp"
-#include "tests/dynamics/spring_model.hpp"
+#include "tests/forces/spring_model.hpp"
 
 namespace {
 

@@ -12,9 +12,9 @@
 #include <set>
 
 #include "kernel/attributes/cell_nodes.hpp"
-#include "kernel/dynamics/compiled_functor.hpp"
 #include "kernel/dynamics/dynamics.hpp"
-#include "tests/dynamics/spring_model.hpp"
+#include "kernel/forces/compiled_functor.hpp"
+#include "tests/forces/spring_model.hpp"
 
 namespace {
 

@@ -10,7 +10,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/dynamics/dynamics.hpp"
-#include "tests/dynamics/spring_model.hpp"
+#include "tests/forces/spring_model.hpp"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "kernel/attributes/attributes.hpp"
-#include "kernel/dynamics/force_loop.hpp"
+#include "kernel/forces/force_loop.hpp"
 #include "kernel/mesh/box.hpp"
 #include "tests/plugins/mss_baudet.hpp"
 

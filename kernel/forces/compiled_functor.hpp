@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
-#include "kernel/dynamics/batch_list.hpp"
+#include "kernel/forces/batch_list.hpp"
 
 namespace suture {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/dynamics/batch_list.hpp"
+#include "kernel/forces/batch_list.hpp"
 
 #include <gtest/gtest.h>
 

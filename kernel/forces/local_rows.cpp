@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/dynamics/local_rows.hpp"
+#include "kernel/forces/local_rows.hpp"
 
 #include <algorithm>
 

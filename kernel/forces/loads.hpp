@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
-#include "kernel/dynamics/time_ramp.hpp"
-#include "kernel/dynamics/vertex_selection.hpp"
+#include "kernel/forces/time_ramp.hpp"
+#include "kernel/forces/vertex_selection.hpp"
 
 namespace suture {
 

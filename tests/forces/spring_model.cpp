@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "tests/dynamics/spring_model.hpp"
+#include "tests/forces/spring_model.hpp"
 
 #include <cmath>
 #include <cstdio>

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "kernel/dynamics/compiled_functor.hpp"
-#include "kernel/dynamics/vertex_selection.hpp"
+#include "kernel/forces/compiled_functor.hpp"
+#include "kernel/forces/vertex_selection.hpp"
 
 namespace suture {
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "kernel/base/aligned.hpp"
-#include "kernel/dynamics/failures.hpp"
-#include "kernel/dynamics/loops/loops.hpp"
+#include "kernel/forces/failures.hpp"
+#include "kernel/forces/loops/loops.hpp"
 
 namespace suture {
 

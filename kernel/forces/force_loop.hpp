@@ -12,7 +12,7 @@
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/parallel.hpp"
-#include "kernel/dynamics/vertex_selection.hpp"
+#include "kernel/forces/vertex_selection.hpp"
 
 namespace suture {
 

@@ -4,10 +4,10 @@
 // -ffp-contract=off, so that an integrator rounds the same whether two half
 // kicks are fused into one pass or not, and on every instruction set.
 
-#include "kernel/dynamics/loops/loops.hpp"
+#include "kernel/forces/loops/loops.hpp"
 
-#include "kernel/dynamics/loops/lanes.hpp"
-#include "kernel/dynamics/loops/stretch.hpp"
+#include "kernel/forces/loops/lanes.hpp"
+#include "kernel/forces/loops/stretch.hpp"
 
 namespace {
 

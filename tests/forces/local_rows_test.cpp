@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Evaluations around a few cells, against those of the whole body.
-#include "kernel/dynamics/local_rows.hpp"
+#include "kernel/forces/local_rows.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "kernel/dynamics/force_loop.hpp"
-#include "tests/dynamics/spring_model.hpp"
+#include "kernel/forces/force_loop.hpp"
+#include "tests/forces/spring_model.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/dynamics/time_ramp.hpp"
+#include "kernel/forces/time_ramp.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "kernel/dynamics/force_loop.hpp"
-#include "kernel/dynamics/stable_step.hpp"
-#include "kernel/dynamics/symmetric3.hpp"
-#include "kernel/dynamics/vertex_selection.hpp"
+#include "kernel/forces/force_loop.hpp"
+#include "kernel/forces/stable_step.hpp"
+#include "kernel/forces/symmetric3.hpp"
+#include "kernel/forces/vertex_selection.hpp"
 
 namespace suture {
 

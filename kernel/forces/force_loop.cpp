@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/dynamics/force_loop.hpp"
+#include "kernel/forces/force_loop.hpp"
 
 #include <algorithm>
 #include <array>
 #include <deque>
 #include <limits>
 
-#include "kernel/dynamics/compiled_functor.hpp"
-#include "kernel/dynamics/local_rows.hpp"
-#include "kernel/dynamics/loops/dispatch.hpp"
-#include "kernel/dynamics/vertex_bounds.hpp"
-#include "kernel/dynamics/worker_memory.hpp"
+#include "kernel/forces/compiled_functor.hpp"
+#include "kernel/forces/local_rows.hpp"
+#include "kernel/forces/loops/dispatch.hpp"
+#include "kernel/forces/vertex_bounds.hpp"
+#include "kernel/forces/worker_memory.hpp"
 
 namespace suture {
 namespace {

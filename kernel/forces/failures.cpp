@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/dynamics/failures.hpp"
+#include "kernel/forces/failures.hpp"
 
 #include <algorithm>
 #include <sstream>
 #include <string_view>
 #include <tuple>
 
-#include "kernel/dynamics/force_loop.hpp"
+#include "kernel/forces/force_loop.hpp"
 
 namespace suture {
 namespace {

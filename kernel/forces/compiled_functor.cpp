@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/dynamics/compiled_functor.hpp"
+#include "kernel/forces/compiled_functor.hpp"
 
 #include <algorithm>
 

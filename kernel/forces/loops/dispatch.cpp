@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/dynamics/loops/dispatch.hpp"
+#include "kernel/forces/loops/dispatch.hpp"
 
 #include "kernel/base/isa.hpp"
 #include "kernel/base/module.hpp"

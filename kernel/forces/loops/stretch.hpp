@@ -4,8 +4,8 @@
 // Which elements may be stretched beyond a bound: the first look of a tear check
 // (events/tear.hpp). Included by loops.cpp only; internal linkage throughout.
 
-#include "kernel/dynamics/loops/lanes.hpp"
-#include "kernel/dynamics/loops/loops.hpp"
+#include "kernel/forces/loops/lanes.hpp"
+#include "kernel/forces/loops/loops.hpp"
 
 namespace {
 

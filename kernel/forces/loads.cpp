@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/dynamics/loads.hpp"
+#include "kernel/forces/loads.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "kernel/dynamics/loops/loops.hpp"
+#include "kernel/forces/loops/loops.hpp"
 
 namespace suture {
 

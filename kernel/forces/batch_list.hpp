@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "kernel/base/task_order.hpp"
-#include "kernel/dynamics/loops/loops.hpp"
+#include "kernel/forces/loops/loops.hpp"
 
 namespace suture {
 

@@ -52,9 +52,8 @@ class TriangleTree {
 class GeometryModule {
  public:
   virtual ~GeometryModule() = default;
-  /// False if the text is not of the format; then `stopped` is the byte read last.
-  virtual bool read(SurfaceFormat format, std::string_view text, PolygonSoup& out,
-                    std::size_t& stopped) const = 0;
+  /// False if the text is not of the format.
+  virtual bool read_stl(std::string_view text, PolygonSoup& out) const = 0;
   virtual std::string write(SurfaceFormat format, const TriangleSurface& surface) const = 0;
   /// Merges equal points, orients, triangulates; with `repair`, fills holes.
   virtual Closing close(const PolygonSoup& soup, bool repair) const = 0;

@@ -11,7 +11,7 @@
 #include "kernel/base/file.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/geometry/geometry_module.hpp"
-#include "kernel/geometry/surface_check.hpp"
+#include "kernel/geometry/surface_readers.hpp"
 #include "kernel/geometry/vtp.hpp"
 #include "kernel/mesh/file_text.hpp"
 
@@ -58,8 +58,10 @@ std::string plural(std::size_t n, const std::string& one, const std::string& man
 
 // A binary file is 80 bytes, a count n, 50 bytes per triangle; CGAL takes it for text if it begins
 // with "solid", and for text too if it does not, where it fails.
-[[noreturn]] void fail_as_stl(const FileText& file) {
+PolygonSoup read_stl(const FileText& file) {
+  PolygonSoup soup;
   const std::string_view text = file.view();
+  if (geometry_module().read_stl(text, soup)) return soup;
   if (text.starts_with("solid"))
     throw InputError(file.name() +
                      ": no triangles up to an 'endsolid' in it: the file is truncated, or of "
@@ -72,20 +74,15 @@ std::string plural(std::size_t n, const std::string& one, const std::string& man
                    ": the file is truncated, or of another format");
 }
 
-PolygonSoup read_by_module(SurfaceFormat format, const FileText& file) {
-  std::string plain;
-  if (format == SurfaceFormat::obj) plain = check_obj(file);
-  if (format == SurfaceFormat::off) check_off(file);
-  if (format == SurfaceFormat::ply) check_ply(file);
-  PolygonSoup soup;
-  std::size_t stopped = 0;
-  if (geometry_module().read(format, plain.empty() ? file.view() : plain, soup, stopped))
-    return soup;
-  if (format == SurfaceFormat::stl) fail_as_stl(file);
-  file.fail_at_line(file.begin() + stopped,
-                    "cannot be read as " + extensions[static_cast<std::size_t>(format)].substr(1) +
-                        " from here on: the file is damaged, truncated or of another format");
-}
+struct Reader {
+  const char* extension;
+  PolygonSoup (*read)(const FileText&);
+};
+constexpr Reader readers[] = {{".obj", read_obj},
+                              {".off", read_off},
+                              {".ply", read_ply},
+                              {".stl", read_stl},
+                              {".vtp", read_vtp}};
 
 }  // namespace
 
@@ -101,14 +98,12 @@ Box box_of(const std::vector<Vec3>& points) {
 }
 
 PolygonSoup read_soup(const std::filesystem::path& path, double scale) {
-  auto known = extensions;
-  known.emplace_back(".vtp");
+  std::vector<std::string> known;
+  for (const Reader& reader : readers) known.emplace_back(reader.extension);
   const std::size_t format = position_of(path, known);
   if (format == known.size()) throw InputError(unknown_extension(path, known));
   const FileText file(path);
-  PolygonSoup soup = known[format] == ".vtp"
-                         ? read_vtp(file)
-                         : read_by_module(static_cast<SurfaceFormat>(format), file);
+  PolygonSoup soup = readers[format].read(file);
   soup.source = path.string();
   if (soup.size() == 0)
     throw InputError(path.string() + ": there is no face in it (" +

@@ -8,7 +8,7 @@
 
 namespace suture {
 
-/// Faces of an .obj, .off, .ply, .stl (by CGAL) or .vtp file, coordinates in m after
+/// Faces of an .obj, .off, .ply, .stl (that by CGAL) or .vtp file, coordinates in m after
 /// `scale`. Throws InputError: unknown extension (names the nearest), missing, empty,
 /// damaged, no face, a coordinate that is not finite; with the line where the file has lines.
 PolygonSoup read_soup(const std::filesystem::path& path, double scale = 1);

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <bit>
+#include <cstring>
 #include <fstream>
 #include <sstream>
 
@@ -114,6 +117,9 @@ TEST(SurfaceFile, SaysWhatIsWrongInTheHeaderOfPly) {
   says("element vertex 3\nproperty flaot x\n", "p.ply:4: 'flaot' is no type of a property (did");
   says("element vertex 3\nproperty x\n", "p.ply:4: expected 'property TYPE NAME'");
   says("element face 1\nproperty list float int vertex_indices\n", "counted in integers");
+  says("element vertex 3\nproperty float x\nproperty float y\n", "'vertex' has no property 'z'");
+  says(points + "element face 1\nproperty int corner\n", "no list 'vertex_indices'");
+  says(points + "element face 1\nproperty list int float vertex_index\n", "must be integers");
   says("element vertex 9\n" + faces, "the element 'vertex' has no property");
   says("element vertex 99999999999\nproperty float x\n", "99,999,999,999 elements 'vertex' are");
   EXPECT_NE(read_error("p.ply", "ply\nformat ascii 1.0\n").find("within its header"),
@@ -150,7 +156,9 @@ TEST(SurfaceFile, SaysWhatIsWrongInObj) {
   says(points + "f 1 2 -4\n", "o.obj:4: a face has the point -4");
   says(points + "f 0 1 2\n", "o.obj:4: a face has the point 0");
   says(points + "f 1 2 x\n", "o.obj:4: expected the number of a point, found 'x'");
-  says(points + "facet 1\nf 1 2 3\n", "o.obj:4: cannot be read as obj from here on");
+  says(points + "facet 1\nf 1 2 3\n",
+       "o.obj:4: cannot be read as obj from here on: 'facet' begins");
+  says("v 0 0 0 \\\n# \\\n\nv 0 0\n", "o.obj:4: a point has three numbers, here are 2");
 }
 
 TEST(SurfaceFile, ReadsWhatObjAllows) {
@@ -169,6 +177,8 @@ TEST(SurfaceFile, SaysWhatIsWrongInOff) {
   };
   const std::string points = "OFF # c\n3 1 0\n0 0 0 255 0 0\n1 0 0\n\n0 1 0\n";
   EXPECT_EQ(read_error("o.off", points + "3 0 1 2 255 0 0\n"), "");
+  says("OFF BINARY\n", "o.off:1: only OFF files that are text");
+  says("4OFF\n1 0 0\n0 0 0 1\n", "with points of three coordinates");
   says("OFT\n", "o.off:1: expected OFF, found 'OFT'");
   says("OFF\n999999999 1 0\n0 0 0\n", "999,999,999 points are announced");
   says("OFF\n3 1 0\n0.00 0.00 0.00\n0 inf 0\n", "o.off:4: y is 'inf', which is not finite");
@@ -187,6 +197,38 @@ TEST(SurfaceFile, SaysThatStlIsTruncated) {
       read_error("t.stl", "solid " + std::string(80, 's') + "\nfacet normal 0 0 1\nouter loop\n")
           .find("no triangles up to an 'endsolid'"),
       std::string::npos);
+}
+
+// Values of every type, in both orders of bytes.
+TEST(SurfaceFile, ReadsBinaryPly) {
+  const std::string header =
+      "endian 1.0\nelement vertex 3\nproperty float x\nproperty short y\nproperty uchar red\n"
+      "property double z\nelement face 1\nproperty list uchar short vertex_indices\nend_header\n";
+  const auto text = [&](const char* order, bool turn) {
+    std::string body;
+    const auto put = [&](auto value) {
+      std::string bytes(sizeof value, ' ');
+      std::memcpy(bytes.data(), &value, sizeof value);
+      if (turn) std::ranges::reverse(bytes);
+      body += bytes;
+    };
+    for (int i = 0; i < 3; ++i) {
+      put(0.5F + static_cast<float>(i));
+      put(static_cast<std::int16_t>(i * i - 300));
+      put(std::uint8_t{255});
+      put(i == 2 ? 1e-300 : 0.1);
+    }
+    put(std::uint8_t{3});
+    for (const std::int16_t corner : {2, 0, 1}) put(corner);
+    return std::string("ply\nformat binary_") + order + "_" + header + body;
+  };
+  const bool little = std::endian::native == std::endian::little;
+  for (const auto& ply : {text("little", !little), text("big", little)}) {
+    const TriangleSurface surface = read_triangles(file_with("b.ply", ply));
+    EXPECT_EQ(surface.points,
+              (std::vector<Vec3>{{0.5, -300, 0.1}, {1.5, -299, 0.1}, {2.5, -296, 1e-300}}));
+    EXPECT_EQ(surface.triangles, (std::vector<Triangle>{{2, 0, 1}}));
+  }
 }
 
 // A list's count of 2^32 - 1 would be allocated before it is read.

@@ -31,21 +31,6 @@ namespace processing = CGAL::Polygon_mesh_processing;
 using Points = std::vector<Point>;
 using Polygons = std::vector<std::vector<std::size_t>>;
 
-bool read_as(SurfaceFormat format, std::istream& in, Points& points, Polygons& polygons) {
-  const auto silent = CGAL::parameters::verbose(false);
-  switch (format) {
-    case SurfaceFormat::obj:
-      return CGAL::IO::read_OBJ(in, points, polygons, silent);
-    case SurfaceFormat::off:
-      return CGAL::IO::read_OFF(in, points, polygons, silent);
-    case SurfaceFormat::ply:
-      return CGAL::IO::read_PLY(in, points, polygons, silent);
-    case SurfaceFormat::stl:
-      return CGAL::IO::read_STL(in, points, polygons, silent);
-  }
-  return false;
-}
-
 // False for a corner that is no point.
 bool to_soup(const Points& points, const Polygons& polygons, PolygonSoup& out) {
   for (const Point& p : points) out.points.push_back({p.x(), p.y(), p.z()});
@@ -114,20 +99,16 @@ std::size_t count_crossings(const SurfaceMesh& mesh) {
 
 }  // namespace
 
-bool read(SurfaceFormat format, std::string_view text, PolygonSoup& out, std::size_t& stopped) {
+bool read_stl(std::string_view text, PolygonSoup& out) {
   std::istringstream in{std::string(text)};
   Points points;
   Polygons polygons;
-  bool good = false;
   try {
-    good = read_as(format, in, points, polygons);
-    // CGAL calls points without a face an error; the caller has better words.
-    if (format == SurfaceFormat::obj && polygons.empty() && in.eof()) good = true;
+    if (!CGAL::IO::read_STL(in, points, polygons, CGAL::parameters::verbose(false))) return false;
   } catch (const std::exception&) {  // bad_alloc or length_error of a damaged header
+    return false;
   }
-  in.clear();
-  stopped = std::max<std::streamoff>(in.tellg(), 1) - 1;
-  return good && to_soup(points, polygons, out);
+  return to_soup(points, polygons, out);
 }
 
 std::string write(SurfaceFormat format, const TriangleSurface& surface) {

@@ -4,22 +4,28 @@
 // 3 1 0              <- points, faces, edges
 // 0.05 -1 1          <- a point, a colour may follow
 // 3 0 1 2            <- a face: how many corners, which points
-#include "kernel/geometry/surface_check.hpp"
+#include "kernel/geometry/surface_readers.hpp"
 
 namespace suture {
 
-void check_off(const FileText& file) {
+PolygonSoup read_off(const FileText& file) {
   TextCursor cursor(file, TextCursor::Comments::hash);
   const std::string_view key = cursor.word("OFF");
   if (!key.ends_with("OFF")) cursor.fail("expected OFF, found " + in_quotes(key));
-  // Rare: binary, and points that tell their dimension.
-  if (cursor.peek_word() == "BINARY" || key.find('n') != key.npos) return;
+  if (cursor.peek_word() == "BINARY" || key.find_first_of("n4") != key.npos)
+    cursor.fail(
+        "only OFF files that are text, with points of three coordinates, are read; .ply can "
+        "be binary");
   const auto points = cursor.integer<std::uint64_t>("the number of points");
   const auto faces = cursor.integer<std::uint64_t>("the number of faces");
   cursor.skip_line();
+  PolygonSoup soup;
   cursor.require_room(points, 3, "points");
   for (std::uint64_t i = 0; i < points; ++i) {
-    for (const char* name : {"x", "y", "z"}) cursor.real(name);
+    Vec3& point = soup.points.emplace_back();
+    point[0] = cursor.real("x");
+    point[1] = cursor.real("y");
+    point[2] = cursor.real("z");
     cursor.skip_line();
   }
   cursor.require_room(faces, 1, "faces");
@@ -31,9 +37,12 @@ void check_off(const FileText& file) {
       if (point < 0 || static_cast<std::uint64_t>(point) >= points)
         cursor.fail("a face has the point " + std::to_string(point) + "; the " + grouped(points) +
                     " points are numbered from 0");
+      soup.corners.push_back(static_cast<Index>(point));
     }
+    soup.offsets.push_back(static_cast<Index>(soup.corners.size()));
     cursor.skip_line();
   }
+  return soup;
 }
 
 }  // namespace suture

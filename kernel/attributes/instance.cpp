@@ -85,7 +85,10 @@ CellSet all_cells(const CellComplex& complex, int dimension) {
 Instance::Instance(const suture_model& model, std::string name, std::vector<double> parameters,
                    Diagnostics& diagnostics, bool skip)
     : model_(model), name_(std::move(name)), parameters_(std::move(parameters)), skip_(skip) {
-  check_tables();
+  if (parameters_.size() != model_.parameter_count)
+    throw PluginError(title() + ": declares " + std::to_string(model_.parameter_count) +
+                      " parameters, but " + std::to_string(parameters_.size()) +
+                      " were handed over");
   for (int d = 0; d < 4; ++d) table(d).dimension = d;
   prepared_.assign((model_.instance_bytes + sizeof(double) - 1) / sizeof(double), 0);
   set_workers(1);
@@ -96,28 +99,6 @@ Instance::Instance(const suture_model& model, std::string name, std::vector<doub
 Instance::~Instance() = default;
 
 std::string Instance::title() const { return "model '" + name_ + "' (" + model_.id + ")"; }
-
-void Instance::check_tables() const {
-  const auto refuse = [&](const std::string& what) {
-    throw PluginError(title() + ": " + what + "; this is an error of the plugin");
-  };
-  if (parameters_.size() != model_.parameter_count)
-    refuse("declares " + std::to_string(model_.parameter_count) + " parameters, but " +
-           std::to_string(parameters_.size()) + " were handed over");
-  for (const suture_attribute& a : std::span(model_.attributes, model_.attribute_count)) {
-    const std::string who = std::string("attribute '") + a.name + "'";
-    if (a.dimension > 3)
-      refuse(who + " has dimension " + std::to_string(a.dimension) + ", not 0..3");
-    if (a.components < 1 || a.components > 9)
-      refuse(who + " has " + std::to_string(a.components) + " components, not 1..9");
-    if (a.policy > SUTURE_FROM_VOLUMES) refuse(who + " has an unknown policy");
-    if ((a.policy == SUTURE_FROM_VOLUMES) != (a.contribution != nullptr))
-      refuse(who + " must have a contribution function if and only if its policy is from_volumes");
-    if ((a.flags & SUTURE_SHARED_MASS) != 0 &&
-        (a.dimension != 0 || a.components != 1 || a.policy != SUTURE_FROM_VOLUMES))
-      refuse(who + " is a share of the mass and must be one from_volumes number per vertex");
-  }
-}
 
 void Instance::set_workers(unsigned count) {
   while (workers_.size() < count) {

@@ -26,7 +26,8 @@ CellSet all_cells(const CellComplex& complex, int dimension);
 class Instance {
  public:
   /// Runs the model's prepare(). Throws InputError with what it reported as an
-  /// error, PluginError if it failed or its tables contradict themselves.
+  /// error, PluginError if it failed or takes another number of parameters. The tables
+  /// are believed: the plugin host checks them when it loads them.
   /// `skip`: false makes it compute also what adds nothing (suture run --no-skip).
   Instance(const suture_model& model, std::string name, std::vector<double> parameters,
            Diagnostics& diagnostics, bool skip = true);
@@ -90,7 +91,6 @@ class Instance {
     suture_error error;
     suture_context context;
   };
-  void check_tables() const;
   void prepare(Diagnostics& diagnostics);
   void ask_functors();
   void find_needed();

@@ -69,21 +69,8 @@ TEST(Instance, AReportedErrorRefusesTheScene) {
   EXPECT_EQ(diagnostics.warnings(), std::vector<std::string>{"model 'a' (fake): E is small"});
 }
 
-TEST(Instance, RefusesTablesThatContradictThemselves) {
+TEST(Instance, RefusesOtherThanTheDeclaredParameters) {
   Diagnostics diagnostics;
-  const auto refused = [&](suture_attribute attribute) {
-    const fake::Model model({attribute});
-    return message_of([&] { Instance(model.table, "a", {1}, diagnostics); });
-  };
-  EXPECT_NE(refused(fake::attribute("k", 4, 1, nullptr, SUTURE_COPY)).find("dimension 4"),
-            std::string::npos);
-  EXPECT_NE(refused(fake::attribute("k", 1, 10, nullptr, SUTURE_COPY)).find("10 components"),
-            std::string::npos);
-  EXPECT_NE(refused(fake::attribute("k", 1, 1, nullptr)).find("contribution"), std::string::npos);
-  EXPECT_NE(
-      refused(fake::attribute("k", 1, 1, &fake::box_mass, SUTURE_FROM_VOLUMES, SUTURE_SHARED_MASS))
-          .find("share of the mass"),
-      std::string::npos);
   const fake::Model model({});
   EXPECT_THROW(Instance(model.table, "a", {1, 2}, diagnostics), PluginError);
 }

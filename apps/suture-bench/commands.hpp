@@ -53,4 +53,7 @@ void add_realtime(CLI::App& app, std::vector<Command>& commands);
 /// Time until the paper's cantilever is at rest.
 void add_rest(CLI::App& app, std::vector<Command>& commands);
 
+/// The bodies that are cut, written as surfaces.
+void add_bodies(CLI::App& app, std::vector<Command>& commands);
+
 }  // namespace suture::bench

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernel/geometry/body.hpp"
+#include "apps/suture-bench/paper_body.hpp"
 #include "kernel/geometry/voxelize.hpp"
 #include "kernel/mesh/box.hpp"
 #include "kernel/topology/face_matching.hpp"

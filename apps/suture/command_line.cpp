@@ -52,7 +52,6 @@ struct Parser {
   MeshConvertCommand convert;
   MeshBoxCommand box;
   MeshVoxelizeCommand voxels;
-  MeshBodyCommand body;
 
   Parser() {
     app.name("suture");
@@ -126,9 +125,8 @@ struct Parser {
 
     add_voxelize(*mesh->add_subcommand("voxelize", "fill a closed surface with equal cubes"));
 
-    auto* generate = mesh->add_subcommand("generate", "make a mesh, or a surface to be filled");
+    auto* generate = mesh->add_subcommand("generate", "make a mesh");
     generate->require_subcommand(1);
-    add_body(*generate->add_subcommand("body", "the surface of an animal or a mushroom"));
     auto* box_app = generate->add_subcommand("box", "a regular or graded grid");
     box_app->add_option("to", box.to, "new file (.vtu .vtk .mesh .msh)")->required();
     box_app->add_option("--size", box.box.size, "lengths along x, y and z in m")->required();
@@ -153,14 +151,6 @@ struct Parser {
     sub.add_flag("--largest-island", voxels.options.largest_island,
                  "keep only the largest part that hangs together");
     sub.callback([this] { line.command = voxels; });
-  }
-
-  void add_body(CLI::App& sub) {
-    sub.add_option("name", body.preset, "frog, elephant, mushroom or giraffe")->required();
-    sub.add_option("-o,--output", body.to, "new file (.stl .obj .off .ply)")->required();
-    sub.add_option("--size", body.size, "about the edge of its triangles in m")
-        ->check(CLI::PositiveNumber);
-    sub.callback([this] { line.command = body; });
   }
 };
 

@@ -50,11 +50,6 @@ struct MeshVoxelizeCommand {
   double scale = 1;
   bool repair = false;
 };
-struct MeshBodyCommand {
-  std::string preset;
-  std::filesystem::path to;
-  double size = 0;
-};
 /// --help, --version: a text for standard output.
 struct TextCommand {
   std::string text;
@@ -64,7 +59,7 @@ struct CommandLine {
   bool quiet = false, verbose = false;
   std::variant<RunCommand, CheckCommand, ExplainCommand, ReplayCommand, ModelsCommand,
                DescribeCommand, MeshInfoCommand, MeshConvertCommand, MeshBoxCommand,
-               MeshVoxelizeCommand, MeshBodyCommand, TextCommand>
+               MeshVoxelizeCommand, TextCommand>
       command;
 };
 

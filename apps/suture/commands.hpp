@@ -18,6 +18,5 @@ int mesh_info(const MeshInfoCommand& command, Console& console);
 int mesh_convert(const MeshConvertCommand& command, Console& console);
 int mesh_generate_box(const MeshBoxCommand& command, Console& console);
 int mesh_voxelize(const MeshVoxelizeCommand& command, Console& console);
-int mesh_generate_body(const MeshBodyCommand& command, Console& console);
 
 }  // namespace suture

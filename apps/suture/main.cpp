@@ -25,9 +25,6 @@ struct Dispatch {
   int operator()(const MeshVoxelizeCommand& command) const {
     return mesh_voxelize(command, console);
   }
-  int operator()(const MeshBodyCommand& command) const {
-    return mesh_generate_body(command, console);
-  }
   int operator()(const TextCommand& command) const {
     std::fputs(command.text.c_str(), stdout);
     return 0;

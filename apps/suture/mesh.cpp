@@ -5,7 +5,6 @@
 
 #include "apps/suture/commands.hpp"
 #include "kernel/base/error.hpp"
-#include "kernel/geometry/body.hpp"
 #include "kernel/geometry/surface_file.hpp"
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/topology/import.hpp"
@@ -124,16 +123,6 @@ int mesh_voxelize(const MeshVoxelizeCommand& command, Console& console) {
   const Mesh mesh = voxelize(surface, command.options, console.diagnostics());
   write_mesh(command.to, mesh, console.diagnostics());
   if (!console.quiet()) print_counts(mesh, console);
-  return 0;
-}
-
-int mesh_generate_body(const MeshBodyCommand& command, Console& console) {
-  const BodyPreset& preset = body_preset(command.preset);
-  const TriangleSurface surface = generate_body(preset.parameters, command.size);
-  write_surface(command.to, surface);
-  console.note(command.to.string() + ": " + count(surface.triangles.size(), "triangle") +
-               "; the paper's mesh: --cells " + std::to_string(preset.cells) + ", its cut: point " +
-               text_of(preset.cut_point) + ", normal " + text_of(preset.cut_normal));
   return 0;
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -60,10 +59,6 @@ class GeometryModule {
   /// Whether the centre of each cube lies inside (its winding number is not 0).
   virtual std::vector<std::uint8_t> fill(const TriangleSurface& surface,
                                          const CubeGrid& grid) const = 0;
-  /// The zero of a function that is negative inside, within a ball around a centre
-  /// that lies inside; triangles of about `size`.
-  virtual TriangleSurface isosurface(const std::function<double(const Vec3&)>& value,
-                                     const Vec3& centre, double radius, double size) const = 0;
   virtual std::unique_ptr<TriangleTree> tree(const TriangleSurface& surface) const = 0;
   /// crosses() of blade.hpp for one triangle.
   virtual bool crosses(const std::array<Vec3, 3>& triangle, const Link& link) const = 0;

@@ -14,7 +14,7 @@ using Triangle = std::array<Index, 3>;
 /// Triangles over shared points, m. Where they bound a body they are seen from
 /// outside counterclockwise; a blade's positive side is the one from which they are.
 struct TriangleSurface {
-  std::string source;  ///< file name or "body giraffe", for messages
+  std::string source;  ///< file name, for messages
   std::vector<Vec3> points;
   std::vector<Triangle> triangles;
 };

@@ -9,7 +9,6 @@
 #include <set>
 
 #include "kernel/base/error.hpp"
-#include "kernel/geometry/body.hpp"
 #include "kernel/geometry/surface_file.hpp"
 #include "kernel/topology/import.hpp"
 #include "tests/geometry/surfaces.hpp"

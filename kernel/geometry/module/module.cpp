@@ -19,10 +19,6 @@ class CgalModule final : public GeometryModule {
                                  const CubeGrid& grid) const override {
     return cgal::fill(surface, grid);
   }
-  TriangleSurface isosurface(const std::function<double(const Vec3&)>& value, const Vec3& centre,
-                             double radius, double size) const override {
-    return cgal::isosurface(value, centre, radius, size);
-  }
   std::unique_ptr<TriangleTree> tree(const TriangleSurface& surface) const override {
     return cgal::tree(surface);
   }

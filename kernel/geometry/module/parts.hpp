@@ -14,8 +14,6 @@ Closing close(const PolygonSoup& soup, bool repair);
 
 // queries.cpp
 std::vector<std::uint8_t> fill(const TriangleSurface& surface, const CubeGrid& grid);
-TriangleSurface isosurface(const std::function<double(const Vec3&)>& value, const Vec3& centre,
-                           double radius, double size);
 std::unique_ptr<TriangleTree> tree(const TriangleSurface& surface);
 bool crosses(const std::array<Vec3, 3>& triangle, const Link& link);
 

@@ -7,7 +7,7 @@
 
 #include "kernel/geometry/surface.hpp"
 
-namespace suture {
+namespace suture::bench {
 
 /// A body of smooth parts that grow into each other: animals and mushrooms. Lengths
 /// in m; z is up, the head looks along +x, y = 0 is the plane of symmetry. A part
@@ -61,4 +61,4 @@ const BodyPreset& body_preset(std::string_view name);
 /// CGAL's mesher of implicit surfaces: about 20 us per triangle.
 TriangleSurface generate_body(const BodyParameters& parameters, double size = 0);
 
-}  // namespace suture
+}  // namespace suture::bench

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/geometry/body.hpp"
+#include "apps/suture-bench/paper_body.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <vector>
 
+#include "apps/suture-bench/isosurface.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/base/vec3.hpp"
-#include "kernel/geometry/geometry_module.hpp"
 
-namespace suture {
+namespace suture::bench {
 namespace {
 
 Vec3 along(const Vec3& a, double t, const Vec3& d) {
@@ -62,9 +62,9 @@ double distance(const Dome& dome, const Vec3& p) {
 }
 
 /// The parts of a body, and their union.
-class Body {
+class Shape {
  public:
-  explicit Body(const BodyParameters& b) : blend_(b.blend) {
+  explicit Shape(const BodyParameters& b) : blend_(b.blend) {
     ellipsoids_.push_back({{0, 0, 0}, b.torso});
     add_legs(b);
     add_front(b);
@@ -183,7 +183,7 @@ void require_few(const BodyParameters& parameters, double size, double coarse) {
 
 TriangleSurface generate_body(const BodyParameters& parameters, double size) {
   check(parameters);
-  const Body body(parameters);
+  const Shape body(parameters);
   const double radius = body.radius();
   if (!(size >= 0) || !std::isfinite(size))
     throw InputError("body: the size of triangles must be positive and finite");
@@ -194,8 +194,8 @@ TriangleSurface generate_body(const BodyParameters& parameters, double size) {
                      " m would lose parts that are " + std::to_string(body.thickness()) +
                      " m thick; take a smaller size");
   require_few(parameters, size, coarse);
-  TriangleSurface surface = geometry_module().isosurface(
-      [&](const Vec3& p) { return body.value(p); }, {0, 0, 0}, 1.1 * radius, size);
+  TriangleSurface surface =
+      isosurface([&](const Vec3& p) { return body.value(p); }, {0, 0, 0}, 1.1 * radius, size);
   surface.source = "body";
   return surface;
 }
@@ -212,4 +212,4 @@ const BodyPreset& body_preset(std::string_view name) {
                    "; one of " + list);
 }
 
-}  // namespace suture
+}  // namespace suture::bench

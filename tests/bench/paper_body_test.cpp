@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/geometry/body.hpp"
+#include "apps/suture-bench/paper_body.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,10 @@
 #include "kernel/topology/import.hpp"
 #include "tests/geometry/surfaces.hpp"
 
-namespace suture {
+namespace suture::bench {
 namespace {
+
+using test::error_of;
 
 Vec3 centroid(const CellComplex& complex, const std::vector<Vec3>& points, Index e) {
   Vec3 c{};
@@ -82,7 +84,6 @@ TEST(Body, TorsoAloneIsAnEllipsoid) {
 }
 
 TEST(Body, SaysWhatIsWrong) {
-  using test::error_of;
   EXPECT_NE(error_of<UsageError>([] { body_preset("girafe"); }).find("did you mean 'giraffe'"),
             std::string::npos);
   EXPECT_NE(error_of<InputError>([] {
@@ -103,4 +104,4 @@ TEST(Body, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace suture
+}  // namespace suture::bench

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/geometry/body.hpp"
+#include "apps/suture-bench/paper_body.hpp"
 
-namespace suture {
+namespace suture::bench {
 namespace {
 
 const BodyPreset presets[] = {
@@ -75,4 +75,4 @@ const BodyPreset presets[] = {
 
 std::span<const BodyPreset> body_presets() { return presets; }
 
-}  // namespace suture
+}  // namespace suture::bench

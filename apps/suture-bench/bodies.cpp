@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A body of the paper's Table 1 as a surface, to be looked at or filled by hand.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "apps/suture-bench/commands.hpp"
+#include "apps/suture-bench/paper_body.hpp"
+#include "kernel/geometry/surface_file.hpp"
+
+namespace suture::bench {
+namespace {
+
+struct Options {
+  std::string name;
+  std::filesystem::path to;
+  double size = 0;
+};
+
+void run(const Options& options) {
+  const BodyPreset& preset = body_preset(options.name);
+  const TriangleSurface surface = generate_body(preset.parameters, options.size);
+  write_surface(options.to, surface);
+  const Vec3 &p = preset.cut_point, &n = preset.cut_normal;
+  std::printf(
+      "%s: %zu triangles; the paper's mesh: suture mesh voxelize --cells %zu, its cut: point "
+      "[%g, %g, %g], normal [%g, %g, %g]\n",
+      options.to.c_str(), surface.triangles.size(), preset.cells, p[0], p[1], p[2], n[0], n[1],
+      n[2]);
+}
+
+}  // namespace
+
+void add_bodies(CLI::App& app, std::vector<Command>& commands) {
+  auto* command = app.add_subcommand("body", "The surface of a body of the paper's Table 1");
+  auto options = std::make_shared<Options>();
+  command->add_option("name", options->name, "frog, elephant, mushroom or giraffe")->required();
+  command->add_option("-o,--output", options->to, "New file (.stl .obj .off .ply)")->required();
+  command->add_option("--size", options->size, "About the edge of its triangles in m")
+      ->check(CLI::PositiveNumber);
+  commands.push_back({command, [options](Report&) { run(*options); }, false});
+}
+
+}  // namespace suture::bench

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <unordered_set>
 
+#include "kernel/base/archive.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/topology/incidence.hpp"
 
@@ -264,6 +265,72 @@ std::vector<Index> CellComplex::islands(Index* count) const {
   }
   if (count) *count = found;
   return island;
+}
+
+// ------------------------------------------------------------------ state --
+
+void CellComplex::state(Archive& archive) {
+  if (!archive.has_cells()) return;
+  Index elements = element_count(), vertices = count(0);
+  bool operated = has_operated_, edges = has_edges(), faces = has_faces(), beta3 = has_beta3();
+  archive("elements", elements);
+  archive("vertices", vertices);
+  archive("operated", operated);
+  archive("has_edges", edges);
+  archive("has_faces", faces);
+  archive("has_beta3", beta3);
+  const bool fits = operated ? vertices >= count(0) : vertices == count(0);
+  if (elements != element_count() || !fits)
+    archive.refuse("a map of " + std::to_string(elements) + " elements and " +
+                   std::to_string(vertices) + " vertices is that of another mesh: this one has " +
+                   std::to_string(element_count()) + " and " + std::to_string(count(0)));
+  if (operated) return arrays(archive);
+  if (!archive.loads()) return;
+  archive.require(!has_operated_, "the map here has had operations");
+  load_built(edges, faces, beta3);
+}
+
+/// The mesh tells all of it.
+void CellComplex::load_built(bool edges, bool faces, bool beta3) {
+  if (edges) require_edges();
+  if (faces) require_faces();
+  if (!edges) {
+    edges_ = {};
+    some_dart_[1] = {};
+  }
+  if (!faces) {
+    faces_ = {};
+    some_dart_[2] = {};
+  }
+  if (beta3)
+    require_beta3();
+  else
+    drop_beta3();
+}
+
+/// But for the marks, which are zero now and grow when they are needed.
+void CellComplex::arrays(Archive& archive) {
+  const std::size_t elements = vertices_.size();
+  archive("corners", vertices_);
+  archive("edges", edges_);
+  archive("faces", faces_);
+  archive("links", links_);
+  archive.each("darts", some_dart_,
+               [](Archive& a, std::vector<Dart>& darts) { a("of_cells", darts); });
+  archive("removed", removed_marks_);
+  archive("holes", holes_);
+  if (!archive.loads()) return;
+  has_operated_ = true;
+  const auto fits = [](std::size_t size, std::size_t full) { return size == 0 || size == full; };
+  archive.require(vertices_.size() == elements && links_.size() == 6 * elements &&
+                      fits(edges_.size(), elements) && fits(faces_.size(), elements) &&
+                      fits(removed_marks_.size(), elements / 64 + 1),
+                  "an array of the map has another size");
+  for (std::vector<Dart>& darts : some_dart_) {
+    if (darts.empty()) continue;
+    darts.reserve(room_for(darts.size()));
+    prepare_room(darts);
+  }
 }
 
 }  // namespace suture

@@ -15,6 +15,8 @@
 
 namespace suture {
 
+class Archive;
+
 namespace incidence {
 struct HalfStars;
 }
@@ -225,6 +227,10 @@ class CellComplex {
   /// the broken law and dart. O(elements).
   void validate() const;
 
+  /// To be loaded into the map of the same mesh, no operation made: before the first one
+  /// nothing is saved but what was built.
+  void state(Archive& archive);
+
  private:
   friend struct CellComplexAccess;  // tests corrupt a map through it
 
@@ -236,6 +242,8 @@ class CellComplex {
   [[noreturn]] static void refuse_without_beta3();
   /// Every operation begins here.
   void begin_operation();
+  void load_built(bool edges, bool faces, bool beta3);
+  void arrays(Archive& archive);
 
   template <int Dimension>
   void collect_star(Dart start, std::vector<Dart>& out) const;

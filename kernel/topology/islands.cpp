@@ -5,6 +5,7 @@
 #include <queue>
 #include <tuple>
 
+#include "kernel/base/archive.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/topology/disjoint_sets.hpp"
 
@@ -308,6 +309,16 @@ void Islands::validate(const CellComplex& complex) const {
     if (size_[i] > 0 && island_[some_[i]] != i)
       broken("element " + std::to_string(some_[i]) + " is not in island " + std::to_string(i));
   }
+}
+
+void Islands::state(Archive& archive) {
+  if (!archive.has_cells()) return;
+  archive("of_elements", island_);
+  archive("sizes", size_);
+  archive("some_element", some_);
+  archive("existing", existing_);
+  archive.require(island_.size() == reached_.size() && some_.size() == size_.size(),
+                  "they are the islands of another mesh");
 }
 
 }  // namespace suture

@@ -57,6 +57,9 @@ class Islands {
   /// naming the element or island that differs. O(elements).
   void validate(const CellComplex& complex) const;
 
+  /// To be loaded where islands of the same mesh are.
+  void state(Archive& archive);
+
  private:
   struct Part;
   class Race;

@@ -94,6 +94,7 @@ void Attributes::initialise(const CellComplex& complex, Diagnostics& diagnostics
 
 void Attributes::apply(const CellComplex& complex, const TopologyChange& change) {
   if (change.empty()) return;
+  ++operations_;
   merge_vertices(complex, change);  // first: then elements have the right rest places
   follow(kernel_, complex, change, own_columns);
   clear_vertices(change);

@@ -17,6 +17,8 @@
 
 namespace suture {
 
+class Archive;
+
 /// All attributes of a simulation: the kernel's own columns and those of every
 /// instance. apply() is the one place where values follow an operation.
 ///
@@ -60,6 +62,12 @@ class Attributes {
   void save_states(std::vector<double>& values) const;
   void restore_states(std::span<const double> values);
 
+  /// To be loaded where the same was built and initialised, and apply() was not called. What
+  /// steps change: positions, velocities (48 B per vertex) and the accepted states of models.
+  /// With cells also forces and trial copies, and everything else if apply() was called. Refuses
+  /// columns that are not those of the models here.
+  void state(Archive& archive);
+
   /// The kernel's columns on cells of a dimension; rows = cells.
   Table& kernel(int dimension) { return kernel_[static_cast<std::size_t>(dimension)]; }
   const Table& kernel(int dimension) const { return kernel_[static_cast<std::size_t>(dimension)]; }
@@ -90,6 +98,9 @@ class Attributes {
   void merge_vertices(const CellComplex& complex, const TopologyChange& change);
   void clear_vertices(const TopologyChange& change);
   void clear_vertex(Index vertex);
+  void kernel_tables(Archive& archive);
+  void motion(Archive& archive);
+  void forces(Archive& archive);
 
   std::array<Table, 4> kernel_;
   std::vector<std::unique_ptr<Instance>> instances_;
@@ -100,6 +111,7 @@ class Attributes {
   MergePolicies merging_;
   std::vector<MergeWeight> vertex_weights_;
   TouchedSums sums_;
+  std::uint64_t operations_ = 0;  ///< applied
 };
 
 }  // namespace suture

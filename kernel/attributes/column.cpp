@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "kernel/base/archive.hpp"
 #include "kernel/base/bulk.hpp"
 
 namespace suture {
@@ -180,6 +181,25 @@ bool Column::compress(double relative) {
   data_.swap(one);
   constant_ = true;
   return true;
+}
+
+void Column::state(Archive& archive) {
+  if (archive.has_cells()) {
+    Index rows = size_;
+    bool constant = constant_;
+    archive("rows", rows);
+    archive("constant", constant);
+    if (!constant) expand();
+    if (archive.loads()) {
+      archive.require(constant == constant_, "the column here is not the same everywhere");
+      resize(rows);  // with the room that it has for more
+    }
+  }
+  const std::size_t size = data_.size();
+  archive("values", data_);
+  if (archive.has_cells() && has_trial()) archive("trial", trial_);
+  archive.require(data_.size() == size && (!has_trial() || trial_.size() == size),
+                  "the column here has another number of rows");
 }
 
 void Column::save(std::vector<double>& values) const {

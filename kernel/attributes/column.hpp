@@ -12,6 +12,7 @@
 
 namespace suture {
 
+class Archive;
 class Column;
 
 /// A row of a table became two.
@@ -109,6 +110,8 @@ class Column {
   /// returned. The rows must be the same.
   void save(std::vector<double>& values) const;
   std::span<const double> restore(std::span<const double> values);
+  /// The values; with cells the number of rows and the trial copy, too.
+  void state(Archive& archive);
   /// The trial copy of a row that is not visited for a while: whatever is accepted
   /// meanwhile, the row keeps its values.
   void hold_row(Index row);

@@ -8,6 +8,8 @@
 
 namespace suture {
 
+class Archive;
+
 /// Which rows of a table are live: a byte per block of 8 rows, a bit per lane, as the
 /// loops over batches read it. Rows never move, so a row whose cell is gone stays
 /// behind as a hole. Nothing is stored as long as every row is live.
@@ -29,6 +31,9 @@ class LiveMask {
   void resize(Index rows) {
     if (!all()) blocks_.resize(blocks_for(rows), full);
   }
+
+  bool fits(Index rows) const { return all() || blocks_.size() == blocks_for(rows); }
+  void state(Archive& archive);
 
   /// Null while all rows live.
   const std::uint8_t* data() const { return all() ? nullptr : blocks_.data(); }

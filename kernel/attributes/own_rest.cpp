@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/attributes/own_rest.hpp"
 
+#include "kernel/base/archive.hpp"
+
 namespace suture {
 
 void OwnRest::set(Index element, const HexahedronNodes& x, Index element_count) {
@@ -15,6 +17,12 @@ void OwnRest::set(Index element, const HexahedronNodes& x, Index element_count) 
   }
   for (std::size_t i = 0; i < x.size(); ++i)
     for (std::size_t c = 0; c < 3; ++c) rows_[(std::size_t{slot} * 8 + i) * 4 + c] = x[i][c];
+}
+
+void OwnRest::state(Archive& archive) {
+  archive("slot_of", slot_of_);
+  archive("free", free_);
+  archive("rows", rows_);
 }
 
 void OwnRest::remove(Index element) {

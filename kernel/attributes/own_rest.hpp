@@ -25,6 +25,8 @@ class OwnRest {
   /// The element was removed; its slot is used again.
   void remove(Index element);
 
+  void state(Archive& archive);
+
   /// By element; null if empty(). Elements have slots once one has.
   const Index* slots() const { return empty() ? nullptr : slot_of_.data(); }
   /// Rows of 4 doubles as in vertex columns: corner i of slot s is row 8 s + i.

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <utility>
 
+#include "kernel/base/archive.hpp"
 #include "kernel/base/error.hpp"
 
 namespace suture {
@@ -54,6 +55,25 @@ void CellSet::remove(Index cell) {
   assert(contains(cell));
   live_.kill(row(cell), size_);
   if (!all_) row_of_[cell] = none;
+}
+
+void LiveMask::state(Archive& archive) {
+  archive("blocks", blocks_);
+  archive("dead", dead_);
+}
+
+void CellSet::state(Archive& archive) {
+  bool all = all_;
+  archive("all", all);
+  archive.require(all == all_, "the cells of a region are not those of the region here");
+  archive("size", size_);
+  if (!all_) {
+    archive("cells", cells_);
+    archive("rows", row_of_);
+    archive.require(cells_.size() == size_, "the cells are more or fewer than their number");
+  }
+  archive("live", live_);
+  archive.require(live_.fits(size_), "the rows are more or fewer than those that live or not");
 }
 
 Column& Table::add(ColumnSpec spec) {

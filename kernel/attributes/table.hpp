@@ -49,6 +49,7 @@ class CellSet {
   void rename(Index from, Index to);
   /// The cell leaves the set and its row dies.
   void remove(Index cell);
+  void state(Archive& archive);
 
  private:
   void place(Index cell, Index row);

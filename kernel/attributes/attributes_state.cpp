@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <bit>
+
+#include "kernel/attributes/attributes.hpp"
+#include "kernel/base/archive.hpp"
+#include "kernel/base/bulk.hpp"
+
+namespace suture {
+namespace {
+
+/// Rows of `columns` (4 doubles each, of which 3 count) side by side. Without cells in parts
+/// that stay in the cache: a copy of all would cost more than the state itself.
+template <std::size_t n>
+void pack_rows(Archive& archive, const char* name, const std::array<Column*, n>& columns) {
+  const Index rows = columns[0]->size(), part = archive.has_cells() ? rows : 2048;
+  BulkVector<std::array<double, 3 * n>> packed;
+  for (Index first = 0; first < rows; first += part) {
+    const Index count = std::min(part, rows - first);
+    packed.resize(count);
+    for (std::size_t i = 0; i < n && !archive.loads(); ++i) {
+      const double* row = columns[i]->rows() + std::size_t{first} * 4;
+      for (Index k = 0; k < count; ++k, row += 4) std::copy_n(row, 3, packed[k].data() + 3 * i);
+    }
+    archive(name, packed);
+    archive.require(packed.size() == count, "the number of vertices is another");
+    for (std::size_t i = 0; i < n && archive.loads(); ++i) {
+      double* row = columns[i]->rows() + std::size_t{first} * 4;
+      for (Index k = 0; k < count; ++k, row += 4) std::copy_n(packed[k].data() + 3 * i, 3, row);
+    }
+  }
+}
+
+/// "edge (2), memory (2, a state)".
+std::string words(const Table& table) {
+  std::string text;
+  for (const Column& column : table.columns)
+    text += (text.empty() ? "" : ", ") + column.spec().name + " (" +
+            std::to_string(column.spec().components) + (column.has_trial() ? ", a state)" : ")");
+  return text.empty() ? "none" : text;
+}
+
+void check_columns(Archive& archive, const Instance& instance, const Table& table) {
+  const std::string here = words(table);
+  std::string there = here;
+  archive("columns", there);
+  if (there != here)
+    archive.refuse(instance.title() + " had these columns of dimension " +
+                   std::to_string(table.dimension) + ": " + there + "; here it has: " + here);
+}
+
+void cells_of(Archive& archive, Table& table) {
+  archive("cells", table.cells);
+  archive("volumes", table.volumes);
+}
+
+/// `whole`: not only the states of the model.
+void columns_of(Archive& archive, const Instance& instance, Table& table, bool whole) {
+  if (archive.has_cells()) check_columns(archive, instance, table);
+  if (whole) cells_of(archive, table);
+  for (Column& column : table.columns) {
+    if (!whole && !column.has_trial()) continue;
+    archive(("column " + column.spec().name).c_str(), column);
+    archive.require(column.size() == table.cells.size(), "a column has more or fewer rows");
+  }
+}
+
+void state_of(Archive& archive, Instance& instance, bool whole) {
+  std::string name = instance.title();
+  if (archive.has_cells()) archive("title", name);
+  if (name != instance.title())
+    archive.refuse("it is the state of " + name + ", and here is " + instance.title());
+  std::span<Table, 4> tables = instance.tables();
+  archive.each("tables", tables,
+               [&](Archive& a, Table& table) { columns_of(a, instance, table, whole); });
+}
+
+}  // namespace
+
+void Attributes::state(Archive& archive) {
+  if (archive.has_cells()) {
+    const bool is_fresh = operations_ == 0;
+    archive("operations", operations_);
+    archive.require(is_fresh || !archive.loads(), "the body here has had operations");
+    if (operations_ != 0) kernel_tables(archive);
+  }
+  motion(archive);
+  if (archive.has_cells()) forces(archive);
+  std::span instances = instances_;
+  archive.each("instances", instances, [&](Archive& a, std::unique_ptr<Instance>& instance) {
+    state_of(a, *instance, a.has_cells() && operations_ != 0);
+  });
+}
+
+/// Operations change the others of the kernel's columns only.
+void Attributes::kernel_tables(Archive& archive) {
+  archive.each("kernel", kernel_, cells_of);
+  for (Column* column : {rest_, mass_, fixed_}) {
+    archive(column->spec().name.c_str(), *column);
+    archive.require(column->size() == kernel(0).cells.size(), "a column has more or fewer rows");
+  }
+  for (Column* column : {position_, velocity_, force_}) column->resize(kernel(0).cells.size());
+  archive("own_rest", own_rest_);
+}
+
+void Attributes::motion(Archive& archive) {
+  pack_rows<2>(archive, "motion", {position_, velocity_});
+}
+
+/// Those of sleepers, or of a state whose step is to come; mostly there are none.
+void Attributes::forces(Archive& archive) {
+  const std::span rows(force_->rows(), std::size_t{force_->size()} * 4);
+  bool any = std::ranges::any_of(
+      rows, [](double value) { return std::bit_cast<std::uint64_t>(value) != 0; });
+  archive("has_forces", any);
+  if (any)
+    pack_rows<1>(archive, "forces", {force_});
+  else if (archive.loads())
+    std::ranges::fill(rows, 0);
+}
+
+}  // namespace suture

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Attributes that are loaded have every bit of those that were saved, and go on alike.
+#include "tests/attributes/bodies.hpp"
+#include "tests/base/same_state.hpp"
+#include "tests/topology/operations.hpp"
+
+namespace suture {
+namespace {
+
+using Regions = std::vector<std::vector<Index>>;
+
+/// A map and its attributes, with a model on each region.
+struct Simulated {
+  const fake::Model& model;
+  CellComplex complex;
+  Attributes attributes;
+
+  Simulated(const fake::Model& m, const Body& body, const Regions& regions)
+      : model(m), complex(body.complex), attributes(complex, body.rest) {
+    for (std::size_t i = 0; i < regions.size(); ++i)
+      add(attributes, complex, model.table, regions[i], 2 + static_cast<double>(i));
+    initialise(attributes, complex);
+  }
+  void apply(const Request& request) { attributes.apply(complex, suture::apply(complex, request)); }
+  void move(std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> shift(-1, 1);
+    for (Index v = 0; v < attributes.vertex_count(); ++v)
+      for (int c = 0; c < 3; ++c) {
+        attributes.position().set(v, c, shift(random));
+        attributes.velocity().set(v, c, shift(random));
+        attributes.force().set(v, c, seed % 3 == 0 ? shift(random) : 0);
+      }
+    for (const auto& instance : attributes.instances())
+      for (Table& table : instance->tables())
+        for (Column& column : table.columns)
+          if (column.has_trial())
+            for (Index row = 0; row < column.size(); ++row)
+              for (int c = 0; c < column.spec().components; ++c) {
+                column.set(row, c, shift(random));
+                column.trial_block(0)[column.offset(row) + static_cast<std::size_t>(c) * 8] =
+                    shift(random);
+              }
+    for (const auto& instance : attributes.instances())
+      for (Table& table : instance->tables())
+        for (Column& column : table.columns) column.pad();
+  }
+  /// Columns that operations alone change.
+  void mark(std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    for (const auto& instance : attributes.instances())
+      for (Table& table : instance->tables())
+        for (Column& column : table.columns)
+          for (Index row = 0; row < column.size() && random() % 2 == 0; ++row)
+            if (column.spec().policy != SUTURE_FROM_VOLUMES)
+              column.set(row, 0, static_cast<double>(random() % 100));
+    for (Index v = 0; v < attributes.vertex_count(); v += 5)
+      attributes.fixed().set(v, 0, static_cast<double>(random() % 8));
+  }
+  void state(Archive& archive) {
+    archive("map", complex);
+    archive("attributes", attributes);
+  }
+};
+
+Regions random_regions(const Body& body, Random& random) {
+  Regions regions(1 + random() % 3);
+  for (auto& region : regions)
+    for (Index e = 0; e < body.complex.element_count() && regions.size() > 1; ++e)
+      if (random() % 3 != 0) region.push_back(e);
+  return regions;
+}
+
+TEST(State, AttributesThatAreLoadedGoOnAsThoseThatWereSaved) {
+  const fake::Model model(fake::everything());
+  for (int round = 0; round < 40; ++round) {
+    Random random;
+    const Body body({3 + static_cast<Index>(random() % 3), 3, 4}, &random,
+                    round % 2 == 0 ? 0.2 : 4e-15);
+    const Regions regions = random_regions(body, random);
+    Simulated one(model, body, regions), twin(model, body, regions);
+    const std::uint64_t seed = random();
+    one.mark(seed);
+    twin.mark(seed);  // as the scene does
+    std::mt19937 choice(static_cast<unsigned>(random()));
+    Operations operations(choice);
+    for (int before = round % 6; before > 0; --before) one.apply(operations.next(one.complex));
+    one.move(random());
+    load_state(state_of(one), twin);
+    ASSERT_EQ(difference_of_states(one, twin), "");
+    for (int after = 0; after < 6; ++after) {
+      const Request request = operations.next(one.complex);
+      one.apply(request);
+      twin.apply(request);
+      ASSERT_EQ(difference_of_states(one, twin), "") << "operation " << after;
+      const std::uint64_t moves = random();
+      one.move(moves);
+      twin.move(moves);
+      one.attributes.accept_trials();
+      twin.attributes.accept_trials();
+    }
+    ASSERT_EQ(difference_of_states(one, twin), "");
+  }
+}
+
+TEST(State, AStateToGoBackToHasTheMotionAndTheStatesOfModels) {
+  const fake::Model model(fake::everything());
+  Random random;
+  const Body body({12, 16, 20}, &random);  // more than one part
+  Simulated one(model, body, {{}});
+  one.apply({Operation::Kind::pierce, {}, {3, 7}, {}});
+  one.move(3);
+  const StateTree before = state_of(one);
+  StateBuffer buffer;
+  buffer.save(one.attributes);
+  one.move(4);
+  EXPECT_NE(difference(before, state_of(one)), "");
+  buffer.load(one.attributes);
+  for (Column& column : one.attributes.instances()[0]->table(2).columns)
+    if (column.has_trial()) {  // what trials are does not matter then
+      column.accept();
+      column.accept();
+    }
+  const StateTree after = state_of(one);
+  const auto motion = [](const StateTree& tree) {
+    return &tree.groups.at("attributes").arrays.at("motion");
+  };
+  ASSERT_EQ(motion(before)->size(), motion(after)->size());
+  EXPECT_EQ(
+      std::memcmp(motion(before)->bytes.get(), motion(after)->bytes.get(), motion(before)->size()),
+      0);
+  std::vector<double> states, found;
+  one.attributes.save_states(found);
+  Simulated twin(model, body, {{}});
+  load_state(before, twin);
+  twin.attributes.save_states(states);
+  EXPECT_EQ(states, found);
+}
+
+TEST(State, OfABodyWithoutOperationsLeavesOutWhatIsBuiltAgain) {
+  const fake::Model model(fake::everything());
+  const Body body({6, 6, 6});
+  Simulated one(model, body, {{}});
+  const std::size_t vertices = body.rest.size();
+  const Column& memory = one.attributes.instances()[0]->table(2).columns.back();
+  const std::size_t states = memory.block_count() * 8 * 2 * 8 * 2;
+  EXPECT_LT(state_of(one.attributes).bytes(), 48 * vertices + states + 1500);
+}
+
+TEST(State, OfOtherModelsOrMeshesIsRefused) {
+  const fake::Model model(fake::everything());
+  auto fewer = fake::everything(), other = fewer;
+  fewer.erase(fewer.begin() + fake::plain);
+  other[fake::edge].components = 1;
+  other[fake::edge].contribution = &fake::contribute<12, 1>;
+  const fake::Model without(fewer), narrow(other);
+  const Body body({3, 3, 3});
+  Simulated one(model, body, {{}});
+  for (const bool operated : {false, true}) {
+    if (operated) one.apply({Operation::Kind::pierce, {}, {3}, {}});
+    const StateTree tree = state_of(one.attributes);
+    Simulated lacks(without, body, {{}}), smaller(narrow, body, {{}});
+    EXPECT_EQ(refusal_of(tree, lacks.attributes),
+              "/instances/0/tables/1: model 'body' (fake) had these columns of dimension 1: edge "
+              "(2), plain (1); here it has: edge (2)");
+    EXPECT_EQ(refusal_of(tree, smaller.attributes),
+              "/instances/0/tables/1: model 'body' (fake) had these columns of dimension 1: edge "
+              "(2), plain (1); here it has: edge (1), plain (1)");
+    Simulated larger(model, Body({3, 3, 4}), {{}}), line(model, Body({9, 3, 1}), {{}}),
+        two(model, body, {{}, {}}), part(model, body, {{0, 1, 2}});
+    if (!operated) {  // afterwards it is the map that tells
+      EXPECT_EQ(refusal_of(tree, larger.attributes), "/: the number of vertices is another");
+      EXPECT_EQ(refusal_of(tree, line.attributes), "/: the number of vertices is another");
+    }
+    EXPECT_EQ(refusal_of(tree, two.attributes), "/instances: the number of its items is another");
+    EXPECT_NE(refusal_of(tree, part.attributes), "");
+    EXPECT_EQ(refusal_of(tree, one.attributes),
+              operated ? "/: the body here has had operations" : "");
+  }
+}
+
+}  // namespace
+}  // namespace suture

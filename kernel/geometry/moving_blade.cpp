@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/base/archive.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/geometry/geometry_module.hpp"
 
@@ -169,6 +170,16 @@ void MovingBlade::reset() {
   started_ = false;
   tissue_.clear();
   clearances_.clear();
+}
+
+void MovingBlade::state(Archive& archive) {
+  if (!archive.has_cells()) return;
+  archive("started", started_);
+  archive("time", time_);
+  archive("tissue", tissue_);
+  archive("step", step_);
+  archive.rows<std::uint64_t>("clearances", clearances_);  // bits
+  archive("gaps", gaps_);
 }
 
 std::vector<BladeKey> MovingBlade::path(double from, double to) const {

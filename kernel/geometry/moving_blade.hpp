@@ -69,6 +69,9 @@ class MovingBlade {
   }
   /// Forgets the tissue, when its elements have been moved otherwise than by a step.
   void reset();
+  /// What it remembers, between two calls of advance(). Nothing of a motion: who goes back
+  /// calls reset(). To be loaded into a blade of the same keys, once the map is loaded.
+  void state(Archive& archive);
 
  private:
   struct Step;

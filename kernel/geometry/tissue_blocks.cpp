@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "kernel/base/archive_lists.hpp"
+
 namespace suture {
 namespace {
 
@@ -133,6 +135,14 @@ void TissueBlocks::follow(const CellComplex& complex, const TopologyChange& chan
     }
     ++split;
   }
+}
+
+void TissueBlocks::state(Archive& archive) {
+  archive("vertices", now_);
+  archive.rows<double>("boxes", boxes_now_);
+  archive_lists(archive, "lists", lists_);
+  archive.require(boxes_now_.size() == blocks_of(now_.size(), per_box),
+                  "the boxes are not those of the vertices");
 }
 
 double TissueBlocks::vertices_moved(Index vertex_block) const {

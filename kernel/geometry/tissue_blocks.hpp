@@ -9,6 +9,8 @@
 
 namespace suture {
 
+class Archive;
+
 /// Where the tissue was and is in a step, and which of its elements may meet a box then:
 /// blocks of consecutive elements against boxes of blocks of consecutive vertices.
 ///
@@ -41,6 +43,9 @@ class TissueBlocks {
   /// An operation that moves no vertex was made, between two calls of move(); `complex` as it
   /// is afterwards. O(change).
   void follow(const CellComplex& complex, const TopologyChange& change);
+
+  /// Between two calls of move(): what was before does not matter any more.
+  void state(Archive& archive);
 
   /// Blocks of elements with a link that has not both elements beyond one side of the box
   /// before and now, and some others. Ascending; block b has the elements from size * b on.

@@ -11,6 +11,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/geometry/surface_blade.hpp"
+#include "tests/base/same_state.hpp"
 #include "tests/geometry/dyadic.hpp"
 #include "tests/geometry/surfaces.hpp"
 
@@ -231,6 +232,51 @@ TEST(MovingBlade, LooksNearItselfAndMissesNothing) {
     }
   }
   EXPECT_GT(total, rounds);
+}
+
+// Saved before, during and after its life; vertices may have been moved by nobody's leave.
+TEST(MovingBlade, ThatIsLoadedCutsAsTheOneThatWasSaved) {
+  const unsigned first = std::random_device{}();
+  std::size_t total = 0;
+  for (unsigned seed = first; seed < first + 60; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> number(-1, 1);
+    Block block = jittered_block(12, 3 + seed % 5, 9, 1.0 / 64, random);
+    std::vector<BladeKey> keys;
+    for (int i = 0; i < 4; ++i) {
+      keys.push_back({2 + i * 4.0, {lattice_point(random, 0.25, -1, 10)}});
+      keys.back().points.push_back(plus(keys.back().points[0], {0.5, 9, double(i)}));
+    }
+    MovingBlade blade(keys), twin(keys);
+    const int saved = static_cast<int>(seed % 17);
+    for (int step = 0; step <= 17; ++step) {
+      const auto faces = blade.advance(block.complex, block.places(), step);
+      total += faces.size();
+      if (step > saved) {
+        ASSERT_EQ(faces, twin.advance(block.complex, block.places(), step)) << "step " << step;
+      }
+      if (!faces.empty()) {
+        const TopologyChange change = block.complex.cut(faces);
+        for (const Split& split : change.splits[0])
+          for (std::size_t a = 0; a < 4; ++a)
+            block.rows.push_back(block.rows[4 * std::size_t{split.old_cell} + a]);
+        blade.follow(block.complex, change);
+        if (step > saved) twin.follow(block.complex, change);
+      }
+      if (step == 9 && seed % 4 == 0) {
+        blade.reset();
+        if (step > saved) twin.reset();
+      }
+      if (step == saved) load_state(state_of(blade), twin);
+      if (step >= saved) {
+        ASSERT_EQ(difference_of_states(blade, twin), "") << "step " << step;
+      }
+      for (std::size_t v = 0; v < block.rows.size(); v += 4)
+        for (std::size_t a = 0; a < 3; ++a) block.rows[v + a] += 0.1 * number(random);
+    }
+  }
+  EXPECT_GT(total, 200u);
 }
 
 TEST(MovingBlade, ExistsFromItsFirstKeyToItsLast) {

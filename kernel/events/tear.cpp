@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "kernel/attributes/cell_nodes.hpp"
+#include "kernel/base/archive.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/forces/loops/dispatch.hpp"
 
@@ -288,6 +289,14 @@ std::vector<Dart> TearCheck::faces(const CellComplex& complex, Attributes& attri
   const std::vector<Dart> faces = find({complex, attributes, dynamics});
   if (!faces.empty()) check_share(complex, faces.size());
   return faces;
+}
+
+void TearCheck::state(Archive& archive) {
+  if (!archive.has_cells()) return;
+  std::vector<char> chosen = is_chosen_;
+  archive("chosen", chosen);
+  archive.require(chosen == is_chosen_, "other elements may tear here");
+  if (archive.loads()) invalidate();
 }
 
 bool TearCheck::can_tear(const CellComplex& complex, Attributes& attributes, Dynamics& dynamics) {

@@ -58,6 +58,8 @@ class TearCheck {
 
   /// Elements were removed, or rest places changed.
   void invalidate() { is_built_ = false; }
+  /// What is built is built anew from the attributes that were loaded, with the same bits.
+  void state(Archive& archive);
 
  private:
   /// The present state, for the time of one look.

@@ -6,7 +6,9 @@
 #include <Eigen/Dense>
 
 #include "kernel/base/error.hpp"
+#include "tests/base/same_state.hpp"
 #include "tests/topology/meshes.hpp"
+#include "tests/topology/operations.hpp"
 
 namespace suture {
 namespace {
@@ -160,6 +162,49 @@ TEST_P(BothStrains, AgreesWithTheDefinitionOnRandomMeshes) {
   }
   EXPECT_GT(torn, 100u);
   EXPECT_GT(whole, torn);
+}
+
+// The twin has looked at the body before the operations, and looks again. What the other has
+// built lies before its last cuts.
+TEST_P(BothStrains, AfterALoadTheSameFacesTear) {
+  const unsigned seed = std::random_device{}();
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> small(-0.15, 0.15);
+  std::size_t torn = 0;
+  for (int round = 0; round < 20; ++round) {
+    Mesh mesh = grid(5, 4, 4);
+    for (Vec3& p : mesh.points)
+      for (double& c : p) c += small(random);
+    Body body(mesh), twin(mesh);
+    const Tear tear = tear_by(GetParam(), 0.2);
+    std::vector<Index> elements;
+    for (Index e = 0; e < 80 && round % 2 == 0; ++e)
+      if (random() % 4 != 0) elements.push_back(e);
+    TearCheck check(tear, elements, body.complex, "/tear");
+    TearCheck other(tear, elements, twin.complex, "/tear");
+    other.faces(twin.complex, twin.attributes, twin.dynamics);
+    Operations operations(random);
+    const auto look = [&] { return check.faces(body.complex, body.attributes, body.dynamics); };
+    for (int i = 0; i < 6; ++i) {
+      const TopologyChange change = apply(body.complex, operations.next(body.complex));
+      body.attributes.apply(body.complex, change);
+      if (change.faces_sewn != 0 || !change.removed[3].empty()) check.invalidate();
+      if (i % 2 == 0) look();
+    }
+    body.deform([&](Vec3 x) {
+      return Vec3{1.2 * x[0] + small(random), 1.1 * x[1] + small(random), x[2] + small(random)};
+    });
+    load_state(state_of(body.complex), twin.complex);
+    load_state(state_of(body.attributes), twin.attributes);
+    load_state(state_of(check), other);
+    const std::vector<Dart> faces = look();
+    EXPECT_EQ(other.faces(twin.complex, twin.attributes, twin.dynamics), faces);
+    torn += faces.size();
+    TearCheck all(tear, {0, 1}, twin.complex, "/tear");
+    EXPECT_EQ(refusal_of(state_of(check), all), "/: other elements may tear here");
+  }
+  EXPECT_GT(torn, 100u);
 }
 
 TEST_P(BothStrains, FindNothingInABodyThatTurnsOrIsAtRest) {

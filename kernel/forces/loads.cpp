@@ -6,6 +6,7 @@
 #include <map>
 
 #include "kernel/attributes/shape.hpp"
+#include "kernel/base/archive.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/vec3.hpp"
 
@@ -333,6 +334,60 @@ void Loads::update(const RestPlaces& rest) {
     load.nodes.clear();
     for (const Dart face : load.faces) load.nodes.push_back(face_nodes(complex, face));
   }
+}
+
+// ------------------------------------------------------------------ state --
+
+void Loads::state(Archive& archive) {
+  if (archive.has_cells()) {
+    std::span dead = dead_;
+    std::span pressures = pressures_;
+    archive.each("dead", dead);
+    archive.each("pressures", pressures);
+  }
+  archive("book", book_);
+}
+
+void Loads::DeadLoad::state(Archive& archive) {
+  std::vector<std::array<Index, 3>> places;
+  std::vector<Vec3> forces;
+  std::vector<Index> vertices;
+  std::vector<std::array<double, 4>> sums;
+  for (const Corner& c : corners) {
+    places.push_back({c.element, c.node, c.face});
+    forces.push_back(c.force);
+  }
+  for (const Nodal& n : nodal) {
+    vertices.push_back(n.vertex);
+    sums.push_back({n.force[0], n.force[1], n.force[2], n.at_rest});
+  }
+  archive("corners", places);
+  archive("forces", forces);
+  archive("vertices", vertices);
+  archive("sums", sums);
+  archive.require(places.size() == forces.size() && vertices.size() == sums.size(),
+                  "the arrays of a load have different lengths");
+  if (!archive.loads()) return;
+  corners.clear();
+  nodal.clear();
+  for (std::size_t i = 0; i < places.size(); ++i)
+    corners.push_back({places[i][0], places[i][1], forces[i], places[i][2]});
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    nodal.push_back({vertices[i], {sums[i][0], sums[i][1], sums[i][2]}, sums[i][3]});
+}
+
+void Loads::PressureLoad::state(Archive& archive) {
+  archive("faces", faces);
+  archive("nodes", nodes);
+  archive.require(faces.size() == nodes.size(), "the arrays of a load have different lengths");
+}
+
+void Loads::Book::state(Archive& archive) {
+  archive("dead", dead);
+  archive("pressure", pressure);
+  archive.rows<double>("of_dead", of_dead);
+  archive.each("of_pressure", of_pressure,
+               [](Archive& a, std::vector<Face>& faces) { a.rows<double>("faces", faces); });
 }
 
 double Loads::settled_after() const {

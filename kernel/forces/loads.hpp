@@ -12,6 +12,8 @@
 
 namespace suture {
 
+class Archive;
+
 /// External forces besides gravity. Every load is kept per corner of an element,
 /// which no cut changes: a vertex receives what the corners of its elements
 /// carry, so the parts of a split vertex share its load in proportion to their
@@ -61,6 +63,7 @@ class Loads {
     double dead = 0, pressure = 0;  ///< J since the start: forces and tractions; pressures
     std::vector<Dead> of_dead;      ///< by load; empty before the first call
     std::vector<std::vector<Face>> of_pressure;
+    void state(Archive& archive);
   };
   const Book& book() const { return book_; }
   void set_book(Book book) { book_ = std::move(book); }
@@ -73,6 +76,9 @@ class Loads {
 
   /// After a change: corners have other vertices. O(corners loaded).
   void update(const RestPlaces& rest);
+
+  /// To be loaded where the same loads were added. Of a motion the book alone.
+  void state(Archive& archive);
 
   bool empty() const { return dead_.empty() && pressures_.empty(); }
   bool has_pressure() const { return !pressures_.empty(); }
@@ -94,12 +100,14 @@ class Loads {
     std::vector<Corner> corners;
     std::vector<Nodal> nodal;  ///< the same, summed per vertex as they are now
     TimeRamp ramp;
+    void state(Archive& archive);
   };
   struct PressureLoad {
     double pressure;
     std::vector<Dart> faces;
     std::vector<std::array<Index, 4>> nodes;  ///< as they are now
     TimeRamp ramp;
+    void state(Archive& archive);
   };
 
   static void add_at_vertex(DeadLoad& load, const RestPlaces& rest, Index vertex,

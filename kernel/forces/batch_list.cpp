@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <numeric>
 
+#include "kernel/base/archive_lists.hpp"
 #include "kernel/base/bulk.hpp"
 
 namespace suture {
@@ -216,6 +217,21 @@ bool BatchList::append(const Connectivity& cells, Index first, Index last, Index
   add_coloured(cells, {&tail, 1}, vertices);
   find_order(cells, first_of_tail, vertices);
   return true;
+}
+
+void BatchList::state(Archive& archive) {
+  archive("cells", cells_);
+  archive("tail", tail_);
+  archive("left_out", left_out_);
+  archive.rows<Index>("ranges", ranges_);
+  archive("chunk_begin", chunk_begin_);
+  archive("colour_begin", colour_begin_);
+  archive_lists(archive, "before", order_.before);
+  archive("place", order_.place);
+  archive.require(!chunk_begin_.empty() && chunk_begin_.back() == ranges_.size() &&
+                      !colour_begin_.empty() && colour_begin_.back() == chunk_count() &&
+                      order_.before.size() == chunk_count() && order_.place.size() == chunk_count(),
+                  "the chunks are not those of the order");
 }
 
 ChunkFinder::ChunkFinder(const BatchList& list) : colour_of_(list.chunk_count()) {

@@ -9,6 +9,8 @@
 
 namespace suture {
 
+class Archive;
+
 /// Which vertices a row of a table touches: `nodes` per cell, `cells` maps a row
 /// to its place there (null: the row itself). `live`: as in loops::Job; dead rows touch
 /// none.
@@ -63,6 +65,9 @@ class BatchList {
   const TaskOrder& order() const { return order_; }
   /// These chunks, ascending, share a vertex from now on.
   void meet(std::span<const Index> chunks);
+
+  /// Chunks and their order depend on all that was appended, left out and met.
+  void state(Archive& archive);
 
   /// Chunks chunk_begin .. chunk_end of colour c; chunks are numbered by colour.
   Index chunk_begin(Index colour) const { return colour_begin_[colour]; }

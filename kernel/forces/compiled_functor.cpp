@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "kernel/attributes/cell_nodes.hpp"
+#include "kernel/base/archive.hpp"
 #include "kernel/base/bulk.hpp"
 #include "kernel/base/error.hpp"
 
@@ -66,6 +67,14 @@ void RowNodes::read_cell(const CellComplex& complex, Index cell) {
 void RowNodes::update(const RestPlaces& rest, const TopologyChange& change) {
   read_nodes(rest.complex(), change);
   if (!rest.own().empty()) read_rest(rest, change.elements);
+}
+
+/// Which end of an edge is the first depends on what was done.
+void RowNodes::state(Archive& archive) {
+  archive("nodes", nodes_);
+  archive("rest_slots", rest_slot_);
+  archive("own_rest", own_rest_);
+  archive.require(nodes_.size() == cells_.size() * node_count_, "the rows are other ones");
 }
 
 void RowNodes::read_rest(const RestPlaces& rest, std::span<const Index> elements) {
@@ -259,6 +268,17 @@ void CompiledFunctor::update(const CellComplex& complex, const TopologyChange& c
   if (!may_append || !list_.append(connectivity(complex), before, rows_, complex.count(0)))
     return build(complex);
   if (!change.merges[0].empty() && !follow_merges(complex, change)) build(complex);
+}
+
+void CompiledFunctor::state(Archive& archive, const std::vector<bool>* still) {
+  bool skips = skipped();
+  archive("skipped", skips);
+  if (skips != skipped())
+    archive.refuse(title() + (skips ? " was skipped, and is not here" : " is skipped here"));
+  archive("rows", rows_);
+  archive("list", list_);
+  archive.require(skips || rows_ == cells().size(), "the rows are other ones");
+  if (archive.loads()) still_ = still;
 }
 
 /// The rows at the vertex where the dart starts, in the dart's element.

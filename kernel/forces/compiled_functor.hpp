@@ -17,6 +17,8 @@ class RowNodes {
   RowNodes(const Instance& instance, int dimension, const RestPlaces& rest);
   /// O(cells in the change).
   void update(const RestPlaces& rest, const TopologyChange& change);
+  /// After the attributes'.
+  void state(Archive& archive);
   const Index* data() const { return nodes_.data(); }
   /// As in loops::Job; null while no element has rest positions of its own.
   const Index* rest_slots() const { return rest_slot_.empty() ? nullptr : rest_slot_.data(); }
@@ -52,6 +54,9 @@ class CompiledFunctor {
   void leave_out(const std::vector<bool>* still, const CellComplex& complex);
   /// After a change; `nodes` is up to date already.
   void update(const CellComplex& complex, const TopologyChange& change);
+
+  /// After the attributes'. `still`: of leave_out(), from now on.
+  void state(Archive& archive, const std::vector<bool>* still);
 
   /// The job with the present addresses of all columns, for the rows of `live`.
   /// O(columns).

@@ -5,7 +5,9 @@
 #include <array>
 #include <deque>
 #include <limits>
+#include <ranges>
 
+#include "kernel/base/archive.hpp"
 #include "kernel/forces/compiled_functor.hpp"
 #include "kernel/forces/local_rows.hpp"
 #include "kernel/forces/loops/dispatch.hpp"
@@ -153,6 +155,7 @@ struct ForceLoop::Impl {
   VertexSelection selection;
   /// Rows that are neither dead nor asleep, per instance; empty if none sleeps.
   std::vector<std::array<LiveMask, 4>> awake_rows;
+  bool operated = false;    ///< update() was called
   std::vector<bool> still;  ///< vertices held where they are at rest; empty: nothing is left out
 };
 
@@ -547,11 +550,29 @@ void ForceLoop::Impl::follow_still(const TopologyChange& change) {
 
 void ForceLoop::update(const CellComplex& complex, const TopologyChange& change) {
   impl_->complex = &complex;
+  impl_->operated |= !change.empty();
   impl_->follow_still(change);
   impl_->awake_rows.clear();
   const RestPlaces rest = impl_->attributes.rest_places(complex);
   for (RowNodes& nodes : impl_->row_nodes) nodes.update(rest, change);
   for (CompiledFunctor& functor : impl_->functors) functor.update(complex, change);
+}
+
+void ForceLoop::state(Archive& archive) {
+  if (!archive.has_cells()) return;
+  Impl& i = *impl_;
+  archive("operated", i.operated);
+  archive("still", i.still);
+  archive.each("awake", i.awake_rows, [](Archive& a, auto& masks) { a.each("masks", masks); });
+  const auto fits = [](std::size_t size, std::size_t all) { return size == 0 || size == all; };
+  archive.require(fits(i.still.size(), i.attributes.vertex_count()) &&
+                      fits(i.awake_rows.size(), i.attributes.instances().size()),
+                  "what is still or asleep is of another body");
+  if (auto nodes = std::views::all(i.row_nodes); i.operated) archive.each("row_nodes", nodes);
+  auto functors = std::views::all(i.functors);
+  archive.each("functors", functors, [&](Archive& a, CompiledFunctor& functor) {
+    functor.state(a, i.still.empty() ? nullptr : &i.still);
+  });
 }
 
 std::vector<ForceLoop::Summary> ForceLoop::summary() const {

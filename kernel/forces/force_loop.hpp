@@ -16,6 +16,8 @@
 
 namespace suture {
 
+class Archive;
+
 /// A model asks for a smaller step: the state before the step is still good.
 class StepRejected : public NumericalError {
  public:
@@ -113,6 +115,9 @@ class ForceLoop {
   /// first time O(rows / 8).
   void sleep(std::span<const Index> elements);
   void wake_all();  ///< update() wakes too
+
+  /// To be loaded after the attributes, where the same was built. Nothing of a motion.
+  void state(Archive& archive);
 
   struct Summary {  ///< for `suture explain`
     std::string instance, functor;

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <random>
+#include <span>
 #include <vector>
 
+#include "kernel/base/error.hpp"
 #include "kernel/topology/journal.hpp"
 
 namespace suture {
@@ -40,14 +42,37 @@ class Operations {
         result.elements.push_back(e);
     return result;
   }
-  /// Half of what was cut and can be sewn.
+  /// Half of what was cut and can be sewn; at times two faces that never met.
   Request sew(const CellComplex& map) {
+    if (random_() % 3 == 0) return sew_strangers(map);
     std::erase_if(open_, [&](const Seam& s) { return !map.can_sew(s.one, s.other); });
     std::shuffle(open_.begin(), open_.end(), random_);
     const auto first = open_.begin() + static_cast<std::ptrdiff_t>(open_.size() / 2);
     Request result{Operation::Kind::sew, {}, {}, {first, open_.end()}};
     open_.erase(first, open_.end());
+    while (!are_possible(map, result.seams)) result.seams.resize(result.seams.size() / 2);
     return result;
+  }
+
+  Request sew_strangers(const CellComplex& map) {
+    Request result{Operation::Kind::sew, {}, {}, {}};
+    for (int tries = 0; tries < 100 && result.seams.empty(); ++tries) {
+      const Seam seam{some_face(map), some_face(map)};
+      if (map.can_sew(seam.one, seam.other)) result.seams.push_back(seam);
+    }
+    return result;
+  }
+  /// Together, after strangers were sewn in between.
+  static bool are_possible(CellComplex map, std::span<const Seam> seams) {
+    try {
+      map.sew(seams);
+      return true;
+    } catch (const TopologyError&) {
+      return false;
+    }
+  }
+  Dart some_face(const CellComplex& map) {
+    return static_cast<Dart>(random_() % (24 * std::size_t{map.element_count()}));
   }
 
   std::mt19937& random_;

@@ -9,6 +9,12 @@
 namespace suture {
 namespace {
 
+/// std::copy_n() calls memmove.
+inline void copy_three(const double* from, double* to) {
+  const double x = from[0], y = from[1], z = from[2];
+  to[0] = x, to[1] = y, to[2] = z;
+}
+
 /// Rows of `columns` (4 doubles each, of which 3 count) side by side. Without cells in parts
 /// that stay in the cache: a copy of all would cost more than the state itself.
 template <std::size_t n>
@@ -20,13 +26,13 @@ void pack_rows(Archive& archive, const char* name, const std::array<Column*, n>&
     packed.resize(count);
     for (std::size_t i = 0; i < n && !archive.loads(); ++i) {
       const double* row = columns[i]->rows() + std::size_t{first} * 4;
-      for (Index k = 0; k < count; ++k, row += 4) std::copy_n(row, 3, packed[k].data() + 3 * i);
+      for (Index k = 0; k < count; ++k, row += 4) copy_three(row, packed[k].data() + 3 * i);
     }
     archive(name, packed);
     archive.require(packed.size() == count, "the number of vertices is another");
     for (std::size_t i = 0; i < n && archive.loads(); ++i) {
       double* row = columns[i]->rows() + std::size_t{first} * 4;
-      for (Index k = 0; k < count; ++k, row += 4) std::copy_n(packed[k].data() + 3 * i, 3, row);
+      for (Index k = 0; k < count; ++k, row += 4) copy_three(packed[k].data() + 3 * i, row);
     }
   }
 }
@@ -54,12 +60,13 @@ void cells_of(Archive& archive, Table& table) {
   archive("volumes", table.volumes);
 }
 
-/// `whole`: not only the states of the model.
+/// `whole`: not only the states of the model. Other columns of elements are as they were built,
+/// whatever is done: elements do not split, and their sums are not summed again.
 void columns_of(Archive& archive, const Instance& instance, Table& table, bool whole) {
   if (archive.has_cells()) check_columns(archive, instance, table);
   if (whole) cells_of(archive, table);
   for (Column& column : table.columns) {
-    if (!whole && !column.has_trial()) continue;
+    if (!column.has_trial() && (!whole || table.dimension == 3)) continue;
     archive(("column " + column.spec().name).c_str(), column);
     archive.require(column.size() == table.cells.size(), "a column has more or fewer rows");
   }

@@ -66,8 +66,8 @@ void columns_of(Archive& archive, const Instance& instance, Table& table, bool w
   if (archive.has_cells()) check_columns(archive, instance, table);
   if (whole) cells_of(archive, table);
   for (Column& column : table.columns) {
-    if (!column.has_trial() && (!whole || table.dimension == 3)) continue;
-    archive(("column " + column.spec().name).c_str(), column);
+    if (column.has_trial() || (whole && table.dimension < 3))
+      archive(("column " + column.spec().name).c_str(), column);
     archive.require(column.size() == table.cells.size(), "a column has more or fewer rows");
   }
 }

@@ -151,6 +151,16 @@ TEST(State, AttributesThatAreLoadedGoOnAsThoseThatWereSaved) {
   EXPECT_GT(strangers, 0) << "no element was saved with a rest shape of its own";
 }
 
+// Of element columns nothing is saved that operations do not change.
+TEST(State, OfAnotherRegionIsRefused) {
+  const fake::Model model(fake::everything());
+  const Body body({3, 3, 3});
+  Simulated one(model, body, {{0, 1, 2}}), other(model, body, {{0, 1, 2, 3}});
+  one.apply({Operation::Kind::pierce, {}, {20}, {}});
+  EXPECT_EQ(refusal_of(state_of(one.attributes), other.attributes),
+            "/instances/0/tables/3: a column has more or fewer rows");
+}
+
 TEST(State, OfAColumnTellsWhetherItIsTheSameEverywhere) {
   ColumnSpec spec;
   spec.components = 2;

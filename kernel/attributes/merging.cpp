@@ -67,6 +67,7 @@ void MergePolicies::apply(Table& table, const RestPlaces& rest, const TouchedEle
   const bool weighs = merges && dimension != 0 && needs_weights(table);
   if (weighs || !table.volumes.empty()) find_volumes(rest, touched);
   if (merges) {
+    weights_.clear();
     if (weighs) weigh_merges(dimension, touched, change);
     merge(table, change.merges[dimension], dimension == 0 ? vertex_weights : weights_,
           first_column);

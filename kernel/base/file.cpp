@@ -53,9 +53,31 @@ void AtomicFile::commit() {
   temporary_.clear();
 }
 
-OutputFile::OutputFile(std::filesystem::path path) : path_(std::move(path)) {
-  fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+namespace {
+
+int create(const std::filesystem::path& path, const std::filesystem::path& shown) {
+  const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (fd < 0) fail_io(shown, "opened for writing", errno);
+  return fd;
+}
+
+}  // namespace
+
+OutputFile::OutputFile(std::filesystem::path path)
+    : path_(std::move(path)), fd_(create(path_, path_)) {}
+
+OutputFile::OutputFile(const AtomicFile& file)
+    : path_(file.path()), fd_(create(file.temporary(), path_)) {}
+
+OutputFile::OutputFile(std::filesystem::path path, std::uint64_t kept) : path_(std::move(path)) {
+  fd_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC);
   if (fd_ < 0) fail_io(path_, "opened for writing", errno);
+  const auto end = static_cast<off_t>(kept);
+  if (::ftruncate(fd_, end) != 0 || ::lseek(fd_, end, SEEK_SET) < 0) {
+    const int error = errno;
+    ::close(fd_);
+    fail_io(path_, "continued", error);
+  }
 }
 
 OutputFile::~OutputFile() {
@@ -71,13 +93,25 @@ void OutputFile::write(std::string_view bytes) {
   }
 }
 
+void OutputFile::sync() {
+  // EINVAL: a device or pipe, which has nothing to wait for.
+  if (::fsync(fd_) != 0 && errno != EINVAL) fail_io(path_, "written", errno);
+}
+
 void OutputFile::close() {
   if (::close(std::exchange(fd_, -1)) != 0) fail_io(path_, "written", errno);
 }
 
+void sync_folder(const std::filesystem::path& folder) {
+  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return;
+  ::fsync(fd);
+  ::close(fd);
+}
+
 void write_file(const std::filesystem::path& path, std::string_view text) {
   AtomicFile atomic(path);
-  OutputFile file(atomic.temporary());
+  OutputFile file(atomic);
   file.write(text);
   file.close();
   atomic.commit();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -24,6 +25,8 @@ class AtomicFile {
 
   /// Where to write.
   const std::filesystem::path& temporary() const { return temporary_; }
+  /// The name that it will have.
+  const std::filesystem::path& path() const { return path_; }
   /// Gives the file its name. Throws IoError.
   void commit();
 
@@ -36,11 +39,17 @@ class OutputFile {
  public:
   /// Creates or empties the file. Throws IoError, as do all members but the destructor.
   explicit OutputFile(std::filesystem::path path);
+  /// The same for the temporary name; errors give the other one.
+  explicit OutputFile(const AtomicFile& file);
+  /// Opens a file that exists and goes on behind its first `kept` bytes; what follows is cut off.
+  OutputFile(std::filesystem::path path, std::uint64_t kept);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
   void write(std::string_view bytes);
+  /// Returns when the disk has what was written.
+  void sync();
   /// Some file systems report a full disk only here.
   void close();
 
@@ -48,6 +57,9 @@ class OutputFile {
   std::filesystem::path path_;
   int fd_ = -1;
 };
+
+/// Returns when the disk has the names of the files in it. File systems that cannot are left alone.
+void sync_folder(const std::filesystem::path& folder);
 
 /// AtomicFile + OutputFile for a text that is in memory.
 void write_file(const std::filesystem::path& path, std::string_view text);

@@ -2,9 +2,7 @@
 #include "kernel/output/frame_writer.hpp"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
-#include <csignal>
 #include <random>
 
 #include "kernel/base/error.hpp"
@@ -12,6 +10,7 @@
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/output/pvd.hpp"
 #include "tests/mesh/temporary_folder.hpp"
+#include "tests/output/small_files.hpp"
 #include "tests/output/vtu_oracle.hpp"
 
 namespace suture {
@@ -220,27 +219,6 @@ TEST(FrameWriter, AFileInPlaceOfTheFolderIsTold) {
     EXPECT_EQ(error.exit_code(), 6);
   }
 }
-
-// A limit on the size of files stands for a full disk: the write ends in the
-// middle, with EFBIG where a disk says ENOSPC.
-class SmallFiles {
- public:
-  explicit SmallFiles(rlim_t bytes) {
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    handler_ = std::signal(SIGXFSZ, SIG_IGN);
-    rlimit small = before_;
-    small.rlim_cur = bytes;
-    ::setrlimit(RLIMIT_FSIZE, &small);
-  }
-  ~SmallFiles() {
-    ::setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-
- private:
-  rlimit before_{};
-  void (*handler_)(int) = nullptr;
-};
 
 TEST(FrameWriter, AWriteThatFailsInTheBackgroundIsTold) {
   for (const bool background : {true, false}) {

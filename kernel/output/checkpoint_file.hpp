@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "kernel/base/archive.hpp"
+
+namespace suture {
+
+/// What a checkpoint says of the run beside its state.
+struct CheckpointHeader {
+  struct Plugin {
+    std::string id, version, file;
+    void state(Archive& archive);
+  };
+  std::string program;         ///< "suture 0.1.0"
+  std::string isa;             ///< of the loops
+  std::string scene_text;      ///< complete, after --set
+  std::string scene_file;      ///< absolute; its folder is what files are relative to
+  std::string working_folder;  ///< absolute; what the output folder is relative to
+  std::string scene_hash;
+  std::string mesh_source, mesh_hash;
+  std::vector<Plugin> plugins;
+  std::uint64_t number = 0;  ///< of the checkpoint in its run, from 1; set by CheckpointWriter
+  std::uint64_t step = 0;
+  double time = 0;  ///< s
+
+  void state(Archive& archive);
+};
+
+struct Checkpoint {
+  CheckpointHeader header;
+  StateTree state;
+};
+
+/// Writes one file, complete or not at all, and returns when it is on the disk. The file is
+/// HDF5 behind a block of 512 bytes that has its version, length and checksum: the attributes
+/// of the root and the group `plugins` are the header, the group `state` is the state, group by
+/// group. Arrays of the state are freed on the way. Throws IoError.
+void write_checkpoint(const std::filesystem::path& path, CheckpointHeader header,
+                      StateTree&& state);
+
+/// Throws InputError that says why a file cannot be read: no file, a folder, of another kind or
+/// another version of the format, cut off, damaged.
+Checkpoint read_checkpoint(const std::filesystem::path& path);
+
+/// checkpoint_0042.h5: the number has four digits or more.
+std::string checkpoint_name(std::uint64_t number);
+/// The numbers of the files of such names in a folder, ascending.
+std::vector<std::uint64_t> checkpoints_in(const std::filesystem::path& folder);
+
+}  // namespace suture

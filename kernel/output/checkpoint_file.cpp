@@ -206,14 +206,14 @@ std::string checkpoint_name(std::uint64_t number) {
   return name;
 }
 
-std::vector<std::uint64_t> checkpoints_in(const fs::path& folder) {
+std::vector<std::uint64_t> checkpoints_in(const fs::path& folder, const std::string& suffix) {
   std::vector<std::uint64_t> numbers;
   std::error_code failed;
   for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end;
        entry.increment(failed)) {
     const std::string name = entry->path().filename().string();
     const auto number = number_after(name, "checkpoint_");
-    if (number && name == checkpoint_name(*number)) numbers.push_back(*number);
+    if (number && name == checkpoint_name(*number) + suffix) numbers.push_back(*number);
   }
   std::sort(numbers.begin(), numbers.end());
   return numbers;

@@ -49,7 +49,8 @@ Checkpoint read_checkpoint(const std::filesystem::path& path);
 
 /// checkpoint_0042.h5: the number has four digits or more.
 std::string checkpoint_name(std::uint64_t number);
-/// The numbers of the files of such names in a folder, ascending.
-std::vector<std::uint64_t> checkpoints_in(const std::filesystem::path& folder);
+/// The numbers of the files of such names, with `suffix` behind, in a folder, ascending.
+std::vector<std::uint64_t> checkpoints_in(const std::filesystem::path& folder,
+                                          const std::string& suffix = "");
 
 }  // namespace suture

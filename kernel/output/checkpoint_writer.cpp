@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/output/checkpoint_writer.hpp"
+
+#include <algorithm>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "kernel/base/file.hpp"
+
+namespace suture {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool same_folder(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  return fs::equivalent(a.empty() ? "." : a, b.empty() ? "." : b, ignored);
+}
+
+}  // namespace
+
+// Everything from `write` on happens on the writing thread only; what waits is all that both
+// threads touch.
+struct CheckpointWriter::Impl {
+  explicit Impl(CheckpointWriterOptions chosen)
+      : options(std::move(chosen)),
+        next(options.resumed_number + 1),
+        newest(options.resumed_from),
+        shares_folder(!options.resumed_from.empty() &&
+                      same_folder(options.resumed_from.parent_path(), options.directory)) {}
+
+  const CheckpointWriterOptions options;
+  std::uint64_t next;
+
+  mutable std::mutex mutex;
+  std::condition_variable changed;
+  std::optional<Checkpoint> waiting;
+  std::exception_ptr error;
+  fs::path newest;
+  bool busy = false, stopping = false;
+  std::thread thread;
+
+  const bool shares_folder;
+  bool tidied = false;
+  std::deque<std::uint64_t> own;  ///< numbers of files that are whole, ascending
+
+  fs::path path_of(std::uint64_t number) const {
+    return options.directory / checkpoint_name(number);
+  }
+
+  void write(Checkpoint checkpoint) {
+    const std::uint64_t number = checkpoint.header.number;
+    // Not before the first: a scene that is only looked at leaves no trace.
+    std::error_code failed;
+    fs::create_directories(options.directory, failed);
+    if (failed) fail_io(options.directory, "made as output folder", failed.value());
+    write_checkpoint(path_of(number), std::move(checkpoint.header), std::move(checkpoint.state));
+    if (!std::exchange(tidied, true)) remove_others(number);
+    own.push_back(number);
+    for (; own.size() > std::max(options.keep, 1u); own.pop_front()) remove(own.front());
+  }
+
+  void remove_others(std::uint64_t written) {
+    for (const std::uint64_t number : checkpoints_in(options.directory)) {
+      if (number == written) continue;
+      if (shares_folder && number <= options.resumed_number)
+        own.push_back(number);
+      else
+        remove(number);
+    }
+    // Of a program that was killed while it wrote.
+    for (const std::uint64_t number : checkpoints_in(options.directory, ".part"))
+      remove(number, ".part");
+  }
+
+  void remove(std::uint64_t number, const char* suffix = "") const {
+    std::error_code ignored;
+    fs::remove(path_of(number) += suffix, ignored);
+  }
+
+  // The loop of the writing thread.
+  void work() {
+    std::unique_lock lock(mutex);
+    while (true) {
+      changed.wait(lock, [&] { return stopping || waiting; });
+      if (!waiting) return;
+      Checkpoint checkpoint = std::move(*waiting);
+      waiting.reset();
+      busy = true;
+      changed.notify_all();
+      const fs::path path = path_of(checkpoint.header.number);
+      lock.unlock();
+      std::exception_ptr failed;
+      try {
+        write(std::move(checkpoint));
+      } catch (...) {
+        failed = std::current_exception();
+      }
+      lock.lock();
+      busy = false;
+      if (failed) {
+        error = failed;
+        waiting.reset();
+      } else {
+        newest = path;
+      }
+      changed.notify_all();
+    }
+  }
+
+  void rethrow() {
+    if (error) std::rethrow_exception(std::exchange(error, nullptr));
+  }
+};
+
+CheckpointWriter::CheckpointWriter(CheckpointWriterOptions options)
+    : impl_(std::make_unique<Impl>(std::move(options))) {}
+
+CheckpointWriter::~CheckpointWriter() {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->stopping = true;
+  }
+  impl_->changed.notify_all();
+  if (impl_->thread.joinable()) impl_->thread.join();
+}
+
+void CheckpointWriter::submit(CheckpointHeader header, StateTree&& state) {
+  Impl& impl = *impl_;
+  std::unique_lock lock(impl.mutex);
+  impl.rethrow();
+  if (!impl.thread.joinable()) impl.thread = std::thread([&impl] { impl.work(); });
+  impl.changed.wait(lock, [&] { return impl.error || !impl.waiting; });
+  impl.rethrow();
+  header.number = impl.next++;
+  impl.waiting.emplace(Checkpoint{std::move(header), std::move(state)});
+  impl.changed.notify_all();
+}
+
+void CheckpointWriter::finish() {
+  std::unique_lock lock(impl_->mutex);
+  impl_->changed.wait(lock, [&] { return impl_->error || (!impl_->waiting && !impl_->busy); });
+  impl_->rethrow();
+}
+
+fs::path CheckpointWriter::newest() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->newest;
+}
+
+}  // namespace suture

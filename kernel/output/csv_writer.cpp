@@ -2,8 +2,11 @@
 #include "kernel/output/csv_writer.hpp"
 
 #include <charconv>
+#include <fstream>
 #include <stdexcept>
 #include <utility>
+
+#include "kernel/base/error.hpp"
 
 namespace suture {
 namespace {
@@ -21,15 +24,16 @@ std::string cell(const std::string& text) {
 CsvWriter::CsvWriter(std::filesystem::path path, const std::vector<std::string>& columns)
     : path_(std::move(path)),
       columns_(columns.size()),
-      buffer_("step"),
+      header_("step"),
       flushed_(std::chrono::steady_clock::now()) {
-  for (const std::string& name : columns) buffer_.append(1, ',').append(cell(name));
-  buffer_ += '\n';
+  for (const std::string& name : columns) header_.append(1, ',').append(cell(name));
+  header_ += '\n';
+  buffer_ = header_;
 }
 
 CsvWriter::~CsvWriter() {
   try {
-    finish();
+    if (!buffer_.empty()) finish();
   } catch (...) {  // finish() is where errors are told.
   }
 }
@@ -58,8 +62,9 @@ void CsvWriter::flush() {
   if (!file_) {
     std::error_code ignored;  // opening the file tells what is wrong
     std::filesystem::create_directories(path_.parent_path(), ignored);
-    file_.emplace(path_);
+    bytes_ == 0 ? void(file_.emplace(path_)) : void(file_.emplace(path_, bytes_));
   }
+  bytes_ += buffer_.size();
   file_->write(std::exchange(buffer_, {}));
   flushed_ = std::chrono::steady_clock::now();
 }
@@ -68,6 +73,39 @@ void CsvWriter::finish() {
   if (std::exchange(finished_, true) || !has_rows_) return;
   flush();
   file_->close();
+}
+
+void CsvWriter::state(Archive& archive) {
+  if (!archive.loads() && has_rows_ && !finished_) {
+    flush();
+    file_->sync();
+  }
+  archive("has_rows", has_rows_);
+  archive("bytes", bytes_);
+  if (!archive.loads()) return;
+  file_.reset();
+  buffer_ = bytes_ == 0 ? header_ : "";
+  finished_ = false;
+  if (bytes_ != 0) check_file();
+}
+
+// That it is the table whose rows were written, as far as can be seen.
+void CsvWriter::check_file() const {
+  const auto refuse = [&](const std::string& what) {
+    throw InputError(path_.string() + ": " + what + ", and the checkpoint goes on behind byte " +
+                     std::to_string(bytes_) +
+                     " of it; put it back as it was, or start the run anew");
+  };
+  std::error_code failed;
+  const auto size = std::filesystem::file_size(path_, failed);
+  if (failed == std::errc::no_such_file_or_directory) refuse("is gone");
+  if (failed) refuse("cannot be read: " + failed.message());
+  if (size < bytes_) refuse("has " + std::to_string(size) + " bytes");
+  std::ifstream file(path_, std::ios::binary);
+  std::string first(header_.size(), ' ');
+  file.read(first.data(), static_cast<std::streamsize>(first.size()));
+  file.seekg(static_cast<std::streamoff>(bytes_ - 1));
+  if (first != header_ || file.get() != '\n') refuse("is another table");
 }
 
 }  // namespace suture

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "kernel/base/archive.hpp"
 #include "kernel/base/file.hpp"
 
 namespace suture {
@@ -31,12 +32,21 @@ class CsvWriter {
   /// Writes what is buffered and closes the file. Throws IoError.
   void finish();
 
+  /// Saved: how much of the file was written; all rows so far are on the disk then. Loaded: the
+  /// next rows go on there, and what the file has beyond is cut off with the first of them, or
+  /// by finish(). Throws InputError, the file untouched, if that is gone or shorter or of other
+  /// columns.
+  void state(Archive& archive);
+
  private:
   void flush();
+  void check_file() const;
 
   std::filesystem::path path_;
   std::size_t columns_;
+  std::string header_;  ///< the first line
   std::string buffer_;
+  std::uint64_t bytes_ = 0;  ///< written
   std::optional<OutputFile> file_;
   std::chrono::steady_clock::time_point flushed_;
   bool has_rows_ = false, finished_ = false;

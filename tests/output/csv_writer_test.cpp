@@ -99,5 +99,114 @@ TEST(CsvWriter, AFileInPlaceOfTheFolderIsTold) {
   EXPECT_THROW(table.finish(), IoError);
 }
 
+StateTree state_of(CsvWriter& table) {
+  StateTree tree;
+  save_state(tree, table);
+  return tree;
+}
+
+/// Rows of steps [first, last).
+void rows(CsvWriter& table, std::uint64_t first, std::uint64_t last) {
+  for (std::uint64_t step = first; step < last; ++step)
+    table.row(step, std::array<double, 2>{0.1 * double(step), 1 / (1 + double(step))});
+}
+
+TEST(CsvWriter, GoesOnWhereTheCheckpointWas) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> columns{"a", "b, c"};
+  std::string expected;
+  {
+    CsvWriter table(folder / "t.csv", columns);
+    rows(table, 0, 9000);
+    table.finish();
+    expected = read_text(folder / "t.csv");
+  }
+  for (const std::uint64_t at : {0, 1, 100, 5000, 9000}) {
+    StateTree state;
+    {
+      CsvWriter table(folder / "t.csv", columns);
+      rows(table, 0, at);
+      state = state_of(table);
+      if (at != 0) {
+        EXPECT_EQ(read_text(folder / "t.csv"),
+                  expected.substr(0, read_text(folder / "t.csv").size()))
+            << "the rows are on the disk";
+      }
+      rows(table, at, 8000);
+      table.row(77, std::array<double, 2>{7, 7});
+    }
+    const std::string before = read_text(folder / "t.csv");
+    for (int round = 0; round < 2; ++round) {
+      CsvWriter table(folder / "t.csv", columns);
+      load_state(state, table);
+      if (round == 0) {
+        EXPECT_EQ(read_text(folder / "t.csv"), before) << "not before there are rows";
+      }
+      rows(table, at, 9000);
+      table.finish();
+      EXPECT_EQ(read_text(folder / "t.csv"), expected) << at << ", round " << round;
+    }
+  }
+}
+
+TEST(CsvWriter, ResumedWithoutRowsItCutsAtTheEndOnly) {
+  const TemporaryFolder folder;
+  StateTree state;
+  {
+    CsvWriter table(folder / "t.csv", {"a", "b"});
+    rows(table, 0, 3);
+    state = state_of(table);
+    rows(table, 3, 5);
+  }
+  const std::string before = read_text(folder / "t.csv");
+  {
+    CsvWriter table(folder / "t.csv", {"a", "b"});
+    load_state(state, table);
+  }
+  EXPECT_EQ(read_text(folder / "t.csv"), before) << "a run that failed before it went on";
+  {
+    CsvWriter table(folder / "t.csv", {"a", "b"});
+    load_state(state, table);
+    const StateTree again = state_of(table);
+    EXPECT_EQ(again.arrays.size(), state.arrays.size());
+    table.finish();
+  }
+  EXPECT_EQ(rows_of(folder / "t.csv").size(), 4u);
+}
+
+TEST(CsvWriter, ATableThatIsNotTheOneIsRefused) {
+  const TemporaryFolder folder;
+  StateTree state;
+  {
+    CsvWriter table(folder / "t.csv", {"a", "b"});
+    rows(table, 0, 3);
+    state = state_of(table);
+  }
+  const std::string whole = read_text(folder / "t.csv"), name = (folder / "t.csv").string();
+  const std::string end = ", and the checkpoint goes on behind byte " +
+                          std::to_string(whole.size()) +
+                          " of it; put it back as it was, or start the run anew";
+  const auto refusal = [&] {
+    CsvWriter table(folder / "t.csv", {"a", "b"});
+    try {
+      load_state(state, table);
+      return std::string();
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+  };
+  EXPECT_EQ(refusal(), "");
+  folder.write("t.csv", whole.substr(0, 12));
+  EXPECT_EQ(refusal(), name + ": has 12 bytes" + end);
+  folder.write("t.csv", "step,a,c\n" + whole.substr(9));
+  EXPECT_EQ(refusal(), name + ": is another table" + end);
+  folder.write("t.csv", whole.substr(0, whole.size() - 1) + "0\n");
+  EXPECT_EQ(refusal(), name + ": is another table" + end);
+  EXPECT_EQ(read_text(folder / "t.csv"), whole.substr(0, whole.size() - 1) + "0\n");
+  std::filesystem::remove(folder / "t.csv");
+  EXPECT_EQ(refusal(), name + ": is gone" + end);
+  EXPECT_FALSE(std::filesystem::exists(folder / "t.csv"));
+}
+
 }  // namespace
 }  // namespace suture

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "kernel/base/archive.hpp"
 #include "kernel/base/types.hpp"
 
 namespace suture {
@@ -16,6 +17,8 @@ struct FrameField {
   std::vector<double> values{};     ///< of vertices or elements
   std::vector<std::int64_t> ids{};  ///< instead of values: an integer array
   bool global_ids = false;          ///< the user's numbers; read_mesh finds them again
+
+  void state(Archive& archive);
 };
 
 /// A copy of what one frame shows, so that the simulation can go on while it is
@@ -30,6 +33,9 @@ struct Frame {
   std::vector<FrameField> point_fields;
   std::vector<FrameField> cell_fields;
   std::string field_data_provenance;  ///< scene hash, plugin versions, threads
+
+  /// For frames that are held back when a checkpoint is written.
+  void state(Archive& archive);
 };
 
 }  // namespace suture

@@ -6,6 +6,7 @@
 #include <deque>
 #include <exception>
 #include <mutex>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -52,6 +53,7 @@ struct FrameWriter::Impl {
 
   PvdFile pvd;
   std::vector<std::string> old_files;
+  std::size_t missing = 0;
 
   std::string file_name(const Frame& frame) const {
     char number[24];
@@ -160,6 +162,20 @@ void FrameWriter::finish() {
   impl_->changed.wait(lock, [&] { return impl_->error || (impl_->queue.empty() && !impl_->busy); });
   impl_->rethrow();
 }
+
+void FrameWriter::state(Archive& archive) {
+  if (!archive.loads()) finish();
+  const std::lock_guard lock(impl_->mutex);
+  archive("written", impl_->written);
+  archive("list", impl_->pvd);
+  if (!archive.loads()) return;
+  impl_->missing = impl_->pvd.leave_out_missing();
+  impl_->old_files = PvdFile::files_of(impl_->pvd_path);
+  const std::set<std::string> listed(impl_->pvd.files().begin(), impl_->pvd.files().end());
+  std::erase_if(impl_->old_files, [&](const std::string& file) { return listed.contains(file); });
+}
+
+std::size_t FrameWriter::missing() const { return impl_->missing; }
 
 std::size_t FrameWriter::written() const {
   const std::lock_guard lock(impl_->mutex);

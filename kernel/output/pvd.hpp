@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "kernel/base/archive.hpp"
+
 namespace suture {
 
 /// The list of a run's frames with their times, ParaView's `.pvd`. Written anew
@@ -16,12 +18,19 @@ class PvdFile {
   /// Appends a frame and replaces the file. Throws IoError.
   void add(double time, const std::string& file);
 
+  /// The frames so far. Loading writes nothing.
+  void state(Archive& archive);
+  /// Leaves out the frames whose files are not there; how many those are.
+  std::size_t leave_out_missing();
+  const std::vector<std::string>& files() const { return files_; }
+
   /// The files that the collection under this path names; none if there is none.
   static std::vector<std::string> files_of(const std::filesystem::path& path);
 
  private:
   std::filesystem::path path_;
-  std::string entries_;
+  std::vector<double> times_;
+  std::vector<std::string> files_;
 };
 
 }  // namespace suture

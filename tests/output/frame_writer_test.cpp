@@ -248,5 +248,96 @@ TEST(FrameWriter, AWriteThatFailsInTheBackgroundIsTold) {
   }
 }
 
+std::string name_of(std::uint64_t number) {
+  char name[32];
+  std::snprintf(name, sizeof name, "frame_%04d.vtu", int(number));
+  return name;
+}
+
+std::vector<std::string> names(std::uint64_t first, std::uint64_t last) {
+  std::vector<std::string> all;
+  for (std::uint64_t n = first; n < last; ++n) all.push_back(name_of(n));
+  return all;
+}
+
+/// Frames [first, last), given to a writer.
+void submit(FrameWriter& writer, std::uint64_t first, std::uint64_t last) {
+  for (std::uint64_t n = first; n < last; ++n) writer.submit(box_frame(n, {1, 1, 1}));
+}
+
+TEST(FrameWriter, GoesOnWhereTheCheckpointWas) {
+  for (const std::uint64_t at : {0, 1, 4, 8}) {
+    const TemporaryFolder folder;
+    StateTree state;
+    {
+      FrameWriter writer({.directory = folder.path()});
+      submit(writer, 0, at);
+      save_state(state, writer);
+      EXPECT_EQ(PvdFile::files_of(folder / "run.pvd"), names(0, at)) << "all are on disk";
+      submit(writer, at, 8);
+    }
+    folder.write("frame_0020.vtu", "not listed");
+    const std::string whole = read_text(folder / "run.pvd");
+    for (int round = 0; round < 2; ++round) {
+      FrameWriter writer({.directory = folder.path()});
+      load_state(state, writer);
+      EXPECT_EQ(writer.written(), at);
+      EXPECT_EQ(writer.missing(), 0u);
+      EXPECT_EQ(read_text(folder / "run.pvd"), whole) << "nothing new, nothing lost";
+      submit(writer, at, at + 1);
+      writer.finish();
+      EXPECT_EQ(PvdFile::files_of(folder / "run.pvd"), names(0, at + 1));
+      for (std::uint64_t n = 0; n < 8; ++n)
+        EXPECT_EQ(fs::exists(folder / name_of(n)), n < at + 1) << n;
+      EXPECT_TRUE(fs::exists(folder / "frame_0020.vtu"));
+      submit(writer, at + 1, 8);
+      writer.finish();
+      EXPECT_EQ(writer.written(), std::max<std::uint64_t>(8, at + 1));
+      if (at == 8) break;
+      EXPECT_EQ(read_text(folder / "run.pvd"), whole);
+    }
+  }
+}
+
+TEST(FrameWriter, FramesThatWereRemovedLeaveTheListOfAResumedRun) {
+  const TemporaryFolder folder;
+  StateTree state;
+  {
+    FrameWriter writer({.directory = folder.path()});
+    submit(writer, 0, 4);
+    save_state(state, writer);
+  }
+  fs::remove(folder / name_of(1));
+  FrameWriter writer({.directory = folder.path()});
+  load_state(state, writer);
+  EXPECT_EQ(writer.missing(), 1u);
+  submit(writer, 4, 5);
+  writer.finish();
+  EXPECT_EQ(PvdFile::files_of(folder / "run.pvd"),
+            (std::vector<std::string>{name_of(0), name_of(2), name_of(3), name_of(4)}));
+}
+
+TEST(Frame, IsSavedWhole) {
+  Frame frame = box_frame(3), back;
+  frame.lines = {{1, 2}, {3, 4}};
+  StateTree tree;
+  save_state(tree, frame);
+  load_state(tree, back);
+  EXPECT_EQ(back.number, 3u);
+  EXPECT_EQ(back.time, frame.time);
+  EXPECT_EQ(back.points, frame.points);
+  EXPECT_EQ(back.hexahedra, frame.hexahedra);
+  EXPECT_EQ(back.lines, frame.lines);
+  EXPECT_EQ(back.field_data_provenance, frame.field_data_provenance);
+  ASSERT_EQ(back.point_fields.size(), 2u);
+  ASSERT_EQ(back.cell_fields.size(), 1u);
+  EXPECT_EQ(back.point_fields[0].name, "displacement");
+  EXPECT_EQ(back.point_fields[0].components, 3);
+  EXPECT_EQ(back.point_fields[0].values, frame.point_fields[0].values);
+  EXPECT_EQ(back.point_fields[1].ids, frame.point_fields[1].ids);
+  EXPECT_TRUE(back.point_fields[1].global_ids);
+  EXPECT_FALSE(back.cell_fields[0].global_ids);
+}
+
 }  // namespace
 }  // namespace suture

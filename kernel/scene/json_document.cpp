@@ -250,6 +250,10 @@ void append_canonical(const JsonValue& value, std::string& out);
 void append_quoted(const std::string& text, std::string& out) { out += Json(text).dump(); }
 
 void append_number(const JsonValue& value, std::string& out) {
+  if (value.number == 0 && std::signbit(value.number)) {
+    out += "-0.0";
+    return;
+  }
   char digits[32];
   const auto end = std::to_chars(digits, digits + sizeof digits, value.number).ptr;
   out += value.natural ? std::to_string(*value.natural) : std::string(digits, end);

@@ -49,8 +49,8 @@ std::string describe(const JsonValue& value);
 /// the usual slips, what to do. Linear in the length of the text.
 JsonValue parse_json(std::string_view text, const std::string& name);
 
-/// The same content always gives the same text: keys sorted, no blanks, the
-/// shortest digits that give a number back.
+/// The same content always gives the same text, which reads as that content: keys sorted, no
+/// blanks, the shortest digits that give a number back.
 std::string canonical_json(const JsonValue& value);
 
 /// FNV-1a, 64 bits, as 16 hexadecimal digits (Fowler, Noll, Vo; RFC 9923):

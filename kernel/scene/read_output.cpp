@@ -180,7 +180,7 @@ void read_directory(ObjectReader& object, Reading& reading) {
   const std::string directory = object.string("directory").value_or(standard);
   if (directory.empty()) object.complain("directory", "must not be empty");
   reading.scene.output.directory =
-      std::filesystem::absolute(directory.empty() ? standard : directory).lexically_normal();
+      (reading.working_folder / (directory.empty() ? standard : directory)).lexically_normal();
 }
 
 }  // namespace
@@ -201,6 +201,36 @@ void read_output(const JsonValue* value, Reading& reading) {
   }
   read_tables(object, reading);
   output.springs = object.boolean("springs").value_or(false);
+  object.finish();
+}
+
+void read_checkpoint(const JsonValue* value, Reading& reading) {
+  if (value == nullptr) return;
+  CheckpointOptions& checkpoint = reading.scene.checkpoint;
+  ObjectReader object(*value, "/checkpoint", reading.mistakes);
+  checkpoint.enabled = true;
+  if (!reading.scene.output.enabled) {
+    object.complain(
+        "needs a folder, and \"output\" is false; give an output or leave out the checkpoints");
+  }
+  const std::array<std::string, 3> rhythms{"every_steps", "every", "minutes"};
+  if (std::count_if(rhythms.begin(), rhythms.end(),
+                    [&](const std::string& key) { return object.find(key) != nullptr; }) > 1) {
+    object.complain(
+        "must have one of 'every_steps', 'every' (s of the simulation) and 'minutes' (that the "
+        "run takes), not several");
+  }
+  checkpoint.every_steps = object.natural("every_steps", 1).value_or(0);
+  checkpoint.every = object.number("every", Range::positive("s")).value_or(0);
+  checkpoint.minutes = object.number("minutes", Range::positive("min")).value_or(0);
+  constexpr unsigned most = 1'000'000;
+  checkpoint.keep =
+      static_cast<unsigned>(object.natural("keep", 1, most).value_or(checkpoint.keep));
+  const SolverOptions& solver = reading.scene.solver;
+  if (checkpoint.every > 0 && solver.dt && checkpoint.every < *solver.dt) {
+    reading.warn(object.find("every")->at, object.path_of("every"),
+                 "is shorter than a step; every step writes a checkpoint");
+  }
   object.finish();
 }
 

@@ -108,6 +108,22 @@ struct OutputOptions {
   bool springs = false;  ///< springs_NNNN.vtu with strain
 };
 
+/// When checkpoints are written, besides the one of an interrupted run.
+struct CheckpointOptions {
+  bool enabled = false;
+  std::uint64_t every_steps = 0;  ///< or
+  double every = 0;               ///< s of the simulation; or
+  double minutes = 0;             ///< of the time that the run takes
+  unsigned keep = 2;              ///< files that stay
+};
+
+/// All that a scene was read from, which reads as the same scene in any working folder.
+struct SceneSource {
+  std::string text;                      ///< JSON, after --set
+  std::filesystem::path file;            ///< absolute; mesh and plugin files count from its folder
+  std::filesystem::path working_folder;  ///< absolute; the output folder counts from it
+};
+
 struct Scene {
   std::string title;
   std::filesystem::path file;
@@ -121,6 +137,8 @@ struct Scene {
   std::vector<Event> events;  ///< by time (Event::start)
   SolverOptions solver;
   OutputOptions output;
+  CheckpointOptions checkpoint;
+  SceneSource source;
 };
 
 }  // namespace suture

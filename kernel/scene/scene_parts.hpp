@@ -12,7 +12,8 @@ namespace suture::scene_parts {
 
 struct Reading {
   Scene& scene;
-  std::filesystem::path folder;  ///< of the scene file
+  std::filesystem::path folder;          ///< of the scene file
+  std::filesystem::path working_folder;  ///< that the output folder counts from
   const ModelLookup& lookup;
   Mistakes& mistakes;
   Diagnostics& diagnostics;
@@ -65,5 +66,7 @@ RemoveIslands read_remove_islands(ObjectReader remove);
 void read_events(ObjectReader& top, Reading& reading);
 /// After read_models: models bring fields of their own.
 void read_output(const JsonValue* value, Reading& reading);
+/// After read_solver and read_output.
+void read_checkpoint(const JsonValue* value, Reading& reading);
 
 }  // namespace suture::scene_parts

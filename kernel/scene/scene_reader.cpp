@@ -57,6 +57,7 @@ void read_top(const JsonValue& root, Reading& reading) {
   if (solver != nullptr) read_solver(*solver, reading);
   read_events(top, reading);
   read_output(top.find("output"), reading);
+  read_checkpoint(top.find("checkpoint"), reading);
   top.finish();
 }
 
@@ -73,32 +74,55 @@ std::string read_text(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-}  // namespace
-
-Scene read_scene_text(std::string_view text, const std::filesystem::path& file,
-                      const std::vector<std::string>& sets, const ModelLookup& lookup,
-                      Diagnostics& diagnostics) {
-  JsonValue root = parse_json(text, file.string());
+/// The scene that `source` says; `shown` is the name of its text in messages.
+Scene read_source(const SceneSource& source, const std::string& shown,
+                  const std::vector<std::string>& sets, const ModelLookup& lookup,
+                  Diagnostics& diagnostics) {
+  JsonValue root = parse_json(source.text, shown);
   for (std::size_t i = 0; i < sets.size(); ++i) {
     apply_override(root, sets[i], static_cast<std::uint32_t>(i + 1));
   }
   Scene scene;
-  scene.file = std::filesystem::absolute(file);
-  scene.hash = fnv1a_hex(canonical_json(root));
-  Mistakes mistakes(file.string(), sets);
-  Reading reading{scene, scene.file.parent_path(), lookup, mistakes, diagnostics};
+  scene.file = source.file;
+  scene.source = {canonical_json(root), source.file, source.working_folder};
+  scene.hash = fnv1a_hex(scene.source.text);
+  Mistakes mistakes(shown, sets);
+  Reading reading{scene,      source.file.parent_path(), source.working_folder, lookup, mistakes,
+                  diagnostics};
   read_top(root, reading);
   mistakes.throw_if_any();
   warn_of_late_ramps(reading);
   return scene;
 }
 
+ModelLookup lookup_of(PluginHost& host) {
+  return {[&](std::string_view id) -> const suture_model& { return host.model(id); },
+          [&](const std::filesystem::path& plugin) { host.add_file(plugin); }};
+}
+
+}  // namespace
+
+Scene read_scene_text(std::string_view text, const std::filesystem::path& file,
+                      const std::vector<std::string>& sets, const ModelLookup& lookup,
+                      Diagnostics& diagnostics) {
+  const SceneSource source{std::string(text), std::filesystem::absolute(file),
+                           std::filesystem::current_path()};
+  return read_source(source, file.string(), sets, lookup, diagnostics);
+}
+
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& sets,
                  PluginHost& host, Diagnostics& diagnostics) {
-  const ModelLookup lookup{
-      [&](std::string_view id) -> const suture_model& { return host.model(id); },
-      [&](const std::filesystem::path& plugin) { host.add_file(plugin); }};
-  return read_scene_text(read_text(file), file, sets, lookup, diagnostics);
+  return read_scene_text(read_text(file), file, sets, lookup_of(host), diagnostics);
+}
+
+Scene read_scene_source(const SceneSource& source, const std::vector<std::string>& sets,
+                        const ModelLookup& lookup, Diagnostics& diagnostics) {
+  return read_source(source, source.file.string() + " (as it was run)", sets, lookup, diagnostics);
+}
+
+Scene read_scene_source(const SceneSource& source, const std::vector<std::string>& sets,
+                        PluginHost& host, Diagnostics& diagnostics) {
+  return read_scene_source(source, sets, lookup_of(host), diagnostics);
 }
 
 const std::vector<std::string>& standard_fields() {

@@ -36,6 +36,14 @@ Scene read_scene_text(std::string_view text, const std::filesystem::path& file,
                       const std::vector<std::string>& sets, const ModelLookup& lookup,
                       Diagnostics& diagnostics);
 
+/// The scene that Scene::source was read from, whatever became of its file and in any working
+/// folder: without `sets` it has the same hash. Mesh, blade and plugin files are read where
+/// they were.
+Scene read_scene_source(const SceneSource& source, const std::vector<std::string>& sets,
+                        PluginHost& host, Diagnostics& diagnostics);
+Scene read_scene_source(const SceneSource& source, const std::vector<std::string>& sets,
+                        const ModelLookup& lookup, Diagnostics& diagnostics);
+
 /// Names of output fields that every scene may ask for, whatever its models.
 const std::vector<std::string>& standard_fields();
 

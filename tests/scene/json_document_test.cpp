@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+
 #include "kernel/base/error.hpp"
 
 namespace suture {
@@ -105,6 +107,32 @@ TEST(JsonDocument, CanonicalTextForgetsOrderAndBlanks) {
             R"({"a":{"c":"\"","x":null},"b":[1,2.5,true]})");
   EXPECT_EQ(canonical("{\"a\": 1e2 /* hundred */}"), canonical("{ \"a\":100.0 }"));
   EXPECT_NE(canonical("{\"a\": 0.1}"), canonical("{\"a\": 0.10000000000000002}"));
+}
+
+TEST(JsonDocument, CanonicalTextReadsAsTheSameNumbers) {
+  const char* numbers[] = {"0",
+                           "-0.0",
+                           "0.1",
+                           "1e22",
+                           "1e300",
+                           "-5e-324",
+                           "18446744073709551615",
+                           "-0.3",
+                           "1e6",
+                           "2.5e6",
+                           "-17",
+                           "1e20",
+                           "9007199254740993",
+                           "0.30000000000000004",
+                           "123456789012345678901234567890"};
+  for (const char* number : numbers) {
+    const JsonValue read = parse_json(number, "s");
+    const JsonValue again = parse_json(canonical_json(read), "s");
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(again.number), std::bit_cast<std::uint64_t>(read.number))
+        << number;
+    EXPECT_EQ(again.natural, read.natural) << number;
+    EXPECT_EQ(canonical_json(again), canonical_json(read)) << number;
+  }
 }
 
 // Test vectors of RFC 9923 and of Landon Curt Noll's reference page.

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <numbers>
 
@@ -362,6 +363,84 @@ TEST(SceneReader, SuggestsFilesOfTheFolder) {
         << error.what();
   }
   std::filesystem::remove_all(folder);
+}
+
+TEST(SceneReader, ReadsWhenToWriteCheckpoints) {
+  const auto options = [](const std::string& text) {
+    return read(scene_with(text.empty() ? "" : ", \"checkpoint\": " + text)).checkpoint;
+  };
+  EXPECT_FALSE(options("").enabled);
+  const CheckpointOptions plain = options("{}");
+  EXPECT_TRUE(plain.enabled);
+  EXPECT_EQ(plain.every_steps, 0u);
+  EXPECT_EQ(plain.every, 0);
+  EXPECT_EQ(plain.minutes, 0);
+  EXPECT_EQ(plain.keep, 2u);
+  EXPECT_EQ(options(R"({"every_steps": 100, "keep": 1})").every_steps, 100u);
+  EXPECT_EQ(options(R"({"every": 0.25})").every, 0.25);
+  EXPECT_EQ(options(R"({"minutes": 0.5, "keep": 7})").minutes, 0.5);
+  EXPECT_EQ(options(R"({"minutes": 0.5, "keep": 7})").keep, 7u);
+}
+
+TEST(SceneReader, RefusesCheckpointsThatCannotBe) {
+  const auto error = [](const std::string& text) {
+    const std::string all = error_of(scene_with(", \"checkpoint\": " + text));
+    return all.substr(std::min(all.find(" /checkpoint"), all.size()));
+  };
+  EXPECT_EQ(error("true"),
+            " /checkpoint: must be an object { ... }, is true\n1 mistake in folder/s.json");
+  EXPECT_NE(error(R"({"keep": 0})").find("/checkpoint/keep: must be"), std::string::npos);
+  EXPECT_NE(error(R"({"every_steps": 0})").find("/checkpoint/every_steps: must be"),
+            std::string::npos);
+  EXPECT_NE(error(R"({"minutes": -1})").find("must be > 0 min, is -1 min"), std::string::npos);
+  EXPECT_NE(error(R"({"every_step": 1})").find("unknown key (did you mean 'every_steps'?)"),
+            std::string::npos);
+  EXPECT_NE(error(R"({"every": 1, "minutes": 1})")
+                .find("/checkpoint: must have one of 'every_steps', 'every' (s of the simulation) "
+                      "and 'minutes' (that the run takes), not several"),
+            std::string::npos);
+  EXPECT_NE(error(R"({}, "output": false)")
+                .find("/checkpoint: needs a folder, and \"output\" is false; give an output or "
+                      "leave out the checkpoints"),
+            std::string::npos);
+}
+
+TEST(SceneReader, ASourceReadsAsTheSameSceneInAnyFolder) {
+  namespace fs = std::filesystem;
+  const fs::path before = fs::current_path();
+  const fs::path folder = fs::path(::testing::TempDir()) / "suture-source";
+  fs::create_directories(folder / "elsewhere");
+  std::ofstream(folder / "beam.vtu") << "x";
+  fs::current_path(folder);
+  Diagnostics diagnostics;
+  const Scene scene = read_scene_text(
+      scene_with(R"(, "gravity": [-0.0, 0.1, -9.81] // comment
+)"),
+      "s.json", {"/mesh={\"file\": \"beam.vtu\"}", "/title=a \"title\"", "/checkpoint={}"},
+      jelly_only(), diagnostics);
+  fs::current_path("elsewhere");
+  const Scene again = read_scene_source(scene.source, {}, jelly_only(), diagnostics);
+  EXPECT_EQ(again.hash, scene.hash);
+  EXPECT_EQ(again.source.text, scene.source.text);
+  EXPECT_EQ(again.title, "a \"title\"");
+  EXPECT_EQ(again.file, scene.file);
+  EXPECT_EQ(again.mesh.file, scene.mesh.file);
+  EXPECT_EQ(again.mesh.file.filename(), "beam.vtu");
+  EXPECT_EQ(again.output.directory, scene.output.directory);
+  EXPECT_TRUE(std::signbit(again.gravity[0]));
+  EXPECT_TRUE(again.checkpoint.enabled);
+  EXPECT_EQ(
+      read_scene_source(scene.source, {"/solver/end=7"}, jelly_only(), diagnostics).solver.end, 7);
+  fs::remove(folder / "beam.vtu");
+  try {
+    read_scene_source(scene.source, {}, jelly_only(), diagnostics);
+    ADD_FAILURE() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("s.json (as it was run):1:"), std::string::npos)
+        << error.what();
+  }
+  fs::current_path(before);
+  fs::remove_all(folder);
 }
 
 }  // namespace

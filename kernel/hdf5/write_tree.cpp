@@ -131,6 +131,7 @@ void write_group(hid_t group, StateTree& tree, const Properties& properties) {
   }
 }
 
+// NOLINTBEGIN(cppcoreguidelines-no-malloc): HDF5 lets memory grow in place.
 /// The memory of a file that HDF5 has closed: only then is the file marked as whole.
 class Image {
  public:
@@ -160,6 +161,7 @@ class Image {
   static herr_t forget(void*) { return 0; }
   void* bytes_ = nullptr;
 };
+// NOLINTEND(cppcoreguidelines-no-malloc)
 
 /// Fills a file in memory and returns its length.
 std::size_t write_file(StateTree& tree, hid_t access) {

@@ -23,7 +23,7 @@ std::size_t Column::storage(Index rows) const {
   return block_offset((rows + lanes - 1) / lanes);
 }
 
-void Column::grow(PageVector<double>& data, Index rows) const {
+void Column::grow(AlignedVector<double>& data, Index rows) const {
   const std::size_t needed = storage(rows);
   // A cut adds rows a few at a time; copying a column of a million rows for the
   // first of them would cost more than the cut.
@@ -74,7 +74,7 @@ void Column::append_copies(std::span<const RowSplit> splits) {
   pad();
 }
 
-void Column::copy_rows(PageVector<double>& data, std::span<const RowSplit> splits) const {
+void Column::copy_rows(AlignedVector<double>& data, std::span<const RowSplit> splits) const {
   double* values = data.data();
   if (dimension_ == 0 && stride_ == 4) {
     for (const auto& [from, to] : splits) {
@@ -130,7 +130,7 @@ void Column::hold_row(Index row) {
 void Column::fill(double value) {
   constant_ = dimension_ != 0 && !has_trial();
   if (constant_) {
-    PageVector<double>(storage(1), value).swap(data_);
+    AlignedVector<double>(storage(1), value).swap(data_);
     return;
   }
   for (Index row = 0; row < size_; ++row)
@@ -145,7 +145,7 @@ double* Column::block(Index b) {
 
 void Column::expand() {
   if (!constant_) return;
-  const PageVector<double> one = data_;
+  const AlignedVector<double> one = data_;
   data_.reserve(2 * storage(size_));
   data_.resize(storage(size_));
   for (std::size_t at = 0; at < data_.size(); at += one.size())
@@ -159,7 +159,7 @@ void Column::pad() {
   if (has_trial()) pad(trial_);
 }
 
-void Column::pad(PageVector<double>& data) const {
+void Column::pad(AlignedVector<double>& data) const {
   for (int c = 0; c < spec_.components; ++c) {
     double* lane = data.data() + block_offset(size_ / lanes) + c * static_cast<int>(lanes);
     std::fill(lane + size_ % lanes, lane + lanes, lane[size_ % lanes - 1]);
@@ -176,7 +176,7 @@ bool Column::compress(double relative) {
       const double first = data_[i / lanes * lanes];
       if (!(std::abs(data_[at + i] - first) <= relative * largest)) return false;
     }
-  PageVector<double> one(length);
+  AlignedVector<double> one(length);
   for (std::size_t i = 0; i < length; ++i) one[i] = data_[i / lanes * lanes];
   data_.swap(one);
   constant_ = true;

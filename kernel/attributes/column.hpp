@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "kernel/base/pages.hpp"
+#include "kernel/base/aligned.hpp"
 #include "kernel/base/types.hpp"
 #include "suture/plugin.h"
 
@@ -124,16 +124,16 @@ class Column {
     return (constant_ ? 0 : offset(row)) + static_cast<std::size_t>(component) * component_step();
   }
   std::size_t storage(Index rows) const;
-  void grow(PageVector<double>& data, Index rows) const;
-  void pad(PageVector<double>& data) const;
-  void copy_rows(PageVector<double>& data, std::span<const RowSplit> splits) const;
+  void grow(AlignedVector<double>& data, Index rows) const;
+  void pad(AlignedVector<double>& data) const;
+  void copy_rows(AlignedVector<double>& data, std::span<const RowSplit> splits) const;
 
   ColumnSpec spec_;
   int dimension_;
   int stride_;
   Index size_ = 0;
   bool constant_;
-  PageVector<double> data_, trial_;
+  AlignedVector<double> data_, trial_;
 };
 
 }  // namespace suture

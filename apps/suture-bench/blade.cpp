@@ -103,13 +103,13 @@ void measure_sheets(const Options& options, Report& report) {
 void measure_moving(const Options& options, Report& report) {
   PluginHost host;
   const auto cells = grid_of(options.moving);
-  Body body(host, {.model = "tm-faure", .cells = cells, .threads = options.threads});
+  BenchBody body(host, {.model = "tm-faure", .cells = cells, .threads = options.threads});
   const Workers workers(options.threads);
   const double edge = 0.025;
   const Vec3 size{edge * cells[0], edge * cells[1], edge * cells[2]};
   const Places places{body.attributes().position().rows()};
   const double force =
-      measure([&] { body.dynamics().forces().add_forces(0, 0); }, options.threads, options.seconds)
+      measure([&] { body.body().models().add_forces(0, 0); }, options.threads, options.seconds)
           .median;
   report.begin("blade moving",
                "a segment that moves 1/1000 of an element per step and cuts "

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "apps/suture-bench/timer.hpp"
+#include "kernel/forces/gravity.hpp"
 #include "kernel/mesh/box.hpp"
 
 namespace suture::bench {
@@ -62,55 +63,49 @@ std::vector<double> parameters_of(const suture_model& model,
   return values;
 }
 
-Body::Body(PluginHost& host, const BodyOptions& options)
-    : mesh_(timed_import(options, diagnostics_, times_)) {
+BenchBody::BenchBody(PluginHost& host, const BodyOptions& options)
+    : body_(std::make_unique<Body>(timed_import(options, diagnostics_, times_))) {
   for (std::size_t c = 0; c < 3; ++c) length_[c] = options.cell * options.cells[c];
   const suture_model& model = host.model(options.model);
   Stopwatch watch;
-  attributes_ = std::make_unique<Attributes>(mesh_.complex, mesh_.rest);
-  attributes_->user_element = mesh_.user_element.list();
-  attributes_->add(
+  attributes().add(
       std::make_unique<Instance>(model, options.model, parameters_of(model, options.parameters),
                                  diagnostics_, options.skip),
-      mesh_.complex, {});
-  attributes_->initialise(mesh_.complex, diagnostics_);
+      body_->complex(), {});
   times_.attributes = watch.lap();
-  DynamicsOptions motion;
-  motion.gravity = options.gravity;
-  motion.gravity_ramp.to = options.ramp;
-  motion.threads = options.threads;
-  dynamics_ = std::make_unique<Dynamics>(*attributes_, mesh_.complex, motion);
+  body_->compile(diagnostics_, options.threads);
+  TimeRamp ramp;
+  ramp.to = options.ramp;
+  body_->add(std::make_unique<Gravity>(attributes(), options.gravity, ramp));
+  dynamics_ = std::make_unique<Dynamics>(*body_, DynamicsOptions{});
+  limits_ = std::make_unique<StepLimits>(*body_);
   std::vector<Index> held;
-  for (Index v = 0; v < attributes_->vertex_count(); ++v)
-    if (attributes_->rest().get(v, 2) < options.held + 1e-9 * options.cell) held.push_back(v);
-  dynamics_->constraints().add(held, 7, {}, *attributes_);
+  for (Index v = 0; v < attributes().vertex_count(); ++v)
+    if (attributes().rest().get(v, 2) < options.held + 1e-9 * options.cell) held.push_back(v);
+  body_->constraints().add(held, 7, {}, attributes());
   dynamics_->start();
   times_.loops = watch.lap();
-  dt_ = options.safety * (options.search ? dynamics_->stable_step() : dynamics_->bounds().dt);
+  dt_ = options.safety * (options.search ? limits_->stable_step(0) : limits_->bounds(0).dt);
   times_.stable_step = watch.lap();
 }
 
-void Body::step() {
+void BenchBody::step() {
   dynamics_->step(dt_, time_ + dt_);
   time_ += dt_;
 }
 
-void Body::require_all_ids() {
-  mesh_.complex.require_edges();
-  mesh_.complex.require_faces();
+void BenchBody::require_all_ids() {
+  body_->complex().require_edges();
+  body_->complex().require_faces();
 }
 
-void Body::cut(std::span<const Dart> faces) {
-  dynamics_->prepare_change({}, true);
-  const TopologyChange change = mesh_.complex.cut(faces);
-  attributes_->apply(mesh_.complex, change);
-  dynamics_->update(mesh_.complex, change);
-}
+void BenchBody::cut(std::span<const Dart> faces) { body_->cut({faces.begin(), faces.end()}); }
 
-std::vector<Dart> Body::strip(int part, int parts) const {
-  const double* rest = attributes_->rest().rows();
+std::vector<Dart> BenchBody::strip(int part, int parts) const {
+  const double* rest = body_->attributes().rest().rows();
   const auto low = [&](Index e, int axis) {
-    return rest[std::size_t{mesh_.complex.vertices_of(e)[0]} * 4 + static_cast<std::size_t>(axis)];
+    return rest[std::size_t{body_->complex().vertices_of(e)[0]} * 4 +
+                static_cast<std::size_t>(axis)];
   };
   const double middle = length_[0] / 2, slack = 1e-6 * length_[0];
   const double from = length_[1] * part / parts, to = length_[1] * (part + 1) / parts;
@@ -118,7 +113,7 @@ std::vector<Dart> Body::strip(int part, int parts) const {
   for (Index e = 0; e < element_count(); ++e) {
     if (low(e, 1) < from - slack || low(e, 1) > to - slack || low(e, 0) > middle - slack) continue;
     for (int f = 0; f < 6; ++f) {
-      const Index other = mesh_.complex.neighbour(e, f);
+      const Index other = body_->complex().neighbour(e, f);
       if (other != none && low(other, 0) > middle - slack)
         faces.push_back(24 * e + 4 * static_cast<Dart>(f));
     }
@@ -126,19 +121,19 @@ std::vector<Dart> Body::strip(int part, int parts) const {
   return faces;
 }
 
-double Body::cut_random(unsigned count, unsigned seed) {
+double BenchBody::cut_random(unsigned count, unsigned seed) {
   std::mt19937 random(seed);
   double seconds = 0;
   for (unsigned i = 0; i < count; ++i) {
     Dart face = none;
     do {
       face = random() % (24 * element_count()) / 4 * 4;
-    } while (!mesh_.complex.can_cut(face));
+    } while (!body_->complex().can_cut(face));
     const double start = now(1);
     cut({&face, 1});
     seconds += now(1) - start;
   }
-  dt_ = 0.5 * dynamics_->bounds().dt;
+  dt_ = 0.5 * limits_->bounds(time_).dt;
   return seconds;
 }
 

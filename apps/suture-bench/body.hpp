@@ -8,10 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "kernel/attributes/attributes.hpp"
 #include "kernel/dynamics/dynamics.hpp"
+#include "kernel/dynamics/step_limits.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
-#include "kernel/topology/import.hpp"
 
 namespace suture::bench {
 
@@ -34,7 +33,7 @@ struct BodyOptions {
 
 /// Wall clock of the parts of building a body, s.
 struct BodyTimes {
-  double plugin = 0;  ///< not of Body
+  double plugin = 0;  ///< not of BenchBody
   double mesh = 0, map = 0, attributes = 0, loops = 0, stable_step = 0;
 };
 
@@ -43,9 +42,9 @@ struct BodyTimes {
 std::vector<double> parameters_of(const suture_model& model,
                                   const std::map<std::string, double>& wanted);
 
-class Body {
+class BenchBody {
  public:
-  Body(PluginHost& host, const BodyOptions& options);
+  BenchBody(PluginHost& host, const BodyOptions& options);
 
   /// One step, and the time goes on.
   void step();
@@ -53,17 +52,18 @@ class Body {
   /// Returns the seconds they took.
   double cut_random(unsigned count, unsigned seed);
 
-  Index element_count() const { return mesh_.complex.element_count(); }
+  Index element_count() const { return complex().element_count(); }
+  Body& body() { return *body_; }
   Dynamics& dynamics() { return *dynamics_; }
-  const CellComplex& complex() const { return mesh_.complex; }
+  StepLimits& limits() { return *limits_; }
+  const CellComplex& complex() const { return body_->complex(); }
   /// Faces of part `part` of `parts` of the middle plane across x, a strip over y,
   /// that are not open yet.
   std::vector<Dart> strip(int part, int parts) const;
   /// Opens faces, and everything follows.
   void cut(std::span<const Dart> faces);
 
-  Attributes& attributes() { return *attributes_; }
-  const Attributes& attributes() const { return *attributes_; }
+  Attributes& attributes() { return body_->attributes(); }
   double dt() const { return dt_; }
   const BodyTimes& times() const { return times_; }
   /// Ids of edges and faces, whether a model needs them or not.
@@ -72,9 +72,9 @@ class Body {
  private:
   Diagnostics diagnostics_;
   BodyTimes times_;
-  Imported mesh_;
-  std::unique_ptr<Attributes> attributes_;
+  std::unique_ptr<Body> body_;
   std::unique_ptr<Dynamics> dynamics_;
+  std::unique_ptr<StepLimits> limits_;
   Vec3 length_{};  ///< m, of the block
   double dt_ = 0;
   double time_ = 0;

@@ -24,15 +24,16 @@ void run(const Options& options, Report& report) {
   PluginHost host;
   // 1024 faces between two layers: 128 in a strip.
   const bool cuts = options.work == "cut";
-  Body body(host, {.model = options.model,
-                   .parameters = options.parameters,
-                   .cells = cuts ? std::array<Index, 3>{2, 32, 32} : std::array<Index, 3>{8, 8, 8},
-                   .distorted = options.distorted});
+  BenchBody body(host,
+                 {.model = options.model,
+                  .parameters = options.parameters,
+                  .cells = cuts ? std::array<Index, 3>{2, 32, 32} : std::array<Index, 3>{8, 8, 8},
+                  .distorted = options.distorted});
   std::vector<std::vector<Dart>> faces;
   for (int part = 0; part < strips && cuts; ++part) faces.push_back(body.strip(part, strips));
   for (int i = 0; i < options.repeat; ++i) {
     if (options.work == "force")
-      body.dynamics().forces().add_forces(0, 0);
+      body.body().models().add_forces(0, 0);
     else if (cuts)
       body.cut(faces[static_cast<std::size_t>(i)]);
     else

@@ -38,7 +38,6 @@ double resident_bytes() {
 /// What one round of a method on a case gave.
 struct Round {
   std::vector<double> seconds;  ///< of each cut
-  OperationTimes parts;         ///< of all cuts, Suture only
   double bytes = 0;             ///< of the model before the cuts
   double mass_lost = 0;         ///< relative
 };
@@ -57,11 +56,7 @@ Round run_suture(PluginHost& host, const std::string& model, const CutCase& c) {
   round.bytes = resident_bytes() - bytes;
   const double mass = body.mass();
   for (const auto& faces : c.cuts) {
-    const OperationTimes times = body.cut(faces);
-    round.seconds.push_back(times.all());
-    round.parts.topology += times.topology;
-    round.parts.attributes += times.attributes;
-    round.parts.dynamics += times.dynamics;
+    round.seconds.push_back(body.cut(faces));
   }
   round.mass_lost = lost(mass, body.mass());
   return round;
@@ -117,11 +112,6 @@ struct Sample {
     }
     return median(sums);
   }
-  double part(double OperationTimes::*which) const {
-    std::vector<double> of_part;
-    for (const Round& r : rounds) of_part.push_back(r.parts.*which);
-    return median(of_part);
-  }
 };
 
 /// Rounds of the methods alternate, so that a slow moment of the machine hits all.
@@ -150,20 +140,11 @@ void add_lines(Report& report, const CutCase& c, const std::vector<Method>& all,
         .add("ms", 1e3 * sample.all_seconds())
         .add("median_us_per_face", 1e6 * sample.all_seconds() / faces)
         .add("bytes_per_element", sample.rounds[0].bytes / elements);
-    const bool ours = m < 2;
-    const auto part = [&](double OperationTimes::*which) -> Line::Value {
-      if (!ours) return "";
-      return 1e6 * sample.part(which) / faces;
-    };
     const auto slower = [&](std::size_t base_line) -> Line::Value {
       if (samples.size() <= base_line || base_line <= m) return "";
       return samples[base_line].all_seconds() / sample.all_seconds();
     };
-    line.add("topology us", part(&OperationTimes::topology))
-        .add("attributes us", part(&OperationTimes::attributes))
-        .add("loops us", part(&OperationTimes::dynamics))
-        .add("CGAL / this", slower(2))
-        .add("Flechon / this", slower(3));
+    line.add("CGAL / this", slower(2)).add("Flechon / this", slower(3));
     report.add(std::move(line));
   }
 }
@@ -228,13 +209,13 @@ void single_operations(PluginHost& host, const Options& options, Report& report)
         Dart face = none;
         do face = random() % (24 * body.element_count()) / 4 * 4;
         while (!body.can_cut(face));
-        cuts.push_back(body.cut({&face, 1}).all());
+        cuts.push_back(body.cut({&face, 1}));
       }
       for (int i = 0; i < 1000; ++i) {
         Index element = none;
         do element = random() % body.element_count();
         while (!body.can_pierce(element));
-        pierces.push_back(body.pierce({&element, 1}).all());
+        pierces.push_back(body.pierce({&element, 1}));
       }
       report.add(Line()
                      .add("model", model)
@@ -256,7 +237,7 @@ void pierce_many(PluginHost& host, const Options& options, Report& report) {
         const auto length = static_cast<double>(n);
         SutureCut body(host, model,
                        make_box({.size = {length, length, length}, .cells = {n, n, n}}));
-        seconds.push_back(body.pierce(slab).all());
+        seconds.push_back(body.pierce(slab));
       }
       report.add(Line()
                      .add("model", model)

@@ -18,7 +18,7 @@ struct Options {
 };
 
 // A deformed state in which nothing tears, as at almost every look.
-void bend(Body& body) {
+void bend(BenchBody& body) {
   Column &x = body.attributes().position(), &rest = body.attributes().rest();
   for (Index v = 0; v < x.size(); ++v)
     for (int c = 0; c < 3; ++c)
@@ -28,24 +28,23 @@ void bend(Body& body) {
 /// The force and the look alternate, so that a slow moment of the machine hits both.
 void measure_tear(Index size, bool distorted, Tear::By by, const Options& options, PluginHost& host,
                   Report& report) {
-  Body body(host, {.model = "tm-faure",
-                   .cells = grid_of(size),
-                   .distorted = distorted,
-                   .threads = options.threads});
+  BenchBody body(host, {.model = "tm-faure",
+                        .cells = grid_of(size),
+                        .distorted = distorted,
+                        .threads = options.threads});
   bend(body);
   Tear tear;
   tear.by = by;
   tear.above = 0.3;
   TearCheck check(tear, {}, body.complex(), "/tear");
-  Dynamics& dynamics = body.dynamics();
   const double ns = 1e9 / body.element_count(), part = options.seconds / 5;
   double force = 1e9, look = 1e9;
   for (int round = 0; round < 5; ++round) {
     force = std::min(
-        force, measure([&] { dynamics.forces().add_forces(0, 0); }, options.threads, part).median);
-    look = std::min(look, measure([&] { check.faces(body.complex(), body.attributes(), dynamics); },
-                                  options.threads, part)
-                              .median);
+        force,
+        measure([&] { body.body().models().add_forces(0, 0); }, options.threads, part).median);
+    look =
+        std::min(look, measure([&] { check.faces(body.body(), 0); }, options.threads, part).median);
   }
   report.add(Line()
                  .add("elements", static_cast<double>(body.element_count()))

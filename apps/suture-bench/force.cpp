@@ -45,11 +45,11 @@ struct Options {
 };
 
 /// Springs of a step: edges, and four inner ones per element.
-double springs(const Body& body) { return body.complex().count(1) + 4.0 * body.element_count(); }
+double springs(BenchBody& body) { return body.complex().count(1) + 4.0 * body.element_count(); }
 
 /// Beside the two roofs of the machine: bytes that must move if no cache helps (so
 /// more than the whole stream is possible), and operations.
-void add_roofline(const Case& c, const Body& body, double seconds, unsigned threads, Line& line) {
+void add_roofline(const Case& c, BenchBody& body, double seconds, unsigned threads, Line& line) {
   const Machine& roof = machine(threads);
   const double bytes = bytes_per_element(body), rate = body.element_count() / seconds;
   line.add("B/el", bytes).add("% of stream", 100 * bytes * rate / roof.bandwidth);
@@ -59,11 +59,11 @@ void add_roofline(const Case& c, const Body& body, double seconds, unsigned thre
 
 void measure_case(const Case& c, Index size, const Options& options, PluginHost& host,
                   Report& report) {
-  Body body(host, {.model = c.model,
-                   .parameters = c.parameters,
-                   .cells = grid_of(size),
-                   .distorted = c.distorted,
-                   .threads = options.threads});
+  BenchBody body(host, {.model = c.model,
+                        .parameters = c.parameters,
+                        .cells = grid_of(size),
+                        .distorted = c.distorted,
+                        .threads = options.threads});
   const double elements = body.element_count();
   const auto rate = [&](const Timing& t, double count) { return 1e-6 * count / t.median; };
   const auto step = [&] { body.step(); };
@@ -74,7 +74,7 @@ void measure_case(const Case& c, Index size, const Options& options, PluginHost&
   line.add("step M el/s", rate(fresh, elements));
   if (c.springs) line.add("M springs/s", rate(fresh, fresh_springs));
   line.add("ns/el", 1e9 * fresh.median / elements);
-  const auto force = [&] { body.dynamics().forces().add_forces(0, 0); };
+  const auto force = [&] { body.body().models().add_forces(0, 0); };
   const Timing forces = measure(force, options.threads, options.seconds);
   line.add("force M el/s", rate(forces, elements));
   add_roofline(c, body, forces.median, options.threads, line);

@@ -31,9 +31,9 @@ class Frames {
     scene_.models.push_back(use);
     scene_.output.directory = folder_;
     scene_.output.fields = std::move(fields);
-    world_ = std::make_unique<World>(scene_, diagnostics_, skip);
-    world_->dynamics->start();
-    recorder_ = std::make_unique<Recorder>(scene_, *world_, "suture-bench");
+    built_ = std::make_unique<BuiltScene>(scene_, diagnostics_, skip);
+    built_->dynamics().start();
+    recorder_ = std::make_unique<Recorder>(scene_, *built_, "suture-bench");
   }
   ~Frames() {
     recorder_->finish();
@@ -53,7 +53,7 @@ class Frames {
   std::filesystem::path folder_;
   Scene scene_;
   Diagnostics diagnostics_;
-  std::unique_ptr<World> world_;
+  std::unique_ptr<BuiltScene> built_;
   std::unique_ptr<Recorder> recorder_;
   int count_ = 0;
 };

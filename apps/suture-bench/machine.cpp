@@ -72,8 +72,8 @@ Arithmetic arithmetic() {
 }
 
 /// Seconds of the best of a few rounds of body(worker number).
-template <class Body>
-double best_of(unsigned threads, int rounds, Body body) {
+template <class BenchBody>
+double best_of(unsigned threads, int rounds, BenchBody body) {
   const Workers workers(threads);
   double best = 1e9;
   for (int round = 0; round < rounds; ++round) {
@@ -111,7 +111,7 @@ const Machine& machine(unsigned threads) {
                               : known.emplace(threads, measure(threads)).first->second;
 }
 
-double bytes_per_element(const Body& body) {
+double bytes_per_element(BenchBody& body) {
   const Instance& instance = *body.attributes().instances()[0];
   const suture_model& model = instance.model();
   const double vertices = body.complex().count(0);

@@ -17,6 +17,6 @@ const Machine& machine(unsigned threads);
 /// vertices and columns of each cell, and once per functor the positions that are
 /// read and the forces that are read and written (velocities, masses, rest positions
 /// if it declares them). 1/element.
-double bytes_per_element(const Body& body);
+double bytes_per_element(BenchBody& body);
 
 }  // namespace suture::bench

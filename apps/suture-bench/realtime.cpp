@@ -37,7 +37,7 @@ BodyOptions liver(const Options& options, Index layers, unsigned threads) {
 }
 
 /// Seconds to advance `time`.
-double advance(Body& body, double time) {
+double advance(BenchBody& body, double time) {
   const double start = wall();
   for (double t = 0; t < time; t += body.dt()) body.step();
   return wall() - start;
@@ -48,7 +48,7 @@ double advance(Body& body, double time) {
 Index largest_block(const Options& options, unsigned threads, PluginHost& host, Report& report) {
   Index layers = 50;
   for (int correction = 0; correction < 3; ++correction) {
-    Body body(host, liver(options, layers, threads));
+    BenchBody body(host, liver(options, layers, threads));
     advance(body, 0.1);
     const double seconds = std::min({advance(body, 1), advance(body, 1), advance(body, 1)});
     report.add(Line()
@@ -71,7 +71,7 @@ struct Frames {
 
 /// One second in frames. Every 0.1 s another tenth of a plane through the middle is
 /// cut. The step is a number, as in a scene that says so: it is not estimated again.
-Frames show(Body& body, const Options& options) {
+Frames show(BenchBody& body, const Options& options) {
   Frames result;
   double next_frame = options.frame, next_cut = options.cut_every / 2, start = wall();
   for (double t = 0; t < 1; t += body.dt()) {
@@ -96,7 +96,7 @@ Frames show(Body& body, const Options& options) {
 void largest_shown(const Options& options, Index layers, unsigned threads, PluginHost& host,
                    Report& report) {
   for (; layers > 0; layers = std::min(layers - 1, layers * 96 / 100)) {
-    Body body(host, liver(options, layers, threads));
+    BenchBody body(host, liver(options, layers, threads));
     advance(body, 0.1);
     const Frames frames = show(body, options);
     report.add(Line()

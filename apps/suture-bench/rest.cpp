@@ -17,7 +17,7 @@ struct Options {
 };
 
 /// Mean deflection of the free end, m.
-double tip(Body& body) {
+double tip(BenchBody& body) {
   double sum = 0;
   int count = 0;
   Attributes& a = body.attributes();
@@ -31,12 +31,12 @@ double tip(Body& body) {
 
 void relax(Index n, const Options& options, PluginHost& host, Report& report) {
   const double begin = now(1);
-  Body body(host, {.model = "tm-faure",
-                   .cells = {n, n, 4 * n},
-                   .cell = 0.25 / n,
-                   .ramp = options.ramp,
-                   .safety = options.safety,
-                   .search = true});
+  BenchBody body(host, {.model = "tm-faure",
+                        .cells = {n, n, 4 * n},
+                        .cell = 0.25 / n,
+                        .ramp = options.ramp,
+                        .safety = options.safety,
+                        .search = true});
   RestSearch search(options.tolerance, true);
   constexpr double most_steps = 1e6;
   double steps = 0;
@@ -51,7 +51,7 @@ void relax(Index n, const Options& options, PluginHost& host, Report& report) {
                  .add("tip m", tip(body))
                  .add("residual", search.residual())
                  .add("dt s", body.dt())
-                 .add("alpha 1/s", body.dynamics().damping()));
+                 .add("alpha 1/s", body.dynamics().motion().damping()));
 }
 
 void run(const Options& options, Report& report) {

@@ -51,14 +51,14 @@ struct Alternating {
 void measure_beam(const Case& c, Index n, const Options& options, PluginHost& host,
                   Report& report) {
   BodyOptions body{.model = c.model, .parameters = c.parameters, .cells = {n, n, 4 * n}};
-  Body one(host, body);
+  BenchBody one(host, body);
   body.threads = options.threads;
-  Body many(host, body);
+  BenchBody many(host, body);
   const Alternating step(
       options, [&] { one.step(); }, [&] { many.step(); });
   const Alternating force(
-      options, [&] { one.dynamics().forces().add_forces(0, 0); },
-      [&] { many.dynamics().forces().add_forces(0, 0); });
+      options, [&] { one.body().models().add_forces(0, 0); },
+      [&] { many.body().models().add_forces(0, 0); });
   const double elements = one.element_count();
   report.add(Line()
                  .add("elements", elements)

@@ -27,7 +27,7 @@ class Skips {
       : options_(options), host_(host), report_(report) {}
 
   /// A step with and without, in turn.
-  void of_step(const char* what, const char* scene, Body& with, Body& without) {
+  void of_step(const char* what, const char* scene, BenchBody& with, BenchBody& without) {
     double skipped = 1e9, done = 1e9;
     for (int round = 0; round < options_.rounds; ++round) {
       skipped = std::min(skipped, measure([&] { with.step(); }, 2, options_.seconds).median);
@@ -36,7 +36,7 @@ class Skips {
     add(what, scene, "step", skipped, done);
   }
 
-  Body body(BodyOptions options, bool skip) {
+  BenchBody body(BodyOptions options, bool skip) {
     options.skip = skip;
     if (options.cells == std::array<Index, 3>{}) options.cells = grid_of(options_.size);
     return {host_, options};
@@ -54,31 +54,31 @@ class Skips {
 
   void functors() {
     const BodyOptions springs{.model = "mss-baudet", .cells = {}};
-    Body with = body(springs, true), without = body(springs, false);
+    BenchBody with = body(springs, true), without = body(springs, false);
     of_step("damping and correction, with their inputs", "springs without either", with, without);
     const BodyOptions corrected{
         .model = "mss-baudet", .parameters = {{"correction", 1}}, .cells = {}};
-    Body undamped = body(corrected, true), damped = body(corrected, false);
+    BenchBody undamped = body(corrected, true), damped = body(corrected, false);
     of_step("damping, velocities, masses", "springs with correction", undamped, damped);
   }
 
   void constant_columns() {
     const BodyOptions boxes{.model = "tm-faure", .cells = grid_of(432000)};  // beyond the caches
-    Body with = body(boxes, true), without = body(boxes, false);
+    BenchBody with = body(boxes, true), without = body(boxes, false);
     of_step("copies of equal columns", "TM, 432,000 congruent boxes", with, without);
   }
 
   void still_cells() {
     BodyOptions bone{.model = "tm-faure", .cells = {}};
     bone.held = bone.cell * 2 * grid_of(options_.size)[0];  // half of a beam 1:1:4
-    Body with = body(bone, true), without = body(bone, true);
-    with.dynamics().skip_still_cells();
+    BenchBody with = body(bone, true), without = body(bone, true);
+    with.body().skip_still_cells();
     of_step("cells between fixed vertices", "TM, half of it fixed", with, without);
   }
 
   void threads() {
     BodyOptions small{.model = "tm-faure", .cells = {5, 5, 20}, .threads = 2};
-    Body with = body(small, true), without = body(small, false);
+    BenchBody with = body(small, true), without = body(small, false);
     of_step("threads that do not pay", "TM, 500 elements", with, without);
   }
 
@@ -98,7 +98,7 @@ class Skips {
         const bool ids = c.options.model == "tm-faure";
         const auto time = [&](bool skip) {
           // Ids are built by the run, columns by the instance.
-          Body made = body(c.options, ids ? true : skip);
+          BenchBody made = body(c.options, ids ? true : skip);
           const BodyTimes& t = made.times();
           const double start = now(1);
           if (ids && !skip) made.require_all_ids();

@@ -50,7 +50,7 @@ void measure_parts(const std::string& model, Index size, const Options& options,
     PluginHost host;
     host.model(model);
     const double loaded = wall() - start;
-    const Body body(host, {.model = model, .cells = grid_of(size), .search = true});
+    const BenchBody body(host, {.model = model, .cells = grid_of(size), .search = true});
     elements = body.element_count();
     times.push_back(body.times());
     times.back().plugin = loaded;

@@ -6,6 +6,7 @@
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/timer.hpp"
+#include "kernel/dynamics/inversion.hpp"
 
 namespace suture::bench {
 namespace {
@@ -20,25 +21,27 @@ struct Options {
 /// Step and force alternate, so that a slow moment of the machine hits both.
 void measure_model(const std::string& model, Index size, const Options& options, PluginHost& host,
                    Report& report) {
-  Body body(host, {.model = model, .cells = grid_of(size), .threads = options.threads});
+  BenchBody body(host, {.model = model, .cells = grid_of(size), .threads = options.threads});
   const double ns = 1e9 / body.element_count();
-  Dynamics& dynamics = body.dynamics();
   double step = 1e9, force = 1e9, energy = 1e9, inversions = 1e9;
   const double part = options.seconds / 5;
   for (int round = 0; round < 5; ++round) {
     step = std::min(step, measure([&] { body.step(); }, options.threads, part).median);
     force = std::min(
-        force, measure([&] { dynamics.forces().add_forces(0, 0); }, options.threads, part).median);
+        force,
+        measure([&] { body.body().models().add_forces(0, 0); }, options.threads, part).median);
     Column& sums = body.attributes().force();
     std::fill(sums.rows(), sums.rows() + std::size_t{sums.size()} * 4, 0.0);
   }
-  energy = measure([&] { dynamics.forces().energy(0); }, options.threads, part).median;
+  energy = measure([&] { body.body().models().energy(0); }, options.threads, part).median;
   const double cpu = now(1);
-  const double dt = dynamics.stable_step();
+  const double dt = body.limits().stable_step(0);
   const double search = now(1) - cpu;
-  const double again = measure([&] { dynamics.stable_step(); }, options.threads, part).median;
-  const double bound = dynamics.bounds().dt;
-  inversions = measure([&] { dynamics.inverted_elements(); }, options.threads, part).median;
+  const double again = measure([&] { body.limits().stable_step(0); }, options.threads, part).median;
+  const double bound = body.limits().bounds(0).dt;
+  inversions =
+      measure([&] { find_inverted(body.complex(), body.attributes()); }, options.threads, part)
+          .median;
   report.add(Line()
                  .add("elements", static_cast<double>(body.element_count()))
                  .add("step ns/el", ns * step)

@@ -22,8 +22,8 @@ std::string version_text() {
          std::to_string(SUTURE_ABI_MINOR) + ", instruction set " + (isa.empty() ? "base" : isa);
 }
 
-void add_scene(CLI::App& app, std::filesystem::path& scene, std::vector<std::string>& sets) {
-  app.add_option("scene", scene, "scene file (JSON)")->required();
+CLI::Option* add_scene(CLI::App& app, std::filesystem::path& scene,
+                       std::vector<std::string>& sets) {
   app.add_option("--set", sets, "change the scene: /solver/dt=1e-4; may be repeated")
       ->allow_extra_args(false)
       ->type_name("/PATH=VALUE");
@@ -32,6 +32,7 @@ void add_scene(CLI::App& app, std::filesystem::path& scene, std::vector<std::str
          [&sets](std::uint64_t n) { sets.push_back("/solver/threads=" + std::to_string(n)); },
          "the same as --set /solver/threads=N")
       ->type_name("N");
+  return app.add_option("scene", scene, "scene file (JSON)")->required();
 }
 
 void add_skip(CLI::App& app, bool& skip) {
@@ -69,7 +70,14 @@ struct Parser {
  private:
   void add_scene_commands() {
     auto* run_app = app.add_subcommand("run", "run a scene");
-    add_scene(*run_app, run.scene, run.sets);
+    CLI::Option* scene = add_scene(*run_app, run.scene, run.sets);
+    CLI::Option* resume =
+        run_app
+            ->add_option("--resume", run.resume,
+                         "go on from a checkpoint of an earlier run, in its folder")
+            ->type_name("CHECKPOINT")
+            ->excludes(scene);
+    scene->required(false)->excludes(resume);
     run_app
         ->add_option_function<std::string>(
             "-o,--output",
@@ -77,7 +85,11 @@ struct Parser {
             "the same as --set /output/directory=DIR")
         ->type_name("DIR");
     add_skip(*run_app, run.skip);
-    run_app->callback([this] { line.command = run; });
+    run_app->callback([this] {
+      if (run.scene.empty() && run.resume.empty())
+        throw CLI::RequiredError("a scene, or --resume CHECKPOINT,");
+      line.command = run;
+    });
 
     auto* check_app = app.add_subcommand("check", "tell everything that is wrong with a scene");
     add_scene(*check_app, check.scene, check.sets);

@@ -12,7 +12,7 @@
 namespace suture {
 
 struct RunCommand {
-  std::filesystem::path scene;
+  std::filesystem::path scene, resume;  ///< one of them
   std::vector<std::string> sets;
   bool skip = true;
 };

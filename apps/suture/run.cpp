@@ -2,9 +2,11 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <optional>
 
 #include "apps/suture/commands.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/output/checkpoint_file.hpp"
 #include "kernel/run/simulation.hpp"
 #include "kernel/scene/scene_reader.hpp"
 
@@ -88,13 +90,38 @@ void print_summary(const RunSummary& summary, Console& console) {
   if (!summary.pvd.empty()) console.print("open in ParaView: " + summary.pvd);
 }
 
+Scene scene_of(const Checkpoint& checkpoint, const std::vector<std::string>& sets,
+               PluginHost& host, Console& console) {
+  const CheckpointHeader& header = checkpoint.header;
+  return read_scene_source({header.scene_text, header.scene_file, header.working_folder}, sets,
+                           host, console.diagnostics());
+}
+
+void tell_of_resume(const CheckpointHeader& header, Simulation& simulation, Console& console) {
+  console.note("going on from step " + std::to_string(header.step) + ", t = " +
+               significant(header.time) + " s, of " + header.scene_file);
+  if (header.isa != simulation.isa())
+    console.diagnostics().warn("the run was made with the instruction set " + header.isa +
+                               " and goes on with " + std::string(simulation.isa()) +
+                               ": results agree to rounding, not in every bit");
+}
+
 }  // namespace
 
 int run(const RunCommand& command, Console& console) {
   catch_signals();
   PluginHost host(&console.diagnostics());
-  const Scene scene = read_scene(command.scene, command.sets, host, console.diagnostics());
+  std::optional<Checkpoint> checkpoint;
+  if (!command.resume.empty()) checkpoint = read_checkpoint(command.resume);
+  const Scene scene = checkpoint ? scene_of(*checkpoint, command.sets, host, console)
+                                 : read_scene(command.scene, command.sets, host,
+                                              console.diagnostics());
   Simulation simulation(scene, host, console.diagnostics(), command.skip);
+  if (checkpoint) {
+    simulation.resume(*checkpoint, command.resume);
+    tell_of_resume(checkpoint->header, simulation, console);
+    checkpoint.reset();  // its memory
+  }
   if (console.verbose()) {
     for (const Decision& decision : simulation.decisions()) {
       console.note((decision.skipped ? "skipped " : "") + decision.subject + ": " +

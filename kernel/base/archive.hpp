@@ -99,6 +99,18 @@ class Archive {
     numbers(name, scalar_of<Number>(), sizeof(Row) / sizeof(Number), sizeof(Row), values);
   }
 
+  /// One member of a vector of structs, a row each; all members of a vector in turn give it
+  /// back, the first its length.
+  template <class Vector, class Object, class Member>
+  void member(const char* name, Vector& objects, Member Object::*which) {
+    std::vector<Member> values(objects.size());
+    for (std::size_t i = 0; i < objects.size(); ++i) values[i] = objects[i].*which;
+    (*this)(name, values);
+    if (!loads()) return;
+    objects.resize(values.size());
+    for (std::size_t i = 0; i < objects.size(); ++i) objects[i].*which = values[i];
+  }
+
   /// A vector of objects: item(archive, object) for each, in a group of its number.
   template <class Vector, class Item>
   void each(const char* name, Vector& objects, Item item) {

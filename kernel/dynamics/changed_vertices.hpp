@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernel/base/archive.hpp"
 #include "kernel/topology/cell_complex.hpp"
 #include "kernel/topology/marks.hpp"
 
@@ -34,6 +35,11 @@ class ChangedVertices {
     std::erase_if(vertices_, [&](Index v) { return !complex.exists(0, v); });
     std::ranges::sort(vertices_);
     return std::exchange(vertices_, {});
+  }
+
+  void state(Archive& archive) {
+    archive("marks", marks_);
+    archive("vertices", vertices_);
   }
 
  private:

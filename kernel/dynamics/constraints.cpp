@@ -229,15 +229,24 @@ double Constraints::driven_kinetic(Attributes& attributes) const {
   return sum;
 }
 
-std::vector<Vec3> Constraints::mean_velocities() const {
-  std::vector<Vec3> velocities;
-  velocities.reserve(driven_.size());
-  for (const Driven& driven : driven_) velocities.push_back(driven.velocity);
-  return velocities;
-}
-
-void Constraints::set_mean_velocities(const std::vector<Vec3>& velocities) {
-  for (std::size_t i = 0; i < driven_.size(); ++i) driven_[i].velocity = velocities[i];
+void Constraints::state(Archive& archive) {
+  if (archive.has_cells()) {
+    std::span groups = groups_;
+    archive.each("groups", groups, [](Archive& each, Group& group) {
+      each("vertices", group.vertices);
+      each("rest", group.rest);
+      each("member", group.member);
+    });
+    archive.group("held", [&] {
+      archive.member("vertex", held_, &Held::vertex);
+      archive.member("components", held_, &Held::components);
+    });
+    archive.group("driven", [&] {
+      archive.member("vertex", driven_, &Driven::vertex);
+      archive.member("components", driven_, &Driven::components);
+    });
+  }
+  archive.member("mean velocities", driven_, &Driven::velocity);
 }
 
 void Constraints::update(const TopologyChange& change, Attributes& attributes) {

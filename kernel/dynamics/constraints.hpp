@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
+#include "kernel/base/archive.hpp"
 #include "kernel/forces/loops/loops.hpp"
 #include "kernel/forces/time_ramp.hpp"
 
@@ -61,9 +62,7 @@ class Constraints {
   double work_until_now(Attributes& attributes, const Vec3& gravity, double before) const;
   /// sum m v^2 / 2 of the components that are driven, J.
   double driven_kinetic(Attributes& attributes) const;
-  /// The mean velocities of the step before, for a step back.
-  std::vector<Vec3> mean_velocities() const;
-  void set_mean_velocities(const std::vector<Vec3>& velocities);
+  void state(Archive& archive);
 
   /// The parts of a split vertex are constrained alike. Of vertices that became one
   /// each hands on what holds it, but components that are held already keep the motion

@@ -36,8 +36,9 @@ class Random {
 /// y -> M^-1/2 K M^-1/2 y on the free components.
 class Operator {
  public:
-  Operator(ForceLoop& forces, Attributes& attributes, double time)
-      : forces_(forces), time_(time), scale_(3 * std::size_t{attributes.vertex_count()}) {
+  Operator(Body& body, double time)
+      : body_(body), time_(time), scale_(3 * std::size_t{body.attributes().vertex_count()}) {
+    Attributes& attributes = body.attributes();
     for (std::size_t i = 0; i < scale_.size(); ++i) {
       const auto v = static_cast<Index>(i / 3);
       const double mass = attributes.mass().get(v, 0);
@@ -56,7 +57,7 @@ class Operator {
     for (std::size_t i = 0; i < scale_.size(); ++i)
       direction_[i] = scale_[i] * y[static_cast<EigenIndex>(i)];
     VectorXd image = VectorXd::Zero(size());
-    forces_.add_tangent(direction_.data(), 1, 0, time_, image.data());
+    body_.add_tangent(direction_.data(), 1, 0, time_, image.data());
     for (std::size_t i = 0; i < scale_.size(); ++i) image[static_cast<EigenIndex>(i)] *= -scale_[i];
     return image;
   }
@@ -88,7 +89,7 @@ class Operator {
   }
 
  private:
-  ForceLoop& forces_;
+  Body& body_;
   double time_;
   std::vector<double> scale_, direction_;
   unsigned products_ = 0;
@@ -277,9 +278,11 @@ void set_shape(LowestMode& mode, const Operator& a, const VectorXd& y) {
 
 }  // namespace
 
-LowestMode find_lowest_mode(ForceLoop& forces, const CellComplex& complex, Attributes& attributes,
-                            double time, unsigned products, std::span<const double> last_motion) {
-  Operator a(forces, attributes, time);
+LowestMode find_lowest_mode(Body& body, double time, unsigned products,
+                            std::span<const double> last_motion) {
+  const CellComplex& complex = body.complex();
+  Attributes& attributes = body.attributes();
+  Operator a(body, time);
   Random numbers;
   LowestMode mode;
   const double largest = a.largest(numbers);

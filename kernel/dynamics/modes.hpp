@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "kernel/forces/force_loop.hpp"
+#include "kernel/dynamics/body.hpp"
 
 namespace suture {
 
@@ -19,7 +19,7 @@ struct LowestMode {
   bool negative() const { return eigenvalue < -noise; }
 };
 
-/// Finds the lowest eigenvalue of M^-1/2 K M^-1/2, K = -df/dx the tangent of all functors
+/// Finds the lowest eigenvalue of M^-1/2 K M^-1/2, K = -df/dx the tangent of all terms
 /// (not of pressures, whose direction follows the surface), matrix-free.
 ///
 /// Rayleigh-Ritz on the motions of a coarse space (coarse_space.hpp), then locally optimal
@@ -39,9 +39,8 @@ struct LowestMode {
 /// strains by eps |x| / h; noise = lambda_max (1e-12 + 8 eps |x| / h).
 ///
 /// Cost: at most `products`, about half of them for the coarse space. Memory: 18 vectors of
-/// 24 B per vertex. Needs forces.has_tangent().
-LowestMode find_lowest_mode(ForceLoop& forces, const CellComplex& complex, Attributes& attributes,
-                            double time, unsigned products,
+/// 24 B per vertex. Needs body.models().has_tangent().
+LowestMode find_lowest_mode(Body& body, double time, unsigned products,
                             std::span<const double> last_motion = {});
 
 }  // namespace suture

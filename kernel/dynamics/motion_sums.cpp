@@ -8,11 +8,7 @@ namespace suture {
 
 void MotionSums::resize(Index vertices) { chunks_.resize((vertices + chunk - 1) / chunk); }
 
-void MotionSums::restart() {
-  const bool damps = damps_;
-  *this = {};
-  damps_ = damps;
-}
+void MotionSums::restart() { *this = {}; }
 
 double MotionSums::noted_before() const {
   double sum = 0;
@@ -37,7 +33,7 @@ double MotionSums::squared_frequency(double before, double last_after, double la
   return -(before - last_after) * h / last_inertia;
 }
 
-void MotionSums::finish_step(double before, double now) {
+void MotionSums::finish_step(double before, double now, bool damps) {
   Chunk sum;
   double largest = 0;
   fastest_ = none;
@@ -65,10 +61,23 @@ void MotionSums::finish_step(double before, double now) {
   work_ += work;
   largest_kinetic_ = std::max(largest_kinetic_, sum.inertia / 2);
   driven_ += sum.driven.work;
-  if (damps_ && has_last_)
+  if (damps && has_last_)
     damped_ += work + sum.driven.work + sum.driven.inertia - (sum.inertia - sum.last_inertia) / 2;
   has_last_ = true;
   whole_body_only_ = false;
+}
+
+void MotionSums::state(Archive& archive) {
+  archive.rows<double>("chunks", chunks_);
+  archive("has last", has_last_);
+  archive("whole body only", whole_body_only_);
+  archive("noise", noise_);
+  archive("frequency", frequency_);
+  archive("fastest", fastest_);
+  archive("work", work_);
+  archive("damped", damped_);
+  archive("driven", driven_);
+  archive("largest kinetic", largest_kinetic_);
 }
 
 }  // namespace suture

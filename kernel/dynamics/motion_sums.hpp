@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "kernel/base/archive.hpp"
 #include "kernel/dynamics/constraints.hpp"
 #include "kernel/forces/loops/loops.hpp"
 
@@ -44,10 +45,11 @@ class MotionSums {
   double noted_driven() const;
 
   void resize(Index vertices);
-  /// From zero, with what was set; resize() comes next.
+  /// From zero; resize() comes next.
   void restart();
-  /// The step is complete: `before` and `now` are its lengths h- and h+, s.
-  void finish_step(double before, double now);
+  /// The step is complete: `before` and `now` are its lengths h- and h+, s; `damps`: damping by
+  /// mass took part.
+  void finish_step(double before, double now, bool damps);
   /// Cells were removed or joined, or vertices fell asleep: the sums of the step before are
   /// not those of these vertices.
   void forget_last();
@@ -67,7 +69,7 @@ class MotionSums {
   double driven_work() const { return driven_; }  ///< sum of DrivenWork::work, J
   /// The most that sum m v+ . v+ / 2 was in any step, J.
   double largest_kinetic() const { return largest_kinetic_; }
-  void count_damping(bool damps) { damps_ = damps; }
+  void state(Archive& archive);
 
  private:
   struct Chunk {
@@ -79,7 +81,7 @@ class MotionSums {
   double squared_frequency(double before, double last_after, double last_inertia, double h) const;
 
   std::vector<Chunk> chunks_;
-  bool has_last_ = false, whole_body_only_ = false, damps_ = false;
+  bool has_last_ = false, whole_body_only_ = false;
   double noise_ = 0, frequency_ = 0;
   Index fastest_ = none;
   double work_ = 0, damped_ = 0, driven_ = 0, largest_kinetic_ = 0;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "kernel/dynamics/inversion.hpp"
+
 namespace suture {
 namespace {
 
@@ -28,7 +30,7 @@ void RestSearch::restart() {
 
 void RestSearch::look_at_motion(Dynamics& dynamics, const loops::RestSums& sums) {
   if (steps_ % steps_between_roundings == 0 || rounding_.energy == 0)
-    rounding_ = dynamics.rounding();
+    rounding_ = rounding_of(dynamics.motion());
   dt_ = (dynamics.time() - checked_at_) / static_cast<double>(steps_between_checks);
   // A body that leaves an unstable state moves along forces that grow: such a time counts a
   // tenth.
@@ -37,20 +39,21 @@ void RestSearch::look_at_motion(Dynamics& dynamics, const loops::RestSums& sums)
   // Softening, no motion, or noise: keep.
   if (!(sums.work > 100 * rounding_.energy) || !(sums.inertia > 0)) return;
   frequency_ = std::sqrt(sums.work / sums.inertia);
-  if (choose_damping_ && quenched_until_ == 0) dynamics.set_damping(2 * frequency_);
+  if (choose_damping_ && quenched_until_ == 0) dynamics.motion().set_damping(2 * frequency_);
 }
 
 /// Kinetic over elastic energy.
 double RestSearch::motion_left(Dynamics& dynamics, const loops::RestSums& sums) const {
-  double elastic = dynamics.forces().energy(dynamics.time());
-  if (elastic == 0) elastic = std::abs(dynamics.energies().external) / 2;
+  const Body& body = dynamics.body();
+  double elastic = body.energy(dynamics.time());
+  if (elastic == 0) elastic = std::abs(body.potential(dynamics.time())) / 2;
   return sums.kinetic == 0 ? 0 : sums.kinetic / elastic;
 }
 
 /// Without a load or a motion ten times the rounding of a step, as noise adds up.
 bool RestSearch::is_noise(const loops::RestSums& sums, const Dynamics& dynamics) const {
   if (sums.external > 0) {
-    const double decay = std::max(dynamics.damping() * dt_, 1e-4);
+    const double decay = std::max(dynamics.motion().damping() * dt_, 1e-4);
     return sums.residual <= rounding_.force_squared * (1 + 1 / (16 * decay));
   }
   return sums.residual <= 100 * rounding_.force_squared && sums.kinetic <= 100 * rounding_.energy;
@@ -60,10 +63,10 @@ bool RestSearch::is_noise(const loops::RestSums& sums, const Dynamics& dynamics)
 bool RestSearch::quench(Dynamics& dynamics) {
   if (!choose_damping_) return false;
   if (steps_ < quenched_until_) return true;
-  const double alpha = dynamics.damping();
+  const double alpha = dynamics.motion().damping();
   if (alpha * dt_ >= quench_end || !(alpha > 0)) return false;
   const double next = std::min(quench_factor * alpha, quench_end / dt_);
-  dynamics.set_damping(next);
+  dynamics.motion().set_damping(next);
   const auto decay = static_cast<std::uint64_t>(std::ceil(8 / (next * dt_)));
   quenched_until_ = steps_ + std::max(decay, steps_between_checks * 2 * checks_needed);
   return true;
@@ -71,19 +74,19 @@ bool RestSearch::quench(Dynamics& dynamics) {
 
 bool RestSearch::at_rest(Dynamics& dynamics) {
   if (++steps_ % steps_between_checks != 0) return false;
-  const loops::RestSums sums = dynamics.rest_sums();
+  const loops::RestSums sums = sums_.look(dynamics.motion());
   look_at_motion(dynamics, sums);
   force_ = std::sqrt(sums.residual);
   const double scale = sums.external > 0 ? sums.external : sums.reaction;
   residual_ = scale > 0 ? force_ / std::sqrt(scale) : force_;
-  if (dynamics.time() < std::max(earliest_, dynamics.settled_after())) {
+  if (dynamics.time() < std::max(earliest_, dynamics.body().settled_after())) {
     good_checks_ = 0;
     return false;
   }
   double distance = residual_ / tolerance_;
   if (distance < 1)
     distance = std::max(distance, std::sqrt(motion_left(dynamics, sums)) / tolerance_);
-  stagnation_.add(steps_, watched_, distance, slow_rate(frequency_, dynamics.damping()));
+  stagnation_.add(steps_, watched_, distance, slow_rate(frequency_, dynamics.motion().damping()));
   const bool noise = is_noise(sums, dynamics);
   if (noise && sums.external == 0) {
     residual_ = 0;
@@ -106,18 +109,37 @@ std::string RestSearch::explanation(Dynamics& dynamics) const {
   text << "no rest: the residual is " << residual_ << ", above /solver/tolerance, " << tolerance_
        << ", and has not fallen for " << stagnation_.steps_without_progress()
        << " steps, far above rounding; ";
-  if (dynamics.damping() == 0)
+  if (dynamics.motion().damping() == 0)
     text << "nothing damps the motion: set /solver/damping to \"auto\"";
-  else if (const auto inverted = dynamics.inverted_elements(); !inverted.empty())
+  else if (const auto inverted =
+               find_inverted(dynamics.body().complex(), dynamics.body().attributes());
+           !inverted.empty())
     text << "inverted elements (" << inverted.size()
          << ") have no stable state: lower the load or refine the mesh there";
-  else if (dynamics.loads().has_pressure())
+  else if (!dynamics.body().loads_have_tangent())
     text << "a pressure that follows the surface can feed a vibration for ever: set /solver/end, "
             "or damp more";
   else
     text << "the body may have no equilibrium near this state, or a model feeds a vibration: "
             "lower the load, hold more of the body, damp more, or set /solver/end";
   return text.str();
+}
+
+void RestSearch::state(Archive& archive) {
+  archive("residual", residual_);
+  archive("force", force_);
+  archive("frequency", frequency_);
+  archive("dt", dt_);
+  archive("checked at", checked_at_);
+  archive("watched", watched_);
+  archive("rounding energy", rounding_.energy);
+  archive("rounding force", rounding_.force_squared);
+  archive("stagnation", stagnation_);
+  archive("sums", sums_);
+  archive("limited", limited_);
+  archive("quenched until", quenched_until_);
+  archive("steps", steps_);
+  archive("good checks", good_checks_);
 }
 
 }  // namespace suture

@@ -5,6 +5,8 @@
 #include <string>
 
 #include "kernel/dynamics/dynamics.hpp"
+#include "kernel/dynamics/rest_sums.hpp"
+#include "kernel/dynamics/rounding.hpp"
 #include "kernel/dynamics/stagnation.hpp"
 
 namespace suture {
@@ -15,12 +17,12 @@ namespace suture {
 /// At rest: after the last ramp and event, |f_int + f_ext| < tol |f_ext| over the
 /// free components and kinetic < tol^2 elastic energy, ten checks running. With
 /// no load but prescribed motion the reactions stand for f_ext; with neither, forces
-/// and energy are those of rounding (Dynamics::rounding()). Where no model knows its
+/// and energy are those of rounding (rounding.hpp). Where no model knows its
 /// energy, half the work of gravity and dead loads stands for it.
 ///
 /// At rest, too, is a body whose residual has stopped falling (Stagnation) at the level
 /// that rounding permits: with the positions rounded by r in each step, a mode keeps
-/// r^2 / (alpha dt) of it, so forces within rounding().force_squared (1 + 1/(16 alpha dt))
+/// r^2 / (alpha dt) of it, so forces within Rounding::force_squared (1 + 1/(16 alpha dt))
 /// are noise. A chosen damping is first raised until alpha dt = 1, which takes most of the
 /// noise away and often ends the search. limited_by_rounding() tells.
 ///
@@ -53,6 +55,7 @@ class RestSearch {
 
   /// The state was changed from outside: what was seen of it no longer counts.
   void restart();
+  void state(Archive& archive);
 
   double residual() const { return residual_; }       ///< |f| / |f_ext| at the last check
   double unbalanced_force() const { return force_; }  ///< |f| at the last check, N
@@ -72,9 +75,10 @@ class RestSearch {
   double frequency_ = 0;  ///< w0 of the last check that was above rounding, 1/s
   double dt_ = 0;         ///< of the steps between the last two checks, on average
   double checked_at_ = 0;
-  double watched_ = 0;           ///< time that counts for the stagnation, s
-  Dynamics::Rounding rounding_;  ///< looked up at every tenth check
+  double watched_ = 0;  ///< time that counts for the stagnation, s
+  Rounding rounding_;   ///< looked up at every tenth check
   Stagnation stagnation_;
+  RestSums sums_;
   bool limited_ = false;
   std::uint64_t quenched_until_ = 0;  ///< step; 0: the damping follows the motion
   std::uint64_t steps_ = 0;

@@ -6,6 +6,19 @@
 
 namespace suture {
 
+void Stagnation::state(Archive& archive) {
+  archive("best", best_);
+  archive("here", here_);
+  archive("window begin", window_begin_);
+  archive("rate", rate_);
+  archive("best step", best_step_);
+  archive("last step", last_step_);
+  archive("here step", here_step_);
+  archive("checks", checks_);
+  archive("idle", idle_);
+  archive("restarts", restarts_);
+}
+
 double slow_rate(double w, double alpha) {
   const double half = alpha / 2;
   if (half <= w) return std::max(half, 0.01 * w);

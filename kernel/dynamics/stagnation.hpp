@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "kernel/base/archive.hpp"
+
 namespace suture {
 
 /// Whether the residual of a search for rest still falls.
@@ -36,6 +38,7 @@ class Stagnation {
   std::uint64_t steps_without_progress() const { return last_step_ - best_step_; }
   double best() const { return best_; }  ///< smallest distance of this record
   void restart();
+  void state(Archive& archive);
 
  private:
   void close_window(std::uint64_t step);

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "kernel/forces/stable_step.hpp"
 
@@ -97,7 +98,7 @@ double StepSearch::largest(double time) {
   else
     start_at_last();
   changed_.clear();
-  if (!forces_.reads_velocity()) {
+  if (!body_.models().reads_velocity()) {
     last_ = stable_step(largest_eigenvalue(1, 0, least).upper, 0);
   } else if (anew) {
     const double undamped = stable_step(largest_eigenvalue(1, 0, 0).upper, 0);
@@ -130,9 +131,9 @@ double StepSearch::damped(double dt, int least) {
 
 /// 1/sqrt(m) from masses and fixed components.
 void StepSearch::set_scales() {
-  const std::size_t vertices = attributes_.vertex_count();
-  const double* mass = attributes_.mass().rows();
-  const double* fixed = attributes_.fixed().rows();
+  const std::size_t vertices = body_.attributes().vertex_count();
+  const double* mass = body_.attributes().mass().rows();
+  const double* fixed = body_.attributes().fixed().rows();
   scale_.resize(3 * vertices);
   for (std::size_t v = 0; v < vertices; ++v) {
     const int bits = mass[v] > 0 ? static_cast<int>(fixed[v]) : 7;
@@ -180,8 +181,20 @@ void StepSearch::apply(const Vector& x, double stiffness, double damping, Vector
   scaled_.resize(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) scaled_[i] = scale_[i] * x[i];
   image.assign(x.size(), 0);
-  forces_.add_tangent(scaled_.data(), stiffness, damping, time_, image.data());
+  body_.models().add_tangent(scaled_.data(), stiffness, damping, time_, image.data());
+  add_other_terms(stiffness, damping, image);
   for (std::size_t i = 0; i < x.size(); ++i) image[i] *= -scale_[i];
+}
+
+/// In double, as their interface has it.
+void StepSearch::add_other_terms(double stiffness, double damping, Vector& image) {
+  for (const auto& term : body_.terms().subspan(1)) {
+    if (!term->is_stiff()) continue;
+    direction_.assign(scaled_.begin(), scaled_.end());
+    image_.assign(image.size(), 0);
+    term->add_tangent(direction_.data(), stiffness, damping, time_, image_.data());
+    for (std::size_t i = 0; i < image.size(); ++i) image[i] += static_cast<float>(image_[i]);
+  }
 }
 
 double StepSearch::quotient(double stiffness, double damping) {
@@ -209,6 +222,18 @@ StepSearch::Eigenvalue StepSearch::largest_eigenvalue(double stiffness, double d
   }
   mode_ = std::move(x.v);
   return found;
+}
+
+void StepSearch::state(Archive& archive) {
+  archive("searches", searches_);
+  archive("last", last_);
+  archive("mode", mode_);
+  archive("changed", changed_);
+  std::ostringstream text;
+  text << random_;
+  std::string engine = text.str();
+  archive("random", engine);
+  std::istringstream(engine) >> random_;
 }
 
 }  // namespace suture

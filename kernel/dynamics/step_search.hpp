@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "kernel/forces/force_loop.hpp"
+#include "kernel/dynamics/body.hpp"
 
 namespace suture {
 
@@ -24,19 +24,19 @@ namespace suture {
 /// Memory while it runs: 96 B per vertex; between searches 12 B.
 class StepSearch {
  public:
-  StepSearch(ForceLoop& forces, Attributes& attributes)
-      : forces_(forces), attributes_(attributes) {}
+  explicit StepSearch(Body& body) : body_(body) {}
 
   /// The step, s; infinite without forces. At most 1.5 % too short, and of a start at
   /// random not 1.5 % too long but for one in 10,000. Costs 5 (again), 9 or more (after an
   /// operation) to 50 (from random) directional derivatives, each about three evaluations of the
-  /// forces. Needs forces.has_tangent().
+  /// forces. Needs body.models().has_tangent().
   double largest(double time);
 
   /// The cells are others: new vertices move like those they left. O(change).
   void follow(const TopologyChange& change);
   /// The next search starts at random: no mode is overlooked.
   void forget() { mode_.clear(); }
+  void state(Archive& archive);
 
  private:
   using Vector = std::vector<float>;  // 3 per vertex; seven digits for three
@@ -51,12 +51,12 @@ class StepSearch {
   float random_number(std::size_t i);
   double damped(double dt, int least);
   void apply(const Vector& x, double stiffness, double damping, Vector& image);
+  void add_other_terms(double stiffness, double damping, Vector& image);
   static void step_to_best(Direction& x, Direction& residual, Direction& last);
   Eigenvalue largest_eigenvalue(double stiffness, double damping, int least);
   double quotient(double stiffness, double damping);
 
-  ForceLoop& forces_;
-  Attributes& attributes_;
+  Body& body_;
   double time_ = 0;
   unsigned searches_ = 0;
   double last_ = 0;             // result of the last search, s
@@ -65,6 +65,7 @@ class StepSearch {
   std::vector<Index> changed_;  // vertices, since the last search; some twice
   Vector scale_;                // 1/sqrt(m), 0 where fixed
   Vector scaled_;
+  std::vector<double> direction_, image_;  // of terms besides the models
 };
 
 }  // namespace suture

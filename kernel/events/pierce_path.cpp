@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "kernel/events/centroid.hpp"
+#include "kernel/geometry/centroid.hpp"
 
 namespace suture {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "kernel/base/vec3.hpp"
-#include "kernel/events/centroid.hpp"
+#include "kernel/geometry/centroid.hpp"
 
 namespace suture {
 namespace {

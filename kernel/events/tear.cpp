@@ -44,7 +44,8 @@ void add_face(const CellComplex& complex, Dart face, std::vector<Dart>& faces) {
 struct TearCheck::Look {
   const CellComplex& complex;
   Attributes& attributes;
-  Dynamics& dynamics;
+  Body& body;
+  double time;
 
   HexahedronNodes nodes(const Column& places, Index e) const {
     HexahedronNodes x;
@@ -129,7 +130,7 @@ std::vector<Index> TearCheck::stretched(const Look& look) const {
     found[task].assign(out, out + n);
   };
   if (tasks > 4)
-    look.dynamics.forces().workers().parallel_for(tasks, one);
+    look.body.models().workers().parallel_for(tasks, one);
   else
     for (Index task = 0; task < tasks; ++task) one(task);
 
@@ -235,8 +236,7 @@ std::vector<double> TearCheck::field_values(const Look& look, int dimension) con
     if (instance->name() != tear_.model) continue;
     const CellSet& cells = instance->table(dimension).cells;
     std::vector<double> rows(cells.size(), no_value);
-    if (!look.dynamics.forces().compute_field(*instance, dimension, tear_.field,
-                                              look.dynamics.time(), rows)) {
+    if (!look.body.models().compute_field(*instance, dimension, tear_.field, look.time, rows)) {
       throw PluginError(path_ + "/by: model '" + tear_.model + "' computes no '" + tear_.field +
                         "' with these parameters");
     }
@@ -284,10 +284,9 @@ void TearCheck::check_share(const CellComplex& complex, std::size_t torn) const 
   throw NumericalError(text.str());
 }
 
-std::vector<Dart> TearCheck::faces(const CellComplex& complex, Attributes& attributes,
-                                   Dynamics& dynamics) {
-  const std::vector<Dart> faces = find({complex, attributes, dynamics});
-  if (!faces.empty()) check_share(complex, faces.size());
+std::vector<Dart> TearCheck::faces(Body& body, double time) {
+  const std::vector<Dart> faces = find({body.complex(), body.attributes(), body, time});
+  if (!faces.empty()) check_share(body.complex(), faces.size());
   return faces;
 }
 
@@ -297,14 +296,6 @@ void TearCheck::state(Archive& archive) {
   archive("chosen", chosen);
   archive.require(chosen == is_chosen_, "other elements may tear here");
   if (archive.loads()) invalidate();
-}
-
-bool TearCheck::can_tear(const CellComplex& complex, Attributes& attributes, Dynamics& dynamics) {
-  try {
-    return !faces(complex, attributes, dynamics).empty();
-  } catch (const NumericalError&) {
-    return false;
-  }
 }
 
 }  // namespace suture

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "kernel/dynamics/dynamics.hpp"
+#include "kernel/dynamics/body.hpp"
 #include "kernel/events/element_stretch.hpp"
 #include "kernel/scene/event.hpp"
 
@@ -52,9 +52,7 @@ class TearCheck {
   /// are more than tear.most of the faces between the elements (a criterion that tears
   /// everything is no crack), PluginError for a field that nobody gives. The same for
   /// any number of threads.
-  std::vector<Dart> faces(const CellComplex& complex, Attributes& attributes, Dynamics& dynamics);
-  /// True if faces() would name some and throw nothing.
-  bool can_tear(const CellComplex& complex, Attributes& attributes, Dynamics& dynamics);
+  std::vector<Dart> faces(Body& body, double time);
 
   /// Elements were removed, or rest places changed.
   void invalidate() { is_built_ = false; }

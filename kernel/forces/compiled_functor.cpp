@@ -313,7 +313,8 @@ bool CompiledFunctor::follow_merges(const CellComplex& complex, const TopologyCh
 }
 
 const loops::Job& CompiledFunctor::job(Attributes& attributes, const CellComplex& complex,
-                                       const LiveMask& live, double time, double dt) {
+                                       const LiveMask& live, double time, double dt,
+                                       double* force) {
   const Connectivity nodes = connectivity(complex);
   job_.nodes = nodes.nodes;
   job_.cells = nodes.cells;
@@ -324,7 +325,7 @@ const loops::Job& CompiledFunctor::job(Attributes& attributes, const CellComplex
   job_.rest = reads_ & SUTURE_READ_REST ? attributes.rest().rows() : nullptr;
   job_.position = reads_ & SUTURE_READ_POSITION ? attributes.position().rows() : nullptr;
   job_.velocity = reads_ & SUTURE_READ_VELOCITY ? attributes.velocity().rows() : nullptr;
-  job_.force = attributes.force().rows();
+  job_.force = force;
   job_.time = time;
   job_.dt = dt;
   job_.function = functor_.force;

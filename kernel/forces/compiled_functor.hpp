@@ -58,10 +58,10 @@ class CompiledFunctor {
   /// After the attributes'. `still`: of leave_out(), from now on.
   void state(Archive& archive, const std::vector<bool>* still);
 
-  /// The job with the present addresses of all columns, for the rows of `live`.
-  /// O(columns).
+  /// The job with the present addresses of all columns, for the rows of `live`, adding to
+  /// `force`. O(columns).
   const loops::Job& job(Attributes& attributes, const CellComplex& complex, const LiveMask& live,
-                        double time, double dt);
+                        double time, double dt, double* force);
   const CellSet& cells() const { return instance_.table(dimension_).cells; }
   int dimension() const { return dimension_; }
   /// Which vertices the rows of cells() touch.

@@ -1,163 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/forces/force_loop.hpp"
-
-#include <algorithm>
-#include <array>
-#include <deque>
-#include <limits>
 #include <ranges>
 
-#include "kernel/base/archive.hpp"
-#include "kernel/forces/compiled_functor.hpp"
-#include "kernel/forces/local_rows.hpp"
-#include "kernel/forces/loops/dispatch.hpp"
-#include "kernel/forces/vertex_bounds.hpp"
-#include "kernel/forces/worker_memory.hpp"
+#include "kernel/forces/force_loop_impl.hpp"
 
 namespace suture {
-namespace {
-
-constexpr Index lanes = SUTURE_LANES;
-constexpr const char* cell_words[4] = {"vertex", "edge", "face", "element"};
-
-/// Nodes gathered below which one thread is faster than waking others: about
-/// 0.1 ms of work against some microseconds per colour.
-constexpr std::size_t parallel_nodes = 32768;
-
-/// A direction of dx and dv: a row of 3 per vertex, times a factor each.
-template <class Real>
-struct Direction {
-  const Real* rows;
-  double dx, dv;
-};
-
-}  // namespace
-
-struct ForceLoop::Impl {
-  Impl(Attributes& a, const CellComplex& c, unsigned wanted)
-      : attributes(a), complex(&c), loops(hot_loops()), threads(wanted) {
-    workers.resize(threads.threads());
-    for (auto& instance : attributes.instances()) {
-      instance->set_workers(threads.threads());
-      add(*instance);
-    }
-  }
-
-  void add(Instance& instance) {
-    std::array<RowNodes*, 4> nodes{};
-    const suture_model& model = instance.model();
-    for (std::size_t i = 0; i < model.functor_count; ++i) {
-      const suture_functor& functor = model.functors[i];
-      const auto dimension = functor.dimension;
-      const bool has_rows = (dimension == 1 || dimension == 2) && instance.functor(i).runs;
-      if (has_rows && !nodes[dimension]) {
-        row_nodes.emplace_back(instance, static_cast<int>(dimension),
-                               attributes.rest_places(*complex));
-        nodes[dimension] = &row_nodes.back();
-      }
-      functors.emplace_back(instance, functor, dimension < 3 ? nodes[dimension] : nullptr);
-      functors.back().build(*complex);
-    }
-  }
-
-  bool pays(const CompiledFunctor& functor) const {
-    const std::size_t nodes = std::size_t{2} << (functor.functor().dimension - 1);
-    const bool large = functor.list().cell_count() * nodes >= parallel_nodes;
-    return threads.threads() > 1 && (large || !functor.instance().skips());
-  }
-
-  /// chunk(worker, ranges, chunk number) for all chunks, in the order of the list.
-  template <class Chunk>
-  void run(Index number, double time, double dt, Chunk chunk) {
-    run(number, functors[number].cells().live(), time, dt, chunk);
-  }
-  template <class Chunk>
-  void run(Index number, const LiveMask& live, double time, double dt, Chunk chunk) {
-    CompiledFunctor& functor = functors[number];
-    const loops::Job& job = functor.job(attributes, *complex, live, time, dt);
-    const BatchList& list = functor.list();
-    const auto one = [&](std::size_t i, unsigned w) {
-      const auto c = static_cast<Index>(i);
-      const auto worker = workers[w].prepare(job, functor.instance().context(w), number);
-      chunk(job, worker, list.ranges(c), c);
-    };
-    if (pays(functor))
-      threads.in_order(list.order(), one);
-    else
-      for (Index c = 0; c < list.chunk_count(); ++c) one(c, 0);
-  }
-
-  /// visit(batch, rows of its lanes) for every batch of some ranges.
-  template <class Visit>
-  void for_each_batch(const loops::Job& job, const loops::Worker& worker,
-                      std::span<const loops::Range> ranges, Visit visit) const {
-    for (const loops::Range& range : ranges)
-      for (Index row = range.begin; row < range.end;) {
-        const Index here = std::min(range.end - row, lanes - row % lanes);
-        const loops::BatchRows rows = loops::live_rows(job.live, row, here);
-        row += here;
-        if (rows.valid != 0) visit_batch(job, worker, rows, visit);
-      }
-  }
-  template <class Visit>
-  void visit_batch(const loops::Job& job, const loops::Worker& worker, const loops::BatchRows& rows,
-                   const Visit& visit) const {
-    loops::Buffers buffers;
-    suture_batch batch;
-    loops.gather(&job, &worker, &rows, &buffers, &batch);
-    const suture_status status = visit(batch, rows);
-    if (status != SUTURE_OK) worker.failed(worker.data, status, &batch);
-  }
-  /// The same for batches that local_rows.hpp found.
-  template <class Visit>
-  void for_each_local(Index number, double time, std::span<const loops::BatchRows> batches,
-                      Visit visit) {
-    CompiledFunctor& functor = functors[number];
-    const loops::Job& job = functor.job(attributes, *complex, functor.cells().live(), time, 0);
-    const auto worker = workers[0].prepare(job, functor.instance().context(0), number);
-    const auto one = [&](suture_batch& batch, const loops::BatchRows& rows) {
-      return visit(job, worker, batch, rows);
-    };
-    for (const loops::BatchRows& rows : batches) visit_batch(job, worker, rows, one);
-  }
-
-  void raise_failures(double time) {
-    Failure first;
-    for (WorkerMemory& worker : workers) {
-      first.merge(worker.failure);
-      worker.failure.clear();
-    }
-    if (!first.any()) return;
-    const CompiledFunctor& functor = functors[first.functor()];
-    first.raise(functor.title(), cell_words[functor.functor().dimension], time);
-  }
-
-  void follow_still(const TopologyChange& change);
-  Index skip_still();
-  const LiveMask& awake(const CompiledFunctor& functor) const;
-  void sleep(Instance& instance, std::array<LiveMask, 4>& awake, std::span<const Index> elements);
-
-  double energy_of(Index number, double time);
-  bool add_field(Index number, std::string_view field, double time, std::span<double> values);
-  template <class Real>
-  void add_tangent(Index number, const Direction<Real>& d, double time, Real* out);
-  template <class Real>
-  void add_tangent(const Direction<Real>& d, double time, Real* out);
-
-  Attributes& attributes;
-  const CellComplex* complex;
-  const loops::Table& loops;
-  Workers threads;
-  std::vector<WorkerMemory> workers;
-  std::deque<RowNodes> row_nodes;
-  std::deque<CompiledFunctor> functors;
-  LocalRows local;
-  VertexSelection selection;
-  /// Rows that are neither dead nor asleep, per instance; empty if none sleeps.
-  std::vector<std::array<LiveMask, 4>> awake_rows;
-  bool operated = false;    ///< update() was called
-  std::vector<bool> still;  ///< vertices held where they are at rest; empty: nothing is left out
-};
 
 ForceLoop::ForceLoop(Attributes& attributes, const CellComplex& complex, unsigned threads)
     : impl_(std::make_unique<Impl>(attributes, complex, threads)) {}
@@ -182,11 +28,12 @@ bool reads_velocity_now(const CompiledFunctor& functor) {
 
 }  // namespace
 
-void ForceLoop::add_forces(double time, double dt, Part part) {
+void ForceLoop::add_forces(double time, double dt, Part part, double* rows) {
   const auto& loops = impl_->loops;
+  if (rows == nullptr) rows = impl_->attributes.force().rows();
   for (Index i = 0; i < impl_->functors.size(); ++i) {
     if (!belongs(impl_->functors[i], part)) continue;
-    impl_->run(i, impl_->awake(impl_->functors[i]), time, dt,
+    impl_->run(i, impl_->awake(impl_->functors[i]), time, dt, rows,
                [&](const loops::Job& job, const loops::Worker& worker,
                    std::span<const loops::Range> ranges, Index) {
                  loops.forces(&job, &worker, ranges.data(),
@@ -194,6 +41,40 @@ void ForceLoop::add_forces(double time, double dt, Part part) {
                });
   }
   impl_->raise_failures(time);
+}
+
+void ForceLoop::add_forces(double time, const LiveMask&, double* rows) {
+  add_forces(time, 0, Part::all, rows);
+}
+
+void ForceLoop::add_forces_in_step(const StepTimes& step, const LiveMask&, double* rows) {
+  if (!has(Part::without_energy) || !has(Part::with_energy))
+    return add_forces(step.time, step.dt, Part::all, rows);
+  add_forces(step.time, step.dt, Part::without_energy, rows);
+  impl_->book_fed(step.last, rows);
+  add_forces(step.time, step.dt, Part::with_energy, rows);
+}
+
+/// W += (f + f') / 2 . h v-, the rows being f' and nothing else.
+void ForceLoop::Impl::book_fed(double last_dt, const double* force) {
+  const std::size_t size = std::size_t{attributes.vertex_count()} * 4;
+  const double* velocity = attributes.velocity().rows();
+  const bool first = fed_force.empty();
+  fed_force.resize(size);
+  double work = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    work += (fed_force[i] + force[i]) * velocity[i];
+    fed_force[i] = force[i];
+  }
+  if (!first && !fed_is_booked) fed += work * last_dt / 2;
+  fed_is_booked = true;
+}
+
+double ForceLoop::work() const { return impl_->fed; }
+void ForceLoop::forget_last() { impl_->fed_force.clear(); }
+void ForceLoop::restart() {
+  impl_->fed = 0;
+  forget_last();
 }
 
 bool ForceLoop::has(Part part) const {
@@ -207,7 +88,10 @@ bool ForceLoop::is_viscoelastic() const {
   });
 }
 
-void ForceLoop::accept() { impl_->attributes.accept_trials(); }
+void ForceLoop::accept() {
+  impl_->fed_is_booked = false;  // the forces to come are those of another state
+  impl_->attributes.accept_trials();
+}
 
 // ------------------------------------------------------------------- energy --
 
@@ -236,64 +120,6 @@ double ForceLoop::energy(double time) {
     if (!impl_->functors[i].skipped()) sum += impl_->energy_of(i, time);
   impl_->raise_failures(time);
   return sum;
-}
-
-std::vector<Vec3> ForceLoop::forces_around(std::span<const Index> vertices, double time) {
-  std::vector<Vec3> forces(vertices.size());
-  if (vertices.empty()) return forces;
-  impl_->selection.select(vertices, impl_->attributes.vertex_count());
-  const std::vector<Index> elements = impl_->local.elements_around(*impl_->complex, vertices);
-  alignas(64) double force[8 * 3 * lanes];
-  for (Index i = 0; i < impl_->functors.size(); ++i) {
-    const CompiledFunctor& functor = impl_->functors[i];
-    if (functor.skipped()) continue;
-    impl_->for_each_local(
-        i, time, impl_->local.rows_at(*impl_->complex, functor, elements, impl_->selection),
-        [&](const loops::Job& job, const loops::Worker& worker, suture_batch& batch,
-            const loops::BatchRows& rows) {
-          batch.force = force;
-          const suture_status status = job.function(worker.context, &batch);
-          for (Index l = 0; l < batch.valid; ++l) {
-            const Index r = rows.row[l];
-            const Index* nodes =
-                job.nodes + std::size_t{job.cells ? job.cells[r] : r} * job.node_count;
-            for (Index n = 0; n < job.node_count; ++n) {
-              if (!impl_->selection.contains(nodes[n])) continue;
-              Vec3& sum = forces[impl_->selection.slot(nodes[n])];
-              for (std::size_t c = 0; c < 3; ++c) sum[c] += force[(n * 3 + c) * lanes + l];
-            }
-          }
-          return status;
-        });
-  }
-  impl_->raise_failures(time);
-  return forces;
-}
-
-const VertexSelection& ForceLoop::selection() const { return impl_->selection; }
-
-double ForceLoop::energy_around(std::span<const Index> elements, double time) {
-  double sum = 0;
-  for (Index i = 0; i < impl_->functors.size(); ++i) {
-    const CompiledFunctor& functor = impl_->functors[i];
-    const auto* extension = functor.extension<suture_energy_1>(SUTURE_ENERGY_1);
-    if (functor.skipped() || !extension) continue;
-    impl_->for_each_local(i, time, impl_->local.rows_of(*impl_->complex, functor, elements),
-                          [&](const loops::Job&, const loops::Worker& worker, suture_batch& batch,
-                              const loops::BatchRows&) {
-                            alignas(64) double out[lanes];
-                            const suture_status status =
-                                extension->energy(worker.context, &batch, out);
-                            for (Index l = 0; l < batch.valid; ++l) sum += out[l];
-                            return status;
-                          });
-  }
-  impl_->raise_failures(time);
-  return sum;
-}
-
-std::vector<Index> ForceLoop::elements_around(std::span<const Index> vertices) {
-  return impl_->local.elements_around(*impl_->complex, vertices);
 }
 
 // ------------------------------------------------------------ output fields --
@@ -336,79 +162,6 @@ bool ForceLoop::compute_field(const Instance& instance, int dimension, std::stri
   }
   impl_->raise_failures(time);
   return given;
-}
-
-// ------------------------------------------------------------------- bounds --
-
-namespace {
-
-const suture_stable_dt_1& bounds_of(const CompiledFunctor& functor) {
-  const auto* extension = functor.extension<suture_stable_dt_1>(SUTURE_STABLE_DT_1);
-  if (extension) return *extension;
-  throw PluginError(functor.title() +
-                    " offers no bound of the stable step (suture.stable-dt/1): give \"dt\" as a "
-                    "number of seconds, or add the extension to the model");
-}
-
-/// sums(vertex) += the bounds of every node of a batch.
-template <class Sums>
-suture_status add_bounds(const suture_stable_dt_1& extension, const loops::Job& job,
-                         const loops::Worker& worker, suture_batch& batch,
-                         const loops::BatchRows& rows, Sums& sums) {
-  alignas(64) double stiffness[8 * 6 * lanes] = {}, damping[8 * 6 * lanes] = {};
-  const suture_status status = extension.bounds(worker.context, &batch, stiffness, damping);
-  for (Index l = 0; l < batch.valid; ++l) {
-    const Index r = rows.row[l];
-    const Index* nodes = job.nodes + std::size_t{job.cells ? job.cells[r] : r} * job.node_count;
-    for (Index n = 0; n < job.node_count; ++n)
-      sums.add(nodes[n], stiffness + n * 6 * lanes + l, damping + n * 6 * lanes + l);
-  }
-  return status;
-}
-
-}  // namespace
-
-ForceLoop::Bounds ForceLoop::bounds(double time) {
-  VertexBounds sums(impl_->attributes.vertex_count());
-  for (Index i = 0; i < impl_->functors.size(); ++i) {
-    if (impl_->functors[i].skipped()) continue;
-    const suture_stable_dt_1& extension = bounds_of(impl_->functors[i]);
-    impl_->run(i, time, 0,
-               [&](const loops::Job& job, const loops::Worker& worker,
-                   std::span<const loops::Range> ranges, Index) {
-                 impl_->for_each_batch(
-                     job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {
-                       return add_bounds(extension, job, worker, batch, rows, sums);
-                     });
-               });
-  }
-  impl_->raise_failures(time);
-  Bounds bounds;
-  for (Index v = 0; v < impl_->attributes.vertex_count(); ++v)
-    include_vertex(v, sums[v], impl_->attributes, bounds);
-  return bounds;
-}
-
-ForceLoop::Bounds ForceLoop::bounds_around(std::span<const Index> vertices, double time) {
-  if (vertices.empty()) return {};
-  VertexSelection& selection = impl_->selection;
-  selection.select(vertices, impl_->attributes.vertex_count());
-  LocalBounds sums(selection, vertices.size());
-  const std::vector<Index> elements = impl_->local.elements_around(*impl_->complex, vertices);
-  for (Index i = 0; i < impl_->functors.size(); ++i) {
-    const CompiledFunctor& functor = impl_->functors[i];
-    if (functor.skipped()) continue;
-    const suture_stable_dt_1& extension = bounds_of(functor);
-    impl_->for_each_local(i, time,
-                          impl_->local.rows_at(*impl_->complex, functor, elements, selection),
-                          [&](const auto& job, const auto& worker, auto& batch, const auto& rows) {
-                            return add_bounds(extension, job, worker, batch, rows, sums);
-                          });
-  }
-  impl_->raise_failures(time);
-  Bounds bounds;
-  for (const Index v : vertices) include_vertex(v, sums[v], impl_->attributes, bounds);
-  return bounds;
 }
 
 // ------------------------------------------------------------------ tangent --
@@ -548,9 +301,12 @@ void ForceLoop::Impl::follow_still(const TopologyChange& change) {
     still[merge.kept] = still[merge.kept] || still[merge.gone];
 }
 
-void ForceLoop::update(const CellComplex& complex, const TopologyChange& change) {
+void ForceLoop::follow(const CellComplex& complex, const TopologyChange& change) {
   impl_->complex = &complex;
   impl_->operated |= !change.empty();
+  // Until the next evaluation the first part of a split vertex carries the force of all.
+  if (!impl_->fed_force.empty())
+    impl_->fed_force.resize(std::size_t{impl_->attributes.vertex_count()} * 4);
   impl_->follow_still(change);
   impl_->awake_rows.clear();
   const RestPlaces rest = impl_->attributes.rest_places(complex);
@@ -559,8 +315,11 @@ void ForceLoop::update(const CellComplex& complex, const TopologyChange& change)
 }
 
 void ForceLoop::state(Archive& archive) {
-  if (!archive.has_cells()) return;
   Impl& i = *impl_;
+  archive("fed", i.fed);
+  archive("fed force", i.fed_force);
+  archive("fed is booked", i.fed_is_booked);
+  if (!archive.has_cells()) return;
   archive("operated", i.operated);
   archive("still", i.still);
   archive.each("awake", i.awake_rows, [](Archive& a, auto& masks) { a.each("masks", masks); });

@@ -12,11 +12,9 @@
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/parallel.hpp"
-#include "kernel/forces/vertex_selection.hpp"
+#include "kernel/forces/force_term.hpp"
 
 namespace suture {
-
-class Archive;
 
 /// A model asks for a smaller step: the state before the step is still good.
 class StepRejected : public NumericalError {
@@ -26,37 +24,47 @@ class StepRejected : public NumericalError {
   double step_factor;  ///< proposed dt / present dt, in (0, 1)
 };
 
-/// Everything that adds internal forces: the enabled functors of all instances,
-/// compiled into batches of 8 cells. Same bits for any number of threads.
+/// The internal forces: the enabled functors of all instances, compiled into batches of 8 cells.
+/// Same bits for any number of threads.
 ///
 /// Cells of a functor are coloured in chunks (batch_list.hpp); the loop itself is
 /// compiled per instruction set (loops/). Memory: 8 B per row of an edge functor,
 /// 16 B per row of a face functor, nothing per element.
-class ForceLoop {
+class ForceLoop final : public ForceTerm {
  public:
   /// `threads`: 0 = as many as pay; only loops large enough use more than one.
   /// Throws PluginError if a functor asks for what this program does not have.
   ForceLoop(Attributes& attributes, const CellComplex& complex, unsigned threads);
-  ~ForceLoop();
+  ~ForceLoop() override;
+
+  const char* name() const override { return "models"; }
 
   /// Which functors: those with an energy (suture.energy/1), whose work is minus the change
   /// of it, those without, or all.
   enum class Part { all, with_energy, without_energy };
-  /// force += sum of the functors, at (position, velocity, time).
-  /// Throws NumericalError with the lowest failing cell's message, StepRejected
-  /// if a smaller step may help. `dt`: of the step in progress, 0 outside one.
-  void add_forces(double time, double dt, Part part = Part::all);
   bool has(Part part) const;  ///< some enabled functor belongs to it
   /// Some enabled functor has an energy and reads velocities: besides what it stores it dissipates.
   bool is_viscoelastic() const;
+  /// rows += sum of the functors (by default in the column `force`), at (position, velocity, time).
+  /// Throws NumericalError with the lowest failing cell's message, StepRejected
+  /// if a smaller step may help. `dt`: of the step in progress, 0 outside one.
+  void add_forces(double time, double dt, Part part = Part::all, double* rows = nullptr);
+  /// Cells that sleep are left out whatever `live` says.
+  void add_forces(double time, const LiveMask& live, double* rows) override;
+  void add_forces_in_step(const StepTimes& step, const LiveMask& live, double* rows) override;
+  /// To the rounding of another order. O(cells around them).
+  void add_forces_at(const VertexSelection& selection, std::span<const Index> vertices, double time,
+                     std::vector<Vec3>& forces) override;
+
+  /// Of functors without an energy, beside others with one.
+  double work() const override;
+  void forget_last() override;
+  void restart() override;
   /// Trial copies of state columns become the accepted ones.
-  void accept();
+  void accept() override;
+
   /// Stored energy of all functors that know theirs, J. Fixed order of summation.
-  double energy(double time);
-  /// What add_forces() adds at these vertices, each given once; in their order. To the
-  /// rounding of another order. O(cells around them).
-  std::vector<Vec3> forces_around(std::span<const Index> vertices, double time);
-  const VertexSelection& selection() const;  ///< of the last call of that
+  double energy(double time) override;
   /// The part of energy() that lies in these elements, their edges and their faces: an
   /// operation that touches no others changes energy() by the difference. Elements that
   /// were removed add nothing. To the rounding of another order. O(elements).
@@ -65,27 +73,17 @@ class ForceLoop {
   /// touch. O(elements around them).
   std::vector<Index> elements_around(std::span<const Index> vertices);
 
-  /// Per vertex the largest eigenvalue of the summed bounds over m:
-  /// K/m (1/s^2) and C/m (1/s); the maxima over all free vertices, and the
-  /// smallest stable step (stable_step.hpp; infinite without forces) with its
-  /// vertex. Throws PluginError if an enabled functor has no suture.stable-dt/1.
-  struct Bounds {
-    double stiffness = 0, damping = 0;
-    double dt = std::numeric_limits<double>::infinity();  ///< s
-    Index vertex = none;
-  };
-  Bounds bounds(double time);
-  /// bounds() of these vertices alone, each given once, to the rounding of another order.
-  /// O(cells around them); the first time memory for all vertices is set up.
-  Bounds bounds_around(std::span<const Index> vertices, double time);
+  bool is_stiff() const override { return true; }
+  /// Throws PluginError if an enabled functor has no suture.stable-dt/1.
+  void add_bounds(double time, const AddBounds& sums) override;
+  void add_bounds_at(const VertexSelection& selection, std::span<const Index> vertices, double time,
+                     const AddBounds& sums) override;
 
-  /// out += the derivative of all forces in the direction (dx d, dv d), for d and out
-  /// of 3 numbers per vertex. Needs has_tangent(). About three evaluations of forces.
-  /// The forces are differentiated in double; floats halve the memory of a search that
-  /// needs few digits (step_search.hpp).
+  /// Needs has_tangent(). About three evaluations of forces. The forces are differentiated in
+  /// double; floats halve the memory of a search that needs few digits (step_search.hpp).
+  void add_tangent(const double* d, double dx, double dv, double time, double* out) override;
   void add_tangent(const float* d, double dx, double dv, double time, float* out);
-  void add_tangent(const double* d, double dx, double dv, double time, double* out);
-  bool has_tangent() const;             ///< every enabled functor has suture.tangent/1
+  bool has_tangent() const override;    ///< every enabled functor has suture.tangent/1
   std::string without_tangent() const;  ///< the first that has none, or ""
   bool reads_velocity() const;          ///< some enabled functor does
   /// Some enabled functor is on edges or faces, or reads columns of vertices: an operation
@@ -100,7 +98,7 @@ class ForceLoop {
 
   /// Re-reads connectivity, rows and chunks after a change. O(cells touched) but
   /// when an eighth of the rows is new (edges) or for functors on faces.
-  void update(const CellComplex& complex, const TopologyChange& change);
+  void follow(const CellComplex& complex, const TopologyChange& change) override;
 
   /// Leaves out blocks of 8 cells all of whose vertices are `still` (one per vertex:
   /// held where they are at rest, for good), of every functor: their forces move
@@ -114,10 +112,10 @@ class ForceLoop {
   /// islands: a cell that a waking element shares is left out too. O(elements), the
   /// first time O(rows / 8).
   void sleep(std::span<const Index> elements);
-  void wake_all();  ///< update() wakes too
+  void wake_all();  ///< follow() wakes too
 
-  /// To be loaded after the attributes, where the same was built. Nothing of a motion.
-  void state(Archive& archive);
+  /// To be loaded after the attributes, where the same was built.
+  void state(Archive& archive) override;
 
   struct Summary {  ///< for `suture explain`
     std::string instance, functor;

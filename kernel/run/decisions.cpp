@@ -38,16 +38,16 @@ void decide_plugins(const Scene& scene, PluginHost& host, std::vector<Decision>&
 // Why something is done although the scene does not need it.
 constexpr const char* no_skip = "not needed, done because of --no-skip";
 
-void decide_cells(World& world, std::vector<Decision>& list) {
-  const CellComplex& complex = world.complex();
+void decide_cells(BuiltScene& built, std::vector<Decision>& list) {
+  const CellComplex& complex = built.body().complex();
   list.push_back({"3-map", false,
                   count_text(complex.element_count(), "element") + ", " +
-                      std::to_string(complex.count(0)) + " vertices, from " + world.mesh_source});
-  const auto& instances = world.attributes.instances();
+                      std::to_string(complex.count(0)) + " vertices, from " + built.mesh_source()});
+  const auto& instances = built.body().attributes().instances();
   const auto ids = [&](const char* subject, int dimension, const char* cells) {
     const bool used = std::any_of(instances.begin(), instances.end(),
                                   [&](const auto& i) { return i->uses(dimension); });
-    if (!used && world.skips)
+    if (!used && built.skips())
       list.push_back({subject, true, std::string("no model works on ") + cells});
     else
       list.push_back(
@@ -70,8 +70,8 @@ void decide_column(const Instance& instance, std::uint32_t attribute, std::vecto
     list.push_back({subject, false, count_text(column->size(), "row")});
 }
 
-void decide_columns(World& world, std::vector<Decision>& list) {
-  for (const auto& instance : world.attributes.instances())
+void decide_columns(BuiltScene& built, std::vector<Decision>& list) {
+  for (const auto& instance : built.body().attributes().instances())
     for (std::uint32_t a = 0; a < instance->model().attribute_count; ++a)
       decide_column(*instance, a, list);
 }
@@ -90,23 +90,23 @@ void decide_functor(const ForceLoop::Summary& functor, std::vector<Decision>& li
   if (!velocities) list.push_back({"velocities for " + subject, true, "it reads none"});
 }
 
-void decide_functors(World& world, std::vector<Decision>& list) {
-  for (const ForceLoop::Summary& functor : world.dynamics->forces().summary())
+void decide_functors(BuiltScene& built, std::vector<Decision>& list) {
+  for (const ForceLoop::Summary& functor : built.body().models().summary())
     decide_functor(functor, list);
-  const unsigned threads = world.dynamics->forces().threads();
+  const unsigned threads = built.body().models().threads();
   list.push_back({"threads", threads == 1,
                   threads == 1
                       ? "one: more would not pay for a loop of this size, or the scene asks for one"
                       : std::to_string(threads) + " for the force loop"});
-  list.push_back({"instruction set", false, std::string(world.dynamics->forces().isa())});
+  list.push_back({"instruction set", false, std::string(built.body().models().isa())});
 }
 
-void decide_integrator(const Scene& scene, World& world, std::vector<Decision>& list) {
-  if (scene.solver.integrator != SolverOptions::Integrator::velocity_verlet) {
+void decide_integrator(const Scene& scene, BuiltScene& built, std::vector<Decision>& list) {
+  if (scene.solver.integrator == "symplectic-euler") {
     list.push_back({"integrator", false, "symplectic Euler, of first order in dt"});
     return;
   }
-  for (const ForceLoop::Summary& functor : world.dynamics->forces().summary()) {
+  for (const ForceLoop::Summary& functor : built.body().models().summary()) {
     if (functor.skipped || (functor.reads & SUTURE_READ_VELOCITY) == 0) continue;
     list.push_back({"integrator", false,
                     "velocity Verlet, of first order in dt: functor " + functor.instance + "/" +
@@ -116,17 +116,17 @@ void decide_integrator(const Scene& scene, World& world, std::vector<Decision>& 
   list.push_back({"integrator", false, "velocity Verlet, of second order in dt"});
 }
 
-void decide_physics(const Scene& scene, World& world, std::vector<Decision>& list) {
+void decide_physics(const Scene& scene, BuiltScene& built, std::vector<Decision>& list) {
   const bool weight = scene.gravity != Vec3{};
   list.push_back({"gravity", !weight,
                   weight ? "an acceleration in the integrator's pass" : "the scene has none"});
-  list.push_back({"loads", world.dynamics->loads().empty(),
-                  world.dynamics->loads().empty() ? "the scene has none"
-                                                  : count_text(scene.loads.size(), "load")});
-  list.push_back({"constraints", world.dynamics->constraints().empty(),
-                  world.dynamics->constraints().empty()
+  list.push_back(
+      {"loads", !built.body().has_loads(),
+       !built.body().has_loads() ? "the scene has none" : count_text(scene.loads.size(), "load")});
+  list.push_back({"constraints", built.body().constraints().empty(),
+                  built.body().constraints().empty()
                       ? "the scene has none"
-                      : std::to_string(world.dynamics->constraints().vertex_count()) +
+                      : std::to_string(built.body().constraints().vertex_count()) +
                             " vertices, a pass over their list"});
 }
 
@@ -153,7 +153,7 @@ std::string names(const std::vector<FieldChoice>& fields) {
   return text.empty() ? "no fields" : text;
 }
 
-void decide_output(const Scene& scene, const World& world, const Recorder& recorder,
+void decide_output(const Scene& scene, const BuiltScene& built, const Recorder& recorder,
                    std::vector<Decision>& list) {
   if (!recorder.writes_frames()) {
     list.push_back({"writer", true, "the scene asks for no output"});
@@ -163,8 +163,8 @@ void decide_output(const Scene& scene, const World& world, const Recorder& recor
                   "to " + scene.output.directory.string() + ", with " + names(recorder.fields())});
   const std::string others = names(recorder.other_fields());
   list.push_back(
-      {"other fields", world.skips,
-       others + ": " + (world.skips ? "not asked for" : std::string(no_skip) + ", and dropped")});
+      {"other fields", built.skips(),
+       others + ": " + (built.skips() ? "not asked for" : std::string(no_skip) + ", and dropped")});
   list.push_back({"energies.csv", !recorder.writes_energies(),
                   recorder.writes_energies()
                       ? "every " + count_text(scene.output.energies_every, "step")
@@ -186,9 +186,9 @@ bool only_cuts(const std::vector<Event>& events) {
 }
 
 // Who looks at forces, stresses or energies where nothing moves; "" if nobody.
-std::string who_looks_at_still_cells(const Scene& scene, const World& world,
+std::string who_looks_at_still_cells(const Scene& scene, const BuiltScene& built,
                                      const Recorder& recorder) {
-  if (!world.skips) return no_skip;
+  if (!built.skips()) return no_skip;
   if (recorder.frames_need_force()) return "computed: frames show forces";
   if (recorder.frames_run_functors()) return "computed: frames show fields of the models";
   if (recorder.probes_need(&FieldChoice::needs_force)) return "computed: probes show forces";
@@ -201,8 +201,9 @@ std::string who_looks_at_still_cells(const Scene& scene, const World& world,
 }
 
 // Who asks which elements are neighbours once the cells have ids; "" if nobody.
-std::string who_needs_neighbours(const Scene& scene, const World& world, const Recorder& recorder) {
-  if (!world.skips) return no_skip;
+std::string who_needs_neighbours(const Scene& scene, const BuiltScene& built,
+                                 const Recorder& recorder) {
+  if (!built.skips()) return no_skip;
   if (!scene.events.empty()) return "kept: an event cuts, removes or joins, or looks for islands";
   if (scene.solver.sleep_acceleration > 0) return "kept: islands may sleep";
   if (recorder.frames_need_neighbours()) return "kept: frames show islands";
@@ -212,11 +213,11 @@ std::string who_needs_neighbours(const Scene& scene, const World& world, const R
 
 }  // namespace
 
-Decision decide_still_cells(const Scene& scene, World& world, const Recorder& recorder) {
+Decision decide_still_cells(const Scene& scene, BuiltScene& built, const Recorder& recorder) {
   const std::string subject = "cells between fixed vertices";
-  const std::string reason = who_looks_at_still_cells(scene, world, recorder);
+  const std::string reason = who_looks_at_still_cells(scene, built, recorder);
   if (!reason.empty()) return {subject, false, reason};
-  const Index cells = world.dynamics->skip_still_cells();
+  const Index cells = built.body().skip_still_cells();
   if (cells == 0) return {subject, false, "there is no block of 8 of them"};
   return {subject, true,
           std::to_string(cells) +
@@ -224,27 +225,27 @@ Decision decide_still_cells(const Scene& scene, World& world, const Recorder& re
               "their stress, forces or energy"};
 }
 
-Decision decide_neighbours(const Scene& scene, World& world, const Recorder& recorder) {
+Decision decide_neighbours(const Scene& scene, BuiltScene& built, const Recorder& recorder) {
   const std::string subject = "neighbours (beta3)";
-  const std::string reason = who_needs_neighbours(scene, world, recorder);
+  const std::string reason = who_needs_neighbours(scene, built, recorder);
   if (!reason.empty()) return {subject, false, reason};
-  world.complex().drop_beta3();
+  built.body().complex().drop_beta3();
   return {subject, true,
           "dropped once the mesh was checked, 24 B per element: no event, no sleep and no field "
           "asks for them"};
 }
 
-std::vector<Decision> decide(const Scene& scene, PluginHost& host, World& world,
+std::vector<Decision> decide(const Scene& scene, PluginHost& host, BuiltScene& built,
                              const Recorder& recorder) {
   std::vector<Decision> list;
   decide_plugins(scene, host, list);
-  decide_cells(world, list);
-  decide_columns(world, list);
-  decide_functors(world, list);
-  decide_integrator(scene, world, list);
-  decide_physics(scene, world, list);
+  decide_cells(built, list);
+  decide_columns(built, list);
+  decide_functors(built, list);
+  decide_integrator(scene, built, list);
+  decide_physics(scene, built, list);
   decide_events(scene, list);
-  decide_output(scene, world, recorder, list);
+  decide_output(scene, built, recorder, list);
   return list;
 }
 

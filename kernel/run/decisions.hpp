@@ -10,15 +10,15 @@ namespace suture {
 
 /// Leaves out the cells between vertices that are held at rest for good, if nobody
 /// asks for what they give: stress, reactions, energy.
-Decision decide_still_cells(const Scene& scene, World& world, const Recorder& recorder);
+Decision decide_still_cells(const Scene& scene, BuiltScene& built, const Recorder& recorder);
 
 /// Drops beta3 if nobody asks which elements are neighbours: no event, no sleep, no field.
-Decision decide_neighbours(const Scene& scene, World& world, const Recorder& recorder);
+Decision decide_neighbours(const Scene& scene, BuiltScene& built, const Recorder& recorder);
 
 /// What was built, loaded and looped over for this scene, and what was skipped
 /// and why. Plugins that several models share are named once per model. After
 /// decide_still_cells().
-std::vector<Decision> decide(const Scene& scene, PluginHost& host, World& world,
+std::vector<Decision> decide(const Scene& scene, PluginHost& host, BuiltScene& built,
                              const Recorder& recorder);
 
 }  // namespace suture

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kernel/base/error.hpp"
+#include "kernel/dynamics/inversion.hpp"
 #include "kernel/output/frame_writer.hpp"
 #include "kernel/run/shown.hpp"
 
@@ -17,12 +18,12 @@ bool is_finite(const Vec3& p) {
   return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
-void fill_points(World& world, Frame& frame) {
-  const Column &x = world.attributes.position(), &rest = world.attributes.rest(),
-               &v = world.attributes.velocity();
+void fill_points(BuiltScene& built, Frame& frame) {
+  const Column &x = built.body().attributes().position(), &rest = built.body().attributes().rest(),
+               &v = built.body().attributes().velocity();
   FrameField displacement{"displacement", 3, {}, {}}, velocity{"velocity", 3, {}, {}};
   for (Index i = 0; i < x.size(); ++i) {
-    frame.points.push_back(world.frame.in_scene({x.get(i, 0), x.get(i, 1), x.get(i, 2)}));
+    frame.points.push_back(built.frame().in_scene({x.get(i, 0), x.get(i, 1), x.get(i, 2)}));
     for (int c = 0; c < 3; ++c) {
       displacement.values.push_back(x.get(i, c) - rest.get(i, c));
       velocity.values.push_back(v.get(i, c));
@@ -31,15 +32,16 @@ void fill_points(World& world, Frame& frame) {
   frame.point_fields = {std::move(displacement), std::move(velocity)};
 }
 
-Frame frame_of(World& world, double time) {
+Frame frame_of(BuiltScene& built, double time) {
   Frame frame;
   frame.time = time;
-  fill_points(world, frame);
-  const auto hexahedra = world.complex().vertices();
+  fill_points(built, frame);
+  const auto hexahedra = built.body().complex().vertices();
   frame.hexahedra.assign(hexahedra.begin(), hexahedra.end());
   FrameField failure{"failure", 1, {}, {}};
   failure.ids.assign(frame.hexahedra.size(), sound);
-  for (const Index e : world.dynamics->inverted_elements()) failure.ids[e] = inverted;
+  for (const Index e : find_inverted(built.body().complex(), built.body().attributes()))
+    failure.ids[e] = inverted;
   for (std::size_t e = 0; e < frame.hexahedra.size(); ++e)
     if (std::ranges::any_of(frame.hexahedra[e], [&](Index v) {
           return !is_finite(frame.points[v]) ||
@@ -47,15 +49,15 @@ Frame frame_of(World& world, double time) {
         }))
       failure.ids[e] = not_finite;
   frame.cell_fields = {std::move(failure)};
-  leave_out_holes(frame, Shown::of(world.complex()), {});
+  leave_out_holes(frame, Shown::of(built.body().complex()), {});
   return frame;
 }
 
 }  // namespace
 
-Evidence::Evidence(World& world, double time) : failed_(frame_of(world, time)) {}
+Evidence::Evidence(BuiltScene& built, double time) : failed_(frame_of(built, time)) {}
 
-void Evidence::add_last_good(World& world, double time) { good_ = frame_of(world, time); }
+void Evidence::add_last_good(BuiltScene& built, double time) { good_ = frame_of(built, time); }
 
 std::string Evidence::write(const std::filesystem::path& directory) {
   const auto finite_or = [](double value, double other) {

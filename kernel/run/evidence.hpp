@@ -6,7 +6,7 @@
 #include <string>
 
 #include "kernel/output/frame.hpp"
-#include "kernel/run/world.hpp"
+#include "kernel/scene/built_scene.hpp"
 
 namespace suture {
 
@@ -17,8 +17,8 @@ namespace suture {
 class Evidence {
  public:
   /// The state that failed is the present one.
-  Evidence(World& world, double time);
-  void add_last_good(World& world, double time);
+  Evidence(BuiltScene& built, double time);
+  void add_last_good(BuiltScene& built, double time);
   /// A sentence on what was written, or on why it could not be.
   std::string write(const std::filesystem::path& directory);
 

@@ -13,35 +13,35 @@ namespace {
 
 using On = FieldChoice::On;
 
-// value(world, gravity, vertex, component): three components of each vertex.
+// value(built, gravity, vertex, component): three components of each vertex.
 template <class Value>
 FieldChoice vertex_vector(std::string name, std::string unit, bool needs_force, Value value) {
   FieldChoice field{std::move(name), On::points, needs_force, {}};
   field.components = 3;
   field.unit = std::move(unit);
   field.value = value;
-  field.fill = [value](World& world, const Vec3& gravity, double, FrameField& out) {
-    const Index count = world.complex().count(0);
+  field.fill = [value](BuiltScene& built, const Vec3& gravity, double, FrameField& out) {
+    const Index count = built.body().complex().count(0);
     out.components = 3;
     out.values.resize(std::size_t{3} * count);
     for (Index v = 0; v < count; ++v) {
       for (int a = 0; a < 3; ++a)
-        out.values[std::size_t{3} * v + static_cast<std::size_t>(a)] = value(world, gravity, v, a);
+        out.values[std::size_t{3} * v + static_cast<std::size_t>(a)] = value(built, gravity, v, a);
     }
   };
   return field;
 }
 
-// column(world): one value of each vertex.
+// column(built): one value of each vertex.
 template <class ColumnOf>
 FieldChoice vertex_scalar(std::string name, std::string unit, ColumnOf column) {
   FieldChoice field{std::move(name), On::points, false, {}};
   field.unit = std::move(unit);
-  field.value = [column](World& world, const Vec3&, Index v, int) {
-    return column(world).get(v, 0);
+  field.value = [column](BuiltScene& built, const Vec3&, Index v, int) {
+    return column(built).get(v, 0);
   };
-  field.fill = [column](World& world, const Vec3&, double, FrameField& out) {
-    const Column& values = column(world);
+  field.fill = [column](BuiltScene& built, const Vec3&, double, FrameField& out) {
+    const Column& values = column(built);
     out.components = 1;
     out.values.resize(values.size());
     for (Index i = 0; i < values.size(); ++i) out.values[i] = values.get(i, 0);
@@ -49,73 +49,75 @@ FieldChoice vertex_scalar(std::string name, std::string unit, ColumnOf column) {
   return field;
 }
 
-// value(world, cell): a whole number of each vertex or element.
+// value(built, cell): a whole number of each vertex or element.
 template <class Value>
 FieldChoice integers(std::string name, On on, Value value) {
   FieldChoice field{std::move(name), on, false, {}};
-  field.value = [value](World& world, const Vec3&, Index cell, int) {
-    return static_cast<double>(value(world, cell));
+  field.value = [value](BuiltScene& built, const Vec3&, Index cell, int) {
+    return static_cast<double>(value(built, cell));
   };
-  field.fill = [value, on](World& world, const Vec3&, double, FrameField& out) {
-    const Index count = world.complex().count(on == On::points ? 0 : 3);
+  field.fill = [value, on](BuiltScene& built, const Vec3&, double, FrameField& out) {
+    const Index count = built.body().complex().count(on == On::points ? 0 : 3);
     out.components = 1;
     out.ids.resize(count);
-    for (Index i = 0; i < count; ++i) out.ids[i] = static_cast<std::int64_t>(value(world, i));
+    for (Index i = 0; i < count; ++i) out.ids[i] = static_cast<std::int64_t>(value(built, i));
   };
   return field;
 }
 
-double displacement(World& world, const Vec3&, Index v, int a) {
-  return world.attributes.position().get(v, a) - world.attributes.rest().get(v, a);
+double displacement(BuiltScene& built, const Vec3&, Index v, int a) {
+  return built.body().attributes().position().get(v, a) -
+         built.body().attributes().rest().get(v, a);
 }
 
-double velocity(World& world, const Vec3&, Index v, int a) {
-  return world.attributes.velocity().get(v, a);
+double velocity(BuiltScene& built, const Vec3&, Index v, int a) {
+  return built.body().attributes().velocity().get(v, a);
 }
 
 // f = f_int + loads + m g
-double total_force(World& world, const Vec3& gravity, Index v, int a) {
-  return world.attributes.force().get(v, a) +
-         world.attributes.mass().get(v, 0) * gravity[static_cast<std::size_t>(a)];
+double total_force(BuiltScene& built, const Vec3& gravity, Index v, int a) {
+  return built.body().attributes().force().get(v, a) +
+         built.body().attributes().mass().get(v, 0) * gravity[static_cast<std::size_t>(a)];
 }
 
 // What the support gives: the opposite of the force, in constrained directions.
-double reaction(World& world, const Vec3& gravity, Index v, int a) {
-  const bool held = (static_cast<int>(world.attributes.fixed().get(v, 0)) >> a & 1) != 0;
-  return held ? -total_force(world, gravity, v, a) : 0.0;
+double reaction(BuiltScene& built, const Vec3& gravity, Index v, int a) {
+  const bool held = (static_cast<int>(built.body().attributes().fixed().get(v, 0)) >> a & 1) != 0;
+  return held ? -total_force(built, gravity, v, a) : 0.0;
 }
 
 FieldChoice element_id() {
   FieldChoice field = integers("element_id", On::cells,
-                               [](World& world, Index e) { return world.element_name(e); });
-  field.fill = [fill = field.fill](World& world, const Vec3& gravity, double time,
+                               [](BuiltScene& built, Index e) { return built.element_name(e); });
+  field.fill = [fill = field.fill](BuiltScene& built, const Vec3& gravity, double time,
                                    FrameField& out) {
     out.global_ids = true;
-    fill(world, gravity, time, out);
+    fill(built, gravity, time, out);
   };
   return field;
 }
 
 FieldChoice island() {
-  FieldChoice field =
-      integers("island", On::cells, [](World& world, Index e) { return world.islands().of(e); });
+  FieldChoice field = integers(
+      "island", On::cells, [](BuiltScene& built, Index e) { return built.body().islands().of(e); });
   field.needs_neighbours = true;
   return field;
 }
 
 // Alternating part of the deformation over strain.
-void hourglass(World& world, const Vec3&, double, FrameField& field) {
-  const Hourglass found = measure_hourglass(world.complex(), world.attributes);
+void hourglass(BuiltScene& built, const Vec3&, double, FrameField& field) {
+  const Hourglass found = measure_hourglass(built.body().complex(), built.body().attributes());
   field.components = 1;
-  field.values.resize(world.complex().element_count());
-  for (Index e = 0; e < world.complex().element_count(); ++e) field.values[e] = found.content(e);
+  field.values.resize(built.body().complex().element_count());
+  for (Index e = 0; e < built.body().complex().element_count(); ++e)
+    field.values[e] = found.content(e);
 }
 
-void model(World& world, const Vec3&, double, FrameField& field) {
+void model(BuiltScene& built, const Vec3&, double, FrameField& field) {
   field.components = 1;
-  field.ids.resize(world.complex().element_count());
+  field.ids.resize(built.body().complex().element_count());
   std::int64_t number = 0;
-  for (const auto& instance : world.attributes.instances()) {
+  for (const auto& instance : built.body().attributes().instances()) {
     const CellSet& cells = instance->table(3).cells;
     for (Index row = 0; row < cells.size(); ++row) field.ids[cells.cell(row)] = number;
     ++number;
@@ -124,29 +126,29 @@ void model(World& world, const Vec3&, double, FrameField& field) {
 
 // Where a cell of an instance's table stands in the frame: springs instance after
 // instance in the order of their rows, elements and vertices by number.
-std::size_t frame_size(World& world, int dimension) {
-  if (dimension != 1) return world.complex().count(dimension);
+std::size_t frame_size(BuiltScene& built, int dimension) {
+  if (dimension != 1) return built.body().complex().count(dimension);
   std::size_t springs = 0;
-  for (const auto& instance : world.attributes.instances())
+  for (const auto& instance : built.body().attributes().instances())
     springs += instance->table(1).cells.size();
   return springs;
 }
 
 // values(instance, out): components per row of the instance's table.
 template <class Values>
-void gather_instances(World& world, int dimension, int components, FrameField& field,
+void gather_instances(BuiltScene& built, int dimension, int components, FrameField& field,
                       Values values) {
   const auto width = static_cast<std::size_t>(components);
   field.components = components;
-  field.values.assign(frame_size(world, dimension) * width,
+  field.values.assign(frame_size(built, dimension) * width,
                       std::numeric_limits<double>::quiet_NaN());
   std::size_t springs = 0;
-  for (const auto& instance : world.attributes.instances()) {
+  for (const auto& instance : built.body().attributes().instances()) {
     const CellSet& cells = instance->table(dimension).cells;
     std::vector<double> of_rows(cells.size() * width, std::numeric_limits<double>::quiet_NaN());
     if (values(*instance, of_rows)) {
       for (Index row = 0; row < cells.size(); ++row) {
-        if (!has_cell(world.complex(), instance->table(dimension), row)) continue;
+        if (!has_cell(built.body().complex(), instance->table(dimension), row)) continue;
         const std::size_t place = dimension == 1 ? springs + row : cells.cell(row);
         std::copy_n(of_rows.data() + row * width, width, field.values.data() + place * width);
       }
@@ -168,12 +170,11 @@ FieldChoice output_field(const suture_functor& functor, const suture_field& fiel
   return {name,
           place_of(functor.dimension),
           false,
-          [=](World& world, const Vec3&, double time, FrameField& out) {
-            gather_instances(world, dimension, components, out,
-                             [&](Instance& instance, std::span<double> rows) {
-                               return world.dynamics->forces().compute_field(instance, dimension,
-                                                                             name, time, rows);
-                             });
+          [=](BuiltScene& built, const Vec3&, double time, FrameField& out) {
+            gather_instances(
+                built, dimension, components, out, [&](Instance& instance, std::span<double> rows) {
+                  return built.body().models().compute_field(instance, dimension, name, time, rows);
+                });
           },
           true,
           false,
@@ -188,9 +189,9 @@ FieldChoice attribute_field(const suture_attribute& attribute) {
   return {name,
           place_of(attribute.dimension),
           false,
-          [=](World& world, const Vec3&, double, FrameField& out) {
+          [=](BuiltScene& built, const Vec3&, double, FrameField& out) {
             gather_instances(
-                world, dimension, components, out, [&](Instance& instance, std::span<double> rows) {
+                built, dimension, components, out, [&](Instance& instance, std::span<double> rows) {
                   const Column* column = instance.table(dimension).find(name);
                   if (column == nullptr) return false;
                   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -240,12 +241,16 @@ const std::vector<FieldChoice>& kernel_fields() {
       vertex_vector("velocity", "m/s", false, velocity),
       vertex_vector("force", "N", true, total_force),
       vertex_vector("reaction", "N", true, reaction),
-      vertex_scalar("mass", "kg",
-                    [](World& world) -> const Column& { return world.attributes.mass(); }),
-      vertex_scalar("fixed", "1",
-                    [](World& world) -> const Column& { return world.attributes.fixed(); }),
+      vertex_scalar(
+          "mass", "kg",
+          [](BuiltScene& built) -> const Column& { return built.body().attributes().mass(); }),
+      vertex_scalar(
+          "fixed", "1",
+          [](BuiltScene& built) -> const Column& { return built.body().attributes().fixed(); }),
       integers("node_id", On::points,
-               [](World& world, Index v) { return world.names.point_id(world.user_vertex[v]); }),
+               [](BuiltScene& built, Index v) {
+                 return built.names().point_id(built.body().user_vertex()[v]);
+               }),
       element_id(),
       island(),
       {"model", On::cells, false, model},
@@ -253,9 +258,9 @@ const std::vector<FieldChoice>& kernel_fields() {
   return fields;
 }
 
-std::vector<FieldChoice> model_fields(World& world) {
+std::vector<FieldChoice> model_fields(BuiltScene& built) {
   std::vector<FieldChoice> fields;
-  for (const auto& instance : world.attributes.instances()) {
+  for (const auto& instance : built.body().attributes().instances()) {
     const suture_model& table = instance->model();
     for (const suture_functor& functor : std::span(table.functors, table.functor_count)) {
       const void* extension = functor.extension ? functor.extension(SUTURE_OUTPUT_1) : nullptr;
@@ -273,9 +278,9 @@ std::vector<FieldChoice> model_fields(World& world) {
   return fields;
 }
 
-std::vector<FieldChoice> all_fields(World& world) {
+std::vector<FieldChoice> all_fields(BuiltScene& built) {
   std::vector<FieldChoice> all = kernel_fields();
-  for (FieldChoice& field : model_fields(world)) all.push_back(std::move(field));
+  for (FieldChoice& field : model_fields(built)) all.push_back(std::move(field));
   return all;
 }
 
@@ -295,8 +300,8 @@ const FieldChoice& field_named(const std::vector<FieldChoice>& fields, const std
   throw InputError(text);
 }
 
-std::vector<FieldChoice> choose_fields(World& world, const OutputOptions& options) {
-  const std::vector<FieldChoice> all = all_fields(world);
+std::vector<FieldChoice> choose_fields(BuiltScene& built, const OutputOptions& options) {
+  const std::vector<FieldChoice> all = all_fields(built);
   std::vector<FieldChoice> chosen;
   for (const std::string& name : options.fields)
     chosen.push_back(field_named(all, name, "/output/fields"));
@@ -307,9 +312,9 @@ std::vector<FieldChoice> choose_fields(World& world, const OutputOptions& option
   return chosen;
 }
 
-std::vector<FieldChoice> fields_besides(World& world, const std::vector<FieldChoice>& chosen) {
+std::vector<FieldChoice> fields_besides(BuiltScene& built, const std::vector<FieldChoice>& chosen) {
   std::vector<FieldChoice> others;
-  for (FieldChoice& field : all_fields(world))
+  for (FieldChoice& field : all_fields(built))
     if (!contains(chosen, field)) others.push_back(std::move(field));
   return others;
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "kernel/output/frame.hpp"
-#include "kernel/run/world.hpp"
+#include "kernel/scene/built_scene.hpp"
 
 namespace suture {
 
@@ -17,14 +17,14 @@ struct FieldChoice {
   On on = On::points;
   bool needs_force = false;  ///< forces must belong to the positions of the frame
   /// Computes the field; `gravity` (m/s^2) and `time` (s) as they are now.
-  std::function<void(World&, const Vec3& gravity, double time, FrameField&)> fill;
+  std::function<void(BuiltScene&, const Vec3& gravity, double time, FrameField&)> fill;
   bool runs_functors = false;     ///< an output of a model, not a column
   bool needs_neighbours = false;  ///< asks which elements hang together
   int components = 1;
   std::string unit = "1";  ///< "1": none
   /// One component at one vertex or element, without computing the others; empty where
   /// only fill() knows.
-  std::function<double(World&, const Vec3& gravity, Index cell, int component)> value{};
+  std::function<double(BuiltScene&, const Vec3& gravity, Index cell, int component)> value{};
 };
 
 /// What the components of a field are called: "x y z", "xx yy zz xy yz xz", 0, 1, ...;
@@ -43,10 +43,10 @@ const std::vector<FieldChoice>& kernel_fields();
 
 /// Fields of the models in a run: output extensions and attributes flagged for
 /// output. A field of several instances is one array, NaN where no model gives it.
-std::vector<FieldChoice> model_fields(World& world);
+std::vector<FieldChoice> model_fields(BuiltScene& built);
 
 /// Fields of every run, then those of its models.
-std::vector<FieldChoice> all_fields(World& world);
+std::vector<FieldChoice> all_fields(BuiltScene& built);
 
 /// The field of points or elements with this name among `fields`. Throws InputError that
 /// begins with `path` and names the nearest and all others.
@@ -55,9 +55,9 @@ const FieldChoice& field_named(const std::vector<FieldChoice>& fields, const std
 
 /// The chosen fields; all of a run's for the springs. Throws InputError for a
 /// name that no model of this scene gives, with the nearest.
-std::vector<FieldChoice> choose_fields(World& world, const OutputOptions& options);
+std::vector<FieldChoice> choose_fields(BuiltScene& built, const OutputOptions& options);
 
 /// The fields of this scene that are not among `chosen`.
-std::vector<FieldChoice> fields_besides(World& world, const std::vector<FieldChoice>& chosen);
+std::vector<FieldChoice> fields_besides(BuiltScene& built, const std::vector<FieldChoice>& chosen);
 
 }  // namespace suture

@@ -14,19 +14,21 @@ namespace {
 constexpr std::size_t most_told = 3;
 
 /// Gravity and loads after their ramps, in rows of 4.
-std::vector<double> final_forces(const Scene& scene, World& world) {
-  const Attributes& attributes = world.attributes;
+std::vector<double> final_forces(const Scene& scene, BuiltScene& built) {
+  const Attributes& attributes = built.body().attributes();
   std::vector<double> force(4 * std::size_t{attributes.vertex_count()});
-  world.dynamics->loads().add_to(force.data(), world.attributes.position().rows(),
-                                 world.dynamics->settled_after());
+  const double end = built.body().settled_after();
+  for (const auto& term : built.body().terms().subspan(1)) term->add_forces(end, {}, force.data());
   for (Index v = 0; v < attributes.vertex_count(); ++v)
     for (std::size_t c = 0; c < 3; ++c)
-      force[4 * std::size_t{v} + c] += world.attributes.mass().get(v, 0) * scene.gravity[c];
+      force[4 * std::size_t{v} + c] +=
+          built.body().attributes().mass().get(v, 0) * scene.gravity[c];
   return force;
 }
 
-std::vector<FreePiece> free_pieces(const Scene& scene, World& world) {
-  return find_free_pieces(world.complex(), world.attributes, final_forces(scene, world));
+std::vector<FreePiece> free_pieces(const Scene& scene, BuiltScene& built) {
+  return find_free_pieces(built.body().complex(), built.body().attributes(),
+                          final_forces(scene, built));
 }
 
 std::string describe(const FreePiece& piece) {
@@ -45,14 +47,13 @@ std::string push_of(const FreePiece& piece) {
 }
 
 /// Whether models leave all of a translation alone: not those with springs to the ground.
-bool models_let_move(World& world, const FreePiece& piece) {
-  ForceLoop& forces = world.dynamics->forces();
-  if (!forces.has_tangent()) return false;
-  const std::size_t size = 3 * std::size_t{world.attributes.vertex_count()};
+bool models_let_move(BuiltScene& built, const FreePiece& piece) {
+  if (!built.body().models().has_tangent()) return false;
+  const std::size_t size = 3 * std::size_t{built.body().attributes().vertex_count()};
   const auto largest_image = [&](auto value) {
     std::vector<double> direction(size), image(size);
     for (std::size_t i = 0; i < size; ++i) direction[i] = value(i);
-    forces.add_tangent(direction.data(), 1, 0, 0, image.data());
+    built.body().add_tangent(direction.data(), 1, 0, 0, image.data());
     double largest = 0;
     for (const double f : image) largest = std::max(largest, std::abs(f));
     return largest;
@@ -69,11 +70,11 @@ bool models_let_move(World& world, const FreePiece& piece) {
 
 }  // namespace
 
-void look_for_free_bodies(const Scene& scene, World& world, Diagnostics& diagnostics) {
-  const std::vector<FreePiece> pieces = free_pieces(scene, world);
+void look_for_free_bodies(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics) {
+  const std::vector<FreePiece> pieces = free_pieces(scene, built);
   for (const FreePiece& piece : pieces) {
     if (!piece.is_pushed() || scene.solver.end || !scene.events.empty()) continue;
-    if (!models_let_move(world, piece)) continue;
+    if (!models_let_move(built, piece)) continue;
     throw InputError("/constraints: " + describe(piece) + ", and " + push_of(piece) +
                      ", so it never comes to rest; hold it, balance the loads, or give "
                      "/solver/end");
@@ -86,11 +87,11 @@ void look_for_free_bodies(const Scene& scene, World& world, Diagnostics& diagnos
                      " more pieces are not held");
 }
 
-std::string falling_body(const Scene& scene, World& world) {
+std::string falling_body(const Scene& scene, BuiltScene& built) {
   for (const Event& event : scene.events)
-    if (event.finish() > world.dynamics->time()) return "";
-  for (const FreePiece& piece : free_pieces(scene, world))
-    if (piece.is_pushed() && models_let_move(world, piece))
+    if (event.finish() > built.dynamics().time()) return "";
+  for (const FreePiece& piece : free_pieces(scene, built))
+    if (piece.is_pushed() && models_let_move(built, piece))
       return describe(piece) + ", and " + push_of(piece);
   return "";
 }

@@ -6,6 +6,8 @@
 #include <sstream>
 
 #include "kernel/base/error.hpp"
+#include "kernel/dynamics/inversion.hpp"
+#include "kernel/dynamics/rounding.hpp"
 
 namespace suture {
 namespace {
@@ -18,16 +20,16 @@ bool stops_on_inversion(const Scene& scene, const ModelUse& use) {
 
 }  // namespace
 
-Guard::Guard(const Scene& scene, World& world, Diagnostics& diagnostics)
-    : world_(world),
+Guard::Guard(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics)
+    : built_(built),
       diagnostics_(diagnostics),
-      inverted_at_rest_(world.dynamics->inverted_elements()) {
+      inverted_at_rest_(find_inverted(built.body().complex(), built.body().attributes())) {
   for (const ModelUse& use : scene.models) stops_.push_back(stops_on_inversion(scene, use));
 }
 
 void Guard::check(std::uint64_t step, double time) {
-  last_ = world_.dynamics->balance();
-  noise_ = 10 * static_cast<double>(step) * world_.dynamics->rounding().energy;
+  last_ = built_.dynamics().balance();
+  noise_ = 10 * static_cast<double>(step) * rounding_of(built_.dynamics().motion()).energy;
   forgiven_ = std::min(forgiven_, unexplained());  // energy that was lost may not come back
   if (!std::isfinite(last_.kinetic) || !std::isfinite(last_.elastic)) {
     std::ostringstream text;
@@ -51,10 +53,10 @@ double Guard::growth() const {
 
 void Guard::check_inversion(std::uint64_t step, double time) {
   std::vector<Index> inverted;
-  std::ranges::set_difference(world_.dynamics->inverted_elements(), inverted_at_rest_,
-                              std::back_inserter(inverted));
+  std::ranges::set_difference(find_inverted(built_.body().complex(), built_.body().attributes()),
+                              inverted_at_rest_, std::back_inserter(inverted));
   if (inverted.empty()) return;
-  const auto& instances = world_.attributes.instances();
+  const auto& instances = built_.body().attributes().instances();
   const auto stops = [&](Index e) {
     for (std::size_t i = 0; i < instances.size(); ++i)
       if (stops_[i] && instances[i]->table(3).cells.contains(e)) return true;
@@ -67,12 +69,19 @@ void Guard::check_inversion(std::uint64_t step, double time) {
   const Index shown = worst != inverted.end() ? *worst : inverted.front();
   std::ostringstream text;
   text << inverted.size() << (inverted.size() == 1 ? " element is" : " elements are")
-       << " inverted (a corner Jacobian <= 0): element " << world_.element_name(shown) << " at "
-       << world_.place_of(shown) << (inverted.size() > 1 ? " and others" : "");
+       << " inverted (a corner Jacobian <= 0): element " << built_.element_name(shown) << " at "
+       << built_.place_of(shown) << (inverted.size() > 1 ? " and others" : "");
   if (worst != inverted.end()) throw NumericalError(text.str());
   std::ostringstream when;
   when << "step " << step << ", t = " << time << " s: ";
   diagnostics_.warn(when.str() + text.str() + "; the run goes on (on_inversion)");
+}
+
+void Guard::state(Archive& archive) {
+  archive("worst inverted", worst_inverted_);
+  archive("noise", noise_);
+  archive("last", last_);
+  archive("forgiven", forgiven_);
 }
 
 }  // namespace suture

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "kernel/base/diagnostics.hpp"
-#include "kernel/run/world.hpp"
+#include "kernel/scene/built_scene.hpp"
 
 namespace suture {
 
@@ -14,10 +14,10 @@ namespace suture {
 /// found by the step itself, an unstable step by the frequency of the motion.)
 class Guard {
  public:
-  Guard(const Scene& scene, World& world, Diagnostics& diagnostics);
+  Guard(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics);
 
   /// The beginning of the ledger.
-  void start() { last_ = world_.dynamics->balance(); }
+  void start() { last_ = built_.dynamics().balance(); }
 
   /// Looks at the present state; throws NumericalError with what is wrong, but for the advice,
   /// which depends on the step. An evaluation of energies (0.7 of the forces), a pass over the
@@ -34,12 +34,13 @@ class Guard {
 
   const EnergyBalance& last() const { return last_; }
   std::uint64_t inverted_elements() const { return worst_inverted_; }
+  void state(Archive& archive);
 
  private:
   void check_inversion(std::uint64_t step, double time);
   double unexplained() const;
 
-  World& world_;
+  BuiltScene& built_;
   Diagnostics& diagnostics_;
   std::vector<bool> stops_;              ///< on inversion, by instance
   std::vector<Index> inverted_at_rest_;  ///< admitted by the scene, ascending

@@ -14,42 +14,42 @@ constexpr double significant = 0.5;
 Index least_elements(Index elements) { return std::clamp<Index>(elements / 10, 8, 64); }
 
 /// The use of a model that acts on the element; the last, if several do.
-const ModelUse& model_of(const Scene& scene, const World& world, Index element) {
+const ModelUse& model_of(const Scene& scene, const BuiltScene& built, Index element) {
   std::size_t found = 0;
   for (std::size_t i = 0; i < scene.models.size(); ++i)
-    if (world.attributes.instances()[i]->table(3).cells.contains(element)) found = i;
+    if (built.body().attributes().instances()[i]->table(3).cells.contains(element)) found = i;
   return scene.models[found];
 }
 
-Vec3 centre_of(World& world, Index element) {
+Vec3 centre_of(BuiltScene& built, Index element) {
   Vec3 centre{};
-  for (const Index v : world.complex().vertices_of(element))
+  for (const Index v : built.body().complex().vertices_of(element))
     for (int c = 0; c < 3; ++c)
-      centre[static_cast<std::size_t>(c)] += world.attributes.position().get(v, c) / 8;
+      centre[static_cast<std::size_t>(c)] += built.body().attributes().position().get(v, c) / 8;
   return centre;
 }
 
 }  // namespace
 
-std::string hourglass_warning(const Scene& scene, World& world, bool at_rest) {
-  const Hourglass found = measure_hourglass(world.complex(), world.attributes);
+std::string hourglass_warning(const Scene& scene, BuiltScene& built, bool at_rest) {
+  const Hourglass found = measure_hourglass(built.body().complex(), built.body().attributes());
   Index count = 0, worst = none;
-  for (Index e = 0; e < world.complex().element_count(); ++e) {
+  for (Index e = 0; e < built.body().complex().element_count(); ++e) {
     if (!(found.content(e) > significant)) continue;
     // A continuum that vibrates has such motions too, and resists them.
-    if (!at_rest && (model_of(scene, world, e).model->flags & SUTURE_CONTINUUM) != 0) continue;
+    if (!at_rest && (model_of(scene, built, e).model->flags & SUTURE_CONTINUUM) != 0) continue;
     ++count;
     if (worst == none || found.content(e) > found.content(worst)) worst = e;
   }
-  const Index elements = world.complex().existing(3);
+  const Index elements = built.body().complex().existing(3);
   if (count < least_elements(elements)) return "";
-  const ModelUse& use = model_of(scene, world, worst);
-  const Vec3 centre = centre_of(world, worst);
+  const ModelUse& use = model_of(scene, built, worst);
+  const Vec3 centre = centre_of(built, worst);
   std::ostringstream text;
   text << count << " of " << elements
        << " elements hourglass: they move in a checkerboard that no strain explains. The worst is "
           "element "
-       << world.element_name(worst) << " at " << world.place_text(centre) << " of model '"
+       << built.element_name(worst) << " at " << built.place_text(centre) << " of model '"
        << use.name << "', by " << found.content(worst) << " times its strain. ";
   if ((use.model->flags & SUTURE_CONTINUUM) == 0)
     text

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "kernel/run/world.hpp"
+#include "kernel/scene/built_scene.hpp"
 
 namespace suture {
 
@@ -12,6 +12,6 @@ namespace suture {
 /// alternating part above half their strain, the worst of them, and what to do. A few
 /// elements are none, as around a force on one node: at least 64, or a tenth of a small
 /// body and 8.
-std::string hourglass_warning(const Scene& scene, World& world, bool at_rest);
+std::string hourglass_warning(const Scene& scene, BuiltScene& built, bool at_rest);
 
 }  // namespace suture

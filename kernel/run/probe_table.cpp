@@ -17,9 +17,9 @@ FieldChoice position() {
   FieldChoice field{"position", On::points, false, {}};
   field.components = 3;
   field.unit = "m";
-  field.value = [](World& world, const Vec3&, Index v, int a) {
-    const double x = world.attributes.position().get(v, a);
-    return x + world.frame.origin[static_cast<std::size_t>(a)];
+  field.value = [](BuiltScene& built, const Vec3&, Index v, int a) {
+    const double x = built.body().attributes().position().get(v, a);
+    return x + built.frame().origin[static_cast<std::size_t>(a)];
   };
   return field;
 }
@@ -29,8 +29,8 @@ Probe::Of usual(const std::string& field) {
 }
 
 /// The elements that have one of these vertices, ascending.
-std::vector<Index> elements_around(World& world, const std::vector<Index>& vertices) {
-  const CellComplex& complex = world.complex();
+std::vector<Index> elements_around(BuiltScene& built, const std::vector<Index>& vertices) {
+  const CellComplex& complex = built.body().complex();
   std::vector<Index> elements;
   for (Index e = 0; e < complex.element_count(); ++e) {
     const bool touches =
@@ -42,10 +42,10 @@ std::vector<Index> elements_around(World& world, const std::vector<Index>& verti
   return elements;
 }
 
-std::vector<Index> cells_of(const Probe& probe, On on, World& world) {
-  if (on == On::points) return world.selector.vertices(probe.where);
-  return probe.at_point ? elements_around(world, world.selector.vertices(probe.where))
-                        : world.selector.elements(probe.where);
+std::vector<Index> cells_of(const Probe& probe, On on, BuiltScene& built) {
+  if (on == On::points) return built.selector().vertices(probe.where);
+  return probe.at_point ? elements_around(built, built.selector().vertices(probe.where))
+                        : built.selector().elements(probe.where);
 }
 
 /// Values of one component, taken in one by one.
@@ -76,9 +76,9 @@ class Reduction {
 
 }  // namespace
 
-ProbeTable::ProbeTable(const OutputOptions& options, World& world) : world_(world) {
+ProbeTable::ProbeTable(const OutputOptions& options, BuiltScene& built) : built_(built) {
   std::vector<FieldChoice> all{position()};
-  for (FieldChoice& field : all_fields(world)) all.push_back(std::move(field));
+  for (FieldChoice& field : all_fields(built)) all.push_back(std::move(field));
   for (const Probe& probe : options.probes) add(probe, all);
   computed_.resize(fields_.size());
 }
@@ -90,7 +90,7 @@ void ProbeTable::add(const Probe& probe, const std::vector<FieldChoice>& all) {
   for (const std::string& name : names) {
     const FieldChoice& field = field_named(all, name, probe.path + "/fields");
     std::vector<Index>& chosen = cells[field.on == On::points ? 0 : 1];
-    if (chosen.empty()) chosen = cells_of(probe, field.on, world_);
+    if (chosen.empty()) chosen = cells_of(probe, field.on, built_);
     entries_.push_back({probe.name, add_field(field), probe.of.value_or(usual(name)), chosen});
   }
 }
@@ -124,7 +124,7 @@ std::vector<std::string> ProbeTable::columns() const {
 
 const std::vector<double>& ProbeTable::row(double time, const Vec3& gravity) {
   for (std::size_t f = 0; f < fields_.size(); ++f)
-    if (!fields_[f].value) fields_[f].fill(world_, gravity, time, computed_[f]);
+    if (!fields_[f].value) fields_[f].fill(built_, gravity, time, computed_[f]);
   values_.assign(1, time);
   for (const Entry& entry : entries_) append(entry, gravity);
   return values_;
@@ -136,11 +136,11 @@ void ProbeTable::append(const Entry& entry, const Vec3& gravity) {
   const FrameField& computed = computed_[entry.field];
   const auto width = static_cast<std::size_t>(field.components);
   const auto value = [&](Index cell, std::size_t c) {
-    if (field.value) return field.value(world_, gravity, cell, static_cast<int>(c));
+    if (field.value) return field.value(built_, gravity, cell, static_cast<int>(c));
     return computed.ids.empty() ? computed.values[cell * width + c]
                                 : static_cast<double>(computed.ids[cell]);
   };
-  const CellComplex& complex = world_.complex();
+  const CellComplex& complex = built_.body().complex();
   const int dimension = field.on == On::points ? 0 : 3;
   for (std::size_t c = 0; c < width; ++c) {
     Reduction reduction(entry.of);

@@ -15,7 +15,7 @@ class ProbeTable {
  public:
   /// Throws InputError for a field that no model of the scene gives, and for a selection
   /// that selects nothing.
-  ProbeTable(const OutputOptions& options, World& world);
+  ProbeTable(const OutputOptions& options, BuiltScene& built);
 
   /// One per value of a row: "time [s]", "tip displacement x [m]", ...
   std::vector<std::string> columns() const;
@@ -41,7 +41,7 @@ class ProbeTable {
   void add(const Probe& probe, const std::vector<FieldChoice>& all);
   void append(const Entry& entry, const Vec3& gravity);
 
-  World& world_;
+  BuiltScene& built_;
   std::vector<FieldChoice> fields_;
   std::vector<FrameField> computed_;  ///< by field; empty where it is read cell by cell
   std::vector<Entry> entries_;

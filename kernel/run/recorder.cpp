@@ -26,17 +26,17 @@ FrameWriterOptions writer_options(const OutputOptions& options) {
   return result;
 }
 
-void copy_points(World& world, std::vector<Vec3>& points) {
-  const Column& x = world.attributes.position();
+void copy_points(BuiltScene& built, std::vector<Vec3>& points) {
+  const Column& x = built.body().attributes().position();
   const double* row = x.rows();
   points.resize(x.size());
   for (Vec3& p : points) {
-    p = world.frame.in_scene({row[0], row[1], row[2]});
+    p = built.frame().in_scene({row[0], row[1], row[2]});
     row += x.stride();
   }
 }
 
-void fill_fields(const std::vector<FieldChoice>& choices, FieldChoice::On on, World& world,
+void fill_fields(const std::vector<FieldChoice>& choices, FieldChoice::On on, BuiltScene& built,
                  const Vec3& gravity, double time, std::vector<FrameField>& fields) {
   std::size_t used = 0;
   for (const FieldChoice& choice : choices) {
@@ -44,7 +44,7 @@ void fill_fields(const std::vector<FieldChoice>& choices, FieldChoice::On on, Wo
     if (used == fields.size()) fields.emplace_back();
     FrameField& field = fields[used++];
     field.name = choice.name;
-    choice.fill(world, gravity, time, field);
+    choice.fill(built, gravity, time, field);
   }
   fields.resize(used);
 }
@@ -55,18 +55,18 @@ bool has_holes(const CellComplex& complex) {
 
 }  // namespace
 
-Recorder::Recorder(const Scene& scene, World& world, std::string provenance)
-    : world_(world), provenance_(std::move(provenance)) {
+Recorder::Recorder(const Scene& scene, BuiltScene& built, std::string provenance)
+    : built_(built), provenance_(std::move(provenance)) {
   const OutputOptions& options = scene.output;
   if (!options.enabled) return;
-  fields_ = choose_fields(world, options);
+  fields_ = choose_fields(built, options);
   frames_need_force_ =
       std::any_of(fields_.begin(), fields_.end(), [](const auto& f) { return f.needs_force; });
   frames_run_functors_ =
       std::any_of(fields_.begin(), fields_.end(), [](const auto& f) { return f.runs_functors; });
   frames_need_neighbours_ =
       std::any_of(fields_.begin(), fields_.end(), [](const auto& f) { return f.needs_neighbours; });
-  other_fields_ = fields_besides(world, fields_);
+  other_fields_ = fields_besides(built, fields_);
   frames_ = std::make_unique<FrameWriter>(writer_options(options));
   mode_options_ = writer_options(options);
   mode_options_.prefix = mode_options_.collection = "mode";
@@ -76,14 +76,15 @@ Recorder::Recorder(const Scene& scene, World& world, std::string provenance)
     springs_ = std::make_unique<FrameWriter>(springs);
   }
   if (options.energies_every > 0) {
-    energies_ = std::make_unique<CsvWriter>(
-        options.directory / "energies.csv",
-        std::vector<std::string>{"time [s]", "dt [s]", "kinetic [J]", "elastic [J]", "gravity [J]",
-                                 "loads [J]", "pressure [J]", "prescribed [J]", "models [J]",
-                                 "events [J]", "dissipated [J]", "balance [J]"});
+    std::vector<std::string> columns{"time [s]", "dt [s]", "kinetic [J]", "elastic [J]"};
+    for (const auto& term : built.body().terms().subspan(1))
+      columns.push_back(std::string(term->name()) + " [J]");
+    columns.insert(columns.end(),
+                   {"prescribed [J]", "models [J]", "events [J]", "dissipated [J]", "balance [J]"});
+    energies_ = std::make_unique<CsvWriter>(options.directory / "energies.csv", columns);
   }
   if (options.probes_every > 0 && !options.probes.empty()) {
-    probe_table_.emplace(options, world);
+    probe_table_.emplace(options, built);
     probes_ =
         std::make_unique<CsvWriter>(options.directory / "probes.csv", probe_table_->columns());
   }
@@ -93,12 +94,12 @@ void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity,
                           const std::vector<Vec3>* mode) {
   frame.number = frame_number_;
   frame.time = time;
-  copy_points(world_, frame.points);
-  const auto hexahedra = world_.complex().vertices();
+  copy_points(built_, frame.points);
+  const auto hexahedra = built_.body().complex().vertices();
   frame.hexahedra.assign(hexahedra.begin(), hexahedra.end());
   frame.lines.clear();
-  fill_fields(fields_, FieldChoice::On::points, world_, gravity, time, frame.point_fields);
-  fill_fields(fields_, FieldChoice::On::cells, world_, gravity, time, frame.cell_fields);
+  fill_fields(fields_, FieldChoice::On::points, built_, gravity, time, frame.point_fields);
+  fill_fields(fields_, FieldChoice::On::cells, built_, gravity, time, frame.cell_fields);
   if (mode != nullptr) {
     FrameField& field = frame.point_fields.emplace_back();
     field.name = "unstable_mode";
@@ -106,16 +107,17 @@ void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity,
     for (const Vec3& u : *mode) field.values.insert(field.values.end(), u.begin(), u.end());
   }
   frame.field_data_provenance = provenance_;
-  if (has_holes(world_.complex())) leave_out_holes(frame, Shown::of(world_.complex()), {});
+  if (has_holes(built_.body().complex()))
+    leave_out_holes(frame, Shown::of(built_.body().complex()), {});
 }
 
 void Recorder::frame(std::uint64_t step, double time, const Vec3& gravity) {
   if (!frames_) return;
-  auto frame = std::make_shared<Frame>(frames_->take_frame());
+  auto frame = std::make_unique<Frame>(frames_->take_frame());
   fill_frame(*frame, time, gravity);
-  held_.push_back({step, true, [this, frame] { frames_->submit(std::move(*frame)); }});
+  held_.push_back({step, Held::Kind::frame, std::move(frame), {}});
   if (springs_) springs_frame(step, time, gravity);
-  if (!world_.skips) fill_other_fields(time, gravity);
+  if (!built_.skips()) fill_other_fields(time, gravity);
   ++frame_number_;
 }
 
@@ -128,23 +130,40 @@ void Recorder::mode(double time, const Vec3& gravity, const std::vector<Vec3>& s
   modes_->submit(std::move(frame));
 }
 
+void Recorder::write(Held& held) {
+  switch (held.kind) {
+    case Held::Kind::frame:
+      frames_->submit(std::move(*held.frame));
+      break;
+    case Held::Kind::springs:
+      springs_->submit(std::move(*held.frame));
+      break;
+    case Held::Kind::energies:
+      energies_->row(held.step, held.row);
+      break;
+    case Held::Kind::probes:
+      probes_->row(held.step, held.row);
+      break;
+  }
+}
+
 void Recorder::release(std::uint64_t step) {
-  for (; !held_.empty() && held_.front().step <= step; held_.pop_front()) held_.front().write();
+  for (; !held_.empty() && held_.front().step <= step; held_.pop_front()) write(held_.front());
 }
 
 void Recorder::go_back(std::uint64_t step) {
   for (; !held_.empty() && held_.back().step > step; held_.pop_back())
-    if (held_.back().is_frame) --frame_number_;
+    if (held_.back().kind == Held::Kind::frame) --frame_number_;
 }
 
 std::size_t Recorder::frames_held() const {
-  return static_cast<std::size_t>(std::ranges::count_if(held_, &Held::is_frame));
+  return static_cast<std::size_t>(std::ranges::count(held_, Held::Kind::frame, &Held::kind));
 }
 
 /// Computed and dropped: a run that skips nothing pays for every field.
 void Recorder::fill_other_fields(double time, const Vec3& gravity) {
   FrameField unused;
-  for (const FieldChoice& field : other_fields_) field.fill(world_, gravity, time, unused);
+  for (const FieldChoice& field : other_fields_) field.fill(built_, gravity, time, unused);
 }
 
 std::size_t Recorder::rehearse(double time, const Vec3& gravity) {
@@ -162,45 +181,44 @@ std::size_t Recorder::rehearse(double time, const Vec3& gravity) {
 
 // The edges of every instance that has functors on them, row by row.
 void Recorder::springs_frame(std::uint64_t step, double time, const Vec3& gravity) {
-  auto held = std::make_shared<Frame>(springs_->take_frame());
+  auto held = std::make_unique<Frame>(springs_->take_frame());
   Frame& frame = *held;
   frame.number = frame_number_;
   frame.time = time;
-  copy_points(world_, frame.points);
+  copy_points(built_, frame.points);
   frame.hexahedra.clear();
   frame.lines.clear();
   std::vector<Index> lines;  // those whose edge is left
-  for (const auto& instance : world_.attributes.instances()) {
+  for (const auto& instance : built_.body().attributes().instances()) {
     const CellSet& cells = instance->table(1).cells;
     for (Index row = 0; row < cells.size(); ++row) {
-      if (!has_cell(world_.complex(), instance->table(1), row)) {
+      if (!has_cell(built_.body().complex(), instance->table(1), row)) {
         frame.lines.emplace_back();
         continue;
       }
       lines.push_back(static_cast<Index>(frame.lines.size()));
-      const Dart d = world_.complex().dart_of(1, cells.cell(row));
-      frame.lines.push_back(
-          {world_.complex().origin(d), world_.complex().origin(CellComplex::beta1(d))});
+      const Dart d = built_.body().complex().dart_of(1, cells.cell(row));
+      frame.lines.push_back({built_.body().complex().origin(d),
+                             built_.body().complex().origin(CellComplex::beta1(d))});
     }
   }
   frame.point_fields.clear();
-  fill_fields(fields_, FieldChoice::On::springs, world_, gravity, time, frame.cell_fields);
+  fill_fields(fields_, FieldChoice::On::springs, built_, gravity, time, frame.cell_fields);
   frame.field_data_provenance = provenance_;
-  if (has_holes(world_.complex())) leave_out_holes(frame, Shown::of(world_.complex()), lines);
-  held_.push_back({step, false, [this, held] { springs_->submit(std::move(*held)); }});
+  if (has_holes(built_.body().complex()))
+    leave_out_holes(frame, Shown::of(built_.body().complex()), lines);
+  held_.push_back({step, Held::Kind::springs, std::move(held), {}});
 }
 
 void Recorder::energies(std::uint64_t step, double time, double dt, const EnergyBalance& e) {
-  const std::array<double, 12> values{time,      dt,       e.kinetic,    e.elastic,
-                                      e.gravity, e.loads,  e.pressure,   e.prescribed,
-                                      e.models,  e.events, e.dissipated, e.balance};
-  held_.push_back({step, false, [this, step, values] { energies_->row(step, values); }});
+  std::vector<double> values{time, dt, e.kinetic, e.elastic};
+  for (const EnergyBalance::Work& work : e.works) values.push_back(work.value);
+  values.insert(values.end(), {e.prescribed, e.models, e.events, e.dissipated, e.balance});
+  held_.push_back({step, Held::Kind::energies, nullptr, std::move(values)});
 }
 
 void Recorder::probes(std::uint64_t step, double time, const Vec3& gravity) {
-  held_.push_back({step, false, [this, step, values = probe_table_->row(time, gravity)] {
-                     probes_->row(step, values);
-                   }});
+  held_.push_back({step, Held::Kind::probes, nullptr, probe_table_->row(time, gravity)});
 }
 
 bool Recorder::probes_need(bool FieldChoice::*what) const {
@@ -220,5 +238,29 @@ std::string Recorder::mode_collection() const {
 }
 
 std::string Recorder::collection() const { return frames_ ? frames_->collection().string() : ""; }
+
+void Recorder::Held::state(Archive& archive) {
+  archive("step", step);
+  archive("kind", kind);
+  archive("row", row);
+  if (kind != Kind::frame && kind != Kind::springs) return;
+  if (archive.loads()) frame = std::make_unique<Frame>();
+  archive("frame", *frame);
+}
+
+void Recorder::state(Archive& archive) {
+  archive("frame number", frame_number_);
+  archive("modes written", modes_written_);
+  archive.each("held", held_);
+  if (archive.loads() && modes_written_ > 0) modes_ = std::make_unique<FrameWriter>(mode_options_);
+  const auto writer = [&](const char* name, auto& file) {
+    if (file) archive(name, *file);
+  };
+  writer("frames", frames_);
+  writer("springs", springs_);
+  writer("modes", modes_);
+  writer("energies", energies_);
+  writer("probes", probes_);
+}
 
 }  // namespace suture

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <deque>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,7 +21,7 @@ namespace suture {
 class Recorder {
  public:
   /// Throws InputError for fields or probes that the scene cannot have.
-  Recorder(const Scene& scene, World& world, std::string provenance);
+  Recorder(const Scene& scene, BuiltScene& built, std::string provenance);
 
   bool writes_frames() const { return frames_ != nullptr; }
   bool writes_energies() const { return energies_ != nullptr; }
@@ -61,6 +60,8 @@ class Recorder {
 
   std::size_t frames_written() const { return frame_number_; }
   std::string collection() const;
+  /// What is on disk or held back; records go on behind that.
+  void state(Archive& archive);
   std::string mode_collection() const;  ///< "" if no mode was written
   const std::vector<FieldChoice>& fields() const { return fields_; }
   /// Fields of this scene that were not chosen.
@@ -72,13 +73,17 @@ class Recorder {
   void springs_frame(std::uint64_t step, double time, const Vec3& gravity);
   void fill_other_fields(double time, const Vec3& gravity);
 
+  /// A record that may still be dropped.
   struct Held {
-    std::uint64_t step;
-    bool is_frame;
-    std::function<void()> write;
+    std::uint64_t step = 0;
+    enum class Kind { frame, springs, energies, probes } kind = Kind::frame;
+    std::unique_ptr<Frame> frame;  ///< of the first two kinds
+    std::vector<double> row;       ///< of the others
+    void state(Archive& archive);
   };
+  void write(Held& held);
 
-  World& world_;
+  BuiltScene& built_;
   std::string provenance_;
   std::vector<FieldChoice> fields_, other_fields_;
   bool frames_need_force_ = false, frames_run_functors_ = false, frames_need_neighbours_ = false;

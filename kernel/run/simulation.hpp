@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
@@ -14,6 +16,9 @@
 #include "kernel/scene/scene.hpp"
 
 namespace suture {
+
+class RunLoop;
+struct Checkpoint;
 
 /// One thing that was decided when the scene was compiled into a run.
 struct Decision {
@@ -77,6 +82,10 @@ class Simulation {
   Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip = true);
   ~Simulation();
 
+  /// Goes on from a checkpoint that was read from `file`, of a run of this scene; before anything
+  /// else. Throws InputError that says why it cannot be.
+  void resume(const Checkpoint& checkpoint, const std::filesystem::path& file);
+
   /// Runs to the end, writes frames and tables. Throws NumericalError (frames
   /// written before stay; no frame shows a broken state) and IoError.
   /// Interrupted: finishes the step, writes a frame and returns.
@@ -89,7 +98,7 @@ class Simulation {
   /// (its times are not looked at). Throws as events do, and then nothing has happened.
   void apply(const Event& event, Observer& observer);
 
-  Dynamics::Energies energies();  ///< J; potentials are zero at rest positions
+  Energies energies();  ///< J; potentials are zero at rest positions
 
   /// With beta3, which is found again if the run has dropped it.
   const CellComplex& complex() const;
@@ -101,12 +110,12 @@ class Simulation {
   Vec3 mean_displacement(const Selection& selection) const;
 
   const std::vector<Decision>& decisions() const;
+  std::string_view isa() const;  ///< of the loops: "avx512", "avx2" or "base"
   /// Times a few steps (the simulation is used up by that).
   Estimate estimate();
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::unique_ptr<RunLoop> run_;
 };
 
 }  // namespace suture

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "kernel/dynamics/sleep.hpp"
+
 namespace suture {
 namespace {
 
@@ -19,33 +21,39 @@ std::vector<std::vector<Index>> elements_by_island(const Islands& islands, Index
 
 }  // namespace
 
-Sleeper::Sleeper(const SolverOptions& options, World& world)
-    : world_(world), acceleration_(options.sleep_acceleration), velocity_(options.sleep_velocity) {}
+Sleeper::Sleeper(const SolverOptions& options, BuiltScene& built)
+    : built_(built), acceleration_(options.sleep_acceleration), velocity_(options.sleep_velocity) {
+  built.body().add_follower(*this);
+}
 
 bool Sleeper::is_still(std::span<const Index> elements) const {
-  const Dynamics::Stillness found = world_.dynamics->stillness(elements);
+  const Stillness found = stillness(built_.dynamics(), elements);
   return found.acceleration <= acceleration_ && found.velocity <= velocity_;
 }
 
 Index Sleeper::look(std::uint64_t step) {
   if (!is_enabled() || step % steps_between_looks != 0) return 0;
-  if (world_.dynamics->time() < world_.dynamics->settled_after()) return 0;
-  const Islands& islands = world_.islands();
+  if (built_.dynamics().time() < built_.body().settled_after()) return 0;
+  const Islands& islands = built_.body().islands();
   still_looks_.resize(islands.count());
   Index fallen_asleep = 0;
-  const auto lists = elements_by_island(islands, world_.complex().element_count());
+  const auto lists = elements_by_island(islands, built_.body().complex().element_count());
   for (Index island = 0; island < islands.count(); ++island) {
     unsigned& looks = still_looks_[island];
     if (lists[island].empty() || looks >= looks_needed) continue;
     looks = is_still(lists[island]) ? looks + 1 : 0;
     if (looks < looks_needed) continue;
-    world_.dynamics->sleep(lists[island]);
+    put_to_sleep(built_.dynamics(), lists[island]);
     ++fallen_asleep;
   }
   return fallen_asleep;
 }
 
-void Sleeper::woken() { std::ranges::fill(still_looks_, 0u); }
+void Sleeper::follow(const CellComplex&, const TopologyChange&) {
+  std::ranges::fill(still_looks_, 0u);
+}
+
+void Sleeper::state(Archive& archive) { archive("still looks", still_looks_); }
 
 Index Sleeper::sleeping() const {
   return static_cast<Index>(

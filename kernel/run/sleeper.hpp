@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernel/run/world.hpp"
+#include "kernel/scene/built_scene.hpp"
 
 namespace suture {
 
@@ -14,25 +14,26 @@ namespace suture {
 /// nothing until an operation wakes all.
 ///
 /// What is lost: with acceleration a and velocity v when it fell asleep, the motion
-/// omitted in a time T is at most v T + a T^2 / 2 (Dynamics::sleep, there also the
+/// omitted in a time T is at most v T + a T^2 / 2 (put_to_sleep(), there also the
 /// bound that does not grow with T).
-class Sleeper {
+class Sleeper : private Follower {
  public:
-  Sleeper(const SolverOptions& options, World& world);
+  Sleeper(const SolverOptions& options, BuiltScene& built);
 
   bool is_enabled() const { return acceleration_ > 0; }
   /// After every step. Returns how many islands fell asleep now. A look costs a pass
   /// over what is awake, every 64 steps.
   Index look(std::uint64_t step);
-  /// An operation was made: dynamics has woken all.
-  void woken();
   /// Islands that sleep.
   Index sleeping() const;
+  void state(Archive& archive);
 
  private:
+  /// Dynamics has woken all.
+  void follow(const CellComplex& complex, const TopologyChange& change) override;
   bool is_still(std::span<const Index> elements) const;
 
-  World& world_;
+  BuiltScene& built_;
   double acceleration_, velocity_;     ///< m/s^2, m/s
   std::vector<unsigned> still_looks_;  ///< by island
 };

@@ -26,31 +26,30 @@ Index vertex_of_largest(const LowestMode& mode) {
 /// The forces f that are left turn with a body that nothing holds, which gives its rotations
 /// eigenvalues of about f / (mass of a vertex, root of their number, radius).
 double Stability::rounding_of_rest(const RestSearch& rest) const {
-  const Column& mass = world_.attributes.mass();
+  const Column& mass = built_.body().attributes().mass();
   double total = 0, count = 0;
-  for (Index v = 0; v < world_.attributes.vertex_count(); ++v) {
+  for (Index v = 0; v < built_.body().attributes().vertex_count(); ++v) {
     total += mass.get(v, 0);
     count += mass.get(v, 0) > 0;
   }
-  return 4 * rest.unbalanced_force() * std::sqrt(count) / (total * world_.selector.diagonal());
+  return 4 * rest.unbalanced_force() * std::sqrt(count) / (total * built_.selector().diagonal());
 }
 
 Stability::Verdict Stability::examine(const RestSearch& rest, std::uint64_t steps, double time,
                                       const Vec3& gravity) {
-  ForceLoop& forces = world_.dynamics->forces();
+  const ForceLoop& forces = built_.body().models();
   if (!forces.has_tangent()) {
     lowest_.reset();
     diagnostics_.warn("the stability of the equilibrium was not examined: " +
                       forces.without_tangent() + " has no tangent (suture.tangent/1)");
     return Verdict::unknown;
   }
-  LowestMode mode =
-      find_lowest_mode(forces, world_.complex(), world_.attributes, time, products_for(steps));
+  LowestMode mode = find_lowest_mode(built_.body(), time, products_for(steps));
   mode.noise += rounding_of_rest(rest);
   lowest_ = mode.eigenvalue;
   neutral_ = mode.eigenvalue <= 10 * mode.noise;
   if (!mode.negative()) return Verdict::stable;
-  world_.dynamics->synchronise();
+  built_.dynamics().synchronise();
   recorder_.mode(time, gravity, mode.shape);
   std::string text = describe(mode);
   if (scene_.solver.kick > 0 && kicks_ < most_kicks) {
@@ -71,7 +70,7 @@ Stability::Verdict Stability::examine(const RestSearch& rest, std::uint64_t step
 
 std::string Stability::describe(const LowestMode& mode) const {
   const Index vertex = vertex_of_largest(mode);
-  const Column& x = world_.attributes.position();
+  const Column& x = built_.body().attributes().position();
   std::ostringstream text;
   if (is_partial())
     text << "the equilibrium may be unstable: without the pressures, whose stiffness is not in "
@@ -82,8 +81,8 @@ std::string Stability::describe(const LowestMode& mode) const {
          << mode.eigenvalue << " 1/s^2, so a disturbance grows at " << std::sqrt(-mode.eigenvalue)
          << " 1/s";
   text << "; the mode is largest at element "
-       << world_.element_name(world_.complex().dart_of(0, vertex) / 24) << " at "
-       << world_.place_text({x.get(vertex, 0), x.get(vertex, 1), x.get(vertex, 2)});
+       << built_.element_name(built_.body().complex().dart_of(0, vertex) / 24) << " at "
+       << built_.place_text({x.get(vertex, 0), x.get(vertex, 1), x.get(vertex, 2)});
   if (const std::string file = recorder_.mode_collection(); !file.empty())
     text << ", and is the field \"unstable_mode\" of " << file;
   return text.str();
@@ -91,10 +90,15 @@ std::string Stability::describe(const LowestMode& mode) const {
 
 /// A column under a load that follows it can be stable far above its Euler load (Beck), so a
 /// negative eigenvalue proves nothing then.
-bool Stability::is_partial() const { return world_.dynamics->loads().has_pressure(); }
+bool Stability::is_partial() const { return !built_.body().loads_have_tangent(); }
 
 void Stability::kick(const LowestMode& mode) {
-  world_.dynamics->displace(mode.shape, scene_.solver.kick);
+  built_.dynamics().jump([&] {
+    Column& x = built_.body().attributes().position();
+    for (Index v = 0; v < x.size(); ++v)
+      for (int c = 0; c < 3; ++c)
+        x.set(v, c, x.get(v, c) + scene_.solver.kick * mode.shape[v][static_cast<std::size_t>(c)]);
+  });
 }
 
 std::string Stability::text() const {
@@ -105,6 +109,12 @@ std::string Stability::text() const {
   if (lowest_ && *lowest_ > 0)
     text << " (" << std::sqrt(*lowest_) / (2 * std::numbers::pi) << " Hz)";
   return text.str();
+}
+
+void Stability::state(Archive& archive) {
+  archive("lowest", lowest_);
+  archive("neutral", neutral_);
+  archive("kicks", kicks_);
 }
 
 }  // namespace suture

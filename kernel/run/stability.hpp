@@ -9,7 +9,7 @@
 #include "kernel/dynamics/modes.hpp"
 #include "kernel/dynamics/rest_search.hpp"
 #include "kernel/run/recorder.hpp"
-#include "kernel/run/world.hpp"
+#include "kernel/scene/built_scene.hpp"
 
 namespace suture {
 
@@ -21,8 +21,8 @@ class Stability {
  public:
   enum class Verdict { stable, unknown, unstable, kicked };
 
-  Stability(const Scene& scene, World& world, Recorder& recorder, Diagnostics& diagnostics)
-      : scene_(scene), world_(world), recorder_(recorder), diagnostics_(diagnostics) {}
+  Stability(const Scene& scene, BuiltScene& built, Recorder& recorder, Diagnostics& diagnostics)
+      : scene_(scene), built_(built), recorder_(recorder), diagnostics_(diagnostics) {}
 
   /// The body is at rest after `steps` steps. Warns of what is not stable or could not be
   /// examined, writes the mode, and kicks. `gravity` is for the fields of the frame. Costs
@@ -31,6 +31,7 @@ class Stability {
 
   /// Of the last look, 1/s^2; none if the tangent is unknown.
   std::optional<double> lowest_eigenvalue() const { return lowest_; }
+  void state(Archive& archive);
   /// For a note: what was found.
   std::string text() const;
 
@@ -43,7 +44,7 @@ class Stability {
   static constexpr unsigned most_kicks = 5;
 
   const Scene& scene_;
-  World& world_;
+  BuiltScene& built_;
   Recorder& recorder_;
   Diagnostics& diagnostics_;
   std::optional<double> lowest_;

@@ -35,18 +35,18 @@ std::string timed(double time, const std::string& what) {
 
 }  // namespace
 
-StepControl::StepControl(const Scene& scene, World& world, Recorder& recorder,
+StepControl::StepControl(const Scene& scene, BuiltScene& built, Recorder& recorder,
                          EventSchedule& schedule, EventRunner& events, Clock clock,
                          Diagnostics& diagnostics)
     : scene_(scene),
-      world_(world),
+      built_(built),
       recorder_(recorder),
       schedule_(schedule),
       events_(events),
       diagnostics_(diagnostics),
       clock_(std::move(clock)),
-      guard_(scene, world, diagnostics),
-      watch_(scene, world, diagnostics) {}
+      guard_(scene, built, diagnostics),
+      watch_(scene, built, diagnostics) {}
 
 void StepControl::start() {
   watch_.start();
@@ -65,14 +65,14 @@ void StepControl::after_event() {
 
 void StepControl::commit() {
   recorder_.release(clock_.step());
-  kept_.forget(clock_);
+  kept_.forget(clock_.step());
 }
 
 // -------------------------------------------------------------------- steps --
 
 void StepControl::step(const Notify& notify) {
-  if (kept_.look(clock_, schedule_, *world_.dynamics, recorder_.frames_held() > frames_held))
-    recorder_.release(kept_.older().clock->step());
+  if (kept_.look(clock_.step(), clock_.time(), *this, recorder_.frames_held() > frames_held))
+    recorder_.release(kept_.older().step);
   try {
     make_step();
     check_step(notify);
@@ -87,17 +87,18 @@ void StepControl::make_step() {
     throw NumericalError("the stable step is " + std::to_string(dt) + " s; nothing can move on");
   clock_.advance();
   last_dt_ = dt;  // and not the difference of two times: forces stay good while dt is the same
-  world_.dynamics->step(dt, clock_.time());
+  built_.dynamics().step(dt, clock_.time());
 }
 
 void StepControl::check_step(const Notify& notify) {
   if (watch_.is_alarming(clock_.step()) && watch_.is_unstable(clock_.step(), last_dt_)) {
-    const Index vertex = world_.dynamics->fastest_vertex();
-    const Index element = world_.complex().dart_of(0, vertex) / 24;
+    const Index vertex = built_.dynamics().motion().fastest_vertex();
+    const Index element = built_.body().complex().dart_of(0, vertex) / 24;
     std::ostringstream text;
     text << "the step is unstable: the motion reaches omega dt = "
-         << world_.dynamics->apparent_frequency() << ", the limit being 2, at element "
-         << world_.element_name(element) << ", " << world_.place_of(element);
+         << built_.dynamics().motion().sums().apparent_frequency()
+         << ", the limit being 2, at element " << built_.element_name(element) << ", "
+         << built_.place_of(element);
     throw UnstableStep(text.str());
   }
   if (clock_.step() % guard_steps == 0) check_state(notify);
@@ -188,7 +189,7 @@ void StepControl::step_back(const NumericalError& error, const Notify& notify) {
     give_up(error);
   if (!goes_on)
     restore(kept_.take_older());
-  else if (world_.dynamics->time() < clock_.time())
+  else if (built_.dynamics().time() < clock_.time())
     clock_.take_back();
   const double factor = rejected ? rejected->step_factor : 0.5;
   watch_.step_back(clock_.step(), static_cast<unsigned>(std::ceil(-std::log2(factor) - 1e-9)));
@@ -202,10 +203,8 @@ void StepControl::step_back(const NumericalError& error, const Notify& notify) {
   ++steps_back_;
 }
 
-void StepControl::restore(const KeptStates::State& state) {
-  world_.dynamics->restore(state.body);
-  clock_ = *state.clock;
-  schedule_.go_back(state.schedule);
+void StepControl::restore(const KeptStates::State& kept) {
+  kept.buffer.load(*this);
   events_.go_back(clock_.time());
   recorder_.go_back(clock_.step());
 }
@@ -214,22 +213,43 @@ void StepControl::give_up(const NumericalError& error) {
   std::ostringstream text;
   text << "step " << clock_.step() << ", " << timed(clock_.time(), error.what());
   const Index element = error.element != NumericalError::nowhere
-                            ? world_.selector.element_with_id(error.element)
+                            ? built_.selector().element_with_id(error.element)
                             : none;
-  if (element != none) text << "; this element lies at " << world_.place_of(element);
-  Evidence evidence(world_, clock_.time());
+  if (element != none) text << "; this element lies at " << built_.place_of(element);
+  Evidence evidence(built_, clock_.time());
   if (kept_.empty()) {
     recorder_.go_back(clock_.step() - 1);
   } else {
-    const KeptStates::State& state = kept_.take_older();
-    world_.dynamics->restore(state.body);
-    recorder_.go_back(state.clock->step());
-    evidence.add_last_good(world_, state.clock->time());
+    const KeptStates::State& good = kept_.take_older();
+    const Clock failed = clock_;
+    good.buffer.load(*this);
+    clock_ = failed;
+    recorder_.go_back(good.step);
+    evidence.add_last_good(built_, good.time);
     if (scene_.solver.dt) watch_.look_again();
   }
   text << ". " << advice(error);
   if (scene_.output.enabled) text << ". " << evidence.write(scene_.output.directory);
   throw NumericalError(text.str());
+}
+
+void StepControl::state(Archive& archive) {
+  archive("clock", clock_);
+  archive("schedule", schedule_);
+  archive("dynamics", built_.dynamics());
+  if (!archive.has_cells()) return;
+  archive("limits", built_.limits());
+  archive("guard", guard_);
+  archive("watch", watch_);
+  archive("kept", kept_);
+  archive("last dt", last_dt_);
+  archive("furthest failure", furthest_failure_);
+  archive("attempts", attempts_);
+  archive("last growth", last_growth_);
+  archive("furthest growth", furthest_growth_);
+  archive("growth attempts", growth_attempts_);
+  archive("growth was reported", growth_was_reported_);
+  archive("steps back", steps_back_);
 }
 
 /// What fits the scene, and is not in it yet.

@@ -4,9 +4,9 @@
 #include <functional>
 #include <string>
 
-#include "kernel/run/clock.hpp"
-#include "kernel/run/event_runner.hpp"
-#include "kernel/run/event_schedule.hpp"
+#include "kernel/dynamics/clock.hpp"
+#include "kernel/events/event_runner.hpp"
+#include "kernel/events/event_schedule.hpp"
 #include "kernel/run/guard.hpp"
 #include "kernel/run/kept_states.hpp"
 #include "kernel/run/recorder.hpp"
@@ -29,7 +29,7 @@ class StepControl {
  public:
   using Notify = std::function<void(const std::string&)>;
 
-  StepControl(const Scene& scene, World& world, Recorder& recorder, EventSchedule& schedule,
+  StepControl(const Scene& scene, BuiltScene& built, Recorder& recorder, EventSchedule& schedule,
               EventRunner& events, Clock clock, Diagnostics& diagnostics);
 
   /// After Dynamics::start(). Throws PluginError or InputError if "auto" has nothing to go by.
@@ -61,17 +61,21 @@ class StepControl {
   /// Something else has happened that cannot be undone: what is recorded stays.
   void commit();
 
+  /// Everything of the run up to the step in progress: what it goes back to, and more of a
+  /// checkpoint. Records and events have states of their own.
+  void state(Archive& archive);
+
  private:
   void check_step(const Notify& notify);
   void check_state(const Notify& notify);
   bool is_worth_a_smaller_step();
   void step_back(const NumericalError& error, const Notify& notify);
-  void restore(const KeptStates::State& state);
+  void restore(const KeptStates::State& kept);
   [[noreturn]] void give_up(const NumericalError& error);
   std::string advice(const NumericalError& error) const;
 
   const Scene& scene_;
-  World& world_;
+  BuiltScene& built_;
   Recorder& recorder_;
   EventSchedule& schedule_;
   EventRunner& events_;

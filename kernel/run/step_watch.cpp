@@ -27,7 +27,7 @@ void StepWatch::start() {
           "/solver/dt: \"auto\" needs a force, and no model gives one; give a number of seconds");
     return;
   }
-  stable_ = bound(&Dynamics::bounds).value_or(0);
+  stable_ = bound(&StepLimits::bounds).value_or(0);
   if (*scene_.solver.dt > stable_) search(0);
 }
 
@@ -35,7 +35,7 @@ void StepWatch::after_event(std::uint64_t step) {
   alarms_ = 0;
   interval_ = search_steps;
   if (warned_) return;  // nothing more to say
-  const std::optional<double> local = bound(&Dynamics::bounds_of_changes);
+  const std::optional<double> local = bound(&StepLimits::bounds_of_changes);
   if (scene_.solver.dt) {
     if (!local || *scene_.solver.dt > *local) due_ = std::max(step, searched_ + search_steps);
   } else if (!local) {
@@ -54,7 +54,7 @@ void StepWatch::after_step(std::uint64_t step) {
   if (step < due_) return;
   const bool events_go_on = lowered_ > searched_ && step < lowered_ + search_steps;
   if (!scene_.solver.dt && events_go_on && step < searched_ + most_event_steps) {
-    stable_ = limit_over_bound_ * bound(&Dynamics::bounds).value();  // lowered_ by such a bound
+    stable_ = limit_over_bound_ * bound(&StepLimits::bounds).value();  // lowered_ by such a bound
     due_ = step + search_steps;
     return;
   }
@@ -70,9 +70,9 @@ void StepWatch::after_step(std::uint64_t step) {
 }
 
 /// None if a model gives no bounds.
-std::optional<double> StepWatch::bound(ForceLoop::Bounds (Dynamics::*which)()) {
+std::optional<double> StepWatch::bound(StepBounds (StepLimits::*which)(double)) {
   try {
-    return (*world_.dynamics.*which)().dt;
+    return (built_.limits().*which)(built_.dynamics().time()).dt;
   } catch (const PluginError&) {
     return std::nullopt;
   }
@@ -82,13 +82,13 @@ void StepWatch::search(std::uint64_t step, bool from_random) {
   searched_ = step;
   due_ = scene_.solver.dt ? never : step + interval_;
   try {
-    stable_ = world_.dynamics->stable_step(from_random);
+    stable_ = built_.limits().stable_step(built_.dynamics().time(), from_random);
   } catch (const PluginError&) {
     if (!scene_.solver.dt) throw;
     return;  // a model without a bound runs with the user's dt
   }
   if (!scene_.solver.dt && !scene_.events.empty()) {
-    const double limit = stable_ / bound(&Dynamics::bounds).value_or(stable_);
+    const double limit = stable_ / bound(&StepLimits::bounds).value_or(stable_);
     limit_over_bound_ = std::clamp(limit, 1.0, most_over_bound);
   }
   compare();
@@ -108,14 +108,14 @@ void StepWatch::compare() {
 // ------------------------------------------------------------------- alarms --
 
 bool StepWatch::is_alarming(std::uint64_t step) {
-  alarms_ = world_.dynamics->apparent_frequency() > alarming ? alarms_ + 1 : 0;
+  alarms_ = built_.dynamics().motion().sums().apparent_frequency() > alarming ? alarms_ + 1 : 0;
   return alarms_ >= alarms_needed && step >= trusted_until_;
 }
 
 bool StepWatch::is_unstable(std::uint64_t step, double dt) {
   const double known = stable_;
   try {
-    stable_ = world_.dynamics->stable_step(true);
+    stable_ = built_.limits().stable_step(built_.dynamics().time(), true);
   } catch (const Error&) {
     stable_ = 0;  // no model says, or the state is beyond its law
   }
@@ -131,7 +131,7 @@ bool StepWatch::is_unstable(std::uint64_t step, double dt) {
 
 void StepWatch::look_again() {
   try {
-    stable_ = world_.dynamics->stable_step(true);
+    stable_ = built_.limits().stable_step(built_.dynamics().time(), true);
   } catch (const Error&) {
     stable_ = 0;
   }
@@ -148,13 +148,28 @@ void StepWatch::step_back(std::uint64_t step, unsigned halvings) {
 
 double StepWatch::wanted() const {
   const double dt = std::ldexp(safety_ * stable_, -static_cast<int>(halvings_));
-  return std::min(dt, world_.dynamics->constraints().longest_step(world_.dynamics->time()));
+  return std::min(dt, built_.body().constraints().longest_step(built_.dynamics().time()));
 }
 
 bool StepWatch::lower_safety() {
   if (scene_.solver.dt || safety_ <= low_safety) return false;
   safety_ = low_safety;
   return true;
+}
+
+void StepWatch::state(Archive& archive) {
+  archive("safety", safety_);
+  archive("stable", stable_);
+  archive("halvings", halvings_);
+  archive("searched", searched_);
+  archive("due", due_);
+  archive("interval", interval_);
+  archive("limit over bound", limit_over_bound_);
+  archive("lowered", lowered_);
+  archive("clean since", clean_since_);
+  archive("trusted until", trusted_until_);
+  archive("alarms", alarms_);
+  archive("warned", warned_);
 }
 
 }  // namespace suture

@@ -5,13 +5,13 @@
 #include <optional>
 
 #include "kernel/base/diagnostics.hpp"
-#include "kernel/run/world.hpp"
+#include "kernel/scene/built_scene.hpp"
 #include "kernel/scene/scene.hpp"
 
 namespace suture {
 
 /// Knows the stable step of a run, and how much of it is used. A search
-/// (Dynamics::stable_step()) costs as much as 150 evaluations of the forces from random, 15
+/// (StepLimits::stable_step()) costs as much as 150 evaluations of the forces from random, 15
 /// where it goes on from the last one, 27 or more where the cells are others since; the bound on
 /// its safe side of all vertices 22, of those that an event changed what the event touched.
 ///  - A fixed dt below the bounds needs no search. An event that takes the bound of the
@@ -31,8 +31,8 @@ namespace suture {
 /// Counted in steps, not seconds, so that a run is the same on every machine.
 class StepWatch {
  public:
-  StepWatch(const Scene& scene, World& world, Diagnostics& diagnostics)
-      : scene_(scene), world_(world), diagnostics_(diagnostics), safety_(scene.solver.safety) {}
+  StepWatch(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics)
+      : scene_(scene), built_(built), diagnostics_(diagnostics), safety_(scene.solver.safety) {}
 
   /// Throws PluginError or InputError if "auto" has nothing to go by.
   void start();
@@ -62,17 +62,18 @@ class StepWatch {
   double wanted() const;
   /// Half the stable step from now on, if it is more. False if it is not.
   bool lower_safety();
+  void state(Archive& archive);
 
  private:
   static constexpr std::uint64_t search_steps = 512, most_search_steps = 16 * search_steps,
                                  most_event_steps = 8 * search_steps, reduced_search_steps = 64,
                                  never = ~std::uint64_t{0};
 
-  std::optional<double> bound(ForceLoop::Bounds (Dynamics::*which)());
+  std::optional<double> bound(StepBounds (StepLimits::*which)(double));
   void compare();
 
   const Scene& scene_;
-  World& world_;
+  BuiltScene& built_;
   Diagnostics& diagnostics_;
   double safety_;
   double stable_ = 0;

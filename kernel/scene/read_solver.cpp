@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <array>
+#include <vector>
 
+#include "kernel/dynamics/integrator.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
 namespace suture::scene_parts {
@@ -83,10 +85,9 @@ OnInversion read_on_inversion(ObjectReader& object) {
 void read_solver(const JsonValue& value, Reading& reading) {
   SolverOptions& solver = reading.scene.solver;
   ObjectReader object(value, "/solver", reading.mistakes);
-  static const std::array<std::string, 2> integrators{"symplectic-euler", "velocity-verlet"};
-  if (object.choice("integrator", integrators) == 1u) {
-    solver.integrator = SolverOptions::Integrator::velocity_verlet;
-  }
+  const std::vector<std::string> integrators(integrator_names().begin(), integrator_names().end());
+  if (const auto choice = object.choice("integrator", integrators))
+    solver.integrator = integrators[*choice];
   read_step(object, solver);
   read_end(object, solver);
   read_damping(object, solver);

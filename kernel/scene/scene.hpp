@@ -66,8 +66,7 @@ struct Load {
 };
 
 struct SolverOptions {
-  enum class Integrator { symplectic_euler, velocity_verlet };
-  Integrator integrator = Integrator::symplectic_euler;
+  std::string integrator = "symplectic-euler";
   std::optional<double> dt;   ///< s; none: "auto"
   double safety = 0.8;        ///< of the stable step, for "auto"
   std::optional<double> end;  ///< s
@@ -127,7 +126,8 @@ struct SceneSource {
 struct Scene {
   std::string title;
   std::filesystem::path file;
-  std::string hash;  ///< of the text after --set, for provenance
+  /// Of the text after --set but for threads and checkpoints, which change no result.
+  std::string hash;
   MeshSource mesh;
   std::vector<ModelUse> models;
   Vec3 gravity{};  ///< m/s^2

@@ -74,6 +74,21 @@ std::string read_text(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+/// Without what changes no result: where it runs, and when it is saved.
+JsonValue what_counts(JsonValue root) {
+  const auto drop = [](JsonValue& object, std::string_view key) {
+    std::erase_if(object.members, [&](const JsonMember& member) { return member.key == key; });
+  };
+  drop(root, "checkpoint");
+  for (JsonMember& member : root.members) {
+    if (member.key != "solver") continue;
+    drop(member.value, "threads");
+    if (member.value.members.empty()) drop(root, "solver");
+    break;
+  }
+  return root;
+}
+
 /// The scene that `source` says; `shown` is the name of its text in messages.
 Scene read_source(const SceneSource& source, const std::string& shown,
                   const std::vector<std::string>& sets, const ModelLookup& lookup,
@@ -85,7 +100,7 @@ Scene read_source(const SceneSource& source, const std::string& shown,
   Scene scene;
   scene.file = source.file;
   scene.source = {canonical_json(root), source.file, source.working_folder};
-  scene.hash = fnv1a_hex(scene.source.text);
+  scene.hash = fnv1a_hex(canonical_json(what_counts(root)));
   Mistakes mistakes(shown, sets);
   Reading reading{scene,      source.file.parent_path(), source.working_folder, lookup, mistakes,
                   diagnostics};

@@ -14,6 +14,7 @@ namespace {
 
 using namespace suture;
 using spring_model::Body;
+using spring_model::box;
 
 constexpr std::uint32_t lanes = SUTURE_LANES;
 constexpr double interior_weight = 1e6;  // energy of an interior face; 1 of a boundary face
@@ -126,50 +127,47 @@ struct Tables {
 };
 
 struct FaceBody : Body {
-  explicit FaceBody(bool distorted)
-      : Body({.size = {0.5, 0.4, 0.3}, .cells = {5, 4, 3}}, distorted) {
+  explicit FaceBody(bool distorted) : Body(box(5, 4, 3), distorted) {
     static const Tables tables;
-    instance = &attributes->add(
+    instance = &attributes().add(
         std::make_unique<Instance>(tables.model, "faces", std::vector<double>{}, diagnostics),
-        mesh.complex, {});
-    initialise();
-    dynamics = std::make_unique<Dynamics>(*attributes, mesh.complex, DynamicsOptions{});
+        complex(), {});
+    compile();
   }
   double faces(bool boundary) const {
     double n = 0;
-    for (Index f = 0; f < mesh.complex.count(2); ++f)
-      n += (mesh.complex.beta3(mesh.complex.dart_of(2, f)) == none) == boundary;
+    for (Index f = 0; f < complex().count(2); ++f)
+      n += (complex().beta3(complex().dart_of(2, f)) == none) == boundary;
     return n;
   }
   Instance* instance;
-  std::unique_ptr<Dynamics> dynamics;
 };
 
 TEST(Faces, BoundaryFollowsCutsAndPointsOutward) {
   FaceBody body(false);
   for (unsigned seed = 1; seed <= 6; ++seed) {
-    EXPECT_EQ(body.dynamics->forces().energy(0),
-              body.faces(true) + interior_weight * body.faces(false));
-    Column& force = body.attributes->force();
+    EXPECT_EQ(body.models().energy(0), body.faces(true) + interior_weight * body.faces(false));
+    Column& force = body.attributes().force();
     std::fill(force.rows(), force.rows() + std::size_t{force.size()} * 4, 0.0);
-    body.dynamics->forces().add_forces(0, 0);
+    body.models().add_forces(0, 0);
     // Work in a uniform expansion: the surface integral of x . n is three volumes,
     // cut open or not.
     double work = 0;
-    for (Index v = 0; v < body.attributes->vertex_count(); ++v)
-      for (int c = 0; c < 3; ++c) work += force.get(v, c) * body.attributes->position().get(v, c);
+    for (Index v = 0; v < body.attributes().vertex_count(); ++v)
+      for (int c = 0; c < 3; ++c) work += force.get(v, c) * body.attributes().position().get(v, c);
     EXPECT_NEAR(work, 3 * 0.5 * 0.4 * 0.3, 1e-14) << seed;
-    body.dynamics->update(body.mesh.complex, body.cut_random(7, seed));
+    body.cut_random(7, seed);
   }
 }
 
 TEST(TrialColumns, AreAcceptedOncePerStepInEveryRow) {
   FaceBody body(true);
   ASSERT_GT(body.instance->general_begin % 8, 0u) << "one block is to hold both shapes";
-  body.dynamics->start();
-  for (int i = 0; i < 3; ++i) body.dynamics->step(1e-6, (i + 1) * 1e-6);
-  body.dynamics->synchronise();  // evaluates again, accepts nothing
-  body.dynamics->step(1e-6, 4e-6);
+  Dynamics dynamics(body, {});
+  dynamics.start();
+  for (int i = 0; i < 3; ++i) dynamics.step(1e-6, (i + 1) * 1e-6);
+  dynamics.synchronise();  // evaluates again, accepts nothing
+  dynamics.step(1e-6, 4e-6);
   const Column& age = *body.instance->column(1);
   for (Index row = 0; row < age.size(); ++row) EXPECT_EQ(age.get(row, 0), 4) << row;
 }

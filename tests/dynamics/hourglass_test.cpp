@@ -11,29 +11,23 @@
 namespace {
 
 using namespace suture;
+using namespace spring_model;
 using spring_model::Body;
 
-constexpr double h = 0.1;
-
-BoxOptions box(Index x, Index y, Index z) {
-  BoxOptions options;
-  options.cells = {x, y, z};
-  options.size = {h * x, h * y, h * z};
-  return options;
-}
+constexpr double h = 0.1;  // of box()
 
 /// Displaces every vertex by u(rest position).
 template <class Displacement>
 Hourglass measured(Body& body, Displacement u) {
-  Attributes& all = *body.attributes;
+  Attributes& all = body.attributes();
   for (Index v = 0; v < all.vertex_count(); ++v) {
-    if (!body.mesh.complex.exists(0, v)) continue;
+    if (!body.complex().exists(0, v)) continue;
     const Vec3 x{all.rest().get(v, 0), all.rest().get(v, 1), all.rest().get(v, 2)};
     const Vec3 moved = u(x);
     for (int c = 0; c < 3; ++c)
       all.position().set(v, c, x[static_cast<std::size_t>(c)] + moved[static_cast<std::size_t>(c)]);
   }
-  return measure_hourglass(body.mesh.complex, all);
+  return measure_hourglass(body.complex(), all);
 }
 
 double largest(const std::vector<double>& values) { return *std::ranges::max_element(values); }
@@ -43,8 +37,8 @@ double sign(double x) { return std::lround(x / h) % 2 == 0 ? 1 : -1; }
 class Block : public testing::Test {
  protected:
   Block() : body(box(8, 8, 8)) {
-    body.add(spring_model::defaults());
-    body.initialise();
+    body.add(defaults());
+    body.compile();
   }
   Body body;
 };
@@ -100,7 +94,7 @@ TEST_F(Block, WhereACheckerboardIsTheOtherHalfIsNot) {
     const double here = x[0] < 0.35 ? a : 0;
     return Vec3{here * sign(x[1]) * sign(x[2]) + 0.01 * x[0], 0, 0};
   });
-  const auto& users = body.mesh.user_element;
+  const auto& users = body.imported().user_element;
   for (Index e = 0; e < found.amplitude.size(); ++e) {
     const Index layer = users[e] % 8;
     if (layer == 0) {
@@ -114,12 +108,10 @@ TEST_F(Block, WhereACheckerboardIsTheOtherHalfIsNot) {
 
 TEST(Hourglass, HolesAndCutsAreBorders) {
   Body body(box(6, 6, 6));
-  body.add(spring_model::defaults());
-  body.initialise();
+  body.add(defaults());
+  body.compile();
   body.cut_random(20, 3);
-  const std::vector<Index> gone{5, 70};
-  const TopologyChange pierced = body.mesh.complex.pierce(gone);
-  body.attributes->apply(body.mesh.complex, pierced);
+  body.pierce({5, 70});
   const Hourglass found = measured(body, [](const Vec3& x) {
     return Vec3{0.1 * x[1], 0, 0.2 * x[2]};
   });

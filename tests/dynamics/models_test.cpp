@@ -9,44 +9,51 @@
 #include <cstdlib>
 #include <map>
 
-#include "kernel/dynamics/dynamics.hpp"
 #include "kernel/dynamics/rest_search.hpp"
 #include "kernel/mesh/box.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
-#include "kernel/topology/import.hpp"
+#include "tests/dynamics/rig.hpp"
 
 namespace {
 
 using namespace suture;
+using namespace rig;
 
-struct Block {
-  Block(const std::string& id, std::map<std::string, double> wanted, std::array<Index, 3> cells,
-        double cell, const DynamicsOptions& options)
-      : mesh(import_mesh(
-            make_box({.size = {cell * cells[0], cell * cells[1], cell * cells[2]}, .cells = cells}),
-            {}, diagnostics)),
-        attributes(mesh.complex, mesh.rest) {
+/// A block of one model, with its rig.
+struct Model : Body {
+  Model(const std::string& id, std::map<std::string, double> wanted, std::array<Index, 3> cells,
+        double cell)
+      : Body(imported(cells, cell)) {
     static PluginHost host;
     const suture_model& model = host.model(id);
     std::vector<double> values;
     for (const suture_parameter& p : std::span(model.parameters, model.parameter_count))
       values.push_back(wanted.contains(p.name) ? wanted[p.name] : p.default_value);
-    attributes.add(std::make_unique<Instance>(model, id, values, diagnostics), mesh.complex, {});
-    attributes.initialise(mesh.complex, diagnostics);
-    dynamics = std::make_unique<Dynamics>(attributes, mesh.complex, options);
+    Diagnostics diagnostics;
+    attributes().add(std::make_unique<Instance>(model, id, values, diagnostics), complex(), {});
+    compile(diagnostics);
   }
+  static Imported imported(std::array<Index, 3> cells, double cell) {
+    Diagnostics diagnostics;
+    const Vec3 size{cell * cells[0], cell * cells[1], cell * cells[2]};
+    return import_mesh(make_box({.size = size, .cells = cells}), {}, diagnostics);
+  }
+};
 
+struct Block : Model, Rig {
+  Block(const std::string& id, const std::map<std::string, double>& wanted,
+        std::array<Index, 3> cells, double cell, const Options& options)
+      : Model(id, wanted, cells, cell), Rig(*this, options) {}
+  Vec3 rest(Index v) {
+    const Column& rest = attributes().rest();
+    return {rest.get(v, 0), rest.get(v, 1), rest.get(v, 2)};
+  }
   std::vector<Index> vertices(const auto& chosen) {
     std::vector<Index> found;
-    for (Index v = 0; v < attributes.vertex_count(); ++v)
-      if (chosen(mesh.rest[v])) found.push_back(v);
+    for (Index v = 0; v < attributes().vertex_count(); ++v)
+      if (chosen(rest(v))) found.push_back(v);
     return found;
   }
-
-  Diagnostics diagnostics;
-  Imported mesh;
-  Attributes attributes;
-  std::unique_ptr<Dynamics> dynamics;
 };
 
 std::map<std::string, double> material(double E, double nu) {
@@ -74,7 +81,7 @@ INSTANTIATE_TEST_SUITE_P(Measured, StableStep,
 struct LimitBlock : Block {
   explicit LimitBlock(const Limit& limit)
       : Block(limit.model, with(limit), {3, 3, 3}, limit.cell, {}) {
-    dynamics->start();
+    dynamics.start();
   }
   static std::map<std::string, double> with(const Limit& limit) {
     auto parameters = material(limit.E, limit.nu);
@@ -86,17 +93,17 @@ struct LimitBlock : Block {
 
 TEST_P(StableStep, OfTheTangentIsTheLimit) {
   LimitBlock block(GetParam());
-  const double dt = block.dynamics->stable_step();
+  const double dt = block.stable_step();
   EXPECT_LT(dt, 1.005 * GetParam().dt);
   EXPECT_GT(dt, 0.975 * GetParam().dt);
-  const double again = block.dynamics->stable_step();  // from the mode that was found
+  const double again = block.stable_step();  // from the mode that was found
   EXPECT_NEAR(again, dt, 0.02 * dt);
 }
 
 TEST_P(StableStep, OfTheBoundsIsOnTheSafeSideByNotMuch) {
   const Limit& limit = GetParam();
   LimitBlock block(limit);
-  const double dt = block.dynamics->bounds().dt;
+  const double dt = block.limits.bounds(0).dt;
   EXPECT_LT(dt, 1.005 * limit.dt);
   // Bounds of the largest eigenvalue are up to 1.6 times too large; with viscosity
   // the step goes with its inverse, without with the inverse of its root.
@@ -108,17 +115,17 @@ TEST_P(StableStep, OfTheBoundsIsOnTheSafeSideByNotMuch) {
 TEST(StableStep, SeparatesStableFromUnstable) {
   for (const double factor : {0.95, 1.05}) {
     Block block("tm-faure", material(1e4, 0.45), {6, 5, 7}, 0.005, {});
-    block.dynamics->start();
-    Column& velocity = block.attributes.velocity();
-    for (Index v = 0; v < block.attributes.vertex_count(); ++v)
+    block.dynamics.start();
+    Column& velocity = block.attributes().velocity();
+    for (Index v = 0; v < block.attributes().vertex_count(); ++v)
       velocity.set(v, v % 3, (v * 2654435761u % 1000 - 499.5) * 1e-9);
-    block.dynamics->invalidate();
-    const double start = block.dynamics->energies().kinetic;
-    const double dt = factor * block.dynamics->stable_step();
+    block.dynamics.start(block.dynamics.time());
+    const double start = energies(block.dynamics).kinetic;
+    const double dt = factor * block.stable_step();
     double growth = 1;
     for (int i = 1; i <= 400 && growth < 1e9; ++i) {
-      block.dynamics->step(dt, i * dt);
-      growth = block.dynamics->energies().kinetic / start;
+      block.dynamics.step(dt, i * dt);
+      growth = energies(block.dynamics).kinetic / start;
     }
     if (factor < 1)
       EXPECT_LT(growth, 30);
@@ -130,18 +137,15 @@ TEST(StableStep, SeparatesStableFromUnstable) {
 /// A_Q1_5x5x20_G2: DOLFINx 0.5.2, Newton to 1e-13, confirmed by an independent
 /// numpy code; mean of the four nodes around the centre of the end face.
 TEST(Rest, CantileverOfThePaperIsThatOfAnIndependentNewtonSolver) {
-  DynamicsOptions options;
-  options.gravity = {0, -9.8, 0};
-  options.gravity_ramp = {0, 0.1, false};
+  const Options options{euler, 0, {0, -9.8, 0}, {0, 0.1, false}};
   Block beam("tm-faure", material(400e3, 0.3), {20, 5, 5}, 0.05, options);
-  beam.dynamics->constraints().add(beam.vertices([](const Vec3& x) { return x[0] < 1e-9; }), 7, {},
-                                   beam.attributes);
-  beam.dynamics->start();
-  const double dt = 0.8 * beam.dynamics->stable_step();
+  beam.hold(beam.vertices([](const Vec3& x) { return x[0] < 1e-9; }), 7);
+  beam.dynamics.start();
+  const double dt = 0.8 * beam.stable_step();
   RestSearch search(1e-7, true);
   int steps = 0;
-  while (!search.at_rest(*beam.dynamics) && steps < 20000) {
-    beam.dynamics->step(dt, (steps + 1) * dt);
+  while (!search.at_rest(beam.dynamics) && steps < 20000) {
+    beam.dynamics.step(dt, (steps + 1) * dt);
     ++steps;
   }
   EXPECT_LT(steps, 4000) << "critically damped, it takes 2,500";
@@ -151,32 +155,29 @@ TEST(Rest, CantileverOfThePaperIsThatOfAnIndependentNewtonSolver) {
   ASSERT_EQ(centre.size(), 4u);
   double ux = 0, uy = 0;
   for (const Index v : centre) {
-    ux += (beam.attributes.position().get(v, 0) - beam.mesh.rest[v][0]) / 4;
-    uy += (beam.attributes.position().get(v, 1) - beam.mesh.rest[v][1]) / 4;
+    ux += beam.shift(v, 0) / 4;
+    uy += beam.shift(v, 1) / 4;
   }
   EXPECT_NEAR(ux, -1.498277739630e-01, 5e-7);
   EXPECT_NEAR(uy, -4.992912006326e-01, 5e-7);
-  EXPECT_NEAR(beam.dynamics->energies().elastic, 60.06657100739, 1e-4);
+  EXPECT_NEAR(energies(beam.dynamics).elastic, 60.06657100739, 1e-4);
 }
 
 /// Total energy at whole steps over the largest kinetic energy. SUTURE_FULL=1 runs
 /// the 100,000 steps of the figure; else a fifth of them.
 TEST(Energy, OfVerletHasNoTrend) {
-  DynamicsOptions options;
-  options.scheme = DynamicsOptions::Scheme::velocity_verlet;
-  options.gravity = {0, -9.8 / 4, 0};
+  const Options options{verlet, 0, {0, -9.8 / 4, 0}, {}};
   Block beam("tm-faure", material(400e3, 0.3), {20, 5, 5}, 0.05, options);
-  beam.dynamics->constraints().add(beam.vertices([](const Vec3& x) { return x[0] < 1e-9; }), 7, {},
-                                   beam.attributes);
-  beam.dynamics->start();
+  beam.hold(beam.vertices([](const Vec3& x) { return x[0] < 1e-9; }), 7);
+  beam.dynamics.start();
   const int steps = std::getenv("SUTURE_FULL") != nullptr ? 100000 : 20000;
   constexpr int every = 50;
   std::vector<double> totals;
   double kinetic = 0;
   for (int i = 0; i < steps; ++i) {
-    beam.dynamics->step(1e-4, (i + 1) * 1e-4);
+    beam.dynamics.step(1e-4, (i + 1) * 1e-4);
     if ((i + 1) % every != 0) continue;
-    const auto energy = beam.dynamics->energies();
+    const Energies energy = energies(beam.dynamics);
     totals.push_back(energy.total());
     kinetic = std::max(kinetic, energy.kinetic);
   }

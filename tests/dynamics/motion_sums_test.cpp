@@ -27,7 +27,7 @@ struct Oscillators {
       v[i] = after;
       x[i] += dt * after;
     }
-    sums.finish_step(last > 0 ? last : dt, dt);
+    sums.finish_step(last > 0 ? last : dt, dt, false);
   }
   static constexpr double mass = 3;
   std::vector<double> omega, x, v;

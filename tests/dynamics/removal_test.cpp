@@ -12,46 +12,39 @@
 #include <set>
 
 #include "kernel/attributes/cell_nodes.hpp"
-#include "kernel/dynamics/dynamics.hpp"
+#include "kernel/dynamics/inversion.hpp"
+#include "kernel/dynamics/rest_sums.hpp"
 #include "kernel/forces/compiled_functor.hpp"
-#include "tests/forces/spring_model.hpp"
+#include "tests/dynamics/rig.hpp"
 
 namespace {
 
 using namespace suture;
+using namespace rig;
+using namespace spring_model;
 using spring_model::Body;
 
-BoxOptions box(Index x, Index y, Index z) {
-  BoxOptions options;
-  options.cells = {x, y, z};
-  options.size = {0.1 * x, 0.1 * y, 0.1 * z};
-  return options;
-}
+constexpr Springs with_diagonals{100, 0, 50};
 
-TopologyChange follow(Body& body, TopologyChange change) {
-  body.attributes->apply(body.mesh.complex, change);
-  return change;
-}
-
-TopologyChange pierce_random(Body& body, unsigned count, unsigned seed) {
+TopologyChange pierce_random(suture::Body& body, unsigned count, unsigned seed) {
   std::mt19937 random(seed);
   std::vector<Index> elements;
   while (elements.size() < count) {
-    const Index e = random() % body.mesh.complex.element_count();
-    if (body.mesh.complex.can_pierce(e)) elements.push_back(e);
+    const Index e = random() % body.complex().element_count();
+    if (body.complex().can_pierce(e)) elements.push_back(e);
   }
-  return follow(body, body.mesh.complex.pierce(elements));
+  return body.pierce(elements);
 }
 
 /// Faces between the left and the right half, as seams to be.
-std::vector<Seam> middle(Body& body) {
+std::vector<Seam> middle(suture::Body& body) {
   std::vector<Seam> seams;
-  const CellComplex& complex = body.mesh.complex;
+  const CellComplex& complex = body.complex();
   const auto is_left = [&](Index e) {
     double x = 0, length = 0;
-    for (const Index v : complex.vertices_of(e)) x += body.attributes->rest().get(v, 0) / 8;
+    for (const Index v : complex.vertices_of(e)) x += body.attributes().rest().get(v, 0) / 8;
     for (Index v = 0; v < complex.count(0); ++v)
-      length = std::max(length, body.attributes->rest().get(v, 0));
+      length = std::max(length, body.attributes().rest().get(v, 0));
     return x < length / 2;
   };
   std::vector<bool> left;
@@ -63,41 +56,22 @@ std::vector<Seam> middle(Body& body) {
   return seams;
 }
 
-TopologyChange cut_open(Body& body, const std::vector<Seam>& seams) {
+TopologyChange cut_open(suture::Body& body, const std::vector<Seam>& seams) {
   std::vector<Dart> faces;
   for (const Seam& s : seams) faces.push_back(s.one);
-  return follow(body, body.mesh.complex.cut(faces));
-}
-
-std::vector<double> forces_of(Body& body, ForceLoop& loop) {
-  Column& force = body.attributes->force();
-  std::fill(force.rows(), force.rows() + std::size_t{force.size()} * 4, 0.0);
-  loop.add_forces(0, 0);
-  return {force.rows(), force.rows() + std::size_t{force.size()} * 4};
-}
-
-double largest_difference(const std::vector<double>& rows, const std::vector<Vec3>& reference) {
-  EXPECT_EQ(rows.size(), 4 * reference.size());
-  double largest = 0, scale = 0;
-  for (std::size_t v = 0; v < reference.size(); ++v)
-    for (std::size_t c = 0; c < 3; ++c) {
-      EXPECT_TRUE(std::isfinite(rows[4 * v + c])) << v;
-      largest = std::max(largest, std::abs(rows[4 * v + c] - reference[v][c]));
-      scale = std::max(scale, std::abs(reference[v][c]));
-    }
-  EXPECT_GT(scale, 0);
-  return largest / scale;
+  return body.cut(faces);
 }
 
 /// Positions of vertices that are there, moved at random; others stay.
-void shake(Body& body, double amount, unsigned seed) {
+void shake(suture::Body& body, double amount, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> shift(-amount, amount);
-  for (Index v = 0; v < body.attributes->vertex_count(); ++v) {
-    if (!body.mesh.complex.exists(0, v)) continue;
+  for (Index v = 0; v < body.attributes().vertex_count(); ++v) {
+    if (!body.complex().exists(0, v)) continue;
     for (int c = 0; c < 3; ++c) {
-      body.attributes->position().set(v, c, body.attributes->position().get(v, c) + shift(random));
-      body.attributes->velocity().set(v, c, shift(random));
+      body.attributes().position().set(v, c,
+                                       body.attributes().position().get(v, c) + shift(random));
+      body.attributes().velocity().set(v, c, shift(random));
     }
   }
 }
@@ -112,30 +86,29 @@ INSTANTIATE_TEST_SUITE_P(Sets, RemovalOnIsa, testing::Values("base", "avx2", "av
 TEST_P(RemovalOnIsa, ForcesAndEnergyAreThoseOfTheElementsThatAreThere) {
   for (const bool halved : {false, true}) {
     Body body(box(6, 5, 4), true);
-    auto parameters = spring_model::defaults();
-    parameters[spring_model::edge_damping] = 3;
+    auto parameters = defaults();
+    parameters[edge_damping] = 3;
     std::vector<Index> region;
     // Diagonals tell no energy; without them the sum is known.
-    if (halved) parameters[spring_model::diagonal_stiffness] = 0;
+    if (halved) parameters[diagonal_stiffness] = 0;
     for (Index e = 0; e < 120 && halved; ++e)
       if (e % 3 != 1) region.push_back(e);
     Instance& instance = body.add(parameters, region);
-    body.initialise();
-    ForceLoop loop(*body.attributes, body.mesh.complex, 1);
+    body.compile(1);
+    ForceLoop& loop = body.models();
     const auto seams = middle(body);
-    loop.update(body.mesh.complex, cut_open(body, seams));
+    cut_open(body, seams);
     shake(body, 0.01, 1);
     for (unsigned seed = 1; seed <= 10; ++seed) {
       if (seed == 5) {
         std::vector<Seam> left = seams;
-        std::erase_if(left,
-                      [&](const Seam& s) { return !body.mesh.complex.can_sew(s.one, s.other); });
+        std::erase_if(left, [&](const Seam& s) { return !body.complex().can_sew(s.one, s.other); });
         ASSERT_GT(left.size(), 5u);
-        loop.update(body.mesh.complex, follow(body, body.mesh.complex.sew(left)));
+        body.sew(left);
       } else if (seed % 2 == 0) {
-        loop.update(body.mesh.complex, body.cut_random(12, seed));
+        body.cut_random(12, seed);
       } else {
-        loop.update(body.mesh.complex, pierce_random(body, 8, seed));
+        pierce_random(body, 8, seed);
       }
       EXPECT_LT(largest_difference(forces_of(body, loop), reference_forces(body, instance)), 1e-13)
           << "seed " << seed;
@@ -149,30 +122,29 @@ TEST_P(RemovalOnIsa, ForcesAndEnergyAreThoseOfTheElementsThatAreThere) {
 
 TEST(Removal, ForcesAreThoseOfAFreshStartOnWhatIsLeft) {
   Body body(box(8, 6, 5), true);
-  Instance& instance = body.add(spring_model::defaults());
-  body.initialise();
-  ForceLoop loop(*body.attributes, body.mesh.complex, 1);
+  Instance& instance = body.add(defaults());
+  body.compile(1);
+  ForceLoop& loop = body.models();
   for (unsigned seed = 1; seed <= 5; ++seed) {
-    loop.update(body.mesh.complex, body.cut_random(20, seed));
-    loop.update(body.mesh.complex, pierce_random(body, 20, seed));
+    body.cut_random(20, seed);
+    pierce_random(body, 20, seed);
     shake(body, 0.01, seed);
     // Another Attributes and loop on the same complex: without dead rows, in other blocks.
     std::vector<Vec3> rest;
-    for (Index v = 0; v < body.attributes->vertex_count(); ++v)
-      rest.push_back({body.attributes->rest().get(v, 0), body.attributes->rest().get(v, 1),
-                      body.attributes->rest().get(v, 2)});
-    Attributes fresh(body.mesh.complex, rest);
-    fresh.user_element = body.mesh.user_element.list();
-    fresh.add(std::make_unique<Instance>(spring_model::model(), "springs", spring_model::defaults(),
-                                         body.diagnostics),
-              body.mesh.complex, {});
-    fresh.initialise(body.mesh.complex, body.diagnostics);
+    for (Index v = 0; v < body.attributes().vertex_count(); ++v)
+      rest.push_back({body.attributes().rest().get(v, 0), body.attributes().rest().get(v, 1),
+                      body.attributes().rest().get(v, 2)});
+    Attributes fresh(body.complex(), rest);
+    fresh.user_element = body.imported().user_element.list();
+    fresh.add(std::make_unique<Instance>(model(), "springs", defaults(), body.diagnostics),
+              body.complex(), {});
+    fresh.initialise(body.complex(), body.diagnostics);
     ASSERT_LT(fresh.instances()[0]->table(3).cells.size(), instance.table(3).cells.size());
-    ForceLoop other(fresh, body.mesh.complex, 1);
+    ForceLoop other(fresh, body.complex(), 1);
     for (Index v = 0; v < rest.size(); ++v)
       for (int c = 0; c < 3; ++c) {
-        fresh.position().set(v, c, body.attributes->position().get(v, c));
-        fresh.velocity().set(v, c, body.attributes->velocity().get(v, c));
+        fresh.position().set(v, c, body.attributes().position().get(v, c));
+        fresh.velocity().set(v, c, body.attributes().velocity().get(v, c));
       }
     other.add_forces(0, 0);
     std::vector<Vec3> expected(rest.size());
@@ -184,16 +156,16 @@ TEST(Removal, ForcesAreThoseOfAFreshStartOnWhatIsLeft) {
 
 TEST(Removal, ACutThatIsSewnAgainGivesTheSameBits) {
   Body body(box(10, 8, 8), true);
-  body.add(spring_model::defaults());
-  body.initialise();
-  ForceLoop loop(*body.attributes, body.mesh.complex, 1);
+  body.add(defaults());
+  body.compile(1);
+  ForceLoop& loop = body.models();
   shake(body, 0.01, 1);
   const auto before = forces_of(body, loop);
   const auto seams = middle(body);
-  loop.update(body.mesh.complex, cut_open(body, seams));
+  cut_open(body, seams);
   const auto open = forces_of(body, loop);
   EXPECT_NE(std::memcmp(before.data(), open.data(), before.size() * sizeof(double)), 0);
-  loop.update(body.mesh.complex, follow(body, body.mesh.complex.sew(seams)));
+  body.sew(seams);
   const auto after = forces_of(body, loop);
   EXPECT_EQ(std::memcmp(before.data(), after.data(), before.size() * sizeof(double)), 0);
   for (std::size_t i = before.size(); i < after.size(); ++i) ASSERT_EQ(after[i], 0);
@@ -205,17 +177,18 @@ TEST(Removal, SameBitsForAnyNumberOfThreads) {
   double energy = 0;
   for (const unsigned threads : {1u, 2u, 3u, 8u}) {
     Body body(box(24, 20, 20));
-    body.add(spring_model::defaults());
-    body.initialise();
+    body.add(defaults());
+    body.compile();
     const auto seams = middle(body);
     cut_open(body, seams);  // so that chunks are coloured without what will be shared
-    ForceLoop loop(*body.attributes, body.mesh.complex, threads);
+    ForceLoop loop(body.attributes(), body.complex(), threads);
+    body.add_follower(loop);
     shake(body, 0.01, 3);
-    loop.update(body.mesh.complex, pierce_random(body, 900, 5));
+    pierce_random(body, 900, 5);
     std::vector<Seam> left = seams;
-    std::erase_if(left, [&](const Seam& s) { return !body.mesh.complex.can_sew(s.one, s.other); });
-    loop.update(body.mesh.complex, follow(body, body.mesh.complex.sew(left)));
-    loop.update(body.mesh.complex, body.cut_random(300, 7));
+    std::erase_if(left, [&](const Seam& s) { return !body.complex().can_sew(s.one, s.other); });
+    body.sew(left);
+    body.cut_random(300, 7);
     EXPECT_EQ(loop.threads(), threads);
     const auto forces = forces_of(body, loop);
     if (threads == 1) {
@@ -239,7 +212,7 @@ int clashes(const Body& body, const CompiledFunctor& functor, int dimension) {
         for (Index row = range.begin; row < range.end; ++row) {
           if (!cells.is_live(row)) continue;
           std::array<Index, 8> x;
-          cell_nodes(body.mesh.complex, dimension, cells.cell(row), x.data());
+          cell_nodes(body.complex(), dimension, cells.cell(row), x.data());
           for (int n = 0; n < nodes_of_cell(dimension); ++n)
             found += chunk_of.emplace(x[static_cast<std::size_t>(n)], chunk).first->second != chunk;
         }
@@ -263,7 +236,7 @@ int unordered(const Body& body, const CompiledFunctor& functor, int dimension) {
       for (Index row = range.begin; row < range.end; ++row) {
         if (!cells.is_live(row)) continue;
         std::array<Index, 8> x;
-        cell_nodes(body.mesh.complex, dimension, cells.cell(row), x.data());
+        cell_nodes(body.complex(), dimension, cells.cell(row), x.data());
         for (int n = 0; n < nodes_of_cell(dimension); ++n) {
           Index& before = last.try_emplace(x[static_cast<std::size_t>(n)], chunk).first->second;
           found += before != chunk && !waits[chunk].contains(before);
@@ -277,10 +250,10 @@ int unordered(const Body& body, const CompiledFunctor& functor, int dimension) {
 /// Chunks of one colour share no vertex, whatever was sewn: faces anywhere on the body.
 TEST(Removal, ColoursAndOrderHoldAfterSewing) {
   Body body(box(14, 8, 8));
-  Instance& instance = body.add(spring_model::defaults());
-  body.initialise();
-  CellComplex& complex = body.mesh.complex;
-  const RestPlaces rest = body.attributes->rest_places(complex);
+  Instance& instance = body.add(defaults());
+  body.compile();
+  CellComplex& complex = body.complex();
+  const RestPlaces rest = body.attributes().rest_places(complex);
   RowNodes nodes(instance, 1, rest);
   CompiledFunctor edges(instance, instance.model().functors[0], &nodes),
       boxes(instance, instance.model().functors[1], nullptr);
@@ -296,7 +269,7 @@ TEST(Removal, ColoursAndOrderHoldAfterSewing) {
   for (int sewn = 0; sewn < 40;) {
     const Seam seam{boundary[random() % boundary.size()], boundary[random() % boundary.size()]};
     if (!complex.can_sew(seam.one, seam.other)) continue;
-    const TopologyChange change = follow(body, complex.sew(std::span(&seam, 1)));
+    const TopologyChange change = body.sew({seam});
     ++sewn;
     before += all() != 0;
     met += wrong() != 0;
@@ -316,10 +289,10 @@ TEST(Removal, SeamsOfFacesThatDoNotMatchAtRestStressNothing) {
   for (const bool distorted : {false, true}) {
     Body body(box(6, 4, 4), distorted), whole(box(6, 4, 4), distorted);
     for (Body* b : {&body, &whole}) {
-      b->add(spring_model::defaults());
-      b->initialise();
+      b->add(defaults());
+      b->compile(1);
     }
-    Instance& instance = *body.attributes->instances()[0];
+    Instance& instance = *body.attributes().instances()[0];
     const auto seams = middle(body);
     cut_open(body, seams);
     std::set<Index> right;
@@ -330,28 +303,27 @@ TEST(Removal, SeamsOfFacesThatDoNotMatchAtRestStressNothing) {
       const Index e = queue.back();
       queue.pop_back();
       if (!seen.insert(e).second) continue;
-      for (const Index v : body.mesh.complex.vertices_of(e)) right.insert(v);
+      for (const Index v : body.complex().vertices_of(e)) right.insert(v);
       for (int f = 0; f < 6; ++f)
-        if (const Index n = body.mesh.complex.neighbour(e, f); n != none) queue.push_back(n);
+        if (const Index n = body.complex().neighbour(e, f); n != none) queue.push_back(n);
     }
     for (const Index v : right)  // powers of two: differences keep their bits
       for (int c = 0; c < 3; ++c)
-        body.attributes->rest().set(v, c,
-                                    body.attributes->rest().get(v, c) + (c == 0 ? 0.5 : -0.25));
-    ForceLoop loop(*body.attributes, body.mesh.complex, 1),
-        other(*whole.attributes, whole.mesh.complex, 1);
-    loop.update(body.mesh.complex, follow(body, body.mesh.complex.sew(seams)));
-    ASSERT_FALSE(body.attributes->rest_places(body.mesh.complex).own().empty());
+        body.attributes().rest().set(v, c,
+                                     body.attributes().rest().get(v, c) + (c == 0 ? 0.5 : -0.25));
+    ForceLoop &loop = body.models(), &other = whole.models();
+    body.sew(seams);
+    ASSERT_FALSE(body.attributes().rest_places(body.complex()).own().empty());
     for (const double f : forces_of(body, loop)) EXPECT_NEAR(f, 0, 1e-13);
     EXPECT_NEAR(loop.energy(0), 0, 1e-24);
     // Numbers are those of before the cut.
     shake(body, 0.01, 3);
-    for (Index v = 0; v < whole.attributes->vertex_count(); ++v)
+    for (Index v = 0; v < whole.attributes().vertex_count(); ++v)
       for (int c = 0; c < 3; ++c) {
-        whole.attributes->position().set(v, c, body.attributes->position().get(v, c));
-        whole.attributes->velocity().set(v, c, body.attributes->velocity().get(v, c));
+        whole.attributes().position().set(v, c, body.attributes().position().get(v, c));
+        whole.attributes().velocity().set(v, c, body.attributes().velocity().get(v, c));
       }
-    std::vector<Vec3> expected(body.attributes->vertex_count());
+    std::vector<Vec3> expected(body.attributes().vertex_count());
     const auto rows = forces_of(whole, other);
     for (std::size_t i = 0; i < rows.size() / 4; ++i)
       expected[i] = {rows[4 * i], rows[4 * i + 1], rows[4 * i + 2]};
@@ -359,89 +331,80 @@ TEST(Removal, SeamsOfFacesThatDoNotMatchAtRestStressNothing) {
     EXPECT_LT(largest_difference(forces_of(body, loop), reference_forces(body, instance)), 1e-13);
     // And after more: edges that lose side 0, faces that open again.
     for (unsigned seed = 1; seed < 5; ++seed) {
-      loop.update(body.mesh.complex, pierce_random(body, 6, seed));
-      loop.update(body.mesh.complex, body.cut_random(6, seed));
+      pierce_random(body, 6, seed);
+      body.cut_random(6, seed);
       EXPECT_LT(largest_difference(forces_of(body, loop), reference_forces(body, instance)), 1e-13);
     }
   }
 }
 
 TEST(Removal, WhatIsGoneIsNotIntegrated) {
-  for (const auto scheme :
-       {DynamicsOptions::Scheme::symplectic_euler, DynamicsOptions::Scheme::velocity_verlet}) {
-    Body body(box(5, 4, 4));
-    body.add(spring_model::defaults());
-    body.initialise();
-    DynamicsOptions options;
-    options.scheme = scheme;
-    options.gravity = {0, -10, 0};
-    options.damping = 0.5;
-    Dynamics dynamics(*body.attributes, body.mesh.complex, options);
+  for (const std::string scheme : schemes) {
+    Moving m(box(5, 4, 4), {scheme, 0.5, {0, -10, 0}, {}}, with_diagonals);
+    suture::Body& body = m.body;
+    Dynamics& dynamics = m.dynamics;
     dynamics.start();
     double time = 0;
     const auto go = [&](int steps) {
       for (int i = 0; i < steps; ++i, time += 1e-4) dynamics.step(1e-4, time + 1e-4);
     };
     go(20);
-    dynamics.prepare_change({}, false);
     std::vector<Index> slab;  // a layer: its vertices go, and the body falls in two
-    for (Index e = 0; e < body.mesh.complex.element_count(); ++e) {
+    for (Index e = 0; e < body.complex().element_count(); ++e) {
       double x = 0;
-      for (const Index v : body.mesh.complex.vertices_of(e))
-        x += body.attributes->rest().get(v, 0) / 8;
+      for (const Index v : body.complex().vertices_of(e))
+        x += body.attributes().rest().get(v, 0) / 8;
       if (x < 0.2 || std::abs(x - 0.35) < 0.01) slab.push_back(e);
     }
     ASSERT_EQ(slab.size(), 48u);
-    const TopologyChange change = follow(body, body.mesh.complex.pierce(slab));
+    const TopologyChange change = body.pierce(slab);
     ASSERT_GT(change.removed[0].size(), 20u);
-    dynamics.update(body.mesh.complex, change);
     const Index gone = change.removed[0][0];
-    const double x = body.attributes->position().get(gone, 1);
+    const double x = body.attributes().position().get(gone, 1);
     double kinetic = 0;
     go(100);
     dynamics.synchronise();
-    const auto energies = dynamics.energies();
+    const Energies energy = energies(dynamics);
     // With Euler the velocities lag half a step behind: (f + m g) / m for that time, damped.
-    const double lag = scheme == DynamicsOptions::Scheme::symplectic_euler ? 0.5e-4 : 0;
+    const double lag = scheme == euler ? 0.5e-4 : 0;
     const double decay = std::exp(-0.5 * lag), gain = -std::expm1(-0.5 * lag) / 0.5;
     double mass = 0;
-    for (Index v = 0; v < body.attributes->vertex_count(); ++v) {
-      mass += body.attributes->mass().get(v, 0);
+    for (Index v = 0; v < body.attributes().vertex_count(); ++v) {
+      mass += body.attributes().mass().get(v, 0);
       for (int c = 0; c < 3; ++c) {
-        const double v_c = body.attributes->velocity().get(v, c);
-        ASSERT_TRUE(std::isfinite(v_c) && std::isfinite(body.attributes->position().get(v, c)));
-        const double m = body.attributes->mass().get(v, 0);
-        if (m == 0) continue;
-        const double a = body.attributes->force().get(v, c) / m + (c == 1 ? -10 : 0);
-        kinetic += 0.5 * m * std::pow(decay * v_c + gain * a, 2);
+        const double v_c = body.attributes().velocity().get(v, c);
+        ASSERT_TRUE(std::isfinite(v_c) && std::isfinite(body.attributes().position().get(v, c)));
+        const double own = body.attributes().mass().get(v, 0);
+        if (own == 0) continue;
+        const double a = body.attributes().force().get(v, c) / own + (c == 1 ? -10 : 0);
+        kinetic += 0.5 * own * std::pow(decay * v_c + gain * a, 2);
       }
     }
     EXPECT_NEAR(mass, 1000 * 0.032, 1e-12);
-    EXPECT_NEAR(energies.kinetic, kinetic, 1e-13 * kinetic);
-    EXPECT_TRUE(std::isfinite(energies.total()));
-    EXPECT_EQ(body.attributes->position().get(gone, 1), x) << "a vertex that is gone stays";
-    EXPECT_TRUE(dynamics.inverted_elements().empty());
-    EXPECT_TRUE(std::isfinite(dynamics.rest_sums().residual));
+    EXPECT_NEAR(energy.kinetic, kinetic, 1e-13 * kinetic);
+    EXPECT_TRUE(std::isfinite(energy.total()));
+    EXPECT_EQ(body.attributes().position().get(gone, 1), x) << "a vertex that is gone stays";
+    EXPECT_TRUE(find_inverted(body.complex(), body.attributes()).empty());
+    EXPECT_TRUE(std::isfinite(RestSums().look(dynamics.motion()).residual));
   }
 }
 
 TEST(Removal, LoadsOfWhatIsRemovedOrSewnEnd) {
-  Body body(box(4, 2, 2));
-  body.add(spring_model::defaults());
-  body.initialise();
-  Dynamics dynamics(*body.attributes, body.mesh.complex, {});
+  Moving m(box(4, 2, 2), {}, with_diagonals);
+  suture::Body& body = m.body;
   const auto seams = middle(body);
   cut_open(body, seams);
-  std::vector<Index> all(body.mesh.complex.count(0));
+  std::vector<Index> all(body.complex().count(0));
   for (Index v = 0; v < all.size(); ++v) all[v] = v;
   std::vector<Dart> opened;
   for (const Seam& s : seams) opened.push_back(s.one);
-  dynamics.loads().add_force(body.mesh.complex, *body.attributes, all, {0, 16, 0}, {});
-  dynamics.loads().add_traction(body.mesh.complex, *body.attributes, opened, {0, 0, 100}, {});
-  dynamics.loads().add_pressure(body.mesh.complex, opened, 100, {});
+  m.loads.add_force(body.complex(), all, {0, 16, 0}, {});
+  m.loads.add_traction(body.complex(), opened, {0, 0, 100}, {});
+  m.pressures.add(body.complex(), opened, 100, {});
   const auto sum = [&] {
-    std::vector<double> rows(4 * std::size_t{body.attributes->vertex_count()});
-    dynamics.loads().add_to(rows.data(), body.attributes->position().rows(), 0);
+    std::vector<double> rows(4 * std::size_t{body.attributes().vertex_count()});
+    m.loads.add_forces(0, {}, rows.data());
+    m.pressures.add_forces(0, {}, rows.data());
     Vec3 total{};
     for (std::size_t i = 0; i < rows.size(); ++i)
       if (i % 4 < 3) total[i % 4] += rows[i];
@@ -451,15 +414,14 @@ TEST(Removal, LoadsOfWhatIsRemovedOrSewnEnd) {
   EXPECT_NEAR(before[1], 16, 1e-13);
   EXPECT_NEAR(before[2], 100 * 0.04, 1e-13);
   EXPECT_NEAR(std::abs(before[0]), 100 * 0.04, 1e-13);
-  dynamics.update(body.mesh.complex,
-                  follow(body, body.mesh.complex.sew(std::span(seams).first(1))));
+  body.sew({seams[0]});
   const Vec3 sewn = sum();
   EXPECT_NEAR(sewn[1], 16, 1e-13) << "a force on vertices stays";
   EXPECT_NEAR(sewn[2], 100 * 0.03, 1e-13) << "the traction of one face of four ends";
   EXPECT_NEAR(std::abs(sewn[0]), 100 * 0.03, 1e-13);
   // The element of another face takes along its part of the force and of the traction.
   const Index element = seams[1].one / 24;
-  dynamics.update(body.mesh.complex, follow(body, body.mesh.complex.pierce(std::vector{element})));
+  body.pierce({element});
   const Vec3 pierced = sum();
   EXPECT_LT(pierced[1], 15.5);
   EXPECT_NEAR(pierced[2], 100 * 0.02, 1e-13);
@@ -467,39 +429,37 @@ TEST(Removal, LoadsOfWhatIsRemovedOrSewnEnd) {
 }
 
 TEST(Removal, ConstraintsSurviveSeamsAndForgetWhatIsGone) {
-  Body body(box(4, 2, 2));
-  body.add(spring_model::defaults());
-  body.initialise();
+  Moving m(box(4, 2, 2), {}, with_diagonals);
+  suture::Body& body = m.body;
+  Dynamics& dynamics = m.dynamics;
   const auto seams = middle(body);
   const TopologyChange change = cut_open(body, seams);
   std::vector<Index> held, also;  // the right side of the wound, which the seam takes away
   for (const Split& s : change.splits[0]) held.push_back(s.new_cell);
-  for (Index v = 0; v < body.mesh.complex.count(0); ++v)
-    if (body.attributes->rest().get(v, 0) == 0) also.push_back(v);
-  Dynamics dynamics(*body.attributes, body.mesh.complex, {});
+  for (Index v = 0; v < body.complex().count(0); ++v)
+    if (body.attributes().rest().get(v, 0) == 0) also.push_back(v);
   PrescribedMotion motion;
   motion.translation = {0.1, 0, 0};
   motion.ramp = {0, 1e-2, false};
-  dynamics.constraints().add(held, 7, motion, *body.attributes);
-  dynamics.constraints().add(also, 7, {}, *body.attributes);
+  m.hold(held, 7, motion);
+  m.hold(also, 7);
   dynamics.start();
   dynamics.step(1e-4, 1e-4);
-  const TopologyChange sewn = follow(body, body.mesh.complex.sew(seams));
-  dynamics.update(body.mesh.complex, sewn);
-  EXPECT_EQ(dynamics.constraints().vertex_count(), held.size() + also.size());
+  const TopologyChange sewn = body.sew(seams);
+  EXPECT_EQ(body.constraints().vertex_count(), held.size() + also.size());
   for (int i = 1; i < 100; ++i) dynamics.step(1e-4, (i + 1) * 1e-4);
-  for (const Merge& m : sewn.merges[0]) {
-    EXPECT_EQ(body.attributes->fixed().get(m.kept, 0), 7);
-    EXPECT_NEAR(body.attributes->position().get(m.kept, 0),
-                body.attributes->rest().get(m.kept, 0) + 0.1, 1e-15);
+  for (const Merge& merge : sewn.merges[0]) {
+    EXPECT_EQ(body.attributes().fixed().get(merge.kept, 0), 7);
+    EXPECT_NEAR(body.attributes().position().get(merge.kept, 0),
+                body.attributes().rest().get(merge.kept, 0) + 0.1, 1e-15);
   }
   // The end that is held goes away with its elements.
   std::vector<Index> end;
-  for (Index e = 0; e < body.mesh.complex.element_count(); ++e)
-    for (const Index v : body.mesh.complex.vertices_of(e))
-      if (body.attributes->rest().get(v, 0) == 0) end.push_back(e);
-  dynamics.update(body.mesh.complex, follow(body, body.mesh.complex.pierce(end)));
-  EXPECT_EQ(dynamics.constraints().vertex_count(), held.size());
+  for (Index e = 0; e < body.complex().element_count(); ++e)
+    for (const Index v : body.complex().vertices_of(e))
+      if (body.attributes().rest().get(v, 0) == 0) end.push_back(e);
+  body.pierce(end);
+  EXPECT_EQ(body.constraints().vertex_count(), held.size());
   dynamics.step(1e-4, 0.0101);
 }
 

@@ -14,33 +14,8 @@
 namespace {
 
 using namespace suture;
+using namespace spring_model;
 using spring_model::Body;
-
-BoxOptions box(Index x, Index y, Index z) {
-  BoxOptions options;
-  options.cells = {x, y, z};
-  options.size = {0.1 * x, 0.1 * y, 0.1 * z};
-  return options;
-}
-
-std::vector<double> forces_of(Body& body, ForceLoop& loop) {
-  Column& force = body.attributes->force();
-  std::fill(force.rows(), force.rows() + std::size_t{force.size()} * 4, 0.0);
-  loop.add_forces(0, 0);
-  return {force.rows(), force.rows() + std::size_t{force.size()} * 4};
-}
-
-double largest_difference(const std::vector<double>& rows, const std::vector<Vec3>& reference) {
-  EXPECT_EQ(rows.size(), 4 * reference.size());
-  double largest = 0, scale = 0;
-  for (std::size_t v = 0; v < reference.size(); ++v)
-    for (std::size_t c = 0; c < 3; ++c) {
-      largest = std::max(largest, std::abs(rows[4 * v + c] - reference[v][c]));
-      scale = std::max(scale, std::abs(reference[v][c]));
-    }
-  EXPECT_GT(scale, 0);
-  return largest / scale;
-}
 
 /// Every instruction set that this processor has.
 class OnIsa : public testing::TestWithParam<const char*> {
@@ -52,12 +27,12 @@ INSTANTIATE_TEST_SUITE_P(Sets, OnIsa, testing::Values("base", "avx2", "avx512"))
 
 TEST_P(OnIsa, ForcesAreThoseOfOneCellAtATime) {
   Body body(box(5, 4, 3), true);
-  auto parameters = spring_model::defaults();
-  parameters[spring_model::edge_damping] = 3;
+  auto parameters = defaults();
+  parameters[edge_damping] = 3;
   Instance& instance = body.add(parameters);
-  body.initialise();
+  body.compile(1);
   body.shake(0.02, 1);
-  ForceLoop loop(*body.attributes, body.mesh.complex, 1);
+  ForceLoop& loop = body.models();
   const std::string_view isa = best_isa();
   EXPECT_EQ(loop.isa(), isa.empty() ? "base" : isa);
   EXPECT_GT(instance.general_begin % 8, 0u) << "one block is to hold both shapes";
@@ -66,11 +41,11 @@ TEST_P(OnIsa, ForcesAreThoseOfOneCellAtATime) {
 
 TEST_P(OnIsa, CutsKeepThemSo) {
   Body body(box(6, 5, 4), true);
-  Instance& instance = body.add(spring_model::defaults());
-  body.initialise();
-  ForceLoop loop(*body.attributes, body.mesh.complex, 1);
+  Instance& instance = body.add(defaults());
+  body.compile(1);
+  ForceLoop& loop = body.models();
   for (unsigned seed = 1; seed <= 12; ++seed) {
-    loop.update(body.mesh.complex, body.cut_random(12, seed));
+    body.cut_random(12, seed);
     body.shake(0.02, seed);
     EXPECT_LT(largest_difference(forces_of(body, loop), reference_forces(body, instance)), 1e-13)
         << "seed " << seed;
@@ -80,14 +55,14 @@ TEST_P(OnIsa, CutsKeepThemSo) {
 TEST(ForceLoop, TwoInstancesShareTheVerticesBetweenThem) {
   Body body(box(6, 3, 3));
   std::vector<Index> left, right;
-  for (Index e = 0; e < body.mesh.complex.element_count(); ++e)
-    (body.mesh.user_element[e] % 6 < 3 ? left : right).push_back(e);
-  Instance& first = body.add(spring_model::defaults(), left);
-  auto soft = spring_model::defaults();
-  soft[spring_model::edge_stiffness] = 7;
+  for (Index e = 0; e < body.complex().element_count(); ++e)
+    (body.imported().user_element[e] % 6 < 3 ? left : right).push_back(e);
+  Instance& first = body.add(defaults(), left);
+  auto soft = defaults();
+  soft[edge_stiffness] = 7;
   Instance& second = body.add(soft, right);
-  body.initialise();
-  ForceLoop loop(*body.attributes, body.mesh.complex, 1);
+  body.compile(1);
+  ForceLoop& loop = body.models();
   for (unsigned seed = 1; seed <= 5; ++seed) {
     body.shake(0.02, seed);
     auto expected = reference_forces(body, first);
@@ -95,7 +70,7 @@ TEST(ForceLoop, TwoInstancesShareTheVerticesBetweenThem) {
     for (std::size_t v = 0; v < expected.size(); ++v)
       for (std::size_t c = 0; c < 3; ++c) expected[v][c] += more[v][c];
     EXPECT_LT(largest_difference(forces_of(body, loop), expected), 1e-13);
-    loop.update(body.mesh.complex, body.cut_random(10, seed));
+    body.cut_random(10, seed);
   }
 }
 
@@ -106,13 +81,13 @@ TEST(ForceLoop, SameBitsForAnyNumberOfThreads) {
   double energy = 0;
   for (const unsigned threads : {1u, 2u, 3u, 8u}) {
     Body body(box(24, 20, 20));
-    body.add(spring_model::defaults());
-    body.initialise();
-    ForceLoop loop(*body.attributes, body.mesh.complex, threads);
+    body.add(defaults());
+    body.compile(threads);
+    ForceLoop& loop = body.models();
     EXPECT_EQ(loop.threads(), threads);
     body.shake(0.02, 3);
     forces_of(body, loop);
-    loop.update(body.mesh.complex, body.cut_random(300, 5));
+    body.cut_random(300, 5);
     body.shake(0.02, 4);
     const auto forces = forces_of(body, loop);
     if (threads == 1) {
@@ -126,20 +101,20 @@ TEST(ForceLoop, SameBitsForAnyNumberOfThreads) {
 
 TEST(ForceLoop, SmallLoopsRunOnOneThread) {
   Body body(box(4, 4, 4));
-  body.add(spring_model::defaults());
-  body.initialise();
-  EXPECT_EQ(ForceLoop(*body.attributes, body.mesh.complex, 8).threads(), 1u);
+  body.add(defaults());
+  body.compile(8);
+  EXPECT_EQ(body.models().threads(), 1u);
 }
 
 TEST(ForceLoop, TheLowestCellIsReportedWhateverTheThreadsDo) {
   const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 8);
   for (const unsigned threads : {1u, 2u, 8u}) {
     Body body(box(24, 20, 20));
-    auto parameters = spring_model::defaults();
-    parameters[spring_model::fail_from] = 1003;
+    auto parameters = defaults();
+    parameters[fail_from] = 1003;
     body.add(parameters);
-    body.initialise();
-    ForceLoop loop(*body.attributes, body.mesh.complex, threads);
+    body.compile(threads);
+    ForceLoop& loop = body.models();
     try {
       loop.add_forces(0.25, 0);
       FAIL() << "no error";
@@ -155,12 +130,12 @@ TEST(ForceLoop, TheLowestCellIsReportedWhateverTheThreadsDo) {
 
 TEST(ForceLoop, AModelMayAskForASmallerStep) {
   Body body(box(4, 4, 4));
-  auto parameters = spring_model::defaults();
-  parameters[spring_model::fail_from] = 10;
-  parameters[spring_model::fail_how] = 1;
+  auto parameters = defaults();
+  parameters[fail_from] = 10;
+  parameters[fail_how] = 1;
   body.add(parameters);
-  body.initialise();
-  ForceLoop loop(*body.attributes, body.mesh.complex, 1);
+  body.compile(1);
+  ForceLoop& loop = body.models();
   try {
     loop.add_forces(0, 0.1);
     FAIL() << "no error";
@@ -171,14 +146,14 @@ TEST(ForceLoop, AModelMayAskForASmallerStep) {
 
 TEST(ForceLoop, SkipsWhatGivesNoForce) {
   Body body(box(4, 4, 4));
-  auto parameters = spring_model::defaults();
-  parameters[spring_model::diagonal_stiffness] = 0;
+  auto parameters = defaults();
+  parameters[diagonal_stiffness] = 0;
   body.add(parameters);
-  body.initialise();
-  const auto lines = ForceLoop(*body.attributes, body.mesh.complex, 1).summary();
+  body.compile();
+  const auto lines = body.models().summary();
   ASSERT_EQ(lines.size(), 3u);
   EXPECT_FALSE(lines[0].skipped);
-  EXPECT_EQ(lines[0].cells, body.mesh.complex.count(1));
+  EXPECT_EQ(lines[0].cells, body.complex().count(1));
   EXPECT_EQ(lines[0].reads & SUTURE_READ_VELOCITY, 0u) << "no damping, no velocities";
   EXPECT_TRUE(lines[1].skipped);
   EXPECT_TRUE(lines[2].skipped);
@@ -187,23 +162,23 @@ TEST(ForceLoop, SkipsWhatGivesNoForce) {
 // Springs without stiffness, on edges or inside: neither run nor stored, edges not
 // even numbered, before cuts and after; computed all the same they change no bit.
 TEST(ForceLoop, WhatGivesNoForceChangesNoBit) {
-  for (const int off : {spring_model::edge_stiffness, spring_model::diagonal_stiffness}) {
-    const bool edges = off == spring_model::edge_stiffness;
+  for (const int off : {edge_stiffness, diagonal_stiffness}) {
+    const bool edges = off == edge_stiffness;
     std::vector<double> forces[2];
     for (const bool skip : {true, false}) {
       Body body(box(6, 5, 4));
-      auto parameters = spring_model::defaults();
+      auto parameters = defaults();
       parameters[static_cast<std::size_t>(off)] = 0;
       const Instance& instance = body.add(parameters, {}, skip);
-      body.initialise();
-      EXPECT_EQ(body.mesh.complex.has_edges(), !(edges && skip));
+      body.compile(1);
+      EXPECT_EQ(body.complex().has_edges(), !(edges && skip));
       EXPECT_EQ(instance.column(edges ? 1 : 2) == nullptr, skip);
-      ForceLoop loop(*body.attributes, body.mesh.complex, 1);
+      ForceLoop& loop = body.models();
       for (const auto& line : loop.summary())
         EXPECT_EQ(line.skipped,
                   line.functor == "others" || (skip && (line.functor == "edges") == edges))
             << line.functor << ": " << line.reason;
-      loop.update(body.mesh.complex, body.cut_random(12, 1));
+      body.cut_random(12, 1);
       body.shake(0.02, 3);
       forces[skip] = forces_of(body, loop);
     }
@@ -214,15 +189,15 @@ TEST(ForceLoop, WhatGivesNoForceChangesNoBit) {
 
 TEST(ForceLoop, EnergyHasTheForcesAsGradient) {
   Body body(box(3, 3, 3));
-  auto parameters = spring_model::defaults();
-  parameters[spring_model::diagonal_stiffness] = 0;  // has no energy extension
+  auto parameters = defaults();
+  parameters[diagonal_stiffness] = 0;  // has no energy extension
   Instance& instance = body.add(parameters);
-  body.initialise();
+  body.compile(1);
   body.shake(0.02, 9);
-  ForceLoop loop(*body.attributes, body.mesh.complex, 1);
+  ForceLoop& loop = body.models();
   EXPECT_NEAR(loop.energy(0), reference_energy(body, instance), 1e-13 * loop.energy(0));
   const auto forces = forces_of(body, loop);
-  Column& x = body.attributes->position();
+  Column& x = body.attributes().position();
   for (const Index v : {Index{0}, Index{13}, Index{41}}) {
     const double here = x.get(v, 1), h = 1e-6;
     x.set(v, 1, here + h);
@@ -233,26 +208,6 @@ TEST(ForceLoop, EnergyHasTheForcesAsGradient) {
     ASSERT_GT(std::abs(forces[4 * v + 1]), 1e-3);
     EXPECT_NEAR(-(above - below) / (2 * h), forces[4 * v + 1], 1e-6);
   }
-}
-
-TEST(ForceLoop, BoundsAreSummedPerVertexAndLookAtFreeComponents) {
-  Body body(box(2, 1, 1));
-  auto parameters = spring_model::defaults();
-  parameters[spring_model::diagonal_stiffness] = 0;
-  parameters[spring_model::edge_damping] = 2;
-  body.add(parameters);
-  body.initialise();
-  // A vertex in the middle: 3 edges of one, 1 of two elements... summed: factors
-  // 1/4 per element, so 2 k (1/4 + 1/4 + 2/4 + 2/4) over a mass of two shares.
-  ForceLoop loop(*body.attributes, body.mesh.complex, 1);
-  const double share = 1000 * 1e-3 / 8;
-  auto bounds = loop.bounds(0);
-  EXPECT_NEAR(bounds.stiffness, 2 * 100 * 0.75 / share, 1e-9 * bounds.stiffness);
-  EXPECT_NEAR(bounds.damping, 2 * 2 * 3 / share, 1e-9 * bounds.damping);
-  for (Index v = 0; v < 12; ++v) body.attributes->fixed().set(v, 0, 7);
-  bounds = loop.bounds(0);
-  EXPECT_EQ(bounds.stiffness, 0);
-  EXPECT_TRUE(std::isinf(bounds.dt));
 }
 
 }  // namespace

@@ -5,8 +5,9 @@
 
 #include <cstring>
 
+#include "kernel/forces/dead_loads.hpp"
 #include "kernel/forces/force_loop.hpp"
-#include "kernel/forces/loads.hpp"
+#include "kernel/forces/pressures.hpp"
 #include "tests/attributes/fake_models.hpp"
 #include "tests/base/same_state.hpp"
 #include "tests/forces/spring_model.hpp"
@@ -56,7 +57,8 @@ const suture_model& face_model() {
 struct Simulated {
   Body body;
   std::unique_ptr<ForceLoop> loop;
-  Loads loads;
+  std::unique_ptr<DeadLoads> loads;
+  std::unique_ptr<Pressures> pressures;
   std::vector<double> force;
 
   Simulated(const BoxOptions& box, unsigned variant, unsigned threads) : body(box, true) {
@@ -68,16 +70,18 @@ struct Simulated {
     body.add(parameters, {}, variant % 4 != 1);  // threads have work on small loops, too
     body.add(parameters, part, variant % 4 != 1);
     if (variant % 3 != 1)
-      body.attributes->add(
+      body.attributes().add(
           std::make_unique<Instance>(face_model(), "walls", std::vector{2.0}, body.diagnostics),
           complex(), {});
-    body.initialise();
+    attributes().initialise(complex(), body.diagnostics);
     loop = std::make_unique<ForceLoop>(attributes(), complex(), threads);
+    loads = std::make_unique<DeadLoads>(attributes());
+    pressures = std::make_unique<Pressures>(attributes());
     if (variant % 5 == 0) hold();
     add_loads();
   }
-  CellComplex& complex() { return body.mesh.complex; }
-  Attributes& attributes() { return *body.attributes; }
+  CellComplex& complex() { return body.complex(); }
+  Attributes& attributes() { return body.attributes(); }
 
   void hold() {
     std::vector<bool> still(attributes().vertex_count());
@@ -90,22 +94,22 @@ struct Simulated {
     std::vector<Dart> faces;
     for (Dart d = 0; d < 24 * complex().element_count(); d += 4)
       if (complex().beta3(d) == none) faces.push_back(d);
-    loads.add_force(complex(), attributes(), vertices, {1, 2, 3}, {});
-    loads.add_traction(complex(), attributes(), faces, {0.3, 0.2, 0.1}, {});
-    loads.add_pressure(complex(), faces, 7, {});
+    loads->add_force(complex(), vertices, {1, 2, 3}, {});
+    loads->add_traction(complex(), faces, {0.3, 0.2, 0.1}, {});
+    pressures->add(complex(), faces, 7, {});
   }
   void apply(const Request& request) {
     const TopologyChange change = suture::apply(complex(), request);
     attributes().apply(complex(), change);
-    loop->update(complex(), change);
-    if (!change.empty()) loads.update(attributes().rest_places(complex()));
+    for (ForceTerm* term : terms()) term->follow(complex(), change);
   }
   const std::vector<double>& forces() {
     Column& column = attributes().force();
     std::fill_n(column.rows(), std::size_t{column.size()} * 4, 0.0);
     loop->add_forces(0, 0);
-    loads.add_and_book(column.rows(), attributes().position().rows(), 0,
-                       attributes().kernel(0).cells.live());
+    for (ForceTerm* term : terms())
+      if (term != loop.get())
+        term->add_forces_in_step({}, attributes().kernel(0).cells.live(), column.rows());
     force.assign(column.rows(), column.rows() + std::size_t{column.size()} * 4);
     return force;
   }
@@ -113,8 +117,10 @@ struct Simulated {
     archive("map", complex());
     archive("attributes", attributes());
     archive("loop", *loop);
-    archive("loads", loads);
+    archive("loads", *loads);
+    archive("pressures", *pressures);
   }
+  std::array<ForceTerm*, 3> terms() { return {loop.get(), loads.get(), pressures.get()}; }
 };
 
 bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
@@ -175,13 +181,13 @@ TEST(State, OfAMotionLoadsGiveTheirBookAlone) {
   one.body.shake(0.02, 1);
   one.forces();
   StateBuffer buffer;
-  buffer.save(one.loads);
-  const StateTree before = state_of(one.loads);
+  buffer.save(*one.loads);
+  const StateTree before = state_of(*one.loads);
   one.body.shake(0.02, 2);
   one.forces();
-  EXPECT_NE(difference(before, state_of(one.loads)), "");
-  buffer.load(one.loads);
-  EXPECT_EQ(difference(before, state_of(one.loads)), "");
+  EXPECT_NE(difference(before, state_of(*one.loads)), "");
+  buffer.load(*one.loads);
+  EXPECT_EQ(difference(before, state_of(*one.loads)), "");
 }
 
 TEST(State, OfOtherLoadsOrFunctorsIsRefused) {
@@ -189,9 +195,9 @@ TEST(State, OfOtherLoadsOrFunctorsIsRefused) {
   EXPECT_EQ(refusal_of(state_of(*one.loop), *walls.loop),
             "/functors: the number of its items is another");
   EXPECT_EQ(refusal_of(state_of(*one.loop), *larger.loop), "/functors/0: the rows are other ones");
-  const StateTree tree = state_of(one.loads);
-  one.loads.add_traction(one.complex(), one.attributes(), std::array<Dart, 1>{0}, {1, 0, 0}, {});
-  EXPECT_EQ(refusal_of(tree, one.loads), "/dead: the number of its items is another");
+  const StateTree tree = state_of(*one.loads);
+  one.loads->add_traction(one.complex(), std::array<Dart, 1>{0}, {1, 0, 0}, {});
+  EXPECT_EQ(refusal_of(tree, *one.loads), "/loads: the number of its items is another");
 }
 
 }  // namespace

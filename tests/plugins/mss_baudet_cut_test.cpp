@@ -59,7 +59,7 @@ struct Body {
     const TopologyChange change = complex.cut(faces);
     ASSERT_FALSE(change.empty());
     attributes->apply(complex, change);
-    loop->update(complex, change);
+    loop->follow(complex, change);
   }
 
   const Column& column(const std::string& name) const {

@@ -71,7 +71,7 @@ INSTANTIATE_TEST_SUITE_P(CaseA, StaticBeam, testing::ValuesIn(reference::static_
 // order; the reference's own is below 1e-8 m.
 void follow(double gravity, const double* expected, int count, double tolerance) {
   Scene scene = beam(host(), "tm-faure", 20, 5, gravity);
-  scene.solver.integrator = SolverOptions::Integrator::velocity_verlet;
+  scene.solver.integrator = "velocity-verlet";
   scene.solver.dt = 1e-4;
   scene.solver.end = 0.01 * (count - 1);
   Diagnostics diagnostics;
@@ -101,7 +101,7 @@ TEST(DynamicBeam, FullLoadFollowsTheReferenceUntilRootElementsInvert) {
 // wobbles by less than 1e-4 of the largest kinetic energy and has no trend.
 TEST(DynamicBeam, UndampedEnergyHasNoTrend) {
   Scene scene = beam(host(), "tm-faure", 20, 5, 2.45);
-  scene.solver.integrator = SolverOptions::Integrator::velocity_verlet;
+  scene.solver.integrator = "velocity-verlet";
   scene.solver.dt = 1e-4;
   const int samples = full_suite() ? 2000 : 400;  // of 50 steps
   scene.solver.end = samples * 50e-4;
@@ -112,7 +112,7 @@ TEST(DynamicBeam, UndampedEnergyHasNoTrend) {
   const double start = simulation.energies().total();
   for (int i = 1; i <= samples; ++i) {
     simulation.run_to(i * 50e-4, nobody);
-    const Dynamics::Energies e = simulation.energies();
+    const Energies e = simulation.energies();
     const double error = e.total() - start, t = static_cast<double>(i) / samples;
     kinetic = std::max(kinetic, e.kinetic);
     worst = std::max(worst, std::abs(error));

@@ -58,7 +58,7 @@ INSTANTIATE_TEST_SUITE_P(Cut, BothModels, testing::Values("tm-faure", "mss-baude
 
 TEST_P(BothModels, ACutWhileItMovesKeepsMassMomentumAndEveryCorner) {
   Scene scene = beam(host(), GetParam(), 20, 5, 0.98);
-  scene.solver.integrator = SolverOptions::Integrator::velocity_verlet;
+  scene.solver.integrator = "velocity-verlet";
   scene.solver.dt = 2e-4;
   scene.solver.end = 0.1;
   Diagnostics diagnostics;
@@ -86,7 +86,7 @@ TEST_P(BothModels, ACutWhileItMovesKeepsMassMomentumAndEveryCorner) {
 // A piece that hangs on nothing falls freely: its centre of mass follows g t^2/2.
 TEST_P(BothModels, APieceCutOffFallsFreely) {
   Scene scene = beam(host(), GetParam(), 8, 2, 9.8);
-  scene.solver.integrator = SolverOptions::Integrator::velocity_verlet;
+  scene.solver.integrator = "velocity-verlet";
   scene.solver.dt = 2e-4;
   scene.solver.end = 0.3;
   scene.events.push_back(cut_at(0, {0.5, 0, 0}, {1, 0, 0}));

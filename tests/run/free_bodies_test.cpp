@@ -49,22 +49,24 @@ Scene held_by(const std::vector<Constraint>& constraints, double gravity = 1) {
 /// How the pieces of a scene can move; one after the other.
 std::string motions(const Scene& scene, bool cut = false) {
   Diagnostics diagnostics;
-  World w(scene, diagnostics);
-  w.dynamics->start();
+  BuiltScene w(scene, diagnostics);
+  w.dynamics().start();
   if (cut) {
     Selection all;
     std::vector<Dart> faces;
-    for (Dart d = 0; d < 24 * w.complex().element_count(); d += 4) {
-      const Index e = d / 24, other = w.complex().can_cut(d) ? w.complex().beta3(d) / 24 : none;
+    for (Dart d = 0; d < 24 * w.body().complex().element_count(); d += 4) {
+      const Index e = d / 24,
+                  other = w.body().complex().can_cut(d) ? w.body().complex().beta3(d) / 24 : none;
       if (other == none || e > other) continue;
-      const auto x = [&](Index i) { return w.imported.user_element[i] % 8; };
+      const auto x = [&](Index i) { return w.body().imported().user_element[i] % 8; };
       if ((x(e) < 5) != (x(other) < 5)) faces.push_back(d);
     }
-    w.cut(faces);
+    w.body().cut(faces);
   }
-  const std::vector<double> none_at_all(4 * std::size_t{w.attributes.vertex_count()});
+  const std::vector<double> none_at_all(4 * std::size_t{w.body().attributes().vertex_count()});
   std::string text;
-  for (const FreePiece& piece : find_free_pieces(w.complex(), w.attributes, none_at_all))
+  for (const FreePiece& piece :
+       find_free_pieces(w.body().complex(), w.body().attributes(), none_at_all))
     text += (text.empty() ? "" : "; ") + std::to_string(piece.elements) + " from " +
             std::to_string(piece.first_element) + ": " + piece.motions();
   return text;

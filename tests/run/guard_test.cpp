@@ -34,17 +34,11 @@ Scene two_halves(OnInversion left, OnInversion right, OnInversion solver = OnInv
 
 /// What a guard says after the corner of an end was pushed through its element.
 struct Look {
-  Look(const Scene& scene, double x) : world(scene, diagnostics) {
-    world.dynamics->start();
-    Guard guard(scene, world, diagnostics);
+  Look(const Scene& scene, double x) : built(scene, diagnostics) {
+    built.dynamics().start();
+    Guard guard(scene, built, diagnostics);
     guard.start();
-    for (Index v = 0; v < world.attributes.vertex_count(); ++v) {
-      const Column& rest = world.attributes.rest();
-      if (std::abs(rest.get(v, 0) - x) > 1e-9 || rest.get(v, 1) > 1e-9 || rest.get(v, 2) > 1e-9)
-        continue;
-      world.attributes.position().set(v, 0, x < 0.5 ? x + 0.2 : x - 0.2);
-    }
-    world.dynamics->invalidate();
+    built.dynamics().jump([&] { push(x); });
     try {
       guard.check(5, 0.25);
     } catch (const NumericalError& error) {
@@ -52,8 +46,17 @@ struct Look {
     }
     inverted = guard.inverted_elements();
   }
+  void push(double x) {
+    Attributes& attributes = built.body().attributes();
+    for (Index v = 0; v < attributes.vertex_count(); ++v) {
+      const Column& rest = attributes.rest();
+      if (std::abs(rest.get(v, 0) - x) > 1e-9 || rest.get(v, 1) > 1e-9 || rest.get(v, 2) > 1e-9)
+        continue;
+      attributes.position().set(v, 0, x < 0.5 ? x + 0.2 : x - 0.2);
+    }
+  }
   Diagnostics diagnostics;
-  World world;
+  BuiltScene built;
   std::string stopped;
   std::uint64_t inverted = 0;
 };
@@ -85,31 +88,31 @@ TEST(OnInversion, IsTheModelsOwnWhereTheSceneSaysNothing) {
 TEST(Guard, FindsEnergiesThatAreNotFinite) {
   const Scene scene = beam(host(), "tm-faure", 2, 1, 0);
   Diagnostics diagnostics;
-  World world(scene, diagnostics);
-  world.dynamics->start();
-  Guard guard(scene, world, diagnostics);
+  BuiltScene built(scene, diagnostics);
+  built.dynamics().start();
+  Guard guard(scene, built, diagnostics);
   guard.start();
   guard.check(1, 0);
-  world.attributes.velocity().set(2, 0, 1e200);
+  built.body().attributes().velocity().set(2, 0, 1e200);
   EXPECT_THROW(guard.check(2, 0), NotFinite);
 }
 
 TEST(Guard, CountsGrowthFromWhatWasForgiven) {
   const Scene scene = beam(host(), "tm-faure", 4, 1, 9.8);
   Diagnostics diagnostics;
-  World world(scene, diagnostics);
-  world.dynamics->start();
-  Guard guard(scene, world, diagnostics);
+  BuiltScene built(scene, diagnostics);
+  built.dynamics().start();
+  Guard guard(scene, built, diagnostics);
   guard.start();
-  const double dt = 0.5 * world.dynamics->stable_step();
+  const double dt = 0.5 * built.limits().stable_step(built.dynamics().time());
   double time = 0;
   const auto run = [&](int steps) {
-    for (int i = 0; i < steps; ++i) world.dynamics->step(dt, time += dt);
+    for (int i = 0; i < steps; ++i) built.dynamics().step(dt, time += dt);
     guard.check(static_cast<std::uint64_t>(time / dt), time);
   };
   run(50);
   EXPECT_LT(guard.growth(), 1e-3);
-  Column& v = world.attributes.velocity();  // energy from nowhere
+  Column& v = built.body().attributes().velocity();  // energy from nowhere
   for (Index i = 0; i < v.size(); ++i) v.set(i, 1, 1.5 * v.get(i, 1));
   run(2);
   const double grown = guard.growth();
@@ -126,17 +129,17 @@ TEST(Evidence, ShowsTheLastGoodAndTheFailedStateWithMarks) {
   const TemporaryFolder folder;
   const Scene scene = beam(host(), "tm-faure", 4, 1, 0);
   Diagnostics diagnostics;
-  World world(scene, diagnostics);
-  world.dynamics->start();
-  Column& x = world.attributes.position();
+  BuiltScene built(scene, diagnostics);
+  built.dynamics().start();
+  Column& x = built.body().attributes().position();
   const std::vector<double> rows(x.rows(), x.rows() + std::size_t{x.size()} * 4);
-  const Hexahedron& first = world.complex().vertices_of(0);
-  const Hexahedron& last = world.complex().vertices_of(3);
+  const Hexahedron& first = built.body().complex().vertices_of(0);
+  const Hexahedron& last = built.body().complex().vertices_of(3);
   x.set(first[0], 0, 0.4);  // inverted
   x.set(last[7], 1, std::nan(""));
-  Evidence evidence(world, 0.5);
+  Evidence evidence(built, 0.5);
   std::copy(rows.begin(), rows.end(), x.rows());
-  evidence.add_last_good(world, 0.25);
+  evidence.add_last_good(built, 0.25);
   const std::string text = evidence.write(folder / "out");
   EXPECT_NE(text.find("failed.pvd shows the last good state and this one"), std::string::npos)
       << text;

@@ -11,7 +11,7 @@
 #include <random>
 
 #include "kernel/dynamics/step_search.hpp"
-#include "kernel/run/world.hpp"
+#include "kernel/scene/built_scene.hpp"
 #include "tests/run/beam.hpp"
 
 namespace suture::test {
@@ -34,19 +34,19 @@ class Surgery {
   Surgery(const Case& model, unsigned seed)
       : random_(seed),
         scene_(beam(host(), model.model, 3 + random_() % 5, 2 + random_() % 3, 10, model.values)),
-        world_(scene_, diagnostics_) {
-    world_.dynamics->start();
-    Column& position = world_.attributes.position();
+        built_(scene_, diagnostics_) {
+    built_.dynamics().start();
+    Column& position = built_.body().attributes().position();
     const double stretch = 1 + 0.3 * number(), amount = 0.01 * std::abs(number());
-    for (Index v = 0; v < world_.attributes.vertex_count(); ++v) {
+    for (Index v = 0; v < built_.body().attributes().vertex_count(); ++v) {
       position.set(v, 0, stretch * position.get(v, 0));
       for (int c = 0; c < 3; ++c) {
         position.set(v, c, position.get(v, c) + amount * number());
-        world_.attributes.velocity().set(v, c, 0.1 * number());
+        built_.body().attributes().velocity().set(v, c, 0.1 * number());
       }
     }
-    world_.dynamics->invalidate();
-    known_ = world_.dynamics->stable_step();
+    built_.dynamics().start(built_.dynamics().time());
+    known_ = built_.limits().stable_step(built_.dynamics().time());
   }
 
   /// One operation. Returns what is taken for stable over what is.
@@ -61,12 +61,13 @@ class Surgery {
     } else {
       done = open(kind_ == std::string("tear"));
     }
-    const double local = world_.dynamics->bounds_of_changes().dt;
+    const double local = built_.limits().bounds_of_changes(0).dt;
     if (!done) return 0;
     lowered_ += local < known_;
     const double taken = std::min(known_, local);
-    followed_ = world_.dynamics->stable_step();  // goes on from the mode before
-    known_ = StepSearch(world_.dynamics->forces(), world_.attributes).largest(0);
+    followed_ =
+        built_.limits().stable_step(built_.dynamics().time());  // goes on from the mode before
+    known_ = StepSearch(built_.body()).largest(0);
     return taken / known_;
   }
   const std::string& kind() const { return kind_; }
@@ -76,7 +77,7 @@ class Surgery {
 
  private:
   double number() { return std::uniform_real_distribution<double>(-1, 1)(random_); }
-  CellComplex& complex() { return world_.complex(); }
+  CellComplex& complex() { return built_.body().complex(); }
   Index element() { return random_() % complex().element_count(); }
 
   bool open(bool around_a_vertex) {
@@ -96,7 +97,7 @@ class Surgery {
     }
     if (faces.empty()) return false;
     for (const Dart d : faces) cut_.push_back({d / 4 * 4, complex().beta3(d / 4 * 4)});
-    world_.cut(faces);
+    built_.body().cut(faces);
     return true;
   }
   bool pierce() {
@@ -104,7 +105,7 @@ class Surgery {
     for (unsigned i = 0; i < 1 + random_() % 3; ++i)
       if (const Index e = element(); complex().exists(3, e)) gone.push_back(e);
     if (gone.empty() || complex().existing(3) < 12) return false;
-    world_.pierce(gone);
+    built_.body().pierce(gone);
     return true;
   }
   bool sew() {
@@ -116,14 +117,14 @@ class Surgery {
       if (there && complex().can_sew(seam.one, seam.other)) seams.push_back(seam);
     }
     if (seams.empty()) return false;
-    world_.sew(seams);
+    built_.body().sew(seams);
     return true;
   }
 
   std::mt19937 random_;
   Scene scene_;
   Diagnostics diagnostics_;
-  World world_;
+  BuiltScene built_;
   std::vector<Seam> cut_;
   double known_ = 0, followed_ = 0;
   int lowered_ = 0;

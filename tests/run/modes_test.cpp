@@ -11,7 +11,7 @@
 #include <random>
 
 #include "kernel/base/error.hpp"
-#include "kernel/run/world.hpp"
+#include "kernel/scene/built_scene.hpp"
 #include "tests/run/beam.hpp"
 
 namespace suture::test {
@@ -22,30 +22,29 @@ PluginHost& host() {
   return plugins;
 }
 
-LowestMode lowest_mode(World& w, unsigned products = 600) {
-  return find_lowest_mode(w.dynamics->forces(), w.complex(), w.attributes, w.dynamics->time(),
-                          products);
+LowestMode lowest_mode(BuiltScene& w, unsigned products = 600) {
+  return find_lowest_mode(w.body(), w.dynamics().time(), products);
 }
 
 /// Eigenvalues of M^-1/2 K M^-1/2 on the free components, ascending, by a dense solver.
-Eigen::VectorXd eigenvalues(World& w) {
-  const std::size_t size = 3 * std::size_t{w.attributes.vertex_count()};
+Eigen::VectorXd eigenvalues(BuiltScene& w) {
+  const std::size_t size = 3 * std::size_t{w.body().attributes().vertex_count()};
   std::vector<double> direction(size), image(size);
   std::vector<std::size_t> free;
   for (std::size_t i = 0; i < size; ++i) {
     const auto v = static_cast<Index>(i / 3);
-    const auto fixed = static_cast<int>(w.attributes.fixed().get(v, 0));
-    if (w.attributes.mass().get(v, 0) > 0 && !(fixed >> i % 3 & 1)) free.push_back(i);
+    const auto fixed = static_cast<int>(w.body().attributes().fixed().get(v, 0));
+    if (w.body().attributes().mass().get(v, 0) > 0 && !(fixed >> i % 3 & 1)) free.push_back(i);
   }
   const auto root = [&](std::size_t i) {
-    return std::sqrt(w.attributes.mass().get(static_cast<Index>(i / 3), 0));
+    return std::sqrt(w.body().attributes().mass().get(static_cast<Index>(i / 3), 0));
   };
   Eigen::MatrixXd matrix(free.size(), free.size());
   for (std::size_t column = 0; column < free.size(); ++column) {
     direction.assign(size, 0);
     image.assign(size, 0);
     direction[free[column]] = 1;
-    w.dynamics->forces().add_tangent(direction.data(), 1, 0, 0, image.data());
+    w.body().models().add_tangent(direction.data(), 1, 0, 0, image.data());
     for (std::size_t row = 0; row < free.size(); ++row)
       matrix(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)) =
           -image[free[row]] / (root(free[row]) * root(free[column]));
@@ -56,23 +55,24 @@ Eigen::VectorXd eigenvalues(World& w) {
 
 /// Every vertex where `place` puts its rest position.
 template <class Place>
-void deform(World& w, Place place) {
-  for (Index v = 0; v < w.attributes.vertex_count(); ++v) {
-    if (!w.complex().exists(0, v)) continue;
-    const Column& rest = w.attributes.rest();
+void deform(BuiltScene& w, Place place) {
+  for (Index v = 0; v < w.body().attributes().vertex_count(); ++v) {
+    if (!w.body().complex().exists(0, v)) continue;
+    const Column& rest = w.body().attributes().rest();
     const Vec3 x = place(Vec3{rest.get(v, 0), rest.get(v, 1), rest.get(v, 2)});
-    for (int c = 0; c < 3; ++c) w.attributes.position().set(v, c, x[static_cast<std::size_t>(c)]);
+    for (int c = 0; c < 3; ++c)
+      w.body().attributes().position().set(v, c, x[static_cast<std::size_t>(c)]);
   }
-  w.dynamics->invalidate();
+  w.dynamics().motion().forget_forces();  // not start(): what is held is moved too
 }
 
 TEST(Tangent, InDoubleIsTheDerivativeOfTheForces) {
   for (const char* model : {"tm-faure", "mss-baudet"}) {
     const Scene scene = beam(host(), model, 3, 2, 0);
     Diagnostics diagnostics;
-    World w(scene, diagnostics);
-    w.dynamics->start();
-    const std::size_t size = 3 * std::size_t{w.attributes.vertex_count()};
+    BuiltScene w(scene, diagnostics);
+    w.dynamics().start();
+    const std::size_t size = 3 * std::size_t{w.body().attributes().vertex_count()};
     std::mt19937 random(1);
     std::vector<double> direction(size), image(size);
     for (double& d : direction) d = random() / 4294967296.0 - 0.5;
@@ -83,9 +83,9 @@ TEST(Tangent, InDoubleIsTheDerivativeOfTheForces) {
         return x;
       });
       std::vector<double> force(size);
-      Column& column = w.attributes.force();
+      Column& column = w.body().attributes().force();
       std::fill_n(column.rows(), std::size_t{column.size()} * 4, 0.0);
-      w.dynamics->forces().add_forces(0, 0);
+      w.body().models().add_forces(0, 0);
       for (std::size_t k = 0; k < size; ++k)
         force[k] = column.get(static_cast<Index>(k / 3), static_cast<int>(k % 3));
       std::fill_n(column.rows(), std::size_t{column.size()} * 4, 0.0);
@@ -94,7 +94,7 @@ TEST(Tangent, InDoubleIsTheDerivativeOfTheForces) {
     const double h = 1e-5;
     const std::vector<double> above = forces_at(h), below = forces_at(-h);
     forces_at(0);
-    w.dynamics->forces().add_tangent(direction.data(), 1, 0, 0, image.data());
+    w.body().models().add_tangent(direction.data(), 1, 0, 0, image.data());
     double worst = 0, scale = 0;
     for (std::size_t k = 0; k < size; ++k) {
       worst = std::max(worst, std::abs((above[k] - below[k]) / (2 * h) - image[k]));
@@ -132,14 +132,14 @@ TEST_P(Modes, TheLowestIsThatOfADenseSolver) {
   const State& state = GetParam();
   const Scene scene = beam(host(), state.model, 10, 4, 0);
   Diagnostics diagnostics;
-  World w(scene, diagnostics);
-  w.dynamics->start();
+  BuiltScene w(scene, diagnostics);
+  w.dynamics().start();
   if (state.pierced) {
     std::vector<Index> gone;
     std::mt19937 random(7);
-    for (Index e = 0; e < w.complex().element_count(); ++e)
+    for (Index e = 0; e < w.body().complex().element_count(); ++e)
       if (random() % 5 == 0) gone.push_back(e);
-    w.pierce(gone);
+    w.body().pierce(gone);
   }
   deform(w, [&](const Vec3& x) {
     if (state.bend == 0) return Vec3{x[0] * state.squeeze, x[1], x[2]};
@@ -160,8 +160,8 @@ TEST(Modes, OfAFreeBodyAtRestAreRigid) {
   Scene scene = beam(host(), "tm-faure", 6, 3, 0);
   scene.constraints.clear();
   Diagnostics diagnostics;
-  World w(scene, diagnostics);
-  w.dynamics->start();
+  BuiltScene w(scene, diagnostics);
+  w.dynamics().start();
   const LowestMode mode = lowest_mode(w);
   EXPECT_FALSE(mode.negative());
   EXPECT_LT(std::abs(mode.eigenvalue), 10 * mode.noise);
@@ -171,8 +171,8 @@ TEST(Modes, OfABodyWithoutAFreeComponentThereAreNone) {
   Scene scene = beam(host(), "tm-faure", 2, 1, 0);
   scene.constraints[0].where.what = Selection::All{};
   Diagnostics diagnostics;
-  World w(scene, diagnostics);
-  w.dynamics->start();
+  BuiltScene w(scene, diagnostics);
+  w.dynamics().start();
   EXPECT_FALSE(lowest_mode(w).negative());
 }
 

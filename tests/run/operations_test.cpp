@@ -10,7 +10,7 @@
 #include <random>
 
 #include "kernel/base/error.hpp"
-#include "kernel/run/world.hpp"
+#include "kernel/scene/built_scene.hpp"
 #include "tests/run/beam.hpp"
 
 namespace suture::test {
@@ -149,33 +149,33 @@ TEST(Dust, AThousandRandomCutsLeaveSingleElementsThatFall) {
   scene.solver.dt = 1e-4;
   scene.solver.end = 0.004;
   Diagnostics diagnostics;
-  World world(scene, diagnostics);
-  world.dynamics->start();
-  const CellComplex& complex = world.complex();
+  BuiltScene built(scene, diagnostics);
+  built.dynamics().start();
+  const CellComplex& complex = built.body().complex();
   std::vector<Dart> faces;
   for (Dart d = 0; d < 24 * complex.element_count(); d += 4)
     if (complex.beta3(d) != none && d < complex.beta3(d)) faces.push_back(d);
   std::ranges::shuffle(faces, random);
   const auto mass = [&] {
-    const double* m = world.attributes.mass().rows();
-    return std::accumulate(m, m + world.attributes.vertex_count(), 0.0);
+    const double* m = built.body().attributes().mass().rows();
+    return std::accumulate(m, m + built.body().attributes().vertex_count(), 0.0);
   };
   const double before = mass();
   std::size_t done = 0;
   for (int step = 0; step < 40; ++step) {  // 25 cuts in each step
     for (int i = 0; i < 25; ++i) {
       const std::size_t end = faces.size() * static_cast<std::size_t>(25 * step + i + 1) / 1000;
-      world.cut({faces.begin() + static_cast<std::ptrdiff_t>(done),
-                 faces.begin() + static_cast<std::ptrdiff_t>(end)});
+      built.body().cut({faces.begin() + static_cast<std::ptrdiff_t>(done),
+                        faces.begin() + static_cast<std::ptrdiff_t>(end)});
       done = end;
     }
-    world.dynamics->step(1e-4, 1e-4 * (step + 1));
+    built.dynamics().step(1e-4, 1e-4 * (step + 1));
   }
   EXPECT_EQ(complex.count(0), 8u * 8000);
-  EXPECT_EQ(world.islands().existing(), 8000u);
+  EXPECT_EQ(built.body().islands().existing(), 8000u);
   EXPECT_NEAR(mass(), before, 1e-13 * before);
   const double fall = -9.8 * 1e-8 * 40 * 41 / 2;  // symplectic Euler: g dt^2 n (n + 1) / 2
-  Attributes& a = world.attributes;
+  Attributes& a = built.body().attributes();
   double worst = 0;
   for (Index v = 0; v < a.vertex_count(); ++v)
     for (int c = 0; c < 3; ++c)

@@ -199,8 +199,7 @@ TEST_F(Probes, TakeAFieldFromTheElementsThatHaveIt) {
 TEST_F(Probes, LookingChangesNoBit) {
   std::vector<double> places;
   for (const auto& fields : {std::vector<std::string>{"position"}, {"reaction", "von_mises"}}) {
-    for (const auto integrator : {SolverOptions::Integrator::symplectic_euler,
-                                  SolverOptions::Integrator::velocity_verlet}) {
+    for (const auto integrator : {"symplectic-euler", "velocity-verlet"}) {
       scene_.solver.integrator = integrator;
       scene_.output.probes.clear();
       add("all", selection(Selection::All{}), fields);

@@ -11,7 +11,7 @@
 #include <set>
 
 #include "kernel/base/error.hpp"
-#include "kernel/run/world.hpp"
+#include "kernel/scene/built_scene.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/csv_table.hpp"
@@ -26,7 +26,7 @@ PluginHost& host() {
   return plugins;
 }
 
-using Integrator = SolverOptions::Integrator;
+using Integrator = std::string;
 constexpr double never = 1e300;
 
 struct Listener : Observer {
@@ -74,12 +74,12 @@ class Retry : public testing::TestWithParam<Integrator> {
   /// The same steps in one go, nothing rejected.
   std::vector<double> repeated() {
     Diagnostics unused;
-    World world(scene, unused);
-    world.dynamics->start();
+    BuiltScene built(scene, unused);
+    built.dynamics().start();
     const CsvTable table = energies();
     const std::vector<double> time = table.column("time [s]"), dt = table.column("dt [s]");
-    for (std::size_t i = 1; i < time.size(); ++i) world.dynamics->step(dt[i], time[i]);
-    const Column& x = world.attributes.position();
+    for (std::size_t i = 1; i < time.size(); ++i) built.dynamics().step(dt[i], time[i]);
+    const Column& x = built.body().attributes().position();
     return {x.rows(), x.rows() + std::size_t{x.size()} * x.stride()};
   }
   void expect_whole_tables() {
@@ -100,11 +100,10 @@ class Retry : public testing::TestWithParam<Integrator> {
   Listener listener;
   std::unique_ptr<Simulation> simulation;
 };
-INSTANTIATE_TEST_SUITE_P(Both, Retry,
-                         testing::Values(Integrator::symplectic_euler, Integrator::velocity_verlet),
+INSTANTIATE_TEST_SUITE_P(Both, Retry, testing::Values("symplectic-euler", "velocity-verlet"),
                          [](const auto& one) {
-                           return one.param == Integrator::velocity_verlet ? std::string("verlet")
-                                                                           : std::string("euler");
+                           return one.param == "velocity-verlet" ? std::string("verlet")
+                                                                 : std::string("euler");
                          });
 
 TEST_P(Retry, IsHonouredWithAnAutomaticStepAndLeavesNoTrace) {
@@ -124,7 +123,7 @@ TEST_P(Retry, IsHonouredWithAnAutomaticStepAndLeavesNoTrace) {
       ASSERT_LE(dt[i], longest * (1 + 1e-6)) << i;
     }
   EXPECT_EQ(positions(), repeated());
-  const double order = GetParam() == Integrator::velocity_verlet ? 2e-3 : 0.05;  // second, first
+  const double order = GetParam() == "velocity-verlet" ? 2e-3 : 0.05;  // second, first
   EXPECT_NEAR(simulation->mean_displacement(beam_tip(2))[1], tip, order * std::abs(tip));
   ASSERT_FALSE(listener.lines.empty());
   const std::string& line = listener.lines.front();
@@ -196,7 +195,7 @@ TEST_P(Retry, InTheVeryStepOfACutMakesThatStepSmaller) {
   scene.output.energies_every = scene.output.probes_every = 0;
   scene.solver.dt = 1e-4;
   add_cut();
-  const bool is_euler = GetParam() == Integrator::symplectic_euler;
+  const bool is_euler = GetParam() == "symplectic-euler";
   add_moody(1, 0.02, 0.0205, 0.5e-4);
   if (!is_euler) {
     EXPECT_THROW(run(), NumericalError);

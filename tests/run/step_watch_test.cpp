@@ -11,7 +11,7 @@
 #include <map>
 #include <random>
 
-#include "kernel/run/world.hpp"
+#include "kernel/scene/built_scene.hpp"
 #include "tests/run/beam.hpp"
 
 namespace suture::test {
@@ -36,13 +36,13 @@ INSTANTIATE_TEST_SUITE_P(Models, StepSearch,
 
 /// Largest eigenvalue of M^-1/2 (dt^2/4 K + dt/2 C) M^-1/2 over the free components, by a
 /// dense solver; the matrix column by column from the derivatives of the forces.
-double largest_eigenvalue(World& w, double dt) {
-  const Index vertices = w.attributes.vertex_count();
+double largest_eigenvalue(BuiltScene& w, double dt) {
+  const Index vertices = w.body().attributes().vertex_count();
   std::vector<float> direction(3 * vertices), image(3 * vertices);
   std::vector<Index> free;
   for (Index i = 0; i < 3 * vertices; ++i) {
-    const auto fixed = static_cast<int>(w.attributes.fixed().get(i / 3, 0));
-    if (w.attributes.mass().get(i / 3, 0) > 0 && !(fixed >> i % 3 & 1)) free.push_back(i);
+    const auto fixed = static_cast<int>(w.body().attributes().fixed().get(i / 3, 0));
+    if (w.body().attributes().mass().get(i / 3, 0) > 0 && !(fixed >> i % 3 & 1)) free.push_back(i);
   }
   const auto size = static_cast<Eigen::Index>(free.size());
   Eigen::MatrixXd matrix(size, size);
@@ -50,11 +50,11 @@ double largest_eigenvalue(World& w, double dt) {
     direction.assign(direction.size(), 0);
     image.assign(image.size(), 0);
     direction[free[column]] = 1;
-    w.dynamics->forces().add_tangent(direction.data(), dt * dt / 4, dt / 2, 0, image.data());
+    w.body().models().add_tangent(direction.data(), dt * dt / 4, dt / 2, 0, image.data());
     for (Eigen::Index row = 0; row < size; ++row)
       matrix(row, column) =
-          -image[free[row]] / std::sqrt(w.attributes.mass().get(free[row] / 3, 0) *
-                                        w.attributes.mass().get(free[column] / 3, 0));
+          -image[free[row]] / std::sqrt(w.body().attributes().mass().get(free[row] / 3, 0) *
+                                        w.body().attributes().mass().get(free[column] / 3, 0));
   }
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly)
       .eigenvalues()[size - 1];
@@ -68,19 +68,19 @@ TEST_P(StepSearch, FindsTheLargestEigenvalueOfAnyBody) {
   for (int round = 0; round < 4; ++round) {
     const Scene scene = beam(host(), GetParam().model, 5, 4, 10, GetParam().values);
     Diagnostics diagnostics;
-    World w(scene, diagnostics);
-    w.dynamics->start();
+    BuiltScene w(scene, diagnostics);
+    w.dynamics().start();
     std::vector<Index> gone;
-    for (Index e = 0; e < w.complex().element_count(); ++e)
+    for (Index e = 0; e < w.body().complex().element_count(); ++e)
       if (random() % 5 == 0) gone.push_back(e);
-    w.pierce(gone);
-    Column& position = w.attributes.position();
-    for (Index v = 0; v < w.attributes.vertex_count(); ++v)
-      for (int c = 0; c < 3 && w.complex().exists(0, v); ++c)
+    w.body().pierce(gone);
+    Column& position = w.body().attributes().position();
+    for (Index v = 0; v < w.body().attributes().vertex_count(); ++v)
+      for (int c = 0; c < 3 && w.body().complex().exists(0, v); ++c)
         position.set(v, c, position.get(v, c) + 2e-3 * number(random));
-    w.dynamics->invalidate();
+    w.dynamics().start(w.dynamics().time());
     // At the step found the eigenvalue is 1, to twice the tolerance of the step.
-    const double largest = largest_eigenvalue(w, w.dynamics->stable_step());
+    const double largest = largest_eigenvalue(w, w.limits().stable_step(w.dynamics().time()));
     EXPECT_GT(largest, 0.965);
     EXPECT_LT(largest, 1.035);
   }
@@ -88,29 +88,29 @@ TEST_P(StepSearch, FindsTheLargestEigenvalueOfAnyBody) {
 
 class Watch : public testing::Test {
  protected:
-  Watch() : scene(beam(host(), "tm-faure", 8, 2, 10)), world(scene, diagnostics) {
-    world.dynamics->start();
-    bound = world.dynamics->bounds().dt;
-    stable = world.dynamics->stable_step();
+  Watch() : scene(beam(host(), "tm-faure", 8, 2, 10)), built(scene, diagnostics) {
+    built.dynamics().start();
+    bound = built.limits().bounds(0).dt;
+    stable = built.limits().stable_step(built.dynamics().time());
   }
   /// A face on two sides of the body: a vertex of it splits. Returns the bound around it.
   double cut() {
     Dart inner = 0;
-    while (!world.complex().can_cut(inner)) ++inner;
-    const TopologyChange change = world.cut({inner});
+    while (!built.body().complex().can_cut(inner)) ++inner;
+    const TopologyChange change = built.body().cut({inner});
     EXPECT_FALSE(change.splits[0].empty());
     std::vector<Index> vertices(change.stars[0].cells.begin(), change.stars[0].cells.end());
-    bound = world.dynamics->bounds().dt;
-    return world.dynamics->forces().bounds_around(vertices, 0).dt;
+    bound = built.limits().bounds(0).dt;
+    return built.limits().bounds_at(vertices, 0).dt;
   }
   Scene scene;
   Diagnostics diagnostics;
-  World world;
+  BuiltScene built;
   double bound = 0, stable = 0;
 };
 
 TEST_F(Watch, AnEventLowersAutoToTheBoundAroundItUntilEventsAreOver) {
-  StepWatch watch(scene, world, diagnostics);
+  StepWatch watch(scene, built, diagnostics);
   watch.start();
   EXPECT_NEAR(watch.stable(), stable, 0.02 * stable);
   EXPECT_GT(watch.stable(), 1.1 * bound);
@@ -124,14 +124,14 @@ TEST_F(Watch, AnEventLowersAutoToTheBoundAroundItUntilEventsAreOver) {
   watch.after_step(512);
   EXPECT_EQ(watch.stable(), bound) << "an event 212 steps ago: no search, but all vertices";
   watch.after_step(1024);
-  EXPECT_NEAR(watch.stable(), world.dynamics->stable_step(), 0.02 * stable);
+  EXPECT_NEAR(watch.stable(), built.limits().stable_step(built.dynamics().time()), 0.02 * stable);
 }
 
 TEST_F(Watch, AnEventThatChangesNoVertexLeavesTheStepAlone) {
-  StepWatch watch(scene, world, diagnostics);
+  StepWatch watch(scene, built, diagnostics);
   watch.start();
   const double before = watch.stable();
-  world.dynamics->bounds_of_changes();
+  built.limits().bounds_of_changes(0);
   watch.after_event(500);
   EXPECT_EQ(watch.stable(), before);
   watch.after_step(512);
@@ -139,13 +139,13 @@ TEST_F(Watch, AnEventThatChangesNoVertexLeavesTheStepAlone) {
 }
 
 TEST_F(Watch, EventsInEveryStepDoNotKeepASearchAwayForever) {
-  StepWatch watch(scene, world, diagnostics);
+  StepWatch watch(scene, built, diagnostics);
   watch.start();
   const auto lower = [&](std::uint64_t step) {
     Dart inner = 0;
-    while (!world.complex().can_cut(inner)) inner += 4;
+    while (!built.body().complex().can_cut(inner)) inner += 4;
     const double before = watch.stable();
-    world.cut({inner});
+    built.body().cut({inner});
     watch.after_event(step);
     return watch.stable() < before;
   };
@@ -154,22 +154,23 @@ TEST_F(Watch, EventsInEveryStepDoNotKeepASearchAwayForever) {
   for (std::uint64_t step = 512; step <= 4096; step += 512) {
     watch.after_step(step);
     if (step < 4096) {
-      EXPECT_NEAR(watch.stable(), world.dynamics->bounds().dt, 1e-12 * stable) << step;
-      Column& x = world.attributes.position();  // so that the next cut lowers the step again
+      EXPECT_NEAR(watch.stable(), built.limits().bounds(0).dt, 1e-12 * stable) << step;
+      Column& x =
+          built.body().attributes().position();  // so that the next cut lowers the step again
       for (Index v = 0; v < x.size(); ++v) x.set(v, 0, 1.03 * x.get(v, 0));
-      world.dynamics->invalidate();
+      built.dynamics().start(built.dynamics().time());
       ASSERT_TRUE(lower(step + 511)) << step;
     } else {
       searched = watch.stable();
     }
   }
-  EXPECT_NE(searched, world.dynamics->bounds().dt);
-  EXPECT_NEAR(searched, world.dynamics->stable_step(), 0.02 * searched);
+  EXPECT_NE(searched, built.limits().bounds(0).dt);
+  EXPECT_NEAR(searched, built.limits().stable_step(built.dynamics().time()), 0.02 * searched);
 }
 
 TEST_F(Watch, AFixedStepBelowTheBoundIsNotSearched) {
   scene.solver.dt = 0.9 * bound;
-  StepWatch watch(scene, world, diagnostics);
+  StepWatch watch(scene, built, diagnostics);
   watch.start();
   EXPECT_EQ(watch.stable(), bound);
   EXPECT_TRUE(diagnostics.warnings().empty());
@@ -177,7 +178,7 @@ TEST_F(Watch, AFixedStepBelowTheBoundIsNotSearched) {
 
 TEST_F(Watch, AFixedStepBetweenTheBoundAndTheLimitIsSearchedAndAccepted) {
   scene.solver.dt = (bound + stable) / 2;
-  StepWatch watch(scene, world, diagnostics);
+  StepWatch watch(scene, built, diagnostics);
   watch.start();
   EXPECT_NEAR(watch.stable(), stable, 0.02 * stable);
   EXPECT_TRUE(diagnostics.warnings().empty());
@@ -185,13 +186,15 @@ TEST_F(Watch, AFixedStepBetweenTheBoundAndTheLimitIsSearchedAndAccepted) {
 
 TEST_F(Watch, AFixedStepThatAnEventMakesTooLongIsWarnedOfOnce) {
   scene.solver.dt = 0.98 * stable;
-  StepWatch watch(scene, world, diagnostics);
+  StepWatch watch(scene, built, diagnostics);
   watch.start();
   EXPECT_TRUE(diagnostics.warnings().empty());
-  for (Index v = 0; v < world.attributes.vertex_count(); ++v)  // a stretched body is stiffer
-    world.attributes.position().set(v, 0, 1.5 * world.attributes.position().get(v, 0));
-  world.dynamics->invalidate();
-  ASSERT_LT(world.dynamics->stable_step(), *scene.solver.dt);
+  for (Index v = 0; v < built.body().attributes().vertex_count();
+       ++v)  // a stretched body is stiffer
+    built.body().attributes().position().set(v, 0,
+                                             1.5 * built.body().attributes().position().get(v, 0));
+  built.dynamics().start(built.dynamics().time());
+  ASSERT_LT(built.limits().stable_step(built.dynamics().time()), *scene.solver.dt);
   cut();
   watch.after_event(100);
   watch.after_step(101);

@@ -15,7 +15,7 @@
 #include "kernel/events/pierce_path.hpp"
 #include "kernel/events/plane_patch.hpp"
 #include "kernel/mesh/mesh_file.hpp"
-#include "kernel/run/world.hpp"
+#include "kernel/scene/built_scene.hpp"
 #include "kernel/scene/scene_reader.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
@@ -51,7 +51,7 @@ struct Result {
   std::vector<std::string> events;
   std::vector<std::string> warnings;
   std::vector<double> displacement, velocity;
-  Dynamics::Energies energies;
+  Energies energies;
   double largest = 0;  ///< displacement, m
 
   explicit Result(const Scene& scene) {
@@ -395,7 +395,7 @@ class OnTheBound : public testing::TestWithParam<int> {
   OnTheBound() {
     scene_.mesh.box = BoxOptions{far_away, {0.8, 0.2, 0.2}, {8, 2, 2}, {1, 1, 1}};
     scene_.constraints.clear();
-    world_.emplace(scene_, diagnostics_);
+    built_.emplace(scene_, diagnostics_);
   }
   static Vec3 p(double x, double y, double z) {
     return {x + far_away[0], y + far_away[1], z + far_away[2]};
@@ -403,19 +403,19 @@ class OnTheBound : public testing::TestWithParam<int> {
   std::vector<Index> vertices(decltype(Selection::what) what) const {
     Selection selection;
     selection.what = std::move(what);
-    return world_->selector.vertices(in_frame(selection, world_->frame));
+    return built_->selector().vertices(in_frame(selection, built_->frame()));
   }
   template <class Kind>
   Kind local(Kind kind) const {
     Event event;
     event.what = std::move(kind);
-    return std::get<Kind>(in_frame(std::move(event), world_->frame).what);
+    return std::get<Kind>(in_frame(std::move(event), built_->frame()).what);
   }
 
   const double k_ = GetParam(), x_ = 0.1 * k_;
   Scene scene_ = beam(host(), "tm-faure", 8, 2, 0);
   Diagnostics diagnostics_;
-  std::optional<World> world_;
+  std::optional<BuiltScene> built_;
 };
 
 INSTANTIATE_TEST_SUITE_P(Translation, OnTheBound, testing::Range(1, 8));
@@ -432,7 +432,8 @@ TEST_P(OnTheBound, NodesAreSelected) {
   EXPECT_EQ(layers(Selection::Plane{p(x_, 0, 0), {3, 0, 0}, -1}), 1);
   const auto reached = vertices(Selection::Sphere{p(x_, 0, 0), x_});
   const auto on_axis = std::ranges::count_if(reached, [&](Index v) {
-    return world_->attributes.rest().get(v, 1) == 0 && world_->attributes.rest().get(v, 2) == 0;
+    return built_->body().attributes().rest().get(v, 1) == 0 &&
+           built_->body().attributes().rest().get(v, 2) == 0;
   });
   EXPECT_EQ(static_cast<double>(on_axis), std::min(2 * k_ + 1, 9.0));
 }
@@ -444,26 +445,27 @@ TEST_P(OnTheBound, TheFirstOfEquallyNearNodesIsTheNearest) {
 }
 
 TEST_P(OnTheBound, CentroidsCountAsPositiveAndAsInside) {
-  const double* rest = world_->attributes.rest().rows();
+  const double* rest = built_->body().attributes().rest().rows();
   const auto faces = [&](const CutPlane& scene) {
     const CutPlane cut = local(scene);
-    return faces_across_patch(world_->complex(), rest,
+    return faces_across_patch(built_->body().complex(), rest,
                               {cut.point, cut.normal, cut.radius, cut.polygon});
   };
   for (const Dart face : faces({p(x_ + 0.05, 0, 0), {3, 0, 0}})) {
-    const Index upper = std::max(face / 24, world_->complex().beta3(face) / 24);
-    EXPECT_EQ(static_cast<double>(world_->element_name(upper) % 8), k_) << "between k - 1 and k";
+    const Index upper = std::max(face / 24, built_->body().complex().beta3(face) / 24);
+    EXPECT_EQ(static_cast<double>(built_->element_name(upper) % 8), k_) << "between k - 1 and k";
   }
   for (const Dart face : faces({p(x_ + 0.05, 0, 0), {-3, 0, 0}})) {
-    const Index lower = std::min(face / 24, world_->complex().beta3(face) / 24);
-    EXPECT_EQ(static_cast<double>(world_->element_name(lower) % 8), k_) << "between k and k + 1";
+    const Index lower = std::min(face / 24, built_->body().complex().beta3(face) / 24);
+    EXPECT_EQ(static_cast<double>(built_->element_name(lower) % 8), k_) << "between k and k + 1";
   }
   // The links of the four bars meet the plane in a square of 0.1 m: three within its side.
   EXPECT_EQ(faces({p(x_, 0.05, 0.05), {1, 0, 0}, 0.1}).size(), 3u);
   const Pierce pierce = local(Pierce{{}, {p(x_ + 0.05, 0.05, 0.05)}, x_});
-  const auto elements = elements_along_path(world_->complex(), rest, pierce.path, pierce.radius);
+  const auto elements =
+      elements_along_path(built_->body().complex(), rest, pierce.path, pierce.radius);
   const auto in_first_bar =
-      std::ranges::count_if(elements, [&](Index e) { return world_->element_name(e) < 8; });
+      std::ranges::count_if(elements, [&](Index e) { return built_->element_name(e) < 8; });
   EXPECT_EQ(static_cast<double>(in_first_bar), std::min(2 * k_ + 1, 8.0));
 }
 

@@ -73,7 +73,7 @@ TEST(SceneReader, ReadsEveryKey) {
   EXPECT_EQ(scene.loads[1].kind, Load::Kind::traction);
   EXPECT_EQ(scene.loads[2].pressure, 3);
   EXPECT_EQ(std::get<Selection::Ids>(scene.loads[2].where.what).ids.size(), 2u);
-  EXPECT_EQ(scene.solver.integrator, SolverOptions::Integrator::velocity_verlet);
+  EXPECT_EQ(scene.solver.integrator, "velocity-verlet");
   EXPECT_EQ(scene.solver.dt, 1e-3);
   EXPECT_EQ(scene.solver.max_steps, 1000u);
   EXPECT_EQ(scene.solver.on_inversion, OnInversion::warn);

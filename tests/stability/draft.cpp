@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "kernel/run/world.hpp"
+#include "kernel/scene/built_scene.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/stability/runner.hpp"
 
@@ -263,9 +263,9 @@ Json Draft::slow_ramp() {
 double stable_step_of(const Trial& trial) {
   const TemporaryFolder folder;
   Diagnostics diagnostics;
-  World world(read_trial(trial, folder.path()), diagnostics);
-  world.dynamics->start();
-  return world.dynamics->stable_step(true);
+  BuiltScene built(read_trial(trial, folder.path()), diagnostics);
+  built.dynamics().start();
+  return built.limits().stable_step(0, true);
 }
 
 }  // namespace suture::test

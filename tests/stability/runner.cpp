@@ -95,7 +95,7 @@ std::vector<double> velocities(Simulation& simulation) {
 double leapfrog_energy(Simulation& simulation, double time, double stable, Listener& listener,
                        double& scale) {
   simulation.run_to(time, listener);
-  const Dynamics::Energies energies = simulation.energies();
+  const Energies energies = simulation.energies();
   const std::vector<double> before = velocities(simulation);
   std::vector<double> after = before;
   for (int i = 1; after == before && i < 200; ++i) {

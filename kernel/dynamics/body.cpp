@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/dynamics/body.hpp"
+
+#include <algorithm>
+
+namespace suture {
+
+Body::Body(Imported imported)
+    : imported_(std::move(imported)),
+      attributes_(imported_.complex, std::exchange(imported_.rest, {})),
+      user_vertex_(std::move(imported_.user_vertex)) {
+  attributes_.user_element = imported_.user_element.list();
+}
+
+void Body::compile(Diagnostics& diagnostics, unsigned threads) {
+  attributes_.initialise(complex(), diagnostics);
+  models_ = &add(std::make_unique<ForceLoop>(attributes_, complex(), threads));
+}
+
+// -------------------------------------------------------------------- terms --
+
+Vec3 Body::acceleration(double time) const {
+  Vec3 sum{};
+  for (const auto& term : terms_) {
+    const Vec3 a = term->acceleration(time);
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += a[c];
+  }
+  return sum;
+}
+
+double Body::energy(double time) const {
+  double sum = 0;
+  for (const auto& term : terms_) sum += term->energy(time);
+  return sum;
+}
+
+double Body::potential(double time) const {
+  double sum = 0;
+  for (const auto& term : terms_) sum += term->potential(time);
+  return sum;
+}
+
+bool Body::has_loads() const {
+  return !std::ranges::all_of(terms().subspan(1),
+                              [](const auto& term) { return term->adds_no_rows(); });
+}
+
+bool Body::loads_have_tangent() const {
+  return std::ranges::all_of(terms().subspan(1),
+                             [](const auto& term) { return term->has_tangent(); });
+}
+
+double Body::settled_after() const {
+  double last = constraints_.settled_after();
+  for (const auto& term : terms_) last = std::max(last, term->settled_after());
+  return last;
+}
+
+void Body::add_tangent(const double* d, double dx, double dv, double time, double* out) const {
+  for (const auto& term : terms_)
+    if (term->has_tangent()) term->add_tangent(d, dx, dv, time, out);
+}
+
+std::vector<Vec3> Body::forces_at(std::span<const Index> vertices, double time) {
+  std::vector<Vec3> forces(vertices.size());
+  if (vertices.empty()) return forces;
+  selection_.select(vertices, attributes_.vertex_count());
+  for (const auto& term : terms_) term->add_forces_at(selection_, vertices, time, forces);
+  return forces;
+}
+
+// --------------------------------------------------------------- operations --
+
+namespace {
+
+std::vector<Index> sorted_once(std::vector<Index> vertices) {
+  std::ranges::sort(vertices);
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
+}  // namespace
+
+template <class Operate>
+TopologyChange Body::change(const ComingOperation& operation, Operate operate) {
+  for (Follower* follower : followers_) follower->before(operation);
+  TopologyChange change = operate();
+  follow(change);
+  return change;
+}
+
+/// The one place where anything follows a change.
+void Body::follow(const TopologyChange& change) {
+  for (const Split& split : change.splits[0]) user_vertex_.push_back(user_vertex_[split.old_cell]);
+  attributes_.apply(complex(), change);
+  for (const auto& term : terms_) term->follow(complex(), change);
+  constraints_.update(change, attributes_);
+  if (islands_) islands_->update(complex(), change);
+  for (Follower* follower : followers_) follower->follow(complex(), change);
+}
+
+TopologyChange Body::cut(const std::vector<Dart>& faces) {
+  std::vector<Index> vertices;
+  for (const Dart d : faces)
+    for (const auto node : suture_hexahedron_faces[d % 24 / 4])
+      vertices.push_back(complex().vertices_of(d / 24)[node]);
+  vertices = sorted_once(std::move(vertices));
+  return change({vertices, true}, [&] { return complex().cut(faces); });
+}
+
+TopologyChange Body::pierce(const std::vector<Index>& elements) {
+  std::vector<Index> vertices;
+  for (const Index e : elements)
+    vertices.insert(vertices.end(), complex().vertices_of(e).begin(),
+                    complex().vertices_of(e).end());
+  vertices = sorted_once(std::move(vertices));
+  return change({vertices, false}, [&] { return complex().pierce(elements); });
+}
+
+/// Vertices that meet take the mean of their velocities; nothing is owed to each of them.
+TopologyChange Body::sew(const std::vector<Seam>& seams) {
+  return change({{}, false}, [&] { return complex().sew(seams); });
+}
+
+const Islands& Body::islands() {
+  complex().require_beta3();
+  if (!islands_) islands_.emplace(complex());
+  return *islands_;
+}
+
+// -------------------------------------------------------------------- state --
+
+void Body::state(Archive& archive) {
+  if (archive.has_cells()) {
+    archive("complex", imported_.complex);
+    archive("user vertex", user_vertex_);
+    bool has_islands = islands_.has_value();
+    archive("has islands", has_islands);
+    if (archive.loads() && has_islands && !islands_) islands_.emplace(complex());
+    if (has_islands) archive("islands", *islands_);
+  }
+  archive("attributes", attributes_);
+  archive("constraints", constraints_);
+  archive.group("terms", [&] {
+    for (const auto& term : terms_) archive(term->name(), *term);
+  });
+}
+
+}  // namespace suture

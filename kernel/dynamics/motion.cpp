@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/dynamics/motion.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <string>
+
+#include "kernel/forces/loops/dispatch.hpp"
+
+namespace suture {
+namespace {
+
+constexpr Index pass_chunk = MotionSums::chunk;
+/// Below, one thread is as fast. A pass between two parallel loops pays early, because
+/// threads that wait through it fall asleep.
+constexpr Index parallel_vertices = 8192;
+constexpr Index sum_chunk = 4096;
+
+/// visit(first, end) for ranges of vertices that hold all.
+template <class Visit>
+void for_each_range(Index vertices, Index size, Visit visit) {
+  for (Index begin = 0; begin < vertices; begin += size)
+    visit(begin, std::min(begin + size, vertices));
+}
+
+}  // namespace
+
+Motion::Motion(Body& body, double damping) : body_(body), loops_(hot_loops()), damping_(damping) {
+  sums_.resize(body.attributes().vertex_count());
+}
+
+void Motion::start(double time) {
+  time_ = time;
+  forget_forces();
+}
+
+// ------------------------------------------------------------------- forces --
+
+void Motion::evaluate(double dt) {
+  if (evaluated_ && evaluated_dt_ == dt) return;
+  if (evaluated_) clear_forces();
+  evaluated_ = false;
+  double* rows = body_.attributes().force().rows();
+  try {
+    for (const auto& term : body_.terms())
+      term->add_forces_in_step({time_, dt, last_}, moving(), rows);
+  } catch (...) {
+    clear_forces();  // passes rely on zeros; the state before the step is whole
+    throw;
+  }
+  evaluated_ = true;
+  evaluated_dt_ = dt;
+}
+
+void Motion::clear_forces() {
+  double* rows = body_.attributes().force().rows();
+  const Index vertices = body_.attributes().vertex_count();
+  if (!frozen_) std::fill_n(rows, std::size_t{vertices} * 4, 0.0);
+  for (Index v = 0; frozen_ && v < vertices; ++v)  // what is frozen keeps its forces
+    if (awake_[v]) std::fill_n(rows + std::size_t{v} * 4, 4, 0.0);
+}
+
+void Motion::discard_forces() {
+  if (evaluated_) clear_forces();  // else they are zero already
+  evaluated_ = false;
+}
+
+void Motion::forget_forces() {
+  discard_forces();
+  ++jumps_;
+}
+
+const LiveMask& Motion::moving() const {
+  return frozen_ ? awake_ : body_.attributes().kernel(0).cells.live();
+}
+
+void Motion::freeze(std::span<const Index> vertices) {
+  Attributes& attributes = body_.attributes();
+  if (!frozen_) awake_ = attributes.kernel(0).cells.live();
+  frozen_ = true;
+  for (const Index v : vertices) {
+    awake_.kill(v, attributes.vertex_count());
+    for (int c = 0; c < 3; ++c) attributes.velocity().set(v, c, 0);
+  }
+}
+
+void Motion::thaw() {
+  if (!frozen_) return;
+  frozen_ = false;
+  body_.models().wake_all();
+  clear_forces();
+  evaluated_ = false;
+}
+
+// ------------------------------------------------------------------- passes --
+
+loops::Motion Motion::pass(std::span<const Kick> kicks) const {
+  Attributes& attributes = body_.attributes();
+  loops::Motion m{};
+  m.position = attributes.position().rows();
+  m.velocity = attributes.velocity().rows();
+  m.force = attributes.force().rows();
+  m.mass = attributes.mass().rows();
+  std::ranges::copy(body_.acceleration(time_), m.gravity);
+  m.decay[0] = m.decay[1] = 1;
+  for (std::size_t i = 0; i < kicks.size(); ++i) {
+    m.decay[i] = kicks[i].decay;
+    m.gain[i] = kicks[i].gain;
+  }
+  m.live = moving().data();
+  return m;
+}
+
+/// chunk(number, first vertex, end) for all vertices; true if each returned true.
+template <class Chunk>
+bool Motion::for_each_chunk(Chunk chunk) const {
+  const Index vertices = body_.attributes().vertex_count();
+  const std::size_t parts = (vertices + pass_chunk - 1) / pass_chunk;
+  std::atomic<bool> good{true};
+  const auto one = [&](std::size_t part) {
+    const Index first = static_cast<Index>(part) * pass_chunk;
+    if (!chunk(part, first, std::min(first + pass_chunk, vertices))) good = false;
+  };
+  if (vertices >= parallel_vertices)
+    body_.models().workers().parallel_for(parts, one);
+  else
+    for (std::size_t part = 0; part < parts; ++part) one(part);
+  return good;
+}
+
+void Motion::kick_and_drift(std::span<const Kick> kicks, double dt, double end, double unseen) {
+  loops::Motion m = pass(kicks);
+  m.drift = dt;
+  const auto run = kicks.size() == 2 ? loops_.kick_kick_drift : loops_.kick_drift;
+  const Vec3 g = body_.acceleration(time_);
+  Attributes& attributes = body_.attributes();
+  Constraints& constraints = body_.constraints();
+  evaluated_ = false;
+  const bool good = for_each_chunk([&](std::size_t part, Index first, Index last) {
+    loops::PassSums sums;
+    constraints.before_drift(attributes, g, first, last);
+    if (run(&m, first, last, &sums) != 0) return false;
+    constraints.apply(attributes, end, first, last);
+    const DrivenWork driven = constraints.after_drift(attributes, unseen, dt, first, last, sums);
+    if (unseen > 0) sums_.note_before(part, sums, {});
+    sums_.note_after(part, sums, driven);
+    return true;
+  });
+  if (!good) refuse_not_finite();
+  sums_.finish_step(last_ != 0 ? last_ : dt, dt, damping_ != 0);
+  time_ = end;
+  last_ = dt;
+  for (const auto& term : body_.terms()) term->accept();
+}
+
+void Motion::kick(const Kick& kick) {
+  loops::Motion m = pass({&kick, 1});
+  const Vec3 g = body_.acceleration(time_);
+  Attributes& attributes = body_.attributes();
+  Constraints& constraints = body_.constraints();
+  const bool good = for_each_chunk([&](std::size_t part, Index first, Index last) {
+    loops::PassSums sums;
+    constraints.before_kick(attributes, first, last);
+    if (loops_.kick(&m, first, last, &sums) != 0) return false;
+    constraints.apply(attributes, time_, first, last);
+    const DrivenWork driven = constraints.after_kick(attributes, g, last_, first, last, sums);
+    sums_.note_before(part, sums, driven);
+    return true;
+  });
+  if (!good) refuse_not_finite();
+}
+
+void Motion::refuse_not_finite() const {
+  const Attributes& attributes = body_.attributes();
+  const double* v = body_.attributes().velocity().rows();
+  Index vertex = 0;
+  const auto finite = [&](Index i) {
+    return std::isfinite(v[4 * std::size_t{i}]) && std::isfinite(v[4 * std::size_t{i} + 1]) &&
+           std::isfinite(v[4 * std::size_t{i} + 2]);
+  };
+  while (vertex + 1 < attributes.vertex_count() && finite(vertex)) ++vertex;
+  const Index element = body_.complex().dart_of(0, vertex) / 24;
+  throw NotFinite("the velocity of vertex " + std::to_string(vertex) + " is not finite",
+                  body_.user_element(element));
+}
+
+double Motion::kinetic(const Kick& kick) {
+  loops::Motion m = pass({&kick, 1});
+  double sum = 0;
+  for_each_range(body_.attributes().vertex_count(), sum_chunk, [&](Index first, Index last) {
+    sum += loops_.kinetic(&m, body_.attributes().fixed().rows(), first, last);
+  });
+  return sum;
+}
+
+double Motion::power() {
+  loops::Motion m = pass({});
+  double sum = 0;
+  for_each_range(body_.attributes().vertex_count(), pass_chunk, [&](Index first, Index last) {
+    loops::PassSums sums;
+    loops_.kick(&m, first, last, &sums);
+    sum += sums.before;
+  });
+  return sum;
+}
+
+/// By a second difference of kinetic().
+double Motion::leapfrog_part(double h, Kick at) {
+  if (h == 0) return 0;
+  Kick later = at, sooner = at;
+  later.gain += h / 2;
+  sooner.gain -= h / 2;
+  return std::max(0.0, (kinetic(later) + kinetic(sooner) - 2 * kinetic(at)) / 2);
+}
+
+Index Motion::fastest_vertex() const {
+  Attributes& attributes = body_.attributes();
+  const Index chunk = sums_.fastest_chunk(), vertices = attributes.vertex_count();
+  const Index first = chunk == none ? 0 : chunk * pass_chunk;
+  const Index last = chunk == none ? vertices : std::min(first + pass_chunk, vertices);
+  const auto energy = [&](Index v) {
+    const double* row = attributes.velocity().rows() + std::size_t{v} * 4;
+    return attributes.mass().get(v, 0) * (row[0] * row[0] + row[1] * row[1] + row[2] * row[2]);
+  };
+  Index fastest = first;
+  double most = -1;
+  for (Index v = first; v < last; ++v)
+    if (body_.complex().exists(0, v) && energy(v) > most) most = energy(fastest = v);
+  return fastest;
+}
+
+void Motion::state(Archive& archive) {
+  if (archive.loads()) {
+    forget_forces();
+    clear_forces();  // a pass that failed has left some
+  }
+  archive("time", time_);
+  archive("last step", last_);
+  archive("sums", sums_);
+  archive("body", body_);
+  if (!archive.has_cells()) return;
+  archive("damping", damping_);
+  archive("evaluated", evaluated_);
+  archive("evaluated dt", evaluated_dt_);
+  archive("jumps", jumps_);
+  archive("frozen", frozen_);
+  archive("awake", awake_);
+}
+
+}  // namespace suture

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernel/attributes/attributes.hpp"
+#include "kernel/forces/force_term.hpp"
+#include "kernel/forces/time_ramp.hpp"
+
+namespace suture {
+
+/// Forces whose direction and amount stay. Every load is kept per corner of an element,
+/// which no cut changes: a vertex receives what the corners of its elements
+/// carry, so the parts of a split vertex share its load in proportion to their
+/// volumes and the total stays; vertices that are sewn add up. What a removed element
+/// carried is gone with it. A traction on a face that is sewn ends there,
+/// for good: a cut that opens the face again makes another surface.
+class DeadLoads final : public ForceTerm {
+ public:
+  explicit DeadLoads(Attributes& attributes) : attributes_(attributes) {}
+
+  /// `total` newtons on `vertices`: shared in proportion to the boundary area
+  /// around each (faces all of whose vertices are in the set), or equally if the
+  /// set holds a vertex without such a face. Throws InputError for no vertices.
+  void add_force(const CellComplex& complex, std::span<const Index> vertices, const Vec3& total,
+                 const TimeRamp& ramp);
+
+  /// Force per rest area (Pa) on faces. `faces`: any dart of each, on the side of the element
+  /// that carries it. Throws InputError for no faces.
+  void add_traction(const CellComplex& complex, std::span<const Dart> faces, const Vec3& traction,
+                    const TimeRamp& ramp);
+
+  const char* name() const override { return "loads"; }
+  /// O(loaded vertices).
+  void add_forces(double time, const LiveMask& live, double* rows) override;
+  void add_forces_in_step(const StepTimes& step, const LiveMask& live, double* rows) override;
+  /// O(selected log loaded).
+  void add_forces_at(const VertexSelection& selection, std::span<const Index> vertices, double time,
+                     std::vector<Vec3>& forces) override;
+  bool adds_no_rows() const override { return loads_.empty(); }
+  /// - sum f . (x - X) over the corners, J.
+  double potential(double time) override;
+  double work() const override { return work_; }
+  void forget_last() override { booked_.clear(); }
+  void restart() override;
+  /// Corners have other vertices. O(corners loaded).
+  void follow(const CellComplex& complex, const TopologyChange& change) override;
+  void state(Archive& archive) override;
+  double settled_after() const override;
+
+ private:
+  struct Corner {
+    Index element;
+    std::uint32_t node;
+    Vec3 force;
+    Dart face = none;  ///< whose boundary carries it, if it is on one
+  };
+  struct Nodal {
+    Index vertex;
+    Vec3 force;
+    double at_rest;  ///< sum of f . X
+  };
+  struct Load {
+    std::vector<Corner> corners;
+    std::vector<Nodal> nodal;  ///< the same, summed per vertex as they are now
+    TimeRamp ramp;
+  };
+  struct Booked {
+    double value, ramp;  ///< sum f . (x - X), and the ramp
+  };
+
+  void add_at_vertex(Load& load, const RestPlaces& rest, Index vertex, const Vec3& force) const;
+  static void sum_corners(Load& load, const RestPlaces& rest);
+  double value(const Load& load) const;
+
+  Attributes& attributes_;
+  std::vector<Load> loads_;
+  double work_ = 0;
+  std::vector<Booked> booked_;  ///< by load, at the last step; empty before the first
+};
+
+}  // namespace suture

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What ForceLoop is made of: for its own sources only. force_loop.cpp runs over all cells,
+// force_loop_local.cpp over those around some vertices.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <deque>
+#include <limits>
+
+#include "kernel/forces/compiled_functor.hpp"
+#include "kernel/forces/force_loop.hpp"
+#include "kernel/forces/local_rows.hpp"
+#include "kernel/forces/loops/dispatch.hpp"
+#include "kernel/forces/worker_memory.hpp"
+
+namespace suture {
+
+inline constexpr Index lanes = SUTURE_LANES;
+
+/// Nodes gathered below which one thread is faster than waking others: about
+/// 0.1 ms of work against some microseconds per colour.
+inline constexpr std::size_t parallel_nodes = 32768;
+
+/// A direction of dx and dv: a row of 3 per vertex, times a factor each.
+template <class Real>
+struct Direction {
+  const Real* rows;
+  double dx, dv;
+};
+
+struct ForceLoop::Impl {
+  Impl(Attributes& a, const CellComplex& c, unsigned wanted)
+      : attributes(a), complex(&c), loops(hot_loops()), threads(wanted) {
+    workers.resize(threads.threads());
+    for (auto& instance : attributes.instances()) {
+      instance->set_workers(threads.threads());
+      add(*instance);
+    }
+  }
+
+  void add(Instance& instance) {
+    std::array<RowNodes*, 4> nodes{};
+    const suture_model& model = instance.model();
+    for (std::size_t i = 0; i < model.functor_count; ++i) {
+      const suture_functor& functor = model.functors[i];
+      const auto dimension = functor.dimension;
+      const bool has_rows = (dimension == 1 || dimension == 2) && instance.functor(i).runs;
+      if (has_rows && !nodes[dimension]) {
+        row_nodes.emplace_back(instance, static_cast<int>(dimension),
+                               attributes.rest_places(*complex));
+        nodes[dimension] = &row_nodes.back();
+      }
+      functors.emplace_back(instance, functor, dimension < 3 ? nodes[dimension] : nullptr);
+      functors.back().build(*complex);
+    }
+  }
+
+  bool pays(const CompiledFunctor& functor) const {
+    const std::size_t nodes = std::size_t{2} << (functor.functor().dimension - 1);
+    const bool large = functor.list().cell_count() * nodes >= parallel_nodes;
+    return threads.threads() > 1 && (large || !functor.instance().skips());
+  }
+
+  /// chunk(worker, ranges, chunk number) for all chunks, in the order of the list.
+  template <class Chunk>
+  void run(Index number, double time, double dt, Chunk chunk) {
+    run(number, functors[number].cells().live(), time, dt, attributes.force().rows(), chunk);
+  }
+  template <class Chunk>
+  void run(Index number, const LiveMask& live, double time, double dt, double* rows, Chunk chunk) {
+    CompiledFunctor& functor = functors[number];
+    const loops::Job& job = functor.job(attributes, *complex, live, time, dt, rows);
+    const BatchList& list = functor.list();
+    const auto one = [&](std::size_t i, unsigned w) {
+      const auto c = static_cast<Index>(i);
+      const auto worker = workers[w].prepare(job, functor.instance().context(w), number);
+      chunk(job, worker, list.ranges(c), c);
+    };
+    if (pays(functor))
+      threads.in_order(list.order(), one);
+    else
+      for (Index c = 0; c < list.chunk_count(); ++c) one(c, 0);
+  }
+
+  /// visit(batch, rows of its lanes) for every batch of some ranges.
+  template <class Visit>
+  void for_each_batch(const loops::Job& job, const loops::Worker& worker,
+                      std::span<const loops::Range> ranges, Visit visit) const {
+    for (const loops::Range& range : ranges)
+      for (Index row = range.begin; row < range.end;) {
+        const Index here = std::min(range.end - row, lanes - row % lanes);
+        const loops::BatchRows rows = loops::live_rows(job.live, row, here);
+        row += here;
+        if (rows.valid != 0) visit_batch(job, worker, rows, visit);
+      }
+  }
+  template <class Visit>
+  void visit_batch(const loops::Job& job, const loops::Worker& worker, const loops::BatchRows& rows,
+                   const Visit& visit) const {
+    loops::Buffers buffers;
+    suture_batch batch;
+    loops.gather(&job, &worker, &rows, &buffers, &batch);
+    const suture_status status = visit(batch, rows);
+    if (status != SUTURE_OK) worker.failed(worker.data, status, &batch);
+  }
+  /// The same for batches that local_rows.hpp found.
+  template <class Visit>
+  void for_each_local(Index number, double time, std::span<const loops::BatchRows> batches,
+                      Visit visit) {
+    CompiledFunctor& functor = functors[number];
+    const loops::Job& job =
+        functor.job(attributes, *complex, functor.cells().live(), time, 0, nullptr);
+    const auto worker = workers[0].prepare(job, functor.instance().context(0), number);
+    const auto one = [&](suture_batch& batch, const loops::BatchRows& rows) {
+      return visit(job, worker, batch, rows);
+    };
+    for (const loops::BatchRows& rows : batches) visit_batch(job, worker, rows, one);
+  }
+
+  void raise_failures(double time) {
+    Failure first;
+    for (WorkerMemory& worker : workers) {
+      first.merge(worker.failure);
+      worker.failure.clear();
+    }
+    if (!first.any()) return;
+    const CompiledFunctor& functor = functors[first.functor()];
+    constexpr const char* words[4] = {"vertex", "edge", "face", "element"};
+    first.raise(functor.title(), words[functor.functor().dimension], time);
+  }
+
+  void book_fed(double last_dt, const double* force);
+  void follow_still(const TopologyChange& change);
+  Index skip_still();
+  const LiveMask& awake(const CompiledFunctor& functor) const;
+  void sleep(Instance& instance, std::array<LiveMask, 4>& awake, std::span<const Index> elements);
+
+  double energy_of(Index number, double time);
+  bool add_field(Index number, std::string_view field, double time, std::span<double> values);
+  template <class Real>
+  void add_tangent(Index number, const Direction<Real>& d, double time, Real* out);
+  template <class Real>
+  void add_tangent(const Direction<Real>& d, double time, Real* out);
+
+  Attributes& attributes;
+  const CellComplex* complex;
+  const loops::Table& loops;
+  Workers threads;
+  std::vector<WorkerMemory> workers;
+  std::deque<RowNodes> row_nodes;
+  std::deque<CompiledFunctor> functors;
+  LocalRows local;
+  /// Rows that are neither dead nor asleep, per instance; empty if none sleeps.
+  std::vector<std::array<LiveMask, 4>> awake_rows;
+  bool operated = false;    ///< follow() was called
+  std::vector<bool> still;  ///< vertices held where they are at rest; empty: nothing is left out
+  // Work of functors without an energy beside others with one, and their forces at the last
+  // evaluation, rows of 4.
+  double fed = 0;
+  std::vector<double> fed_force;
+  bool fed_is_booked = false;
+};
+
+}  // namespace suture

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "kernel/attributes/attributes.hpp"
+#include "kernel/forces/force_term.hpp"
+#include "kernel/forces/time_ramp.hpp"
+
+namespace suture {
+
+/// f = m g ramp(t). It is added where velocities are made, and costs no pass of its own, but for
+/// its work: one per look, and per step while the ramp lasts.
+class Gravity final : public ForceTerm {
+ public:
+  /// `value` in m/s^2.
+  Gravity(Attributes& attributes, const Vec3& value, const TimeRamp& ramp)
+      : attributes_(attributes), value_(value), ramp_(ramp) {}
+
+  const char* name() const override { return "gravity"; }
+  void add_forces(double, const LiveMask&, double*) override {}
+  void add_forces_in_step(const StepTimes& step, const LiveMask& live, double* rows) override;
+  void add_forces_at(const VertexSelection&, std::span<const Index>, double,
+                     std::vector<Vec3>&) override {}
+  bool adds_no_rows() const override { return true; }
+  Vec3 acceleration(double time) const override;
+  double potential(double time) override;
+  double work() const override { return work_; }
+  void book(double time) override;
+  void forget_last() override { is_booked_ = false; }
+  void restart() override;
+  void state(Archive& archive) override;
+  double settled_after() const override { return ramp_.to; }
+
+ private:
+  Attributes& attributes_;
+  Vec3 value_;
+  TimeRamp ramp_;
+  double work_ = 0;
+  // sum m g . x and the ramp when the work was booked last.
+  double moment_ = 0, last_ramp_ = 0;
+  bool is_booked_ = false;
+};
+
+}  // namespace suture

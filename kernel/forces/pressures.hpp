@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "kernel/forces/force_term.hpp"
+#include "kernel/forces/quad.hpp"
+#include "kernel/forces/time_ramp.hpp"
+
+namespace suture {
+
+/// Pressures on faces, normal to them as they deform.
+///   f_a = p  integral of N_a  dx/dr x dx/ds  dr ds,   2 x 2 points: exact
+/// What was on a removed element is gone; a face that is sewn carries none any more, for good.
+class Pressures final : public ForceTerm {
+ public:
+  explicit Pressures(Attributes& attributes) : attributes_(attributes) {}
+
+  /// Pa, positive inward. `faces`: any dart of each, on the side of the element that carries it.
+  /// Throws InputError for no faces.
+  void add(const CellComplex& complex, std::span<const Dart> faces, double pressure,
+           const TimeRamp& ramp);
+
+  const char* name() const override { return "pressure"; }
+  /// O(faces).
+  void add_forces(double time, const LiveMask& live, double* rows) override;
+  void add_forces_in_step(const StepTimes& step, const LiveMask& live, double* rows) override;
+  void add_forces_at(const VertexSelection& selection, std::span<const Index> vertices, double time,
+                     std::vector<Vec3>& forces) override;
+  bool adds_no_rows() const override { return loads_.empty(); }
+  bool has_tangent() const override { return loads_.empty(); }
+  double work() const override { return work_; }
+  void forget_last() override;
+  void restart() override;
+  void follow(const CellComplex& complex, const TopologyChange& change) override;
+  void state(Archive& archive) override;
+  double settled_after() const override;
+
+ private:
+  using Corners = std::array<Index, 4>;
+  struct Booked {
+    Quad position, force;
+  };
+  struct Load {
+    double pressure;
+    std::vector<Dart> faces;
+    std::vector<Corners> nodes;  ///< as they are now
+    TimeRamp ramp;
+    std::vector<Booked> booked;  ///< by face, at the last step
+  };
+  /// visit(face number, corner forces) for each face.
+  template <class Visit>
+  void for_each_face(const Load& load, double time, Visit visit) const;
+  template <class OnFace>
+  void add(double time, const LiveMask& live, double* rows, OnFace on_face);
+  Quad corners_of(const Corners& nodes) const;
+
+  Attributes& attributes_;
+  std::vector<Load> loads_;
+  double work_ = 0;
+  bool is_booked_ = false;
+};
+
+}  // namespace suture

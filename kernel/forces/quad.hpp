@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "kernel/attributes/attributes.hpp"
+#include "kernel/base/vec3.hpp"
+
+// Faces under a load: bilinear, four corners.
+
+namespace suture {
+
+using Quad = std::array<Vec3, 4>;
+
+/// Vertices of the face of a dart, counter-clockwise seen from inside: the normal
+/// dx/dr x dx/ds points inward.
+inline std::array<Index, 4> face_nodes(const CellComplex& complex, Dart face) {
+  const Hexahedron& x = complex.vertices_of(face / 24);
+  const auto& local = suture_hexahedron_faces[face % 24 / 4];
+  return {x[local[0]], x[local[1]], x[local[2]], x[local[3]]};
+}
+
+/// The face is still there and on the boundary.
+inline bool is_open(const CellComplex& complex, Dart face) {
+  return complex.exists(3, face / 24) && complex.beta3(face) == none;
+}
+
+/// visit(shape functions N_0..N_3, dx/dr x dx/ds) at the 2 x 2 Gauss points of a
+/// bilinear face on the unit square, nodes (0,0) (1,0) (1,1) (0,1); weights 1/4.
+template <class Visit>
+void for_each_point(const Quad& x, Visit visit) {
+  const double low = 0.5 - 0.5 / std::sqrt(3.0), points[2] = {low, 1 - low};
+  for (const double r : points)
+    for (const double s : points) {
+      const std::array<double, 4> n{(1 - r) * (1 - s), r * (1 - s), r * s, (1 - r) * s};
+      Vec3 along_r, along_s;
+      for (std::size_t c = 0; c < 3; ++c) {
+        along_r[c] = (1 - s) * (x[1][c] - x[0][c]) + s * (x[2][c] - x[3][c]);
+        along_s[c] = (1 - r) * (x[3][c] - x[0][c]) + r * (x[2][c] - x[1][c]);
+      }
+      visit(n, cross(along_r, along_s));
+    }
+}
+
+/// rows[vertex] += s force, if it lives.
+inline void add_row(double* rows, const LiveMask& live, Index vertex, double s, const Vec3& force) {
+  for (std::size_t c = 0; c < 3 && live[vertex]; ++c)
+    rows[std::size_t{vertex} * 4 + c] += s * force[c];
+}
+
+}  // namespace suture

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/run/checkpoints.hpp"
+
+#include <cmath>
+
+#include "kernel/base/checksum.hpp"
+#include "kernel/base/error.hpp"
+
+namespace suture {
+namespace {
+
+/// Of the elements and where they are at rest.
+std::string hash_of(const Body& body) {
+  Checksum sum;
+  const auto elements = body.complex().vertices();
+  sum.add(std::as_bytes(std::span(elements)));
+  const Column& rest = const_cast<Attributes&>(body.attributes()).rest();
+  sum.add(std::as_bytes(std::span(rest.rows(), std::size_t{rest.size()} * 4)));
+  return sum.text();
+}
+
+CheckpointHeader header_of(const BuiltScene& built, const PluginHost& host) {
+  const Scene& scene = built.scene();
+  CheckpointHeader header;
+  header.program = "suture " SUTURE_VERSION;
+  header.isa = built.body().models().isa();
+  header.scene_text = scene.source.text;
+  header.scene_file = scene.source.file.string();
+  header.working_folder = scene.source.working_folder.string();
+  header.scene_hash = scene.hash;
+  header.mesh_source = built.mesh_source();
+  header.mesh_hash = hash_of(built.body());
+  for (const ModelUse& use : scene.models) {
+    const suture_plugin& plugin = host.plugin_of(*use.model);
+    header.plugins.push_back({plugin.id, plugin.version, host.file_of(*use.model).string()});
+  }
+  return header;
+}
+
+}  // namespace
+
+Checkpoints::Checkpoints(BuiltScene& built, const PluginHost& host)
+    : built_(built), options_(built.scene().checkpoint) {
+  if (!options_.enabled) return;
+  header_ = header_of(built, host);
+  writing_.directory = built.scene().output.directory;
+  writing_.keep = options_.keep;
+}
+
+bool Checkpoints::is_due(const Clock& clock) const {
+  if (!options_.enabled || clock.step() == last_step_) return false;
+  if (options_.every_steps > 0) return clock.step() % options_.every_steps == 0;
+  if (options_.every > 0)
+    return std::floor(clock.time() / options_.every) > std::floor(last_time_ / options_.every);
+  const std::chrono::duration<double> since = Wall::now() - written_;
+  return options_.minutes > 0 && since.count() >= 60 * options_.minutes;
+}
+
+void Checkpoints::write(const Clock& clock, StateTree&& state) {
+  if (!writer_) writer_ = std::make_unique<CheckpointWriter>(writing_);
+  header_.step = clock.step();
+  header_.time = clock.time();
+  writer_->submit(header_, std::move(state));
+  last_step_ = clock.step();
+  last_time_ = clock.time();
+  written_ = Wall::now();
+}
+
+void Checkpoints::finish() {
+  if (writer_) writer_->finish();
+}
+
+std::string Checkpoints::newest() const { return writer_ ? writer_->newest().string() : ""; }
+
+void Checkpoints::check(const CheckpointHeader& header, const std::filesystem::path& file) const {
+  const auto refuse = [&](const std::string& why) {
+    throw InputError(file.string() + ": " + why);
+  };
+  if (header.program != header_.program)
+    refuse("it was written by " + header.program + ", and this is " + header_.program +
+           ": resume it with that version");
+  if (header.mesh_hash != header_.mesh_hash)
+    refuse("it was written for another mesh: " + built_.mesh_source() +
+           " has changed since, restore it");
+  for (std::size_t i = 0; i < header.plugins.size() && i < header_.plugins.size(); ++i) {
+    const CheckpointHeader::Plugin &then = header.plugins[i], &now = header_.plugins[i];
+    if (then.id != now.id || then.version != now.version)
+      refuse("it was written with the plugin " + then.id + ' ' + then.version + ", and here is " +
+             now.id + ' ' + now.version + " (" + now.file + "): restore that version");
+  }
+}
+
+void Checkpoints::load(const std::filesystem::path& file, const std::function<void()>& load) {
+  try {
+    load();
+  } catch (const InputError& error) {
+    throw InputError(file.string() + ": " + error.what());
+  }
+}
+
+void Checkpoints::go_on(const CheckpointHeader& header, const std::filesystem::path& file,
+                        const Clock& clock) {
+  writing_.resumed_from = file;
+  writing_.resumed_number = header.number;
+  last_step_ = clock.step();
+  last_time_ = clock.time();
+}
+
+}  // namespace suture

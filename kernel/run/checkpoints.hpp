@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "kernel/dynamics/clock.hpp"
+#include "kernel/output/checkpoint_writer.hpp"
+#include "kernel/plugin_host/plugin_host.hpp"
+#include "kernel/scene/built_scene.hpp"
+
+namespace suture {
+
+/// Says when a checkpoint is due and writes it. Costs nothing where the scene asks for none.
+class Checkpoints {
+ public:
+  Checkpoints(BuiltScene& built, const PluginHost& host);
+
+  /// Between two steps, once per step.
+  bool is_due(const Clock& clock) const;
+  bool are_written() const { return options_.enabled; }
+  /// Takes the state now, and writes it on another thread. Throws IoError of the one before.
+  template <class Run>
+  void write(const Clock& clock, Run& run) {
+    StateTree tree;
+    save_state(tree, run);
+    write(clock, std::move(tree));
+  }
+  void finish();
+  /// The newest that is whole, or "".
+  std::string newest() const;
+
+  /// Goes on from a checkpoint: its state into `run`, which is as the scene builds it. Throws
+  /// InputError for one of another mesh, model or format.
+  template <class Run>
+  void resume(const Checkpoint& checkpoint, const std::filesystem::path& file, const Clock& clock,
+              Run& run) {
+    check(checkpoint.header, file);
+    load(file, [&] { load_state(checkpoint.state, run); });
+    go_on(checkpoint.header, file, clock);
+  }
+
+ private:
+  using Wall = std::chrono::steady_clock;
+  void write(const Clock& clock, StateTree&& state);
+  void check(const CheckpointHeader& header, const std::filesystem::path& file) const;
+  static void load(const std::filesystem::path& file, const std::function<void()>& load);
+  void go_on(const CheckpointHeader& header, const std::filesystem::path& file,
+             const Clock& clock);
+
+  BuiltScene& built_;
+  CheckpointOptions options_;
+  CheckpointHeader header_;
+  CheckpointWriterOptions writing_;
+  std::unique_ptr<CheckpointWriter> writer_;
+  std::uint64_t last_step_ = 0;
+  double last_time_ = 0;
+  Wall::time_point written_ = Wall::now();
+};
+
+}  // namespace suture

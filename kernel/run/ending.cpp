@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/run/ending.hpp"
+
+#include <sstream>
+
+#include "kernel/base/error.hpp"
+#include "kernel/run/free_bodies.hpp"
+
+namespace suture {
+namespace {
+
+constexpr std::uint64_t rest_step_limit = 10'000'000;
+
+}  // namespace
+
+Ending::Ending(BuiltScene& built, const EventSchedule& schedule, StepControl& control,
+               Recorder& recorder, Diagnostics& diagnostics)
+    : built_(built),
+      scene_(built.scene()),
+      control_(control),
+      diagnostics_(diagnostics),
+      stability_(scene_, built, recorder, diagnostics) {
+  built.body().add_follower(*this);
+  if (!scene_.solver.until_rest) return;
+  rest_.emplace(scene_.solver.tolerance, scene_.solver.automatic_damping);
+  rest_->wait_until(schedule.settled_after());
+}
+
+std::optional<RunSummary::Outcome> Ending::look(const StepControl::Notify& notify) {
+  const Clock& clock = control_.clock();
+  if (clock.finished()) {
+    if (!control_.ends_well(notify)) return std::nullopt;
+    if (rest_) warn_of_motion();
+    return Outcome::finished;
+  }
+  if (rest_ && clock.step() > 0)
+    if (const auto outcome = look_at_rest(notify)) return outcome;
+  const std::uint64_t limit = scene_.solver.max_steps ? scene_.solver.max_steps
+                              : rest_                 ? rest_step_limit
+                                                      : 0;
+  if (limit != 0 && clock.step() >= limit) refuse_more_steps(limit);
+  return std::nullopt;
+}
+
+void Ending::warn_of_motion() {
+  std::ostringstream text;
+  text << "not at rest at /solver/end, t = " << control_.clock().time() << " s: the residual is "
+       << rest_->residual() << ", asked for " << rest_->tolerance();
+  diagnostics_.warn(text.str());
+}
+
+/// An event may have cut a piece off that now falls for ever.
+void Ending::require_no_falling_body() {
+  cells_changed_ = false;
+  const std::string body = falling_body(scene_, built_);
+  if (!body.empty())
+    throw NumericalError("no rest: " + body +
+                         "; remove it (remove_islands), hold it, or give /solver/end");
+}
+
+std::optional<RunSummary::Outcome> Ending::look_at_rest(const StepControl::Notify& notify) {
+  if (cells_changed_ && !scene_.solver.end) require_no_falling_body();
+  bool rests = false;
+  if (!control_.tries([&] { rests = rest_->at_rest(built_.dynamics()); }, notify))
+    return std::nullopt;
+  if (rests) {
+    if (!control_.ends_well(notify)) return std::nullopt;
+    if (rest_->limited_by_rounding()) diagnostics_.warn(rest_->explanation(built_.dynamics()));
+    return examine(notify);
+  }
+  if (rest_->stagnates() && !scene_.solver.end)
+    throw NumericalError(rest_->explanation(built_.dynamics()));
+  return std::nullopt;
+}
+
+/// None after a kick.
+std::optional<RunSummary::Outcome> Ending::examine(const StepControl::Notify& notify) {
+  const Clock& clock = control_.clock();
+  const auto verdict = stability_.examine(*rest_, clock.step(), clock.time(),
+                                          built_.body().acceleration(clock.time()));
+  if (verdict == Stability::Verdict::kicked) {
+    control_.commit();
+    rest_->restart();
+    return std::nullopt;
+  }
+  if (verdict == Stability::Verdict::stable) notify(stability_.text());
+  return verdict == Stability::Verdict::unstable ? Outcome::unstable_equilibrium
+                                                 : Outcome::at_rest;
+}
+
+void Ending::refuse_more_steps(std::uint64_t limit) const {
+  std::ostringstream text;
+  if (rest_)
+    text << "not at rest after " << limit << " steps: the residual is " << rest_->residual()
+         << ", asked for " << rest_->tolerance()
+         << "; raise /solver/max_steps or /solver/tolerance, or damp more";
+  else
+    text << "t = " << control_.clock().time() << " s after " << limit
+         << " steps, and /solver/end is " << *scene_.solver.end
+         << " s; raise /solver/max_steps or dt";
+  throw NumericalError(text.str());
+}
+
+void Ending::state(Archive& archive) {
+  archive("stability", stability_);
+  archive("cells changed", cells_changed_);
+  if (rest_) archive("rest", *rest_);
+}
+
+}  // namespace suture

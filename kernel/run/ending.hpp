@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+
+#include "kernel/dynamics/rest_search.hpp"
+#include "kernel/run/simulation.hpp"
+#include "kernel/run/stability.hpp"
+#include "kernel/run/step_control.hpp"
+
+namespace suture {
+
+/// Says when a run is over, and how: at its end time, at rest, or because it cannot come to
+/// either.
+class Ending : private Follower {
+ public:
+  Ending(BuiltScene& built, const EventSchedule& schedule, StepControl& control,
+         Recorder& recorder, Diagnostics& diagnostics);
+
+  /// After a step and what was due: how the run ended, or none. Throws NumericalError for a body
+  /// that never comes to rest, and at the limit of steps. May go back to an earlier step.
+  std::optional<RunSummary::Outcome> look(const StepControl::Notify& notify);
+
+  /// The search for rest of a run that ends there.
+  RestSearch* rest() { return rest_ ? &*rest_ : nullptr; }
+  std::optional<double> lowest_eigenvalue() const { return stability_.lowest_eigenvalue(); }
+  void state(Archive& archive);
+
+ private:
+  using Outcome = RunSummary::Outcome;
+  void follow(const CellComplex&, const TopologyChange&) override { cells_changed_ = true; }
+  void require_no_falling_body();
+  std::optional<Outcome> look_at_rest(const StepControl::Notify& notify);
+  std::optional<Outcome> examine(const StepControl::Notify& notify);
+  void warn_of_motion();
+  [[noreturn]] void refuse_more_steps(std::uint64_t limit) const;
+
+  BuiltScene& built_;
+  const Scene& scene_;
+  StepControl& control_;
+  Diagnostics& diagnostics_;
+  Stability stability_;
+  std::optional<RestSearch> rest_;
+  bool cells_changed_ = false;  // since the last look for falling pieces
+};
+
+}  // namespace suture

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "kernel/run/run_loop.hpp"
+
+namespace suture {
+namespace {
+
+using Wall = std::chrono::steady_clock;
+
+double seconds_since(Wall::time_point start) {
+  return std::chrono::duration<double>(Wall::now() - start).count();
+}
+
+/// Frames that are in memory at once: one is filled, one written, two wait.
+constexpr double frames_alive = 4;
+/// What the writer takes when it is at work (VTK's objects, its thread), measured.
+constexpr double writer_bytes = 3e6;
+
+std::uint64_t frames_until(const Scene& scene, double end, std::uint64_t steps) {
+  const OutputOptions& output = scene.output;
+  if (output.every_steps > 0) return 1 + steps / output.every_steps;
+  return output.every > 0 ? 1 + static_cast<std::uint64_t>(std::ceil(end / output.every - 1e-9))
+                          : 2;
+}
+
+/// Steps until rest from those made: the residual falls by a factor per step.
+std::uint64_t steps_to_rest(RunLoop& run, double budget) {
+  const Clock& clock = run.control().clock();
+  RestSearch* rest = run.ending().rest();
+  const Wall::time_point start = Wall::now();
+  std::uint64_t middle_step = 0;
+  double middle_residual = 0;
+  while (seconds_since(start) < budget && run.tries_step()) {
+    if (rest->at_rest(run.built().dynamics())) return clock.step();
+    if (middle_step == 0 && seconds_since(start) > budget / 2) {
+      middle_step = clock.step();
+      middle_residual = rest->residual();
+    }
+  }
+  const auto steps = static_cast<double>(clock.step() - middle_step);
+  const double rate = std::log(middle_residual / rest->residual()) / steps;
+  if (middle_step == 0 || !(rate > 0)) return 0;
+  const double left = std::log(rest->residual() / rest->tolerance()) / rate;
+  return clock.step() + static_cast<std::uint64_t>(std::max(left, 0.0));
+}
+
+}  // namespace
+
+Estimate Simulation::estimate() {
+  RunLoop& run = *run_;
+  const Clock& clock = run.control().clock();
+  const Scene& scene = run.built().scene();
+  Estimate estimate;
+  run.control().watch().search(0);
+  estimate.stable_dt = run.control().watch().stable();
+  estimate.dt = run.control().next_dt();
+  const auto bytes = static_cast<double>(run.recorder().rehearse(0, run.records().gravity()));
+  Wall::time_point start = Wall::now();
+  run.recorder().rehearse(0, run.records().gravity());  // the first one loaded the writer
+  const double frame_seconds = seconds_since(start);
+  start = Wall::now();
+  const double end = scene.solver.end.value_or(0);
+  if (run.ending().rest()) {
+    estimate.steps = steps_to_rest(run, 1.0);
+  } else {
+    while (seconds_since(start) < 0.2 && !clock.finished() && run.tries_step()) continue;
+    estimate.steps = static_cast<std::uint64_t>(std::ceil(end / estimate.dt - 1e-9));
+  }
+  estimate.seconds_per_step = seconds_since(start) / static_cast<double>(clock.step());
+  if (run.recorder().writes_frames() && estimate.steps > 0) {
+    const double last = run.ending().rest() ? static_cast<double>(estimate.steps) * estimate.dt : end;
+    estimate.frames = frames_until(scene, last, estimate.steps);
+  }
+  estimate.seconds = static_cast<double>(estimate.steps) * estimate.seconds_per_step +
+                     static_cast<double>(estimate.frames) * frame_seconds;
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  estimate.bytes = 1024.0 * static_cast<double>(usage.ru_maxrss);
+  if (bytes > 0) estimate.bytes += writer_bytes + (frames_alive - 1) * bytes;
+  return estimate;
+}
+
+}  // namespace suture

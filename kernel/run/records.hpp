@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+
+#include "kernel/dynamics/clock.hpp"
+#include "kernel/run/recorder.hpp"
+
+namespace suture {
+
+/// Which frames and rows are due when, each once.
+class Records {
+ public:
+  Records(BuiltScene& built, Recorder& recorder, const Clock& clock)
+      : built_(built), recorder_(recorder), clock_(clock) {}
+
+  /// m/s^2, now.
+  Vec3 gravity() const { return built_.body().acceleration(clock_.time()); }
+  /// Records what is due at the present step, unless that was done. `last_dt`: of the step before.
+  bool are_done() const { return recorded_ == clock_.step(); }
+  void record(double last_dt);
+  /// The last frame and rows of a run; waits until all is on disk.
+  void finish(double last_dt);
+  /// The present step is an earlier one; it was recorded before it was kept.
+  void go_back();
+  void state(Archive& archive);
+
+ private:
+  bool frame_is_due() const;
+  void write_frame();
+  void record_tables(double last_dt, bool last);
+
+  BuiltScene& built_;
+  Recorder& recorder_;
+  const Clock& clock_;
+  static constexpr std::uint64_t never = ~std::uint64_t{0};
+  std::uint64_t recorded_ = never, last_frame_ = never, last_energies_ = never,
+                last_probes_ = never;  ///< steps
+};
+
+}  // namespace suture

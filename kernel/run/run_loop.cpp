@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/run/run_loop.hpp"
+
+#include <cmath>
+#include <sstream>
+
+#include "kernel/base/error.hpp"
+#include "kernel/base/heap.hpp"
+#include "kernel/run/free_bodies.hpp"
+#include "kernel/run/hourglass_watch.hpp"
+
+namespace suture {
+namespace {
+
+using Wall = std::chrono::steady_clock;
+
+double seconds_since(Wall::time_point start) {
+  return std::chrono::duration<double>(Wall::now() - start).count();
+}
+
+/// Times that an automatic dt must hit.
+std::vector<double> stops_of(const Scene& scene) {
+  std::vector<double> stops{scene.gravity_ramp.from, scene.gravity_ramp.to};
+  for (const Event& event : scene.events) {
+    for (const double time : {event.start(), event.finish()})
+      if (std::isfinite(time)) stops.push_back(time);
+  }
+  const auto add = [&](const TimeRamp& ramp) { stops.insert(stops.end(), {ramp.from, ramp.to}); };
+  for (const Constraint& constraint : scene.constraints) add(constraint.ramp);
+  for (const Load& load : scene.loads) add(load.ramp);
+  return stops;
+}
+
+Clock clock_of(const Scene& scene) {
+  return {scene.solver.dt, stops_of(scene), scene.output.enabled ? scene.output.every : 0,
+          scene.solver.end};
+}
+
+std::string provenance_of(const Scene& scene, PluginHost& host, const BuiltScene& built) {
+  std::ostringstream text;
+  text << "suture " SUTURE_VERSION "; scene " << scene.file.filename().string() << ' ' << scene.hash
+       << "; mesh " << built.mesh_source() << ';';
+  for (const ModelUse& use : scene.models) {
+    const suture_plugin& plugin = host.plugin_of(*use.model);
+    text << ' ' << use.model->id << " (" << plugin.id << ' ' << plugin.version << ", "
+         << host.file_of(*use.model).filename().string() << ");";
+  }
+  text << ' ' << built.body().models().isa();
+  return text.str();
+}
+
+StepControl::Notify notify_to(Observer& observer) {
+  return [&](const std::string& text) { observer.on_message(text); };
+}
+
+}  // namespace
+
+RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip)
+    : diagnostics_(diagnostics),
+      built_(scene, diagnostics, skip),
+      recorder_(scene_, built_, provenance_of(scene, host, built_)),
+      schedule_(scene_.events, built_),
+      events_(scene_, built_, diagnostics),
+      control_(scene_, built_, recorder_, schedule_, events_, clock_of(scene), diagnostics),
+      records_(built_, recorder_, clock_),
+      sleeper_(scene.solver, built_),
+      ending_(built_, schedule_, control_, recorder_, diagnostics),
+      checkpoints_(built_, host) {
+  Decision still = decide_still_cells(scene_, built_, recorder_);
+  decisions_ = decide(scene_, host, built_, recorder_);
+  decisions_.push_back(std::move(still));
+  decisions_.push_back(decide_neighbours(scene_, built_, recorder_));
+  built_.dynamics().start();
+  if (ending_.rest()) look_for_free_bodies(scene_, built_, diagnostics);
+  control_.start();
+  trim_heap();  // of the search
+}
+
+// ------------------------------------------------------------------- events --
+
+void RunLoop::fire_events(Observer& observer) {
+  for (const std::size_t i : schedule_.due(clock_)) {
+    try {
+      tell(events_.fire(i, clock_.time()), observer);
+    } catch (const NumericalError& error) {
+      std::ostringstream when;
+      when << "t = " << clock_.time() << " s: ";
+      const std::string text = error.what();
+      throw NumericalError(text.starts_with("t = ") ? text : when.str() + text);
+    }
+  }
+}
+
+/// The cells are others: so are the islands and the stable step.
+void RunLoop::tell(const EventOutcome& outcome, Observer& observer) {
+  if (!outcome.changed()) return;
+  summary_.faces_cut += outcome.faces_cut;
+  summary_.faces_torn += outcome.faces_torn;
+  summary_.faces_sewn += outcome.faces_sewn;
+  summary_.elements_removed += outcome.elements_removed;
+  control_.after_event();
+  const Index islands = built_.body().islands().existing();
+  std::ostringstream text;
+  text << "t = " << clock_.time() << " s: " << outcome.text() << ", " << islands
+       << (islands == 1 ? " island" : " islands");
+  observer.on_message(text.str());
+}
+
+void RunLoop::tell_of_sleep(Observer& observer) {
+  if (sleeper_.look(clock_.step()) == 0) return;
+  control_.commit();
+  std::ostringstream text;
+  text << "t = " << clock_.time() << " s: " << sleeper_.sleeping() << " of "
+       << built_.body().islands().existing() << " islands sleep";
+  observer.on_message(text.str());
+}
+
+void RunLoop::apply(const Event& event, Observer& observer) {
+  built_.body().complex().require_beta3();
+  tell(events_.apply(in_frame(event, built_.frame()), clock_.time()), observer);
+}
+
+// ----------------------------------------------------------------- the loop --
+
+void RunLoop::loop(std::optional<double> until, Observer& observer) {
+  const StepControl::Notify notify = notify_to(observer);
+  const Wall::time_point start = Wall::now();
+  Wall::time_point reported = start;
+  const std::uint64_t first_step = clock_.step();
+  while (!stops(observer)) {
+    fire_events(observer);
+    if (!record(notify)) continue;
+    const auto outcome = ending_.look(notify);
+    records_.go_back();
+    if (outcome) {
+      summary_.outcome = *outcome;
+      break;
+    }
+    if (until && clock_.reached(*until)) break;
+    control_.step(notify);
+    records_.go_back();
+    tell_of_sleep(observer);
+    if (clock_.step() % 16 == 0 && seconds_since(reported) > 0.1) {
+      report(observer, start, first_step);
+      reported = Wall::now();
+    }
+  }
+  summary_.seconds += seconds_since(start);
+}
+
+/// Between two steps: writes a checkpoint that is due, or because the run is to stop.
+bool RunLoop::stops(Observer& observer) {
+  const bool stops = observer.stop_requested();
+  if (checkpoints_.is_due(clock_) || (stops && checkpoints_.are_written()))
+    checkpoints_.write(clock_, *this);
+  if (stops) summary_.outcome = RunSummary::Outcome::interrupted;
+  return stops;
+}
+
+/// False if the run went back to an earlier step instead.
+bool RunLoop::record(const StepControl::Notify& notify) {
+  if (records_.are_done()) return true;
+  const bool good = control_.tries([&] { records_.record(control_.last_dt()); }, notify);
+  records_.go_back();
+  return good;
+}
+
+bool RunLoop::tries_step() {
+  try {
+    control_.make_step();
+    control_.watch().after_step(clock_.step());
+    return true;
+  } catch (const NumericalError&) {
+    return false;
+  }
+}
+
+void RunLoop::report(Observer& observer, Wall::time_point start, std::uint64_t first_step) {
+  Progress progress;
+  progress.step = clock_.step();
+  progress.time = clock_.time();
+  progress.end = scene_.solver.end.value_or(0);
+  if (const RestSearch* rest = ending_.rest()) {
+    progress.residual = rest->residual();
+    progress.tolerance = rest->tolerance();
+  }
+  const double spent = seconds_since(start);
+  const auto steps = static_cast<double>(clock_.step() - first_step);
+  progress.elements_per_second =
+      spent > 0 ? steps * built_.body().complex().element_count() / spent : 0;
+  if (progress.end > 0 && clock_.time() > 0 && !ending_.rest()) {
+    progress.seconds_left = spent * (progress.end - clock_.time()) / clock_.time();
+  }
+  observer.on_progress(progress);
+}
+
+// ---------------------------------------------------------------- beginning and end --
+
+void RunLoop::resume(const Checkpoint& checkpoint, const std::filesystem::path& file) {
+  checkpoints_.resume(checkpoint, file, clock_, *this);
+  first_step_ = clock_.step();
+}
+
+RunSummary RunLoop::run(Observer& observer) {
+  try {
+    loop(std::nullopt, observer);
+  } catch (...) {
+    recorder_.release(clock_.step());  // what stands: a step that failed has taken its own back
+    recorder_.finish();
+    checkpoints_.finish();
+    throw;
+  }
+  finish(observer);
+  summarise();
+  return summary_;
+}
+
+void RunLoop::finish(Observer& observer) {
+  events_.finish();
+  const bool rests = summary_.outcome != RunSummary::Outcome::finished &&
+                     summary_.outcome != RunSummary::Outcome::interrupted;
+  if (const std::string text = hourglass_warning(scene_, built_, rests); !text.empty())
+    diagnostics_.warn(text);
+  records_.finish(control_.last_dt());
+  if (const std::string text = control_.balance_warning(); !text.empty()) diagnostics_.warn(text);
+  checkpoints_.finish();
+  if (summary_.outcome == RunSummary::Outcome::interrupted && checkpoints_.are_written())
+    observer.on_message("go on with: suture run --resume " + checkpoints_.newest());
+}
+
+void RunLoop::summarise() {
+  const EnergyBalance& energies = control_.guard().last();
+  if (energies.exchanged > control_.guard().noise()) {
+    summary_.balance = energies.balance;
+    summary_.exchanged = energies.exchanged;
+  }
+  summary_.lowest_eigenvalue = ending_.lowest_eigenvalue();
+  summary_.steps_back = control_.steps_back();
+  summary_.steps = clock_.step();
+  summary_.time = clock_.time();
+  summary_.dt = control_.last_dt();
+  summary_.frames = recorder_.frames_written();
+  summary_.inverted_elements = control_.guard().inverted_elements();
+  summary_.threads = built_.body().models().threads();
+  if (summary_.seconds > 0) {
+    const auto made = static_cast<double>(summary_.steps - first_step_);
+    summary_.elements_per_second =
+        made * built_.body().complex().element_count() / summary_.seconds;
+  }
+  summary_.pvd = recorder_.collection();
+}
+
+void RunLoop::state(Archive& archive) {
+  archive("control", control_);
+  archive("events", events_);
+  archive("sleeper", sleeper_);
+  archive("ending", ending_);
+  archive("records", records_);
+  archive("recorder", recorder_);
+  archive("faces cut", summary_.faces_cut);
+  archive("faces torn", summary_.faces_torn);
+  archive("faces sewn", summary_.faces_sewn);
+  archive("elements removed", summary_.elements_removed);
+}
+
+}  // namespace suture

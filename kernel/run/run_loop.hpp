@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <chrono>
+#include <optional>
+
+#include "kernel/events/event_runner.hpp"
+#include "kernel/run/checkpoints.hpp"
+#include "kernel/run/decisions.hpp"
+#include "kernel/run/ending.hpp"
+#include "kernel/run/records.hpp"
+#include "kernel/run/sleeper.hpp"
+#include "kernel/run/step_control.hpp"
+
+namespace suture {
+
+/// The loop of a run over what a scene has built. Things due at a time come in the
+/// order events, records, step: a frame shows what an event at its time did.
+class RunLoop {
+ public:
+  RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip);
+
+  /// Until `until`, or the end of the scene.
+  void loop(std::optional<double> until, Observer& observer);
+  RunSummary run(Observer& observer);
+  void apply(const Event& event, Observer& observer);
+  /// The state of a checkpoint that `file` holds, for the steps to come. Before any step.
+  void resume(const Checkpoint& checkpoint, const std::filesystem::path& file);
+  /// A step that is only timed; false where the body does not bear what an event would have taken
+  /// from it.
+  bool tries_step();
+
+  BuiltScene& built() { return built_; }
+  Recorder& recorder() { return recorder_; }
+  Records& records() { return records_; }
+  StepControl& control() { return control_; }
+  Ending& ending() { return ending_; }
+  const std::vector<Decision>& decisions() const { return decisions_; }
+
+  /// Everything that a run changes, between two steps.
+  void state(Archive& archive);
+
+ private:
+  using Wall = std::chrono::steady_clock;
+  void fire_events(Observer& observer);
+  void tell(const EventOutcome& outcome, Observer& observer);
+  void tell_of_sleep(Observer& observer);
+  bool record(const StepControl::Notify& notify);
+  bool stops(Observer& observer);
+  void report(Observer& observer, Wall::time_point start, std::uint64_t first_step);
+  void finish(Observer& observer);
+  void summarise();
+
+  Diagnostics& diagnostics_;
+  BuiltScene built_;
+  const Scene& scene_ = built_.scene();  ///< in the body's frame
+  Recorder recorder_;
+  EventSchedule schedule_;
+  EventRunner events_;
+  StepControl control_;
+  const Clock& clock_ = control_.clock();
+  Records records_;
+  Sleeper sleeper_;
+  Ending ending_;
+  Checkpoints checkpoints_;
+  std::vector<Decision> decisions_;
+  RunSummary summary_;
+  std::uint64_t first_step_ = 0;  ///< not 0 if the run was resumed
+};
+
+}  // namespace suture

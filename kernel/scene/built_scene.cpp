@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/scene/built_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <utility>
+
+#include "kernel/base/error.hpp"
+#include "kernel/base/heap.hpp"
+#include "kernel/base/vec3.hpp"
+#include "kernel/forces/dead_loads.hpp"
+#include "kernel/forces/gravity.hpp"
+#include "kernel/forces/pressures.hpp"
+#include "kernel/mesh/mesh_file.hpp"
+#include "kernel/mesh/own_origin.hpp"
+
+namespace suture {
+namespace {
+
+/// What the import needed meanwhile is gone before the columns come.
+Imported import_and_trim(Mesh mesh, const Scene& scene, Diagnostics& diagnostics) {
+  Imported imported = import_mesh(std::move(mesh), scene.mesh.import, diagnostics);
+  trim_heap();
+  return imported;
+}
+
+Mesh load_mesh(const MeshSource& source, Diagnostics& diagnostics) {
+  if (source.box) return make_local_box(*source.box);
+  if (source.voxels) return make_local_voxels(*source.voxels);
+  Mesh mesh = read_mesh(source.file, source.scale, diagnostics);
+  move_to_own_origin(mesh);
+  return mesh;
+}
+
+BodyFrame frame_of(const Mesh& mesh) {
+  if (mesh.origin == Vec3{}) return {};
+  const auto [low, high] = extent_of(mesh);
+  const Vec3 size = minus(high, low);
+  return {mesh.origin, std::sqrt(dot(size, size))};
+}
+
+}  // namespace
+
+BuiltScene::BuiltScene(const Scene& given, Diagnostics& diagnostics, bool skip)
+    : BuiltScene(given, load_mesh(given.mesh, diagnostics), diagnostics, skip) {}
+
+BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, bool skip)
+    : skips_(skip),
+      frame_(frame_of(mesh)),
+      scene_(in_frame(given, frame_)),
+      mesh_source_(mesh.source),
+      names_(MeshNames::of(mesh)),
+      body_(import_and_trim(std::move(mesh), scene_, diagnostics)),
+      selector_(body_.imported(), names_, body_.attributes().rest(), frame_) {
+  name_elements();
+  add_models(diagnostics);
+  const DynamicsOptions options{scene_.solver.integrator, scene_.solver.damping};
+  dynamics_ = std::make_unique<Dynamics>(body_, options);
+  limits_ = std::make_unique<StepLimits>(body_);
+  add_constraints();
+  add_terms();
+}
+
+void BuiltScene::name_elements() {
+  if (names_.element_ids.empty()) return;
+  for (Index e = 0; e < body_.complex().element_count(); ++e)
+    element_ids_.push_back(static_cast<Index>(element_name(e)));
+  body_.attributes().user_element = element_ids_;
+}
+
+void BuiltScene::add_models(Diagnostics& diagnostics) {
+  CellComplex& complex = body_.complex();
+  if (!skips_) {
+    complex.require_edges();
+    complex.require_faces();
+  }
+  for (const ModelUse& use : scene_.models) {
+    std::vector<Index> region;
+    if (!std::holds_alternative<Selection::All>(use.region.what))
+      region = selector_.elements(use.region);
+    body_.attributes().add(
+        std::make_unique<Instance>(*use.model, use.name, use.parameters, diagnostics, skips_),
+        complex, std::move(region));
+  }
+  check_coverage();
+  body_.compile(diagnostics, scene_.solver.threads);
+}
+
+/// Every element needs a model, or its vertices would have no mass.
+void BuiltScene::check_coverage() const {
+  const auto& instances = body_.attributes().instances();
+  const Index count = body_.complex().element_count();
+  if (std::any_of(instances.begin(), instances.end(),
+                  [&](const auto& i) { return i->table(3).cells.is_all(); })) {
+    return;
+  }
+  std::vector<char> covered(count);
+  for (const auto& instance : instances) {
+    for (const Index e : instance->table(3).cells.cells()) covered[e] = 1;
+  }
+  const auto bare = std::count(covered.begin(), covered.end(), 0);
+  if (bare == 0) return;
+  const auto first =
+      static_cast<Index>(std::find(covered.begin(), covered.end(), 0) - covered.begin());
+  throw InputError("/models: " + std::to_string(bare) + " of " + std::to_string(count) +
+                   " elements have no model, the first is element " +
+                   std::to_string(element_name(first)) +
+                   "; let the regions of the models cover the mesh");
+}
+
+void BuiltScene::add_constraints() {
+  for (const Constraint& constraint : scene_.constraints) {
+    PrescribedMotion motion;
+    if (constraint.moves) {
+      motion.translation = constraint.translation;
+      motion.axis = constraint.axis;
+      motion.centre = constraint.centre;
+      motion.angle = constraint.angle;
+      motion.ramp = constraint.ramp;
+    }
+    const std::vector<Index> vertices = selector_.vertices(constraint.where);
+    if (constraint.moves) motion.reach = shortest_edge(vertices) / 10;
+    body_.constraints().add(vertices, constraint.components, motion, body_.attributes());
+  }
+}
+
+/// At rest, of the elements around these vertices, m.
+double BuiltScene::shortest_edge(const std::vector<Index>& vertices) {
+  double shortest = std::numeric_limits<double>::infinity();
+  std::vector<Dart> star;
+  for (const Index v : vertices) {
+    body_.complex().star(0, v, star);
+    for (const Dart d : star)
+      for (const auto& [a, b] : suture_hexahedron_edges) {
+        const Hexahedron& nodes = body_.complex().vertices_of(d / 24);
+        double squared = 0;
+        for (int c = 0; c < 3; ++c)
+          squared += std::pow(body_.attributes().rest().get(nodes[a], c) -
+                                  body_.attributes().rest().get(nodes[b], c),
+                              2);
+        shortest = std::min(shortest, std::sqrt(squared));
+      }
+  }
+  return shortest;
+}
+
+void BuiltScene::add_terms() {
+  Attributes& attributes = body_.attributes();
+  const CellComplex& complex = body_.complex();
+  body_.add(std::make_unique<Gravity>(attributes, scene_.gravity, scene_.gravity_ramp));
+  auto& dead = body_.add(std::make_unique<DeadLoads>(attributes));
+  auto& pressures = body_.add(std::make_unique<Pressures>(attributes));
+  for (const Load& load : scene_.loads) {
+    switch (load.kind) {
+      case Load::Kind::force:
+        dead.add_force(complex, selector_.vertices(load.where), load.value, load.ramp);
+        break;
+      case Load::Kind::traction:
+        dead.add_traction(complex, selector_.boundary_faces(load.where), load.value, load.ramp);
+        break;
+      case Load::Kind::pressure:
+        pressures.add(complex, selector_.boundary_faces(load.where), load.pressure, load.ramp);
+        break;
+    }
+  }
+}
+
+std::string BuiltScene::place_of(Index e) {
+  Vec3 middle{};
+  for (const Index v : body_.complex().vertices_of(e))
+    for (std::size_t c = 0; c < 3; ++c)
+      middle[c] += body_.attributes().rest().get(v, static_cast<int>(c)) / 8;
+  return place_text(middle);
+}
+
+std::string BuiltScene::place_text(const Vec3& local) const {
+  const Vec3 p = frame_.in_scene(local);
+  std::ostringstream text;
+  if (!frame_.is_scene()) text.precision(10);  // the body is small beside its place
+  text << '(' << p[0] << ", " << p[1] << ", " << p[2] << ") m";
+  return text.str();
+}
+
+}  // namespace suture

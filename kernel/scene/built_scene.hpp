@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kernel/dynamics/dynamics.hpp"
+#include "kernel/dynamics/step_limits.hpp"
+#include "kernel/scene/scene.hpp"
+#include "kernel/scene/select.hpp"
+#include "kernel/scene/translate.hpp"
+
+namespace suture {
+
+/// What a scene builds before the first step, in the order of the flow: mesh, body (cells,
+/// attributes, forces, constraints), dynamics; and the names by which users know its cells.
+/// Positions count from the lower corner of the body at rest (BodyFrame). Neither copied nor
+/// moved.
+class BuiltScene {
+ public:
+  /// `skip`: leave out what the scene does not need; false builds and computes it
+  /// all the same. Throws whatever the stages throw: InputError, TopologyError,
+  /// PluginError.
+  BuiltScene(const Scene& given, Diagnostics& diagnostics, bool skip = true);
+  BuiltScene(const BuiltScene&) = delete;
+  BuiltScene& operator=(const BuiltScene&) = delete;
+
+  bool skips() const { return skips_; }              ///< leaves out what the scene does not need
+  const BodyFrame& frame() const { return frame_; }  ///< all positions here are those in it
+  const Scene& scene() const { return scene_; }      ///< with its coordinates in that frame
+  const std::string& mesh_source() const { return mesh_source_; }
+  const MeshNames& names() const { return names_; }
+  Body& body() { return body_; }
+  const Body& body() const { return body_; }
+  const Selector& selector() const { return selector_; }
+  Dynamics& dynamics() { return *dynamics_; }
+  StepLimits& limits() { return *limits_; }
+
+  /// The number by which users know an element.
+  std::uint64_t element_name(Index e) const {
+    return names_.element_id(body_.imported().user_element[e]);
+  }
+  /// "(0.1, 0.2, 0.3) m" in the scene: a point of the body; the middle of an element at rest.
+  std::string place_text(const Vec3& local) const;
+  std::string place_of(Index e);
+
+ private:
+  BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, bool skip);
+  void name_elements();
+  void add_models(Diagnostics& diagnostics);
+  void check_coverage() const;
+  void add_constraints();
+  double shortest_edge(const std::vector<Index>& vertices);
+  void add_terms();
+
+  bool skips_;
+  BodyFrame frame_;
+  Scene scene_;
+  std::string mesh_source_;
+  MeshNames names_;
+  Body body_;
+  Selector selector_;
+  std::unique_ptr<Dynamics> dynamics_;
+  std::unique_ptr<StepLimits> limits_;
+  std::vector<Index> element_ids_;  ///< by element, if the file has numbers of its own
+};
+
+}  // namespace suture

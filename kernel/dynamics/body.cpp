@@ -123,7 +123,6 @@ TopologyChange Body::sew(const std::vector<Seam>& seams) {
 }
 
 const Islands& Body::islands() {
-  complex().require_beta3();
   if (!islands_) islands_.emplace(complex());
   return *islands_;
 }

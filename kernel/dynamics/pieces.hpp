@@ -8,8 +8,8 @@
 namespace suture {
 
 /// The connected piece (island) that each of the first `vertices` vertices belongs to,
-/// numbered from the largest (in vertices); `none` for vertices without an element. Unlike
-/// Islands it needs no beta3, which a body that stays whole has dropped. O(elements).
+/// numbered from the largest (in vertices); `none` for vertices without an element.
+/// O(elements).
 std::vector<Index> pieces_of(const CellComplex& complex, Index vertices);
 
 }  // namespace suture

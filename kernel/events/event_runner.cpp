@@ -78,7 +78,7 @@ struct EventRunner::Call {
   }
   /// What else it can be that nothing is cut, once anything has been done to the map.
   std::string or_is_cut() const {
-    return built.body().complex().can_drop_beta3() ? "" : ", or the faces there are cut already";
+    return built.body().complex().has_operated() ? ", or the faces there are cut already" : "";
   }
   const Workers* workers() const { return &built.body().models().workers(); }
 

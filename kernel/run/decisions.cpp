@@ -200,17 +200,6 @@ std::string who_looks_at_still_cells(const Scene& scene, const BuiltScene& built
   return "";
 }
 
-// Who asks which elements are neighbours once the cells have ids; "" if nobody.
-std::string who_needs_neighbours(const Scene& scene, const BuiltScene& built,
-                                 const Recorder& recorder) {
-  if (!built.skips()) return no_skip;
-  if (!scene.events.empty()) return "kept: an event cuts, removes or joins, or looks for islands";
-  if (scene.solver.sleep_acceleration > 0) return "kept: islands may sleep";
-  if (recorder.frames_need_neighbours()) return "kept: frames show islands";
-  if (recorder.probes_need(&FieldChoice::needs_neighbours)) return "kept: probes show islands";
-  return "";
-}
-
 }  // namespace
 
 Decision decide_still_cells(const Scene& scene, BuiltScene& built, const Recorder& recorder) {
@@ -223,16 +212,6 @@ Decision decide_still_cells(const Scene& scene, BuiltScene& built, const Recorde
           std::to_string(cells) +
               " (whole blocks of 8): they move nothing, and nobody asks for "
               "their stress, forces or energy"};
-}
-
-Decision decide_neighbours(const Scene& scene, BuiltScene& built, const Recorder& recorder) {
-  const std::string subject = "neighbours (beta3)";
-  const std::string reason = who_needs_neighbours(scene, built, recorder);
-  if (!reason.empty()) return {subject, false, reason};
-  built.body().complex().drop_beta3();
-  return {subject, true,
-          "dropped once the mesh was checked, 24 B per element: no event, no sleep and no field "
-          "asks for them"};
 }
 
 std::vector<Decision> decide(const Scene& scene, PluginHost& host, BuiltScene& built,

@@ -12,9 +12,6 @@ namespace suture {
 /// asks for what they give: stress, reactions, energy.
 Decision decide_still_cells(const Scene& scene, BuiltScene& built, const Recorder& recorder);
 
-/// Drops beta3 if nobody asks which elements are neighbours: no event, no sleep, no field.
-Decision decide_neighbours(const Scene& scene, BuiltScene& built, const Recorder& recorder);
-
 /// What was built, loaded and looped over for this scene, and what was skipped
 /// and why. Plugins that several models share are named once per model. After
 /// decide_still_cells().

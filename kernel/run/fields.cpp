@@ -98,10 +98,8 @@ FieldChoice element_id() {
 }
 
 FieldChoice island() {
-  FieldChoice field = integers(
-      "island", On::cells, [](BuiltScene& built, Index e) { return built.body().islands().of(e); });
-  field.needs_neighbours = true;
-  return field;
+  return integers("island", On::cells,
+                  [](BuiltScene& built, Index e) { return built.body().islands().of(e); });
 }
 
 // Alternating part of the deformation over strain.
@@ -177,7 +175,6 @@ FieldChoice output_field(const suture_functor& functor, const suture_field& fiel
                 });
           },
           true,
-          false,
           components,
           unit_of(field.unit)};
 }
@@ -202,7 +199,6 @@ FieldChoice attribute_field(const suture_attribute& attribute) {
                   return true;
                 });
           },
-          false,
           false,
           components,
           unit_of(attribute.unit)};

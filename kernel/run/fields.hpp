@@ -18,8 +18,7 @@ struct FieldChoice {
   bool needs_force = false;  ///< forces must belong to the positions of the frame
   /// Computes the field; `gravity` (m/s^2) and `time` (s) as they are now.
   std::function<void(BuiltScene&, const Vec3& gravity, double time, FrameField&)> fill;
-  bool runs_functors = false;     ///< an output of a model, not a column
-  bool needs_neighbours = false;  ///< asks which elements hang together
+  bool runs_functors = false;  ///< an output of a model, not a column
   int components = 1;
   std::string unit = "1";  ///< "1": none
   /// One component at one vertex or element, without computing the others; empty where

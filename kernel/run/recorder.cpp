@@ -64,8 +64,6 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, std::string provenance
       std::any_of(fields_.begin(), fields_.end(), [](const auto& f) { return f.needs_force; });
   frames_run_functors_ =
       std::any_of(fields_.begin(), fields_.end(), [](const auto& f) { return f.runs_functors; });
-  frames_need_neighbours_ =
-      std::any_of(fields_.begin(), fields_.end(), [](const auto& f) { return f.needs_neighbours; });
   other_fields_ = fields_besides(built, fields_);
   frames_ = std::make_unique<FrameWriter>(writer_options(options));
   mode_options_ = writer_options(options);

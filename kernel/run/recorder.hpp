@@ -32,9 +32,6 @@ class Recorder {
   /// Frames show what functors of the models compute (stress).
   bool frames_run_functors() const { return frames_run_functors_; }
 
-  /// Frames show which elements hang together.
-  bool frames_need_neighbours() const { return frames_need_neighbours_; }
-
   /// What the probes show; nullptr without probes.
   const ProbeTable* probe_table() const { return probe_table_ ? &*probe_table_ : nullptr; }
   /// Some field of the probes needs it: probes_need(&FieldChoice::needs_force).
@@ -86,7 +83,7 @@ class Recorder {
   BuiltScene& built_;
   std::string provenance_;
   std::vector<FieldChoice> fields_, other_fields_;
-  bool frames_need_force_ = false, frames_run_functors_ = false, frames_need_neighbours_ = false;
+  bool frames_need_force_ = false, frames_run_functors_ = false;
   std::size_t frame_number_ = 0;
   std::deque<Held> held_;
   std::optional<ProbeTable> probe_table_;

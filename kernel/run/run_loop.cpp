@@ -69,7 +69,6 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
   Decision still = decide_still_cells(scene_, built_, recorder_);
   decisions_ = decide(scene_, host, built_, recorder_);
   decisions_.push_back(std::move(still));
-  decisions_.push_back(decide_neighbours(scene_, built_, recorder_));
   built_.dynamics().start();
   if (ending_.rest()) look_for_free_bodies(scene_, built_, diagnostics);
   control_.start();
@@ -116,7 +115,6 @@ void RunLoop::tell_of_sleep(Observer& observer) {
 }
 
 void RunLoop::apply(const Event& event, Observer& observer) {
-  built_.body().complex().require_beta3();
   tell(events_.apply(in_frame(event, built_.frame()), clock_.time()), observer);
 }
 

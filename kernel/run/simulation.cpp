@@ -27,10 +27,7 @@ std::string_view Simulation::isa() const { return run_->built().body().models().
 
 const std::vector<Decision>& Simulation::decisions() const { return run_->decisions(); }
 
-const CellComplex& Simulation::complex() const {
-  run_->built().body().complex().require_beta3();
-  return run_->built().body().complex();
-}
+const CellComplex& Simulation::complex() const { return run_->built().body().complex(); }
 
 Attributes& Simulation::attributes() { return run_->built().body().attributes(); }
 

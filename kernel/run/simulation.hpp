@@ -100,7 +100,6 @@ class Simulation {
 
   Energies energies();  ///< J; potentials are zero at rest positions
 
-  /// With beta3, which is found again if the run has dropped it.
   const CellComplex& complex() const;
   Attributes& attributes();
   /// The body's own origin in the scene, m. Positions in attributes() count from here;

@@ -117,36 +117,10 @@ void CellComplex::split_pinched_vertices(Index vertex_count, std::vector<Split>*
   prepare_room(some_dart_[0]);
 }
 
-void CellComplex::drop_beta3() {
-  if (!can_drop_beta3())
-    throw TopologyError(
-        "beta3 cannot be dropped after an operation: faces that were cut may still have the same "
-        "vertices, so it could not be found again");
-  links_ = std::vector<Link>();
-}
-
-void CellComplex::require_beta3() {
-  if (has_beta3()) return;
-  std::vector<MapFault> faults;
-  links_ = match_faces(vertices_, count(0), faults);
-}
-
-void CellComplex::refuse_without_beta3() {
-  throw TopologyError(
-      "beta3 was dropped because nothing needed it; call require_beta3() before asking for "
-      "neighbours, stars or islands");
-}
-
-void CellComplex::begin_operation() {
-  require_beta3();
-  has_operated_ = true;
-}
-
 /// An edge's elements form a path or a cycle: walks it from its smallest dart one
 /// way, and if that ends at the boundary, the other way.
 void CellComplex::require_edges() {
   if (has_edges()) return;
-  require_beta3();
   std::array<Index, 12> unknown;
   unknown.fill(none);
   edges_.assign(vertices_.size(), unknown);
@@ -180,7 +154,6 @@ bool CellComplex::number_edge(Index e, Exit way, Index id) {
 
 void CellComplex::require_faces() {
   if (has_faces()) return;
-  require_beta3();
   std::array<Index, 6> unknown;
   unknown.fill(none);
   faces_.assign(vertices_.size(), unknown);
@@ -221,7 +194,6 @@ Index CellComplex::cell(int dimension, Dart d) const {
 
 void CellComplex::star(int dimension, Index id, std::vector<Dart>& out) const {
   const Dart start = dart_of(dimension, id);
-  if (!has_beta3()) refuse_without_beta3();
   switch (dimension) {
     case 0:
       return collect_star<0>(start, out);
@@ -272,13 +244,12 @@ std::vector<Index> CellComplex::islands(Index* count) const {
 void CellComplex::state(Archive& archive) {
   if (!archive.has_cells()) return;
   Index elements = element_count(), vertices = count(0);
-  bool operated = has_operated_, edges = has_edges(), faces = has_faces(), beta3 = has_beta3();
+  bool operated = has_operated_, edges = has_edges(), faces = has_faces();
   archive("elements", elements);
   archive("vertices", vertices);
   archive("operated", operated);
   archive("has_edges", edges);
   archive("has_faces", faces);
-  archive("has_beta3", beta3);
   const bool fits = operated ? vertices >= count(0) : vertices == count(0);
   if (elements != element_count() || !fits)
     archive.refuse("a map of " + std::to_string(elements) + " elements and " +
@@ -287,11 +258,11 @@ void CellComplex::state(Archive& archive) {
   if (operated) return arrays(archive);
   if (!archive.loads()) return;
   archive.require(!has_operated_, "the map here has had operations");
-  load_built(edges, faces, beta3);
+  load_built(edges, faces);
 }
 
 /// The mesh tells all of it.
-void CellComplex::load_built(bool edges, bool faces, bool beta3) {
+void CellComplex::load_built(bool edges, bool faces) {
   if (edges) require_edges();
   if (faces) require_faces();
   if (!edges) {
@@ -302,10 +273,6 @@ void CellComplex::load_built(bool edges, bool faces, bool beta3) {
     faces_ = {};
     some_dart_[2] = {};
   }
-  if (beta3)
-    require_beta3();
-  else
-    drop_beta3();
 }
 
 /// But for the marks, which are zero now and grow when they are needed.

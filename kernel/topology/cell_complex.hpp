@@ -96,8 +96,7 @@ struct TopologyChange {
 ///
 /// Memory per hexahedron: 24 B beta3, 32 B vertex ids, 48 B edge ids, 24 B face
 /// ids, half a byte of marks; per vertex, edge and face one dart (4 B). A large grid (1 vertex, 3
-/// edges and 3 faces per element) takes 156 B per hexahedron, 60 B without edges and faces, 36 B
-/// once beta3 is dropped.
+/// edges and 3 faces per element) takes 156 B per hexahedron, 60 B without edges and faces.
 class CellComplex {
  public:
   CellComplex() = default;
@@ -116,17 +115,6 @@ class CellComplex {
   Index count(int dimension) const {
     return dimension == 3 ? element_count() : static_cast<Index>(some_dart_[dimension].size());
   }
-
-  /// A body that stays whole needs no beta3 once its cells have ids: drop_beta3() gives
-  /// its memory back. require_beta3() finds it again, the same, by the faces of the same
-  /// vertices (idempotent; 0.1 us per hexahedron), which only holds before the first
-  /// operation: drop_beta3() throws TopologyError unless can_drop_beta3(). While it is
-  /// dropped, operations and require_*() find it first, and const members that need it
-  /// throw TopologyError.
-  void drop_beta3();
-  bool can_drop_beta3() const { return !has_operated_; }
-  void require_beta3();
-  bool has_beta3() const { return !links_.empty() || element_count() == 0; }
 
   /// Ids of edges and faces are built on demand (idempotent), in order of their
   /// smallest dart.
@@ -150,12 +138,12 @@ class CellComplex {
   static constexpr Dart beta2(Dart d) { return d - d % 24 + hexahedron::beta2[d % 24]; }
   /// `none` on the boundary. O(1).
   Dart beta3(Dart d) const {
-    const incidence::Link first = link(d / 4);
+    const incidence::Link first = links_[d / 4];
     return first == none ? none : (incidence::dart_of(first) & ~3u) | ((first - d) & 3u);
   }
   /// Element on the other side of face f of element e, or `none`.
   Index neighbour(Index e, int f) const {
-    const incidence::Link first = link(6 * e + f);
+    const incidence::Link first = links_[6 * e + f];
     return first == none ? none : first >> 5;
   }
 
@@ -216,6 +204,9 @@ class CellComplex {
   /// What forbids the seam, as a sentence for the user; empty if nothing does.
   std::string why_not_sew(Dart one, Dart other) const;
 
+  /// Whether an operation was made: before the first, vertices alone tell all of the map.
+  bool has_operated() const { return has_operated_; }
+
   /// Connected component of each element: ids 0.. in order of smallest element; `none`
   /// for removed ones.
   std::vector<Index> islands(Index* count = nullptr) const;
@@ -234,15 +225,7 @@ class CellComplex {
  private:
   friend struct CellComplexAccess;  // tests corrupt a map through it
 
-  incidence::Link link(std::size_t side) const {
-    if (links_.empty()) [[unlikely]]
-      refuse_without_beta3();
-    return links_[side];
-  }
-  [[noreturn]] static void refuse_without_beta3();
-  /// Every operation begins here.
-  void begin_operation();
-  void load_built(bool edges, bool faces, bool beta3);
+  void load_built(bool edges, bool faces);
   void arrays(Archive& archive);
 
   template <int Dimension>
@@ -301,7 +284,7 @@ class CellComplex {
   std::vector<std::array<Index, 12>> edges_;
   std::vector<std::array<Index, 6>> faces_;
   std::vector<incidence::Link> links_;  ///< 6 e + f: beta3 of the face's first dart, or none
-  bool has_operated_ = false;           ///< then vertices alone do not tell beta3
+  bool has_operated_ = false;
   std::array<std::vector<Dart>, 3> some_dart_;
   // One bit per vertex, per edge and per element; 0 between operations.
   std::array<std::vector<std::uint64_t>, 2> cell_marks_;

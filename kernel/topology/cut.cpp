@@ -95,7 +95,7 @@ struct CellComplex::StarWork {
  * the cut faces are looked at.
  */
 TopologyChange CellComplex::cut(std::span<const Dart> faces) {
-  begin_operation();
+  has_operated_ = true;
   const std::vector<Link> cut_faces = mark_leaving(faces);
   TopologyChange change;
   change.faces_cut = static_cast<Index>(cut_faces.size());

@@ -74,7 +74,7 @@ bool hangs_together<1>(unsigned left, unsigned n, bool closed) {
  * c would part at u.
  */
 TopologyChange CellComplex::pierce(std::span<const Index> elements) {
-  begin_operation();
+  has_operated_ = true;
   const std::vector<Index> going = mark_removed(elements);
   const std::vector<Link> rim = mark_rim(going);
   TopologyChange change;

@@ -77,7 +77,7 @@ struct CellComplex::MergedCells {
  * whole batch before anything is changed.
  */
 TopologyChange CellComplex::sew(std::span<const Seam> seams) {
-  begin_operation();
+  has_operated_ = true;
   for (const Seam& seam : seams)
     if (const std::string reason = why_no_seam(seam); !reason.empty()) throw TopologyError(reason);
   if (const Dart face = repeated_face(seams); face != none)

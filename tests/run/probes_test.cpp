@@ -229,15 +229,6 @@ TEST_F(Probes, KeepStillCellsOnlyIfTheyShowForcesOrStress) {
   EXPECT_NE(decision("probes.csv").reason.find("stress"), std::string::npos);
 }
 
-TEST_F(Probes, KeepNeighboursIfTheyShowIslands) {
-  add("body", selection(Selection::All{}), {"island"}).of = Probe::Of::max;
-  EXPECT_EQ(run().last("body island"), 0);
-  EXPECT_FALSE(decision("neighbours (beta3)").skipped);
-  scene_.output.probes[0].fields = {"displacement"};
-  run();
-  EXPECT_TRUE(decision("neighbours (beta3)").skipped);
-}
-
 TEST_F(Probes, RefuseFieldsThatNoModelGives) {
   add("tip", named("x1"), {"von_mises"});
   scene_.models[0].model = &host().model("mss-baudet");

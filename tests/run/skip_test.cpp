@@ -79,58 +79,6 @@ TEST(Skip, EdgeAndFaceIdsThatNobodyWorksOn) {
   EXPECT_FALSE(run(short_beam("mss-baudet"), true).about("edge ids").skipped);
 }
 
-constexpr const char* neighbours = "neighbours (beta3)";
-
-Scene whole_beam(const std::string& model) {
-  Scene scene = short_beam(model);
-  scene.events.clear();
-  return scene;
-}
-
-TEST(Skip, NeighboursThatNobodyAsksFor) {
-  expect_skip(whole_beam("tm-faure"), neighbours);
-  expect_skip(whole_beam("mss-baudet"), neighbours);
-}
-
-TEST(Skip, NeighboursAreKeptIfSomebodyAsks) {
-  const auto kept = [](const Scene& scene, const char* why) {
-    const Decision decision = run(scene, true).about(neighbours);
-    EXPECT_FALSE(decision.skipped);
-    EXPECT_NE(decision.reason.find(why), std::string::npos) << decision.reason;
-  };
-  kept(short_beam("tm-faure"), "an event cuts");
-  Scene sleeps = whole_beam("tm-faure");
-  sleeps.solver.sleep_acceleration = 1e-3;
-  kept(sleeps, "sleep");
-  Scene shows = whole_beam("tm-faure");
-  shows.output.enabled = true;
-  shows.output.directory =
-      std::filesystem::temp_directory_path() / ("suture-islands-" + std::to_string(::getpid()));
-  shows.output.fields = {"island"};
-  kept(shows, "islands");
-  std::filesystem::remove_all(shows.output.directory);
-}
-
-/// What was dropped is found again when a program cuts all the same.
-TEST(Skip, NeighboursComeBackForAnOperation) {
-  for (const char* model : {"tm-faure", "mss-baudet"}) {
-    const Scene scene = whole_beam(model);
-    std::vector<double> positions[2];
-    for (const bool skip : {true, false}) {
-      Diagnostics diagnostics;
-      Simulation simulation(scene, host(), diagnostics, skip);
-      Observer nobody;
-      simulation.run_to(20e-4, nobody);
-      simulation.apply(short_beam(model).events[0], nobody);
-      simulation.run(nobody);
-      simulation.complex().validate();
-      positions[skip] = rows(simulation.attributes().position());
-    }
-    EXPECT_TRUE(positions[0] == positions[1]) << model;
-    EXPECT_TRUE(positions[1] == run(short_beam(model), true).position) << model;
-  }
-}
-
 TEST(Skip, WhatIsTheSameEverywhereIsStoredOnce) {
   expect_skip(short_beam("tm-faure"), "column tm-faure/inverse_jacobian");
   expect_skip(short_beam("mss-baudet"), "column mss-baudet/inner_stiffness");

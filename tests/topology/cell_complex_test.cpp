@@ -40,58 +40,15 @@ TEST(CellComplex, Beta3JoinsTheDartsOfTheCommonFaceInOppositeSense) {
   EXPECT_EQ(map.neighbour(0, 0), none);
 }
 
-std::vector<Dart> all_beta3(const CellComplex& map) {
-  std::vector<Dart> mates;
-  for (Dart d = 0; d < 24 * map.element_count(); ++d) mates.push_back(map.beta3(d));
-  return mates;
-}
-
-TEST(CellComplex, Beta3IsFoundAgainTheSame) {
-  std::mt19937 random(11);
-  for (const Mesh& mesh : {grid(4, 3, 2), ring_of_eight(), wheel(9), blob(7, 0.3, random),
-                           turned(shuffled(o_grid(3, 2, 2, true), random), random)}) {
-    CellComplex map(mesh.hexahedra, Index(mesh.points.size()));
-    CellComplex other = map;
-    const std::vector<Dart> before = all_beta3(map);
-    const std::size_t bytes = map.memory();
-    map.drop_beta3();
-    EXPECT_FALSE(map.has_beta3());
-    EXPECT_EQ(map.memory(), bytes - 24 * mesh.hexahedra.size());
-    map.require_beta3();
-    EXPECT_TRUE(map.has_beta3());
-    EXPECT_EQ(all_beta3(map), before);
-    map.drop_beta3();
-    map.require_edges();
-    other.require_edges();
-    EXPECT_TRUE(std::ranges::equal(map.edges(), other.edges()));
-    map.validate();
-  }
-}
-
-TEST(CellComplex, WithoutBeta3QuestionsAreRefusedAndOperationsFindIt) {
-  CellComplex whole = complex_of(grid(3, 3, 3)), map = whole;
-  map.drop_beta3();
-  std::vector<Dart> star;
-  EXPECT_THROW(map.beta3(0), TopologyError);
-  EXPECT_THROW(map.neighbour(0, 2), TopologyError);
-  EXPECT_THROW(map.star(0, 0, star), TopologyError);
-  EXPECT_THROW(map.can_cut(8), TopologyError);
-  EXPECT_THROW(map.islands(), TopologyError);
-  EXPECT_THROW(map.validate(), TopologyError);
-  EXPECT_TRUE(map.exists(0, 0));
-  const std::vector<Index> middle{13};
-  EXPECT_EQ(map.pierce(middle).stars[0].darts, whole.pierce(middle).stars[0].darts);
-  EXPECT_EQ(all_beta3(map), all_beta3(whole));
-  map.validate();
-}
-
-TEST(CellComplex, Beta3StaysAfterAnOperation) {
+TEST(CellComplex, KnowsWhetherItHasOperated) {
   CellComplex map = complex_of(grid(3, 3, 3));
-  EXPECT_TRUE(map.can_drop_beta3());
+  EXPECT_FALSE(map.has_operated());
+  const std::vector<Dart> outside = {24 * 13 + 8, 0};
+  EXPECT_THROW(map.cut(outside), TopologyError);
+  EXPECT_FALSE(map.has_operated());
   const std::vector<Dart> face = {24 * 13 + 8};  // inside: no vertex tells of the cut
   ASSERT_TRUE(map.cut(face).splits[0].empty());
-  EXPECT_FALSE(map.can_drop_beta3());
-  EXPECT_THROW(map.drop_beta3(), TopologyError);
+  EXPECT_TRUE(map.has_operated());
   map.validate();
 }
 

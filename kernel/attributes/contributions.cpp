@@ -251,7 +251,7 @@ void TouchedSums::Target::sum_alike(const Stars& stars, const CellSet& region) c
   std::array<double, darts> given;
   for (std::size_t c = 0; c < components; ++c) {
     for (int d = 0; d < darts; ++d)
-      given[d] = alike[incidence::local_cell<Dimension>(d) * components + c];
+      given[d] = alike[incidence::local_of<Dimension>(d) * components + c];
     const Dart* dart = stars.darts.data();
     const Dart* end = dart;
     for (std::size_t i = 0; i < stars.size(); ++i, dart = end) {

@@ -3,28 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
+#include "kernel/base/box.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/dynamics/pieces.hpp"
 
 namespace suture {
 namespace {
 
-struct Box {
-  Vec3 low, high;
-};
-
 Box box_of(Attributes& attributes, const std::vector<Index>& pieces) {
-  constexpr double far = std::numeric_limits<double>::infinity();
-  Box box{{far, far, far}, {-far, -far, -far}};
+  const Column& rest = attributes.rest();
+  Box box = no_box;
   for (Index v = 0; v < pieces.size(); ++v)
-    for (std::size_t c = 0; pieces[v] != none && c < 3; ++c) {
-      const double x = attributes.rest().get(v, static_cast<int>(c));
-      box.low[c] = std::min(box.low[c], x);
-      box.high[c] = std::max(box.high[c], x);
-    }
+    if (pieces[v] != none) include(box, {rest.get(v, 0), rest.get(v, 1), rest.get(v, 2)});
   return box;
 }
 

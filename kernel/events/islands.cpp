@@ -4,7 +4,7 @@
 namespace suture {
 namespace {
 
-bool is_inside(const Selection::Box& box, const double* p) {
+bool is_inside(const Selection::InBox& box, const double* p) {
   for (std::size_t c = 0; c < 3; ++c)
     if (p[c] < box.min[c] || p[c] > box.max[c]) return false;
   return true;
@@ -12,7 +12,7 @@ bool is_inside(const Selection::Box& box, const double* p) {
 
 /// By island: whether one of its vertices is inside.
 std::vector<char> islands_inside(const CellComplex& complex, const Islands& islands,
-                                 const Selection::Box& box, const double* rows,
+                                 const Selection::InBox& box, const double* rows,
                                  std::size_t stride) {
   std::vector<char> inside(islands.count());
   for (Index e = 0; e < complex.element_count(); ++e) {

@@ -17,10 +17,10 @@ constexpr Index least_tail = 512;   // rows; a small tail is never worth colouri
 constexpr Index most_colours = 64;  // threads wait for each other between colours
 
 /// Cuts ranges into chunks of about `size` rows, at borders of blocks.
-std::vector<std::vector<loops::Range>> make_chunks(std::span<const loops::Range> rows, Index size) {
-  std::vector<std::vector<loops::Range>> chunks;
+std::vector<std::vector<loops::Rows>> make_chunks(std::span<const loops::Rows> rows, Index size) {
+  std::vector<std::vector<loops::Rows>> chunks;
   Index open = 0;  // rows in the last chunk
-  for (loops::Range range : rows) {
+  for (loops::Rows range : rows) {
     while (range.begin < range.end) {
       if (chunks.empty() || open >= size) {
         chunks.emplace_back();
@@ -42,10 +42,10 @@ std::vector<std::vector<loops::Range>> make_chunks(std::span<const loops::Range>
 /// Appends the blocks of a range for which !drop(block), joined; returns the rows
 /// that were dropped.
 template <class Drop>
-Index keep(loops::Range range, Drop drop, std::vector<loops::Range>& kept) {
+Index keep(loops::Rows range, Drop drop, std::vector<loops::Rows>& kept) {
   Index dropped = 0;
   while (range.begin < range.end) {
-    const loops::Range block{range.begin, std::min(range.end, (range.begin / lanes + 1) * lanes)};
+    const loops::Rows block{range.begin, std::min(range.end, (range.begin / lanes + 1) * lanes)};
     range.begin = block.end;
     if (drop(block))
       dropped += block.end - block.begin;
@@ -62,8 +62,8 @@ void add_once(Index chunk, std::vector<Index>& chunks) {
 }
 
 template <class Visit>
-void for_each_vertex(const Connectivity& cells, std::span<const loops::Range> ranges, Visit visit) {
-  for (const loops::Range& range : ranges) {
+void for_each_vertex(const Connectivity& cells, std::span<const loops::Rows> ranges, Visit visit) {
+  for (const loops::Rows& range : ranges) {
     if (!cells.cells && !cells.live) {
       const Index* const first = cells.of(range.begin).data();
       const std::size_t count = std::size_t{range.end - range.begin} * cells.node_count;
@@ -76,7 +76,7 @@ void for_each_vertex(const Connectivity& cells, std::span<const loops::Range> ra
 }
 
 /// That some rows touch: of rows that a cut adds it is a high one.
-Index lowest_vertex(const Connectivity& cells, const loops::Range& rows, Index vertex_count) {
+Index lowest_vertex(const Connectivity& cells, const loops::Rows& rows, Index vertex_count) {
   Index lowest = vertex_count;
   for_each_vertex(cells, {&rows, 1}, [&](Index v) { lowest = std::min(lowest, v); });
   return lowest;
@@ -87,8 +87,8 @@ Index lowest_vertex(const Connectivity& cells, const loops::Range& rows, Index v
 Index chunk_rows(Index rows) { return std::clamp<Index>(rows / 64 / lanes * lanes, 64, 2048); }
 
 std::vector<Index> colour_chunks(const Connectivity& cells,
-                                 std::span<const std::vector<loops::Range>> chunks,
-                                 loops::Range vertices) {
+                                 std::span<const std::vector<loops::Rows>> chunks,
+                                 loops::Rows vertices) {
   // Colours met at each vertex, 64 at a time. Meshes in a sensible order need
   // about ten; only chunks left over by one round of 64 see another.
   std::vector<Index> colour(chunks.size(), none);
@@ -111,16 +111,15 @@ std::vector<Index> colour_chunks(const Connectivity& cells,
   return colour;
 }
 
-BatchList::BatchList(const Connectivity& cells, std::vector<loops::Range> rows,
-                     Index vertex_count) {
+BatchList::BatchList(const Connectivity& cells, std::vector<loops::Rows> rows, Index vertex_count) {
   add_coloured(cells, rows, {0, vertex_count});
   find_order(cells, 0, {0, vertex_count});
 }
 
-void BatchList::add_coloured(const Connectivity& cells, std::span<const loops::Range> rows,
-                             loops::Range vertices) {
+void BatchList::add_coloured(const Connectivity& cells, std::span<const loops::Rows> rows,
+                             loops::Rows vertices) {
   Index added = 0;
-  for (const loops::Range& range : rows) added += range.end - range.begin;
+  for (const loops::Rows& range : rows) added += range.end - range.begin;
   cells_ += added;
   const auto chunks = make_chunks(rows, chunk_rows(added));
   const std::vector<Index> colour = colour_chunks(cells, chunks, vertices);
@@ -134,14 +133,14 @@ void BatchList::add_coloured(const Connectivity& cells, std::span<const loops::R
   }
 }
 
-void BatchList::add_chunk(std::span<const loops::Range> ranges) {
+void BatchList::add_chunk(std::span<const loops::Rows> ranges) {
   ranges_.insert(ranges_.end(), ranges.begin(), ranges.end());
   chunk_begin_.push_back(static_cast<Index>(ranges_.size()));
 }
 
 /// Of the chunks from `first` on. Waiting for the last chunk before at each vertex is
 /// enough: it waits for those before.
-void BatchList::find_order(const Connectivity& cells, Index first, loops::Range vertices) {
+void BatchList::find_order(const Connectivity& cells, Index first, loops::Rows vertices) {
   auto& before = order_.before;
   before.resize(first);
   before.resize(chunk_count());
@@ -169,7 +168,7 @@ void BatchList::meet(std::span<const Index> chunks) {
 }
 
 void BatchList::leave_out(const Connectivity& cells, const std::vector<bool>& still) {
-  const auto all_still = [&](loops::Range block) {
+  const auto all_still = [&](loops::Rows block) {
     bool all = true;
     for_each_vertex(cells, {&block, 1}, [&](Index v) { all = all && (v == none || still[v]); });
     return all;
@@ -178,11 +177,11 @@ void BatchList::leave_out(const Connectivity& cells, const std::vector<bool>& st
   kept.cells_ = cells_;
   kept.tail_ = tail_;
   kept.left_out_ = left_out_;
-  std::vector<loops::Range> chunk;
+  std::vector<loops::Rows> chunk;
   for (Index colour = 0; colour < colour_count(); ++colour) {
     for (Index c = chunk_begin(colour); c < chunk_end(colour); ++c) {
       chunk.clear();
-      for (const loops::Range& range : ranges(c)) kept.left_out_ += keep(range, all_still, chunk);
+      for (const loops::Rows& range : ranges(c)) kept.left_out_ += keep(range, all_still, chunk);
       if (!chunk.empty()) kept.add_chunk(chunk);
     }
     kept.colour_begin_.push_back(kept.chunk_count());
@@ -197,7 +196,7 @@ bool BatchList::append(const Connectivity& cells, Index first, Index last, Index
   if (tail_ > 0 && !ranges_.empty() && ranges_.back().end == first) {
     ranges_.back().end = last;
   } else {
-    const loops::Range added{first, last};
+    const loops::Rows added{first, last};
     add_chunk({&added, 1});
     colour_begin_.push_back(chunk_count());
     order_.place.push_back(chunk_count() - 1);
@@ -206,14 +205,14 @@ bool BatchList::append(const Connectivity& cells, Index first, Index last, Index
   }
   tail_ += last - first;
   if (tail_ <= least_tail || tail_ <= cells_ / 8) return true;
-  const loops::Range tail = ranges_.back();
+  const loops::Rows tail = ranges_.back();
   if (tail.end - tail.begin != tail_ || colour_count() > most_colours) return false;
   ranges_.pop_back();
   chunk_begin_.pop_back();
   colour_begin_.pop_back();
   tail_ = 0;
   const Index first_of_tail = chunk_count();
-  const loops::Range vertices{lowest_vertex(cells, tail, vertex_count), vertex_count};
+  const loops::Rows vertices{lowest_vertex(cells, tail, vertex_count), vertex_count};
   add_coloured(cells, {&tail, 1}, vertices);
   find_order(cells, first_of_tail, vertices);
   return true;
@@ -238,22 +237,22 @@ ChunkFinder::ChunkFinder(const BatchList& list) : colour_of_(list.chunk_count())
   for (Index colour = 0; colour < list.colour_count(); ++colour)
     for (Index c = list.chunk_begin(colour); c < list.chunk_end(colour); ++c) {
       colour_of_[c] = colour;
-      for (const loops::Range& range : list.ranges(c)) places_.push_back({range, c});
+      for (const loops::Rows& range : list.ranges(c)) chunk_rows_.push_back({range, c});
     }
-  std::ranges::sort(places_, {}, [](const Place& p) { return p.range.begin; });
+  std::ranges::sort(chunk_rows_, {}, [](const ChunkRows& c) { return c.rows.begin; });
 }
 
 Index ChunkFinder::chunk(Index row) const {
-  const auto after =
-      std::ranges::upper_bound(places_, row, {}, [](const Place& p) { return p.range.begin; });
-  if (after == places_.begin()) return none;
-  const Place& place = *std::prev(after);
-  return row < place.range.end ? place.chunk : none;
+  const auto after = std::ranges::upper_bound(chunk_rows_, row, {},
+                                              [](const ChunkRows& c) { return c.rows.begin; });
+  if (after == chunk_rows_.begin()) return none;
+  const ChunkRows& found = *std::prev(after);
+  return row < found.rows.end ? found.chunk : none;
 }
 
 Index BatchList::batch_count() const {
   Index batches = 0;
-  for (const loops::Range& range : ranges_)
+  for (const loops::Rows& range : ranges_)
     batches += (range.end + lanes - 1) / lanes - range.begin / lanes;
   return batches;
 }

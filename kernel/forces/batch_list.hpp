@@ -45,7 +45,7 @@ class BatchList {
   BatchList() = default;
   /// `rows`: ascending, disjoint ranges. `vertex_count`: of the complex.
   /// O(rows x nodes); 8 B per vertex while it runs.
-  BatchList(const Connectivity& cells, std::vector<loops::Range> rows, Index vertex_count);
+  BatchList(const Connectivity& cells, std::vector<loops::Rows> rows, Index vertex_count);
 
   /// Rows [first, last) were added behind all others. Returns false if it is
   /// time to build the list anew. Amortised O(rows added).
@@ -72,19 +72,19 @@ class BatchList {
   /// Chunks chunk_begin .. chunk_end of colour c; chunks are numbered by colour.
   Index chunk_begin(Index colour) const { return colour_begin_[colour]; }
   Index chunk_end(Index colour) const { return colour_begin_[colour + 1]; }
-  std::span<const loops::Range> ranges(Index chunk) const {
+  std::span<const loops::Rows> ranges(Index chunk) const {
     return std::span(ranges_).subspan(chunk_begin_[chunk],
                                       chunk_begin_[chunk + 1] - chunk_begin_[chunk]);
   }
 
  private:
-  void add_coloured(const Connectivity& cells, std::span<const loops::Range> rows,
-                    loops::Range vertices);
-  void add_chunk(std::span<const loops::Range> ranges);
-  void find_order(const Connectivity& cells, Index first, loops::Range vertices);
+  void add_coloured(const Connectivity& cells, std::span<const loops::Rows> rows,
+                    loops::Rows vertices);
+  void add_chunk(std::span<const loops::Rows> ranges);
+  void find_order(const Connectivity& cells, Index first, loops::Rows vertices);
 
   Index cells_ = 0, tail_ = 0, left_out_ = 0;
-  std::vector<loops::Range> ranges_;
+  std::vector<loops::Rows> ranges_;
   std::vector<Index> chunk_begin_{0};   // into ranges_
   std::vector<Index> colour_begin_{0};  // into chunks
   TaskOrder order_;
@@ -98,11 +98,11 @@ class ChunkFinder {
   Index colour(Index chunk) const { return colour_of_[chunk]; }
 
  private:
-  struct Place {
-    loops::Range range;
+  struct ChunkRows {
+    loops::Rows rows;
     Index chunk;
   };
-  std::vector<Place> places_;  ///< ascending
+  std::vector<ChunkRows> chunk_rows_;  ///< ascending
   std::vector<Index> colour_of_;
 };
 
@@ -113,7 +113,7 @@ Index chunk_rows(Index rows);
 /// Colours 0, 1, ... such that chunks of one colour share no vertex, by first
 /// fit in order of the chunks, all of whose vertices are in `vertices`. Deterministic.
 std::vector<Index> colour_chunks(const Connectivity& cells,
-                                 std::span<const std::vector<loops::Range>> chunks,
-                                 loops::Range vertices);
+                                 std::span<const std::vector<loops::Rows>> chunks,
+                                 loops::Rows vertices);
 
 }  // namespace suture

@@ -201,7 +201,7 @@ Connectivity CompiledFunctor::connectivity(const CellComplex& complex) const {
 }
 
 /// Elements of the shape that the functor is written for, or all cells.
-loops::Range CompiledFunctor::element_rows() const {
+loops::Rows CompiledFunctor::element_rows() const {
   Index begin = 0, end = cells().size();
   if (dimension_ == 3 && functor_.shape == SUTURE_PARALLELEPIPED) end = instance_.general_begin;
   if (dimension_ == 3 && functor_.shape == SUTURE_GENERAL) begin = instance_.general_begin;
@@ -218,19 +218,19 @@ bool CompiledFunctor::wants_face(const CellComplex& complex, Index row) const {
 bool CompiledFunctor::visits(const CellComplex& complex, Index row) const {
   if (skipped() || !cells().is_live(row)) return false;
   if (dimension_ == 2) return wants_face(complex, row);
-  const loops::Range rows = element_rows();
+  const loops::Rows rows = element_rows();
   return row >= rows.begin && row < rows.end;
 }
 
-std::vector<loops::Range> CompiledFunctor::wanted_rows(const CellComplex& complex) const {
+std::vector<loops::Rows> CompiledFunctor::wanted_rows(const CellComplex& complex) const {
   if (dimension_ == 2 && functor_.faces != SUTURE_ALL_FACES) return wanted_faces(complex);
-  const loops::Range rows = element_rows();
+  const loops::Rows rows = element_rows();
   if (rows.begin == rows.end) return {};
   return {rows};
 }
 
-std::vector<loops::Range> CompiledFunctor::wanted_faces(const CellComplex& complex) const {
-  std::vector<loops::Range> ranges;
+std::vector<loops::Rows> CompiledFunctor::wanted_faces(const CellComplex& complex) const {
+  std::vector<loops::Rows> ranges;
   for (Index row = 0; row < cells().size(); ++row) {
     if (!cells().is_live(row) || !wants_face(complex, row)) continue;
     if (!ranges.empty() && ranges.back().end == row)

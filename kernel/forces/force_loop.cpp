@@ -35,7 +35,7 @@ void ForceLoop::add_forces(double time, double dt, Part part, double* rows) {
     if (!belongs(impl_->functors[i], part)) continue;
     impl_->run(i, impl_->awake(impl_->functors[i]), time, dt, rows,
                [&](const loops::Job& job, const loops::Worker& worker,
-                   std::span<const loops::Range> ranges, Index) {
+                   std::span<const loops::Rows> ranges, Index) {
                  loops.forces(&job, &worker, ranges.data(),
                               static_cast<std::uint32_t>(ranges.size()));
                });
@@ -100,7 +100,7 @@ double ForceLoop::Impl::energy_of(Index number, double time) {
   if (!extension) return 0;
   std::vector<double> of_chunk(functors[number].list().chunk_count());
   run(number, time, 0,
-      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Range> ranges,
+      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
           Index chunk) {
         for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows&) {
           alignas(64) double out[lanes];
@@ -135,7 +135,7 @@ bool ForceLoop::Impl::add_field(Index number, std::string_view field, double tim
   const auto width = std::size_t{wanted->components};
   const auto place = static_cast<std::size_t>(wanted - fields.begin());
   run(number, time, 0,
-      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Range> ranges,
+      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
           Index) {
         AlignedVector<double> out(width * lanes);
         std::vector<double*> places(fields.size(), nullptr);
@@ -190,7 +190,7 @@ template <class Real>
 void ForceLoop::Impl::add_tangent(Index number, const Direction<Real>& d, double time, Real* out) {
   const auto* extension = functors[number].extension<suture_tangent_1>(SUTURE_TANGENT_1);
   run(number, time, 0,
-      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Range> ranges,
+      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
           Index) {
         for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {
           alignas(64) double dx[8 * 3 * lanes], dv[8 * 3 * lanes], df[8 * 3 * lanes];

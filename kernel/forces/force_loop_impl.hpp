@@ -87,8 +87,8 @@ struct ForceLoop::Impl {
   /// visit(batch, rows of its lanes) for every batch of some ranges.
   template <class Visit>
   void for_each_batch(const loops::Job& job, const loops::Worker& worker,
-                      std::span<const loops::Range> ranges, Visit visit) const {
-    for (const loops::Range& range : ranges)
+                      std::span<const loops::Rows> ranges, Visit visit) const {
+    for (const loops::Rows& range : ranges)
       for (Index row = range.begin; row < range.end;) {
         const Index here = std::min(range.end - row, lanes - row % lanes);
         const loops::BatchRows rows = loops::live_rows(job.live, row, here);

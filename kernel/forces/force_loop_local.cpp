@@ -100,7 +100,7 @@ void ForceLoop::add_bounds(double time, const AddBounds& sums) {
     const suture_stable_dt_1& extension = bounds_of(impl_->functors[i]);
     impl_->run(i, time, 0,
                [&](const loops::Job& job, const loops::Worker& worker,
-                   std::span<const loops::Range> ranges, Index) {
+                   std::span<const loops::Rows> ranges, Index) {
                  impl_->for_each_batch(job, worker, ranges,
                                        [&](suture_batch& batch, const loops::BatchRows& rows) {
                                          return add_bounds_of(extension, job, worker, batch, rows,

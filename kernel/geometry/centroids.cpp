@@ -2,7 +2,6 @@
 #include "kernel/geometry/centroids.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "kernel/base/box_text.hpp"
 
@@ -19,15 +18,11 @@ void centroids_of(const CellComplex& complex, const Places& places, std::vector<
 
 std::string why_nothing_was_cut(const Box& blade, const CellComplex& complex, const Places& places,
                                 const Vec3& origin) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Box body{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  Box body = no_box;
   for (Index v = 0; v < complex.count(0); ++v) {
     if (!complex.exists(0, v)) continue;
-    for (int a = 0; a < 3; ++a) {
-      const double x = places.rows[places.stride * v + a];
-      body.low[a] = std::min(body.low[a], x);
-      body.high[a] = std::max(body.high[a], x);
-    }
+    const double* x = places.rows + places.stride * v;
+    include(body, {x[0], x[1], x[2]});
   }
   bool apart = false;
   for (int a = 0; a < 3; ++a)

@@ -36,7 +36,7 @@ struct CubeGrid {
 };
 
 /// Two ends of a link.
-struct Link {
+struct Segment {
   Vec3 a, b;
 };
 
@@ -45,7 +45,7 @@ class TriangleTree {
  public:
   virtual ~TriangleTree() = default;
   /// crossed[i] = whether link i crosses a triangle: crosses() of blade.hpp.
-  virtual void crossings(std::span<const Link> links, std::uint8_t* crossed) const = 0;
+  virtual void crossings(std::span<const Segment> links, std::uint8_t* crossed) const = 0;
 };
 
 class GeometryModule {
@@ -61,7 +61,7 @@ class GeometryModule {
                                          const CubeGrid& grid) const = 0;
   virtual std::unique_ptr<TriangleTree> tree(const TriangleSurface& surface) const = 0;
   /// crosses() of blade.hpp for one triangle.
-  virtual bool crosses(const std::array<Vec3, 3>& triangle, const Link& link) const = 0;
+  virtual bool crosses(const std::array<Vec3, 3>& triangle, const Segment& link) const = 0;
 };
 
 /// The module, loaded at the first call. Throws IoError if it cannot be.

@@ -41,11 +41,7 @@ Vec3 between(const Vec3& a, const Vec3& b, double t) {
 }
 
 void add(Box& box, const std::vector<Vec3>& points) {
-  const Box other = box_of(points);
-  for (int a = 0; a < 3; ++a) {
-    box.low[a] = std::min(box.low[a], other.low[a]);
-    box.high[a] = std::max(box.high[a], other.high[a]);
-  }
+  for (const Vec3& p : points) include(box, p);
 }
 
 double distance(const Vec3& a, const Vec3& b) {
@@ -74,7 +70,7 @@ unsigned outcode(const Box& box, const Row4& p) {
 /// The map F of the class's description, about the middles of the link.
 class Frame {
  public:
-  Frame(const Link& from, const Link& to) {
+  Frame(const Segment& from, const Segment& to) {
     for (int i = 0; i < 3; ++i) {
       middle_[i] = (from.a[i] + from.b[i]) / 2;
       along_[i] = from.b[i] - from.a[i];
@@ -97,12 +93,12 @@ class Frame {
   double size2_;
 };
 
-Link between(const Link& a, const Link& b, double t) {
+Segment between(const Segment& a, const Segment& b, double t) {
   return {between(a.a, b.a, t), between(a.b, b.b, t)};
 }
 
 /// Whether the link crosses what the polyline sweeps from `from` to `to`.
-bool crosses_sweep(const Link& link0, const Link& link, const std::vector<Vec3>& from,
+bool crosses_sweep(const Segment& link0, const Segment& link, const std::vector<Vec3>& from,
                    const std::vector<Vec3>& to) {
   const GeometryModule& geometry = geometry_module();
   const Frame frame(link0, link);
@@ -161,7 +157,7 @@ std::vector<Vec3> MovingBlade::at(double time) const {
 }
 
 Box MovingBlade::box() const {
-  Box box = box_of(keys_.front().points);
+  Box box = no_box;
   for (const BladeKey& key : keys_) add(box, key.points);
   return box;
 }
@@ -217,7 +213,7 @@ std::vector<Dart> MovingBlade::advance(const CellComplex& complex, const Places&
 
 MovingBlade::Step MovingBlade::step_between(double last) const {
   Step step{path(std::max(last, begin()), std::min(time_, end())), {}};
-  step.box = box_of(step.path[0].points);
+  step.box = no_box;
   for (std::size_t i = 0; i < step.path.size(); ++i) {
     BladeKey& key = step.path[i];
     add(step.box, key.points);
@@ -281,8 +277,8 @@ MovingBlade::Found MovingBlade::look_at(const CellComplex& complex, const Step& 
     longest = std::max(longest, length);
     found.shortest = std::min(found.shortest, length);
     if ((one.outside & other.outside) != 0) continue;
-    const Link from{vec3(one.before), vec3(other.before)};
-    const Link to{vec3(one.now), vec3(other.now)};
+    const Segment from{vec3(one.before), vec3(other.before)};
+    const Segment to{vec3(one.now), vec3(other.now)};
     for (std::size_t i = 0; i + 1 < step.path.size(); ++i) {
       const BladeKey &p = step.path[i], &q = step.path[i + 1];
       if (!crosses_sweep(between(from, to, p.time), between(from, to, q.time), p.points, q.points))

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "kernel/base/types.hpp"
+#include "kernel/base/box.hpp"
 
 namespace suture {
 
@@ -30,10 +30,6 @@ struct PolygonSoup {
   std::size_t size() const { return offsets.size() - 1; }
 };
 
-/// Axis-parallel box; empty (low > high) without points.
-struct Box {
-  Vec3 low, high;
-};
 Box box_of(const std::vector<Vec3>& points);
 
 }  // namespace suture

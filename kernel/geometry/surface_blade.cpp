@@ -75,12 +75,12 @@ std::vector<Dart> SurfaceBlade::faces_cut(const CellComplex& complex, const Plac
   for_chunks(centroids.size(), workers,
              [&](std::size_t first, std::size_t last, std::size_t chunk) {
                std::vector<Dart> near;
-               std::vector<Link> links;
+               std::vector<Segment> links;
                for (std::size_t e = first; e < last; ++e)
                  for (int f = 0; f < 6; ++f) {
                    const Index n = complex.neighbour(static_cast<Index>(e), f);
                    if (n == none || n < e || !overlap(box_, centroids[e], centroids[n])) continue;
-                   const Link link{vec3(centroids[e]), vec3(centroids[n])};
+                   const Segment link{vec3(centroids[e]), vec3(centroids[n])};
                    if (!grid_.may_meet(link.a, link.b)) continue;
                    near.push_back(static_cast<Dart>(24 * e + 4 * f));
                    links.push_back(link);

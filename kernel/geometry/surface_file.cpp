@@ -5,7 +5,6 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/file.hpp"
@@ -87,13 +86,8 @@ constexpr Reader readers[] = {{".obj", read_obj},
 }  // namespace
 
 Box box_of(const std::vector<Vec3>& points) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-  for (const Vec3& p : points)
-    for (int a = 0; a < 3; ++a) {
-      box.low[a] = std::min(box.low[a], p[a]);
-      box.high[a] = std::max(box.high[a], p[a]);
-    }
+  Box box = no_box;
+  for (const Vec3& p : points) include(box, p);
   return box;
 }
 

@@ -12,18 +12,10 @@ namespace suture {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr Box no_box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 
 constexpr Index per_box = TissueBlocks::vertices_size;
 
 std::size_t blocks_of(std::size_t count, Index size) { return (count + size - 1) / size; }
-
-void include(Box& box, const Vec3& p) {
-  for (std::size_t a = 0; a < 3; ++a) {
-    box.low[a] = std::min(box.low[a], p[a]);
-    box.high[a] = std::max(box.high[a], p[a]);
-  }
-}
 
 /// One bit for each side of `box` beyond which all of both others lie.
 std::uint8_t sides_beyond(const Box& box, const Box& one, const Box& other) {

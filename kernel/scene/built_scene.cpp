@@ -36,7 +36,7 @@ Mesh load_mesh(const MeshSource& source, Diagnostics& diagnostics) {
 
 BodyFrame frame_of(const Mesh& mesh) {
   if (mesh.origin == Vec3{}) return {};
-  const auto [low, high] = extent_of(mesh);
+  const auto [low, high] = box_of(mesh);
   const Vec3 size = minus(high, low);
   return {mesh.origin, std::sqrt(dot(size, size))};
 }

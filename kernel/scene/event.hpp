@@ -74,8 +74,8 @@ struct SewFaces {
 /// Removes whole islands that have fewer elements, or have left a box. Both given:
 /// either suffices.
 struct RemoveIslands {
-  std::uint64_t below = 0;                ///< elements; 0: any size stays
-  std::optional<Selection::Box> outside;  ///< of the deformed shape
+  std::uint64_t below = 0;                  ///< elements; 0: any size stays
+  std::optional<Selection::InBox> outside;  ///< of the deformed shape
 };
 
 using EventOperation =

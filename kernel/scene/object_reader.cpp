@@ -28,12 +28,12 @@ std::string quoted_list(std::span<const std::string> words) {
 
 }  // namespace
 
-bool Range::admits(double value) const {
+bool Limits::admits(double value) const {
   if (minimum_excluded ? !(value > minimum) : !(value >= minimum)) return false;
   return maximum_excluded ? value < maximum : value <= maximum;
 }
 
-std::string Range::requirement() const {
+std::string Limits::requirement() const {
   std::string text;
   if (minimum > -std::numeric_limits<double>::infinity()) {
     text = (minimum_excluded ? "must be > " : "must be >= ") + with_unit(minimum, unit);
@@ -46,15 +46,16 @@ std::string Range::requirement() const {
 }
 
 std::optional<double> read_number(const JsonValue& value, const std::string& path,
-                                  const Range& range, Mistakes& mistakes) {
+                                  const Limits& limits, Mistakes& mistakes) {
   if (value.kind != JsonValue::Kind::number) {
-    const std::string unit = range.unit.empty() || range.unit == "1" ? "" : " (" + range.unit + ")";
+    const std::string unit =
+        limits.unit.empty() || limits.unit == "1" ? "" : " (" + limits.unit + ")";
     mistakes.add(value.at, path, "must be a number" + unit + ", is " + describe(value));
     return {};
   }
-  if (!range.admits(value.number)) {
+  if (!limits.admits(value.number)) {
     mistakes.add(value.at, path,
-                 range.requirement() + ", is " + with_unit(value.number, range.unit));
+                 limits.requirement() + ", is " + with_unit(value.number, limits.unit));
     return {};
   }
   return value.number;
@@ -98,19 +99,19 @@ std::optional<std::size_t> read_choice(const JsonValue& value, const std::string
   return {};
 }
 
-std::optional<Vec3> read_vector(const JsonValue& value, const std::string& path, const Range& range,
-                                Mistakes& mistakes) {
+std::optional<Vec3> read_vector(const JsonValue& value, const std::string& path,
+                                const Limits& limits, Mistakes& mistakes) {
   if (value.kind != JsonValue::Kind::array || value.items.size() != 3) {
     mistakes.add(value.at, path,
                  "must be three numbers [x, y, z]" +
-                     (range.unit.empty() || range.unit == "1" ? "" : " in " + range.unit) +
+                     (limits.unit.empty() || limits.unit == "1" ? "" : " in " + limits.unit) +
                      ", is " + describe(value));
     return {};
   }
   Vec3 vector;
   bool good = true;
   for (std::size_t a = 0; a < 3; ++a) {
-    const auto number = read_number(value.items[a], child_path(path, a), range, mistakes);
+    const auto number = read_number(value.items[a], child_path(path, a), limits, mistakes);
     vector[a] = number.value_or(0);
     good = good && number.has_value();
   }
@@ -166,9 +167,9 @@ std::optional<std::size_t> ObjectReader::one_of(std::span<const std::string> key
   return {};
 }
 
-std::optional<double> ObjectReader::number(const std::string& key, const Range& range) {
+std::optional<double> ObjectReader::number(const std::string& key, const Limits& limits) {
   const JsonValue* value = find(key);
-  return value ? read_number(*value, path_of(key), range, mistakes_) : std::nullopt;
+  return value ? read_number(*value, path_of(key), limits, mistakes_) : std::nullopt;
 }
 
 std::optional<std::uint64_t> ObjectReader::natural(const std::string& key, std::uint64_t minimum,
@@ -193,9 +194,9 @@ std::optional<std::size_t> ObjectReader::choice(const std::string& key,
   return value ? read_choice(*value, path_of(key), choices, mistakes_) : std::nullopt;
 }
 
-std::optional<Vec3> ObjectReader::vector(const std::string& key, const Range& range) {
+std::optional<Vec3> ObjectReader::vector(const std::string& key, const Limits& limits) {
   const JsonValue* value = find(key);
-  return value ? read_vector(*value, path_of(key), range, mistakes_) : std::nullopt;
+  return value ? read_vector(*value, path_of(key), limits, mistakes_) : std::nullopt;
 }
 
 void ObjectReader::finish() {

@@ -14,7 +14,7 @@
 namespace suture {
 
 /// What a number may be; the unit is for the message only.
-struct Range {
+struct Limits {
   std::string unit{};  ///< "s"; "" or "1" if it has none
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
@@ -25,17 +25,17 @@ struct Range {
   /// "must be > 0 s and <= 1 s".
   std::string requirement() const;
 
-  static Range any(std::string unit) { return {std::move(unit)}; }
-  static Range positive(std::string unit) {
+  static Limits any(std::string unit) { return {std::move(unit)}; }
+  static Limits positive(std::string unit) {
     return {std::move(unit), 0, std::numeric_limits<double>::infinity(), true, false};
   }
-  static Range not_negative(std::string unit) { return {std::move(unit), 0}; }
+  static Limits not_negative(std::string unit) { return {std::move(unit), 0}; }
 };
 
 /// The readers of single values: nothing, and a mistake noted, if the value is
 /// of another type or out of range.
 std::optional<double> read_number(const JsonValue& value, const std::string& path,
-                                  const Range& range, Mistakes& mistakes);
+                                  const Limits& limits, Mistakes& mistakes);
 std::optional<std::uint64_t> read_natural(const JsonValue& value, const std::string& path,
                                           std::uint64_t minimum, std::uint64_t maximum,
                                           Mistakes& mistakes);
@@ -46,8 +46,8 @@ std::optional<std::string> read_string(const JsonValue& value, const std::string
 /// Index into `choices`.
 std::optional<std::size_t> read_choice(const JsonValue& value, const std::string& path,
                                        std::span<const std::string> choices, Mistakes& mistakes);
-std::optional<Vec3> read_vector(const JsonValue& value, const std::string& path, const Range& range,
-                                Mistakes& mistakes);
+std::optional<Vec3> read_vector(const JsonValue& value, const std::string& path,
+                                const Limits& limits, Mistakes& mistakes);
 /// The items of an array, nullptr (and a mistake) if it is none.
 const std::vector<JsonValue>* read_array(const JsonValue& value, const std::string& path,
                                          const std::string& of_what, Mistakes& mistakes);
@@ -68,14 +68,14 @@ class ObjectReader {
   std::optional<std::size_t> one_of(std::span<const std::string> keys);
 
   // Optional keys: nothing if absent or wrong; then the default stays.
-  std::optional<double> number(const std::string& key, const Range& range);
+  std::optional<double> number(const std::string& key, const Limits& limits);
   std::optional<std::uint64_t> natural(
       const std::string& key, std::uint64_t minimum = 0,
       std::uint64_t maximum = std::numeric_limits<std::uint64_t>::max());
   std::optional<bool> boolean(const std::string& key);
   std::optional<std::string> string(const std::string& key);
   std::optional<std::size_t> choice(const std::string& key, std::span<const std::string> choices);
-  std::optional<Vec3> vector(const std::string& key, const Range& range);
+  std::optional<Vec3> vector(const std::string& key, const Limits& limits);
 
   void finish();
 

@@ -44,15 +44,15 @@ void read_rotation(ObjectReader rotation, Constraint& constraint) {
   constraint.axis = read_direction(rotation, "axis").value_or(Vec3{0, 0, 1});
   rotation.require("angle", "at the end of the ramp, in degrees");
   constraint.angle =
-      rotation.number("angle", Range::any("degrees")).value_or(0) * std::numbers::pi / 180;
-  constraint.centre = rotation.vector("centre", Range::any("m")).value_or(Vec3{});
+      rotation.number("angle", Limits::any("degrees")).value_or(0) * std::numbers::pi / 180;
+  constraint.centre = rotation.vector("centre", Limits::any("m")).value_or(Vec3{});
   rotation.finish();
 }
 
 void read_motion(ObjectReader& object, const JsonValue& value, Constraint& constraint) {
   ObjectReader move(value, object.path_of("move"), object.mistakes());
   constraint.moves = true;
-  constraint.translation = move.vector("translation", Range::any("m")).value_or(Vec3{});
+  constraint.translation = move.vector("translation", Limits::any("m")).value_or(Vec3{});
   if (const JsonValue* rotation = move.find("rotation")) {
     read_rotation({*rotation, move.path_of("rotation"), object.mistakes()}, constraint);
   } else if (move.find("translation") == nullptr && move.is_object()) {
@@ -82,14 +82,14 @@ void read_load(ObjectReader& object, Reading& reading) {
   Load load;
   static const std::array<std::string, 3> kinds{"force", "traction", "pressure"};
   const auto kind = object.one_of(kinds);
-  if (kind == 0u) load.value = object.vector("force", Range::any("N")).value_or(Vec3{});
+  if (kind == 0u) load.value = object.vector("force", Limits::any("N")).value_or(Vec3{});
   if (kind == 1u) {
     load.kind = Load::Kind::traction;
-    load.value = object.vector("traction", Range::any("Pa")).value_or(Vec3{});
+    load.value = object.vector("traction", Limits::any("Pa")).value_or(Vec3{});
   }
   if (kind == 2u) {
     load.kind = Load::Kind::pressure;
-    load.pressure = object.number("pressure", Range::any("Pa")).value_or(0);
+    load.pressure = object.number("pressure", Limits::any("Pa")).value_or(0);
   }
   load.ramp = optional_ramp(object);
   load.where = require_where(object, "the nodes that carry it");
@@ -101,7 +101,7 @@ void read_load(ObjectReader& object, Reading& reading) {
 TimeRamp read_ramp(const JsonValue& value, const std::string& path, Mistakes& mistakes) {
   TimeRamp ramp;
   if (value.kind == JsonValue::Kind::number) {
-    ramp.to = read_number(value, path, Range::not_negative("s"), mistakes).value_or(0);
+    ramp.to = read_number(value, path, Limits::not_negative("s"), mistakes).value_or(0);
     return ramp;
   }
   if (value.kind != JsonValue::Kind::object) {
@@ -110,9 +110,9 @@ TimeRamp read_ramp(const JsonValue& value, const std::string& path, Mistakes& mi
     return ramp;
   }
   ObjectReader object(value, path, mistakes);
-  ramp.from = object.number("from", Range::not_negative("s")).value_or(0);
+  ramp.from = object.number("from", Limits::not_negative("s")).value_or(0);
   object.require("to", "when the full value is reached, in s");
-  ramp.to = object.number("to", Range::not_negative("s")).value_or(ramp.from);
+  ramp.to = object.number("to", Limits::not_negative("s")).value_or(ramp.from);
   if (ramp.to < ramp.from) object.complain("to", "is before 'from'");
   static const std::array<std::string, 2> shapes{"linear", "smooth"};
   ramp.smooth = object.choice("shape", shapes) == 1u;
@@ -125,7 +125,7 @@ void read_gravity(ObjectReader& top, Reading& reading) {
   if (value == nullptr) return;
   if (value->kind != JsonValue::Kind::object) {
     reading.scene.gravity =
-        read_vector(*value, "/gravity", Range::any("m/s^2"), reading.mistakes).value_or(Vec3{});
+        read_vector(*value, "/gravity", Limits::any("m/s^2"), reading.mistakes).value_or(Vec3{});
     return;
   }
   ObjectReader gravity(*value, "/gravity", reading.mistakes);

@@ -101,7 +101,7 @@ CutPlane read_plane(ObjectReader plane) {
     cut.point = require_vector(plane, "point", "m", "a point of the plane [x, y, z] in m");
     plane.require("normal", "the direction across the cut [x, y, z]");
     cut.normal = read_direction(plane, "normal").value_or(Vec3{1, 0, 0});
-    cut.radius = plane.number("radius", Range::positive("m")).value_or(cut.radius);
+    cut.radius = plane.number("radius", Limits::positive("m")).value_or(cut.radius);
   }
   plane.finish();
   return cut;
@@ -111,8 +111,8 @@ CutSurface read_surface(ObjectReader surface, Reading& reading) {
   CutSurface cut;
   if (const JsonValue* file = surface.require("file", "triangles: .obj, .stl, .ply or .vtp"))
     cut.file = read_file(*file, surface.path_of("file"), reading);
-  cut.scale = surface.number("scale", Range::positive("1")).value_or(1);
-  cut.translation = surface.vector("translation", Range::any("m")).value_or(Vec3{});
+  cut.scale = surface.number("scale", Limits::positive("1")).value_or(1);
+  cut.translation = surface.vector("translation", Limits::any("m")).value_or(Vec3{});
   surface.finish();
   return cut;
 }
@@ -120,7 +120,7 @@ CutSurface read_surface(ObjectReader surface, Reading& reading) {
 CutBlade::Station read_station(ObjectReader& object, const Scene& scene) {
   CutBlade::Station station{};
   object.require("at", "when the blade is there, in s");
-  station.at = object.number("at", Range::not_negative("s")).value_or(0);
+  station.at = object.number("at", Limits::not_negative("s")).value_or(0);
   if (scene.solver.end && station.at > *scene.solver.end)
     object.complain("at", "is after the end of the run (/solver/end)");
   if (const JsonValue* points = object.require("points", "a segment or polyline [[x, y, z], ...]"))

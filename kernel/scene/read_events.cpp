@@ -9,7 +9,7 @@ namespace {
 
 // A time that must lie within the run.
 double read_time(ObjectReader& object, const std::string& key, const Scene& scene) {
-  const double time = object.number(key, Range::not_negative("s")).value_or(0);
+  const double time = object.number(key, Limits::not_negative("s")).value_or(0);
   if (scene.solver.end && time > *scene.solver.end) {
     const std::string text = describe(*object.find(key));  // "the number 2"
     object.complain(key, "is after the end of the run (/solver/end); is " + text);
@@ -30,7 +30,7 @@ Condition read_condition(ObjectReader object) {
   const std::string unit = condition.of == Condition::Of::velocity ? "m/s" : "m";
   if (const auto side = object.one_of(sides)) {
     condition.above = *side == 0;
-    condition.bound = object.number(sides[*side], Range::any(unit)).value_or(0);
+    condition.bound = object.number(sides[*side], Limits::any(unit)).value_or(0);
   }
   condition.every = object.natural("every", 1).value_or(1);
   object.finish();

@@ -40,10 +40,10 @@ void read_box(const JsonValue& value, const std::string& path, Reading& reading)
   ObjectReader box(value, path, reading.mistakes);
   BoxOptions options;
   box.require("size", "the lengths along the axes [x, y, z] in m");
-  options.size = box.vector("size", Range::positive("m")).value_or(options.size);
+  options.size = box.vector("size", Limits::positive("m")).value_or(options.size);
   options.cells = read_cells(box).value_or(options.cells);
-  options.origin = box.vector("origin", Range::any("m")).value_or(options.origin);
-  options.grading = box.vector("grading", Range::positive("1")).value_or(options.grading);
+  options.origin = box.vector("origin", Limits::any("m")).value_or(options.origin);
+  options.grading = box.vector("grading", Limits::positive("1")).value_or(options.grading);
   box.finish();
   reading.scene.mesh.box = options;
 }
@@ -52,9 +52,9 @@ void read_voxels(const JsonValue& value, const std::string& path, Reading& readi
   ObjectReader voxels(value, path, reading.mistakes);
   VoxelOptions options;
   voxels.require("size", "the edge of one cube in m");
-  options.size = voxels.number("size", Range::positive("m")).value_or(options.size);
+  options.size = voxels.number("size", Limits::positive("m")).value_or(options.size);
   options.layers = static_cast<Index>(voxels.natural("layers", 1, 100'000).value_or(1));
-  options.origin = voxels.vector("origin", Range::any("m")).value_or(options.origin);
+  options.origin = voxels.vector("origin", Limits::any("m")).value_or(options.origin);
   if (const JsonValue* rows = voxels.require("rows", "the drawing, one string per row")) {
     const std::string rows_path = voxels.path_of("rows");
     const auto* items = read_array(*rows, rows_path, "strings", reading.mistakes);
@@ -111,7 +111,7 @@ void read_mesh(const JsonValue& value, Reading& reading) {
     mesh.complain(
         "scale", "belongs to a mesh file; the size of a " + sources[*source] + " is given with it");
   }
-  result.scale = mesh.number("scale", Range::positive("1")).value_or(1);
+  result.scale = mesh.number("scale", Limits::positive("1")).value_or(1);
   static const std::array<std::string, 2> pinched{"split", "refuse"};
   if (mesh.choice("pinched", pinched) == 1u) {
     result.import.pinched = ImportOptions::Pinched::refuse;

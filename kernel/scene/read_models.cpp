@@ -7,7 +7,7 @@
 namespace suture::scene_parts {
 namespace {
 
-Range range_of(const suture_parameter& parameter) {
+Limits limits_of(const suture_parameter& parameter) {
   return {parameter.unit, parameter.minimum, parameter.maximum,
           (parameter.flags & SUTURE_MINIMUM_EXCLUDED) != 0,
           (parameter.flags & SUTURE_MAXIMUM_EXCLUDED) != 0};
@@ -20,7 +20,7 @@ std::string summary(const suture_parameter& parameter) {
 }
 
 std::optional<double> read_integer(ObjectReader& object, const suture_parameter& parameter) {
-  const auto number = object.number(parameter.name, range_of(parameter));
+  const auto number = object.number(parameter.name, limits_of(parameter));
   if (number && *number != static_cast<double>(static_cast<std::int64_t>(*number))) {
     object.complain(parameter.name, "must be a whole number");
   }
@@ -42,7 +42,7 @@ std::optional<double> read_parameter(ObjectReader& object, const suture_paramete
       return index ? std::optional(static_cast<double>(*index)) : std::nullopt;
     }
     default:
-      return object.number(parameter.name, range_of(parameter));
+      return object.number(parameter.name, limits_of(parameter));
   }
 }
 

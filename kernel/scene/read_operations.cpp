@@ -86,7 +86,7 @@ Pierce read_pierce(ObjectReader pierce) {
   } else if (pierce.find("radius") != nullptr) {
     pierce.complain("radius", "belongs to 'path'");
   }
-  result.radius = pierce.number("radius", Range::positive("m")).value_or(0);
+  result.radius = pierce.number("radius", Limits::positive("m")).value_or(0);
   pierce.finish();
   return result;
 }
@@ -96,9 +96,9 @@ Tear read_tear(ObjectReader tear, Reading& reading) {
   read_by(tear, result, reading);
   tear.require("above", "the threshold");
   const bool strain = result.by != Tear::By::field;
-  result.above = tear.number("above", strain ? Range::positive("1") : Range::any("")).value_or(1);
+  result.above = tear.number("above", strain ? Limits::positive("1") : Limits::any("")).value_or(1);
   result.where = optional_selection(tear, "where");
-  result.most = tear.number("most", Range{"1", 0, 1, true, false}).value_or(result.most);
+  result.most = tear.number("most", Limits{"1", 0, 1, true, false}).value_or(result.most);
   tear.finish();
   return result;
 }
@@ -125,7 +125,7 @@ SewFaces read_suture(ObjectReader suture) {
   } else if (suture.find("gap") != nullptr) {
     suture.complain("gap", "belongs to 'between'");
   }
-  result.gap = suture.number("gap", Range::positive("m")).value_or(0);
+  result.gap = suture.number("gap", Limits::positive("m")).value_or(0);
   if (suture.find("where") != nullptr) ++ways;
   result.where = optional_selection(suture, "where");
   if (ways > 1) suture.complain("must have one of 'faces', 'between' and 'where', or none");

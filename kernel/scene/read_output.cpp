@@ -101,7 +101,7 @@ void read_rhythm(ObjectReader& object, Reading& reading) {
   if (object.find("every") != nullptr && object.find("every_steps") != nullptr) {
     object.complain("must have 'every' (s) or 'every_steps', not both");
   }
-  output.every = object.number("every", Range::positive("s")).value_or(0);
+  output.every = object.number("every", Limits::positive("s")).value_or(0);
   output.every_steps = object.natural("every_steps", 1).value_or(0);
   const SolverOptions& solver = reading.scene.solver;
   if (output.every > 0 && solver.dt && output.every < *solver.dt) {
@@ -147,7 +147,8 @@ Probe read_probe(ObjectReader& object, Reading& reading) {
   static const std::array<std::string, 2> kinds{"point", "where"};
   const auto kind = object.one_of(kinds);
   if (kind == 0u) {
-    probe.where.what = Selection::Nearest{object.vector("point", Range::any("m")).value_or(Vec3{})};
+    probe.where.what =
+        Selection::Nearest{object.vector("point", Limits::any("m")).value_or(Vec3{})};
     probe.where.path = object.path_of("point");
     probe.at_point = true;
   } else if (kind == 1u) {
@@ -221,8 +222,8 @@ void read_checkpoint(const JsonValue* value, Reading& reading) {
         "run takes), not several");
   }
   checkpoint.every_steps = object.natural("every_steps", 1).value_or(0);
-  checkpoint.every = object.number("every", Range::positive("s")).value_or(0);
-  checkpoint.minutes = object.number("minutes", Range::positive("min")).value_or(0);
+  checkpoint.every = object.number("every", Limits::positive("s")).value_or(0);
+  checkpoint.minutes = object.number("minutes", Limits::positive("min")).value_or(0);
   constexpr unsigned most = 1'000'000;
   checkpoint.keep =
       static_cast<unsigned>(object.natural("keep", 1, most).value_or(checkpoint.keep));

@@ -13,7 +13,7 @@ Selection::Plane read_plane(ObjectReader plane) {
   result.point = require_vector(plane, "point", "m", "a point of the plane [x, y, z] in m");
   plane.require("normal", "the direction across the plane [x, y, z]");
   result.normal = read_direction(plane, "normal").value_or(Vec3{0, 0, 1});
-  result.tolerance = plane.number("tolerance", Range::not_negative("m")).value_or(-1);
+  result.tolerance = plane.number("tolerance", Limits::not_negative("m")).value_or(-1);
   plane.finish();
   return result;
 }
@@ -31,7 +31,7 @@ Selection::Sphere read_sphere(ObjectReader sphere) {
   Selection::Sphere result{};
   result.centre = require_vector(sphere, "centre", "m", "the centre [x, y, z] in m");
   sphere.require("radius", "the radius in m");
-  result.radius = sphere.number("radius", Range::positive("m")).value_or(1);
+  result.radius = sphere.number("radius", Limits::positive("m")).value_or(1);
   sphere.finish();
   return result;
 }
@@ -50,8 +50,8 @@ Selection::Ids read_ids(const JsonValue& value, const std::string& path, Mistake
 
 }  // namespace
 
-Selection::Box read_box(ObjectReader box) {
-  Selection::Box result;
+Selection::InBox read_box(ObjectReader box) {
+  Selection::InBox result;
   result.min = require_vector(box, "min", "m", "the corner of smallest coordinates [x, y, z] in m");
   result.max = require_vector(box, "max", "m", "the corner of largest coordinates [x, y, z] in m");
   for (int a = 0; a < 3; ++a) {
@@ -96,7 +96,7 @@ Selection read_selection(const JsonValue& value, const std::string& path, Mistak
         break;
       case 4:
         selection.what = Selection::Nearest{
-            read_vector(inner, inner_path, Range::any("m"), mistakes).value_or(Vec3{})};
+            read_vector(inner, inner_path, Limits::any("m"), mistakes).value_or(Vec3{})};
         break;
       case 5:
         selection.what = read_ids(inner, inner_path, mistakes);
@@ -110,7 +110,7 @@ Selection read_selection(const JsonValue& value, const std::string& path, Mistak
 }
 
 std::optional<Vec3> read_direction(ObjectReader& object, const std::string& key) {
-  const auto vector = object.vector(key, Range::any("1"));
+  const auto vector = object.vector(key, Limits::any("1"));
   if (vector && *vector == Vec3{}) {
     object.complain(key, "must not be [0, 0, 0]: it gives a direction");
     return {};
@@ -121,7 +121,7 @@ std::optional<Vec3> read_direction(ObjectReader& object, const std::string& key)
 Vec3 require_vector(ObjectReader& object, const std::string& key, const std::string& unit,
                     const std::string& what) {
   object.require(key, what);
-  return object.vector(key, Range::any(unit)).value_or(Vec3{});
+  return object.vector(key, Limits::any(unit)).value_or(Vec3{});
 }
 
 std::vector<Vec3> read_points(const JsonValue& value, const std::string& path, std::size_t least,
@@ -136,7 +136,7 @@ std::vector<Vec3> read_points(const JsonValue& value, const std::string& path, s
   }
   for (std::size_t i = 0; i < items->size(); ++i) {
     points.push_back(
-        read_vector((*items)[i], child_path(path, i), Range::any("m"), mistakes).value_or(Vec3{}));
+        read_vector((*items)[i], child_path(path, i), Limits::any("m"), mistakes).value_or(Vec3{}));
   }
   return points;
 }

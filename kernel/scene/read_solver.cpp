@@ -15,9 +15,9 @@ void read_step(ObjectReader& object, SolverOptions& solver) {
   if (!automatic && dt->kind == JsonValue::Kind::string) {
     object.complain("dt", "must be a number (s) or \"auto\", is " + describe(*dt));
   } else if (!automatic) {
-    solver.dt = object.number("dt", Range::positive("s"));
+    solver.dt = object.number("dt", Limits::positive("s"));
   }
-  const Range share{"1", 0, 1, true, false};
+  const Limits share{"1", 0, 1, true, false};
   if (object.find("safety") != nullptr && !automatic) {
     object.complain("safety", "belongs to \"dt\": \"auto\"; here dt is given");
   }
@@ -25,20 +25,20 @@ void read_step(ObjectReader& object, SolverOptions& solver) {
 }
 
 void read_end(ObjectReader& object, SolverOptions& solver) {
-  solver.end = object.number("end", Range::positive("s"));
+  solver.end = object.number("end", Limits::positive("s"));
   static const std::array<std::string, 1> until{"rest"};
   solver.until_rest = object.choice("until", until).has_value();
   if (object.find("end") == nullptr && object.find("until") == nullptr && object.is_object()) {
     object.complain("says no end: give 'end' in s, or \"until\": \"rest\"");
   }
-  const Range part{"1", 0, 1, true, true};
+  const Limits part{"1", 0, 1, true, true};
   if (object.find("tolerance") != nullptr && object.find("until") == nullptr) {
     object.complain("tolerance", "belongs to \"until\": \"rest\"");
   }
   if (object.find("kick") != nullptr && object.find("until") == nullptr) {
     object.complain("kick", "belongs to \"until\": \"rest\"");
   }
-  solver.kick = object.number("kick", Range::positive("m")).value_or(0);
+  solver.kick = object.number("kick", Limits::positive("m")).value_or(0);
   solver.tolerance = object.number("tolerance", part).value_or(solver.tolerance);
   if (solver.dt && solver.end && *solver.dt > *solver.end) {
     object.complain("dt", "is longer than the whole run");
@@ -50,7 +50,7 @@ void read_damping(ObjectReader& object, SolverOptions& solver) {
   solver.automatic_damping = solver.until_rest && damping == nullptr;
   if (damping == nullptr) return;
   if (damping->kind != JsonValue::Kind::string) {
-    solver.damping = object.number("damping", Range::not_negative("1/s")).value_or(0);
+    solver.damping = object.number("damping", Limits::not_negative("1/s")).value_or(0);
   } else if (damping->text != "auto") {
     object.complain("damping", "must be a number (1/s) or \"auto\", is " + describe(*damping));
   } else if (!solver.until_rest) {
@@ -66,8 +66,8 @@ void read_sleep(ObjectReader& object, SolverOptions& solver) {
   ObjectReader sleep(*value, object.path_of("sleep"), object.mistakes());
   sleep.require("acceleration", "an island sleeps below it, in m/s^2");
   sleep.require("velocity", "an island sleeps below it, in m/s");
-  solver.sleep_acceleration = sleep.number("acceleration", Range::positive("m/s^2")).value_or(0);
-  solver.sleep_velocity = sleep.number("velocity", Range::positive("m/s")).value_or(0);
+  solver.sleep_acceleration = sleep.number("acceleration", Limits::positive("m/s^2")).value_or(0);
+  solver.sleep_velocity = sleep.number("velocity", Limits::positive("m/s")).value_or(0);
   sleep.finish();
   if (solver.until_rest)
     object.complain("sleep", "and \"until\": \"rest\" exclude each other: at rest the run ends");

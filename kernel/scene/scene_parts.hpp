@@ -39,7 +39,7 @@ std::filesystem::path read_file(const JsonValue& value, const std::string& path,
 std::vector<Vec3> read_points(const JsonValue& value, const std::string& path, std::size_t least,
                               Mistakes& mistakes);
 /// A box {"min", "max"} in m.
-Selection::Box read_box(ObjectReader box);
+Selection::InBox read_box(ObjectReader box);
 /// Pairs of element numbers [[4, 5], ...].
 std::vector<std::array<std::uint64_t, 2>> read_pairs(const JsonValue& value,
                                                      const std::string& path, Mistakes& mistakes);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/base/box.hpp"
 #include "kernel/base/box_text.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/nearest.hpp"
@@ -21,7 +22,7 @@ struct Contains {
   const Vec3& p;
   double diagonal;
   bool operator()(const Selection::All&) const { return true; }
-  bool operator()(const Selection::Box& b) const {
+  bool operator()(const Selection::InBox& b) const {
     for (int a = 0; a < 3; ++a) {
       if (p[a] < b.min[a] || p[a] > b.max[a]) return false;
     }
@@ -43,26 +44,15 @@ struct Contains {
   bool operator()(const Selection::Named&) const { return false; }
 };
 
-struct Bounds {
-  Vec3 low, high;
-};
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 /// Of a column of places.
-Bounds bounds(const Column& places) {
-  Bounds box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-  for (Index v = 0; v < places.size(); ++v) {
-    for (int c = 0; c < 3; ++c) {
-      const auto a = static_cast<std::size_t>(c);
-      box.low[a] = std::min(box.low[a], places.get(v, c));
-      box.high[a] = std::max(box.high[a], places.get(v, c));
-    }
-  }
+Box box_of(const Column& places) {
+  Box box = no_box;
+  for (Index v = 0; v < places.size(); ++v)
+    include(box, {places.get(v, 0), places.get(v, 1), places.get(v, 2)});
   return box;
 }
 
-double diagonal_of(const Bounds& box) { return length(minus(box.high, box.low)); }
+double diagonal_of(const Box& box) { return length(minus(box.high, box.low)); }
 
 std::vector<std::string> set_names(const std::map<std::string, std::vector<Index>>& a,
                                    const std::map<std::string, std::vector<Index>>& b) {
@@ -111,12 +101,12 @@ Selector::Selector(const Imported& imported, const MeshNames& names, const Colum
       names_(names),
       rest_(rest),
       frame_(frame),
-      diagonal_(diagonal_of(bounds(rest))),
+      diagonal_(diagonal_of(box_of(rest))),
       point_position_(positions(names.point_ids)),
       element_position_(positions(names.element_ids)) {}
 
 std::string Selector::bounds_text() const {
-  const auto [low, high] = bounds(rest_);
+  const auto [low, high] = box_of(rest_);
   return box_text(frame_.in_scene(low), frame_.in_scene(high), 6) + " m";
 }
 
@@ -156,7 +146,7 @@ std::vector<Index> Selector::located(const Selection& selection, Index count, Ex
                                      At at) const {
   std::vector<Index> result;
   const auto* near = std::get_if<Selection::Nearest>(&selection.what);
-  double nearest = infinity;
+  double nearest = std::numeric_limits<double>::infinity();
   for (Index cell = 0; cell < count; ++cell) {
     if (!exists(cell)) continue;
     const Vec3 place = at(cell);

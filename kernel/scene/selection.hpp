@@ -15,7 +15,7 @@ namespace suture {
 /// of which are selected.
 struct Selection {
   struct All {};
-  struct Box {
+  struct InBox {
     Vec3 min, max;
   };
   struct Plane {
@@ -39,7 +39,7 @@ struct Selection {
   struct Named {
     std::string set;
   };
-  std::variant<All, Box, Plane, HalfSpace, Sphere, Nearest, Ids, Named> what = All{};
+  std::variant<All, InBox, Plane, HalfSpace, Sphere, Nearest, Ids, Named> what = All{};
   std::string path;  ///< "/constraints/0/where"
 
   /// Of a plane without a tolerance, as a part of the diagonal of the mesh's bounding box.

@@ -29,7 +29,7 @@ struct Translation {
   // ---- selections ----
 
   void operator()(Selection::All&) const {}
-  void operator()(Selection::Box& box) const {
+  void operator()(Selection::InBox& box) const {
     (*this)(box.min);
     (*this)(box.max);
     for (std::size_t a = 0; a < 3; ++a) {

@@ -54,20 +54,20 @@ CellComplex::CellComplex(std::vector<Hexahedron> hexahedra, Index vertex_count,
 template <int Dimension>
 void CellComplex::collect_star(Dart start, std::vector<Dart>& out) const {
   constexpr std::size_t searched = 64;  // below, linear search is fastest
-  std::unordered_set<Place> seen;
-  std::vector<Place>& places = out;
-  const auto is_new = [&](Place place) {
+  std::unordered_set<LocalCell> seen;
+  std::vector<LocalCell>& places = out;
+  const auto is_new = [&](LocalCell place) {
     if (places.size() < searched) return std::ranges::find(places, place) == places.end();
     if (seen.empty()) seen.insert(places.begin(), places.end());
     return seen.insert(place).second;
   };
-  places.assign(1, place_of<Dimension>(start));
+  places.assign(1, local_cell_of<Dimension>(start));
   for (std::size_t next = 0; next < places.size(); ++next) {
-    const Place here = places[next];
+    const LocalCell here = places[next];
     for (const Exit exit : exits<Dimension>[here & 15]) {
       const Link link = links_[6 * (here >> 4) + exit.face];
       if (link == none) continue;
-      const Place there = link >> 5 << 4 | across<Dimension>[link & 31][exit.position];
+      const LocalCell there = link >> 5 << 4 | across<Dimension>[link & 31][exit.position];
       if (is_new(there)) places.push_back(there);
     }
   }

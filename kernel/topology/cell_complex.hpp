@@ -254,7 +254,7 @@ class CellComplex {
   template <int Dimension>
   void split_in_halves(Index cell, incidence::HalfStars& halves, TopologyChange& change);
   template <int Dimension>
-  void flood_star(incidence::Place start, Index cell, StarFlood& flood);
+  void flood_star(incidence::LocalCell start, Index cell, StarFlood& flood);
   template <int Dimension>
   void name_components(Index cell, const StarFlood& flood, TopologyChange& change);
   void split_faces(std::span<const incidence::Link> cut_faces, TopologyChange& change);

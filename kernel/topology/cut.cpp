@@ -39,10 +39,10 @@ struct CellComplex::StarFlood {
   struct Component {
     std::uint32_t begin, end;  ///< in places
   };
-  std::vector<Place> places = std::vector<Place>(64);  ///< those below `reached` count
+  std::vector<LocalCell> places = std::vector<LocalCell>(64);  ///< those below `reached` count
   std::uint32_t reached = 0;
   std::vector<Component> components;
-  std::vector<Place> beyond;  ///< across links that leave
+  std::vector<LocalCell> beyond;  ///< across links that leave
 
   /// Forgets the components of elements that go.
   template <class IsRemoved>
@@ -55,9 +55,9 @@ struct CellComplex::StarFlood {
   /// Components in order of their smallest elements, each ascending.
   void sort() {
     for (const Component& c : components) {
-      Place* const first = places.data() + c.begin;
+      LocalCell* const first = places.data() + c.begin;
       if (c.end - c.begin < 24)
-        sort_places(first, places.data() + c.end);
+        sort_local_cells(first, places.data() + c.end);
       else
         std::sort(first, places.data() + c.end);
     }
@@ -162,7 +162,7 @@ template void CellComplex::split_cells<CellComplex::Loss::elements>(std::span<co
 template <int Dimension, CellComplex::Loss What>
 void CellComplex::split_cell(Link dart, StarWork& work, TopologyChange& change) {
   auto* const label = rows<Dimension>();
-  const Place start = dart >> 5 << 4 | local_cell<Dimension>(static_cast<int>(dart & 31));
+  const LocalCell start = dart >> 5 << 4 | local_of<Dimension>(static_cast<int>(dart & 31));
   const Index cell = label[start >> 4][start & 15];
   if (cell >= work.old_count[Dimension] || !mark(cell_marks_[Dimension], cell)) return;
   if (What == Loss::links && half_stars<Dimension>(links_.data(), dart, work.halves))
@@ -193,9 +193,9 @@ template <int Dimension>
 void CellComplex::split_in_halves(Index cell, HalfStars& halves, TopologyChange& change) {
   auto* const label = rows<Dimension>();
   const std::size_t size = halves.size;
-  Place *kept = halves.above.data(), *leaves = halves.below.data();
-  sort_places(kept, kept + size);
-  sort_places(leaves, leaves + size);
+  LocalCell *kept = halves.above.data(), *leaves = halves.below.data();
+  sort_local_cells(kept, kept + size);
+  sort_local_cells(leaves, leaves + size);
   if (leaves[0] < kept[0]) std::swap(kept, leaves);
   const Index id = count(Dimension);
   some_dart_[Dimension].push_back(dart_at<Dimension>(leaves[0]));
@@ -206,7 +206,7 @@ void CellComplex::split_in_halves(Index cell, HalfStars& halves, TopologyChange&
   std::transform(leaves, leaves + size, stars.append(id, size), dart_at<Dimension>);
   if (halves.cut_all) return;  // split_faces() finds them
   for (std::size_t i = 0; i < size; ++i)
-    for (const Place place : {kept[i], leaves[i]})
+    for (const LocalCell place : {kept[i], leaves[i]})
       if (mark(element_marks_, place >> 4)) change.elements.push_back(place >> 4);
 }
 
@@ -214,14 +214,14 @@ void CellComplex::split_in_halves(Index cell, HalfStars& halves, TopologyChange&
 /// stay as one component, across links that leave into further ones. What has been
 /// reached carries the label `none`.
 template <int Dimension>
-void CellComplex::flood_star(Place start, Index cell, StarFlood& flood) {
+void CellComplex::flood_star(LocalCell start, Index cell, StarFlood& flood) {
   auto* const label = rows<Dimension>();
   const Link* const all_links = links_.data();
   flood.components.clear();
   flood.beyond.assign(1, start);
   std::uint32_t next = 0, reached = 0;
   while (!flood.beyond.empty()) {
-    const Place first = flood.beyond.back();
+    const LocalCell first = flood.beyond.back();
     flood.beyond.pop_back();
     Index& id = label[first >> 4][first & 15];
     if (id != cell) continue;
@@ -230,15 +230,15 @@ void CellComplex::flood_star(Place start, Index cell, StarFlood& flood) {
     flood.places[reached++] = first;
     for (; next < reached; ++next) {
       if (reached + 4 > flood.places.size()) flood.places.resize(2 * flood.places.size());
-      Place* const places = flood.places.data();
-      const Place here = places[next];
+      LocalCell* const places = flood.places.data();
+      const LocalCell here = places[next];
       const Link* const links = all_links + std::size_t{6} * (here >> 4);
       for (const Exit exit : exits<Dimension>[here & 15]) {
         const Link link = links[exit.face];
         if (link == none) continue;
         const int cell_there = across<Dimension>[link & 31][exit.position];
         const Index element_there = (link & ~leaving) >> 5;
-        const Place there = element_there << 4 | static_cast<Place>(cell_there);
+        const LocalCell there = element_there << 4 | static_cast<LocalCell>(cell_there);
         Index& id_there = label[element_there][cell_there];
         const bool fresh = id_there == cell;
         if (link & leaving) {
@@ -269,7 +269,7 @@ void CellComplex::name_components(Index cell, const StarFlood& flood, TopologyCh
     }
     Dart* darts = stars.append(id, component.end - component.begin);
     for (std::uint32_t i = component.begin; i < component.end; ++i) {
-      const Place place = flood.places[i];
+      const LocalCell place = flood.places[i];
       label[place >> 4][place & 15] = id;
       *darts++ = dart_at<Dimension>(place);
       if (mark(element_marks_, place >> 4)) change.elements.push_back(place >> 4);

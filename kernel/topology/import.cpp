@@ -20,8 +20,8 @@ std::string counted(std::size_t n, const std::string& one, const std::string& ma
 }
 
 /// "3, 7, 12 and 40 more": all of them up to 1,000.
-template <class Range, class Name>
-std::string listed(const Range& items, Name name, std::size_t at_most = 1000) {
+template <class Items, class Name>
+std::string listed(const Items& items, Name name, std::size_t at_most = 1000) {
   std::string text;
   std::size_t shown = 0;
   for (const auto& item : items) {

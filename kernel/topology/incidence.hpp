@@ -22,7 +22,7 @@ inline constexpr Link link_of(Index element, unsigned dart) { return element << 
 inline constexpr Dart dart_of(Link link) { return 24 * (link >> 5) + (link & 31); }
 
 /// An element and one of its vertices, edges or faces: element << 4 | local cell.
-using Place = std::uint32_t;
+using LocalCell = std::uint32_t;
 
 template <int Dimension>
 inline constexpr int cells = Dimension == 0   ? 8
@@ -31,7 +31,7 @@ inline constexpr int cells = Dimension == 0   ? 8
 
 /// The local vertex, edge or face of a local dart.
 template <int Dimension>
-constexpr Local local_cell(int dart) {
+constexpr Local local_of(int dart) {
   if constexpr (Dimension == 0) return hexahedron::dart_vertex[dart];
   if constexpr (Dimension == 1) return hexahedron::dart_edge[dart];
   return static_cast<Local>(dart / 4);
@@ -50,7 +50,7 @@ inline constexpr auto exits = [] {
   std::array<int, cells<Dimension>> found{};
   for (int d = 0; d < hexahedron::darts; ++d) {
     if (Dimension == 2 && d % 4 != 0) continue;
-    const int cell = local_cell<Dimension>(d);
+    const int cell = local_of<Dimension>(d);
     result[cell][found[cell]++] = {static_cast<Local>(d / 4), static_cast<Local>(d % 4)};
   }
   return result;
@@ -65,13 +65,13 @@ inline constexpr auto across = [] {
   for (int link = 0; link < hexahedron::darts; ++link)
     for (int k = 0; k < 4; ++k)
       result[link][k] =
-          local_cell<Dimension>((link & ~3) | ((link - k + (Dimension == 0 ? 1 : 0)) & 3));
+          local_of<Dimension>((link & ~3) | ((link - k + (Dimension == 0 ? 1 : 0)) & 3));
   return result;
 }();
 
 template <int Dimension>
-constexpr Place place_of(Dart d) {
-  return d / 24 << 4 | local_cell<Dimension>(static_cast<int>(d % 24));
+constexpr LocalCell local_cell_of(Dart d) {
+  return d / 24 << 4 | local_of<Dimension>(static_cast<int>(d % 24));
 }
 
 /// lowest_dart[cell]: of an element in one of its cells. 16 entries, as a place may say.
@@ -87,7 +87,7 @@ inline constexpr auto lowest_dart = [] {
 
 /// It stands for the place in stars.
 template <int Dimension>
-constexpr Dart dart_at(Place place) {
+constexpr Dart dart_at(LocalCell place) {
   return 24 * (place >> 4) + lowest_dart<Dimension>[place & 15];
 }
 

@@ -128,7 +128,7 @@ void request_tear(const CellComplex& complex, const Operation& operation, Reques
     }
     complex.star(0, complex.origin(d), star);
     for (const Dart corner : star)
-      for (const auto exit : incidence::exits<0>[incidence::place_of<0>(corner) & 15]) {
+      for (const auto exit : incidence::exits<0>[incidence::local_cell_of<0>(corner) & 15]) {
         const Dart face = corner - corner % hexahedron::darts + 4 * exit.face;
         if (complex.can_cut(face)) result.faces.push_back(face);
       }

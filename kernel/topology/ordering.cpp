@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/base/box.hpp"
 #include "kernel/base/radix_sort.hpp"
 
 namespace suture {
@@ -20,19 +21,10 @@ std::uint64_t spread(std::uint64_t x) {
   return x;
 }
 
-struct Box {
-  Vec3 low, high;
-  double length(std::size_t axis) const { return high[axis] - low[axis]; }
-};
-
 Box bounds(std::span<const Vec3> points, const std::vector<bool>& used) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  Box box = no_box;
   for (std::size_t p = 0; p < points.size(); ++p)
-    for (std::size_t c = 0; c < 3 && used[p]; ++c) {
-      box.low[c] = std::min(box.low[c], points[p][c]);
-      box.high[c] = std::max(box.high[c], points[p][c]);
-    }
+    if (used[p]) include(box, points[p]);
   return box;
 }
 
@@ -96,7 +88,7 @@ bool is_local(std::span<const Hexahedron> hexahedra, Index point_count) {
 
 std::vector<Index> curve_order(std::span<const Hexahedron> hexahedra, std::span<const Vec3> points,
                                const std::vector<bool>& used) {
-  struct Place {
+  struct Keyed {
     std::uint64_t key;
     Index element;
   };
@@ -111,7 +103,7 @@ std::vector<Index> curve_order(std::span<const Hexahedron> hexahedra, std::span<
   for (std::size_t p = 0; p < points.size(); ++p)
     for (int c = 0; c < 3 && used[p]; ++c)
       packed[p] |= static_cast<std::uint64_t>((points[p][c] - box.low[c]) * scale) << 21 * c;
-  std::vector<Place> places(hexahedra.size()), spare;
+  std::vector<Keyed> places(hexahedra.size()), spare;
   for (Index e = 0; e < hexahedra.size(); ++e) {
     std::uint64_t sum = 0, key = 0;
     for (const Index v : hexahedra[e]) sum += packed[v];
@@ -119,9 +111,9 @@ std::vector<Index> curve_order(std::span<const Hexahedron> hexahedra, std::span<
     places[e] = {key, e};
   }
   packed = std::vector<std::uint64_t>();
-  radix_sort(places, spare, [](const Place& p) { return p.key; });
+  radix_sort(places, spare, [](const Keyed& p) { return p.key; });
   std::vector<Index> order(places.size());
-  std::ranges::transform(places, order.begin(), &Place::element);
+  std::ranges::transform(places, order.begin(), &Keyed::element);
   return order;
 }
 

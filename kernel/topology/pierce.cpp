@@ -152,7 +152,7 @@ void CellComplex::free_rim(std::span<const Link> rim, TopologyChange& change) {
 template <int Dimension>
 bool CellComplex::lose_elements(Index cell, HalfStars& halves, TopologyChange& change) {
   const std::size_t n = halves.size;
-  std::array<Place, 2 * HalfStars::most> places;
+  std::array<LocalCell, 2 * HalfStars::most> places;
   unsigned left = 0;
   for (std::size_t i = 0; i < n; ++i) {
     places[i] = halves.above[i];
@@ -160,14 +160,14 @@ bool CellComplex::lose_elements(Index cell, HalfStars& halves, TopologyChange& c
   }
   for (std::size_t i = 0; i < 2 * n; ++i) left |= unsigned{!is_removed(places[i] >> 4)} << i;
   if (!hangs_together<Dimension>(left, static_cast<unsigned>(n), halves.closed)) return false;
-  sort_places(places.data(), places.data() + 2 * n);
+  sort_local_cells(places.data(), places.data() + 2 * n);
   if (std::adjacent_find(places.data(), places.data() + 2 * n) != places.data() + 2 * n)
     return false;
   auto* const label = rows<Dimension>();
   Stars& stars = change.stars[Dimension];
   const std::size_t first = stars.darts.size();
   for (std::size_t i = 0; i < 2 * n; ++i) {
-    const Place place = places[i];
+    const LocalCell place = places[i];
     if (is_removed(place >> 4)) {
       label[place >> 4][place & 15] = none;
     } else {

@@ -47,7 +47,7 @@ inline constexpr LocalTable end_of =
 
 inline Link turned(Link dart, const LocalTable& table) { return (dart & ~31u) | table[dart & 31]; }
 /// The place where the dart begins, or ends.
-inline Place place(Link dart, const LocalTable& vertex) {
+inline LocalCell place(Link dart, const LocalTable& vertex) {
   return dart >> 5 << 4 | vertex[dart & 31];
 }
 }  // namespace detail
@@ -58,10 +58,10 @@ inline Link previous(Link dart) { return detail::turned(dart, detail::previous_o
 inline Link across_link(Link link, Link dart) { return (link & ~3u) | ((link - dart) & 3u); }
 
 /// Few places, ascending.
-inline void sort_places(Place* begin, Place* end) {
+inline void sort_local_cells(LocalCell* begin, LocalCell* end) {
   // Without branches, which would be hard to predict, where a full half star is.
   const auto order = [begin](int i, int j) {
-    const Place low = std::min(begin[i], begin[j]), high = std::max(begin[i], begin[j]);
+    const LocalCell low = std::min(begin[i], begin[j]), high = std::max(begin[i], begin[j]);
     begin[i] = low;
     begin[j] = high;
   };
@@ -70,9 +70,9 @@ inline void sort_places(Place* begin, Place* end) {
     order(0, 1), order(2, 3), order(0, 2), order(1, 3);
     return order(1, 2);
   }
-  for (Place* i = begin + 1; i < end; ++i) {
-    const Place value = *i;
-    Place* to = i;
+  for (LocalCell* i = begin + 1; i < end; ++i) {
+    const LocalCell value = *i;
+    LocalCell* to = i;
     for (; to > begin && to[-1] > value; --to) *to = to[-1];
     *to = value;
   }
@@ -81,7 +81,7 @@ inline void sort_places(Place* begin, Place* end) {
 /// Two half stars: places above[0..size), below[0..size), which is at most `most`.
 struct HalfStars {
   static constexpr std::size_t most = 8;
-  std::array<Place, most> above, below;
+  std::array<LocalCell, most> above, below;
   std::size_t size = 0;
   bool cut_all = true;  ///< every element of both has a face that is cut
   bool closed = false;  ///< the last elements are neighbours of the first ones (of each other)
@@ -133,7 +133,7 @@ bool half_stars_of_vertex(const Link* links, Link start, HalfStars& stars) {
   using namespace detail;
   stars.size = 0;
   stars.cut_all = stars.closed = true;
-  const auto add = [&](Place above, Place below) {
+  const auto add = [&](LocalCell above, LocalCell below) {
     stars.above[stars.size] = above;
     stars.below[stars.size++] = below;
     return below != stars.above[0];  // else there is one side only
@@ -168,21 +168,21 @@ bool half_stars_of_vertex(const Link* links, Link start, HalfStars& stars) {
 template <Surface What>
 bool half_stars_of_edge(const Link* links, Link start, HalfStars& stars) {
   using detail::Step;
-  const auto place_of = [](Link dart) {
-    return dart >> 5 << 4 | local_cell<1>(static_cast<int>(dart & 31));
+  const auto local_cell_of = [](Link dart) {
+    return dart >> 5 << 4 | local_of<1>(static_cast<int>(dart & 31));
   };
   Link above = start;
   Link below = across_link(links[marks::side_of(start)] & ~marks::leaving, start);
-  stars.above[0] = place_of(above);
-  stars.below[0] = place_of(below);
+  stars.above[0] = local_cell_of(above);
+  stars.below[0] = local_cell_of(below);
   stars.size = 1;
   stars.cut_all = true;
   stars.closed = false;
   const Step step = detail::step<What>(links, above, below);
   if (step == Step::irregular) return false;
   if (step == Step::end) return stars.above[0] != stars.below[0];
-  stars.above[1] = place_of(above);
-  stars.below[1] = place_of(below);
+  stars.above[1] = local_cell_of(above);
+  stars.below[1] = local_cell_of(below);
   stars.size = 2;
   if (stars.above[1] == stars.below[0]) return false;
   if (detail::is_glued<What>(links, above, below)) {

@@ -160,7 +160,7 @@ void CellComplex::merge_cells(const MergedCells& merged, TopologyChange& change)
     const Index kept = merged.stars.cells[i];
     some_dart_[Dimension][kept] = merged.stars[i][0];
     for (const Dart d : merged.stars[i]) {
-      label[d / 24][local_cell<Dimension>(static_cast<int>(d % 24))] = kept;
+      label[d / 24][local_of<Dimension>(static_cast<int>(d % 24))] = kept;
       change.elements.push_back(d / 24);
     }
   }

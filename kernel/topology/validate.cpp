@@ -80,7 +80,8 @@ void check_orbits(const CellComplex& map) {
     for (const Dart d : star) reached[d] = true;
   }
   for (Dart d = 0; d < 24 * map.element_count(); ++d)
-    if (map.exists(3, d / 24) && dart_at<Dimension>(place_of<Dimension>(d)) == d && !reached[d])
+    if (map.exists(3, d / 24) && dart_at<Dimension>(local_cell_of<Dimension>(d)) == d &&
+        !reached[d])
       broken("one " + name + " per id", d,
              "id " + std::to_string(map.cell(Dimension, d)) + " belongs to another orbit");
 }

@@ -208,7 +208,7 @@ int clashes(const Body& body, const CompiledFunctor& functor, int dimension) {
   for (Index colour = 0; colour < list.colour_count(); ++colour) {
     std::map<Index, Index> chunk_of;
     for (Index chunk = list.chunk_begin(colour); chunk < list.chunk_end(colour); ++chunk)
-      for (const loops::Range& range : list.ranges(chunk))
+      for (const loops::Rows& range : list.ranges(chunk))
         for (Index row = range.begin; row < range.end; ++row) {
           if (!cells.is_live(row)) continue;
           std::array<Index, 8> x;
@@ -232,7 +232,7 @@ int unordered(const Body& body, const CompiledFunctor& functor, int dimension) {
       waits[chunk].insert(earlier);
       waits[chunk].insert(waits[earlier].begin(), waits[earlier].end());
     }
-    for (const loops::Range& range : list.ranges(chunk))
+    for (const loops::Rows& range : list.ranges(chunk))
       for (Index row = range.begin; row < range.end; ++row) {
         if (!cells.is_live(row)) continue;
         std::array<Index, 8> x;

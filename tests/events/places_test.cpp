@@ -158,9 +158,9 @@ TEST(ElementsOfIslands, AreSmallOnesAndThoseThatLeft) {
   which.below = 3;
   EXPECT_EQ(removed(which), (std::vector<double>{10, 10, 20}));
   which.below = 0;
-  which.outside = Selection::Box{{-1, 4.5, -1}, {10, 9, 9}};  // the tip of the long bar
+  which.outside = Selection::InBox{{-1, 4.5, -1}, {10, 9, 9}};  // the tip of the long bar
   EXPECT_EQ(removed(which), (std::vector<double>{10, 10, 20}));
-  which.outside = Selection::Box{{9.5, -1, -1}, {10.5, 0, 9}};  // a corner of the second
+  which.outside = Selection::InBox{{9.5, -1, -1}, {10.5, 0, 9}};  // a corner of the second
   which.below = 3;
   EXPECT_EQ(removed(which).size(), 8u) << "either reason suffices";
   which.below = 0;

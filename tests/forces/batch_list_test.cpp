@@ -28,7 +28,7 @@ void expect_lawful(const BatchList& list, const Connectivity& cells, Index rows)
     std::set<Index> of_colour;
     for (Index c = list.chunk_begin(colour); c < list.chunk_end(colour); ++c) {
       std::set<Index> of_chunk;
-      for (const loops::Range& range : list.ranges(c))
+      for (const loops::Rows& range : list.ranges(c))
         for (Index row = range.begin; row < range.end; ++row) {
           ++visits[row];
           for (const Index vertex : cells.of(row)) of_chunk.insert(vertex);
@@ -55,7 +55,7 @@ void expect_ordered(const BatchList& list, const Connectivity& cells, Index vert
       waits[c].insert(earlier);
       waits[c].insert(waits[earlier].begin(), waits[earlier].end());
     }
-    for (const loops::Range& range : list.ranges(c))
+    for (const loops::Rows& range : list.ranges(c))
       for (Index row = range.begin; row < range.end; ++row)
         for (const Index vertex : cells.of(row)) chunks_at[vertex].insert(c);
   }

@@ -39,8 +39,8 @@ TEST(OwnOrigin, IsTheLowerCornerOfWhatElementsUse) {
   const Mesh before = mesh;
   move_to_own_origin(mesh);
   EXPECT_EQ(mesh.origin, (Vec3{8, -4, 0.5}));
-  EXPECT_EQ(extent_of(mesh).low, Vec3{});
-  EXPECT_EQ(extent_of(mesh).high, (Vec3{2, 1, 1}));
+  EXPECT_EQ(box_of(mesh).low, Vec3{});
+  EXPECT_EQ(box_of(mesh).high, (Vec3{2, 1, 1}));
   for (std::size_t i = 0; i < mesh.points.size(); ++i)
     for (std::size_t a = 0; a < 3; ++a)
       EXPECT_EQ(mesh.points[i][a] + mesh.origin[a], before.points[i][a]);

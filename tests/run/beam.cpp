@@ -41,8 +41,8 @@ Scene beam(PluginHost& host, const std::string& model, Index nx, Index n, double
 Selection beam_tip(Index n) {
   const double reach = (n % 2 == 1 ? 0.125 / n : 0) + 1e-6;
   Selection tip;
-  tip.what = Selection::Box{{1 - 1e-6, 0.125 - reach, 0.125 - reach},
-                            {1 + 1e-6, 0.125 + reach, 0.125 + reach}};
+  tip.what = Selection::InBox{{1 - 1e-6, 0.125 - reach, 0.125 - reach},
+                              {1 + 1e-6, 0.125 + reach, 0.125 + reach}};
   tip.path = "/tip";
   return tip;
 }

@@ -22,8 +22,8 @@ PluginHost& host() {
 Scene two_halves(OnInversion left, OnInversion right, OnInversion solver = OnInversion::by_model) {
   Scene scene = beam(host(), "tm-faure", 8, 2, 0);
   scene.models.push_back(scene.models[0]);
-  scene.models[0].region.what = Selection::Box{{0, 0, 0}, {0.5, 1, 1}};
-  scene.models[1].region.what = Selection::Box{{0.5, 0, 0}, {1, 1, 1}};
+  scene.models[0].region.what = Selection::InBox{{0, 0, 0}, {0.5, 1, 1}};
+  scene.models[1].region.what = Selection::InBox{{0.5, 0, 0}, {1, 1, 1}};
   scene.models[0].name = "left";
   scene.models[1].name = "right";
   scene.models[0].on_inversion = left;

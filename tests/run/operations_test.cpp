@@ -247,7 +247,7 @@ TEST(IslandEvents, CrumbsAndWhatHasFallenAreRemoved) {
   scene.solver.dt = 2e-4;
   scene.solver.end = 0.4;
   RemoveIslands fallen;
-  fallen.outside = Selection::Box{{-1, -0.5, -1}, {2, 1, 1}};
+  fallen.outside = Selection::InBox{{-1, -0.5, -1}, {2, 1, 1}};
   Event watch = event_of(fallen);
   watch.every = 50;
   scene.events.push_back(event_of(CutFaces{{{{0, 1}, {0, 8}, {0, 16}}}}));  // a corner piece
@@ -383,7 +383,7 @@ TEST(Pierce, TellsOfLoadsAndConstraintsThatLoseNodes) {
   scene.constraints.push_back(hold);
   const auto slab = [](Vec3 min, Vec3 max, double at) {
     Pierce pierce;
-    pierce.where.emplace().what = Selection::Box{min, max};
+    pierce.where.emplace().what = Selection::InBox{min, max};
     return event_of(pierce, at);
   };
   // One element at the side y0; then all of that side but those at x1; then those.

@@ -214,7 +214,7 @@ TEST_F(Probes, LookingChangesNoBit) {
 
 TEST_F(Probes, KeepStillCellsOnlyIfTheyShowForcesOrStress) {
   scene_.mesh.box->cells = {16, 4, 4};
-  scene_.constraints[0].where.what = Selection::Box{{-1, -1, -1}, {0.5, 1, 1}};
+  scene_.constraints[0].where.what = Selection::InBox{{-1, -1, -1}, {0.5, 1, 1}};
   const auto skipped = [&](const char* field) {
     scene_.output.probes.clear();
     add("root", named("x0"), {field});

@@ -135,7 +135,7 @@ TEST(Skip, ThreadsForALoopThatIsSmall) {
 Scene beam_with_bone(const std::string& model) {
   Scene scene = short_beam(model);
   scene.mesh.box->cells = {16, 4, 4};
-  scene.constraints[0].where.what = Selection::Box{{-1, -1, -1}, {0.5, 1, 1}};
+  scene.constraints[0].where.what = Selection::InBox{{-1, -1, -1}, {0.5, 1, 1}};
   return scene;
 }
 

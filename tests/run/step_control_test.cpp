@@ -313,7 +313,7 @@ TEST(UnstableSteps, AreFoundAndMadeAgain) {
     EXPECT_EQ(summary.outcome, RunSummary::Outcome::finished);
     EXPECT_LT(std::abs(summary.balance), 0.02 * summary.exchanged) << safety;
     Selection middle;
-    middle.what = Selection::Box{{0.49, 0, 0}, {0.51, 1, 1}};
+    middle.what = Selection::InBox{{0.49, 0, 0}, {0.51, 1, 1}};
     middle.path = "/middle";
     const double now = simulation.mean_displacement(middle)[0];
     if (safety < 0.1)

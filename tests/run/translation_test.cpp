@@ -424,8 +424,8 @@ TEST_P(OnTheBound, NodesAreSelected) {
   const auto layers = [&](decltype(Selection::what) what) {
     return static_cast<double>(vertices(std::move(what)).size()) / 9;
   };
-  EXPECT_EQ(layers(Selection::Box{p(-1, 0, 0), p(x_, 0.2, 0.2)}), k_ + 1);
-  EXPECT_EQ(layers(Selection::Box{p(x_, 0, 0), p(1, 0.2, 0.2)}), 9 - k_);
+  EXPECT_EQ(layers(Selection::InBox{p(-1, 0, 0), p(x_, 0.2, 0.2)}), k_ + 1);
+  EXPECT_EQ(layers(Selection::InBox{p(x_, 0, 0), p(1, 0.2, 0.2)}), 9 - k_);
   EXPECT_EQ(layers(Selection::HalfSpace{p(x_, 0, 0), {3, 0, 0}}), 9 - k_);
   EXPECT_EQ(layers(Selection::HalfSpace{p(x_, 0, 0), {-3, 0, 0}}), k_ + 1);
   EXPECT_EQ(layers(Selection::Plane{p(x_, 0, 0), {3, 0, 0}, 0}), 1);
@@ -440,7 +440,7 @@ TEST_P(OnTheBound, NodesAreSelected) {
 
 TEST_P(OnTheBound, TheFirstOfEquallyNearNodesIsTheNearest) {
   const auto nearest = vertices(Selection::Nearest{p(x_ + 0.05, 0.05, 0.05)});
-  const auto first = vertices(Selection::Box{p(x_, 0, 0), p(x_ + 0.1, 0.1, 0.1)});
+  const auto first = vertices(Selection::InBox{p(x_, 0, 0), p(x_ + 0.1, 0.1, 0.1)});
   EXPECT_EQ(nearest, std::vector<Index>{first[0]});
 }
 

@@ -41,7 +41,7 @@ TEST(Translate, AtZeroChangesNothing) {
 
 TEST(Translate, BoundsReachFurtherByTheRounding) {
   const double r = far_away.rounding();
-  const auto box = in_far_frame(Selection::Box{{(1 << 23) + 1, -4, 0}, {(1 << 23) + 2, -3, 1}});
+  const auto box = in_far_frame(Selection::InBox{{(1 << 23) + 1, -4, 0}, {(1 << 23) + 2, -3, 1}});
   EXPECT_EQ(box.min, (Vec3{1 - r, -r, -0.5 - r}));
   EXPECT_EQ(box.max, (Vec3{2 + r, 1 + r, 0.5 + r}));
   const auto sphere = in_far_frame(Selection::Sphere{{1 << 23, -4, 0.5}, 3});

@@ -41,8 +41,8 @@ struct CgalMap::Impl {
   mutable Complex complex;
   std::vector<Handle> darts;
 
-  template <class Range>
-  void give(Range range, std::vector<Dart>& smallest) const {
+  template <class Darts>
+  void give(Darts range, std::vector<Dart>& smallest) const {
     Dart low = none;
     for (auto it = range.begin(); it != range.end(); ++it) low = std::min(low, complex.info(it));
     for (auto it = range.begin(); it != range.end(); ++it) smallest[complex.info(it)] = low;

@@ -201,7 +201,7 @@ inline __attribute__((always_inline)) void one_batch(const Job& job, const Worke
 }
 
 template <uint32_t N>
-void forces_of(const Job& job, const Worker& worker, const Range* ranges, uint32_t count) {
+void forces_of(const Job& job, const Worker& worker, const Rows* ranges, uint32_t count) {
   Buffers buffers;
   alignas(64) double force[N * 3 * lanes];
   suture_batch batch;
@@ -226,7 +226,7 @@ void forces_of(const Job& job, const Worker& worker, const Range* ranges, uint32
   }
 }
 
-void forces(const Job* job, const Worker* worker, const Range* ranges, uint32_t count) {
+void forces(const Job* job, const Worker* worker, const Rows* ranges, uint32_t count) {
   if (job->node_count == 2) return forces_of<2>(*job, *worker, ranges, count);
   if (job->node_count == 4) return forces_of<4>(*job, *worker, ranges, count);
   forces_of<8>(*job, *worker, ranges, count);

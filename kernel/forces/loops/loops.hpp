@@ -14,7 +14,7 @@
 namespace suture::loops {
 
 /// Rows [begin, end) of a table, consecutive in their blocks of 8.
-struct Range {
+struct Rows {
   uint32_t begin, end;
 };
 
@@ -158,7 +158,7 @@ struct Table {
   uint32_t reserved;
   const char* isa;
   /// Forces of all cells in `ranges` added to the vertices, in order.
-  void (*forces)(const Job*, const Worker*, const Range* ranges, uint32_t count);
+  void (*forces)(const Job*, const Worker*, const Rows* ranges, uint32_t count);
   /// Fills `batch` with rows of one block, at least one (extensions).
   void (*gather)(const Job*, const Worker*, const BatchRows*, Buffers*, suture_batch*);
   /// Passes of integrators; they return 1 if a velocity is not finite.

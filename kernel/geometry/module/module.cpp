@@ -22,7 +22,7 @@ class CgalModule final : public GeometryModule {
   std::unique_ptr<TriangleTree> tree(const TriangleSurface& surface) const override {
     return cgal::tree(surface);
   }
-  bool crosses(const std::array<Vec3, 3>& triangle, const Link& link) const override {
+  bool crosses(const std::array<Vec3, 3>& triangle, const Segment& link) const override {
     return cgal::crosses(triangle, link);
   }
 };

@@ -15,6 +15,6 @@ Closing close(const PolygonSoup& soup, bool repair);
 // queries.cpp
 std::vector<std::uint8_t> fill(const TriangleSurface& surface, const CubeGrid& grid);
 std::unique_ptr<TriangleTree> tree(const TriangleSurface& surface);
-bool crosses(const std::array<Vec3, 3>& triangle, const Link& link);
+bool crosses(const std::array<Vec3, 3>& triangle, const Segment& link);
 
 }  // namespace suture::cgal

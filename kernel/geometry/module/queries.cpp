@@ -68,7 +68,7 @@ class CgalTree final : public TriangleTree {
     tree_.insert(triangles_.begin(), triangles_.end());
     tree_.build();
   }
-  void crossings(std::span<const Link> links, std::uint8_t* crossed) const override {
+  void crossings(std::span<const Segment> links, std::uint8_t* crossed) const override {
     for (std::size_t i = 0; i < links.size(); ++i) {
       Search search{to_point(links[i].a), to_point(links[i].b)};
       tree_.traversal(0, search);
@@ -88,9 +88,9 @@ class CgalTree final : public TriangleTree {
 /// A row is a line along x. It passes a triangle whose projection along x holds the
 /// row's (y, z); if that lies on the projected edge, (y + e, z + e^2) with an infinitely
 /// small e decides, so that of two triangles with a common edge exactly one is passed.
-class Rows {
+class RowCrossings {
  public:
-  explicit Rows(const CubeGrid& grid) : grid_(grid), turns_(grid.size()) {}
+  explicit RowCrossings(const CubeGrid& grid) : grid_(grid), turns_(grid.size()) {}
 
   void pass(Point p, Point q, Point r) {
     const auto facing = CGAL::orientation(flat(p), flat(q), flat(r));
@@ -163,13 +163,13 @@ std::unique_ptr<TriangleTree> tree(const TriangleSurface& surface) {
   return std::make_unique<CgalTree>(surface);
 }
 
-bool crosses(const std::array<Vec3, 3>& t, const Link& link) {
+bool crosses(const std::array<Vec3, 3>& t, const Segment& link) {
   return separates({to_point(t[0]), to_point(t[1]), to_point(t[2])}, to_point(link.a),
                    to_point(link.b));
 }
 
 std::vector<std::uint8_t> fill(const TriangleSurface& surface, const CubeGrid& grid) {
-  Rows rows(grid);
+  RowCrossings rows(grid);
   for (const Triangle& t : surface.triangles)
     rows.pass(to_point(surface.points[t[0]]), to_point(surface.points[t[1]]),
               to_point(surface.points[t[2]]));

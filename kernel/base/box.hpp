@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <limits>
+
+#include "kernel/base/types.hpp"
+
+namespace suture {
+
+/// Parallel to the axes.
+struct Box {
+  Vec3 low{}, high{};
+  double length(std::size_t axis) const { return high[axis] - low[axis]; }
+};
+
+/// Without points: low > high.
+inline constexpr Box no_box = [] {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  return Box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+}();
+
+inline void include(Box& box, const Vec3& p) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    box.low[a] = std::min(box.low[a], p[a]);
+    box.high[a] = std::max(box.high[a], p[a]);
+  }
+}
+
+}  // namespace suture

@@ -6,7 +6,6 @@
 #include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/base/archive.hpp"
 #include "kernel/base/bulk.hpp"
-#include "kernel/base/error.hpp"
 
 namespace suture {
 namespace {
@@ -160,7 +159,6 @@ CompiledFunctor::CompiledFunctor(Instance& instance, const suture_functor& funct
       functor_(functor),
       nodes_(nodes),
       dimension_(static_cast<int>(functor.dimension)) {
-  refuse_unknown();
   const Instance::Enabled& answer =
       instance.functor(static_cast<std::size_t>(&functor - instance.model().functors));
   if (!answer.runs) reason_ = "gives no force with these parameters";
@@ -171,25 +169,6 @@ CompiledFunctor::CompiledFunctor(Instance& instance, const suture_functor& funct
 
 std::string CompiledFunctor::title() const {
   return instance_.title() + ", functor '" + functor_.name + "'";
-}
-
-void CompiledFunctor::refuse_unknown() const {
-  const std::string wants = title() + " wants ";
-  if (functor_.lanes != SUTURE_LANES || functor_.scalar != 0) {
-    throw PluginError(wants + std::to_string(functor_.lanes) +
-                      " lanes or another scalar type; this Suture computes in " +
-                      std::to_string(SUTURE_LANES) + " lanes of double precision");
-  }
-  if (functor_.dimension < 1 || functor_.dimension > 3) {
-    throw PluginError(wants + "cells of dimension " + std::to_string(functor_.dimension) +
-                      "; functors work on edges (1), faces (2) or elements (3)");
-  }
-  constexpr std::uint32_t type_of[4] = {0, SUTURE_EDGE, SUTURE_QUADRILATERAL, SUTURE_HEXAHEDRON};
-  if (functor_.cell_type != type_of[functor_.dimension]) {
-    throw PluginError(wants + "cells of type " + std::to_string(functor_.cell_type) +
-                      ", which is no cell type of dimension " + std::to_string(functor_.dimension) +
-                      " in this Suture");
-  }
 }
 
 Connectivity CompiledFunctor::connectivity(const CellComplex& complex) const {

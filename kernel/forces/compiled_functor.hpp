@@ -83,7 +83,6 @@ class CompiledFunctor {
   }
 
  private:
-  void refuse_unknown() const;
   void read_columns(Attributes& attributes);
   std::vector<loops::Rows> wanted_rows(const CellComplex& complex) const;
   loops::Rows element_rows() const;

@@ -6,6 +6,7 @@
 #include <ranges>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/reset_error.hpp"
 #include "kernel/topology/incidence.hpp"
 
 namespace suture {
@@ -88,7 +89,7 @@ const suture_batch& RestBatch::gather(std::span<const Index> elements) {
 void contribute(Instance& instance, const suture_attribute& attribute, const suture_batch& batch,
                 double* out) {
   const suture_context& context = instance.context(0);
-  Instance::reset(*context.error);
+  reset(*context.error);
   if (attribute.contribution(&context, &batch, out) == SUTURE_OK) return;
   const Index cell = context.error->cell == none ? batch.cell_ids[0] : context.error->cell;
   throw InputError(instance.title() + ": attribute '" + attribute.name + "' at element " +

@@ -5,6 +5,7 @@
 
 #include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/reset_error.hpp"
 
 namespace suture {
 namespace {
@@ -128,7 +129,7 @@ void inspect(Instance& instance, const RestPlaces& rest, const Column& mass,
       if (admits(instance, functor, rest.complex(), row)) admitted[filled++] = row;
       if (filled == 0 || (filled < lanes && row + 1 < rows)) continue;
       suture_context& context = instance.context(0);
-      Instance::reset(*context.error);
+      reset(*context.error);
       if (extension->inspect(&context, &batch.gather({admitted.data(), filled})) != SUTURE_OK)
         throw PluginError(instance.title() + ": the inspection of functor '" + functor.name +
                           "' failed: " + context.error->text);

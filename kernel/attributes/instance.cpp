@@ -9,6 +9,7 @@
 #include "kernel/attributes/shape.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/host_extensions.hpp"
+#include "kernel/base/reset_error.hpp"
 
 namespace suture {
 namespace {
@@ -113,15 +114,6 @@ void Instance::set_workers(unsigned count) {
     reset(worker->error);
     workers_.push_back(std::move(worker));
   }
-}
-
-void Instance::reset(suture_error& error) {
-  error.size = sizeof(suture_error);
-  error.code = 0;
-  error.cell = none;
-  error.reserved = 0;
-  error.step_factor = 0.5;
-  error.text[0] = '\0';
 }
 
 void Instance::prepare(Diagnostics& diagnostics) {

@@ -76,7 +76,6 @@ class Instance {
   /// reset() before a call. There is one worker until set_workers().
   suture_context& context(unsigned worker) { return workers_[worker]->context; }
   void set_workers(unsigned count);
-  static void reset(suture_error& error);
 
   /// Hands on what the model has reported; throws InputError for its errors.
   void deliver_findings(Diagnostics& diagnostics) { findings_.deliver(title(), diagnostics); }

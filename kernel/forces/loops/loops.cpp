@@ -6,6 +6,7 @@
 
 #include "kernel/forces/loops/loops.hpp"
 
+#include "kernel/base/reset_error.hpp"
 #include "kernel/forces/loops/lanes.hpp"
 #include "kernel/forces/loops/stretch.hpp"
 
@@ -177,13 +178,6 @@ void begin_batches(const Job& job, const Worker& worker, Buffers& buffers, sutur
   batch.trial_columns = job.has_trial ? worker.trial_columns : nullptr;
 }
 
-inline void reset(suture_error* error) {
-  error->code = 0;
-  error->cell = UINT32_MAX;
-  error->step_factor = 0;
-  error->text[0] = 0;
-}
-
 // ------------------------------------------------------------------- forces --
 
 template <uint32_t N, class R, class C>
@@ -192,7 +186,7 @@ inline __attribute__((always_inline)) void one_batch(const Job& job, const Worke
                                                      Buffers& buffers, suture_batch& batch) {
   gather_batch<N>(job, worker, rows, cells, buffers, batch);
   if (job.rest_slots && job.rest) take_own_rest(job, rows, buffers.rest);
-  reset(worker.context->error);
+  suture::reset(*worker.context->error);
   const suture_status status = job.function(worker.context, &batch);
   if (status != 0) worker.failed(worker.data, status, &batch);
   for (uint32_t n = 0; n < N; ++n)
@@ -238,7 +232,7 @@ void gather_one(const Job& job, const Worker& worker, const BatchRows& rows, Buf
   begin_batches(job, worker, buffers, batch);
   gather_batch<N>(job, worker, rows, find_cells<N>(job, rows), buffers, batch);
   if (job.rest_slots && job.rest) take_own_rest(job, rows, buffers.rest);
-  reset(worker.context->error);
+  suture::reset(*worker.context->error);
 }
 
 void gather(const Job* job, const Worker* worker, const BatchRows* rows, Buffers* buffers,

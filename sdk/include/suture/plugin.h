@@ -62,7 +62,7 @@ typedef struct suture_error {
   int32_t code;       /* the plugin's own number, shown to the user */
   uint32_t cell;      /* id out of suture_batch.cell_ids, or UINT32_MAX */
   uint32_t reserved;  /* 0 */
-  double step_factor; /* with SUTURE_RETRY: proposed dt / present dt, 0..1 */
+  double step_factor; /* with SUTURE_RETRY: proposed dt / present dt; 0: none proposed */
   char text[512];     /* zero-terminated UTF-8; what happened and what to do */
 } suture_error;
 

@@ -2,6 +2,7 @@
 #include "kernel/dynamics/constraints.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -229,10 +230,23 @@ double Constraints::driven_kinetic(Attributes& attributes) const {
   return sum;
 }
 
+void PrescribedMotion::state(Archive& archive) {
+  archive("translation", translation);
+  archive("axis", axis);
+  archive("centre", centre);
+  archive("angle", angle);
+  archive("from", ramp.from);
+  archive("to", ramp.to);
+  archive("smooth", ramp.smooth);
+  archive("reach", reach);
+}
+
 void Constraints::state(Archive& archive) {
   if (archive.has_cells()) {
-    std::span groups = groups_;
-    archive.each("groups", groups, [](Archive& each, Group& group) {
+    archive.each("groups", groups_, [](Archive& each, Group& group) {
+      each("components", group.components);
+      each("motion", group.motion);
+      each("way", group.way);
       each("vertices", group.vertices);
       each("rest", group.rest);
       each("member", group.member);
@@ -258,6 +272,7 @@ void Constraints::update(const TopologyChange& change, Attributes& attributes) {
   std::vector<std::uint8_t> held_before;
   bool any = false;
   for (const Merge& merge : merges) held_before.push_back(held(merge.kept));
+  std::vector<Group> partial;  // of the same motion, for some components only
   for (Group& group : groups_) {
     const auto before = static_cast<std::ptrdiff_t>(group.vertices.size());
     const auto join = [&](Index vertex) {
@@ -267,16 +282,23 @@ void Constraints::update(const TopologyChange& change, Attributes& attributes) {
     };
     for (const Split& split : splits)
       if (group.member[split.old_cell]) join(split.new_cell);
+    std::array<std::vector<Index>, 8> in_part;  // by components; 0: held already
     bool loses = false;
     const auto leave = [&](Index vertex) {
       loses = loses || group.member[vertex];
       group.member[vertex] = false;
     };
     for (std::size_t i = 0; i < merges.size(); ++i) {
-      if (group.member[merges[i].gone] && (group.components & ~held_before[i]) != 0)
+      const auto more = static_cast<std::uint8_t>(group.components & ~held_before[i]);
+      if (group.member[merges[i].gone] && more == group.components)
         join(merges[i].kept);
+      else if (group.member[merges[i].gone])
+        in_part[more].push_back(merges[i].kept);
       leave(merges[i].gone);
     }
+    for (std::uint8_t more = 1; more < 8; ++more)
+      if (!in_part[more].empty())
+        partial.push_back({group.motion, more, std::move(in_part[more]), {}, {}, group.way});
     for (const Index vertex : removed) leave(vertex);
     const auto joined = group.vertices.begin() + before;
     const bool changes = loses || joined != group.vertices.end() || !merges.empty();
@@ -285,6 +307,13 @@ void Constraints::update(const TopologyChange& change, Attributes& attributes) {
     if (loses) std::erase_if(group.vertices, [&](Index v) { return !group.member[v]; });
     if (changes) read_rest(group, attributes);
     any = any || changes;
+  }
+  for (Group& group : partial) {
+    std::ranges::sort(group.vertices);
+    group.vertices.erase(std::unique(group.vertices.begin(), group.vertices.end()),
+                         group.vertices.end());
+    read_rest(group, attributes);
+    groups_.push_back(std::move(group));
   }
   if (!any) return;
   const std::vector<Driven> before = std::move(driven_);

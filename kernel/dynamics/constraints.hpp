@@ -23,6 +23,7 @@ struct PrescribedMotion {
   TimeRamp ramp;
   double reach = 0;  ///< m: no step is to move a vertex farther; 0: as far as it likes
   bool moves() const { return angle != 0 || translation != Vec3{}; }
+  void state(Archive& archive);
 };
 
 /// What prescribed motion exchanges in a step with the vertices it drives, w- and w+ being

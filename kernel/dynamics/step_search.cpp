@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "kernel/forces/stable_step.hpp"
@@ -89,6 +90,8 @@ void StepSearch::step_to_best(Direction& x, Direction& residual, Direction& last
 double StepSearch::largest(double time) {
   time_ = time;
   set_scales();
+  if (std::ranges::none_of(scale_, [](float scale) { return scale > 0; }))
+    return last_ = std::numeric_limits<double>::infinity();  // nothing is free
   const bool anew = searches_++ % 16 == 0 || mode_.empty();
   const int least = anew               ? iterations_from_random(scale_.size())
                     : changed_.empty() ? 0

@@ -10,51 +10,12 @@
 #include <map>
 
 #include "kernel/dynamics/rest_search.hpp"
-#include "kernel/mesh/box.hpp"
-#include "kernel/plugin_host/plugin_host.hpp"
-#include "tests/dynamics/rig.hpp"
+#include "tests/dynamics/model_block.hpp"
 
 namespace {
 
 using namespace suture;
 using namespace rig;
-
-/// A block of one model, with its rig.
-struct Model : Body {
-  Model(const std::string& id, std::map<std::string, double> wanted, std::array<Index, 3> cells,
-        double cell)
-      : Body(imported(cells, cell)) {
-    static PluginHost host;
-    const suture_model& model = host.model(id);
-    std::vector<double> values;
-    for (const suture_parameter& p : std::span(model.parameters, model.parameter_count))
-      values.push_back(wanted.contains(p.name) ? wanted[p.name] : p.default_value);
-    Diagnostics diagnostics;
-    attributes().add(std::make_unique<Instance>(model, id, values, diagnostics), complex(), {});
-    compile(diagnostics);
-  }
-  static Imported imported(std::array<Index, 3> cells, double cell) {
-    Diagnostics diagnostics;
-    const Vec3 size{cell * cells[0], cell * cells[1], cell * cells[2]};
-    return import_mesh(make_box({.size = size, .cells = cells}), {}, diagnostics);
-  }
-};
-
-struct Block : Model, Rig {
-  Block(const std::string& id, const std::map<std::string, double>& wanted,
-        std::array<Index, 3> cells, double cell, const Options& options)
-      : Model(id, wanted, cells, cell), Rig(*this, options) {}
-  Vec3 rest(Index v) {
-    const Column& rest = attributes().rest();
-    return {rest.get(v, 0), rest.get(v, 1), rest.get(v, 2)};
-  }
-  std::vector<Index> vertices(const auto& chosen) {
-    std::vector<Index> found;
-    for (Index v = 0; v < attributes().vertex_count(); ++v)
-      if (chosen(rest(v))) found.push_back(v);
-    return found;
-  }
-};
 
 std::map<std::string, double> material(double E, double nu) {
   return {{"E", E}, {"nu", nu}, {"rho", 1000}};

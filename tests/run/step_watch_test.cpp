@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The stable step: that the search finds the largest eigenvalue of any body, against a
-// dense solver, and when a run searches.
+// When a run searches for its stable step, and what it takes meanwhile.
 #include "kernel/run/step_watch.hpp"
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
-#include <map>
-#include <random>
 
 #include "kernel/scene/built_scene.hpp"
 #include "tests/run/beam.hpp"
@@ -20,70 +16,6 @@ namespace {
 PluginHost& host() {
   static PluginHost plugins;
   return plugins;
-}
-
-struct Case {
-  const char* name;
-  const char* model;
-  std::map<std::string, double> values;
-};
-
-class StepSearch : public testing::TestWithParam<Case> {};
-INSTANTIATE_TEST_SUITE_P(Models, StepSearch,
-                         testing::Values(Case{"tm", "tm-faure", {}}, Case{"ms", "mss-baudet", {}},
-                                         Case{"viscous", "mss-baudet", {{"viscosity", 1}}}),
-                         [](const auto& model) { return std::string(model.param.name); });
-
-/// Largest eigenvalue of M^-1/2 (dt^2/4 K + dt/2 C) M^-1/2 over the free components, by a
-/// dense solver; the matrix column by column from the derivatives of the forces.
-double largest_eigenvalue(BuiltScene& w, double dt) {
-  const Index vertices = w.body().attributes().vertex_count();
-  std::vector<float> direction(3 * vertices), image(3 * vertices);
-  std::vector<Index> free;
-  for (Index i = 0; i < 3 * vertices; ++i) {
-    const auto fixed = static_cast<int>(w.body().attributes().fixed().get(i / 3, 0));
-    if (w.body().attributes().mass().get(i / 3, 0) > 0 && !(fixed >> i % 3 & 1)) free.push_back(i);
-  }
-  const auto size = static_cast<Eigen::Index>(free.size());
-  Eigen::MatrixXd matrix(size, size);
-  for (Eigen::Index column = 0; column < size; ++column) {
-    direction.assign(direction.size(), 0);
-    image.assign(image.size(), 0);
-    direction[free[column]] = 1;
-    w.body().models().add_tangent(direction.data(), dt * dt / 4, dt / 2, 0, image.data());
-    for (Eigen::Index row = 0; row < size; ++row)
-      matrix(row, column) =
-          -image[free[row]] / std::sqrt(w.body().attributes().mass().get(free[row] / 3, 0) *
-                                        w.body().attributes().mass().get(free[column] / 3, 0));
-  }
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly)
-      .eigenvalues()[size - 1];
-}
-
-TEST_P(StepSearch, FindsTheLargestEigenvalueOfAnyBody) {
-  const unsigned seed = std::random_device{}();
-  const testing::ScopedTrace trace(__FILE__, __LINE__, "seed " + std::to_string(seed));
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> number(-1, 1);
-  for (int round = 0; round < 4; ++round) {
-    const Scene scene = beam(host(), GetParam().model, 5, 4, 10, GetParam().values);
-    Diagnostics diagnostics;
-    BuiltScene w(scene, diagnostics);
-    w.dynamics().start();
-    std::vector<Index> gone;
-    for (Index e = 0; e < w.body().complex().element_count(); ++e)
-      if (random() % 5 == 0) gone.push_back(e);
-    w.body().pierce(gone);
-    Column& position = w.body().attributes().position();
-    for (Index v = 0; v < w.body().attributes().vertex_count(); ++v)
-      for (int c = 0; c < 3 && w.body().complex().exists(0, v); ++c)
-        position.set(v, c, position.get(v, c) + 2e-3 * number(random));
-    w.dynamics().start(w.dynamics().time());
-    // At the step found the eigenvalue is 1, to twice the tolerance of the step.
-    const double largest = largest_eigenvalue(w, w.limits().stable_step(w.dynamics().time()));
-    EXPECT_GT(largest, 0.965);
-    EXPECT_LT(largest, 1.035);
-  }
 }
 
 class Watch : public testing::Test {

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The largest stable step of any body, against a dense solver.
+#include "kernel/dynamics/step_search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <random>
+
+#include "tests/dynamics/model_block.hpp"
+
+namespace {
+
+using namespace suture;
+using namespace rig;
+
+struct Case {
+  const char* name;
+  const char* model;
+  double viscosity;
+};
+
+/// Springs that tie every vertex to its place, and dashpots: a stiff term beside the models.
+class Ties final : public ForceTerm {
+ public:
+  Ties(Attributes& attributes, double k, double c) : attributes_(attributes), k_(k), c_(c) {}
+  const char* name() const override { return "ties"; }
+  void add_forces(double, const LiveMask&, double*) override {}
+  void add_forces_at(const VertexSelection&, std::span<const Index>, double,
+                     std::vector<Vec3>&) override {}
+  bool is_stiff() const override { return true; }
+  void add_tangent(const double* d, double dx, double dv, double, double* out) override {
+    for (std::size_t i = 0; i < 3 * std::size_t{attributes_.vertex_count()}; ++i)
+      out[i] -= (dx * k_ + dv * c_) * d[i];
+  }
+
+ private:
+  Attributes& attributes_;
+  double k_, c_;
+};
+
+/// M^-1/2 (stiffness K + damping C) M^-1/2 on the free components, column by column.
+Eigen::MatrixXd matrix_of(Body& body, double stiffness, double damping) {
+  Attributes& attributes = body.attributes();
+  const std::size_t size = 3 * std::size_t{attributes.vertex_count()};
+  std::vector<double> direction(size), image(size), roots(size);
+  std::vector<std::size_t> free;
+  for (std::size_t i = 0; i < size; ++i) {
+    const auto v = static_cast<Index>(i / 3);
+    roots[i] = std::sqrt(attributes.mass().get(v, 0));
+    if (roots[i] > 0 && !(static_cast<int>(attributes.fixed().get(v, 0)) >> i % 3 & 1))
+      free.push_back(i);
+  }
+  const auto count = static_cast<Eigen::Index>(free.size());
+  Eigen::MatrixXd matrix(count, count);
+  for (Eigen::Index column = 0; column < count; ++column) {
+    direction.assign(size, 0);
+    image.assign(size, 0);
+    direction[free[column]] = 1;
+    body.add_tangent(direction.data(), stiffness, damping, 0, image.data());
+    for (Eigen::Index row = 0; row < count; ++row)
+      matrix(row, column) = -image[free[row]] / (roots[free[row]] * roots[free[column]]);
+  }
+  return matrix;
+}
+
+double largest_eigenvalue(const Eigen::MatrixXd& matrix) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly)
+      .eigenvalues()
+      .maxCoeff();
+}
+
+/// The step at which the largest eigenvalue of dt^2/4 K + dt/2 C is 1, by bisection.
+double exact_step(Body& body) {
+  const Eigen::MatrixXd k = matrix_of(body, 1, 0);
+  const double undamped = 2 / std::sqrt(largest_eigenvalue(k));
+  if (!body.models().reads_velocity()) return undamped;
+  const Eigen::MatrixXd c = matrix_of(body, 0, 1);
+  double low = 0, high = undamped;
+  while (high - low > 1e-4 * high) {
+    const double dt = (low + high) / 2;
+    (largest_eigenvalue(dt * dt / 4 * k + dt / 2 * c) < 1 ? low : high) = dt;
+  }
+  return low;
+}
+
+class Search : public testing::TestWithParam<Case> {
+ protected:
+  Search() : trace_(__FILE__, __LINE__, "seed " + std::to_string(seed_)) { hold(); }
+  void hold() {
+    block.hold(block.vertices([](const Vec3& x) { return x[0] < 1e-9; }), 7);
+    block.hold(block.vertices([](const Vec3& x) { return x[1] < 1e-9; }), 2);
+  }
+  double number() { return std::uniform_real_distribution<double>(-1, 1)(random_); }
+  void shake() {
+    Column& position = block.attributes().position();
+    for (Index v = 0; v < block.attributes().vertex_count(); ++v)
+      for (int c = 0; c < 3 && block.complex().exists(0, v); ++c)
+        position.set(v, c, position.get(v, c) + 5e-4 * number());
+  }
+  void operate(int round) {
+    CellComplex& complex = block.complex();
+    if (round % 3 == 0) {
+      cut_.clear();
+      for (Dart d = 0; d < 24 * complex.element_count(); d += 4)
+        if (complex.exists(3, d / 24) && complex.can_cut(d) && d < complex.beta3(d) &&
+            random_() % 4 == 0)
+          cut_.push_back({d, complex.beta3(d)});
+      std::vector<Dart> faces;
+      for (const Seam& seam : cut_) faces.push_back(seam.one);
+      block.cut(faces);
+    } else if (round % 3 == 1) {
+      const Index e = random_() % complex.element_count();
+      if (complex.exists(3, e)) block.pierce({e});
+    } else {
+      std::erase_if(cut_, [&](const Seam& s) { return !complex.can_sew(s.one, s.other); });
+      block.sew({cut_.begin(), cut_.begin() + static_cast<std::ptrdiff_t>(cut_.size() / 2)});
+    }
+  }
+  static std::map<std::string, double> material() {
+    return {{"E", 1e5}, {"nu", 0.3}, {"rho", 1000}, {"viscosity", GetParam().viscosity}};
+  }
+  Block block{GetParam().model, material(), {4, 3, 3}, 0.02, {}};
+  const unsigned seed_ = std::random_device{}();
+  std::mt19937 random_{seed_};
+  testing::ScopedTrace trace_;
+  std::vector<Seam> cut_;
+};
+INSTANTIATE_TEST_SUITE_P(Models, Search,
+                         testing::Values(Case{"tm", "tm-faure", 0}, Case{"ms", "mss-baudet", 0},
+                                         Case{"viscous", "mss-baudet", 1}),
+                         [](const auto& one) { return std::string(one.param.name); });
+
+// 1.5 % too short at most, 3 % where C limits it. Of 2,400 searches one came out 2.0 % too long.
+TEST_P(Search, FromRandomIsThatOfADenseSolver) {
+  const double band = GetParam().viscosity > 0 ? 0.035 : 0.0175;
+  shake();
+  for (int round = 0; round < 6; ++round) {
+    operate(round);
+    const double exact = exact_step(block), found = StepSearch(block).largest(0);
+    EXPECT_GT(found, (1 - band) * exact) << round;
+    EXPECT_LT(found, 1.035 * exact) << round;
+  }
+}
+
+// 11 % too long in one of thousands.
+TEST_P(Search, GoesOnThroughOperations) {
+  StepLimits& limits = block.limits;
+  limits.stable_step(0);
+  shake();
+  for (int round = 0; round < 9; ++round) {
+    operate(round);
+    const double exact = exact_step(block), found = limits.stable_step(0);
+    EXPECT_GT(found, 0.96 * exact) << round;
+    EXPECT_LT(found, 1.12 * exact) << round;
+  }
+}
+
+TEST_P(Search, SeesOtherTermsThanTheModels) {
+  const double before = StepSearch(block).largest(0);
+  const double mass = block.attributes().mass().get(block.vertices([](const Vec3& x) {
+    return x[0] > 0.03 && x[0] < 0.05 && x[1] > 0.03 && x[2] > 0.01 && x[2] < 0.05;
+  })[0],
+                                                    0);
+  const double k = 8 * mass / (before * before);
+  block.add(std::make_unique<Ties>(block.attributes(), k, GetParam().viscosity > 0 ? 1e-3 : 0.0));
+  const double exact = exact_step(block), found = StepSearch(block).largest(0);
+  EXPECT_LT(found, 0.9 * before);
+  EXPECT_NEAR(found, exact, 0.035 * exact);
+}
+
+TEST_P(Search, IsInfiniteWhereNothingMoves) {
+  block.hold(spring_model::all_vertices(block), 7);
+  EXPECT_TRUE(std::isinf(block.limits.stable_step(0)));
+}
+
+// Everything that the next searches go by.
+TEST_P(Search, GoesOnFromItsState) {
+  shake();
+  StepSearch search(block), twin(block);
+  search.largest(0);
+  StateTree tree;
+  save_state(tree, search);
+  load_state(tree, twin);
+  for (int i = 0; i < 18; ++i) {  // a random start among them
+    shake();
+    ASSERT_EQ(search.largest(0), twin.largest(0)) << i;
+  }
+}
+
+}  // namespace

@@ -66,11 +66,22 @@ struct FrameWriter::Impl {
     const std::string name = file_name(frame);
     write_frame(options.directory / name, frame, options.compression);
     pvd.add(frame.time, name);
+    remove_old(name);
+  }
+
+  void remove_old(const std::string& but = "") {
     for (const std::string& old : std::exchange(old_files, {})) {
       std::error_code ignored;
-      if (old != name && is_frame_name(old, options.prefix))
+      if (old != but && is_frame_name(old, options.prefix))
         fs::remove(options.directory / old, ignored);
     }
+  }
+
+  // A run that was resumed and fails before its next frame.
+  void leave_out_later() {
+    if (pvd.files().empty() || old_files.empty()) return;
+    pvd.write();
+    remove_old();
   }
 
   // Not before the first frame: a scene that is only looked at leaves no trace.
@@ -161,6 +172,7 @@ void FrameWriter::finish() {
   std::unique_lock lock(impl_->mutex);
   impl_->changed.wait(lock, [&] { return impl_->error || (impl_->queue.empty() && !impl_->busy); });
   impl_->rethrow();
+  impl_->leave_out_later();
 }
 
 void FrameWriter::state(Archive& archive) {

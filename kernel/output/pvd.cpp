@@ -22,6 +22,10 @@ std::string shortest(double value) {
 void PvdFile::add(double time, const std::string& file) {
   times_.push_back(time);
   files_.push_back(file);
+  write();
+}
+
+void PvdFile::write() const {
   std::string text =
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"

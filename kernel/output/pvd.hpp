@@ -17,6 +17,7 @@ class PvdFile {
 
   /// Appends a frame and replaces the file. Throws IoError.
   void add(double time, const std::string& file);
+  void write() const;
 
   /// The frames so far. Loading writes nothing.
   void state(Archive& archive);

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "suture/model.hpp"
+
+/// Edges that creep: what they have flowed is a state that steps take along, or back.
+struct Memory : suture::model, suture::on_edges {
+  static constexpr const char *id = "memory", *doc = "Springs that creep",
+                              *formula = "f = k (l/L - 1 - q) u, q' = r (l/L - 1 - q)",
+                              *citation = "none";
+  enum { stiffness, rate };
+  static constexpr suture::parameter parameters[] = {
+      suture::number("k", "N", "stiffness").above(0),
+      suture::number("r", "1/s", "rate of the flow").at_least(0)};
+  static constexpr suture::attribute attributes[] = {
+      suture::on_edge_cells("flow", "1", "q").copy().trial()};
+  static constexpr auto cell_columns = suture::columns(0);
+  static constexpr auto reads = SUTURE_READ_POSITION | SUTURE_READ_REST;
+
+  template <class Cell>
+  static void force(const Cell& c) {
+    const auto rest = c.rest(1) - c.rest(0);
+    const auto d = c.position(1) - c.position(0);
+    const auto inverse = rsqrt(dot(d, d));
+    const auto strain = dot(d, d) * inverse * rsqrt(dot(rest, rest)) - 1.0 - c.column(0);
+    c.trial(0, 0, c.column(0) + c.dt() * c.parameter(rate) * strain);
+    const auto pull = (c.parameter(stiffness) * strain * inverse) * d;
+    c.force(0, pull);
+    c.force(1, -pull);
+  }
+};
+SUTURE_PLUGIN("memory", "1.0", "GPL-3.0-or-later", "Springs that creep", Memory)

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What the stability suite has no scenes of.
+#include "tests/resume/cases.hpp"
+
+namespace suture::test {
+namespace {
+
+/// A bar of 1 m between two held ends, as stiff as it takes 1,000 to 3,000 steps.
+Case bar(const char* name, Random& random, std::array<int, 3> cells = {12, 3, 3}) {
+  Case result{name, Json::parse(R"({
+    "suture": 1, "mesh": {"box": {"size": [1, 0.25, 0.25], "cells": [12, 3, 3]}},
+    "models": [{"model": "tm-faure", "parameters": {"E": 1e5, "nu": 0.3, "rho": 1000}}],
+    "gravity": [0, -2, 0],
+    "constraints": [{"where": {"set": "x0"}, "fix": "xyz"}, {"where": {"set": "x1"}, "fix": "xyz"}],
+    "solver": {"end": 2}})")};
+  result.scene["mesh"]["box"]["cells"] = cells;
+  if (random.chance(0.5)) result.scene["solver"]["integrator"] = "velocity-verlet";
+  result.skips = random.chance(0.7);
+  return result;
+}
+
+Json across(double x, Random& random) {
+  return {{"plane", {{"point", {x, 0, 0}}, {"normal", {1, random.between(-0.2, 0.2), 0}}}}};
+}
+
+Case asleep(Random& random, unsigned, std::uint64_t) {
+  Case result = bar("asleep", random);
+  Json& scene = result.scene;
+  scene["solver"]["damping"] = random.between(3, 20);
+  scene["solver"]["end"] = 3;
+  scene["solver"]["sleep"] = {{"acceleration", random.decades(1e-3, 0.3)},
+                              {"velocity", random.decades(1e-4, 0.03)}};
+  scene["events"] = {{{"at", 0.1}, {"cut", across(random.between(0.2, 0.8), random)}}};
+  if (random.chance(0.5)) scene["gravity"] = {{"value", {0, -2, 0}}, {"ramp", 0.3}};
+  if (random.chance(0.6))  // wakes one, or comes before it sleeps
+    scene["events"].push_back(
+        {{"at", random.between(0.2, 2.9)}, {"cut", across(random.between(0.2, 0.8), random)}});
+  if (random.chance(0.3)) scene["events"].push_back({{"at", 2.5}, {"suture", Json::object()}});
+  add_output(scene, random);
+  return result;
+}
+
+Case kicked(Random& random, unsigned, std::uint64_t) {
+  Case result = bar("kicked", random, {10, 2, 2});
+  Json& scene = result.scene;
+  scene["mesh"]["box"]["size"] = {1, 0.1, 0.1};
+  scene["models"][0]["parameters"]["E"] = 1e6;
+  scene["constraints"].erase(1);
+  scene.erase("gravity");
+  scene["loads"] = {
+      {{"traction", {-random.between(1e4, 2e4), 0, 0}}, {"where", {{"set", "x1"}}}, {"ramp", 0.3}}};
+  scene["solver"].erase("end");
+  scene["solver"]["until"] = "rest";
+  scene["solver"]["tolerance"] = 1e-4;
+  if (random.chance(0.7)) scene["solver"]["kick"] = 1e-4;
+  add_output(scene, random);
+  return result;
+}
+
+Case springs(Random& random, unsigned, std::uint64_t) {
+  Case result = bar("springs", random, {12, 3, 3});
+  Json& scene = result.scene;
+  scene["models"] = {{{"model", "mss-baudet"},
+                      {"parameters", {{"E", 1e5}, {"nu", 0.3}, {"rho", 1000}, {"viscosity", 1}}}}};
+  scene["events"] = {{{"at", random.between(0.1, 1.5)}, {"cut", across(0.4, random)}}};
+  if (random.chance(0.5))
+    scene["events"].push_back(
+        {{"every", 3}, {"tear", {{"by", "elongation"}, {"above", random.between(0.03, 0.1)}}}});
+  add_output(scene, random);
+  scene["output"]["springs"] = true;
+  return result;
+}
+
+Case when(Random& random, unsigned, std::uint64_t) {
+  Case result = bar("when", random);
+  Json& scene = result.scene;
+  scene["events"] = {
+      {{"when",
+        {{"where", {{"nearest", {0.5, 0, 0}}}},
+         {"of", "displacement"},
+         {"component", "y"},
+         {"below", -random.between(0.005, 0.03)}}},
+       {"cut", across(0.5, random)}},
+      {{"when", {{"where", {{"set", "y1"}}}, {"of", "velocity"}, {"above", 0.1}, {"every", 3}}},
+       {"pierce", {{"path", {{0.3, -2, 0.1}, {0.3, 2, 0.1}}}, {"radius", 0.06}}}},
+      {{"at", random.between(0.8, 1.8)}, {"suture", Json::object()}},
+      {{"every", 7}, {"remove_islands", {{"below", 3}}}}};
+  add_output(scene, random);
+  return result;
+}
+
+void add_plugin(Json& scene, const char* name, Json parameters) {
+  scene["plugins"] = {std::string(TEST_PLUGINS "/") + name + ".so"};
+  scene["models"].push_back({{"model", name}, {"parameters", std::move(parameters)}});
+}
+
+/// Steps are rejected for a while.
+Case moody(Random& random, unsigned, std::uint64_t) {
+  Case result = bar("moody", random, {6, 2, 2});
+  Json& scene = result.scene;
+  const double from = random.between(0.05, 1), dt = 3e-3;  // about 5e-3
+  if (random.chance(0.4)) scene["solver"]["dt"] = dt;
+  add_plugin(scene, "moody",
+             {{"how", random.pick(std::vector<std::string>{"retry", "retry", "nan"})},
+              {"from", from},
+              {"to", from + random.between(0.01, 0.1)},
+              {"longest", random.between(0.1, 0.9) * dt},
+              {"factor", random.pick(std::vector<double>{0.5, 0.25, 0.9})}});
+  if (random.chance(0.5))
+    scene["events"] = {{{"at", random.between(0.5, 1) * from}, {"cut", across(0.4, random)}}};
+  if (random.chance(0.3))
+    scene["events"].push_back(
+        {{"every", 2}, {"tear", {{"by", "principal-strain"}, {"above", 0.01}, {"most", 1}}}});
+  scene["solver"]["end"] = 4;
+  add_output(scene, random);
+  return result;
+}
+
+Case memory(Random& random, unsigned, std::uint64_t) {
+  Case result = bar("memory", random, {6, 2, 2});
+  Json& scene = result.scene;
+  add_plugin(scene, "memory", {{"k", random.decades(1, 1e3)}, {"r", random.decades(0.1, 10)}});
+  if (random.chance(0.6))
+    scene["events"] = {{{"at", random.between(0.1, 2)}, {"cut", across(0.4, random)}}};
+  if (random.chance(0.3))
+    scene["events"].push_back({{"at", random.between(2, 3)}, {"suture", Json::object()}});
+  scene["solver"]["end"] = 4;
+  add_output(scene, random);
+  return result;
+}
+
+/// Enough for several threads.
+Case large(Random& random, unsigned index, std::uint64_t) {
+  Case result = bar("large", random, {40, 11, 11});
+  result.skips = true;
+  Json& scene = result.scene;
+  scene["solver"]["end"] = 0.4;
+  switch (index % 3) {
+    case 0:
+      scene["events"] = {{{"at", random.between(0.1, 0.3)}, {"cut", across(0.5, random)}}};
+      break;
+    case 1:
+      scene["events"] = {
+          {{"cut",
+            {{"blade",
+              {{"path",
+                {{{"at", 0.1}, {"points", {{0.45, 0.3, -1}, {0.5, 0.3, 1}}}},
+                 {{"at", 0.3}, {"points", {{0.45, -0.1, -1}, {0.5, -0.1, 1}}}}}}}}}}}};
+      break;
+    default:
+      scene["events"] = {
+          {{"at", 0.15}, {"pierce", {{"path", {{0.3, -2, 0.1}, {0.3, 2, 0.1}}}, {"radius", 0.05}}}},
+          {{"at", 0.1}, {"cut", across(0.7, random)}},
+          {{"at", 0.3}, {"suture", Json::object()}}};
+  }
+  add_output(scene, random);
+  scene["output"].erase("probes");
+  scene["output"]["every_steps"] = 100;
+  return result;
+}
+
+/// A row of every step, a frame of nearly every step.
+Case dense(Random& random, unsigned, std::uint64_t) {
+  Case result = bar("dense", random, {6, 2, 2});
+  Json& scene = result.scene;
+  scene["events"] = {{{"at", random.between(0.1, 1)}, {"cut", across(0.4, random)}}};
+  scene["loads"] = {{{"where", {{"set", "y1"}}}, {"pressure", random.between(10, 1000)}}};
+  add_output(scene, random);
+  scene["output"].erase("every_steps");
+  scene["output"]["every"] = random.decades(0.005, 0.02);
+  scene["output"]["energies"]["every_steps"] = 1;
+  return result;
+}
+
+}  // namespace
+
+std::vector<Kind> own_kinds() {
+  return {{"asleep", 2, 12, asleep}, {"kicked", 1, 8, kicked}, {"springs", 1, 8, springs},
+          {"when", 1, 8, when},      {"moody", 2, 16, moody},  {"memory", 1, 10, memory},
+          {"large", 1, 9, large},    {"dense", 1, 8, dense}};
+}
+
+}  // namespace suture::test

@@ -44,8 +44,9 @@ Frame frame_of(BuiltScene& built, double time) {
     failure.ids[e] = inverted;
   for (std::size_t e = 0; e < frame.hexahedra.size(); ++e)
     if (std::ranges::any_of(frame.hexahedra[e], [&](Index v) {
-          return !is_finite(frame.points[v]) ||
-                 !std::isfinite(frame.point_fields[1].values[std::size_t{v} * 3]);
+          return v != none &&  // of an element that was removed
+                 (!is_finite(frame.points[v]) ||
+                  !std::isfinite(frame.point_fields[1].values[std::size_t{v} * 3]));
         }))
       failure.ids[e] = not_finite;
   frame.cell_fields = {std::move(failure)};

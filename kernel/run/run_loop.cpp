@@ -219,7 +219,11 @@ void RunLoop::finish(Observer& observer) {
                      summary_.outcome != RunSummary::Outcome::interrupted;
   if (const std::string text = hourglass_warning(scene_, built_, rests); !text.empty())
     diagnostics_.warn(text);
-  records_.finish(control_.last_dt());
+  // A run that is interrupted may stand at a state that the next step would have taken back.
+  if (!control_.tries([&] { records_.finish(control_.last_dt()); }, notify_to(observer))) {
+    records_.go_back();
+    records_.finish(control_.last_dt());
+  }
   if (const std::string text = control_.balance_warning(); !text.empty()) diagnostics_.warn(text);
   checkpoints_.finish();
   if (summary_.outcome == RunSummary::Outcome::interrupted && checkpoints_.are_written())

@@ -85,8 +85,9 @@ void Checkpoints::check(const CheckpointHeader& header, const std::filesystem::p
   for (std::size_t i = 0; i < header.plugins.size() && i < header_.plugins.size(); ++i) {
     const CheckpointHeader::Plugin &then = header.plugins[i], &now = header_.plugins[i];
     if (then.id != now.id || then.version != now.version)
-      refuse("it was written with the plugin " + then.id + ' ' + then.version + ", and here is " +
-             now.id + ' ' + now.version + " (" + now.file + "): restore that version");
+      throw PluginError(file.string() + ": it was written with the plugin " + then.id + ' ' +
+                        then.version + ", and here is " + now.id + ' ' + now.version + " (" +
+                        now.file + "): restore that version");
   }
 }
 
@@ -95,6 +96,8 @@ void Checkpoints::load(const std::filesystem::path& file, const std::function<vo
     load();
   } catch (const InputError& error) {
     throw InputError(file.string() + ": " + error.what());
+  } catch (const PluginError& error) {
+    throw PluginError(file.string() + ": " + error.what());
   }
 }
 

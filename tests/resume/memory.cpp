@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "suture/model.hpp"
 
+#ifndef MEMORY_WIDTH
+#define MEMORY_WIDTH 1
+#endif
+#ifndef MEMORY_VERSION
+#define MEMORY_VERSION "1.0"
+#endif
+
 /// Edges that creep: what they have flowed is a state that steps take along, or back.
 struct Memory : suture::model, suture::on_edges {
   static constexpr const char *id = "memory", *doc = "Springs that creep",
@@ -11,7 +18,7 @@ struct Memory : suture::model, suture::on_edges {
       suture::number("k", "N", "stiffness").above(0),
       suture::number("r", "1/s", "rate of the flow").at_least(0)};
   static constexpr suture::attribute attributes[] = {
-      suture::on_edge_cells("flow", "1", "q").copy().trial()};
+      suture::on_edge_cells("flow", "1", "q", MEMORY_WIDTH).copy().trial()};
   static constexpr auto cell_columns = suture::columns(0);
   static constexpr auto reads = SUTURE_READ_POSITION | SUTURE_READ_REST;
 
@@ -27,4 +34,4 @@ struct Memory : suture::model, suture::on_edges {
     c.force(1, -pull);
   }
 };
-SUTURE_PLUGIN("memory", "1.0", "GPL-3.0-or-later", "Springs that creep", Memory)
+SUTURE_PLUGIN("memory", MEMORY_VERSION, "GPL-3.0-or-later", "Springs that creep", Memory)

@@ -282,6 +282,18 @@ TEST_F(Events, ATearOpensWhatIsStretched) {
   EXPECT_EQ(outcome.text(), "tore 12 faces");
 }
 
+TEST_F(Events, ATearThatRepeatsSeesWhatWasRemoved) {
+  Tear tear;
+  tear.above = 0.2;
+  tear.most = 1;
+  add(tear).every = 1;
+  build();
+  EXPECT_EQ(runner->fire(0, 0.1).faces_torn, 0u);
+  apply(Pierce{selection(Selection::Ids{{1}}), {}, 0});
+  pull(1.3);
+  EXPECT_EQ(runner->fire(0, 0.2).faces_torn, 7u * 4 - 2);
+}
+
 TEST_F(Events, ATearOfTooMuchIsRefused) {
   build();
   pull(1.3);

@@ -14,7 +14,9 @@ Body::Body(Imported imported)
 
 void Body::compile(Diagnostics& diagnostics, unsigned threads) {
   attributes_.initialise(complex(), diagnostics);
-  models_ = &add(std::make_unique<ForceLoop>(attributes_, complex(), threads));
+  auto models = std::make_unique<ForceLoop>(attributes_, complex(), threads);
+  models_ = models.get();
+  terms_.insert(terms_.begin(), std::move(models));  // whatever was added before
 }
 
 // -------------------------------------------------------------------- terms --

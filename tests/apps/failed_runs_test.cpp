@@ -230,5 +230,14 @@ TEST_F(FailedRuns, EvidenceIsNotWrittenWithoutOutput) {
   EXPECT_FALSE(exists("out"));
 }
 
+TEST_F(FailedRuns, ABodyWithAHoleIsShown) {
+  const Outcome run = block("[0.4, 0.2, 0.2]", "[4, 2, 2]", tm(1e4),
+                            R"("gravity": [900, 0, 0], "constraints": [)" + held +
+                                R"(], "events": [{"at": 0, "pierce": {"where": {"ids": [6]}}}],
+        "solver": {"end": 1}, "output": {"directory": "o"})");
+  EXPECT_EQ(run.code, 5) << run;
+  EXPECT_TRUE(exists("o/failed.pvd")) << run;
+}
+
 }  // namespace
 }  // namespace suture::testing

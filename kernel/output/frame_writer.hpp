@@ -54,7 +54,7 @@ class FrameWriter {
 
   /// Saved: the list of frames; all of them are on disk then. Loaded: the list goes on there.
   /// The frames that the list on disk has beyond go when the first new one is on disk, as those
-  /// of an earlier run; frames of the list whose files are gone leave it.
+  /// of an earlier run, or with finish(); frames of the list whose files are gone leave it.
   void state(Archive& archive);
   /// How many frames were gone when the state was loaded.
   std::size_t missing() const;

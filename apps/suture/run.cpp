@@ -90,16 +90,16 @@ void print_summary(const RunSummary& summary, Console& console) {
   if (!summary.pvd.empty()) console.print("open in ParaView: " + summary.pvd);
 }
 
-Scene scene_of(const Checkpoint& checkpoint, const std::vector<std::string>& sets,
-               PluginHost& host, Console& console) {
+Scene scene_of(const Checkpoint& checkpoint, const std::vector<std::string>& sets, PluginHost& host,
+               Console& console) {
   const CheckpointHeader& header = checkpoint.header;
   return read_scene_source({header.scene_text, header.scene_file, header.working_folder}, sets,
                            host, console.diagnostics());
 }
 
 void tell_of_resume(const CheckpointHeader& header, Simulation& simulation, Console& console) {
-  console.note("going on from step " + std::to_string(header.step) + ", t = " +
-               significant(header.time) + " s, of " + header.scene_file);
+  console.note("going on from step " + std::to_string(header.step) +
+               ", t = " + significant(header.time) + " s, of " + header.scene_file);
   if (header.isa != simulation.isa())
     console.diagnostics().warn("the run was made with the instruction set " + header.isa +
                                " and goes on with " + std::string(simulation.isa()) +
@@ -113,9 +113,9 @@ int run(const RunCommand& command, Console& console) {
   PluginHost host(&console.diagnostics());
   std::optional<Checkpoint> checkpoint;
   if (!command.resume.empty()) checkpoint = read_checkpoint(command.resume);
-  const Scene scene = checkpoint ? scene_of(*checkpoint, command.sets, host, console)
-                                 : read_scene(command.scene, command.sets, host,
-                                              console.diagnostics());
+  const Scene scene = checkpoint
+                          ? scene_of(*checkpoint, command.sets, host, console)
+                          : read_scene(command.scene, command.sets, host, console.diagnostics());
   Simulation simulation(scene, host, console.diagnostics(), command.skip);
   if (checkpoint) {
     simulation.resume(*checkpoint, command.resume);

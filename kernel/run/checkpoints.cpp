@@ -73,9 +73,7 @@ void Checkpoints::finish() {
 std::string Checkpoints::newest() const { return writer_ ? writer_->newest().string() : ""; }
 
 void Checkpoints::check(const CheckpointHeader& header, const std::filesystem::path& file) const {
-  const auto refuse = [&](const std::string& why) {
-    throw InputError(file.string() + ": " + why);
-  };
+  const auto refuse = [&](const std::string& why) { throw InputError(file.string() + ": " + why); };
   if (header.program != header_.program)
     refuse("it was written by " + header.program + ", and this is " + header_.program +
            ": resume it with that version");

@@ -47,8 +47,7 @@ class Checkpoints {
   void write(const Clock& clock, StateTree&& state);
   void check(const CheckpointHeader& header, const std::filesystem::path& file) const;
   static void load(const std::filesystem::path& file, const std::function<void()>& load);
-  void go_on(const CheckpointHeader& header, const std::filesystem::path& file,
-             const Clock& clock);
+  void go_on(const CheckpointHeader& header, const std::filesystem::path& file, const Clock& clock);
 
   BuiltScene& built_;
   CheckpointOptions options_;

@@ -84,8 +84,7 @@ std::optional<RunSummary::Outcome> Ending::examine(const StepControl::Notify& no
     return std::nullopt;
   }
   if (verdict == Stability::Verdict::stable) notify(stability_.text());
-  return verdict == Stability::Verdict::unstable ? Outcome::unstable_equilibrium
-                                                 : Outcome::at_rest;
+  return verdict == Stability::Verdict::unstable ? Outcome::unstable_equilibrium : Outcome::at_rest;
 }
 
 void Ending::refuse_more_steps(std::uint64_t limit) const {

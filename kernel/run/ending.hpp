@@ -14,8 +14,8 @@ namespace suture {
 /// either.
 class Ending : private Follower {
  public:
-  Ending(BuiltScene& built, const EventSchedule& schedule, StepControl& control,
-         Recorder& recorder, Diagnostics& diagnostics);
+  Ending(BuiltScene& built, const EventSchedule& schedule, StepControl& control, Recorder& recorder,
+         Diagnostics& diagnostics);
 
   /// After a step and what was due: how the run ended, or none. Throws NumericalError for a body
   /// that never comes to rest, and at the limit of steps. May go back to an earlier step.

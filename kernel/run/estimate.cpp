@@ -73,7 +73,8 @@ Estimate Simulation::estimate() {
   }
   estimate.seconds_per_step = seconds_since(start) / static_cast<double>(clock.step());
   if (run.recorder().writes_frames() && estimate.steps > 0) {
-    const double last = run.ending().rest() ? static_cast<double>(estimate.steps) * estimate.dt : end;
+    const double last =
+        run.ending().rest() ? static_cast<double>(estimate.steps) * estimate.dt : end;
     estimate.frames = frames_until(scene, last, estimate.steps);
   }
   estimate.seconds = static_cast<double>(estimate.steps) * estimate.seconds_per_step +

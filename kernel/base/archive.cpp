@@ -115,12 +115,16 @@ void StateBuffer::Reader::write(const char*, const Shape&, const void*) { wrong_
 
 void StateBuffer::Writer::write(const char*, const Shape& shape, const void* data) {
   const std::uint64_t rows = shape.rows;
+  const std::size_t bytes = shape.rows * shape.columns * bytes_of(shape.type);
+  size_ += sizeof rows + bytes;
+  if (bytes_ == nullptr) return;
+  if (bytes_->capacity() < size_) bytes_->reserve(size_ + size_ / 8);
   const auto append = [&](const void* from, std::size_t size) {
     const auto* first = static_cast<const std::uint8_t*>(from);
-    if (size != 0) bytes_.insert(bytes_.end(), first, first + size);
+    if (size != 0) bytes_->insert(bytes_->end(), first, first + size);
   };
   append(&rows, sizeof rows);
-  append(data, shape.rows * shape.columns * bytes_of(shape.type));
+  append(data, bytes);
 }
 
 const void* StateBuffer::Reader::read(const char*, Shape& shape) {

@@ -289,7 +289,12 @@ class StateBuffer {
   template <class Holder>
   void save(Holder& holder) {
     bytes_.clear();
-    Writer writer(bytes_);
+    if (bytes_.capacity() == 0) {  // growing would take half as much memory besides
+      Writer counter(nullptr);
+      holder.state(counter);
+      bytes_.reserve(counter.size());
+    }
+    Writer writer(&bytes_);
     holder.state(writer);
   }
   /// The holder must hold the same cells as then.
@@ -306,7 +311,9 @@ class StateBuffer {
   using Bytes = std::vector<std::uint8_t>;
   class Writer : public Archive {
    public:
-    explicit Writer(Bytes& bytes) : Archive(Extent::motion, Direction::save), bytes_(bytes) {}
+    /// Null: nothing is written, and size() is what it would be.
+    explicit Writer(Bytes* bytes) : Archive(Extent::motion, Direction::save), bytes_(bytes) {}
+    std::size_t size() const { return size_; }
     [[noreturn]] void refuse(const std::string& why) const override;
 
    private:
@@ -314,7 +321,8 @@ class StateBuffer {
     const void* read(const char* name, Shape& shape) override;
     void enter(const char*) override {}
     void leave() override {}
-    Bytes& bytes_;
+    Bytes* bytes_;
+    std::size_t size_ = 0;
   };
   class Reader : public Archive {
    public:

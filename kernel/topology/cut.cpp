@@ -95,8 +95,8 @@ struct CellComplex::StarWork {
  * the cut faces are looked at.
  */
 TopologyChange CellComplex::cut(std::span<const Dart> faces) {
-  has_operated_ = true;
   const std::vector<Link> cut_faces = mark_leaving(faces);
+  has_operated_ = true;
   TopologyChange change;
   change.faces_cut = static_cast<Index>(cut_faces.size());
   split_cells<Loss::links>(cut_faces, change);

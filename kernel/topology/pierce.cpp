@@ -74,8 +74,8 @@ bool hangs_together<1>(unsigned left, unsigned n, bool closed) {
  * c would part at u.
  */
 TopologyChange CellComplex::pierce(std::span<const Index> elements) {
-  has_operated_ = true;
   const std::vector<Index> going = mark_removed(elements);
+  has_operated_ = true;
   const std::vector<Link> rim = mark_rim(going);
   TopologyChange change;
   change.faces_cut = static_cast<Index>(rim.size());

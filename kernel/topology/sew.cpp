@@ -77,7 +77,6 @@ struct CellComplex::MergedCells {
  * whole batch before anything is changed.
  */
 TopologyChange CellComplex::sew(std::span<const Seam> seams) {
-  has_operated_ = true;
   for (const Seam& seam : seams)
     if (const std::string reason = why_no_seam(seam); !reason.empty()) throw TopologyError(reason);
   if (const Dart face = repeated_face(seams); face != none)
@@ -88,6 +87,7 @@ TopologyChange CellComplex::sew(std::span<const Seam> seams) {
     throw TopologyError("these faces cannot be sewn: " + fault);
   const MergedCells edges = has_edges() ? merged_cells<1>(seams) : MergedCells{};
 
+  has_operated_ = true;
   TopologyChange change;
   change.faces_sewn = static_cast<Index>(seams.size());
   for (const auto& [one, other] : seams) {

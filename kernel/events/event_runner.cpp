@@ -135,25 +135,7 @@ struct EventRunner::Call {
         " removes no island: all are large enough and within the region");
   }
 
-  EventOutcome remove(const std::vector<Index>& elements, const char* nothing) const {
-    EventOutcome outcome;
-    if (elements.empty()) {
-      warn_once(nothing);
-      return outcome;
-    }
-    if (elements.size() >= built.body().complex().existing(3)) {
-      throw InputError(time_text(time) + event.path + ": " + event.operation() +
-                       " would remove all " + std::to_string(elements.size()) +
-                       " elements that are left, and nothing would be simulated; nothing was "
-                       "removed");
-    }
-    runner.removals_.before(elements);
-    const TopologyChange change = built.body().pierce(elements);
-    outcome.elements_removed = static_cast<Index>(change.removed[3].size());
-    for (const std::string& loss : runner.removals_.after())
-      warn(' ' + std::string(event.operation()) + ' ' + loss);
-    return outcome;
-  }
+  EventOutcome remove(const std::vector<Index>& elements, const char* nothing) const;
 
   EventOutcome operator()(const SewFaces& sew) const {
     EventOutcome outcome;
@@ -167,58 +149,15 @@ struct EventRunner::Call {
     return outcome;
   }
 
-  std::vector<Seam> seams_of(const SewFaces& sew) const {
-    const CellComplex& complex = built.body().complex();
-    const double* rows = built.body().attributes().position().rows();
-    const auto selected = [&](const Selection& s) {
-      return built.selector().elements_now(s, rows);
-    };
-    if (sew.between) {
-      return without_misfits(seams_within_gap(complex, rows, selected((*sew.between)[0]),
-                                              selected((*sew.between)[1]), sew.gap, naming()));
-    }
-    if (!sew.element_pairs.empty()) return listed_seams(sew);
-    std::vector<Index> where;
-    if (sew.where)
-      where = built.selector().elements_now(*sew.where, built.body().attributes().rest().rows());
-    if (sew.where && where.empty()) return {};
-    return without_misfits(seams_of_cuts(complex, built.body().user_vertex(), where, naming()));
-  }
+  std::vector<Seam> seams_of(const SewFaces& sew) const;
 
-  // Whoever leaves the choice of faces to us gets those that can be sewn.
-  std::vector<Seam> without_misfits(MatchedSeams matched) const {
-    if (!matched.misfits.empty() && !std::exchange(state.told_misfits, true))
-      warn("/suture: " + misfits_text(matched.misfits, naming()));
-    return std::move(matched.seams);
-  }
+  std::vector<Seam> without_misfits(MatchedSeams matched) const;
 
-  /// Cells by the numbers of the user's mesh.
-  Naming naming() const {
-    return {[this](Index e) { return std::to_string(built.element_name(e)); },
-            [this](Index v) {
-              return std::to_string(built.names().point_id(built.body().user_vertex()[v]));
-            }};
-  }
+  Naming naming() const;
 
-  std::vector<Seam> listed_seams(const SewFaces& sew) const {
-    ListedSeams listed = seams_between(
-        built.body().complex(), built.body().attributes().position().rows(),
-        time_text(time) + event.path + "/suture/faces", sew.element_pairs,
-        [&](std::uint64_t id) { return built.selector().element_with_id(id); },
-        built.body().user_vertex(), naming());
-    if (!listed.idle.empty() && !listed.seams.empty()) {
-      warn_once("/suture/faces: " + std::to_string(listed.idle.size()) +
-                " of the pairs share a face or were removed, the first is elements " +
-                std::to_string(listed.idle[0][0]) + " and " + std::to_string(listed.idle[0][1]));
-    }
-    return std::move(listed.seams);
-  }
+  std::vector<Seam> listed_seams(const SewFaces& sew) const;
 
-  static std::string why_none(const SewFaces& sew) {
-    if (sew.between) return "none of one side is within the gap of one of the other";
-    return sew.element_pairs.empty() ? "nothing that was cut is open there"
-                                     : "all pairs share a face already, or were removed";
-  }
+  static std::string why_none(const SewFaces& sew);
 
   EventOutcome operator()(const Tear&) const {
     EventOutcome outcome;
@@ -230,6 +169,78 @@ struct EventRunner::Call {
     return outcome;
   }
 };
+
+std::vector<Seam> EventRunner::Call::seams_of(const SewFaces& sew) const {
+  const CellComplex& complex = built.body().complex();
+  const double* rows = built.body().attributes().position().rows();
+  const auto selected = [&](const Selection& s) { return built.selector().elements_now(s, rows); };
+  if (sew.between) {
+    return without_misfits(seams_within_gap(complex, rows, selected((*sew.between)[0]),
+                                            selected((*sew.between)[1]), sew.gap, naming()));
+  }
+  if (!sew.element_pairs.empty()) return listed_seams(sew);
+  std::vector<Index> where;
+  if (sew.where)
+    where = built.selector().elements_now(*sew.where, built.body().attributes().rest().rows());
+  if (sew.where && where.empty()) return {};
+  return without_misfits(seams_of_cuts(complex, built.body().user_vertex(), where, naming()));
+}
+
+// Whoever leaves the choice of faces to us gets those that can be sewn.
+std::vector<Seam> EventRunner::Call::without_misfits(MatchedSeams matched) const {
+  if (!matched.misfits.empty() && !std::exchange(state.told_misfits, true))
+    warn("/suture: " + misfits_text(matched.misfits, naming()));
+  return std::move(matched.seams);
+}
+
+/// Cells by the numbers of the user's mesh.
+Naming EventRunner::Call::naming() const {
+  return {[this](Index e) { return std::to_string(built.element_name(e)); },
+          [this](Index v) {
+            return std::to_string(built.names().point_id(built.body().user_vertex()[v]));
+          }};
+}
+
+std::vector<Seam> EventRunner::Call::listed_seams(const SewFaces& sew) const {
+  ListedSeams listed = seams_between(
+      built.body().complex(), built.body().attributes().position().rows(),
+      time_text(time) + event.path + "/suture/faces", sew.element_pairs,
+      [&](std::uint64_t id) { return built.selector().element_with_id(id); },
+      built.body().user_vertex(), naming());
+  if (!listed.idle.empty() && !listed.seams.empty()) {
+    warn_once("/suture/faces: " + std::to_string(listed.idle.size()) +
+              " of the pairs share a face or were removed, the first is elements " +
+              std::to_string(listed.idle[0][0]) + " and " + std::to_string(listed.idle[0][1]));
+  }
+  return std::move(listed.seams);
+}
+
+std::string EventRunner::Call::why_none(const SewFaces& sew) {
+  if (sew.between) return "none of one side is within the gap of one of the other";
+  return sew.element_pairs.empty() ? "nothing that was cut is open there"
+                                   : "all pairs share a face already, or were removed";
+}
+
+EventOutcome EventRunner::Call::remove(const std::vector<Index>& elements,
+                                       const char* nothing) const {
+  EventOutcome outcome;
+  if (elements.empty()) {
+    warn_once(nothing);
+    return outcome;
+  }
+  if (elements.size() >= built.body().complex().existing(3)) {
+    throw InputError(time_text(time) + event.path + ": " + event.operation() +
+                     " would remove all " + std::to_string(elements.size()) +
+                     " elements that are left, and nothing would be simulated; nothing was "
+                     "removed");
+  }
+  runner.removals_.before(elements);
+  const TopologyChange change = built.body().pierce(elements);
+  outcome.elements_removed = static_cast<Index>(change.removed[3].size());
+  for (const std::string& loss : runner.removals_.after())
+    warn(' ' + std::string(event.operation()) + ' ' + loss);
+  return outcome;
+}
 
 // ---------------------------------------------------------------- runner --
 

@@ -10,16 +10,16 @@ namespace suture {
 namespace {
 
 /// Of the elements and where they are at rest.
-std::string hash_of(const Body& body) {
+std::string hash_of(Body& body) {
   Checksum sum;
   const auto elements = body.complex().vertices();
   sum.add(std::as_bytes(std::span(elements)));
-  const Column& rest = const_cast<Attributes&>(body.attributes()).rest();
+  const Column& rest = body.attributes().rest();
   sum.add(std::as_bytes(std::span(rest.rows(), std::size_t{rest.size()} * 4)));
   return sum.text();
 }
 
-CheckpointHeader header_of(const BuiltScene& built, const PluginHost& host) {
+CheckpointHeader header_of(BuiltScene& built, const PluginHost& host) {
   const Scene& scene = built.scene();
   CheckpointHeader header;
   header.program = "suture " SUTURE_VERSION;

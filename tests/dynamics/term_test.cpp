@@ -77,7 +77,9 @@ Dart inner_face(const Body& body) {
 
 TEST(Term, SwingsABodyAtItsFrequencyAndClosesTheLedger) {
   for (const char* scheme : rig::schemes) {
-    rig::Moving block(spring_model::box(3, 2, 2), {scheme});
+    rig::Options options;
+    options.integrator = scheme;
+    rig::Moving block(spring_model::box(3, 2, 2), options);
     constexpr double kappa = 100, amplitude = 0.01;
     found(block.body, kappa);
     shift(block.body, amplitude);

@@ -56,9 +56,8 @@ struct Imported {
 /// two elements on the same side of a face, ...), and so do elements with a
 /// corner Jacobian <= 0, unless allow_inverted_rest and all 2x2x2 Gauss points
 /// are positive. A mesh without hexahedra or with points that are not finite throws
-/// InputError. Elements keep their order if it is local (ordering.hpp), in layers
-/// across the longest axis if they lay along it, else they follow a space-filling
-/// curve; vertices are numbered by first touch.
+/// InputError. Elements keep their order if it is local (ordering.hpp), else they follow
+/// a space-filling curve; vertices are numbered by first touch.
 /// Cost: at most 0.5 us per hexahedron, edge and face ids included.
 Imported import_mesh(Mesh mesh, const ImportOptions& options, Diagnostics& diagnostics);
 

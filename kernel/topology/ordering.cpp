@@ -2,7 +2,6 @@
 #include "kernel/topology/ordering.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "kernel/base/box.hpp"
@@ -26,45 +25,6 @@ Box bounds(std::span<const Vec3> points, const std::vector<bool>& used) {
   for (std::size_t p = 0; p < points.size(); ++p)
     if (used[p]) include(box, points[p]);
   return box;
-}
-
-/// Vertices with elements on both sides of a place in the order, the mean of all places.
-/// element(i) is the i-th of the order.
-template <class Element>
-double mean_border(Index elements, std::size_t points, Element element) {
-  std::vector<Index> last(points, none);
-  std::uint64_t sum = 0;
-  for (Index i = 0; i < elements; ++i)
-    for (const Index v : element(i)) {
-      if (last[v] != none) sum += i - last[v];
-      last[v] = i;
-    }
-  return static_cast<double>(sum) / elements;
-}
-
-/// Elements along one axis: their middles, and how long they are in the mean.
-struct Middles {
-  std::vector<float> middle;  // from the low end of the mesh, in its lengths
-  double thickness = 0;
-};
-
-Middles middles(std::span<const Hexahedron> hexahedra, std::span<const Vec3> points, const Box& box,
-                std::size_t axis) {
-  Middles result;
-  result.middle.reserve(hexahedra.size());
-  for (const Hexahedron& h : hexahedra) {
-    double sum = 0, low = box.high[axis], high = box.low[axis];
-    for (const Index v : h) {
-      const double x = points[v][axis];
-      sum += x;
-      low = std::min(low, x);
-      high = std::max(high, x);
-    }
-    result.middle.push_back(static_cast<float>((sum / 8 - box.low[axis]) / box.length(axis)));
-    result.thickness += high - low;
-  }
-  result.thickness /= static_cast<double>(hexahedra.size());
-  return result;
 }
 
 }  // namespace
@@ -117,42 +77,10 @@ std::vector<Index> curve_order(std::span<const Hexahedron> hexahedra, std::span<
   return order;
 }
 
-std::vector<Index> sweep_order(std::span<const Hexahedron> hexahedra, std::span<const Vec3> points,
-                               const std::vector<bool>& used) {
-  constexpr Index least_elements = 4096, most_elements = 65536;
-  constexpr double worth = 1.5;  // times fewer vertices; a map of ids is not for nothing
-  const auto elements = static_cast<Index>(hexahedra.size());
-  if (elements < least_elements || elements > most_elements) return {};
-  const double border = mean_border(
-      elements, points.size(), [&](Index i) -> auto& { return hexahedra[i]; });
-
-  const Box box = bounds(points, used);
-  std::size_t axis = 0;
-  for (std::size_t c = 1; c < 3; ++c)
-    if (box.length(c) > box.length(axis)) axis = c;
-  const Middles at = middles(hexahedra, points, box, axis);
-  if (!(at.thickness > 0)) return {};
-  const auto layers =
-      static_cast<Index>(std::min(std::round(box.length(axis) / at.thickness), 1.0 * elements));
-  if (layers < 2 || border < worth * elements / layers) return {};
-
-  const auto layer = [&](Index e) {
-    return std::min(static_cast<Index>(at.middle[e] * static_cast<float>(layers)), layers - 1);
-  };
-  std::vector<Index> begin(layers + std::size_t{1}), order(elements);
-  for (Index e = 0; e < elements; ++e) ++begin[layer(e) + 1];
-  for (Index l = 0; l < layers; ++l) begin[l + 1] += begin[l];
-  for (Index e = 0; e < elements; ++e) order[begin[layer(e)]++] = e;
-  const double swept = mean_border(
-      elements, points.size(), [&](Index i) -> auto& { return hexahedra[order[i]]; });
-  return worth * swept < border ? order : std::vector<Index>{};
-}
-
 std::vector<Index> local_order(std::span<const Hexahedron> hexahedra, std::span<const Vec3> points,
                                const std::vector<bool>& used) {
-  if (!is_local(hexahedra, static_cast<Index>(points.size())))
-    return curve_order(hexahedra, points, used);
-  return sweep_order(hexahedra, points, used);
+  if (is_local(hexahedra, static_cast<Index>(points.size()))) return {};
+  return curve_order(hexahedra, points, used);
 }
 
 }  // namespace suture

@@ -22,24 +22,8 @@ bool is_local(std::span<const Hexahedron> hexahedra, Index point_count);
 std::vector<Index> curve_order(std::span<const Hexahedron> hexahedra, std::span<const Vec3> points,
                                const std::vector<bool>& used);
 
-/// Elements in layers across the longest axis of the mesh, those of a layer in the
-/// order given, if that makes the parts of several threads meet in far fewer vertices;
-/// else nothing: short meshes, those walked that way, those of one thread (below 4096
-/// elements), and those that no cache holds (above 65536), where threads that share cost
-/// nothing and a cut along the axis would walk through all of memory. For orders that are
-/// local. O(elements).
-///
-///   given: along the axis      swept: across it
-///   +----------------+         +----------------+
-///   | -------------> |         | | | | | | | | ||
-///   |= = = = = = = = |         | | | | |:| | | ||    = : where two halves meet
-///   | -------------> |         | v v v v v v v v|
-///   +----------------+         +----------------+
-std::vector<Index> sweep_order(std::span<const Hexahedron> hexahedra, std::span<const Vec3> points,
-                               const std::vector<bool>& used);
-
-/// The order in which the import numbers elements: theirs, swept or along the curve.
-/// Nothing if they stay where they are.
+/// The order in which the import numbers elements: along the curve, or nothing if
+/// theirs is local.
 std::vector<Index> local_order(std::span<const Hexahedron> hexahedra, std::span<const Vec3> points,
                                const std::vector<bool>& used);
 

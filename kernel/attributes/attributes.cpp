@@ -162,12 +162,4 @@ void Attributes::accept_trials() {
   for_each_state(instances_, [](Column& column) { column.accept(); });
 }
 
-void Attributes::save_states(std::vector<double>& values) const {
-  for_each_state(instances_, [&](const Column& column) { column.save(values); });
-}
-
-void Attributes::restore_states(std::span<const double> values) {
-  for_each_state(instances_, [&](Column& column) { values = column.restore(values); });
-}
-
 }  // namespace suture

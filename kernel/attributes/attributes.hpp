@@ -57,10 +57,6 @@ class Attributes {
 
   /// After a step that was accepted: swaps the trial copies of all columns.
   void accept_trials();
-  /// The accepted states of all columns that have a trial copy; for a step back, with the same
-  /// rows.
-  void save_states(std::vector<double>& values) const;
-  void restore_states(std::span<const double> values);
 
   /// To be loaded where the same was built and initialised, and apply() was not called. What
   /// steps change: positions, velocities (48 B per vertex) and the accepted states of models.

@@ -202,13 +202,4 @@ void Column::state(Archive& archive) {
                   "the column here has another number of rows");
 }
 
-void Column::save(std::vector<double>& values) const {
-  values.insert(values.end(), data_.data(), data_.data() + data_.size());
-}
-
-std::span<const double> Column::restore(std::span<const double> values) {
-  std::copy_n(values.begin(), data_.size(), data_.data());
-  return values.subspan(data_.size());
-}
-
 }  // namespace suture

@@ -106,10 +106,6 @@ class Column {
   double* trial_rows() { return trial_.data(); }
   double* trial_block(Index b) { return trial_.data() + block_offset(b); }
   void accept() { data_.swap(trial_); }  ///< the trial values become the values
-  /// The values alone, for a step back: appended to `values`; read from there, the rest is
-  /// returned. The rows must be the same.
-  void save(std::vector<double>& values) const;
-  std::span<const double> restore(std::span<const double> values);
   /// The values; with cells the number of rows and the trial copy, too.
   void state(Archive& archive);
   /// The trial copy of a row that is not visited for a while: whatever is accepted

@@ -56,7 +56,7 @@ class TearCheck {
 
   /// Elements were removed, or rest places changed.
   void invalidate() { is_built_ = false; }
-  /// What is built is built anew from the attributes that were loaded, with the same bits.
+  /// The metric is rebuilt from the loaded attributes, with the same bits.
   void state(Archive& archive);
 
  private:

@@ -26,8 +26,7 @@ class RunLoop {
   void apply(const Event& event, Observer& observer);
   /// The state of a checkpoint that `file` holds, for the steps to come. Before any step.
   void resume(const Checkpoint& checkpoint, const std::filesystem::path& file);
-  /// A step that is only timed; false where the body does not bear what an event would have taken
-  /// from it.
+  /// A step that is only timed, without events; false if it fails.
   bool tries_step();
 
   BuiltScene& built() { return built_; }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -13,6 +14,11 @@ std::string seconds(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g s", value);
   return text;
+}
+
+std::string stability(double stable_dt) {
+  if (std::isinf(stable_dt)) return "any step is stable, as every node is prescribed";
+  return "stable below " + seconds(stable_dt);
 }
 
 /// Decisions of one kind, one after the other for one reason, on one line.
@@ -47,8 +53,8 @@ void print_text(const Scene& scene, const Simulation& simulation, const Estimate
     print_decisions(simulation.decisions(), skipped, console);
   }
   console.print("\ncost");
-  console.print("  step: dt " + seconds(cost.dt) + ", stable below " + seconds(cost.stable_dt) +
-                ", takes " + duration(cost.seconds_per_step));
+  console.print("  step: dt " + seconds(cost.dt) + ", " + stability(cost.stable_dt) + ", takes " +
+                duration(cost.seconds_per_step));
   console.print(cost.steps == 0 ? "  steps: until rest, not known beforehand"
                                 : "  steps: " + std::to_string(cost.steps) +
                                       ", frames: " + std::to_string(cost.frames));

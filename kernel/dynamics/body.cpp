@@ -58,6 +58,14 @@ double Body::settled_after() const {
   return last;
 }
 
+bool Body::has_free_vertices() {
+  const double* mass = attributes_.mass().rows();
+  const double* fixed = attributes_.fixed().rows();
+  for (Index v = 0; v < attributes_.vertex_count(); ++v)
+    if (mass[v] > 0 && static_cast<int>(fixed[v]) != 7) return true;
+  return false;
+}
+
 void Body::add_tangent(const double* d, double dx, double dv, double time, double* out) const {
   for (const auto& term : terms_)
     if (term->has_tangent()) term->add_tangent(d, dx, dv, time, out);

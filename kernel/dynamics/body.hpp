@@ -72,6 +72,8 @@ class Body {
   bool has_loads() const;           ///< some adds to rows
   bool loads_have_tangent() const;  ///< all have; not pressures
   double settled_after() const;     ///< when the last ramp and motion ends, s
+  /// Some component of some vertex with mass is not prescribed. O(vertices).
+  bool has_free_vertices();
   /// out += K d with K = df/dx of all terms that have a tangent; 3 numbers per vertex.
   void add_tangent(const double* d, double dx, double dv, double time, double* out) const;
   /// Of all terms at these vertices, each given once, but for acceleration(). O(what is there).

@@ -13,6 +13,8 @@ constexpr double same = 1e-12;
 /// Steps to a stop beyond which it is not planned for, and how many are planned then.
 constexpr double most_steps = 1e12;
 constexpr std::uint64_t block = 1024;
+/// s: the step where neither stability nor a stop limits it.
+constexpr double unlimited = 1;
 
 }  // namespace
 
@@ -42,6 +44,7 @@ double Clock::next_stop() const {
 
 double Clock::next_dt(double stable) {
   if (fixed_dt_) return *fixed_dt_ / static_cast<double>(parts_);
+  if (std::isinf(stable) && std::isinf(next_stop())) stable = unlimited;
   if (done_ == steps_ || stable != stable_) {
     const double steps = std::ceil((next_stop() - time_) / stable * (1 - same));
     start_ = time_;

@@ -37,6 +37,10 @@ double Stability::rounding_of_rest(const RestSearch& rest) const {
 
 Stability::Verdict Stability::examine(const RestSearch& rest, std::uint64_t steps, double time,
                                       const Vec3& gravity) {
+  if (!built_.body().has_free_vertices()) {
+    lowest_.reset();
+    return Verdict::stable;
+  }
   const ForceLoop& forces = built_.body().models();
   if (!forces.has_tangent()) {
     lowest_.reset();
@@ -103,11 +107,11 @@ void Stability::kick(const LowestMode& mode) {
 
 std::string Stability::text() const {
   std::ostringstream text;
+  if (!lowest_) return "the equilibrium is stable: every node is prescribed";
   if (neutral_) return "the equilibrium is neutral: the lowest eigenvalue of the tangent is zero";
-  text << "the equilibrium is stable: no eigenvalue of the tangent below " << lowest_.value_or(0)
+  text << "the equilibrium is stable: no eigenvalue of the tangent below " << *lowest_
        << " 1/s^2 was found";
-  if (lowest_ && *lowest_ > 0)
-    text << " (" << std::sqrt(*lowest_) / (2 * std::numbers::pi) << " Hz)";
+  if (*lowest_ > 0) text << " (" << std::sqrt(*lowest_) / (2 * std::numbers::pi) << " Hz)";
   return text.str();
 }
 

@@ -22,7 +22,7 @@ constexpr double most_over_bound = 1.4;
 void StepWatch::start() {
   if (!scene_.solver.dt) {
     search(0);
-    if (!std::isfinite(stable_))
+    if (!std::isfinite(stable_) && built_.body().has_free_vertices())
       throw InputError(
           "/solver/dt: \"auto\" needs a force, and no model gives one; give a number of seconds");
     return;

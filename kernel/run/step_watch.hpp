@@ -56,6 +56,7 @@ class StepWatch {
   unsigned halvings() const { return halvings_; }
 
   /// The stable step, s, or with a fixed dt what is known of it: a bound, 0 if nothing.
+  /// Infinite where every vertex is prescribed.
   double stable() const { return stable_; }
   /// What "auto" makes of it, s: safety and halvings included, and that prescribed motion moves
   /// no vertex by more than a tenth of an element.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "kernel/scene/scene_parts.hpp"
 
@@ -57,6 +58,22 @@ std::vector<std::string> known_fields(const Scene& scene) {
 bool all_models_found(const Scene& scene) {
   return std::all_of(scene.models.begin(), scene.models.end(),
                      [](const ModelUse& use) { return use.model != nullptr; });
+}
+
+bool has_springs(const ModelUse& use) {
+  const std::span functors(use.model->functors, use.model->functor_count);
+  return std::ranges::any_of(functors, [](const auto& f) { return f.dimension == 1; });
+}
+
+void read_springs(ObjectReader& object, Reading& reading) {
+  bool& springs = reading.scene.output.springs;
+  springs = object.boolean("springs").value_or(false);
+  if (!springs || !all_models_found(reading.scene) ||
+      std::ranges::any_of(reading.scene.models, has_springs))
+    return;
+  object.complain("springs",
+                  "no model of this scene has springs (functors on edges), so every "
+                  "file would be empty; remove this key");
 }
 
 /// Names of fields, each once. Values of springs have a place of their own.
@@ -201,7 +218,7 @@ void read_output(const JsonValue* value, Reading& reading) {
     output.compression = static_cast<OutputOptions::Compression>(*choice);
   }
   read_tables(object, reading);
-  output.springs = object.boolean("springs").value_or(false);
+  read_springs(object, reading);
   object.finish();
 }
 

@@ -4,6 +4,7 @@
 
 #include "kernel/scene/scene_reader.hpp"
 #include "tests/apps/program.hpp"
+#include "tests/run/csv_table.hpp"
 
 namespace suture::testing {
 namespace {
@@ -54,6 +55,36 @@ TEST_F(Runs, ValuesOfSpringsAreNoFieldsOfFramesOrProbes) {
   EXPECT_TRUE(run.says("/output/fields/0" + words)) << run;
   EXPECT_TRUE(run.says("/output/probes/at/0/fields/0" + words)) << run;
   EXPECT_TRUE(run.says("/output/probes/at/0/fields/1: ") && run.says("did you mean 'mass'")) << run;
+}
+
+TEST_F(Runs, SpringsOfASceneWithoutThemAreRefused) {
+  const Outcome run = scene("check", R"(, "output": {"springs": true})");
+  EXPECT_EQ(run.code, 3) << run;
+  EXPECT_TRUE(run.says("s.json:5:") && run.says("/output/springs: no model of this scene has"))
+      << run;
+  EXPECT_EQ(suture({"check", "s.json", "--set", "/models/0/model=mss-baudet"}).code, 0);
+}
+
+// The patch test: the map x -> x + 0.1 x e_x given at every node of a body of 2 x 2 x 2
+// elements. F = diag(1.1, 1, 1), E_xx = 0.105, and with St Venant-Kirchhoff
+// sigma_xx = F_xx^2 (lambda + 2 mu) E_xx / det F.
+TEST_F(Runs, EveryNodeMayBePrescribed) {
+  const Outcome run = scene("run", R"(, "constraints": [
+      {"fix": "xyz", "where": {"set": "x0"}},
+      {"move": {"translation": [0.05, 0, 0]}, "ramp": 0.5,
+       "where": {"plane": {"point": [0.5, 0, 0], "normal": [1, 0, 0]}}},
+      {"move": {"translation": [0.1, 0, 0]}, "ramp": 0.5, "where": {"set": "x1"}}],
+    "output": {"directory": "o",
+               "probes": {"at": [{"name": "a", "where": "all", "fields": ["stress"]}]}})",
+                            {"/solver/dt=auto", "/solver/end=1"});
+  EXPECT_EQ(run.code, 0) << run;
+  const double lambda = 1e5 * 0.3 / (1.3 * 0.4), mu = 1e5 / 2.6;
+  const double stress = 1.1 * 1.1 / 1.1 * (lambda + 2 * mu) * 0.105;
+  const test::CsvTable table(folder() / "o/probes.csv");
+  EXPECT_NEAR(table.last("a stress xx [Pa]"), stress, 1e-9 * stress);
+  const Outcome rest = suture({"run", "s.json", "--set", "/solver={\"until\": \"rest\"}"});
+  EXPECT_EQ(rest.code, 0) << rest;
+  EXPECT_TRUE(rest.says("every node is prescribed")) << rest;
 }
 
 TEST_F(Runs, QuietSaysNothingAndNoOutputWritesNothing) {

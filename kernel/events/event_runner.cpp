@@ -29,6 +29,14 @@ std::string time_text(double time) {
 
 }  // namespace
 
+EventOutcome& EventOutcome::operator+=(const EventOutcome& other) {
+  faces_cut += other.faces_cut;
+  faces_torn += other.faces_torn;
+  faces_sewn += other.faces_sewn;
+  elements_removed += other.elements_removed;
+  return *this;
+}
+
 std::string EventOutcome::text() const {
   std::string text;
   const auto add = [&](const char* verb, Index n, const char* what) {

@@ -19,6 +19,7 @@ class SurfaceBlade;
 struct EventOutcome {
   Index faces_cut = 0, faces_torn = 0, faces_sewn = 0, elements_removed = 0;
   bool changed() const { return faces_cut + faces_torn + faces_sewn + elements_removed > 0; }
+  EventOutcome& operator+=(const EventOutcome& other);
   /// "cut 25 faces"; "" if nothing was changed.
   std::string text() const;
 };

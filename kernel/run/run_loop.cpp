@@ -49,6 +49,10 @@ std::string provenance_of(const Scene& scene, PluginHost& host, const BuiltScene
   return text.str();
 }
 
+void report_events(const std::vector<std::string>& lines, Observer& observer) {
+  for (const std::string& line : lines) observer.on_message(line);
+}
+
 StepControl::Notify notify_to(Observer& observer) {
   return [&](const std::string& text) { observer.on_message(text); };
 }
@@ -80,7 +84,11 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
 void RunLoop::fire_events(Observer& observer) {
   for (const std::size_t i : schedule_.due(clock_)) {
     try {
-      tell(events_.fire(i, clock_.time()), observer);
+      const EventOutcome outcome = events_.fire(i, clock_.time());
+      if (!outcome.changed()) continue;
+      take_over(outcome);
+      const Index islands = built_.body().islands().existing();
+      report_events(event_report_.add(i, outcome, clock_.time(), islands), observer);
     } catch (const NumericalError& error) {
       std::ostringstream when;
       when << "t = " << clock_.time() << " s: ";
@@ -91,18 +99,12 @@ void RunLoop::fire_events(Observer& observer) {
 }
 
 /// The cells are others: so are the islands and the stable step.
-void RunLoop::tell(const EventOutcome& outcome, Observer& observer) {
-  if (!outcome.changed()) return;
+void RunLoop::take_over(const EventOutcome& outcome) {
   summary_.faces_cut += outcome.faces_cut;
   summary_.faces_torn += outcome.faces_torn;
   summary_.faces_sewn += outcome.faces_sewn;
   summary_.elements_removed += outcome.elements_removed;
   control_.after_event();
-  const Index islands = built_.body().islands().existing();
-  std::ostringstream text;
-  text << "t = " << clock_.time() << " s: " << outcome.text() << ", " << islands
-       << (islands == 1 ? " island" : " islands");
-  observer.on_message(text.str());
 }
 
 void RunLoop::tell_of_sleep(Observer& observer) {
@@ -115,7 +117,10 @@ void RunLoop::tell_of_sleep(Observer& observer) {
 }
 
 void RunLoop::apply(const Event& event, Observer& observer) {
-  tell(events_.apply(in_frame(event, built_.frame()), clock_.time()), observer);
+  const EventOutcome outcome = events_.apply(in_frame(event, built_.frame()), clock_.time());
+  if (!outcome.changed()) return;
+  take_over(outcome);
+  observer.on_message(event_line(outcome, clock_.time(), built_.body().islands().existing()));
 }
 
 // ----------------------------------------------------------------- the loop --
@@ -203,6 +208,7 @@ RunSummary RunLoop::run(Observer& observer) {
   try {
     loop(std::nullopt, observer);
   } catch (...) {
+    report_events(event_report_.finish(), observer);
     recorder_.release(clock_.step());  // what stands: a step that failed has taken its own back
     recorder_.finish();
     checkpoints_.finish();
@@ -214,6 +220,9 @@ RunSummary RunLoop::run(Observer& observer) {
 }
 
 void RunLoop::finish(Observer& observer) {
+  // A run that goes on from a checkpoint reports what is gathered then.
+  if (summary_.outcome != RunSummary::Outcome::interrupted)
+    report_events(event_report_.finish(), observer);
   events_.finish();
   const bool rests = summary_.outcome != RunSummary::Outcome::finished &&
                      summary_.outcome != RunSummary::Outcome::interrupted;
@@ -255,6 +264,7 @@ void RunLoop::summarise() {
 void RunLoop::state(Archive& archive) {
   archive("control", control_);
   archive("events", events_);
+  archive("event report", event_report_);
   archive("sleeper", sleeper_);
   archive("ending", ending_);
   archive("records", records_);

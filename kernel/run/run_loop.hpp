@@ -8,6 +8,7 @@
 #include "kernel/run/checkpoints.hpp"
 #include "kernel/run/decisions.hpp"
 #include "kernel/run/ending.hpp"
+#include "kernel/run/event_report.hpp"
 #include "kernel/run/records.hpp"
 #include "kernel/run/sleeper.hpp"
 #include "kernel/run/step_control.hpp"
@@ -42,7 +43,7 @@ class RunLoop {
  private:
   using Wall = std::chrono::steady_clock;
   void fire_events(Observer& observer);
-  void tell(const EventOutcome& outcome, Observer& observer);
+  void take_over(const EventOutcome& outcome);
   void tell_of_sleep(Observer& observer);
   bool record(const StepControl::Notify& notify);
   bool stops(Observer& observer);
@@ -56,6 +57,7 @@ class RunLoop {
   Recorder recorder_;
   EventSchedule schedule_;
   EventRunner events_;
+  EventReport event_report_{scene_.events};
   StepControl control_;
   const Clock& clock_ = control_.clock();
   Records records_;

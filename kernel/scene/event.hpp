@@ -109,7 +109,9 @@ struct Event {
 
   /// "cut", "pierce", "tear", "suture", "remove_islands": the key in the scene.
   const char* operation() const;
-  bool is_timed() const { return every == 0 && !when && !std::holds_alternative<CutBlade>(what); }
+  /// May have an effect in many steps.
+  bool repeats() const { return every > 0 || std::holds_alternative<CutBlade>(what); }
+  bool is_timed() const { return !repeats() && !when; }
   /// "pierce, every 4 steps from 0.5 s: ...", for `suture explain`.
   std::string summary() const;
   /// When it can happen for the first time and for the last, s.

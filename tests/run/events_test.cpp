@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "kernel/base/error.hpp"
+#include "kernel/run/event_report.hpp"
 #include "tests/run/beam.hpp"
 
 namespace suture::test {
@@ -125,6 +126,28 @@ TEST(TearEvent, EverythingAtOnceStopsTheRunAndTearsNothing) {
   simulation.complex().islands(&islands);
   EXPECT_EQ(islands, 1u);
   EXPECT_TRUE(heard.lines.empty());
+}
+
+// One line when it begins, one for each change of the number of islands, one in the end.
+TEST(EventReport, GathersTheStepsOfAnEventThatRepeats) {
+  const std::vector<Event> events{tear_of(0.3, 1), event_of(CutPlane{})};
+  EventReport report(events);
+  EventOutcome torn, cut;
+  torn.faces_torn = 2;
+  cut.faces_cut = 5;
+  using Lines = std::vector<std::string>;
+  EXPECT_EQ(report.add(0, torn, 0.25, 1), Lines{"t = 0.25 s: tore 2 faces, 1 island"});
+  EXPECT_EQ(report.add(0, torn, 0.5, 1), Lines{});
+  EXPECT_EQ(report.add(0, torn, 0.75, 1), Lines{});
+  EXPECT_EQ(report.add(1, cut, 0.75, 1),
+            (Lines{"t = 0.5 to 0.75 s: tore 4 faces in 2 steps, 1 island",
+                   "t = 0.75 s: cut 5 faces, 1 island"}));
+  EXPECT_EQ(report.add(0, torn, 1, 1), Lines{});
+  EXPECT_EQ(report.add(0, torn, 1.25, 2),
+            Lines{"t = 1 to 1.25 s: tore 4 faces in 2 steps, 2 islands"});
+  EXPECT_EQ(report.add(0, torn, 1.5, 2), Lines{});
+  EXPECT_EQ(report.finish(), Lines{"t = 1.5 s: tore 2 faces, 2 islands"});
+  EXPECT_EQ(report.finish(), Lines{});
 }
 
 // By the model's own value on elements, and on edges.

@@ -23,7 +23,7 @@ class GmshReader {
     if (!format_) fail("there is no section $MeshFormat");
     if (!has_nodes_) fail("there is no section $Nodes: the file is truncated");
     if (!has_elements_) fail("there is no section $Elements: the file is truncated");
-    return mesh_.finish(format_ == 2);
+    return mesh_.finish(format_ == 2, diagnostics_);
   }
 
  private:

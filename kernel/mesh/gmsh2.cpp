@@ -89,6 +89,8 @@ void read_gmsh2_elements(GmshScanner& in, const FileText& file, GmshMesh& mesh) 
       read_element(in, mesh, block, number, nodes);
     }
     done += std::uint64_t(block.count);
+    if (done > count)
+      in.fail("a block of elements goes beyond the " + grouped(count) + " that are announced");
   }
 }
 

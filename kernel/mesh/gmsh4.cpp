@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Entities, nodes and elements of Gmsh's format 4.1: manual 4.11, section 10.1.
+#include <cstdlib>
+#include <limits>
 #include <vector>
 
 #include "kernel/mesh/gmsh_scanner.hpp"
@@ -22,7 +24,14 @@ struct Block {
   std::uint64_t count;
 };
 
-void read_node_block(GmshScanner& in, GmshMesh& mesh, std::vector<std::uint64_t>& tags) {
+// Blocks that hold more or less than their section announces are damaged.
+void check_total(GmshScanner& in, std::uint64_t announced, std::uint64_t found, const char* what) {
+  if (found != announced)
+    in.fail(grouped(announced) + " " + what + " are announced, but the blocks hold " +
+            grouped(found) + ": the file is damaged");
+}
+
+std::uint64_t read_node_block(GmshScanner& in, GmshMesh& mesh, std::vector<std::uint64_t>& tags) {
   const int dimension = in.int32("dimension of a block of nodes");
   in.int32("entity of a block of nodes");
   const int parametric = in.int32("'parametric' of a block of nodes");
@@ -38,6 +47,7 @@ void read_node_block(GmshScanner& in, GmshMesh& mesh, std::vector<std::uint64_t>
     for (int i = 0; i < parameters; ++i) in.real("parametric coordinate");
     mesh.add_point(tag, x);
   }
+  return count;
 }
 
 void read_hexahedra(GmshScanner& in, GmshMesh& mesh, const Block& block,
@@ -63,8 +73,8 @@ void read_others(GmshScanner& in, GmshMesh& mesh, const Block& block, const Gmsh
   }
 }
 
-void read_element_block(GmshScanner& in, const FileText& file, const GmshEntities& entities,
-                        GmshMesh& mesh) {
+std::uint64_t read_element_block(GmshScanner& in, const FileText& file,
+                                 const GmshEntities& entities, GmshMesh& mesh) {
   Block block{};
   block.dimension = in.int32("dimension of a block of elements");
   block.tag = in.int32("entity of a block of elements");
@@ -85,6 +95,7 @@ void read_element_block(GmshScanner& in, const FileText& file, const GmshEntitie
   } else {
     read_others(in, mesh, block, *type, groups);
   }
+  return block.count;
 }
 
 }  // namespace
@@ -99,7 +110,10 @@ void read_gmsh4_entities(GmshScanner& in, GmshEntities& entities) {
       for (int c = 0; c < corners; ++c) in.real("bound of an entity");
       std::vector<int> groups = read_tags(in, "physical groups of an entity");
       // Gmsh writes -3 for group 3 with reversed orientation.
-      for (int& group : groups) group = group < 0 ? -group : group;
+      for (int& group : groups) {
+        if (group == std::numeric_limits<int>::min()) in.fail("a physical group is out of range");
+        group = std::abs(group);
+      }
       if (dimension > 0) read_tags(in, "bounding entities");
       entities[{dimension, tag}] = std::move(groups);
     }
@@ -114,17 +128,21 @@ void read_gmsh4_nodes(GmshScanner& in, const FileText&, GmshMesh& mesh) {
   in.require_room(count, 4, 8 + 24, "nodes");
   mesh.reserve_points(count);
   std::vector<std::uint64_t> tags;
-  for (std::uint64_t b = 0; b < blocks; ++b) read_node_block(in, mesh, tags);
+  std::uint64_t found = 0;
+  for (std::uint64_t b = 0; b < blocks; ++b) found += read_node_block(in, mesh, tags);
+  check_total(in, count, found, "nodes");
   mesh.end_points();
 }
 
 void read_gmsh4_elements(GmshScanner& in, const FileText& file, const GmshEntities& entities,
                          GmshMesh& mesh) {
   const std::uint64_t blocks = in.size("number of blocks");
-  in.size("number of elements");
+  const std::uint64_t count = in.size("number of elements");
   in.size("smallest tag");
   in.size("largest tag");
-  for (std::uint64_t b = 0; b < blocks; ++b) read_element_block(in, file, entities, mesh);
+  std::uint64_t found = 0;
+  for (std::uint64_t b = 0; b < blocks; ++b) found += read_element_block(in, file, entities, mesh);
+  check_total(in, count, found, "elements");
 }
 
 }  // namespace suture

@@ -180,7 +180,7 @@ void GmshMesh::join_repeated_hexahedra() {
   }
 }
 
-Mesh GmshMesh::finish(bool repeats) {
+Mesh GmshMesh::finish(bool repeats, Diagnostics& diagnostics) {
   const auto volumes = std::count_if(members_.begin(), members_.end(),
                                      [](const auto& group) { return group.first.first == 3; });
   if (repeats && volumes > 1) join_repeated_hexahedra();
@@ -188,6 +188,11 @@ Mesh GmshMesh::finish(bool repeats) {
     auto& set = (group.first == 3 ? mesh_.element_sets : mesh_.point_sets)[name_of(group)];
     set.insert(set.end(), members.begin(), members.end());
     sort_unique(set);
+  }
+  for (const auto& [group, name] : names_) {
+    if (members_.contains(group)) continue;
+    diagnostics.warn(file_.name() + ": the physical " + dimension_name[group.first] + " " +
+                     in_quotes(name) + " has no element that is read; it is not kept as a set");
   }
   return std::move(mesh_);
 }

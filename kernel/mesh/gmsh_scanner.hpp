@@ -91,8 +91,9 @@ class GmshMesh {
   /// A node of a cell of lower dimension that belongs to groups.
   void add_group_point(int dimension, Index point, std::span<const int> groups);
   void count_skipped(const GmshType& type, std::uint64_t count);
-  /// Names the groups; `repeats`: the file repeats a hexahedron for each of its groups.
-  Mesh finish(bool repeats);
+  /// Names the groups, and warns of names that no group of the file has; `repeats`: the file
+  /// repeats a hexahedron for each of its groups.
+  Mesh finish(bool repeats, Diagnostics& diagnostics);
 
  private:
   using Group = std::pair<int, int>;  // dimension, number

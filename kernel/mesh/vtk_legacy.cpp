@@ -4,6 +4,7 @@
 // VTK User's Guide. Read here and not by VTK: its reader allocates what a corrupt
 // count asks for, takes a truncated file for a whole one, and knows no lines.
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 #include <optional>
@@ -73,6 +74,7 @@ class LegacyReader {
     while (in_.skip_space()) {
       if (!section()) break;
     }
+    end_data();
     if (!has_points_) in_.fail("there is no section POINTS: the file is truncated");
     if (!has_cells_) in_.fail("there is no section CELLS: the file is truncated");
     if (grid_.types.empty() && grid_.offsets.size() > 1) {
@@ -143,8 +145,12 @@ class LegacyReader {
   const ScalarName& scalar() {
     const std::string_view name = in_.word("a type of numbers");
     const ScalarName* found = find_scalar(name);
-    if (!found) in_.fail("type of numbers " + in_quotes(name) + " is not known");
+    if (!found) fail_type(name);
     return *found;
+  }
+  [[noreturn]] void fail_type(std::string_view name) {
+    const std::string cause = in_.skip_space() ? "" : ": the file is truncated";
+    file_.fail_at_line(name.data(), "type of numbers " + in_quotes(name) + " is not known" + cause);
   }
 
   void require_room(std::uint64_t count, unsigned bytes, const char* what) {
@@ -291,7 +297,9 @@ class LegacyReader {
   }
 
   void data_of(bool cells) {
+    end_data();
     has_data_ = true;
+    arrays_ = 0;
     of_cells_ = cells;
     const auto count = in_.integer<std::uint64_t>("number of values");
     const std::size_t expected = cells ? grid_.types.size() : grid_.points.size();
@@ -302,9 +310,18 @@ class LegacyReader {
     tuples_ = count;
   }
 
+  // Writers leave out a section that has no array.
+  void end_data() {
+    if (!has_data_ || arrays_ > 0) return;
+    diagnostics_.warn(file_.name() + ": no array follows " +
+                      (of_cells_ ? "CELL_DATA " : "POINT_DATA ") + std::to_string(tuples_) +
+                      "; the file may be truncated");
+  }
+
   // One array: kept if it labels points or cells.
   void array(const std::string& name, const ScalarName& type, std::uint64_t components,
              std::uint64_t tuples, bool global_ids) {
+    ++arrays_;
     if (components != 0 && tuples > file_.view().size() / components) {
       in_.fail("array " + in_quotes(name) + " is larger than the file");
     }
@@ -329,15 +346,30 @@ class LegacyReader {
       const std::string name = decoded(in_.word("name of an array"));
       const auto components = in_.integer<std::uint64_t>("number of components");
       const auto tuples = in_.integer<std::uint64_t>("number of tuples");
-      const ScalarName* type = find_scalar(in_.word("a type of numbers"));
-      if (!type) {
-        // Strings, bits, variants: rare, and nothing that a mesh needs follows them.
-        stop_ = has_points_ && has_cells_ && !grid_.types.empty();
-        if (!stop_) in_.fail("array " + in_quotes(name) + " of a type that is not read");
-        return;
-      }
+      const std::string_view type_name = in_.word("a type of numbers");
+      const ScalarName* type = find_scalar(type_name);
+      if (!type) return stop_at(name, type_name);
+      if (has_data_ && tuples != tuples_) warn_of_length(name, tuples);
       array(name, *type, components, tuples, false);
     }
+  }
+
+  void warn_of_length(const std::string& name, std::uint64_t tuples) {
+    diagnostics_.warn(file_.name() + ": array " + in_quotes(name) + " has " + grouped(tuples) +
+                      " values for " + grouped(tuples_) + (of_cells_ ? " cells" : " points") +
+                      "; it is not read");
+  }
+
+  // Strings, bits and variants are rare, and nothing that a mesh needs follows them.
+  void stop_at(const std::string& name, std::string_view type) {
+    constexpr std::array<std::string_view, 4> unread{"bit", "string", "utf8_string", "variant"};
+    if (std::find(unread.begin(), unread.end(), lower(type)) == unread.end()) fail_type(type);
+    const std::string what = "array " + in_quotes(name) + " has the type " + in_quotes(type);
+    stop_ = has_points_ && has_cells_ && !grid_.types.empty();
+    if (!stop_) in_.fail(what + ", which is not read");
+    ++arrays_;
+    diagnostics_.warn(file_.name() + ": " + what +
+                      "; neither it nor the arrays that follow it are read");
   }
 
   void metadata() {
@@ -372,11 +404,9 @@ class LegacyReader {
       in_.fail("expected an array such as SCALARS or FIELD, found " + in_quotes(keyword) +
                "; the array before has more values than announced");
     }
-    const ScalarName* type = find_scalar(in_.word("a type of numbers"));
-    if (!type) {
-      stop_ = true;
-      return;
-    }
+    const std::string_view type_name = in_.word("a type of numbers");
+    const ScalarName* type = find_scalar(type_name);
+    if (!type) return stop_at(name, type_name);
     if (keyword == "scalars") components = components_of_scalars();
     array(name, *type, components, tuples_, keyword == "global_ids");
   }
@@ -410,6 +440,7 @@ class LegacyReader {
   bool binary_ = false, has_points_ = false, has_cells_ = false, has_data_ = false;
   bool of_cells_ = false, stop_ = false;
   std::uint64_t tuples_ = 0;
+  std::size_t arrays_ = 0;  ///< since the last POINT_DATA or CELL_DATA
 };
 
 }  // namespace

@@ -86,6 +86,23 @@ TEST(Gmsh, SaysWhatIsWrongAndWhere) {
   EXPECT_EQ(error_of("$NOD\n0\n$ENDNOD\n").substr(0, 9), "m.msh:1: ");
 }
 
+TEST(Gmsh, ReportsBlocksAndNamesThatDoNotFit) {
+  std::string text = read_text(data("two_msh41.msh"));
+  const std::size_t nodes = text.find("$Nodes\n") + 7, end = text.find(' ', nodes);
+  text.replace(end, text.find(' ', end + 1) - end, " 13");
+  EXPECT_NE(error_of(text).find("13 nodes are announced, but the blocks hold 12"),
+            std::string::npos)
+      << error_of(text);
+  const TemporaryFolder folder;
+  Diagnostics diagnostics;
+  text = replaced("two_msh41.msh", "$PhysicalNames\n4\n", "$PhysicalNames\n5\n3 7 \"bone\"\n");
+  read_mesh(folder.write("m.msh", text), 1, diagnostics);
+  ASSERT_FALSE(diagnostics.warnings().empty());
+  EXPECT_TRUE(diagnostics.warnings()[0].ends_with(
+      "the physical volume 'bone' has no element that is read; it is not kept as a set"))
+      << diagnostics.warnings()[0];
+}
+
 TEST(Gmsh, RefusesHexahedraOfHigherOrder) {
   EXPECT_NE(error_of(read_text(data("second_order.msh"))).find("hexahedra with 27 nodes"),
             std::string::npos);

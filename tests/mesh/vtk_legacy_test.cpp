@@ -94,6 +94,40 @@ TEST(VtkLegacy, SaysWhatIsWrongAndInWhichLine) {
             std::string::npos);
 }
 
+std::vector<std::string> warnings_of(const std::string& text) {
+  const TemporaryFolder folder;
+  Diagnostics diagnostics;
+  read_mesh(folder.write("m.vtk", text), 1, diagnostics);
+  return diagnostics.warnings();
+}
+
+// Sets behind a damaged or missing array must not get lost in silence.
+TEST(VtkLegacy, ReportsArraysThatAreAnnouncedAndNotThere) {
+  const std::string whole = cube_text("3.0", cells_of_version_3);
+  const auto until = [&](const std::string& word) { return whole.substr(0, whole.find(word)); };
+  EXPECT_EQ(error_of(until("nsigned_char")),
+            "m.vtk:22: type of numbers 'u' is not known: the file is truncated");
+  EXPECT_EQ(error_of(replaced("unsigned_char", "unsigned_chas")),
+            "m.vtk:22: type of numbers 'unsigned_chas' is not known");
+  EXPECT_EQ(error_of(until("nt 1\n")),
+            "m.vtk:15: type of numbers 'i' is not known: the file is truncated");
+  EXPECT_EQ(error_of(until("stress")),
+            "m.vtk:24: the file ends where name of an array is expected: it is truncated");
+  const std::vector<std::string> cut_off = warnings_of(until("VECTORS"));
+  ASSERT_EQ(cut_off.size(), 2u);
+  EXPECT_TRUE(cut_off[0].ends_with("no array follows POINT_DATA 8; the file may be truncated"));
+  const std::vector<std::string> lengths = warnings_of(replaced("both 1 3", "both 3 1"));
+  EXPECT_TRUE(lengths[0].ends_with("array 'of both' has 1 values for 3 cells; it is not read"));
+}
+
+TEST(VtkLegacy, WarnsOfArraysBehindOneOfStrings) {
+  const std::vector<std::string> warnings = warnings_of(replaced("unsigned_char", "string"));
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_TRUE(
+      warnings[0].ends_with("array 'of both' has the type 'string'; neither it nor the "
+                            "arrays that follow it are read"));
+}
+
 TEST(VtkLegacy, TetrahedraOfEightNodesAreHexahedraWithAWarning) {
   const TemporaryFolder folder;
   Diagnostics diagnostics;

@@ -33,12 +33,10 @@ class VtpReader {
     piece.points = xml_.number(tag, "NumberOfPoints");
     piece.polygons = xml_.number(tag, "NumberOfPolys", 0);
     if (tag.closes_itself) return piece;
-    XmlTag section;
     while (const auto inner = xml_.next()) {
       if (inner->name == "Piece") break;
-      if (inner->name != "DataArray") {
-        section = *inner;
-      } else if (!inner->closes) {
+      if (inner->name == "DataArray" && !inner->closes) {
+        const XmlTag section = xml_.enclosing();
         const VtuDataArray array = xml_.array(*inner);
         const std::string_view name = (*inner)["Name"];
         if (section.name == "Points") piece.coordinates = array;
@@ -58,12 +56,11 @@ class VtpReader {
       soup_.points.push_back({x[3 * i], x[3 * i + 1], x[3 * i + 2]});
     const auto ends = vtu_integers(file_, xml_.encoding(),
                                    xml_.required(piece.offsets, tag, "offsets"), piece.polygons);
+    if (ends.front() < 0 || !std::ranges::is_sorted(ends))
+      file_.fail_at_line(tag.at, "the offsets of the polygons do not ascend");
     const auto corners =
         vtu_integers(file_, xml_.encoding(), xml_.required(piece.connectivity, tag, "connectivity"),
-                     std::nullopt);
-    if (ends.front() < 0 || !std::ranges::is_sorted(ends) ||
-        ends.back() != static_cast<std::int64_t>(corners.size()))
-      file_.fail_at_line(tag.at, "the offsets of the polygons do not fit their connectivity");
+                     static_cast<std::uint64_t>(ends.back()));
     const auto base = static_cast<Index>(soup_.corners.size());
     for (const std::int64_t end : ends) soup_.offsets.push_back(base + static_cast<Index>(end));
     for (const std::int64_t corner : corners) {

@@ -72,12 +72,13 @@ void FileText::fail_at_byte(const char* at, const std::string& what) const {
   throw InputError(name_ + ", byte " + std::to_string(at - begin()) + ": " + what);
 }
 
-std::string in_quotes(std::string_view word) {
-  std::string text(1, '\'');
+std::string printable(std::string_view word) {
+  std::string text;
   for (const char c : word.substr(0, 40)) text.push_back(c >= ' ' && c < 127 ? c : '?');
-  text.append(word.size() > 40 ? "...'" : "'");
-  return text;
+  return word.size() > 40 ? text + "..." : text;
 }
+
+std::string in_quotes(std::string_view word) { return "'" + printable(word) + "'"; }
 
 std::string grouped(std::uint64_t value) {
   const std::string digits = std::to_string(value);

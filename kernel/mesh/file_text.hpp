@@ -31,7 +31,8 @@ class FileText {
   std::string text_;
 };
 
-/// The file, or what went wrong, in printable form and cut to 40 characters.
+/// A word of a file in printable form, cut to 40 characters; the same in quotes.
+std::string printable(std::string_view word);
 std::string in_quotes(std::string_view word);
 
 /// "1,234,567".

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/mesh/vtk_xml.hpp"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 
 #include "kernel/mesh/readers.hpp"
@@ -10,6 +12,8 @@ namespace suture {
 VtkXml::VtkXml(const FileText& file, std::string data_set, std::string needed)
     : file_(file), xml_(file), data_set_(std::move(data_set)), needed_(std::move(needed)) {
   find_appended();
+  // Meshes of VTK's writers expand to 60 times their file at most; 16 MB are for small files.
+  encoding_.memory_left = (std::uint64_t{16} << 20) + 128 * file.view().size();
 }
 
 // Raw data may contain anything: the XML ends where they begin, and goes on
@@ -37,11 +41,23 @@ std::optional<XmlTag> VtkXml::next() {
     (tag->closes ? closed_ : opened_) = true;
     if (!tag->closes) file_header(*tag);
   } else if (!opened_) {
-    file_.fail_at_line(tag->at, "the file begins with <" + std::string(tag->name.substr(0, 40)) +
-                                    ">, not with <VTKFile>");
+    file_.fail_at_line(tag->at,
+                       "the file begins with <" + printable(tag->name) + ">, not with <VTKFile>");
   }
   if (tag->name == "Piece" && !tag->closes) ++pieces_;
+  if (!tag->closes) check_place(*tag);
   return tag;
+}
+
+// Sections of a piece hold arrays and nothing else.
+void VtkXml::check_place(const XmlTag& tag) const {
+  constexpr std::array<std::string_view, 8> sections{"PointData", "CellData", "Points", "Cells",
+                                                     "Verts",     "Lines",    "Strips", "Polys"};
+  const std::string_view outer = enclosing().name;
+  if (std::find(sections.begin(), sections.end(), outer) == sections.end()) return;
+  if (tag.name == "DataArray" || tag.name == "Array") return;
+  file_.fail_at_line(tag.at, "<" + std::string(outer) + "> has an element <" + printable(tag.name) +
+                                 ">, where only <DataArray> is expected: the file is damaged");
 }
 
 void VtkXml::finish() const {

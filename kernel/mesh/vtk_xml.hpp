@@ -31,11 +31,14 @@ class VtkXml {
   /// Fails at the piece's tag for an array that is not there.
   const VtuDataArray& required(const std::optional<VtuDataArray>& array, const XmlTag& piece,
                                const char* name) const;
-  const VtuEncoding& encoding() const { return encoding_; }
+  /// The element around the tag that next() has just given.
+  const XmlTag& enclosing() const { return xml_.enclosing(); }
+  VtuEncoding& encoding() { return encoding_; }
 
  private:
   void find_appended();
   void file_header(const XmlTag& tag);
+  void check_place(const XmlTag& tag) const;
 
   const FileText& file_;
   XmlCursor xml_;

@@ -36,12 +36,10 @@ class VtuReader {
     first_cell_ = grid_.types.size();
     if (tag.closes_itself) return;
     std::optional<VtuDataArray> points, connectivity, offsets, types;
-    XmlTag section;
     while (const auto inner = xml_.next()) {
       if (inner->name == "Piece") break;
-      if (inner->name != "DataArray") {
-        section = *inner;
-      } else if (!inner->closes) {
+      if (inner->name == "DataArray" && !inner->closes) {
+        const XmlTag section = xml_.enclosing();
         const VtuDataArray array = xml_.array(*inner);
         const std::string_view name = (*inner)["Name"];
         if (section.name == "Points")
@@ -77,11 +75,10 @@ class VtuReader {
   void add_cells(const VtuDataArray& connectivity, const VtuDataArray& offsets,
                  const VtuDataArray& types) {
     const auto ends = vtu_integers(file_, xml_.encoding(), offsets, cells_);
-    const auto nodes = vtu_integers(file_, xml_.encoding(), connectivity, std::nullopt);
-    if (ends.front() < 0 || !std::is_sorted(ends.begin(), ends.end()) ||
-        ends.back() != static_cast<std::int64_t>(nodes.size())) {
-      file_.fail_at_line(offsets.tag.at, "the offsets of the cells do not fit their connectivity");
-    }
+    if (ends.front() < 0 || !std::is_sorted(ends.begin(), ends.end()))
+      file_.fail_at_line(offsets.tag.at, "the offsets of the cells do not ascend");
+    const auto nodes =
+        vtu_integers(file_, xml_.encoding(), connectivity, static_cast<std::uint64_t>(ends.back()));
     const auto base = static_cast<std::int64_t>(grid_.connectivity.size());
     if (grid_.offsets.empty()) grid_.offsets.push_back(0);
     for (const std::int64_t end : ends) grid_.offsets.push_back(base + end);
@@ -94,11 +91,14 @@ class VtuReader {
       grid_.connectivity.push_back(node + static_cast<std::int64_t>(first_point_));
     }
     for (const std::int64_t type : vtu_integers(file_, xml_.encoding(), types, cells_)) {
+      if (type < 0 || type > 255)
+        file_.fail_at_line(types.tag.at, "cell type " + std::to_string(type) + " is not known");
       grid_.types.push_back(static_cast<std::uint8_t>(type));
     }
   }
 
   void label(const XmlTag& section, const VtuDataArray& array, bool of_cells) {
+    vtu_check_type(file_, array);
     if (!vtu_is_integer(array) || xml_.number(array.tag, "NumberOfComponents", 1) != 1) return;
     const std::string_view name = array.tag["Name"];
     const bool global = !name.empty() && section["GlobalIds"] == name;
@@ -107,7 +107,7 @@ class VtuReader {
         grid_.labels.begin(), grid_.labels.end(),
         [&](const VtkGrid::Labels& l) { return l.name == plain && l.of_cells == of_cells; });
     if (found == grid_.labels.end()) {
-      if (pieces_ > 1) return;
+      if (pieces_ > 1) return warn_of_missing(plain);
       grid_.labels.push_back({plain, of_cells, vtu_bytes(array) == 1, global, {}});
       found = grid_.labels.end() - 1;
     }
@@ -119,8 +119,14 @@ class VtuReader {
   // Arrays that not all pieces have.
   void drop_incomplete_labels() {
     std::erase_if(grid_.labels, [&](const VtkGrid::Labels& labels) {
-      return labels.values.size() != (labels.of_cells ? grid_.types.size() : grid_.points.size());
+      const std::size_t count = labels.of_cells ? grid_.types.size() : grid_.points.size();
+      if (labels.values.size() != count) warn_of_missing(labels.name);
+      return labels.values.size() != count;
     });
+  }
+  void warn_of_missing(const std::string& name) {
+    diagnostics_.warn(file_.name() + ": array " + in_quotes(name) +
+                      " is not in every piece once; it is not read");
   }
 
   const FileText& file_;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 
 namespace suture {
 namespace {
@@ -139,47 +140,62 @@ class Stream {
   bool base64_;
 };
 
-Bytes plain_bytes(Stream& stream) {
+/// What the header of an array says of its data.
+struct Announced {
+  std::uint64_t blocks = 0;          ///< 0: not compressed
+  std::uint64_t size = 0, last = 0;  ///< of a block and of the last one, expanded
+  std::uint64_t bytes = 0;           ///< of all, expanded
+};
+
+Announced plain_header(Stream& stream) {
   const std::uint64_t n = stream.header(stream.peek(stream.header_size()), 0);
   if (n > stream.room()) {
     stream.fail("an array of " + grouped(n) + " bytes is announced, " + grouped(stream.room()) +
                 " are left: the file is truncated or damaged");
   }
-  Bytes bytes = stream.take(stream.header_size() + n);
+  return {0, 0, 0, n};
+}
+
+// A last block of 0 bytes is a whole one.
+Announced compressed_header(Stream& stream) {
+  const unsigned word = stream.header_size();
+  Announced said;
+  said.blocks = stream.header(stream.peek(word), 0);
+  if (said.blocks == 0) return said;
+  if (said.blocks > stream.room() / word) stream.fail("the header of an array is damaged");
+  const Bytes header = stream.peek(3 * word);
+  said.size = stream.header(header, 1);
+  const std::uint64_t last = stream.header(header, 2);
+  if (last > said.size || said.size > std::numeric_limits<std::uint64_t>::max() / said.blocks)
+    stream.fail("the header of an array is damaged");
+  said.last = last == 0 ? said.size : last;
+  said.bytes = (said.blocks - 1) * said.size + said.last;
+  return said;
+}
+
+Bytes plain_bytes(Stream& stream, const Announced& said) {
+  Bytes bytes = stream.take(stream.header_size() + said.bytes);
   bytes.erase(bytes.begin(), bytes.begin() + stream.header_size());
   return bytes;
 }
 
-// No compressor of VTK makes more of a byte: LZMA 7,000, zlib 1,032, LZ4 255.
-constexpr std::uint64_t largest_ratio = 8192;
-
-Bytes expanded_bytes(Stream& stream, VtuCompression compression) {
-  const unsigned word = stream.header_size();
-  const std::uint64_t blocks = stream.header(stream.peek(word), 0);
-  if (blocks == 0) return {};
-  if (blocks > stream.room() / word) stream.fail("the header of an array is damaged");
-  const Bytes header = stream.take((3 + blocks) * word);
-  const std::uint64_t size = stream.header(header, 1), last = stream.header(header, 2);
-  const std::uint64_t limit = largest_ratio * (stream.room() + 64);
-  if (size > limit || last > size || (blocks > 1 && size > limit / blocks)) {
-    stream.fail("the header of an array asks for more memory than its data can expand to");
-  }
+Bytes expanded_bytes(Stream& stream, const Announced& said, VtuCompression compression) {
+  if (said.blocks == 0) return {};
+  const Bytes header = stream.take((3 + said.blocks) * stream.header_size());
   std::uint64_t packed = 0;
-  for (std::uint64_t b = 0; b < blocks; ++b) {
+  for (std::uint64_t b = 0; b < said.blocks; ++b) {
     const std::uint64_t n = stream.header(header, 3 + b);
     if (n > stream.room()) stream.fail("a compressed block is longer than the file");
     packed += n;
   }
   const Bytes data = stream.take(packed);
-  // last == 0: the last block is a whole one.
-  const std::uint64_t last_size = last == 0 ? size : last;
-  Bytes out((blocks - 1) * size + last_size);
+  Bytes out(said.bytes);
   std::uint64_t from = 0;
-  for (std::uint64_t b = 0; b < blocks; ++b) {
+  for (std::uint64_t b = 0; b < said.blocks; ++b) {
     const std::uint64_t n = stream.header(header, 3 + b);
     const std::span<const unsigned char> block(data.data() + from, n);
-    const std::span<unsigned char> target(out.data() + b * size,
-                                          b + 1 == blocks ? last_size : size);
+    const std::span<unsigned char> target(out.data() + b * said.size,
+                                          b + 1 == said.blocks ? said.last : said.size);
     if (!vtk_module().expand(compression, block, target)) {
       stream.fail("compressed block " + std::to_string(b) +
                   " does not expand: the file is damaged");
@@ -231,29 +247,58 @@ std::vector<To> text_values(const FileText& file, const VtuDataArray& array) {
   return values;
 }
 
+void check_number(const FileText& file, const VtuDataArray& array, std::uint64_t found,
+                  std::uint64_t count) {
+  if (found == count) return;
+  file.fail_at_line(array.tag.at, "array " + in_quotes(array.tag["Name"]) + " has " +
+                                      grouped(found) + " numbers where " + grouped(count) +
+                                      " are needed: the file is truncated or damaged");
+}
+
+// A file of a few bytes can announce, and even expand to, more than there is memory.
 template <class To>
-std::vector<To> values_of(const FileText& file, const VtuEncoding& encoding,
-                          const VtuDataArray& array, std::optional<std::uint64_t> count) {
-  std::vector<To> values;
+void take_memory(const FileText& file, VtuEncoding& encoding, const VtuDataArray& array,
+                 std::uint64_t count) {
+  if (count > encoding.memory_left / sizeof(To)) {
+    file.fail_at_line(array.tag.at, "array " + in_quotes(array.tag["Name"]) + " announces " +
+                                        grouped(count) + " numbers, more than a file of " +
+                                        grouped(file.view().size()) +
+                                        " bytes can be expected to hold; if it is right, save it "
+                                        "without compression");
+  }
+  encoding.memory_left -= sizeof(To) * count;
+}
+
+template <class To>
+std::vector<To> encoded_values(const FileText& file, VtuEncoding& encoding,
+                               const VtuDataArray& array, std::uint64_t count) {
+  Stream stream(file, encoding, array);
+  const bool plain = encoding.compression == VtuCompression::raw;
+  const Announced said = plain ? plain_header(stream) : compressed_header(stream);
+  if (said.bytes % vtu_bytes(array) != 0) stream.fail("the header of an array is damaged");
+  check_number(file, array, said.bytes / vtu_bytes(array), count);
+  take_memory<To>(file, encoding, array, count);
+  Bytes bytes =
+      plain ? plain_bytes(stream, said) : expanded_bytes(stream, said, encoding.compression);
+  return converted<To>(std::move(bytes), array.tag["type"], encoding.swap_bytes);
+}
+
+template <class To>
+std::vector<To> values_of(const FileText& file, VtuEncoding& encoding, const VtuDataArray& array,
+                          std::uint64_t count) {
   const std::string_view format = array.tag["format"];
-  if (format == "ascii") {
-    values = text_values<To>(file, array);
-  } else if (format == "binary" || format == "appended") {
-    Stream stream(file, encoding, array);
-    Bytes bytes = encoding.compression == VtuCompression::raw
-                      ? plain_bytes(stream)
-                      : expanded_bytes(stream, encoding.compression);
-    values = converted<To>(std::move(bytes), array.tag["type"], encoding.swap_bytes);
-  } else {
+  if (format == "binary" || format == "appended")
+    return encoded_values<To>(file, encoding, array, count);
+  if (format != "ascii")
     file.fail_at_line(array.tag.at, "format " + in_quotes(format) + " of an array is not known");
-  }
-  if (count && values.size() != *count) {
-    file.fail_at_line(array.tag.at, "array " + in_quotes(array.tag["Name"]) + " has " +
-                                        grouped(values.size()) + " numbers where " +
-                                        grouped(*count) +
-                                        " are needed: the file is truncated or damaged");
-  }
+  std::vector<To> values = text_values<To>(file, array);
+  check_number(file, array, values.size(), count);
   return values;
+}
+
+[[noreturn]] void fail_type(const FileText& file, const VtuDataArray& array) {
+  file.fail_at_line(array.tag.at,
+                    "type " + in_quotes(array.tag["type"]) + " of an array is not known");
 }
 
 }  // namespace
@@ -268,9 +313,14 @@ unsigned vtu_bytes(const VtuDataArray& array) {
   return type ? type->bytes : 0;
 }
 
-std::vector<std::int64_t> vtu_integers(const FileText& file, const VtuEncoding& encoding,
-                                       const VtuDataArray& array,
-                                       std::optional<std::uint64_t> count) {
+void vtu_check_type(const FileText& file, const VtuDataArray& array) {
+  const std::string_view name = array.tag["type"];
+  if (!type_of(array) && name != "String" && name != "Bit" && name != "Variant")
+    fail_type(file, array);
+}
+
+std::vector<std::int64_t> vtu_integers(const FileText& file, VtuEncoding& encoding,
+                                       const VtuDataArray& array, std::uint64_t count) {
   if (!vtu_is_integer(array)) {
     file.fail_at_line(array.tag.at, "array " + in_quotes(array.tag["Name"]) +
                                         " must be of integers, is " + in_quotes(array.tag["type"]));
@@ -278,12 +328,9 @@ std::vector<std::int64_t> vtu_integers(const FileText& file, const VtuEncoding& 
   return values_of<std::int64_t>(file, encoding, array, count);
 }
 
-std::vector<double> vtu_reals(const FileText& file, const VtuEncoding& encoding,
+std::vector<double> vtu_reals(const FileText& file, VtuEncoding& encoding,
                               const VtuDataArray& array, std::uint64_t count) {
-  if (!type_of(array)) {
-    file.fail_at_line(array.tag.at,
-                      "type " + in_quotes(array.tag["type"]) + " of an array is not known");
-  }
+  if (!type_of(array)) fail_type(file, array);
   return values_of<double>(file, encoding, array, count);
 }
 

@@ -74,7 +74,7 @@ TEST(SurfaceFile, SaysWhatIsWrongInVtp) {
   EXPECT_NE(read_error("v.vtp", text).find("point 4"), std::string::npos);
   text = vtp;
   text.replace(text.find("3 6<"), 3, "3 5");
-  EXPECT_NE(read_error("v.vtp", text).find("offsets"), std::string::npos);
+  EXPECT_NE(read_error("v.vtp", text).find("6 numbers where 5 are needed"), std::string::npos);
   text = vtp;
   text.replace(text.find("PolyData"), 8, "ImageData");
   EXPECT_NE(read_error("v.vtp", text).find("PolyData with polygons"), std::string::npos);

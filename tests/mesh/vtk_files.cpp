@@ -13,6 +13,7 @@
 #include <vtkUnstructuredGridWriter.h>
 #include <vtkXMLUnstructuredGridReader.h>
 #include <vtkXMLUnstructuredGridWriter.h>
+#include <vtkZLibDataCompressor.h>
 
 #include "kernel/mesh/vtk_order.hpp"
 
@@ -99,6 +100,15 @@ void write_with_vtk(const std::filesystem::path& path, const Mesh& mesh, VtkEnco
   writer->SetFileName(path.c_str());
   writer->SetInputData(grid);
   writer->Write();
+}
+
+std::string zlib_zeros(std::size_t bytes) {
+  const vtkNew<vtkZLibDataCompressor> compressor;
+  const std::vector<unsigned char> zeros(bytes);
+  std::string packed(compressor->GetMaximumCompressionSpace(bytes), '\0');
+  packed.resize(compressor->Compress(
+      zeros.data(), bytes, reinterpret_cast<unsigned char*>(packed.data()), packed.size()));
+  return packed;
 }
 
 Mesh read_mesh_with_vtk(const std::filesystem::path& path) {

@@ -33,6 +33,9 @@ inline constexpr VtkEncoding vtk_encodings[] = {VtkEncoding::legacy_text,
 /// Points, hexahedra, element sets (as byte arrays) and point ids.
 void write_with_vtk(const std::filesystem::path& path, const Mesh& mesh, VtkEncoding encoding);
 
+/// So many zeros as one compressed block.
+std::string zlib_zeros(std::size_t bytes);
+
 /// Points, hexahedra and byte arrays as sets, of a .vtk or .vtu file.
 Mesh read_mesh_with_vtk(const std::filesystem::path& path);
 

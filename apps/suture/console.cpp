@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "kernel/base/escape.hpp"
+
 namespace suture {
 namespace {
 
@@ -15,31 +17,36 @@ std::string format(const char* pattern, double value) {
   return text;
 }
 
+// Whatever is displayed may quote a file: all of it goes through here.
+void write(std::FILE* stream, const std::string& text) {
+  std::fputs(escaped_lines(text).c_str(), stream);
+}
+
 }  // namespace
 
 Console::Console(bool quiet, bool verbose)
     : quiet_(quiet), verbose_(verbose), terminal_(isatty(STDERR_FILENO) == 1) {
   diagnostics_.on_warning = [this](const std::string& text) {
     clear_status();
-    std::fprintf(stderr, "suture: warning: %s\n", text.c_str());
+    write(stderr, "suture: warning: " + text + "\n");
   };
 }
 
 void Console::print(const std::string& line) {
   clear_status();
-  std::fprintf(stdout, "%s\n", line.c_str());
+  write(stdout, line + "\n");
 }
 
 void Console::note(const std::string& line) {
   if (quiet_) return;
   clear_status();
-  std::fprintf(stderr, "%s\n", line.c_str());
+  write(stderr, line + "\n");
 }
 
 void Console::status(const std::string& line) {
   if (quiet_) return;
   clear_status();
-  std::fprintf(stderr, terminal_ ? "%s" : "%s\n", line.c_str());
+  write(stderr, line + (terminal_ ? "" : "\n"));
   std::fflush(stderr);
   status_shown_ = terminal_;
 }
@@ -47,7 +54,7 @@ void Console::status(const std::string& line) {
 void Console::error(const std::string& text) {
   clear_status();
   std::fflush(stdout);
-  std::fprintf(stderr, "suture: error: %s\n", text.c_str());
+  write(stderr, "suture: error: " + text + "\n");
 }
 
 void Console::count_warnings() {

@@ -7,7 +7,7 @@
 
 namespace suture {
 
-/// What the user sees. Results go to standard output; warnings, errors and
+/// What the user sees: control characters that come from files are escaped. Results go to standard output; warnings, errors and
 /// progress to standard error, where a terminal has one line that is rewritten.
 class Console {
  public:

@@ -5,6 +5,7 @@
 
 #include "apps/suture/commands.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/escape.hpp"
 #include "kernel/geometry/surface_file.hpp"
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/topology/import.hpp"
@@ -31,7 +32,7 @@ void print_counts(const Mesh& mesh, Console& console) {
 void print_sets(const char* of, const std::map<std::string, std::vector<Index>>& sets,
                 Console& console) {
   for (const auto& [name, members] : sets) {
-    console.print(std::string("set of ") + of + " \"" + name +
+    console.print(std::string("set of ") + of + " \"" + escaped(name) +
                   "\": " + std::to_string(members.size()));
   }
 }

@@ -5,6 +5,8 @@
 #include <cctype>
 #include <vector>
 
+#include "kernel/base/escape.hpp"
+
 namespace suture {
 namespace {
 
@@ -45,7 +47,7 @@ std::string nearest(std::string_view word, std::span<const std::string> candidat
 
 std::string did_you_mean(std::string_view word, std::span<const std::string> candidates) {
   const std::string found = nearest(word, candidates);
-  return found.empty() ? "" : " (did you mean '" + found + "'?)";
+  return found.empty() ? "" : " (did you mean " + quote(found) + "?)";
 }
 
 }  // namespace suture

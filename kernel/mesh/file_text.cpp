@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
 
 namespace suture {
@@ -61,7 +62,7 @@ std::string read_whole(const fs::path& path) {
 
 }  // namespace
 
-FileText::FileText(const fs::path& path) : name_(path.string()), text_(read_whole(path)) {}
+FileText::FileText(const fs::path& path) : name_(escaped(path.string())), text_(read_whole(path)) {}
 
 void FileText::fail_at_line(const char* at, const std::string& what) const {
   const auto line = 1 + std::count(begin(), at, '\n');

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/escape.hpp"
 #include "kernel/mesh/vtk_order.hpp"
 
 namespace suture {
@@ -166,7 +167,7 @@ Mesh mesh_from_vtk(VtkGrid grid, const FileText& file, Diagnostics& diagnostics)
   for (VtkGrid::Labels& labels : grid.labels) {
     const std::size_t expected = labels.of_cells ? grid.types.size() : mesh.points.size();
     if (labels.values.size() != expected) {
-      fail(file, "array '" + labels.name + "' has " + grouped(labels.values.size()) +
+      fail(file, "array " + quote(labels.name) + " has " + grouped(labels.values.size()) +
                      " values for " + grouped(expected) + (labels.of_cells ? " cells" : " points"));
     }
     add_labels(mesh, labels, cells);

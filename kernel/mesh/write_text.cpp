@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <set>
 
+#include "kernel/base/escape.hpp"
 #include "kernel/mesh/vtk_order.hpp"
 #include "kernel/mesh/writers.hpp"
 
@@ -27,7 +28,7 @@ std::vector<int> refs_of(const Sets& sets, std::size_t count, const char* what, 
   int next = 1;
   for (const auto& [name, members] : sets) {
     if (std::any_of(members.begin(), members.end(), [&](Index i) { return refs[i] != 0; })) {
-      diagnostics.warn("the set '" + name + "' of " + what +
+      diagnostics.warn("the set " + quote(name) + " of " + what +
                        " overlaps another and is lost: Medit keeps one reference each");
       continue;
     }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/plugin_host/plugin_library.hpp"
 #include "kernel/plugin_host/plugin_search.hpp"
@@ -123,10 +124,10 @@ struct PluginHost::Impl {
       const auto& best = plugin->best();
       ids.insert(ids.end(), best.note.models.begin(), best.note.models.end());
       if (best.name == id && !best.note.problem.empty())
-        throw PluginError("model '" + std::string(id) + "': plugin " + best.file.string() + ": " +
+        throw PluginError("model " + quote(id) + ": plugin " + best.file.string() + ": " +
                           best.note.problem);
     }
-    throw PluginError("no plugin has the model '" + std::string(id) + "'" + did_you_mean(id, ids) +
+    throw PluginError("no plugin has the model " + quote(id) + did_you_mean(id, ids) +
                       ". Searched:" + searched() +
                       "\n`suture models` lists what is there; name a plugin file in the scene's "
                       "\"plugins\" or its folder in SUTURE_PLUGIN_PATH");

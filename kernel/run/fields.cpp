@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/dynamics/hourglass.hpp"
 
@@ -291,7 +292,7 @@ const FieldChoice& field_named(const std::vector<FieldChoice>& fields, const std
     if (f.on != On::springs) names.push_back(f.name);
   }
   std::string text =
-      path + ": no model of this scene gives '" + name + "'" + did_you_mean(name, names);
+      path + ": no model of this scene gives " + quote(name) + did_you_mean(name, names);
   for (std::size_t i = 0; i < names.size(); ++i) text += (i ? ", " : "; there are ") + names[i];
   throw InputError(text);
 }

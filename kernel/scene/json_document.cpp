@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/escape.hpp"
 
 namespace suture {
 namespace {
@@ -233,7 +234,8 @@ class TreeBuilder final : public nlohmann::json_sax<Json> {
     const bool at_end = reason.find("unexpected end of input") != std::string::npos;
     const std::size_t start = at_end ? text_.size() : tokens_.fault(read);
     const std::size_t line_start = start == 0 ? 0 : text_.rfind('\n', start - 1) + 1;
-    const std::string_view line = text_.substr(line_start, text_.find('\n', start) - line_start);
+    std::string_view line = text_.substr(line_start, text_.find('\n', start) - line_start);
+    if (line.ends_with('\r')) line.remove_suffix(1);
     throw InputError(prefix(LineCounter(text_).at(start)) + reason +
                      hint(reason, text_.substr(start, 20)) + "\n    " +
                      std::string(line.substr(0, 100)));
@@ -324,7 +326,7 @@ std::string describe(const JsonValue& value) {
     case JsonValue::Kind::number:
       return "the number " + canonical_json(value);
     case JsonValue::Kind::string:
-      return "the string '" + value.text + "'";
+      return "the string " + quote(value.text);
     case JsonValue::Kind::array:
       return "an array of " + std::to_string(value.items.size());
     case JsonValue::Kind::object:

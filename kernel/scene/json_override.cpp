@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/escape.hpp"
 
 namespace suture {
 namespace {
@@ -63,14 +64,14 @@ JsonValue& array_child(JsonValue& array, const std::string& key, const JsonValue
   const std::size_t index = digits ? std::stoul(key) : array.items.size();
   if (index < array.items.size()) return array.items[index];
   throw UsageError(option + ": the array has " + std::to_string(array.items.size()) +
-                   " items, numbered from 0; there is no '" + key + "' ('-' appends one)");
+                   " items, numbered from 0; there is no " + quote(key) + " ('-' appends one)");
 }
 
 JsonValue& child(JsonValue& parent, const std::string& key, const JsonValue& missing,
                  const std::string& option) {
   if (parent.kind == JsonValue::Kind::array) return array_child(parent, key, missing, option);
   if (parent.kind != JsonValue::Kind::object) {
-    throw UsageError(option + ": '" + key + "' would be inside " + describe(parent) +
+    throw UsageError(option + ": " + quote(key) + " would be inside " + describe(parent) +
                      ", which is no object and no array");
   }
   // Of duplicate keys (the reader refuses them) the first is set.
@@ -83,7 +84,7 @@ JsonValue& child(JsonValue& parent, const std::string& key, const JsonValue& mis
 }  // namespace
 
 void apply_override(JsonValue& root, const std::string& text, std::uint32_t number) {
-  const std::string option = "--set '" + text + "'";
+  const std::string option = "--set " + quote(text);
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || text[0] != '/') {
     throw UsageError(option + ": expected /PATH/TO/KEY=VALUE, for example --set /solver/dt=1e-4");

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/escape.hpp"
 
 namespace suture {
 
@@ -18,7 +19,7 @@ void Mistakes::add_plugin(const JsonPosition& at, const std::string& path,
 }
 
 std::string Mistakes::place(const JsonPosition& at) const {
-  if (at.set > 0) return "--set '" + sets_.at(at.set - 1) + "'";
+  if (at.set > 0) return "--set " + quote(sets_.at(at.set - 1));
   return file_ + ":" + std::to_string(at.line) + ":" + std::to_string(at.column);
 }
 
@@ -43,7 +44,7 @@ void Mistakes::throw_if_any() const {
 
 std::string child_path(const std::string& path, std::string_view key) {
   std::string child = path + "/";
-  for (const char c : key) {
+  for (const char c : escaped(key)) {
     if (c == '~') {
       child += "~0";
     } else if (c == '/') {

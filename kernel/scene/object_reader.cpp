@@ -6,6 +6,7 @@
 #include <charconv>
 #include <map>
 
+#include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
 
 namespace suture {
@@ -22,7 +23,7 @@ std::string with_unit(double value, const std::string& unit) {
 
 std::string quoted_list(std::span<const std::string> words) {
   std::string list;
-  for (const std::string& word : words) list += (list.empty() ? "'" : ", '") + word + "'";
+  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + quote(word);
   return list;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "kernel/base/escape.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
 namespace suture::scene_parts {
@@ -33,8 +34,8 @@ std::uint8_t read_components(ObjectReader& object) {
   }
   if (bits == 0) {
     object.complain("fix",
-                    "must name the fixed components, each once: \"xyz\", \"xy\", \"z\", ...; is '" +
-                        text + "'");
+                    "must name the fixed components, each once: \"xyz\", \"xy\", \"z\", ...; is " +
+                        quote(text));
   }
   return bits;
 }

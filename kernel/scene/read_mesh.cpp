@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <array>
 
+#include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
@@ -88,7 +89,7 @@ std::filesystem::path read_file(const JsonValue& value, const std::string& path,
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) {
     reading.mistakes.add(value.at, path,
-                         "no file '" + file.string() + "'" + nearest_file(file) +
+                         "no file " + quote(file.string()) + nearest_file(file) +
                              "; paths are relative to the folder of the scene");
   }
   return file;

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/escape.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
 namespace suture::scene_parts {
@@ -85,9 +86,9 @@ std::string read_name(ObjectReader& object, const std::string& id, const Scene& 
   if (!name) return free_name(scene, id);
   if (!is_good_name(*name)) {
     object.complain("name",
-                    "must consist of letters, digits, '_', '-' and '.', is '" + *name + "'");
+                    "must consist of letters, digits, '_', '-' and '.', is " + quote(*name));
   } else if (is_taken(scene, *name)) {
-    object.complain("name", "'" + *name + "' is the name of an earlier model; names must differ");
+    object.complain("name", quote(*name) + " is the name of an earlier model; names must differ");
   }
   return *name;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
@@ -45,14 +46,14 @@ void read_field(ObjectReader by, Tear& tear, Reading& reading) {
   for (const ModelUse& use : reading.scene.models) names.push_back(use.name);
   const auto use = std::find(names.begin(), names.end(), tear.model);
   if (use == names.end() && by.find("model") != nullptr) {
-    by.complain("model", "no model of this scene is named '" + tear.model + "'" +
+    by.complain("model", "no model of this scene is named " + quote(tear.model) +
                              did_you_mean(tear.model, names));
   } else if (use != names.end() && by.find("field") != nullptr) {
     const auto* model = reading.scene.models[static_cast<std::size_t>(use - names.begin())].model;
     const auto fields = model == nullptr ? std::vector{tear.field} : scalar_fields(*model);
     if (std::find(fields.begin(), fields.end(), tear.field) == fields.end()) {
-      std::string text = "'" + tear.model + "' gives no single number '" + tear.field +
-                         "' of its elements or edges" + did_you_mean(tear.field, fields);
+      std::string text = quote(tear.model) + " gives no single number " + quote(tear.field) +
+                         " of its elements or edges" + did_you_mean(tear.field, fields);
       for (std::size_t i = 0; i < fields.size(); ++i)
         text += (i ? ", " : "; it gives ") + fields[i];
       by.complain("field", text);

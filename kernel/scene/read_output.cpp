@@ -3,6 +3,7 @@
 #include <array>
 #include <span>
 
+#include "kernel/base/escape.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
 namespace suture::scene_parts {
@@ -86,8 +87,8 @@ std::vector<std::string> read_names(const std::vector<JsonValue>& items, const s
     const std::string item_path = child_path(path, i);
     if (!contains(known, item.text) && contains(springs, item.text)) {
       reading.mistakes.add(item.at, item_path,
-                           "'" + item.text +
-                               "' is a value of springs, not of nodes or elements; \"springs\": "
+                           quote(item.text) +
+                               " is a value of springs, not of nodes or elements; \"springs\": "
                                "true in /output writes it for every spring");
       continue;
     }

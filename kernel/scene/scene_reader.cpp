@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/escape.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
 #include "kernel/scene/json_override.hpp"
 #include "kernel/scene/scene_parts.hpp"
@@ -64,12 +65,12 @@ void read_top(const JsonValue& root, Reading& reading) {
 std::string read_text(const std::filesystem::path& file) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) {
-    throw IoError("'" + file.string() + "' is a folder; give the scene file in it");
+    throw IoError(quote(file.string()) + " is a folder; give the scene file in it");
   }
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
   if (!stream) {
-    throw IoError("cannot read the scene '" + file.string() + "': " + std::strerror(errno));
+    throw IoError("cannot read the scene " + quote(file.string()) + ": " + std::strerror(errno));
   }
   return {std::istreambuf_iterator<char>(stream), {}};
 }

@@ -8,6 +8,7 @@
 #include "kernel/base/box.hpp"
 #include "kernel/base/box_text.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/geometry/centroid.hpp"
@@ -65,9 +66,10 @@ std::vector<std::string> set_names(const std::map<std::string, std::vector<Index
 [[noreturn]] void unknown_set(const Selection& selection, const std::string& set,
                               const std::vector<std::string>& names) {
   std::string text =
-      selection.path + ": the mesh has no set '" + set + "'" + did_you_mean(set, names);
+      selection.path + ": the mesh has no set " + quote(set) + did_you_mean(set, names);
   text += names.empty() ? "; it has no named sets" : "; it has";
-  for (std::size_t i = 0; i < names.size() && i < 12; ++i) text += (i ? ", " : " ") + names[i];
+  for (std::size_t i = 0; i < names.size() && i < 12; ++i)
+    text += (i ? ", " : " ") + escaped(names[i]);
   throw InputError(text + (names.size() > 12 ? ", ..." : ""));
 }
 
@@ -208,8 +210,8 @@ std::vector<Index> Selector::listed_elements(const Selection& selection) const {
     const auto found = names_.element_sets.find(named->set);
     if (found == names_.element_sets.end()) {
       if (names_.point_sets.contains(named->set))
-        throw InputError(selection.path + ": '" + named->set +
-                         "' is a set of nodes, and elements are wanted; a box, a half_space or ids "
+        throw InputError(selection.path + ": " + quote(named->set) +
+                         " is a set of nodes, and elements are wanted; a box, a half_space or ids "
                          "select them");
       unknown_set(selection, named->set, set_names(names_.element_sets, {}));
     }

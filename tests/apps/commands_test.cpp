@@ -65,6 +65,38 @@ TEST_F(Commands, ListsAndDescribesModels) {
   EXPECT_TRUE(unknown.says("tm-faure")) << unknown;
 }
 
+// A terminal obeys what a name holds: neither one of a file nor of a plugin reaches it raw.
+TEST_F(Commands, NamesWithControlCharactersAreEscaped) {
+  const std::string name = "\x1b[2J\nsuture: error: \xff\u202e";
+  const std::string shown = R"(\x1b[2J\nsuture: error: \xff\u202e)";
+  write("m.msh",
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"" + name.substr(0, 4) +
+            name.substr(5) +
+            "\"\n$EndPhysicalNames\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n"
+            "6 1 0 1\n7 1 1 1\n8 0 1 1\n$EndNodes\n$Elements\n1\n"
+            "1 5 2 1 1 1 2 3 4 5 6 7 8\n$EndElements\n");
+  const Outcome info = suture({"mesh", "info", "m.msh"});
+  EXPECT_TRUE(info.says(R"("\x1b[2Jsuture: error: \xff\u202e": 1)")) << info;
+  const std::string json = R"("\u001b[2J\nsuture: error: \u202e")";
+  const std::string of_json = R"(\x1b[2J\nsuture: error: \u202e)";
+  for (const std::string& mistake :
+       {R"(, "constraints": [{"fix": "xyz", "where": {"set": )" + json + "}}]", ", " + json + ": 1",
+        R"(, "output": {"fields": [)" + json + "]}", R"(, "loads": [)" + json + "]"}) {
+    const Outcome outcome = scene("check", mistake);
+    EXPECT_EQ(outcome.code, 3) << outcome;
+    EXPECT_TRUE(outcome.says(of_json)) << outcome;
+    EXPECT_FALSE(outcome.says("\x1b")) << outcome;
+  }
+  const Outcome usage = suture({"check", name});
+  EXPECT_TRUE(usage.says(shown)) << usage;
+  EXPECT_FALSE(usage.says("\x1b")) << usage;
+  setenv("SUTURE_PLUGIN_PATH", TEST_PLUGINS, 1);
+  const Outcome plugin = suture({"describe", "moody"});
+  unsetenv("SUTURE_PLUGIN_PATH");
+  EXPECT_TRUE(plugin.says("Fails \\x1b[5mfor a while")) << plugin;
+  EXPECT_FALSE(plugin.says("\x1b")) << plugin;
+}
+
 TEST_F(Commands, MeshesAreMadeConvertedAndMeasured) {
   const Outcome made = suture(
       {"mesh", "generate", "box", "a.vtu", "--size", "1", "0.5", "0.25", "--cells", "4", "2", "1"});

@@ -7,7 +7,7 @@
 /// again only where it is shorter than "longest": the time of a failure depends on the state
 /// alone, as in any sound model.
 struct Moody : suture::model, suture::on_edges {
-  static constexpr const char *id = "moody", *doc = "Fails for a while", *formula = "f = 0",
+  static constexpr const char *id = "moody", *doc = "Fails \x1b[5mfor a while", *formula = "f = 0",
                               *citation = "none";
   enum { how, from, to, longest, factor };
   static constexpr const char* ways[] = {"never", "retry", "nan", "stop"};

@@ -7,8 +7,9 @@
 
 namespace suture {
 
-/// What the user sees: control characters that come from files are escaped. Results go to standard output; warnings, errors and
-/// progress to standard error, where a terminal has one line that is rewritten.
+/// What the user sees: control characters that come from files are escaped. Results go to standard
+/// output; warnings, errors and progress to standard error, where a terminal has one line that is
+/// rewritten.
 class Console {
  public:
   Console(bool quiet, bool verbose);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "kernel/base/saturate.hpp"
+
 namespace suture {
 
 std::string box_text(const Vec3& low, const Vec3& high, int digits) {
@@ -14,7 +16,7 @@ std::string box_text(const Vec3& low, const Vec3& high, int digits) {
     largest = std::max({largest, std::abs(low[a]), std::abs(high[a])});
   }
   if (size > 0 && std::isfinite(largest / size))
-    digits = std::clamp(4 + static_cast<int>(std::log10(largest / size)), digits, 17);
+    digits = std::clamp(saturate<int>(4 + std::log10(largest / size)), digits, 17);
   char text[200];
   std::snprintf(text, sizeof text, "[%.*g, %.*g, %.*g] to [%.*g, %.*g, %.*g]", digits, low[0],
                 digits, low[1], digits, low[2], digits, high[0], digits, high[1], digits, high[2]);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/base/saturate.hpp"
+
 namespace suture {
 namespace {
 
@@ -52,7 +54,7 @@ double Clock::next_dt(double stable) {
     done_ = 0;
     // Without a stop ahead (a run until rest, an end that no run reaches) go on in blocks.
     const bool is_far = !(steps < most_steps);
-    steps_ = is_far ? block : std::max<std::uint64_t>(static_cast<std::uint64_t>(steps), 1);
+    steps_ = is_far ? block : std::max<std::uint64_t>(saturate<std::uint64_t>(steps), 1);
     length_ = is_far ? static_cast<double>(block) * stable : next_stop() - time_;
   }
   return length_ / static_cast<double>(steps_);

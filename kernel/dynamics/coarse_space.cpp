@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "kernel/base/box.hpp"
+#include "kernel/base/saturate.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/dynamics/pieces.hpp"
 
@@ -79,7 +80,7 @@ bool CoarseSpace::add_vertex(Grid& grid, GridNumbers& numbers, Index vertex, Ind
                              const Vec3& place, const Vec3& cells, std::size_t nodes, bool forced) {
   std::array<std::int64_t, 3> cell;
   for (std::size_t c = 0; c < 3; ++c)
-    cell[c] = static_cast<std::int64_t>(std::clamp(std::floor(place[c]), 0.0, cells[c] - 1));
+    cell[c] = saturate<std::int64_t>(std::clamp(std::floor(place[c]), 0.0, cells[c] - 1));
   for (std::size_t corner = 0; corner < 8; ++corner) {
     double weight = 1;
     std::array<std::int64_t, 4> key{0, 0, 0, static_cast<std::int64_t>(piece)};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "kernel/base/saturate.hpp"
 #include "kernel/dynamics/inversion.hpp"
 
 namespace suture {
@@ -67,7 +68,7 @@ bool RestSearch::quench(Dynamics& dynamics) {
   if (alpha * dt_ >= quench_end || !(alpha > 0)) return false;
   const double next = std::min(quench_factor * alpha, quench_end / dt_);
   dynamics.motion().set_damping(next);
-  const auto decay = static_cast<std::uint64_t>(std::ceil(8 / (next * dt_)));
+  const auto decay = std::uint64_t{saturate<std::uint32_t>(std::ceil(8 / (next * dt_)))};
   quenched_until_ = steps_ + std::max(decay, steps_between_checks * 2 * checks_needed);
   return true;
 }

@@ -12,6 +12,7 @@
 #include <unordered_set>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/saturate.hpp"
 
 namespace suture {
 namespace {
@@ -120,10 +121,10 @@ std::vector<Dart> boundary_faces(const CellComplex& complex, std::span<const Ind
   return faces;
 }
 
-/// Faces by the cube of edge `gap` that their centre is in.
+/// Faces by the cube that their centre is in.
 class Grid {
  public:
-  explicit Grid(double gap) : gap_(gap) {}
+  explicit Grid(double edge) : edge_(edge) {}
   void add(const Vec3& p, Dart face) { cubes_[key(cube(p))].push_back(face); }
   template <class Visit>
   void near(const Vec3& p, Visit visit) const {
@@ -140,7 +141,7 @@ class Grid {
   using Cube = std::array<std::int64_t, 3>;
   Cube cube(const Vec3& p) const {
     Cube c;
-    for (std::size_t a = 0; a < 3; ++a) c[a] = static_cast<std::int64_t>(std::floor(p[a] / gap_));
+    for (std::size_t a = 0; a < 3; ++a) c[a] = saturate<std::int64_t>(std::floor(p[a] / edge_));
     return c;
   }
   // Cubes that share a key only cost time: distances are compared afterwards.
@@ -149,15 +150,24 @@ class Grid {
     for (const std::int64_t i : c) k = (k ^ static_cast<std::uint64_t>(i)) * 0x9E3779B97F4A7C15u;
     return k;
   }
-  double gap_;
+  double edge_;
   std::unordered_map<std::uint64_t, std::vector<Dart>> cubes_;
 };
+
+/// Of cubes in which centres within the gap are neighbours; a smaller gap than coordinates can
+/// resolve would give them numbers that no integer holds.
+double cube_edge(const Places& places, const std::vector<Dart>& faces, double gap) {
+  double largest = 0;
+  for (const Dart face : faces)
+    for (const double x : places.centre(face)) largest = std::max(largest, std::abs(x));
+  return std::max({gap, 1e-12 * largest, std::numeric_limits<double>::min()});
+}
 
 /// All pairs of faces that look at each other with centres within the gap, of elements
 /// that have no face in common; nearest first.
 std::vector<Pairing> pairings(const Places& places, const std::vector<Dart>& a,
                               const std::vector<Dart>& b, double gap) {
-  Grid grid(gap);
+  Grid grid(std::max(cube_edge(places, a, gap), cube_edge(places, b, gap)));
   for (const Dart face : b) grid.add(places.centre(face), face);
   std::vector<Pairing> found;
   for (const Dart face : a) {

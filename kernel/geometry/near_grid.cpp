@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 
+#include "kernel/base/saturate.hpp"
+
 namespace suture {
 
 namespace {
@@ -35,7 +37,7 @@ NearGrid::NearGrid(const TriangleSurface& surface, const Box& box) {
   std::size_t cubes = 1;
   for (int a = 0; a < 3; ++a) {
     low_[a] = box.low[a] - edge_ / 2;
-    count_[a] = static_cast<int>(std::ceil((box.high[a] - low_[a]) / edge_)) + 1;
+    count_[a] = saturate<int>(std::ceil((box.high[a] - low_[a]) / edge_) + 1);
     cubes *= static_cast<std::size_t>(count_[a]);
   }
   bits_.assign((cubes + 63) / 64, 0);

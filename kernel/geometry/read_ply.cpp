@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "kernel/base/nearest.hpp"
+#include "kernel/base/saturate.hpp"
 #include "kernel/geometry/surface_readers.hpp"
 
 namespace suture {
@@ -244,7 +245,7 @@ class PlyReader {
   void add_corner(double corner) {
     if (corner < 0 || corner >= static_cast<double>(points_)) {
       const std::string what = "a face has the point " +
-                               std::to_string(static_cast<std::int64_t>(corner)) + "; the " +
+                               std::to_string(saturate<std::int64_t>(corner)) + "; the " +
                                grouped(points_) + " points are numbered from 0";
       if (format_ == Format::ascii) cursor_.fail(what);
       file_.fail_at_byte(cursor_.position(), what);

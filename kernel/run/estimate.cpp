@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "kernel/base/saturate.hpp"
 #include "kernel/run/run_loop.hpp"
 
 namespace suture {
@@ -24,8 +25,7 @@ constexpr double writer_bytes = 3e6;
 std::uint64_t frames_until(const Scene& scene, double end, std::uint64_t steps) {
   const OutputOptions& output = scene.output;
   if (output.every_steps > 0) return 1 + steps / output.every_steps;
-  return output.every > 0 ? 1 + static_cast<std::uint64_t>(std::ceil(end / output.every - 1e-9))
-                          : 2;
+  return output.every > 0 ? saturate<std::uint64_t>(1 + std::ceil(end / output.every - 1e-9)) : 2;
 }
 
 /// Steps until rest from those made: the residual falls by a factor per step.
@@ -69,7 +69,7 @@ Estimate Simulation::estimate() {
     estimate.steps = steps_to_rest(run, 1.0);
   } else {
     while (seconds_since(start) < 0.2 && !clock.finished() && run.tries_step()) continue;
-    estimate.steps = static_cast<std::uint64_t>(std::ceil(end / estimate.dt - 1e-9));
+    estimate.steps = saturate<std::uint64_t>(std::ceil(end / estimate.dt - 1e-9));
   }
   estimate.seconds_per_step = seconds_since(start) / static_cast<double>(clock.step());
   if (run.recorder().writes_frames() && estimate.steps > 0) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/saturate.hpp"
 #include "kernel/run/evidence.hpp"
 
 namespace suture {
@@ -192,7 +193,8 @@ void StepControl::step_back(const NumericalError& error, const Notify& notify) {
   else if (built_.dynamics().time() < clock_.time())
     clock_.take_back();
   const double factor = rejected ? rejected->step_factor : 0.5;
-  watch_.step_back(clock_.step(), static_cast<unsigned>(std::ceil(-std::log2(factor) - 1e-9)));
+  const auto halvings = saturate<unsigned>(std::ceil(-std::log2(factor) - 1e-9));
+  watch_.step_back(clock_.step(), std::min(halvings, most_halvings));
   std::ostringstream text;
   text << timed(failed_at, error.what());
   if (goes_on)

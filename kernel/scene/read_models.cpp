@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <cmath>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
@@ -22,7 +23,7 @@ std::string summary(const suture_parameter& parameter) {
 
 std::optional<double> read_integer(ObjectReader& object, const suture_parameter& parameter) {
   const auto number = object.number(parameter.name, limits_of(parameter));
-  if (number && *number != static_cast<double>(static_cast<std::int64_t>(*number))) {
+  if (number && *number != std::trunc(*number)) {
     object.complain(parameter.name, "must be a whole number");
   }
   return number;

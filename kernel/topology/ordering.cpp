@@ -6,6 +6,7 @@
 
 #include "kernel/base/box.hpp"
 #include "kernel/base/radix_sort.hpp"
+#include "kernel/base/saturate.hpp"
 
 namespace suture {
 namespace {
@@ -62,7 +63,8 @@ std::vector<Index> curve_order(std::span<const Hexahedron> hexahedra, std::span<
   std::vector<std::uint64_t> packed(points.size());
   for (std::size_t p = 0; p < points.size(); ++p)
     for (int c = 0; c < 3 && used[p]; ++c)
-      packed[p] |= static_cast<std::uint64_t>((points[p][c] - box.low[c]) * scale) << 21 * c;
+      packed[p] |= std::uint64_t{saturate<std::uint32_t>((points[p][c] - box.low[c]) * scale)}
+                   << 21 * c;
   std::vector<Keyed> places(hexahedra.size()), spare;
   for (Index e = 0; e < hexahedra.size(); ++e) {
     std::uint64_t sum = 0, key = 0;

@@ -141,6 +141,14 @@ TEST(SeamsWithinGap, NothingIsNearEnough) {
   EXPECT_TRUE(TwoBlocks({-9, 0, 0}).match(0.5).empty()) << "backs to each other are not sewn";
 }
 
+// Places in such gaps are numbers that no integer holds.
+TEST(SeamsWithinGap, AnyPositiveGapWillDo) {
+  for (const double gap : {1e-19, 1e-300, 1e300}) {
+    EXPECT_EQ(TwoBlocks({0, 0, 0}).match(gap).size(), 6u) << gap;
+    EXPECT_EQ(TwoBlocks({0.1, 0, 0}).match(gap).size(), gap > 1 ? 6u : 0u) << gap;
+  }
+}
+
 TEST(SeamsWithinGap, FacesOfOtherGridsAreNamed) {
   TwoBlocks blocks({0, 0.5, 0});  // shifted by half a face: centres 0.5 apart, corners too
   EXPECT_TRUE(blocks.matched(0.8).misfits.empty());

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/base/saturate.hpp"
 #include "kernel/geometry/module/parts.hpp"
 
 namespace suture::cgal {
@@ -131,8 +132,8 @@ class RowCrossings {
     const double cells = grid_.cells[axis];
     const double low = (std::min(x) - grid_.origin[axis]) / grid_.edge;
     const double high = (std::max(x) - grid_.origin[axis]) / grid_.edge;
-    return {static_cast<Index>(std::clamp(std::floor(low) - 1, 0.0, cells)),
-            static_cast<Index>(std::clamp(std::ceil(high) + 1, 0.0, cells))};
+    return {saturate<Index>(std::clamp(std::floor(low) - 1, 0.0, cells)),
+            saturate<Index>(std::clamp(std::ceil(high) + 1, 0.0, cells))};
   }
   static bool left_of(const Point& p, const Point& q, const Kernel::Point_2& row) {
     const auto side = CGAL::orientation(flat(p), flat(q), row);

@@ -1,13 +1,13 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""docs/benchmarks.md and its plots from what suture-bench wrote.
+"""Make docs/benchmarks.md and its plots from the output of suture-bench.
 
 usage: report.py FOLDER DOCS
 
-FOLDER holds NAME.json of `suture-bench NAME --json`. A section per file, in the
-order of SECTIONS; a file that is not there leaves its section out. A new section:
-a line there, and a function that plots if tables are not enough.
-Debian's interpreter, with python3-matplotlib.
+FOLDER holds NAME.json from `suture-bench NAME --json`. Each file becomes a section,
+in the order of SECTIONS; sections of missing files are left out. To add a section, add
+a line there, and a plot function if tables are not enough.
+Runs with Debian's interpreter and python3-matplotlib.
 """
 import json
 import math
@@ -28,7 +28,7 @@ plt.rcParams.update({"figure.figsize": (6.4, 3.6), "figure.dpi": 90, "font.size"
 # ---------------------------------------------------------------- tables --
 
 def shown(value):
-    """Three or four figures; whole numbers whole."""
+    """Three or four significant digits; whole numbers without decimals."""
     if value is None:
         return ""
     if isinstance(value, str):
@@ -41,7 +41,7 @@ def shown(value):
 
 
 def table_text(table):
-    """Markdown; lines may have more figures than others."""
+    """A Markdown table; rows may have different sets of columns."""
     columns = list(dict.fromkeys(name for row in table["rows"] for name in row))
     lines = ["| " + " | ".join(columns) + " |", "|---" * len(columns) + "|"]
     for row in table["rows"]:
@@ -54,7 +54,7 @@ def column(table, name):
 
 
 # ----------------------------------------------------------------- plots --
-# Each draws the tables of one file and returns the picture's name, or None.
+# Each plots the tables of one file and returns the name of the picture, or None.
 
 def save(docs, name):
     folder = docs / "images"
@@ -119,39 +119,39 @@ def plot_cut(tables, docs):
     return save(docs, "cut")
 
 
-# (NAME of NAME.json, title, what it tells, plot or None)
+# (NAME of NAME.json, title, introduction, plot or None)
 SECTIONS = [
-    ("force", "Forces", "Rates of the models through the SDK by size: whole steps, the forces alone, "
-     "and what fraction of this machine's roofs they reach. `B/el` is what must move if no cache "
-     "helps, so small bodies, which stay in a cache, may exceed the stream.", plot_force),
+    ("force", "Forces", "Throughput of the models through the SDK, by size: whole steps, forces alone, "
+     "and the fraction of this machine's roofline reached. `B/el` is the memory traffic without any "
+     "cache reuse, so small bodies, which stay in a cache, may exceed the stream bandwidth.", plot_force),
     ("step", "A step", "Where the time of a step goes.", plot_step),
-    ("scaling", "Threads", "The paper's Fig. 8: sequential and parallel. The first table is what two "
-     "threads can gain on this machine at all.", plot_scaling),
-    ("realtime", "Real time", "The largest block that advances one second in one second, and the "
-     "largest that also shows every frame of 1/30 s in time while it is cut.", None),
-    ("skip", "What is skipped", "Time with and without each thing that a scene may not need "
-     "(`suture explain` tells which it does not).", plot_skip),
-    ("startup", "Start, and memory", "From a scene to its first step.", None),
-    ("frame", "Frames", "What a frame costs the thread that simulates; the rest is written behind "
-     "it.", None),
+    ("scaling", "Threads", "The paper's Fig. 8: sequential and parallel. The first table shows the "
+     "largest gain that two threads can bring on this machine.", plot_scaling),
+    ("realtime", "Real time", "The largest block that is simulated in real time, and the largest "
+     "that also delivers every frame of 1/30 s on time while it is cut.", None),
+    ("skip", "What is skipped", "Time with and without each piece of work that a scene may not need "
+     "(`suture explain` shows what is skipped).", plot_skip),
+    ("startup", "Start-up and memory", "From a scene to its first step.", None),
+    ("frame", "Frames", "The cost of a frame to the simulating thread; the rest is written in the "
+     "background.", None),
     ("build", "The map", "Checks, renumbering, matching and ids of a mesh.", None),
-    ("cut", "Cuts", "The paper's Fig. 5 and Table 1, with everything that follows a cut, beside two "
-     "base lines on CGAL's linear cell complex with the same attributes: the paper's model "
-     "(`unsew<3>` with split functors), and the model before it (Flechon 2013: springs point to "
-     "particles, particles list their inner springs, both set right after each face). The paper "
-     "found the second 1.9 times slower than the first. Here it is 1.2 to 1.3 times: lists are "
-     "contiguous arrays of pointers, split in one pass, elements around a particle are visited "
-     "once, and most of the time is `unsew<3>` itself, which both share.", plot_cut),
+    ("cut", "Cuts", "The paper's Fig. 5 and Table 1, including everything that follows a cut, compared with two "
+     "baselines on CGAL's linear cell complex with the same attributes: the paper's model "
+     "(`unsew<3>` with split functors), and its predecessor (Flechon 2013: springs point to "
+     "particles, particles list their inner springs, and both are updated after each face). The "
+     "paper found the second 1.9 times slower than the first. Here it is 1.2 to 1.3 times slower: "
+     "lists are contiguous arrays of pointers that are split in one pass, elements around a "
+     "particle are visited once, and most of the time is `unsew<3>` itself, which both share.", plot_cut),
     ("blade", "Blades", "Finding the faces that a blade cuts.", None),
-    ("event-runs", "Runs with events", "Whole runs with events over runs without, in turn. With an "
-     "automatic dt, events shorten the step: the last column is the part of the ratio that is more "
-     "steps.", None),
+    ("event-runs", "Runs with events", "Whole runs with events relative to runs without, in turn. With an "
+     "automatic dt, events shorten the step: the last column is the part of the ratio due to the "
+     "larger number of steps.", None),
     ("rest", "Rest", "The paper's cantilever under its weight, to rest.", None),
 ]
 
 
 def commit(folder):
-    """Of the sources around `folder`, with the day, or None outside a checkout."""
+    """The commit of the sources around `folder` with its date, or None outside a checkout."""
     try:
         asked = ["git", "-C", str(folder), "log", "-1", "--format=%h, %cs"]
         return subprocess.run(asked, capture_output=True, check=True, text=True).stdout.strip()
@@ -185,8 +185,8 @@ def main():
             parts.append(f"**{table_name}**: {table['note']}\n\n{table_text(table)}\n")
     if at := commit(pathlib.Path(__file__).parent):
         machine["suture"] = f"{machine.get('suture', '')} (commit {at})".strip()
-    head = ("# Benchmarks\n\nWritten by `./dev bench`; figures are of one machine, which others may "
-            "use at the same time.\n\n" + machine_text(machine) + "\n")
+    head = ("# Benchmarks\n\nWritten by `./dev bench`. The figures are from one machine, which other "
+            "processes may use at the same time.\n\n" + machine_text(machine) + "\n")
     (docs / "benchmarks.md").write_text("\n".join([head, *parts]))
     print(f"wrote {docs / 'benchmarks.md'}")
 

@@ -26,7 +26,7 @@ inline constexpr bool is_optional = false;
 template <class T>
 inline constexpr bool is_optional<std::optional<T>> = true;
 
-/// The number that arrays of arrays consist of.
+/// The number type of which (nested) arrays consist.
 template <class T>
 struct Element {
   using Number = T;
@@ -38,26 +38,26 @@ using Number = typename Element<T>::Number;
 
 }  // namespace archived
 
-/// Where an object writes its state, or reads it back. One function serves both, so that they
-/// cannot differ:
+/// An object writes its state to an archive, or reads it back. One function does both, so that the
+/// two cannot differ:
 ///
 ///   void Guard::state(Archive& archive) {
 ///     archive("last", last_);
 ///     if (archive.has_cells()) archive("inverted", inverted_);
 ///   }
 ///
-/// Values are numbers, enumerations, bool, strings, arrays and vectors of them, optional ones,
-/// and whatever has a function `state` itself, which becomes a group.
+/// Values are numbers, enumerations, bools, strings, arrays, vectors and optionals of these, and
+/// objects with a function `state`, which become groups.
 class Archive {
  public:
-  /// How much of the state: what steps change, to go back to within a run; or everything that
-  /// differs from what the scene has built, to go on in another process.
+  /// How much of the state is archived: what steps change, for a rollback within a run; or
+  /// everything that differs from the scene as built, to continue in another process.
   enum class Extent { motion, everything };
   enum class Direction { save, load };
 
   virtual ~Archive() = default;
   bool loads() const { return direction_ == Direction::load; }
-  /// Also what operations change: cells, lists of cells and columns that belong to them.
+  /// True if the archive includes what operations change: cells, lists of cells and their columns.
   bool has_cells() const { return extent_ == Extent::everything; }
 
   template <class T>
@@ -83,7 +83,7 @@ class Archive {
     }
   }
 
-  /// body() with names that count within `name`.
+  /// Calls body(), whose names then belong to the group `name`.
   template <class Body>
   void group(const char* name, Body body) {
     enter(name);
@@ -91,7 +91,7 @@ class Archive {
     leave();
   }
 
-  /// A vector of structs that consist of `Number`s and nothing else: a row each.
+  /// A vector of structs that consist of `Number`s only, one row per struct.
   template <class Number, class Vector>
   void rows(const char* name, Vector& values) {
     using Row = typename Vector::value_type;
@@ -99,8 +99,8 @@ class Archive {
     numbers(name, scalar_of<Number>(), sizeof(Row) / sizeof(Number), sizeof(Row), values);
   }
 
-  /// One member of a vector of structs, a row each; all members of a vector in turn give it
-  /// back, the first its length.
+  /// One member of a vector of structs, one row per struct. Loading all members in turn restores
+  /// the vector; the first one restores its length.
   template <class Vector, class Object, class Member>
   void member(const char* name, Vector& objects, Member Object::*which) {
     std::vector<Member> values(objects.size());
@@ -111,7 +111,7 @@ class Archive {
     for (std::size_t i = 0; i < objects.size(); ++i) objects[i].*which = values[i];
   }
 
-  /// A vector of objects: item(archive, object) for each, in a group of its number.
+  /// A vector of objects: calls item(archive, object) for each, in a group named after its index.
   template <class Vector, class Item>
   void each(const char* name, Vector& objects, Item item) {
     group(name, [&] {
@@ -127,7 +127,7 @@ class Archive {
     each(name, objects, [](Archive& archive, auto& object) { object.state(archive); });
   }
 
-  /// Throws InputError that names the present group: what was read cannot be.
+  /// Throws InputError that names the current group: the data read are not valid.
   [[noreturn]] virtual void refuse(const std::string& why) const = 0;
   /// refuse(why) unless `holds`.
   void require(bool holds, const char* why) const {
@@ -145,8 +145,8 @@ class Archive {
     std::size_t columns, rows;
   };
   virtual void write(const char* name, const Shape& shape, const void* data) = 0;
-  /// The bytes of what write() took, `shape.rows` included; type and columns are given, and must
-  /// be those. Good until the next call.
+  /// Returns the bytes passed to write() and sets `shape.rows`; type and columns are given and must
+  /// match. Valid until the next call.
   virtual const void* read(const char* name, Shape& shape) = 0;
   virtual void enter(const char* name) = 0;
   virtual void leave() = 0;
@@ -247,14 +247,14 @@ class StateTree {
   std::size_t bytes() const;  ///< of all arrays
 };
 
-/// Everything that `holder` says of itself.
+/// Saves the complete state of `holder`.
 template <class Holder>
 void save_state(StateTree& tree, Holder& holder);
-/// Puts it back. Throws InputError with the path of what is missing or has another type.
+/// Restores it. Throws InputError with the path of an item that is missing or has a different type.
 template <class Holder>
 void load_state(const StateTree& tree, Holder& holder);
 
-/// The archives of a tree.
+/// The archives that write and read a tree.
 class TreeWriter : public Archive {
  public:
   explicit TreeWriter(StateTree& tree);
@@ -282,14 +282,13 @@ class TreeReader : public Archive {
   std::vector<std::string> names_;
 };
 
-/// A state to go back to within a run: what steps change, without names, in memory that is
-/// used again.
+/// A state for a rollback within a run: what steps change, without names, in reused memory.
 class StateBuffer {
  public:
   template <class Holder>
   void save(Holder& holder) {
     bytes_.clear();
-    if (bytes_.capacity() == 0) {  // growing would take half as much memory besides
+    if (bytes_.capacity() == 0) {  // growing would use half as much memory again
       Writer counter(nullptr);
       holder.state(counter);
       bytes_.reserve(counter.size());
@@ -297,21 +296,21 @@ class StateBuffer {
     Writer writer(&bytes_);
     holder.state(writer);
   }
-  /// The holder must hold the same cells as then.
+  /// The holder must have the same cells as when it was saved.
   template <class Holder>
   void load(Holder& holder) const {
     Reader reader(bytes_);
     holder.state(reader);
   }
   bool empty() const { return bytes_.empty(); }
-  /// Part of a state that is itself saved.
+  /// For buffers that are part of a saved state.
   void state(Archive& archive) { archive("bytes", bytes_); }
 
  private:
   using Bytes = std::vector<std::uint8_t>;
   class Writer : public Archive {
    public:
-    /// Null: nothing is written, and size() is what it would be.
+    /// Null: nothing is written, and size() returns the size that would be needed.
     explicit Writer(Bytes* bytes) : Archive(Extent::motion, Direction::save), bytes_(bytes) {}
     std::size_t size() const { return size_; }
     [[noreturn]] void refuse(const std::string& why) const override;

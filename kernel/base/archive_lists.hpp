@@ -9,7 +9,8 @@
 
 namespace suture {
 
-/// Many short lists as two arrays, in compressed rows; `lists` has as many as were saved.
+/// Archives many short lists as two arrays in compressed rows; on loading, `lists` is resized to
+/// the number saved.
 inline void archive_lists(Archive& archive, const char* name,
                           std::vector<std::vector<Index>>& lists) {
   archive.group(name, [&] {

@@ -8,13 +8,13 @@
 
 namespace suture {
 
-/// Parallel to the axes.
+/// A box parallel to the axes.
 struct Box {
   Vec3 low{}, high{};
   double length(std::size_t axis) const { return high[axis] - low[axis]; }
 };
 
-/// Without points: low > high.
+/// The empty box: low > high.
 inline constexpr Box no_box = [] {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   return Box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};

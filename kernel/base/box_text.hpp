@@ -7,8 +7,8 @@
 
 namespace suture {
 
-/// "[0, 0, 0] to [1, 0.25, 0.25]": two corners of a box, with at least so many digits, and
-/// as many more as it takes to see the size of a small box far from 0.
+/// "[0, 0, 0] to [1, 0.25, 0.25]": two corners of a box, with at least `digits` digits, and more if
+/// they are needed to show the size of a small box far from 0.
 std::string box_text(const Vec3& low, const Vec3& high, int digits);
 
 }  // namespace suture

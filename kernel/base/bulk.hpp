@@ -10,17 +10,18 @@
 
 namespace suture {
 
-/// Asks the system for large pages (2 MiB) where these bytes hold whole ones that were
-/// never touched. A page costs when it is first touched: 4 KiB 1.4 us, measured, and in
-/// large pages a third of that; and a table of some MiB in few pages is found faster. Takes
-/// no memory by itself. O(1), one call of the system if there is such a page.
+/// Requests large pages (2 MiB) from the system for those parts of the range that contain whole
+/// untouched pages. The first access to a page is expensive: 1.4 us per 4 KiB (measured), a third
+/// of that in large pages; and address translation is faster for a table of some MiB in few pages.
+/// Allocates no memory by itself. O(1), with one system call if there is such a page.
 void prefer_large_pages(void* begin, std::size_t bytes) noexcept;
 
-/// Memory at a multiple of `alignment`; from 1 MiB on in large pages of its own.
+/// Allocates memory at a multiple of `alignment`; blocks of 1 MiB or more get their own large
+/// pages.
 void* allocate_bulk(std::size_t bytes, std::size_t alignment);
 
-/// Allocator of arrays that are filled in one go: what resize() adds is not set, so it
-/// must be written before it is read.
+/// Allocator for arrays that are filled in one go: resize() leaves new elements uninitialised, so
+/// they must be written before they are read.
 template <class T>
 struct BulkAllocator {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -9,7 +9,7 @@
 
 namespace suture {
 
-/// XXH64 (Collet; seed 0) of bytes that come in pieces, to tell damage: several GB/s. Not for
+/// XXH64 (Collet; seed 0) of bytes that arrive in pieces, to detect damage: several GB/s. Not for
 /// security.
 class Checksum {
  public:

@@ -7,9 +7,9 @@
 
 namespace suture {
 
-/// Warnings and notes of one run, in the order in which they arose. The program
-/// shows each when it arises (`on_warning`, `on_note`) and counts the warnings at
-/// the end; a note needs no action of the user.
+/// Warnings and notes of one run, in the order in which they were issued. The program shows each as
+/// it is issued (`on_warning`, `on_note`) and counts the warnings at the end; a note requires no
+/// action from the user.
 class Diagnostics {
  public:
   void warn(std::string text) {

@@ -7,8 +7,8 @@
 
 namespace suture {
 
-/// What a user must be told. One type per meaning; each maps to one exit code
-/// of the program. The text says what, where, what was expected, what to do.
+/// An error to report to the user. There is one type per meaning, and each maps to one exit code of
+/// the program. The text says what is wrong and where, what was expected, and what to do.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -23,14 +23,14 @@ class UsageError : public Error {
   int exit_code() const noexcept override { return 2; }
 };
 
-/// A scene or mesh file that does not say what can be run.
+/// A scene or mesh file that cannot be run.
 class InputError : public Error {
  public:
   using Error::Error;
   int exit_code() const noexcept override { return 3; }
 };
 
-/// Elements that form no 3-map, or an operation that the map does not admit.
+/// Elements that do not form a 3-map, or an operation that the map does not allow.
 class TopologyError : public InputError {
  public:
   using InputError::InputError;
@@ -46,7 +46,7 @@ class PluginError : public Error {
 class NumericalError : public Error {
  public:
   static constexpr std::uint64_t nowhere = ~std::uint64_t{0};
-  /// `where`: the element, by the number that users know it by, if the text gives no place.
+  /// `where`: the element at fault, by its user number, if the text does not name it.
   explicit NumericalError(const std::string& text, std::uint64_t where = nowhere)
       : Error(text), element(where) {}
   std::uint64_t element;

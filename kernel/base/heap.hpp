@@ -3,8 +3,8 @@
 
 namespace suture {
 
-/// Gives the system what was freed and malloc keeps: after work that needed much more
-/// memory than what is left of it. Some microseconds, and more per page given back.
+/// Returns freed memory that malloc retains to the system, after work that needed much more memory
+/// than it leaves in use. Takes some microseconds, plus the time per page returned.
 void trim_heap() noexcept;
 
 }  // namespace suture

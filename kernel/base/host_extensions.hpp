@@ -9,9 +9,9 @@
 
 namespace suture {
 
-/// The extensions that this host asks plugins for: what suture_host.has_extension
-/// answers, and what a plugin may list under required_extensions. An id is added
-/// here together with the code that uses it.
+/// The extensions that this host requests from plugins: suture_host.has_extension answers from this
+/// list, and a plugin may list these under required_extensions. An id is added here together with
+/// the code that uses it.
 inline constexpr std::array<std::string_view, 5> host_extensions{
     SUTURE_ENERGY_1, SUTURE_STABLE_DT_1, SUTURE_TANGENT_1, SUTURE_OUTPUT_1, SUTURE_INSPECT_1};
 

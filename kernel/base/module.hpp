@@ -6,15 +6,14 @@
 
 namespace suture {
 
-/// Folder of the running program's executable.
+/// The folder of the program's executable.
 std::filesystem::path executable_folder();
 
-/// Loads one of Suture's own shared modules (NOW, LOCAL, never unloaded) and
-/// returns its `symbol`. `file` is a bare name, "libsuture-vtk.so"; looked for
-/// in SUTURE_MODULE_PATH (one folder), then ../lib/suture and
-/// ../lib/<arch>/suture beside the executable's folder (build tree and
-/// installation alike), then the folder given at build time for installation.
-/// Throws IoError naming the loader's text and the paths tried.
+/// Loads one of Suture's own shared modules (NOW, LOCAL, never unloaded) and returns its `symbol`.
+/// `file` is a file name without a folder, such as "libsuture-vtk.so". It is searched for in
+/// SUTURE_MODULE_PATH (one folder), then in ../lib/suture and ../lib/<arch>/suture relative to the
+/// executable's folder (in the build tree and in an installation), then in the installation folder
+/// given at build time. Throws IoError with the message of the loader and the paths tried.
 void* module_symbol(const std::string& file, const char* symbol);
 
 }  // namespace suture

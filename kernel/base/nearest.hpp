@@ -7,8 +7,8 @@
 
 namespace suture {
 
-/// The candidate with the smallest edit distance (insert, delete, replace,
-/// transpose) to `word`, if at most a third of the word (and 3) differs; else "".
+/// The candidate with the smallest edit distance (insert, delete, replace, transpose) to `word`, if
+/// the distance is at most 3 and at most a third of the length of the word; otherwise "".
 std::string nearest(std::string_view word, std::span<const std::string> candidates);
 
 /// " (did you mean 'E'?)" or "".

@@ -9,11 +9,11 @@
 
 namespace suture {
 
-/// The threads of one run: the only place that knows TBB. With one thread
-/// nothing is started and every call is a plain loop.
+/// The threads of one run. This is the only class that uses TBB. With one thread, nothing is
+/// started and every call is a plain loop.
 class Workers {
  public:
-  /// At most `threads` threads at once, the calling one included; 0: one per core.
+  /// At most `threads` threads at once, including the calling one; 0: one per core.
   explicit Workers(unsigned threads);
   ~Workers();
   Workers(const Workers&) = delete;
@@ -21,17 +21,18 @@ class Workers {
 
   unsigned threads() const { return threads_; }
 
-  /// body(i) for each i in 0 .. count-1, in any order and on any thread; returns
-  /// when all are done. `body` must not throw, nor call this again. Costs some
-  /// microseconds: make i a chunk of work, and let nothing that is written depend on
-  /// who does it. A body(i, worker) is told which of its threads runs it,
-  /// 0 .. threads()-1, so that each can have scratch memory of its own.
+  /// Calls body(i) for each i in 0 .. count-1, in any order and on any thread, and returns when all
+  /// calls have returned. `body` must not throw or call this function again. A call costs some
+  /// microseconds: make i a chunk of work, and let no result depend on the thread that computes it.
+  /// If body takes two arguments, body(i, worker), the second is the number of the thread that runs
+  /// it, 0 .. threads()-1, so that each thread can have its own scratch memory.
   template <class Body>
   void parallel_for(std::size_t count, Body&& body) const {
     run(count, nullptr, body);
   }
 
-  /// body(i) for all tasks of an order, each after those it waits for, whose writes it sees.
+  /// Calls body(i) for all tasks of an order. A task runs after those that it waits for, and sees
+  /// their writes.
   template <class Body>
   void in_order(const TaskOrder& order, Body&& body) const {
     run(order.before.size(), &order, body);

@@ -9,10 +9,10 @@
 
 namespace suture {
 
-/// Sorts `items` by `key(item)` (unsigned), stable. `spare` is scratch space that
-/// may be kept between calls. Least significant digit first; the digits divide the
-/// bits of the largest key evenly, at most 12 bits each. O(n); 2 ns per item and
-/// digit where the items fit in the cache; std::stable_sort below 256 items.
+/// Stable sort of `items` by `key(item)` (unsigned). `spare` is scratch space that may be reused
+/// between calls. Sorts by the least significant digit first; the digits divide the bits of the
+/// largest key evenly, with at most 12 bits each. O(n); 2 ns per item and digit if the items fit in
+/// the cache. Uses std::stable_sort for fewer than 256 items.
 template <class T, class Allocator, class Key>
 void radix_sort(std::vector<T, Allocator>& items, std::vector<T, Allocator>& spare, Key key) {
   if (items.size() < 256) {

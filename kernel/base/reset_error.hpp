@@ -7,8 +7,8 @@
 
 namespace suture {
 
-/// Before a plugin is called: no error, no cell, no step proposed. Static, because the
-/// loops are compiled for several instruction sets (forces/loops/loops.hpp).
+/// Resets the error before a plugin is called: no error, no cell, no proposed step. Static, because
+/// the loops are compiled for several instruction sets (forces/loops/loops.hpp).
 static inline void reset(suture_error& error) {
   error.size = sizeof(suture_error);
   error.code = 0;

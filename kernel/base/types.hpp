@@ -6,9 +6,8 @@
 
 namespace suture {
 
-/// Number of a cell, a vertex or an element. 32 bits: half the memory traffic
-/// of 64, and the 67 million hexahedra that links can name are fewer
-/// (topology/incidence.hpp).
+/// Number of a cell, a vertex or an element. 32 bits halve the memory traffic of 64, and suffice
+/// for the 67 million hexahedra that links can address (topology/incidence.hpp).
 using Index = std::uint32_t;
 inline constexpr Index none = 0xFFFFFFFFu;
 

@@ -9,14 +9,14 @@
 
 namespace suture {
 
-/// Collects what VTK reports on this thread while it lives.
+/// Collects the messages that VTK reports on this thread during its lifetime.
 class VtkMessages {
  public:
   VtkMessages();
   ~VtkMessages();
   VtkMessages(const VtkMessages&) = delete;
   VtkMessages& operator=(const VtkMessages&) = delete;
-  /// The first message, which names the cause; "" if all went well.
+  /// The first message, which names the cause; "" if there was none.
   const std::string& first() const { return first_; }
   static void add(const char* text);
 

@@ -10,25 +10,24 @@
 
 #include "kernel/base/types.hpp"
 
-// VTK behind a small interface. Its libraries (30 MB, 10 ms to load) sit behind the
-// one module libsuture-vtk.so, which is loaded when the first .vtu is written or a compressed one
-// is read.
+// VTK behind a small interface. Its libraries (30 MB, 10 ms to load) are used only by the module
+// libsuture-vtk.so, which is loaded when the first .vtu is written or a compressed one is read.
 
 namespace suture {
 
-/// One array to write, tightly packed, component fastest; exactly one pointer set.
+/// One array to write, tightly packed, component fastest; exactly one of the pointers is set.
 struct VtuArray {
   std::string name;
   int components = 1;
   const double* values = nullptr;
   const std::int64_t* ids = nullptr;
   const std::uint8_t* flags = nullptr;
-  bool global_ids = false;  ///< the user's own numbers: marked as such
+  bool global_ids = false;  ///< the user's own numbers; marked as global ids
 };
 
 enum class VtuCompression { raw, lz4, zlib, lzma };
 
-/// What a .vtu file is to hold. Points to memory of the caller; nothing is copied.
+/// The contents of a .vtu file. Points to memory of the caller; nothing is copied.
 struct VtuImage {
   const Vec3* points = nullptr;
   std::size_t point_count = 0;
@@ -41,7 +40,7 @@ struct VtuImage {
   VtuCompression compression = VtuCompression::lz4;
 };
 
-/// What came of writing: the system's errno, or VTK's own words; else 0 and "".
+/// The result of writing: errno or VTK's message if it failed; otherwise 0 and "".
 struct VtuOutcome {
   int error = 0;
   std::string text;
@@ -50,14 +49,15 @@ struct VtuOutcome {
 class VtkModule {
  public:
   virtual ~VtkModule() = default;
-  /// Expands one block, which must give exactly `out.size()` bytes; false if not.
+  /// Expands one block, which must yield exactly `out.size()` bytes; returns false otherwise.
   virtual bool expand(VtuCompression compression, std::span<const unsigned char> block,
                       std::span<unsigned char> out) const = 0;
-  /// Writes appended raw data under exactly this name. Any thread, several at a time.
+  /// Writes a file with appended raw data under exactly this name. May be called on any thread, and
+  /// on several at the same time.
   virtual VtuOutcome write_vtu(const std::string& path, const VtuImage& image) const = 0;
 };
 
-/// The module, loaded at the first call. Throws IoError if it cannot be.
+/// The module, loaded at the first call. Throws IoError if it cannot be loaded.
 const VtkModule& vtk_module();
 
 }  // namespace suture

@@ -15,17 +15,17 @@
 
 namespace suture::hdf5 {
 
-/// A call of HDF5 that failed: "cannot <what>", and HDF5's own words.
+/// A failed call of HDF5: "cannot <what>", and the message of HDF5.
 struct Failure {
   std::string text;
 };
 
-/// Throws a Failure if `result` is negative; returns it else.
+/// Throws a Failure if `result` is negative; otherwise returns it.
 template <class Result>
 Result good(Result result, const std::string& what);
 [[noreturn]] void fail(const std::string& what);
 
-/// An identifier of HDF5, closed at the end.
+/// An identifier of HDF5, closed by the destructor.
 class Id {
  public:
   Id(hid_t id, herr_t (*close)(hid_t), const std::string& what) : id_(id), close_(close) {
@@ -38,7 +38,7 @@ class Id {
   Id(const Id&) = delete;
   Id& operator=(const Id&) = delete;
   Id& operator=(Id&&) = delete;
-  /// For whoever closes it.
+  /// Releases ownership: the caller closes it.
   hid_t release() { return std::exchange(id_, -1); }
   operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor)
 
@@ -53,14 +53,14 @@ Result good(Result result, const std::string& what) {
   return result;
 }
 
-/// The type in files, little-endian, and in memory. Texts have types of their own length.
+/// The type in files (little-endian) and in memory. Texts have a type of their own length.
 hid_t file_type(Archive::Scalar type);
 hid_t memory_type(Archive::Scalar type);
-/// A text of `size` bytes, padded with zeros if at all.
+/// The type of a text of `size` bytes; padding is zeros.
 Id text_type(std::size_t size);
 std::size_t bytes_of(Archive::Scalar type);
 
-/// Names that HDF5 takes for paths, and the empty one, are written with % and two digits.
+/// Names that HDF5 would interpret as paths, and the empty name, are escaped with % and two digits.
 std::string to_link(std::string_view name);
 std::string from_link(std::string_view link);
 

@@ -9,11 +9,11 @@
 
 namespace suture {
 
-/// A whole file in memory, and the words for what is wrong in it.
+/// A whole file in memory, with functions that report errors in it.
 class FileText {
  public:
-  /// Throws InputError: missing (names the nearest file of the folder), no
-  /// regular file, not readable, empty.
+  /// Throws InputError for a file that is missing (names the nearest file in the folder), not a
+  /// regular file, not readable or empty.
   explicit FileText(const std::filesystem::path& path);
 
   const std::string& name() const { return name_; }
@@ -21,7 +21,7 @@ class FileText {
   const char* end() const { return text_.data() + text_.size(); }
   std::string_view view() const { return text_; }
 
-  /// Throws InputError "file:line: what". The line is counted only now.
+  /// Throws InputError "file:line: what". Lines are counted only here.
   [[noreturn]] void fail_at_line(const char* at, const std::string& what) const;
   /// Throws InputError "file, byte n: what".
   [[noreturn]] void fail_at_byte(const char* at, const std::string& what) const;
@@ -31,15 +31,15 @@ class FileText {
   std::string text_;
 };
 
-/// A word of a file in printable form, cut to 40 characters; the same in quotes.
+/// A word of a file in printable form, truncated to 40 characters; the same in quotes.
 std::string printable(std::string_view word);
 std::string in_quotes(std::string_view word);
 
 /// "1,234,567".
 std::string grouped(std::uint64_t value);
 
-/// Reads words and numbers that white space separates. Numbers are read by
-/// std::from_chars: about 10 ns an integer, 30 ns a double.
+/// Reads words and numbers separated by white space. Numbers are read by std::from_chars: about 10
+/// ns per integer, 30 ns per double.
 class TextCursor {
  public:
   enum class Comments { absent, hash };  ///< hash: from '#' to the end of the line
@@ -67,7 +67,7 @@ class TextCursor {
     }
     return false;
   }
-  /// Moves behind the next line feed and returns what was left of the line.
+  /// Moves past the next line feed and returns the rest of the line.
   std::string_view skip_line();
   /// The next word; empty at the end of the file.
   std::string_view peek_word();
@@ -99,8 +99,8 @@ class TextCursor {
     p_ = stop;
     return value;
   }
-  /// Fails unless `count` entries of `values` words each can follow; called before
-  /// memory is allocated for a count that may be garbage.
+  /// Fails unless `count` entries of `values` words each can follow; called before memory is
+  /// allocated for a count that may be wrong.
   void require_room(std::uint64_t count, std::uint64_t values, const char* what) const;
 
   [[noreturn]] void fail(const std::string& what) const { file_->fail_at_line(p_, what); }

@@ -10,18 +10,18 @@
 
 #include "kernel/mesh/readers.hpp"
 
-// What the readers of Gmsh's formats 2 and 4.1 share.
+// Code shared by the readers of the Gmsh formats 2 and 4.1.
 
 namespace suture {
 
-/// Numbers of a Gmsh file, as text or as bytes: the readers are written once.
+/// Reads the numbers of a Gmsh file as text or as binary data, so that one reader serves both.
 class GmshScanner {
  public:
   explicit GmshScanner(const FileText& file) : file_(file), text(file) {}
 
   bool binary = false;
 
-  /// An int of 32 bits; an unsigned of 64 (`size_t` of format 4.1); a finite double.
+  /// A 32-bit integer; an unsigned 64-bit integer (`size_t` of format 4.1); a finite double.
   std::int32_t int32(const char* what) {
     return binary ? take<std::int32_t>(what) : text.integer<std::int32_t>(what);
   }
@@ -34,8 +34,8 @@ class GmshScanner {
     if (value - value != 0) fail(std::string(what) + " is not finite");
     return value;
   }
-  /// Fails unless `count` entries can follow, of `bytes` in a binary file and of
-  /// `values` words in a text.
+  /// Fails unless `count` entries can follow, of `bytes` bytes each in a binary file or `values`
+  /// words each in a text.
   void require_room(std::uint64_t count, std::uint64_t values, std::uint64_t bytes,
                     const char* what) const;
   void skip_bytes(std::uint64_t n, const char* what);
@@ -60,7 +60,7 @@ class GmshScanner {
   TextCursor text;
 };
 
-/// A type of Gmsh's elements: its number, nodes, dimension and name in plural.
+/// A Gmsh element type: its number, nodes, dimension and name in the plural.
 struct GmshType {
   int number;
   unsigned nodes;
@@ -68,10 +68,10 @@ struct GmshType {
   const char* name;
 };
 inline constexpr int gmsh_hexahedron = 5;
-/// Null for a type that is not known.
+/// Null for an unknown type.
 const GmshType* find_gmsh_type(int number);
 
-/// Collects what both formats say into a Mesh.
+/// Collects the data of both formats into a Mesh.
 class GmshMesh {
  public:
   GmshMesh(GmshScanner& in, const FileText& file) : in_(in), file_(file) {}
@@ -81,14 +81,14 @@ class GmshMesh {
   void add_point(std::uint64_t tag, const Vec3& x);
   /// Called once between the last point and the first element.
   void end_points();
-  /// The position of the point with this tag; fails if there is none.
+  /// The index of the point with this tag; fails if there is none.
   Index point(std::uint64_t tag) const {
     const Index found = tag < dense_.size() ? dense_[tag] : sparse_point(tag);
     if (found == none) fail_tag(tag);
     return found;
   }
   void add_hexahedron(std::uint64_t tag, const Hexahedron& vtk_order, std::span<const int> groups);
-  /// A node of a cell of lower dimension that belongs to groups.
+  /// Adds a node of a lower-dimensional cell that belongs to groups.
   void add_group_point(int dimension, Index point, std::span<const int> groups);
   void count_skipped(const GmshType& type, std::uint64_t count);
   /// Names the groups, and warns of names that no group of the file has; `repeats`: the file
@@ -111,7 +111,7 @@ class GmshMesh {
   std::unordered_map<std::uint64_t, Index> sparse_;
 };
 
-/// After $Nodes of formats 2 and 4.1 the readers hand over to these.
+/// The readers of formats 2 and 4.1 call these for the sections of a file.
 void read_gmsh2_nodes(GmshScanner& in, const FileText& file, GmshMesh& mesh);
 void read_gmsh2_elements(GmshScanner& in, const FileText& file, GmshMesh& mesh);
 

@@ -8,27 +8,24 @@
 
 namespace suture {
 
-/// Reads Medit `.mesh` (ASCII), Gmsh `.msh` (2.x and 4.1, ASCII and binary), legacy
-/// `.vtk` (ASCII and binary) and `.vtu`; what the file says of itself goes before
-/// its extension. Coordinates are multiplied by `scale`. Sets become named sets:
-/// Gmsh physical groups under their names (unnamed: "physical surface 3"), Medit
-/// references as "ref 3" (of quadrilaterals: the points of "quads ref 3"), integer
-/// arrays of VTK as "material 3", byte arrays of 0 and 1 under their own name.
-/// Other cells are skipped with one warning that counts them.
-/// Throws InputError naming the file and the line or byte: missing, empty,
-/// truncated or garbage, a coordinate that is no finite number, an index out of
-/// range, hexahedra with more than 8 nodes, no hexahedron at all (says what the
-/// file holds). Memory is never allocated for a count that the file is too short for.
-/// Cost, a million hexahedra of a grid: 0.26 s Medit, 0.28 s Gmsh, 0.27 s .vtk in
-/// binary, 0.40 s .vtu with LZ4 (processor time, sets included).
+/// Reads Medit `.mesh` (ASCII), Gmsh `.msh` (2.x and 4.1, ASCII and binary), legacy `.vtk` (ASCII
+/// and binary) and `.vtu`; the contents of the file take precedence over its extension. Coordinates
+/// are multiplied by `scale`. Sets become named sets: Gmsh physical groups under their names
+/// (unnamed: "physical surface 3"), Medit references as "ref 3" (of quadrilaterals: the points of
+/// "quads ref 3"), integer arrays of VTK as "material 3", byte arrays of 0 and 1 under their own
+/// name. Other cells are skipped, with one warning that gives their number. Throws InputError
+/// naming the file and the line or byte for a file that is missing, empty, truncated or malformed,
+/// for a coordinate that is not finite, an index out of range, hexahedra with more than 8 nodes,
+/// and a file without hexahedra (lists what it contains). Memory is never allocated for a count
+/// that exceeds the length of the file. Cost for a grid of a million hexahedra: 0.26 s Medit, 0.28
+/// s Gmsh, 0.27 s .vtk in binary, 0.40 s .vtu with LZ4 (processor time, sets included).
 Mesh read_mesh(const std::filesystem::path& path, double scale, Diagnostics& diagnostics);
 
-/// Writes `.vtu` (binary), `.vtk` (legacy 4.2, binary), `.mesh` (ASCII) or `.msh`
-/// (Gmsh 4.1, ASCII) by the extension; coordinates make the round trip to the bit.
-/// Sets and the ids of the source are kept as far as the format has a place for
-/// them: Medit keeps one reference per point and element, so that overlapping sets
-/// are lost there (a warning says which). The file appears complete or not at all.
-/// Throws UsageError for another extension, IoError if it cannot be written.
+/// Writes `.vtu` (binary), `.vtk` (legacy 4.2, binary), `.mesh` (ASCII) or `.msh` (Gmsh 4.1, ASCII)
+/// by the extension; coordinates are preserved exactly. Sets and source ids are kept as far as the
+/// format supports them: Medit has one reference per point and element, so overlapping sets are
+/// lost (a warning names them). The file appears complete or not at all. Throws UsageError for any
+/// other extension, IoError if it cannot be written.
 void write_mesh(const std::filesystem::path& path, const Mesh& mesh, Diagnostics& diagnostics);
 
 }  // namespace suture

@@ -9,9 +9,9 @@
 
 namespace suture {
 
-/// An unstructured grid as VTK keeps it, cells of every type, VTK's node order.
+/// An unstructured grid as stored by VTK: cells of every type, in VTK's node order.
 struct VtkGrid {
-  /// An array of integers with one component: labels, flags or ids.
+  /// A one-component array of integers: labels, flags or ids.
   struct Labels {
     std::string name;
     bool of_cells = false;
@@ -26,7 +26,7 @@ struct VtkGrid {
   std::vector<Labels> labels;
 };
 
-/// VTK's numbers of the cell types that are hexahedra of 8 nodes.
+/// VTK's numbers for the cell types that are 8-node hexahedra.
 inline constexpr std::uint8_t vtk_hexahedron = 12;
 inline constexpr std::uint8_t vtk_voxel = 11;
 

@@ -6,10 +6,10 @@
 
 namespace suture {
 
-/// Hexahedra and voxels of the grid, other cells counted; label arrays as sets,
-/// global ids as ids. Cells of 8 nodes that call themselves tetrahedra are meant to be
-/// hexahedra (hex_sphere.vtk of planarhexmeshes) and read so, with a warning. Checks sizes, indices
-/// and coordinates; throws InputError naming the cell or point.
+/// Converts hexahedra and voxels of the grid and counts other cells; label arrays become sets,
+/// global ids become ids. Cells with 8 nodes that are declared as tetrahedra are read as hexahedra,
+/// with a warning (hex_sphere.vtk of planarhexmeshes). Checks sizes, indices and coordinates;
+/// throws InputError naming the cell or point.
 Mesh mesh_from_vtk(VtkGrid grid, const FileText& file, Diagnostics& diagnostics);
 
 }  // namespace suture

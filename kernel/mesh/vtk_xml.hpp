@@ -8,27 +8,28 @@
 
 namespace suture {
 
-/// What VTK's XML files have in common, whatever their data set: the frame around it,
-/// how numbers are encoded, where raw data interrupt the XML.
+/// The parts that VTK's XML files of all data sets have in common: the enclosing tags, the encoding
+/// of numbers, and the place where raw data interrupt the XML.
 class VtkXml {
  public:
-  /// `data_set`: "UnstructuredGrid", "PolyData"; `needed` says what for, in messages.
+  /// `data_set`: "UnstructuredGrid" or "PolyData"; `needed` says in messages what it is needed for.
   VtkXml(const FileText& file, std::string data_set, std::string needed);
 
-  /// The next tag, behind raw data if they come; none at the end. Fails for a file of
-  /// another data set or compressor.
+  /// The next tag, skipping raw data; none at the end. Fails for a file with another data set or
+  /// compressor.
   std::optional<XmlTag> next();
-  /// Fails unless the file began and ended as it should and had a <Piece>.
+  /// Fails unless the file is complete, from its first to its last tag, and has a <Piece>.
   void finish() const;
 
-  /// An attribute that counts points or cells; fails if it is missing and `missing` is not given.
+  /// An attribute with a number of points or cells; if it is missing, returns `missing`, or fails
+  /// if that is not given.
   std::uint64_t number(const XmlTag& tag, std::string_view key,
                        std::optional<std::uint64_t> missing = {}) const;
-  /// The array of a <DataArray> that next() has just given.
+  /// The array of the <DataArray> that next() has just returned.
   VtuDataArray array(const XmlTag& tag) const {
     return {tag, tag.closes_itself ? tag.end : xml_.end_of_text()};
   }
-  /// Fails at the piece's tag for an array that is not there.
+  /// Returns the array; fails at the tag of the piece if it is missing.
   const VtuDataArray& required(const std::optional<VtuDataArray>& array, const XmlTag& piece,
                                const char* name) const;
   /// The element around the tag that next() has just given.

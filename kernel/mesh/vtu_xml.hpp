@@ -5,7 +5,7 @@
 
 #include "kernel/mesh/readers.hpp"
 
-// The XML of .vtu files: tags and attributes, as much as VTK's writers use.
+// The XML of .vtu files: tags and attributes, to the extent used by VTK's writers.
 
 namespace suture {
 
@@ -16,16 +16,16 @@ struct XmlTag {
   bool closes = false;         ///< </name>
   bool closes_itself = false;  ///< <name ... />
   const char* at = nullptr;    ///< its '<'
-  const char* end = nullptr;   ///< behind its '>'
+  const char* end = nullptr;   ///< after its '>'
 
-  /// The value as it stands in the file; empty if there is none.
+  /// The value as written in the file; empty if there is none.
   std::string_view operator[](std::string_view key) const;
 };
 
-/// The text of an attribute: &quot; &amp; &lt; &gt; &apos; replaced.
+/// The text of an attribute, with &quot; &amp; &lt; &gt; &apos; replaced.
 std::string unescaped(std::string_view value);
 
-/// Goes from tag to tag; comments and declarations are passed over.
+/// Moves from tag to tag; comments and declarations are skipped.
 class XmlCursor {
  public:
   explicit XmlCursor(const FileText& file) : file_(file), p_(file.begin()) {}

@@ -17,11 +17,12 @@ std::string medit_text(const Mesh& mesh, Diagnostics& diagnostics);
 std::string gmsh_text(const Mesh& mesh);
 std::string vtk_legacy_text(const Mesh& mesh);
 
-/// The numbers by which a file calls points or elements: those of the source if
-/// they are positive and differ, else 1, 2, ...
+/// The numbers of points or elements in a file: those of the source if they are positive and
+/// unique, otherwise 1, 2, ...
 std::vector<std::uint64_t> tags_of(const std::vector<std::uint64_t>& ids, std::size_t count);
 
-/// A text that grows by words; doubles as the shortest that read back to the bit.
+/// A text that is appended to word by word; doubles are written with the fewest digits that read
+/// back exactly.
 class TextWriter {
  public:
   TextWriter& operator<<(std::string_view word) {
@@ -38,7 +39,7 @@ class TextWriter {
     text_.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
     return *this;
   }
-  /// Bytes of a number, most significant first.
+  /// Appends the bytes of a number, most significant first.
   template <class Number>
   void big_endian(Number value) {
     static_assert(std::endian::native == std::endian::little);

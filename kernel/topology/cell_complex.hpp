@@ -21,24 +21,23 @@ namespace incidence {
 struct HalfStars;
 }
 
-/// One cell became two: `new_cell` is the number given to a component that
-/// left `old_cell`. New numbers are consecutive from the previous count.
+/// One cell became two: `new_cell` is the number of a component that separated from `old_cell`. New
+/// numbers are consecutive, starting at the previous count.
 struct Split {
   Index old_cell;
   Index new_cell;
 };
 
-/// Incident elements of some cells, in compressed rows: cell i has the darts
-/// darts[offsets[i]] .. darts[offsets[i+1]-1], one per incident element,
-/// ascending (dimension 0: origin at the vertex; 1: on the edge; 2: on the face).
-/// It is always the lowest dart of that element with the property.
+/// The incident elements of some cells, in compressed rows: cell i has the darts darts[offsets[i]]
+/// .. darts[offsets[i+1]-1], one per incident element, ascending (dimension 0: origin at the
+/// vertex; 1: on the edge; 2: on the face). Each is the lowest such dart of its element.
 struct Stars {
   BulkVector<Index> cells;
   BulkVector<Index> offsets{0};
   BulkVector<Dart> darts;
 
   std::size_t size() const { return cells.size(); }
-  /// A cell with so many darts, to be written where it says.
+  /// Appends a cell with `size` darts; the caller writes them to the returned address.
   Dart* append(Index cell, std::size_t size) {
     const std::size_t end = darts.size();
     cells.push_back(cell);
@@ -54,70 +53,69 @@ struct Stars {
   }
 };
 
-/// Two cells became one: `gone` is no cell any more, its number stays unused.
+/// Two cells became one: `gone` no longer exists and its number is not reused.
 struct Merge {
   Index kept;
   Index gone;
 };
 
-/// Two darts that sew() makes each other's beta3; their faces follow edge by edge.
+/// Two darts that sew() links by beta3; the other darts of their faces follow edge by edge.
 struct Seam {
   Dart one, other;
 };
 
-/// What an operation did to the cells. Attributes follow from this alone.
+/// What an operation changed in the cells. Attributes are updated from this alone.
 struct TopologyChange {
   std::array<BulkVector<Split>, 3> splits;  ///< dimensions 0, 1, 2
-  /// Of several cells that became one, the smallest number is kept: `kept` is never
-  /// `gone` in another merge, every `gone` is there once. By `kept`, then `gone`.
+  /// When several cells become one, the smallest number is kept: `kept` is never `gone` in another
+  /// merge, and every `gone` appears once. Sorted by `kept`, then `gone`.
   std::array<std::vector<Merge>, 3> merges;
-  /// The stars that the `gone` cells had, in the order of merges.
+  /// The former stars of the `gone` cells, in the order of merges.
   std::array<Stars, 3> gone;
-  /// Cells whose last element was removed, ascending; dimension 3: the elements.
+  /// Cells whose last element was removed, ascending; in dimension 3, the removed elements.
   std::array<std::vector<Index>, 4> removed;
-  /// Cells that lost or gained elements and still are, per dimension, as they are
-  /// afterwards: each old cell is followed by the new ones that left it.
+  /// Cells that lost or gained elements and still exist, per dimension, in their state after the
+  /// operation: each old cell is followed by the new ones that separated from it.
   std::array<Stars, 3> stars;
   /// Elements incident to any of those stars, ascending.
   std::vector<Index> elements;
-  /// Faces that two elements shared and no longer share; after pierce() those between a
-  /// removed element and one that stays (the faces among removed elements are removed).
+  /// Faces that two elements no longer share; after pierce(), those between a removed element and a
+  /// remaining one (faces between removed elements are removed).
   Index faces_cut = 0;
   Index faces_sewn = 0;
   bool empty() const { return faces_cut == 0 && faces_sewn == 0 && removed[3].empty(); }
 };
 
-/// The combinatorial 3-map of a set of hexahedra. Dart 24 e + 4 f + k is never
-/// stored: beta0..beta2 are tables, beta3 is one word per face.
+/// The combinatorial 3-map of a set of hexahedra. Darts, numbered 24 e + 4 f + k, are not stored:
+/// beta0..beta2 are tables, and beta3 is one word per face.
 ///
 /// Cells are orbits of the map: elements that meet only along an edge or at a
 /// vertex, without a chain of elements through common faces around it, do not
 /// share that cell.
 ///
-/// Memory per hexahedron: 24 B beta3, 32 B vertex ids, 48 B edge ids, 24 B face
-/// ids, half a byte of marks; per vertex, edge and face one dart (4 B). A large grid (1 vertex, 3
-/// edges and 3 faces per element) takes 156 B per hexahedron, 60 B without edges and faces.
+/// Memory per hexahedron: 24 B beta3, 32 B vertex ids, 48 B edge ids, 24 B face ids, half a byte of
+/// marks; per vertex, edge and face one dart (4 B). A large grid (1 vertex, 3 edges and 3 faces per
+/// element) takes 156 B per hexahedron, or 60 B without edges and faces.
 class CellComplex {
  public:
   CellComplex() = default;
-  /// From conforming connectivity (import.hpp repairs and renumbers first). A
-  /// vertex whose elements form several components around it (a pinched vertex)
-  /// is split: the component of the smallest element keeps the number, the others
-  /// get new ones from `vertex_count` on, appended to `pinched` if it is given.
-  /// Throws TopologyError naming the elements and the reason.
+  /// Builds the map from conforming connectivity (import.hpp repairs and renumbers first). A
+  /// non-manifold vertex, whose elements form several components around it, is split: the component
+  /// of the smallest element keeps the number, the others get new ones from `vertex_count` on,
+  /// which are appended to `pinched` if it is given. Throws TopologyError naming the elements and
+  /// the reason.
   CellComplex(std::vector<Hexahedron> hexahedra, Index vertex_count,
               std::vector<Split>* pinched = nullptr, const Naming& naming = {});
 
-  /// Numbers of elements given so far, removed ones included (see exists()).
+  /// The number of elements so far, including removed ones (see exists()).
   Index element_count() const { return static_cast<Index>(vertices_.size()); }
-  /// Numbers of cells given so far (see exists()): 0 vertices, 1 edges, 2 faces,
-  /// elements. Edges and faces are counted once they have been required.
+  /// The number of cells so far, including removed ones (see exists()): 0 vertices, 1 edges, 2
+  /// faces, 3 elements. Edges and faces are counted once they have been required.
   Index count(int dimension) const {
     return dimension == 3 ? element_count() : static_cast<Index>(some_dart_[dimension].size());
   }
 
-  /// Ids of edges and faces are built on demand (idempotent), in order of their
-  /// smallest dart.
+  /// Builds the ids of edges and faces, in the order of their smallest darts (idempotent).
   void require_edges();
   void require_faces();
   bool has_edges() const { return !edges_.empty() || element_count() == 0; }
@@ -153,77 +151,76 @@ class CellComplex {
   Index edge(Dart d) const { return edges_[d / 24][hexahedron::dart_edge[d % 24]]; }
   /// Face id; needs require_faces().
   Index face(Dart d) const { return faces_[d / 24][d % 24 / 4]; }
-  /// The id of the cell of a dimension (0..3) that the dart belongs to.
+  /// The id of the cell of the given dimension (0..3) that contains the dart.
   Index cell(int dimension, Dart d) const;
-  /// False for a number whose cell was removed or merged into another; never used again.
+  /// False for the number of a cell that was removed or merged into another; such numbers are not
+  /// reused.
   bool exists(int dimension, Index id) const {
     return dimension == 3 ? vertices_[id][0] != none : some_dart_[dimension][id] != none;
   }
-  /// Cells that exist: count() without the holes.
+  /// The number of existing cells: count() minus the holes.
   Index existing(int dimension) const { return count(dimension) - holes_[dimension]; }
-  /// The smallest dart of cell `id` (origin at it, on it, ...). O(1).
+  /// The smallest dart of cell `id` (starting at the vertex, on the edge, ...). O(1).
   Dart dart_of(int dimension, Index id) const {
     return dimension == 3 ? 24 * id : some_dart_[dimension][id];
   }
-  /// Elements around a cell: one dart per element, ascending, as in Stars.
-  /// O(valence), for valences beyond 64 times its logarithm.
+  /// The elements around a cell: one dart per element, ascending, as in Stars. O(valence); O(n log
+  /// n) for valences above 64.
   void star(int dimension, Index id, std::vector<Dart>& out) const;
 
-  /// 3-unsews all given faces (any dart of each; both sides and repetitions
-  /// allowed) in one batch. Throws TopologyError if !can_cut() for one of them, and
-  /// then nothing has happened. The component of the smallest element keeps the old
-  /// id. New ids do not depend on the order of `faces`: they follow the cut faces by
-  /// smallest dart, within a face its darts, and around a cell the smallest elements.
-  /// O(faces cut), whatever the size of the map.
+  /// 3-unsews all given faces (any dart of each; both sides and repetitions allowed) in one batch.
+  /// Throws TopologyError if !can_cut() for one of them; the map is then unchanged. The component
+  /// of the smallest element keeps the old id. New ids do not depend on the order of `faces`: they
+  /// are assigned by cut face (smallest dart first), within a face by dart, and around a cell by
+  /// smallest element. O(faces cut), independent of the size of the map.
   TopologyChange cut(std::span<const Dart> faces);
   /// True if the dart exists and its face separates two elements.
   bool can_cut(Dart face) const { return face / 24 < element_count() && beta3(face) != none; }
 
-  /// Removes elements, repetitions allowed, in one batch. Throws TopologyError if one
-  /// does not exist or none would be left, and then nothing has happened. Cells whose
-  /// last element goes are removed with it; where the elements left around a vertex or
-  /// an edge no longer hang together it splits, as in a cut. A face shared with an
-  /// element that stays is a boundary face from then on. The vertex, edge and face ids
-  /// of a removed element are `none`. The order of `elements` does not matter.
-  /// O(removed and the elements around them), whatever the size of the map.
+  /// Removes elements in one batch; repetitions are allowed. Throws TopologyError if one does not
+  /// exist or none would be left; the map is then unchanged. Cells whose last element is removed
+  /// are removed with it. Where the remaining elements around a vertex or an edge are no longer
+  /// connected, it splits, as in a cut. A face shared with a remaining element becomes a boundary
+  /// face. The vertex, edge and face ids of a removed element are `none`. The order of `elements`
+  /// does not matter. O(removed elements and their neighbours), independent of the size of the map.
   TopologyChange pierce(std::span<const Index> elements);
   /// True if the element exists and is not the last one.
   bool can_pierce(Index element) const {
     return element < element_count() && exists(3, element) && existing(3) > 1;
   }
 
-  /// 3-sews faces in one batch. Each face must be on the boundary, of an element other
-  /// than its mate's, and in no other seam, and no element may come to have one vertex
-  /// twice; otherwise throws TopologyError with the first reason found, and then
-  /// nothing has happened. Of cells that become one the smallest number stays. The
-  /// order of the seams and of their sides does not matter. Where the vertices lie is
-  /// not looked at. O(faces sewn and the elements around them).
+  /// 3-sews faces in one batch. Each face must be on the boundary, belong to a different element
+  /// from its mate, and occur in no other seam, and no element may end up with the same vertex
+  /// twice; otherwise throws TopologyError with the first reason found, and the map is unchanged.
+  /// When cells become one, the smallest number is kept. The order of the seams and of their sides
+  /// does not matter. The positions of the vertices are not considered. O(faces sewn and the
+  /// elements around them).
   TopologyChange sew(std::span<const Seam> seams);
-  /// True if sew() accepts this seam alone.
+  /// True if sew() accepts this seam on its own.
   bool can_sew(Dart one, Dart other) const { return why_not_sew(one, other).empty(); }
-  /// What forbids the seam, as a sentence for the user; empty if nothing does.
+  /// The reason why the seam is impossible, as a sentence for the user; empty if it is possible.
   std::string why_not_sew(Dart one, Dart other) const;
 
-  /// Whether an operation was made: before the first, vertices alone tell all of the map.
+  /// Whether an operation was made: before the first one, the vertices alone determine the map.
   bool has_operated() const { return has_operated_; }
 
-  /// Connected component of each element: ids 0.. in order of smallest element; `none`
-  /// for removed ones.
+  /// The connected component of each element: ids 0, 1, ... in the order of their smallest
+  /// elements; `none` for removed elements.
   std::vector<Index> islands(Index* count = nullptr) const;
 
-  /// Bytes of the map and its ids, without what is reserved for cuts to come.
+  /// Bytes of the map and its ids, excluding the memory reserved for later cuts.
   std::size_t memory() const;
 
   /// Checks every law of the map and of the ids; throws TopologyError naming
   /// the broken law and dart. O(elements).
   void validate() const;
 
-  /// To be loaded into the map of the same mesh, no operation made: before the first one
-  /// nothing is saved but what was built.
+  /// Must be loaded into the map of the same mesh before any operation. Before the first operation,
+  /// only the information which ids were built is saved.
   void state(Archive& archive);
 
  private:
-  friend struct CellComplexAccess;  // tests corrupt a map through it
+  friend struct CellComplexAccess;  // lets tests corrupt a map
 
   void load_built(bool edges, bool faces);
   void arrays(Archive& archive);
@@ -245,7 +242,7 @@ class CellComplex {
   struct StarFlood;
   struct StarWork;
   std::vector<incidence::Link> mark_leaving(std::span<const Dart> faces);
-  /// Whether an operation only takes links away, or elements too.
+  /// Whether an operation removes links only, or elements too.
   enum class Loss { links, elements };
   template <Loss What>
   void split_cells(std::span<const incidence::Link> cut_faces, TopologyChange& change);
@@ -286,10 +283,11 @@ class CellComplex {
   std::vector<incidence::Link> links_;  ///< 6 e + f: beta3 of the face's first dart, or none
   bool has_operated_ = false;
   std::array<std::vector<Dart>, 3> some_dart_;
-  // One bit per vertex, per edge and per element; 0 between operations.
+  // One bit per vertex, edge and element; 0 between operations.
   std::array<std::vector<std::uint64_t>, 2> cell_marks_;
   std::vector<std::uint64_t> element_marks_;
-  // One bit per removed element, empty as long as there is none; and the holes per dimension.
+  // One bit per element, set if it was removed; empty as long as none was. The number of holes per
+  // dimension.
   std::vector<std::uint64_t> removed_marks_;
   std::array<Index, 4> holes_{};
 };

@@ -10,7 +10,7 @@
 
 namespace suture {
 
-/// Positions 0.. in sets that grow together; the smallest position stands for its set.
+/// A union-find structure on positions 0, 1, ...; the smallest position represents its set.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t size) : parent_(size) {
@@ -30,8 +30,8 @@ class DisjointSets {
   std::vector<std::size_t> parent_;
 };
 
-/// Numbers that are said to be equal, two by two and in any order, in groups of equal
-/// ones: each group ascending, the groups by their smallest number. O(n log n).
+/// Groups numbers that are declared equal by pairs, in any order: each group is ascending, and the
+/// groups are sorted by their smallest number. O(n log n).
 inline std::vector<std::vector<Index>> groups_of_equal(
     const std::vector<std::pair<Index, Index>>& equal) {
   std::vector<Index> numbers;

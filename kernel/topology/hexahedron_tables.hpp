@@ -4,18 +4,17 @@
 #include <array>
 #include <cstdint>
 
-/// The darts of one hexahedron as data. Everything follows from two tables: the
-/// nodes that the paper's dart[6][4] starts from (formulas.md 5; the numbering of
-/// CGAL's make_hexahedron) and the vertex pairs of the edges. A further cell type
-/// is a further pair of tables.
+/// The darts of one hexahedron as data. Everything is derived from two tables: the start nodes of
+/// the paper's dart[6][4] (with the numbering of CGAL's make_hexahedron), and the vertex pairs of
+/// the edges. Another cell type needs another pair of tables.
 namespace suture::hexahedron {
 
 using Local = std::uint8_t;  ///< number of a vertex, edge, face or dart inside the cell
 
 inline constexpr int vertices = 8, edges = 12, faces = 6, darts = 24, darts_per_face = 4;
 
-/// Origin of dart 4 f + k: position k of face f = x0, y0, x1, y1, z0, z1. Faces
-/// turn counter-clockwise seen from inside; X_i = (i&1, (i>>1)&1, (i>>2)&1).
+/// Origin of dart 4 f + k: position k of face f = x0, y0, x1, y1, z0, z1. Faces run
+/// counterclockwise as seen from inside; X_i = (i&1, (i>>1)&1, (i>>2)&1).
 inline constexpr std::array<Local, darts> dart_vertex = {
     2, 6, 4, 0,  //
     0, 4, 5, 1,  //
@@ -67,7 +66,7 @@ constexpr std::array<Local, darts> make_dart_edge() {
   return result;
 }
 
-/// For each of `Cells` local cells the darts that `cell_of` maps to it, ascending.
+/// For each of `Cells` local cells, the darts that `cell_of` maps to it, ascending.
 template <int Cells>
 constexpr auto invert(const std::array<Local, darts>& cell_of) {
   std::array<std::array<Local, darts / Cells>, Cells> result{};
@@ -81,18 +80,18 @@ constexpr auto invert(const std::array<Local, darts>& cell_of) {
 /// The dart of the same edge in the neighbouring face of the same element.
 inline constexpr std::array<Local, darts> beta2 = detail::make_beta2();
 inline constexpr std::array<Local, darts> dart_edge = detail::make_dart_edge();
-/// The three darts that start at a vertex, the two on an edge. The first of them
-/// stands for the (element, vertex) or (element, edge) incidence in stars.
+/// The three darts that start at a vertex, and the two on an edge. The first one represents the
+/// (element, vertex) or (element, edge) incidence in stars.
 inline constexpr auto vertex_darts = detail::invert<vertices>(dart_vertex);
 inline constexpr auto edge_darts = detail::invert<edges>(dart_edge);
 
-// What the paper's text says of its table.
+// Entries stated in the text of the paper.
 static_assert(dart_vertex[4 * 0 + 3] == 0 && dart_vertex[4 * 1 + 0] == 0);
 static_assert(dart_vertex[4 * 4 + 1] == 0 && dart_vertex[4 * 4 + 2] == 1);
 static_assert(dart_vertex[4 * 3 + 1] == 7);
 
-// beta2 is a fixed-point-free involution between different faces (each edge lies
-// in exactly two), and neighbouring faces run through their edge in opposite senses.
+// beta2 is a fixed-point-free involution between different faces (each edge lies in exactly two),
+// and neighbouring faces traverse their common edge in opposite directions.
 static_assert([] {
   for (int d = 0; d < darts; ++d) {
     const int o = beta2[d];

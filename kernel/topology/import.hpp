@@ -15,10 +15,10 @@ struct ImportOptions {
   enum class Pinched { split, refuse };
   Pinched pinched = Pinched::split;
   bool allow_inverted_rest = false;
-  bool renumber = true;  ///< elements and vertices for locality (user ids stay)
+  bool renumber = true;  ///< renumber elements and vertices for locality (user ids do not change)
 };
 
-/// What number a thing has elsewhere. Nothing is stored where all numbers stay.
+/// A map from numbers to other numbers. Nothing is stored if it is the identity.
 class Renumbering {
  public:
   Renumbering() = default;
@@ -26,14 +26,14 @@ class Renumbering {
   explicit Renumbering(std::vector<Index> of);
 
   Index operator[](Index i) const { return of_.empty() ? i : of_[i]; }
-  std::span<const Index> list() const { return of_; }  ///< empty where all numbers stay
+  std::span<const Index> list() const { return of_; }  ///< empty for the identity
   Renumbering inverse() const;
 
  private:
   std::vector<Index> of_;
 };
 
-/// A mesh turned into a complex: numbers of the complex are not the user's.
+/// A mesh converted to a complex, whose numbers differ from the user's.
 struct Imported {
   CellComplex complex;
   std::vector<Vec3> rest;              ///< per vertex of the complex
@@ -41,24 +41,23 @@ struct Imported {
   Renumbering user_element;            ///< element of the complex -> hexahedron of the Mesh
   Renumbering element_of;              ///< inverse of user_element
   std::vector<Index> vertex_of_point;  ///< point -> its first vertex; none if unused
-  /// (point, further vertex) where pinched cells were split, ascending.
+  /// (point, additional vertex) where non-manifold cells were split, ascending.
   std::vector<std::pair<Index, Index>> split_points;
-  /// The vertices of a point of the Mesh: none if it is unused, several where
-  /// pinched cells were split.
+  /// The vertices of a point of the Mesh: none if it is unused, several where non-manifold cells
+  /// were split.
   std::vector<Index> vertices_of_point(Index point) const;
 };
 
-/// Checks, repairs, renumbers and matches. Unused points are dropped, mirrored
-/// elements flipped (their numbering: X_i and X_(i xor 1) change places), pinched
-/// cells split: each with one counting warning.
-/// Everything else that is no 3-map throws TopologyError listing all elements
-/// at fault (indices out of range, repeated nodes, a face in three elements,
-/// two elements on the same side of a face, ...), and so do elements with a
-/// corner Jacobian <= 0, unless allow_inverted_rest and all 2x2x2 Gauss points
-/// are positive. A mesh without hexahedra or with points that are not finite throws
-/// InputError. Elements keep their order if it is local (ordering.hpp), else they follow
-/// a space-filling curve; vertices are numbered by first touch.
-/// Cost: at most 0.5 us per hexahedron, edge and face ids included.
+/// Checks, repairs, renumbers and matches. Unused points are dropped, mirrored elements are flipped
+/// (X_i and X_(i xor 1) are exchanged in their numbering) and non-manifold cells are split, each
+/// with one warning that gives their number. Any other mesh that is not a 3-map throws
+/// TopologyError listing all elements at fault (indices out of range, repeated nodes, a face in
+/// three elements, two elements on the same side of a face, ...), as do elements with a corner
+/// Jacobian <= 0, unless allow_inverted_rest is set and the Jacobian is positive at all 2x2x2 Gauss
+/// points. A mesh without hexahedra or with points that are not finite throws InputError. Elements
+/// keep their order if it is local (ordering.hpp); otherwise they follow a space-filling curve.
+/// Vertices are numbered by first use. Cost: at most 0.5 us per hexahedron, including edge and face
+/// ids.
 Imported import_mesh(Mesh mesh, const ImportOptions& options, Diagnostics& diagnostics);
 
 }  // namespace suture

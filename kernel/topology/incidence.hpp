@@ -7,15 +7,15 @@
 #include "kernel/base/types.hpp"
 #include "kernel/topology/hexahedron_tables.hpp"
 
-/// How the walks of cell_complex.cpp and cut.cpp step from element to element
-/// around a cell: once for all dimensions, by tables, without division.
+/// Steps from element to element around a cell, for the walks of cell_complex.cpp and cut.cpp: the
+/// same code for all dimensions, with tables and without division.
 namespace suture::incidence {
 
 using hexahedron::Local;
 
-/// A dart, or `none`, as beta3 is stored: element << 5 | local dart. Decoding takes
-/// shifts where 24 e + d takes a division (a third of the time of a cut). The
-/// highest bit is free for marks, so there are fewer than 2^26 elements.
+/// A dart, or `none`, in the form in which beta3 is stored: element << 5 | local dart. Decoding
+/// needs shifts, whereas 24 e + d needs a division (a third of the time of a cut). The highest bit
+/// is reserved for marks, so there are fewer than 2^26 elements.
 using Link = std::uint32_t;
 inline constexpr Index most_elements = Index{1} << 26;
 inline constexpr Link link_of(Index element, unsigned dart) { return element << 5 | dart; }
@@ -37,8 +37,8 @@ constexpr Local local_of(int dart) {
   return static_cast<Local>(dart / 4);
 }
 
-/// The faces through which the element's neighbours around a cell are reached (3 at
-/// a vertex, 2 at an edge, the face itself), and where the cell is on them.
+/// A face through which a neighbour of the element around a cell is reached (3 at a vertex, 2 at an
+/// edge, the face itself), and the position of the cell on it.
 struct Exit {
   Local face;
   Local position;  ///< k of the dart 4 face + k of the cell
@@ -56,9 +56,9 @@ inline constexpr auto exits = [] {
   return result;
 }();
 
-/// across[link & 31][k]: the local cell of the mate that coincides with that of dart
-/// k on this side. beta3(k) = link - k around the face; it runs backwards, so the
-/// vertex where dart k starts is where the next one starts.
+/// across[link & 31][k]: the local cell of the neighbour that coincides with that of dart k on this
+/// side. beta3(k) = link - k around the face; it runs backwards, so dart k starts at the vertex
+/// where the dart after beta3(k) starts.
 template <int Dimension>
 inline constexpr auto across = [] {
   std::array<std::array<Local, 4>, 32> result{};
@@ -74,7 +74,8 @@ constexpr LocalCell local_cell_of(Dart d) {
   return d / 24 << 4 | local_of<Dimension>(static_cast<int>(d % 24));
 }
 
-/// lowest_dart[cell]: of an element in one of its cells. 16 entries, as a place may say.
+/// lowest_dart[cell]: the lowest dart of an element in one of its local cells. 16 entries, the
+/// range of the local part of a LocalCell.
 template <int Dimension>
 inline constexpr auto lowest_dart = [] {
   std::array<Local, 16> result{};
@@ -85,7 +86,7 @@ inline constexpr auto lowest_dart = [] {
   return result;
 }();
 
-/// It stands for the place in stars.
+/// The dart that represents the LocalCell in stars.
 template <int Dimension>
 constexpr Dart dart_at(LocalCell place) {
   return 24 * (place >> 4) + lowest_dart<Dimension>[place & 15];

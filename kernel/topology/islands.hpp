@@ -8,41 +8,41 @@
 
 namespace suture {
 
-/// What an operation did to the islands.
+/// What an operation changed in the islands.
 struct IslandChange {
-  std::vector<Split> splits;   ///< parts that left an island, by new number
+  std::vector<Split> splits;   ///< parts that separated from an island, by new number
   std::vector<Merge> merges;   ///< by `kept`, then `gone`
-  std::vector<Index> removed;  ///< whose last element was removed, ascending
-  /// Islands that hold an element of the change, as they are afterwards, ascending:
-  /// new ones, those that lost or gained elements, those that were only cut into.
+  std::vector<Index> removed;  ///< islands whose last element was removed, ascending
+  /// Islands with an element of the change, in their state after the operation, ascending: new
+  /// ones, those that lost or gained elements, and those that were cut without separating.
   std::vector<Index> touched;
 };
 
-/// The connected components of a map, known through all its operations.
+/// The connected components of a map, kept up to date through all operations.
 ///
-/// Numbers are dense, never move and are never reused, as those of cells. At first they
-/// follow the smallest elements. When an island falls apart the part with the most
-/// elements keeps the number (among equals that with the smallest element), so that a
-/// body stays itself while crumbs fall off; the other parts of an operation get new
-/// numbers in order of their smallest elements. When islands are sewn together the one
-/// with the most elements stays (among equals the smallest number).
+/// Numbers are dense, permanent and never reused, like those of cells. Initially they follow the
+/// order of the smallest elements. When an island falls apart, the part with the most elements
+/// keeps the number (among equals, the part with the smallest element), so that a body keeps its
+/// number while crumbs fall off; the other parts get new numbers in the order of their smallest
+/// elements. When islands are sewn together, the number of the one with the most elements is kept
+/// (among equals, the smallest number).
 ///
 /// Memory: 8 B per element.
 class Islands {
  public:
   explicit Islands(const CellComplex& complex);
 
-  /// Follows an operation; `complex` as it is after it. Cost: the elements of the
-  /// change, and those of all parts but the largest of each island that falls apart, or
-  /// of all but the largest of those that are sewn together. Where a cut separates
-  /// nothing the searches from its two sides end where they meet.
+  /// Updates the islands after an operation on `complex`. Cost: the elements of the change, plus
+  /// those of all parts except the largest of each island that falls apart, or of all except the
+  /// largest of the islands that are sewn together. If a cut separates nothing, the searches from
+  /// its two sides end where they meet.
   IslandChange update(const CellComplex& complex, const TopologyChange& change);
 
-  /// Numbers given so far; those with size() 0 are no more.
+  /// The number of islands so far, including former ones with size() 0.
   Index count() const { return static_cast<Index>(size_.size()); }
-  /// Islands that are there.
+  /// The number of existing islands.
   Index existing() const { return existing_; }
-  /// Elements of an island. O(1).
+  /// The number of elements of an island. O(1).
   Index size(Index island) const { return size_[island]; }
   /// The island of an element, `none` if it was removed. O(1).
   Index of(Index element) const { return island_[element]; }
@@ -53,11 +53,11 @@ class Islands {
   /// Islands of fewer than `elements` elements, ascending. O(count()).
   std::vector<Index> smaller_than(Index elements) const;
 
-  /// Compares with the components that the map finds in whole; throws TopologyError
-  /// naming the element or island that differs. O(elements).
+  /// Compares the islands with the components of the whole map; throws TopologyError naming the
+  /// element or island that differs. O(elements).
   void validate(const CellComplex& complex) const;
 
-  /// To be loaded where islands of the same mesh are.
+  /// Must be loaded into islands of the same mesh.
   void state(Archive& archive);
 
  private:
@@ -75,7 +75,7 @@ class Islands {
   std::vector<Index> size_;    ///< per island
   std::vector<Index> some_;    ///< per island, one of its elements
   Index existing_ = 0;
-  /// Per element: which search has been there; `none` between operations.
+  /// Per element: the search that visited it; `none` between operations.
   std::vector<Index> reached_;
 };
 

@@ -10,21 +10,21 @@
 
 namespace suture {
 
-/// One line of a journal. Darts and elements keep their numbers through all
-/// operations, so a line means the same whatever lines before it are left out.
+/// One line of a journal. Darts and elements keep their numbers through all operations, so a line
+/// keeps its meaning if earlier lines are left out.
 struct Operation {
   enum class Kind {
-    cut,     ///< numbers: a dart of each face
-    tear,    ///< darts: all faces between two elements around the vertex where each starts
+    cut,     ///< numbers: one dart of each face
+    tear,    ///< darts: all faces between two elements around the start vertex of each
     pierce,  ///< elements
-    sew,     ///< darts, two by two
+    sew,     ///< darts in pairs
   };
   Kind kind;
   std::vector<Index> numbers;
 };
 
-/// A mesh and what was done to its map, without a scene: what a failing test leaves
-/// behind, to be replayed. As a text:
+/// A mesh and the operations applied to its map, without a scene. A failing test writes one, which
+/// can be replayed. As text:
 ///
 ///     suture-journal 1
 ///     points 12                     x y z each
@@ -43,21 +43,21 @@ struct Journal {
 
 /// Throws InputError with file and line.
 Journal read_journal(const std::filesystem::path& path);
-/// Points to the last bit. Throws IoError.
+/// Points are written exactly. Throws IoError.
 void write_journal(const std::filesystem::path& path, const Journal& journal);
 
-/// An operation in terms of a map as it is now: each cell once, and only what can_cut(),
-/// can_pierce() and can_sew() admit. If all elements are to go, the smallest one stays.
+/// An operation in terms of the current map: each cell once, and only cells that can_cut(),
+/// can_pierce() and can_sew() allow. If all elements would be removed, the smallest one is kept.
 struct Request {
   Operation::Kind kind;
   std::vector<Dart> faces;
   std::vector<Index> elements;
-  std::vector<Seam> seams;  ///< possible one by one; together they may be refused
+  std::vector<Seam> seams;  ///< each is possible on its own; together they may be refused
   Index left_out = 0;
 };
 Request request(const CellComplex& complex, const Operation& operation);
 
-/// Throws TopologyError if the seams are impossible together.
+/// Throws TopologyError if the seams are not possible together.
 TopologyChange apply(CellComplex& complex, const Request& request);
 
 /// "cut", "tear", "pierce", "sew".

@@ -6,18 +6,18 @@
 
 #include "kernel/topology/incidence.hpp"
 
-/// What is marked while an operation runs: links that go, and cells, a bit each.
+/// Marks used while an operation runs: links to be removed, and one bit per cell.
 namespace suture::marks {
 
-/// In a link during an operation: it goes.
+/// Set in a link that the operation removes.
 inline constexpr incidence::Link leaving = 0x80000000u;
 
-/// Where a dart's face has its link.
+/// The position of the link of a dart's face.
 inline std::size_t side_of(incidence::Link dart) {
   return std::size_t{6} * (dart >> 5) + (dart & 31) / 4;
 }
 
-/// Sets the bit of cell i; true if it was not set.
+/// Sets the bit of cell i; returns true if it was not set before.
 inline bool mark(std::vector<std::uint64_t>& marks, Index i) {
   std::uint64_t& word = marks[i / 64];
   const std::uint64_t bit = std::uint64_t{1} << (i % 64);

@@ -6,10 +6,10 @@
 #include "kernel/topology/incidence.hpp"
 #include "kernel/topology/marks.hpp"
 
-/// The stars that nearly all cut cells have, read off without a flood.
+/// The stars of nearly all cut cells, found without a flood fill.
 ///
-/// A cut surface without rim or branch at a vertex leaves a half star on either side,
-/// elements a_i above and b_i below, glued through cut faces F_i one to one:
+/// A cut surface without a rim or branch at a vertex leaves a half star on either side, elements
+/// a_i above and b_i below, joined one to one through cut faces F_i:
 ///
 ///        g0 | g1                 Seen along the surface: the dart d_i of F_i starts at
 ///       a0  |  a1                v. Around the edge of d_i the elements a_i, a_i+1 meet
@@ -18,14 +18,14 @@
 ///           |                    A step above and a step below in parallel, until the
 ///                                ring closes or both reach the boundary of the mesh.
 ///
-/// At an edge of the surface two elements meet on either side. Everything else (rims,
-/// branches, elements that touch the surface at a point) is for the flood.
+/// At an edge of the surface, two elements meet on either side. All other cases (rims, branches,
+/// elements that touch the surface at a point) are handled by the flood fill.
 namespace suture::incidence {
 
 namespace detail {
 using LocalTable = std::array<Local, 32>;
 
-/// By the local part of a link; 32 entries, so that no index is out of range.
+/// Indexed by the local part of a link; 32 entries, so that no index is out of range.
 template <class Function>
 constexpr LocalTable local_table(Function of) {
   LocalTable result{};
@@ -46,7 +46,7 @@ inline constexpr LocalTable end_of =
     local_table([](int d) { return hexahedron::dart_vertex[hexahedron::beta1(d)]; });
 
 inline Link turned(Link dart, const LocalTable& table) { return (dart & ~31u) | table[dart & 31]; }
-/// The place where the dart begins, or ends.
+/// The vertex where the dart begins or ends.
 inline LocalCell place(Link dart, const LocalTable& vertex) {
   return dart >> 5 << 4 | vertex[dart & 31];
 }
@@ -54,12 +54,12 @@ inline LocalCell place(Link dart, const LocalTable& vertex) {
 
 inline Link next(Link dart) { return detail::turned(dart, detail::next_of); }
 inline Link previous(Link dart) { return detail::turned(dart, detail::previous_of); }
-/// beta3 of a dart whose face has the link `link`, not none, without marks.
+/// beta3 of a dart whose face has the link `link`, which is not none and has no marks.
 inline Link across_link(Link link, Link dart) { return (link & ~3u) | ((link - dart) & 3u); }
 
-/// Few places, ascending.
+/// Sorts a few cells in ascending order.
 inline void sort_local_cells(LocalCell* begin, LocalCell* end) {
-  // Without branches, which would be hard to predict, where a full half star is.
+  // The usual sizes are sorted without branches, which would be hard to predict.
   const auto order = [begin](int i, int j) {
     const LocalCell low = std::min(begin[i], begin[j]), high = std::max(begin[i], begin[j]);
     begin[i] = low;
@@ -78,26 +78,26 @@ inline void sort_local_cells(LocalCell* begin, LocalCell* end) {
   }
 }
 
-/// Two half stars: places above[0..size), below[0..size), which is at most `most`.
+/// Two half stars: above[0..size) and below[0..size), with size <= most.
 struct HalfStars {
   static constexpr std::size_t most = 8;
   std::array<LocalCell, most> above, below;
   std::size_t size = 0;
-  bool cut_all = true;  ///< every element of both has a face that is cut
-  bool closed = false;  ///< the last elements are neighbours of the first ones (of each other)
+  bool cut_all = true;  ///< every element of both has a cut face
+  bool closed = false;  ///< the last elements are neighbours of the first (or of each other)
 };
 
-/// Whether the faces between above and below must be those that are cut, and no others;
-/// or whether cut faces are like any other, so that both halves are the whole star.
+/// Whether the faces between above and below must be exactly the cut ones; or whether cut faces are
+/// treated like any other, so that the two halves form the whole star.
 enum class Surface { cut, any };
 
 namespace detail {
 
 enum class Step { on, end, irregular };
 
-/// From the dart above, on the edge around which the surface goes on, and its beta3
-/// below, to the dart of the next face on that edge and its mate's; each turned by what
-/// its table does after beta2.
+/// Steps from the dart above, on the edge across which the surface continues, and its beta3 below,
+/// to the dart of the next face on that edge and its counterpart below; each is then turned by its
+/// table after beta2.
 template <Surface What>
 Step step(const Link* links, Link& above, Link& below, const LocalTable& turn_above = beta2_of,
           const LocalTable& turn_below = beta2_of) {
@@ -116,7 +116,7 @@ Step step(const Link* links, Link& above, Link& below, const LocalTable& turn_ab
   return Step::on;
 }
 
-/// The face of `above` joins it with `below`, and is cut.
+/// True if the face of `above` is cut and joins it with `below`.
 template <Surface What>
 bool is_glued(const Link* links, Link above, Link below) {
   const Link link = links[marks::side_of(above)];
@@ -126,8 +126,8 @@ bool is_glued(const Link* links, Link above, Link below) {
 
 }  // namespace detail
 
-/// The half stars of the vertex where `start`, a dart of a cut face, begins. False if
-/// it is not regular. `links`: as stored, those of cut faces marked as leaving.
+/// The half stars of the vertex where `start`, a dart of a cut face, begins. Returns false if the
+/// vertex is not regular. `links`: as stored, with those of cut faces marked as leaving.
 template <Surface What>
 bool half_stars_of_vertex(const Link* links, Link start, HalfStars& stars) {
   using namespace detail;
@@ -136,9 +136,9 @@ bool half_stars_of_vertex(const Link* links, Link start, HalfStars& stars) {
   const auto add = [&](LocalCell above, LocalCell below) {
     stars.above[stars.size] = above;
     stars.below[stars.size++] = below;
-    return below != stars.above[0];  // else there is one side only
+    return below != stars.above[0];  // otherwise there is only one side
   };
-  // Darts `above` leave the vertex, their beta3 `below` arrive there.
+  // Darts `above` start at the vertex; their beta3 `below` end there.
   const Link mate = across_link(links[marks::side_of(start)] & ~marks::leaving, start);
   Link above = start, below = mate;
   for (;;) {
@@ -150,7 +150,7 @@ bool half_stars_of_vertex(const Link* links, Link start, HalfStars& stars) {
     if (above == start) return below == mate;
     if (stars.size == HalfStars::most) return false;
   }
-  // The boundary: now the other way, with darts `above` that arrive at the vertex.
+  // At the boundary: continue in the other direction, with darts `above` that end at the vertex.
   stars.closed = false;
   above = previous(start);
   below = next(mate);
@@ -163,8 +163,8 @@ bool half_stars_of_vertex(const Link* links, Link start, HalfStars& stars) {
   }
 }
 
-/// The half stars of the edge of `start`, a dart of a cut face: two elements each, or
-/// one each at the boundary.
+/// The half stars of the edge of `start`, a dart of a cut face: two elements each, or one each on
+/// the boundary.
 template <Surface What>
 bool half_stars_of_edge(const Link* links, Link start, HalfStars& stars) {
   using detail::Step;

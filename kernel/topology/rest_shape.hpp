@@ -15,11 +15,11 @@ using Corners = std::array<Vec3, 8>;
 /// corners: the triple product of the three edges that meet there.
 std::array<double, 8> corner_jacobians(const Corners& x);
 
-/// The same at the 2x2x2 Gauss points. Their mean is the volume exactly: det J is of
-/// degree 2 in each local coordinate.
+/// The same at the 2x2x2 Gauss points. Their mean is exactly the volume, because det J has degree 2
+/// in each local coordinate.
 std::array<double, 8> gauss_jacobians(const Corners& x);
 
-/// The mirror image's numbering: X_i and X_(i xor 1) change places.
+/// Converts to the numbering of the mirror image: X_i and X_(i xor 1) are exchanged.
 template <class T>
 void mirror(std::array<T, 8>& nodes) {
   for (int i = 0; i < 8; i += 2) std::swap(nodes[i], nodes[i + 1]);

@@ -7,8 +7,7 @@
 
 namespace suture {
 
-/// Mean of the corners, m: where an element is, to events. Vertex v is at
-/// rows[stride * v].
+/// Mean of the corners, m: the position of an element for events. Vertex v is at rows[stride * v].
 inline Vec3 centroid(const Hexahedron& nodes, const double* rows, std::size_t stride) {
   Vec3 sum{};
   for (const Index v : nodes)

@@ -14,13 +14,13 @@
 
 namespace suture {
 
-/// Places of vertices: vertex v at rows[stride * v], 3 doubles, m, deformed or at rest.
+/// Positions of vertices: vertex v is at rows[stride * v], 3 doubles, m, deformed or at rest.
 struct Places {
   const double* rows;
   std::size_t stride = 4;
 };
 
-/// Three coordinates, and one that fills up 32 bytes.
+/// Three coordinates, padded to 32 bytes.
 using Row4 = std::array<double, 4>;
 
 inline Vec3 vec3(const Row4& row) { return {row[0], row[1], row[2]}; }
@@ -36,13 +36,13 @@ inline Row4 centroid_of(const Hexahedron& corners, const Places& places) {
   return sum;
 }
 
-/// Those of all elements; of removed ones 0. With `workers`, in chunks on its threads.
-/// About 8 ns per element.
+/// The centroids of all elements; 0 for removed ones. With `workers`, computed in chunks on its
+/// threads. About 8 ns per element.
 void centroids_of(const CellComplex& complex, const Places& places, std::vector<Row4>& out,
                   const Workers* workers = nullptr);
 
-/// Calls visit(first, last, chunk) for chunks of 0 .. count-1, on the threads of
-/// `workers` if it is given. Chunks have 16,384 entries.
+/// Calls visit(first, last, chunk) for chunks of 0 .. count-1, on the threads of `workers` if
+/// given. Chunks have 16,384 entries.
 inline constexpr std::size_t chunk_size = 16384;
 template <class Visit>
 void for_chunks(std::size_t count, const Workers* workers, Visit&& visit) {
@@ -56,9 +56,9 @@ void for_chunks(std::size_t count, const Workers* workers, Visit&& visit) {
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) one(chunk);
 }
 
-/// What to tell when a blade has cut nothing: that it lies beside the body, or that it
-/// meets the body's box and separates no two elements. Both boxes are named as the user
-/// knows them, who adds `origin` (m).
+/// The message for a blade that has cut nothing: it lies outside the body, or it meets the body's
+/// bounding box but separates no two elements. Both boxes are given in the coordinates of the
+/// scene, shifted by `origin` (m).
 std::string why_nothing_was_cut(const Box& blade, const CellComplex& complex, const Places& places,
                                 const Vec3& origin = {});
 

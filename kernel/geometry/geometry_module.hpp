@@ -18,24 +18,24 @@ namespace suture {
 
 enum class SurfaceFormat { obj, off, ply, stl };
 
-/// What was found, and done, on the way to a surface that bounds a body.
+/// What was found and repaired while closing a surface.
 struct Closing {
-  std::size_t border_edges = 0;   ///< with a face on one side only
+  std::size_t border_edges = 0;   ///< edges with a face on one side only
   std::size_t holes_filled = 0;   ///< only with repair
-  std::size_t crossings = 0;      ///< pairs of triangles
-  std::size_t faces_dropped = 0;  ///< degenerate or there twice
-  TriangleSurface surface;        ///< oriented outward; empty if it is not closed
+  std::size_t crossings = 0;      ///< pairs of intersecting triangles
+  std::size_t faces_dropped = 0;  ///< degenerate or duplicate
+  TriangleSurface surface;        ///< oriented outward; empty if not closed
 };
 
 /// Cubes in rows along x, then y, then z.
 struct CubeGrid {
-  Vec3 origin{};  ///< corner of smallest coordinates, m
+  Vec3 origin{};  ///< the corner with the smallest coordinates, m
   double edge = 0;
   std::array<Index, 3> cells{};
   std::size_t size() const { return std::size_t{cells[0]} * cells[1] * cells[2]; }
 };
 
-/// Two ends of a link.
+/// The two ends of a link.
 struct Segment {
   Vec3 a, b;
 };
@@ -56,7 +56,7 @@ class GeometryModule {
   virtual std::string write(SurfaceFormat format, const TriangleSurface& surface) const = 0;
   /// Merges equal points, orients, triangulates; with `repair`, fills holes.
   virtual Closing close(const PolygonSoup& soup, bool repair) const = 0;
-  /// Whether the centre of each cube lies inside (its winding number is not 0).
+  /// For each cube, whether its centre lies inside (its winding number is not 0).
   virtual std::vector<std::uint8_t> fill(const TriangleSurface& surface,
                                          const CubeGrid& grid) const = 0;
   virtual std::unique_ptr<TriangleTree> tree(const TriangleSurface& surface) const = 0;
@@ -64,7 +64,7 @@ class GeometryModule {
   virtual bool crosses(const std::array<Vec3, 3>& triangle, const Segment& link) const = 0;
 };
 
-/// The module, loaded at the first call. Throws IoError if it cannot be.
+/// The module, loaded at the first call. Throws IoError if it cannot be loaded.
 const GeometryModule& geometry_module();
 
 }  // namespace suture

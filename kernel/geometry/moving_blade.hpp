@@ -6,43 +6,43 @@
 
 namespace suture {
 
-/// Where a moving blade is at a time: the points of a polyline, m.
+/// The position of a moving blade at a time: the points of a polyline, m.
 struct BladeKey {
   double time;  ///< s
   std::vector<Vec3> points;
 };
 
-/// A segment or polyline that moves along straight lines from key to key. It exists from the
-/// first key to the last; with one key alone it stands still from that time on.
+/// A segment or polyline that moves along straight lines from key to key. It exists from the first
+/// key to the last; with a single key it is stationary from that time on.
 ///
-/// A step cuts what the blade swept relative to the tissue. Each link near it looks
-/// at the blade from its own place: with a, b the link at the end of the step and a0, b0 at its
-/// start, d = b - a and m the middle, the blade's point p0 at the start is seen at
+/// A step cuts what the blade sweeps relative to the tissue. Each link near the blade sees it in
+/// its own frame: let a, b be the link at the end of the step and a0, b0 at its start, d = b - a
+/// and m the midpoint; then the blade's point p0 at the start is seen at
 ///
 ///    p0' = m + F (p0 - m0),   F = 1 + (d - d0) d0^T / |d0|^2
 ///
 /// the affine map that takes the old link to the new one and moves everything else least. Between
 /// p0' and p1 of the step's end it sweeps, per segment, two triangles (p0', q0', q1) and (p0', q1,
-/// p1), which cut by the rule of SurfaceBlade. For still tissue p0' = p0 to the last bit; a still
-/// blade that tissue is pushed past cuts as a blade that moves the other way. Which side of the
-/// blade a link is on does not change between two steps (F keeps orientation), so that none slips
-/// through from step to step.
+/// p1), which cut by the rule of SurfaceBlade. For stationary tissue p0' = p0 exactly; a stationary
+/// blade past which tissue is pushed cuts like a blade that moves the other way. The side of the
+/// blade on which a link lies does not change between two steps (F preserves orientation), so that
+/// no link slips through.
 ///
-/// The links of an element that was looked at are not looked at again until the blade may have
-/// come to one. Say that the blade was then at least g from all of them, and that tissue and
-/// blade have moved by no more than s since, each the farthest of its points in each step,
-/// added up (no velocity is assumed: every position is read). In a step in which the tissue
-/// moves by u, F moves a point p of the blade by at most
+/// Once the links of an element have been checked, they are not checked again until the blade may
+/// have reached one. Suppose that the blade was then at least g away from all of them, and that
+/// tissue and blade have since moved by at most s (in each step the largest motion of any point of
+/// each, summed over the steps; no velocity is assumed: every position is read). In a step in which
+/// the tissue moves by u, F moves a point p of the blade by at most
 ///
 ///    D = u + 2 u |p - m0| / |d0|
 ///
-/// and both triangles lie within D of the hull of the blade at the step's start and end, which
-/// is no nearer than g - s: without g - s <= D no link is cut.
+/// and both triangles lie within D of the hull of the blade at the start and end of the step, which
+/// is no closer than g - s: no link is cut unless g - s <= D.
 class MovingBlade {
  public:
-  /// Throws InputError: no key, fewer than 2 points, another number of points than the first
-  /// key, values that are not finite, times that do not grow, all points at one place.
-  /// `look`: all elements are looked at in every step, to compare with.
+  /// Throws InputError if there is no key, if a key has fewer than 2 points or a different number
+  /// of points from the first key, if values are not finite, if times do not increase, or if all
+  /// points coincide. Look::all checks all elements in every step, as a reference.
   enum class Look { near, all };
   explicit MovingBlade(std::vector<BladeKey> keys, Look look = Look::near);
 
@@ -50,45 +50,45 @@ class MovingBlade {
   double end() const;  ///< s; infinite for one key
   /// The polyline at a time between begin() and end().
   std::vector<Vec3> at(double time) const;
-  /// Box of everything the blade sweeps.
+  /// The bounding box of everything that the blade sweeps.
   Box box() const;
 
-  /// The faces cut since the last call, as SurfaceBlade::faces_cut gives them. The first call, and
-  /// the first after a reset(), only remembers where the tissue is: make it at the start of a run.
-  /// Throws InputError if `time` is before the last call's. Remembers where all vertices are,
-  /// 50 B each, and 8 B per element (tissue_blocks.hpp). Nothing is computed before the step in
-  /// which the blade appears (the tissue counts as still during that one step) and after the last
-  /// key. Cost: 2 ns per vertex and the elements that the blade may have come to; nothing
-  /// when there is no blade.
+  /// The faces cut since the last call, in the form of SurfaceBlade::faces_cut. The first call, and
+  /// the first after reset(), only stores the positions of the tissue: make it at the start of a
+  /// run. Throws InputError if `time` is earlier than in the last call. Stores the positions of all
+  /// vertices, 50 B each, and 8 B per element (tissue_blocks.hpp). Nothing is computed before the
+  /// step in which the blade appears (the tissue counts as stationary during that step) or after
+  /// the last key. Cost: 2 ns per vertex, plus the elements that the blade may have reached;
+  /// nothing while there is no blade.
   std::vector<Dart> advance(const CellComplex& complex, const Places& places, double time,
                             const Workers* workers = nullptr);
-  /// An operation was made that moves no vertex: vertices that split off were where those
-  /// were that they left. `complex` as it is afterwards. O(change).
+  /// Call after an operation that moves no vertex, with the resulting `complex`: vertices that
+  /// separated have the previous positions of those that they separated from. O(change).
   void follow(const CellComplex& complex, const TopologyChange& change) {
     tissue_.follow(complex, change);
   }
-  /// Forgets the tissue, when its elements have been moved otherwise than by a step.
+  /// Forgets the positions of the tissue; call it when elements were moved other than by a step.
   void reset();
-  /// What it remembers, between two calls of advance(). Nothing of a motion: who goes back
-  /// calls reset(). To be loaded into a blade of the same keys, once the map is loaded.
+  /// The stored state, between two calls of advance(). It is not part of a motion: call reset()
+  /// after a rollback. Must be loaded into a blade with the same keys, after the map.
   void state(Archive& archive);
 
  private:
   struct Step;
-  /// A block of elements that was looked at in whole, and what has moved since.
+  /// A fully checked block of elements, and the motion since then.
   struct Clearance {
-    double reach = 0;        ///< m, from its links to the farthest point of the blade; at most
-    double shortest = 0;     ///< m, of its links
-    double tissue = 0;       ///< m, moved
-    double moved = 0;        ///< m, tissue and blade together
-    std::uint64_t step = 0;  ///< up to which these count
+    double reach = 0;        ///< m, bound on the distance from its links to any blade point
+    double shortest = 0;     ///< m, the shortest of its links
+    double tissue = 0;       ///< m, motion of the tissue
+    double moved = 0;        ///< m, motion of tissue and blade together
+    std::uint64_t step = 0;  ///< the step up to which these are summed
   };
-  /// Places of the blade during a step: its ends and the keys between them.
+  /// Positions of the blade during a step: at its ends and at the keys in between.
   std::vector<BladeKey> path(double from, double to) const;
   Step step_between(double last) const;
   std::vector<Index> elements_to_look_at(const CellComplex& complex, const Step& step);
   bool may_skip(Index block, const Step& step, double& needed);
-  /// What a look at an element's links found, as in Clearance.
+  /// The result of checking an element's links, as in Clearance.
   struct Found {
     double gap, reach, shortest;
   };
@@ -103,7 +103,7 @@ class MovingBlade {
   TissueBlocks tissue_;
   std::uint64_t step_ = 0;
   std::vector<Clearance> clearances_;  ///< per block
-  /// Per element: what Clearance::moved may become before its links are looked at again.
+  /// Per element: the value of Clearance::moved up to which its links need not be checked again.
   std::vector<double> gaps_;
 };
 

@@ -7,15 +7,16 @@
 
 namespace suture {
 
-/// One bit per cube of a lattice over some triangles: whether one of them may pass it. At most 256
-/// cubes along an axis (2 MB). Tells most links of a mesh in 10 ns that no triangle is near.
+/// One bit per cube of a lattice around some triangles: whether one of them may intersect it. At
+/// most 256 cubes along an axis (2 MB). Rules out most links of a mesh in 10 ns each.
 class NearGrid {
  public:
   NearGrid() = default;
-  /// Marks by halving boxes that meet a triangle's box and plane: about 0.1 us per cube marked.
+  /// Marks cubes by bisecting boxes that intersect a triangle's bounding box and plane: about 0.1
+  /// us per marked cube.
   NearGrid(const TriangleSurface& surface, const Box& box);
 
-  /// False if certainly no triangle meets the box of the segment.
+  /// False only if no triangle meets the bounding box of the segment.
   bool may_meet(const Vec3& a, const Vec3& b) const;
   std::size_t marked() const;
 

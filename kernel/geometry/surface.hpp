@@ -11,16 +11,16 @@ namespace suture {
 
 using Triangle = std::array<Index, 3>;
 
-/// Triangles over shared points, m. Where they bound a body they are seen from
-/// outside counterclockwise; a blade's positive side is the one from which they are.
+/// Triangles with shared points, m. If they bound a body, they are counterclockwise as seen from
+/// outside; the positive side of a blade is the one from which they appear counterclockwise.
 struct TriangleSurface {
   std::string source;  ///< file name, for messages
   std::vector<Vec3> points;
   std::vector<Triangle> triangles;
 };
 
-/// Faces as files hold them: polygon i has the corners
-/// corners[offsets[i]] .. corners[offsets[i+1]-1].
+/// Faces as stored in files: polygon i has the corners corners[offsets[i]] ..
+/// corners[offsets[i+1]-1].
 struct PolygonSoup {
   std::string source;
   std::vector<Vec3> points;

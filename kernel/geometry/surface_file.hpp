@@ -8,25 +8,26 @@
 
 namespace suture {
 
-/// Faces of an .obj, .off, .ply, .stl (that by CGAL) or .vtp file, coordinates in m after
-/// `scale`. Throws InputError: unknown extension (names the nearest), missing, empty,
-/// damaged, no face, a coordinate that is not finite; with the line where the file has lines.
+/// Reads the faces of an .obj, .off, .ply, .stl (using CGAL) or .vtp file; coordinates are in m
+/// after `scale`. Throws InputError for an unknown extension (names the nearest), a file that is
+/// missing, empty, damaged or without faces, and a coordinate that is not finite; names the line in
+/// text files.
 PolygonSoup read_soup(const std::filesystem::path& path, double scale = 1);
 
-/// The same as triangles, for a blade. Throws InputError also for a face of other
-/// than three corners.
+/// The same as triangles, for a blade. Also throws InputError for a face that does not have three
+/// corners.
 TriangleSurface read_triangles(const std::filesystem::path& path, double scale = 1);
 
-/// Writes .obj, .off, .ply (coordinates to the bit) or .stl (binary, single precision).
-/// The file appears complete or not at all. Throws UsageError for another extension.
+/// Writes .obj, .off, .ply (exact coordinates) or .stl (binary, single precision). The file appears
+/// complete or not at all. Throws UsageError for any other extension.
 void write_surface(const std::filesystem::path& path, const TriangleSurface& surface);
 
-/// Turns faces into triangles that bound a body: equal points are merged, faces
-/// turned to one side, outward, polygons triangulated; faces there twice and
-/// faces without area are dropped. Throws InputError for a surface with a border (says how
-/// many edges) or that crosses itself (how many pairs of triangles). With `repair`,
-/// each hole gets a lid and a surface may cross itself, with a warning each; what
-/// several sheets enclose is inside. About 5 us per triangle.
+/// Converts faces to triangles that bound a body: equal points are merged, faces are oriented
+/// outward, polygons are triangulated; duplicate and degenerate faces are dropped. Throws
+/// InputError for a surface that has a border (gives the number of edges) or intersects itself
+/// (gives the number of pairs of triangles). With `repair`, each hole is filled and
+/// self-intersections are accepted, with a warning for each; the region enclosed by several sheets
+/// is inside. About 5 us per triangle.
 TriangleSurface close_surface(const PolygonSoup& soup, bool repair, Diagnostics& diagnostics);
 
 }  // namespace suture

@@ -4,21 +4,23 @@
 #include "kernel/geometry/surface.hpp"
 #include "kernel/mesh/file_text.hpp"
 
-// Readers of surfaces as texts. What is wrong is said with its line, or in a binary body
-// its byte; no count is believed that the file cannot hold.
+// Readers of surface files. Errors name the line, or the byte in binary data; a count that exceeds
+// the length of the file is refused.
 
 namespace suture {
 
-/// Lines other than `v` and `f` are known but passed. Throws InputError: a point that is not three
-/// finite numbers, a corner that is no point, a line that begins with no word of the format.
+/// Lines of the format other than `v` and `f` are skipped. Throws InputError for a point that is
+/// not three finite numbers, a corner that is not a valid point, and a line that begins with an
+/// unknown word.
 PolygonSoup read_obj(const FileText& file);
 
-/// Throws InputError: a number that is none, a corner that is no point, a binary file, points of
-/// other than three coordinates.
+/// Throws InputError for a malformed number, a corner that is not a valid point, a binary file, and
+/// points that do not have three coordinates.
 PolygonSoup read_off(const FileText& file);
 
-/// Text or binary; whatever else the elements hold is passed. Throws InputError: a wrong header, a
-/// number that is none, a corner that is no point, points without x, y or z, faces without corners.
+/// Text or binary; other properties of the elements are skipped. Throws InputError for an invalid
+/// header, a malformed number, a corner that is not a valid point, points without x, y or z, and
+/// faces without corners.
 PolygonSoup read_ply(const FileText& file);
 
 }  // namespace suture

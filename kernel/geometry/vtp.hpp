@@ -6,8 +6,8 @@
 
 namespace suture {
 
-/// Points and polygons of VTK's XML file of PolyData; strips, lines and vertices are
-/// passed over. Throws InputError with a line or byte.
+/// Reads the points and polygons of VTK's XML format for PolyData; strips, lines and vertices are
+/// skipped. Throws InputError with a line or byte.
 PolygonSoup read_vtp(const FileText& file);
 
 }  // namespace suture

@@ -11,9 +11,8 @@ namespace suture {
 
 class Archive;
 
-/// Which vertices a row of a table touches: `nodes` per cell, `cells` maps a row
-/// to its place there (null: the row itself). `live`: as in loops::Job; dead rows touch
-/// none.
+/// The vertices of each row of a table: `nodes` per cell, where `cells` maps a row to its position
+/// (null: the row itself). `live`: as in loops::Job; dead rows have no vertices.
 struct Connectivity {
   const Index* nodes = nullptr;
   const Index* cells = nullptr;
@@ -29,17 +28,17 @@ struct Connectivity {
 
 /// The rows that one functor visits, in fixed chunks.
 ///
-/// Chunks are coloured so that those of one colour share no vertex, and numbered by
-/// colour. A chunk waits for those before it with which it shares a vertex, and may run
-/// beside all others, on any thread: each vertex receives its forces in one order, so
-/// the same bits for every number of threads. Few colours make short chains of chunks
-/// that wait. Chunk size depends on the number of rows alone.
+/// Chunks are coloured so that chunks of one colour share no vertex, and numbered by colour. A
+/// chunk waits for earlier chunks with which it shares a vertex, and may run in parallel with all
+/// others, on any thread: each vertex receives its forces in a fixed order, so the result is
+/// bitwise identical for every number of threads. Few colours make short chains of waiting chunks.
+/// The chunk size depends only on the number of rows.
 ///
-/// A cut or a removal only takes sharing away, so colours and order stay valid. Rows
-/// that a cut adds go to a tail, one chunk and a colour of its own that waits for all,
-/// until it is an eighth of all; then the tail is coloured by itself, and its first chunk
-/// waits for all before the tail, the rest for that one. After a merge ChunkFinder tells which
-/// chunks meet.
+/// A cut or a removal only reduces sharing, so colours and order stay valid. Rows added by a cut go
+/// to a tail, a single chunk with its own colour that waits for all others, until it holds an
+/// eighth of all rows. Then the tail is coloured separately; its first chunk waits for all chunks
+/// before the tail, and the rest wait for that one. After a merge, ChunkFinder finds the chunks
+/// that now share a vertex.
 class BatchList {
  public:
   BatchList() = default;
@@ -47,12 +46,12 @@ class BatchList {
   /// O(rows x nodes); 8 B per vertex while it runs.
   BatchList(const Connectivity& cells, std::vector<loops::Rows> rows, Index vertex_count);
 
-  /// Rows [first, last) were added behind all others. Returns false if it is
-  /// time to build the list anew. Amortised O(rows added).
+  /// Appends rows [first, last), which were added to the table. Returns false if the list should be
+  /// rebuilt. Amortised O(rows added).
   bool append(const Connectivity& cells, Index first, Index last, Index vertex_count);
 
-  /// Leaves out the blocks of 8 rows all of whose vertices are `still`. The order of
-  /// the others stays. O(rows x nodes).
+  /// Leaves out the blocks of 8 rows whose vertices are all `still`. The order of the others does
+  /// not change. O(rows x nodes).
   void leave_out(const Connectivity& cells, const std::vector<bool>& still);
   Index left_out() const { return left_out_; }
 
@@ -61,15 +60,15 @@ class BatchList {
   Index chunk_count() const { return static_cast<Index>(chunk_begin_.size()) - 1; }
   Index colour_count() const { return static_cast<Index>(colour_begin_.size()) - 1; }
 
-  /// Which chunks wait for which.
+  /// The order in which chunks wait for each other.
   const TaskOrder& order() const { return order_; }
-  /// These chunks, ascending, share a vertex from now on.
+  /// Declares that these chunks, in ascending order, share a vertex from now on.
   void meet(std::span<const Index> chunks);
 
-  /// Chunks and their order depend on all that was appended, left out and met.
+  /// Chunks and their order depend on all calls of append(), leave_out() and meet().
   void state(Archive& archive);
 
-  /// Chunks chunk_begin .. chunk_end of colour c; chunks are numbered by colour.
+  /// The chunks of colour c are chunk_begin(c) .. chunk_end(c) - 1.
   Index chunk_begin(Index colour) const { return colour_begin_[colour]; }
   Index chunk_end(Index colour) const { return colour_begin_[colour + 1]; }
   std::span<const loops::Rows> ranges(Index chunk) const {
@@ -90,7 +89,7 @@ class BatchList {
   TaskOrder order_;
 };
 
-/// Finds the chunk of a row. O(ranges log ranges) to make, O(log ranges) to ask.
+/// Finds the chunk of a row. Construction O(ranges log ranges), a query O(log ranges).
 class ChunkFinder {
  public:
   explicit ChunkFinder(const BatchList& list);
@@ -106,12 +105,12 @@ class ChunkFinder {
   std::vector<Index> colour_of_;
 };
 
-/// Rows of a chunk for a functor that visits `rows` rows: enough chunks to share
-/// out, each large enough to stay in a core's cache for a while.
+/// The number of rows per chunk for a functor that visits `rows` rows: enough chunks to distribute,
+/// each small enough for the cache of a core.
 Index chunk_rows(Index rows);
 
-/// Colours 0, 1, ... such that chunks of one colour share no vertex, by first
-/// fit in order of the chunks, all of whose vertices are in `vertices`. Deterministic.
+/// Colours 0, 1, ... such that chunks of one colour share no vertex, by first fit in the order of
+/// the chunks. All their vertices are in `vertices`. Deterministic.
 std::vector<Index> colour_chunks(const Connectivity& cells,
                                  std::span<const std::vector<loops::Rows>> chunks,
                                  loops::Rows vertices);

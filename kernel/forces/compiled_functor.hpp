@@ -9,9 +9,9 @@
 
 namespace suture {
 
-/// Vertices of the rows of an instance's edges or faces, kept up to date through all
-/// operations, and their rest positions where they differ from those of the vertices.
-/// Elements need none: the complex's own list and OwnRest serve.
+/// The vertices of the rows of an instance's edges or faces, kept up to date through all
+/// operations, and their rest positions where they differ from those of the vertices. Elements do
+/// not need this: they use the list of the complex and OwnRest.
 class RowNodes {
  public:
   RowNodes(const Instance& instance, int dimension, const RestPlaces& rest);
@@ -48,25 +48,25 @@ class CompiledFunctor {
   /// `nodes`: of the functor's cells, dimension 1 and 2; else null.
   CompiledFunctor(Instance& instance, const suture_functor& functor, const RowNodes* nodes);
 
-  /// Rows, chunks and colours anew. O(rows).
+  /// Rebuilds rows, chunks and colours. O(rows).
   void build(const CellComplex& complex);
   /// Leaves out rows between `still` vertices, now and after every change.
   void leave_out(const std::vector<bool>* still, const CellComplex& complex);
-  /// After a change; `nodes` is up to date already.
+  /// Follows a change; `nodes` must already be up to date.
   void update(const CellComplex& complex, const TopologyChange& change);
 
   /// After the attributes'. `still`: of leave_out(), from now on.
   void state(Archive& archive, const std::vector<bool>* still);
 
-  /// The job with the present addresses of all columns, for the rows of `live`, adding to
-  /// `force`. O(columns).
+  /// The job with the current addresses of all columns, for the live rows, adding to `force`.
+  /// O(columns).
   const loops::Job& job(Attributes& attributes, const CellComplex& complex, const LiveMask& live,
                         double time, double dt, double* force);
   const CellSet& cells() const { return instance_.table(dimension_).cells; }
   int dimension() const { return dimension_; }
-  /// Which vertices the rows of cells() touch.
+  /// The vertices of the rows of cells().
   Connectivity connectivity(const CellComplex& complex) const;
-  /// True if the loop visits the row, or leaves it out because nothing there ever moves.
+  /// True if the loop visits the row, or leaves it out because its vertices never move.
   bool visits(const CellComplex& complex, Index row) const;
 
   Instance& instance() const { return instance_; }
@@ -96,10 +96,10 @@ class CompiledFunctor {
   const RowNodes* nodes_;
   int dimension_;
   std::uint32_t reads_;
-  std::string reason_;  ///< why it is skipped
+  std::string reason_;  ///< why the functor is skipped
   BatchList list_;
   const std::vector<bool>* still_ = nullptr;
-  Index rows_ = 0;  ///< of the table when the list was made or appended to
+  Index rows_ = 0;  ///< of the table when the list was built or last appended to
   loops::Job job_{};
   std::vector<loops::CellColumn> cell_columns_;
   std::vector<loops::VertexColumn> vertex_columns_;

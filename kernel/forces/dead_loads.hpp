@@ -11,19 +11,18 @@
 
 namespace suture {
 
-/// Forces whose direction and amount stay. Every load is kept per corner of an element,
-/// which no cut changes: a vertex receives what the corners of its elements
-/// carry, so the parts of a split vertex share its load in proportion to their
-/// volumes and the total stays; vertices that are sewn add up. What a removed element
-/// carried is gone with it. A traction on a face that is sewn ends there,
-/// for good: a cut that opens the face again makes another surface.
+/// Forces of constant direction and magnitude. Every load is stored per corner of an element, which
+/// no cut changes: a vertex receives the loads of the corners of its elements, so the parts of a
+/// split vertex share its load in proportion to their volumes and the total does not change; loads
+/// of sewn vertices add up. The share of a removed element is removed with it. A traction on a face
+/// that is sewn ends permanently: a cut that opens the face again creates a new surface.
 class DeadLoads final : public ForceTerm {
  public:
   explicit DeadLoads(Attributes& attributes) : attributes_(attributes) {}
 
-  /// `total` newtons on `vertices`: shared in proportion to the boundary area
-  /// around each (faces all of whose vertices are in the set), or equally if the
-  /// set holds a vertex without such a face. Throws InputError for no vertices.
+  /// `total` newtons on `vertices`, distributed in proportion to the boundary area around each
+  /// (faces whose vertices are all in the set), or equally if a vertex of the set has no such face.
+  /// Throws InputError for no vertices.
   void add_force(const CellComplex& complex, std::span<const Index> vertices, const Vec3& total,
                  const TimeRamp& ramp);
 
@@ -45,7 +44,7 @@ class DeadLoads final : public ForceTerm {
   double work() const override { return work_; }
   void forget_last() override { booked_.clear(); }
   void restart() override;
-  /// Corners have other vertices. O(corners loaded).
+  /// Updates the vertices of the corners. O(loaded corners).
   void follow(const CellComplex& complex, const TopologyChange& change) override;
   void state(Archive& archive) override;
   double settled_after() const override;
@@ -55,7 +54,7 @@ class DeadLoads final : public ForceTerm {
     Index element;
     std::uint32_t node;
     Vec3 force;
-    Dart face = none;  ///< whose boundary carries it, if it is on one
+    Dart face = none;  ///< the boundary face that carries it, if any
   };
   struct Nodal {
     Index vertex;
@@ -64,7 +63,7 @@ class DeadLoads final : public ForceTerm {
   };
   struct Load {
     std::vector<Corner> corners;
-    std::vector<Nodal> nodal;  ///< the same, summed per vertex as they are now
+    std::vector<Nodal> nodal;  ///< the same, summed over the current vertices
     TimeRamp ramp;
   };
   struct Booked {

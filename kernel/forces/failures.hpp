@@ -8,12 +8,12 @@
 
 namespace suture {
 
-/// The failure that is reported of those that one worker met: the one that stops
-/// before those that ask for a smaller step, then the first functor, then the
-/// lowest cell. Merging those of all workers gives the same for any number.
+/// The failure to report among those that one worker encountered: failures that stop the run come
+/// before those that ask for a smaller step, then the first functor, then the lowest cell. Merging
+/// the failures of all workers gives the same result for any number of workers.
 class Failure {
  public:
-  /// A call of functor number `functor` returned `status` for `batch`.
+  /// Notes that a call of functor number `functor` returned `status` for `batch`.
   void note(suture_status status, Index functor, const suture_error& error,
             const suture_batch& batch);
   void merge(const Failure& other);
@@ -21,8 +21,8 @@ class Failure {
 
   bool any() const { return status_ != SUTURE_OK; }
   Index functor() const { return functor_; }
-  /// Throws NumericalError or StepRejected; `title` names model and functor,
-  /// `cell_word` what its cells are called.
+  /// Throws NumericalError or StepRejected; `title` names the model and the functor, `cell_word` is
+  /// the word for its cells.
   [[noreturn]] void raise(const std::string& title, const char* cell_word, double time) const;
 
  private:
@@ -32,7 +32,7 @@ class Failure {
   Index functor_ = none, cell_ = none;
   bool cell_known_ = false;
   std::int32_t code_ = 0;
-  double step_factor_ = 1;  // the smallest asked for
+  double step_factor_ = 1;  // the smallest one requested
   std::string text_;
 };
 

@@ -7,20 +7,20 @@
 
 namespace suture {
 
-/// An operation that is about to be made.
+/// An operation that is about to be performed.
 struct ComingOperation {
-  /// That it takes apart, each given once, ascending; none where elements are joined.
+  /// The vertices that it separates, each once, ascending; none if elements are joined.
   std::span<const Index> vertices;
   bool only_apart;  ///< no element is removed or joined
 };
 
-/// Whoever must know of operations on a body (Body::add_follower).
+/// An object that is notified of operations on a body (Body::add_follower).
 class Follower {
  public:
   virtual ~Follower() = default;
-  /// May look at the state as it is before. The operation may still be refused.
+  /// Called before the operation, which may still be refused. May read the state.
   virtual void before(const ComingOperation&) {}
-  /// It was made, and the attributes have followed. O(change).
+  /// Called after the operation, when the attributes have been updated. O(change).
   virtual void follow(const CellComplex& complex, const TopologyChange& change) = 0;
 };
 

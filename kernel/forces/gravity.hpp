@@ -7,8 +7,8 @@
 
 namespace suture {
 
-/// f = m g ramp(t). It is added where velocities are made, and costs no pass of its own, but for
-/// its work: one per look, and per step while the ramp lasts.
+/// f = m g ramp(t). It is added where velocities are computed and needs no separate pass, except
+/// for its work: one pass per check, and one per step during the ramp.
 class Gravity final : public ForceTerm {
  public:
   /// `value` in m/s^2.
@@ -35,7 +35,7 @@ class Gravity final : public ForceTerm {
   Vec3 value_;
   TimeRamp ramp_;
   double work_ = 0;
-  // sum m g . x and the ramp when the work was booked last.
+  // sum m g . x and the ramp when the work was last booked.
   double moment_ = 0, last_ramp_ = 0;
   bool is_booked_ = false;
 };

@@ -11,9 +11,9 @@
 
 namespace suture {
 
-/// Pressures on faces, normal to them as they deform.
+/// Pressures on faces, normal to the deformed faces.
 ///   f_a = p  integral of N_a  dx/dr x dx/ds  dr ds,   2 x 2 points: exact
-/// What was on a removed element is gone; a face that is sewn carries none any more, for good.
+/// Pressure on a removed element is removed with it; a face that is sewn permanently carries none.
 class Pressures final : public ForceTerm {
  public:
   explicit Pressures(Attributes& attributes) : attributes_(attributes) {}
@@ -46,7 +46,7 @@ class Pressures final : public ForceTerm {
   struct Load {
     double pressure;
     std::vector<Dart> faces;
-    std::vector<Corners> nodes;  ///< as they are now
+    std::vector<Corners> nodes;  ///< their current vertices
     TimeRamp ramp;
     std::vector<Booked> booked;  ///< by face, at the last step
   };

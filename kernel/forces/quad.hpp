@@ -7,21 +7,21 @@
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/base/vec3.hpp"
 
-// Faces under a load: bilinear, four corners.
+// Loaded faces: bilinear, with four corners.
 
 namespace suture {
 
 using Quad = std::array<Vec3, 4>;
 
-/// Vertices of the face of a dart, counter-clockwise seen from inside: the normal
-/// dx/dr x dx/ds points inward.
+/// Vertices of the face of a dart, counterclockwise as seen from inside: the normal dx/dr x dx/ds
+/// points inward.
 inline std::array<Index, 4> face_nodes(const CellComplex& complex, Dart face) {
   const Hexahedron& x = complex.vertices_of(face / 24);
   const auto& local = suture_hexahedron_faces[face % 24 / 4];
   return {x[local[0]], x[local[1]], x[local[2]], x[local[3]]};
 }
 
-/// The face is still there and on the boundary.
+/// True if the face still exists and is on the boundary.
 inline bool is_open(const CellComplex& complex, Dart face) {
   return complex.exists(3, face / 24) && complex.beta3(face) == none;
 }
@@ -43,7 +43,7 @@ void for_each_point(const Quad& x, Visit visit) {
     }
 }
 
-/// rows[vertex] += s force, if it lives.
+/// rows[vertex] += s force, if the vertex is live.
 inline void add_row(double* rows, const LiveMask& live, Index vertex, double s, const Vec3& force) {
   for (std::size_t c = 0; c < 3 && live[vertex]; ++c)
     rows[std::size_t{vertex} * 4 + c] += s * force[c];

@@ -8,11 +8,11 @@
 
 namespace suture {
 
-/// Some vertices of many, numbered in their order. 4 B per vertex of the complex, kept
+/// A subset of the vertices, numbered in the given order. 4 B per vertex of the complex, kept
 /// between selections.
 class VertexSelection {
  public:
-  /// Each of `vertices` at most once. O(vertices), the first time O(all).
+  /// Each vertex at most once. O(vertices); the first call O(all vertices).
   void select(std::span<const Index> vertices, Index vertex_count) {
     for (const Index v : selected_) slot_[v] = none;
     if (slot_.size() < vertex_count) slot_.resize(vertex_count, none);

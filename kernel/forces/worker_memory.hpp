@@ -9,7 +9,7 @@
 
 namespace suture {
 
-/// One thread's memory; padded, so that threads do not share a cache line.
+/// The memory of one thread, padded so that threads do not share a cache line.
 struct alignas(64) WorkerMemory {
   AlignedVector<double> scratch;
   std::vector<const double*> cell_columns, vertex_columns;

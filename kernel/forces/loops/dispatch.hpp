@@ -11,7 +11,7 @@ namespace suture {
 /// loads the module at the first call. Throws IoError if the module is missing.
 const loops::Table& hot_loops(std::string_view isa);
 
-/// Those for the best instruction set of this processor (best_isa()).
+/// The loops for the best instruction set of this processor (best_isa()).
 const loops::Table& hot_loops();
 
 }  // namespace suture

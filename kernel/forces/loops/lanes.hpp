@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Rows of 4 doubles <-> 3 components x 8 lanes: the transposes of gather and
-// scatter, for AVX-512, AVX2 and anything. 8 aligned row loads and a transpose
-// in registers beat vgatherdpd (24 gathered words, one micro-operation each).
-// Internal linkage throughout: see loops.hpp.
+// Rows of 4 doubles <-> 3 components x 8 lanes: the transposes of gather and scatter, for AVX-512,
+// AVX2 and generic code. 8 aligned row loads and a transpose in registers beat vgatherdpd (24
+// gathered words, one micro-operation each). Internal linkage throughout: see loops.hpp.
 
 #include <stdint.h>
 #if defined(__AVX__)
@@ -15,14 +14,14 @@ namespace {
 
 enum : uint32_t { lanes = 8 };
 
-/// Eight cells of N nodes anywhere.
+/// Eight cells of N nodes at arbitrary addresses.
 template <uint32_t N>
 struct Cells {
   const uint32_t* nodes[lanes];
   uint32_t vertex(uint32_t l, uint32_t n) const { return nodes[l][n]; }
 };
 
-/// Eight cells of N nodes one behind the other: most batches of most bodies.
+/// Eight consecutive cells of N nodes, which most batches are.
 template <uint32_t N>
 struct Block {
   const uint32_t* nodes;
@@ -100,7 +99,7 @@ inline __attribute__((always_inline)) void add_to_row(double* row, const double*
   _mm256_store_pd(row, _mm256_add_pd(_mm256_load_pd(row), value));
 }
 
-/// Lanes in order, each read after the write before: lanes may share a vertex.
+/// Lanes are processed in order, each read after the previous write: they may share a vertex.
 template <class C>
 inline __attribute__((always_inline)) void scatter_node(double* rows, const C& cell, uint32_t n,
                                                         uint32_t valid, const double* in) {

@@ -5,10 +5,9 @@
 
 #include "suture/plugin.h"
 
-/// The hot loops of a step, compiled once per instruction set from loops.cpp and
-/// reached through one table of function pointers. Plain data only crosses this
-/// header: an inline function of the standard library that was compiled for
-/// AVX-512 must not become the program's only copy of it.
+/// The hot loops of a step, compiled once per instruction set from loops.cpp and reached through
+/// one table of function pointers. Only plain data crosses this header: an inline function of the
+/// standard library that was compiled for AVX-512 must not become the program's only copy of it.
 ///
 /// Vertex columns are rows of 4 doubles, 32-byte aligned, the fourth zero.
 namespace suture::loops {
@@ -35,7 +34,7 @@ struct VertexColumn {
   uint32_t stride;  ///< doubles from vertex to vertex
 };
 
-/// One functor on one table: what is the same for all its batches.
+/// One functor on one table: the data common to all its batches.
 struct Job {
   const uint32_t* nodes;    ///< node_count vertices per cell
   const uint32_t* cells;    ///< row -> position in `nodes`, or null: the row itself
@@ -58,8 +57,8 @@ struct Job {
   const double* own_rest;      ///< rows: node n of slot s is row node_count s + n
 };
 
-/// The rows of a batch: those of a block that live, moved to the front. Lanes behind
-/// the last repeat it. None: valid = 0.
+/// The rows of a batch: the live rows of a block, moved to the front. The remaining lanes repeat
+/// the last one. valid = 0 if there are none.
 struct BatchRows {
   uint32_t row[8];
   uint32_t valid;
@@ -76,16 +75,16 @@ static inline BatchRows live_rows(const uint8_t* live, uint32_t row, uint32_t co
   return rows;
 }
 
-/// What one thread needs; never shared. `scratch` is 64-byte aligned and holds
-/// scratch_doubles(job); the pointer lists have a place per declared column.
+/// The memory of one thread; never shared. `scratch` is 64-byte aligned and holds
+/// scratch_doubles(job); the pointer lists have one entry per declared column.
 struct Worker {
   const suture_context* context;
   double* scratch;
   const double** cell_columns;
   const double** vertex_columns;
   double** trial_columns;
-  /// A batch whose status is not 0. The loop goes on, so that the lowest cell is
-  /// found whatever the threads do.
+  /// Reports a batch whose status is not 0. The loop continues, so that the lowest cell is found
+  /// whatever the threads do.
   void (*failed)(void* data, suture_status status, const suture_batch* batch);
   void* data;
 };
@@ -96,9 +95,9 @@ struct alignas(64) Buffers {
   uint32_t ids[8];
 };
 
-/// What the vertices of a pass exchange, for the ledger of work and for the apparent
-/// frequency of the motion (motion_sums.hpp). a = f / m + gravity; v- and v+ are the
-/// velocities before and after the kicks of the pass.
+/// Sums over the vertices of a pass, for the ledger of work and for the apparent frequency of the
+/// motion (motion_sums.hpp). a = f / m + gravity; v- and v+ are the velocities before and after the
+/// kicks of the pass.
 struct PassSums {
   double before;   ///< sum m a . v-, W
   double after;    ///< sum m a . v+, W
@@ -109,7 +108,7 @@ struct PassSums {
 ///   a = f / m + gravity
 ///   v = decay[k] v + gain[k] a      for each of the `kicks`
 ///   x = x + drift v,  f = 0         if drifting
-/// Vertices that do not live are left alone.
+/// Vertices that are not live are skipped.
 struct Motion {
   double* position;
   double* velocity;
@@ -139,16 +138,16 @@ struct RestInput {
   const double* mass;
   const double* fixed;  ///< bits 1 x, 2 y, 4 z as a double
   double gravity[4];
-  double* old_position;  ///< at the check before; replaced by the present
+  double* old_position;  ///< at the previous check; replaced by the current one
   double* old_force;
 };
 
-/// Elements whose stretch is looked at: row -> element -> 8 vertices.
+/// Elements whose stretch is checked: row -> element -> 8 vertices.
 struct Stretch {
   const uint32_t* nodes;  ///< 8 vertices per element
   const uint32_t* cells;  ///< row -> element, or null: the row itself
   const double* position;
-  const double* metric;  ///< in blocks of 8 rows; what it means, the test says
+  const double* metric;  ///< in blocks of 8 rows; the test defines its meaning
   uint64_t block;        ///< doubles from block to block; 0: constant
   double bound;
 };
@@ -165,16 +164,17 @@ struct Table {
   int32_t (*kick_drift)(const Motion*, uint32_t begin, uint32_t end, PassSums*);
   int32_t (*kick_kick_drift)(const Motion*, uint32_t begin, uint32_t end, PassSums*);
   int32_t (*kick)(const Motion*, uint32_t begin, uint32_t end, PassSums*);
-  /// sum m v^2 / 2 in a fixed order, v after the first kick of the motion; components that
-  /// are held (bits 1 x, 2 y, 4 z of `fixed`) are not kicked. Nothing is written.
+  /// sum m v^2 / 2 in a fixed order, v after the first kick of the motion; constrained components
+  /// (bits 1 x, 2 y, 4 z of `fixed`) are not kicked. Nothing is written.
   double (*kinetic)(const Motion*, const double* fixed, uint32_t begin, uint32_t end);
   RestSums (*rest_sums)(const RestInput*, uint32_t begin, uint32_t end);
-  /// Number of live elements in [begin, end) with a corner Jacobian <= 0; the first
-  /// of them in *first.
+  /// The number of live elements in [begin, end) with a corner Jacobian <= 0; *first is set to the
+  /// first of them.
   uint32_t (*inverted)(const uint32_t* nodes, const uint8_t* live, const double* position,
                        uint32_t begin, uint32_t end, uint32_t* first);
-  /// Rows in [begin, end), begin a multiple of 8, that may pass a bound; the others
-  /// certainly do not. Written to `found`, which has room for all; returns how many.
+  /// Finds the rows in [begin, end), begin a multiple of 8, that may exceed a bound; the others
+  /// certainly do not. Writes them to `found`, which has room for all rows, and returns their
+  /// number.
   ///   strained   largest eigenvalue of F^T F above `bound` (metric: G, 9 components,
   ///              a quarter of the reciprocals of the mean edge vectors at rest)
   ///   elongated  an edge longer than its limit (metric: squares of the limits, 12)
@@ -193,5 +193,5 @@ inline uint64_t scratch_doubles(const Job& job) {
 
 }  // namespace suture::loops
 
-/// The one exported symbol of a module.
+/// The only exported symbol of a module.
 #define SUTURE_LOOPS_SYMBOL "suture_loops"

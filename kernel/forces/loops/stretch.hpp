@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Which elements may be stretched beyond a bound: the first look of a tear check
+// Finds elements that may be stretched beyond a bound: the first stage of a tear check
 // (events/tear.hpp). Included by loops.cpp only; internal linkage throughout.
 
 #include "kernel/forces/loops/lanes.hpp"
@@ -33,7 +33,7 @@ inline __attribute__((always_inline)) void sum_edges(const double* x, Lanes A[3]
 
 /// C = F^T F with F = sum_a A_a x G_a / 4 has an eigenvalue above `bound` only if
 ///   bound < q + 2 p,   q = tr C / 3,   p^2 = |C - q 1|^2 / 6
-/// (Smith's formula, symmetric3.hpp, with the cosine at its most): no root needed.
+/// (Smith's formula, symmetric3.hpp, with the cosine at its maximum): no root is needed.
 struct MayStrain {
   static constexpr uint32_t components = 9;
   static inline __attribute__((always_inline)) LaneMask test(const double* x, const double* g,
@@ -57,7 +57,7 @@ struct MayStrain {
   }
 };
 
-/// Some edge is longer than its limit, whose squares are the metric.
+/// Some edge is longer than its limit; the metric holds the squared limits.
 struct MayElongate {
   static constexpr uint32_t components = 12;
   static inline __attribute__((always_inline)) LaneMask test(const double* x, const double* limit,

@@ -15,8 +15,8 @@
 
 namespace suture {
 
-/// A soft body: its cells, their attributes, the terms of its forces and its constraints; and the
-/// one list of all that follows an operation on it. Knows no scene.
+/// A soft body: its cells, their attributes, its force terms and its constraints, and the only list
+/// of objects that follow an operation on it. Independent of scenes.
 ///
 ///   Body body(import_mesh(...));
 ///   body.attributes().add(instance, body.complex(), {});     for each model
@@ -31,8 +31,8 @@ class Body {
   Body(const Body&) = delete;
   Body& operator=(const Body&) = delete;
 
-  /// The instances are complete: sums their columns and compiles their functors. `threads`:
-  /// 0 = as many as pay. Throws InputError and PluginError.
+  /// Call once all instances have been added: sums their columns and compiles their functors.
+  /// `threads`: 0 = as many as are useful. Throws InputError and PluginError.
   void compile(Diagnostics& diagnostics, unsigned threads = 0);
 
   CellComplex& complex() { return imported_.complex; }
@@ -40,19 +40,20 @@ class Body {
   Attributes& attributes() { return attributes_; }
   const Attributes& attributes() const { return attributes_; }
   Constraints& constraints() { return constraints_; }
-  /// The numbers of the mesh; but for what moved on, rest positions and user_vertex().
+  /// The numbering of the mesh, except for the members that were moved elsewhere: rest positions
+  /// and user_vertex().
   const Imported& imported() const { return imported_; }
   /// The number by which messages name an element.
   Index user_element(Index element) const {
     const auto numbers = attributes_.user_element;
     return numbers.empty() ? element : numbers[element];
   }
-  /// The mesh's point at every vertex, also at those that cuts made.
+  /// The mesh point of every vertex, including those created by cuts.
   const std::vector<Index>& user_vertex() const { return user_vertex_; }
 
   // ---- terms ----
 
-  /// From now on its forces act.
+  /// Adds a term, whose forces act from now on.
   template <class Term>
   Term& add(std::unique_ptr<Term> term) {
     Term& added = *term;
@@ -65,44 +66,45 @@ class Body {
   /// All terms, the models first.
   std::span<const std::unique_ptr<ForceTerm>> terms() const { return terms_; }
 
-  Vec3 acceleration(double time) const;  ///< of all terms, m/s^2
-  double energy(double time) const;      ///< stored by all, J
-  double potential(double time) const;   ///< of all, J
-  // Of the terms besides the models:
-  bool has_loads() const;           ///< some adds to rows
-  bool loads_have_tangent() const;  ///< all have; not pressures
+  Vec3 acceleration(double time) const;  ///< sum over all terms, m/s^2
+  double energy(double time) const;      ///< stored by all terms, J
+  double potential(double time) const;   ///< of all terms, J
+  // For the terms other than the models:
+  bool has_loads() const;           ///< some term adds to rows
+  bool loads_have_tangent() const;  ///< all terms have a tangent; pressures do not
   double settled_after() const;     ///< when the last ramp and motion ends, s
   /// Some component of some vertex with mass is not prescribed. O(vertices).
   bool has_free_vertices();
   /// out += K d with K = df/dx of all terms that have a tangent; 3 numbers per vertex.
   void add_tangent(const double* d, double dx, double dv, double time, double* out) const;
-  /// Of all terms at these vertices, each given once, but for acceleration(). O(what is there).
+  /// The forces of all terms at these vertices, each given once, excluding acceleration(). O(cells
+  /// there).
   std::vector<Vec3> forces_at(std::span<const Index> vertices, double time);
 
-  /// Cells between vertices that are held at rest for good are left out from now
-  /// on (ForceLoop::skip_still); returns how many. After the constraints are added.
+  /// Leaves out cells whose vertices are all permanently fixed from now on (ForceLoop::skip_still);
+  /// returns their number. Call after the constraints have been added.
   Index skip_still_cells() {
     return models_->skip_still(constraints_.still(attributes_.vertex_count()));
   }
 
   // ---- operations ----
 
-  /// Told of every operation after the attributes, the terms and the constraints, in order of
-  /// these calls. Outlives the body, or the last operation.
+  /// Registers a follower, which is notified of every operation after the attributes, the terms and
+  /// the constraints, in the order of registration. It must outlive the last operation.
   void add_follower(Follower& follower) { followers_.push_back(&follower); }
 
-  // Operations of CellComplex, after which everything follows. They throw what the complex
-  // throws, and then nothing has happened.
+  // Operations of CellComplex, after which everything is updated. They throw the errors of the
+  // complex; nothing has changed then.
   TopologyChange cut(const std::vector<Dart>& faces);
-  /// Momentum and mass go with the elements, exactly those of their shares.
+  /// Removes exactly the elements' shares of momentum and mass with them.
   TopologyChange pierce(const std::vector<Index>& elements);
-  /// Velocities merge by mass, so momentum stays. Vertices that join meet at once in
-  /// their common centre of mass: bring them near before.
+  /// Velocities are averaged by mass, so momentum is conserved. Joined vertices jump to their
+  /// common centre of mass: bring them close together first.
   TopologyChange sew(const std::vector<Seam>& seams);
-  /// The pieces, known through all operations from the first call on.
+  /// The connected pieces, kept up to date through all operations after the first call.
   const Islands& islands();
 
-  /// Columns, terms, constraints; of a checkpoint the cells too.
+  /// Columns, terms and constraints; in a checkpoint, also the cells.
   void state(Archive& archive);
 
  private:

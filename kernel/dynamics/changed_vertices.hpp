@@ -12,15 +12,15 @@
 
 namespace suture {
 
-/// Vertices whose bounds of the stable step may have grown since the last look: mass or
-/// cells were lost, cells have other columns, or a merge moved a corner of theirs. A bit
-/// per vertex.
+/// Vertices whose bounds for the stable step may have grown since the last call of take(): they
+/// lost mass or cells, their cells have different columns, or a merge moved a corner. One bit per
+/// vertex.
 class ChangedVertices {
  public:
-  /// Bounds of functors on elements that read no columns of vertices depend on the vertex's
-  /// own elements and mass alone, so only the vertices that lost or gained elements count.
-  /// `columns_count`: some functor is on edges or faces, or reads columns of vertices; what
-  /// it reads may have changed at every vertex of the elements touched. O(change).
+  /// Bounds of functors on elements that read no vertex columns depend only on the elements and
+  /// mass of the vertex, so only vertices that lost or gained elements are added. `columns_count`:
+  /// some functor is on edges or faces or reads vertex columns, which may have changed at every
+  /// vertex of the affected elements. O(change).
   void add(const CellComplex& complex, const TopologyChange& change, bool columns_count) {
     marks_.resize(complex.count(0) / 64 + 1, 0);
     for (const Index v : change.stars[0].cells) add(v);
@@ -29,7 +29,7 @@ class ChangedVertices {
       for (const Index v : complex.vertices_of(e)) add(v);
   }
 
-  /// Those that exist, ascending; from now on there are none.
+  /// Returns the changed vertices that exist, ascending, and clears the set.
   std::vector<Index> take(const CellComplex& complex) {
     marks::unmark(marks_, vertices_);
     std::erase_if(vertices_, [&](Index v) { return !complex.exists(0, v); });

@@ -12,17 +12,17 @@
 
 namespace suture {
 
-/// A few hundred smooth motions of a body: trilinear functions of a grid of boxes around
-/// its rest shape, three components each, every island with nodes of its own (crumbs beyond
-/// the limit have none). Beside them, if asked for, the same functions of a coarser grid
-/// times the checkerboards that lattices of springs do not resist (u_a = s_b s_c,
-/// s = +-1 the side of a node along an axis of the elements).
+/// A few hundred smooth motions of a body: trilinear functions on a grid of boxes around its rest
+/// shape, three components each, with separate nodes for every island (crumbs beyond the limit have
+/// none). On request also the same functions on a coarser grid times the checkerboards that
+/// lattices of springs do not resist (u_a = s_b s_c, where s = +-1 is the side of a node along an
+/// axis of the elements).
 ///
-/// Motions are vectors y = sqrt(m) u, 3 per vertex, 0 at held components.
-/// Memory: 100 B per vertex and grid.
+/// Motions are vectors y = sqrt(m) u, 3 numbers per vertex, 0 for constrained components. Memory:
+/// 100 B per vertex and grid.
 class CoarseSpace {
  public:
-  /// At most `nodes` grid nodes. `scale`: 1/sqrt(m) per component, 0 where held.
+  /// At most `nodes` grid nodes. `scale`: 1/sqrt(m) per component, 0 if constrained.
   CoarseSpace(const CellComplex& complex, Attributes& attributes, const std::vector<double>& scale,
               Index nodes);
 
@@ -36,13 +36,13 @@ class CoarseSpace {
   Eigen::VectorXd restrict(const double* y) const;
 
  private:
-  /// Grid nodes around each vertex, -1: none.
+  /// The grid nodes around each vertex; -1: none.
   struct Grid {
     std::vector<std::array<std::int32_t, 8>> nodes;
     std::vector<std::array<float, 8>> weights;
     std::vector<std::uint8_t> signs;  ///< bit a: the checkerboard of component a is -1
-    Eigen::Index first = 0;           ///< number of its first motion
-    Eigen::Index count = 0;           ///< of nodes
+    Eigen::Index first = 0;           ///< index of its first motion
+    Eigen::Index count = 0;           ///< number of nodes
   };
   using GridNumbers = std::map<std::array<std::int64_t, 4>, std::int32_t>;  ///< place, piece
   static bool add_vertex(Grid& grid, GridNumbers& numbers, Index vertex, Index piece,
@@ -51,7 +51,7 @@ class CoarseSpace {
   template <class Visit>
   void for_each(Visit visit) const;
 
-  std::vector<double> mass_root_;  ///< sqrt(m) per component, 0 where held
+  std::vector<double> mass_root_;  ///< sqrt(m) per component, 0 if constrained
   std::vector<Grid> grids_;
   Eigen::Index size_ = 0;
 };

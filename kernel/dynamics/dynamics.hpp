@@ -16,50 +16,52 @@ struct DynamicsOptions {
   double damping = 0;                           ///< alpha, 1/s: f = -alpha m v
 };
 
-/// A body through time: steps of an integrator, what they exchange (the ledger), and operations
-/// that come between them.
+/// Advances a body in time: steps of an integrator, their energy ledger, and operations between
+/// steps.
 ///
-/// After a step the columns are those of time(), constrained components exactly
-/// where they are prescribed; only Verlet's velocity waits for synchronise().
+/// After a step, the columns refer to time(), with constrained components exactly at their
+/// prescribed positions; only the velocity of Verlet needs synchronise().
 class Dynamics : private Follower {
  public:
   /// Follows the body's operations from now on. Throws InputError for an unknown integrator.
   Dynamics(Body& body, const DynamicsOptions& options);
 
   Body& body() const { return motion_.body(); }
-  /// Where in time it is, its damping, and passes over its vertices.
+  /// Its time, its damping, and the passes over its vertices.
   Motion& motion() { return motion_; }
   const Motion& motion() const { return motion_; }
   double time() const { return motion_.time(); }
 
-  /// Puts constrained vertices where they are at `time`; the ledger begins. Also after positions,
-  /// velocities or masses were changed by others. Throws InputError if a vertex has no mass.
+  /// Moves constrained vertices to their positions at `time` and starts the ledger. Call it again
+  /// after positions, velocities or masses were changed from outside. Throws InputError if a vertex
+  /// has no mass.
   void start(double time = 0);
 
-  /// One step to `end` (= time() + dt but for rounding, which the caller's clock
-  /// avoids). Throws NumericalError for a failing model (StepRejected: nothing has moved), and
-  /// for a velocity that is not finite, naming the vertex. O(cells + vertices).
+  /// Makes one step to `end` (= time() + dt, except for rounding, which the caller's clock avoids).
+  /// Throws NumericalError for a failing model (StepRejected: nothing has moved), and for a
+  /// velocity that is not finite, naming the vertex. O(cells + vertices).
   void step(double dt, double end);
 
-  /// Velocities at time(), and, if `with_forces`, in the column `force` what the terms (not
-  /// gravity) give there: before a frame or a cut. The next step gives the same bits whether or
-  /// not this was called. The velocities alone cost nothing with symplectic Euler.
+  /// Brings the velocities to time() and, if `with_forces`, writes the forces of the terms (except
+  /// gravity) there to the column `force`. Call it before a frame or a cut. The bits of the next
+  /// step do not depend on this call. The velocities alone cost nothing with symplectic Euler.
   void synchronise(bool with_forces = true);
 
-  /// sum m v^2 / 2 of velocities at the time of the positions, J; changes no bit of what follows.
+  /// sum m v^2 / 2 with the velocities at the time of the positions, J; changes no bit of later
+  /// steps.
   double kinetic();
-  /// The ledger of the run (ledger.hpp); the first call after start() is its beginning. Costs
-  /// an evaluation of energies, and changes no bit of what follows.
+  /// The ledger of the run (ledger.hpp); the first call after start() begins it. Costs an
+  /// evaluation of energies, and changes no bit of later steps.
   EnergyBalance balance();
 
-  /// Calls `change`, which moves vertices or changes their velocities; what energy that takes is
-  /// booked as an event. `keeps_forces`: those evaluated are still good.
+  /// Calls `change`, which moves vertices or changes their velocities, and books the change of
+  /// energy as an event. `keeps_forces`: the evaluated forces remain valid.
   void jump(const std::function<void()>& change, bool keeps_forces = false);
 
-  /// Motion, ledger and body: a state to go back to (StateBuffer), until an operation or sleep,
-  /// or of a checkpoint. What follows has the same bits again, but for functors that read
-  /// velocities in a synchronised state of Verlet that was gone back to: they see the velocity
-  /// after its last half kick.
+  /// Motion, ledger and body: a state for a rollback (StateBuffer), valid until an operation or
+  /// sleep, or for a checkpoint. Later steps are bitwise identical, except for functors that read
+  /// velocities after a rollback to a synchronised Verlet state: they see the velocity after its
+  /// last half kick.
   void state(Archive& archive);
 
  private:
@@ -74,7 +76,7 @@ class Dynamics : private Follower {
   Motion motion_;
   std::unique_ptr<Integrator> integrator_;
   Ledger ledger_;
-  /// A vertex of an operation that is being made, and its acceleration before.
+  /// A vertex affected by the current operation, and its previous acceleration.
   struct Changing {
     Index vertex;
     Vec3 acceleration;
@@ -87,7 +89,7 @@ struct Energies {
   double external = 0;  ///< potential of gravity and dead loads, 0 at rest positions
   double total() const { return kinetic + elastic + external; }
 };
-/// At time(). Fixed order of summation.
+/// The energies at time(), summed in a fixed order.
 Energies energies(Dynamics& dynamics);
 
 }  // namespace suture

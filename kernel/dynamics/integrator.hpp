@@ -10,42 +10,43 @@
 
 namespace suture {
 
-/// A scheme that makes the steps of a motion. One file each; integrators.cpp lists them.
+/// A time integration scheme. Each has its own file; integrators.cpp lists them.
 ///
-/// A step begins, and is then either accepted or rejected; only then may another begin.
+/// A step begins and is then either accepted or rejected before another may begin.
 class Integrator {
  public:
   explicit Integrator(Motion& motion) : motion_(motion) {}
   virtual ~Integrator() = default;
 
-  /// Does everything of a step of dt that a term may refuse. Throws what terms throw
-  /// (StepRejected: a smaller step may help); the state before is whole then.
+  /// Performs the part of a step of length dt that a term may refuse. Throws the errors of terms
+  /// (StepRejected: a smaller step may help); the previous state is intact then.
   virtual void begin(double dt) = 0;
-  /// Makes the step that began: positions and velocities are those of `end` (= time() + dt, but
-  /// for rounding). Throws NotFinite.
+  /// Completes the step: positions and velocities become those at `end` (= time() + dt, except for
+  /// rounding). Throws NotFinite.
   virtual void accept(double end) = 0;
-  /// Drops the step that began, as if it had not.
+  /// Discards the step as if it had not begun.
   virtual void reject() = 0;
 
-  /// The velocities are those of half a step before the positions.
+  /// True if the velocities lag the positions by half a step.
   virtual bool is_lagging() const { return false; }
-  /// The kick that they lack to be those of the positions' time.
+  /// The kick that brings the velocities to the time of the positions.
   virtual Kick lacking() const { return {}; }
-  /// A step of this length changes where the velocities are in time.
+  /// True if a step of this length changes the times to which the velocities refer.
   virtual bool is_other_step(double dt) const;
-  /// Gives the velocities what they lack, if that leaves the steps to come as they are. The
-  /// forces are evaluated.
+  /// Applies the lacking kick to the velocities, if that does not affect later steps. The forces
+  /// must be evaluated.
   virtual void synchronise() {}
-  /// synchronise() has something to do.
+  /// True if synchronise() has work to do.
   virtual bool waits() const { return false; }
-  /// Besides the motion's.
+  /// State in addition to that of the motion.
   virtual void state(Archive&) {}
 
  protected:
   Motion& motion_;
 };
 
-/// By its name in scenes: "symplectic-euler". Throws InputError for another.
+/// Creates an integrator by its name in scenes, for example "symplectic-euler". Throws InputError
+/// for an unknown name.
 std::unique_ptr<Integrator> make_integrator(const std::string& name, Motion& motion);
 /// All names, the default first.
 std::span<const char* const> integrator_names();

@@ -5,7 +5,7 @@
 
 namespace suture {
 
-// A function for each file with a scheme; listed in integrators.cpp.
+// One function per scheme; integrators.cpp lists them.
 std::unique_ptr<Integrator> make_symplectic_euler(Motion& motion);
 std::unique_ptr<Integrator> make_velocity_verlet(Motion& motion);
 

@@ -8,8 +8,8 @@
 
 namespace suture {
 
-/// Elements with a corner Jacobian <= 0 in the present positions, ascending. O(elements), far
-/// below an evaluation of forces.
+/// Elements with a corner Jacobian <= 0 at the current positions, ascending. O(elements), much
+/// cheaper than an evaluation of forces.
 std::vector<Index> find_inverted(const CellComplex& complex, Attributes& attributes);
 
 }  // namespace suture

@@ -9,14 +9,15 @@
 
 namespace suture {
 
-/// Where the energy of a run is and where it came from, J. Works and `events` count from the
-/// start of the run:
+/// The energy of a run and its sources, J. Works and `events` are accumulated from the start of the
+/// run:
 ///   kinetic + elastic = their sum at the start
 ///       + works + prescribed + models + events - dissipated + balance
 struct EnergyBalance {
   double kinetic = 0;  ///< sum m v^2 / 2, v at the time of the positions
-  double elastic = 0;  ///< stored by functors and other terms
-  /// Of each term but the models: gravity, loads (forces and tractions), pressure, ...
+  double elastic = 0;  ///< stored energy of functors and other terms
+  /// The work of each term other than the models: gravity, loads (forces and tractions), pressure,
+  /// ...
   struct Work {
     const char* term;
     double value;
@@ -25,48 +26,49 @@ struct EnergyBalance {
   double work(std::string_view term) const;  ///< 0 if there is no such term
   double prescribed = 0;  ///< work of prescribed motion: reactions times displacements
   double models = 0;      ///< work of functors without an energy
-  double events = 0;      ///< given (or taken: negative) by operations and by sleep
-  double dissipated = 0;  ///< by damping and by functors that read velocities
-  double balance = 0;     ///< what nothing explains
-  /// Part of the balance that a step of this length gives back: h^2/8 sum F^2/m, now less at the
-  /// start.
+  double events = 0;      ///< energy added (removed: negative) by operations and sleep
+  double dissipated = 0;  ///< energy dissipated by damping and functors that read velocities
+  double balance = 0;     ///< the unexplained remainder
+  /// The part of the balance that is recoverable at this step length: h^2/8 sum F^2/m, the current
+  /// value minus that at the start.
   double recoverable = 0;
-  /// The most that has been exchanged at a look so far: the scale for `balance`.
+  /// The largest energy exchanged at any check so far: the scale for `balance`.
   double exchanged = 0;
 
-  void state(Archive& archive);  ///< but for the works
+  void state(Archive& archive);  ///< except for the works
 };
 
-/// Accounts for the energy of a run: every work by the trapezoid, forces of both ends of a step
-/// times its displacements, so that `balance` falls with dt^2 (Belytschko, Liu, Moran, Nonlinear
-/// Finite Elements, 6.2.3). For forces that are linear in the displacements it equals
-/// h^2/8 sum F^2/m at each moment. What an unstable step feeds is in the stored energy,
-/// therefore `elastic` is evaluated and not summed up.
+/// Accounts for the energy of a run. All work is computed by the trapezoidal rule, with the forces
+/// at both ends of a step, so that `balance` decreases with dt^2 (Belytschko, Liu, Moran, Nonlinear
+/// Finite Elements, 6.2.3). For forces that are linear in the displacements it equals h^2/8 sum
+/// F^2/m at all times. An unstable step adds to the stored energy, so `elastic` is evaluated, not
+/// summed.
 ///
-/// Cost: three sums in the pass over the vertices that is made anyway, the loaded and driven
-/// vertices; gravity one pass per look and, while its ramp lasts, per step; functors without an
-/// energy beside others with one a pass per step.
+/// Cost: three sums in the existing pass over the vertices, plus the loaded and driven vertices;
+/// for gravity, one pass per check and, during its ramp, per step; one pass per step if some
+/// functors have an energy and others do not.
 class Ledger {
  public:
   Ledger(Body& body, const MotionSums& sums) : body_(body), sums_(sums) {}
 
-  /// The present state, with forces evaluated there.
+  /// The current state, with its forces evaluated.
   struct Now {
     double time = 0;
     double kinetic = 0;        ///< at the time of the positions, J
     double leapfrog_part = 0;  ///< h^2/8 sum F^2/m, J
-    double half_step = 0;      ///< h- where velocities lag half a step behind the positions, else 0
-    double work = 0;           ///< h- A_n / 2: of all forces in the half step that no pass has seen
+    double half_step = 0;      ///< h- if velocities lag the positions by half a step, otherwise 0
+    double work = 0;  ///< h- A_n / 2: work of all forces in the half step not yet covered by a pass
   };
-  /// The first call is the start. Costs an evaluation of energies.
+  /// The first call defines the start. Costs an evaluation of energies.
   EnergyBalance balance(const Now& now);
-  bool needs_work() const;  ///< Now::work is used
+  bool needs_work() const;  ///< whether Now::work is used
 
-  /// Around an operation that removes or joins elements, or puts vertices to sleep: the jump of
-  /// the energy is booked under `events`.
+  /// Called around an operation that removes or joins elements or puts vertices to sleep; the jump
+  /// of the energy is booked under `events`.
   void before_jump(const Now& now);
   void after_jump(const Now& now);
-  /// The step is another: its energy differs from that of the motion by `difference` more, J.
+  /// The step length changed, so that the energy of the step differs from that of the motion by
+  /// `difference` more, J.
   void change_step(double difference) { account_.leapfrog_start += difference; }
   void restart() { account_ = {}; }
   void state(Archive& archive);
@@ -79,15 +81,16 @@ class Ledger {
   const MotionSums& sums_;
   struct Account {
     bool has_start = false;
-    double start = 0, start_elastic = 0, start_driven = 0;  ///< kinetic + elastic; of them
+    double start = 0, start_elastic = 0, start_driven = 0;  ///< kinetic + elastic, and parts of it
     double events = 0, events_elastic = 0;
-    /// Of the half step before a jump, which no pass sees with the forces before it.
+    /// For the half step before a jump, which no pass covers with the previous forces.
     double owed_driven = 0, owed_work = 0;
     double exchanged = 0;
-    double leapfrog_start = 0;  ///< h^2/8 sum F^2/m where steps began, changed or jumped
+    double leapfrog_start =
+        0;  ///< h^2/8 sum F^2/m at the start and at changes of the step or jumps
   };
   Account account_;
-  Account jump_;  ///< energies before a jump, in its `start...`
+  Account jump_;  ///< energies before a jump, stored in its `start...` members
 };
 
 }  // namespace suture

@@ -13,13 +13,13 @@
 
 namespace suture {
 
-/// A velocity or an energy is infinite or no number.
+/// A velocity or an energy is not finite.
 class NotFinite : public NumericalError {
  public:
   using NumericalError::NumericalError;
 };
 
-/// Kick over h with damping alpha: v' = decay v + gain a, exact for constant a.
+/// A kick over h with damping alpha: v' = decay v + gain a, exact for constant a.
 ///   decay = exp(-alpha h),  gain = (1 - decay) / alpha,  h without damping
 struct Kick {
   double decay = 1, gain = 0;
@@ -31,8 +31,8 @@ struct Kick {
   }
 };
 
-/// Where in time the columns of a body are, the forces there, and the passes over its vertices
-/// that explicit integrators consist of. a = f/m + acceleration of the terms.
+/// The time of a body's columns, the forces at that time, and the passes over its vertices of which
+/// explicit integrators consist. a = f/m + acceleration of the terms.
 class Motion {
  public:
   Motion(Body& body, double damping);
@@ -45,40 +45,40 @@ class Motion {
   MotionSums& sums() { return sums_; }
   const MotionSums& sums() const { return sums_; }
 
-  /// Nothing has moved yet.
+  /// Starts a motion at `time`; nothing has moved yet.
   void start(double time);
 
-  /// The column `force` holds those of (x, v, time), for a step of dt. Throws what terms throw,
-  /// and then the state is whole.
+  /// Evaluates the forces at (x, v, time) into the column `force`, for a step of length dt. Throws
+  /// the errors of terms; the state is intact then.
   void evaluate(double dt);
   void evaluate() { evaluate(last_); }
-  /// They must be evaluated again.
+  /// The forces must be evaluated again.
   void discard_forces();
-  /// The state is another, and not by a step.
+  /// The state was changed other than by a step.
   void forget_forces();
-  /// How often the state was another otherwise than by a step.
+  /// How often the state was changed other than by a step.
   std::uint64_t jumps() const { return jumps_; }
 
-  /// Kicks by evaluated forces, one after the other (one or two), then a drift over dt, and what
-  /// is held is put where it is at `end`. `unseen`: length of the step before, if no pass has
-  /// seen the forces at its end yet, else 0. Throws NotFinite, naming the vertex.
+  /// Applies one or two successive kicks with the evaluated forces, then drifts over dt and moves
+  /// constrained vertices to their positions at `end`. `unseen`: the length of the previous step if
+  /// no pass has used the forces at its end yet, otherwise 0. Throws NotFinite, naming the vertex.
   void kick_and_drift(std::span<const Kick> kicks, double dt, double end, double unseen);
-  /// One kick of what moves, at the end of the last step.
+  /// One kick of the moving vertices, at the end of the last step.
   void kick(const Kick& kick);
-  /// sum m v^2 / 2 of the velocities that a kick would make; in a fixed order, J.
+  /// sum m v^2 / 2 of the velocities that a kick would give, in a fixed order, J.
   double kinetic(const Kick& kick);
-  /// sum m a . v- of the velocities as they are, W.
+  /// sum m a . v- with the current velocities, W.
   double power();
-  /// h^2/8 sum F^2/m over what is free, forces being evaluated: what leapfrog's energy
-  /// sum m v- . v+ / 2 lacks of that of the mean velocity.
+  /// h^2/8 sum F^2/m over free components, with evaluated forces: the difference between the energy
+  /// of the mean velocity and the leapfrog energy sum m v- . v+ / 2.
   double leapfrog_part(double h, Kick at);
 
-  /// The vertices move no more, and their velocities are zero; with the forces as evaluated.
+  /// Stops the vertices and sets their velocities to zero; the evaluated forces remain valid.
   void freeze(std::span<const Index> vertices);
   void thaw();
   bool is_frozen() const { return frozen_; }
 
-  /// The vertex with the most kinetic energy where the apparent frequency is largest.
+  /// The vertex with the largest kinetic energy in the chunk with the largest apparent frequency.
   Index fastest_vertex() const;
   void state(Archive& archive);
 
@@ -94,7 +94,7 @@ class Motion {
   const loops::Table& loops_;
   double damping_, time_ = 0, last_ = 0;
   MotionSums sums_;
-  bool evaluated_ = false;  // the column `force` is that of the present state
+  bool evaluated_ = false;  // the column `force` belongs to the current state
   double evaluated_dt_ = 0;
   std::uint64_t jumps_ = 0;
   bool frozen_ = false;  // some vertices are

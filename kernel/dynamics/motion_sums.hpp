@@ -9,12 +9,12 @@
 
 namespace suture {
 
-/// What the passes over the vertices add up in each step, chunk by chunk in a fixed order
-/// (the same bits for any number of threads): the work of all forces by the trapezoid, and
-/// the apparent frequency of the motion.
+/// The sums of the passes over the vertices in each step, chunk by chunk in a fixed order (bitwise
+/// identical for any number of threads): the work of all forces by the trapezoidal rule, and the
+/// apparent frequency of the motion.
 ///
-/// With a_n the accelerations at t_n, v- and v+ the velocities half a step before and after
-/// (dx = h v), and M the masses,
+/// With the accelerations a_n at t_n, the velocities v- and v+ half a step earlier and later (dx =
+/// h v), and the masses M,
 ///
 ///   A_n = sum m a_n . v-,   B_n = sum m a_n . v+,   C_n = sum m v+ . v+
 ///
@@ -29,8 +29,8 @@ class MotionSums {
  public:
   static constexpr Index chunk = 1024;  ///< vertices: 0.1 MB of columns, 5 us
 
-  /// Sums of one chunk, from the pass that saw its v- and from the one that made its v+; any
-  /// thread.
+  /// Stores the sums of one chunk, from the pass that read its v- and the one that computed its v+.
+  /// May be called on any thread.
   void note_before(std::size_t part, const loops::PassSums& sums, const DrivenWork& driven) {
     chunks_[part].before = sums.before;
     chunks_[part].driven_before = driven.work;
@@ -40,34 +40,33 @@ class MotionSums {
     chunks_[part].inertia = sums.inertia;
     chunks_[part].driven = driven;
   }
-  /// A_n, and the work of what is driven, that were noted for the step to come; 0 if none was.
+  /// A_n and the work of driven vertices noted for the next step; 0 if there are none.
   double noted_before() const;
   double noted_driven() const;
 
   void resize(Index vertices);
-  /// From zero; resize() comes next.
+  /// Resets all sums to zero; call resize() next.
   void restart();
-  /// The step is complete: `before` and `now` are its lengths h- and h+, s; `damps`: damping by
-  /// mass took part.
+  /// Call when the step is complete: `before` and `now` are the lengths h- and h+, s; `damps`: mass
+  /// damping was active.
   void finish_step(double before, double now, bool damps);
-  /// Cells were removed or joined, or vertices fell asleep: the sums of the step before are
-  /// not those of these vertices.
+  /// Call when cells were removed or joined, or vertices fell asleep: the sums of the previous step
+  /// do not belong to the current vertices.
   void forget_last();
-  /// Vertices were split: only the sums over the whole body go on.
+  /// Call when vertices were split: only the sums over the whole body continue.
   void forget_chunks() { whole_body_only_ = true; }
 
-  /// The largest h w of any chunk in the last step; 0 where nothing moves more than
-  /// rounding does.
+  /// The largest h w of any chunk in the last step; 0 if nothing moves by more than rounding.
   double apparent_frequency() const { return frequency_; }
-  /// The chunk where it is; `none` if only the whole body was looked at.
+  /// The chunk with the largest h w; `none` if only the whole body was evaluated.
   Index fastest_chunk() const { return fastest_; }
-  /// Chunks whose C h^2 lies below are not looked at, kg m^2.
+  /// Chunks with C h^2 below this are ignored, kg m^2.
   void set_noise(double inertia) { noise_ = inertia; }
 
   double work() const { return work_; }           ///< W, J
-  double damped() const { return damped_; }       ///< D, J; counted with damping only
+  double damped() const { return damped_; }       ///< D, J; only summed with damping
   double driven_work() const { return driven_; }  ///< sum of DrivenWork::work, J
-  /// The most that sum m v+ . v+ / 2 was in any step, J.
+  /// The largest sum m v+ . v+ / 2 of any step, J.
   double largest_kinetic() const { return largest_kinetic_; }
   void state(Archive& archive);
 

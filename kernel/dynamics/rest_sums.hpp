@@ -6,17 +6,17 @@
 
 namespace suture {
 
-/// What the search of rest sums up over the vertices (loops::RestSums): forces that are left,
-/// and how they changed since the call before. 64 B per vertex.
+/// The sums over the vertices for the search for rest (loops::RestSums): residual forces, and their
+/// change since the previous call. 64 B per vertex.
 class RestSums {
  public:
-  /// At the present state; evaluates forces that the next step uses.
+  /// The sums in the current state; evaluates the forces, which the next step uses.
   loops::RestSums look(Motion& motion);
   void state(Archive& archive);
 
  private:
   AlignedVector<double> old_position_, old_force_, external_;
-  std::uint64_t jumps_ = 0;  ///< of the motion, at the call before
+  std::uint64_t jumps_ = 0;  ///< of the motion, at the previous call
 };
 
 }  // namespace suture

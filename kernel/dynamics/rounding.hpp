@@ -5,11 +5,11 @@
 
 namespace suture {
 
-/// What the rounding of positions amounts to: the last step moved each vertex by
-/// eps |x|, against a stiffness of at most m (2/dt)^2. Energies of that size, times
-/// the steps made, are noise, and so are forces.
+/// The effect of rounding positions: the last step moved each vertex by eps |x| against a stiffness
+/// of at most m (2/dt)^2. Energies of that size, times the number of steps, are noise, as are
+/// forces of the corresponding size.
 struct Rounding {
-  double energy = 0;         ///< J, of a step
+  double energy = 0;         ///< J, per step
   double force_squared = 0;  ///< N^2, summed over the vertices
 };
 /// Zero before the first step. O(vertices).

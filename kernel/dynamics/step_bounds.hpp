@@ -34,15 +34,15 @@ inline std::array<double, 6> free_part(std::array<double, 6> a, int fixed) {
   return a;
 }
 
-/// Per vertex the largest eigenvalue of the summed bounds over m: K/m (1/s^2) and C/m (1/s); the
-/// maxima over all free vertices, and the smallest stable step (stable_step.hpp; infinite
+/// Per vertex, the largest eigenvalue of the summed bounds over m: K/m (1/s^2) and C/m (1/s). Holds
+/// the maxima over all free vertices, and the smallest stable step (stable_step.hpp; infinite
 /// without forces) with its vertex.
 struct StepBounds {
   double stiffness = 0, damping = 0;
   double dt = std::numeric_limits<double>::infinity();  ///< s
   Index vertex = none;
 
-  /// Counts a vertex, unless it is held or gone.
+  /// Includes a vertex unless it is fixed or removed.
   void include(Index v, const BoundSums& sums, Attributes& attributes) {
     const double mass = attributes.mass().rows()[v];
     const int bits = static_cast<int>(attributes.fixed().rows()[v]);

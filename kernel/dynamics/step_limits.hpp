@@ -7,27 +7,26 @@
 
 namespace suture {
 
-/// How long a step of a body may be: the limit of all its terms together, and bounds on its safe
-/// side that cost less. Follows the body's operations.
+/// The limits on the step of a body: the stability limit of all its terms together, and cheaper
+/// conservative bounds. Follows the operations on the body.
 class StepLimits : private Follower {
  public:
   explicit StepLimits(Body& body);
 
-  /// The largest stable step of the present state, s; infinite without forces. From
-  /// the tangent (step_search.hpp) if every term has one, else from bounds().
-  /// Throws PluginError for a functor that offers neither. `from_random`: the search forgets
-  /// the mode that it found last, and overlooks none.
+  /// The largest stable step in the current state, s; infinite without forces. Computed from the
+  /// tangent (step_search.hpp) if every term has one, otherwise from bounds(). Throws PluginError
+  /// for a functor that offers neither. `from_random`: the search does not start from the last
+  /// mode, so that it overlooks none.
   double stable_step(double time, bool from_random = false);
-  /// Bounds per vertex on the safe side, cell by cell: for springs and blocks the step
-  /// is 0.6 to 0.75 of stable_step(). Throws PluginError for a functor without
-  /// suture.stable-dt/1.
+  /// Conservative bounds per vertex, computed cell by cell: for springs and blocks the step is 0.6
+  /// to 0.75 of stable_step(). Throws PluginError for a functor without suture.stable-dt/1.
   StepBounds bounds(double time);
-  /// bounds() of these vertices alone, each given once, to the rounding of another order.
-  /// O(cells around them); the first time memory for all vertices is set up.
+  /// bounds() of these vertices only, each given once; they agree to within the rounding of a
+  /// different order of summation. O(cells around them); the first call allocates memory for all
+  /// vertices.
   StepBounds bounds_at(std::span<const Index> vertices, double time);
-  /// bounds() of the vertices that operations changed since the last call, and of no
-  /// others: the step stays stable below both the stable step before and this one.
-  /// O(cells changed).
+  /// bounds() of the vertices that operations changed since the last call only: a step is stable if
+  /// it is below both the previous stable step and this bound. O(cells changed).
   StepBounds bounds_of_changes(double time);
 
   void state(Archive& archive);

@@ -8,41 +8,41 @@
 
 namespace suture {
 
-/// Finds the largest stable step of a body from the tangent of its forces, K = -df/dx
-/// and C = -df/dv: the limit of stable_step.hpp for the whole system, not for the
-/// worst vertex. It is the step at which the largest eigenvalue of
+/// Finds the largest stable step of a body from the tangent of its forces, K = -df/dx and C =
+/// -df/dv: the limit of stable_step.hpp for the whole system instead of the worst vertex. It is the
+/// step at which the largest eigenvalue of
 ///   M^-1/2 (dt^2/4 K + dt/2 C) M^-1/2
 /// on the free components is 1; without C it is 2 / omega_max.
 ///
-/// The eigenvector is found by locally optimal descent: Rayleigh-Ritz on the present
-/// vector, its residual and the last direction (Knyazev, SIAM J. Sci. Comput. 23 (2001)
-/// 517). It is kept, so that the next search starts where the last one ended. Vertices that
-/// an operation changed may carry a mode of their own now: the next search starts with
-/// random numbers there besides. Each 16th search starts at random everywhere, lest a mode be
-/// overlooked that grew in the meantime.
+/// The eigenvector is found by locally optimal descent: Rayleigh-Ritz on the current vector, its
+/// residual and the last direction (Knyazev, SIAM J. Sci. Comput. 23 (2001) 517). It is kept, so
+/// that the next search starts where the last one ended. Vertices that an operation changed may
+/// carry a new mode: the next search also starts with random numbers there. Every 16th search
+/// starts from a random vector, so as not to overlook a mode that grew in the meantime.
 ///
 /// Memory while it runs: 96 B per vertex; between searches 12 B.
 class StepSearch {
  public:
   explicit StepSearch(Body& body) : body_(body) {}
 
-  /// The step, s; infinite without forces. At most 1.5 % too short, and of a start at
-  /// random not 1.5 % too long but for one in 10,000. Costs 5 (again), 9 or more (after an
-  /// operation) to 50 (from random) directional derivatives, each about three evaluations of the
-  /// forces. Needs body.models().has_tangent().
+  /// The step, s; infinite without forces. At most 1.5 % too short; from a random start, more than
+  /// 1.5 % too long in one case in 10,000. Costs 5 (repeated), at least 9 (after an operation) or
+  /// 50 (from random) directional derivatives, each about three evaluations of the forces. Needs
+  /// body.models().has_tangent().
   double largest(double time);
 
-  /// The cells are others: new vertices move like those they left. O(change).
+  /// Follows a change of the cells: new vertices start with the motion of those that they separated
+  /// from. O(change).
   void follow(const TopologyChange& change);
-  /// The next search starts at random: no mode is overlooked.
+  /// The next search starts from a random vector, so that no mode is overlooked.
   void forget() { mode_.clear(); }
   void state(Archive& archive);
 
  private:
   using Vector = std::vector<float>;  // 3 per vertex; seven digits for three
-  struct Direction;                   ///< a vector and what the operator makes of it
+  struct Direction;                   ///< a vector and its image under the operator
   struct Eigenvalue {
-    double value, upper;  ///< Rayleigh quotient, and with its residual
+    double value, upper;  ///< Rayleigh quotient, and the quotient plus its residual
   };
 
   void set_scales();
@@ -62,10 +62,10 @@ class StepSearch {
   double last_ = 0;             // result of the last search, s
   std::mt19937 random_;         // the same numbers on every machine
   Vector mode_;                 // unit vector, in coordinates sqrt(m) x
-  std::vector<Index> changed_;  // vertices, since the last search; some twice
+  std::vector<Index> changed_;  // vertices changed since the last search; may contain duplicates
   Vector scale_;                // 1/sqrt(m), 0 where fixed
   Vector scaled_;
-  std::vector<double> direction_, image_;  // of terms besides the models
+  std::vector<double> direction_, image_;  // for terms other than the models
 };
 
 }  // namespace suture

@@ -10,20 +10,20 @@
 
 namespace suture {
 
-/// Finds the rows that a functor visits around some elements or vertices, without a pass
-/// over the mesh. Memory: a bit per element and per row of the largest table, cleared by
-/// list. Spans that are returned hold until the next call.
+/// Finds the rows that a functor visits around some elements or vertices, without a pass over the
+/// mesh. Memory: one bit per element and per row of the largest table, cleared through a list.
+/// Returned spans are valid until the next call.
 class LocalRows {
  public:
-  /// Elements that have one of these vertices, ascending; vertices that are gone have none.
+  /// Elements with one of these vertices, ascending; removed vertices have none.
   std::vector<Index> elements_around(const CellComplex& complex, std::span<const Index> vertices);
 
-  /// Rows of the elements, or of their edges or faces, each once, ascending; elements that
-  /// were removed have none. Batches of fewer than 8 where a block of 8 rows is not whole.
+  /// Rows of the elements, or of their edges or faces, each once, ascending; removed elements have
+  /// none. Incomplete blocks of 8 rows give batches of fewer than 8.
   std::span<const loops::BatchRows> rows_of(const CellComplex& complex,
                                             const CompiledFunctor& functor,
                                             std::span<const Index> elements);
-  /// Only rows with a vertex that is selected.
+  /// Only rows with a selected vertex.
   std::span<const loops::BatchRows> rows_at(const CellComplex& complex,
                                             const CompiledFunctor& functor,
                                             std::span<const Index> elements,

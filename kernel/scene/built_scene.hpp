@@ -12,22 +12,21 @@
 
 namespace suture {
 
-/// What a scene builds before the first step, in the order of the flow: mesh, body (cells,
-/// attributes, forces, constraints), dynamics; and the names by which users know its cells.
-/// Positions count from the lower corner of the body at rest (BodyFrame). Neither copied nor
-/// moved.
+/// Everything that is built from a scene before the first step, in the order of the data flow:
+/// mesh, body (cells, attributes, forces, constraints) and dynamics, with the user's names for its
+/// cells. Positions are relative to the lower corner of the body at rest (BodyFrame). Neither
+/// copied nor moved.
 class BuiltScene {
  public:
-  /// `skip`: leave out what the scene does not need; false builds and computes it
-  /// all the same. Throws whatever the stages throw: InputError, TopologyError,
-  /// PluginError.
+  /// `skip`: leave out what the scene does not need; false builds and computes it regardless.
+  /// Throws the errors of the stages: InputError, TopologyError, PluginError.
   BuiltScene(const Scene& given, Diagnostics& diagnostics, bool skip = true);
   BuiltScene(const BuiltScene&) = delete;
   BuiltScene& operator=(const BuiltScene&) = delete;
 
-  bool skips() const { return skips_; }              ///< leaves out what the scene does not need
-  const BodyFrame& frame() const { return frame_; }  ///< all positions here are those in it
-  const Scene& scene() const { return scene_; }      ///< with its coordinates in that frame
+  bool skips() const { return skips_; }              ///< whether unneeded work is left out
+  const BodyFrame& frame() const { return frame_; }  ///< the frame of all positions here
+  const Scene& scene() const { return scene_; }      ///< the scene, with coordinates in that frame
   const std::string& mesh_source() const { return mesh_source_; }
   const MeshNames& names() const { return names_; }
   Body& body() { return body_; }
@@ -36,11 +35,12 @@ class BuiltScene {
   Dynamics& dynamics() { return *dynamics_; }
   StepLimits& limits() { return *limits_; }
 
-  /// The number by which users know an element.
+  /// The user's number of an element.
   std::uint64_t element_name(Index e) const {
     return names_.element_id(body_.imported().user_element[e]);
   }
-  /// "(0.1, 0.2, 0.3) m" in the scene: a point of the body; the middle of an element at rest.
+  /// "(0.1, 0.2, 0.3) m" in coordinates of the scene: a point of the body, or the centre of an
+  /// element at rest.
   std::string place_text(const Vec3& local) const;
   std::string place_of(Index e);
 
@@ -62,7 +62,7 @@ class BuiltScene {
   Selector selector_;
   std::unique_ptr<Dynamics> dynamics_;
   std::unique_ptr<StepLimits> limits_;
-  std::vector<Index> element_ids_;  ///< by element, if the file has numbers of its own
+  std::vector<Index> element_ids_;  ///< by element, if the file has its own numbers
 };
 
 }  // namespace suture

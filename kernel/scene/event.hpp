@@ -14,14 +14,14 @@
 
 namespace suture {
 
-// What happens: one struct per operation.
+// The operations of events: one struct each.
 
-/// Opens the faces between elements on different sides of a plane, all of them or
-/// those where the plane is inside the disc or the polygon.
+/// Opens the faces between elements on different sides of a plane: all of them, or those where the
+/// plane is crossed inside the disc or the polygon.
 struct CutPlane {
   Vec3 point, normal;
   double radius = std::numeric_limits<double>::infinity();  ///< of a disc around `point`, m
-  std::vector<Vec3> polygon{};  ///< in the plane, m; empty: not bounded so
+  std::vector<Vec3> polygon{};                              ///< in the plane, m; empty: unbounded
 };
 
 /// Opens the faces that a triangulated surface separates.
@@ -31,19 +31,20 @@ struct CutSurface {
   Vec3 translation{};  ///< m, after scaling
 };
 
-/// Opens the faces that a segment or polyline crosses as it moves: between stations
-/// every point goes straight. One station: a blade that stands still from then on.
+/// Opens the faces that a moving segment or polyline crosses; every point moves along a straight
+/// line between stations. One station: a blade that is stationary from then on.
 struct CutBlade {
   struct Station {
     double at = 0;               ///< s
-    std::vector<Vec3> points{};  ///< m, as many at every station
+    std::vector<Vec3> points{};  ///< m, the same number at every station
   };
   std::vector<Station> stations;
 };
 
 /// Opens listed faces.
 struct CutFaces {
-  std::vector<std::array<std::uint64_t, 2>> element_pairs;  ///< user ids of both sides
+  std::vector<std::array<std::uint64_t, 2>>
+      element_pairs;  ///< user ids of the elements on both sides
 };
 
 /// Removes elements: those selected, or those around a polyline.
@@ -53,14 +54,14 @@ struct Pierce {
   double radius = 0;               ///< m, from the polyline to the centroid
 };
 
-/// Opens faces where a value has passed a threshold (events/tear.hpp).
+/// Opens faces where a value exceeds a threshold (events/tear.hpp).
 struct Tear {
   enum class By { principal_strain, elongation, field };
   By by = By::principal_strain;
-  std::string model, field;  ///< of By::field: the instance's name and its output
+  std::string model, field;  ///< for By::field: the name of the instance and its output
   double above = 0;          ///< in the unit of the value
   std::optional<Selection> where;
-  double most = 0.25;  ///< part of the faces between the elements that one look may open
+  double most = 0.25;  ///< fraction of the faces between the elements that one check may open
 };
 
 /// 3-sews boundary faces (events/match_faces.hpp).
@@ -68,22 +69,22 @@ struct SewFaces {
   std::vector<std::array<std::uint64_t, 2>> element_pairs;  ///< user ids; or
   std::optional<std::array<Selection, 2>> between;          ///< with
   double gap = 0;                                           ///< m; or
-  std::optional<Selection> where;  ///< what was cut there comes together; none: everywhere
+  std::optional<Selection> where;  ///< rejoins what was cut there; none: everywhere
 };
 
-/// Removes whole islands that have fewer elements, or have left a box. Both given:
-/// either suffices.
+/// Removes whole islands that have too few elements or have left a box. If both are given, either
+/// condition suffices.
 struct RemoveIslands {
-  std::uint64_t below = 0;                  ///< elements; 0: any size stays
-  std::optional<Selection::InBox> outside;  ///< of the deformed shape
+  std::uint64_t below = 0;                  ///< elements; 0: no size limit
+  std::optional<Selection::InBox> outside;  ///< in the deformed shape
 };
 
 using EventOperation =
     std::variant<CutPlane, CutSurface, CutBlade, CutFaces, Pierce, Tear, SewFaces, RemoveIslands>;
 
-// When it happens.
+// The times of events.
 
-/// Holds while a component of the mean over some nodes is above (below) a bound.
+/// True while a component of the mean over some nodes is above (or below) a bound.
 struct Condition {
   enum class Of { displacement, velocity, position };
   Selection where;
@@ -91,12 +92,12 @@ struct Condition {
   int component = 3;  ///< 0 x, 1 y, 2 z, 3 the magnitude of the mean
   bool above = true;
   double bound = 0;         ///< m or m/s
-  Vec3 zero{};              ///< m: from where the magnitude of a position counts
-  std::uint64_t every = 1;  ///< steps between looks
+  Vec3 zero{};              ///< m: the origin for the magnitude of a position
+  std::uint64_t every = 1;  ///< steps between checks
 };
 
-/// One event: at a time; or every so many steps; or once a condition holds; a moving
-/// blade: at every step from its first station to its last.
+/// One event: at a given time, every n steps, or as soon as a condition holds; for a moving blade,
+/// at every step from its first station to its last.
 struct Event {
   double at = 0;                  ///< s; or
   std::uint64_t every = 0;        ///< steps, if > 0,
@@ -107,16 +108,16 @@ struct Event {
   bool rest_shape = false;  ///< "shape": "rest"
   std::string path;         ///< "/events/0"
 
-  /// "cut", "pierce", "tear", "suture", "remove_islands": the key in the scene.
+  /// The key in the scene: "cut", "pierce", "tear", "suture" or "remove_islands".
   const char* operation() const;
   /// May have an effect in many steps.
   bool repeats() const { return every > 0 || std::holds_alternative<CutBlade>(what); }
   bool is_timed() const { return !repeats() && !when; }
   /// "pierce, every 4 steps from 0.5 s: ...", for `suture explain`.
   std::string summary() const;
-  /// When it can happen for the first time and for the last, s.
+  /// The first and the last time at which it can happen, s.
   double start() const;
-  double finish() const;  ///< infinite if nobody can say
+  double finish() const;  ///< infinite if unknown
 };
 
 }  // namespace suture

@@ -9,7 +9,7 @@
 
 namespace suture {
 
-/// Where a value or a key was written.
+/// The position of a value or key in the text.
 struct JsonPosition {
   std::uint32_t line = 0;    ///< 1-based
   std::uint32_t column = 0;  ///< 1-based, in bytes
@@ -18,19 +18,19 @@ struct JsonPosition {
 
 struct JsonMember;
 
-/// A JSON value that knows where it was written. Numbers are finite.
+/// A JSON value with its position in the text. Numbers are finite.
 struct JsonValue {
   enum class Kind { null, boolean, number, string, array, object };
   Kind kind = Kind::null;
   JsonPosition at;
   bool boolean = false;
   double number = 0;
-  std::optional<std::uint64_t> natural;  ///< the number, exactly, if it is a whole one >= 0
+  std::optional<std::uint64_t> natural;  ///< the exact number, if it is a whole number >= 0
   std::string text;                      ///< of a string
   std::vector<JsonValue> items;          ///< of an array
-  std::vector<JsonMember> members;       ///< of an object, duplicates kept, in written order
+  std::vector<JsonMember> members;       ///< of an object, in written order, including duplicates
 
-  /// The first member of that name, or nullptr.
+  /// The first member with that name, or nullptr.
   const JsonValue* find(std::string_view key) const;
 };
 
@@ -43,18 +43,18 @@ struct JsonMember {
 /// "an object", "the string 'abc'", "the number 3": for messages.
 std::string describe(const JsonValue& value);
 
-/// Reads one JSON text (RFC 8259, UTF-8, a byte order mark and comments
-/// // and /* */ allowed). Throws InputError at the first error of syntax:
-/// "NAME:LINE:COLUMN: ..." with what was found, what was expected and, for
-/// the usual slips, what to do. Linear in the length of the text.
+/// Reads one JSON text (RFC 8259, UTF-8, a byte order mark and comments // and /* */ allowed).
+/// Throws InputError at the first syntax error: "NAME:LINE:COLUMN: ..." with what was found, what
+/// was expected and, for common mistakes, what to do. Linear in the length of the text.
 JsonValue parse_json(std::string_view text, const std::string& name);
 
-/// The same content always gives the same text, which reads as that content: keys sorted, no
-/// blanks, the shortest digits that give a number back.
+/// The canonical text of a value: the same content always gives the same text, and reading it gives
+/// that content. Keys are sorted, there is no white space, and numbers have the fewest digits that
+/// read back exactly.
 std::string canonical_json(const JsonValue& value);
 
-/// FNV-1a, 64 bits, as 16 hexadecimal digits (Fowler, Noll, Vo; RFC 9923):
-/// tells scenes apart in the provenance of results; not for security.
+/// FNV-1a, 64 bits, as 16 hexadecimal digits (Fowler, Noll, Vo; RFC 9923): distinguishes scenes in
+/// the provenance of results; not for security.
 std::string fnv1a_hex(std::string_view text);
 
 }  // namespace suture

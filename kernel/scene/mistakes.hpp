@@ -8,22 +8,22 @@
 
 namespace suture {
 
-/// Everything that is wrong with a scene, gathered so that it can be told at once.
+/// All mistakes of a scene, collected so that they can be reported at once.
 class Mistakes {
  public:
-  /// `file` as shown to the user; `sets` the texts given with --set.
+  /// `file`: its name as shown to the user; `sets`: the texts given with --set.
   Mistakes(std::string file, std::vector<std::string> sets)
       : file_(std::move(file)), sets_(std::move(sets)) {}
 
   /// `path` is a JSON pointer: "/solver/dt".
   void add(const JsonPosition& at, const std::string& path, const std::string& text);
-  /// A mistake that lies with a plugin and not with the scene's text.
+  /// A mistake in a plugin rather than in the text of the scene.
   void add_plugin(const JsonPosition& at, const std::string& path, const std::string& text);
 
   bool empty() const { return mistakes_.empty(); }
-  /// Throws InputError (PluginError if all of them lie with plugins) with one
-  /// line "FILE:LINE:COLUMN: PATH: TEXT" each, in the order of the file, and a
-  /// last one that counts; does nothing if there is no mistake.
+  /// Throws InputError (PluginError if all of them are in plugins) with one line "FILE:LINE:COLUMN:
+  /// PATH: TEXT" per mistake, in the order of the file, and a last line with their number; does
+  /// nothing if there is no mistake.
   void throw_if_any() const;
 
   /// "scene.json:3:7" or "--set '/solver/dt=0'".
@@ -40,7 +40,7 @@ class Mistakes {
   std::vector<Mistake> mistakes_;
 };
 
-/// "/models" + "/" + key, escaped as RFC 6901 says.
+/// "/models" + "/" + key, escaped according to RFC 6901.
 std::string child_path(const std::string& path, std::string_view key);
 std::string child_path(const std::string& path, std::size_t index);
 

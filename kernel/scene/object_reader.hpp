@@ -13,7 +13,7 @@
 
 namespace suture {
 
-/// What a number may be; the unit is for the message only.
+/// The allowed range of a number; the unit is used in messages only.
 struct Limits {
   std::string unit{};  ///< "s"; "" or "1" if it has none
   double minimum = -std::numeric_limits<double>::infinity();
@@ -32,8 +32,8 @@ struct Limits {
   static Limits not_negative(std::string unit) { return {std::move(unit), 0}; }
 };
 
-/// The readers of single values: nothing, and a mistake noted, if the value is
-/// of another type or out of range.
+/// Readers of single values: if the value has the wrong type or is out of range, they add a mistake
+/// and return nothing.
 std::optional<double> read_number(const JsonValue& value, const std::string& path,
                                   const Limits& limits, Mistakes& mistakes);
 std::optional<std::uint64_t> read_natural(const JsonValue& value, const std::string& path,
@@ -48,26 +48,24 @@ std::optional<std::size_t> read_choice(const JsonValue& value, const std::string
                                        std::span<const std::string> choices, Mistakes& mistakes);
 std::optional<Vec3> read_vector(const JsonValue& value, const std::string& path,
                                 const Limits& limits, Mistakes& mistakes);
-/// The items of an array, nullptr (and a mistake) if it is none.
+/// The items of an array; nullptr and a mistake if the value is not an array.
 const std::vector<JsonValue>* read_array(const JsonValue& value, const std::string& path,
                                          const std::string& of_what, Mistakes& mistakes);
 
-/// Reads one object of the scene, key by key, and complains of the keys that
-/// nobody asked for. Duplicate keys and values that are no objects are noted
-/// when it is made; finish() notes the unknown keys.
+/// Reads one object of the scene key by key, and reports keys that were not read. The constructor
+/// reports duplicate keys and values that are not objects; finish() reports unknown keys.
 class ObjectReader {
  public:
   ObjectReader(const JsonValue& value, std::string path, Mistakes& mistakes);
 
-  /// The value of an optional key, or nullptr. Makes the key a known one.
+  /// The value of an optional key, or nullptr. Marks the key as known.
   const JsonValue* find(const std::string& key);
-  /// The same for a key that must be there; `what` completes the message:
-  /// "'mesh' is missing: the elements".
+  /// The same for a required key; `what` completes the message: "'mesh' is missing: the elements".
   const JsonValue* require(const std::string& key, const std::string& what);
-  /// Exactly one of the keys must be there: its index, else nothing and a mistake.
+  /// Exactly one of the keys must be present: returns its index, otherwise nothing and a mistake.
   std::optional<std::size_t> one_of(std::span<const std::string> keys);
 
-  // Optional keys: nothing if absent or wrong; then the default stays.
+  // Optional keys: return nothing if absent or invalid, so that the default stays.
   std::optional<double> number(const std::string& key, const Limits& limits);
   std::optional<std::uint64_t> natural(
       const std::string& key, std::uint64_t minimum = 0,
@@ -80,7 +78,7 @@ class ObjectReader {
   void finish();
 
   void complain(const std::string& text) { mistakes_.add(value_.at, path_, text); }
-  /// About the value of `key`, or about the object if the key is absent.
+  /// Reports the value of `key`, or the object if the key is absent.
   void complain(const std::string& key, const std::string& text);
 
   bool is_object() const { return value_.kind == JsonValue::Kind::object; }

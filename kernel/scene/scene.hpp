@@ -18,8 +18,8 @@
 
 namespace suture {
 
-/// What a scene file says, checked: plain data, nothing built. Every member
-/// that can be wrong later (an empty selection) carries the JSON path it came from.
+/// The checked contents of a scene file: plain data, nothing built. Every member that can still
+/// turn out to be wrong (an empty selection) holds its JSON path.
 
 struct MeshSource {
   std::optional<BoxOptions> box;       ///< or
@@ -29,15 +29,15 @@ struct MeshSource {
   ImportOptions import;
 };
 
-/// What an element that turns inside out means.
+/// What happens when an element inverts.
 enum class OnInversion { by_model, stop, warn };
 
 struct ModelUse {
-  std::string name;  ///< of the instance; default: the id, id-2, ...
+  std::string name;  ///< name of the instance; default: the id, id-2, ...
   const suture_model* model = nullptr;
   std::vector<double> parameters;  ///< in declared order, defaults filled in
   Selection region;
-  OnInversion on_inversion = OnInversion::by_model;  ///< before the solver's
+  OnInversion on_inversion = OnInversion::by_model;  ///< takes precedence over the solver's
   std::string path;
 };
 
@@ -73,10 +73,10 @@ struct SolverOptions {
   bool until_rest = false;
   double tolerance = 1e-6;         ///< of the residual, for rest
   double kick = 0;                 ///< m, along an unstable mode at rest; 0: none
-  std::uint64_t max_steps = 0;     ///< 0: no limit but for rest (10 million)
+  std::uint64_t max_steps = 0;     ///< 0: no limit, except for rest (10 million)
   double damping = 0;              ///< 1/s, mass-proportional: f = -damping m v
   bool automatic_damping = false;  ///< with until_rest
-  unsigned threads = 0;            ///< 0: as many as pay
+  unsigned threads = 0;            ///< 0: as many as are useful
   double sleep_acceleration = 0;   ///< m/s^2; 0: no island sleeps
   double sleep_velocity = 0;       ///< m/s
   OnInversion on_inversion = OnInversion::by_model;
@@ -90,12 +90,12 @@ struct Probe {
   std::vector<std::string> fields{};  ///< none: position, displacement and force
   std::optional<Of> of{};             ///< none: the sum of force and reaction, the mean of others
   std::string path{};                 ///< "/output/probes/at/0"
-  bool at_point = false;              ///< `where` is a node; fields of elements: of those around it
+  bool at_point = false;  ///< `where` is a node; element fields use the elements around it
 };
 
 struct OutputOptions {
   bool enabled = true;
-  std::filesystem::path directory;  ///< absolute; default: scene name beside the working folder
+  std::filesystem::path directory;  ///< absolute; default: out/NAME in the working folder
   double every = 0;                 ///< s between frames; 0: first and last only
   std::uint64_t every_steps = 0;    ///< instead of seconds
   std::vector<std::string> fields;  ///< "displacement", ...
@@ -107,26 +107,26 @@ struct OutputOptions {
   bool springs = false;  ///< springs_NNNN.vtu with strain
 };
 
-/// When checkpoints are written, besides the one of an interrupted run.
+/// When checkpoints are written, in addition to that of an interrupted run.
 struct CheckpointOptions {
   bool enabled = false;
   std::uint64_t every_steps = 0;  ///< or
-  double every = 0;               ///< s of the simulation; or
-  double minutes = 0;             ///< of the time that the run takes
-  unsigned keep = 2;              ///< files that stay
+  double every = 0;               ///< s of simulated time; or
+  double minutes = 0;             ///< of wall-clock time
+  unsigned keep = 2;              ///< number of files kept
 };
 
-/// All that a scene was read from, which reads as the same scene in any working folder.
+/// The complete source of a scene, from which the same scene can be read in any working folder.
 struct SceneSource {
-  std::string text;                      ///< JSON, after --set
-  std::filesystem::path file;            ///< absolute; mesh and plugin files count from its folder
-  std::filesystem::path working_folder;  ///< absolute; the output folder counts from it
+  std::string text;            ///< JSON, after --set
+  std::filesystem::path file;  ///< absolute; mesh and plugin files are relative to its folder
+  std::filesystem::path working_folder;  ///< absolute; the output folder is relative to it
 };
 
 struct Scene {
   std::string title;
   std::filesystem::path file;
-  /// Of the text after --set but for threads and checkpoints, which change no result.
+  /// Hash of the text after --set, excluding threads and checkpoints, which change no result.
   std::string hash;
   MeshSource mesh;
   std::vector<ModelUse> models;

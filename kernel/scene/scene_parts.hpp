@@ -6,14 +6,14 @@
 #include "kernel/scene/scene.hpp"
 #include "kernel/scene/scene_reader.hpp"
 
-/// The parts of read_scene, one per key at the top of a scene. Each reads its
-/// value into the Scene and notes every mistake; none throws.
+/// The parts of read_scene, one per top-level key of a scene. Each reads its value into the Scene
+/// and adds every mistake; none throws.
 namespace suture::scene_parts {
 
 struct Reading {
   Scene& scene;
   std::filesystem::path folder;          ///< of the scene file
-  std::filesystem::path working_folder;  ///< that the output folder counts from
+  std::filesystem::path working_folder;  ///< the output folder is relative to it
   const ModelLookup& lookup;
   Mistakes& mistakes;
   Diagnostics& diagnostics;
@@ -30,7 +30,7 @@ std::optional<Vec3> read_direction(ObjectReader& object, const std::string& key)
 Vec3 require_vector(ObjectReader& object, const std::string& key, const std::string& unit,
                     const std::string& what);
 TimeRamp read_ramp(const JsonValue& value, const std::string& path, Mistakes& mistakes);
-/// Reads every object of the array at `key`, if there is one.
+/// Reads every object of the array at `key`, if present.
 void for_each_object(ObjectReader& parent, const std::string& key, const std::string& of_what,
                      const std::function<void(ObjectReader&)>& read);
 /// A file that must exist, relative to the scene's folder, as an absolute path.
@@ -43,10 +43,10 @@ Selection::InBox read_box(ObjectReader box);
 /// Pairs of element numbers [[4, 5], ...].
 std::vector<std::array<std::uint64_t, 2>> read_pairs(const JsonValue& value,
                                                      const std::string& path, Mistakes& mistakes);
-/// Names end up in file and field names.
+/// Checks a name that becomes part of file and field names.
 bool is_good_name(std::string_view name);
 
-/// "on_inversion": "stop" or "warn"; by_model if it is not there.
+/// "on_inversion": "stop" or "warn"; by_model if absent.
 OnInversion read_on_inversion(ObjectReader& object);
 
 void read_mesh(const JsonValue& value, Reading& reading);
@@ -61,10 +61,10 @@ Pierce read_pierce(ObjectReader pierce);
 Tear read_tear(ObjectReader tear, Reading& reading);
 SewFaces read_suture(ObjectReader suture);
 RemoveIslands read_remove_islands(ObjectReader remove);
-/// After read_solver and read_models: events must lie within the run, and may look
-/// at what a model declares.
+/// After read_solver and read_models: events must lie within the run, and may refer to fields that
+/// a model declares.
 void read_events(ObjectReader& top, Reading& reading);
-/// After read_models: models bring fields of their own.
+/// After read_models: models add their own fields.
 void read_output(const JsonValue* value, Reading& reading);
 /// After read_solver and read_output.
 void read_checkpoint(const JsonValue* value, Reading& reading);

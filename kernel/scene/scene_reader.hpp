@@ -14,37 +14,36 @@ namespace suture {
 
 class PluginHost;
 
-/// What the reader needs to know of plugins.
+/// What the reader needs from plugins.
 struct ModelLookup {
   /// The table of a model; throws PluginError.
   std::function<const suture_model&(std::string_view id)> model;
-  /// Makes a plugin file named in the scene known, before any model is asked for.
+  /// Registers a plugin file named in the scene, before any model is requested.
   std::function<void(const std::filesystem::path&)> add_plugin;
 };
 
-/// Reads and checks a scene; nothing is built. `sets` are the texts of --set.
-/// Throws IoError if the file cannot be read, InputError at the first error of
-/// syntax or with all errors of meaning ("FILE:LINE:COLUMN: PATH: ..." each),
-/// PluginError if all that is wrong are plugins, UsageError for a --set that
-/// leads nowhere. What is legal but odd is warned of.
+/// Reads and checks a scene; nothing is built. `sets` are the texts of --set. Throws IoError if the
+/// file cannot be read, InputError at the first syntax error or with all other mistakes
+/// ("FILE:LINE:COLUMN: PATH: ..." each), PluginError if all mistakes are in plugins, UsageError for
+/// a --set with an invalid pointer. Warns of values that are legal but unusual.
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& sets,
                  PluginHost& host, Diagnostics& diagnostics);
 
-/// The same from a text; `file` gives the name for messages and the folder that
-/// mesh and plugin files are relative to.
+/// The same from a text; `file` is the name for messages, and mesh and plugin files are relative to
+/// its folder.
 Scene read_scene_text(std::string_view text, const std::filesystem::path& file,
                       const std::vector<std::string>& sets, const ModelLookup& lookup,
                       Diagnostics& diagnostics);
 
-/// The scene that Scene::source was read from, whatever became of its file and in any working
-/// folder: without `sets` it has the same hash. Mesh, blade and plugin files are read where
-/// they were.
+/// Reads the scene again from Scene::source, in any working folder and even if its file has
+/// changed: without `sets` it has the same hash. Mesh, blade and plugin files are read from their
+/// original locations.
 Scene read_scene_source(const SceneSource& source, const std::vector<std::string>& sets,
                         PluginHost& host, Diagnostics& diagnostics);
 Scene read_scene_source(const SceneSource& source, const std::vector<std::string>& sets,
                         const ModelLookup& lookup, Diagnostics& diagnostics);
 
-/// Names of output fields that every scene may ask for, whatever its models.
+/// Names of the output fields available to every scene, independent of its models.
 const std::vector<std::string>& standard_fields();
 
 }  // namespace suture

@@ -11,8 +11,8 @@
 
 namespace suture {
 
-/// What the file calls things: kept aside when a mesh is imported, because the
-/// complex has numbers of its own.
+/// The names and numbers in the file, kept when a mesh is imported because the complex has its own
+/// numbers.
 struct MeshNames {
   std::map<std::string, std::vector<Index>> point_sets;
   std::map<std::string, std::vector<Index>> element_sets;
@@ -29,9 +29,9 @@ struct MeshNames {
   }
 };
 
-/// Turns the selections of a scene into cells of the complex that exist, where they are
-/// at rest. Results are ascending. A selection that selects nothing, an unknown set or
-/// an unknown id throws InputError with the selection's JSON path. O(cells).
+/// Converts the selections of a scene to existing cells of the complex, by their positions at rest.
+/// Results are ascending. Throws InputError with the JSON path of the selection if it is empty or
+/// names an unknown set or id. O(cells).
 class Selector {
  public:
   /// `rest`: the rest positions of all vertices, in `frame` like all selections.
@@ -39,15 +39,15 @@ class Selector {
            const BodyFrame& frame);
 
   std::vector<Index> vertices(const Selection& selection) const;
-  /// Elements whose centroid is selected (ids and sets: the elements named).
+  /// Elements whose centroid is selected (for ids and sets, the named elements).
   std::vector<Index> elements(const Selection& selection) const;
-  /// The same while it runs: of the elements that are left, by their centroids where
-  /// vertex v is at rows[4 v]. Maybe none.
+  /// The same during a run: the remaining elements, by their centroids, where vertex v is at rows[4
+  /// v]. May be empty.
   std::vector<Index> elements_now(const Selection& selection, const double* rows) const;
   /// One dart of each boundary face whose four vertices are selected.
   std::vector<Dart> boundary_faces(const Selection& selection) const;
 
-  /// Element of the complex with the user's id, or `none`.
+  /// The element of the complex with this user id, or `none`.
   Index element_with_id(std::uint64_t id) const;
 
   double diagonal() const { return diagonal_; }  ///< of the mesh at rest, m
@@ -68,7 +68,7 @@ class Selector {
   const Column& rest_;
   const BodyFrame& frame_;
   double diagonal_;                                                   ///< of the mesh at rest, m
-  std::map<std::uint64_t, Index> point_position_, element_position_;  ///< only where ids are given
+  std::map<std::uint64_t, Index> point_position_, element_position_;  ///< only if the file has ids
 };
 
 }  // namespace suture

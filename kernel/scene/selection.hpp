@@ -10,9 +10,8 @@
 
 namespace suture {
 
-/// Some points or elements. Geometry is tested at rest; an element is selected
-/// if its centroid is. A load in Pa acts on the boundary faces all four corners
-/// of which are selected.
+/// A selection of points or elements. Geometry is tested at rest; an element is selected if its
+/// centroid is. A load in Pa acts on the boundary faces whose four corners are all selected.
 struct Selection {
   struct All {};
   struct InBox {
@@ -31,7 +30,7 @@ struct Selection {
   };
   struct Nearest {
     Vec3 point;
-    double tie = 0;  ///< m: of cells whose distances differ by no more, the first
+    double tie = 0;  ///< m: of cells whose distances differ by at most this, the first is selected
   };                 ///< the one point or element nearest to it
   struct Ids {
     std::vector<std::uint64_t> ids;
@@ -42,7 +41,7 @@ struct Selection {
   std::variant<All, InBox, Plane, HalfSpace, Sphere, Nearest, Ids, Named> what = All{};
   std::string path;  ///< "/constraints/0/where"
 
-  /// Of a plane without a tolerance, as a part of the diagonal of the mesh's bounding box.
+  /// The default tolerance of a plane, as a fraction of the diagonal of the mesh's bounding box.
   static constexpr double default_tolerance = 1e-6;
 };
 

@@ -39,7 +39,7 @@ inline std::array<Vec3, 3> reciprocals(const std::array<Vec3, 3>& A) {
   return G;
 }
 
-/// What an element says of its faces: a value, and across which axis.
+/// The value of an element, and the axis across whose faces it applies.
 struct AxisValue {
   double value;
   int axis;

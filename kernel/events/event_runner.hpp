@@ -15,7 +15,7 @@ namespace suture {
 class MovingBlade;
 class SurfaceBlade;
 
-/// What an operation did.
+/// The effect of an operation.
 struct EventOutcome {
   Index faces_cut = 0, faces_torn = 0, faces_sewn = 0, elements_removed = 0;
   bool changed() const { return faces_cut + faces_torn + faces_sewn + elements_removed > 0; }
@@ -24,31 +24,30 @@ struct EventOutcome {
   std::string text() const;
 };
 
-/// Makes the operations of a scene's events happen to a built: finds what each is
-/// about (kernel/events), and hands that to cut(), pierce() or sew().
+/// Applies the operations of a scene's events to a built scene: finds the cells that each affects
+/// (kernel/events) and passes them to cut(), pierce() or sew().
 class EventRunner : private Follower {
  public:
-  /// Throws InputError for lists and selections that cannot be meant, before
-  /// anything has run.
+  /// Throws InputError for invalid lists and selections before anything has run.
   EventRunner(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics);
   ~EventRunner() override;
 
-  /// Event `i` of the scene, now. What cannot be done throws InputError or
-  /// NumericalError beginning with the event's path, and then nothing has happened;
-  /// what has no effect warns (a look that repeats: at the end, once).
+  /// Applies event `i` of the scene now. If that is not possible, throws InputError or
+  /// NumericalError that begins with the path of the event, and nothing has changed. Warns of an
+  /// event without effect (for a repeating event: once, at the end).
   EventOutcome fire(std::size_t i, double time);
-  /// The same for any operation, from C++: an event that is in no scene. Coordinates are
-  /// those of the built's frame.
+  /// The same for an event from C++ that is not part of the scene. Its coordinates are those of the
+  /// body's frame.
   EventOutcome apply(const Event& event, double time);
-  /// The body is as it was at `time`, when no operation has changed it since.
+  /// Call after a rollback to `time`; no operation has changed the body since then.
   void go_back(double time);
   /// Warns of events that had no effect in the whole run.
   void finish();
   void state(Archive& archive);
 
  private:
-  struct Call;  // one operation on its way
-  /// What an event keeps from one time to the next, by its operation.
+  struct Call;  // one operation in progress
+  /// What an event keeps between calls, depending on its operation.
   struct State {
     std::unique_ptr<TearCheck> tear;
     std::unique_ptr<SurfaceBlade> surface;
@@ -60,7 +59,7 @@ class EventRunner : private Follower {
   State prepare(const Event& event);
   void check(const Event& event);
   void check_pairs(const Event& event, const SewFaces& sew) const;
-  /// What events remember of the tissue.
+  /// Updates the stored positions of the tissue.
   void follow(const CellComplex& complex, const TopologyChange& change) override;
 
   const Scene& scene_;

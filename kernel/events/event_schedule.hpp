@@ -9,24 +9,23 @@
 
 namespace suture {
 
-/// Says which events are due at a step: once at their time, every so many steps,
-/// once a condition holds, and a moving blade at every step of its way. Conditions
-/// look at nodes that were chosen at the start; a cut leaves the choice with one of
-/// the parts, a removed node drops out.
+/// Determines which events are due at a step: once at their time, every n steps, as soon as a
+/// condition holds, or, for a moving blade, at every step of its path. Conditions use nodes
+/// selected at the start; after a cut, one of the parts remains selected; a removed node is
+/// dropped.
 class EventSchedule {
  public:
-  /// Throws InputError for a condition whose selection selects nothing.
+  /// Throws InputError for a condition with an empty selection.
   EventSchedule(const std::vector<Event>& events, BuiltScene& built);
 
-  /// Positions in `events` of what is due now, ascending; each only once per step.
+  /// Positions in `events` of the events that are due now, ascending; each only once per step.
   /// O(events that are not timed); a condition costs a pass over its nodes.
   std::vector<std::size_t> due(const Clock& clock);
 
-  /// What was due so far.
+  /// The events that have been due so far.
   void state(Archive& archive);
 
-  /// The last time at which something is known to be due, s: before it a body is not
-  /// at rest.
+  /// The last time at which an event is known to be due, s; a body cannot be at rest before it.
   double settled_after() const;
 
  private:

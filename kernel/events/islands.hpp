@@ -8,9 +8,9 @@
 
 namespace suture {
 
-/// The elements of the islands that go: of fewer than `below` elements, or without a
-/// vertex inside the box, where vertex v is at rows[stride * v] (m). Ascending; maybe
-/// none, maybe all. O(elements).
+/// The elements of the islands to remove: those with fewer than `below` elements, or without a
+/// vertex inside the box, where vertex v is at rows[stride * v] (m). Ascending; may be empty or
+/// contain all elements. O(elements).
 std::vector<Index> elements_of_islands(const CellComplex& complex, const Islands& islands,
                                        const double* rows, const RemoveIslands& which,
                                        std::size_t stride = 4);

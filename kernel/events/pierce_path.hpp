@@ -8,10 +8,9 @@
 
 namespace suture {
 
-/// The elements whose centroid lies within `radius` (m) of the polyline through
-/// `path` (one point or more), ascending; maybe none. Vertex v is at
-/// rows[stride * v], deformed or at rest. O(elements + elements near the path x
-/// segments), about 10 ns per element.
+/// The elements whose centroid lies within `radius` (m) of the polyline through `path` (at least
+/// one point), ascending; may be empty. Vertex v is at rows[stride * v], deformed or at rest.
+/// O(elements + elements near the path x segments), about 10 ns per element.
 std::vector<Index> elements_along_path(const CellComplex& complex, const double* rows,
                                        std::span<const Vec3> path, double radius,
                                        std::size_t stride = 4);

@@ -12,7 +12,7 @@ namespace suture {
 /// A plane, or the part of it that lies in a disc around `point` and inside a
 /// polygon: flat blades, which need no tree of triangles.
 struct PlanePatch {
-  Vec3 point, normal;                                       ///< m; any length but 0
+  Vec3 point, normal;                                       ///< m; any length except 0
   double radius = std::numeric_limits<double>::infinity();  ///< m
   std::span<const Vec3> polygon{};                          ///< m, in the plane; empty: all of it
 };
@@ -25,8 +25,8 @@ struct PlanePatch {
 ///     ----x------|     c d beside it                            -> is not
 ///         . b    . c d
 ///
-/// A crossing on the rim of the disc is inside; on a side of the polygon it is
-/// inside of one of two polygons that share this side. O(elements).
+/// A crossing on the rim of the disc is inside; a crossing on a side of the polygon is inside
+/// exactly one of two polygons that share the side. O(elements).
 std::vector<Dart> faces_across_patch(const CellComplex& complex, const double* rows,
                                      const PlanePatch& patch, std::size_t stride = 4);
 

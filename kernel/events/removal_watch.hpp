@@ -9,16 +9,16 @@
 
 namespace suture {
 
-/// Tells of loads and constraints that lose what they act on when elements are
-/// removed: of each once that it lost a part, and once that nothing is left.
+/// Reports loads and constraints that lose nodes or faces when elements are removed: for each, once
+/// when it loses a part, and once when nothing is left.
 class RemovalWatch {
  public:
   RemovalWatch(const Scene& scene, BuiltScene& built) : scene_(scene), built_(built) {}
 
-  /// These elements are about to go. The first call selects anew what every load and
-  /// constraint acts on; then O(removed elements) each.
+  /// Call before these elements are removed. The first call evaluates the selections of all loads
+  /// and constraints; later calls are O(removed elements).
   void before(std::span<const Index> elements);
-  /// They are gone: what is to be told. O(elements) per load or constraint that lost
+  /// Call after the removal; returns the warnings. O(elements) per load or constraint that lost
   /// something, until nothing is left of it.
   std::vector<std::string> after();
   void state(Archive& archive);
@@ -27,10 +27,10 @@ class RemovalWatch {
   /// A load or a constraint.
   struct Holder {
     std::string path;            ///< "/loads/0"
-    std::vector<char> point;     ///< by the user's point: whether it acts there
-    int corners;                 ///< that an element has in it if it carries a part
-    bool by_nodes;               ///< loses something only where a node goes
-    std::vector<Index> nodes{};  ///< of the elements about to go
+    std::vector<char> point;     ///< per user point: whether it acts there
+    int corners;                 ///< corners that an element must have in it to carry a part
+    bool by_nodes;               ///< loses something only where a node is removed
+    std::vector<Index> nodes{};  ///< of the elements to be removed
     bool loses = false, told = false, gone = false;
   };
   void find_holders();

@@ -12,7 +12,7 @@
 
 namespace suture {
 
-// Corner k of the face of seam.one meets the end of the dart that goes with it.
+// Corner k of the face of seam.one meets the end of its counterpart dart.
 //
 //     k = 0        one         other
 //       *---->     the face of `one` runs forwards, that of `other` backwards
@@ -24,15 +24,15 @@ inline Index partner_vertex(const CellComplex& complex, Seam seam, Dart k) {
   return complex.origin(CellComplex::beta1((seam.other & ~3u) | ((seam.other - k) & 3u)));
 }
 
-/// Seams that CellComplex::sew() accepts in one batch, collected one by one: what the
-/// first seams make of the vertices decides about the later ones.
+/// Seams that CellComplex::sew() accepts in one batch, collected one by one: the vertices merged by
+/// earlier seams restrict the later ones.
 class SeamBatch {
  public:
   explicit SeamBatch(const CellComplex& complex) : complex_(complex) {}
 
-  /// Takes the seam into the batch; if that cannot be, says why, as the end of a
-  /// sentence, and leaves the batch as it was. Both faces must be on the boundary and
-  /// of different elements. O(elements around the four corners).
+  /// Adds the seam to the batch; if that is not possible, returns the reason, as the end of a
+  /// sentence, and leaves the batch unchanged. Both faces must be on the boundary and belong to
+  /// different elements. O(elements around the four corners).
   std::optional<std::string> add(Seam seam, const Naming& naming = {});
   const std::vector<Seam>& seams() const { return seams_; }
   /// Whether the face (any dart of it) is in a seam of the batch.
@@ -46,9 +46,9 @@ class SeamBatch {
 
   const CellComplex& complex_;
   std::vector<Seam> seams_;
-  std::unordered_set<Dart> faces_;                ///< by their first darts
-  std::unordered_map<Index, Index> joined_;       ///< a vertex to one that it becomes
-  std::unordered_map<Index, Elements> elements_;  ///< of vertices that others became
+  std::unordered_set<Dart> faces_;                ///< identified by their first darts
+  std::unordered_map<Index, Index> joined_;       ///< vertex -> a vertex that it merges into
+  std::unordered_map<Index, Elements> elements_;  ///< elements of vertices that others merged into
 };
 
 }  // namespace suture

@@ -10,11 +10,10 @@
 
 namespace suture {
 
-/// Looks for faces that a criterion tears; CellComplex::cut() then cuts them.
+/// Finds faces that a criterion tears; CellComplex::cut() then cuts them.
 ///
-/// Every element has a value for one or for each of its three pairs of opposite
-/// faces; a face tears if the mean of the values of its two elements is above the
-/// threshold:
+/// Every element has a value for one of its three pairs of opposite faces, or for each of them; a
+/// face tears if the mean of the values of its two elements exceeds the threshold:
 ///
 ///   principal-strain  The largest eigenvalue of E = (F^T F - 1)/2 at the element's
 ///                     centre, for the pair of faces across which it is strained the
@@ -34,33 +33,33 @@ namespace suture {
 ///                     of which has a value (the other is of another model) that
 ///                     one's counts.
 ///
-/// F = sum_a A_a x G_a, with A_a the mean of the four edge vectors of direction a and
-/// G_a the reciprocal of those at rest: exact for parallelepipeds.
+/// F = sum_a A_a x G_a, with A_a the mean of the four edge vectors of direction a and G_a the
+/// reciprocal of those at rest: exact for parallelepipeds.
 ///
-/// Cost: a pass over the elements in batches of 8 with a bound that most elements
-/// fail, then exact values of the others; a field costs what its model takes.
-/// Memory: 72 B (strain) or 96 B (elongation) per element, nothing if all are
-/// congruent; without holes and for all elements no list.
+/// Cost: a pass over the elements in batches of 8 with a bound that excludes most elements, then
+/// exact values for the others; a field costs its evaluation by the model. Memory: 72 B (strain) or
+/// 96 B (elongation) per element, nothing if all are congruent; no list of elements if all are
+/// checked and there are no holes.
 class TearCheck {
  public:
-  /// `elements`: ascending, or empty for all: only faces between two of them tear.
-  /// `path`: of the criterion in the scene, for messages.
+  /// `elements`: ascending, or empty for all; only faces between two of them tear. `path`: JSON
+  /// path of the criterion, for messages.
   TearCheck(const Tear& tear, std::vector<Index> elements, const CellComplex& complex,
             std::string path);
 
-  /// One dart of each face that tears now, ascending. Throws NumericalError if they
-  /// are more than tear.most of the faces between the elements (a criterion that tears
-  /// everything is no crack), PluginError for a field that nobody gives. The same for
-  /// any number of threads.
+  /// One dart of each face that tears now, ascending. Throws NumericalError if they exceed the
+  /// fraction tear.most of the faces between the elements (a criterion that tears everything does
+  /// not describe a crack), PluginError for a field that no model provides. The result does not
+  /// depend on the number of threads.
   std::vector<Dart> faces(Body& body, double time);
 
-  /// Elements were removed, or rest places changed.
+  /// Call after elements were removed or rest positions changed.
   void invalidate() { is_built_ = false; }
   /// The metric is rebuilt from the loaded attributes, with the same bits.
   void state(Archive& archive);
 
  private:
-  /// The present state, for the time of one look.
+  /// The current state, for the duration of one check.
   struct Look;
 
   void build(const Look& look);
@@ -79,7 +78,7 @@ class TearCheck {
   std::string path_;
 
   bool is_built_ = false;
-  std::vector<Index> rows_;  ///< elements that are looked at; empty: all, and no holes
+  std::vector<Index> rows_;  ///< elements to check; empty: all, without holes
   Index row_count_ = 0;
   Column metric_;  ///< per row, see loops::Table::strained and elongated
 };

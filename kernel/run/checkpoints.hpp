@@ -13,15 +13,16 @@
 
 namespace suture {
 
-/// Says when a checkpoint is due and writes it. Costs nothing where the scene asks for none.
+/// Decides when a checkpoint is due and writes it. Costs nothing if the scene requests none.
 class Checkpoints {
  public:
   Checkpoints(BuiltScene& built, const PluginHost& host);
 
-  /// Between two steps, once per step.
+  /// Call between two steps, once per step.
   bool is_due(const Clock& clock) const;
   bool are_written() const { return options_.enabled; }
-  /// Takes the state now, and writes it on another thread. Throws IoError of the one before.
+  /// Saves the state now and writes it on another thread. Throws the IoError of the previous
+  /// checkpoint, if any.
   template <class Run>
   void write(const Clock& clock, Run& run) {
     StateTree tree;
@@ -29,11 +30,11 @@ class Checkpoints {
     write(clock, std::move(tree));
   }
   void finish();
-  /// The newest that is whole, or "".
+  /// The newest complete checkpoint, or "".
   std::string newest() const;
 
-  /// Goes on from a checkpoint: its state into `run`, which is as the scene builds it. Throws
-  /// InputError for one of another mesh, model or format.
+  /// Resumes from a checkpoint: loads its state into `run`, which must be as built from the scene.
+  /// Throws InputError for a checkpoint of a different mesh, model or format.
   template <class Run>
   void resume(const Checkpoint& checkpoint, const std::filesystem::path& file, const Clock& clock,
               Run& run) {

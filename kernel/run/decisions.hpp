@@ -8,13 +8,12 @@
 
 namespace suture {
 
-/// Leaves out the cells between vertices that are held at rest for good, if nobody
-/// asks for what they give: stress, reactions, energy.
+/// Leaves out cells whose vertices are all permanently fixed, unless their stress, reactions or
+/// energy are requested.
 Decision decide_still_cells(const Scene& scene, BuiltScene& built, const Recorder& recorder);
 
-/// What was built, loaded and looped over for this scene, and what was skipped
-/// and why. Plugins that several models share are named once per model. After
-/// decide_still_cells().
+/// Lists what was built, loaded and looped over for this scene, and what was skipped and why.
+/// Plugins shared by several models are named once per model. Call after decide_still_cells().
 std::vector<Decision> decide(const Scene& scene, PluginHost& host, BuiltScene& built,
                              const Recorder& recorder);
 

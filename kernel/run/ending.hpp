@@ -10,18 +10,18 @@
 
 namespace suture {
 
-/// Says when a run is over, and how: at its end time, at rest, or because it cannot come to
-/// either.
+/// Decides when and how a run ends: at its end time, at rest, or because it can reach neither.
 class Ending : private Follower {
  public:
   Ending(BuiltScene& built, const EventSchedule& schedule, StepControl& control, Recorder& recorder,
          Diagnostics& diagnostics);
 
-  /// After a step and what was due: how the run ended, or none. Throws NumericalError for a body
-  /// that never comes to rest, and at the limit of steps. May go back to an earlier step.
+  /// Call after a step and everything due at its time. Returns how the run ended, or none. Throws
+  /// NumericalError for a body that never comes to rest, and at the limit of steps. May roll back
+  /// to an earlier step.
   std::optional<RunSummary::Outcome> look(const StepControl::Notify& notify);
 
-  /// The search for rest of a run that ends there.
+  /// The search for rest, for a run that ends at rest.
   RestSearch* rest() { return rest_ ? &*rest_ : nullptr; }
   std::optional<double> lowest_eigenvalue() const { return stability_.lowest_eigenvalue(); }
   void state(Archive& archive);
@@ -41,7 +41,7 @@ class Ending : private Follower {
   Diagnostics& diagnostics_;
   Stability stability_;
   std::optional<RestSearch> rest_;
-  bool cells_changed_ = false;  // since the last look for falling pieces
+  bool cells_changed_ = false;  // since the last check for falling pieces
 };
 
 }  // namespace suture

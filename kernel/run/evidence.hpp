@@ -10,16 +10,16 @@
 
 namespace suture {
 
-/// What a run that fails leaves behind for the eye: failed.pvd with the last good state and the
-/// one that failed, both with displacement, velocity and, on elements, "failure": 0 sound,
-/// 1 inverted (a corner Jacobian <= 0), 2 not finite. Nodes that are not finite are shown where
-/// they were last.
+/// The visual evidence of a failed run: failed.pvd with the last good state and the one that
+/// failed, both with displacement, velocity and, on elements, "failure": 0 sound, 1 inverted (a
+/// corner Jacobian <= 0), 2 not finite. Nodes that are not finite are drawn at their last finite
+/// positions.
 class Evidence {
  public:
-  /// The state that failed is the present one.
+  /// The current state is the one that failed.
   Evidence(BuiltScene& built, double time);
   void add_last_good(BuiltScene& built, double time);
-  /// A sentence on what was written, or on why it could not be.
+  /// Returns a sentence that says what was written, or why it could not be written.
   std::string write(const std::filesystem::path& directory);
 
  private:

@@ -10,24 +10,24 @@
 
 namespace suture {
 
-/// One field that a scene may ask for.
+/// One field that a scene can request.
 struct FieldChoice {
   enum class On { points, cells, springs };
   std::string name;
   On on = On::points;
-  bool needs_force = false;  ///< forces must belong to the positions of the frame
-  /// Computes the field; `gravity` (m/s^2) and `time` (s) as they are now.
+  bool needs_force = false;  ///< forces must match the positions of the frame
+  /// Computes the field; `gravity` (m/s^2) and `time` (s) are the current values.
   std::function<void(BuiltScene&, const Vec3& gravity, double time, FrameField&)> fill;
   bool runs_functors = false;  ///< an output of a model, not a column
   int components = 1;
   std::string unit = "1";  ///< "1": none
-  /// One component at one vertex or element, without computing the others; empty where
-  /// only fill() knows.
+  /// One component at one vertex or element, without computing the others; empty if only fill() can
+  /// compute it.
   std::function<double(BuiltScene&, const Vec3& gravity, Index cell, int component)> value{};
 };
 
-/// What the components of a field are called: "x y z", "xx yy zz xy yz xz", 0, 1, ...;
-/// a single "" for a scalar.
+/// The names of the components of a field: "x y z", "xx yy zz xy yz xz", 0, 1, ...; a single "" for
+/// a scalar.
 std::vector<std::string> component_names(int components);
 
 /// False for a row whose cell was removed, or left the instance.
@@ -40,20 +40,20 @@ inline bool has_cell(const CellComplex& complex, const Table& table, Index row) 
 /// mass, fixed, node_id (points), element_id, island, model, hourglass (elements).
 const std::vector<FieldChoice>& kernel_fields();
 
-/// Fields of the models in a run: output extensions and attributes flagged for
-/// output. A field of several instances is one array, NaN where no model gives it.
+/// Fields of the models in a run: output extensions and attributes flagged for output. A field of
+/// several instances is one array, NaN where no model provides it.
 std::vector<FieldChoice> model_fields(BuiltScene& built);
 
-/// Fields of every run, then those of its models.
+/// The fields of every run, followed by those of its models.
 std::vector<FieldChoice> all_fields(BuiltScene& built);
 
-/// The field of points or elements with this name among `fields`. Throws InputError that
-/// begins with `path` and names the nearest and all others.
+/// The field of points or elements with this name among `fields`. Throws InputError that begins
+/// with `path` and names the nearest field and all others.
 const FieldChoice& field_named(const std::vector<FieldChoice>& fields, const std::string& name,
                                const std::string& path);
 
-/// The chosen fields; all of a run's for the springs. Throws InputError for a
-/// name that no model of this scene gives, with the nearest.
+/// The chosen fields; for springs, all fields of the run. Throws InputError for a field that no
+/// model of this scene provides, naming the nearest.
 std::vector<FieldChoice> choose_fields(BuiltScene& built, const OutputOptions& options);
 
 /// The fields of this scene that are not among `chosen`.

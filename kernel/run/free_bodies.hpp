@@ -8,14 +8,14 @@
 
 namespace suture {
 
-/// Before a search for rest: warns of pieces that nothing holds, with their free motions.
-/// Throws InputError for a piece that the final loads push along a free translation, if the
-/// scene gives no end and no event that could change it: such a body never comes to rest.
-/// A model whose tangent resists the motion, or that has none to ask, holds too.
+/// Called before a search for rest: warns of unconstrained pieces, with their free motions. Throws
+/// InputError for a piece that the final loads push along a free translation, if the scene has no
+/// end time and no event that could change this: such a body never comes to rest. A model whose
+/// tangent resists the motion also holds the piece, as may one without a tangent.
 void look_for_free_bodies(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics);
 
-/// The same after the last event, which may have cut a piece off: what falls, or "". "" too
-/// while an event is still to come, or may be.
+/// The same after the last event, which may have cut a piece off: describes the falling piece, or
+/// returns "". Also returns "" while another event is or may be still to come.
 std::string falling_body(const Scene& scene, BuiltScene& built);
 
 }  // namespace suture

@@ -9,27 +9,27 @@
 
 namespace suture {
 
-/// Looks whether the numbers of a run are still right: finite energies, a balance that closes,
-/// no inverted element where the model does not admit one. (Velocities that are not finite are
-/// found by the step itself, an unstable step by the frequency of the motion.)
+/// Checks that a run is still valid: finite energies, a balance that closes, no inverted element
+/// unless the model allows it. (The step itself finds velocities that are not finite, and the
+/// frequency of the motion reveals an unstable step.)
 class Guard {
  public:
   Guard(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics);
 
-  /// The beginning of the ledger.
+  /// Starts the ledger.
   void start() { last_ = built_.dynamics().balance(); }
 
-  /// Looks at the present state; throws NumericalError with what is wrong, but for the advice,
-  /// which depends on the step. An evaluation of energies (0.7 of the forces), a pass over the
+  /// Checks the current state; throws NumericalError with what is wrong, without the advice, which
+  /// depends on the step. Costs an evaluation of energies (0.7 of the forces), a pass over the
   /// vertices and one over the elements.
   void check(std::uint64_t step, double time);
 
-  /// The part of the exchanged energy that came from nowhere since start() or
-  /// forgive_growth(); 0 where rounding explains it.
+  /// The fraction of the exchanged energy that is unexplained since start() or forgive_growth(); 0
+  /// if rounding explains it.
   double growth() const;
   void forgive_growth() { forgiven_ = unexplained(); }
 
-  /// What rounding can have added to the energy so far, J.
+  /// An estimate of the energy that rounding has added so far, J.
   double noise() const { return noise_; }
 
   const EnergyBalance& last() const { return last_; }
@@ -42,9 +42,9 @@ class Guard {
 
   BuiltScene& built_;
   Diagnostics& diagnostics_;
-  std::vector<bool> stops_;              ///< on inversion, by instance
-  std::vector<Index> inverted_at_rest_;  ///< admitted by the scene, ascending
-  Index worst_inverted_ = 0;             ///< beyond those
+  std::vector<bool> stops_;              ///< whether inversion stops the run, by instance
+  std::vector<Index> inverted_at_rest_;  ///< allowed by the scene, ascending
+  Index worst_inverted_ = 0;             ///< in addition to those
   double noise_ = 0;
   EnergyBalance last_;
   double forgiven_ = 0;

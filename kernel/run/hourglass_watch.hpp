@@ -7,11 +7,11 @@
 
 namespace suture {
 
-/// A warning if the body as it is has hourglassed, "" if not (a body that still moves: only
-/// where no continuum resists that): how many elements have an
-/// alternating part above half their strain, the worst of them, and what to do. A few
-/// elements are none, as around a force on one node: at least 64, or a tenth of a small
-/// body and 8.
+/// Returns a warning if the body has hourglassed, otherwise "" (for a moving body, only where no
+/// continuum resists hourglassing). It gives the number of elements whose alternating part exceeds
+/// half their strain, the worst of them, and advice. A few elements, as around a force on a single
+/// node, do not count: there must be at least 64, or, in a small body, a tenth of the elements and
+/// at least 8.
 std::string hourglass_warning(const Scene& scene, BuiltScene& built, bool at_rest);
 
 }  // namespace suture

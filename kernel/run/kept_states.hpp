@@ -8,9 +8,9 @@
 
 namespace suture {
 
-/// Two states of a run, 32 steps apart, to go back to when a step turns out to be wrong: the
-/// older one lies so far back that an instability which is seen now had not begun there.
-/// 0.2 % of a step; 96 B per vertex.
+/// Two states of a run, 32 steps apart, for a rollback when a step turns out to be wrong: the older
+/// one precedes the start of an instability that is detected now. Costs 0.2 % of a step and 96 B
+/// per vertex.
 class KeptStates {
  public:
   struct State {
@@ -20,8 +20,8 @@ class KeptStates {
     void state(Archive& archive);
   };
 
-  /// Before step `step`, with everything done that is due at its beginning. True if `run` was
-  /// kept, and the older state is another. `sooner`: do not wait for 32 steps.
+  /// Call before step `step`, after everything due at its start. Returns true if `run` was kept, so
+  /// that the older state changed. `sooner`: do not wait for 32 steps.
   template <class Run>
   bool look(std::uint64_t step, double time, Run& run, bool sooner) {
     if (step < due_ && !(sooner && count_ > 0)) return false;
@@ -32,11 +32,11 @@ class KeptStates {
     kept(step);
     return true;
   }
-  /// An operation was made, which nothing goes back behind. The next state is kept at once, or
-  /// four steps after the last one, so that a blade that cuts in every step costs 1 % here.
+  /// Call after an operation, which no rollback crosses. The next state is kept at once, but at
+  /// least four steps after the last one, so that a blade that cuts in every step costs only 1 %.
   void forget(std::uint64_t step);
   bool empty() const { return count_ == 0; }
-  /// The older state; it is the only one from now on.
+  /// Returns the older state, which becomes the only one.
   const State& take_older();
   const State& older() const { return states_[older_]; }
   void state(Archive& archive);

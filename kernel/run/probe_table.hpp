@@ -9,28 +9,27 @@
 
 namespace suture {
 
-/// The probes of a scene: which fields they show, over which vertices or elements. Cells
-/// are chosen at rest, once; a removed cell drops out.
+/// The probes of a scene: their fields and the vertices or elements that they cover. Cells are
+/// selected once, at rest; a removed cell is dropped.
 class ProbeTable {
  public:
-  /// Throws InputError for a field that no model of the scene gives, and for a selection
-  /// that selects nothing.
+  /// Throws InputError for a field that no model of the scene provides, and for an empty selection.
   ProbeTable(const OutputOptions& options, BuiltScene& built);
 
   /// One per value of a row: "time [s]", "tip displacement x [m]", ...
   std::vector<std::string> columns() const;
-  /// The values of one row. A field that functors compute is computed once, whatever the
-  /// number of probes that show it; the others are read where the probes are.
-  /// NaN where every cell of a probe was removed, or no model gives the field.
+  /// The values of one row. A field computed by functors is computed once for all probes; other
+  /// fields are read only at the probes. NaN if every cell of a probe was removed or no model
+  /// provides the field.
   const std::vector<double>& row(double time, const Vec3& gravity);
 
-  /// The fields that some probe shows, each once.
+  /// The fields of all probes, each once.
   const std::vector<FieldChoice>& fields() const { return fields_; }
-  /// Some field has this need: needs(&FieldChoice::needs_force).
+  /// True if some field has this property: needs(&FieldChoice::needs_force).
   bool needs(bool FieldChoice::*what) const;
 
  private:
-  /// What one probe shows of one field.
+  /// One field of one probe.
   struct Entry {
     std::string probe;
     std::size_t field;  ///< of fields_
@@ -43,7 +42,7 @@ class ProbeTable {
 
   BuiltScene& built_;
   std::vector<FieldChoice> fields_;
-  std::vector<FrameField> computed_;  ///< by field; empty where it is read cell by cell
+  std::vector<FrameField> computed_;  ///< by field; empty if it is read cell by cell
   std::vector<Entry> entries_;
   std::vector<double> values_;
 };

@@ -15,53 +15,53 @@
 
 namespace suture {
 
-/// Writes what a run leaves behind: frames, springs, energies.csv, probes.csv. Records are
-/// held back until release(), as the step that made them may still be rejected.
-/// Nothing is created on disk before the first record is released.
+/// Writes the results of a run: frames, springs, energies.csv, probes.csv. Records are held back
+/// until release(), because their step may still be rejected. Nothing is created on disk before the
+/// first record is released.
 class Recorder {
  public:
-  /// Throws InputError for fields or probes that the scene cannot have.
+  /// Throws InputError for fields or probes that the scene cannot provide.
   Recorder(const Scene& scene, BuiltScene& built, std::string provenance);
 
   bool writes_frames() const { return frames_ != nullptr; }
   bool writes_energies() const { return energies_ != nullptr; }
   bool writes_probes() const { return probes_ != nullptr; }
-  /// Frames show forces: they must belong to the present positions.
+  /// True if frames contain forces, which must match the current positions.
   bool frames_need_force() const { return frames_need_force_; }
 
-  /// Frames show what functors of the models compute (stress).
+  /// True if frames contain fields computed by functors of the models (stress).
   bool frames_run_functors() const { return frames_run_functors_; }
 
-  /// What the probes show; nullptr without probes.
+  /// The table of the probes; nullptr without probes.
   const ProbeTable* probe_table() const { return probe_table_ ? &*probe_table_ : nullptr; }
-  /// Some field of the probes needs it: probes_need(&FieldChoice::needs_force).
+  /// True if some field of the probes has this property: probes_need(&FieldChoice::needs_force).
   bool probes_need(bool FieldChoice::*what) const;
 
   void frame(std::uint64_t step, double time, const Vec3& gravity);
   void energies(std::uint64_t step, double time, double dt, const EnergyBalance& row);
   void probes(std::uint64_t step, double time, const Vec3& gravity);
-  /// A file of its own, mode_0000.vtu, listed in mode.pvd: the state with the fields of
-  /// frames, and `shape` (of each vertex) as the point field "unstable_mode".
+  /// Writes a separate file, mode_0000.vtu, listed in mode.pvd: the state with the fields of
+  /// frames, and `shape` (per vertex) as the point field "unstable_mode".
   void mode(double time, const Vec3& gravity, const std::vector<Vec3>& shape);
-  /// Writes what was recorded up to a step.
+  /// Writes everything recorded up to a step.
   void release(std::uint64_t step);
-  /// Steps after this one are made again: drops their records.
+  /// Drops the records of the steps after this one, which are repeated.
   void go_back(std::uint64_t step);
-  /// Frames that are held back.
+  /// The number of frames held back.
   std::size_t frames_held() const;
-  /// Fills a frame that is not written, and loads what writing needs: for an
-  /// estimate. Returns its bytes; 0 without output.
+  /// For an estimate: fills a frame that is not written, and loads the modules that writing needs.
+  /// Returns its bytes; 0 without output.
   std::size_t rehearse(double time, const Vec3& gravity);
   /// Waits until all is on disk. Throws IoError.
   void finish();
 
   std::size_t frames_written() const { return frame_number_; }
   std::string collection() const;
-  /// What is on disk or held back; records go on behind that.
+  /// The records on disk and those held back; later records are appended.
   void state(Archive& archive);
   std::string mode_collection() const;  ///< "" if no mode was written
   const std::vector<FieldChoice>& fields() const { return fields_; }
-  /// Fields of this scene that were not chosen.
+  /// The fields of this scene that were not chosen.
   const std::vector<FieldChoice>& other_fields() const { return other_fields_; }
 
  private:
@@ -74,8 +74,8 @@ class Recorder {
   struct Held {
     std::uint64_t step = 0;
     enum class Kind { frame, springs, energies, probes } kind = Kind::frame;
-    std::unique_ptr<Frame> frame;  ///< of the first two kinds
-    std::vector<double> row;       ///< of the others
+    std::unique_ptr<Frame> frame;  ///< for the first two kinds
+    std::vector<double> row;       ///< for the others
     void state(Archive& archive);
   };
   void write(Held& held);

@@ -8,20 +8,21 @@
 
 namespace suture {
 
-/// Which frames and rows are due when, each once.
+/// Decides when frames and rows are due, and records each once.
 class Records {
  public:
   Records(BuiltScene& built, Recorder& recorder, const Clock& clock)
       : built_(built), recorder_(recorder), clock_(clock) {}
 
-  /// m/s^2, now.
+  /// The current value, m/s^2.
   Vec3 gravity() const { return built_.body().acceleration(clock_.time()); }
-  /// Records what is due at the present step, unless that was done. `last_dt`: of the step before.
+  /// Records what is due at the current step, unless that has been done. `last_dt`: dt of the
+  /// previous step.
   bool are_done() const { return recorded_ == clock_.step(); }
   void record(double last_dt);
-  /// The last frame and rows of a run; waits until all is on disk.
+  /// Records the last frame and rows of a run; waits until everything is on disk.
   void finish(double last_dt);
-  /// The present step is an earlier one; it was recorded before it was kept.
+  /// Call after a rollback to an earlier step, which was recorded before it was kept.
   void go_back();
   void state(Archive& archive);
 

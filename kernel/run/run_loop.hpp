@@ -15,19 +15,19 @@
 
 namespace suture {
 
-/// The loop of a run over what a scene has built. Things due at a time come in the
-/// order events, records, step: a frame shows what an event at its time did.
+/// The main loop of a run over a built scene. At each time the order is events, records, step: a
+/// frame shows the effect of events at its time.
 class RunLoop {
  public:
   RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip);
 
-  /// Until `until`, or the end of the scene.
+  /// Runs until `until`, or to the end of the scene.
   void loop(std::optional<double> until, Observer& observer);
   RunSummary run(Observer& observer);
   void apply(const Event& event, Observer& observer);
-  /// The state of a checkpoint that `file` holds, for the steps to come. Before any step.
+  /// Loads the state of the checkpoint from `file`. Call before any step.
   void resume(const Checkpoint& checkpoint, const std::filesystem::path& file);
-  /// A step that is only timed, without events; false if it fails.
+  /// Makes a step for timing only, without events; returns false if it fails.
   bool tries_step();
 
   BuiltScene& built() { return built_; }
@@ -37,7 +37,7 @@ class RunLoop {
   Ending& ending() { return ending_; }
   const std::vector<Decision>& decisions() const { return decisions_; }
 
-  /// Everything that a run changes, between two steps.
+  /// Everything that a run changes, as it is between two steps.
   void state(Archive& archive);
 
  private:
@@ -53,7 +53,7 @@ class RunLoop {
 
   Diagnostics& diagnostics_;
   BuiltScene built_;
-  const Scene& scene_ = built_.scene();  ///< in the body's frame
+  const Scene& scene_ = built_.scene();  ///< in the frame of the body
   Recorder recorder_;
   EventSchedule schedule_;
   EventRunner events_;

@@ -8,19 +8,19 @@
 
 namespace suture {
 
-/// What a frame shows of a complex with holes: the vertices and elements that exist,
-/// in their order, as points 0, 1, 2, ... and cells 0, 1, 2, ... (Without holes a
-/// frame is a copy, and nothing of this is made.)
+/// The numbering of a frame for a complex with holes: the existing vertices and elements, in order,
+/// become points 0, 1, 2, ... and cells 0, 1, 2, ... (Without holes a frame is a plain copy and
+/// needs no numbering.)
 struct Shown {
   std::vector<Index> vertices, elements;
-  std::vector<Index> point_of;  ///< by vertex; none for one that is gone
+  std::vector<Index> point_of;  ///< by vertex; none for a removed one
 
   static Shown of(const CellComplex& complex);
 };
 
-/// Leaves out what does not exist, from points and hexahedra or lines and from all
-/// fields, which have a value per vertex, element or line of the complex until then.
-/// `lines`: those that stay. O(frame).
+/// Drops points, hexahedra or lines that do not exist, and their values in all fields, which before
+/// that have one value per vertex, element or line of the complex. `lines`: the remaining ones.
+/// O(frame).
 void leave_out_holes(Frame& frame, const Shown& shown, const std::vector<Index>& lines);
 
 }  // namespace suture

@@ -20,14 +20,14 @@ namespace suture {
 class RunLoop;
 struct Checkpoint;
 
-/// One thing that was decided when the scene was compiled into a run.
+/// One decision made when the scene was compiled into a run.
 struct Decision {
   std::string subject;  ///< "edge ids", "functor tissue/inner springs", "writer"
   bool skipped = false;
   std::string reason;  ///< "no model and no event works on 1-cells"
 };
 
-/// Where a run stands; handed to the observer a few times a second.
+/// The progress of a run, passed to the observer a few times a second.
 struct Progress {
   std::uint64_t step = 0;
   double time = 0;      ///< s simulated
@@ -38,7 +38,7 @@ struct Progress {
   double seconds_left = -1;  ///< ETA; < 0: unknown
 };
 
-/// Eyes and brake of a run. Called on the thread that runs it, between steps.
+/// Observes a run and can stop it. Called between steps, on the thread of the run.
 class Observer {
  public:
   virtual ~Observer() = default;
@@ -52,18 +52,18 @@ struct RunSummary {
   Outcome outcome = Outcome::finished;
   std::uint64_t steps = 0, frames = 0, inverted_elements = 0;
   std::uint64_t faces_cut = 0, faces_torn = 0, faces_sewn = 0, elements_removed = 0;
-  std::uint64_t steps_back = 0;       ///< times that steps were rejected and made again
-  double balance = 0, exchanged = 0;  ///< J: what nothing explains, and its scale; 0: rounding
+  std::uint64_t steps_back = 0;       ///< number of rollbacks
+  double balance = 0, exchanged = 0;  ///< J: the unexplained remainder and its scale; 0: rounding
   double time = 0, dt = 0;            ///< s; dt of the last step
   double seconds = 0;                 ///< wall clock of the loop
   double elements_per_second = 0;
-  /// Of the tangent where the run came to rest, 1/s^2; none if it was not examined.
+  /// Of the tangent where the run came to rest, 1/s^2; none if it was not computed.
   std::optional<double> lowest_eigenvalue;
   unsigned threads = 1;
   std::string pvd;  ///< file to open in ParaView, or ""
 };
 
-/// What a run will cost, from the compiled scene and a few timed steps.
+/// The estimated cost of a run, from the compiled scene and a few timed steps.
 struct Estimate {
   std::uint64_t steps = 0;  ///< 0: unknown (until rest)
   std::uint64_t frames = 0;
@@ -72,45 +72,45 @@ struct Estimate {
   double bytes = 0;  ///< peak of the process
 };
 
-/// A scene compiled into a run, which keeps a copy of it. The constructor does everything that can
-/// fail for reasons of the scene or the mesh (nothing is written before it returned); run() does
-/// the rest.
+/// A scene compiled into a run, which keeps a copy of the scene. The constructor does everything
+/// that can fail because of the scene or the mesh (nothing is written before it returns); run()
+/// does the rest.
 class Simulation {
  public:
-  /// `skip`: leave out what the scene does not need (decisions() says what); false
-  /// computes it all the same, with the same results (suture run --no-skip).
+  /// `skip`: leave out what the scene does not need (decisions() says what); false computes it
+  /// anyway, with the same results (suture run --no-skip).
   Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip = true);
   ~Simulation();
 
-  /// Goes on from a checkpoint that was read from `file`, of a run of this scene; before anything
-  /// else. Throws InputError that says why it cannot be.
+  /// Resumes from a checkpoint of a run of this scene, read from `file`; call before anything else.
+  /// Throws InputError with the reason if that is not possible.
   void resume(const Checkpoint& checkpoint, const std::filesystem::path& file);
 
-  /// Runs to the end, writes frames and tables. Throws NumericalError (frames
-  /// written before stay; no frame shows a broken state) and IoError.
-  /// Interrupted: finishes the step, writes a frame and returns.
+  /// Runs to the end, writes frames and tables. Throws NumericalError (frames written earlier
+  /// remain; no frame shows an invalid state) and IoError. If interrupted, finishes the step,
+  /// writes a frame and returns.
   RunSummary run(Observer& observer);
-  /// The same up to `time`, for programs that look in between; run() or the next
-  /// call goes on from there. Looking changes no bit of what follows.
+  /// The same up to `time`, for programs that inspect the state in between; run() or the next call
+  /// continues from there. Inspecting changes no bit of later results.
   void run_to(double time, Observer& observer);
 
-  /// An operation now, between two calls of run_to(), told like an event of the scene
-  /// (its times are not looked at). Throws as events do, and then nothing has happened.
+  /// Applies an operation now, between two calls of run_to(); it is reported like an event of the
+  /// scene (its times are ignored). Throws the same errors as events; nothing has changed then.
   void apply(const Event& event, Observer& observer);
 
   Energies energies();  ///< J; potentials are zero at rest positions
 
   const CellComplex& complex() const;
   Attributes& attributes();
-  /// The body's own origin in the scene, m. Positions in attributes() count from here;
-  /// events and selections of a caller have coordinates of the scene.
+  /// The body's own origin in the scene, m. Positions in attributes() are relative to it; events
+  /// and selections passed by a caller use coordinates of the scene.
   Vec3 origin() const;
-  /// Mean displacement of the vertices that a selection names, m.
+  /// The mean displacement of the selected vertices, m.
   Vec3 mean_displacement(const Selection& selection) const;
 
   const std::vector<Decision>& decisions() const;
   std::string_view isa() const;  ///< of the loops: "avx512", "avx2" or "base"
-  /// Times a few steps (the simulation is used up by that).
+  /// Times a few steps; the simulation cannot be used afterwards.
   Estimate estimate();
 
  private:

@@ -13,10 +13,9 @@
 
 namespace suture {
 
-/// The look at the tangent that ends a search for rest: a state whose lowest eigenvalue is
-/// negative balances, but the smallest disturbance leaves it (a straight column above its
-/// Euler load). If the scene asks for it, the body is pushed along the mode and the search
-/// goes on.
+/// The check of the tangent that ends a search for rest: a state whose lowest eigenvalue is
+/// negative is in balance, but the smallest disturbance grows (a straight column above its Euler
+/// load). If the scene requests it, the body is displaced along the mode and the search continues.
 class Stability {
  public:
   enum class Verdict { stable, unknown, unstable, kicked };
@@ -24,15 +23,15 @@ class Stability {
   Stability(const Scene& scene, BuiltScene& built, Recorder& recorder, Diagnostics& diagnostics)
       : scene_(scene), built_(built), recorder_(recorder), diagnostics_(diagnostics) {}
 
-  /// The body is at rest after `steps` steps. Warns of what is not stable or could not be
-  /// examined, writes the mode, and kicks. `gravity` is for the fields of the frame. Costs
-  /// at most a third of the steps made so far, or of 2,900.
+  /// Call when the body is at rest after `steps` steps. Warns if the state is unstable or could not
+  /// be examined, writes the mode, and applies the kick. `gravity` is used for the fields of the
+  /// frame. Costs at most a third of the steps so far, or of 2,900 steps.
   Verdict examine(const RestSearch& rest, std::uint64_t steps, double time, const Vec3& gravity);
 
-  /// Of the last look, 1/s^2; none if the tangent is unknown.
+  /// The lowest eigenvalue of the last check, 1/s^2; none if the tangent is unknown.
   std::optional<double> lowest_eigenvalue() const { return lowest_; }
   void state(Archive& archive);
-  /// For a note: what was found.
+  /// The result, for a note.
   std::string text() const;
 
  private:

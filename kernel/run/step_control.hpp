@@ -14,17 +14,17 @@
 
 namespace suture {
 
-/// The motion is that of an unstable step.
+/// The motion shows that the step is unstable.
 class UnstableStep : public NumericalError {
  public:
   using NumericalError::NumericalError;
 };
 
-/// Makes the steps of a run and vouches for them: a step that turns out to be wrong (its
-/// motion is unstable, a model asks for a smaller one, numbers are not finite, elements turn
-/// inside out) is made again from a state some 32 to 64 steps before, with half the step. What no
-/// smaller step mends, or what a fixed dt forbids, ends the run with its cause, advice that fits
-/// the scene, and two frames: the last good state and the one that failed.
+/// Makes the steps of a run and verifies them: a step that turns out to be wrong (its motion is
+/// unstable, a model asks for a smaller step, values are not finite, elements invert) is repeated
+/// from a state 32 to 64 steps earlier, with half the step. A failure that no smaller step
+/// resolves, or that a fixed dt does not allow to resolve, ends the run with its cause, advice that
+/// fits the scene, and two frames: the last good state and the one that failed.
 class StepControl {
  public:
   using Notify = std::function<void(const std::string&)>;
@@ -32,37 +32,39 @@ class StepControl {
   StepControl(const Scene& scene, BuiltScene& built, Recorder& recorder, EventSchedule& schedule,
               EventRunner& events, Clock clock, Diagnostics& diagnostics);
 
-  /// After Dynamics::start(). Throws PluginError or InputError if "auto" has nothing to go by.
+  /// Call after Dynamics::start(). Throws PluginError or InputError if "auto" cannot determine a
+  /// step.
   void start();
 
   const Clock& clock() const { return clock_; }
   const Guard& guard() const { return guard_; }
   StepWatch& watch() { return watch_; }
   double last_dt() const { return last_dt_; }               ///< s
-  std::uint64_t steps_back() const { return steps_back_; }  ///< how often
+  std::uint64_t steps_back() const { return steps_back_; }  ///< the number of rollbacks
   double next_dt();
 
-  /// One step, with all done that is due at its beginning; or back to an earlier state. Throws
-  /// NumericalError for what is final.
+  /// Makes one step, after everything due at its start, or rolls back to an earlier state. Throws
+  /// NumericalError for a final failure.
   void step(const Notify& notify);
-  /// A step without a second look, for estimates.
+  /// Makes a step without checks, for estimates.
   void make_step();
-  /// Looks at the present state with `look`, which may evaluate forces there and fail as a step
-  /// does; false if it went back instead.
+  /// Calls `look` on the current state, which may evaluate forces there and fail like a step;
+  /// returns false if the run rolled back instead.
   bool tries(const std::function<void()>& look, const Notify& notify);
-  /// Looks at the last state; false if it went back instead.
+  /// Checks the last state; returns false if the run rolled back instead.
   bool ends_well(const Notify& notify);
 
-  /// A warning if the balance of the whole run did not close, and nothing was said of it; or "".
+  /// A warning if the balance of the whole run did not close and this was not reported; otherwise
+  /// "".
   std::string balance_warning() const;
 
-  /// An operation has changed the cells. O(what it touched).
+  /// Call after an operation has changed the cells. O(affected cells).
   void after_event();
-  /// Something else has happened that cannot be undone: what is recorded stays.
+  /// Call after any other change that cannot be undone: recorded data become final.
   void commit();
 
-  /// Everything of the run up to the step in progress: what it goes back to, and more of a
-  /// checkpoint. Records and events have states of their own.
+  /// The state of the run up to the current step, for rollbacks and, with more data, for
+  /// checkpoints. Records and events have their own states.
   void state(Archive& archive);
 
  private:
@@ -87,7 +89,7 @@ class StepControl {
   double last_dt_ = 0;
   double furthest_failure_ = -1;  ///< s
   unsigned attempts_ = 0;         ///< to pass it
-  double last_growth_ = 0;        ///< at the look before
+  double last_growth_ = 0;        ///< at the previous check
   double furthest_growth_ = -1;   ///< s
   unsigned growth_attempts_ = 0;  ///< to pass it
   bool growth_was_reported_ = false;

@@ -10,58 +10,58 @@
 
 namespace suture {
 
-/// Knows the stable step of a run, and how much of it is used. A search
-/// (StepLimits::stable_step()) costs as much as 150 evaluations of the forces from random, 15
-/// where it goes on from the last one, 27 or more where the cells are others since; the bound on
-/// its safe side of all vertices 22, of those that an event changed what the event touched.
-///  - A fixed dt below the bounds needs no search. An event that takes the bound of the
-///    vertices it changed below dt is followed by one, at most every 512 steps.
-///  - "auto" searches at the start, after 512 steps, and then after twice as many as before
-///    while the step stays the same within 2 %, 8192 at most. An event lowers the step to the
-///    bound of the vertices that it changed, if that is less: elsewhere nothing is different,
-///    and the step was stable there. The bound is 0.6 to 0.75 of the limit; it is taken times
-///    what the search found over what the bound said of the whole body then.
-///  - While events go on to lower the step, a search would be out of date at once. Every 512
-///    steps the bound of all vertices takes its place (4 %), which follows the state both
-///    ways; a search comes when 512 steps have passed without such an event, and at the latest
-///    4096 steps after the one before (4 %). So a blade that cuts in every step costs a
-///    shorter step, and neither a search for each cut nor a run without any.
-///  - What the search does not see in time, the frequency of the motion does (is_alarming());
-///    the step is halved then, searched every 64 steps, and doubled after 512 without an alarm.
-/// Counted in steps, not seconds, so that a run is the same on every machine.
+/// Keeps the stable step of a run, and the fraction of it that is used. A search
+/// (StepLimits::stable_step()) costs 150 evaluations of the forces from a random start, 15 if it
+/// continues from the last one, and at least 27 if the cells have changed since; the conservative
+/// bound costs 22 for all vertices, and for the vertices that an event changed only as much as the
+/// cells affected.
+///  - A fixed dt below the bounds needs no search. An event that takes the bound of the vertices
+///    it changed below dt is followed by a search, at most every 512 steps.
+///  - "auto" searches at the start, after 512 steps, and then after intervals that double, up to
+///    8192 steps, as long as the result does not change by more than 2 %. An event lowers the step
+///    to the bound of the vertices that it changed, if that is less: nothing has changed elsewhere,
+///    where the step was stable. The bound is 0.6 to 0.75 of the limit; it is multiplied by the
+///    ratio of the last search to the bound of the whole body at that time.
+///  - While events keep lowering the step, a search would be out of date at once. Every 512 steps
+///    the bound of all vertices replaces it (4 %), which follows the state in both directions; a
+///    search is made once 512 steps have passed without such an event, and at the latest 4096 steps
+///    after the previous one (4 %). So a blade that cuts in every step costs a shorter step, but
+///    neither a search for each cut nor a run without any.
+///  - The frequency of the motion reveals what the search does not find in time (is_alarming());
+///    the step is then halved, searched every 64 steps, and doubled after 512 without an alarm.
+/// Intervals are counted in steps, not seconds, so that a run is the same on every machine.
 class StepWatch {
  public:
   StepWatch(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics)
       : scene_(scene), built_(built), diagnostics_(diagnostics), safety_(scene.solver.safety) {}
 
-  /// Throws PluginError or InputError if "auto" has nothing to go by.
+  /// Throws PluginError or InputError if "auto" cannot determine a step.
   void start();
-  /// The cells are others since `step` steps.
+  /// Call after an event changed the cells at step `step`.
   void after_event(std::uint64_t step);
   void after_step(std::uint64_t step);
-  /// Now, whatever dt is; `from_random`: overlooks no mode.
+  /// Searches now, whatever dt is. `from_random`: overlooks no mode.
   void search(std::uint64_t step, bool from_random = false);
 
-  /// The motion of the last two steps is that of an unstable step. O(1).
+  /// True if the motion of the last two steps is that of an unstable step. O(1).
   bool is_alarming(std::uint64_t step);
-  /// After an alarm: false if dt is stable, by a search from random, in the present state; it is
-  /// not asked again for 512 steps then.
+  /// After an alarm: false if a search from a random start finds dt stable in the current state;
+  /// alarms are then ignored for 512 steps.
   bool is_unstable(std::uint64_t step, double dt);
-  /// For the last words of a run: the stable step of the present state, from
-  /// random; 0 if no model says.
+  /// For the final message of a run: finds the stable step of the current state from a random
+  /// start; 0 if no model provides it.
   void look_again();
-  /// A step was rejected, and the state of `step` is the present one: dt is halved
-  /// `halvings` times.
+  /// Call when a step was rejected and the run is back at `step`: dt is halved `halvings` times.
   void step_back(std::uint64_t step, unsigned halvings);
   unsigned halvings() const { return halvings_; }
 
-  /// The stable step, s, or with a fixed dt what is known of it: a bound, 0 if nothing.
+  /// The stable step, s; with a fixed dt, a known bound on it, or 0.
   /// Infinite where every vertex is prescribed.
   double stable() const { return stable_; }
-  /// What "auto" makes of it, s: safety and halvings included, and that prescribed motion moves
+  /// The step chosen by "auto", s: with safety and halvings, and such that prescribed motion moves
   /// no vertex by more than a tenth of an element.
   double wanted() const;
-  /// Half the stable step from now on, if it is more. False if it is not.
+  /// Limits the step to half the stable step from now on. Returns false if it is already that low.
   bool lower_safety();
   void state(Archive& archive);
 
@@ -80,11 +80,11 @@ class StepWatch {
   double stable_ = 0;
   unsigned halvings_ = 0;
   std::uint64_t searched_ = 0, due_ = never, interval_ = search_steps;
-  double limit_over_bound_ = 1;    ///< at the last search, 1 to most_over_bound
+  double limit_over_bound_ = 1;    ///< at the last search, between 1 and most_over_bound
   std::uint64_t lowered_ = 0;      ///< the step at which an event last lowered stable_
-  std::uint64_t clean_since_ = 0;  ///< last alarm, or halving taken back
+  std::uint64_t clean_since_ = 0;  ///< the last alarm or undone halving
   std::uint64_t trusted_until_ = 0;
-  unsigned alarms_ = 0;  ///< steps running
+  unsigned alarms_ = 0;  ///< consecutive steps
   bool warned_ = false;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Runs that go wrong, and runs that look as if they did: what the program says, and what it leaves.
+// Runs that fail, and runs that only appear to fail: what the program reports and what it leaves
+// behind.
 #include <algorithm>
 #include <cmath>
 #include <sstream>

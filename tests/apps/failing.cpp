@@ -4,7 +4,7 @@
 
 #include "suture/continuum.hpp"
 
-/// A solid that fails in the way it is asked to as soon as it is deformed.
+/// A solid that fails in the requested way as soon as it is deformed.
 struct failing : suture::continuum<failing> {
   static constexpr const char *id = "failing", *doc = "Fails on demand",
                               *formula = "S = 2000 E + tr(E) I", *citation = "none";

@@ -3,9 +3,9 @@
 
 #include "suture/model.hpp"
 
-/// Edges without a force that fail for a while, beside a model that moves. A step may be made
-/// again only where it is shorter than "longest": the time of a failure depends on the state
-/// alone, as in any sound model.
+/// Edges without a force that fail for a while, next to a model that moves. A repeated step
+/// succeeds only if it is shorter than "longest": the time of a failure depends on the state alone,
+/// as in any sound model.
 struct Moody : suture::model, suture::on_edges {
   static constexpr const char *id = "moody", *doc = "Fails \x1b[5mfor a while", *formula = "f = 0",
                               *citation = "none";

@@ -7,9 +7,8 @@
 
 #include "suture/plugin.h"
 
-/// Models as C tables, as a plugin would hand them over: their contributions have
-/// values in every bit that differ from element to element, so that a wrong element,
-/// order or lane changes a sum.
+/// Models as C tables, as a plugin would provide them. Their contributions use all bits and differ
+/// from element to element, so that a wrong element, order or lane changes a sum.
 namespace suture::fake {
 
 inline double rest(const suture_batch* b, int node, int component, int lane) {

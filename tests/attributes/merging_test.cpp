@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What becomes of values where elements are removed and faces are sewn.
+// How values change where elements are removed and faces are sewn.
 #include <algorithm>
 #include <cmath>
 #include <map>

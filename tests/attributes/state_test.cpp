@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Attributes that are loaded have every bit of those that were saved, and go on alike.
+// Loaded attributes are bitwise identical to the saved ones, and evolve identically.
 #include "tests/attributes/bodies.hpp"
 #include "tests/base/same_state.hpp"
 #include "tests/topology/operations.hpp"

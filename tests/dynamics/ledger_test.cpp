@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Each line of the ledger against a closed form, and what must not depend on looking at it.
+// Each entry of the ledger compared with a closed form, and everything that must not depend on
+// reading it.
 #include "kernel/dynamics/ledger.hpp"
 
 #include <gtest/gtest.h>

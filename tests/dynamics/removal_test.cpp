@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Forces, loads, constraints and integrators where elements were removed and faces sewn.
+// Forces, loads, constraints and integrators after elements were removed and faces sewn.
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 

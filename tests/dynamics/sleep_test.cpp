@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Islands that sleep: they cost nothing, change nothing for others, and what is lost stays
-// below the bound of the header.
+// Sleeping islands: they cost nothing, do not affect others, and the error stays below the bound
+// given in the header.
 #include "kernel/dynamics/sleep.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A force and a follower that the kernel has never heard of: a class and a line each.
+// A force term and a follower unknown to the kernel: each is one class and one line.
 #include <gtest/gtest.h>
 
 #include "kernel/dynamics/modes.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Each operation by itself: what it does to a body, what it warns of, what it refuses.
+// Each operation on its own: its effect on a body, its warnings and its errors.
 #include "kernel/events/event_runner.hpp"
 
 #include <gtest/gtest.h>

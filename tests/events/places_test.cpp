@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What plane patches, paths and boxes choose.
+// The cells selected by plane patches, paths and boxes.
 #include <gtest/gtest.h>
 
 #include <random>

@@ -9,7 +9,7 @@
 #include "kernel/forces/force_term.hpp"
 #include "tests/forces/spring_model.hpp"
 
-/// What tests of loads look at.
+/// Sums that tests of loads check.
 namespace spring_model {
 
 /// A block of springs, compiled: ready for terms.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Evaluations around a few cells, against those of the whole body.
+// Evaluations around a few cells, compared with those of the whole body.
 #include "kernel/forces/local_rows.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Forces and loads of a body that was loaded have the bits of those that went on.
+// Forces and loads of a loaded body are bitwise identical to those of an uninterrupted run.
 #include <tbb/global_control.h>
 
 #include <cstring>

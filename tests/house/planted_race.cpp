@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A race on purpose, of the kind that a wrong force loop would have: two tasks
-// add to one vertex. Built under the preset `tsan` only, where the test passes
-// if ThreadSanitizer reports it in spite of the suppressions for TBB.
+// A deliberate race, of the kind that an incorrect force loop would have: two tasks add to one
+// vertex. Built only under the preset `tsan`, where the test passes if ThreadSanitizer reports it
+// despite the suppressions for TBB.
 #include <cstddef>
 #include <cstdio>
 #include <vector>

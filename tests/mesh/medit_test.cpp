@@ -8,7 +8,7 @@
 namespace suture {
 namespace {
 
-// Two cubes along x; vertices counter-clockwise below, then above, as Medit has them.
+// Two cubes along x; vertices counterclockwise below, then above, as in Medit.
 const std::string two_cubes = R"(MeshVersionFormatted 2  # a comment
 Dimension
 3

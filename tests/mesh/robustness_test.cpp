@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Files that were cut off or damaged give one InputError, or a mesh whose indices
-// are in range; never a crash and never memory for a count that is garbage.
+// Truncated or damaged files give one InputError, or a mesh with valid indices; never a crash, and
+// never an allocation for an invalid count.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 

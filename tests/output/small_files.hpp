@@ -7,8 +7,8 @@
 
 namespace suture {
 
-/// A limit on the size of files stands for a full disk: the write ends in the
-/// middle, with EFBIG where a disk says ENOSPC.
+/// A file size limit simulates a full disk: the write stops in the middle, with EFBIG instead of
+/// ENOSPC.
 class SmallFiles {
  public:
   explicit SmallFiles(rlim_t bytes) {

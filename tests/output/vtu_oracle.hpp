@@ -9,7 +9,7 @@
 
 namespace suture {
 
-/// What VTK's own reader finds in a .vtu file; behind a plain struct so that only
+/// The contents of a .vtu file according to VTK's own reader; behind a plain struct so that only
 /// one translation unit includes VTK.
 struct VtuContents {
   struct Array {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One change to a good table at a time, and the one sentence that it must give.
+// One change at a time to a valid table, and the single sentence that it must produce.
 #include "kernel/plugin_host/table_check.hpp"
 
 #include <gtest/gtest.h>

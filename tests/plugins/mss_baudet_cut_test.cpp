@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The plugin in the kernel while faces are cut, against the plain harness on the
-// mesh that the cut leaves: nothing but the columns' policies may be needed.
+// The plugin in the kernel while faces are cut, compared with the plain harness on the resulting
+// mesh: only the policies of the columns may be needed.
 #include <gtest/gtest.h>
 
 #include <numeric>

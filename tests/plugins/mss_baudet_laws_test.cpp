@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Laws that the forces obey on distorted meshes, and a plain implementation,
-// spring by spring, that they are compared with on every instruction set.
+// Laws that the forces obey on distorted meshes, and a plain implementation, spring by spring, with
+// which they are compared on every instruction set.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

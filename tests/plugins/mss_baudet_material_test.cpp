@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a lattice of Baudet's springs is as a material: closed forms for cubes,
-// homogenised stiffness with and without correction, mechanisms, warnings.
+// The material properties of a lattice of Baudet's springs: closed forms for cubes, homogenised
+// stiffness with and without correction, mechanisms, warnings.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

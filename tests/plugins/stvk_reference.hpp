@@ -5,10 +5,9 @@
 #include <cmath>
 #include <vector>
 
-/// St Venant-Kirchhoff on the trilinear hexahedron as a textbook has it
-/// (Belytschko et al., Nonlinear Finite Elements for Continua and Structures,
-/// 2014, ch. 4): shape gradients node by node, one loop per index. The oracle for
-/// the fast kernel; shares no code with it.
+/// St Venant-Kirchhoff on the trilinear hexahedron as in a textbook (Belytschko et al., Nonlinear
+/// Finite Elements for Continua and Structures, 2014, ch. 4): shape gradients node by node, one
+/// loop per index. It is the oracle for the fast kernel and shares no code with it.
 namespace suture::test {
 
 using Point = std::array<double, 3>;

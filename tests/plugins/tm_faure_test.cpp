@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// tm-faure against the scalar reference, derivatives, rigid motion and closed
-// forms, for every instruction set that this processor runs.
+// tm-faure compared with the scalar reference, derivatives, rigid motion and closed forms, for
+// every instruction set that this processor supports.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Checkpoints that cannot be gone on from: one error that names the file and the reason, and
-// not a byte of the folder is another.
+// Checkpoints that cannot be resumed: one error that names the file and the reason, and no byte in
+// the folder changes.
 #include <map>
 
 #include "kernel/output/checkpoint_file.hpp"

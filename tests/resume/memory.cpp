@@ -8,7 +8,7 @@
 #define MEMORY_VERSION "1.0"
 #endif
 
-/// Edges that creep: what they have flowed is a state that steps take along, or back.
+/// Edges that creep: the creep strain is a state that steps advance and rollbacks restore.
 struct Memory : suture::model, suture::on_edges {
   static constexpr const char *id = "memory", *doc = "Springs that creep",
                               *formula = "f = k (l/L - 1 - q) u, q' = r (l/L - 1 - q)",

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What the stability suite has no scenes of.
+// Cases for which the stability suite has no scenes.
 #include "tests/resume/cases.hpp"
 
 namespace suture::test {
 namespace {
 
-/// A bar of 1 m between two held ends, as stiff as it takes 1,000 to 3,000 steps.
+/// A bar of 1 m between two fixed ends, of a stiffness that takes 1,000 to 3,000 steps.
 Case bar(const char* name, Random& random, std::array<int, 3> cells = {12, 3, 3}) {
   Case result{name, Json::parse(R"({
     "suture": 1, "mesh": {"box": {"size": [1, 0.25, 0.25], "cells": [12, 3, 3]}},

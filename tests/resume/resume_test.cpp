@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A run that is stopped and resumed leaves the bytes of one that was never stopped.
+// A run that is stopped and resumed leaves the same bytes as an uninterrupted run.
 //   SUTURE_FULL=1            all stops; otherwise one or two of each kind
 //   SUTURE_RESUME_SEED=N     these stops; otherwise others in each run
 //   SUTURE_RESUME_CASE=NAME  this one alone, "cut-3"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The ledger of bodies of both models: how small its balance is, and that operations leave it
-// alone.
+// The ledger for bodies of both models: its balance is small, and operations do not change it.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The whole program against independent solutions of the same discrete problem.
+// The whole program compared with independent solutions of the same discrete problem.
 #include "tests/run/beam.hpp"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Cuts in a running simulation: what must not change, what must, and the same
-// bits for any number of threads.
+// Cuts in a running simulation: what must change, what must not, and bitwise identical results for
+// any number of threads.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Events in a running simulation: when they come, what they do, what they say.
+// Events in a running simulation: when they happen, what they do, and what they report.
 #include <gtest/gtest.h>
 
 #include <cmath>

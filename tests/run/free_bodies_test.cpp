@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Bodies that nothing holds.
+// Unconstrained bodies.
 #include "kernel/run/free_bodies.hpp"
 
 #include <gtest/gtest.h>

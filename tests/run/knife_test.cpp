@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Elements removed and faces sewn in a whole built, with the models of the paper: what is
-// conserved, and that what is left behaves as if it had always been so.
+// Elements removed and faces sewn in a complete built scene, with the models of the paper:
+// conserved quantities, and that the rest behaves as if it had always been so.
 #include <gtest/gtest.h>
 
 #include <algorithm>

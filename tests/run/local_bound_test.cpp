@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The step after an operation: neither above the stable step before it nor above the bound
-// around what it changed, it must stay below the stable step of the whole body, as a search
-// from random finds it. Cuts, tears, holes and sutures on bodies in random states.
+// The step after an operation: at most the previous stable step and at most the bound around the
+// changed cells, it must stay below the stable step of the whole body as found by a search from a
+// random start. Cuts, tears, holes and sutures on bodies in random states.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The lowest mode against dense solvers and closed forms, and what a run makes of it.
+// The lowest mode compared with dense solvers and closed forms, and how a run uses it.
 #include "kernel/dynamics/modes.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What probes show, over which nodes and elements, and what that costs.
+// The values of probes, the nodes and elements that they cover, and their cost.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What a search for rest says when it ends.
+// What a search for rest reports at its end.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What a scene does not need is skipped, `explain` says so, and a run that skips
-// nothing gives the same. Cells of 1/8 m: their shapes are equal to the bit, so
-// that what is stored once is, too; PiecesThatDifferByRounding has others.
+// What a scene does not need is skipped, `explain` lists it, and a run that skips nothing gives the
+// same results. Cells of 1/8 m have bitwise equal shapes, and so have the columns that are stored
+// once; PiecesThatDifferByRounding uses other cells.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Steps that are rejected and made again: nothing of them is left, in the state or on disk.
+// Steps that are rejected and repeated: they leave no trace in the state or on disk.
 #include "kernel/run/step_control.hpp"
 
 #include <gtest/gtest.h>

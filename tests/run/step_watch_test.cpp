@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// When a run searches for its stable step, and what it takes meanwhile.
+// When a run searches for its stable step, and which step it uses in between.
 #include "kernel/run/step_watch.hpp"
 
 #include <gtest/gtest.h>

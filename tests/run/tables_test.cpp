@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Which steps have a row in energies.csv and probes.csv.
+// The steps that have a row in energies.csv and probes.csv.
 #include <gtest/gtest.h>
 
 #include "tests/mesh/temporary_folder.hpp"

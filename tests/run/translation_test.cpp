@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Results do not depend on where a scene lies: scenes as we ship them, and one with every
-// kind of coordinate, near 0 and 10,000 km away. The coordinates are moved in the text of
-// the scenes, so that none that the kernel forgets goes unseen.
+// Results do not depend on the position of a scene: the example scenes, and one with every kind of
+// coordinate, near 0 and 10,000 km away. The coordinates are moved in the text of the scenes, so
+// that any coordinate that the kernel overlooks is noticed.
 #include <gtest/gtest.h>
 
 #include <algorithm>

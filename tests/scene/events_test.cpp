@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The events of a scene: every operation, every way to say when, every mistake.
+// The events of a scene: every operation, every kind of timing, every mistake.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -9,7 +9,7 @@
 
 namespace suture::testing {
 
-/// A model that exists as a table only: what the reader of scenes sees of one.
+/// A model that consists of its table only, as the scene reader sees it.
 inline const suture_model& jelly() {
   static const char* const quadratures[] = {"exact", "gauss2"};
   static const auto parameter = [](const char* name, const char* unit, std::uint32_t type,

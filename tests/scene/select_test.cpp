@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Selections speak of the cells that are there, also after operations.
+// Selections contain only existing cells, also after operations.
 #include <gtest/gtest.h>
 
 #include <algorithm>

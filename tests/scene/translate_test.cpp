@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What is moved, and by how much bounds reach further. That no coordinate is forgotten,
-// tests/run/translation_test.cpp finds out by running scenes.
+// What is moved, and by how much bounds are extended. tests/run/translation_test.cpp checks by
+// running scenes that no coordinate is overlooked.
 #include "kernel/scene/translate.hpp"
 
 #include <gtest/gtest.h>

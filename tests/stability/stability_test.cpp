@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What the program says about a run is true: docs/stability.md.
+// What the program reports about a run is true: docs/stability.md.
 //   SUTURE_FULL=1                 all trials; otherwise every eighth, fewer where checks are slow
 //   SUTURE_STABILITY_SEED=N       other trials
 //   SUTURE_STABILITY_CASE=NAME    this one alone

@@ -12,9 +12,11 @@ namespace suture {
 namespace {
 
 constexpr const char* footer =
-    "Exit codes: 0 good; 2 usage; 3 scene or mesh; 4 plugin; 5 numerical; 6 file system\n"
-    "or memory; 130 stopped by Ctrl-C (the first one finishes the step and writes a\n"
-    "frame, the second one kills). The scene format: docs/scene-format.md.";
+    "Exit codes: 0 good; 2 usage; 3 scene or mesh; 4 plugin missing, refused or at fault\n"
+    "(an exception, a crash, exit(), a call of 20 s: SUTURE_PLUGIN_TIMEOUT=seconds changes\n"
+    "that); 5 numerical; 6 file system or memory; 130 stopped by Ctrl-C (the first one\n"
+    "finishes the step and writes a frame, the second one kills). The scene format:\n"
+    "docs/scene-format.md.";
 
 std::string version_text() {
   const std::string isa(best_isa());

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "apps/suture/commands.hpp"
+#include "kernel/base/plugin_call.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
 
 namespace suture {
@@ -81,10 +82,7 @@ void print_functors(const suture_model& model, Console& console) {
     const suture_functor& functor = model.functors[i];
     console.print(std::string("  ") + functor.name + " on " + cells[functor.dimension] + ": " +
                   functor.doc);
-    const auto* output =
-        functor.extension == nullptr
-            ? nullptr
-            : static_cast<const suture_output_1*>(functor.extension(SUTURE_OUTPUT_1));
+    const auto* output = extension_of<suture_output_1>(functor, SUTURE_OUTPUT_1);
     for (std::uint32_t f = 0; output != nullptr && f < output->field_count; ++f) {
       const suture_field& field = output->fields[f];
       console.print("      field " + with_unit(field.name, field.unit) + ": " + field.doc);

@@ -4,6 +4,7 @@
 
 #include "apps/suture/commands.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/plugin_faults.hpp"
 
 namespace suture {
 namespace {
@@ -56,6 +57,7 @@ int main(int argc, char** argv) {
   CommandLine line;
   Console early(false, false);
   const int usage = guarded(early, [&] {
+    guard_plugin_calls();
     line = parse_command_line(argc, argv);
     return 0;
   });

@@ -6,6 +6,7 @@
 
 #include "apps/suture/commands.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/plugin_faults.hpp"
 #include "kernel/output/checkpoint_file.hpp"
 #include "kernel/run/simulation.hpp"
 #include "kernel/scene/scene_reader.hpp"
@@ -19,7 +20,10 @@ volatile std::sig_atomic_t signal_caught = 0;
 // (SA_RESETHAND) and kills.
 void catch_signals() {
   struct sigaction action {};
-  action.sa_handler = [](int number) { signal_caught = number; };
+  action.sa_handler = [](int number) {
+    signal_caught = number;
+    interrupt_plugin_calls();
+  };
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   for (const int number : {SIGINT, SIGTERM}) sigaction(number, &action, nullptr);
 }

@@ -84,7 +84,6 @@ void Attributes::initialise(const CellComplex& complex, Diagnostics& diagnostics
         alike = alike_contribution(*instance, attribute, complex, rest, volume_tolerance);
       sum_contributions(*instance, attribute, complex, rest, cells, column,
                         sums_.keep_alike(*instance, attribute, std::move(alike)));
-      require_finite(*instance, attribute, cells, column);
       if (own && instance->skips()) column.compress(dimension == 3 ? volume_tolerance : 0);
     }
   }

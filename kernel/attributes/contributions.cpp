@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <ranges>
 
 #include "kernel/base/error.hpp"
@@ -50,12 +51,23 @@ auto all_elements(const CellComplex& complex) {
   return std::views::iota(Index{0}, complex.element_count());
 }
 
-[[noreturn]] void refuse_value(const Instance& instance, const suture_attribute& attribute,
-                               Index cell, double value) {
-  throw PluginError(instance.title() + ": attribute '" + attribute.name + "' is " +
-                    std::to_string(value) + " at cell " + std::to_string(cell) + " of dimension " +
-                    std::to_string(attribute.dimension) +
-                    "; its contribution functor must give finite numbers");
+/// Throws PluginError, naming the element, unless the values of the valid lanes are finite and
+/// those of a mass not negative.
+void require_values(const PluginCall& call, const double* out) {
+  const suture_attribute& attribute = *call.attribute;
+  const bool is_mass = (attribute.flags & SUTURE_SHARED_MASS) != 0;
+  constexpr double most = std::numeric_limits<double>::max();
+  const double least = is_mass ? 0 : -most;
+  const std::size_t count = contribution_cells[attribute.dimension] * attribute.components;
+  for (std::size_t i = 0; i < count; ++i)
+    for (Index lane = 0; lane < call.batch->valid; ++lane) {
+      const double value = out[i * lanes + lane];
+      if (value >= least && value <= most) continue;
+      throw PluginError(describe(call) + ": element " + std::to_string(call.batch->cell_ids[lane]) +
+                        " gives " + std::to_string(value) + " " + attribute.unit +
+                        "; a contribution must be " +
+                        (is_mass ? "finite and, as a mass, not negative" : "finite"));
+    }
 }
 
 }  // namespace
@@ -90,19 +102,14 @@ void contribute(Instance& instance, const suture_attribute& attribute, const sut
                 double* out) {
   const suture_context& context = instance.context(0);
   reset(*context.error);
-  if (attribute.contribution(&context, &batch, out) == SUTURE_OK) return;
+  PluginCall call = instance.call("contribution");
+  call.attribute = &attribute;
+  call.batch = &batch;
+  const auto ask = [&] { return attribute.contribution(&context, &batch, out); };
+  if (call_plugin(call, ask) == SUTURE_OK) return require_values(call, out);
   const Index cell = context.error->cell == none ? batch.cell_ids[0] : context.error->cell;
   throw InputError(instance.title() + ": attribute '" + attribute.name + "' at element " +
-                   std::to_string(cell) + ": " + context.error->text);
-}
-
-void require_finite(const Instance& instance, const suture_attribute& attribute,
-                    const CellSet& cells, const Column& column) {
-  if (column.is_constant() && column.size() > 0 && std::isfinite(column.get(0, 0))) return;
-  for (Index row = 0; row < column.size(); ++row)
-    for (int c = 0; c < column.spec().components; ++c)
-      if (!std::isfinite(column.get(row, c)))
-        refuse_value(instance, attribute, cells.cell(row), column.get(row, c));
+                   std::to_string(cell) + ": " + text_of(*context.error));
 }
 
 std::vector<double> alike_contribution(Instance& instance, const suture_attribute& attribute,
@@ -212,7 +219,7 @@ void TouchedSums::sum(Instance& instance, const CellComplex& complex, RestBatch&
     return true;
   });
   for (const auto& targets : targets_)
-    for (const Target& target : targets) finish(instance, target, change);
+    for (const Target& target : targets) target.column->pad();
 }
 
 void TouchedSums::find_targets(Instance& instance, const TopologyChange& change, Column& mass) {
@@ -312,31 +319,12 @@ void TouchedSums::add_hits(Instance& instance, const suture_batch& batch, Target
   const Column& column = *target.column;
   const auto components = static_cast<std::size_t>(column.spec().components);
   const std::size_t step = column.component_step();
-  double all = 0;
   for (std::size_t i = 0; i < hit_count_; ++i) {
     const auto [cell, k, lane] = hits_[i];
     const Index row = target.cells ? target.cells->row(cell) : cell;
     double* to = target.values + (components == 1 ? row : column.offset(row));
     const double* from = out.data() + k * components * lanes + lane;
-    for (std::size_t c = 0; c < components; ++c, from += lanes, to += step) {
-      *to += *from;
-      all += *from;
-    }
-  }
-  target.all += all;
-}
-
-void TouchedSums::finish(const Instance& instance, const Target& target,
-                         const TopologyChange& change) {
-  target.column->pad();
-  if (std::isfinite(target.all)) return;  // then so is every sum of some of them
-  const Column& column = *target.column;
-  for (const Index cell : change.stars[target.attribute->dimension].cells) {
-    const Index row = target.cells ? target.cells->row(cell) : cell;
-    if (row == none) continue;
-    const double* value = target.values + column.offset(row);
-    for (int c = 0; c < column.spec().components; ++c, value += column.component_step())
-      if (!std::isfinite(*value)) refuse_value(instance, *target.attribute, cell, *value);
+    for (std::size_t c = 0; c < components; ++c, from += lanes, to += step) *to += *from;
   }
 }
 

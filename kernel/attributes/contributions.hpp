@@ -33,15 +33,11 @@ class RestBatch {
 };
 
 /// Calls an attribute's contribution functor. Throws InputError with the model's
-/// text if it fails: the rest shape of an element does not suit the model.
+/// text if it fails: the rest shape of an element does not suit the model. Throws PluginError
+/// for values that are not finite, and for a negative mass.
 /// out: contribution_cells x components x 8 doubles.
 void contribute(Instance& instance, const suture_attribute& attribute, const suture_batch& batch,
                 double* out);
-
-/// Throws PluginError naming the model, the attribute and the cell unless every
-/// value of the column is finite. O(cells).
-void require_finite(const Instance& instance, const suture_attribute& attribute,
-                    const CellSet& cells, const Column& column);
 
 /// What the first element of the region gives to a from_volumes attribute of dimension
 /// 0..2, contribution_cells x components values, if every element gives the same within
@@ -86,7 +82,6 @@ class TouchedSums {
     double* values;
     std::size_t components;
     const double* alike = nullptr;  ///< what every element gives
-    double all = 0;                 ///< sum of everything added, to see a value that is not finite
 
     /// The rows of cells become the sums over their elements of the region.
     template <int Dimension>
@@ -113,7 +108,6 @@ class TouchedSums {
   void find_hits(const CellComplex& complex, std::uint32_t dimension,
                  std::span<const Index> elements);
   void add_hits(Instance& instance, const suture_batch& batch, Target& target);
-  static void finish(const Instance& instance, const Target& target, const TopologyChange& change);
 
   std::array<std::vector<std::uint64_t>, 3> marks_;  ///< all zero between operations
   std::array<Hit, std::size_t{12} * SUTURE_LANES + 1> hits_;

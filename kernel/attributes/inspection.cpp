@@ -109,8 +109,19 @@ bool admits(const Instance& instance, const suture_functor& functor, const CellC
 
 const suture_inspect_1* inspection_of(const Instance& instance, const suture_functor& functor) {
   const auto number = static_cast<std::size_t>(&functor - instance.model().functors);
-  if (!functor.extension || !instance.functor(number).runs) return nullptr;
-  return static_cast<const suture_inspect_1*>(functor.extension(SUTURE_INSPECT_1));
+  if (!instance.functor(number).runs) return nullptr;
+  return extension_of<suture_inspect_1>(functor, SUTURE_INSPECT_1);
+}
+
+void inspect_batch(Instance& instance, const suture_functor& functor,
+                   const suture_inspect_1& extension, const suture_batch& batch) {
+  suture_context& context = instance.context(0);
+  reset(*context.error);
+  PluginCall call = instance.call("inspect");
+  call.functor = &functor;
+  call.batch = &batch;
+  if (call_plugin(call, [&] { return extension.inspect(&context, &batch); }) != SUTURE_OK)
+    throw PluginError(describe(call) + ": " + text_of(*context.error));
 }
 
 }  // namespace
@@ -128,11 +139,7 @@ void inspect(Instance& instance, const RestPlaces& rest, const Column& mass,
     for (Index row = 0; row < rows; ++row) {
       if (admits(instance, functor, rest.complex(), row)) admitted[filled++] = row;
       if (filled == 0 || (filled < lanes && row + 1 < rows)) continue;
-      suture_context& context = instance.context(0);
-      reset(*context.error);
-      if (extension->inspect(&context, &batch.gather({admitted.data(), filled})) != SUTURE_OK)
-        throw PluginError(instance.title() + ": the inspection of functor '" + functor.name +
-                          "' failed: " + context.error->text);
+      inspect_batch(instance, functor, *extension, batch.gather({admitted.data(), filled}));
       filled = 0;
     }
   }

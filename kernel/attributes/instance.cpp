@@ -118,17 +118,21 @@ void Instance::set_workers(unsigned count) {
 
 void Instance::prepare(Diagnostics& diagnostics) {
   if (!model_.prepare) return;
-  const suture_status status =
-      model_.prepare(&context(0), prepared_.empty() ? nullptr : prepared_.data());
+  const suture_status status = call_plugin(call("prepare"), [&] {
+    return model_.prepare(&context(0), prepared_.empty() ? nullptr : prepared_.data());
+  });
   deliver_findings(diagnostics);
   if (status != SUTURE_OK)
-    throw PluginError(title() + " could not be prepared: " + workers_[0]->error.text);
+    throw PluginError(title() + " could not be prepared: " + text_of(workers_[0]->error));
 }
 
 void Instance::ask_functors() {
   for (const suture_functor& f : std::span(model_.functors, model_.functor_count)) {
     Enabled answer{true, f.reads};
-    if (f.enabled) answer.runs = f.enabled(&context(0), &answer.reads) != 0;
+    PluginCall asked = call("enabled");
+    asked.functor = &f;
+    if (f.enabled)
+      answer.runs = call_plugin(asked, [&] { return f.enabled(&context(0), &answer.reads); }) != 0;
     answer.reads = skip_ ? answer.reads & f.reads : f.reads;
     enabled_.push_back(answer);
   }

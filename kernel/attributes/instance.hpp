@@ -11,6 +11,7 @@
 #include "kernel/attributes/own_rest.hpp"
 #include "kernel/attributes/table.hpp"
 #include "kernel/base/diagnostics.hpp"
+#include "kernel/base/plugin_call.hpp"
 #include "kernel/topology/cell_complex.hpp"
 
 namespace suture {
@@ -40,6 +41,10 @@ class Instance {
   std::span<const double> parameters() const { return parameters_; }
   /// "model 'tissue' (mss-baudet)", the beginning of messages.
   std::string title() const;
+  /// For a call of a function of the model.
+  PluginCall call(const char* function) const {
+    return {.function = function, .model = &model_, .instance = name_.c_str()};
+  }
 
   /// What the model said of a functor and these parameters, once.
   struct Enabled {

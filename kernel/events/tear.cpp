@@ -9,6 +9,7 @@
 #include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/base/archive.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/plugin_call.hpp"
 #include "kernel/forces/loops/dispatch.hpp"
 
 namespace suture {
@@ -217,10 +218,7 @@ int TearCheck::field_dimension(const Look& look) const {
     if (instance->name() != tear_.model) continue;
     const suture_model& model = instance->model();
     for (const suture_functor& functor : std::span(model.functors, model.functor_count)) {
-      const auto* output =
-          functor.extension == nullptr
-              ? nullptr
-              : static_cast<const suture_output_1*>(functor.extension(SUTURE_OUTPUT_1));
+      const auto* output = extension_of<suture_output_1>(functor, SUTURE_OUTPUT_1);
       for (std::uint32_t f = 0; output != nullptr && f < output->field_count; ++f)
         if (output->fields[f].name == tear_.field && output->fields[f].components == 1)
           return static_cast<int>(functor.dimension);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
+#include "kernel/base/plugin_call.hpp"
 #include "kernel/forces/batch_list.hpp"
 
 namespace suture {
@@ -77,9 +78,15 @@ class CompiledFunctor {
   const BatchList& list() const { return list_; }
   std::string title() const;  ///< "model 'tissue' (mss-baudet), functor 'edge springs'"
 
+  PluginCall call(const char* function) const {
+    PluginCall call = instance_.call(function);
+    call.functor = &functor_;
+    return call;
+  }
+
   template <class Extension>
   const Extension* extension(const char* id) const {
-    return functor_.extension ? static_cast<const Extension*>(functor_.extension(id)) : nullptr;
+    return extension_of<Extension>(functor_, id);
   }
 
  private:

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <tuple>
 
+#include "kernel/base/error.hpp"
 #include "kernel/forces/force_loop.hpp"
 
 namespace suture {
@@ -13,17 +14,12 @@ namespace {
 
 constexpr double default_step_factor = 0.5;  // where a model proposes none
 
-std::string text_of(const suture_error& error) {
-  const char* end = std::find(error.text, error.text + sizeof error.text, '\0');
-  return {error.text, end};
-}
-
 }  // namespace
 
 bool Failure::comes_before(const Failure& other) const {
   // Negative states stop; where both do or both do not, place decides.
-  return std::make_tuple(status_ > 0, functor_, cell_) <
-         std::make_tuple(other.status_ > 0, other.functor_, other.cell_);
+  return std::make_tuple(!is_fault_, status_ > 0, functor_, cell_) <
+         std::make_tuple(!other.is_fault_, other.status_ > 0, other.functor_, other.cell_);
 }
 
 void Failure::note(suture_status status, Index functor, const suture_error& error,
@@ -41,6 +37,16 @@ void Failure::note(suture_status status, Index functor, const suture_error& erro
   merge(now);
 }
 
+void Failure::note_fault(Index functor, const PluginCall& call, std::string text) {
+  Failure now;
+  now.status_ = SUTURE_STOP;
+  now.is_fault_ = true;
+  now.functor_ = functor;
+  now.cell_ = *std::min_element(call.batch->cell_ids, call.batch->cell_ids + call.batch->valid);
+  now.text_ = std::move(text);
+  merge(now);
+}
+
 void Failure::merge(const Failure& other) {
   if (!other.any()) return;
   const double factor = std::min(step_factor_, other.step_factor_);
@@ -51,12 +57,13 @@ void Failure::merge(const Failure& other) {
 void Failure::raise(const std::string& title, const char* cell_word, double time) const {
   std::ostringstream when;
   when << "t = " << time << " s: ";
+  if (is_fault_) throw PluginError(when.str() + text_);
   std::string text = when.str() + title;
   if (cell_known_)
     text += std::string(", ") + cell_word + " " + std::to_string(cell_);
   else
     text += std::string(", near ") + cell_word + " " + std::to_string(cell_);
-  text += ": " + (text_.empty() ? "failed without a message" : text_);
+  text += ": " + text_;
   if (code_ != 0) text += " (code " + std::to_string(code_) + ")";
   const std::uint64_t where =
       cell_word == std::string_view("element") ? std::uint64_t{cell_} : NumericalError::nowhere;

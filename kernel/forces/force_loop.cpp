@@ -33,7 +33,7 @@ void ForceLoop::add_forces(double time, double dt, Part part, double* rows) {
   if (rows == nullptr) rows = impl_->attributes.force().rows();
   for (Index i = 0; i < impl_->functors.size(); ++i) {
     if (!belongs(impl_->functors[i], part)) continue;
-    impl_->run(i, impl_->awake(impl_->functors[i]), time, dt, rows,
+    impl_->run(i, "force", impl_->awake(impl_->functors[i]), time, dt, rows,
                [&](const loops::Job& job, const loops::Worker& worker,
                    std::span<const loops::Rows> ranges, Index) {
                  loops.forces(&job, &worker, ranges.data(),
@@ -99,7 +99,7 @@ double ForceLoop::Impl::energy_of(Index number, double time) {
   const auto* extension = functors[number].extension<suture_energy_1>(SUTURE_ENERGY_1);
   if (!extension) return 0;
   std::vector<double> of_chunk(functors[number].list().chunk_count());
-  run(number, time, 0,
+  run(number, "energy", time,
       [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
           Index chunk) {
         for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows&) {
@@ -134,7 +134,7 @@ bool ForceLoop::Impl::add_field(Index number, std::string_view field, double tim
   if (wanted == fields.end()) return false;
   const auto width = std::size_t{wanted->components};
   const auto place = static_cast<std::size_t>(wanted - fields.begin());
-  run(number, time, 0,
+  run(number, "output", time,
       [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
           Index) {
         AlignedVector<double> out(width * lanes);
@@ -189,7 +189,7 @@ bool ForceLoop::reads_summed_columns() const {
 template <class Real>
 void ForceLoop::Impl::add_tangent(Index number, const Direction<Real>& d, double time, Real* out) {
   const auto* extension = functors[number].extension<suture_tangent_1>(SUTURE_TANGENT_1);
-  run(number, time, 0,
+  run(number, "tangent", time,
       [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
           Index) {
         for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {

@@ -63,19 +63,24 @@ struct ForceLoop::Impl {
     return threads.threads() > 1 && (large || !functor.instance().skips());
   }
 
-  /// chunk(worker, ranges, chunk number) for all chunks, in the order of the list.
+  /// chunk(worker, ranges, chunk number) for all chunks, in the order of the list. `function`
+  /// of the functor is called there, for messages.
   template <class Chunk>
-  void run(Index number, double time, double dt, Chunk chunk) {
-    run(number, functors[number].cells().live(), time, dt, attributes.force().rows(), chunk);
+  void run(Index number, const char* function, double time, Chunk chunk) {
+    run(number, function, functors[number].cells().live(), time, 0, attributes.force().rows(),
+        chunk);
   }
   template <class Chunk>
-  void run(Index number, const LiveMask& live, double time, double dt, double* rows, Chunk chunk) {
+  void run(Index number, const char* function, const LiveMask& live, double time, double dt,
+           double* rows, Chunk chunk) {
     CompiledFunctor& functor = functors[number];
     const loops::Job& job = functor.job(attributes, *complex, live, time, dt, rows);
     const BatchList& list = functor.list();
     const auto one = [&](std::size_t i, unsigned w) {
       const auto c = static_cast<Index>(i);
-      const auto worker = workers[w].prepare(job, functor.instance().context(w), number);
+      const auto worker =
+          workers[w].prepare(job, functor.instance().context(w), number, functor.call(function));
+      const PluginScope scope(workers[w].call);
       chunk(job, worker, list.ranges(c), c);
     };
     if (pays(functor))
@@ -102,17 +107,25 @@ struct ForceLoop::Impl {
     loops::Buffers buffers;
     suture_batch batch;
     loops.gather(&job, &worker, &rows, &buffers, &batch);
-    const suture_status status = visit(batch, rows);
-    if (status != SUTURE_OK) worker.failed(worker.data, status, &batch);
+    *worker.present = &batch;
+    try {
+      const suture_status status = visit(batch, rows);
+      if (status != SUTURE_OK) worker.failed(worker.data, status, &batch);
+    } catch (...) {
+      worker.thrown(worker.data);
+    }
+    *worker.present = nullptr;
   }
   /// The same for batches that local_rows.hpp found.
   template <class Visit>
-  void for_each_local(Index number, double time, std::span<const loops::BatchRows> batches,
-                      Visit visit) {
+  void for_each_local(Index number, const char* function, double time,
+                      std::span<const loops::BatchRows> batches, Visit visit) {
     CompiledFunctor& functor = functors[number];
     const loops::Job& job =
         functor.job(attributes, *complex, functor.cells().live(), time, 0, nullptr);
-    const auto worker = workers[0].prepare(job, functor.instance().context(0), number);
+    const auto worker =
+        workers[0].prepare(job, functor.instance().context(0), number, functor.call(function));
+    const PluginScope scope(workers[0].call);
     const auto one = [&](suture_batch& batch, const loops::BatchRows& rows) {
       return visit(job, worker, batch, rows);
     };

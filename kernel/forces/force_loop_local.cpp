@@ -11,7 +11,7 @@ void ForceLoop::add_forces_at(const VertexSelection& selection, std::span<const 
     const CompiledFunctor& functor = impl_->functors[i];
     if (functor.skipped()) continue;
     impl_->for_each_local(
-        i, time, impl_->local.rows_at(*impl_->complex, functor, elements, selection),
+        i, "force", time, impl_->local.rows_at(*impl_->complex, functor, elements, selection),
         [&](const loops::Job& job, const loops::Worker& worker, suture_batch& batch,
             const loops::BatchRows& rows) {
           batch.force = force;
@@ -38,15 +38,15 @@ double ForceLoop::energy_around(std::span<const Index> elements, double time) {
     const CompiledFunctor& functor = impl_->functors[i];
     const auto* extension = functor.extension<suture_energy_1>(SUTURE_ENERGY_1);
     if (functor.skipped() || !extension) continue;
-    impl_->for_each_local(i, time, impl_->local.rows_of(*impl_->complex, functor, elements),
-                          [&](const loops::Job&, const loops::Worker& worker, suture_batch& batch,
-                              const loops::BatchRows&) {
-                            alignas(64) double out[lanes];
-                            const suture_status status =
-                                extension->energy(worker.context, &batch, out);
-                            for (Index l = 0; l < batch.valid; ++l) sum += out[l];
-                            return status;
-                          });
+    impl_->for_each_local(
+        i, "energy", time, impl_->local.rows_of(*impl_->complex, functor, elements),
+        [&](const loops::Job&, const loops::Worker& worker, suture_batch& batch,
+            const loops::BatchRows&) {
+          alignas(64) double out[lanes];
+          const suture_status status = extension->energy(worker.context, &batch, out);
+          for (Index l = 0; l < batch.valid; ++l) sum += out[l];
+          return status;
+        });
   }
   impl_->raise_failures(time);
   return sum;
@@ -98,7 +98,7 @@ void ForceLoop::add_bounds(double time, const AddBounds& sums) {
   for (Index i = 0; i < impl_->functors.size(); ++i) {
     if (impl_->functors[i].skipped()) continue;
     const suture_stable_dt_1& extension = bounds_of(impl_->functors[i]);
-    impl_->run(i, time, 0,
+    impl_->run(i, "bounds", time,
                [&](const loops::Job& job, const loops::Worker& worker,
                    std::span<const loops::Rows> ranges, Index) {
                  impl_->for_each_batch(job, worker, ranges,
@@ -118,7 +118,7 @@ void ForceLoop::add_bounds_at(const VertexSelection& selection, std::span<const 
     const CompiledFunctor& functor = impl_->functors[i];
     if (functor.skipped()) continue;
     const suture_stable_dt_1& extension = bounds_of(functor);
-    impl_->for_each_local(i, time,
+    impl_->for_each_local(i, "bounds", time,
                           impl_->local.rows_at(*impl_->complex, functor, elements, selection),
                           [&](const auto& job, const auto& worker, auto& batch, const auto& rows) {
                             return add_bounds_of(extension, job, worker, batch, rows, sums,

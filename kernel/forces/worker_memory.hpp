@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "kernel/base/aligned.hpp"
+#include "kernel/base/plugin_call.hpp"
 #include "kernel/forces/failures.hpp"
 #include "kernel/forces/loops/loops.hpp"
 
@@ -17,14 +18,25 @@ struct alignas(64) WorkerMemory {
   Failure failure;
   Index functor = 0;
   const suture_error* error = nullptr;
+  PluginCall call;  ///< what the thread is doing
 
   static void failed(void* data, suture_status status, const suture_batch* batch) {
     auto& self = *static_cast<WorkerMemory*>(data);
-    self.failure.note(status, self.functor, *self.error, *batch);
+    if (status == SUTURE_RETRY || status == SUTURE_STOP)
+      return self.failure.note(status, self.functor, *self.error, *batch);
+    self.failure.note_fault(self.functor, self.call, text_of_status(self.call, status));
   }
 
-  loops::Worker prepare(const loops::Job& job, const suture_context& context, Index number) {
+  static void thrown(void* data) {
+    auto& self = *static_cast<WorkerMemory*>(data);
+    self.failure.note_fault(self.functor, self.call, text_of_fault(self.call));
+  }
+
+  /// For calls of `function` of functor `number`, which `call` names.
+  loops::Worker prepare(const loops::Job& job, const suture_context& context, Index number,
+                        const PluginCall& named) {
     functor = number;
+    call = named;
     error = context.error;
     const std::uint64_t needed = loops::scratch_doubles(job);
     if (scratch.size() < needed) scratch.resize(needed);
@@ -40,7 +52,9 @@ struct alignas(64) WorkerMemory {
             vertex_columns.data(),
             trial_columns.data(),
             &failed,
-            this};
+            &thrown,
+            this,
+            &call.batch};
   }
 };
 

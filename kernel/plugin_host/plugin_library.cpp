@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/plugin_call.hpp"
 #include "kernel/plugin_host/table_check.hpp"
 
 namespace suture {
@@ -42,15 +43,6 @@ boost::dll::load_mode::type mode() {
   return static_cast<boost::dll::load_mode::type>(RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
 }
 
-const suture_plugin* call(suture_plugin_fn function, const std::filesystem::path& file) {
-  try {
-    return function();
-  } catch (...) {
-    refuse(file, std::string("its function ") + SUTURE_PLUGIN_SYMBOL +
-                     " threw an exception; it must only return a pointer to constant tables");
-  }
-}
-
 void check_against_note(const std::filesystem::path& file, const PluginNote& note,
                         const suture_plugin& plugin) {
   std::set<std::string> ids;
@@ -68,7 +60,9 @@ const suture_plugin& load_plugin(const std::filesystem::path& file, const Plugin
   if (!note.problem.empty()) refuse(file, note.problem);
   boost::dll::shared_library library;
   std::error_code code;
-  library.load(std::filesystem::absolute(file), mode(), code);
+  // Loading runs the constructors of the plugin's static data.
+  PluginCall call{.function = "loading", .file = file.c_str()};
+  call_plugin(call, [&] { library.load(std::filesystem::absolute(file), mode(), code); });
   if (code || !library.is_loaded()) {
     // Boost's own message would be a misleading "Bad file descriptor".
     const char* text = dlerror();
@@ -80,7 +74,8 @@ const suture_plugin& load_plugin(const std::filesystem::path& file, const Plugin
     refuse(file, std::string("it exports no function ") + SUTURE_PLUGIN_SYMBOL +
                      "; export one table per plugin (SUTURE_PLUGIN of the C++ layer does)");
   const auto function = library.get<const suture_plugin*()>(SUTURE_PLUGIN_SYMBOL);
-  const suture_plugin* plugin = call(function, file);
+  call.function = SUTURE_PLUGIN_SYMBOL;
+  const suture_plugin* plugin = call_plugin(call, function);
   if (plugin == nullptr) refuse(file, std::string(SUTURE_PLUGIN_SYMBOL) + " returned NULL");
 
   const auto problems = table_problems(*plugin);
@@ -90,6 +85,7 @@ const suture_plugin& load_plugin(const std::filesystem::path& file, const Plugin
     refuse(file, all);
   }
   check_against_note(file, note, *plugin);
+  register_plugin(*plugin, file);
   return *plugin;
 }
 

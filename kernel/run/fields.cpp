@@ -7,6 +7,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
+#include "kernel/base/plugin_call.hpp"
 #include "kernel/dynamics/hourglass.hpp"
 
 namespace suture {
@@ -260,8 +261,7 @@ std::vector<FieldChoice> model_fields(BuiltScene& built) {
   for (const auto& instance : built.body().attributes().instances()) {
     const suture_model& table = instance->model();
     for (const suture_functor& functor : std::span(table.functors, table.functor_count)) {
-      const void* extension = functor.extension ? functor.extension(SUTURE_OUTPUT_1) : nullptr;
-      const auto* output = static_cast<const suture_output_1*>(extension);
+      const auto* output = extension_of<suture_output_1>(functor, SUTURE_OUTPUT_1);
       if (output == nullptr || functor.dimension == 2) continue;
       for (std::uint32_t f = 0; f < output->field_count; ++f)
         add_once(fields, output_field(functor, output->fields[f]));

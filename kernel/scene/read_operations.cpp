@@ -6,6 +6,7 @@
 
 #include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
+#include "kernel/base/plugin_call.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
 namespace suture::scene_parts {
@@ -23,10 +24,7 @@ std::vector<std::string> scalar_fields(const suture_model& model) {
   for (std::uint32_t i = 0; i < model.functor_count; ++i) {
     const suture_functor& functor = model.functors[i];
     const bool fits = functor.dimension == 1 || functor.dimension == 3;
-    const auto* output =
-        functor.extension == nullptr || !fits
-            ? nullptr
-            : static_cast<const suture_output_1*>(functor.extension(SUTURE_OUTPUT_1));
+    const auto* output = fits ? extension_of<suture_output_1>(functor, SUTURE_OUTPUT_1) : nullptr;
     for (std::uint32_t f = 0; output != nullptr && f < output->field_count; ++f) {
       if (output->fields[f].components == 1) names.emplace_back(output->fields[f].name);
     }

@@ -69,24 +69,39 @@ TEST(Contribute, ARefusalNamesTheModelTheAttributeAndTheElement) {
   }
 }
 
-TEST(Contribute, SumsThatAreNotFiniteAreRefusedWithTheirCell) {
-  Random random(2);
+suture_status gives_minus_one(const suture_context*, const suture_batch*, double* out) {
+  for (int i = 0; i < 8 * 8; ++i) out[i] = i == 3 * 8 + 1 ? -1 : 1;
+  return SUTURE_OK;
+}
+suture_status gives_infinity(const suture_context*, const suture_batch*, double* out) {
+  for (int i = 0; i < 8 * 8; ++i) out[i] = std::numeric_limits<double>::infinity();
+  return SUTURE_OK;
+}
+
+TEST(Contribute, ValuesThatAreNotFiniteAndNegativeMassesAreRefusedWithTheirElement) {
   const fake::Model model(fake::everything());
-  Summed s(model, {2, 2, 1}, &random);
-  const suture_attribute& edge = model.attributes[fake::edge];
-  const Table& table = s.instance->table(1);
-  Column& column = *s.instance->column(fake::edge);
-  EXPECT_NO_THROW(require_finite(*s.instance, edge, table.cells, column));
-  column.set(7, 1, std::numeric_limits<double>::infinity());
-  try {
-    require_finite(*s.instance, edge, table.cells, column);
-    FAIL() << "no error";
-  } catch (const PluginError& error) {
-    const std::string text = error.what();
-    for (const std::string& words : {s.instance->title(), std::string("'edge'"),
-                                     "cell " + std::to_string(table.cells.cell(7))})
-      EXPECT_NE(text.find(words), std::string::npos) << text;
-  }
+  Summed s(model, {2, 1, 1}, nullptr);
+  suture_attribute mass = fake::attribute("mass", 0, 1, &gives_minus_one, SUTURE_FROM_VOLUMES, 0);
+  const std::vector<Index> elements{0, 1}, numbers{70, 71};
+  RestBatch rest = s.batch(numbers);
+  std::vector<double> out(8 * 8);
+  const auto message = [&] {
+    try {
+      contribute(*s.instance, mass, rest.gather(elements), out.data());
+      return std::string();
+    } catch (const PluginError& error) {
+      return std::string(error.what());
+    }
+  };
+  EXPECT_EQ(message(), "");
+  mass.flags = SUTURE_SHARED_MASS;
+  EXPECT_NE(
+      message().find("attribute 'mass', contribution of elements 70, 71: element 71 gives -1"),
+      std::string::npos)
+      << message();
+  mass.contribution = gives_infinity;
+  mass.flags = 0;
+  EXPECT_NE(message().find("element 70 gives inf"), std::string::npos) << message();
 }
 
 TEST(Alike, OneElementSpeaksForAllThatGiveTheSame) {

@@ -177,7 +177,7 @@ TEST(Instance, InspectsTheCellsOfAFunctorWithTheNumbersOfTheUser) {
                                      "the first is 60]"});
 }
 
-TEST(Instance, AContributionThatFailsOrIsNotFiniteNamesTheCell) {
+TEST(Instance, AContributionThatFailsOrIsNotFiniteNamesTheElement) {
   Row row;
   const fake::Model fails({fake::attribute(
       "k", 1, 1,
@@ -202,9 +202,7 @@ TEST(Instance, AContributionThatFailsOrIsNotFiniteNamesTheCell) {
   EXPECT_THROW(start(not_finite), PluginError);
   EXPECT_NE(message_of([&] { start(fails); }).find("attribute 'k' at element 1: too flat"),
             std::string::npos);
-  const std::string edge = std::to_string(row.complex.edges_of(0)[1]);
-  EXPECT_NE(message_of([&] { start(not_finite); }).find("nan at cell " + edge + " of dimension 1"),
-            std::string::npos);
+  EXPECT_NE(message_of([&] { start(not_finite); }).find("element 0 gives nan"), std::string::npos);
 }
 
 }  // namespace

@@ -118,7 +118,9 @@ TEST_F(PluginHostTest, RefusesTablesThatCannotBeUsed) {
                         "not have (did you mean 'suture.energy/1'?)"));
   EXPECT_THAT(refusal("returns-null"), HasSubstr("suture_plugin_v1 returned NULL"));
   EXPECT_THAT(refusal("other-ids"), HasSubstr("name different ids; rebuild it"));
-  EXPECT_THAT(refusal("throwing"), HasSubstr("its function suture_plugin_v1 threw an exception"));
+  EXPECT_THAT(refusal("throwing"),
+              HasSubstr("suture_plugin_v1: the plugin threw an exception of type "
+                        "std::runtime_error (no tables today)"));
 }
 
 TEST_F(PluginHostTest, RefusesFilesThatAreNoLibraries) {

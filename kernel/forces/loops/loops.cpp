@@ -194,6 +194,28 @@ inline __attribute__((always_inline)) void one_batch(const Job& job, const Worke
   if (job.has_trial) return_trials(job, worker, rows);
 }
 
+/// One batch after the other, each in `batch`.
+template <uint32_t N>
+inline __attribute__((always_inline)) void forces_in(const Job& job, const Worker& worker,
+                                                     const Rows& range, Buffers& buffers,
+                                                     suture_batch& batch) {
+  const uint32_t end = range.end;
+  for (uint32_t row = range.begin; row < end;) {
+    const uint32_t to_block = lanes - row % lanes;
+    const uint32_t here = end - row < to_block ? end - row : to_block;
+    const bool whole = !job.live || job.live[row / lanes] == 0xFF;
+    if (here == lanes && !job.cells && whole) {
+      const Block<N> cells{job.nodes + static_cast<uint64_t>(row) * N};
+      one_batch<N>(job, worker, BlockRows{row}, cells, buffers, batch);
+    } else {
+      const BatchRows rows = whole ? rows_of_block(row, here) : live_rows(job.live, row, here);
+      if (rows.valid != 0)
+        one_batch<N>(job, worker, rows, find_cells<N>(job, rows), buffers, batch);
+    }
+    row += here;
+  }
+}
+
 template <uint32_t N>
 void forces_of(const Job& job, const Worker& worker, const Rows* ranges, uint32_t count) {
   Buffers buffers;
@@ -201,23 +223,13 @@ void forces_of(const Job& job, const Worker& worker, const Rows* ranges, uint32_
   suture_batch batch;
   begin_batches(job, worker, buffers, batch);
   batch.force = force;
-  for (uint32_t i = 0; i < count; ++i) {
-    const uint32_t end = ranges[i].end;
-    for (uint32_t row = ranges[i].begin; row < end;) {
-      const uint32_t to_block = lanes - row % lanes;
-      const uint32_t here = end - row < to_block ? end - row : to_block;
-      const bool whole = !job.live || job.live[row / lanes] == 0xFF;
-      if (here == lanes && !job.cells && whole) {
-        const Block<N> cells{job.nodes + static_cast<uint64_t>(row) * N};
-        one_batch<N>(job, worker, BlockRows{row}, cells, buffers, batch);
-      } else {
-        const BatchRows rows = whole ? rows_of_block(row, here) : live_rows(job.live, row, here);
-        if (rows.valid != 0)
-          one_batch<N>(job, worker, rows, find_cells<N>(job, rows), buffers, batch);
-      }
-      row += here;
-    }
+  *worker.present = &batch;
+  try {
+    for (uint32_t i = 0; i < count; ++i) forces_in<N>(job, worker, ranges[i], buffers, batch);
+  } catch (...) {
+    worker.thrown(worker.data);
   }
+  *worker.present = nullptr;
 }
 
 void forces(const Job* job, const Worker* worker, const Rows* ranges, uint32_t count) {

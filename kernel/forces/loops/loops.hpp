@@ -86,7 +86,10 @@ struct Worker {
   /// Reports a batch whose status is not 0. The loop continues, so that the lowest cell is found
   /// whatever the threads do.
   void (*failed)(void* data, suture_status status, const suture_batch* batch);
+  /// In a catch block: the plugin threw an exception in the present batch. The loop ends.
+  void (*thrown)(void* data);
   void* data;
+  const suture_batch** present;  ///< set to the batch whose plugin is called, null after
 };
 
 /// Arrays that a batch points into.

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "suture/plugin.h"
+
+namespace suture {
+
+/// A call of a plugin's function: what a message names when the call fails. Everything may be
+/// null but `function`. Lives on the caller's stack while the call is under way.
+struct PluginCall {
+  const char* function = "";  ///< "force", "prepare"
+  const suture_model* model = nullptr;
+  const char* instance = nullptr;  ///< name of the model's use in the scene
+  const suture_functor* functor = nullptr;
+  const suture_attribute* attribute = nullptr;
+  const char* file = nullptr;           ///< of the plugin, where no model is known yet
+  const suture_batch* batch = nullptr;  ///< while it is filled, so that its cells are named
+};
+
+/// What this thread is calling. Signal handlers read it, on the same thread only.
+struct PluginThread {
+  const PluginCall* present = nullptr;  ///< null outside plugins
+  std::uint64_t calls = 0;              ///< scopes that were entered
+  bool guarded = false;                 ///< enter_plugin_thread was called for the thread
+};
+inline constinit thread_local PluginThread plugin_thread;
+
+/// What plugin_faults.hpp does when a thread first calls a plugin; null without guards.
+inline void (*enter_plugin_thread)() = nullptr;
+
+/// `call` is under way as long as the scope lives. Costs a nanosecond: one scope per chunk of
+/// batches, not per batch.
+class PluginScope {
+ public:
+  explicit PluginScope(const PluginCall& call) : outer_(plugin_thread.present) {
+    if (!plugin_thread.guarded && enter_plugin_thread != nullptr) enter_plugin_thread();
+    ++plugin_thread.calls;
+    plugin_thread.present = &call;
+  }
+  ~PluginScope() { plugin_thread.present = outer_; }
+  PluginScope(const PluginScope&) = delete;
+  PluginScope& operator=(const PluginScope&) = delete;
+
+ private:
+  const PluginCall* outer_;
+};
+
+/// Makes id and file of a loaded plugin known to messages. The tables outlive the program's
+/// calls: plugins are never unloaded.
+void register_plugin(const suture_plugin& plugin, const std::filesystem::path& file);
+
+/// "plugin 'p' (p.so), model 'tissue' (m), functor 'edge springs', force of edges 8 to 15" into
+/// `out`, terminated and at most `size` bytes; returns its length. Safe in signal handlers.
+std::size_t describe(const PluginCall& call, char* out, std::size_t size);
+std::string describe(const PluginCall& call);
+
+/// What a plugin wrote into its error record, terminated or not.
+std::string text_of(const suture_error& error);
+
+inline constexpr const char* exception_cure =
+    "no exception may leave a function of a plugin: catch it, and return SUTURE_STOP with a text "
+    "where the function returns a status";
+/// In a catch block: what was thrown, "an exception of type int". Never throws it again.
+std::string text_of_exception();
+/// In a catch block around a call: the call, what was thrown, and what the author is to do.
+std::string text_of_fault(const PluginCall& call);
+/// The same for a status that is none of SUTURE_OK, SUTURE_RETRY and SUTURE_STOP.
+std::string text_of_status(const PluginCall& call, suture_status status);
+/// text_of_fault() as a PluginError.
+[[noreturn]] void raise_exception_of(const PluginCall& call);
+
+/// f() as a call of a plugin; an exception of any type becomes a PluginError.
+template <class F>
+decltype(auto) call_plugin(const PluginCall& call, F&& f) {
+  const PluginScope scope(call);
+  try {
+    return std::forward<F>(f)();
+  } catch (...) {
+    raise_exception_of(call);
+  }
+}
+
+/// The extension `id` of a functor; null if it has none.
+template <class Extension>
+const Extension* extension_of(const suture_functor& functor, const char* id) {
+  if (functor.extension == nullptr) return nullptr;
+  const PluginCall call{.function = "extension", .functor = &functor};
+  return static_cast<const Extension*>(call_plugin(call, [&] { return functor.extension(id); }));
+}
+
+}  // namespace suture

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A plugin that makes the mistakes of plugin authors, one at a time: those of its functions by
+// the parameter "how", those of its tables and of its loading by the environment variable
+// SUTURE_TEST_MISTAKE. Written on the C tables, which the C++ layer would keep from most of them.
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <stdexcept>
+#include <string_view>
+
+#include "suture/note.h"
+
+SUTURE_NOTE("mistakes", "mistakes")
+
+namespace {
+
+constexpr std::uint32_t lanes = SUTURE_LANES;
+constexpr const char* ways[] = {"nothing",
+                                "prepare-throws",
+                                "prepare-crashes",
+                                "prepare-writes-behind",
+                                "enabled-throws",
+                                "contribution-throws",
+                                "contribution-crashes",
+                                "contribution-nan",
+                                "contribution-negative",
+                                "extension-throws",
+                                "inspect-crashes",
+                                "force-throws",
+                                "force-throws-int",
+                                "force-throws-own",
+                                "force-bad-alloc",
+                                "force-noexcept",
+                                "force-exits",
+                                "force-quick-exits",
+                                "force-aborts",
+                                "force-crashes",
+                                "force-overflows",
+                                "force-divides",
+                                "force-loops",
+                                "force-says-and-loops",
+                                "force-nan",
+                                "force-unset",
+                                "force-adds",
+                                "force-mixes-lanes",
+                                "force-writes-before",
+                                "force-writes-behind",
+                                "force-writes-input",
+                                "force-status",
+                                "force-text",
+                                "energy-throws",
+                                "energy-nan"};
+
+bool is(const suture_context* context, std::string_view how) {
+  return ways[static_cast<std::size_t>(context->parameters[0])] == how;
+}
+
+volatile int zero = 0;
+int* volatile nowhere = nullptr;
+struct OwnType {};
+
+int overflow(volatile const char* outer) {
+  volatile char here[4096] = {};
+  if (outer[0] != 0) return 0;  // never
+  return overflow(here) + here[1];
+}
+[[gnu::noinline]] void throw_error() { throw std::runtime_error("the law has lost its way"); }
+void throw_from_noexcept() noexcept { throw_error(); }
+
+/// What ends a call in another way than by returning.
+void fail(const suture_context* context, std::string_view function) {
+  const auto fails = [&](const char* way) {
+    return is(context, std::string(function) + "-" + way);
+  };
+  if (fails("throws")) throw_error();
+  if (fails("throws-int")) throw 42;
+  if (fails("throws-own")) throw OwnType();
+  if (fails("bad-alloc")) throw std::bad_alloc();
+  if (fails("noexcept")) throw_from_noexcept();
+  if (fails("exits")) std::exit(0);
+  if (fails("quick-exits")) std::quick_exit(0);
+  if (fails("aborts")) std::abort();
+  if (fails("crashes")) *nowhere = 1;
+  if (fails("overflows")) zero = overflow("");
+  if (fails("divides")) zero = 100 / zero;
+  while (fails("loops")) zero = 0;
+}
+
+/// Mistakes in writing the forces, all of which are zero else.
+void write_forces(const suture_context* context, const suture_batch* batch) {
+  const std::uint32_t size = batch->nodes * 3 * lanes;
+  double* force = batch->force;
+  if (is(context, "force-adds")) {
+    for (std::uint32_t i = 0; i < size; ++i) force[i] += 0;
+    return;
+  }
+  for (std::uint32_t i = 0; i < size; ++i)
+    if (!is(context, "force-unset") || i / (3 * lanes) != 5) force[i] = 0;
+  if (is(context, "force-nan")) force[2 * 3 * lanes + 1] = std::numeric_limits<double>::quiet_NaN();
+  if (is(context, "force-mixes-lanes")) force[0] = batch->position[1] - batch->position[0];
+  if (is(context, "force-writes-before")) force[-1] = 0;
+  if (is(context, "force-writes-behind")) force[size] = 0;
+  if (is(context, "force-writes-input")) const_cast<double*>(batch->position)[3] += 1e-9;
+}
+
+suture_status force(const suture_context* context, const suture_batch* batch) {
+  fail(context, "force");
+  if (is(context, "force-says-and-loops")) std::fclose(std::fopen("looping", "w"));
+  while (is(context, "force-says-and-loops")) zero = 0;
+  write_forces(context, batch);
+  if (is(context, "force-text"))
+    std::memset(context->error->text, 'x', sizeof context->error->text);
+  if (is(context, "force-text")) return SUTURE_STOP;
+  return is(context, "force-status") ? 77 : SUTURE_OK;
+}
+
+suture_status energy(const suture_context* context, const suture_batch*, double* out) {
+  fail(context, "energy");
+  for (std::uint32_t l = 0; l < lanes; ++l)
+    out[l] = is(context, "energy-nan") ? std::numeric_limits<double>::quiet_NaN() : 0;
+  return SUTURE_OK;
+}
+
+suture_status inspect(const suture_context* context, const suture_batch*) {
+  fail(context, "inspect");
+  return SUTURE_OK;
+}
+
+/// Extensions get no context: the parameters of the last instance serve.
+const double* parameters_of_last = nullptr;
+
+const void* extension(const char* id) {
+  constexpr static suture_energy_1 energies{sizeof(suture_energy_1), 0, energy};
+  constexpr static suture_inspect_1 inspection{sizeof(suture_inspect_1), 0, inspect};
+  suture_context context{};
+  context.parameters = parameters_of_last;
+  if (parameters_of_last != nullptr) fail(&context, "extension");
+  if (id == std::string_view(SUTURE_ENERGY_1)) return &energies;
+  if (id == std::string_view(SUTURE_INSPECT_1)) return &inspection;
+  return nullptr;
+}
+
+std::int32_t enabled(const suture_context* context, std::uint32_t*) {
+  fail(context, "enabled");
+  return 1;
+}
+
+suture_status prepare(const suture_context* context, void* instance) {
+  parameters_of_last = context->parameters;
+  fail(context, "prepare");
+  static_cast<double*>(instance)[0] = 1;
+  if (is(context, "prepare-writes-behind")) static_cast<double*>(instance)[1] = 1;
+  return SUTURE_OK;
+}
+
+/// 1 kg per element.
+suture_status contribute(const suture_context* context, const suture_batch*, double* out) {
+  fail(context, "contribution");
+  double share = 0.125;
+  if (is(context, "contribution-nan")) share = std::numeric_limits<double>::quiet_NaN();
+  if (is(context, "contribution-negative")) share = -share;
+  for (std::uint32_t i = 0; i < 8 * lanes; ++i) out[i] = share;
+  return SUTURE_OK;
+}
+
+suture_parameter parameters[] = {{.size = sizeof(suture_parameter),
+                                  .type = SUTURE_CHOICE,
+                                  .flags = 0,
+                                  .choice_count = sizeof ways / sizeof *ways,
+                                  .name = "how",
+                                  .unit = "1",
+                                  .doc = "which mistake",
+                                  .default_value = 0,
+                                  .minimum = 0,
+                                  .maximum = 0,
+                                  .choices = ways},
+                                 {.size = sizeof(suture_parameter),
+                                  .type = SUTURE_NUMBER,
+                                  .flags = 0,
+                                  .choice_count = 0,
+                                  .name = "E",
+                                  .unit = "Pa",
+                                  .doc = "not used",
+                                  .default_value = 1,
+                                  .minimum = 0,
+                                  .maximum = 2,
+                                  .choices = nullptr}};
+
+suture_attribute attributes[] = {{.size = sizeof(suture_attribute),
+                                  .dimension = 0,
+                                  .components = 1,
+                                  .policy = SUTURE_FROM_VOLUMES,
+                                  .flags = SUTURE_SHARED_MASS,
+                                  .reserved = 0,
+                                  .name = "mass",
+                                  .unit = "kg",
+                                  .doc = "share of the mass",
+                                  .initial = 0,
+                                  .contribution = contribute}};
+
+const std::uint32_t missing_column[] = {3};
+
+suture_functor functors[] = {{.size = sizeof(suture_functor),
+                              .dimension = 3,
+                              .cell_type = SUTURE_HEXAHEDRON,
+                              .shape = SUTURE_ANY_SHAPE,
+                              .faces = SUTURE_ALL_FACES,
+                              .lanes = lanes,
+                              .scalar = 0,
+                              .reads = SUTURE_READ_REST | SUTURE_READ_POSITION,
+                              .cell_column_count = 0,
+                              .vertex_column_count = 0,
+                              .cell_columns = missing_column,
+                              .vertex_columns = nullptr,
+                              .name = "elements",
+                              .doc = "Fails on demand.",
+                              .force = force,
+                              .extension = extension,
+                              .enabled = enabled}};
+
+suture_model models[] = {{.size = sizeof(suture_model),
+                          .flags = 0,
+                          .id = "mistakes",
+                          .doc = "Fails on demand",
+                          .formula = "f = 0",
+                          .citation = "none",
+                          .parameter_count = 2,
+                          .attribute_count = 1,
+                          .functor_count = 1,
+                          .reserved = 0,
+                          .parameters = parameters,
+                          .attributes = attributes,
+                          .functors = functors,
+                          .prepare = prepare,
+                          .instance_bytes = sizeof(double),
+                          .extension = nullptr}};
+
+const suture_plugin plugin = {.size = sizeof(suture_plugin),
+                              .magic = SUTURE_MAGIC,
+                              .abi_major = SUTURE_ABI_MAJOR,
+                              .abi_minor = SUTURE_ABI_MINOR,
+                              .lanes = lanes,
+                              .model_count = 1,
+                              .id = "mistakes",
+                              .version = "1.0",
+                              .license = "GPL-3.0-or-later",
+                              .description = "Mistakes of authors",
+                              .models = models,
+                              .required_extension_count = 0,
+                              .reserved = 0,
+                              .required_extensions = nullptr};
+
+bool mistake_is(std::string_view name) {
+  const char* mistake = std::getenv("SUTURE_TEST_MISTAKE");
+  return mistake != nullptr && mistake == name;
+}
+
+[[gnu::constructor]] void load() {
+  if (mistake_is("loading-exits")) std::exit(0);
+  if (mistake_is("loading-crashes")) *nowhere = 1;
+}
+
+}  // namespace
+
+extern "C" [[gnu::visibility("default")]] const suture_plugin* suture_plugin_v1() {
+  if (mistake_is("table-throws")) throw 42;
+  if (mistake_is("table-crashes")) *nowhere = 1;
+  if (mistake_is("dimension")) functors[0].dimension = 4;
+  if (mistake_is("cell-type")) functors[0].cell_type = SUTURE_EDGE;
+  if (mistake_is("column")) functors[0].cell_column_count = 1;
+  if (mistake_is("same-parameter")) parameters[1].name = "how";
+  if (mistake_is("default")) parameters[1].default_value = 3;
+  if (mistake_is("formula")) models[0].formula = nullptr;
+  if (mistake_is("no-force")) functors[0].force = nullptr;
+  if (mistake_is("no-contribution")) attributes[0].contribution = nullptr;
+  return &plugin;
+}

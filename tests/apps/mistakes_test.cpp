@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The usual mistakes of plugin authors, one row each: how the program ends, and what it says.
+#include <csignal>
+#include <cstdlib>
+
+#include "tests/apps/program.hpp"
+
+namespace suture::testing {
+namespace {
+
+/// An environment variable for the programs that are started meanwhile.
+class Variable {
+ public:
+  Variable(const char* name, const char* value) : name_(name) { setenv(name, value, 1); }
+  ~Variable() { unsetenv(name_); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+};
+
+class Mistakes : public Program {
+ protected:
+  /// `command` on a scene whose one model makes the mistake `how`.
+  Outcome with(const std::string& command, const std::string& how) const {
+    return scene(command, "",
+                 {std::string("/plugins=[\"") + TEST_PLUGINS + "/mistakes.so\"]",
+                  R"(/models/0={"model": "mistakes", "name": "tissue", "parameters": {"how": ")" +
+                      how + "\"}}"});
+  }
+  void expect(const Outcome& outcome, const std::vector<const char*>& words,
+              const std::string& how) const {
+    EXPECT_EQ(outcome.code, 4) << how << "\n" << outcome;
+    for (const char* word : words) EXPECT_TRUE(outcome.says(word)) << how << "\n" << outcome;
+  }
+};
+
+struct Mistake {
+  const char* how;
+  const char* where;
+  const char* what;
+  const char* cure;
+};
+
+constexpr const char* crash_cure = "gdb --args suture";
+constexpr const char* exception_cure = "catch it, and return SUTURE_STOP";
+
+TEST_F(Mistakes, NothingIsWrongWithThePluginElse) {
+  for (const char* command : {"check", "explain", "run"})
+    EXPECT_EQ(with(command, "nothing").code, 0) << command;
+}
+
+// While the scene is compiled: every command that does so names the place.
+TEST_F(Mistakes, BeforeTheRunEndWithTheirPlaceAndExitCode4) {
+  const Mistake mistakes[] = {
+      {"prepare-throws", "prepare", "std::runtime_error (the law has lost its way)",
+       exception_cure},
+      {"enabled-throws", "functor 'elements', enabled", "std::runtime_error", exception_cure},
+      {"extension-throws", "functor 'elements', extension", "std::runtime_error", exception_cure},
+      {"contribution-throws", "attribute 'mass', contribution of elements 0 to 7",
+       "std::runtime_error", exception_cure},
+      {"contribution-nan", "attribute 'mass', contribution", "element 0 gives nan kg",
+       "must be finite"},
+      {"contribution-negative", "attribute 'mass', contribution", "element 0 gives -0.125",
+       "not negative"},
+#ifndef SUTURE_SANITIZED
+      {"prepare-crashes", "prepare", "SIGSEGV", crash_cure},
+      {"contribution-crashes", "attribute 'mass', contribution of elements 0 to 7", "SIGSEGV",
+       crash_cure},
+      {"inspect-crashes", "functor 'elements', inspect of elements 0 to 7", "SIGSEGV", crash_cure},
+#endif
+  };
+  for (const Mistake& mistake : mistakes)
+    for (const char* command : {"check", "explain", "run"}) {
+      const Outcome outcome = with(command, mistake.how);
+      expect(outcome, {"plugin 'mistakes'", "mistakes", mistake.where, mistake.what, mistake.cure},
+             std::string(command) + " " + mistake.how);
+      EXPECT_FALSE(std::filesystem::exists(folder() / "out")) << mistake.how;
+    }
+}
+
+TEST_F(Mistakes, InTheRunEndWithFunctorCellsAndExitCode4) {
+  const Mistake mistakes[] = {
+      {"force-throws", "force of elements 0 to 7", "std::runtime_error (the law has lost its way)",
+       exception_cure},
+      {"force-throws-int", "force of elements 0 to 7", "of type int", exception_cure},
+      {"force-throws-own", "force of elements 0 to 7", "OwnType", exception_cure},
+      {"force-bad-alloc", "force of elements 0 to 7", "std::bad_alloc", exception_cure},
+      {"force-noexcept", "force of elements 0 to 7", "std::runtime_error", exception_cure},
+      {"force-exits", "force of elements 0 to 7", "called exit()", "must not end the program"},
+      {"force-quick-exits", "force of elements 0 to 7", "called exit()",
+       "must not end the program"},
+      {"force-status", "force of elements 0 to 7", "status 77", "SUTURE_STOP (-1)"},
+      {"energy-throws", "energy of elements 0 to 7", "std::runtime_error", exception_cure},
+#ifndef SUTURE_SANITIZED
+      {"force-aborts", "force of elements 0 to 7", "SIGABRT", crash_cure},
+      {"force-crashes", "force of elements 0 to 7", "SIGSEGV", crash_cure},
+      {"force-overflows", "force of elements 0 to 7", "stack overflowed", "end the recursion"},
+      {"force-divides", "force of elements 0 to 7", "SIGFPE", crash_cure},
+#endif
+  };
+  for (const Mistake& mistake : mistakes)
+    expect(with("run", mistake.how),
+           {"plugin 'mistakes'", "model 'tissue' (mistakes)", "functor 'elements'", mistake.where,
+            mistake.what, mistake.cure},
+           mistake.how);
+}
+
+TEST_F(Mistakes, ATextThatIsNotTerminatedIsShownToItsEnd) {
+  const Outcome run = with("run", "force-text");
+  EXPECT_EQ(run.code, 5) << run;
+  EXPECT_TRUE(run.says(std::string(512, 'x'))) << run;
+  EXPECT_FALSE(run.says(std::string(513, 'x'))) << run;
+}
+
+TEST_F(Mistakes, AnEndlessLoopEndsAfterTheTimeThatACallMayTake) {
+  const Variable timeout("SUTURE_PLUGIN_TIMEOUT", "0.2");
+  expect(with("run", "force-loops"),
+         {"plugin 'mistakes'", "functor 'elements', force of elements 0 to 7", "does not return",
+          "SUTURE_PLUGIN_TIMEOUT"},
+         "force-loops");
+}
+
+TEST_F(Mistakes, ATimeoutThatIsNotANumberIsRefused) {
+  for (const char* value : {"soon", "-1", "1 s", "nan", "inf"}) {
+    const Variable timeout("SUTURE_PLUGIN_TIMEOUT", value);
+    const Outcome outcome = suture({"models"});
+    EXPECT_EQ(outcome.code, 2) << value << "\n" << outcome;
+    EXPECT_TRUE(outcome.says("SUTURE_PLUGIN_TIMEOUT")) << outcome;
+  }
+}
+
+TEST_F(Mistakes, CtrlCEndsACallThatDoesNotReturnAndNamesIt) {
+  const Variable timeout("SUTURE_PLUGIN_TIMEOUT", "4");  // a look every 0.1 s
+  with("check", "nothing");                              // writes the scene
+  const Outcome run = interrupted(
+      {"run", "s.json", "--set", std::string("/plugins=[\"") + TEST_PLUGINS + "/mistakes.so\"]",
+       "--set",
+       R"(/models/0={"model": "mistakes", "name": "tissue", "parameters": {"how": "force-says-and-loops"}})"},
+      SIGINT, "looping");
+  EXPECT_EQ(run.code, 130) << run;
+  for (const char* word : {"plugin 'mistakes'", "functor 'elements'", "does not return"})
+    EXPECT_TRUE(run.says(word)) << run;
+}
+
+struct Table {
+  const char* mistake;
+  const char* where;
+  const char* what;
+};
+
+// Tables are checked before anything uses them, and all that is wrong is said.
+TEST_F(Mistakes, InTheTablesAreRefusedWithTheEntry) {
+  const Table mistakes[] = {
+      {"dimension", "functor 'elements'", "dimension is 4"},
+      {"cell-type", "functor 'elements'", "cell_type"},
+      {"column", "functor 'elements'", "column 3 is no attribute"},
+      {"same-parameter", "parameter 'how'", "occurs twice"},
+      {"default", "parameter 'E'", "default 3 is outside its range from 0 to 2"},
+      {"formula", "model 'mistakes'", "formula"},
+      {"no-force", "functor 'elements'", "force is NULL"},
+      {"no-contribution", "attribute 'mass'", "contribution is NULL"},
+      {"table-throws", "mistakes", "threw an exception of type int"},
+      {"loading-exits", "loading", "called exit()"},
+#ifndef SUTURE_SANITIZED
+      {"table-crashes", "suture_plugin_v1", "SIGSEGV"},
+      {"loading-crashes", "loading", "SIGSEGV"},
+#endif
+  };
+  for (const Table& table : mistakes)
+    for (const char* command : {"check", "explain", "run"}) {
+      const Variable mistake("SUTURE_TEST_MISTAKE", table.mistake);
+      expect(with(command, "nothing"), {"mistakes", table.where, table.what},
+             std::string(command) + " " + table.mistake);
+    }
+  const Variable path("SUTURE_PLUGIN_PATH", TEST_PLUGINS),
+      mistake("SUTURE_TEST_MISTAKE", "formula");
+  expect(suture({"describe", "mistakes"}), {"model 'mistakes'", "formula"}, "describe");
+}
+
+}  // namespace
+}  // namespace suture::testing

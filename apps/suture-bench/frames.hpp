@@ -33,7 +33,8 @@ class Frames {
     scene_.output.fields = std::move(fields);
     built_ = std::make_unique<BuiltScene>(scene_, diagnostics_, skip);
     built_->dynamics().start();
-    recorder_ = std::make_unique<Recorder>(scene_, *built_, "suture-bench");
+    recorder_ = std::make_unique<Recorder>(scene_, *built_, "suture-bench",
+                                           std::make_shared<OutputFolder>(folder_));
   }
   ~Frames() {
     recorder_->finish();

@@ -95,8 +95,8 @@ class Scenes {
     "constraints": [{"where": {"set": "z0"}, "fix": "xyz"}],
     "gravity": [0, -9.8, 0], "solver": {"end": )"
                         << end << R"(, "dt": )" << dt << R"(},
-    "output": {"directory": ")"
-                        << (folder_ / "out").string() << "\"}}\n";
+    "output": {}}
+)";
     return file;
   }
 
@@ -114,9 +114,13 @@ constexpr const char* no_output = "/output=false";
 
 /// Seconds of `suture run` on a scene file, start to exit.
 double run_program(const std::filesystem::path& scene, bool frames) {
-  const std::string path = program().string(), file = scene.string();
+  const std::string path = program().string(), file = scene.string(),
+                    out = (scene.parent_path() / "out").string();
   std::vector<const char*> arguments{path.c_str(), "run", "-q", file.c_str()};
-  if (!frames) arguments.insert(arguments.end(), {"--set", no_output});
+  if (frames)
+    arguments.insert(arguments.end(), {"--output", out.c_str()});
+  else
+    arguments.insert(arguments.end(), {"--set", no_output});
   arguments.push_back(nullptr);
   const double start = wall();
   pid_t child = 0;

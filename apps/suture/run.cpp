@@ -8,6 +8,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/plugin_faults.hpp"
 #include "kernel/output/checkpoint_file.hpp"
+#include "kernel/output/output_folder.hpp"
 #include "kernel/run/simulation.hpp"
 #include "kernel/scene/scene_reader.hpp"
 
@@ -94,11 +95,12 @@ void print_summary(const RunSummary& summary, Console& console) {
   if (!summary.pvd.empty()) console.print("open in ParaView: " + summary.pvd);
 }
 
-Scene scene_of(const Checkpoint& checkpoint, const std::vector<std::string>& sets, PluginHost& host,
+Scene scene_of(const Checkpoint& checkpoint, const RunCommand& command, PluginHost& host,
                Console& console) {
   const CheckpointHeader& header = checkpoint.header;
-  return read_scene_source({header.scene_text, header.scene_file, header.working_folder}, sets,
-                           host, console.diagnostics());
+  const std::filesystem::path folder = std::filesystem::absolute(command.resume).parent_path();
+  return read_scene_source({header.scene_text, header.scene_file, header.working_folder, folder},
+                           command.sets, host, console.diagnostics());
 }
 
 void tell_of_resume(const CheckpointHeader& header, Simulation& simulation, Console& console) {
@@ -118,9 +120,12 @@ int run(const RunCommand& command, Console& console) {
   std::optional<Checkpoint> checkpoint;
   if (!command.resume.empty()) checkpoint = read_checkpoint(command.resume);
   const Scene scene = checkpoint
-                          ? scene_of(*checkpoint, command.sets, host, console)
+                          ? scene_of(*checkpoint, command, host, console)
                           : read_scene(command.scene, command.sets, host, console.diagnostics());
-  Simulation simulation(scene, host, console.diagnostics(), command.skip);
+  // Before anything that takes time: another run may be writing there.
+  const auto folder = std::make_shared<OutputFolder>(scene.output.directory, scene.output.root);
+  if (scene.output.enabled) folder->open();
+  Simulation simulation(scene, host, console.diagnostics(), command.skip, folder);
   if (checkpoint) {
     simulation.resume(*checkpoint, command.resume);
     tell_of_resume(checkpoint->header, simulation, console);

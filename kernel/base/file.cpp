@@ -2,6 +2,7 @@
 #include "kernel/base/file.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -22,6 +23,8 @@ const char* hint(int error) {
     case EPERM:
     case EROFS:
       return "; choose an output folder that you may write to";
+    case EFBIG:
+      return "; raise the limit on the size of files (ulimit -f)";
     case ENOTDIR:
     case EEXIST:
       return "; a file stands where a folder is needed";
@@ -36,41 +39,26 @@ void fail_io(const std::filesystem::path& path, const std::string& done, int err
   throw IoError(path.string() + ": cannot be " + done + ": " + std::strerror(error) + hint(error));
 }
 
-AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)), temporary_(path_) {
-  temporary_ += ".part";
-}
-
-AtomicFile::~AtomicFile() {
-  if (temporary_.empty()) return;
-  std::error_code ignored;
-  std::filesystem::remove(temporary_, ignored);
-}
-
-void AtomicFile::commit() {
-  std::error_code failed;
-  std::filesystem::rename(temporary_, path_, failed);
-  if (failed) fail_io(path_, "written", failed.value());
-  temporary_.clear();
-}
-
 namespace {
 
-int create(const std::filesystem::path& path, const std::filesystem::path& shown) {
-  const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+int create(const Folder& folder, const std::string& name, const std::filesystem::path& shown) {
+  if (::unlinkat(folder.descriptor(), name.c_str(), 0) != 0 && errno != ENOENT)
+    fail_io(shown, "replaced", errno);
+  constexpr int fresh = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
+  const int fd = ::openat(folder.descriptor(), name.c_str(), fresh, 0666);
   if (fd < 0) fail_io(shown, "opened for writing", errno);
   return fd;
 }
 
 }  // namespace
 
-OutputFile::OutputFile(std::filesystem::path path)
-    : path_(std::move(path)), fd_(create(path_, path_)) {}
+OutputFile::OutputFile(const Folder& folder, const std::string& name, const std::string& shown)
+    : path_(folder.path() / shown), fd_(create(folder, name, path_)) {}
 
-OutputFile::OutputFile(const AtomicFile& file)
-    : path_(file.path()), fd_(create(file.temporary(), path_)) {}
-
-OutputFile::OutputFile(std::filesystem::path path, std::uint64_t kept) : path_(std::move(path)) {
-  fd_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC);
+OutputFile::OutputFile(const Folder& folder, const std::string& name, std::uint64_t kept)
+    : path_(folder.path() / name) {
+  // A FIFO would be waited for, without O_NONBLOCK.
+  fd_ = ::openat(folder.descriptor(), name.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (fd_ < 0) fail_io(path_, "opened for writing", errno);
   const auto end = static_cast<off_t>(kept);
   if (::ftruncate(fd_, end) != 0 || ::lseek(fd_, end, SEEK_SET) < 0) {
@@ -93,28 +81,43 @@ void OutputFile::write(std::string_view bytes) {
   }
 }
 
+bool OutputFile::was_removed() const {
+  struct stat info {};
+  return ::fstat(fd_, &info) == 0 && info.st_nlink == 0;
+}
+
 void OutputFile::sync() {
-  // EINVAL: a device or pipe, which has nothing to wait for.
-  if (::fsync(fd_) != 0 && errno != EINVAL) fail_io(path_, "written", errno);
+  if (::fsync(fd_) != 0) fail_io(path_, "written", errno);
 }
 
 void OutputFile::close() {
   if (::close(std::exchange(fd_, -1)) != 0) fail_io(path_, "written", errno);
 }
 
-void sync_folder(const std::filesystem::path& folder) {
-  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) return;
-  ::fsync(fd);
-  ::close(fd);
+std::string temporary_name(const std::string& name) { return name + ".part"; }
+
+AtomicFile::AtomicFile(const Folder& folder, const std::string& name)
+    : OutputFile(folder, temporary_name(name), name),
+      folder_(folder),
+      name_(name),
+      temporary_(temporary_name(name)) {}
+
+AtomicFile::~AtomicFile() {
+  if (!temporary_.empty()) folder_.remove(temporary_);
+}
+
+void AtomicFile::commit() {
+  close();
+  const int fd = folder_.descriptor();
+  if (::renameat(fd, temporary_.c_str(), fd, name_.c_str()) != 0) fail_io(path(), "written", errno);
+  temporary_.clear();
 }
 
 void write_file(const std::filesystem::path& path, std::string_view text) {
-  AtomicFile atomic(path);
-  OutputFile file(atomic);
+  const Folder folder = Folder::open(path.parent_path());
+  AtomicFile file(folder, path.filename().string());
   file.write(text);
-  file.close();
-  atomic.commit();
+  file.commit();
 }
 
 }  // namespace suture

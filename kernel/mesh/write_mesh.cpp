@@ -54,8 +54,9 @@ void write_vtu(const std::filesystem::path& path, const Mesh& mesh) {
   add_ids(mesh.point_ids, "point ids", image.point_arrays);
   add_ids(mesh.element_ids, "element ids", image.cell_arrays);
 
-  AtomicFile file(path);
-  const VtuOutcome outcome = vtk_module().write_vtu(file.temporary().string(), image);
+  const Folder folder = Folder::open(path.parent_path());
+  AtomicFile file(folder, path.filename().string());
+  const VtuOutcome outcome = vtk_module().write_vtu(file.descriptor(), image);
   if (outcome.error != 0) fail_io(path, "written", outcome.error);
   if (!outcome.text.empty()) throw IoError(path.string() + ": cannot be written: " + outcome.text);
   file.commit();

@@ -162,25 +162,20 @@ void CheckpointHeader::state(Archive& archive) {
   archive("time", time);
 }
 
-void write_checkpoint(const fs::path& path, CheckpointHeader header, StateTree&& state) {
+void write_checkpoint(OutputFile& file, CheckpointHeader header, StateTree&& state) {
   StateTree tree;
   save_state(tree, header);
   tree.groups["state"] = std::move(state);
-  AtomicFile atomic(path);
   const auto take = [&](std::span<const std::byte> bytes) {
     Checksum checksum;
     checksum.add(bytes);
     const Block block = block_of(block_size + bytes.size(), checksum.text());
-    OutputFile file(atomic);
     file.write({block.data(), block.size()});
     file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     file.sync();
-    file.close();
   };
   const std::string failure = hdf5_module().write(std::move(tree), take);
-  if (!failure.empty()) throw IoError(path.string() + ": cannot be written: " + failure);
-  atomic.commit();
-  sync_folder(path.parent_path());
+  if (!failure.empty()) throw IoError(file.path().string() + ": cannot be written: " + failure);
 }
 
 Checkpoint read_checkpoint(const fs::path& path) {
@@ -206,14 +201,14 @@ std::string checkpoint_name(std::uint64_t number) {
   return name;
 }
 
-std::vector<std::uint64_t> checkpoints_in(const fs::path& folder, const std::string& suffix) {
+std::vector<std::uint64_t> checkpoints_in(const fs::path& folder) {
   std::vector<std::uint64_t> numbers;
   std::error_code failed;
   for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end;
        entry.increment(failed)) {
     const std::string name = entry->path().filename().string();
     const auto number = number_after(name, "checkpoint_");
-    if (number && name == checkpoint_name(*number) + suffix) numbers.push_back(*number);
+    if (number && name == checkpoint_name(*number)) numbers.push_back(*number);
   }
   std::sort(numbers.begin(), numbers.end());
   return numbers;

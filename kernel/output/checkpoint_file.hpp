@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kernel/base/archive.hpp"
+#include "kernel/base/file.hpp"
 
 namespace suture {
 
@@ -36,12 +37,11 @@ struct Checkpoint {
   StateTree state;
 };
 
-/// Writes one file, complete or not at all, and returns when it is on the disk. The file is
+/// Writes one file and returns when the disk has it. The file is
 /// HDF5 behind a block of 512 bytes that has its version, length and checksum: the attributes
 /// of the root and the group `plugins` are the header, the group `state` is the state, group by
 /// group. Arrays of the state are freed on the way. Throws IoError.
-void write_checkpoint(const std::filesystem::path& path, CheckpointHeader header,
-                      StateTree&& state);
+void write_checkpoint(OutputFile& file, CheckpointHeader header, StateTree&& state);
 
 /// Throws InputError that says why a file cannot be read: no file, a folder, of another kind or
 /// another version of the format, cut off, damaged.
@@ -49,8 +49,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path);
 
 /// checkpoint_0042.h5: the number has four digits or more.
 std::string checkpoint_name(std::uint64_t number);
-/// The numbers of the files of such names, with `suffix` behind, in a folder, ascending.
-std::vector<std::uint64_t> checkpoints_in(const std::filesystem::path& folder,
-                                          const std::string& suffix = "");
+/// The numbers of the files of such names in a folder, ascending.
+std::vector<std::uint64_t> checkpoints_in(const std::filesystem::path& folder);
 
 }  // namespace suture

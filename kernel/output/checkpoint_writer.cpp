@@ -10,8 +10,6 @@
 #include <thread>
 #include <utility>
 
-#include "kernel/base/file.hpp"
-
 namespace suture {
 namespace {
 
@@ -28,11 +26,14 @@ bool same_folder(const fs::path& a, const fs::path& b) {
 // threads touch.
 struct CheckpointWriter::Impl {
   explicit Impl(CheckpointWriterOptions chosen)
-      : options(std::move(chosen)),
-        next(options.resumed_number + 1),
-        newest(options.resumed_from),
-        shares_folder(!options.resumed_from.empty() &&
-                      same_folder(options.resumed_from.parent_path(), options.directory)) {}
+      : options(std::move(chosen)), next(options.resumed_number + 1), newest(options.resumed_from) {
+    if (newest.empty() || !same_folder(newest.parent_path(), folder().path())) return;
+    for (const std::uint64_t number : checkpoints_in(folder().path())) {
+      if (number > options.resumed_number) continue;
+      own.push_back(number);
+      folder().keep(checkpoint_name(number));
+    }
+  }
 
   const CheckpointWriterOptions options;
   std::uint64_t next;
@@ -45,42 +46,20 @@ struct CheckpointWriter::Impl {
   bool busy = false, stopping = false;
   std::thread thread;
 
-  const bool shares_folder;
-  bool tidied = false;
   std::deque<std::uint64_t> own;  ///< numbers of files that are whole, ascending
 
-  fs::path path_of(std::uint64_t number) const {
-    return options.directory / checkpoint_name(number);
-  }
+  OutputFolder& folder() const { return *options.folder; }
+  fs::path path_of(std::uint64_t number) const { return folder().path() / checkpoint_name(number); }
 
   void write(Checkpoint checkpoint) {
     const std::uint64_t number = checkpoint.header.number;
-    // Not before the first: a scene that is only looked at leaves no trace.
-    std::error_code failed;
-    fs::create_directories(options.directory, failed);
-    if (failed) fail_io(options.directory, "made as output folder", failed.value());
-    write_checkpoint(path_of(number), std::move(checkpoint.header), std::move(checkpoint.state));
-    if (!std::exchange(tidied, true)) remove_others(number);
+    folder().write(checkpoint_name(number), [&](OutputFile& file) {
+      write_checkpoint(file, std::move(checkpoint.header), std::move(checkpoint.state));
+    });
+    folder().sync();
     own.push_back(number);
-    for (; own.size() > std::max(options.keep, 1u); own.pop_front()) remove(own.front());
-  }
-
-  void remove_others(std::uint64_t written) {
-    for (const std::uint64_t number : checkpoints_in(options.directory)) {
-      if (number == written) continue;
-      if (shares_folder && number <= options.resumed_number)
-        own.push_back(number);
-      else
-        remove(number);
-    }
-    // Of a program that was killed while it wrote.
-    for (const std::uint64_t number : checkpoints_in(options.directory, ".part"))
-      remove(number, ".part");
-  }
-
-  void remove(std::uint64_t number, const char* suffix = "") const {
-    std::error_code ignored;
-    fs::remove(path_of(number) += suffix, ignored);
+    for (; own.size() > std::max(options.keep, 1u); own.pop_front())
+      folder().remove(checkpoint_name(own.front()));
   }
 
   // The loop of the writing thread.

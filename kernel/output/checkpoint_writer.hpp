@@ -5,11 +5,12 @@
 #include <memory>
 
 #include "kernel/output/checkpoint_file.hpp"
+#include "kernel/output/output_folder.hpp"
 
 namespace suture {
 
 struct CheckpointWriterOptions {
-  std::filesystem::path directory;       ///< made if missing, with its parents
+  std::shared_ptr<OutputFolder> folder;
   unsigned keep = 2;                     ///< files that stay, at least 1
   std::filesystem::path resumed_from{};  ///< the checkpoint that the run goes on from; empty: none
   std::uint64_t resumed_number = 0;      ///< of its header
@@ -20,9 +21,8 @@ struct CheckpointWriterOptions {
 /// the disk.
 ///
 /// A run that was resumed goes on behind the number that it was resumed from, whose file and
-/// those before it, in the same folder, count as its own. All other files of such names belong
-/// to another run, or to what this one did after that checkpoint before: they go when the first
-/// new one is on the disk. No other file is touched.
+/// those before it, in the same folder, count as its own from the constructor on. Those behind it
+/// are what this run did before, and stale (OutputFolder).
 ///
 /// Errors of the writing thread are thrown, once, as IoError by the next submit() or by
 /// finish(); a checkpoint that waits then is dropped, those written stay.

@@ -21,12 +21,14 @@ std::string cell(const std::string& text) {
 
 }  // namespace
 
-CsvWriter::CsvWriter(std::filesystem::path path, const std::vector<std::string>& columns)
-    : path_(std::move(path)),
+CsvWriter::CsvWriter(std::shared_ptr<OutputFolder> folder, std::string name,
+                     const std::vector<std::string>& columns)
+    : folder_(std::move(folder)),
+      name_(std::move(name)),
       columns_(columns.size()),
       header_("step"),
       flushed_(std::chrono::steady_clock::now()) {
-  for (const std::string& name : columns) header_.append(1, ',').append(cell(name));
+  for (const std::string& column : columns) header_.append(1, ',').append(cell(column));
   header_ += '\n';
   buffer_ = header_;
 }
@@ -40,8 +42,8 @@ CsvWriter::~CsvWriter() {
 
 void CsvWriter::row(std::uint64_t step, std::span<const double> values) {
   if (values.size() != columns_) {
-    throw std::invalid_argument(path_.string() + ": " + std::to_string(values.size()) +
-                                " values for " + std::to_string(columns_) + " columns");
+    throw std::invalid_argument(name_ + ": " + std::to_string(values.size()) + " values for " +
+                                std::to_string(columns_) + " columns");
   }
   has_rows_ = true;
   char text[32];
@@ -59,14 +61,19 @@ void CsvWriter::row(std::uint64_t step, std::span<const double> values) {
 }
 
 void CsvWriter::flush() {
-  if (!file_) {
-    std::error_code ignored;  // opening the file tells what is wrong
-    std::filesystem::create_directories(path_.parent_path(), ignored);
-    bytes_ == 0 ? void(file_.emplace(path_)) : void(file_.emplace(path_, bytes_));
-  }
+  if (!file_) file_ = bytes_ == 0 ? folder_->grow(name_) : folder_->grow(name_, bytes_);
   bytes_ += buffer_.size();
   file_->write(std::exchange(buffer_, {}));
+  require_in_place();
   flushed_ = std::chrono::steady_clock::now();
+}
+
+void CsvWriter::require_in_place() const {
+  folder_->require_in_place();
+  if (file_->was_removed())
+    throw IoError(file_->path().string() +
+                  ": was removed while the run wrote to it; start the run again and leave its "
+                  "files where they are");
 }
 
 void CsvWriter::finish() {
@@ -86,22 +93,25 @@ void CsvWriter::state(Archive& archive) {
   file_.reset();
   buffer_ = bytes_ == 0 ? header_ : "";
   finished_ = false;
-  if (bytes_ != 0) check_file();
+  if (bytes_ == 0) return;
+  check_file();
+  folder_->keep(name_);
 }
 
 // That it is the table whose rows were written, as far as can be seen.
 void CsvWriter::check_file() const {
+  const std::filesystem::path path = folder_->path() / name_;
   const auto refuse = [&](const std::string& what) {
-    throw InputError(path_.string() + ": " + what + ", and the checkpoint goes on behind byte " +
+    throw InputError(path.string() + ": " + what + ", and the checkpoint goes on behind byte " +
                      std::to_string(bytes_) +
                      " of it; put it back as it was, or start the run anew");
   };
   std::error_code failed;
-  const auto size = std::filesystem::file_size(path_, failed);
+  const auto size = std::filesystem::file_size(path, failed);
   if (failed == std::errc::no_such_file_or_directory) refuse("is gone");
   if (failed) refuse("cannot be read: " + failed.message());
   if (size < bytes_) refuse("has " + std::to_string(size) + " bytes");
-  std::ifstream file(path_, std::ios::binary);
+  std::ifstream file(path, std::ios::binary);
   std::string first(header_.size(), ' ');
   file.read(first.data(), static_cast<std::streamsize>(first.size()));
   file.seekg(static_cast<std::streamoff>(bytes_ - 1));

@@ -3,25 +3,24 @@
 
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
-#include <optional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "kernel/base/archive.hpp"
-#include "kernel/base/file.hpp"
+#include "kernel/output/output_folder.hpp"
 
 namespace suture {
 
 /// A table that grows during a run: energies.csv, probes.csv. Numbers are the
 /// shortest that read back to the same double. Rows reach the disk once a second
-/// or every 64 kB; a table of an earlier run is replaced when the first rows are
-/// written, and left alone if there are none.
+/// or every 64 kB; nothing is written if there are none.
 class CsvWriter {
  public:
   /// `columns` with units, such as "kinetic energy [J]"; "step" is put before them.
-  CsvWriter(std::filesystem::path path, const std::vector<std::string>& columns);
+  CsvWriter(std::shared_ptr<OutputFolder> folder, std::string name,
+            const std::vector<std::string>& columns);
   /// Writes what is buffered; errors are lost, therefore call finish() before.
   ~CsvWriter();
   CsvWriter(const CsvWriter&) = delete;
@@ -40,14 +39,16 @@ class CsvWriter {
 
  private:
   void flush();
+  void require_in_place() const;
   void check_file() const;
 
-  std::filesystem::path path_;
+  std::shared_ptr<OutputFolder> folder_;
+  std::string name_;
   std::size_t columns_;
   std::string header_;  ///< the first line
   std::string buffer_;
   std::uint64_t bytes_ = 0;  ///< written
-  std::optional<OutputFile> file_;
+  std::unique_ptr<OutputFile> file_;
   std::chrono::steady_clock::time_point flushed_;
   bool has_rows_ = false, finished_ = false;
 };

@@ -32,7 +32,7 @@ struct Frame {
   std::vector<std::array<Index, 2>> lines;
   std::vector<FrameField> point_fields;
   std::vector<FrameField> cell_fields;
-  std::string field_data_provenance;  ///< scene hash, plugin versions, threads
+  std::string field_data_provenance;  ///< scene hash, plugin versions
 
   /// For frames that are held back when a checkpoint is written.
   void state(Archive& archive);

@@ -58,8 +58,7 @@ void check_frame(const Frame& frame) {
   for (const FrameField& field : frame.cell_fields) check_field(field, cell_count(frame));
 }
 
-void write_frame(const std::filesystem::path& path, Frame& frame,
-                 FrameWriterOptions::Compression compression) {
+void write_frame(OutputFile& file, Frame& frame, FrameWriterOptions::Compression compression) {
   for (Hexahedron& nodes : frame.hexahedra) nodes = swap_vtk_order(nodes);
   VtuImage image;
   image.points = frame.points.data();
@@ -74,11 +73,10 @@ void write_frame(const std::filesystem::path& path, Frame& frame,
   image.provenance = frame.field_data_provenance;
   image.compression = compression_of(compression);
 
-  AtomicFile file(path);
-  const VtuOutcome outcome = vtk_module().write_vtu(file.temporary().string(), image);
-  if (outcome.error != 0) fail_io(path, "written", outcome.error);
-  if (!outcome.text.empty()) throw IoError(path.string() + ": cannot be written: " + outcome.text);
-  file.commit();
+  const VtuOutcome outcome = vtk_module().write_vtu(file.descriptor(), image);
+  if (outcome.error != 0) fail_io(file.path(), "written", outcome.error);
+  if (!outcome.text.empty())
+    throw IoError(file.path().string() + ": cannot be written: " + outcome.text);
 }
 
 }  // namespace suture

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <filesystem>
-
+#include "kernel/base/file.hpp"
 #include "kernel/output/frame_writer.hpp"
 
 namespace suture {
@@ -10,9 +9,8 @@ namespace suture {
 /// Throws std::invalid_argument if a field does not fit the points or cells.
 void check_frame(const Frame& frame);
 
-/// Writes one `.vtu`, complete or not at all. The frame's cells are turned into
-/// VTK's node order in place, so that nothing is copied. Throws IoError.
-void write_frame(const std::filesystem::path& path, Frame& frame,
-                 FrameWriterOptions::Compression compression);
+/// Writes one `.vtu`. The frame's cells are turned into VTK's node order in place, so that
+/// nothing is copied. Throws IoError.
+void write_frame(OutputFile& file, Frame& frame, FrameWriterOptions::Compression compression);
 
 }  // namespace suture

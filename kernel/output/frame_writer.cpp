@@ -6,40 +6,27 @@
 #include <deque>
 #include <exception>
 #include <mutex>
-#include <set>
 #include <thread>
 #include <utility>
 
-#include "kernel/base/file.hpp"
+#include "kernel/base/error.hpp"
+#include "kernel/output/collection.hpp"
 #include "kernel/output/frame_file.hpp"
-#include "kernel/output/pvd.hpp"
 
 namespace suture {
-namespace {
 
 namespace fs = std::filesystem;
-
-// prefix_0042.vtu: the number has four digits or more.
-bool is_frame_name(const std::string& name, const std::string& prefix) {
-  const std::string head = prefix + "_", tail = ".vtu";
-  if (name.size() < head.size() + 4 + tail.size()) return false;
-  if (!name.starts_with(head) || !name.ends_with(tail)) return false;
-  const std::string_view digits(&name[head.size()], name.size() - head.size() - tail.size());
-  return digits.find_first_not_of("0123456789") == digits.npos;
-}
-
-}  // namespace
 
 // Everything from `write` on happens on the writing thread only; the queue is all
 // that both threads touch.
 struct FrameWriter::Impl {
   explicit Impl(FrameWriterOptions chosen)
       : options(std::move(chosen)),
-        pvd_path(options.directory / (options.collection + ".pvd")),
-        pvd(pvd_path),
-        old_files(PvdFile::files_of(pvd_path)) {}
+        pvd_name(options.collection + ".pvd"),
+        pvd_path(folder().path() / pvd_name) {}
 
   const FrameWriterOptions options;
+  const std::string pvd_name;
   const fs::path pvd_path;
 
   std::mutex mutex;
@@ -48,12 +35,13 @@ struct FrameWriter::Impl {
   std::vector<Frame> used;
   std::exception_ptr error;
   std::size_t written = 0;
-  bool busy = false, stopping = false, has_folder = false;
+  bool busy = false, stopping = false, is_resumed = false;
   std::thread thread;
 
-  PvdFile pvd;
-  std::vector<std::string> old_files;
+  Collection pvd;
   std::size_t missing = 0;
+
+  OutputFolder& folder() const { return *options.folder; }
 
   std::string file_name(const Frame& frame) const {
     char number[24];
@@ -64,32 +52,26 @@ struct FrameWriter::Impl {
 
   void write(Frame& frame) {
     const std::string name = file_name(frame);
-    write_frame(options.directory / name, frame, options.compression);
+    folder().write(name, [&](OutputFile& file) { write_frame(file, frame, options.compression); });
     pvd.add(frame.time, name);
-    remove_old(name);
+    folder().write(pvd_name, [&](OutputFile& file) { file.write(pvd.text()); });
   }
 
-  void remove_old(const std::string& but = "") {
-    for (const std::string& old : std::exchange(old_files, {})) {
-      std::error_code ignored;
-      if (old != but && is_frame_name(old, options.prefix))
-        fs::remove(options.directory / old, ignored);
-    }
+  void require_all() {
+    if (pvd.files().empty()) return;
+    folder().require_in_place();
+    if (const std::size_t gone = pvd.leave_out_missing(folder().path()); gone != 0)
+      throw IoError(pvd_path.string() + ": " + std::to_string(gone) +
+                    " of its frames were removed while the run wrote them; start the run again "
+                    "and leave its files where they are");
   }
 
-  // A run that was resumed and fails before its next frame.
-  void leave_out_later() {
-    if (pvd.files().empty() || old_files.empty()) return;
-    pvd.write();
-    remove_old();
-  }
-
-  // Not before the first frame: a scene that is only looked at leaves no trace.
-  void make_folder() {
-    if (std::exchange(has_folder, true)) return;
-    std::error_code failed;
-    fs::create_directories(options.directory, failed);
-    if (failed) fail_io(options.directory, "made as output folder", failed.value());
+  // What this run goes on from belongs to it.
+  void keep() {
+    missing = pvd.leave_out_missing(folder().path());
+    for (const std::string& file : pvd.files()) folder().keep(file);
+    if (!pvd.files().empty()) folder().keep(pvd_name, pvd.text());
+    is_resumed = true;
   }
 
   // The loop of the writing thread.
@@ -153,7 +135,7 @@ Frame FrameWriter::take_frame() {
 void FrameWriter::submit(Frame frame) {
   check_frame(frame);
   Impl& impl = *impl_;
-  impl.make_folder();
+  impl.folder().open();
   std::unique_lock lock(impl.mutex);
   impl.rethrow();
   if (!impl.options.background) {
@@ -172,7 +154,8 @@ void FrameWriter::finish() {
   std::unique_lock lock(impl_->mutex);
   impl_->changed.wait(lock, [&] { return impl_->error || (impl_->queue.empty() && !impl_->busy); });
   impl_->rethrow();
-  impl_->leave_out_later();
+  if (impl_->is_resumed) impl_->folder().begin();
+  impl_->require_all();
 }
 
 void FrameWriter::state(Archive& archive) {
@@ -180,11 +163,7 @@ void FrameWriter::state(Archive& archive) {
   const std::lock_guard lock(impl_->mutex);
   archive("written", impl_->written);
   archive("list", impl_->pvd);
-  if (!archive.loads()) return;
-  impl_->missing = impl_->pvd.leave_out_missing();
-  impl_->old_files = PvdFile::files_of(impl_->pvd_path);
-  const std::set<std::string> listed(impl_->pvd.files().begin(), impl_->pvd.files().end());
-  std::erase_if(impl_->old_files, [&](const std::string& file) { return listed.contains(file); });
+  if (archive.loads()) impl_->keep();
 }
 
 std::size_t FrameWriter::missing() const { return impl_->missing; }

@@ -7,14 +7,15 @@
 #include <string>
 
 #include "kernel/output/frame.hpp"
+#include "kernel/output/output_folder.hpp"
 
 namespace suture {
 
 struct FrameWriterOptions {
   enum class Compression { raw, lz4, zlib };
-  std::filesystem::path directory;  ///< made if missing, with its parents
-  std::string prefix = "frame";     ///< frame_0042.vtu
-  std::string collection = "run";   ///< run.pvd
+  std::shared_ptr<OutputFolder> folder;
+  std::string prefix = "frame";    ///< frame_0042.vtu
+  std::string collection = "run";  ///< run.pvd
   Compression compression = Compression::lz4;
   bool background = true;   ///< write on a thread of its own
   std::size_t waiting = 2;  ///< frames that may wait; the next submit blocks
@@ -25,11 +26,7 @@ struct FrameWriterOptions {
 /// not at all, then the list is replaced: ParaView can read at any time, and what
 /// is listed is whole whenever the program ends.
 ///
-/// A folder with the results of an earlier run: they stay until the first new
-/// frame is on disk; then the frames that the old list names are removed and the
-/// list is replaced. A run that fails before its first frame destroys nothing;
-/// files that are not in the list are never touched, but for overwriting a frame
-/// of the same name.
+/// What becomes of the results of an earlier run in the folder: see OutputFolder.
 ///
 /// Errors of the writing thread are thrown, once, as IoError (path and the text
 /// of the system's error) by the next submit() or by finish(); frames that wait
@@ -49,12 +46,12 @@ class FrameWriter {
   /// Hands a frame over; returns at once unless `waiting` frames wait already.
   /// Throws std::invalid_argument for a field of the wrong length.
   void submit(Frame frame);
-  /// Returns when everything is on disk.
+  /// Returns when everything is on disk; throws IoError if it is not there any more.
   void finish();
 
   /// Saved: the list of frames; all of them are on disk then. Loaded: the list goes on there.
-  /// The frames that the list on disk has beyond go when the first new one is on disk, as those
-  /// of an earlier run, or with finish(); frames of the list whose files are gone leave it.
+  /// Frames beyond are stale from the next write in the folder on, at the latest finish();
+  /// frames of the list whose files are gone leave it.
   void state(Archive& archive);
   /// How many frames were gone when the state was loaded.
   std::size_t missing() const;

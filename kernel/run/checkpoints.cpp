@@ -39,11 +39,12 @@ CheckpointHeader header_of(BuiltScene& built, const PluginHost& host) {
 
 }  // namespace
 
-Checkpoints::Checkpoints(BuiltScene& built, const PluginHost& host)
+Checkpoints::Checkpoints(BuiltScene& built, const PluginHost& host,
+                         std::shared_ptr<OutputFolder> folder)
     : built_(built), options_(built.scene().checkpoint) {
+  writing_.folder = std::move(folder);
   if (!options_.enabled) return;
   header_ = header_of(built, host);
-  writing_.directory = built.scene().output.directory;
   writing_.keep = options_.keep;
 }
 
@@ -103,6 +104,7 @@ void Checkpoints::go_on(const CheckpointHeader& header, const std::filesystem::p
                         const Clock& clock) {
   writing_.resumed_from = file;
   writing_.resumed_number = header.number;
+  writer_ = std::make_unique<CheckpointWriter>(writing_);  // keeps the earlier ones
   last_step_ = clock.step();
   last_time_ = clock.time();
 }

@@ -16,7 +16,7 @@ namespace suture {
 /// Decides when a checkpoint is due and writes it. Costs nothing if the scene requests none.
 class Checkpoints {
  public:
-  Checkpoints(BuiltScene& built, const PluginHost& host);
+  Checkpoints(BuiltScene& built, const PluginHost& host, std::shared_ptr<OutputFolder> folder);
 
   /// Call between two steps, once per step.
   bool is_due(const Clock& clock) const;

@@ -60,7 +60,7 @@ Evidence::Evidence(BuiltScene& built, double time) : failed_(frame_of(built, tim
 
 void Evidence::add_last_good(BuiltScene& built, double time) { good_ = frame_of(built, time); }
 
-std::string Evidence::write(const std::filesystem::path& directory) {
+std::string Evidence::write(std::shared_ptr<OutputFolder> folder) {
   const auto finite_or = [](double value, double other) {
     return std::isfinite(value) ? value : other;
   };
@@ -74,7 +74,7 @@ std::string Evidence::write(const std::filesystem::path& directory) {
     }
   try {
     FrameWriterOptions options;
-    options.directory = directory;
+    options.folder = std::move(folder);
     options.prefix = options.collection = "failed";
     options.background = false;
     FrameWriter writer(options);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "kernel/output/frame.hpp"
+#include "kernel/output/output_folder.hpp"
 #include "kernel/scene/built_scene.hpp"
 
 namespace suture {
@@ -20,7 +21,7 @@ class Evidence {
   Evidence(BuiltScene& built, double time);
   void add_last_good(BuiltScene& built, double time);
   /// Returns a sentence that says what was written, or why it could not be written.
-  std::string write(const std::filesystem::path& directory);
+  std::string write(std::shared_ptr<OutputFolder> folder);
 
  private:
   Frame failed_;

@@ -9,9 +9,10 @@
 namespace suture {
 namespace {
 
-FrameWriterOptions writer_options(const OutputOptions& options) {
+FrameWriterOptions writer_options(const OutputOptions& options,
+                                  const std::shared_ptr<OutputFolder>& folder) {
   FrameWriterOptions result;
-  result.directory = options.directory;
+  result.folder = folder;
   switch (options.compression) {
     case OutputOptions::Compression::off:
       result.compression = FrameWriterOptions::Compression::raw;
@@ -55,8 +56,9 @@ bool has_holes(const CellComplex& complex) {
 
 }  // namespace
 
-Recorder::Recorder(const Scene& scene, BuiltScene& built, std::string provenance)
-    : built_(built), provenance_(std::move(provenance)) {
+Recorder::Recorder(const Scene& scene, BuiltScene& built, std::string provenance,
+                   std::shared_ptr<OutputFolder> folder)
+    : built_(built), provenance_(std::move(provenance)), folder_(std::move(folder)) {
   const OutputOptions& options = scene.output;
   if (!options.enabled) return;
   fields_ = choose_fields(built, options);
@@ -65,11 +67,11 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, std::string provenance
   frames_run_functors_ =
       std::any_of(fields_.begin(), fields_.end(), [](const auto& f) { return f.runs_functors; });
   other_fields_ = fields_besides(built, fields_);
-  frames_ = std::make_unique<FrameWriter>(writer_options(options));
-  mode_options_ = writer_options(options);
+  frames_ = std::make_unique<FrameWriter>(writer_options(options, folder_));
+  mode_options_ = writer_options(options, folder_);
   mode_options_.prefix = mode_options_.collection = "mode";
   if (options.springs) {
-    FrameWriterOptions springs = writer_options(options);
+    FrameWriterOptions springs = writer_options(options, folder_);
     springs.prefix = springs.collection = "springs";
     springs_ = std::make_unique<FrameWriter>(springs);
   }
@@ -79,12 +81,11 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, std::string provenance
       columns.push_back(std::string(term->name()) + " [J]");
     columns.insert(columns.end(),
                    {"prescribed [J]", "models [J]", "events [J]", "dissipated [J]", "balance [J]"});
-    energies_ = std::make_unique<CsvWriter>(options.directory / "energies.csv", columns);
+    energies_ = std::make_unique<CsvWriter>(folder_, "energies.csv", columns);
   }
   if (options.probes_every > 0 && !options.probes.empty()) {
     probe_table_.emplace(options, built);
-    probes_ =
-        std::make_unique<CsvWriter>(options.directory / "probes.csv", probe_table_->columns());
+    probes_ = std::make_unique<CsvWriter>(folder_, "probes.csv", probe_table_->columns());
   }
 }
 

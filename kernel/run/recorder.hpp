@@ -21,11 +21,13 @@ namespace suture {
 class Recorder {
  public:
   /// Throws InputError for fields or probes that the scene cannot provide.
-  Recorder(const Scene& scene, BuiltScene& built, std::string provenance);
+  Recorder(const Scene& scene, BuiltScene& built, std::string provenance,
+           std::shared_ptr<OutputFolder> folder);
 
   bool writes_frames() const { return frames_ != nullptr; }
   bool writes_energies() const { return energies_ != nullptr; }
   bool writes_probes() const { return probes_ != nullptr; }
+  const std::shared_ptr<OutputFolder>& folder() const { return folder_; }
   /// True if frames contain forces, which must match the current positions.
   bool frames_need_force() const { return frames_need_force_; }
 
@@ -82,6 +84,7 @@ class Recorder {
 
   BuiltScene& built_;
   std::string provenance_;
+  std::shared_ptr<OutputFolder> folder_;
   std::vector<FieldChoice> fields_, other_fields_;
   bool frames_need_force_ = false, frames_run_functors_ = false;
   std::size_t frame_number_ = 0;

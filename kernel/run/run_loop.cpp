@@ -59,17 +59,18 @@ StepControl::Notify notify_to(Observer& observer) {
 
 }  // namespace
 
-RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip)
+RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip,
+                 std::shared_ptr<OutputFolder> folder)
     : diagnostics_(diagnostics),
       built_(scene, diagnostics, skip),
-      recorder_(scene_, built_, provenance_of(scene, host, built_)),
+      recorder_(scene_, built_, provenance_of(scene, host, built_), std::move(folder)),
       schedule_(scene_.events, built_),
       events_(scene_, built_, diagnostics),
       control_(scene_, built_, recorder_, schedule_, events_, clock_of(scene), diagnostics),
       records_(built_, recorder_, clock_),
       sleeper_(scene.solver, built_),
       ending_(built_, schedule_, control_, recorder_, diagnostics),
-      checkpoints_(built_, host) {
+      checkpoints_(built_, host, recorder_.folder()) {
   Decision still = decide_still_cells(scene_, built_, recorder_);
   decisions_ = decide(scene_, host, built_, recorder_);
   decisions_.push_back(std::move(still));

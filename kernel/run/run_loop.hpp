@@ -19,7 +19,8 @@ namespace suture {
 /// frame shows the effect of events at its time.
 class RunLoop {
  public:
-  RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip);
+  RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip,
+          std::shared_ptr<OutputFolder> folder);
 
   /// Runs until `until`, or to the end of the scene.
   void loop(std::optional<double> until, Observer& observer);

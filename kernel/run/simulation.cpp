@@ -2,12 +2,17 @@
 #include "kernel/run/simulation.hpp"
 
 #include "kernel/output/checkpoint_file.hpp"
+#include "kernel/output/output_folder.hpp"
 #include "kernel/run/run_loop.hpp"
 
 namespace suture {
 
-Simulation::Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip)
-    : run_(std::make_unique<RunLoop>(scene, host, diagnostics, skip)) {}
+Simulation::Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip,
+                       std::shared_ptr<OutputFolder> folder)
+    : run_(std::make_unique<RunLoop>(
+          scene, host, diagnostics, skip,
+          folder ? std::move(folder)
+                 : std::make_shared<OutputFolder>(scene.output.directory, scene.output.root))) {}
 
 Simulation::~Simulation() = default;
 

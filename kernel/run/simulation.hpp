@@ -17,6 +17,7 @@
 
 namespace suture {
 
+class OutputFolder;
 class RunLoop;
 struct Checkpoint;
 
@@ -79,7 +80,9 @@ class Simulation {
  public:
   /// `skip`: leave out what the scene does not need (decisions() says what); false computes it
   /// anyway, with the same results (suture run --no-skip).
-  Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip = true);
+  /// `folder`: the output folder, if the caller has opened it already; nullptr: run() opens it.
+  Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip = true,
+             std::shared_ptr<OutputFolder> folder = nullptr);
   ~Simulation();
 
   /// Resumes from a checkpoint of a run of this scene, read from `file`; call before anything else.

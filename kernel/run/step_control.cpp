@@ -231,7 +231,7 @@ void StepControl::give_up(const NumericalError& error) {
     if (scene_.solver.dt) watch_.look_again();
   }
   text << ". " << advice(error);
-  if (scene_.output.enabled) text << ". " << evidence.write(scene_.output.directory);
+  if (scene_.output.enabled) text << ". " << evidence.write(recorder_.folder());
   throw NumericalError(text.str());
 }
 

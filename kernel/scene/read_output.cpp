@@ -192,12 +192,31 @@ void read_tables(ObjectReader& object, Reading& reading) {
   }
 }
 
+/// The user has named the folder, and not the scene, which may be a stranger's.
+bool is_named(ObjectReader& object, const Reading& reading) {
+  const JsonValue* value = object.find("directory");
+  if (value != nullptr && value->at.set != 0) return true;
+  std::error_code ignored;
+  const std::filesystem::path& folder = reading.scene.output.directory;
+  return reading.named_folder == folder ||
+         std::filesystem::equivalent(reading.named_folder, folder, ignored);
+}
+
 void read_directory(ObjectReader& object, Reading& reading) {
+  OutputOptions& output = reading.scene.output;
   const std::string standard = "out/" + reading.scene.file.stem().string();
   const std::string directory = object.string("directory").value_or(standard);
   if (directory.empty()) object.complain("directory", "must not be empty");
-  reading.scene.output.directory =
+  output.directory =
       (reading.working_folder / (directory.empty() ? standard : directory)).lexically_normal();
+  if (is_named(object, reading)) return;
+  output.root = std::filesystem::current_path();
+  if (*output.directory.lexically_relative(output.root).begin() == "..")
+    object.complain("directory", "leads out of the folder where suture runs, " +
+                                     output.root.string() +
+                                     "; name a folder below it, or this one on the command line: "
+                                     "--output '" +
+                                     output.directory.string() + "'");
 }
 
 }  // namespace
@@ -206,6 +225,7 @@ void read_output(const JsonValue* value, Reading& reading) {
   OutputOptions& output = reading.scene.output;
   JsonValue defaults;  // what an absent object stands for
   defaults.kind = JsonValue::Kind::object;
+  defaults.at = {1, 1};
   output.enabled = value == nullptr || value->kind != JsonValue::Kind::boolean || value->boolean;
   const bool is_flag = value != nullptr && value->kind == JsonValue::Kind::boolean;
   ObjectReader object(value == nullptr || is_flag ? defaults : *value, "/output", reading.mistakes);

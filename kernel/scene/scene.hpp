@@ -96,6 +96,7 @@ struct Probe {
 struct OutputOptions {
   bool enabled = true;
   std::filesystem::path directory;  ///< absolute; default: out/NAME in the working folder
+  std::filesystem::path root{};     ///< no link is followed below it; empty: links are followed
   double every = 0;                 ///< s between frames; 0: first and last only
   std::uint64_t every_steps = 0;    ///< instead of seconds
   std::vector<std::string> fields;  ///< "displacement", ...
@@ -121,6 +122,7 @@ struct SceneSource {
   std::string text;            ///< JSON, after --set
   std::filesystem::path file;  ///< absolute; mesh and plugin files are relative to its folder
   std::filesystem::path working_folder;  ///< absolute; the output folder is relative to it
+  std::filesystem::path named_folder{};  ///< where output may go because the command line names it
 };
 
 struct Scene {

@@ -14,6 +14,7 @@ struct Reading {
   Scene& scene;
   std::filesystem::path folder;          ///< of the scene file
   std::filesystem::path working_folder;  ///< the output folder is relative to it
+  std::filesystem::path named_folder;    ///< where output may go, by the command line
   const ModelLookup& lookup;
   Mistakes& mistakes;
   Diagnostics& diagnostics;

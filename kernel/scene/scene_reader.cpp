@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/scene/scene_reader.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -75,18 +76,23 @@ std::string read_text(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// Without what changes no result: where it runs, and when it is saved.
+void drop(JsonValue& object, std::string_view key) {
+  std::erase_if(object.members, [&](const JsonMember& member) { return member.key == key; });
+}
+
+/// Drops a key of a member, and with its last key the member.
+void drop(JsonValue& object, std::string_view member, std::string_view key) {
+  const auto found = std::ranges::find(object.members, member, &JsonMember::key);
+  if (found == object.members.end() || found->value.kind != JsonValue::Kind::object) return;
+  drop(found->value, key);
+  if (found->value.members.empty()) object.members.erase(found);
+}
+
+/// Without what changes no result: where it runs, where it writes, and when it is saved.
 JsonValue what_counts(JsonValue root) {
-  const auto drop = [](JsonValue& object, std::string_view key) {
-    std::erase_if(object.members, [&](const JsonMember& member) { return member.key == key; });
-  };
   drop(root, "checkpoint");
-  for (JsonMember& member : root.members) {
-    if (member.key != "solver") continue;
-    drop(member.value, "threads");
-    if (member.value.members.empty()) drop(root, "solver");
-    break;
-  }
+  drop(root, "solver", "threads");
+  drop(root, "output", "directory");
   return root;
 }
 
@@ -103,7 +109,12 @@ Scene read_source(const SceneSource& source, const std::string& shown,
   scene.source = {canonical_json(root), source.file, source.working_folder};
   scene.hash = fnv1a_hex(canonical_json(what_counts(root)));
   Mistakes mistakes(shown, sets);
-  Reading reading{scene,      source.file.parent_path(), source.working_folder, lookup, mistakes,
+  Reading reading{scene,
+                  source.file.parent_path(),
+                  source.working_folder,
+                  source.named_folder,
+                  lookup,
+                  mistakes,
                   diagnostics};
   read_top(root, reading);
   mistakes.throw_if_any();
@@ -121,8 +132,8 @@ ModelLookup lookup_of(PluginHost& host) {
 Scene read_scene_text(std::string_view text, const std::filesystem::path& file,
                       const std::vector<std::string>& sets, const ModelLookup& lookup,
                       Diagnostics& diagnostics) {
-  const SceneSource source{std::string(text), std::filesystem::absolute(file),
-                           std::filesystem::current_path()};
+  const SceneSource source{
+      std::string(text), std::filesystem::absolute(file), std::filesystem::current_path(), {}};
   return read_source(source, file.string(), sets, lookup, diagnostics);
 }
 

@@ -37,8 +37,8 @@ class Library final : public VtkModule {
               std::span<unsigned char> out) const override {
     return expand_block(compression, block, out);
   }
-  VtuOutcome write_vtu(const std::string& path, const VtuImage& image) const override {
-    return write_vtu_file(path, image);
+  VtuOutcome write_vtu(int file, const VtuImage& image) const override {
+    return write_vtu_file(file, image);
   }
 };
 

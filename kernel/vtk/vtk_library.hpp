@@ -27,6 +27,6 @@ class VtkMessages {
 
 bool expand_block(VtuCompression compression, std::span<const unsigned char> block,
                   std::span<unsigned char> out);
-VtuOutcome write_vtu_file(const std::string& path, const VtuImage& image);
+VtuOutcome write_vtu_file(int file, const VtuImage& image);
 
 }  // namespace suture

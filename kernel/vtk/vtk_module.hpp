@@ -52,9 +52,9 @@ class VtkModule {
   /// Expands one block, which must yield exactly `out.size()` bytes; returns false otherwise.
   virtual bool expand(VtuCompression compression, std::span<const unsigned char> block,
                       std::span<unsigned char> out) const = 0;
-  /// Writes a file with appended raw data under exactly this name. May be called on any thread, and
+  /// Writes appended raw data to an open file, which stays open. May be called on any thread, and
   /// on several at the same time.
-  virtual VtuOutcome write_vtu(const std::string& path, const VtuImage& image) const = 0;
+  virtual VtuOutcome write_vtu(int file, const VtuImage& image) const = 0;
 };
 
 /// The module, loaded at the first call. Throws IoError if it cannot be loaded.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <unistd.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkDoubleArray.h>
@@ -13,16 +14,21 @@
 #include <vtkXMLUnstructuredGridWriter.h>
 
 #include <cerrno>
-#include <fstream>
+#include <ext/stdio_filebuf.h>
+#include <ostream>
 
 #include "kernel/vtk/vtk_library.hpp"
 
 namespace suture {
 namespace {
 
-// A file that remembers why it could not be written: VTK knows only that.
-class RecordingBuffer : public std::filebuf {
+// An open file that remembers why it could not be written: VTK knows only that.
+class RecordingBuffer : public __gnu_cxx::stdio_filebuf<char> {
+  using Base = __gnu_cxx::stdio_filebuf<char>;
+
  public:
+  explicit RecordingBuffer(int file)
+      : Base(file, std::ios::out | std::ios::binary, std::size_t{1} << 18) {}
   int error() const { return error_; }
   void record() {
     if (error_ == 0) error_ = errno != 0 ? errno : EIO;
@@ -31,32 +37,32 @@ class RecordingBuffer : public std::filebuf {
  protected:
   std::streamsize xsputn(const char* data, std::streamsize n) override {
     errno = 0;
-    const std::streamsize written = std::filebuf::xsputn(data, n);
+    const std::streamsize written = Base::xsputn(data, n);
     if (written != n) record();
     return written;
   }
   int_type overflow(int_type c) override {
     errno = 0;
-    const int_type result = std::filebuf::overflow(c);
+    const int_type result = Base::overflow(c);
     if (traits_type::eq_int_type(result, traits_type::eof())) record();
     return result;
   }
   pos_type seekoff(off_type offset, std::ios_base::seekdir way,
                    std::ios_base::openmode mode) override {
     errno = 0;
-    const pos_type result = std::filebuf::seekoff(offset, way, mode);
+    const pos_type result = Base::seekoff(offset, way, mode);
     if (result == pos_type(off_type(-1))) record();
     return result;
   }
   pos_type seekpos(pos_type position, std::ios_base::openmode mode) override {
     errno = 0;
-    const pos_type result = std::filebuf::seekpos(position, mode);
+    const pos_type result = Base::seekpos(position, mode);
     if (result == pos_type(off_type(-1))) record();
     return result;
   }
   int sync() override {
     errno = 0;
-    const int result = std::filebuf::sync();
+    const int result = Base::sync();
     if (result != 0) record();
     return result;
   }
@@ -65,8 +71,8 @@ class RecordingBuffer : public std::filebuf {
   int error_ = 0;
 };
 
-// VTK's writer opens a file of its own and offers no way to give it a stream, but
-// keeps the stream in a member: it is exchanged before the first byte is written.
+// VTK's writer offers no way to give it a stream, but keeps the one that it opens, here of
+// a text, in a member: it is exchanged before the first byte is written.
 class StreamWriter : public vtkXMLUnstructuredGridWriter {
  public:
   static StreamWriter* New();
@@ -206,20 +212,17 @@ void set_compression(vtkXMLWriter* writer, VtuCompression compression) {
 
 }  // namespace
 
-VtuOutcome write_vtu_file(const std::string& path, const VtuImage& image) {
+VtuOutcome write_vtu_file(int descriptor, const VtuImage& image) {
   const VtkMessages messages;
-  RecordingBuffer file;
-  std::vector<char> buffer(1 << 18);
-  file.pubsetbuf(buffer.data(), static_cast<std::streamsize>(buffer.size()));
-  errno = 0;
-  if (!file.open(path, std::ios::out | std::ios::binary | std::ios::trunc)) return {errno, {}};
+  RecordingBuffer file(::dup(descriptor));
+  if (!file.is_open()) return {errno, {}};
   std::ostream stream(&file);
 
   const auto grid = grid_of(image);
   add_field_data(grid, image);
   const vtkNew<StreamWriter> writer;
   writer->write_to(&stream);
-  writer->SetFileName(path.c_str());
+  writer->WriteToOutputStringOn();
   writer->SetInputData(grid);
   writer->SetDataModeToAppended();
   writer->EncodeAppendedDataOff();

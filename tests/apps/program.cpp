@@ -62,13 +62,17 @@ Outcome Program::suture(const std::vector<std::string>& arguments) const {
 Outcome Program::interrupted(const std::vector<std::string>& arguments, int signal,
                              const std::filesystem::path& file) const {
   const pid_t child = start(arguments);
+  wait_for(file, child);
+  kill(child, signal);
+  return finish(child);
+}
+
+void Program::wait_for(const std::filesystem::path& file, pid_t child) const {
   siginfo_t ended{};
   while (!std::filesystem::exists(folder_ / file) && ended.si_pid == 0) {
     usleep(1000);
     waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT);
   }
-  kill(child, signal);
-  return finish(child);
 }
 
 void Program::write(const std::string& name, const std::string& text) const {

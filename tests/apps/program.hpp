@@ -32,6 +32,12 @@ class Program : public ::testing::Test {
   Outcome interrupted(const std::vector<std::string>& arguments, int signal,
                       const std::filesystem::path& file) const;
 
+  /// Starts it; finish() waits for its end.
+  pid_t start(const std::vector<std::string>& arguments) const;
+  Outcome finish(pid_t child) const;
+  /// Until the file is there, or the program has ended.
+  void wait_for(const std::filesystem::path& file, pid_t child) const;
+
   /// Writes a file of the working folder.
   void write(const std::string& name, const std::string& text) const;
   std::string read(const std::string& name) const;
@@ -43,9 +49,6 @@ class Program : public ::testing::Test {
                 const std::vector<std::string>& sets = {}) const;
 
  private:
-  pid_t start(const std::vector<std::string>& arguments) const;
-  Outcome finish(pid_t child) const;
-
   std::filesystem::path folder_;
 };
 

@@ -12,7 +12,7 @@ if [ -z "$emulator" ] || [ "$(uname -m)" != x86_64 ]; then
 fi
 rm -rf "$folder" && mkdir -p "$folder"
 
-# scene MODEL RESULTS: a beam of 4 elements, cut while it moves; no frames.
+# scene MODEL: a beam of 4 elements, cut while it moves; no frames.
 scene() {
   cat <<JSON
 {"suture": 1, "title": "old processor",
@@ -22,15 +22,14 @@ scene() {
  "constraints": [{"fix": "xyz", "where": {"plane": {"point": [0, 0, 0], "normal": [1, 0, 0]}}}],
  "events": [{"at": 0.005, "cut": {"plane": {"point": [3, 0, 0], "normal": [1, 0, 0]}}}],
  "solver": {"integrator": "velocity-verlet", "dt": 1e-3, "end": 0.02},
- "output": {"directory": "$2", "energies": {"every_steps": 1}}}
+ "output": {"energies": {"every_steps": 1}}}
 JSON
 }
 
 for model in mss-baudet tm-faure; do
-  scene "$model" "$folder/$model-old" >"$folder/$model-old.json"
-  scene "$model" "$folder/$model-here" >"$folder/$model-here.json"
-  "$emulator" -cpu Conroe "$suture" run -q "$folder/$model-old.json"
-  SUTURE_ISA=base "$suture" run -q "$folder/$model-here.json"
+  scene "$model" >"$folder/$model.json"
+  "$emulator" -cpu Conroe "$suture" run -q "$folder/$model.json" -o "$folder/$model-old"
+  SUTURE_ISA=base "$suture" run -q "$folder/$model.json" -o "$folder/$model-here"
   cmp "$folder/$model-old/energies.csv" "$folder/$model-here/energies.csv"
   [ "$(wc -l <"$folder/$model-old/energies.csv")" -ge 20 ] || { echo "$model: too few rows"; exit 1; }
 done

@@ -212,7 +212,7 @@ TEST(CheckpointFile, AFullDiskIsToldAndNothingRemains) {
       FAIL() << "no error";
     } catch (const IoError& error) {
       EXPECT_EQ(std::string(error.what()),
-                (folder / "c.h5").string() + ": cannot be written: File too large");
+                (folder / "c.h5").string() + ": cannot be written: " + too_large);
     }
   }
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");

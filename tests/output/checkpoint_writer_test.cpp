@@ -6,6 +6,7 @@
 #include "kernel/base/error.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/output/checkpoints.hpp"
+#include "tests/output/output.hpp"
 #include "tests/output/small_files.hpp"
 
 namespace suture {
@@ -23,7 +24,7 @@ void submit(CheckpointWriter& writer, std::uint64_t step, std::size_t size = 1) 
 TEST(CheckpointWriter, KeepsTheNewest) {
   for (const unsigned keep : {1, 2, 5}) {
     const TemporaryFolder folder;
-    CheckpointWriter writer({.directory = folder / "a" / "b", .keep = keep});
+    CheckpointWriter writer({.folder = output(folder / "a" / "b"), .keep = keep});
     for (std::uint64_t n = 1; n <= 5; ++n) submit(writer, 10 * n, n);
     writer.finish();
     Numbers expected;
@@ -40,7 +41,7 @@ TEST(CheckpointWriter, KeepsTheNewest) {
 TEST(CheckpointWriter, NothingIsLostWithoutFinish) {
   const TemporaryFolder folder;
   {
-    CheckpointWriter writer({.directory = folder.path()});
+    CheckpointWriter writer({.folder = output(folder.path())});
     EXPECT_EQ(writer.newest(), fs::path());
     submit(writer, 1);
     submit(writer, 2);
@@ -54,7 +55,10 @@ TEST(CheckpointWriter, FilesOfAnotherRunGoWhenThereIsANewOne) {
        {"checkpoint_0001.h5", "checkpoint_0007.h5", "checkpoint_12345.h5", "checkpoint_7.h5",
         "checkpoint_00008.h5", "checkpoint_0009.h5.bak", "checkpoint_0008.h5.part"})
     folder.write(name, "old");
-  CheckpointWriter writer({.directory = folder.path()});
+  folder.write(".suture-run",
+               "checkpoint_0001.h5\ncheckpoint_0007.h5\ncheckpoint_12345.h5\n"
+               "checkpoint_0008.h5\n");
+  CheckpointWriter writer({.folder = output(folder.path())});
   writer.finish();
   EXPECT_EQ(checkpoints_in(folder.path()), (Numbers{1, 7, 12345}));
   submit(writer, 1);
@@ -69,21 +73,21 @@ TEST(CheckpointWriter, FilesOfAnotherRunGoWhenThereIsANewOne) {
 TEST(CheckpointWriter, GoesOnBehindTheOneResumedFrom) {
   const TemporaryFolder folder;
   {
-    CheckpointWriter writer({.directory = folder.path(), .keep = 4});
+    CheckpointWriter writer({.folder = output(folder.path()), .keep = 4});
     for (std::uint64_t n = 1; n <= 4; ++n) submit(writer, n);
   }
   // Twice from the second: what was written behind it is of a future that comes anew.
   for (int round = 0; round < 2; ++round) {
     const fs::path from = folder / "checkpoint_0002.h5";
     CheckpointWriter writer(
-        {.directory = folder.path(), .keep = 3, .resumed_from = from, .resumed_number = 2});
+        {.folder = output(folder.path()), .keep = 3, .resumed_from = from, .resumed_number = 2});
     EXPECT_EQ(writer.newest(), from);
     submit(writer, 33);
     writer.finish();
     EXPECT_EQ(checkpoints_in(folder.path()), (Numbers{1, 2, 3}));
     EXPECT_EQ(read_checkpoint(folder / "checkpoint_0003.h5").header.step, 33u);
   }
-  CheckpointWriter writer({.directory = folder.path(),
+  CheckpointWriter writer({.folder = output(folder.path()),
                            .keep = 2,
                            .resumed_from = folder / "checkpoint_0003.h5",
                            .resumed_number = 3});
@@ -95,11 +99,11 @@ TEST(CheckpointWriter, GoesOnBehindTheOneResumedFrom) {
 TEST(CheckpointWriter, ResumedFromAnotherFolderLeavesThatAlone) {
   const TemporaryFolder there, folder;
   {
-    CheckpointWriter writer({.directory = there.path()});
+    CheckpointWriter writer({.folder = output(there.path())});
     submit(writer, 1);
     submit(writer, 2);
   }
-  CheckpointWriter writer({.directory = folder.path(),
+  CheckpointWriter writer({.folder = output(folder.path()),
                            .keep = 1,
                            .resumed_from = there / "checkpoint_0002.h5",
                            .resumed_number = 2});
@@ -112,7 +116,7 @@ TEST(CheckpointWriter, ResumedFromAnotherFolderLeavesThatAlone) {
 
 TEST(CheckpointWriter, AFullDiskIsToldOnceAndOlderOnesStay) {
   const TemporaryFolder folder;
-  CheckpointWriter writer({.directory = folder.path(), .keep = 1});
+  CheckpointWriter writer({.folder = output(folder.path()), .keep = 1});
   submit(writer, 1);
   writer.finish();
   {
@@ -123,7 +127,7 @@ TEST(CheckpointWriter, AFullDiskIsToldOnceAndOlderOnesStay) {
       FAIL() << "no error";
     } catch (const IoError& error) {
       EXPECT_EQ(std::string(error.what()),
-                (folder / "checkpoint_0002.h5").string() + ": cannot be written: File too large");
+                (folder / "checkpoint_0002.h5").string() + ": cannot be written: " + too_large);
     }
     writer.finish();
   }
@@ -139,7 +143,7 @@ TEST(CheckpointWriter, AFullDiskIsToldOnceAndOlderOnesStay) {
 TEST(CheckpointWriter, AFileInPlaceOfTheFolderIsTold) {
   const TemporaryFolder folder;
   folder.write("out", "x");
-  CheckpointWriter writer({.directory = folder / "out"});
+  CheckpointWriter writer({.folder = output(folder / "out")});
   submit(writer, 1);
   EXPECT_THROW(writer.finish(), IoError);
 }

@@ -12,6 +12,14 @@
 
 namespace suture {
 
+inline void write_checkpoint(const std::filesystem::path& path, CheckpointHeader header,
+                             StateTree&& state) {
+  const Folder folder = Folder::open(path.parent_path());
+  AtomicFile file(folder, path.filename().string());
+  write_checkpoint(file, std::move(header), std::move(state));
+  file.commit();
+}
+
 /// An array of random bytes, the same for the same shape.
 inline void add(StateTree& tree, const std::string& name, Archive::Scalar type, std::size_t columns,
                 std::size_t rows) {

@@ -8,8 +8,8 @@
 #include "kernel/base/error.hpp"
 #include "kernel/mesh/box.hpp"
 #include "kernel/mesh/mesh_file.hpp"
-#include "kernel/output/pvd.hpp"
 #include "tests/mesh/temporary_folder.hpp"
+#include "tests/output/output.hpp"
 #include "tests/output/small_files.hpp"
 #include "tests/output/vtu_oracle.hpp"
 
@@ -67,7 +67,7 @@ class EveryCompression : public testing::TestWithParam<Compression> {};
 
 TEST_P(EveryCompression, VtkReadsBackTheSameBits) {
   const TemporaryFolder folder;
-  FrameWriter writer({.directory = folder.path(), .compression = GetParam()});
+  FrameWriter writer({.folder = output(folder.path()), .compression = GetParam()});
   writer.submit(box_frame(7));
   writer.finish();
   const VtuContents contents = read_with_vtk(folder / "frame_0007.vtu");
@@ -82,7 +82,7 @@ TEST_P(EveryCompression, VtkReadsBackTheSameBits) {
 
 TEST_P(EveryCompression, ReadMeshFindsTheBodyAndItsIds) {
   const TemporaryFolder folder;
-  FrameWriter writer({.directory = folder.path(), .compression = GetParam()});
+  FrameWriter writer({.folder = output(folder.path()), .compression = GetParam()});
   writer.submit(box_frame(0));
   writer.finish();
   Diagnostics diagnostics;
@@ -117,7 +117,8 @@ TEST(FrameWriter, WritesLinesForSprings) {
   frame.points = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}};
   frame.lines = {{0, 1}, {2, 0}};
   frame.cell_fields.push_back({"strain", 1, {0.25, -0.5}});
-  FrameWriter writer({.directory = folder.path(), .prefix = "springs", .collection = "springs"});
+  FrameWriter writer(
+      {.folder = output(folder.path()), .prefix = "springs", .collection = "springs"});
   writer.submit(std::move(frame));
   writer.finish();
   const VtuContents contents = read_with_vtk(folder / "springs_0000.vtu");
@@ -131,7 +132,7 @@ TEST(FrameWriter, LosesNoFrameAndKeepsTheOrder) {
   for (const bool background : {true, false}) {
     const TemporaryFolder folder;
     {
-      FrameWriter writer({.directory = folder / "a" / "b", .background = background});
+      FrameWriter writer({.folder = output(folder / "a" / "b"), .background = background});
       for (std::uint64_t n = 0; n < 20; ++n) {
         Frame frame = writer.take_frame();
         frame = box_frame(n);
@@ -146,7 +147,7 @@ TEST(FrameWriter, LosesNoFrameAndKeepsTheOrder) {
       expected.emplace_back(name);
       expect_same(read_with_vtk(out / name), box_frame(n));
     }
-    EXPECT_EQ(PvdFile::files_of(out / "run.pvd"), expected);
+    EXPECT_EQ(frames_in(out / "run.pvd"), expected);
     for (const auto& entry : fs::directory_iterator(out))
       EXPECT_NE(entry.path().extension(), ".part");
   }
@@ -154,7 +155,7 @@ TEST(FrameWriter, LosesNoFrameAndKeepsTheOrder) {
 
 TEST(FrameWriter, ReusesTheMemoryOfWrittenFrames) {
   const TemporaryFolder folder;
-  FrameWriter writer({.directory = folder.path()});
+  FrameWriter writer({.folder = output(folder.path())});
   Frame frame = box_frame(0);
   const Vec3* memory = frame.points.data();
   writer.submit(std::move(frame));
@@ -165,7 +166,7 @@ TEST(FrameWriter, ReusesTheMemoryOfWrittenFrames) {
 
 TEST(FrameWriter, TheCollectionIsTheFormatOfParaView) {
   const TemporaryFolder folder;
-  FrameWriter writer({.directory = folder.path()});
+  FrameWriter writer({.folder = output(folder.path())});
   writer.submit(box_frame(1));
   writer.submit(box_frame(2));
   writer.finish();
@@ -183,12 +184,12 @@ TEST(FrameWriter, TheCollectionIsTheFormatOfParaView) {
 TEST(FrameWriter, OldResultsGoWhenTheFirstNewFrameIsThere) {
   const TemporaryFolder folder;
   {
-    FrameWriter old_run({.directory = folder.path()});
+    FrameWriter old_run({.folder = output(folder.path())});
     for (std::uint64_t n = 0; n < 5; ++n) old_run.submit(box_frame(n));
   }
   folder.write("frame_mine.vtu", "mine");
   folder.write("frame_9999.vtu", "not listed");
-  FrameWriter run({.directory = folder.path()});
+  FrameWriter run({.folder = output(folder.path())});
   run.finish();
   EXPECT_TRUE(fs::exists(folder / "frame_0004.vtu")) << "removed before there is anything new";
   run.submit(box_frame(0, {1, 1, 1}));
@@ -197,12 +198,12 @@ TEST(FrameWriter, OldResultsGoWhenTheFirstNewFrameIsThere) {
   EXPECT_EQ(read_with_vtk(folder / "frame_0000.vtu").cells.size(), 1u);
   EXPECT_TRUE(fs::exists(folder / "frame_mine.vtu"));
   EXPECT_TRUE(fs::exists(folder / "frame_9999.vtu"));
-  EXPECT_EQ(PvdFile::files_of(folder / "run.pvd"), (std::vector<std::string>{"frame_0000.vtu"}));
+  EXPECT_EQ(frames_in(folder / "run.pvd"), (std::vector<std::string>{"frame_0000.vtu"}));
 }
 
 TEST(FrameWriter, RefusesFieldsOfTheWrongLength) {
   const TemporaryFolder folder;
-  FrameWriter writer({.directory = folder.path()});
+  FrameWriter writer({.folder = output(folder.path())});
   Frame frame = box_frame(0);
   frame.point_fields[0].values.pop_back();
   EXPECT_THROW(writer.submit(std::move(frame)), std::invalid_argument);
@@ -212,7 +213,7 @@ TEST(FrameWriter, AFileInPlaceOfTheFolderIsTold) {
   const TemporaryFolder folder;
   folder.write("out", "x");
   try {
-    FrameWriter({.directory = folder / "out" / "deeper"}).submit(box_frame(0));
+    FrameWriter({.folder = output(folder / "out" / "deeper")}).submit(box_frame(0));
     FAIL();
   } catch (const IoError& error) {
     EXPECT_NE(std::string(error.what()).find("Not a directory"), std::string::npos) << error.what();
@@ -223,7 +224,7 @@ TEST(FrameWriter, AFileInPlaceOfTheFolderIsTold) {
 TEST(FrameWriter, AWriteThatFailsInTheBackgroundIsTold) {
   for (const bool background : {true, false}) {
     const TemporaryFolder folder;
-    FrameWriter writer({.directory = folder.path(), .background = background});
+    FrameWriter writer({.folder = output(folder.path()), .background = background});
     writer.submit(box_frame(0));
     writer.finish();
     {
@@ -234,7 +235,7 @@ TEST(FrameWriter, AWriteThatFailsInTheBackgroundIsTold) {
         FAIL() << "no error";
       } catch (const IoError& error) {
         EXPECT_EQ(std::string(error.what()),
-                  (folder / "frame_0001.vtu").string() + ": cannot be written: File too large");
+                  (folder / "frame_0001.vtu").string() + ": cannot be written: " + too_large);
       }
     }
     // What was good before stays, nothing half-written remains, and it goes on.
@@ -243,7 +244,7 @@ TEST(FrameWriter, AWriteThatFailsInTheBackgroundIsTold) {
     EXPECT_FALSE(fs::exists(folder / "frame_0001.vtu.part"));
     writer.submit(box_frame(2));
     writer.finish();
-    EXPECT_EQ(PvdFile::files_of(folder / "run.pvd"),
+    EXPECT_EQ(frames_in(folder / "run.pvd"),
               (std::vector<std::string>{"frame_0000.vtu", "frame_0002.vtu"}));
   }
 }
@@ -270,23 +271,23 @@ TEST(FrameWriter, GoesOnWhereTheCheckpointWas) {
     const TemporaryFolder folder;
     StateTree state;
     {
-      FrameWriter writer({.directory = folder.path()});
+      FrameWriter writer({.folder = output(folder.path())});
       submit(writer, 0, at);
       save_state(state, writer);
-      EXPECT_EQ(PvdFile::files_of(folder / "run.pvd"), names(0, at)) << "all are on disk";
+      EXPECT_EQ(frames_in(folder / "run.pvd"), names(0, at)) << "all are on disk";
       submit(writer, at, 8);
     }
     folder.write("frame_0020.vtu", "not listed");
     const std::string whole = read_text(folder / "run.pvd");
     for (int round = 0; round < 2; ++round) {
-      FrameWriter writer({.directory = folder.path()});
+      FrameWriter writer({.folder = output(folder.path())});
       load_state(state, writer);
       EXPECT_EQ(writer.written(), at);
       EXPECT_EQ(writer.missing(), 0u);
       EXPECT_EQ(read_text(folder / "run.pvd"), whole) << "nothing new, nothing lost";
       submit(writer, at, at + 1);
       writer.finish();
-      EXPECT_EQ(PvdFile::files_of(folder / "run.pvd"), names(0, at + 1));
+      EXPECT_EQ(frames_in(folder / "run.pvd"), names(0, at + 1));
       for (std::uint64_t n = 0; n < 8; ++n)
         EXPECT_EQ(fs::exists(folder / name_of(n)), n < at + 1) << n;
       EXPECT_TRUE(fs::exists(folder / "frame_0020.vtu"));
@@ -303,17 +304,17 @@ TEST(FrameWriter, FramesThatWereRemovedLeaveTheListOfAResumedRun) {
   const TemporaryFolder folder;
   StateTree state;
   {
-    FrameWriter writer({.directory = folder.path()});
+    FrameWriter writer({.folder = output(folder.path())});
     submit(writer, 0, 4);
     save_state(state, writer);
   }
   fs::remove(folder / name_of(1));
-  FrameWriter writer({.directory = folder.path()});
+  FrameWriter writer({.folder = output(folder.path())});
   load_state(state, writer);
   EXPECT_EQ(writer.missing(), 1u);
   submit(writer, 4, 5);
   writer.finish();
-  EXPECT_EQ(PvdFile::files_of(folder / "run.pvd"),
+  EXPECT_EQ(frames_in(folder / "run.pvd"),
             (std::vector<std::string>{name_of(0), name_of(2), name_of(3), name_of(4)}));
 }
 

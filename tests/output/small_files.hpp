@@ -4,8 +4,13 @@
 #include <sys/resource.h>
 
 #include <csignal>
+#include <string>
 
 namespace suture {
+
+/// What the system and the program say of it.
+inline const std::string too_large =
+    "File too large; raise the limit on the size of files (ulimit -f)";
 
 /// A file size limit simulates a full disk: the write stops in the middle, with EFBIG instead of
 /// ENOSPC.

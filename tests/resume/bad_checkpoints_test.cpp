@@ -7,6 +7,7 @@
 #include "kernel/output/checkpoint_file.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/mesh/temporary_folder.hpp"
+#include "tests/output/checkpoints.hpp"
 #include "tests/output/small_files.hpp"
 
 namespace suture::testing {

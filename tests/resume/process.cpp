@@ -142,7 +142,7 @@ std::set<std::string> files_of(const fs::path& folder) {
   if (!fs::exists(folder)) return names;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    if (!name.starts_with("checkpoint_")) names.insert(name);
+    if (!name.starts_with("checkpoint_") && name != ".suture-run") names.insert(name);
   }
   return names;
 }

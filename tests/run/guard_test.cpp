@@ -140,7 +140,7 @@ TEST(Evidence, ShowsTheLastGoodAndTheFailedStateWithMarks) {
   Evidence evidence(built, 0.5);
   std::copy(rows.begin(), rows.end(), x.rows());
   evidence.add_last_good(built, 0.25);
-  const std::string text = evidence.write(folder / "out");
+  const std::string text = evidence.write(std::make_shared<OutputFolder>(folder / "out"));
   EXPECT_NE(text.find("failed.pvd shows the last good state and this one"), std::string::npos)
       << text;
   const std::string pvd = read_text(folder / "out/failed.pvd");

@@ -322,6 +322,7 @@ TEST(SceneReader, SetsChangeTheSceneAndItsHash) {
   EXPECT_NE(scene.hash, read(text).hash);
   EXPECT_EQ(read(text).hash, read("// comment\n " + text + "\n").hash);
   EXPECT_EQ(read(text).hash, read(text, {"/solver/end=1.0"}).hash);
+  EXPECT_EQ(read(text).hash, read(text, {"/output/directory=elsewhere"}).hash);
 }
 
 TEST(SceneReader, SetsAppendToWhatIsNotThereYet) {
@@ -419,7 +420,16 @@ TEST(SceneReader, ASourceReadsAsTheSameSceneInAnyFolder) {
       "s.json", {"/mesh={\"file\": \"beam.vtu\"}", "/title=a \"title\"", "/checkpoint={}"},
       jelly_only(), diagnostics);
   fs::current_path("elsewhere");
-  const Scene again = read_scene_source(scene.source, {}, jelly_only(), diagnostics);
+  try {
+    read_scene_source(scene.source, {}, jelly_only(), diagnostics);
+    ADD_FAILURE() << "its output would lie outside";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find(":1:1: /output: leads out of"), std::string::npos)
+        << error.what();
+  }
+  SceneSource source = scene.source;
+  source.named_folder = scene.output.directory;
+  const Scene again = read_scene_source(source, {}, jelly_only(), diagnostics);
   EXPECT_EQ(again.hash, scene.hash);
   EXPECT_EQ(again.source.text, scene.source.text);
   EXPECT_EQ(again.title, "a \"title\"");
@@ -429,11 +439,10 @@ TEST(SceneReader, ASourceReadsAsTheSameSceneInAnyFolder) {
   EXPECT_EQ(again.output.directory, scene.output.directory);
   EXPECT_TRUE(std::signbit(again.gravity[0]));
   EXPECT_TRUE(again.checkpoint.enabled);
-  EXPECT_EQ(
-      read_scene_source(scene.source, {"/solver/end=7"}, jelly_only(), diagnostics).solver.end, 7);
+  EXPECT_EQ(read_scene_source(source, {"/solver/end=7"}, jelly_only(), diagnostics).solver.end, 7);
   fs::remove(folder / "beam.vtu");
   try {
-    read_scene_source(scene.source, {}, jelly_only(), diagnostics);
+    read_scene_source(source, {}, jelly_only(), diagnostics);
     ADD_FAILURE() << "no error";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("s.json (as it was run):1:"), std::string::npos)

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "kernel/base/archive.hpp"
+
+namespace suture {
+
+/// The list of a run's frames with their times, ParaView's `.pvd`. Its file is replaced with
+/// each frame, so that there is a valid one at any time.
+class Collection {
+ public:
+  void add(double time, const std::string& file);
+  /// What the file has.
+  std::string text() const;
+
+  /// The frames so far.
+  void state(Archive& archive);
+  /// Leaves out the frames whose files are not in the folder; how many those are.
+  std::size_t leave_out_missing(const std::filesystem::path& folder);
+  const std::vector<std::string>& files() const { return files_; }
+
+ private:
+  std::vector<double> times_;
+  std::vector<std::string> files_;
+};
+
+}  // namespace suture

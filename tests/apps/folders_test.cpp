@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Where a run writes, and what it does to what is there already.
+#include <csignal>
+#include <map>
+
+#include "tests/apps/program.hpp"
+#include "tests/mesh/temporary_folder.hpp"
+
+namespace suture::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Folders : public Program {
+ protected:
+  bool exists(const std::string& name) const { return fs::exists(folder() / name); }
+  /// All files of a folder but the list of the run.
+  std::map<std::string, std::string> contents(const std::string& name) const {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : fs::directory_iterator(folder() / name))
+      if (const std::string file = entry.path().filename(); file != ".suture-run")
+        files[file] = read(name + "/" + file);
+    return files;
+  }
+};
+
+std::string output(const fs::path& directory) {
+  return ", \"output\": {\"directory\": \"" + directory.string() + "\"}";
+}
+
+TEST_F(Folders, ASceneWritesOnlyBelowTheWorkingFolder) {
+  for (const char* command : {"run", "check", "explain"})
+    for (const fs::path& path : {fs::path("../escaped"), fs::path("a/../../escaped"),
+                                 folder().parent_path() / "escaped", fs::path("/escaped")}) {
+      const Outcome refused = scene(command, output(path));
+      EXPECT_EQ(refused.code, 3) << path << refused;
+      EXPECT_TRUE(refused.says("s.json:5:") && refused.says("/output/directory: leads out") &&
+                  refused.says("--output"))
+          << refused;
+    }
+  EXPECT_EQ(scene("run", output("a/../inside/deeper")).code, 0);
+  EXPECT_TRUE(exists("inside/deeper/run.pvd"));
+  EXPECT_EQ(scene("run", output(folder() / "absolute")).code, 0);
+  EXPECT_TRUE(exists("absolute/run.pvd"));
+}
+
+TEST_F(Folders, TheCommandLineMayNameAnyFolder) {
+  const TemporaryFolder other;
+  const std::string out = (other.path() / "out").string();
+  EXPECT_EQ(scene("run", output("../escaped"), {"/output/directory=" + out}).code, 0);
+  EXPECT_TRUE(fs::exists(other.path() / "out/run.pvd"));
+  fs::create_directory_symlink(other.path(), folder() / "link");
+  const Outcome refused = scene("run", output("link/here"));
+  EXPECT_EQ(refused.code, 6) << refused;
+  EXPECT_TRUE(refused.says("/link: is a link") && refused.says("--output")) << refused;
+  EXPECT_EQ(suture({"run", "s.json", "-o", "link/here"}).code, 0);
+  EXPECT_TRUE(fs::exists(other.path() / "here/run.pvd"));
+}
+
+TEST_F(Folders, ARunElsewhereGoesOnWhereItsCheckpointLies) {
+  const TemporaryFolder other;
+  const std::string out = (other.path() / "out").string();
+  const Outcome first =
+      scene("run", R"(, "checkpoint": {"every_steps": 4})", {"/output/directory=" + out});
+  ASSERT_EQ(first.code, 0) << first;
+  const Outcome again = suture({"run", "--resume", out + "/checkpoint_0002.h5"});
+  EXPECT_EQ(again.code, 0) << again;
+  fs::create_directory(folder() / "copy");
+  fs::copy_file(out + "/checkpoint_0002.h5", folder() / "copy/checkpoint_0002.h5");
+  const Outcome moved = suture({"run", "--resume", "copy/checkpoint_0002.h5"});
+  EXPECT_EQ(moved.code, 3) << "its text may be a stranger's" << moved;
+  EXPECT_TRUE(moved.says("leads out of the folder")) << moved;
+}
+
+TEST_F(Folders, AMeshReplacesALinkAndNotItsTarget) {
+  write("victim", "precious");
+  for (const char* name : {"m.vtu", "m.msh", "m.vtk.part", "m.vtk"}) {
+    fs::create_symlink("victim", folder() / name);
+    if (fs::path(name).extension() == ".part") continue;
+    const Outcome made =
+        suture({"mesh", "generate", "box", name, "--size", "1,1,1", "--cells", "1,1,1"});
+    EXPECT_EQ(made.code, 0) << made;
+    EXPECT_FALSE(fs::is_symlink(folder() / name)) << name;
+  }
+  EXPECT_EQ(read("victim"), "precious");
+}
+
+const std::string endless = R"(, "output": {"directory": "o", "every_steps": 100},
+  "checkpoint": {"every_steps": 500})";
+
+TEST_F(Folders, ASecondRunIsRefusedAtOnceAndTheFirstGoesOn) {
+  scene("check", endless, {"/solver/end=1e9"});
+  const pid_t first = start({"run", "s.json", "--set", "/solver/end=1e9"});
+  wait_for("o/frame_0003.vtu", first);
+  const Outcome second = suture({"run", "s.json"});
+  EXPECT_EQ(second.code, 6) << second;
+  EXPECT_TRUE(second.says("another run writes to this folder (process " + std::to_string(first)))
+      << second;
+  EXPECT_EQ(suture({"run", "s.json", "-o", "another"}).code, 0);
+  kill(first, SIGTERM);
+  const Outcome ended = finish(first);
+  EXPECT_EQ(ended.code, 128 + SIGTERM) << ended;
+  EXPECT_TRUE(exists("o/run.pvd"));
+}
+
+TEST_F(Folders, AShorterRunLeavesNothingOfALongerOne) {
+  const std::string more = R"(, "output": {"directory": "o", "every_steps": 1, "energies": {},
+    "springs": true}, "checkpoint": {"every_steps": 3})";
+  ASSERT_EQ(scene("run", more).code, 0);
+  write("o/failed.pvd", "");
+  write("o/mine.txt", "mine");
+  write("o/.suture-run", read("o/.suture-run") + "failed.pvd\n");
+  ASSERT_EQ(scene("run", output("o")).code, 0);
+  std::vector<std::string> names;
+  for (const auto& [name, text] : contents("o")) names.push_back(name);
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"frame_0000.vtu", "frame_0001.vtu", "mine.txt", "run.pvd"}));
+}
+
+TEST_F(Folders, EqualRunsGiveEqualBytes) {
+  const std::string more = R"(, "gravity": [0, -9.8, 0],
+  "constraints": [{"fix": "xyz", "where": {"set": "x0"}}],
+  "output": {"every_steps": 2, "energies": {}, "fields": ["stress", "island"]})";
+  const auto run = [&](const std::string& name, const std::string& threads) {
+    const Outcome done =
+        scene("run", more,
+              {"/mesh/box/cells=[12,12,12]", "/solver/threads=" + threads, "/solver/dt=1e-4",
+               "/solver/end=1e-3", "/output/directory=" + name});
+    EXPECT_EQ(done.code, 0) << done;
+    return contents(name);
+  };
+  const auto one = run("a", "1");
+  EXPECT_EQ(one.size(), 8u);
+  for (const char* threads : {"1", "2", "4"}) EXPECT_TRUE(run("b", threads) == one) << threads;
+}
+
+TEST_F(Folders, AFolderThatGoesDuringTheRunEndsIt) {
+  for (const bool all : {true, false}) {
+    scene("check", R"(, "output": {"directory": "o", "energies": {}})", {"/solver/end=1e9"});
+    const pid_t child = start({"run", "s.json", "--set", "/solver/end=1e9"});
+    wait_for("o/energies.csv", child);
+    if (all)
+      fs::remove_all(folder() / "o");
+    else
+      fs::remove(folder() / "o/energies.csv");
+    const Outcome ended = finish(child);
+    EXPECT_EQ(ended.code, 6) << ended;
+    EXPECT_TRUE(ended.says("removed")) << ended;
+  }
+}
+
+TEST_F(Folders, FramesThatGoDuringTheRunAreMissed) {
+  scene("check", endless, {"/solver/end=1e9"});
+  const pid_t child = start({"run", "s.json", "--set", "/solver/end=1e9"});
+  wait_for("o/frame_0003.vtu", child);
+  fs::remove(folder() / "o/frame_0001.vtu");
+  kill(child, SIGTERM);
+  const Outcome ended = finish(child);
+  EXPECT_EQ(ended.code, 6) << ended;
+  EXPECT_TRUE(ended.says("run.pvd: 1 of its frames")) << ended;
+}
+
+}  // namespace
+}  // namespace suture::testing

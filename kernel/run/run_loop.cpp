@@ -86,8 +86,8 @@ void RunLoop::fire_events(Observer& observer) {
   for (const std::size_t i : schedule_.due(clock_)) {
     try {
       const EventOutcome outcome = events_.fire(i, clock_.time());
-      if (!outcome.changed()) continue;
       take_over(outcome);
+      if (!outcome.changed()) continue;
       const Index islands = built_.body().islands().existing();
       report_events(event_report_.add(i, outcome, clock_.time(), islands), observer);
     } catch (const NumericalError& error) {
@@ -101,6 +101,7 @@ void RunLoop::fire_events(Observer& observer) {
 
 /// The cells are others: so are the islands and the stable step.
 void RunLoop::take_over(const EventOutcome& outcome) {
+  if (!outcome.changed()) return;
   summary_.faces_cut += outcome.faces_cut;
   summary_.faces_torn += outcome.faces_torn;
   summary_.faces_sewn += outcome.faces_sewn;
@@ -119,8 +120,8 @@ void RunLoop::tell_of_sleep(Observer& observer) {
 
 void RunLoop::apply(const Event& event, Observer& observer) {
   const EventOutcome outcome = events_.apply(in_frame(event, built_.frame()), clock_.time());
-  if (!outcome.changed()) return;
   take_over(outcome);
+  if (!outcome.changed()) return;
   observer.on_message(event_line(outcome, clock_.time(), built_.body().islands().existing()));
 }
 
@@ -167,6 +168,14 @@ bool RunLoop::record(const StepControl::Notify& notify) {
   const bool good = control_.tries([&] { records_.record(control_.last_dt()); }, notify);
   records_.go_back();
   return good;
+}
+
+void RunLoop::rehearse(std::size_t event, double time) {
+  try {
+    take_over(events_.fire(event, time));
+  } catch (const Error&) {
+    return;  // a state that the run itself may never reach
+  }
 }
 
 bool RunLoop::tries_step() {

@@ -30,6 +30,8 @@ class RunLoop {
   void resume(const Checkpoint& checkpoint, const std::filesystem::path& file);
   /// Makes a step for timing only, without events; returns false if it fails.
   bool tries_step();
+  /// Event `event` as if it were `time`, without a message; only for estimates.
+  void rehearse(std::size_t event, double time);
 
   BuiltScene& built() { return built_; }
   Recorder& recorder() { return recorder_; }

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
+
 #include "kernel/topology/cell_complex.hpp"
 
 namespace suture {
 
-/// Numbers of a cell's nodes in a batch: 2 (edge), 4 (face), 8 (element).
+/// Numbers of a cell's nodes in a batch: 1 (vertex), 2 (edge), 4 (face), 8 (element).
 inline constexpr int nodes_of_cell(int dimension) { return 1 << dimension; }
 
-/// Corners 0..7 of a cell of dimension 1..3 in the element that stands for it, as every
-/// batch lists them: an edge in the order of suture_hexahedron_edges, a face outward,
-/// both of the element of its dart_of (side 0), an element X0..X7. Returns that element.
-/// O(1).
+/// Corners 0..7 of a cell in the element that stands for it, as every batch lists them: an edge in
+/// the order of suture_hexahedron_edges, a face outward, both of the element of its dart_of (side
+/// 0), an element X0..X7. Returns that element. O(1).
 inline Index cell_corners(const CellComplex& complex, int dimension, Index cell,
                           hexahedron::Local* corners) {
   using hexahedron::Local;
@@ -21,7 +22,9 @@ inline Index cell_corners(const CellComplex& complex, int dimension, Index cell,
   }
   const Dart dart = complex.dart_of(dimension, cell);
   const Dart local = dart % hexahedron::darts;
-  if (dimension == 1) {
+  if (dimension == 0) {
+    corners[0] = hexahedron::dart_vertex[local];
+  } else if (dimension == 1) {
     const auto& ends = hexahedron::edge_vertices[hexahedron::dart_edge[local]];
     corners[0] = ends[0];
     corners[1] = ends[1];
@@ -31,6 +34,16 @@ inline Index cell_corners(const CellComplex& complex, int dimension, Index cell,
     for (Dart i = 0; i < 4; ++i) corners[i] = hexahedron::dart_vertex[face + (4 - i) % 4];
   }
   return dart / hexahedron::darts;
+}
+
+/// The cells of a dimension of an element; of dimension 3 the element itself, which must outlive
+/// the span.
+inline std::span<const Index> cells_of_element(const CellComplex& complex, int dimension,
+                                               const Index& element) {
+  if (dimension == 0) return complex.vertices_of(element);
+  if (dimension == 1) return complex.edges_of(element);
+  if (dimension == 2) return complex.faces_of(element);
+  return {&element, 1};
 }
 
 /// The vertices there. O(1).

@@ -26,6 +26,7 @@ class InspectionBatch {
         dimension_(static_cast<int>(functor.dimension)),
         node_count_(nodes_of_cell(dimension_)) {
     positions_.resize(static_cast<std::size_t>(node_count_) * 3 * lanes);
+    at_rest_.resize(positions_.size(), 0.0);
     for (const std::uint32_t a : std::span(functor.cell_columns, functor.cell_column_count)) {
       cell_sources_.push_back(instance.column(a));
       cell_values_.emplace_back(cell_sources_.back()->spec().components * lanes);
@@ -48,6 +49,7 @@ class InspectionBatch {
     batch_.valid = static_cast<std::uint32_t>(rows.size());
     batch_.nodes = static_cast<std::uint32_t>(node_count_);
     batch_.rest = batch_.position = positions_.data();
+    batch_.velocity = at_rest_.data();
     batch_.cell_columns = cell_pointers_.empty() ? nullptr : cell_pointers_.data();
     batch_.vertex_columns = vertex_pointers_.empty() ? nullptr : vertex_pointers_.data();
     batch_.cell_ids = ids_.data();
@@ -86,7 +88,7 @@ class InspectionBatch {
   const Column& mass_;
   std::span<const Index> user_element_;
   int dimension_, node_count_;
-  AlignedVector<double> positions_;
+  AlignedVector<double> positions_, at_rest_;
   std::vector<const Column*> cell_sources_, vertex_sources_;
   std::vector<AlignedVector<double>> cell_values_, vertex_values_;
   std::vector<const double*> cell_pointers_, vertex_pointers_;

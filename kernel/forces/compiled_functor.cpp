@@ -65,7 +65,8 @@ void RowNodes::read_cell(const CellComplex& complex, Index cell) {
 
 void RowNodes::update(const RestPlaces& rest, const TopologyChange& change) {
   read_nodes(rest.complex(), change);
-  if (!rest.own().empty()) read_rest(rest, change.elements);
+  // A vertex is at rest where the kernel's column says.
+  if (dimension_ > 0 && !rest.own().empty()) read_rest(rest, change.elements);
 }
 
 /// Which end of an edge is the first depends on what was done.
@@ -78,12 +79,9 @@ void RowNodes::state(Archive& archive) {
 
 void RowNodes::read_rest(const RestPlaces& rest, std::span<const Index> elements) {
   rest_slot_.resize(cells_.size(), none);
-  for (const Index element : elements) {
-    if (dimension_ == 1)
-      for (const Index edge : rest.complex().edges_of(element)) read_rest_of(rest, edge);
-    else
-      for (const Index face : rest.complex().faces_of(element)) read_rest_of(rest, face);
-  }
+  for (const Index element : elements)
+    for (const Index cell : cells_of_element(rest.complex(), dimension_, element))
+      read_rest_of(rest, cell);
 }
 
 void RowNodes::read_rest_of(const RestPlaces& rest, Index cell) {
@@ -117,19 +115,16 @@ void RowNodes::read_nodes(const CellComplex& complex, const TopologyChange& chan
       read_cell(complex, cell);
   if (dimension_ == 1)
     follow_vertices<1>(complex, change, rows_before);
-  else
+  else if (dimension_ == 2)
     follow_vertices<2>(complex, change, rows_before);
 }
 
 /// A cell that is what it was may have another vertex now, and a row may describe
 /// another cell: every cell of every touched element is read again.
 void RowNodes::read_elements(const CellComplex& complex, std::span<const Index> elements) {
-  for (const Index element : elements) {
-    if (dimension_ == 1)
-      for (const Index edge : complex.edges_of(element)) read_cell(complex, edge);
-    else
-      for (const Index face : complex.faces_of(element)) read_cell(complex, face);
-  }
+  for (const Index element : elements)
+    for (const Index cell : cells_of_element(complex, dimension_, element))
+      read_cell(complex, cell);
 }
 
 /// After splits alone: cells around a new vertex, whose elements all are its own now, in
@@ -246,7 +241,9 @@ void CompiledFunctor::update(const CellComplex& complex, const TopologyChange& c
   const bool may_append = dimension_ != 2 || functor_.faces == SUTURE_ALL_FACES;
   if (!may_append || !list_.append(connectivity(complex), before, rows_, complex.count(0)))
     return build(complex);
-  if (!change.merges[0].empty() && !follow_merges(complex, change)) build(complex);
+  // Two vertices never meet in a third.
+  if (dimension_ > 0 && !change.merges[0].empty() && !follow_merges(complex, change))
+    build(complex);
 }
 
 void CompiledFunctor::state(Archive& archive, const std::vector<bool>* still) {
@@ -322,9 +319,10 @@ void CompiledFunctor::read_columns(Attributes& attributes) {
     Column& column = *instance_.column(functor_.cell_columns[i]);
     const auto components = static_cast<std::uint32_t>(column.spec().components);
     const bool trial = column.has_trial();
+    const auto stride = dimension_ == 0 ? static_cast<std::uint32_t>(column.stride()) : 0;
     cell_columns_[i] = {std::as_const(column).block(0), trial ? column.trial_block(0) : nullptr,
                         column.is_constant() ? 0 : std::uint64_t{components} * SUTURE_LANES,
-                        components, 0};
+                        components, stride};
     if (trial) job_.has_trial = 1;
   }
   const CellSet& vertices = instance_.table(0).cells;

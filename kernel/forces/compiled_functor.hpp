@@ -10,7 +10,7 @@
 
 namespace suture {
 
-/// The vertices of the rows of an instance's edges or faces, kept up to date through all
+/// The vertices of the rows of an instance's vertices, edges or faces, kept up to date through all
 /// operations, and their rest positions where they differ from those of the vertices. Elements do
 /// not need this: they use the list of the complex and OwnRest.
 class RowNodes {
@@ -46,7 +46,7 @@ class RowNodes {
 /// One functor of one instance, ready to run: which rows, which arrays.
 class CompiledFunctor {
  public:
-  /// `nodes`: of the functor's cells, dimension 1 and 2; else null.
+  /// `nodes`: of the functor's cells, dimension 0 to 2; else null.
   CompiledFunctor(Instance& instance, const suture_functor& functor, const RowNodes* nodes);
 
   /// Rebuilds rows, chunks and colours. O(rows).

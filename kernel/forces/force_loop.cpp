@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <ranges>
 
+#include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/forces/force_loop_impl.hpp"
 
 namespace suture {
@@ -253,13 +254,10 @@ void ForceLoop::Impl::sleep(Instance& instance, std::array<LiveMask, 4>& awake,
     for (Column& column : table.columns)
       if (column.has_trial()) column.hold_row(row);
   };
-  for (const Index e : elements) {
-    put_to_sleep(3, e);
-    if (instance.table(1).cells.size() != 0)
-      for (const Index edge : complex->edges_of(e)) put_to_sleep(1, edge);
-    if (instance.table(2).cells.size() != 0)
-      for (const Index face : complex->faces_of(e)) put_to_sleep(2, face);
-  }
+  for (const Index e : elements)
+    for (int d = 0; d < 4; ++d)
+      if (instance.table(d).cells.size() != 0)
+        for (const Index cell : cells_of_element(*complex, d, e)) put_to_sleep(d, cell);
 }
 
 void ForceLoop::sleep(std::span<const Index> elements) {

@@ -28,8 +28,8 @@ class StepRejected : public NumericalError {
 /// Same bits for any number of threads.
 ///
 /// Cells of a functor are coloured in chunks (batch_list.hpp); the loop itself is
-/// compiled per instruction set (loops/). Memory: 8 B per row of an edge functor,
-/// 16 B per row of a face functor, nothing per element.
+/// compiled per instruction set (loops/). Memory: 4 B per row of a vertex functor, 8 B
+/// of an edge functor, 16 B of a face functor, nothing per element.
 class ForceLoop final : public ForceTerm {
  public:
   /// `threads`: 0 = as many as pay; only loops large enough use more than one.

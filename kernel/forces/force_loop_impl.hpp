@@ -9,6 +9,7 @@
 #include <deque>
 #include <limits>
 
+#include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/forces/compiled_functor.hpp"
 #include "kernel/forces/force_loop.hpp"
 #include "kernel/forces/local_rows.hpp"
@@ -46,7 +47,7 @@ struct ForceLoop::Impl {
     for (std::size_t i = 0; i < model.functor_count; ++i) {
       const suture_functor& functor = model.functors[i];
       const auto dimension = functor.dimension;
-      const bool has_rows = (dimension == 1 || dimension == 2) && instance.functor(i).runs;
+      const bool has_rows = dimension < 3 && instance.functor(i).runs;
       if (has_rows && !nodes[dimension]) {
         row_nodes.emplace_back(instance, static_cast<int>(dimension),
                                attributes.rest_places(*complex));
@@ -58,7 +59,7 @@ struct ForceLoop::Impl {
   }
 
   bool pays(const CompiledFunctor& functor) const {
-    const std::size_t nodes = std::size_t{2} << (functor.functor().dimension - 1);
+    const auto nodes = static_cast<std::size_t>(nodes_of_cell(functor.dimension()));
     const bool large = functor.list().cell_count() * nodes >= parallel_nodes;
     return threads.threads() > 1 && (large || !functor.instance().skips());
   }

@@ -3,19 +3,10 @@
 
 #include <algorithm>
 
+#include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/topology/marks.hpp"
 
 namespace suture {
-namespace {
-
-/// Cells of a dimension of an element.
-std::span<const Index> cells_of(const CellComplex& complex, int dimension, const Index& element) {
-  if (dimension == 1) return complex.edges_of(element);
-  if (dimension == 2) return complex.faces_of(element);
-  return {&element, 1};
-}
-
-}  // namespace
 
 std::vector<Index> LocalRows::elements_around(const CellComplex& complex,
                                               std::span<const Index> vertices) {
@@ -42,7 +33,7 @@ std::span<const loops::BatchRows> LocalRows::find(const CellComplex& complex,
   rows_.clear();
   for (const Index e : elements) {
     if (!complex.exists(3, e)) continue;
-    for (const Index cell : cells_of(complex, functor.dimension(), e)) {
+    for (const Index cell : cells_of_element(complex, functor.dimension(), e)) {
       const Index row = cells.row(cell);
       if (row != none && functor.visits(complex, row) && wanted(row) &&
           marks::mark(row_marks_, row))

@@ -18,8 +18,8 @@ class LocalRows {
   /// Elements with one of these vertices, ascending; removed vertices have none.
   std::vector<Index> elements_around(const CellComplex& complex, std::span<const Index> vertices);
 
-  /// Rows of the elements, or of their edges or faces, each once, ascending; removed elements have
-  /// none. Incomplete blocks of 8 rows give batches of fewer than 8.
+  /// Rows of the elements, or of their vertices, edges or faces, each once, ascending; removed
+  /// elements have none. Incomplete blocks of 8 rows give batches of fewer than 8.
   std::span<const loops::BatchRows> rows_of(const CellComplex& complex,
                                             const CompiledFunctor& functor,
                                             std::span<const Index> elements);

@@ -150,7 +150,7 @@ suture_status inspect_elements(const suture_context* context, const suture_batch
                   batch->cell_columns[0][lane]);
     context->host->report(context, SUTURE_WARNING, batch->cell_ids[lane], "seen", text);
   }
-  const bool whole = batch->nodes == 8 && batch->rest == batch->position && !batch->velocity;
+  const bool whole = batch->nodes == 8 && batch->rest == batch->position && batch->velocity[0] == 0;
   return whole ? SUTURE_OK : SUTURE_STOP;
 }
 

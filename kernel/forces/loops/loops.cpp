@@ -83,21 +83,26 @@ double* gather_vertex_columns(const Job& job, const Worker& worker, const C& cel
 }
 
 /// Columns of the cells are read in place if the batch is a block from its beginning on;
-/// behind the last row of a table they repeat it.
+/// behind the last row of a table they repeat it. Those of vertices lie in rows.
 inline bool in_place(const Job& job, const BatchRows& rows) {
+  if (job.node_count == 1) return false;
   if (rows.row[0] % lanes != 0 || (job.live && rows.valid != lanes)) return false;
   return rows.row[rows.valid - 1] - rows.row[0] + 1 == rows.valid;
 }
 
+/// Where a component of a row is.
+inline uint64_t place_in(const CellColumn& column, uint32_t row, uint32_t component) {
+  if (column.stride != 0) return static_cast<uint64_t>(row) * column.stride + component;
+  return row / lanes * column.block + component * lanes + row % lanes;
+}
+
 /// Otherwise the lanes are moved to the front, through scratch.
 void move_cell_columns(const Job& job, const Worker& worker, const BatchRows& rows, double* spare) {
-  const uint64_t block = rows.row[0] / lanes;
   for (uint32_t i = 0; i < job.cell_column_count; ++i) {
     const CellColumn& column = job.cell_columns[i];
-    const double* data = column.data + block * column.block;
     const uint32_t doubles = column.components * lanes;
     for (uint32_t k = 0; k < doubles; ++k)
-      spare[k] = data[k - k % lanes + rows.row[k % lanes] % lanes];
+      spare[k] = column.data[place_in(column, rows.row[k % lanes], k / lanes)];
     worker.cell_columns[i] = spare;
     worker.trial_columns[i] = column.trial ? spare + doubles : nullptr;
     spare += 2 * doubles;
@@ -127,10 +132,9 @@ void return_trials(const Job& job, const Worker& worker, const BatchRows& rows) 
   for (uint32_t i = 0; i < job.cell_column_count; ++i) {
     const CellColumn& column = job.cell_columns[i];
     if (!column.trial) continue;
-    double* home = column.trial + rows.row[0] / lanes * column.block;
     for (uint32_t c = 0; c < column.components; ++c)
       for (uint32_t l = 0; l < rows.valid; ++l)
-        home[c * lanes + rows.row[l] % lanes] = worker.trial_columns[i][c * lanes + l];
+        column.trial[place_in(column, rows.row[l], c)] = worker.trial_columns[i][c * lanes + l];
   }
 }
 
@@ -161,6 +165,9 @@ inline __attribute__((always_inline)) void gather_batch(const Job& job, const Wo
   fill_ids(job, rows, buffers.ids);
 }
 
+/// What stands where nothing is gathered.
+alignas(64) constexpr double zeros[8 * 3 * lanes] = {};
+
 void begin_batches(const Job& job, const Worker& worker, Buffers& buffers, suture_batch& batch) {
   batch.size = sizeof batch;
   batch.lanes = lanes;
@@ -168,9 +175,9 @@ void begin_batches(const Job& job, const Worker& worker, Buffers& buffers, sutur
   batch.nodes = job.node_count;
   batch.time = job.time;
   batch.dt = job.dt;
-  batch.rest = job.rest ? buffers.rest : nullptr;
-  batch.position = job.position ? buffers.position : nullptr;
-  batch.velocity = job.velocity ? buffers.velocity : nullptr;
+  batch.rest = job.rest ? buffers.rest : zeros;
+  batch.position = job.position ? buffers.position : zeros;
+  batch.velocity = job.velocity ? buffers.velocity : zeros;
   batch.cell_columns = job.cell_column_count != 0 ? worker.cell_columns : nullptr;
   batch.vertex_columns = job.vertex_column_count != 0 ? worker.vertex_columns : nullptr;
   batch.cell_ids = buffers.ids;
@@ -204,7 +211,7 @@ inline __attribute__((always_inline)) void forces_in(const Job& job, const Worke
     const uint32_t to_block = lanes - row % lanes;
     const uint32_t here = end - row < to_block ? end - row : to_block;
     const bool whole = !job.live || job.live[row / lanes] == 0xFF;
-    if (here == lanes && !job.cells && whole) {
+    if (N > 1 && here == lanes && !job.cells && whole) {
       const Block<N> cells{job.nodes + static_cast<uint64_t>(row) * N};
       one_batch<N>(job, worker, BlockRows{row}, cells, buffers, batch);
     } else {
@@ -233,6 +240,7 @@ void forces_of(const Job& job, const Worker& worker, const Rows* ranges, uint32_
 }
 
 void forces(const Job* job, const Worker* worker, const Rows* ranges, uint32_t count) {
+  if (job->node_count == 1) return forces_of<1>(*job, *worker, ranges, count);
   if (job->node_count == 2) return forces_of<2>(*job, *worker, ranges, count);
   if (job->node_count == 4) return forces_of<4>(*job, *worker, ranges, count);
   forces_of<8>(*job, *worker, ranges, count);
@@ -249,6 +257,7 @@ void gather_one(const Job& job, const Worker& worker, const BatchRows& rows, Buf
 
 void gather(const Job* job, const Worker* worker, const BatchRows* rows, Buffers* buffers,
             suture_batch* batch) {
+  if (job->node_count == 1) return gather_one<1>(*job, *worker, *rows, *buffers, *batch);
   if (job->node_count == 2) return gather_one<2>(*job, *worker, *rows, *buffers, *batch);
   if (job->node_count == 4) return gather_one<4>(*job, *worker, *rows, *buffers, *batch);
   gather_one<8>(*job, *worker, *rows, *buffers, *batch);

@@ -17,13 +17,13 @@ struct Rows {
   uint32_t begin, end;
 };
 
-/// A column of the functor's own cells, in blocks of 8.
+/// A column of the functor's own cells: in blocks of 8, of vertices in rows.
 struct CellColumn {
   const double* data;
   double* trial;   ///< trial copy, same layout, or null
   uint64_t block;  ///< doubles from block to block; 0: constant
   uint32_t components;
-  uint32_t reserved;
+  uint32_t stride;  ///< doubles from row to row, of vertices; 0: blocks
 };
 
 /// A column of the vertices, gathered per node.
@@ -40,13 +40,13 @@ struct Job {
   const uint32_t* cells;    ///< row -> position in `nodes`, or null: the row itself
   const uint32_t* ids;      ///< position in `nodes` -> id as users see it, or null
   const uint32_t* row_ids;  ///< instead: row -> id, or null
-  uint32_t node_count;      ///< 2, 4 or 8
+  uint32_t node_count;      ///< 1, 2, 4 or 8
   uint32_t cell_column_count;
   uint32_t vertex_column_count;
   uint32_t has_trial;  ///< some cell column has a trial copy
   const CellColumn* cell_columns;
   const VertexColumn* vertex_columns;
-  const double* rest;  ///< rows; null: not gathered
+  const double* rest;  ///< rows; null: not gathered, the functor sees zeros
   const double* position;
   const double* velocity;
   double* force;

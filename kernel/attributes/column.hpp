@@ -26,8 +26,7 @@ struct ColumnSpec {
   int components = 1;
   suture_policy policy = SUTURE_COPY;
   double initial = 0;
-  std::uint32_t flags = 0;                        ///< suture_attribute_flag
-  suture_contribution_fn contribution = nullptr;  ///< with SUTURE_FROM_VOLUMES
+  std::uint32_t flags = 0;  ///< suture_attribute_flag
   /// Instead of `policy`, for columns of the kernel: called once for each part
   /// that left a cell, with the rows of the part that stayed and of the new one.
   std::function<void(Column&, Index old_row, Index new_row)> on_split;

@@ -51,6 +51,12 @@ auto all_elements(const CellComplex& complex) {
   return std::views::iota(Index{0}, complex.element_count());
 }
 
+/// What hexahedra give; the plugin host has checked that it is there.
+suture_contribution_fn function_of(const suture_attribute& attribute) {
+  const std::span all(attribute.contributions, attribute.contribution_count);
+  return std::ranges::find(all, SUTURE_HEXAHEDRON, &suture_contribution::cell_type)->function;
+}
+
 /// Throws PluginError, naming the element, unless the values of the valid lanes are finite and
 /// those of a mass not negative.
 void require_values(const PluginCall& call, const double* out) {
@@ -78,6 +84,7 @@ RestBatch::RestBatch(const RestPlaces& rest, std::span<const Index> user_element
   batch_.lanes = lanes;
   batch_.nodes = 8;
   batch_.rest = positions_.data();
+  batch_.position = batch_.velocity = zeros_.data();
   batch_.cell_ids = ids_.data();
 }
 
@@ -105,7 +112,7 @@ void contribute(Instance& instance, const suture_attribute& attribute, const sut
   PluginCall call = instance.call("contribution");
   call.attribute = &attribute;
   call.batch = &batch;
-  const auto ask = [&] { return attribute.contribution(&context, &batch, out); };
+  const auto ask = [&] { return function_of(attribute)(&context, &batch, out); };
   if (call_plugin(call, ask) == SUTURE_OK) return require_values(call, out);
   const Index cell = context.error->cell == none ? batch.cell_ids[0] : context.error->cell;
   throw InputError(instance.title() + ": attribute '" + attribute.name + "' at element " +

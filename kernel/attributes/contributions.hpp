@@ -27,7 +27,7 @@ class RestBatch {
  private:
   RestPlaces rest_;
   std::span<const Index> user_element_;
-  alignas(SUTURE_ALIGNMENT) std::array<double, 8 * 3 * SUTURE_LANES> positions_;
+  alignas(SUTURE_ALIGNMENT) std::array<double, 8 * 3 * SUTURE_LANES> positions_, zeros_{};
   std::array<std::uint32_t, SUTURE_LANES> ids_;
   suture_batch batch_{};
 };

@@ -21,13 +21,7 @@ void report(const suture_context* context, std::int32_t severity, std::uint32_t 
 
 std::int32_t has_extension(const char* id) { return host_has_extension(id) ? 1 : 0; }
 
-std::int32_t has_extension_or_everything(const char* id) {
-  return has_extension(id) != 0 || std::string_view(id) == SUTURE_EVERYTHING_1 ? 1 : 0;
-}
-
 const suture_host host = {sizeof(suture_host), SUTURE_ABI_MINOR, &report, &has_extension};
-const suture_host host_of_everything = {sizeof(suture_host), SUTURE_ABI_MINOR, &report,
-                                        &has_extension_or_everything};
 
 ColumnSpec spec_of(const suture_attribute& attribute) {
   ColumnSpec spec;
@@ -38,7 +32,6 @@ ColumnSpec spec_of(const suture_attribute& attribute) {
   spec.policy = static_cast<suture_policy>(attribute.policy);
   spec.initial = attribute.initial;
   spec.flags = attribute.flags;
-  spec.contribution = attribute.contribution;
   return spec;
 }
 
@@ -108,7 +101,7 @@ void Instance::set_workers(unsigned count) {
                        static_cast<std::uint32_t>(parameters_.size()),
                        parameters_.data(),
                        prepared_.empty() ? nullptr : prepared_.data(),
-                       skip_ ? &host : &host_of_everything,
+                       &host,
                        &worker->error,
                        &findings_};
     reset(worker->error);
@@ -133,10 +126,24 @@ void Instance::ask_functors() {
     asked.functor = &f;
     if (f.enabled)
       answer.runs = call_plugin(asked, [&] { return f.enabled(&context(0), &answer.reads); }) != 0;
+    if (!skip_ && f.alternative == 0) answer.runs = true;
     answer.reads = skip_ ? answer.reads & f.reads : f.reads;
     enabled_.push_back(answer);
   }
+  for (std::size_t i = 0; i < enabled_.size(); ++i)
+    if (model_.functors[i].alternative != 0 && enabled_[i].runs) choose_alternative(i);
   find_needed();
+}
+
+/// Alternatives begin with the cheapest: the first that is enabled runs, or the last if
+/// nothing is skipped.
+void Instance::choose_alternative(std::size_t number) {
+  for (std::size_t i = number + 1; i < enabled_.size(); ++i) {
+    if (model_.functors[i].alternative != model_.functors[number].alternative) continue;
+    if (!enabled_[i].runs) continue;
+    enabled_[skip_ ? i : number].runs = false;
+    if (!skip_) return;
+  }
 }
 
 void Instance::find_needed() {

@@ -97,6 +97,7 @@ class Instance {
   };
   void prepare(Diagnostics& diagnostics);
   void ask_functors();
+  void choose_alternative(std::size_t number);
   void find_needed();
   bool is_read(std::uint32_t attribute) const;
   bool has_cells(const suture_functor& functor) const;

@@ -11,6 +11,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/plugin_call.hpp"
 #include "kernel/plugin_host/table_check.hpp"
+#include "kernel/plugin_host/table_copy.hpp"
 
 namespace suture {
 namespace {
@@ -41,6 +42,20 @@ std::string_view hint(std::string_view loader_text) {
 /// NODELETE; its value goes through to dlopen unchanged.
 boost::dll::load_mode::type mode() {
   return static_cast<boost::dll::load_mode::type>(RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+}
+
+/// Copies of the tables. They live as long as the library, which is never unloaded.
+const suture_plugin& usable_tables(const suture_plugin& plugin, const std::filesystem::path& file) {
+  static std::vector<std::unique_ptr<PluginTables>> all_tables;
+  std::vector<std::string> problems;
+  auto tables = copy_tables(plugin, problems);
+  if (problems.empty()) problems = table_problems(tables->plugin);
+  if (!problems.empty()) {
+    std::string all = "its tables cannot be used:";
+    for (const auto& problem : problems) all += "\n  " + problem;
+    refuse(file, all);
+  }
+  return all_tables.emplace_back(std::move(tables))->plugin;
 }
 
 void check_against_note(const std::filesystem::path& file, const PluginNote& note,
@@ -78,15 +93,10 @@ const suture_plugin& load_plugin(const std::filesystem::path& file, const Plugin
   const suture_plugin* plugin = call_plugin(call, function);
   if (plugin == nullptr) refuse(file, std::string(SUTURE_PLUGIN_SYMBOL) + " returned NULL");
 
-  const auto problems = table_problems(*plugin);
-  if (!problems.empty()) {
-    std::string all = "its tables cannot be used:";
-    for (const auto& problem : problems) all += "\n  " + problem;
-    refuse(file, all);
-  }
-  check_against_note(file, note, *plugin);
-  register_plugin(*plugin, file);
-  return *plugin;
+  const suture_plugin& tables = usable_tables(*plugin, file);
+  check_against_note(file, note, tables);
+  register_plugin(tables, file);
+  return tables;
 }
 
 }  // namespace suture

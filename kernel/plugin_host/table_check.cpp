@@ -10,12 +10,10 @@
 
 #include "kernel/base/host_extensions.hpp"
 #include "kernel/base/nearest.hpp"
+#include "kernel/plugin_host/table_entry.hpp"
 
 namespace suture {
 namespace {
-
-/// More entries than any table has: a count above it is a damaged struct.
-constexpr std::uint32_t most_entries = 4096;
 
 std::string number(double value) {
   std::string out = std::to_string(value);
@@ -23,62 +21,6 @@ std::string number(double value) {
   if (!out.empty() && out.back() == '.') out.pop_back();
   return out;
 }
-
-/// Collects problems of one entry under its name.
-class Entry {
- public:
-  Entry(std::vector<std::string>& problems, std::string name)
-      : problems_(problems), name_(std::move(name)) {}
-
-  Entry inner(const std::string& kind, const char* name, std::uint32_t index) const {
-    const bool named = name != nullptr && *name != '\0';
-    return {problems_, (name_.empty() ? "" : name_ + ", ") + kind + " " +
-                           (named ? "'" + std::string(name) + "'" : std::to_string(index))};
-  }
-
-  bool require(bool holds, const std::string& otherwise) const {
-    if (!holds) problems_.push_back((name_.empty() ? "" : name_ + ": ") + otherwise);
-    return holds;
-  }
-
-  void text(const char* value, const char* member) const {
-    require(value != nullptr, std::string(member) + " is NULL");
-  }
-
-  /// Array member and its count belong together.
-  bool array(const void* pointer, std::uint32_t count, const char* member) const {
-    return require(count <= most_entries, std::string("the count of ") + member + " is " +
-                                              std::to_string(count) + ", at most " +
-                                              std::to_string(most_entries)) &&
-           require(count == 0 || pointer != nullptr,
-                   std::string(member) + " is NULL, but its count is " + std::to_string(count));
-  }
-
-  /// Structs grow at their end, and a plugin's minor never exceeds the host's:
-  /// at ABI 1.0 both have the same size. A later minor that appends a member
-  /// brings the older layout up to date here, before anything else reads it.
-  template <class T>
-  bool size(const T& object) const {
-    return require(object.size == sizeof(T), "its member size is " + std::to_string(object.size) +
-                                                 ", expected " + std::to_string(sizeof(T)) +
-                                                 " (first member of every struct: sizeof)");
-  }
-
-  void reserved(std::uint32_t value) const { require(value == 0, "reserved is not 0"); }
-
-  void known(std::uint32_t value, std::uint32_t last, const char* member) const {
-    require(value <= last, std::string(member) + " is " + std::to_string(value) +
-                               ", the last known value is " + std::to_string(last));
-  }
-
-  void known_bits(std::uint32_t value, std::uint32_t known, const char* member) const {
-    require((value & ~known) == 0, std::string(member) + " has unknown bits");
-  }
-
- private:
-  std::vector<std::string>& problems_;
-  std::string name_;
-};
 
 /// Lower-case letter, then lower-case letters, digits and '-'.
 bool is_id(std::string_view text) {
@@ -165,12 +107,10 @@ void check_default(const Entry& entry, const suture_parameter& p) {
 }
 
 void check_parameters(const Entry& model, const suture_model& m) {
-  if (!model.array(m.parameters, m.parameter_count, "parameters")) return;
   Names names;
   for (std::uint32_t i = 0; i < m.parameter_count; ++i) {
     const suture_parameter& p = m.parameters[i];
     const Entry entry = model.inner("parameter", p.name, i);
-    if (!entry.size(p)) return;
     names.check(entry, p.name);
     entry.text(p.unit, "unit");
     entry.text(p.doc, "doc");
@@ -188,9 +128,9 @@ void check_parameters(const Entry& model, const suture_model& m) {
 void check_policy(const Entry& entry, const suture_attribute& a) {
   entry.known(a.policy, SUTURE_FROM_VOLUMES, "policy");
   const bool summed = a.policy == SUTURE_FROM_VOLUMES;
-  entry.require(!summed || a.contribution != nullptr,
-                "has policy SUTURE_FROM_VOLUMES, but its contribution is NULL");
-  entry.require(summed || a.contribution == nullptr,
+  entry.require(!summed || a.contribution_count > 0,
+                "has policy SUTURE_FROM_VOLUMES, but no contribution");
+  entry.require(summed || a.contribution_count == 0,
                 "has a contribution, but not policy SUTURE_FROM_VOLUMES");
   entry.require(!summed || (a.flags & SUTURE_TRIAL) == 0,
                 "has a trial copy, but is summed from volumes: it can have one of both");
@@ -200,24 +140,36 @@ void check_policy(const Entry& entry, const suture_attribute& a) {
                   "SUTURE_FROM_VOLUMES");
 }
 
+/// One for each type of 3-cell of this host, which has hexahedra.
+void check_contributions(const Entry& entry, const suture_attribute& a) {
+  for (std::uint32_t i = 0; i < a.contribution_count; ++i) {
+    const suture_contribution& c = a.contributions[i];
+    const Entry inner = entry.inner("contribution", nullptr, i);
+    inner.require(c.function != nullptr, "its function is NULL");
+    inner.require(c.cell_type == SUTURE_HEXAHEDRON,
+                  "its cell_type is " + std::to_string(c.cell_type) + ", expected " +
+                      std::to_string(SUTURE_HEXAHEDRON) +
+                      " (SUTURE_HEXAHEDRON): bodies of this Suture have no other 3-cells");
+    inner.require(i == 0 || c.cell_type != a.contributions[0].cell_type,
+                  "is a second one for the same cell_type");
+  }
+}
+
 void check_attributes(const Entry& model, const suture_model& m) {
-  if (!model.array(m.attributes, m.attribute_count, "attributes")) return;
   Names names;
   for (std::uint32_t i = 0; i < m.attribute_count; ++i) {
     const suture_attribute& a = m.attributes[i];
     const Entry entry = model.inner("attribute", a.name, i);
-    if (!entry.size(a)) return;
     names.check(entry, a.name);
     entry.text(a.unit, "unit");
     entry.text(a.doc, "doc");
     entry.known(a.dimension, 3, "dimension");
     entry.require(a.components >= 1 && a.components <= 9,
                   "has " + std::to_string(a.components) + " components, expected 1 to 9");
-    entry.known_bits(a.flags, SUTURE_OUTPUT | SUTURE_CHECKPOINT | SUTURE_TRIAL | SUTURE_SHARED_MASS,
-                     "flags");
-    entry.reserved(a.reserved);
+    entry.known_bits(a.flags, SUTURE_OUTPUT | SUTURE_TRIAL | SUTURE_SHARED_MASS, "flags");
     entry.require(std::isfinite(a.initial), "its initial value is not finite");
     check_policy(entry, a);
+    check_contributions(entry, a);
   }
 }
 
@@ -240,7 +192,6 @@ void check_column(const Entry& entry, const suture_model& m, std::uint32_t colum
 }
 
 void check_columns(const Entry& entry, const suture_model& m, const suture_functor& f) {
-  if (m.attributes == nullptr && m.attribute_count > 0) return;  // reported already
   if (entry.array(f.cell_columns, f.cell_column_count, "cell_columns"))
     for (std::uint32_t i = 0; i < f.cell_column_count; ++i)
       check_column(entry, m, f.cell_columns[i], f.dimension, "cell");
@@ -251,9 +202,10 @@ void check_columns(const Entry& entry, const suture_model& m, const suture_funct
 }
 
 void check_cells(const Entry& entry, const suture_functor& f) {
-  constexpr std::uint32_t type_of[4] = {0, SUTURE_EDGE, SUTURE_QUADRILATERAL, SUTURE_HEXAHEDRON};
-  if (!entry.require(f.dimension >= 1 && f.dimension <= 3,
-                     "its dimension is " + std::to_string(f.dimension) + ", expected 1, 2 or 3"))
+  constexpr std::uint32_t type_of[4] = {SUTURE_VERTEX, SUTURE_EDGE, SUTURE_QUADRILATERAL,
+                                        SUTURE_HEXAHEDRON};
+  if (!entry.require(f.dimension <= 3,
+                     "its dimension is " + std::to_string(f.dimension) + ", expected 0 to 3"))
     return;
   entry.require(f.cell_type == type_of[f.dimension],
                 "its cell_type is " + std::to_string(f.cell_type) + ", expected " +
@@ -268,14 +220,11 @@ void check_cells(const Entry& entry, const suture_functor& f) {
 }
 
 void check_functors(const Entry& model, const suture_model& m) {
-  if (!model.require(m.functor_count > 0, "has no functor") ||
-      !model.array(m.functors, m.functor_count, "functors"))
-    return;
+  model.require(m.functor_count > 0, "has no functor");
   Names names;
   for (std::uint32_t i = 0; i < m.functor_count; ++i) {
     const suture_functor& f = m.functors[i];
     const Entry entry = model.inner("functor", f.name, i);
-    if (!entry.size(f)) return;
     entry.text(f.name, "name");
     if (f.name != nullptr) names.unique(entry, f.name, "name");
     entry.text(f.doc, "doc");
@@ -286,6 +235,7 @@ void check_functors(const Entry& model, const suture_model& m) {
     entry.known(f.scalar, 0, "scalar");
     entry.known_bits(f.reads, SUTURE_READ_REST | SUTURE_READ_POSITION | SUTURE_READ_VELOCITY,
                      "reads");
+    entry.reserved(f.reserved);
     check_cells(entry, f);
     check_columns(entry, m, f);
   }
@@ -329,27 +279,16 @@ void check_extensions(const Entry& entry, const suture_plugin& plugin) {
 std::vector<std::string> table_problems(const suture_plugin& plugin) {
   std::vector<std::string> problems;
   const Entry entry(problems, "");
-  if (!entry.size(plugin)) return problems;
-  entry.require(plugin.magic == SUTURE_MAGIC, "its magic number is wrong");
-  entry.require(plugin.abi_major == SUTURE_ABI_MAJOR && plugin.abi_minor <= SUTURE_ABI_MINOR,
-                "its table says ABI " + std::to_string(plugin.abi_major) + "." +
-                    std::to_string(plugin.abi_minor));
-  entry.require(plugin.lanes == SUTURE_LANES,
-                "its table says " + std::to_string(plugin.lanes) + " lanes");
-  if (!problems.empty()) return problems;
   check_id(entry, plugin.id);
   entry.text(plugin.version, "version");
   entry.text(plugin.license, "license");
   entry.text(plugin.description, "description");
   check_extensions(entry, plugin);
-  if (!entry.require(plugin.model_count > 0, "has no model") ||
-      !entry.array(plugin.models, plugin.model_count, "models"))
-    return problems;
+  entry.require(plugin.model_count > 0, "has no model");
   Names ids;
   for (std::uint32_t i = 0; i < plugin.model_count; ++i) {
     const suture_model& model = plugin.models[i];
     const Entry inner = entry.inner("model", model.id, i);
-    if (!inner.size(model)) return problems;
     if (model.id != nullptr) ids.unique(inner, model.id, "id");
     check_model(inner, model);
   }

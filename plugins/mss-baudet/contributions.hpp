@@ -10,17 +10,14 @@
 
 namespace mss_baudet {
 
-/// Parameters and attributes by position in the lists of `MssBaudet`.
+/// Parameters by position in the list of `MssBaudet`, and its columns likewise; 0 is the mass.
 enum ParameterIndex { p_young, p_nu, p_rho, p_correction, p_viscosity, p_negative };
-enum AttributeIndex {
-  a_mass,
-  a_stiffness,
-  a_rest_tension,
-  a_inner_stiffness,
-  a_inner_length,
-  a_correction,
-  a_box
-};
+inline constexpr suture::column<1> stiffness{};
+inline constexpr suture::column<2> rest_tension{};
+inline constexpr suture::column<3> inner_stiffness{};
+inline constexpr suture::column<4> inner_length{};
+inline constexpr suture::column<5> correction_stiffness{};
+inline constexpr suture::column<6> rest_box{};
 
 inline constexpr const char* negative_words[] = {"clamp", "keep", "refuse"};
 

@@ -16,10 +16,14 @@ template <class Cell, class Mask>
                                   "finite: its force has no direction"));
 }
 
+template <class Cell>
+SUTURE_INLINE auto mass(const Cell& c, int node) {
+  return c.vertex_column(suture::vertex_mass, node);
+}
+
 // ------------------------------------------------------------- edge springs --
 
-/// Two functors, of which a scene runs one: without viscosity neither velocities
-/// nor masses are gathered.
+/// Two alternatives: without viscosity neither velocities nor masses are gathered.
 template <bool with_viscosity>
 struct EdgeSprings : suture::on_edges {
   static constexpr const char* name =
@@ -27,23 +31,22 @@ struct EdgeSprings : suture::on_edges {
   static constexpr const char* doc = "One spring along each edge, of all elements around it.";
   static constexpr std::uint32_t reads =
       SUTURE_READ_POSITION | (with_viscosity ? SUTURE_READ_VELOCITY : 0);
-  static constexpr auto cell_columns = suture::columns(a_stiffness, a_rest_tension);
+  static constexpr std::uint32_t alternative = 1;
+  static constexpr auto cell_columns = suture::columns(stiffness, rest_tension);
   static constexpr auto vertex_columns = [] {
     if constexpr (with_viscosity)
       return suture::columns(suture::vertex_mass);
     else
       return suture::columns();
   }();
-  static constexpr int witnesses = 1;
 
   static bool enabled(const suture::values& p, std::uint32_t&) {
-    return (p[p_viscosity] > 0 || p.everything()) == with_viscosity;
+    return with_viscosity || p[p_viscosity] == 0;
   }
 
   template <class Cell>
   SUTURE_INLINE static auto gamma(const Cell& c) {
-    return viscosity(c.parameter(p_viscosity), c.column(0),
-                     c.vertex_column(0, 0) + c.vertex_column(0, 1));
+    return viscosity(c.parameter(p_viscosity), c.column(stiffness), mass(c, 0) + mass(c, 1));
   }
 
   template <class Cell>
@@ -53,7 +56,7 @@ struct EdgeSprings : suture::on_edges {
     const auto good = is_length_squared(square);
     if (__builtin_expect(!all(good), 0)) fail_zero_length(c, good);
     const auto inverse = rsqrt(square);
-    auto scale = elastic(inverse, c.column(0), c.column(1));
+    auto scale = elastic(inverse, c.column(stiffness), c.column(rest_tension));
     if constexpr (with_viscosity)
       scale += viscous(d, c.velocity(1) - c.velocity(0), inverse, gamma(c));
     const auto f = d * scale;
@@ -64,13 +67,13 @@ struct EdgeSprings : suture::on_edges {
   /// L/K; 0 where the spring is clamped away.
   template <class Cell>
   static auto rest_length(const Cell& c) {
-    const auto K = c.column(0);
-    return select(K == 0.0, K, c.column(1) / select(K == 0.0, K + 1.0, K));
+    const auto K = c.column(stiffness);
+    return select(K == 0.0, K, c.column(rest_tension) / select(K == 0.0, K + 1.0, K));
   }
 
   template <class Cell>
   static auto energy(const Cell& c) {
-    return spring_energy(norm(c.position(1) - c.position(0)), c.column(0), rest_length(c));
+    return spring_energy(norm(c.position(1) - c.position(0)), c.column(stiffness), rest_length(c));
   }
 
   template <class Cell, class Bounds>
@@ -78,7 +81,8 @@ struct EdgeSprings : suture::on_edges {
     const auto d = c.position(1) - c.position(0);
     const auto inverse = rsqrt(dot(d, d));
     const auto u = d * inverse;
-    const auto k = stiffness_bound(u, c.column(0), elastic(inverse, c.column(0), c.column(1)));
+    const auto k = stiffness_bound(u, c.column(stiffness),
+                                   elastic(inverse, c.column(stiffness), c.column(rest_tension)));
     for (int n = 0; n < 2; ++n) out.stiffness(n, k);
     if constexpr (with_viscosity) {
       const auto viscous = damping_bound(u, gamma(c));
@@ -97,13 +101,13 @@ struct EdgeSprings : suture::on_edges {
     const auto rest = rest_length(c);
     const auto stretch = length - rest;
     out.set(0, select(rest == 0.0, rest, stretch / select(rest == 0.0, rest + 1.0, rest)));
-    out.set(1, c.column(0) * stretch);
+    out.set(1, c.column(stiffness) * stretch);
   }
 };
 
 // ------------------------------------------------- inner springs, correction --
 
-/// Four functors, of which a scene runs one.
+/// Four alternatives.
 template <bool with_viscosity, bool with_correction>
 struct InnerSprings : suture::on_volumes {
   static constexpr const char* name =
@@ -116,11 +120,12 @@ struct InnerSprings : suture::on_volumes {
                       : "Four springs along the diagonals of each element.";
   static constexpr std::uint32_t reads =
       SUTURE_READ_POSITION | (with_viscosity ? SUTURE_READ_VELOCITY : 0);
+  static constexpr std::uint32_t alternative = 2;
   static constexpr auto cell_columns = [] {
     if constexpr (with_correction)
-      return suture::columns(a_inner_stiffness, a_inner_length, a_correction, a_box);
+      return suture::columns(inner_stiffness, inner_length, correction_stiffness, rest_box);
     else
-      return suture::columns(a_inner_stiffness, a_inner_length);
+      return suture::columns(inner_stiffness, inner_length);
   }();
   static constexpr auto vertex_columns = [] {
     if constexpr (with_viscosity)
@@ -128,33 +133,37 @@ struct InnerSprings : suture::on_volumes {
     else
       return suture::columns();
   }();
-  static constexpr int witnesses = 4;  // springs end at nodes 0..3, the correction at all
 
   static bool enabled(const suture::values& p, std::uint32_t&) {
-    return (p[p_viscosity] > 0 || p.everything()) == with_viscosity &&
-           (p[p_correction] != 0 || p.everything()) == with_correction;
+    return (with_viscosity || p[p_viscosity] == 0) && (with_correction || p[p_correction] == 0);
   }
 
   template <class Cell>
   SUTURE_INLINE static auto gamma(const Cell& c, int s) {
-    return viscosity(c.parameter(p_viscosity), c.column(0),
-                     c.vertex_column(0, s) + c.vertex_column(0, 7 - s));
+    return viscosity(c.parameter(p_viscosity), c.column(inner_stiffness),
+                     mass(c, s) + mass(c, 7 - s));
+  }
+
+  template <class Cell>
+  SUTURE_INLINE static auto box_stiffness(const Cell& c) {
+    suture::sym3<typename Cell::real> B;
+    for (int i = 0; i < 6; ++i) B.c[i] = c.column(correction_stiffness, i);
+    return B;
   }
 
   template <class Cell>
   SUTURE_INLINE static auto correction(const Cell& c) {
     using T = typename Cell::scalar;
     using R = typename Cell::real;
-    const suture::sym3<R> B{c.column(2, 0), c.column(2, 1), c.column(2, 2),
-                            c.column(2, 3), c.column(2, 4), c.column(2, 5)};
-    return CorrectedBox<T>(position_of(c), B,
-                           vec3<R>{c.column(3, 0), c.column(3, 1), c.column(3, 2)});
+    return CorrectedBox<T>(
+        position_of(c), box_stiffness(c),
+        vec3<R>{c.column(rest_box, 0), c.column(rest_box, 1), c.column(rest_box, 2)});
   }
 
   template <class Cell>
   SUTURE_INLINE static void force(Cell& c) {
     using T = typename Cell::scalar;
-    const auto K = c.column(0);
+    const auto K = c.column(inner_stiffness);
     vec3<T> f[8];
     auto smallest = T(1e300);
     for (int s = 0; s < 4; ++s) {
@@ -162,7 +171,7 @@ struct InnerSprings : suture::on_volumes {
       const T square = dot(d, d);
       smallest = select(square < smallest, square, smallest);
       const T inverse = rsqrt(square);
-      T scale = elastic(inverse, K, K * c.column(1, s));
+      T scale = elastic(inverse, K, K * c.column(inner_length, s));
       if constexpr (with_viscosity)
         scale += viscous(d, c.velocity(7 - s) - c.velocity(s), inverse, gamma(c, s));
       f[s] = d * scale;
@@ -176,9 +185,10 @@ struct InnerSprings : suture::on_volumes {
 
   template <class Cell>
   static auto energy(const Cell& c) {
-    auto sum = 0.0 * c.column(0);
+    const auto K = c.column(inner_stiffness);
+    auto sum = 0.0 * K;
     for (int s = 0; s < 4; ++s)
-      sum += spring_energy(norm(c.position(7 - s) - c.position(s)), c.column(0), c.column(1, s));
+      sum += spring_energy(norm(c.position(7 - s) - c.position(s)), K, c.column(inner_length, s));
     if constexpr (with_correction) sum += correction(c).energy();
     return sum;
   }
@@ -188,16 +198,15 @@ struct InnerSprings : suture::on_volumes {
     using R = typename Cell::real;
     suture::sym3<R> common{R(0.0), R(0.0), R(0.0), R(0.0), R(0.0), R(0.0)};
     if constexpr (with_correction) {
-      const suture::sym3<R> B{c.column(2, 0), c.column(2, 1), c.column(2, 2),
-                              c.column(2, 3), c.column(2, 4), c.column(2, 5)};
-      common = stiffness_bound(correction(c), B);
+      common = stiffness_bound(correction(c), box_stiffness(c));
     }
     for (int s = 0; s < 4; ++s) {
       const auto d = c.position(7 - s) - c.position(s);
       const auto inverse = rsqrt(dot(d, d));
       const auto u = d * inverse;
-      const R K = c.column(0);
-      const auto k = stiffness_bound(u, K, elastic(inverse, K, K * c.column(1, s))) + common;
+      const R K = c.column(inner_stiffness);
+      const auto k =
+          stiffness_bound(u, K, elastic(inverse, K, K * c.column(inner_length, s))) + common;
       out.stiffness(s, k);
       out.stiffness(7 - s, k);
       if constexpr (with_viscosity) {
@@ -249,25 +258,25 @@ struct MssBaudet : suture::model {
                      negative_words)};
 
   template <class C>
-  static constexpr suture_contribution_fn sum = suture::contribution<MssBaudet, C>;
+  static constexpr auto sum = suture::contribution<MssBaudet, C>;
 
   static constexpr suture::attribute attributes[] = {
-      suture::on_vertices("mass", "kg", "lumped mass, sum of rho V / 8")
+      suture::vertex_attribute("mass", "kg", "lumped mass, sum of rho V / 8")
           .from_volumes(sum<MassShare>)
           .flag(SUTURE_SHARED_MASS),
-      suture::on_edge_cells("stiffness", "N/m", "sum of k_e over the elements at the edge")
+      suture::edge_attribute("stiffness", "N/m", "sum of k_e over the elements at the edge")
           .from_volumes(sum<StiffnessShare>)
           .output(),
-      suture::on_edge_cells("rest_tension", "N", "sum of k_e l_e; over the stiffness: rest length")
+      suture::edge_attribute("rest_tension", "N", "sum of k_e l_e; over the stiffness: rest length")
           .from_volumes(sum<RestTensionShare>),
-      suture::on_volume_cells("inner_stiffness", "N/m", "of each inner diagonal")
+      suture::volume_attribute("inner_stiffness", "N/m", "of each inner diagonal")
           .from_volumes(sum<InnerStiffness>),
-      suture::on_volume_cells("inner_length", "m", "rest lengths of the inner diagonals", 4)
+      suture::volume_attribute("inner_length", "m", "rest lengths of the inner diagonals", 4)
           .from_volumes(sum<InnerLength>),
-      suture::on_volume_cells("correction_stiffness", "N/m",
-                              "B of the correction's energy, XX YY ZZ XY YZ XZ", 6)
+      suture::volume_attribute("correction_stiffness", "N/m",
+                               "B of the correction's energy, XX YY ZZ XY YZ XZ", 6)
           .from_volumes(sum<Correction>),
-      suture::on_volume_cells("box", "m", "lengths of the mean edges at rest", 3)
+      suture::volume_attribute("box", "m", "lengths of the mean edges at rest", 3)
           .from_volumes(sum<BoxLengths>)};
 
   using functors =

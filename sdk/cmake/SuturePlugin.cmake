@@ -21,10 +21,13 @@
 #       No plugin can call into another by accident, and inline statics stay the
 #       plugin's own, which glibc would else merge over all libraries (STB_GNU_UNIQUE).
 #   -z defs  a missing symbol is an error now, not at the first call.
+#   --require-defined  so is a missing SUTURE_PLUGIN(...).
 include_guard(GLOBAL)
 include(GNUInstallDirs)
 
 set(SUTURE_PLUGIN_MAP ${CMAKE_CURRENT_LIST_DIR}/plugin.map CACHE INTERNAL "")
+set(SUTURE_PLUGIN_LINK_OPTIONS -Wl,-z,defs -Wl,--require-defined=suture_plugin_v1
+  -Wl,--version-script=${SUTURE_PLUGIN_MAP} CACHE INTERNAL "")
 
 function(_suture_plugin_object target)
   cmake_parse_arguments(PARSE_ARGV 1 ARG "" "CXX_STANDARD;FOLDER" "SOURCES;FLAGS")
@@ -34,8 +37,7 @@ function(_suture_plugin_object target)
     $<$<NOT:$<CONFIG:Debug>>:-O3> -fno-math-errno -fno-trapping-math -fno-signed-zeros
     -ffp-contract=fast $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-psabi>
     -Wall -Wextra ${ARG_FLAGS})
-  target_link_options(${target} PRIVATE
-    -Wl,-z,defs -Wl,--version-script=${SUTURE_PLUGIN_MAP})
+  target_link_options(${target} PRIVATE ${SUTURE_PLUGIN_LINK_OPTIONS})
   set_target_properties(${target} PROPERTIES
     PREFIX "" OUTPUT_NAME ${target} SUFFIX .so
     C_STANDARD 11 CXX_STANDARD ${ARG_CXX_STANDARD} CXX_EXTENSIONS OFF

@@ -190,17 +190,20 @@ suture_parameter parameters[] = {{.size = sizeof(suture_parameter),
                                   .maximum = 2,
                                   .choices = nullptr}};
 
+suture_contribution contributions[] = {
+    {.size = sizeof(suture_contribution), .cell_type = SUTURE_HEXAHEDRON, .function = contribute}};
+
 suture_attribute attributes[] = {{.size = sizeof(suture_attribute),
                                   .dimension = 0,
                                   .components = 1,
                                   .policy = SUTURE_FROM_VOLUMES,
                                   .flags = SUTURE_SHARED_MASS,
-                                  .reserved = 0,
+                                  .contribution_count = 1,
                                   .name = "mass",
                                   .unit = "kg",
                                   .doc = "share of the mass",
                                   .initial = 0,
-                                  .contribution = contribute}};
+                                  .contributions = contributions}};
 
 const std::uint32_t missing_column[] = {3};
 
@@ -214,6 +217,8 @@ suture_functor functors[] = {{.size = sizeof(suture_functor),
                               .reads = SUTURE_READ_REST | SUTURE_READ_POSITION,
                               .cell_column_count = 0,
                               .vertex_column_count = 0,
+                              .alternative = 0,
+                              .reserved = 0,
                               .cell_columns = missing_column,
                               .vertex_columns = nullptr,
                               .name = "elements",
@@ -276,6 +281,6 @@ extern "C" [[gnu::visibility("default")]] const suture_plugin* suture_plugin_v1(
   if (mistake_is("default")) parameters[1].default_value = 3;
   if (mistake_is("formula")) models[0].formula = nullptr;
   if (mistake_is("no-force")) functors[0].force = nullptr;
-  if (mistake_is("no-contribution")) attributes[0].contribution = nullptr;
+  if (mistake_is("no-contribution")) contributions[0].function = nullptr;
   return &plugin;
 }

@@ -161,7 +161,7 @@ TEST_F(Mistakes, InTheTablesAreRefusedWithTheEntry) {
       {"default", "parameter 'E'", "default 3 is outside its range from 0 to 2"},
       {"formula", "model 'mistakes'", "formula"},
       {"no-force", "functor 'elements'", "force is NULL"},
-      {"no-contribution", "attribute 'mass'", "contribution is NULL"},
+      {"no-contribution", "attribute 'mass'", "contribution 0: its function is NULL"},
       {"table-throws", "mistakes", "threw an exception of type int"},
       {"loading-exits", "loading", "called exit()"},
 #ifndef SUTURE_SANITIZED

@@ -56,7 +56,7 @@ TEST(Contribute, ARefusalNamesTheModelTheAttributeAndTheElement) {
   fake::Model model(fake::everything());
   Summed s(model, {2, 1, 1}, nullptr);
   suture_attribute bad = model.attributes[fake::edge];
-  bad.contribution = refuses;
+  fake::contribute_by(bad, refuses);
   const std::vector<Index> elements{0, 1}, numbers{70, 71};
   RestBatch rest = s.batch(numbers);
   std::vector<double> out(12 * 2 * 8);

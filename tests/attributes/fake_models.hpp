@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <deque>
 #include <vector>
 
 #include "suture/plugin.h"
@@ -45,6 +46,14 @@ inline suture_status box_mass(const suture_context* context, const suture_batch*
   return SUTURE_OK;
 }
 
+/// Lets hexahedra give what the function says, as a plugin's constant tables would.
+inline void contribute_by(suture_attribute& attribute, suture_contribution_fn function) {
+  static std::deque<suture_contribution> tables;
+  attribute.contribution_count = 1;
+  attribute.contributions = &tables.emplace_back(
+      suture_contribution{sizeof(suture_contribution), SUTURE_HEXAHEDRON, function});
+}
+
 inline suture_attribute attribute(const char* name, std::uint32_t dimension,
                                   std::uint32_t components, suture_contribution_fn contribution,
                                   std::uint32_t policy = SUTURE_FROM_VOLUMES,
@@ -59,7 +68,7 @@ inline suture_attribute attribute(const char* name, std::uint32_t dimension,
   a.unit = "1";
   a.doc = "";
   a.initial = initial;
-  a.contribution = contribution;
+  if (contribution != nullptr) contribute_by(a, contribution);
   return a;
 }
 

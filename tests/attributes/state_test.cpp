@@ -238,7 +238,7 @@ TEST(State, OfOtherModelsOrMeshesIsRefused) {
   auto fewer = fake::everything(), other = fewer;
   fewer.erase(fewer.begin() + fake::plain);
   other[fake::edge].components = 1;
-  other[fake::edge].contribution = &fake::contribute<12, 1>;
+  fake::contribute_by(other[fake::edge], &fake::contribute<12, 1>);
   const fake::Model without(fewer), narrow(other);
   fake::Model fresh(fake::everything());
   fresh.table.id = "foreign";

@@ -77,12 +77,12 @@ struct Tables {
                      1,
                      SUTURE_FROM_VOLUMES,
                      SUTURE_SHARED_MASS,
-                     0,
+                     1,
                      "mass",
                      "kg",
                      "",
                      0,
-                     mass};
+                     &masses};
     attributes[1] = {
         sizeof(suture_attribute), 3, 1, SUTURE_COPY, SUTURE_TRIAL, 0, "age", "1", "", 0, nullptr};
     for (suture_functor& f : functors) {
@@ -121,6 +121,7 @@ struct Tables {
     model.functors = functors;
   }
   std::uint32_t age = 1;
+  suture_contribution masses{sizeof(suture_contribution), SUTURE_HEXAHEDRON, mass};
   suture_attribute attributes[2]{};
   suture_functor functors[4]{};
   suture_model model{};

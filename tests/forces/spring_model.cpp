@@ -100,14 +100,9 @@ suture_status edge_bounds(const suture_context* context, const suture_batch* bat
   return SUTURE_OK;
 }
 
-bool everything(const suture_context* context) {
-  return context->host->has_extension(SUTURE_EVERYTHING_1) != 0;
-}
-
 std::int32_t edges_enabled(const suture_context* context, std::uint32_t* reads) {
   if (context->parameters[edge_damping] == 0) *reads &= ~std::uint32_t{SUTURE_READ_VELOCITY};
-  return context->parameters[edge_stiffness] != 0 || context->parameters[edge_damping] != 0 ||
-         everything(context);
+  return context->parameters[edge_stiffness] != 0 || context->parameters[edge_damping] != 0;
 }
 
 double diagonal_factor(std::uint32_t shape) { return shape == SUTURE_GENERAL ? 0.5 : 1; }
@@ -160,13 +155,18 @@ const void* edge_extension(const char* id) {
 }
 
 std::int32_t diagonals_enabled(const suture_context* context, std::uint32_t*) {
-  return context->parameters[diagonal_stiffness] != 0 || everything(context);
+  return context->parameters[diagonal_stiffness] != 0;
 }
 
 constexpr double big = std::numeric_limits<double>::infinity();
 
 suture_parameter parameter(const char* name, double value) {
   return {sizeof(suture_parameter), SUTURE_NUMBER, 0, 0, name, "1", "", value, -big, big, nullptr};
+}
+
+suture_attribute attribute(const char* name, std::uint32_t dimension,
+                           const suture_contribution* sum) {
+  return {sizeof(suture_attribute), dimension, 1, SUTURE_FROM_VOLUMES, 0, 1, name, "1", "", 0, sum};
 }
 
 suture_functor functor(const char* name, std::uint32_t dimension, std::uint32_t type,
@@ -189,39 +189,10 @@ suture_functor functor(const char* name, std::uint32_t dimension, std::uint32_t 
 
 struct Tables {
   Tables() {
-    attributes[0] = {sizeof(suture_attribute),
-                     0,
-                     1,
-                     SUTURE_FROM_VOLUMES,
-                     SUTURE_SHARED_MASS,
-                     0,
-                     "mass",
-                     "kg",
-                     "",
-                     0,
-                     share_of_mass};
-    attributes[1] = {sizeof(suture_attribute),
-                     1,
-                     1,
-                     SUTURE_FROM_VOLUMES,
-                     0,
-                     0,
-                     "factor",
-                     "1",
-                     "",
-                     0,
-                     one_per_edge};
-    attributes[2] = {sizeof(suture_attribute),
-                     3,
-                     1,
-                     SUTURE_FROM_VOLUMES,
-                     0,
-                     0,
-                     "volume-factor",
-                     "1",
-                     "",
-                     0,
-                     volume_factor};
+    attributes[0] = attribute("mass", 0, &sums[0]);
+    attributes[0].flags = SUTURE_SHARED_MASS;
+    attributes[1] = attribute("factor", 1, &sums[1]);
+    attributes[2] = attribute("volume-factor", 3, &sums[2]);
     constexpr std::uint32_t state = SUTURE_READ_REST | SUTURE_READ_POSITION;
     functors[0] =
         functor("edges", 1, SUTURE_EDGE, 0, state | SUTURE_READ_VELOCITY, &edge_column, edge_force);
@@ -246,6 +217,9 @@ struct Tables {
                                     parameter("kd", 50),    parameter("rho", 1000),
                                     parameter("from", big), parameter("how", -1)};
   std::uint32_t edge_column = 1, volume_column = 2;
+  suture_contribution sums[3] = {{sizeof(suture_contribution), SUTURE_HEXAHEDRON, share_of_mass},
+                                 {sizeof(suture_contribution), SUTURE_HEXAHEDRON, one_per_edge},
+                                 {sizeof(suture_contribution), SUTURE_HEXAHEDRON, volume_factor}};
   suture_attribute attributes[3]{};
   suture_functor functors[3]{};
   suture_model model{};

@@ -18,36 +18,38 @@ namespace {
 
 using Body = spring_model::Body;
 
-/// Pulls the corners of boundary faces to where they were: forces that depend on which
-/// faces are visited, in which order.
+/// Pulls the nodes of cells to where they were: forces that depend on which cells are
+/// visited, in which order.
 suture_status pull(const suture_context*, const suture_batch* batch) {
-  for (int i = 0; i < 4 * 3 * 8; ++i)
+  for (std::uint32_t i = 0; i < batch->nodes * 3 * 8; ++i)
     batch->force[i] = batch->cell_columns[0][i % 8] * (batch->rest[i] - batch->position[i]);
   return SUTURE_OK;
 }
 
-const suture_model& face_model() {
+/// Functors on the faces of the boundary and on vertices.
+const suture_model& wall_model() {
   struct Tables {
-    std::uint32_t column = 1;
-    suture_functor functor() {
+    std::uint32_t face = 1, vertex = 2;
+    suture_functor functor(const char* name, bool on_faces) {
       suture_functor f{};
       f.size = sizeof f;
-      f.dimension = 2;
-      f.cell_type = SUTURE_QUADRILATERAL;
+      f.dimension = on_faces ? 2 : 0;
+      f.cell_type = on_faces ? SUTURE_QUADRILATERAL : SUTURE_VERTEX;
       f.lanes = 8;
-      f.faces = SUTURE_BOUNDARY_FACES;
+      f.faces = on_faces ? SUTURE_BOUNDARY_FACES : SUTURE_ALL_FACES;
       f.reads = SUTURE_READ_REST | SUTURE_READ_POSITION;
       f.cell_column_count = 1;
-      f.cell_columns = &column;
-      f.name = "walls";
+      f.cell_columns = on_faces ? &face : &vertex;
+      f.name = name;
       f.doc = "";
       f.force = pull;
       return f;
     }
     fake::Model model{{fake::attribute("mass", 0, 1, &fake::contribute<8, 1>, SUTURE_FROM_VOLUMES,
                                        SUTURE_SHARED_MASS),
-                       fake::attribute("face", 2, 1, &fake::contribute<6, 1>)},
-                      {functor()}};
+                       fake::attribute("face", 2, 1, &fake::contribute<6, 1>),
+                       fake::attribute("vertex", 0, 1, &fake::contribute<8, 1>)},
+                      {functor("walls", true), functor("anchors", false)}};
   };
   static Tables tables;
   return tables.model.table;
@@ -64,15 +66,13 @@ struct Simulated {
   Simulated(const BoxOptions& box, unsigned variant, unsigned threads) : body(box, true) {
     auto parameters = spring_model::defaults();
     if (variant % 2 == 0) parameters[spring_model::edge_damping] = 3;
-    std::vector<Index> part;
-    for (Index e = 0; e < complex().element_count() && variant % 3 == 0; ++e)
-      if (e % 7 < 5) part.push_back(e);
+    const std::vector<Index> part = variant % 3 == 0 ? part_of_all() : std::vector<Index>{};
     body.add(parameters, {}, variant % 4 != 1);  // threads have work on small loops, too
     body.add(parameters, part, variant % 4 != 1);
     if (variant % 3 != 1)
       body.attributes().add(
-          std::make_unique<Instance>(face_model(), "walls", std::vector{2.0}, body.diagnostics),
-          complex(), {});
+          std::make_unique<Instance>(wall_model(), "walls", std::vector{2.0}, body.diagnostics),
+          complex(), variant % 2 == 0 ? std::vector<Index>{} : part_of_all());
     attributes().initialise(complex(), body.diagnostics);
     loop = std::make_unique<ForceLoop>(attributes(), complex(), threads);
     loads = std::make_unique<DeadLoads>(attributes());
@@ -83,6 +83,12 @@ struct Simulated {
   CellComplex& complex() { return body.complex(); }
   Attributes& attributes() { return body.attributes(); }
 
+  std::vector<Index> part_of_all() {
+    std::vector<Index> part;
+    for (Index e = 0; e < complex().element_count(); ++e)
+      if (e % 7 < 5) part.push_back(e);
+    return part;
+  }
   void hold() {
     std::vector<bool> still(attributes().vertex_count());
     for (Index v = 0; v < still.size(); ++v) still[v] = attributes().rest().get(v, 2) < 0.11;

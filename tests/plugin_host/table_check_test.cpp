@@ -4,10 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <functional>
 #include <limits>
 #include <numeric>
 #include <ostream>
+#include <span>
+
+#include "kernel/plugin_host/table_copy.hpp"
 
 namespace suture {
 namespace {
@@ -26,17 +30,19 @@ struct Tables {
        "Young's modulus.", 1e5, 0, std::numeric_limits<double>::infinity(), nullptr},
       {sizeof(suture_parameter), SUTURE_CHOICE, 0, 2, "mode", "1", "What to do.", 1, 0, 0,
        choices}};
+  suture_contribution sums[2] = {{sizeof(suture_contribution), SUTURE_HEXAHEDRON, sum},
+                                 {sizeof(suture_contribution), SUTURE_HEXAHEDRON, sum}};
   suture_attribute attributes[3] = {{sizeof(suture_attribute), 0, 1, SUTURE_FROM_VOLUMES,
-                                     SUTURE_SHARED_MASS, 0, "mass", "kg", "Lumped.", 0, sum},
+                                     SUTURE_SHARED_MASS, 1, "mass", "kg", "Lumped.", 0, sums},
                                     {sizeof(suture_attribute), 1, 1, SUTURE_FROM_VOLUMES,
-                                     SUTURE_OUTPUT, 0, "k", "N/m", "Stiffness.", 0, sum},
+                                     SUTURE_OUTPUT, 1, "k", "N/m", "Stiffness.", 0, sums},
                                     {sizeof(suture_attribute), 0, 3, SUTURE_COPY, SUTURE_TRIAL, 0,
                                      "pull", "N", "A load.", 0, nullptr}};
   std::uint32_t cell_columns[1] = {1};
   std::uint32_t vertex_columns[2] = {2, UINT32_MAX};
   suture_functor functors[1] = {{sizeof(suture_functor), 1, SUTURE_EDGE, 0, 0, 8, 0,
-                                 SUTURE_READ_POSITION, 1, 2, cell_columns, vertex_columns, "edges",
-                                 "Springs.", force, nullptr, nullptr}};
+                                 SUTURE_READ_POSITION, 1, 2, 0, 0, cell_columns, vertex_columns,
+                                 "edges", "Springs.", force, nullptr, nullptr}};
   suture_model models[2] = {{sizeof(suture_model), 0, "mass-springs", "Springs.", "f = k u", "none",
                              2, 3, 1, 0, parameters, attributes, functors, prepare, 64, nullptr},
                             {sizeof(suture_model), 0, "other", "Springs.", "f = k u", "none", 2, 3,
@@ -65,10 +71,16 @@ std::string joined(const std::vector<std::string>& lines) {
                          });
 }
 
+std::vector<std::string> problems_of(const suture_plugin& plugin) {
+  std::vector<std::string> problems;
+  const auto copy = copy_tables(plugin, problems);
+  return problems.empty() ? table_problems(copy->plugin) : problems;
+}
+
 std::string problems_with(const std::function<void(Tables&)>& change) {
   Tables tables;
   change(tables);
-  return joined(table_problems(tables.plugin));
+  return joined(problems_of(tables.plugin));
 }
 
 TEST(TableCheck, AGoodTableHasNoProblem) {
@@ -114,7 +126,7 @@ const Case plugin_cases[] = {
      "requires the host's extension 'suture.energi/1', which this Suture does not have (did you "
      "mean 'suture.energy/1'?); use a newer Suture"},
     {"ModelSize", [](Tables& t) { t.models[0].size += 8; },
-     MODEL ": its member size is 112, expected 104 (first member of every struct: sizeof)"},
+     "model 0: its member size is 112, expected 104 (first member of every struct: sizeof)"},
     {"ModelId", [](Tables& t) { t.models[0].id = nullptr; },
      "model 0: its id is NULL; expected lower-case letters, digits and '-', a letter first"},
     {"NullFormula", [](Tables& t) { t.models[0].formula = nullptr; }, MODEL ": formula is NULL"},
@@ -180,8 +192,22 @@ const Case attribute_cases[] = {
      MODEL ", attribute 'pull': has 0 components, expected 1 to 9"},
     {"Policy", [](Tables& t) { t.attributes[2].policy = 11; },
      MODEL ", attribute 'pull': policy is 11, the last known value is 3"},
-    {"NoContribution", [](Tables& t) { t.attributes[1].contribution = nullptr; },
-     MODEL ", attribute 'k': has policy SUTURE_FROM_VOLUMES, but its contribution is NULL"},
+    {"NoContribution", [](Tables& t) { t.attributes[1].contribution_count = 0; },
+     MODEL ", attribute 'k': has policy SUTURE_FROM_VOLUMES, but no contribution"},
+    {"ContributionNull", [](Tables& t) { t.attributes[1].contributions = nullptr; },
+     MODEL ", attribute 'k': contributions is NULL, but its count is 1"},
+    {"ContributionWithoutFunction", [](Tables& t) { t.sums[0].function = nullptr; },
+     MODEL ", attribute 'mass', contribution 0: its function is NULL\n" MODEL
+           ", attribute 'k', contribution 0: its function is NULL"},
+    {"ContributionOfTetrahedra",
+     [](Tables& t) {
+       t.attributes[1].contributions = &t.sums[1];
+       t.sums[1].cell_type = 5;
+     },
+     MODEL ", attribute 'k', contribution 0: its cell_type is 5, expected 4 (SUTURE_HEXAHEDRON): "
+           "bodies of this Suture have no other 3-cells"},
+    {"ContributionTwice", [](Tables& t) { t.attributes[1].contribution_count = 2; },
+     MODEL ", attribute 'k', contribution 1: is a second one for the same cell_type"},
     {"ContributionUnused", [](Tables& t) { t.attributes[1].policy = SUTURE_SHARE; },
      MODEL ", attribute 'k': has a contribution, but not policy SUTURE_FROM_VOLUMES"},
     {"TrialOfSum", [](Tables& t) { t.attributes[1].flags = SUTURE_TRIAL; },
@@ -204,7 +230,12 @@ const Case functor_cases[] = {
     {"Reads", [](Tables& t) { t.functors[0].reads = 64; },
      MODEL ", functor 'edges': reads has unknown bits"},
     {"CellType", [](Tables& t) { t.functors[0].cell_type = SUTURE_HEXAHEDRON; },
-     MODEL ", functor 'edges': its cell_type is 0, expected 1 with dimension 1"},
+     MODEL ", functor 'edges': its cell_type is 4, expected 2 with dimension 1"},
+    {"Dimension", [](Tables& t) { t.functors[0].dimension = 4; },
+     MODEL ", functor 'edges': its dimension is 4, expected 0 to 3\n" MODEL
+           ", functor 'edges': its cell column 1 is an attribute of dimension 1, expected 4"},
+    {"Reserved", [](Tables& t) { t.functors[0].reserved = 1; },
+     MODEL ", functor 'edges': reserved is not 0"},
     {"Shape", [](Tables& t) { t.functors[0].shape = SUTURE_GENERAL; },
      MODEL ", functor 'edges': names a shape, which only cells of dimension 3 have"},
     {"Faces", [](Tables& t) { t.functors[0].faces = SUTURE_BOUNDARY_FACES; },
@@ -236,6 +267,93 @@ TEST(TableCheck, AllFaultsAreReportedTogether) {
     t.functors[0].force = nullptr;
   });
   EXPECT_EQ(std::count(problems.begin(), problems.end(), '\n'), 2);
+}
+
+// ------------------------------------------------------- older, smaller structs --
+
+/// Structs one after the other, each cut to `size` bytes: what a compiler of an older minor
+/// lays out.
+template <class T>
+std::vector<double> cut(std::span<const T> table, std::uint32_t size) {
+  std::vector<double> bytes(table.size() * size / sizeof(double));
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    T entry = table[i];
+    entry.size = size;
+    std::memcpy(reinterpret_cast<char*>(bytes.data()) + i * size, &entry, size);
+  }
+  return bytes;
+}
+
+/// As if model.extension, functor.enabled, parameter.choices and the functions of
+/// contributions had come with a later minor.
+const TableSizes older{80, 96, 96, 64, 64, 8};
+
+struct OlderPlugin : Tables {
+  OlderPlugin() {
+    parameters[1].type = SUTURE_NUMBER;
+    parameters[1].choice_count = 0;
+    parameters[1].maximum = 2;
+    functors[1] = functors[0];
+    functors[1].name = "more edges";
+    for (suture_functor& f : functors) f.enabled = [](auto*, auto*) { return 0; };
+    models[0].parameters =
+        as<suture_parameter>(parameter_bytes = cut<suture_parameter>(parameters, 64));
+    models[0].functors = as<suture_functor>(functor_bytes = cut<suture_functor>(functors, 96));
+    models[0].functor_count = 2;
+    for (suture_model& m : models) m.extension = [](auto*) -> const void* { return "?"; };
+    models[1].parameters = models[0].parameters;
+    models[1].functors = models[0].functors;
+    models[1].functor_count = 2;
+    for (int i = 0; i < 2; ++i) attributes[i].contributions = as<suture_contribution>(sum_bytes);
+    plugin.models = as<suture_model>(model_bytes = cut<suture_model>(models, 96));
+    plugin.model_count = 2;
+  }
+  template <class T>
+  static const T* as(const std::vector<double>& bytes) {
+    return reinterpret_cast<const T*>(bytes.data());
+  }
+  suture_functor functors[2] = {Tables::functors[0]};
+  std::vector<double> parameter_bytes, functor_bytes, model_bytes,
+      sum_bytes = cut<suture_contribution>(sums, 8);
+};
+
+TEST(TableCopy, OlderStructsAreReadAndWhatTheyLackIsZero) {
+  const OlderPlugin old;
+  std::vector<std::string> problems;
+  const auto copy = copy_tables(old.plugin, problems, older);
+  ASSERT_EQ(joined(problems), "");
+  ASSERT_EQ(copy->models.size(), 2u);
+  for (const int i : {0, 1}) {
+    const suture_model& m = copy->plugin.models[i];
+    EXPECT_EQ(m.size, sizeof(suture_model));
+    EXPECT_STREQ(m.id, old.models[i].id);
+    EXPECT_EQ(m.instance_bytes, old.models[i].instance_bytes);
+    EXPECT_EQ(m.extension, nullptr);
+    EXPECT_STREQ(m.parameters[1].name, "mode");
+    EXPECT_EQ(m.parameters[1].maximum, 2);
+    EXPECT_EQ(m.parameters[1].choices, nullptr);
+    EXPECT_STREQ(m.functors[1].name, "more edges");
+    EXPECT_EQ(m.functors[1].force, &Tables::force);
+    EXPECT_EQ(m.functors[1].enabled, nullptr);
+    EXPECT_EQ(m.functors[1].size, sizeof(suture_functor));
+    EXPECT_EQ(m.attributes[1].contributions[0].cell_type, unsigned(SUTURE_HEXAHEDRON));
+    EXPECT_EQ(m.attributes[1].contributions[0].function, nullptr);
+    EXPECT_EQ(m.attributes[2].components, 3u);
+  }
+}
+
+TEST(TableCopy, StructsBelowThePublishedSizeAreRefused) {
+  const OlderPlugin old;
+  EXPECT_EQ(joined(problems_of(old.plugin)),
+            "model 0: its member size is 96, expected 104 (first member of every struct: sizeof)");
+}
+
+TEST(TableCopy, EntriesOfOneArrayHaveOneSize) {
+  Tables tables;
+  tables.parameters[1].size = 64;
+  EXPECT_EQ(joined(problems_of(tables.plugin)), MODEL
+            ", parameter 1: its member size is 64, expected 72 (first member of every struct: "
+            "sizeof)");
 }
 
 }  // namespace

@@ -190,7 +190,7 @@ class ModelHarness {
     std::string names;
     for (std::uint32_t i = 0; i < model_.functor_count; ++i) {
       std::uint32_t reads = model_.functors[i].reads;
-      if (!enabled(model_.functors[i], reads)) continue;
+      if (!runs(model_.functors[i], reads)) continue;
       names += (names.empty() ? "" : ", ") + std::string(model_.functors[i].name);
       if ((reads & SUTURE_READ_VELOCITY) != 0) names += " (v)";
     }
@@ -205,9 +205,7 @@ class ModelHarness {
                      const char* key, const char* text) {
     static_cast<std::vector<Report>*>(context->host_data)->push_back({severity, cell, key, text});
   }
-  static std::int32_t has_extension(const char* id) {
-    return std::string_view(id) != SUTURE_EVERYTHING_1;  // as of a run that skips
-  }
+  static std::int32_t has_extension(const char*) { return 1; }
   static const suture_host& host() {
     static const suture_host services{sizeof(suture_host), SUTURE_ABI_MINOR, report, has_extension};
     return services;
@@ -219,6 +217,17 @@ class ModelHarness {
 
   bool enabled(const suture_functor& f, std::uint32_t& reads) {
     return f.enabled == nullptr || f.enabled(&context_, &reads) != 0;
+  }
+
+  /// Of alternatives the first that is enabled.
+  bool runs(const suture_functor& f, std::uint32_t& reads) {
+    if (!enabled(f, reads)) return false;
+    for (const suture_functor* other = model_.functors; other != &f; ++other) {
+      std::uint32_t unused = other->reads;
+      if (f.alternative != 0 && other->alternative == f.alternative && enabled(*other, unused))
+        return false;
+    }
+    return true;
   }
 
   void find_edges() {
@@ -291,7 +300,7 @@ class ModelHarness {
       const auto rest = gather(mesh_.points, nodes);
       batch.rest = rest.data();
       AlignedVector<double> values(k * n * lanes);
-      check(attribute.contribution(&context_, &batch, values.data()));
+      check(attribute.contributions[0].function(&context_, &batch, values.data()));
       for (std::size_t lane = 0; lane < batch.valid; ++lane)
         for (std::size_t i = 0; i < k * n; ++i)
           out[incident(attribute.dimension, first + lane, i / n) * n + i % n] +=
@@ -309,7 +318,7 @@ class ModelHarness {
     for (std::uint32_t i = 0; i < model_.functor_count; ++i) {
       const suture_functor& f = model_.functors[i];
       std::uint32_t reads = f.reads;
-      if (!enabled(f, reads)) continue;
+      if (!runs(f, reads)) continue;
       for (std::size_t first = 0; first < cell_count(f.dimension); first += lanes) {
         Nodes nodes;
         std::array<std::uint32_t, lanes> ids;

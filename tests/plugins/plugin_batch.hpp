@@ -117,7 +117,7 @@ class HexahedronBatch {
     for (std::uint32_t k = 0; k < functor.cell_column_count; ++k) {
       const suture_attribute& a = instance.model().attributes[functor.cell_columns[k]];
       columns_.emplace_back(a.components * 8);
-      check(a.contribution(instance.context(), &batch, columns_.back().data()));
+      check(a.contributions[0].function(instance.context(), &batch, columns_.back().data()));
     }
     for (auto& c : columns_) pointers_.push_back(c.data());
     batch.cell_columns = pointers_.data();

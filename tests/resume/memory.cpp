@@ -18,8 +18,9 @@ struct Memory : suture::model, suture::on_edges {
       suture::number("k", "N", "stiffness").above(0),
       suture::number("r", "1/s", "rate of the flow").at_least(0)};
   static constexpr suture::attribute attributes[] = {
-      suture::on_edge_cells("flow", "1", "q", MEMORY_WIDTH).copy().trial()};
-  static constexpr auto cell_columns = suture::columns(0);
+      suture::edge_attribute("flow", "1", "q", MEMORY_WIDTH).copy().trial()};
+  static constexpr suture::column<0> flow{};
+  static constexpr auto cell_columns = suture::columns(flow);
   static constexpr auto reads = SUTURE_READ_POSITION | SUTURE_READ_REST;
 
   template <class Cell>
@@ -27,8 +28,8 @@ struct Memory : suture::model, suture::on_edges {
     const auto rest = c.rest(1) - c.rest(0);
     const auto d = c.position(1) - c.position(0);
     const auto inverse = rsqrt(dot(d, d));
-    const auto strain = dot(d, d) * inverse * rsqrt(dot(rest, rest)) - 1.0 - c.column(0);
-    c.trial(0, 0, c.column(0) + c.dt() * c.parameter(rate) * strain);
+    const auto strain = dot(d, d) * inverse * rsqrt(dot(rest, rest)) - 1.0 - c.column(flow);
+    c.trial(flow, 0, c.column(flow) + c.dt() * c.parameter(rate) * strain);
     const auto pull = (c.parameter(stiffness) * strain * inverse) * d;
     c.force(0, pull);
     c.force(1, -pull);

@@ -25,9 +25,10 @@ struct Dashpot : suture::model, suture::on_edges {
     }
   };
   static constexpr suture::attribute attributes[] = {
-      suture::on_edge_cells("rest", "m", "Sum of rest lengths, and of ones", 2)
+      suture::edge_attribute("rest", "m", "Sum of rest lengths, and of ones", 2)
           .from_volumes(suture::contribution<Dashpot, RestLength>)};
-  static constexpr auto cell_columns = suture::columns(0);
+  static constexpr suture::column<0> lengths{};
+  static constexpr auto cell_columns = suture::columns(lengths);
   static constexpr auto vertex_columns = suture::columns(suture::vertex_mass);
   static constexpr auto reads = SUTURE_READ_POSITION | SUTURE_READ_VELOCITY;
 
@@ -51,7 +52,7 @@ struct Dashpot : suture::model, suture::on_edges {
     const auto length = dot(d, d) * inverse_length;
     if (c.parameter(mode) == 2)
       c.require(length < 2.0, suture::failure(SUTURE_RETRY, "an edge is longer than 2 m"));
-    const auto rest = c.column(0, 0) / c.column(0, 1);
+    const auto rest = c.column(lengths, 0) / c.column(lengths, 1);
     const auto rate = dot(c.velocity(1) - c.velocity(0), u);
     const auto tension =
         0.5 * c.constants().twice_k * (length - rest) + c.parameter(damping) * rate;

@@ -73,6 +73,8 @@ TEST_P(Layer, PutsDeclarationsIntoTheTables) {
   EXPECT_EQ(m.attributes[0].dimension, 1u);
   EXPECT_EQ(m.attributes[0].components, 2u);
   EXPECT_EQ(m.attributes[0].policy, unsigned(SUTURE_FROM_VOLUMES));
+  ASSERT_EQ(m.attributes[0].contribution_count, 1u);
+  EXPECT_EQ(m.attributes[0].contributions[0].cell_type, unsigned(SUTURE_HEXAHEDRON));
   ASSERT_EQ(m.functor_count, 1u);
   const suture_functor& f = m.functors[0];
   EXPECT_EQ(f.cell_type, unsigned(SUTURE_EDGE));
@@ -111,7 +113,8 @@ TEST_P(Layer, ContributionsGoToTheirEdges) {
   batch.size = sizeof batch;
   batch.lanes = batch.valid = 8;
   batch.rest = rest.data();
-  ASSERT_EQ(m.attributes[0].contribution(instance.context(), &batch, out.data()), SUTURE_OK);
+  ASSERT_EQ(m.attributes[0].contributions[0].function(instance.context(), &batch, out.data()),
+            SUTURE_OK);
   for (int k = 0; k < 12; ++k)
     for (int lane = 0; lane < 8; ++lane) {
       EXPECT_NEAR(out[(k * 2) * 8 + lane], (1 + k / 4) * (1 + 0.1 * lane), 1e-14);

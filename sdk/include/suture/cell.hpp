@@ -11,14 +11,15 @@
 //     c.force(1, -f);
 //   }
 //
-// Only what the functor declares is there: reading a velocity that was not
-// declared reads through a null pointer.
+// Only what the functor declares is there: reading anything else is an error of the
+// compiler, which says what to declare.
 #ifndef SUTURE_CELL_HPP
 #define SUTURE_CELL_HPP
 
 #include <stdexcept>
 #include <string>
 
+#include "suture/detail/declared.hpp"
 #include "suture/tensor.hpp"
 
 namespace suture {
@@ -48,10 +49,6 @@ class values {
   explicit values(const suture_context* context) : context_(context) {}
   double operator[](int i) const { return context_->parameters[i]; }
   const suture_context* context() const { return context_; }
-  /// For enabled(): the run is to compute also what adds nothing (--no-skip).
-  bool everything() const {
-    return context_->host && context_->host->has_extension(SUTURE_EVERYTHING_1) != 0;
-  }
 
  private:
   const suture_context* context_;
@@ -86,9 +83,13 @@ struct constants_of_model<Model, std::void_t<typename Model::Constants>> {
 template <class Model>
 using constants_of = typename constants_of_model<Model>::type;
 
+/// Which function of a functor a cell is for: force() sets forces and trial columns,
+/// inspect() sees rest shapes and reports, the others do neither.
+enum class purpose { force, evaluation, inspection };
+
 /// Cells `lane` .. `lane + lanes_of<T> - 1` of a batch, as one cell of scalar T.
 /// With T = dual<R> positions and velocities carry the direction (dx, dv).
-template <class T, class Model>
+template <class T, class Model, class Functor, purpose Purpose = purpose::evaluation>
 class cell {
  public:
   static constexpr bool is_cell = true;
@@ -101,49 +102,85 @@ class cell {
       : context_(context), batch_(batch), lane_(lane), force_(force), dx_(dx), dv_(dv) {}
 
   // ---- geometry and state ----
-  // Nodes are numbered as in plugin.h: 0, 1 of an edge, outward from side 0 of a
-  // face, X0..X7 of a hexahedron with the x index fastest.
+  // Nodes are numbered as in plugin.h: 0 of a vertex, 0, 1 of an edge, outward from
+  // side 0 of a face, X0..X7 of a hexahedron with the x index fastest.
 
-  /// Rest position of a node, m. Needs SUTURE_READ_REST. Never a dual number: the
-  /// rest shape does not move.
-  SUTURE_INLINE vec3<real> rest(int node) const { return vector<real>(batch_->rest, node); }
-  /// Present position of a node, m. Needs SUTURE_READ_POSITION (the default).
-  SUTURE_INLINE vec3<T> position(int node) const { return moving(batch_->position, dx_, node); }
-  /// Velocity of a node, m/s. Needs SUTURE_READ_VELOCITY.
-  SUTURE_INLINE vec3<T> velocity(int node) const { return moving(batch_->velocity, dv_, node); }
+  /// Rest position of a node, m. Never a dual number: the rest shape does not move.
+  SUTURE_INLINE vec3<real> rest(int node) const {
+    static_assert(reads<SUTURE_READ_REST>,
+                  "rest() is not declared: add SUTURE_READ_REST to the functor's `reads`");
+    return vector<real>(batch_->rest, node);
+  }
+  /// Present position of a node, m. Declared unless the functor says otherwise.
+  SUTURE_INLINE vec3<T> position(int node) const {
+    static_assert(reads<SUTURE_READ_POSITION>,
+                  "position() is not declared: add SUTURE_READ_POSITION to the functor's `reads`");
+    return moving(batch_->position, dx_, node);
+  }
+  /// Velocity of a node, m/s. Zero where enabled() has cleared it.
+  SUTURE_INLINE vec3<T> velocity(int node) const {
+    static_assert(reads<SUTURE_READ_VELOCITY>,
+                  "velocity() is not declared: add SUTURE_READ_VELOCITY to the functor's `reads`");
+    return moving(batch_->velocity, dv_, node);
+  }
   /// Time of the positions, s, and length of the step in progress, s (0 outside one).
   double time() const { return batch_->time; }
   double dt() const { return batch_->dt; }
 
   // ---- columns ----
 
-  /// Component of a column of this cell; `k` counts the functor's cell_columns, so
-  /// with cell_columns = columns(3, 1) column(0) is attribute 3.
-  SUTURE_INLINE real column(int k, int component = 0) const {
-    return load<real>(batch_->cell_columns[k] + component * stride + lane_);
+  /// Component of a column of this cell.
+  template <std::uint32_t Place>
+  SUTURE_INLINE real column(suture::column<Place>, int component = 0) const {
+    SUTURE_DETAIL_CHECK_INDEX(component, component, (detail::components_of<Model, Place>()));
+    return load<real>(batch_->cell_columns[cell_column<Place>()] + component * stride + lane_);
   }
-  /// Component of a column of a node; `k` counts the functor's vertex_columns, and
-  /// `components` is what that attribute was declared with.
-  SUTURE_INLINE real vertex_column(int k, int node, int component = 0, int components = 1) const {
-    return load<real>(batch_->vertex_columns[k] + (node * components + component) * stride + lane_);
+  /// The same of one out of several columns, chosen at run time.
+  template <std::uint32_t... Places>
+  SUTURE_INLINE real column(column_list<Places...>, int which, int component) const {
+    constexpr int index[] = {cell_column<Places>()...};
+    return load<real>(batch_->cell_columns[index[which]] + component * stride + lane_);
   }
-  /// Writes the trial copy of column `k`, declared with trial(): the next state of a
-  /// material with memory. column(k) keeps the accepted state until the kernel
-  /// accepts the step. Does nothing while a derivative or a bound is computed.
-  SUTURE_INLINE void trial(int k, int component, const T& value) const {
-    if constexpr (!is_dual<T>)
-      if (batch_->trial_columns && batch_->trial_columns[k])
-        store(batch_->trial_columns[k] + component * stride + lane_, value);
+  /// Component of a column of a node.
+  template <std::uint32_t Place>
+  SUTURE_INLINE real vertex_column(suture::column<Place>, int node, int component = 0) const {
+    constexpr int index = Functor::vertex_columns.index_of(Place);
+    static_assert(index >= 0,
+                  "vertex_column() is not declared: name the column in the functor's "
+                  "`vertex_columns = suture::columns(...)`");
+    constexpr int components = detail::components_of<Model, Place>();
+    SUTURE_DETAIL_CHECK_INDEX(node, node, Functor::nodes);
+    SUTURE_DETAIL_CHECK_INDEX(component, component, components);
+    return load<real>(batch_->vertex_columns[index] + (node * components + component) * stride +
+                      lane_);
+  }
+  /// Writes the trial copy of a column declared with trial(): the next state of a
+  /// material with memory. column() keeps the accepted state until the kernel accepts
+  /// the step. Does nothing but in force(), on what is no derivative.
+  template <std::uint32_t Place>
+  SUTURE_INLINE void trial(suture::column<Place>, int component, const T& value) const {
+    static_assert(detail::has_trial<Model, Place>(),
+                  "trial() writes a column without a trial copy: declare its attribute with "
+                  ".trial()");
+    SUTURE_DETAIL_CHECK_INDEX(component, component, (detail::components_of<Model, Place>()));
+    if constexpr (!is_dual<T> && Purpose == purpose::force)
+      store(batch_->trial_columns[cell_column<Place>()] + component * stride + lane_, value);
   }
 
   // ---- parameters ----
 
   /// Value of parameter `i`, by place in the declared list; the same in all cells.
-  SUTURE_INLINE double parameter(int i) const { return context_->parameters[i]; }
+  SUTURE_INLINE double parameter(int i) const {
+    SUTURE_DETAIL_CHECK_INDEX(parameter, i, detail::parameter_count<Model>());
+    return context_->parameters[i];
+  }
   /// All of them, for functions that take values.
   suture::values parameters() const { return suture::values(context_); }
   /// What Model::prepare stored: derived once, read by every cell.
   SUTURE_INLINE const constants_of<Model>& constants() const {
+    static_assert(detail::has_prepare<Model>,
+                  "constants() are not there: give the model a struct Constants and a function "
+                  "`static void prepare(const suture::setup&, Constants&)`");
     return *static_cast<const constants_of<Model>*>(context_->instance);
   }
 
@@ -152,6 +189,8 @@ class cell {
   /// Sets the force on a node, N. Every node must be set, once: what the layer
   /// passes on is not cleared before. With dual numbers the derivative is stored.
   SUTURE_INLINE void force(int node, const vec3<T>& f) const {
+    static_assert(Purpose == purpose::force, "forces are set by the functor's force() alone");
+    SUTURE_DETAIL_CHECK_INDEX(node, node, Functor::nodes);
     for (int c = 0; c < 3; ++c) {
       double* const p = force_ + (node * 3 + c) * stride + lane_;
       if constexpr (is_dual<T>)
@@ -169,6 +208,10 @@ class cell {
   template <class Mask>
   void report(suture_severity severity, const Mask& where, const char* key,
               const std::string& text) const {
+    static_assert(
+        Purpose == purpose::inspection,
+        "cells are reported by the functor's inspect() alone; force() ends with require() "
+        "or suture::stop()");
     for (int i = 0; i < lanes_of<real> && lane_ + i < int(batch_->valid); ++i)
       if (bit(where, i))
         context_->host->report(context_, severity, batch_->cell_ids[lane_ + i], key, text.c_str());
@@ -185,9 +228,23 @@ class cell {
 
  private:
   static constexpr int stride = SUTURE_LANES;
+  template <std::uint32_t Read>
+  static constexpr bool reads = (Functor::reads & Read) != 0 ||
+                                (Purpose == purpose::inspection && Read != SUTURE_READ_VELOCITY);
+
+  /// Which of the declared cell_columns it is.
+  template <std::uint32_t Place>
+  static constexpr int cell_column() {
+    constexpr int index = Functor::cell_columns.index_of(Place);
+    static_assert(index >= 0,
+                  "column() is not declared: name the column in the functor's "
+                  "`cell_columns = suture::columns(...)`");
+    return index;
+  }
 
   template <class R>
   SUTURE_INLINE vec3<R> vector(const double* p, int node) const {
+    SUTURE_DETAIL_CHECK_INDEX(node, node, Functor::nodes);
     p += node * 3 * stride + lane_;
     return {load<R>(p), load<R>(p + stride), load<R>(p + 2 * stride)};
   }

@@ -191,7 +191,6 @@ struct lumped_mass {
 template <class M, class Shape>
 struct continuum_functor : on_volumes {
   static constexpr const char* doc = "Nodal forces of the stress";
-  static constexpr int witnesses = 1;  // every Gauss point acts on every node
 
   template <class Cell>
   static SUTURE_INLINE void positions(const Cell& c, vec3<typename Cell::scalar> (&x)[8]) {
@@ -286,7 +285,8 @@ template <class M>
 struct parallelepipeds : continuum_functor<M, parallelepipeds<M>> {
   static constexpr const char* name = "parallelepipeds";
   static constexpr std::uint32_t shape = SUTURE_PARALLELEPIPED;
-  static constexpr auto cell_columns = columns(0);
+  static constexpr column<0> jacobian{};
+  static constexpr auto cell_columns = columns(jacobian);
 
   template <int Q, class Cell, class Work>
   static SUTURE_INLINE void with_geometry(const Cell& c, Work&& work) {
@@ -294,7 +294,7 @@ struct parallelepipeds : continuum_functor<M, parallelepipeds<M>> {
     mat3<R> inverse_j;
     R skew(0.0);
     for (int i = 0; i < 9; ++i) {
-      inverse_j(i / 3, i % 3) = c.column(0, i);
+      inverse_j(i / 3, i % 3) = c.column(jacobian, i);
       if (i % 4) skew = max(skew, abs(inverse_j(i / 3, i % 3)));
     }
     if (all(skew == 0.0))
@@ -307,7 +307,7 @@ struct parallelepipeds : continuum_functor<M, parallelepipeds<M>> {
 template <class M>
 struct general_hexahedra : continuum_functor<M, general_hexahedra<M>> {
   static constexpr const char* name = "general hexahedra";
-  static constexpr std::uint32_t shape = SUTURE_GENERAL;
+  static constexpr std::uint32_t shape = SUTURE_GENERAL, alternative = 1;
   static constexpr std::uint32_t reads = SUTURE_READ_REST | SUTURE_READ_POSITION;
 
   static bool enabled(const values& p, std::uint32_t&) { return !stores_geometry<M>(p); }
@@ -323,15 +323,17 @@ struct general_hexahedra : continuum_functor<M, general_hexahedra<M>> {
 
 template <class M, int Point>
 constexpr attribute inverse_at(const char* name) {
-  return on_volume_cells(name, "1/m", "J^-1 of the rest shape at this Gauss point, row-major", 9)
+  return volume_attribute(name, "1/m", "J^-1 of the rest shape at this Gauss point, row-major", 9)
       .from_volumes(contribution<M, point_inverse<Point>>);
 }
 
 template <class M>
 struct stored_hexahedra : continuum_functor<M, stored_hexahedra<M>> {
   static constexpr const char* name = "general hexahedra, geometry stored";
-  static constexpr std::uint32_t shape = SUTURE_GENERAL;
-  static constexpr auto cell_columns = columns(2, 3, 4, 5, 6, 7, 8, 9, 10);
+  static constexpr std::uint32_t shape = SUTURE_GENERAL, alternative = 1;
+  static constexpr column_list<2, 3, 4, 5, 6, 7, 8, 9> jacobians{};
+  static constexpr column<10> measures{};
+  static constexpr column_list<2, 3, 4, 5, 6, 7, 8, 9, 10> cell_columns{};
 
   static bool enabled(const values& p, std::uint32_t&) { return stores_geometry<M>(p); }
 
@@ -339,10 +341,18 @@ struct stored_hexahedra : continuum_functor<M, stored_hexahedra<M>> {
   static SUTURE_INLINE void with_geometry(const Cell& c, Work&& work) {
     using R = typename Cell::real;
     if constexpr (Q == 2)  // else it is not enabled
-      work(make_stored_geometry<R>([&](int point, int i) { return c.column(point, i); },
-                                   [&](int point) { return c.column(8, point); }));
+      work(make_stored_geometry<R>([&](int point, int i) { return c.column(jacobians, point, i); },
+                                   [&](int point) { return c.column(measures, point); }));
   }
 };
+
+// Every Gauss point acts on every node.
+template <class M>
+inline constexpr int nodes_that_show<parallelepipeds<M>> = 1;
+template <class M>
+inline constexpr int nodes_that_show<stored_hexahedra<M>> = 1;
+template <class M>
+inline constexpr int nodes_that_show<general_hexahedra<M>> = 1;
 
 }  // namespace detail
 
@@ -351,9 +361,9 @@ template <class M>
 struct continuum : model {
   static constexpr std::uint32_t flags = SUTURE_CONTINUUM;
   static constexpr attribute attributes[11] = {
-      on_volume_cells("inverse_jacobian", "1/m", "J^-1 of the rest shape, row-major", 9)
+      volume_attribute("inverse_jacobian", "1/m", "J^-1 of the rest shape, row-major", 9)
           .from_volumes(contribution<M, detail::inverse_jacobian>),
-      on_vertices("mass", "kg", "An eighth of the mass of every incident element")
+      vertex_attribute("mass", "kg", "An eighth of the mass of every incident element")
           .from_volumes(contribution<M, detail::lumped_mass<M>>)
           .flag(SUTURE_SHARED_MASS),
       detail::inverse_at<M, 0>("inverse_jacobian_0"),
@@ -364,7 +374,7 @@ struct continuum : model {
       detail::inverse_at<M, 5>("inverse_jacobian_5"),
       detail::inverse_at<M, 6>("inverse_jacobian_6"),
       detail::inverse_at<M, 7>("inverse_jacobian_7"),
-      on_volume_cells("jacobians", "m^3", "det J at the 8 Gauss points, x fastest", 8)
+      volume_attribute("jacobians", "m^3", "det J at the 8 Gauss points, x fastest", 8)
           .from_volumes(contribution<M, detail::point_measures>)};
   using functors =
       list<detail::parallelepipeds<M>, detail::stored_hexahedra<M>, detail::general_hexahedra<M>>;

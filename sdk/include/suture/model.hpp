@@ -31,13 +31,17 @@
 //     attributes[]                          suture::attribute
 //     functors                              suture::list<...>
 //     Constants, prepare(setup, Constants&) what functors derive from parameters
-// Members of a functor, besides those of its base (on_edges, on_faces, on_volumes):
+// Members of a functor, besides those of its base (on_vertices, on_edges, on_faces,
+// on_volumes):
 //   M force(Cell&)                          sets the force on every node
+//     reads                                 suture_read bits; positions alone otherwise
+//     cell_columns, vertex_columns          columns(...), see columns.hpp
 //     energy(const Cell&)                -> T, J
 //     bounds(const Cell&, bound_matrices&)  for the stable step
 //     fields[], output(const Cell&, results&)
 //     inspect(const Cell&)                  reports on rest shapes
 //     enabled(values, uint32_t& reads)   -> bool
+//     alternative                           number of a group of which one runs
 // What is present is offered. The tangent is always offered, from force() on dual
 // numbers, and without bounds() the stable step is found from it by power iteration.
 // Functions may throw suture::failure.
@@ -125,13 +129,38 @@ constexpr parameter choice(const char* name, const char* doc, const char* const 
 
 // ------------------------------------------------------------- attributes --
 
-/// An attribute under construction: on_volumes("memory", "Pa", "...").copy().trial().
+/// What elements give to an attribute of model M, by the struct C; for from_volumes():
+///   struct RestLength {                              // on edges of a hexahedron
+///     static constexpr int components = 1;
+///     template <class Cell, class Out> static void compute(const Cell& c, Out out) {
+///       for (int k = 0; k < 12; ++k) out.set(k, 0, ...);
+///     }
+///   };
+template <class M, class C>
+struct contribution_of {};
+template <class M, class C>
+inline constexpr contribution_of<M, C> contribution{};
+
+namespace detail {
+template <class M, class C>
+struct contribution_table;
+/// Called in constant expressions alone, where it is an error with this name.
+inline void attribute_and_contribution_have_different_numbers_of_components() {}
+}  // namespace detail
+
+/// An attribute under construction: volume_attribute("memory", "Pa", "...").copy().trial().
 struct attribute : suture_attribute {
-  constexpr attribute copy() const { return with(SUTURE_COPY, nullptr); }
-  constexpr attribute zero() const { return with(SUTURE_ZERO, nullptr); }
-  constexpr attribute share() const { return with(SUTURE_SHARE, nullptr); }
-  constexpr attribute from_volumes(suture_contribution_fn f) const {
-    return with(SUTURE_FROM_VOLUMES, f);
+  constexpr attribute copy() const { return with(SUTURE_COPY); }
+  constexpr attribute zero() const { return with(SUTURE_ZERO); }
+  constexpr attribute share() const { return with(SUTURE_SHARE); }
+  template <class M, class C>
+  constexpr attribute from_volumes(contribution_of<M, C>) const {
+    if (components != std::uint32_t(C::components))
+      detail::attribute_and_contribution_have_different_numbers_of_components();
+    attribute a = with(SUTURE_FROM_VOLUMES);
+    a.contribution_count = 1;
+    a.contributions = &detail::contribution_table<M, C>::row;
+    return a;
   }
   constexpr attribute starts_at(double x) const {
     attribute a = *this;
@@ -139,7 +168,7 @@ struct attribute : suture_attribute {
     return a;
   }
   constexpr attribute output() const { return flag(SUTURE_OUTPUT); }
-  constexpr attribute trial() const { return flag(SUTURE_TRIAL | SUTURE_CHECKPOINT); }
+  constexpr attribute trial() const { return flag(SUTURE_TRIAL); }
   constexpr attribute flag(std::uint32_t bits) const {
     attribute a = *this;
     a.flags |= bits;
@@ -147,10 +176,9 @@ struct attribute : suture_attribute {
   }
 
  private:
-  constexpr attribute with(suture_policy p, suture_contribution_fn f) const {
+  constexpr attribute with(suture_policy p) const {
     attribute a = *this;
     a.policy = p;
-    a.contribution = f;
     return a;
   }
 };
@@ -166,51 +194,46 @@ constexpr attribute make_attribute(int dimension, const char* name, const char* 
   a.doc = doc;
   return a;
 }
-constexpr attribute on_vertices(const char* name, const char* unit, const char* doc, int n = 1) {
+constexpr attribute vertex_attribute(const char* name, const char* unit, const char* doc,
+                                     int n = 1) {
   return make_attribute(0, name, unit, doc, n);
 }
-constexpr attribute on_edge_cells(const char* name, const char* unit, const char* doc, int n = 1) {
+constexpr attribute edge_attribute(const char* name, const char* unit, const char* doc, int n = 1) {
   return make_attribute(1, name, unit, doc, n);
 }
-constexpr attribute on_face_cells(const char* name, const char* unit, const char* doc, int n = 1) {
+constexpr attribute face_attribute(const char* name, const char* unit, const char* doc, int n = 1) {
   return make_attribute(2, name, unit, doc, n);
 }
-constexpr attribute on_volume_cells(const char* name, const char* unit, const char* doc,
-                                    int n = 1) {
+constexpr attribute volume_attribute(const char* name, const char* unit, const char* doc,
+                                     int n = 1) {
   return make_attribute(3, name, unit, doc, n);
 }
 
 /// Where a contribution writes: `set(k, component, value)`, k as in plugin.h.
-template <class R>
+template <class R, int components>
 struct contribution_results {
   double* out;
-  int components;
   int lane;
   SUTURE_INLINE void set(int k, int component, const R& value) const {
+    SUTURE_DETAIL_CHECK_INDEX(component, component, components);
     store(out + (k * components + component) * int(SUTURE_LANES) + lane, value);
   }
 };
 
 // --------------------------------------------------------------- functors --
 
-/// The kernel's mass, in a functor's vertex_columns.
-inline constexpr std::uint32_t vertex_mass = UINT32_MAX;
-
-/// List of attribute indices: static constexpr auto cell_columns = columns(0, 2).
-template <class... Index>
-constexpr std::array<std::uint32_t, sizeof...(Index)> columns(Index... i) {
-  return {std::uint32_t(i)...};
-}
-
 /// What a functor is unless it says otherwise by a member of the same name.
 struct functor_defaults {
   static constexpr std::uint32_t shape = SUTURE_ANY_SHAPE;
   static constexpr std::uint32_t faces = SUTURE_ALL_FACES;
   static constexpr std::uint32_t reads = SUTURE_READ_POSITION;
-  static constexpr std::array<std::uint32_t, 0> cell_columns{};
-  static constexpr std::array<std::uint32_t, 0> vertex_columns{};
-  /// Nodes whose force shows whether a result is finite.
-  static constexpr int witnesses = 0;
+  static constexpr std::uint32_t alternative = 0;
+  static constexpr column_list<> cell_columns{};
+  static constexpr column_list<> vertex_columns{};
+};
+struct on_vertices : functor_defaults {
+  static constexpr std::uint32_t dimension = 0, cell_type = SUTURE_VERTEX;
+  static constexpr int nodes = 1;
 };
 struct on_edges : functor_defaults {
   static constexpr std::uint32_t dimension = 1, cell_type = SUTURE_EDGE;

@@ -12,9 +12,13 @@
  * Most authors never include this file: suture/model.hpp builds these tables
  * from a C++ struct of 20 to 60 lines. Read this one to learn what is promised.
  *
- * Growth. Structs are append-only within an ABI major: a reader tests `size`
- * before it reads a member that a later minor added (SUTURE_HAS). Published
- * members and extensions never change meaning. Unknown bits are zero.
+ * Growth. Structs are append-only within an ABI major, and a member that a later
+ * minor adds means nothing while it is 0. The host copies the tables of a plugin
+ * into its own structs, members that the plugin does not know being 0, so a plugin
+ * of an older minor needs no care; elements of an array are `size` bytes apart. A
+ * plugin tests `size` before it reads a late member of the host's structs
+ * (SUTURE_HAS). Published members and extensions never change meaning. Unknown
+ * bits are zero.
  *
  * Units are SI. Coordinates are right-handed. A hexahedron's nodes are X0..X7
  * with X_i = (i&1, (i>>1)&1, (i>>2)&1): the x index runs fastest.
@@ -111,26 +115,41 @@ enum suture_policy { SUTURE_COPY = 0, SUTURE_ZERO = 1, SUTURE_SHARE = 2, SUTURE_
 
 enum suture_attribute_flag {
   SUTURE_OUTPUT = 1u << 0,     /* may be named among the fields of a frame */
-  SUTURE_CHECKPOINT = 1u << 1, /* part of the state of the simulation */
-  SUTURE_TRIAL = 1u << 2,      /* a pair (accepted, trial): functors read the
-                                  first, write the second; swapped when the
-                                  step is accepted, dropped when rejected */
-  SUTURE_SHARED_MASS = 1u << 3 /* not a column of its own: the contributions
+  SUTURE_TRIAL = 1u << 1,      /* state: a pair (accepted, trial). Functors read
+                                  the first and write the second; swapped when
+                                  the step is accepted, dropped when rejected,
+                                  and part of every checkpoint */
+  SUTURE_SHARED_MASS = 1u << 2 /* not a column of its own: the contributions
                                   are summed into the kernel's vertex mass */
+};
+
+/* Cells that functors and contributions are written for. */
+enum suture_cell_type {
+  SUTURE_VERTEX = 1,        /* dimension 0, 1 node */
+  SUTURE_EDGE = 2,          /* dimension 1, 2 nodes */
+  SUTURE_QUADRILATERAL = 3, /* dimension 2, 4 nodes, outward from side 0 */
+  SUTURE_HEXAHEDRON = 4     /* dimension 3, 8 nodes X0..X7 */
 };
 
 struct suture_context;
 struct suture_batch;
 
 /* The values that each 3-cell of the batch gives to its incident cells of the
- * attribute's dimension: out[(k*components + c)*lanes + lane], k running over
- * the 8 vertices X0..X7 (dimension 0), the 12 edges (dimension 1, order of
+ * attribute's dimension: out[(k*components + c)*lanes + lane]. In a hexahedron k
+ * runs over the 8 vertices X0..X7 (dimension 0), the 12 edges (dimension 1, order of
  * suture_hexahedron_edges), the 6 faces (dimension 2, order of
  * suture_hexahedron_faces) or the cell itself (dimension 3, k = 0).
  * The batch holds rest positions, cell ids and nothing else.
  * [worker] at the start and after each operation, for the cells it touched. */
 typedef suture_status (*suture_contribution_fn)(const struct suture_context* context,
                                                 const struct suture_batch* batch, double* out);
+
+/* What the 3-cells of one type give to an attribute. */
+typedef struct suture_contribution {
+  uint32_t size;
+  uint32_t cell_type; /* suture_cell_type, of dimension 3 */
+  suture_contribution_fn function;
+} suture_contribution;
 
 /* One attribute: a column of doubles on the cells of one dimension, owned by
  * the host, one per instance of the model. */
@@ -140,12 +159,14 @@ typedef struct suture_attribute {
   uint32_t components; /* 1..9 */
   uint32_t policy;     /* suture_policy */
   uint32_t flags;      /* suture_attribute_flag */
-  uint32_t reserved;   /* 0 */
+  uint32_t contribution_count;
   const char* name;
   const char* unit;
   const char* doc;
-  double initial;                      /* of every component, where no contribution gives it */
-  suture_contribution_fn contribution; /* with FROM_VOLUMES, else NULL */
+  double initial; /* of every component, where no contribution gives it */
+  /* with FROM_VOLUMES one for each type of 3-cell that the model is written for,
+   * else NULL */
+  const suture_contribution* contributions;
 } suture_attribute;
 
 /* Vertex pairs of the 12 edges of a hexahedron: 0..3 along x, 4..7 along y,
@@ -166,13 +187,14 @@ static const uint8_t suture_hexahedron_faces[6][4] = {{2, 6, 4, 0}, {0, 4, 5, 1}
  *   value(node, component, lane) = p[(node*components + component)*lanes + lane]
  * Every array is SUTURE_ALIGNMENT-aligned and holds finite numbers in all
  * lanes: lanes >= valid repeat the last valid cell, so they need no mask.
- * Arrays that the functor did not declare are NULL. The host owns everything;
- * nothing outlives the call. */
+ * rest, position and velocity are never NULL: zeros stand where the functor did
+ * not declare them, or cleared them in enabled(). Lists of columns are NULL if
+ * none is declared. The host owns everything; nothing outlives the call. */
 typedef struct suture_batch {
   uint32_t size;
   uint32_t lanes;         /* SUTURE_LANES */
   uint32_t valid;         /* 1..lanes */
-  uint32_t nodes;         /* per cell: 8 hexahedron, 4 face, 2 edge */
+  uint32_t nodes;         /* per cell: 8 hexahedron, 4 face, 2 edge, 1 vertex */
   double time;            /* s, of the positions */
   double dt;              /* s, of the step in progress; 0 outside a step */
   const double* rest;     /* nodes x 3 x lanes, m */
@@ -223,15 +245,13 @@ enum suture_read { /* what the host gathers for a functor */
                    SUTURE_READ_VELOCITY = 1u << 2
 };
 
-enum suture_cell_type { SUTURE_HEXAHEDRON = 0, SUTURE_EDGE = 1, SUTURE_QUADRILATERAL = 2 };
-
 /* Which rest shapes of 3-cells a functor is written for. Elements whose rest
  * shape is a parallelepiped (edge vectors of one direction equal within 1e-12
  * of the element's size) are SUTURE_PARALLELEPIPED, all others SUTURE_GENERAL.
  * A cell is visited by every functor whose shape admits it. */
 enum suture_shape { SUTURE_ANY_SHAPE = 0, SUTURE_PARALLELEPIPED = 1, SUTURE_GENERAL = 2 };
 
-/* Which faces a functor on 2-cells means. Nodes run outward from side 0. */
+/* Which faces a functor on 2-cells means. */
 enum suture_faces { SUTURE_ALL_FACES = 0, SUTURE_BOUNDARY_FACES = 1, SUTURE_INTERIOR_FACES = 2 };
 
 /* Forces of one batch. [worker] once per step and batch. Must depend on its
@@ -241,8 +261,8 @@ typedef suture_status (*suture_force_fn)(const suture_context* context, const su
 
 typedef struct suture_functor {
   uint32_t size;
-  uint32_t dimension; /* of its cells: 1, 2 or 3 */
-  uint32_t cell_type; /* suture_cell_type */
+  uint32_t dimension; /* of its cells, 0..3 */
+  uint32_t cell_type; /* suture_cell_type, of that dimension */
   uint32_t shape;     /* suture_shape, dimension 3 */
   uint32_t faces;     /* suture_faces, dimension 2 */
   uint32_t lanes;     /* SUTURE_LANES */
@@ -250,6 +270,10 @@ typedef struct suture_functor {
   uint32_t reads;     /* suture_read bits */
   uint32_t cell_column_count;
   uint32_t vertex_column_count;
+  uint32_t alternative;           /* functors of a model with the same number, other than 0,
+                                     are alternatives, the cheapest first: of those that are
+                                     enabled the first runs and no other */
+  uint32_t reserved;              /* 0 */
   const uint32_t* cell_columns;   /* indices of attributes of `dimension` */
   const uint32_t* vertex_columns; /* indices of attributes of dimension 0;
                                      UINT32_MAX means the kernel's mass */
@@ -258,10 +282,13 @@ typedef struct suture_functor {
   suture_force_fn force;
   /* Extension of this functor by id, or NULL. [main], after loading. */
   const void* (*extension)(const char* id);
-  /* True if the functor can give anything but zero with these parameters; NULL
-   * means always. [main], when the scene is compiled: a functor that answers 0
-   * is skipped, and a read bit cleared through *reads (velocities without
-   * damping) is not gathered. */
+  /* False if the functor gives nothing but zero with these parameters; of an
+   * alternative, if it is not written for them. NULL means always true. [main],
+   * when the scene is compiled: a functor that answers 0 is skipped, and what is
+   * cleared in *reads (velocities without damping) is not gathered but zero. A
+   * run that skips nothing (suture run --no-skip) gathers all that is declared,
+   * runs functors that have no alternative whatever they answer, and of
+   * alternatives the last that is enabled. */
   int32_t (*enabled)(const suture_context* context, uint32_t* reads);
 } suture_functor;
 
@@ -370,12 +397,6 @@ typedef struct suture_tangent_1 {
   suture_status (*apply)(const suture_context* context, const suture_batch* batch, const double* dx,
                          const double* dv, double* df);
 } suture_tangent_1;
-
-/* Of the host, asked for with suture_host.has_extension: this run is to compute
- * everything, also what adds nothing (suture run --no-skip, which shows that
- * skipping changes no result). A functor whose coefficients are all zero is then
- * enabled, and of alternatives the fullest. */
-#define SUTURE_EVERYTHING_1 "suture.everything/1"
 
 /* Looks at the cells once before the run and reports what the user should know
  * through host->report: rest shapes outside the model's range, and the like.

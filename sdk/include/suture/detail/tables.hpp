@@ -34,18 +34,20 @@ template <class F, class Cell>
 inline constexpr bool
     has_inspect<F, Cell, std::void_t<decltype(F::inspect(std::declval<const Cell&>()))>> = true;
 
-#define SUTURE_DETAIL_HAS(member)             \
-  template <class F, class = void>            \
-  inline constexpr bool has_##member = false; \
-  template <class F>                          \
-  inline constexpr bool has_##member<F, std::void_t<decltype(F::member)>> = true;
-SUTURE_DETAIL_HAS(fields)
-SUTURE_DETAIL_HAS(enabled)
-SUTURE_DETAIL_HAS(prepare)
-SUTURE_DETAIL_HAS(parameters)
-SUTURE_DETAIL_HAS(attributes)
-SUTURE_DETAIL_HAS(name)
-#undef SUTURE_DETAIL_HAS
+template <class F, class Cell, class = void>
+inline constexpr bool has_force = false;
+template <class F, class Cell>
+inline constexpr bool has_force<F, Cell, std::void_t<decltype(F::force(std::declval<Cell&>()))>> =
+    true;
+
+template <class F, class Cell, class = void>
+inline constexpr bool has_output = false;
+template <class F, class Cell>
+inline constexpr bool
+    has_output<F, Cell,
+               std::void_t<decltype(F::output(std::declval<const Cell&>(),
+                                              std::declval<results<typename Cell::real>&>()))>> =
+        true;
 
 template <class M, class = void>
 struct functors_of_model {
@@ -122,16 +124,26 @@ template <int Nodes>
 
 // ---------------------------------------------------------------- functions --
 
-/// x - x is 0 for a number and NaN for infinities and NaNs.
+/// Of how many nodes the force shows whether a result is finite: of functors of the
+/// layer itself that spoil all nodes if any, less than all.
+template <class F>
+inline constexpr int nodes_that_show = F::nodes;
+
+/// x - x is 0 for a number and NaN for infinities and NaNs. A sum per coordinate: one
+/// of all would be a chain of additions, each of which waits for the one before.
 template <class M, class F>
 [[gnu::flatten]] void force_pack(const suture_context* context, const suture_batch* batch,
                                  int lane) {
-  cell<native, M> c(context, batch, lane, batch->force);
+  cell<native, M, F, purpose::force> c(context, batch, lane, batch->force);
   F::force(c);
-  constexpr int count = 3 * (F::witnesses ? F::witnesses : F::nodes);
-  native sum = native::load(batch->force + lane);
-  for (int i = 1; i < count; ++i) sum += native::load(batch->force + i * int(SUTURE_LANES) + lane);
-  if (__builtin_expect(any(sum - sum != 0.0), 0)) fail_not_finite<F::nodes>(batch);
+  const auto force = [&](int i) {
+    return native::load(batch->force + i * int(SUTURE_LANES) + lane);
+  };
+  native sum[3] = {force(0), force(1), force(2)};
+  for (int n = 1; n < nodes_that_show<F>; ++n)
+    for (int i = 0; i < 3; ++i) sum[i] += force(3 * n + i);
+  const native all = sum[0] + sum[1] + sum[2];
+  if (__builtin_expect(any(all - all != 0.0), 0)) fail_not_finite<F::nodes>(batch);
 }
 template <class M, class F>
 suture_status force(const suture_context* context, const suture_batch* batch) noexcept {
@@ -142,7 +154,7 @@ suture_status force(const suture_context* context, const suture_batch* batch) no
 template <class M, class F>
 [[gnu::noinline]] void tangent_pack(const suture_context* context, const suture_batch* batch,
                                     int lane, double* df, const double* dx, const double* dv) {
-  cell<dual<native>, M> c(context, batch, lane, df, dx, dv);
+  cell<dual<native>, M, F, purpose::force> c(context, batch, lane, df, dx, dv);
   F::force(c);
 }
 
@@ -157,7 +169,7 @@ template <class M, class F>
 suture_status energy(const suture_context* context, const suture_batch* batch,
                      double* out) noexcept {
   return for_packs(context, batch, [&](int lane) {
-    const cell<native, M> c(context, batch, lane);
+    const cell<native, M, F> c(context, batch, lane);
     store(out + lane, F::energy(c));
   });
 }
@@ -206,14 +218,14 @@ suture_status bounds(const suture_context* context, const suture_batch* batch, d
   std::memset(damping, 0, sizeof(double) * F::nodes * 6 * SUTURE_LANES);
   return for_packs(context, batch, [&](int lane) {
     bound_matrices<native> b{stiffness, damping, lane};
-    if constexpr (has_bounds<F, cell<native, M>>) {
-      const cell<native, M> c(context, batch, lane);
+    if constexpr (has_bounds<F, cell<native, M, F>>) {
+      const cell<native, M, F> c(context, batch, lane);
       F::bounds(c, b);
     } else {
       const auto isotropic = [](native s) { return sym3<native>{s, s, s, 0.0, 0.0, 0.0}; };
       const sym3<native> k = isotropic(spectral_bound<M, F>(context, batch, lane, false));
       for (int n = 0; n < F::nodes; ++n) b.stiffness(n, k);
-      if (!batch->velocity) return;
+      if constexpr ((F::reads & SUTURE_READ_VELOCITY) == 0) return;
       const sym3<native> d = isotropic(spectral_bound<M, F>(context, batch, lane, true));
       for (int n = 0; n < F::nodes; ++n) b.damping(n, d);
     }
@@ -224,7 +236,7 @@ template <class M, class F>
 suture_status output(const suture_context* context, const suture_batch* batch,
                      double* const* out) noexcept {
   return for_packs(context, batch, [&](int lane) {
-    const cell<native, M> c(context, batch, lane);
+    const cell<native, M, F> c(context, batch, lane);
     results<native> r{out, lane};
     F::output(c, r);
   });
@@ -233,7 +245,7 @@ suture_status output(const suture_context* context, const suture_batch* batch,
 template <class M, class F>
 suture_status inspect(const suture_context* context, const suture_batch* batch) noexcept {
   return for_packs(context, batch, [&](int lane) {
-    const cell<native, M> c(context, batch, lane);
+    const cell<native, M, F, purpose::inspection> c(context, batch, lane);
     F::inspect(c);
   });
 }
@@ -243,12 +255,16 @@ std::int32_t enabled(const suture_context* context, std::uint32_t* reads) noexce
   return F::enabled(values(context), *reads) ? 1 : 0;
 }
 
+/// What a contribution sees of a hexahedron.
+struct contributor : on_volumes {
+  static constexpr std::uint32_t reads = SUTURE_READ_REST;
+};
 template <class M, class C>
-suture_status contribution(const suture_context* context, const suture_batch* batch,
-                           double* out) noexcept {
+suture_status contribute(const suture_context* context, const suture_batch* batch,
+                         double* out) noexcept {
   return for_packs(context, batch, [&](int lane) {
-    const cell<native, M> c(context, batch, lane);
-    C::compute(c, contribution_results<native>{out, C::components, lane});
+    const cell<native, M, contributor> c(context, batch, lane);
+    C::compute(c, contribution_results<native, C::components>{out, lane});
   });
 }
 
@@ -260,10 +276,16 @@ suture_status prepare(const suture_context* context, void* instance) noexcept {
   });
 }
 
+template <class M, class C>
+struct contribution_table {
+  static constexpr suture_contribution row{sizeof(suture_contribution), SUTURE_HEXAHEDRON,
+                                           &contribute<M, C>};
+};
+
 /// The extension `id` of functor F, or NULL.
 template <class M, class F>
 const void* extension(const char* id) noexcept {
-  using Cell = cell<native, M>;
+  using Cell = cell<native, M, F>;
   const auto is = [id](const char* name) { return std::strcmp(id, name) == 0; };
   if (is(SUTURE_TANGENT_1)) {
     static constexpr suture_tangent_1 table{sizeof(suture_tangent_1), 0, &tangent<M, F>};
@@ -277,7 +299,7 @@ const void* extension(const char* id) noexcept {
     static constexpr suture_stable_dt_1 table{sizeof(suture_stable_dt_1), 0, &bounds<M, F>};
     return &table;
   }
-  if constexpr (has_inspect<F, Cell>) {
+  if constexpr (has_inspect<F, cell<native, M, F, purpose::inspection>>) {
     static constexpr suture_inspect_1 table{sizeof(suture_inspect_1), 0, &inspect<M, F>};
     if (is(SUTURE_INSPECT_1)) return &table;
   }
@@ -293,7 +315,44 @@ const void* extension(const char* id) noexcept {
 // ------------------------------------------------------------------- tables --
 
 template <class M, class F>
+constexpr void check_columns() {
+  static_assert(
+      are_places_of<M>(F::cell_columns.places) && are_places_of<M>(F::vertex_columns.places),
+      "cell_columns or vertex_columns name a place that the model's list of attributes "
+      "does not have: column<0> is the first attribute");
+  static_assert(have_dimension<M>(F::cell_columns.places, F::dimension),
+                "cell_columns name an attribute of cells of another dimension than the functor's; "
+                "attributes of vertices belong to vertex_columns");
+  static_assert(F::cell_columns.index_of(vertex_mass.place) < 0,
+                "vertex_mass belongs to vertex_columns");
+  static_assert(have_dimension<M>(F::vertex_columns.places, 0),
+                "vertex_columns name an attribute that is not of vertices; those of the functor's "
+                "own cells belong to cell_columns");
+  static_assert(!share_mass<M>(F::cell_columns.places) && !share_mass<M>(F::vertex_columns.places),
+                "an attribute with SUTURE_SHARED_MASS is no column: read suture::vertex_mass");
+}
+
+template <class M, class F>
+constexpr void check_functor() {
+  static_assert(has_nodes<F>,
+                "a functor, or a model without `functors`, derives from suture::on_vertices, "
+                "on_edges, on_faces or on_volumes");
+  static_assert(has_name<F> || has_id<F>, "a functor needs `static constexpr const char* name`");
+  static_assert(has_doc<F>, "a functor needs `static constexpr const char* doc`");
+  if constexpr (has_nodes<F>) {
+    static_assert(has_force<F, cell<native, M, F, purpose::force>>,
+                  "a functor needs `template <class Cell> static void force(Cell& cell)`, which "
+                  "sets the force on every node");
+    static_assert(!has_fields<F> || has_output<F, cell<native, M, F>>,
+                  "a functor with `fields` needs `template <class Cell, class Results> static void "
+                  "output(const Cell& cell, Results& results)`, which sets them");
+    check_columns<M, F>();
+  }
+}
+
+template <class M, class F>
 constexpr suture_functor functor_of() {
+  check_functor<M, F>();
   suture_functor f{};
   f.size = sizeof(suture_functor);
   f.dimension = F::dimension;
@@ -303,10 +362,11 @@ constexpr suture_functor functor_of() {
   f.lanes = SUTURE_LANES;
   f.scalar = 0;
   f.reads = F::reads;
-  f.cell_column_count = std::uint32_t(F::cell_columns.size());
-  f.vertex_column_count = std::uint32_t(F::vertex_columns.size());
-  f.cell_columns = F::cell_columns.data();
-  f.vertex_columns = F::vertex_columns.data();
+  f.alternative = F::alternative;
+  f.cell_column_count = std::uint32_t(F::cell_columns.places.size());
+  f.vertex_column_count = std::uint32_t(F::vertex_columns.places.size());
+  f.cell_columns = F::cell_columns.places.data();
+  f.vertex_columns = F::vertex_columns.places.data();
   if constexpr (has_name<F>)
     f.name = F::name;
   else
@@ -343,6 +403,8 @@ struct attribute_table {
 
 template <class M>
 constexpr suture_model model_of() {
+  static_assert(has_id<M> && has_doc<M> && has_formula<M> && has_citation<M>,
+                "a model needs `static constexpr const char*` id, doc, formula and citation");
   using functors = functor_table<M, typename functors_of_model<M>::type>;
   suture_model m{};
   m.size = sizeof(suture_model);
@@ -400,19 +462,5 @@ constexpr suture_note note_of(const char* plugin_id) {
 }
 
 }  // namespace suture::detail
-
-namespace suture {
-
-/// The C function of a contribution struct C of model M, for from_volumes():
-///   struct RestLength {                              // on edges of a hexahedron
-///     static constexpr int components = 1;
-///     template <class Cell, class Out> static void compute(const Cell& c, Out out) {
-///       for (int k = 0; k < 12; ++k) out.set(k, 0, ...);
-///     }
-///   };
-template <class M, class C>
-inline constexpr suture_contribution_fn contribution = &detail::contribution<M, C>;
-
-}  // namespace suture
 
 #endif

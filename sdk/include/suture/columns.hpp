@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+//
+// suture/columns.hpp - names for the columns of a model.
+//
+// A column<N> stands for the attribute at place N of the model's list. What is not
+// declared cannot be read: the compiler says so where the function is instantiated.
+//
+//   static constexpr suture::column<0> stiffness{};
+//   static constexpr suture::column<1> rest_length{};
+//   static constexpr auto cell_columns = suture::columns(stiffness, rest_length);
+//   ...
+//   c.column(stiffness) * (length - c.column(rest_length))
+#ifndef SUTURE_COLUMNS_HPP
+#define SUTURE_COLUMNS_HPP
+
+#include <array>
+#include <cstdint>
+
+namespace suture {
+
+template <std::uint32_t Place>
+struct column {
+  static constexpr std::uint32_t place = Place;
+};
+
+/// The kernel's mass, among the vertex_columns of a functor.
+inline constexpr column<UINT32_MAX> vertex_mass{};
+
+/// Several columns: what a functor declares, or some alike to choose from at run time.
+template <std::uint32_t... Places>
+struct column_list {
+  static constexpr std::array<std::uint32_t, sizeof...(Places)> places{Places...};
+
+  /// Where in the list a column is; -1: nowhere.
+  static constexpr int index_of(std::uint32_t place) {
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (places[i] == place) return int(i);
+    return -1;
+  }
+};
+
+template <std::uint32_t... Places>
+constexpr column_list<Places...> columns(column<Places>...) {
+  return {};
+}
+
+}  // namespace suture
+
+#endif

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+//
+// suture/detail/declared.hpp - what a model and its functors declare, for the checks
+// of cell.hpp and tables.hpp. Authors need not read it.
+#ifndef SUTURE_DETAIL_DECLARED_HPP
+#define SUTURE_DETAIL_DECLARED_HPP
+
+#include <iterator>
+#include <type_traits>
+
+#include "suture/columns.hpp"
+#include "suture/simd.hpp"
+
+#if defined(__has_attribute)
+#if __has_attribute(error)
+#define SUTURE_COMPILE_ERROR(text) __attribute__((error(text)))
+#endif
+#endif
+#ifndef SUTURE_COMPILE_ERROR
+#define SUTURE_COMPILE_ERROR(text)
+#endif
+
+namespace suture::detail {
+
+#define SUTURE_DETAIL_HAS(member)             \
+  template <class F, class = void>            \
+  inline constexpr bool has_##member = false; \
+  template <class F>                          \
+  inline constexpr bool has_##member<F, std::void_t<decltype(F::member)>> = true;
+SUTURE_DETAIL_HAS(id)
+SUTURE_DETAIL_HAS(doc)
+SUTURE_DETAIL_HAS(formula)
+SUTURE_DETAIL_HAS(citation)
+SUTURE_DETAIL_HAS(nodes)
+SUTURE_DETAIL_HAS(fields)
+SUTURE_DETAIL_HAS(enabled)
+SUTURE_DETAIL_HAS(prepare)
+SUTURE_DETAIL_HAS(parameters)
+SUTURE_DETAIL_HAS(attributes)
+SUTURE_DETAIL_HAS(name)
+#undef SUTURE_DETAIL_HAS
+
+template <class M>
+constexpr std::size_t parameter_count() {
+  if constexpr (has_parameters<M>)
+    return std::size(M::parameters);
+  else
+    return 0;
+}
+template <class M>
+constexpr std::size_t attribute_count() {
+  if constexpr (has_attributes<M>)
+    return std::size(M::attributes);
+  else
+    return 0;
+}
+
+/// The kernel's mass has one component.
+template <class M, std::uint32_t Place>
+constexpr int components_of() {
+  if constexpr (Place < attribute_count<M>())
+    return int(M::attributes[Place].components);
+  else
+    return 1;
+}
+template <class M, std::uint32_t Place>
+constexpr bool has_trial() {
+  if constexpr (Place < attribute_count<M>())
+    return (M::attributes[Place].flags & SUTURE_TRIAL) != 0;
+  else
+    return false;
+}
+
+/// Columns are attributes of one dimension, in places that the list has, and not the
+/// shares of the mass, which are no column.
+template <class M, std::size_t N>
+constexpr bool are_places_of(const std::array<std::uint32_t, N>& places) {
+  for (const std::uint32_t place : places)
+    if (place != vertex_mass.place && place >= attribute_count<M>()) return false;
+  return true;
+}
+template <class M, std::size_t N>
+constexpr bool have_dimension([[maybe_unused]] const std::array<std::uint32_t, N>& places,
+                              [[maybe_unused]] std::uint32_t dimension) {
+  if constexpr (has_attributes<M>)
+    for (const std::uint32_t place : places)
+      if (place < attribute_count<M>() && M::attributes[place].dimension != dimension) return false;
+  return true;
+}
+template <class M, std::size_t N>
+constexpr bool share_mass([[maybe_unused]] const std::array<std::uint32_t, N>& places) {
+  if constexpr (has_attributes<M>)
+    for (const std::uint32_t place : places)
+      if (place < attribute_count<M>() && (M::attributes[place].flags & SUTURE_SHARED_MASS) != 0)
+        return true;
+  return false;
+}
+
+// Indices of nodes, components and parameters are numbers of the running program, so
+// that they can be counted in loops. Those that the optimiser knows are checked here;
+// the functions are never defined and never called.
+SUTURE_COMPILE_ERROR("suture: this node is beyond those of the functor's cells")
+void node_out_of_range();
+SUTURE_COMPILE_ERROR("suture: this component is beyond those that the attribute declares")
+void component_out_of_range();
+SUTURE_COMPILE_ERROR("suture: this parameter is beyond those that the model declares")
+void parameter_out_of_range();
+
+#define SUTURE_DETAIL_CHECK_INDEX(what, index, count)                        \
+  if (__builtin_constant_p(index) && ((index) < 0 || (index) >= int(count))) \
+  ::suture::detail::what##_out_of_range()
+
+}  // namespace suture::detail
+
+#endif

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/run/simulation.hpp"
 
+#include "kernel/base/error.hpp"
 #include "kernel/output/checkpoint_file.hpp"
 #include "kernel/output/output_folder.hpp"
 #include "kernel/run/run_loop.hpp"
@@ -8,11 +9,14 @@
 namespace suture {
 
 Simulation::Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip,
-                       std::shared_ptr<OutputFolder> folder)
-    : run_(std::make_unique<RunLoop>(
-          scene, host, diagnostics, skip,
-          folder ? std::move(folder)
-                 : std::make_shared<OutputFolder>(scene.output.directory, scene.output.root))) {}
+                       std::shared_ptr<OutputFolder> folder) {
+  if (!folder) folder = std::make_shared<OutputFolder>(scene.output.directory, scene.output.root);
+  try {
+    run_ = std::make_unique<RunLoop>(scene, host, diagnostics, skip, std::move(folder));
+  } catch (const InputError& error) {
+    scene.places.rethrow(error);
+  }
+}
 
 Simulation::~Simulation() = default;
 

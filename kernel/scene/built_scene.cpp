@@ -15,6 +15,7 @@
 #include "kernel/forces/pressures.hpp"
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/mesh/own_origin.hpp"
+#include "kernel/scene/check_selections.hpp"
 
 namespace suture {
 namespace {
@@ -54,6 +55,7 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
       names_(MeshNames::of(mesh)),
       body_(import_and_trim(std::move(mesh), scene_, diagnostics)),
       selector_(body_.imported(), names_, body_.attributes().rest(), frame_) {
+  check_selections(scene_, selector_);
   name_elements();
   add_models(diagnostics);
   const DynamicsOptions options{scene_.solver.integrator, scene_.solver.damping};
@@ -84,30 +86,7 @@ void BuiltScene::add_models(Diagnostics& diagnostics) {
         std::make_unique<Instance>(*use.model, use.name, use.parameters, diagnostics, skips_),
         complex, std::move(region));
   }
-  check_coverage();
   body_.compile(diagnostics, scene_.solver.threads);
-}
-
-/// Every element needs a model, or its vertices would have no mass.
-void BuiltScene::check_coverage() const {
-  const auto& instances = body_.attributes().instances();
-  const Index count = body_.complex().element_count();
-  if (std::any_of(instances.begin(), instances.end(),
-                  [&](const auto& i) { return i->table(3).cells.is_all(); })) {
-    return;
-  }
-  std::vector<char> covered(count);
-  for (const auto& instance : instances) {
-    for (const Index e : instance->table(3).cells.cells()) covered[e] = 1;
-  }
-  const auto bare = std::count(covered.begin(), covered.end(), 0);
-  if (bare == 0) return;
-  const auto first =
-      static_cast<Index>(std::find(covered.begin(), covered.end(), 0) - covered.begin());
-  throw InputError("/models: " + std::to_string(bare) + " of " + std::to_string(count) +
-                   " elements have no model, the first is element " +
-                   std::to_string(element_name(first)) +
-                   "; let the regions of the models cover the mesh");
 }
 
 void BuiltScene::add_constraints() {

@@ -36,9 +36,7 @@ class BuiltScene {
   StepLimits& limits() { return *limits_; }
 
   /// The user's number of an element.
-  std::uint64_t element_name(Index e) const {
-    return names_.element_id(body_.imported().user_element[e]);
-  }
+  std::uint64_t element_name(Index e) const { return selector_.element_id(e); }
   /// "(0.1, 0.2, 0.3) m" in coordinates of the scene: a point of the body, or the centre of an
   /// element at rest.
   std::string place_text(const Vec3& local) const;
@@ -48,7 +46,6 @@ class BuiltScene {
   BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, bool skip);
   void name_elements();
   void add_models(Diagnostics& diagnostics);
-  void check_coverage() const;
   void add_constraints();
   double shortest_edge(const std::vector<Index>& vertices);
   void add_terms();

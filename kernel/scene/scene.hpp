@@ -12,6 +12,7 @@
 #include "kernel/mesh/box.hpp"
 #include "kernel/mesh/voxels.hpp"
 #include "kernel/scene/event.hpp"
+#include "kernel/scene/scene_places.hpp"
 #include "kernel/scene/selection.hpp"
 #include "kernel/topology/import.hpp"
 #include "suture/plugin.h"
@@ -141,6 +142,7 @@ struct Scene {
   OutputOptions output;
   CheckpointOptions checkpoint;
   SceneSource source;
+  ScenePlaces places;
 };
 
 }  // namespace suture

@@ -107,6 +107,7 @@ Scene read_source(const SceneSource& source, const std::string& shown,
   Scene scene;
   scene.file = source.file;
   scene.source = {canonical_json(root), source.file, source.working_folder};
+  scene.places = ScenePlaces(root, shown, sets);
   scene.hash = fnv1a_hex(canonical_json(what_counts(root)));
   Mistakes mistakes(shown, sets);
   Reading reading{scene,

@@ -49,6 +49,9 @@ class Selector {
 
   /// The element of the complex with this user id, or `none`.
   Index element_with_id(std::uint64_t id) const;
+  /// The user's id of an element of the complex.
+  std::uint64_t element_id(Index e) const { return names_.element_id(imported_.user_element[e]); }
+  Index element_count() const { return imported_.complex.element_count(); }
 
   double diagonal() const { return diagonal_; }  ///< of the mesh at rest, m
 

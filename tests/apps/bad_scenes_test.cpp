@@ -49,6 +49,35 @@ struct BadValue {
 
 // What other programs run with all the same: a misspelt model or parameter, values
 // out of range, nothing to run on.
+// What only the mesh shows is reported like a mistake of the text: all at once, with places.
+TEST_F(BadScenes, MistakesThatOnlyTheMeshShowsAreReportedAtOnce) {
+  const Outcome outcome = scene("check", R"(,
+  "constraints": [
+    {"fix": "xyz", "where": {"set": "x00"}},
+    {"fix": "xyz", "where": {"box": {"min": [5, 5, 5], "max": [6, 6, 6]}}}],
+  "loads": [{"pressure": 1, "where": {"sphere": {"centre": [0.5, 0.5, 0.5], "radius": 0.1}}}],
+  "events": [
+    {"at": 0, "cut": {"faces": [[0, 1],
+      [4, 99]]}},
+    {"when": {"where": {"ids": [777]}, "of": "displacement", "above": 1},
+     "pierce": {"where": {"set": "y9"}}}],
+  "output": {"probes": {"at": [{"name": "p", "where": {"ids": [1000]}}]}})",
+                                {R"(/models/0/region={"ids": [99]})"});
+  EXPECT_EQ(outcome.code, 3) << outcome;
+  for (const char* line :
+       {"s.json:7:29: /constraints/0/where: the mesh has no set 'x00' (did you mean 'x0'?)",
+        "s.json:8:29: /constraints/1/where: selects no node",
+        "s.json:9:38: /loads/0/where: selects no boundary face",
+        "s.json:12:7: /events/0/cut/faces/1: the mesh has no element 99",
+        "s.json:13:23: /events/1/when/where: the mesh has no node with id 777",
+        "s.json:14:26: /events/1/pierce/where: the mesh has no set 'y9'",
+        "s.json:15:55: /output/probes/at/0/where: the mesh has no node with id 1000",
+        "--set '/models/0/region={\"ids\": [99]}': /models/0/region: the mesh has no element with "
+        "id 99",
+        "\n8 mistakes in s.json"})
+    EXPECT_TRUE(outcome.says(line)) << line << outcome;
+}
+
 TEST_F(BadScenes, WhatOthersRunWithAllTheSame) {
   const BadValue values[] = {
       {"/models/0/model=tm-fauer", 4, "tm-faure"},

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kernel/base/error.hpp"
+#include "kernel/scene/json_document.hpp"
+
+namespace suture {
+
+/// Where the parts of a scene were written: mistakes that only its mesh shows have a line too.
+class ScenePlaces {
+ public:
+  /// Of a scene that was not read from a text: no place is known.
+  ScenePlaces() = default;
+  /// `file` as shown to the user; `sets` the texts given with --set.
+  ScenePlaces(const JsonValue& root, std::string file, std::vector<std::string> sets);
+
+  /// Throws an error whose lines are "/PATH: TEXT" again with the place of each, in the order of
+  /// the file, and their number; any other error as it is.
+  [[noreturn]] void rethrow(const InputError& error) const;
+
+ private:
+  void add(const JsonValue& value, const std::string& path);
+  JsonPosition of(std::string_view path) const;
+
+  std::string file_;
+  std::vector<std::string> sets_;
+  std::map<std::string, JsonPosition, std::less<>> places_;
+};
+
+}  // namespace suture

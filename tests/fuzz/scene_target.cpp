@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstdlib>
+
+#include "kernel/plugin_host/plugin_host.hpp"
+#include "kernel/scene/built_scene.hpp"
+#include "kernel/scene/scene_reader.hpp"
+#include "tests/fuzz/input_file.hpp"
+#include "tests/fuzz/targets.hpp"
+
+namespace suture::fuzz {
+namespace {
+
+constexpr double most_elements = 200;
+
+bool is_small(const MeshSource& mesh) {
+  if (mesh.voxels) {
+    std::size_t cubes = 0;
+    for (const std::string& row : mesh.voxels->rows) cubes += row.size();
+    return static_cast<double>(cubes) * mesh.voxels->layers <= most_elements;
+  }
+  if (!mesh.box) return false;
+  const auto& cells = mesh.box->cells;
+  return double(cells[0]) * double(cells[1]) * double(cells[2]) <= most_elements;
+}
+
+// Plugins that the scene names are code, not input.
+ModelLookup shipped_models() {
+  static PluginHost host;
+  return {[](std::string_view id) -> const suture_model& { return host.model(id); },
+          [](const std::filesystem::path&) {}};
+}
+
+}  // namespace
+
+void scene(std::string_view bytes) {
+  answered([&] {
+    Diagnostics diagnostics;
+    Scene scene =
+        read_scene_text(bytes, input_file("s.json", bytes), {}, shipped_models(), diagnostics);
+    if (!is_small(scene.mesh)) return;
+    scene.solver.threads = 1;
+    try {
+      BuiltScene(scene, diagnostics);
+    } catch (const InputError& error) {
+      scene.places.rethrow(error);
+    }
+  });
+}
+
+}  // namespace suture::fuzz

@@ -114,7 +114,7 @@ Estimate Simulation::estimate() {
     estimate.frames = frames_until(scene, last, estimate.steps);
   }
   estimate.seconds += static_cast<double>(estimate.steps) * estimate.seconds_per_step +
-                     static_cast<double>(estimate.frames) * frame_seconds;
+                      static_cast<double>(estimate.frames) * frame_seconds;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   estimate.bytes = 1024.0 * static_cast<double>(usage.ru_maxrss);

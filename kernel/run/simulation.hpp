@@ -74,9 +74,9 @@ struct Estimate {
 };
 
 /// A scene compiled into a run, which keeps a copy of the scene. The constructor does everything
-/// that can fail because of the scene or the mesh (nothing is written before it returns), and throws
-/// one InputError for all selections that are wrong, with their places in the file; run() does
-/// the rest.
+/// that can fail because of the scene or the mesh (nothing is written before it returns), and
+/// throws one InputError for all selections that are wrong, with their places in the file; run()
+/// does the rest.
 class Simulation {
  public:
   /// `skip`: leave out what the scene does not need (decisions() says what); false computes it

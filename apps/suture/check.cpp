@@ -8,9 +8,13 @@ namespace suture {
 // Compiling the scene finds what its text cannot show: the mesh, the selections,
 // rest shapes outside a model's range. Nothing is run and nothing is written.
 int check(const CheckCommand& command, Console& console) {
-  PluginHost host(&console.diagnostics());
+  PluginHost host(&console.diagnostics(), trust_of(command));
   const Scene scene = read_scene(command.scene, command.sets, host, console.diagnostics());
-  const Simulation simulation(scene, host, console.diagnostics());
+  Simulation simulation(scene, host, console.diagnostics());
+  if (command.check_plugins) {
+    simulation.check_plugins();
+    simulation.try_plugins();
+  }
   if (!console.quiet()) {
     console.print(command.scene.string() + ": good (" + count(scene.models.size(), "model") + ", " +
                   count(scene.constraints.size(), "constraint") + ", " +

@@ -42,6 +42,17 @@ void add_skip(CLI::App& app, bool& skip) {
                "build and compute also what the scene does not need: slower, the same results");
 }
 
+void add_plugin_checks(CLI::App& app, bool& check) {
+  app.add_flag("--check-plugins", check,
+               "look for mistakes of plugins in every call of a force: values never set, writes "
+               "outside arrays, results that are not finite; several times slower");
+}
+
+void add_trust(CLI::App& app, bool& trust) {
+  app.add_flag("--trust", trust,
+               "also load plugins that the scene names outside the search path, as `run` does");
+}
+
 /// The commands as CLI11 knows them; one of them is parsed.
 struct Parser {
   CLI::App app{"Suture simulates soft bodies that are cut while they move."};
@@ -87,6 +98,7 @@ struct Parser {
             "the same as --set /output/directory=DIR")
         ->type_name("DIR");
     add_skip(*run_app, run.skip);
+    add_plugin_checks(*run_app, run.check_plugins);
     run_app->callback([this] {
       if (run.scene.empty() && run.resume.empty())
         throw CLI::RequiredError("a scene, or --resume CHECKPOINT,");
@@ -95,11 +107,14 @@ struct Parser {
 
     auto* check_app = app.add_subcommand("check", "tell everything that is wrong with a scene");
     add_scene(*check_app, check.scene, check.sets);
+    add_trust(*check_app, check.trust);
+    add_plugin_checks(*check_app, check.check_plugins);
     check_app->callback([this] { line.command = check; });
 
     auto* explain_app =
         app.add_subcommand("explain", "tell what a run would load, build, compute, skip and cost");
     add_scene(*explain_app, explain.scene, explain.sets);
+    add_trust(*explain_app, explain.trust);
     explain_app->add_flag("--json", explain.json, "as JSON");
     add_skip(*explain_app, explain.skip);
     explain_app->callback([this] { line.command = explain; });

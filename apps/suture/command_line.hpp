@@ -14,16 +14,17 @@ namespace suture {
 struct RunCommand {
   std::filesystem::path scene, resume;  ///< one of them
   std::vector<std::string> sets;
-  bool skip = true;
+  bool skip = true, check_plugins = false;
 };
 struct CheckCommand {
   std::filesystem::path scene;
   std::vector<std::string> sets;
+  bool trust = false, check_plugins = false;
 };
 struct ExplainCommand {
   std::filesystem::path scene;
   std::vector<std::string> sets;
-  bool json = false, skip = true;
+  bool json = false, skip = true, trust = false;
 };
 struct ReplayCommand {
   std::filesystem::path journal;

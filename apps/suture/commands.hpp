@@ -3,8 +3,15 @@
 
 #include "apps/suture/command_line.hpp"
 #include "apps/suture/console.hpp"
+#include "kernel/plugin_host/plugin_host.hpp"
 
 namespace suture {
+
+/// Commands that only look at a scene run no code that it brings along, unless they are told to.
+template <class Command>
+PluginHost::Trust trust_of(const Command& command) {
+  return command.trust ? PluginHost::Trust::all : PluginHost::Trust::search_path;
+}
 
 /// One function per subcommand, each in the file of its name. They return the
 /// exit code and throw the errors of kernel/base/error.hpp.

@@ -90,7 +90,7 @@ void print_json(const Scene& scene, const Simulation& simulation, const Estimate
 }  // namespace
 
 int explain(const ExplainCommand& command, Console& console) {
-  PluginHost host(&console.diagnostics());
+  PluginHost host(&console.diagnostics(), trust_of(command));
   const Scene scene = read_scene(command.scene, command.sets, host, console.diagnostics());
   Simulation simulation(scene, host, console.diagnostics(), command.skip);
   const Estimate cost = simulation.estimate();

@@ -137,6 +137,7 @@ int run(const RunCommand& command, Console& console) {
                    decision.reason);
     }
   }
+  if (command.check_plugins) simulation.check_plugins();
   Watcher watcher(console);
   const RunSummary summary = simulation.run(watcher);
   if (!console.quiet()) print_summary(summary, console);

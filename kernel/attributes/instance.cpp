@@ -23,6 +23,10 @@ std::int32_t has_extension(const char* id) { return host_has_extension(id) ? 1 :
 
 const suture_host host = {sizeof(suture_host), SUTURE_ABI_MINOR, &report, &has_extension};
 
+// Behind the memory that a model asked for: one that stores more is found.
+constexpr std::ptrdiff_t guard_size = 8;
+constexpr double prepared_guard = 0x1.5afe5afe5afe5p-800;
+
 ColumnSpec spec_of(const suture_attribute& attribute) {
   ColumnSpec spec;
   spec.name = attribute.name;
@@ -84,7 +88,9 @@ Instance::Instance(const suture_model& model, std::string name, std::vector<doub
                       " parameters, but " + std::to_string(parameters_.size()) +
                       " were handed over");
   for (int d = 0; d < 4; ++d) table(d).dimension = d;
-  prepared_.assign((model_.instance_bytes + sizeof(double) - 1) / sizeof(double), 0);
+  if (model_.instance_bytes != 0)
+    prepared_.resize(static_cast<std::size_t>(guard_begin() + guard_size), prepared_guard);
+  std::fill_n(prepared_.begin(), guard_begin(), 0.0);
   set_workers(1);
   prepare(diagnostics);
   ask_functors();
@@ -114,6 +120,13 @@ void Instance::prepare(Diagnostics& diagnostics) {
   const suture_status status = call_plugin(call("prepare"), [&] {
     return model_.prepare(&context(0), prepared_.empty() ? nullptr : prepared_.data());
   });
+  const auto is_guard = [](double value) { return value == prepared_guard; };
+  if (!prepared_.empty() &&
+      !std::all_of(prepared_.begin() + guard_begin(), prepared_.end(), is_guard))
+    throw PluginError(describe(call("prepare")) + ": it wrote behind its " +
+                      std::to_string(model_.instance_bytes) +
+                      " bytes of memory; the model's instance_bytes must be the size of what "
+                      "prepare stores");
   deliver_findings(diagnostics);
   if (status != SUTURE_OK)
     throw PluginError(title() + " could not be prepared: " + text_of(workers_[0]->error));

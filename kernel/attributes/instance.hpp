@@ -112,7 +112,12 @@ class Instance {
   std::vector<Enabled> enabled_;  ///< by position in model().functors
   std::vector<bool> needed_;      ///< by position in model().attributes
   bool skip_;
-  AlignedVector<double> prepared_;  ///< the model's own memory
+  /// Doubles of the model's own memory.
+  std::ptrdiff_t guard_begin() const {
+    return static_cast<std::ptrdiff_t>((model_.instance_bytes + sizeof(double) - 1) /
+                                       sizeof(double));
+  }
+  AlignedVector<double> prepared_;  ///< the model's own memory, then guards
   std::vector<std::unique_ptr<Worker>> workers_;
   Findings findings_;
 };

@@ -147,7 +147,13 @@ std::string text_of_exception() {
 }
 
 std::string text_of_fault(const PluginCall& call) {
-  return describe(call) + ": the plugin threw " + text_of_exception() + "; " + exception_cure;
+  try {
+    throw;
+  } catch (const PluginError& error) {  // of a check of the host
+    return error.what();
+  } catch (...) {
+    return describe(call) + ": the plugin threw " + text_of_exception() + "; " + exception_cure;
+  }
 }
 
 std::string text_of_status(const PluginCall& call, suture_status status) {

@@ -152,6 +152,7 @@ CompiledFunctor::CompiledFunctor(Instance& instance, const suture_functor& funct
                                  const RowNodes* nodes)
     : instance_(instance),
       functor_(functor),
+      function_(functor.force),
       nodes_(nodes),
       dimension_(static_cast<int>(functor.dimension)) {
   const Instance::Enabled& answer =
@@ -304,7 +305,7 @@ const loops::Job& CompiledFunctor::job(Attributes& attributes, const CellComplex
   job_.force = force;
   job_.time = time;
   job_.dt = dt;
-  job_.function = functor_.force;
+  job_.function = function_;
   job_.live = live.data();
   const OwnRest& own = attributes.rest_places(complex).own();
   job_.rest_slots = dimension_ == 3 ? own.slots() : nodes_->rest_slots();

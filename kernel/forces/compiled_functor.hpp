@@ -7,6 +7,7 @@
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/base/plugin_call.hpp"
 #include "kernel/forces/batch_list.hpp"
+#include "kernel/forces/checked_force.hpp"
 
 namespace suture {
 
@@ -78,6 +79,8 @@ class CompiledFunctor {
   const BatchList& list() const { return list_; }
   std::string title() const;  ///< "model 'tissue' (mss-baudet), functor 'edge springs'"
 
+  /// Every call of the force is checked from now on (checked_force.hpp).
+  void check_calls() { function_ = &checked_force; }
   PluginCall call(const char* function) const {
     PluginCall call = instance_.call(function);
     call.functor = &functor_;
@@ -100,6 +103,7 @@ class CompiledFunctor {
 
   Instance& instance_;
   const suture_functor& functor_;
+  suture_force_fn function_;
   const RowNodes* nodes_;
   int dimension_;
   std::uint32_t reads_;

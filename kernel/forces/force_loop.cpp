@@ -56,6 +56,13 @@ void ForceLoop::add_forces_in_step(const StepTimes& step, const LiveMask&, doubl
   add_forces(step.time, step.dt, Part::with_energy, rows);
 }
 
+void ForceLoop::Impl::raise_not_finite(std::size_t at) {
+  const PluginCall& call = *plugin_thread.present;
+  throw PluginError(describe(call) + ": result " + std::to_string(at / lanes) + " of cell " +
+                    std::to_string(call.batch->cell_ids[at % lanes]) +
+                    " is not finite; see that no division, root or logarithm leaves its range");
+}
+
 /// W += (f + f') / 2 . h v-, the rows being f' and nothing else.
 void ForceLoop::Impl::book_fed(double last_dt, const double* force) {
   const std::size_t size = std::size_t{attributes.vertex_count()} * 4;
@@ -106,6 +113,7 @@ double ForceLoop::Impl::energy_of(Index number, double time) {
         for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows&) {
           alignas(64) double out[lanes];
           const suture_status status = extension->energy(worker.context, &batch, out);
+          if (status == SUTURE_OK) check_results(out, batch.valid);
           for (Index l = 0; l < batch.valid; ++l) of_chunk[chunk] += out[l];
           return status;
         });
@@ -143,6 +151,7 @@ bool ForceLoop::Impl::add_field(Index number, std::string_view field, double tim
         places[place] = out.data();
         for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {
           const suture_status status = extension->compute(worker.context, &batch, places.data());
+          if (status == SUTURE_OK) check_results(out, batch.valid);
           for (Index l = 0; l < batch.valid; ++l)
             for (std::size_t c = 0; c < width; ++c)
               values[rows.row[l] * width + c] = out[c * lanes + l];
@@ -210,6 +219,8 @@ void ForceLoop::Impl::add_tangent(Index number, const Direction<Real>& d, double
             dv[at] = d.dv * static_cast<double>(d.rows[vertex]);
           });
           const suture_status status = extension->apply(worker.context, &batch, dx, dv, df);
+          if (status == SUTURE_OK)
+            check_results(std::span(df, std::size_t{job.node_count} * 3 * lanes), batch.valid);
           for_each_value(batch.valid, [&](std::size_t vertex, std::size_t at) {
             out[vertex] += static_cast<Real>(df[at]);
           });
@@ -341,6 +352,11 @@ std::vector<ForceLoop::Summary> ForceLoop::summary() const {
                      functor.reads(), functor.skipped(), functor.reason()});
   }
   return lines;
+}
+
+void ForceLoop::check_plugins() {
+  impl_->checks = true;
+  for (CompiledFunctor& functor : impl_->functors) functor.check_calls();
 }
 
 const Workers& ForceLoop::workers() const { return impl_->threads; }

@@ -117,6 +117,10 @@ class ForceLoop final : public ForceTerm {
   /// To be loaded after the attributes, where the same was built.
   void state(Archive& archive) override;
 
+  /// From now on every call of a force looks for mistakes of its plugin (checked_force.hpp),
+  /// and energies, bounds, tangents and fields must be finite; several times slower.
+  void check_plugins();
+
   struct Summary {  ///< for `suture explain`
     std::string instance, functor;
     Index cells = 0, batches = 0, chunks = 0, colours = 0;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <deque>
 #include <limits>
 
@@ -133,6 +134,13 @@ struct ForceLoop::Impl {
     for (const loops::BatchRows& rows : batches) visit_batch(job, worker, rows, one);
   }
 
+  /// With checks: throws PluginError unless the results of the present call are finite.
+  void check_results(std::span<const double> results, Index valid) const {
+    if (!checks) return;
+    for (std::size_t i = 0; i < results.size(); ++i)
+      if (i % lanes < valid && !std::isfinite(results[i])) raise_not_finite(i);
+  }
+
   void raise_failures(double time) {
     Failure first;
     for (WorkerMemory& worker : workers) {
@@ -145,6 +153,7 @@ struct ForceLoop::Impl {
     first.raise(functor.title(), words[functor.functor().dimension], time);
   }
 
+  [[noreturn]] static void raise_not_finite(std::size_t at);
   void book_fed(double last_dt, const double* force);
   void follow_still(const TopologyChange& change);
   Index skip_still();
@@ -168,6 +177,7 @@ struct ForceLoop::Impl {
   LocalRows local;
   /// Rows that are neither dead nor asleep, per instance; empty if none sleeps.
   std::vector<std::array<LiveMask, 4>> awake_rows;
+  bool checks = false;      ///< check_plugins()
   bool operated = false;    ///< follow() was called
   std::vector<bool> still;  ///< vertices held where they are at rest; empty: nothing is left out
   // Work of functors without an energy beside others with one, and their forces at the last

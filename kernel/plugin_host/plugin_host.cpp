@@ -55,6 +55,7 @@ struct PluginHost::Impl {
   };
 
   Diagnostics* diagnostics;
+  Trust trust;
   std::vector<PluginFolder> folders = plugin_folders();
   std::vector<Plugin> named;                   ///< in the scene
   std::optional<std::vector<Plugin>> scanned;  ///< in the folders, once needed
@@ -106,6 +107,42 @@ struct PluginHost::Impl {
                         found[i]->best().file.string() + " is not");
   }
 
+  /// True if the file lies in a folder that is searched, where the user has put it.
+  bool is_on_search_path(const fs::path& file) const {
+    std::error_code code;
+    const fs::path parent = fs::weakly_canonical(file.parent_path(), code);
+    return std::any_of(folders.begin(), folders.end(),
+                       [&](const PluginFolder& folder) { return folder.path == parent; });
+  }
+
+  void require_trust(std::string_view id, const Plugin& plugin) const {
+    const fs::path& file = plugin.best().file;
+    if (trust == Trust::all || plugin.place > 0 || is_on_search_path(file)) return;
+    throw PluginError("model " + quote(id) + " is in plugin " + file.string() +
+                      ", which the scene names and which lies outside the search path: its code "
+                      "is not run. If you trust it, add --trust, or put its folder into "
+                      "SUTURE_PLUGIN_PATH");
+  }
+
+  /// A damaged build is passed over for another one of the plugin, which may be slower.
+  void warn_of_damaged(const Plugin& plugin) const {
+    if (diagnostics == nullptr) return;
+    for (const PluginFile& build : plugin.builds)
+      if (build.note.plugin.empty())
+        diagnostics->warn("plugin " + build.file.string() + " is refused: " + build.note.problem +
+                          "; " + plugin.best().file.filename().string() + " is used instead");
+  }
+
+  /// Files that might have had a model that was not found.
+  std::string refused() {
+    std::string text;
+    for (const Plugin* plugin : plugins())
+      for (const PluginFile& build : plugin->builds)
+        if (build.note.plugin.empty())
+          text += "\n  " + build.file.string() + ": " + build.note.problem;
+    return text.empty() ? text : "\nRefused:" + text;
+  }
+
   std::string searched() const {
     std::string text;
     for (const auto& plugin : named)
@@ -128,14 +165,15 @@ struct PluginHost::Impl {
                           best.note.problem);
     }
     throw PluginError("no plugin has the model " + quote(id) + did_you_mean(id, ids) +
-                      ". Searched:" + searched() +
+                      ". Searched:" + searched() + refused() +
                       "\n`suture models` lists what is there; name a plugin file in the scene's "
                       "\"plugins\" or its folder in SUTURE_PLUGIN_PATH");
   }
 };
 
-PluginHost::PluginHost(Diagnostics* diagnostics) : impl_(std::make_unique<Impl>()) {
+PluginHost::PluginHost(Diagnostics* diagnostics, Trust trust) : impl_(std::make_unique<Impl>()) {
   impl_->diagnostics = diagnostics;
+  impl_->trust = trust;
 }
 
 PluginHost::~PluginHost() = default;
@@ -160,6 +198,8 @@ const suture_model& PluginHost::model(std::string_view id) {
   const auto found = impl_->with_model(id);
   if (found.empty()) impl_->not_found(id);
   impl_->warn_of_hidden(id, found);
+  impl_->require_trust(id, *found.front());
+  impl_->warn_of_damaged(*found.front());
   const PluginFile& best = found.front()->best();
   const suture_plugin& plugin = load_plugin(best.file, best.note);
   for (std::uint32_t i = 0; i < plugin.model_count; ++i)

@@ -25,8 +25,14 @@ namespace suture {
 /// If two plugins have the model, the first is used and a warning names both.
 class PluginHost {
  public:
+  /// Whose code may run. Loading a plugin runs its code.
+  enum class Trust {
+    all,         ///< also files that a scene names, wherever they lie
+    search_path  ///< files in the folders that are searched
+  };
+
   /// Reads the environment, no file. `diagnostics` gets the warnings, may be null.
-  explicit PluginHost(Diagnostics* diagnostics = nullptr);
+  explicit PluginHost(Diagnostics* diagnostics = nullptr, Trust trust = Trust::all);
   ~PluginHost();
   PluginHost(const PluginHost&) = delete;
   PluginHost& operator=(const PluginHost&) = delete;
@@ -38,8 +44,9 @@ class PluginHost {
 
   /// The model `id`; loads the one plugin that has it, once. The reference is
   /// valid as long as the program runs. Throws PluginError naming the file, the
-  /// loader's text or the tables' faults, or, if no plugin has the model, the
-  /// nearest id, the places searched and a hint.
+  /// loader's text or the tables' faults; for a file that is not trusted; or, if no
+  /// plugin has the model, the nearest id, the places searched, the files refused
+  /// there and a hint.
   /// Cost: the notes of all files on the search path once (10 us per file).
   const suture_model& model(std::string_view id);
 

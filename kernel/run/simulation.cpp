@@ -32,6 +32,15 @@ void Simulation::apply(const Event& event, Observer& observer) { run_->apply(eve
 
 Energies Simulation::energies() { return suture::energies(run_->built().dynamics()); }
 
+void Simulation::check_plugins() { run_->built().body().models().check_plugins(); }
+
+void Simulation::try_plugins() {
+  ForceLoop& models = run_->built().body().models();
+  AlignedVector<double> rows(std::size_t{attributes().vertex_count()} * 4);
+  models.add_forces(0, 0, ForceLoop::Part::all, rows.data());
+  models.energy(0);
+}
+
 std::string_view Simulation::isa() const { return run_->built().body().models().isa(); }
 
 const std::vector<Decision>& Simulation::decisions() const { return run_->decisions(); }

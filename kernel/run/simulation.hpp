@@ -112,6 +112,11 @@ class Simulation {
   /// The mean displacement of the selected vertices, m.
   Vec3 mean_displacement(const Selection& selection) const;
 
+  /// From now on every call of a plugin's force is checked (ForceLoop::check_plugins).
+  void check_plugins();
+  /// Forces and energies of the present state, computed for their checks only.
+  void try_plugins();
+
   const std::vector<Decision>& decisions() const;
   std::string_view isa() const;  ///< of the loops: "avx512", "avx2" or "base"
   /// Times a few steps; the simulation cannot be used afterwards.

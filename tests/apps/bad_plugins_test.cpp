@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstdlib>
+
 #include "tests/apps/program.hpp"
 
 namespace suture::testing {
@@ -50,6 +52,53 @@ TEST_F(BadPlugins, ModelsThatFailInTheRunStopItWithAMessage) {
     EXPECT_EQ(run.code, failure.code) << failure.how << "\n" << run;
     EXPECT_TRUE(run.says(failure.words)) << failure.how << "\n" << run;
   }
+}
+
+/// The constructor of this plugin crashes if SUTURE_TEST_MISTAKE says so: it shows who loads it.
+TEST_F(BadPlugins, CheckAndExplainRunNoCodeThatOnlyTheSceneNames) {
+  const std::vector<std::string> sets{
+      std::string("/plugins=[\"") + TEST_PLUGINS + "/mistakes.so\"]",
+      R"(/models/0={"model": "mistakes"})"};
+  setenv("SUTURE_TEST_MISTAKE", "loading-exits", 1);
+  for (const char* command : {"check", "explain"}) {
+    const Outcome outcome = scene(command, "", sets);
+    EXPECT_EQ(outcome.code, 4) << outcome;
+    for (const char* words :
+         {"mistakes", "outside the search path", "--trust", "SUTURE_PLUGIN_PATH"})
+      EXPECT_TRUE(outcome.says(words)) << outcome;
+    EXPECT_FALSE(outcome.says("called exit()")) << outcome;
+  }
+  EXPECT_TRUE(scene("run", "", sets).says("called exit()"));
+  unsetenv("SUTURE_TEST_MISTAKE");
+  EXPECT_EQ(scene("run", "", sets).code, 0);
+  std::vector<std::string> trusting{"check", "s.json", "--trust"};
+  for (const std::string& set : sets) trusting.insert(trusting.end(), {"--set", set});
+  EXPECT_EQ(suture(trusting).code, 0);
+  setenv("SUTURE_PLUGIN_PATH", TEST_PLUGINS, 1);
+  EXPECT_EQ(scene("check", "", sets).code, 0);
+  unsetenv("SUTURE_PLUGIN_PATH");
+}
+
+TEST_F(BadPlugins, DamagedFilesOnTheSearchPathAreNamedWhereAModelIsMissing) {
+  std::filesystem::create_directory(folder() / "plugins");
+  write("plugins/mistakes.so", Program::read(TEST_PLUGINS "/mistakes.so").substr(0, 3000));
+  write("plugins/text.so", "no library");
+  setenv("SUTURE_PLUGIN_PATH", (folder() / "plugins").c_str(), 1);
+  for (const char* command : {"check", "run"}) {
+    const Outcome outcome = scene(command, "", {R"(/models/0={"model": "mistake"})"});
+    EXPECT_EQ(outcome.code, 4) << outcome;
+    for (const char* words : {"plugins/mistakes.so: it is truncated", "plugins/text.so: it is not"})
+      EXPECT_TRUE(outcome.says(words)) << outcome;
+  }
+  // A damaged build beside a good one is passed over, with a warning.
+  std::filesystem::copy(TEST_PLUGINS "/mistakes.so", folder() / "plugins",
+                        std::filesystem::copy_options::overwrite_existing);
+  write("plugins/mistakes.avx2.so", "no library");
+  const Outcome outcome = scene("check", "", {R"(/models/0={"model": "mistakes"})"});
+  EXPECT_EQ(outcome.code, 0) << outcome;
+  EXPECT_TRUE(outcome.says("mistakes.avx2.so is refused")) << outcome;
+  EXPECT_TRUE(outcome.says("mistakes.so is used instead")) << outcome;
+  unsetenv("SUTURE_PLUGIN_PATH");
 }
 
 }  // namespace

@@ -25,10 +25,10 @@ class Mistakes : public Program {
  protected:
   /// `command` on a scene whose one model makes the mistake `how`.
   Outcome with(const std::string& command, const std::string& how) const {
+    const Variable path("SUTURE_PLUGIN_PATH", TEST_PLUGINS);
     return scene(command, "",
-                 {std::string("/plugins=[\"") + TEST_PLUGINS + "/mistakes.so\"]",
-                  R"(/models/0={"model": "mistakes", "name": "tissue", "parameters": {"how": ")" +
-                      how + "\"}}"});
+                 {R"(/models/0={"model": "mistakes", "name": "tissue", "parameters": {"how": ")" +
+                  how + "\"}}"});
   }
   void expect(const Outcome& outcome, const std::vector<const char*>& words,
               const std::string& how) const {
@@ -65,6 +65,7 @@ TEST_F(Mistakes, BeforeTheRunEndWithTheirPlaceAndExitCode4) {
        "must be finite"},
       {"contribution-negative", "attribute 'mass', contribution", "element 0 gives -0.125",
        "not negative"},
+      {"prepare-writes-behind", "prepare", "wrote behind its 8 bytes", "instance_bytes"},
 #ifndef SUTURE_SANITIZED
       {"prepare-crashes", "prepare", "SIGSEGV", crash_cure},
       {"contribution-crashes", "attribute 'mass', contribution of elements 0 to 7", "SIGSEGV",
@@ -106,6 +107,48 @@ TEST_F(Mistakes, InTheRunEndWithFunctorCellsAndExitCode4) {
            {"plugin 'mistakes'", "model 'tissue' (mistakes)", "functor 'elements'", mistake.where,
             mistake.what, mistake.cure},
            mistake.how);
+}
+
+// What a run takes for results is found with --check-plugins, in `check` too.
+TEST_F(Mistakes, InTheResultsAreFoundByCheckPlugins) {
+  const Mistake mistakes[] = {
+      {"force-nan", "functor 'elements', force of elements 0 to 7",
+       "force of node 2, component 0, of cell 1 is nan", "division"},
+      {"force-unset", "force of elements 0 to 7",
+       "force of node 5, component 0, of cell 0 is never set", "set it for every node"},
+      {"force-adds", "force of elements 0 to 7",
+       "force of node 0, component 0, of cell 0 is never set", "set it for every node"},
+      {"force-mixes-lanes", "force of elements 0 to 7", "depends on the other cells of the batch",
+       "that lane only"},
+      {"force-writes-before", "force of elements 0 to 7",
+       "wrote 1 double before the beginning of force", "24 rows"},
+      {"force-writes-behind", "force of elements 0 to 7", "wrote 1 double past the end of force",
+       "24 rows"},
+      {"force-writes-input", "force of elements 0 to 7",
+       "into an input: position of node 0, component 0, of cell 3", "outputs only"},
+      {"energy-nan", "energy of elements 0 to 7", "is not finite", "division"},
+  };
+  with("check", "nothing");  // writes the scene
+  const Variable path("SUTURE_PLUGIN_PATH", TEST_PLUGINS);
+  for (const char* command : {"check", "run"})
+    for (const Mistake& mistake : mistakes) {
+      const std::string how = mistake.how;
+      const std::string model =
+          R"(/models/0={"model": "mistakes", "name": "tissue", "parameters": )"
+          R"({"how": ")" +
+          how + "\"}}";
+      expect(suture({command, "s.json", "--check-plugins", "--set", model}),
+             {"plugin 'mistakes'", "model 'tissue' (mistakes)", mistake.where, mistake.what,
+              mistake.cure},
+             std::string(command) + " " + how);
+    }
+  // Good plugins pass, the mistake-free one and those of the kernel.
+  EXPECT_EQ(suture({"run", "s.json", "--check-plugins"}).code, 0);
+  EXPECT_EQ(suture({"run", "s.json", "--check-plugins", "--set",
+                    R"(/models/0={"model": "mss-baudet", "parameters": {"E": 1e5, "nu": 0.3, )"
+                    R"("rho": 1000}})"})
+                .code,
+            0);
 }
 
 TEST_F(Mistakes, ATextThatIsNotTerminatedIsShownToItsEnd) {

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/mesh/file_text.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <vector>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
+#include "kernel/base/input_file.hpp"
 #include "kernel/base/nearest.hpp"
 
 namespace suture {
@@ -31,31 +26,11 @@ namespace fs = std::filesystem;
                    did_you_mean(path.filename().string(), names));
 }
 
-struct FileDescriptor {
-  int fd;
-  ~FileDescriptor() {
-    if (fd >= 0) ::close(fd);
-  }
-};
-
 std::string read_whole(const fs::path& path) {
-  const FileDescriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
-  if (file.fd < 0 && errno == ENOENT) fail_missing(path);
-  struct stat info {};
-  if (file.fd < 0 || ::fstat(file.fd, &info) != 0) {
-    throw InputError(path.string() + ": cannot be opened: " + std::strerror(errno));
-  }
-  if (!S_ISREG(info.st_mode)) throw InputError(path.string() + ": is no regular file");
-  std::string text(static_cast<std::size_t>(info.st_size), '\0');
-  std::size_t done = 0;
-  while (done < text.size()) {
-    const ssize_t n = ::read(file.fd, text.data() + done, text.size() - done);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) throw InputError(path.string() + ": cannot be read: " + std::strerror(errno));
-    if (n == 0) break;
-    done += static_cast<std::size_t>(n);
-  }
-  text.resize(done);
+  InputFile file(path);
+  if (file.is_missing()) fail_missing(path);
+  if (!file.problem().empty()) throw InputError(path.string() + ": " + file.problem());
+  std::string text = file.read_all();
   if (text.empty()) throw InputError(path.string() + ": the file is empty");
   return text;
 }

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/output/checkpoint_file.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cstdio>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <span>
@@ -17,7 +12,7 @@
 
 #include "kernel/base/checksum.hpp"
 #include "kernel/base/error.hpp"
-#include "kernel/base/file.hpp"
+#include "kernel/base/input_file.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/hdf5/hdf5_module.hpp"
 
@@ -68,40 +63,12 @@ std::string newest_in(const fs::path& folder) {
   return "; the newest one there is " + (folder / checkpoint_name(numbers.back())).string();
 }
 
-class InputFile {
- public:
-  explicit InputFile(const fs::path& path) : path_(path) {
-    std::error_code ignored;
-    if (fs::is_directory(path, ignored))
-      refuse(path, "is a folder; give a checkpoint in it" + newest_in(path));
-    fd_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (fd_ >= 0) return;
-    const int error = errno;
-    const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-    refuse(path, std::string("cannot be read: ") + std::strerror(error) +
-                     (error == ENOENT ? newest_in(folder) : ""));
-  }
-  ~InputFile() { ::close(fd_); }
-  InputFile(const InputFile&) = delete;
-  InputFile& operator=(const InputFile&) = delete;
-
-  /// As much as there is, at most `bytes`.
-  std::size_t read(std::span<char> bytes) {
-    std::size_t done = 0;
-    while (done < bytes.size()) {
-      const ssize_t n = ::read(fd_, bytes.data() + done, bytes.size() - done);
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) refuse(path_, std::string("cannot be read: ") + std::strerror(errno));
-      if (n == 0) break;
-      done += static_cast<std::size_t>(n);
-    }
-    return done;
-  }
-
- private:
-  const fs::path& path_;
-  int fd_ = -1;
-};
+void require_readable(const InputFile& file, const fs::path& path) {
+  if (file.problem().empty()) return;
+  if (file.is_folder()) refuse(path, "is a folder; give a checkpoint in it" + newest_in(path));
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  refuse(path, file.problem() + (file.is_missing() ? newest_in(folder) : ""));
+}
 
 constexpr const char* older = "; take an older checkpoint";
 
@@ -115,6 +82,7 @@ constexpr const char* older = "; take an older checkpoint";
 // The whole file against the block in front of it, so that HDF5 never sees a damaged one.
 void check_bytes(const fs::path& path) {
   InputFile file(path);
+  require_readable(file, path);
   Block block{};
   const std::string_view start(block.data(), file.read(block));
   const auto version = number_after(start, begins);

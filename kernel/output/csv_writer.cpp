@@ -2,11 +2,11 @@
 #include "kernel/output/csv_writer.hpp"
 
 #include <charconv>
-#include <fstream>
 #include <stdexcept>
 #include <utility>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/input_file.hpp"
 
 namespace suture {
 namespace {
@@ -106,16 +106,16 @@ void CsvWriter::check_file() const {
                      std::to_string(bytes_) +
                      " of it; put it back as it was, or start the run anew");
   };
-  std::error_code failed;
-  const auto size = std::filesystem::file_size(path, failed);
-  if (failed == std::errc::no_such_file_or_directory) refuse("is gone");
-  if (failed) refuse("cannot be read: " + failed.message());
-  if (size < bytes_) refuse("has " + std::to_string(size) + " bytes");
-  std::ifstream file(path, std::ios::binary);
+  InputFile file(path);
+  if (file.is_missing()) refuse("is gone");
+  if (!file.problem().empty()) refuse(file.problem());
+  if (file.size() < bytes_) refuse("has " + std::to_string(file.size()) + " bytes");
   std::string first(header_.size(), ' ');
-  file.read(first.data(), static_cast<std::streamsize>(first.size()));
-  file.seekg(static_cast<std::streamoff>(bytes_ - 1));
-  if (first != header_ || file.get() != '\n') refuse("is another table");
+  file.read(first);
+  file.seek(bytes_ - 1);
+  char last = 0;
+  file.read({&last, 1});
+  if (first != header_ || last != '\n') refuse("is another table");
 }
 
 }  // namespace suture

@@ -2,13 +2,10 @@
 #include "kernel/scene/scene_reader.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
+#include "kernel/base/input_file.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
 #include "kernel/scene/json_override.hpp"
 #include "kernel/scene/scene_parts.hpp"
@@ -64,16 +61,11 @@ void read_top(const JsonValue& root, Reading& reading) {
 }
 
 std::string read_text(const std::filesystem::path& file) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) {
-    throw IoError(quote(file.string()) + " is a folder; give the scene file in it");
-  }
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) {
-    throw IoError("cannot read the scene " + quote(file.string()) + ": " + std::strerror(errno));
-  }
-  return {std::istreambuf_iterator<char>(stream), {}};
+  InputFile input(file);
+  if (!input.problem().empty())
+    throw IoError("the scene " + quote(file.string()) + ' ' + input.problem() +
+                  (input.is_folder() ? "; give the scene file in it" : ""));
+  return input.read_all();
 }
 
 void drop(JsonValue& object, std::string_view key) {

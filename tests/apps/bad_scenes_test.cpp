@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <sys/stat.h>
+
 #include "tests/apps/program.hpp"
 
 namespace suture::testing {
@@ -13,6 +15,36 @@ TEST_F(BadScenes, FilesThatCannotBeRead) {
   const Outcome directory = suture({"run", "."});
   EXPECT_EQ(directory.code, 6) << directory;
   EXPECT_TRUE(directory.says("folder")) << directory;
+}
+
+// None of them is waited for, or read for ever.
+TEST_F(BadScenes, FilesThatAreNotRegular) {
+  const std::string fifo = (folder() / "fifo").string();
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0644), 0);
+  for (const char* extension : {".vtu", ".msh", ".stl", ".h5", ".so"})
+    std::filesystem::create_symlink("fifo", fifo + extension);
+  const std::string device = "is a device, not a regular file";
+  const std::string pipe = "is a pipe, not a regular file";
+  struct Case {
+    std::vector<std::string> arguments;
+    int code;
+    std::string words;
+  };
+  const Case cases[] = {{{"check", "/dev/zero"}, 6, "/dev/zero' " + device},
+                        {{"run", "fifo"}, 6, pipe},
+                        {{"run", "--resume", "fifo.h5"}, 3, pipe},
+                        {{"run", "--resume", "/dev/zero"}, 3, device},
+                        {{"replay", "fifo"}, 3, pipe},
+                        {{"mesh", "info", "fifo.vtu"}, 3, pipe},
+                        {{"mesh", "info", "fifo.msh"}, 3, pipe},
+                        {{"mesh", "voxelize", "fifo.stl", "--cells", "9", "-o", "m.vtu"}, 3, pipe}};
+  for (const Case& bad : cases) {
+    const Outcome outcome = suture(bad.arguments);
+    EXPECT_EQ(outcome.code, bad.code) << outcome;
+    EXPECT_TRUE(outcome.says(bad.words)) << outcome;
+  }
+  EXPECT_EQ(scene("check", "", {"/mesh={\"file\": \"fifo.vtu\"}"}).code, 3);
+  EXPECT_EQ(scene("check", "", {"/plugins=[\"fifo.so\"]"}).code, 4);
 }
 
 TEST_F(BadScenes, SyntaxErrorsHaveALineAndAHint) {

@@ -90,14 +90,14 @@ TEST(CheckpointFile, AGroupAndAListOfOneNameAreRefused) {
 TEST(CheckpointFile, TellsWhatIsNoCheckpoint) {
   const TemporaryFolder folder;
   EXPECT_EQ(refusal_of(folder / "checkpoint_0009.h5"),
-            "cannot be read: No such file or directory; there is no checkpoint in " +
+            "cannot be opened: No such file or directory; there is no checkpoint in " +
                 folder.path().string());
   write_checkpoint(folder / "checkpoint_0002.h5", some_header(), some_state(1));
   write_checkpoint(folder / "checkpoint_0010.h5", some_header(), some_state(1));
   const std::string newest =
       "; the newest one there is " + (folder / "checkpoint_0010.h5").string();
   EXPECT_EQ(refusal_of(folder / "checkpoint_0009.h5"),
-            "cannot be read: No such file or directory" + newest);
+            "cannot be opened: No such file or directory" + newest);
   EXPECT_EQ(refusal_of(folder.path()), "is a folder; give a checkpoint in it" + newest);
   EXPECT_EQ(refusal_of(folder.write("empty", "")), "is empty; take an older checkpoint");
   EXPECT_EQ(refusal_of(folder.write("scene", "{\"suture\": 1}")),

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+namespace suture {
+
+/// A regular file opened for reading. Nothing else is opened: a FIFO would be waited for, and a
+/// device may have no end.
+class InputFile {
+ public:
+  explicit InputFile(const std::filesystem::path& path);
+  ~InputFile();
+  InputFile(const InputFile&) = delete;
+  InputFile& operator=(const InputFile&) = delete;
+
+  /// Why the file cannot be read, as the end of a sentence: "is a device, not a regular file";
+  /// empty if it can.
+  const std::string& problem() const { return problem_; }
+  bool is_missing() const;
+  bool is_folder() const { return is_folder_; }
+
+  std::uint64_t size() const { return size_; }
+  void seek(std::uint64_t offset);
+  /// Reads until the end of the file, at most `bytes`; how many there were. Throws IoError.
+  std::size_t read(std::span<char> bytes);
+  /// The rest of the file.
+  std::string read_all();
+
+ private:
+  void refuse(int error);
+
+  std::filesystem::path path_;
+  std::string problem_;
+  int error_ = 0;  ///< of the system
+  bool is_folder_ = false;
+  std::uint64_t size_ = 0;
+  int fd_ = -1;
+};
+
+}  // namespace suture

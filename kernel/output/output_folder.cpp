@@ -128,6 +128,7 @@ void OutputFolder::announce(const std::string& name) {
   require_in_place();
   const std::lock_guard guard(mutex_);
   own_.insert(name);
+  announced_.insert(name);
   if (listed_.insert(name).second) write_at(list_, name + '\n', size_of(list_), path_ / list_name);
 }
 
@@ -157,9 +158,9 @@ void OutputFolder::begin() {
 void OutputFolder::remove_stale() {
   for (const bool lists : {true, false})
     for (const std::string& name : listed_)
-      if (!own_.contains(name) && is_list(name) == lists) {
-        folder_->remove(name);
-        folder_->remove(temporary_name(name));
+      if (is_list(name) == lists) {
+        if (!own_.contains(name)) folder_->remove(name);
+        if (!announced_.contains(name)) folder_->remove(temporary_name(name));
       }
   write_list();
 }

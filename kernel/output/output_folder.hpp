@@ -76,7 +76,9 @@ class OutputFolder {
   int list_ = -1;           ///< `.suture-run`, locked
   bool made_list_ = false;  ///< it was not there before
   bool has_begun_ = false;
-  std::set<std::string> listed_, own_;
+  std::set<std::string> listed_;     ///< in `.suture-run`
+  std::set<std::string> own_;        ///< kept or announced
+  std::set<std::string> announced_;  ///< by this process
   std::map<std::string, std::string> kept_lists_;
 };
 

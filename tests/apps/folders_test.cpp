@@ -105,8 +105,8 @@ TEST_F(Folders, ASecondRunIsRefusedAtOnceAndTheFirstGoesOn) {
 }
 
 TEST_F(Folders, AShorterRunLeavesNothingOfALongerOne) {
-  const std::string more = R"(, "output": {"directory": "o", "every_steps": 1, "energies": {},
-    "springs": true}, "checkpoint": {"every_steps": 3})";
+  const std::string more =
+      R"(, "output": {"directory": "o", "every_steps": 1, "energies": {}}, "checkpoint": {"every_steps": 3})";
   ASSERT_EQ(scene("run", more).code, 0);
   write("o/failed.pvd", "");
   write("o/mine.txt", "mine");

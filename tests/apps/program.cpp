@@ -28,7 +28,7 @@ Program::Program() {
 
 Program::~Program() { std::filesystem::remove_all(folder_); }
 
-pid_t Program::start(const std::vector<std::string>& arguments) const {
+pid_t Program::start(const std::vector<std::string>& arguments, const std::string& name) const {
   std::vector<std::string> words{SUTURE_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -36,23 +36,23 @@ pid_t Program::start(const std::vector<std::string>& arguments) const {
   argv.push_back(nullptr);
   const pid_t child = fork();
   if (child != 0) return child;
-  const auto redirect = [](const char* name, int to) {
-    const int file = open(name, O_CREAT | O_WRONLY | O_TRUNC, 0644);
+  const auto redirect = [](const std::string& path, int to) {
+    const int file = open(path.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0644);
     dup2(file, to);
     close(file);
   };
   if (chdir(folder_.c_str()) != 0) _exit(126);
-  redirect(".out", STDOUT_FILENO);
-  redirect(".err", STDERR_FILENO);
+  redirect(name + ".out", STDOUT_FILENO);
+  redirect(name + ".err", STDERR_FILENO);
   execv(argv[0], argv.data());
   _exit(127);
 }
 
-Outcome Program::finish(pid_t child) const {
+Outcome Program::finish(pid_t child, const std::string& name) const {
   int status = 0;
   waitpid(child, &status, 0);
   const int code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
-  return {code, read(".out"), read(".err")};
+  return {code, read(name + ".out"), read(name + ".err")};
 }
 
 Outcome Program::suture(const std::vector<std::string>& arguments) const {

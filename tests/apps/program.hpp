@@ -32,9 +32,9 @@ class Program : public ::testing::Test {
   Outcome interrupted(const std::vector<std::string>& arguments, int signal,
                       const std::filesystem::path& file) const;
 
-  /// Starts it; finish() waits for its end.
-  pid_t start(const std::vector<std::string>& arguments) const;
-  Outcome finish(pid_t child) const;
+  /// Starts it; finish() waits for its end. What it says goes to `name`.out and `name`.err.
+  pid_t start(const std::vector<std::string>& arguments, const std::string& name = "") const;
+  Outcome finish(pid_t child, const std::string& name = "") const;
   /// Until the file is there, or the program has ended.
   void wait_for(const std::filesystem::path& file, pid_t child) const;
 

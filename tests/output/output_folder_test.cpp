@@ -124,9 +124,11 @@ TEST(OutputFolder, WhatARunGoesOnFromStays) {
   out.keep("a_0000.vtu");
   out.keep("a.pvd", "0");
   EXPECT_EQ(read_text(folder / "a.pvd"), "0 1 2") << "nothing was written yet";
+  folder.write("a_0000.vtu.part", "of a run that was killed before its first frame");
   out.begin();
   EXPECT_EQ(read_text(folder / "a.pvd"), "0");
   EXPECT_TRUE(fs::exists(folder / "a_0000.vtu"));
+  EXPECT_FALSE(fs::exists(folder / "a_0000.vtu.part"));
   EXPECT_FALSE(fs::exists(folder / "a_0001.vtu") || fs::exists(folder / "a_0002.vtu"));
 }
 

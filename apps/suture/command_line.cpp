@@ -2,8 +2,10 @@
 #include "apps/suture/command_line.hpp"
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/escape.hpp"
 #include "kernel/base/isa.hpp"
 #include "kernel/base/nearest.hpp"
 #include "suture/plugin.h"
@@ -12,11 +14,12 @@ namespace suture {
 namespace {
 
 constexpr const char* footer =
-    "Exit codes: 0 good; 2 usage; 3 scene or mesh; 4 plugin missing, refused or at fault\n"
-    "(an exception, a crash, exit(), a call of 20 s: SUTURE_PLUGIN_TIMEOUT=seconds changes\n"
-    "that); 5 numerical; 6 file system or memory; 130 stopped by Ctrl-C (the first one\n"
-    "finishes the step and writes a frame, the second one kills). The scene format:\n"
-    "docs/scene-format.md.";
+    "Exit codes: 0 success; 2 usage; 3 scene or mesh; 4 plugin missing, refused or at fault\n"
+    "(an exception, a crash, exit(), a call of 20 s); 5 numerical; 6 file system or memory;\n"
+    "128 + n stopped by signal n (130: Ctrl-C; the first finishes the step and writes a\n"
+    "frame, the second kills the process). The scene format: docs/scene-format.md.\n"
+    "Environment: SUTURE_ISA=avx512|avx2|base limits the instruction set, SUTURE_PLUGIN_PATH\n"
+    "names folders of plugins, SUTURE_PLUGIN_TIMEOUT=SECONDS limits one call of a plugin.";
 
 std::string version_text() {
   const std::string isa(best_isa());
@@ -24,15 +27,27 @@ std::string version_text() {
          std::to_string(SUTURE_ABI_MINOR) + ", instruction set " + (isa.empty() ? "base" : isa);
 }
 
+/// Throws CLI::ConversionError.
+std::string thread_count(const std::string& text) {
+  constexpr unsigned most = 1024;
+  unsigned n = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, n);
+  if (error != std::errc() || stop != end || n > most)
+    throw CLI::ConversionError("--threads must be a whole number from 0 (as many as pay) to " +
+                               std::to_string(most) + ", is " + quote(text));
+  return std::to_string(n);
+}
+
 CLI::Option* add_scene(CLI::App& app, std::filesystem::path& scene,
                        std::vector<std::string>& sets) {
   app.add_option("--set", sets, "change the scene: /solver/dt=1e-4; may be repeated")
       ->allow_extra_args(false)
       ->type_name("/PATH=VALUE");
-  app.add_option_function<std::uint64_t>(
+  app.add_option_function<std::string>(
          "--threads",
-         [&sets](std::uint64_t n) { sets.push_back("/solver/threads=" + std::to_string(n)); },
-         "the same as --set /solver/threads=N")
+         [&sets](const std::string& n) { sets.push_back("/solver/threads=" + thread_count(n)); },
+         "the same as --set /solver/threads=N; 0 (default): as many as pay")
       ->type_name("N");
   return app.add_option("scene", scene, "scene file (JSON)")->required();
 }

@@ -3,8 +3,10 @@
 
 #include <unistd.h>
 
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 
 #include "kernel/base/escape.hpp"
 
@@ -61,6 +63,18 @@ void Console::count_warnings() {
   clear_status();
   const std::size_t warnings = diagnostics_.warnings().size();
   if (warnings > 0) std::fprintf(stderr, "suture: %s\n", count(warnings, "warning").c_str());
+}
+
+int Console::finish() {
+  errno = 0;
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    // The reason is lost if an earlier write failed.
+    error(std::string("cannot write all results to standard output") +
+          (errno != 0 ? std::string(": ") + std::strerror(errno) : "") +
+          "; check where it is redirected to");
+    return 6;
+  }
+  return std::ferror(stderr) != 0 ? 6 : 0;
 }
 
 void Console::clear_status() {

@@ -29,6 +29,9 @@ class Console {
   void error(const std::string& text);
   /// Says how many warnings there were, if any. Call it last.
   void count_warnings();
+  /// Results that could not be written (a full disk behind a redirection, a closed pipe) are an
+  /// error: the exit code.
+  int finish();
 
   Diagnostics& diagnostics() { return diagnostics_; }
 

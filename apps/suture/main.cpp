@@ -3,6 +3,7 @@
 #include <new>
 
 #include "apps/suture/commands.hpp"
+#include "apps/suture/signals.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/plugin_faults.hpp"
 
@@ -54,6 +55,7 @@ int guarded(Console& console, F&& f) {
 
 int main(int argc, char** argv) {
   using namespace suture;
+  report_failed_writes();
   CommandLine line;
   Console early(false, false);
   const int usage = guarded(early, [&] {
@@ -65,10 +67,5 @@ int main(int argc, char** argv) {
   Console console(line.quiet, line.verbose);
   const int code = guarded(console, [&] { return std::visit(Dispatch{console}, line.command); });
   console.count_warnings();
-  // Results that could not be written (a full disk behind a redirection) are an error.
-  if (std::fflush(stdout) != 0 && code == 0) {
-    console.error("cannot write to standard output");
-    return 6;
-  }
-  return code;
+  return code != 0 ? code : console.finish();
 }

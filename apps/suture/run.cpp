@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <optional>
 
 #include "apps/suture/commands.hpp"
+#include "apps/suture/signals.hpp"
 #include "kernel/base/error.hpp"
-#include "kernel/base/plugin_faults.hpp"
 #include "kernel/output/checkpoint_file.hpp"
 #include "kernel/output/output_folder.hpp"
 #include "kernel/run/simulation.hpp"
@@ -14,20 +13,6 @@
 
 namespace suture {
 namespace {
-
-volatile std::sig_atomic_t signal_caught = 0;
-
-// The first signal asks for an orderly end; the second finds the default action
-// (SA_RESETHAND) and kills.
-void catch_signals() {
-  struct sigaction action {};
-  action.sa_handler = [](int number) {
-    signal_caught = number;
-    interrupt_plugin_calls();
-  };
-  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
-  for (const int number : {SIGINT, SIGTERM}) sigaction(number, &action, nullptr);
-}
 
 std::string significant(double value) {
   char text[32];
@@ -65,7 +50,7 @@ class Watcher final : public Observer {
     if (!first || console_.is_terminal()) console_.status(describe(progress));
   }
   void on_message(const std::string& message) override { console_.note(message); }
-  bool stop_requested() override { return signal_caught != 0; }
+  bool stop_requested() override { return caught_signal() != 0; }
 
  private:
   Console& console_;
@@ -112,6 +97,12 @@ void tell_of_resume(const CheckpointHeader& header, Simulation& simulation, Cons
                                ": results agree to rounding, not in every bit");
 }
 
+void report_threads(unsigned wanted, unsigned used, Console& console) {
+  if (used < wanted)
+    console.note(std::to_string(used) + " of " + count(wanted, "thread") +
+                 " used: more would be slower for a scene of this size");
+}
+
 }  // namespace
 
 int run(const RunCommand& command, Console& console) {
@@ -124,8 +115,12 @@ int run(const RunCommand& command, Console& console) {
                           : read_scene(command.scene, command.sets, host, console.diagnostics());
   // Before anything that takes time: another run may be writing there.
   const auto folder = std::make_shared<OutputFolder>(scene.output.directory, scene.output.root);
-  if (scene.output.enabled) folder->open();
+  if (scene.output.enabled) {
+    folder->open();
+    has_opened(*folder);
+  }
   Simulation simulation(scene, host, console.diagnostics(), command.skip, folder);
+  report_threads(scene.solver.threads, simulation.threads(), console);
   if (checkpoint) {
     simulation.resume(*checkpoint, command.resume);
     tell_of_resume(checkpoint->header, simulation, console);
@@ -138,12 +133,13 @@ int run(const RunCommand& command, Console& console) {
     }
   }
   if (command.check_plugins) simulation.check_plugins();
+  has_started();
   Watcher watcher(console);
   const RunSummary summary = simulation.run(watcher);
   if (!console.quiet()) print_summary(summary, console);
   if (summary.outcome == RunSummary::Outcome::unstable_equilibrium)
     return NumericalError("").exit_code();
-  return summary.outcome == RunSummary::Outcome::interrupted ? 128 + signal_caught : 0;
+  return summary.outcome == RunSummary::Outcome::interrupted ? 128 + caught_signal() : 0;
 }
 
 }  // namespace suture

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/escape.hpp"
 
 namespace suture {
 namespace {
@@ -42,8 +43,8 @@ std::string_view best_isa() {
   if (const char* wanted = std::getenv("SUTURE_ISA"); wanted != nullptr && *wanted != '\0') {
     const int limit = isa_rank(wanted);
     if (limit < 0)
-      throw UsageError("SUTURE_ISA is '" + std::string(wanted) +
-                       "'; expected one of avx512, avx2, base");
+      throw UsageError("the environment variable SUTURE_ISA is " + quote(wanted) +
+                       "; set it to avx512, avx2 or base, or unset it");
     rank = std::min(rank, limit);
   }
   return names[static_cast<std::size_t>(rank)];

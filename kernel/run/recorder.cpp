@@ -147,7 +147,11 @@ void Recorder::write(Held& held) {
 }
 
 void Recorder::release(std::uint64_t step) {
-  for (; !held_.empty() && held_.front().step <= step; held_.pop_front()) write(held_.front());
+  while (!held_.empty() && held_.front().step <= step) {
+    Held record = std::move(held_.front());
+    held_.pop_front();  // even if writing fails, which leaves an empty one
+    write(record);
+  }
 }
 
 void Recorder::go_back(std::uint64_t step) {

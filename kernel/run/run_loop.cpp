@@ -217,6 +217,8 @@ void RunLoop::resume(const Checkpoint& checkpoint, const std::filesystem::path& 
 RunSummary RunLoop::run(Observer& observer) {
   try {
     loop(std::nullopt, observer);
+  } catch (const IoError&) {
+    throw;  // what is held back would be written behind a gap
   } catch (...) {
     report_events(event_report_.finish(), observer);
     recorder_.release(clock_.step());  // what stands: a step that failed has taken its own back

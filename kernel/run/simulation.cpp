@@ -41,6 +41,8 @@ void Simulation::try_plugins() {
   models.energy(0);
 }
 
+unsigned Simulation::threads() const { return run_->built().body().models().threads(); }
+
 std::string_view Simulation::isa() const { return run_->built().body().models().isa(); }
 
 const std::vector<Decision>& Simulation::decisions() const { return run_->decisions(); }

@@ -118,6 +118,7 @@ class Simulation {
   void try_plugins();
 
   const std::vector<Decision>& decisions() const;
+  unsigned threads() const;      ///< that work; at most as many as the scene asks for
   std::string_view isa() const;  ///< of the loops: "avx512", "avx2" or "base"
   /// Times a few steps; the simulation cannot be used afterwards.
   Estimate estimate();

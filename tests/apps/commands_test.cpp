@@ -37,6 +37,12 @@ TEST_F(Commands, WrongUsageNamesWhatWasMeant) {
       {{"--quite", "run", "s.json"}, "did you mean '--quiet'"},
       {{"run", "s.json", "t.json"}, "one argument too many"},
       {{"run", "-q", "-v", "s.json"}, "exclude"},
+      {{"run", "s.json", "--threads=-1"}, "from 0 (as many as pay) to 1024, is '-1'"},
+      {{"run", "s.json", "--threads", "-1"}, "'-1'"},
+      {{"run", "s.json", "--threads", "two"}, "is 'two'"},
+      {{"run", "s.json", "--threads", "2x"}, "is '2x'"},
+      {{"run", "s.json", "--threads", "1025"}, "is '1025'"},
+      {{"run", "s.json", "--threads", "99999999999999999999"}, "to 1024"},
       {{"mesh"}, "subcommand"},
       {{"mesh", "inof", "a.vtu"}, "did you mean 'info'"},
       {{"mesh", "generate", "box", "a.vtu", "--size", "1", "1", "--cells", "1", "1", "1"},
@@ -48,6 +54,31 @@ TEST_F(Commands, WrongUsageNamesWhatWasMeant) {
     EXPECT_TRUE(outcome.says(use.words)) << use.words << outcome;
     EXPECT_TRUE(outcome.out.empty()) << outcome;
   }
+}
+
+TEST_F(Commands, AnInstructionSetThatNobodyKnowsIsNamed) {
+  setenv("SUTURE_ISA", "avx1024", 1);
+  for (const char* command : {"--version", "models"}) {
+    const Outcome outcome = suture({command});
+    EXPECT_EQ(outcome.code, 2) << outcome;
+    EXPECT_TRUE(outcome.says("SUTURE_ISA is 'avx1024'; set it to avx512, avx2 or base")) << outcome;
+  }
+  setenv("SUTURE_ISA", "base", 1);
+  EXPECT_TRUE(suture({"--version"}).says("instruction set base"));
+  unsetenv("SUTURE_ISA");
+  EXPECT_TRUE(suture({"--help"}).says("SUTURE_ISA=avx512|avx2|base"));
+}
+
+TEST_F(Commands, ThreadsThatDoNotPayAreReported) {
+  const Outcome small = scene("run", "", {"/output=false", "/solver/threads=2"});
+  EXPECT_TRUE(small.says("1 of 2 threads used") && small.says("1 thread)")) << small;
+  const Outcome one = scene("run", "", {"/output=false", "/solver/threads=1"});
+  EXPECT_FALSE(one.says("used")) << one;
+  const Outcome large = scene("run", "",
+                              {"/output=false", "/solver/threads=2", "/mesh/box/cells=[20,20,20]",
+                               "/solver/dt=1e-4", "/solver/end=2e-4"});
+  EXPECT_TRUE(large.says("2 threads)")) << large;
+  EXPECT_FALSE(large.says("used")) << large;
 }
 
 TEST_F(Commands, ListsAndDescribesModels) {

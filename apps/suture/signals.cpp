@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "apps/suture/signals.hpp"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+
+#include "kernel/base/plugin_faults.hpp"
+#include "kernel/output/output_folder.hpp"
+
+namespace suture {
+namespace {
+
+volatile std::sig_atomic_t caught = 0;
+std::atomic<bool> started = false;
+std::atomic<const OutputFolder*> opened = nullptr;
+static_assert(std::atomic<const OutputFolder*>::is_always_lock_free);
+
+// Only what is safe in a signal handler. Building takes minutes where a mesh is large, and has
+// nothing to save.
+void on_signal(int number) {
+  if (started) {
+    caught = number;
+    interrupt_plugin_calls();
+    return;
+  }
+  constexpr char text[] = "suture: stopped before the first step; nothing was written\n";
+  if (::write(STDERR_FILENO, text, sizeof text - 1) < 0) ::_exit(128 + number);
+  if (const OutputFolder* folder = opened) folder->abandon();
+  ::_exit(128 + number);
+}
+
+bool is_ignored(int number) {
+  struct sigaction now {};
+  return sigaction(number, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
+}
+
+}  // namespace
+
+void report_failed_writes() {
+  for (const int number : {SIGPIPE, SIGXFSZ}) std::signal(number, SIG_IGN);
+}
+
+void catch_signals() {
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+  for (const int number : {SIGINT, SIGTERM, SIGHUP})
+    if (number != SIGHUP || !is_ignored(number)) sigaction(number, &action, nullptr);
+}
+
+void has_opened(const OutputFolder& folder) { opened = &folder; }
+
+void has_started() {
+  started = true;
+  opened = nullptr;
+}
+
+int caught_signal() { return caught; }
+
+}  // namespace suture

@@ -156,8 +156,11 @@ struct Parser {
     const auto add_scale = [](CLI::App* sub, double& scale) {
       sub->add_option("--scale", scale, "factor to metres")->check(CLI::PositiveNumber);
     };
-    auto* info_app = mesh->add_subcommand("info", "count, measure and check a mesh");
-    info_app->add_option("file", info.file, "mesh file (.vtu .vtk .mesh .msh)")->required();
+    auto* info_app = mesh->add_subcommand("info", "count, measure and check a mesh or a surface");
+    info_app
+        ->add_option("file", info.file,
+                     "mesh (.vtu .vtk .mesh .msh) or surface (.obj .off .ply .stl .vtp)")
+        ->required();
     add_scale(info_app, info.scale);
     info_app->callback([this] { line.command = info; });
 

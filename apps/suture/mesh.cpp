@@ -20,6 +20,12 @@ std::string text_of(const Vec3& v) {
   return text;
 }
 
+std::string number_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
 void print_counts(const Mesh& mesh, Console& console) {
   console.print(mesh.source + ": " + count(mesh.points.size(), "point") + ", " +
                 std::to_string(mesh.hexahedra.size()) +
@@ -88,9 +94,33 @@ void print_topology(Imported& imported, Console& console) {
                 count(islands, "island"));
 }
 
+int surface_info(const MeshInfoCommand& command, Console& console) {
+  const PolygonSoup soup = read_soup(command.file, command.scale);
+  const Closing closing = geometry_module().close(soup, false);
+  console.print(soup.source + ": a surface of " + count(soup.points.size(), "point") + ", " +
+                count(closing.triangles, "triangle") + ", " +
+                count(closing.components, "component"));
+  const Box box = box_of(soup.points);
+  console.print("bounding box: " + text_of(box.low) + " to " + text_of(box.high) + " m");
+  if (closing.faces_dropped > 0)
+    console.print("dropped: " + count(closing.faces_dropped, "face") +
+                  " without area or there twice");
+  for (const Hole& hole : closing.holes) console.print(hole_text(hole));
+  if (!closing.holes.empty())
+    console.print("not closed: " + count(closing.holes.size(), "hole") + ", " +
+                  count(closing.border_edges, "edge") + " with a face on one side only");
+  else if (closing.crossings > 0)
+    console.print("closed, and crosses itself: " + count(closing.crossings, "pair") +
+                  " of triangles");
+  else
+    console.print("closed; volume: " + number_text(closing.volume) + " m^3");
+  return 0;
+}
+
 }  // namespace
 
 int mesh_info(const MeshInfoCommand& command, Console& console) {
+  if (is_surface_file(command.file)) return surface_info(command, console);
   const Mesh mesh = read_mesh(command.file, command.scale, console.diagnostics());
   print_counts(mesh, console);
   print_sets("points", mesh.point_sets, console);

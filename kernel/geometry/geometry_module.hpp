@@ -18,9 +18,19 @@ namespace suture {
 
 enum class SurfaceFormat { obj, off, ply, stl };
 
+/// A closed chain of edges with a face on one side only.
+struct Hole {
+  std::size_t edges = 0;
+  double length = 0;  ///< m, of its edges
+  Vec3 middle{};      ///< m, mean of its points
+};
+
 /// What was found and repaired while closing a surface.
 struct Closing {
+  std::size_t triangles = 0, components = 0;
+  double volume = 0;              ///< m^3, if closed
   std::size_t border_edges = 0;   ///< edges with a face on one side only
+  std::vector<Hole> holes;        ///< most edges first; with repair, those that stay open
   std::size_t holes_filled = 0;   ///< only with repair
   std::size_t crossings = 0;      ///< pairs of intersecting triangles
   std::size_t faces_dropped = 0;  ///< degenerate or duplicate

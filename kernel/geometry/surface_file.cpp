@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 
 #include "kernel/base/error.hpp"
@@ -91,6 +92,10 @@ Box box_of(const std::vector<Vec3>& points) {
   return box;
 }
 
+bool is_surface_file(const std::filesystem::path& path) {
+  return std::ranges::find(readers, lower_extension(path), &Reader::extension) != std::end(readers);
+}
+
 PolygonSoup read_soup(const std::filesystem::path& path, double scale) {
   std::vector<std::string> known;
   for (const Reader& reader : readers) known.emplace_back(reader.extension);
@@ -129,6 +134,26 @@ void write_surface(const std::filesystem::path& path, const TriangleSurface& sur
   write_file(path, geometry_module().write(static_cast<SurfaceFormat>(format), surface));
 }
 
+namespace {
+
+// "\n  a hole of 12 edges, 0.3 m around, at [0, 0.1, 0.2] m" for the first of them.
+std::string list_of_holes(const std::vector<Hole>& holes) {
+  constexpr std::size_t shown = 8;
+  std::string text;
+  for (std::size_t i = 0; i < holes.size() && i < shown; ++i) text += "\n  " + hole_text(holes[i]);
+  if (holes.size() > shown) text += "\n  and " + grouped(holes.size() - shown) + " more";
+  return text;
+}
+
+}  // namespace
+
+std::string hole_text(const Hole& hole) {
+  char text[200];
+  std::snprintf(text, sizeof text, "a hole of %zu edges, %.4g m around, at [%.6g, %.6g, %.6g] m",
+                hole.edges, hole.length, hole.middle[0], hole.middle[1], hole.middle[2]);
+  return text;
+}
+
 TriangleSurface close_surface(const PolygonSoup& soup, bool repair, Diagnostics& diagnostics) {
   Closing closing = geometry_module().close(soup, repair);
   const std::string border = plural(closing.border_edges, "edge has", "edges have");
@@ -142,8 +167,9 @@ TriangleSurface close_surface(const PolygonSoup& soup, bool repair, Diagnostics&
       throw InputError(soup.source + ": the surface encloses no volume: there is nothing to fill");
     throw InputError(soup.source + ": the surface is not closed: " + border +
                      " a face on one side only" +
-                     (repair ? ", and not every hole could be given a lid"
-                             : "; --repair puts a lid on each hole"));
+                     (repair ? ", and not every hole could be given a lid; close by hand"
+                             : "; --repair puts a lid on each hole") +
+                     list_of_holes(closing.holes));
   }
   if (closing.holes_filled != 0)
     diagnostics.warn(soup.source + ": the surface is not closed, " + border +

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "kernel/base/diagnostics.hpp"
+#include "kernel/geometry/geometry_module.hpp"
 #include "kernel/geometry/surface.hpp"
 
 namespace suture {
@@ -24,10 +25,16 @@ void write_surface(const std::filesystem::path& path, const TriangleSurface& sur
 
 /// Converts faces to triangles that bound a body: equal points are merged, faces are oriented
 /// outward, polygons are triangulated; duplicate and degenerate faces are dropped. Throws
-/// InputError for a surface that has a border (gives the number of edges) or intersects itself
+/// InputError for a surface that has a border (gives the number of edges and the places of
+/// the holes) or intersects itself
 /// (gives the number of pairs of triangles). With `repair`, each hole is filled and
 /// self-intersections are accepted, with a warning for each; the region enclosed by several sheets
 /// is inside. About 5 us per triangle.
 TriangleSurface close_surface(const PolygonSoup& soup, bool repair, Diagnostics& diagnostics);
+
+/// Whether a file has the extension of a surface that read_soup() reads.
+bool is_surface_file(const std::filesystem::path& path);
+/// "a hole of 12 edges, 0.3 m around, at [0, 0.1, 0.2] m".
+std::string hole_text(const Hole& hole);
 
 }  // namespace suture

@@ -165,6 +165,25 @@ TEST_F(Commands, SurfacesAreFilled) {
   EXPECT_FALSE(std::filesystem::exists(folder() / "o.vtu"));
 }
 
+TEST_F(Commands, SurfacesAreMeasuredAndTheirHolesNamed) {
+  const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+  write("closed.obj", points + "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
+  const Outcome closed = suture({"mesh", "info", "closed.obj", "--scale", "6"});
+  EXPECT_EQ(closed.code, 0) << closed;
+  for (const char* line : {"closed.obj: a surface of 4 points, 4 triangles, 1 component",
+                           "bounding box: [0, 0, 0] to [6, 6, 6] m", "closed; volume: 36 m^3"})
+    EXPECT_TRUE(closed.says(line)) << line << closed;
+  write("open.obj", points + "f 1 3 2\nf 1 2 4\nf 1 4 3\n");
+  const Outcome open = suture({"mesh", "info", "open.obj"});
+  EXPECT_EQ(open.code, 0) << open;
+  const char* hole = "a hole of 3 edges, 4.243 m around, at [0.333333, 0.333333, 0.333333] m";
+  EXPECT_TRUE(open.says(hole)) << open;
+  EXPECT_TRUE(open.says("not closed: 1 hole, 3 edges with a face on one side only")) << open;
+  const Outcome refused = suture({"mesh", "voxelize", "open.obj", "-o", "m.vtu", "--cells", "9"});
+  EXPECT_EQ(refused.code, 3) << refused;
+  EXPECT_TRUE(refused.says(hole)) << refused;
+}
+
 TEST_F(Commands, CheckRunsNothing) {
   const Outcome good = scene("check", "");
   EXPECT_EQ(good.code, 0) << good;

@@ -7,6 +7,8 @@
 #include <CGAL/IO/PLY.h>
 #include <CGAL/IO/STL.h>
 #include <CGAL/Polygon_mesh_processing/border.h>
+#include <CGAL/Polygon_mesh_processing/connected_components.h>
+#include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
 #include <CGAL/Polygon_mesh_processing/orientation.h>
 #include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
@@ -17,6 +19,9 @@
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/exceptions.h>
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
 #include <sstream>
 
 #include "kernel/geometry/module/parts.hpp"
@@ -78,12 +83,42 @@ std::size_t border_edges(const SurfaceMesh& mesh) {
   return count;
 }
 
-// Returns the number of holes that got a lid.
-std::size_t fill_holes(SurfaceMesh& mesh) {
+std::vector<SurfaceMesh::Halfedge_index> borders_of(const SurfaceMesh& mesh) {
   std::vector<SurfaceMesh::Halfedge_index> borders;
   processing::extract_boundary_cycles(mesh, std::back_inserter(borders));
+  return borders;
+}
+
+Hole hole_along(SurfaceMesh::Halfedge_index border, const SurfaceMesh& mesh) {
+  Hole hole;
+  for (const auto h : CGAL::halfedges_around_face(border, mesh)) {
+    const Point& p = mesh.point(mesh.source(h));
+    hole.length += std::sqrt(CGAL::squared_distance(p, mesh.point(mesh.target(h))));
+    ++hole.edges;
+    for (int a = 0; a < 3; ++a) hole.middle[a] += p[a];
+  }
+  for (double& x : hole.middle) x /= static_cast<double>(hole.edges);
+  return hole;
+}
+
+std::vector<Hole> holes_of(const SurfaceMesh& mesh) {
+  std::vector<Hole> holes;
+  for (const auto border : borders_of(mesh)) holes.push_back(hole_along(border, mesh));
+  std::ranges::stable_sort(holes, std::greater{}, &Hole::edges);
+  return holes;
+}
+
+std::size_t count_components(SurfaceMesh& mesh) {
+  auto component = mesh.add_property_map<SurfaceMesh::Face_index, std::size_t>("f:component").first;
+  const std::size_t count = processing::connected_components(mesh, component);
+  mesh.remove_property_map(component);
+  return count;
+}
+
+// Returns the number of holes that got a lid.
+std::size_t fill_holes(SurfaceMesh& mesh) {
   std::size_t filled = 0;
-  for (const auto border : borders) {
+  for (const auto border : borders_of(mesh)) {
     std::vector<SurfaceMesh::Face_index> lid;
     processing::triangulate_hole(mesh, border, std::back_inserter(lid));
     filled += lid.empty() ? 0 : 1;
@@ -146,11 +181,13 @@ Closing close(const PolygonSoup& soup, bool repair) {
   processing::polygon_soup_to_polygon_mesh(points, polygons, mesh);
   if (mesh.number_of_faces() == 0) return result;
   processing::triangulate_faces(mesh);
+  result.triangles = mesh.number_of_faces();
+  result.components = count_components(mesh);
   result.border_edges = border_edges(mesh);
   if (result.border_edges != 0) {
-    if (!repair) return result;
-    result.holes_filled = fill_holes(mesh);
-    if (border_edges(mesh) != 0) return result;
+    if (repair) result.holes_filled = fill_holes(mesh);
+    result.holes = holes_of(mesh);
+    if (!result.holes.empty()) return result;
   }
   result.crossings = count_crossings(mesh);
   if (result.crossings != 0 && !repair) return result;
@@ -163,6 +200,7 @@ Closing close(const PolygonSoup& soup, bool repair) {
     result.border_edges = 0;
     return result;
   }
+  result.volume = processing::volume(mesh);
   result.surface = to_surface(mesh);
   result.surface.source = soup.source;
   return result;

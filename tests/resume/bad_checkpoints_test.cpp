@@ -104,7 +104,8 @@ TEST_F(BadCheckpoint, OfAnotherKindOrVersionOrDamagedIsRefused) {
   bytes[bytes.find("format ") + 7] = '7';
   write("out/format.h5", bytes);
   expect_refused("out/format.h5", 3, {"out/format.h5", "format 7"});
-  expect_refused("out/missing.h5", 3, {"out/missing.h5", "cannot be opened", "the newest one there"});
+  expect_refused("out/missing.h5", 3,
+                 {"out/missing.h5", "cannot be opened", "the newest one there"});
   expect_refused("out", 3, {"is a folder"});
   forge("out/older.h5", [](CheckpointHeader& header) { header.program = "suture 0.0.7"; });
   expect_refused("out/older.h5", 3, {"out/older.h5", "suture 0.0.7"});

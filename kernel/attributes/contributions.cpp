@@ -2,9 +2,9 @@
 #include "kernel/attributes/contributions.hpp"
 
 #include <algorithm>
+#include <boost/range/irange.hpp>
 #include <cmath>
 #include <limits>
-#include <ranges>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/reset_error.hpp"
@@ -48,7 +48,7 @@ void for_each_batch(const CellSet& region, const Elements& elements, Visit visit
 }
 
 auto all_elements(const CellComplex& complex) {
-  return std::views::iota(Index{0}, complex.element_count());
+  return boost::irange(Index{0}, complex.element_count());
 }
 
 /// What hexahedra give; the plugin host has checked that it is there.

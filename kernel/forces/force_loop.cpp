@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <ranges>
-
 #include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/forces/force_loop_impl.hpp"
 
@@ -323,6 +321,19 @@ void ForceLoop::follow(const CellComplex& complex, const TopologyChange& change)
   for (CompiledFunctor& functor : impl_->functors) functor.update(complex, change);
 }
 
+namespace {
+
+/// Items that a state reads into but of which it makes none.
+template <class Items>
+struct FixedList {
+  explicit FixedList(Items& list) : items(list) {}
+  std::size_t size() const { return items.size(); }
+  auto& operator[](std::size_t i) { return items[i]; }
+  Items& items;
+};
+
+}  // namespace
+
 void ForceLoop::state(Archive& archive) {
   Impl& i = *impl_;
   archive("fed", i.fed);
@@ -336,8 +347,8 @@ void ForceLoop::state(Archive& archive) {
   archive.require(fits(i.still.size(), i.attributes.vertex_count()) &&
                       fits(i.awake_rows.size(), i.attributes.instances().size()),
                   "what is still or asleep is of another body");
-  if (auto nodes = std::views::all(i.row_nodes); i.operated) archive.each("row_nodes", nodes);
-  auto functors = std::views::all(i.functors);
+  if (FixedList nodes{i.row_nodes}; i.operated) archive.each("row_nodes", nodes);
+  FixedList functors{i.functors};
   archive.each("functors", functors, [&](Archive& a, CompiledFunctor& functor) {
     functor.state(a, i.still.empty() ? nullptr : &i.still);
   });

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <ranges>
+#include <span>
 
 #include "kernel/base/vec3.hpp"
 
@@ -135,7 +135,7 @@ template <class List>
 auto within(List& list, Index begin, Index end) {
   const auto vertex = [](const auto& entry) { return entry.vertex; };
   const auto first = std::ranges::lower_bound(list, begin, {}, vertex);
-  return std::ranges::subrange(
+  return std::span(
       first, std::lower_bound(first, list.end(), end,
                               [](const auto& entry, Index limit) { return entry.vertex < limit; }));
 }

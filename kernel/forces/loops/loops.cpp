@@ -322,6 +322,17 @@ void move_some(const Motion& m, uint32_t first, uint32_t count, Row gravity, Row
                          Row{} + m.mass[first + l], gravity, sums);
 }
 
+/// The values at the places; clang, of the fuzzers, has no shuffle by a variable.
+inline TwoRows picked(const Eight& values, const Places& places) {
+#ifdef __clang__
+  TwoRows result{};
+  for (int i = 0; i < 8; ++i) result[i] = values[places[i]];
+  return result;
+#else
+  return __builtin_shuffle(values, places);
+#endif
+}
+
 /// A whole block, two vertices at a time; masses are inverted together (a division per
 /// vertex would cost as much as the rest), and two sums break the chain of additions.
 template <int Kicks, bool Drift>
@@ -336,8 +347,8 @@ inline void move_block(const Motion& m, uint32_t first, TwoRows gravity, TwoRowS
   const Eight masses = load<Eight>(m.mass + first), inverses = 1.0 / masses;
   const auto two = [&](int64_t l) __attribute__((always_inline)) {
     const Places each{l, l, l, l, l + 1, l + 1, l + 1, l + 1};
-    const TwoRows inverse = __builtin_shuffle(inverses, each);
-    const TwoRows mass = __builtin_shuffle(masses, each);
+    const TwoRows inverse = picked(inverses, each);
+    const TwoRows mass = picked(masses, each);
     move<Kicks, Drift>(m, at + static_cast<uint64_t>(l) * 4, inverse, mass, gravity,
                        sums[l / 2 % 2]);
   };

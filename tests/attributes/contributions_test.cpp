@@ -99,7 +99,7 @@ TEST(Contribute, ValuesThatAreNotFiniteAndNegativeMassesAreRefusedWithTheirEleme
       message().find("attribute 'mass', contribution of elements 70, 71: element 71 gives -1"),
       std::string::npos)
       << message();
-  mass.contribution = gives_infinity;
+  fake::contribute_by(mass, gives_infinity);
   mass.flags = 0;
   EXPECT_NE(message().find("element 70 gives inf"), std::string::npos) << message();
 }

@@ -55,6 +55,7 @@ std::string EventOutcome::text() const {
 struct EventRunner::Call {
   EventRunner& runner;
   const Event& event;
+  std::uint32_t number;  ///< of the event in the scene, or none
   double time;
   State& state;
   BuiltScene& built = runner.built_;
@@ -77,8 +78,11 @@ struct EventRunner::Call {
     return outcome;
   }
   Index cut_now(const std::vector<Dart>& faces) const {
-    const TopologyChange change = built.body().cut(faces);
-    return change.faces_cut;
+    if (runner.scene_.output.cuts)
+      for (const Dart side : faces)
+        for (const Dart d : {side, built.body().complex().beta3(side)})
+          runner.opened_.push_back({d, number, time});
+    return built.body().cut(faces).faces_cut;
   }
   EventOutcome cut(const std::vector<Dart>& faces) const {
     if (faces.empty()) warn_once(" cuts no face: the blade misses the body" + or_is_cut());
@@ -297,7 +301,7 @@ void EventRunner::check(const Event& event) {
   };
   if (const auto* faces = std::get_if<CutFaces>(&event.what)) {
     State unused;
-    Call{*this, event, 0, unused}.faces_of(*faces);
+    Call{*this, event, none, 0, unused}.faces_of(*faces);
   } else if (const auto* pierce = std::get_if<Pierce>(&event.what)) {
     if (pierce->where) check_names(*pierce->where);
   } else if (const auto* sew = std::get_if<SewFaces>(&event.what)) {
@@ -330,9 +334,11 @@ void EventRunner::follow(const CellComplex& complex, const TopologyChange& chang
 
 EventOutcome EventRunner::fire(std::size_t i, double time) {
   const Event& event = scene_.events[i];
-  const EventOutcome outcome = std::visit(Call{*this, event, time, states_[i]}, event.what);
+  const EventOutcome outcome =
+      std::visit(Call{*this, event, static_cast<std::uint32_t>(i), time, states_[i]}, event.what);
   states_[i].had_effect |= outcome.changed();
   states_[i].came = true;
+  states_[i].last = time;
   return outcome;
 }
 
@@ -340,7 +346,7 @@ EventOutcome EventRunner::apply(const Event& event, double time) {
   if (std::holds_alternative<CutBlade>(event.what))
     throw InputError(event.path + "/cut: a moving blade takes time; put it into the scene");
   State state = prepare(event);
-  return std::visit(Call{*this, event, time, state}, event.what);
+  return std::visit(Call{*this, event, none, time, state}, event.what);
 }
 
 // A blade knows where the tissue was at its last step.
@@ -369,16 +375,38 @@ void EventRunner::finish() {
   }
 }
 
+std::vector<BladeShape> EventRunner::blades(double time) const {
+  std::vector<BladeShape> shapes;
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    const State& state = states_[i];
+    const auto number = static_cast<std::uint32_t>(i);
+    if (state.blade && state.blade->begin() <= time && time <= state.blade->end())
+      shapes.push_back({number, state.blade->at(time), {}});
+    if (state.surface && (!state.came || state.last >= time || scene_.events[i].every > 0))
+      shapes.push_back(
+          {number, state.surface->surface().points, state.surface->surface().triangles});
+  }
+  return shapes;
+}
+
+void OpenedFace::state(Archive& archive) {
+  archive("side", side);
+  archive("event", event);
+  archive("time", time);
+}
+
 void EventRunner::state(Archive& archive) {
   std::span states = states_;
   archive.each("events", states, [](Archive& each, State& state) {
     each("came", state.came);
     each("had effect", state.had_effect);
+    each("last", state.last);
     each("told misfits", state.told_misfits);
     if (state.tear) each("tear", *state.tear);
     if (state.blade) each("blade", *state.blade);
   });
   archive("removals", removals_);
+  archive.each("opened", opened_);
 }
 
 }  // namespace suture

@@ -12,6 +12,21 @@
 
 namespace suture {
 
+/// A side of a face that an event opened. Both sides are listed.
+struct OpenedFace {
+  Dart side = none;         ///< any dart of it
+  std::uint32_t event = 0;  ///< by place in the scene; none for an event from C++
+  double time = 0;          ///< s
+  void state(Archive& archive);
+};
+
+/// A blade as it is now, in coordinates of the body's frame.
+struct BladeShape {
+  std::uint32_t event = 0;  ///< by place in the scene
+  std::vector<Vec3> points;
+  std::vector<std::array<Index, 3>> triangles;  ///< of a surface; empty: the points are a polyline
+};
+
 class MovingBlade;
 class SurfaceBlade;
 
@@ -43,6 +58,11 @@ class EventRunner : private Follower {
   void go_back(double time);
   /// Warns of events that had no effect in the whole run.
   void finish();
+  /// What cuts and tears opened so far, in order; sewn faces and those of removed elements stay in
+  /// the list. Empty unless the scene asks for it (/output/cuts).
+  const std::vector<OpenedFace>& opened() const { return opened_; }
+  /// The moving blades that are present at `time`, and the surfaces that have not cut before it.
+  std::vector<BladeShape> blades(double time) const;
   void state(Archive& archive);
 
  private:
@@ -53,6 +73,7 @@ class EventRunner : private Follower {
     std::unique_ptr<SurfaceBlade> surface;
     std::unique_ptr<MovingBlade> blade;
     bool came = false, had_effect = false;
+    double last = 0;  ///< s, when it came
     bool told_misfits = false;
   };
 
@@ -67,6 +88,7 @@ class EventRunner : private Follower {
   Diagnostics& diagnostics_;
   RemovalWatch removals_;
   std::vector<State> states_;  ///< by event
+  std::vector<OpenedFace> opened_;
 };
 
 }  // namespace suture

@@ -16,7 +16,7 @@ void Frame::state(Archive& archive) {
   archive("time", time);
   archive("points", points);
   archive("hexahedra", hexahedra);
-  archive("lines", lines);
+  archive("cells", cells);
   archive("point_fields", point_fields);
   archive("cell_fields", cell_fields);
   archive("provenance", field_data_provenance);

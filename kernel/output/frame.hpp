@@ -21,6 +21,9 @@ struct FrameField {
   void state(Archive& archive);
 };
 
+/// A line, triangle or quadrilateral: 2, 3 or 4 points; unused places at the end are `none`.
+using SmallCell = std::array<Index, 4>;
+
 /// A copy of what one frame shows, so that the simulation can go on while it is
 /// written. Points and cells are those of the complex, in its order; ids of the
 /// user are fields. Nodes X0..X7; the writer converts to VTK's order.
@@ -29,7 +32,7 @@ struct Frame {
   double time = 0;  ///< s
   std::vector<Vec3> points;
   std::vector<Hexahedron> hexahedra;  ///< or
-  std::vector<std::array<Index, 2>> lines;
+  std::vector<SmallCell> cells;
   std::vector<FrameField> point_fields;
   std::vector<FrameField> cell_fields;
   std::string field_data_provenance;  ///< scene hash, plugin versions

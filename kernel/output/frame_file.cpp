@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/output/frame_file.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "kernel/base/error.hpp"
@@ -20,7 +21,7 @@ void check_field(const FrameField& field, std::size_t tuples) {
 }
 
 std::size_t cell_count(const Frame& frame) {
-  return frame.lines.empty() ? frame.hexahedra.size() : frame.lines.size();
+  return frame.cells.empty() ? frame.hexahedra.size() : frame.cells.size();
 }
 
 std::vector<VtuArray> arrays_of(const std::vector<FrameField>& fields) {
@@ -51,6 +52,22 @@ VtuCompression compression_of(FrameWriterOptions::Compression compression) {
   return VtuCompression::lz4;
 }
 
+/// Small cells as VTK wants them: the points of all, and the number of points of each.
+struct PackedCells {
+  std::vector<Index> points;
+  std::vector<std::uint8_t> sizes;
+
+  explicit PackedCells(const std::vector<SmallCell>& cells) {
+    points.reserve(4 * cells.size());
+    sizes.reserve(cells.size());
+    for (const SmallCell& cell : cells) {
+      const auto end = std::ranges::find(cell, none);
+      points.insert(points.end(), cell.begin(), end);
+      sizes.push_back(static_cast<std::uint8_t>(end - cell.begin()));
+    }
+  }
+};
+
 }  // namespace
 
 void check_frame(const Frame& frame) {
@@ -64,9 +81,11 @@ void write_frame(OutputFile& file, Frame& frame, FrameWriterOptions::Compression
   image.points = frame.points.data();
   image.point_count = frame.points.size();
   image.cell_count = cell_count(frame);
-  image.nodes_per_cell = frame.lines.empty() ? 8 : 2;
-  image.connectivity = frame.lines.empty() ? reinterpret_cast<const Index*>(frame.hexahedra.data())
-                                           : reinterpret_cast<const Index*>(frame.lines.data());
+  const PackedCells small(frame.cells);
+  image.connectivity = frame.cells.empty() ? reinterpret_cast<const Index*>(frame.hexahedra.data())
+                                           : small.points.data();
+  image.connectivity_size = frame.cells.empty() ? 8 * frame.hexahedra.size() : small.points.size();
+  image.cell_sizes = small.sizes;
   image.point_arrays = arrays_of(frame.point_fields);
   image.cell_arrays = arrays_of(frame.cell_fields);
   image.time = frame.time;

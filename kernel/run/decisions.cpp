@@ -174,8 +174,12 @@ void decide_output(const Scene& scene, const BuiltScene& built, const Recorder& 
                       ? "every " + count_text(scene.output.probes_every, "step") + ", with " +
                             names(recorder.probe_table()->fields())
                       : "not asked for"});
-  list.push_back({"springs", !scene.output.springs,
-                  scene.output.springs ? "a second file per frame" : "not asked for"});
+  const auto series = [&](const char* name, bool wanted) {
+    list.push_back({name, !wanted, wanted ? "one more file per frame" : "not requested"});
+  };
+  series("springs", scene.output.springs);
+  series("faces", scene.output.faces);
+  series("cuts", scene.output.cuts);
 }
 
 bool only_cuts(const std::vector<Event>& events) {

@@ -50,7 +50,7 @@ Frame frame_of(BuiltScene& built, double time) {
         }))
       failure.ids[e] = not_finite;
   frame.cell_fields = {std::move(failure)};
-  leave_out_holes(frame, Shown::of(built.body().complex()), {});
+  leave_out_holes(frame, Shown::of(built.body().complex()));
   return frame;
 }
 

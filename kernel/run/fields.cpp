@@ -124,14 +124,16 @@ void model(BuiltScene& built, const Vec3&, double, FrameField& field) {
   }
 }
 
-// Where a cell of an instance's table stands in the frame: springs instance after
+bool is_by_row(int dimension) { return dimension == 1 || dimension == 2; }
+
+// Where a cell of an instance's table stands in the frame: springs and faces instance after
 // instance in the order of their rows, elements and vertices by number.
 std::size_t frame_size(BuiltScene& built, int dimension) {
-  if (dimension != 1) return built.body().complex().count(dimension);
-  std::size_t springs = 0;
+  if (!is_by_row(dimension)) return built.body().complex().count(dimension);
+  std::size_t rows = 0;
   for (const auto& instance : built.body().attributes().instances())
-    springs += instance->table(1).cells.size();
-  return springs;
+    rows += instance->table(dimension).cells.size();
+  return rows;
 }
 
 // values(instance, out): components per row of the instance's table.
@@ -142,23 +144,24 @@ void gather_instances(BuiltScene& built, int dimension, int components, FrameFie
   field.components = components;
   field.values.assign(frame_size(built, dimension) * width,
                       std::numeric_limits<double>::quiet_NaN());
-  std::size_t springs = 0;
+  std::size_t rows = 0;  // of the instances before
   for (const auto& instance : built.body().attributes().instances()) {
     const CellSet& cells = instance->table(dimension).cells;
     std::vector<double> of_rows(cells.size() * width, std::numeric_limits<double>::quiet_NaN());
     if (values(*instance, of_rows)) {
       for (Index row = 0; row < cells.size(); ++row) {
         if (!has_cell(built.body().complex(), instance->table(dimension), row)) continue;
-        const std::size_t place = dimension == 1 ? springs + row : cells.cell(row);
+        const std::size_t place = is_by_row(dimension) ? rows + row : cells.cell(row);
         std::copy_n(of_rows.data() + row * width, width, field.values.data() + place * width);
       }
     }
-    springs += cells.size();
+    rows += cells.size();
   }
 }
 
 On place_of(std::uint32_t dimension) {
-  return dimension == 0 ? On::points : dimension == 1 ? On::springs : On::cells;
+  constexpr On places[] = {On::points, On::springs, On::faces, On::cells};
+  return places[dimension];
 }
 
 std::string unit_of(const char* text) { return text == nullptr ? "1" : text; }
@@ -262,14 +265,14 @@ std::vector<FieldChoice> model_fields(BuiltScene& built) {
     const suture_model& table = instance->model();
     for (const suture_functor& functor : std::span(table.functors, table.functor_count)) {
       const auto* output = extension_of<suture_output_1>(functor, SUTURE_OUTPUT_1);
-      if (output == nullptr || functor.dimension == 2) continue;
+      if (output == nullptr) continue;
       for (std::uint32_t f = 0; f < output->field_count; ++f)
         add_once(fields, output_field(functor, output->fields[f]));
     }
     for (const suture_attribute& attribute : std::span(table.attributes, table.attribute_count)) {
       const bool shown =
           (attribute.flags & SUTURE_OUTPUT) != 0 && (attribute.flags & SUTURE_SHARED_MASS) == 0;
-      if (shown && attribute.dimension != 2) add_once(fields, attribute_field(attribute));
+      if (shown) add_once(fields, attribute_field(attribute));
     }
   }
   return fields;
@@ -281,15 +284,19 @@ std::vector<FieldChoice> all_fields(BuiltScene& built) {
   return all;
 }
 
+bool is_in_frames(const FieldChoice& field) {
+  return field.on == On::points || field.on == On::cells;
+}
+
 const FieldChoice& field_named(const std::vector<FieldChoice>& fields, const std::string& name,
                                const std::string& path) {
   const auto found = std::find_if(fields.begin(), fields.end(), [&](const FieldChoice& f) {
-    return f.name == name && f.on != On::springs;
+    return f.name == name && is_in_frames(f);
   });
   if (found != fields.end()) return *found;
   std::vector<std::string> names;
   for (const FieldChoice& f : fields) {
-    if (f.on != On::springs) names.push_back(f.name);
+    if (is_in_frames(f)) names.push_back(f.name);
   }
   std::string text =
       path + ": no model of this scene gives " + quote(name) + did_you_mean(name, names);
@@ -302,11 +309,23 @@ std::vector<FieldChoice> choose_fields(BuiltScene& built, const OutputOptions& o
   std::vector<FieldChoice> chosen;
   for (const std::string& name : options.fields)
     chosen.push_back(field_named(all, name, "/output/fields"));
-  if (options.springs) {
-    std::copy_if(all.begin(), all.end(), std::back_inserter(chosen),
-                 [](const FieldChoice& f) { return f.on == On::springs; });
-  }
+  std::ranges::copy_if(all, std::back_inserter(chosen), [&](const FieldChoice& f) {
+    return (f.on == On::springs && options.springs) || (f.on == On::faces && options.faces);
+  });
   return chosen;
+}
+
+void fill_fields(const std::vector<FieldChoice>& choices, FieldChoice::On on, BuiltScene& built,
+                 const Vec3& gravity, double time, std::vector<FrameField>& fields) {
+  std::size_t used = 0;
+  for (const FieldChoice& choice : choices) {
+    if (choice.on != on) continue;
+    if (used == fields.size()) fields.emplace_back();
+    FrameField& field = fields[used++];
+    field.name = choice.name;
+    choice.fill(built, gravity, time, field);
+  }
+  fields.resize(used);
 }
 
 std::vector<FieldChoice> fields_besides(BuiltScene& built, const std::vector<FieldChoice>& chosen) {

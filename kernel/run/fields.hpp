@@ -12,7 +12,7 @@ namespace suture {
 
 /// One field that a scene can request.
 struct FieldChoice {
-  enum class On { points, cells, springs };
+  enum class On { points, cells, springs, faces };
   std::string name;
   On on = On::points;
   bool needs_force = false;  ///< forces must match the positions of the frame
@@ -47,14 +47,21 @@ std::vector<FieldChoice> model_fields(BuiltScene& built);
 /// The fields of every run, followed by those of its models.
 std::vector<FieldChoice> all_fields(BuiltScene& built);
 
+/// Whether frames and probes can show it: it lies on points or elements.
+bool is_in_frames(const FieldChoice& field);
+
 /// The field of points or elements with this name among `fields`. Throws InputError that begins
 /// with `path` and names the nearest field and all others.
 const FieldChoice& field_named(const std::vector<FieldChoice>& fields, const std::string& name,
                                const std::string& path);
 
-/// The chosen fields; for springs, all fields of the run. Throws InputError for a field that no
-/// model of this scene provides, naming the nearest.
+/// The chosen fields; for springs and faces, all fields of the run. Throws InputError for a field
+/// that no model of this scene provides, naming the nearest.
 std::vector<FieldChoice> choose_fields(BuiltScene& built, const OutputOptions& options);
+
+/// Computes the chosen fields that lie on `on`; the memory of `fields` is used again.
+void fill_fields(const std::vector<FieldChoice>& choices, FieldChoice::On on, BuiltScene& built,
+                 const Vec3& gravity, double time, std::vector<FrameField>& fields);
 
 /// The fields of this scene that are not among `chosen`.
 std::vector<FieldChoice> fields_besides(BuiltScene& built, const std::vector<FieldChoice>& chosen);

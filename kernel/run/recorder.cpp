@@ -37,27 +37,14 @@ void copy_points(BuiltScene& built, std::vector<Vec3>& points) {
   }
 }
 
-void fill_fields(const std::vector<FieldChoice>& choices, FieldChoice::On on, BuiltScene& built,
-                 const Vec3& gravity, double time, std::vector<FrameField>& fields) {
-  std::size_t used = 0;
-  for (const FieldChoice& choice : choices) {
-    if (choice.on != on) continue;
-    if (used == fields.size()) fields.emplace_back();
-    FrameField& field = fields[used++];
-    field.name = choice.name;
-    choice.fill(built, gravity, time, field);
-  }
-  fields.resize(used);
-}
-
 bool has_holes(const CellComplex& complex) {
   return complex.existing(0) < complex.count(0) || complex.existing(3) < complex.count(3);
 }
 
 }  // namespace
 
-Recorder::Recorder(const Scene& scene, BuiltScene& built, std::string provenance,
-                   std::shared_ptr<OutputFolder> folder)
+Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& events,
+                   std::string provenance, std::shared_ptr<OutputFolder> folder)
     : built_(built), provenance_(std::move(provenance)), folder_(std::move(folder)) {
   const OutputOptions& options = scene.output;
   if (!options.enabled) return;
@@ -70,10 +57,11 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, std::string provenance
   frames_ = std::make_unique<FrameWriter>(writer_options(options, folder_));
   mode_options_ = writer_options(options, folder_);
   mode_options_.prefix = mode_options_.collection = "mode";
-  if (options.springs) {
-    FrameWriterOptions springs = writer_options(options, folder_);
-    springs.prefix = springs.collection = "springs";
-    springs_ = std::make_unique<FrameWriter>(springs);
+  sides_ = side_series(options, fields_, built, events);
+  for (SideSeries& side : sides_) {
+    FrameWriterOptions writer = writer_options(options, folder_);
+    writer.prefix = writer.collection = side.name;
+    side.writer = std::make_unique<FrameWriter>(writer);
   }
   if (options.energies_every > 0) {
     std::vector<std::string> columns{"time [s]", "dt [s]", "kinetic [J]", "elastic [J]"};
@@ -96,7 +84,6 @@ void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity,
   copy_points(built_, frame.points);
   const auto hexahedra = built_.body().complex().vertices();
   frame.hexahedra.assign(hexahedra.begin(), hexahedra.end());
-  frame.lines.clear();
   fill_fields(fields_, FieldChoice::On::points, built_, gravity, time, frame.point_fields);
   fill_fields(fields_, FieldChoice::On::cells, built_, gravity, time, frame.cell_fields);
   if (mode != nullptr) {
@@ -107,7 +94,7 @@ void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity,
   }
   frame.field_data_provenance = provenance_;
   if (has_holes(built_.body().complex()))
-    leave_out_holes(frame, Shown::of(built_.body().complex()), {});
+    leave_out_holes(frame, Shown::of(built_.body().complex()));
 }
 
 void Recorder::frame(std::uint64_t step, double time, const Vec3& gravity) {
@@ -115,7 +102,7 @@ void Recorder::frame(std::uint64_t step, double time, const Vec3& gravity) {
   auto frame = std::make_unique<Frame>(frames_->take_frame());
   fill_frame(*frame, time, gravity);
   held_.push_back({step, Held::Kind::frame, std::move(frame), {}});
-  if (springs_) springs_frame(step, time, gravity);
+  for (std::size_t i = 0; i < sides_.size(); ++i) side_frame(i, step, time, gravity);
   if (!built_.skips()) fill_other_fields(time, gravity);
   ++frame_number_;
 }
@@ -134,8 +121,8 @@ void Recorder::write(Held& held) {
     case Held::Kind::frame:
       frames_->submit(std::move(*held.frame));
       break;
-    case Held::Kind::springs:
-      springs_->submit(std::move(*held.frame));
+    case Held::Kind::side:
+      sides_[held.side].writer->submit(std::move(*held.frame));
       break;
     case Held::Kind::energies:
       energies_->row(held.step, held.row);
@@ -182,35 +169,13 @@ std::size_t Recorder::rehearse(double time, const Vec3& gravity) {
   return bytes;
 }
 
-// The edges of every instance that has functors on them, row by row.
-void Recorder::springs_frame(std::uint64_t step, double time, const Vec3& gravity) {
-  auto held = std::make_unique<Frame>(springs_->take_frame());
-  Frame& frame = *held;
-  frame.number = frame_number_;
-  frame.time = time;
-  copy_points(built_, frame.points);
-  frame.hexahedra.clear();
-  frame.lines.clear();
-  std::vector<Index> lines;  // those whose edge is left
-  for (const auto& instance : built_.body().attributes().instances()) {
-    const CellSet& cells = instance->table(1).cells;
-    for (Index row = 0; row < cells.size(); ++row) {
-      if (!has_cell(built_.body().complex(), instance->table(1), row)) {
-        frame.lines.emplace_back();
-        continue;
-      }
-      lines.push_back(static_cast<Index>(frame.lines.size()));
-      const Dart d = built_.body().complex().dart_of(1, cells.cell(row));
-      frame.lines.push_back({built_.body().complex().origin(d),
-                             built_.body().complex().origin(CellComplex::beta1(d))});
-    }
-  }
-  frame.point_fields.clear();
-  fill_fields(fields_, FieldChoice::On::springs, built_, gravity, time, frame.cell_fields);
-  frame.field_data_provenance = provenance_;
-  if (has_holes(built_.body().complex()))
-    leave_out_holes(frame, Shown::of(built_.body().complex()), lines);
-  held_.push_back({step, Held::Kind::springs, std::move(held), {}});
+void Recorder::side_frame(std::size_t side, std::uint64_t step, double time, const Vec3& gravity) {
+  auto frame = std::make_unique<Frame>(sides_[side].writer->take_frame());
+  frame->number = frame_number_;
+  frame->time = time;
+  frame->field_data_provenance = provenance_;
+  sides_[side].fill(*frame, time, gravity);
+  held_.push_back({step, Held::Kind::side, std::move(frame), {}, side});
 }
 
 void Recorder::energies(std::uint64_t step, double time, double dt, const EnergyBalance& e) {
@@ -230,7 +195,7 @@ bool Recorder::probes_need(bool FieldChoice::*what) const {
 
 void Recorder::finish() {
   if (frames_) frames_->finish();
-  if (springs_) springs_->finish();
+  for (SideSeries& side : sides_) side.writer->finish();
   if (modes_) modes_->finish();
   if (energies_) energies_->finish();
   if (probes_) probes_->finish();
@@ -246,7 +211,8 @@ void Recorder::Held::state(Archive& archive) {
   archive("step", step);
   archive("kind", kind);
   archive("row", row);
-  if (kind != Kind::frame && kind != Kind::springs) return;
+  archive("side", side);
+  if (kind != Kind::frame && kind != Kind::side) return;
   if (archive.loads()) frame = std::make_unique<Frame>();
   archive("frame", *frame);
 }
@@ -260,7 +226,7 @@ void Recorder::state(Archive& archive) {
     if (file) archive(name, *file);
   };
   writer("frames", frames_);
-  writer("springs", springs_);
+  for (SideSeries& side : sides_) archive(side.name, *side.writer);
   writer("modes", modes_);
   writer("energies", energies_);
   writer("probes", probes_);

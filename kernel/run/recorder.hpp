@@ -12,16 +12,17 @@
 #include "kernel/output/frame_writer.hpp"
 #include "kernel/run/fields.hpp"
 #include "kernel/run/probe_table.hpp"
+#include "kernel/run/side_series.hpp"
 
 namespace suture {
 
-/// Writes the results of a run: frames, springs, energies.csv, probes.csv. Records are held back
-/// until release(), because their step may still be rejected. Nothing is created on disk before the
-/// first record is released.
+/// Writes the results of a run: frames and side series, energies.csv, probes.csv. Records are held
+/// back until release(), because their step may still be rejected. Nothing is created on disk
+/// before the first record is released.
 class Recorder {
  public:
   /// Throws InputError for fields or probes that the scene cannot provide.
-  Recorder(const Scene& scene, BuiltScene& built, std::string provenance,
+  Recorder(const Scene& scene, BuiltScene& built, const EventRunner& events, std::string provenance,
            std::shared_ptr<OutputFolder> folder);
 
   bool writes_frames() const { return frames_ != nullptr; }
@@ -69,15 +70,16 @@ class Recorder {
  private:
   void fill_frame(Frame& frame, double time, const Vec3& gravity,
                   const std::vector<Vec3>* mode = nullptr);
-  void springs_frame(std::uint64_t step, double time, const Vec3& gravity);
+  void side_frame(std::size_t side, std::uint64_t step, double time, const Vec3& gravity);
   void fill_other_fields(double time, const Vec3& gravity);
 
   /// A record that may still be dropped.
   struct Held {
     std::uint64_t step = 0;
-    enum class Kind { frame, springs, energies, probes } kind = Kind::frame;
+    enum class Kind { frame, side, energies, probes } kind = Kind::frame;
     std::unique_ptr<Frame> frame;  ///< for the first two kinds
     std::vector<double> row;       ///< for the others
+    std::size_t side = 0;          ///< the series
     void state(Archive& archive);
   };
   void write(Held& held);
@@ -90,7 +92,8 @@ class Recorder {
   std::size_t frame_number_ = 0;
   std::deque<Held> held_;
   std::optional<ProbeTable> probe_table_;
-  std::unique_ptr<FrameWriter> frames_, springs_, modes_;
+  std::unique_ptr<FrameWriter> frames_, modes_;
+  std::vector<SideSeries> sides_;
   FrameWriterOptions mode_options_;
   std::size_t modes_written_ = 0;
   std::unique_ptr<CsvWriter> energies_, probes_;

@@ -57,9 +57,9 @@ class RunLoop {
   Diagnostics& diagnostics_;
   BuiltScene built_;
   const Scene& scene_ = built_.scene();  ///< in the frame of the body
+  EventRunner events_;
   Recorder recorder_;
   EventSchedule schedule_;
-  EventRunner events_;
   EventReport event_report_{scene_.events};
   StepControl control_;
   const Clock& clock_ = control_.clock();

@@ -12,14 +12,6 @@ void keep(std::vector<T>& values, const std::vector<Index>& kept, std::size_t wi
   values.resize(kept.size() * width);
 }
 
-void keep(std::vector<FrameField>& fields, const std::vector<Index>& kept) {
-  for (FrameField& field : fields) {
-    const auto width = static_cast<std::size_t>(field.components);
-    keep(field.values, kept, width);
-    keep(field.ids, kept, width);
-  }
-}
-
 std::vector<Index> existing(const CellComplex& complex, int dimension) {
   std::vector<Index> cells;
   cells.reserve(complex.existing(dimension));
@@ -30,6 +22,14 @@ std::vector<Index> existing(const CellComplex& complex, int dimension) {
 
 }  // namespace
 
+void keep(std::vector<FrameField>& fields, const std::vector<Index>& cells) {
+  for (FrameField& field : fields) {
+    const auto width = static_cast<std::size_t>(field.components);
+    keep(field.values, cells, width);
+    keep(field.ids, cells, width);
+  }
+}
+
 Shown Shown::of(const CellComplex& complex) {
   Shown shown{existing(complex, 0), existing(complex, 3), {}};
   shown.point_of.assign(complex.count(0), none);
@@ -37,16 +37,13 @@ Shown Shown::of(const CellComplex& complex) {
   return shown;
 }
 
-void leave_out_holes(Frame& frame, const Shown& shown, const std::vector<Index>& lines) {
+void leave_out_holes(Frame& frame, const Shown& shown) {
   keep(frame.points, shown.vertices);
   keep(frame.point_fields, shown.vertices);
   keep(frame.hexahedra, shown.elements);
   for (Hexahedron& nodes : frame.hexahedra)
     for (Index& v : nodes) v = shown.point_of[v];
-  keep(frame.lines, lines);
-  for (auto& line : frame.lines)
-    for (Index& v : line) v = shown.point_of[v];
-  keep(frame.cell_fields, frame.hexahedra.empty() ? lines : shown.elements);
+  keep(frame.cell_fields, shown.elements);
 }
 
 }  // namespace suture

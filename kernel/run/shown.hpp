@@ -18,9 +18,11 @@ struct Shown {
   static Shown of(const CellComplex& complex);
 };
 
-/// Drops points, hexahedra or lines that do not exist, and their values in all fields, which before
-/// that have one value per vertex, element or line of the complex. `lines`: the remaining ones.
-/// O(frame).
-void leave_out_holes(Frame& frame, const Shown& shown, const std::vector<Index>& lines);
+/// Keeps the values of these cells only, in this order.
+void keep(std::vector<FrameField>& fields, const std::vector<Index>& cells);
+
+/// Drops points and hexahedra that do not exist, and their values in all fields, which before that
+/// have one value per vertex or element of the complex. O(frame).
+void leave_out_holes(Frame& frame, const Shown& shown);
 
 }  // namespace suture

@@ -14,10 +14,12 @@ namespace {
 struct ModelFields {
   std::vector<std::string> of_cells;    ///< of vertices and elements: in frames and probes
   std::vector<std::string> of_springs;  ///< of edges: in the series of springs
+  std::vector<std::string> of_faces;    ///< in the series of faces
 
   void add(std::uint32_t dimension, const char* name) {
     if (dimension == 0 || dimension == 3) of_cells.emplace_back(name);
     if (dimension == 1) of_springs.emplace_back(name);
+    if (dimension == 2) of_faces.emplace_back(name);
   }
 };
 
@@ -59,35 +61,46 @@ bool all_models_found(const Scene& scene) {
                      [](const ModelUse& use) { return use.model != nullptr; });
 }
 
-bool has_springs(const ModelUse& use) {
-  const std::span functors(use.model->functors, use.model->functor_count);
-  return std::ranges::any_of(functors, [](const auto& f) { return f.dimension == 1; });
+/// Some model has functors on cells of this dimension.
+bool has_functors(const Scene& scene, std::uint32_t dimension) {
+  return std::ranges::any_of(scene.models, [&](const ModelUse& use) {
+    const std::span functors(use.model->functors, use.model->functor_count);
+    return std::ranges::any_of(functors, [&](const auto& f) { return f.dimension == dimension; });
+  });
 }
 
-void read_springs(ObjectReader& object, Reading& reading) {
-  bool& springs = reading.scene.output.springs;
-  springs = object.boolean("springs").value_or(false);
-  if (!springs || !all_models_found(reading.scene) ||
-      std::ranges::any_of(reading.scene.models, has_springs))
-    return;
-  object.complain("springs",
-                  "no model of this scene has springs (functors on edges), so every "
-                  "file would be empty; remove this key");
+/// A series of files with the cells of functors of one dimension.
+bool read_series(ObjectReader& object, const char* key, std::uint32_t dimension, const char* cells,
+                 Reading& reading) {
+  const bool wanted = object.boolean(key).value_or(false);
+  if (wanted && all_models_found(reading.scene) && !has_functors(reading.scene, dimension))
+    object.complain(key, std::string("no model of this scene has ") + cells +
+                             ", so every file would be empty; remove this key");
+  return wanted;
 }
 
-/// Names of fields, each once. Values of springs have a place of their own.
+/// Why a name is not a field of frames and probes: it belongs to a series of its own. "" otherwise.
+std::string other_place(const ModelFields& fields, const std::string& name) {
+  if (contains(fields.of_springs, name))
+    return " is a value of springs, not of nodes or elements; \"springs\": true in /output writes "
+           "it for every spring";
+  if (contains(fields.of_faces, name))
+    return " is a value of faces, not of nodes or elements; \"faces\": true in /output writes it "
+           "for every face";
+  return "";
+}
+
+/// Names of fields, each once. Values of springs and faces have places of their own.
 std::vector<std::string> read_names(const std::vector<JsonValue>& items, const std::string& path,
                                     const std::vector<std::string>& known, Reading& reading) {
-  const std::vector<std::string> springs = model_fields(reading.scene).of_springs;
+  const ModelFields fields = model_fields(reading.scene);
   std::vector<std::string> names;
   for (std::size_t i = 0; i < items.size(); ++i) {
     const JsonValue& item = items[i];
     const std::string item_path = child_path(path, i);
-    if (!contains(known, item.text) && contains(springs, item.text)) {
-      reading.mistakes.add(item.at, item_path,
-                           quote(item.text) +
-                               " is a value of springs, not of nodes or elements; \"springs\": "
-                               "true in /output writes it for every spring");
+    const std::string place = contains(known, item.text) ? "" : other_place(fields, item.text);
+    if (!place.empty()) {
+      reading.mistakes.add(item.at, item_path, quote(item.text) + place);
       continue;
     }
     const auto index = read_choice(item, item_path, known, reading.mistakes);
@@ -237,7 +250,9 @@ void read_output(const JsonValue* value, Reading& reading) {
     output.compression = static_cast<OutputOptions::Compression>(*choice);
   }
   read_tables(object, reading);
-  read_springs(object, reading);
+  output.springs = read_series(object, "springs", 1, "springs (functors on edges)", reading);
+  output.faces = read_series(object, "faces", 2, "functors on faces", reading);
+  output.cuts = object.boolean("cuts").value_or(false);
   object.finish();
 }
 

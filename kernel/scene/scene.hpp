@@ -106,7 +106,9 @@ struct OutputOptions {
   std::uint64_t energies_every = 0;  ///< steps; 0: no energies.csv
   std::uint64_t probes_every = 0;
   std::vector<Probe> probes;
-  bool springs = false;  ///< springs_NNNN.vtu with strain
+  bool springs = false;  ///< springs_NNNN.vtu: edges with the fields of models
+  bool faces = false;    ///< faces_NNNN.vtu: faces with the fields of models
+  bool cuts = false;     ///< cuts_NNNN.vtu: faces that cuts and tears opened, and blades
 };
 
 /// When checkpoints are written, in addition to that of an interrupted run.

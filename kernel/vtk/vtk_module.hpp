@@ -32,8 +32,10 @@ struct VtuImage {
   const Vec3* points = nullptr;
   std::size_t point_count = 0;
   const Index* connectivity = nullptr;  ///< VTK's node order
+  std::size_t connectivity_size = 0;
   std::size_t cell_count = 0;
-  int nodes_per_cell = 8;  ///< 8: hexahedra, 2: lines
+  /// Points of each cell: 2 line, 3 triangle, 4 quadrilateral; empty: all cells are hexahedra.
+  std::span<const std::uint8_t> cell_sizes;
   std::vector<VtuArray> point_arrays, cell_arrays;
   std::optional<double> time;  ///< s, as "TimeValue"
   std::string provenance;      ///< as the text "provenance"; empty: none

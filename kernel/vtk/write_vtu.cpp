@@ -154,6 +154,19 @@ void add_arrays(vtkDataSetAttributes* data, const std::vector<VtuArray>& sources
   }
 }
 
+unsigned char type_of(int points) {
+  switch (points) {
+    case 2:
+      return VTK_LINE;
+    case 3:
+      return VTK_TRIANGLE;
+    case 4:
+      return VTK_QUAD;
+    default:
+      return VTK_HEXAHEDRON;
+  }
+}
+
 vtkSmartPointer<vtkUnstructuredGrid> grid_of(const VtuImage& image) {
   auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
   const vtkNew<vtkPoints> points;
@@ -163,14 +176,17 @@ vtkSmartPointer<vtkUnstructuredGrid> grid_of(const VtuImage& image) {
   const vtkIdType n = static_cast<vtkIdType>(image.cell_count);
   const vtkNew<vtkTypeInt32Array> offsets;
   offsets->SetNumberOfValues(n + 1);
-  for (vtkIdType c = 0; c <= n; ++c)
-    offsets->SetValue(c, static_cast<std::int32_t>(c * image.nodes_per_cell));
+  offsets->SetValue(0, 0);
   const vtkNew<vtkUnsignedCharArray> types;
   types->SetNumberOfValues(n);
-  types->FillValue(image.nodes_per_cell == 8 ? VTK_HEXAHEDRON : VTK_LINE);
+  for (vtkIdType c = 0; c < n; ++c) {
+    const int size = image.cell_sizes.empty() ? 8 : image.cell_sizes[static_cast<std::size_t>(c)];
+    offsets->SetValue(c + 1, offsets->GetValue(c) + size);
+    types->SetValue(c, type_of(size));
+  }
   const vtkNew<vtkCellArray> cells;
-  cells->SetData(offsets, borrowed<vtkTypeInt32Array>(image.connectivity,
-                                                      image.cell_count * image.nodes_per_cell, 1));
+  cells->SetData(offsets,
+                 borrowed<vtkTypeInt32Array>(image.connectivity, image.connectivity_size, 1));
   grid->SetCells(types, cells);
 
   add_arrays(grid->GetPointData(), image.point_arrays, image.point_count);

@@ -111,20 +111,20 @@ INSTANTIATE_TEST_SUITE_P(FrameWriter, EveryCompression,
                          testing::Values(Compression::raw, Compression::lz4, Compression::zlib),
                          name_of);
 
-TEST(FrameWriter, WritesLinesForSprings) {
+TEST(FrameWriter, WritesLinesTrianglesAndQuadrilaterals) {
   const TemporaryFolder folder;
   Frame frame;
-  frame.points = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}};
-  frame.lines = {{0, 1}, {2, 0}};
-  frame.cell_fields.push_back({"strain", 1, {0.25, -0.5}});
+  frame.points = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {1, 2, 0}};
+  frame.cells = {{0, 1, none, none}, {2, 0, 1, none}, {0, 1, 3, 2}};
+  frame.cell_fields.push_back({"strain", 1, {0.25, -0.5, 1}});
   FrameWriter writer(
       {.folder = output(folder.path()), .prefix = "springs", .collection = "springs"});
   writer.submit(std::move(frame));
   writer.finish();
   const VtuContents contents = read_with_vtk(folder / "springs_0000.vtu");
-  EXPECT_EQ(contents.types, (std::vector<int>{3, 3}));
-  EXPECT_EQ(contents.cells, (std::vector<std::vector<long>>{{0, 1}, {2, 0}}));
-  EXPECT_EQ(contents.cell_arrays.at("strain").values, (std::vector<double>{0.25, -0.5}));
+  EXPECT_EQ(contents.types, (std::vector<int>{3, 5, 9}));
+  EXPECT_EQ(contents.cells, (std::vector<std::vector<long>>{{0, 1}, {2, 0, 1}, {0, 1, 3, 2}}));
+  EXPECT_EQ(contents.cell_arrays.at("strain").values, (std::vector<double>{0.25, -0.5, 1}));
   EXPECT_TRUE(fs::exists(folder / "springs.pvd"));
 }
 
@@ -320,7 +320,7 @@ TEST(FrameWriter, FramesThatWereRemovedLeaveTheListOfAResumedRun) {
 
 TEST(Frame, IsSavedWhole) {
   Frame frame = box_frame(3), back;
-  frame.lines = {{1, 2}, {3, 4}};
+  frame.cells = {{1, 2, none, none}, {3, 4, 5, 6}};
   StateTree tree;
   save_state(tree, frame);
   load_state(tree, back);
@@ -328,7 +328,7 @@ TEST(Frame, IsSavedWhole) {
   EXPECT_EQ(back.time, frame.time);
   EXPECT_EQ(back.points, frame.points);
   EXPECT_EQ(back.hexahedra, frame.hexahedra);
-  EXPECT_EQ(back.lines, frame.lines);
+  EXPECT_EQ(back.cells, frame.cells);
   EXPECT_EQ(back.field_data_provenance, frame.field_data_provenance);
   ASSERT_EQ(back.point_fields.size(), 2u);
   ASSERT_EQ(back.cell_fields.size(), 1u);

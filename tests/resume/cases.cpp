@@ -78,6 +78,7 @@ void add_output(Json& scene, Random& random) {
         {{"name", "some"}, {"where", "all"}, {"fields", fields}, {"of", "sum"}}};
   }
   if (springs && random.chance(0.5)) output["springs"] = true;
+  if (random.chance(0.5)) output["cuts"] = true;
   scene["output"] = output;
 }
 

@@ -39,7 +39,7 @@ TEST(SceneReader, ReadsEveryKey) {
                {"at": 0.5, "cut": {"plane": {"point": [1.5, 0, 0], "normal": [1, 0, 0]}},
                 "shape": "rest"}],
     "output": {"directory": "d", "every": 0.1, "fields": ["velocity", "wobble"],
-               "compression": "zlib", "energies": {"every_steps": 10}, "springs": true,
+               "compression": "zlib", "energies": {"every_steps": 10}, "cuts": true,
                "probes": {"every_steps": 5, "at": [{"name": "tip", "point": [2, 2, 3]},
                                                    {"name": "end", "where": {"set": "x1"},
                                                     "fields": ["position", "wobble"],

@@ -5,7 +5,9 @@
 
 #include <atomic>
 #include <csignal>
+#include <cstring>
 
+#include "kernel/base/plugin_call.hpp"
 #include "kernel/base/plugin_faults.hpp"
 #include "kernel/output/output_folder.hpp"
 
@@ -17,6 +19,14 @@ std::atomic<bool> started = false;
 std::atomic<const OutputFolder*> opened = nullptr;
 static_assert(std::atomic<const OutputFolder*>::is_always_lock_free);
 
+void put(const char* text) {
+  if (::write(STDERR_FILENO, text, std::strlen(text)) < 0) return;  // nobody is left to tell
+}
+
+void abandon_folder() {
+  if (const OutputFolder* folder = opened) folder->abandon();
+}
+
 // Only what is safe in a signal handler. Building takes minutes where a mesh is large, and has
 // nothing to save.
 void on_signal(int number) {
@@ -25,9 +35,15 @@ void on_signal(int number) {
     interrupt_plugin_calls();
     return;
   }
-  constexpr char text[] = "suture: stopped before the first step; nothing was written\n";
-  if (::write(STDERR_FILENO, text, sizeof text - 1) < 0) ::_exit(128 + number);
-  if (const OutputFolder* folder = opened) folder->abandon();
+  put("suture: stopped before the first step; nothing was written\n");
+  if (plugin_thread.present != nullptr) {
+    char call[2048];
+    describe(*plugin_thread.present, call, sizeof call);
+    put("suture: this call was under way: ");
+    put(call);
+    put("\n");
+  }
+  abandon_folder();
   ::_exit(128 + number);
 }
 
@@ -50,7 +66,10 @@ void catch_signals() {
     if (number != SIGHUP || !is_ignored(number)) sigaction(number, &action, nullptr);
 }
 
-void has_opened(const OutputFolder& folder) { opened = &folder; }
+void has_opened(const OutputFolder& folder) {
+  opened = &folder;
+  at_plugin_fault(&abandon_folder);
+}
 
 void has_started() {
   started = true;

@@ -49,14 +49,21 @@ void put(const char* text) {
 
 /// Says what happened in the present call, and ends the program. Of several threads the
 /// first speaks.
+std::atomic<void (*)()> before_end = nullptr;
+
 [[noreturn]] void end_program(const char* what, const char* cure, int code = exit_plugin) {
-  static std::atomic_flag speaks = ATOMIC_FLAG_INIT;
-  while (speaks.test_and_set()) pause();
+  static std::atomic<pid_t> speaker = 0;
+  pid_t nobody = 0;
+  if (!speaker.compare_exchange_strong(nobody, gettid())) {
+    if (nobody == gettid()) _exit(code);  // the description itself has crashed
+    while (true) pause();                 // another thread is about to end the program
+  }
   char call[2048];
   describe(*plugin_thread.present, call, sizeof call);
   if (isatty(STDERR_FILENO) == 1) put("\r\x1b[K");  // a line of progress
   const char* const parts[] = {"suture: error: ", call, ": ", what, "; ", cure, "\n"};
   for (const char* part : parts) put(part);
+  if (const auto leave = before_end.load()) leave();
   _exit(code);
 }
 
@@ -250,6 +257,8 @@ void guard_plugin_calls() {
   std::at_quick_exit(&on_exit);
   enter_plugin_thread = &enter_thread;
 }
+
+void at_plugin_fault(void (*leave)()) { before_end = leave; }
 
 void interrupt_plugin_calls() { interrupted = true; }
 

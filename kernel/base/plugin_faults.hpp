@@ -13,6 +13,10 @@ namespace suture {
 /// none. Throws UsageError if the variable is not a number.
 void guard_plugin_calls();
 
+/// `leave`, which must be safe in signal handlers, is called before a fault of a plugin ends the
+/// program.
+void at_plugin_fault(void (*leave)());
+
 /// Says that the user wants the program to end: a call that does not return ends it soon, with
 /// exit code 130. Safe in signal handlers.
 void interrupt_plugin_calls();

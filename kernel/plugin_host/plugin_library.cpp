@@ -44,9 +44,10 @@ boost::dll::load_mode::type mode() {
   return static_cast<boost::dll::load_mode::type>(RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
 }
 
-/// Copies of the tables. They live as long as the library, which is never unloaded.
+/// Copies of the tables. Like the library, which is never unloaded, they outlive everything: also
+/// the handlers of exit() that name a plugin.
 const suture_plugin& usable_tables(const suture_plugin& plugin, const std::filesystem::path& file) {
-  static std::vector<std::unique_ptr<PluginTables>> all_tables;
+  static auto& all_tables = *new std::vector<std::unique_ptr<PluginTables>>;
   std::vector<std::string> problems;
   auto tables = copy_tables(plugin, problems);
   if (problems.empty()) problems = table_problems(tables->plugin);

@@ -79,8 +79,6 @@ struct BadValue {
   const char* words;
 };
 
-// What other programs run with all the same: a misspelt model or parameter, values
-// out of range, nothing to run on.
 // What only the mesh shows is reported like a mistake of the text: all at once, with places.
 TEST_F(BadScenes, MistakesThatOnlyTheMeshShowsAreReportedAtOnce) {
   const Outcome outcome = scene("check", R"(,
@@ -101,7 +99,7 @@ TEST_F(BadScenes, MistakesThatOnlyTheMeshShowsAreReportedAtOnce) {
         "s.json:8:29: /constraints/1/where: selects no node",
         "s.json:9:38: /loads/0/where: selects no boundary face",
         "s.json:12:7: /events/0/cut/faces/1: the mesh has no element 99",
-        "s.json:13:23: /events/1/when/where: the mesh has no node with id 777",
+        "s.json:13:24: /events/1/when/where: the mesh has no node with id 777",
         "s.json:14:26: /events/1/pierce/where: the mesh has no set 'y9'",
         "s.json:15:55: /output/probes/at/0/where: the mesh has no node with id 1000",
         "--set '/models/0/region={\"ids\": [99]}': /models/0/region: the mesh has no element with "
@@ -110,6 +108,8 @@ TEST_F(BadScenes, MistakesThatOnlyTheMeshShowsAreReportedAtOnce) {
     EXPECT_TRUE(outcome.says(line)) << line << outcome;
 }
 
+// What other programs run with all the same: a misspelt model or parameter, values
+// out of range, nothing to run on.
 TEST_F(BadScenes, WhatOthersRunWithAllTheSame) {
   const BadValue values[] = {
       {"/models/0/model=tm-fauer", 4, "tm-faure"},

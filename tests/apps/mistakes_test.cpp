@@ -184,7 +184,7 @@ TEST_F(Mistakes, CtrlCEndsACallThatDoesNotReturnAndNamesIt) {
        R"(/models/0={"model": "mistakes", "name": "tissue", "parameters": {"how": "force-says-and-loops"}})"},
       SIGINT, "looping");
   EXPECT_EQ(run.code, 130) << run;
-  for (const char* word : {"plugin 'mistakes'", "functor 'elements'", "does not return"})
+  for (const char* word : {"plugin 'mistakes'", "functor 'elements'", "under way"})
     EXPECT_TRUE(run.says(word)) << run;
 }
 

@@ -361,7 +361,8 @@ TEST_P(TmFaure, MassIsDensityTimesTheExactVolume) {
   HexahedronBatch batch(instance, instance.functor("general hexahedra"), rest);
   suture::AlignedVector<double> out(64);
   ASSERT_EQ(mass->contribution_count, 1u);
-  ASSERT_EQ(mass->contributions[0].function(instance.context(), &batch.batch, out.data()), SUTURE_OK);
+  ASSERT_EQ(mass->contributions[0].function(instance.context(), &batch.batch, out.data()),
+            SUTURE_OK);
   for (int lane = 0; lane < 8; ++lane) {
     const double volume = stvk_reference(rest[lane], rest[lane], Stvk(young, poisson), 4).volume;
     for (int n = 0; n < 8; ++n) EXPECT_NEAR(out[n * 8 + lane] / (density * volume / 8), 1, 1e-14);

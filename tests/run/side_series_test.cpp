@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "kernel/output/frame_file.hpp"
 #include "tests/run/beam.hpp"
 
 namespace suture::test {

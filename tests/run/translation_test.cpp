@@ -207,8 +207,8 @@ TEST_P(ShippedScenes, HaveTheSameBitsFarAway) {
 
 /// A bar of 8 x 2 x 2 cubes of 1/8 m with its lower corner at the shift, and one thing of
 /// each kind that has a coordinate.
-std::string every_coordinate(const Vec3& shift, const std::string& mesh, const std::string& events,
-                             const std::string& directory) {
+std::string every_coordinate(const Vec3& shift, const std::string& mesh,
+                             const std::string& events) {
   const auto p = [&](double x, double y, double z) { return at({x, y, z}, shift); };
   return R"({"suture": 1, "mesh": )" + mesh + R"(,
   "models": [
@@ -235,8 +235,7 @@ std::string every_coordinate(const Vec3& shift, const std::string& mesh, const s
   "solver": {"end": 0.1, "dt": 2e-4, "damping": 5},
   "events": [)" +
          events + R"(],
-  "output": {"directory": ")" +
-         directory + R"(", "fields": ["element_id"],
+  "output": {"fields": ["element_id"],
     "probes": {"every_steps": 50, "at": [
       {"name": "tie", "point": )" +
          p(0.3125, 0.0625, 0.0625) + R"(},
@@ -312,12 +311,13 @@ std::filesystem::path write_blade(const TemporaryFolder& folder) {
   return folder.write("blade.off", "OFF\n3 1 0\n0 -9 -9\n0 9 -9\n0 0 9\n3 0 1 2\n");
 }
 
-Result run_text(const std::string& text) {
+Result run_text(const std::string& text, const std::filesystem::path& output) {
   static const ModelLookup lookup{
       [](std::string_view id) -> const suture_model& { return host().model(id); },
       [](const std::filesystem::path&) {}};
   Diagnostics diagnostics;
-  return Result(read_scene_text(text, "s.json", {}, lookup, diagnostics));
+  const std::string directory = "/output/directory=\"" + output.string() + '"';
+  return Result(read_scene_text(text, "s.json", {directory}, lookup, diagnostics));
 }
 
 bool says(const Result& result, const std::string& words) {
@@ -335,7 +335,7 @@ TEST(Translation, OfEveryCoordinateChangesNothing) {
     for (std::size_t i = 0; i < near.size(); ++i) {
       SCOPED_TRACE(far[i].what);
       const auto run = [&](const Vec3& by, const Happening& happening, const char* name) {
-        return run_text(every_coordinate(by, box_at(by), happening.what, (folder / name).string()));
+        return run_text(every_coordinate(by, box_at(by), happening.what), folder / name);
       };
       const Result here = run({}, near[i], "near");
       EXPECT_TRUE(says(here, near[i].says)) << testing::PrintToString(here.events);
@@ -360,8 +360,8 @@ TEST(Translation, OfAMeshFileChangesNothing) {
     mesh.points.push_back({-1e9, 0, 0});  // that no element uses
     write_mesh(folder / "bar.vtu", mesh, diagnostics);
     const std::string source = R"({"file": ")" + (folder / "bar.vtu").string() + "\"}";
-    results.push_back(run_text(
-        every_coordinate(shift, source, happenings(shift, "")[0].what, (folder / "out").string())));
+    results.push_back(
+        run_text(every_coordinate(shift, source, happenings(shift, "")[0].what), folder / "out"));
     // Frames show the body where the file has it.
     const Mesh frame = read_mesh(folder / "out/frame_0000.vtu", 1, diagnostics);
     Vec3 low = frame.points[0];
@@ -381,7 +381,7 @@ TEST(Translation, OfTheMagnitudeOfAPosition) {
     const std::string event = R"({"when": {"where": {"nearest": )" + at({1, 0, 0}, shift) +
                               R"(}, "of": "position", "component": ")" + component +
                               R"(", "above": )" + bound + R"(}, "cut": {"faces": [[2, 3]]}})";
-    return run_text(every_coordinate(shift, box_at(shift), event, (folder / component).string()));
+    return run_text(every_coordinate(shift, box_at(shift), event), folder / component);
   };
   const Result near = run({}, "x");
   EXPECT_TRUE(says(near, "cut 1 face"));
@@ -518,10 +518,10 @@ TEST(Translation, OfWhatMessagesShow) {
 TEST(Translation, OfWhatIsToldOfABladeThatMisses) {
   TemporaryFolder folder;
   const std::string blade = write_blade(folder).string();
-  const Result run = run_text(every_coordinate(
-      far_away, box_at(far_away),
-      R"({"at": 0.01, "cut": {"surface": {"file": ")" + blade + R"(", "translation": [0, 0, 0]}}})",
-      (folder / "out").string()));
+  const Result run = run_text(every_coordinate(far_away, box_at(far_away),
+                                               R"({"at": 0.01, "cut": {"surface": {"file": ")" +
+                                                   blade + R"(", "translation": [0, 0, 0]}}})"),
+                              folder / "out");
   ASSERT_EQ(run.warnings.size(), 1u);
   EXPECT_NE(run.warnings[0].find("it lies beside the body; blade [0, -9, -9] to [0, 9, 9] m, body "
                                  "[10000000, -3000000.0"),

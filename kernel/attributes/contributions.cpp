@@ -113,7 +113,7 @@ void contribute(Instance& instance, const suture_attribute& attribute, const sut
   call.attribute = &attribute;
   call.batch = &batch;
   const auto ask = [&] { return function_of(attribute)(&context, &batch, out); };
-  if (call_plugin(call, ask) == SUTURE_OK) return require_values(call, out);
+  if (call_plugin(call, *context.error, ask) == SUTURE_OK) return require_values(call, out);
   const Index cell = context.error->cell == none ? batch.cell_ids[0] : context.error->cell;
   throw InputError(instance.title() + ": attribute '" + attribute.name + "' at element " +
                    std::to_string(cell) + ": " + text_of(*context.error));

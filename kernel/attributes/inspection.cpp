@@ -122,7 +122,8 @@ void inspect_batch(Instance& instance, const suture_functor& functor,
   PluginCall call = instance.call("inspect");
   call.functor = &functor;
   call.batch = &batch;
-  if (call_plugin(call, [&] { return extension.inspect(&context, &batch); }) != SUTURE_OK)
+  const auto ask = [&] { return extension.inspect(&context, &batch); };
+  if (call_plugin(call, *context.error, ask) != SUTURE_OK)
     throw PluginError(describe(call) + ": " + text_of(*context.error));
 }
 

@@ -117,7 +117,7 @@ void Instance::set_workers(unsigned count) {
 
 void Instance::prepare(Diagnostics& diagnostics) {
   if (!model_.prepare) return;
-  const suture_status status = call_plugin(call("prepare"), [&] {
+  const suture_status status = call_plugin(call("prepare"), workers_[0]->error, [&] {
     return model_.prepare(&context(0), prepared_.empty() ? nullptr : prepared_.data());
   });
   const auto is_guard = [](double value) { return value == prepared_guard; };

@@ -156,11 +156,20 @@ std::string text_of_fault(const PluginCall& call) {
   }
 }
 
-std::string text_of_status(const PluginCall& call, suture_status status) {
+bool is_fault(suture_status status) {
+  return status != SUTURE_OK && status != SUTURE_RETRY && status != SUTURE_STOP;
+}
+
+std::string text_of_fault(const PluginCall& call, suture_status status, const suture_error& error) {
+  if (status == SUTURE_FAULT) return describe(call) + ": " + text_of(error);
   return describe(call) + ": the plugin returned the status " + std::to_string(status) +
-         "; expected SUTURE_OK (0), SUTURE_RETRY (1) or SUTURE_STOP (-1)";
+         "; expected SUTURE_OK (0), SUTURE_RETRY (1), SUTURE_STOP (-1) or SUTURE_FAULT (-2)";
 }
 
 void raise_exception_of(const PluginCall& call) { throw PluginError(text_of_fault(call)); }
+
+void raise_fault(const PluginCall& call, suture_status status, const suture_error& error) {
+  throw PluginError(text_of_fault(call, status, error));
+}
 
 }  // namespace suture

@@ -69,10 +69,14 @@ inline constexpr const char* exception_cure =
 std::string text_of_exception();
 /// In a catch block around a call: the call, what was thrown, and what the author is to do.
 std::string text_of_fault(const PluginCall& call);
-/// The same for a status that is none of SUTURE_OK, SUTURE_RETRY and SUTURE_STOP.
-std::string text_of_status(const PluginCall& call, suture_status status);
+/// SUTURE_FAULT, or a value that is no status.
+bool is_fault(suture_status status);
+/// The same as of an exception for a status that is a fault.
+std::string text_of_fault(const PluginCall& call, suture_status status, const suture_error& error);
 /// text_of_fault() as a PluginError.
 [[noreturn]] void raise_exception_of(const PluginCall& call);
+[[noreturn]] void raise_fault(const PluginCall& call, suture_status status,
+                              const suture_error& error);
 
 /// f() as a call of a plugin; an exception of any type becomes a PluginError.
 template <class F>
@@ -83,6 +87,14 @@ decltype(auto) call_plugin(const PluginCall& call, F&& f) {
   } catch (...) {
     raise_exception_of(call);
   }
+}
+
+/// The same for a function that returns a status; a status that is a fault becomes one too.
+template <class F>
+suture_status call_plugin(const PluginCall& call, const suture_error& error, F&& f) {
+  const suture_status status = call_plugin(call, std::forward<F>(f));
+  if (is_fault(status)) raise_fault(call, status, error);
+  return status;
 }
 
 /// The extension `id` of a functor; null if it has none.

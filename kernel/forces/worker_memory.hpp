@@ -22,9 +22,8 @@ struct alignas(64) WorkerMemory {
 
   static void failed(void* data, suture_status status, const suture_batch* batch) {
     auto& self = *static_cast<WorkerMemory*>(data);
-    if (status == SUTURE_RETRY || status == SUTURE_STOP)
-      return self.failure.note(status, self.functor, *self.error, *batch);
-    self.failure.note_fault(self.functor, self.call, text_of_status(self.call, status));
+    if (!is_fault(status)) return self.failure.note(status, self.functor, *self.error, *batch);
+    self.failure.note_fault(self.functor, self.call, text_of_fault(self.call, status, *self.error));
   }
 
   static void thrown(void* data) {

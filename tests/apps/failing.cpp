@@ -9,7 +9,7 @@ struct failing : suture::continuum<failing> {
   static constexpr const char *id = "failing", *doc = "Fails on demand",
                               *formula = "S = 2000 E + tr(E) I", *citation = "none";
   enum { rho, how };
-  static constexpr const char* ways[] = {"never", "nan", "throw", "stop"};
+  static constexpr const char* ways[] = {"never", "nan", "throw", "stop", "throw-int"};
   static constexpr suture::parameter parameters[] = {
       suture::number("rho", "kg/m^3", "density").above(0),
       suture::choice("how", "what happens", ways)};
@@ -19,6 +19,7 @@ struct failing : suture::continuum<failing> {
   static suture::mat3<T> stress(const suture::mat3<T>& F, const Parameters& p) {
     if (p[how] == 2) throw std::runtime_error("the law has lost its way");
     if (p[how] == 3) suture::stop("the law asks to stop");
+    if (p[how] == 4) throw 42;
     const double factor = p[how] == 1 ? std::numeric_limits<double>::quiet_NaN() : 2000.0;
     const auto strain = green_strain(F);
     return F * add_diagonal(factor * strain, trace(strain));

@@ -23,13 +23,19 @@ constexpr const char* ways[] = {"nothing",
                                 "prepare-throws",
                                 "prepare-crashes",
                                 "prepare-writes-behind",
+                                "prepare-status",
+                                "prepare-fault",
                                 "enabled-throws",
                                 "contribution-throws",
                                 "contribution-crashes",
                                 "contribution-nan",
                                 "contribution-negative",
+                                "contribution-status",
+                                "contribution-fault",
                                 "extension-throws",
                                 "inspect-crashes",
+                                "inspect-status",
+                                "inspect-fault",
                                 "force-throws",
                                 "force-throws-int",
                                 "force-throws-own",
@@ -51,9 +57,12 @@ constexpr const char* ways[] = {"nothing",
                                 "force-writes-behind",
                                 "force-writes-input",
                                 "force-status",
+                                "force-fault",
                                 "force-text",
                                 "energy-throws",
-                                "energy-nan"};
+                                "energy-nan",
+                                "energy-status",
+                                "energy-fault"};
 
 bool is(const suture_context* context, std::string_view how) {
   return ways[static_cast<std::size_t>(context->parameters[0])] == how;
@@ -90,6 +99,15 @@ void fail(const suture_context* context, std::string_view function) {
   while (fails("loops")) zero = 0;
 }
 
+/// What a call returns that does not end in another way.
+suture_status status(const suture_context* context, std::string_view function) {
+  fail(context, function);
+  if (is(context, std::string(function) + "-status")) return 77;
+  if (!is(context, std::string(function) + "-fault")) return SUTURE_OK;
+  std::strcpy(context->error->text, "the tables of the law are not loaded; call load() first");
+  return SUTURE_FAULT;
+}
+
 /// Mistakes in writing the forces, all of which are zero else.
 void write_forces(const suture_context* context, const suture_batch* batch) {
   const std::uint32_t size = batch->nodes * 3 * lanes;
@@ -108,26 +126,25 @@ void write_forces(const suture_context* context, const suture_batch* batch) {
 }
 
 suture_status force(const suture_context* context, const suture_batch* batch) {
-  fail(context, "force");
+  const suture_status result = status(context, "force");
   if (is(context, "force-says-and-loops")) std::fclose(std::fopen("looping", "w"));
   while (is(context, "force-says-and-loops")) zero = 0;
   write_forces(context, batch);
   if (is(context, "force-text"))
     std::memset(context->error->text, 'x', sizeof context->error->text);
   if (is(context, "force-text")) return SUTURE_STOP;
-  return is(context, "force-status") ? 77 : SUTURE_OK;
+  return result;
 }
 
 suture_status energy(const suture_context* context, const suture_batch*, double* out) {
-  fail(context, "energy");
+  const suture_status result = status(context, "energy");
   for (std::uint32_t l = 0; l < lanes; ++l)
     out[l] = is(context, "energy-nan") ? std::numeric_limits<double>::quiet_NaN() : 0;
-  return SUTURE_OK;
+  return result;
 }
 
 suture_status inspect(const suture_context* context, const suture_batch*) {
-  fail(context, "inspect");
-  return SUTURE_OK;
+  return status(context, "inspect");
 }
 
 /// Extensions get no context: the parameters of the last instance serve.
@@ -151,20 +168,19 @@ std::int32_t enabled(const suture_context* context, std::uint32_t*) {
 
 suture_status prepare(const suture_context* context, void* instance) {
   parameters_of_last = context->parameters;
-  fail(context, "prepare");
   static_cast<double*>(instance)[0] = 1;
   if (is(context, "prepare-writes-behind")) static_cast<double*>(instance)[1] = 1;
-  return SUTURE_OK;
+  return status(context, "prepare");
 }
 
 /// 1 kg per element.
 suture_status contribute(const suture_context* context, const suture_batch*, double* out) {
-  fail(context, "contribution");
+  const suture_status result = status(context, "contribution");
   double share = 0.125;
   if (is(context, "contribution-nan")) share = std::numeric_limits<double>::quiet_NaN();
   if (is(context, "contribution-negative")) share = -share;
   for (std::uint32_t i = 0; i < 8 * lanes; ++i) out[i] = share;
-  return SUTURE_OK;
+  return result;
 }
 
 suture_parameter parameters[] = {{.size = sizeof(suture_parameter),

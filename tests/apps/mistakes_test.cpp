@@ -46,6 +46,8 @@ struct Mistake {
 
 constexpr const char* crash_cure = "gdb --args suture";
 constexpr const char* exception_cure = "catch it, and return SUTURE_STOP";
+constexpr const char *fault = "the tables of the law are not loaded", *fault_cure = "load() first";
+constexpr const char *unknown = "status 77", *known = "SUTURE_STOP (-1) or SUTURE_FAULT (-2)";
 
 TEST_F(Mistakes, NothingIsWrongWithThePluginElse) {
   for (const char* command : {"check", "explain", "run"})
@@ -65,6 +67,13 @@ TEST_F(Mistakes, BeforeTheRunEndWithTheirPlaceAndExitCode4) {
        "must be finite"},
       {"contribution-negative", "attribute 'mass', contribution", "element 0 gives -0.125",
        "not negative"},
+      {"prepare-status", "prepare", unknown, known},
+      {"prepare-fault", "prepare", fault, fault_cure},
+      {"contribution-status", "attribute 'mass', contribution of elements 0 to 7", unknown, known},
+      {"contribution-fault", "attribute 'mass', contribution of elements 0 to 7", fault,
+       fault_cure},
+      {"inspect-status", "functor 'elements', inspect of elements 0 to 7", unknown, known},
+      {"inspect-fault", "functor 'elements', inspect of elements 0 to 7", fault, fault_cure},
       {"prepare-writes-behind", "prepare", "wrote behind its 8 bytes", "instance_bytes"},
 #ifndef SUTURE_SANITIZED
       {"prepare-crashes", "prepare", "SIGSEGV", crash_cure},
@@ -93,7 +102,10 @@ TEST_F(Mistakes, InTheRunEndWithFunctorCellsAndExitCode4) {
       {"force-exits", "force of elements 0 to 7", "called exit()", "must not end the program"},
       {"force-quick-exits", "force of elements 0 to 7", "called exit()",
        "must not end the program"},
-      {"force-status", "force of elements 0 to 7", "status 77", "SUTURE_STOP (-1)"},
+      {"force-status", "force of elements 0 to 7", unknown, known},
+      {"force-fault", "force of elements 0 to 7", fault, fault_cure},
+      {"energy-status", "energy of elements 0 to 7", unknown, known},
+      {"energy-fault", "energy of elements 0 to 7", fault, fault_cure},
       {"energy-throws", "energy of elements 0 to 7", "std::runtime_error", exception_cure},
 #ifndef SUTURE_SANITIZED
       {"force-aborts", "force of elements 0 to 7", "SIGABRT", crash_cure},

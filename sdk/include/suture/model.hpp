@@ -44,7 +44,7 @@
 //     alternative                           number of a group of which one runs
 // What is present is offered. The tangent is always offered, from force() on dual
 // numbers, and without bounds() the stable step is found from it by power iteration.
-// Functions may throw suture::failure.
+// Functions may throw suture::failure; any other exception is a fault of the plugin.
 #ifndef SUTURE_MODEL_HPP
 #define SUTURE_MODEL_HPP
 

@@ -51,12 +51,16 @@ extern "C" {
 /* ---------------------------------------------------------------- status -- */
 
 /* Returned by every function of a plugin that can fail.
- * 0: good. > 0: the step may succeed if it is tried again with a smaller dt
- * (see suture_error.step_factor). < 0: the run must stop. */
+ * SUTURE_OK: good. SUTURE_RETRY: the step may succeed if it is tried again with a
+ * smaller dt (see suture_error.step_factor). SUTURE_STOP: the run must stop, because
+ * the law has no answer. SUTURE_FAULT: the run must stop, because the plugin has a
+ * bug, such as an exception that it did not expect; suture_error.text says which.
+ * Any other value is a fault too. */
 typedef int32_t suture_status;
 #define SUTURE_OK 0
 #define SUTURE_RETRY 1
 #define SUTURE_STOP (-1)
+#define SUTURE_FAULT (-2)
 
 /* One record per worker, owned by the host, reset before each call. Of the
  * records of a step the one with the lowest cell id is reported, whatever the

@@ -73,6 +73,20 @@ inline void describe(const suture_context* context, const suture_batch* batch, c
   std::snprintf(e->text, sizeof e->text, "%s", f.what());
 }
 
+/// What is thrown but is no failure. Allocates nothing: memory may be what is missing.
+inline suture_status fault(const suture_context* context, const char* thrown) {
+  suture_error* const e = context->error;
+  if (!e) return SUTURE_FAULT;
+  e->code = 0;
+  e->cell = UINT32_MAX;
+  e->step_factor = 0;
+  std::snprintf(e->text, sizeof e->text,
+                "the plugin threw an exception (%.256s); catch it, and call suture::stop() or "
+                "suture::retry() where the law has no answer",
+                thrown);
+  return SUTURE_FAULT;
+}
+
 /// Runs `work`; whatever it throws becomes a status and a record.
 template <class Work>
 SUTURE_INLINE suture_status guarded(const suture_context* context, const suture_batch* batch,
@@ -84,12 +98,10 @@ SUTURE_INLINE suture_status guarded(const suture_context* context, const suture_
     describe(context, batch, f);
     return f.status;
   } catch (const std::exception& e) {
-    describe(context, batch, failure(SUTURE_STOP, e.what()));
+    return fault(context, e.what());
   } catch (...) {
-    describe(context, batch,
-             failure(SUTURE_STOP, "the plugin threw something that is no exception"));
+    return fault(context, "of a type that does not derive from std::exception");
   }
-  return SUTURE_STOP;
 }
 
 /// Calls work(lane) for the first lane of every pack of a batch.

@@ -14,12 +14,12 @@ class StepLimits : private Follower {
   explicit StepLimits(Body& body);
 
   /// The largest stable step in the current state, s; infinite without forces. Computed from the
-  /// tangent (step_search.hpp) if every term has one, otherwise from bounds(). Throws PluginError
+  /// tangent (step_search.hpp) if every term has one, otherwise from bounds(). Throws NoStepBound
   /// for a functor that offers neither. `from_random`: the search does not start from the last
   /// mode, so that it overlooks none.
   double stable_step(double time, bool from_random = false);
   /// Conservative bounds per vertex, computed cell by cell: for springs and blocks the step is 0.6
-  /// to 0.75 of stable_step(). Throws PluginError for a functor without suture.stable-dt/1.
+  /// to 0.75 of stable_step(). Throws NoStepBound for a functor without suture.stable-dt/1.
   StepBounds bounds(double time);
   /// bounds() of these vertices only, each given once; they agree to within the rounding of a
   /// different order of summation. O(cells around them); the first call allocates memory for all

@@ -74,7 +74,7 @@ class ForceLoop final : public ForceTerm {
   std::vector<Index> elements_around(std::span<const Index> vertices);
 
   bool is_stiff() const override { return true; }
-  /// Throws PluginError if an enabled functor has no suture.stable-dt/1.
+  /// Throws NoStepBound if an enabled functor has no suture.stable-dt/1.
   void add_bounds(double time, const AddBounds& sums) override;
   void add_bounds_at(const VertexSelection& selection, std::span<const Index> vertices, double time,
                      const AddBounds& sums) override;
@@ -118,7 +118,8 @@ class ForceLoop final : public ForceTerm {
   void state(Archive& archive) override;
 
   /// From now on every call of a force looks for mistakes of its plugin (checked_force.hpp),
-  /// and energies, bounds, tangents and fields must be finite; several times slower.
+  /// and energies, bounds, tangents and fields must be finite. Small bodies run hundreds of times
+  /// slower.
   void check_plugins();
 
   struct Summary {  ///< for `suture explain`

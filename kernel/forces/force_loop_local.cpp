@@ -44,6 +44,7 @@ double ForceLoop::energy_around(std::span<const Index> elements, double time) {
             const loops::BatchRows&) {
           alignas(64) double out[lanes];
           const suture_status status = extension->energy(worker.context, &batch, out);
+          if (status == SUTURE_OK) impl_->check_results(out, batch.valid);
           for (Index l = 0; l < batch.valid; ++l) sum += out[l];
           return status;
         });
@@ -63,19 +64,22 @@ namespace {
 const suture_stable_dt_1& bounds_of(const CompiledFunctor& functor) {
   const auto* extension = functor.extension<suture_stable_dt_1>(SUTURE_STABLE_DT_1);
   if (extension) return *extension;
-  throw PluginError(functor.title() +
+  throw NoStepBound(functor.title() +
                     " offers no bound of the stable step (suture.stable-dt/1): give \"dt\" as a "
                     "number of seconds, or add the extension to the model");
 }
 
 /// sums(vertex) += the bounds of every node of a batch that `wanted` has.
-template <class Wanted>
-suture_status add_bounds_of(const suture_stable_dt_1& extension, const loops::Job& job,
-                            const loops::Worker& worker, suture_batch& batch,
+template <class Loop, class Wanted>
+suture_status add_bounds_of(const Loop& loop, const suture_stable_dt_1& extension,
+                            const loops::Job& job, const loops::Worker& worker, suture_batch& batch,
                             const loops::BatchRows& rows, const ForceTerm::AddBounds& sums,
                             Wanted wanted) {
   alignas(64) double stiffness[8 * 6 * lanes] = {}, damping[8 * 6 * lanes] = {};
   const suture_status status = extension.bounds(worker.context, &batch, stiffness, damping);
+  for (const double* bounds : {stiffness, damping})
+    if (status == SUTURE_OK)
+      loop.check_results(std::span(bounds, std::size_t{job.node_count} * 6 * lanes), batch.valid);
   for (Index l = 0; l < batch.valid; ++l) {
     const Index r = rows.row[l];
     const Index* nodes = job.nodes + std::size_t{job.cells ? job.cells[r] : r} * job.node_count;
@@ -101,11 +105,11 @@ void ForceLoop::add_bounds(double time, const AddBounds& sums) {
     impl_->run(i, "bounds", time,
                [&](const loops::Job& job, const loops::Worker& worker,
                    std::span<const loops::Rows> ranges, Index) {
-                 impl_->for_each_batch(job, worker, ranges,
-                                       [&](suture_batch& batch, const loops::BatchRows& rows) {
-                                         return add_bounds_of(extension, job, worker, batch, rows,
-                                                              sums, [](Index) { return true; });
-                                       });
+                 impl_->for_each_batch(
+                     job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {
+                       return add_bounds_of(*impl_, extension, job, worker, batch, rows, sums,
+                                            [](Index) { return true; });
+                     });
                });
   }
   impl_->raise_failures(time);
@@ -121,7 +125,7 @@ void ForceLoop::add_bounds_at(const VertexSelection& selection, std::span<const 
     impl_->for_each_local(i, "bounds", time,
                           impl_->local.rows_at(*impl_->complex, functor, elements, selection),
                           [&](const auto& job, const auto& worker, auto& batch, const auto& rows) {
-                            return add_bounds_of(extension, job, worker, batch, rows, sums,
+                            return add_bounds_of(*impl_, extension, job, worker, batch, rows, sums,
                                                  [&](Index v) { return selection.contains(v); });
                           });
   }

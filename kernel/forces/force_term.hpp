@@ -7,10 +7,17 @@
 
 #include "kernel/attributes/live_mask.hpp"
 #include "kernel/base/archive.hpp"
+#include "kernel/base/error.hpp"
 #include "kernel/forces/follower.hpp"
 #include "kernel/forces/vertex_selection.hpp"
 
 namespace suture {
+
+/// A model offers no bound of the stable step.
+class NoStepBound : public PluginError {
+ public:
+  using PluginError::PluginError;
+};
 
 /// A step of a run, s.
 struct StepTimes {

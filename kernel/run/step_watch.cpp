@@ -73,7 +73,7 @@ void StepWatch::after_step(std::uint64_t step) {
 std::optional<double> StepWatch::bound(StepBounds (StepLimits::*which)(double)) {
   try {
     return (built_.limits().*which)(built_.dynamics().time()).dt;
-  } catch (const PluginError&) {
+  } catch (const NoStepBound&) {
     return std::nullopt;
   }
 }
@@ -83,7 +83,7 @@ void StepWatch::search(std::uint64_t step, bool from_random) {
   due_ = scene_.solver.dt ? never : step + interval_;
   try {
     stable_ = built_.limits().stable_step(built_.dynamics().time(), from_random);
-  } catch (const PluginError&) {
+  } catch (const NoStepBound&) {
     if (!scene_.solver.dt) throw;
     return;  // a model without a bound runs with the user's dt
   }

@@ -62,7 +62,9 @@ constexpr const char* ways[] = {"nothing",
                                 "energy-throws",
                                 "energy-nan",
                                 "energy-status",
-                                "energy-fault"};
+                                "energy-fault",
+                                "bounds-throws",
+                                "bounds-nan"};
 
 bool is(const suture_context* context, std::string_view how) {
   return ways[static_cast<std::size_t>(context->parameters[0])] == how;
@@ -143,6 +145,14 @@ suture_status energy(const suture_context* context, const suture_batch*, double*
   return result;
 }
 
+suture_status bounds(const suture_context* context, const suture_batch*, double* stiffness,
+                     double*) {
+  const suture_status result = status(context, "bounds");
+  if (is(context, "bounds-nan"))
+    stiffness[2 * 6 * lanes + 3] = std::numeric_limits<double>::quiet_NaN();
+  return result;
+}
+
 suture_status inspect(const suture_context* context, const suture_batch*) {
   return status(context, "inspect");
 }
@@ -153,11 +163,13 @@ const double* parameters_of_last = nullptr;
 const void* extension(const char* id) {
   constexpr static suture_energy_1 energies{sizeof(suture_energy_1), 0, energy};
   constexpr static suture_inspect_1 inspection{sizeof(suture_inspect_1), 0, inspect};
+  constexpr static suture_stable_dt_1 stable_dt{sizeof(suture_stable_dt_1), 0, bounds};
   suture_context context{};
   context.parameters = parameters_of_last;
   if (parameters_of_last != nullptr) fail(&context, "extension");
   if (id == std::string_view(SUTURE_ENERGY_1)) return &energies;
   if (id == std::string_view(SUTURE_INSPECT_1)) return &inspection;
+  if (id == std::string_view(SUTURE_STABLE_DT_1)) return &stable_dt;
   return nullptr;
 }
 

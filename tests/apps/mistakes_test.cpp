@@ -104,6 +104,7 @@ TEST_F(Mistakes, InTheRunEndWithFunctorCellsAndExitCode4) {
        "must not end the program"},
       {"force-status", "force of elements 0 to 7", unknown, known},
       {"force-fault", "force of elements 0 to 7", fault, fault_cure},
+      {"bounds-throws", "bounds of elements 0 to 7", "std::runtime_error", exception_cure},
       {"energy-status", "energy of elements 0 to 7", unknown, known},
       {"energy-fault", "energy of elements 0 to 7", fault, fault_cure},
       {"energy-throws", "energy of elements 0 to 7", "std::runtime_error", exception_cure},
@@ -154,6 +155,11 @@ TEST_F(Mistakes, InTheResultsAreFoundByCheckPlugins) {
               mistake.cure},
              std::string(command) + " " + how);
     }
+  expect(suture({"run", "s.json", "--check-plugins", "--set",
+                 R"(/models/0={"model": "mistakes", "name": "tissue", )"
+                 R"("parameters": {"how": "bounds-nan"}})"}),
+         {"plugin 'mistakes'", "bounds of elements 0 to 7", "of cell 3 is not finite"},
+         "bounds-nan");
   // Good plugins pass, the mistake-free one and those of the kernel.
   EXPECT_EQ(suture({"run", "s.json", "--check-plugins"}).code, 0);
   EXPECT_EQ(suture({"run", "s.json", "--check-plugins", "--set",

@@ -9,7 +9,7 @@
 #include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/base/archive.hpp"
 #include "kernel/base/error.hpp"
-#include "kernel/base/plugin_call.hpp"
+#include "kernel/base/output_fields.hpp"
 #include "kernel/forces/loops/dispatch.hpp"
 
 namespace suture {
@@ -218,9 +218,8 @@ int TearCheck::field_dimension(const Look& look) const {
     if (instance->name() != tear_.model) continue;
     const suture_model& model = instance->model();
     for (const suture_functor& functor : std::span(model.functors, model.functor_count)) {
-      const auto* output = extension_of<suture_output_1>(functor, SUTURE_OUTPUT_1);
-      for (std::uint32_t f = 0; output != nullptr && f < output->field_count; ++f)
-        if (output->fields[f].name == tear_.field && output->fields[f].components == 1)
+      for (const suture_field& field : output_fields(functor))
+        if (field.name == tear_.field && field.components == 1)
           return static_cast<int>(functor.dimension);
     }
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/attributes/cell_nodes.hpp"
+#include "kernel/base/output_fields.hpp"
 #include "kernel/forces/force_loop_impl.hpp"
 
 namespace suture {
@@ -135,7 +136,7 @@ bool ForceLoop::Impl::add_field(Index number, std::string_view field, double tim
                                 std::span<double> values) {
   const auto* extension = functors[number].extension<suture_output_1>(SUTURE_OUTPUT_1);
   if (!extension) return false;
-  const std::span fields(extension->fields, extension->field_count);
+  const std::vector<suture_field> fields = output_fields(functors[number].functor());
   const auto wanted = std::find_if(fields.begin(), fields.end(),
                                    [&](const suture_field& f) { return f.name == field; });
   if (wanted == fields.end()) return false;

@@ -10,6 +10,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/plugin_call.hpp"
+#include "kernel/plugin_host/extension_check.hpp"
 #include "kernel/plugin_host/table_check.hpp"
 #include "kernel/plugin_host/table_copy.hpp"
 
@@ -44,6 +45,13 @@ boost::dll::load_mode::type mode() {
   return static_cast<boost::dll::load_mode::type>(RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
 }
 
+void require_none(const std::vector<std::string>& problems, const std::filesystem::path& file) {
+  if (problems.empty()) return;
+  std::string all = "its tables cannot be used:";
+  for (const auto& problem : problems) all += "\n  " + problem;
+  refuse(file, all);
+}
+
 /// Copies of the tables. Like the library, which is never unloaded, they outlive everything: also
 /// the handlers of exit() that name a plugin.
 const suture_plugin& usable_tables(const suture_plugin& plugin, const std::filesystem::path& file) {
@@ -51,11 +59,7 @@ const suture_plugin& usable_tables(const suture_plugin& plugin, const std::files
   std::vector<std::string> problems;
   auto tables = copy_tables(plugin, problems);
   if (problems.empty()) problems = table_problems(tables->plugin);
-  if (!problems.empty()) {
-    std::string all = "its tables cannot be used:";
-    for (const auto& problem : problems) all += "\n  " + problem;
-    refuse(file, all);
-  }
+  require_none(problems, file);
   return all_tables.emplace_back(std::move(tables))->plugin;
 }
 
@@ -96,7 +100,8 @@ const suture_plugin& load_plugin(const std::filesystem::path& file, const Plugin
 
   const suture_plugin& tables = usable_tables(*plugin, file);
   check_against_note(file, note, tables);
-  register_plugin(tables, file);
+  register_plugin(tables, file);  // what fails from here on is named
+  require_none(extension_problems(tables), file);
   return tables;
 }
 

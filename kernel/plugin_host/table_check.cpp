@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/plugin_host/table_check.hpp"
 
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <set>
 #include <string_view>
 
 #include "kernel/base/host_extensions.hpp"
@@ -33,35 +31,11 @@ bool is_id(std::string_view text) {
   return true;
 }
 
-/// Letter or '_', then letters, digits and '_'.
-bool is_name(std::string_view text) {
-  if (text.empty() || std::isdigit(static_cast<unsigned char>(text.front())) != 0) return false;
-  for (const char c : text)
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_') return false;
-  return true;
-}
-
 void check_id(const Entry& entry, const char* id) {
   entry.require(id != nullptr && is_id(id),
                 "its id is " + (id == nullptr ? "NULL" : "'" + std::string(id) + "'") +
                     "; expected lower-case letters, digits and '-', a letter first");
 }
-
-class Names {
- public:
-  void check(const Entry& entry, const char* name) {
-    if (!entry.require(name != nullptr && is_name(name),
-                       "its name is not a letter followed by letters, digits and '_'"))
-      return;
-    unique(entry, name, "name");
-  }
-  void unique(const Entry& entry, const char* name, const char* what) {
-    entry.require(seen_.insert(name).second, std::string("the ") + what + " occurs twice");
-  }
-
- private:
-  std::set<std::string> seen_;
-};
 
 // ---------------------------------------------------------------- parameters --
 

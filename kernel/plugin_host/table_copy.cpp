@@ -1,27 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/plugin_host/table_copy.hpp"
 
-#include <cstring>
-
 #include "kernel/plugin_host/table_entry.hpp"
 
 namespace suture {
 namespace {
-
-std::uint32_t size_at(const char* place) {
-  std::uint32_t size = 0;
-  std::memcpy(&size, place, sizeof size);
-  return size;
-}
-
-/// Copies a struct of `bytes` bytes, at most those of T; the rest is 0.
-template <class T>
-T copy_of(const char* place, std::uint32_t bytes) {
-  T copy{};
-  std::memcpy(&copy, place, bytes);
-  copy.size = sizeof(T);
-  return copy;
-}
 
 class Copier {
  public:
@@ -41,7 +24,7 @@ class Copier {
 
   void models(const Entry& entry) {
     suture_plugin& p = tables_.plugin;
-    tables_.models = array(entry, p.models, p.model_count, least_.model, "model");
+    tables_.models = copy_entries(entry, p.models, p.model_count, least_.model, "model");
     for (std::uint32_t i = 0; i < tables_.models.size(); ++i)
       members(entry.inner("model", tables_.models[i].id, i), tables_.models[i]);
   }
@@ -49,37 +32,19 @@ class Copier {
  private:
   void members(const Entry& entry, suture_model& m) {
     tables_.parameters.push_back(
-        array(entry, m.parameters, m.parameter_count, least_.parameter, "parameter"));
+        copy_entries(entry, m.parameters, m.parameter_count, least_.parameter, "parameter"));
     tables_.functors.push_back(
-        array(entry, m.functors, m.functor_count, least_.functor, "functor"));
+        copy_entries(entry, m.functors, m.functor_count, least_.functor, "functor"));
     tables_.attributes.push_back(
-        array(entry, m.attributes, m.attribute_count, least_.attribute, "attribute"));
+        copy_entries(entry, m.attributes, m.attribute_count, least_.attribute, "attribute"));
     auto& attributes = tables_.attributes.back();
     for (std::uint32_t i = 0; i < attributes.size(); ++i) {
       suture_attribute& a = attributes[i];
-      tables_.contributions.push_back(array(entry.inner("attribute", a.name, i), a.contributions,
-                                            a.contribution_count, least_.contribution,
-                                            "contribution"));
+      tables_.contributions.push_back(copy_entries(entry.inner("attribute", a.name, i),
+                                                   a.contributions, a.contribution_count,
+                                                   least_.contribution, "contribution"));
       a.contributions = tables_.contributions.back().data();
     }
-  }
-
-  /// The entries are as far apart as the plugin's compiler has put them: by their size.
-  /// `theirs` becomes the copy.
-  template <class T>
-  std::vector<T> array(const Entry& entry, const T*& theirs, std::uint32_t count,
-                       std::uint32_t least, const char* kind) const {
-    std::vector<T> copies;
-    if (!entry.array(theirs, count, (std::string(kind) + "s").c_str()) || count == 0) return copies;
-    const char* place = reinterpret_cast<const char*>(theirs);
-    const std::uint32_t size = size_at(place);
-    for (std::uint32_t i = 0; i < count; ++i, place += size) {
-      const Entry inner = entry.inner(kind, nullptr, i);
-      if (!inner.size(size_at(place), i == 0 ? least : size, i == 0 ? sizeof(T) : size)) break;
-      copies.push_back(copy_of<T>(place, size));
-    }
-    theirs = copies.data();
-    return copies;
   }
 
   PluginTables& tables_;

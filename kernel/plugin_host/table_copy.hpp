@@ -14,7 +14,7 @@ namespace suture {
 /// Sizes of the structs as ABI 1.0 published them, bytes: a plugin has none smaller.
 struct TableSizes {
   std::uint32_t plugin = 80, model = 104, functor = 104, parameter = 72, attribute = 64,
-                contribution = 16;
+                contribution = 16, extension = 16, output = 24, field = 32;
 };
 
 /// A plugin's tables in this host's own structs. Members that the plugin's ABI minor does

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cctype>
 #include <cstdint>
+#include <cstring>
+#include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -65,5 +69,63 @@ class Entry {
   std::vector<std::string>& problems_;
   std::string name_;
 };
+
+/// Letter or '_', then letters, digits and '_'.
+inline bool is_name(std::string_view text) {
+  if (text.empty() || std::isdigit(static_cast<unsigned char>(text.front())) != 0) return false;
+  for (const char c : text)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_') return false;
+  return true;
+}
+
+/// Names in one list of a table, which occur once.
+class Names {
+ public:
+  void check(const Entry& entry, const char* name) {
+    if (!entry.require(name != nullptr && is_name(name),
+                       "its name is not a letter followed by letters, digits and '_'"))
+      return;
+    unique(entry, name, "name");
+  }
+  void unique(const Entry& entry, const char* name, const char* what) {
+    entry.require(seen_.insert(name).second, std::string("the ") + what + " occurs twice");
+  }
+
+ private:
+  std::set<std::string> seen_;
+};
+
+/// Copies a struct of `bytes` bytes, at most those of T; the rest is 0.
+template <class T>
+T copy_of(const char* place, std::uint32_t bytes) {
+  T copy{};
+  std::memcpy(&copy, place, bytes);
+  copy.size = sizeof(T);
+  return copy;
+}
+
+/// Copies an array of a plugin's, whose entries are as far apart as the plugin's compiler has
+/// put them: by their size, `least` at least. Ends before the first that is not usable. `theirs`
+/// becomes the copy.
+template <class T>
+std::vector<T> copy_entries(const Entry& entry, const T*& theirs, std::uint32_t count,
+                            std::uint32_t least, const char* kind) {
+  std::vector<T> copies;
+  if (!entry.array(theirs, count, (std::string(kind) + "s").c_str()) || count == 0) return copies;
+  const auto size_at = [](const char* place) {
+    std::uint32_t size = 0;
+    std::memcpy(&size, place, sizeof size);
+    return size;
+  };
+  const char* place = reinterpret_cast<const char*>(theirs);
+  const std::uint32_t size = size_at(place);
+  for (std::uint32_t i = 0; i < count; ++i, place += size) {
+    const Entry inner = entry.inner(kind, nullptr, i);
+    if (!inner.size(size_at(place), i == 0 ? least : size, i == 0 ? sizeof(T) : size)) break;
+    copies.push_back(copy_of<T>(place, size));
+  }
+  theirs = copies.data();
+  return copies;
+}
 
 }  // namespace suture

@@ -7,7 +7,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
-#include "kernel/base/plugin_call.hpp"
+#include "kernel/base/output_fields.hpp"
 #include "kernel/dynamics/hourglass.hpp"
 
 namespace suture {
@@ -264,10 +264,8 @@ std::vector<FieldChoice> model_fields(BuiltScene& built) {
   for (const auto& instance : built.body().attributes().instances()) {
     const suture_model& table = instance->model();
     for (const suture_functor& functor : std::span(table.functors, table.functor_count)) {
-      const auto* output = extension_of<suture_output_1>(functor, SUTURE_OUTPUT_1);
-      if (output == nullptr) continue;
-      for (std::uint32_t f = 0; f < output->field_count; ++f)
-        add_once(fields, output_field(functor, output->fields[f]));
+      for (const suture_field& field : output_fields(functor))
+        add_once(fields, output_field(functor, field));
     }
     for (const suture_attribute& attribute : std::span(table.attributes, table.attribute_count)) {
       const bool shown =

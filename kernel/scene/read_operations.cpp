@@ -6,7 +6,7 @@
 
 #include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
-#include "kernel/base/plugin_call.hpp"
+#include "kernel/base/output_fields.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
 namespace suture::scene_parts {
@@ -24,10 +24,9 @@ std::vector<std::string> scalar_fields(const suture_model& model) {
   for (std::uint32_t i = 0; i < model.functor_count; ++i) {
     const suture_functor& functor = model.functors[i];
     const bool fits = functor.dimension == 1 || functor.dimension == 3;
-    const auto* output = fits ? extension_of<suture_output_1>(functor, SUTURE_OUTPUT_1) : nullptr;
-    for (std::uint32_t f = 0; output != nullptr && f < output->field_count; ++f) {
-      if (output->fields[f].components == 1) names.emplace_back(output->fields[f].name);
-    }
+    if (!fits) continue;
+    for (const suture_field& field : output_fields(functor))
+      if (field.components == 1) names.emplace_back(field.name);
   }
   return names;
 }

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "kernel/base/escape.hpp"
-#include "kernel/base/plugin_call.hpp"
+#include "kernel/base/output_fields.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
 namespace suture::scene_parts {
@@ -34,10 +34,8 @@ ModelFields model_fields(const Scene& scene) {
     }
     for (std::uint32_t i = 0; use.model != nullptr && i < use.model->functor_count; ++i) {
       const suture_functor& functor = use.model->functors[i];
-      const auto* output = extension_of<suture_output_1>(functor, SUTURE_OUTPUT_1);
-      for (std::uint32_t f = 0; output != nullptr && f < output->field_count; ++f) {
-        names.add(functor.dimension, output->fields[f].name);
-      }
+      for (const suture_field& field : output_fields(functor))
+        names.add(functor.dimension, field.name);
     }
   }
   return names;

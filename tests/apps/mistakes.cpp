@@ -82,6 +82,11 @@ int overflow(volatile const char* outer) {
 [[gnu::noinline]] void throw_error() { throw std::runtime_error("the law has lost its way"); }
 void throw_from_noexcept() noexcept { throw_error(); }
 
+bool mistake_is(std::string_view name) {
+  const char* mistake = std::getenv("SUTURE_TEST_MISTAKE");
+  return mistake != nullptr && mistake == name;
+}
+
 /// What ends a call in another way than by returning.
 void fail(const suture_context* context, std::string_view function) {
   const auto fails = [&](const char* way) {
@@ -161,9 +166,10 @@ suture_status inspect(const suture_context* context, const suture_batch*) {
 const double* parameters_of_last = nullptr;
 
 const void* extension(const char* id) {
-  constexpr static suture_energy_1 energies{sizeof(suture_energy_1), 0, energy};
+  static suture_energy_1 energies{sizeof(suture_energy_1), 0, energy};
   constexpr static suture_inspect_1 inspection{sizeof(suture_inspect_1), 0, inspect};
   constexpr static suture_stable_dt_1 stable_dt{sizeof(suture_stable_dt_1), 0, bounds};
+  if (mistake_is("no-energy")) energies.energy = nullptr;
   suture_context context{};
   context.parameters = parameters_of_last;
   if (parameters_of_last != nullptr) fail(&context, "extension");
@@ -286,11 +292,6 @@ const suture_plugin plugin = {.size = sizeof(suture_plugin),
                               .required_extension_count = 0,
                               .reserved = 0,
                               .required_extensions = nullptr};
-
-bool mistake_is(std::string_view name) {
-  const char* mistake = std::getenv("SUTURE_TEST_MISTAKE");
-  return mistake != nullptr && mistake == name;
-}
 
 [[gnu::constructor]] void load() {
   if (mistake_is("loading-exits")) std::exit(0);

@@ -223,6 +223,7 @@ TEST_F(Mistakes, InTheTablesAreRefusedWithTheEntry) {
       {"formula", "model 'mistakes'", "formula"},
       {"no-force", "functor 'elements'", "force is NULL"},
       {"no-contribution", "attribute 'mass'", "contribution 0: its function is NULL"},
+      {"no-energy", "functor 'elements', extension 'suture.energy/1'", "function is NULL"},
       {"table-throws", "mistakes", "threw an exception of type int"},
       {"loading-exits", "loading", "called exit()"},
 #ifndef SUTURE_SANITIZED

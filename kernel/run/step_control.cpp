@@ -8,6 +8,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/saturate.hpp"
+#include "kernel/dynamics/motion.hpp"
 #include "kernel/run/evidence.hpp"
 
 namespace suture {
@@ -231,6 +232,9 @@ void StepControl::give_up(const NumericalError& error) {
     if (scene_.solver.dt) watch_.look_again();
   }
   text << ". " << advice(error);
+  if (dynamic_cast<const NotFinite*>(&error) != nullptr)
+    text << ". If a plugin may be at fault, `suture run --check-plugins` names the one whose "
+            "results are not finite or never set";
   if (scene_.output.enabled) text << ". " << evidence.write(recorder_.folder());
   throw NumericalError(text.str());
 }

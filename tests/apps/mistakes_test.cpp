@@ -169,6 +169,12 @@ TEST_F(Mistakes, InTheResultsAreFoundByCheckPlugins) {
             0);
 }
 
+TEST_F(Mistakes, ARunWhoseForcesAreNotFinitePointsToCheckPlugins) {
+  const Outcome run = with("run", "force-nan");
+  EXPECT_EQ(run.code, 5) << run;
+  EXPECT_TRUE(run.says("not finite") && run.says("suture run --check-plugins")) << run;
+}
+
 TEST_F(Mistakes, ATextThatIsNotTerminatedIsShownToItsEnd) {
   const Outcome run = with("run", "force-text");
   EXPECT_EQ(run.code, 5) << run;

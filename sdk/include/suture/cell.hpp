@@ -92,7 +92,6 @@ enum class purpose { force, evaluation, inspection };
 template <class T, class Model, class Functor, purpose Purpose = purpose::evaluation>
 class cell {
  public:
-  static constexpr bool is_cell = true;
   using scalar = T;
   using real = real_of<T>;  ///< of what is never differentiated
 

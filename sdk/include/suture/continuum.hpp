@@ -186,10 +186,28 @@ struct lumped_mass {
   }
 };
 
+template <class M>
+constexpr bool check_law() {
+  static_assert(!names_energy<M> || has_energy_density<M>,
+                "energy() of this law is never called: declare it as `template <class T, class P> "
+                "static T energy(const suture::mat3<T>& F, const P& p)`");
+  static_assert(!names_stress<M> || has_stress<M>,
+                "stress() of this law is never called: declare it as `template <class T, class P> "
+                "static suture::mat3<T> stress(const suture::mat3<T>& F, const P& p)`");
+  static_assert(!names_isotropic<M> || is_isotropic<M>,
+                "isotropic() of this law is never called: declare it as `template <class P> static "
+                "suture::lame isotropic(const P& p)`");
+  static_assert((!names_points<M> || has_points<M>)&&(!names_stores<M> || has_stores<M>),
+                "points() or stores() of this law is never called: declare them as `static int "
+                "points(const suture::values&)`, `static bool stores(const suture::values&)`");
+  return true;
+}
+
 /// What parallelepipeds and general hexahedra have in common. `Shape` offers
 /// with_geometry<Q>(cell, work): calls work(geometry).
 template <class M, class Shape>
-struct continuum_functor : on_volumes {
+struct continuum_law : on_volumes {
+  static_assert(check_law<M>());
   static constexpr const char* doc = "Nodal forces of the stress";
 
   template <class Cell>
@@ -204,14 +222,6 @@ struct continuum_functor : on_volumes {
           Shape::template with_geometry<q()>(
               c, [&](const auto& g) __attribute__((always_inline)) { force_with<q()>(c, g); });
         });
-  }
-
-  template <class Cell>
-  static auto energy(const Cell& c)
-      -> std::enable_if_t<has_energy_density<M> && Cell::is_cell, typename Cell::scalar> {
-    typename Cell::scalar sum(0.0);
-    deformations(c, [&](const auto& F, const auto& w) { sum += w * M::energy(F, material<M>(c)); });
-    return sum;
   }
 
   static constexpr auto fields = [] {
@@ -238,6 +248,18 @@ struct continuum_functor : on_volumes {
     out.set(0, stress);
     out.set(1, von_mises(stress));
     if constexpr (has_energy_density<M>) out.set(2, stored / rest_volume);
+  }
+
+ protected:
+  template <class Cell, class Visit>
+  static void deformations(const Cell& c, Visit&& visit) {
+    points(c, [&](auto q) {
+      Shape::template with_geometry<q()>(c, [&](const auto& g) {
+        vec3<typename Cell::scalar> x[8];
+        positions(c, x);
+        for_deformations<q()>(x, g, visit);
+      });
+    });
   }
 
  private:
@@ -268,16 +290,19 @@ struct continuum_functor : on_volumes {
     }
     for (int n = 0; n < 8; ++n) c.force(n, f[n]);
   }
+};
 
-  template <class Cell, class Visit>
-  static void deformations(const Cell& c, Visit&& visit) {
-    points(c, [&](auto q) {
-      Shape::template with_geometry<q()>(c, [&](const auto& g) {
-        vec3<typename Cell::scalar> x[8];
-        positions(c, x);
-        for_deformations<q()>(x, g, visit);
-      });
-    });
+/// Has an energy if the law has one.
+template <class M, class Shape, bool = has_energy_density<M>>
+struct continuum_functor : continuum_law<M, Shape> {};
+template <class M, class Shape>
+struct continuum_functor<M, Shape, true> : continuum_law<M, Shape> {
+  template <class Cell>
+  static typename Cell::scalar energy(const Cell& c) {
+    typename Cell::scalar sum(0.0);
+    continuum_law<M, Shape>::deformations(
+        c, [&](const auto& F, const auto& w) { sum += w * M::energy(F, material<M>(c)); });
+    return sum;
   }
 };
 

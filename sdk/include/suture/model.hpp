@@ -42,7 +42,8 @@
 //     inspect(const Cell&)                  reports on rest shapes
 //     enabled(values, uint32_t& reads)   -> bool
 //     alternative                           number of a group of which one runs
-// What is present is offered. The tangent is always offered, from force() on dual
+// What is present is offered; a function with one of these names that cannot be called
+// as shown is a compile-time error. The tangent is always offered, from force() on dual
 // numbers, and without bounds() the stable step is found from it by power iteration.
 // Functions may throw suture::failure; any other exception is a fault of the plugin.
 #ifndef SUTURE_MODEL_HPP

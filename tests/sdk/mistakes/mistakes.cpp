@@ -2,7 +2,7 @@
 //
 // A sound model, and usual mistakes of authors: one per macro. CTest compiles the file once
 // per macro and looks for the sentence that the compiler must say (CMakeLists.txt).
-#include "suture/model.hpp"
+#include "suture/continuum.hpp"
 
 namespace {
 
@@ -111,14 +111,54 @@ static constexpr std::uint32_t reads =
     return dot(c.position(0), c.position(0));
   }
 #endif
+#if defined(MISTAKE_BOUNDS)
+  template <class Cell, class Bounds>
+  static void bounds(const Cell&, Bounds&, int) {}
+#elif defined(MISTAKE_BOUNDS_NOT_STATIC)
+  template <class Cell, class Bounds>
+  void bounds(const Cell&, Bounds&) {}
+#elif defined(MISTAKE_ENERGY)
+static double energy(double stretch) { return stretch; }
+#elif defined(MISTAKE_INSPECT)
+static void inspect() {}
+#elif defined(MISTAKE_ENABLED)
+template <class Values>
+static bool enabled(const Values&, std::uint32_t&) {
+  return true;
+}
+#elif defined(MISTAKE_PREPARE)
+template <class Values>
+static void prepare(const Values&, suture::no_constants&) {}
+#elif defined(MISTAKE_OUTPUT_WITHOUT_FIELDS)
+template <class Cell, class Results>
+static void output(const Cell&, Results&) {}
+#endif
 #ifdef MISTAKE_FIELDS_WITHOUT_OUTPUT
   static constexpr suture_field fields[] = {suture::field("strain", "1", "elongation")};
 #endif
 };
 
+#ifdef MISTAKE_ENERGY_OF_LAW
+struct Solid : suture::continuum<Solid> {
+  static constexpr const char *id = "solid", *doc = "Solid", *formula = "P = k F",
+                              *citation = "textbook";
+  static double density(const suture::values&) { return 1000; }
+  template <class T, class P>
+  static suture::mat3<T> stress(const suture::mat3<T>& F, const P&) {
+    return F;
+  }
+  template <class T>
+  static T energy(const suture::mat3<T>& F) {
+    return 0.5 * dot(F, F);
+  }
+};
+#endif
+
 }  // namespace
 
-#ifdef MISTAKE_NO_PLUGIN
+#ifdef MISTAKE_ENERGY_OF_LAW
+SUTURE_PLUGIN("solid", "1.0", "MIT", "Solid", Solid)
+#elif defined(MISTAKE_NO_PLUGIN)
 const suture_model* springs();
 const suture_model* springs() { return suture::detail::model_table<Springs>::rows; }
 #else

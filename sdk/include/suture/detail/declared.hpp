@@ -40,6 +40,41 @@ SUTURE_DETAIL_HAS(attributes)
 SUTURE_DETAIL_HAS(name)
 #undef SUTURE_DETAIL_HAS
 
+// Optional functions are found by a call with the right arguments. What has the name of one but
+// cannot be called so would be left out in silence: names_energy<F> is true if F has any function
+// called energy. Looking the name up in a struct that has one from two bases is ambiguous, whatever
+// the function looks like.
+struct optional_functions {
+  int energy, bounds, output, inspect, enabled, prepare, stress, isotropic, points, stores;
+};
+struct nothing {};
+template <class F>  // a final struct has no derived one, and is not examined
+struct with_optional_functions : std::conditional_t<std::is_final_v<F>, nothing, F>,
+                                 optional_functions {};
+
+#define SUTURE_DETAIL_NAMES(member)                                                            \
+  template <class F, class = void>                                                             \
+  inline constexpr bool is_value_##member = false;                                             \
+  template <class F> /* such as an enumerator, the place of a parameter */                     \
+  inline constexpr bool                                                                        \
+      is_value_##member<F, std::enable_if_t<!std::is_function_v<decltype(F::member)>>> = true; \
+  template <class F, class = void>                                                             \
+  inline constexpr bool names_##member = !is_value_##member<F>;                                \
+  template <class F>                                                                           \
+  inline constexpr bool                                                                        \
+      names_##member<F, std::void_t<decltype(&with_optional_functions<F>::member)>> = false;
+SUTURE_DETAIL_NAMES(energy)
+SUTURE_DETAIL_NAMES(bounds)
+SUTURE_DETAIL_NAMES(output)
+SUTURE_DETAIL_NAMES(inspect)
+SUTURE_DETAIL_NAMES(enabled)
+SUTURE_DETAIL_NAMES(prepare)
+SUTURE_DETAIL_NAMES(stress)
+SUTURE_DETAIL_NAMES(isotropic)
+SUTURE_DETAIL_NAMES(points)
+SUTURE_DETAIL_NAMES(stores)
+#undef SUTURE_DETAIL_NAMES
+
 template <class M>
 constexpr std::size_t parameter_count() {
   if constexpr (has_parameters<M>)

@@ -344,6 +344,30 @@ constexpr void check_columns() {
                 "an attribute with SUTURE_SHARED_MASS is no column: read suture::vertex_mass");
 }
 
+/// What is there must be what is called: nothing is left out in silence.
+template <class M, class F>
+constexpr void check_optional_functions() {
+  using Cell = cell<native, M, F>;
+  static_assert(!names_energy<F> || has_energy<F, Cell>,
+                "energy() of this functor is never called: declare it as `template <class Cell> "
+                "static auto energy(const Cell& cell)`");
+  static_assert(!names_bounds<F> || has_bounds<F, Cell>,
+                "bounds() of this functor is never called: declare it as `template <class Cell, "
+                "class Bounds> static void bounds(const Cell& cell, Bounds& bounds)`");
+  static_assert(!names_inspect<F> || has_inspect<F, cell<native, M, F, purpose::inspection>>,
+                "inspect() of this functor is never called: declare it as `template <class Cell> "
+                "static void inspect(const Cell& cell)`");
+  static_assert(!names_enabled<F> || has_enabled<F>,
+                "enabled() of this functor is never called: declare it as `static bool "
+                "enabled(const suture::values& p, std::uint32_t& reads)`, once and no template");
+  static_assert(!names_output<F> || has_fields<F>,
+                "output() of this functor is never called: list what it sets in `static constexpr "
+                "suture_field fields[]`");
+  static_assert(!has_fields<F> || has_output<F, Cell>,
+                "a functor with `fields` needs `template <class Cell, class Results> static void "
+                "output(const Cell& cell, Results& results)`, which sets them");
+}
+
 template <class M, class F>
 constexpr void check_functor() {
   static_assert(has_nodes<F>,
@@ -355,9 +379,7 @@ constexpr void check_functor() {
     static_assert(has_force<F, cell<native, M, F, purpose::force>>,
                   "a functor needs `template <class Cell> static void force(Cell& cell)`, which "
                   "sets the force on every node");
-    static_assert(!has_fields<F> || has_output<F, cell<native, M, F>>,
-                  "a functor with `fields` needs `template <class Cell, class Results> static void "
-                  "output(const Cell& cell, Results& results)`, which sets them");
+    check_optional_functions<M, F>();
     check_columns<M, F>();
   }
 }
@@ -417,6 +439,9 @@ template <class M>
 constexpr suture_model model_of() {
   static_assert(has_id<M> && has_doc<M> && has_formula<M> && has_citation<M>,
                 "a model needs `static constexpr const char*` id, doc, formula and citation");
+  static_assert(!names_prepare<M> || has_prepare<M>,
+                "prepare() of this model is never called: declare it as `static void prepare(const "
+                "suture::setup&, Constants&)`, once and no template");
   using functors = functor_table<M, typename functors_of_model<M>::type>;
   suture_model m{};
   m.size = sizeof(suture_model);

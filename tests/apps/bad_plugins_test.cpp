@@ -37,7 +37,8 @@ struct Failure {
   std::vector<const char*> words;
 };
 
-#define FAILING "plugin 'failing'", "model 'failing'", "functor 'parallelepipeds'", "force of elem"
+#define FAILING \
+  "plugin 'failing'", "model 'failing'", "functor 'parallelepipeds'", "of elements 0 to 7"
 
 TEST_F(BadPlugins, ModelsThatFailInTheRunStopItWithAMessage) {
   const Failure failures[] = {

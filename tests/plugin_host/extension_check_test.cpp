@@ -139,8 +139,8 @@ const Case cases[] = {
      "model 'springs', functor 'others', extension 'suture.output/1', field 'strain': has 6 "
      "components, but the field of this name in an earlier functor of the model has 1"},
 };
-INSTANTIATE_TEST_SUITE_P(Offer, ExtensionCheck, ::testing::ValuesIn(cases),
-                         [](const auto& info) { return std::string(info.param.name); });
+const auto name_of = [](const auto& info) { return std::string(info.param.name); };
+INSTANTIATE_TEST_SUITE_P(Offer, ExtensionCheck, ::testing::ValuesIn(cases), name_of);
 
 TEST(Extensions, ThatThrowAreAFaultOfThePlugin) {
   Offer offer;

@@ -170,6 +170,8 @@ struct Parser {
     convert_app->add_option("from", convert.from, "mesh file")->required();
     convert_app->add_option("to", convert.to, "new file (.vtu .vtk .mesh .msh)")->required();
     add_scale(convert_app, convert.scale);
+    convert_app->add_flag("--drop-bad", convert.drop_bad,
+                          "leave out elements that are inverted or have the same point twice");
     convert_app->callback([this] { line.command = convert; });
 
     add_voxelize(*mesh->add_subcommand("voxelize", "fill a closed surface with equal cubes"));

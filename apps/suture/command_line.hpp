@@ -40,6 +40,7 @@ struct MeshInfoCommand {
 struct MeshConvertCommand {
   std::filesystem::path from, to;
   double scale = 1;
+  bool drop_bad = false;
 };
 struct MeshBoxCommand {
   BoxOptions box;

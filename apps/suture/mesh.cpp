@@ -8,6 +8,7 @@
 #include "kernel/base/escape.hpp"
 #include "kernel/geometry/surface_file.hpp"
 #include "kernel/mesh/mesh_file.hpp"
+#include "kernel/topology/bad_elements.hpp"
 #include "kernel/topology/import.hpp"
 #include "kernel/topology/rest_shape.hpp"
 
@@ -133,7 +134,8 @@ int mesh_info(const MeshInfoCommand& command, Console& console) {
 }
 
 int mesh_convert(const MeshConvertCommand& command, Console& console) {
-  const Mesh mesh = read_mesh(command.from, command.scale, console.diagnostics());
+  Mesh mesh = read_mesh(command.from, command.scale, console.diagnostics());
+  if (command.drop_bad) drop_bad_elements(mesh, false, console.diagnostics());
   write_mesh(command.to, mesh, console.diagnostics());
   if (!console.quiet()) print_counts(mesh, console);
   return 0;

@@ -16,6 +16,7 @@
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/mesh/own_origin.hpp"
 #include "kernel/scene/check_selections.hpp"
+#include "kernel/topology/bad_elements.hpp"
 
 namespace suture {
 namespace {
@@ -27,11 +28,18 @@ Imported import_and_trim(Mesh mesh, const Scene& scene, Diagnostics& diagnostics
   return imported;
 }
 
-Mesh load_mesh(const MeshSource& source, Diagnostics& diagnostics) {
+Mesh make_mesh(const MeshSource& source, Diagnostics& diagnostics) {
   if (source.box) return make_local_box(*source.box);
   if (source.voxels) return make_local_voxels(*source.voxels);
   Mesh mesh = read_mesh(source.file, source.scale, diagnostics);
   move_to_own_origin(mesh);
+  return mesh;
+}
+
+Mesh load_mesh(const MeshSource& source, Diagnostics& diagnostics) {
+  Mesh mesh = make_mesh(source, diagnostics);
+  if (source.drop_bad_elements)
+    drop_bad_elements(mesh, source.import.allow_inverted_rest, diagnostics);
   return mesh;
 }
 

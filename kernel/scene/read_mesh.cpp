@@ -117,6 +117,8 @@ void read_mesh(const JsonValue& value, Reading& reading) {
   if (mesh.choice("pinched", pinched) == 1u) {
     result.import.pinched = ImportOptions::Pinched::refuse;
   }
+  static const std::array<std::string, 2> bad_elements{"refuse", "drop"};
+  result.drop_bad_elements = mesh.choice("bad_elements", bad_elements) == 1u;
   result.import.allow_inverted_rest = mesh.boolean("allow_inverted_rest").value_or(false);
   result.import.renumber = mesh.boolean("renumber").value_or(true);
   mesh.finish();

@@ -27,6 +27,7 @@ struct MeshSource {
   std::optional<VoxelOptions> voxels;  ///< or
   std::filesystem::path file;          ///< absolute
   double scale = 1;
+  bool drop_bad_elements = false;
   ImportOptions import;
 };
 

@@ -143,12 +143,13 @@ const char* headline(Kind kind) {
     case Kind::index_out_of_range:
       return "with a point that does not exist";
     case Kind::repeated_vertex:
-      return "with the same point twice";
+      return "with the same point twice (\"bad_elements\": \"drop\" in /mesh leaves such elements "
+             "out)";
     case Kind::third_element:
       return "in three elements (a face separates two at most)";
     case Kind::same_side:
-      return "with both elements on the same side (they overlap, or one is numbered as its mirror "
-             "image)";
+      return "with both elements on the same side (they overlap, one is numbered as its mirror "
+             "image, or one is inside out, which \"bad_elements\": \"drop\" in /mesh leaves out)";
     case Kind::not_cyclic:
       return "whose four points come in another order around the face in the other element";
   }

@@ -3,45 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/radix_sort.hpp"
+#include "kernel/topology/mesh_texts.hpp"
 #include "kernel/topology/ordering.hpp"
 #include "kernel/topology/rest_shape.hpp"
 
 namespace suture {
 namespace {
 
-// ------------------------------------------------------------------- texts --
-
-std::string counted(std::size_t n, const std::string& one, const std::string& many) {
-  return std::to_string(n) + " " + (n == 1 ? one : many);
-}
-
-/// "3, 7, 12 and 40 more": all of them up to 1,000.
-template <class Items, class Name>
-std::string listed(const Items& items, Name name, std::size_t at_most = 1000) {
-  std::string text;
-  std::size_t shown = 0;
-  for (const auto& item : items) {
-    if (shown == at_most) break;
-    text += (shown++ ? ", " : "") + name(item);
-  }
-  if (items.size() > shown) text += " and " + std::to_string(items.size() - shown) + " more";
-  return text;
-}
-
-/// The user's numbers for positions in a Mesh.
-struct UserNames {
-  std::vector<std::uint64_t> points, elements;
-  std::string point(Index i) const { return std::to_string(points.empty() ? i : points[i]); }
-  std::string element(Index i) const { return std::to_string(elements.empty() ? i : elements[i]); }
-};
-
-std::string prefix(const std::string& source) {
-  return "mesh " + (source.empty() ? std::string() : "'" + source + "' ");
-}
+using namespace mesh_texts;
 
 // ------------------------------------------------------------------ checks --
 
@@ -138,25 +110,19 @@ struct Shapes {
   std::vector<Index> hopeless;  ///< a Gauss point too
 };
 
-/// Turns mirrored elements round and finds the inverted ones. An element is mirrored
-/// if its volume is negative: single bad corners do not decide it.
+/// Turns mirrored elements round and finds the inverted ones.
 Shapes orient(std::vector<Hexahedron>& hexahedra, const std::vector<Vec3>& rest) {
-  const auto smallest = [](const std::array<double, 8>& j) { return *std::ranges::min_element(j); };
   Shapes shapes;
   for (Index e = 0; e < hexahedra.size(); ++e) {
     Corners x;
     for (int i = 0; i < 8; ++i) x[i] = rest[hexahedra[e][i]];
-    if (smallest(corner_jacobians(x)) > 0) continue;
-    std::array<double, 8> gauss = gauss_jacobians(x);
-    if (std::accumulate(gauss.begin(), gauss.end(), 0.0) < 0) {
+    const RestShape shape = rest_shape(x);
+    if (shape.mirrored) {
       mirror(hexahedra[e]);
-      mirror(x);
-      gauss = gauss_jacobians(x);
       shapes.flipped.push_back(e);
     }
-    if (smallest(corner_jacobians(x)) > 0) continue;
-    shapes.inverted.push_back(e);
-    if (!(smallest(gauss) > 0)) shapes.hopeless.push_back(e);
+    if (shape.inverted) shapes.inverted.push_back(e);
+    if (shape.hopeless) shapes.hopeless.push_back(e);
   }
   return shapes;
 }
@@ -254,8 +220,9 @@ void report_inverted(const Shapes& shapes, const std::string& where, const Namin
             " (positive at all quadrature points). ";
   if (allowed || admissible < refused.size())
     text += "Repair the mesh where " +
-            std::string(allowed ? "these are" : "quadrature points are not positive");
-  throw TopologyError(text);
+            std::string(allowed ? "these are" : "quadrature points are not positive") + ". ";
+  throw TopologyError(text + "\"bad_elements\": \"drop\" in /mesh leaves out " +
+                      (refused.size() == 1 ? "this element" : "these elements"));
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/topology/rest_shape.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "kernel/topology/hexahedron_tables.hpp"
 
@@ -52,6 +54,22 @@ std::array<double, 8> gauss_jacobians(const Corners& x) {
     result[g] = triple(column[0], column[1], column[2]);
   }
   return result;
+}
+
+RestShape rest_shape(const Corners& x) {
+  const auto smallest = [](const std::array<double, 8>& j) { return *std::ranges::min_element(j); };
+  if (smallest(corner_jacobians(x)) > 0) return {};
+  RestShape shape;
+  Corners turned = x;
+  std::array<double, 8> gauss = gauss_jacobians(x);
+  if (std::accumulate(gauss.begin(), gauss.end(), 0.0) < 0) {
+    shape.mirrored = true;
+    mirror(turned);
+    gauss = gauss_jacobians(turned);
+  }
+  shape.inverted = !(smallest(corner_jacobians(turned)) > 0);
+  shape.hopeless = shape.inverted && !(smallest(gauss) > 0);
+  return shape;
 }
 
 }  // namespace suture

@@ -25,4 +25,13 @@ void mirror(std::array<T, 8>& nodes) {
   for (int i = 0; i < 8; i += 2) std::swap(nodes[i], nodes[i + 1]);
 }
 
+/// How an element is numbered and distorted. It is mirrored if its volume is negative: single bad
+/// corners do not decide it.
+struct RestShape {
+  bool mirrored = false;  ///< numbered as the mirror image; turned round for what follows
+  bool inverted = false;  ///< a corner Jacobian <= 0
+  bool hopeless = false;  ///< and one at a Gauss point
+};
+RestShape rest_shape(const Corners& x);
+
 }  // namespace suture

@@ -18,7 +18,7 @@ TEST(SceneReader, ReadsEveryKey) {
     "suture": 1, "title": "all of it",
     "mesh": {"box": {"origin": [1, 2, 3], "size": [1, 0.5, 0.25], "cells": [4, 2, 1],
                      "grading": [2, 1, 1]}, "pinched": "refuse", "allow_inverted_rest": true,
-             "renumber": false},
+             "bad_elements": "drop", "renumber": false},
     "models": [
       {"model": "jelly", "name": "soft", "region": {"half_space": {"point": [1.5, 0, 0],
        "normal": [-1, 0, 0]}}, "parameters": {"E": 1e3, "nu": 0.45, "order": 3,
@@ -50,6 +50,7 @@ TEST(SceneReader, ReadsEveryKey) {
   EXPECT_EQ(scene.mesh.box->grading[0], 2);
   EXPECT_EQ(scene.mesh.import.pinched, ImportOptions::Pinched::refuse);
   EXPECT_TRUE(scene.mesh.import.allow_inverted_rest);
+  EXPECT_TRUE(scene.mesh.drop_bad_elements);
   EXPECT_FALSE(scene.mesh.import.renumber);
   ASSERT_EQ(scene.models.size(), 3u);
   EXPECT_EQ(scene.models[0].parameters, (std::vector<double>{1e3, 0.45, 3, 0, 0}));
@@ -267,6 +268,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadSet{"/mesh={}", "/mesh", "exactly one of 'box', 'file', 'voxels'"},
         BadSet{"/mesh/scale=2", "/mesh/scale", "belongs to a mesh file"},
         BadSet{"/mesh/pinched=spilt", "/mesh/pinched", "did you mean 'split'"},
+        BadSet{"/mesh/bad_elements=dropp", "/mesh/bad_elements", "did you mean 'drop'"},
         BadSet{"/mesh={\"file\": \"nowhere.vtu\"}", "/mesh/file", "no file"},
         BadSet{"/mesh/box/cells/0=0", "/mesh/box/cells/0", ">= 1"},
         BadSet{"/mesh/box/cells=[100000,100000,100000]", "/mesh/box/cells", "32-bit darts"},

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "kernel/base/diagnostics.hpp"
+#include "kernel/mesh/mesh.hpp"
+
+namespace suture {
+
+/// Leaves out the elements that import_mesh() refuses for their shape: those that have the same
+/// point twice, those with a corner Jacobian <= 0 (with `allow_inverted_rest`, only if one at a
+/// Gauss point is <= 0 too) and those that are inside out, so that they overlap their neighbours.
+/// The other elements keep their numbers and their sets, the points stay, and one warning gives the
+/// number of bad elements and the first of them; a second one follows if the mesh falls into more
+/// pieces than before. Throws TopologyError if no element is left. Elements with a point that does
+/// not exist or is not finite stay: import_mesh() refuses them.
+void drop_bad_elements(Mesh& mesh, bool allow_inverted_rest, Diagnostics& diagnostics);
+
+}  // namespace suture

@@ -33,7 +33,8 @@ class Frames {
     scene_.output.fields = std::move(fields);
     built_ = std::make_unique<BuiltScene>(scene_, diagnostics_, skip);
     built_->dynamics().start();
-    recorder_ = std::make_unique<Recorder>(scene_, *built_, "suture-bench",
+    events_ = std::make_unique<EventRunner>(scene_, *built_, diagnostics_);
+    recorder_ = std::make_unique<Recorder>(scene_, *built_, *events_, "suture-bench",
                                            std::make_shared<OutputFolder>(folder_));
   }
   ~Frames() {
@@ -55,6 +56,7 @@ class Frames {
   Scene scene_;
   Diagnostics diagnostics_;
   std::unique_ptr<BuiltScene> built_;
+  std::unique_ptr<EventRunner> events_;
   std::unique_ptr<Recorder> recorder_;
   int count_ = 0;
 };

@@ -32,7 +32,14 @@ void Simulation::apply(const Event& event, Observer& observer) { run_->apply(eve
 
 Energies Simulation::energies() { return suture::energies(run_->built().dynamics()); }
 
-void Simulation::check_plugins() { run_->built().body().models().check_plugins(); }
+void Simulation::check_plugins() {
+  BuiltScene& built = run_->built();
+  built.body().models().check_plugins();
+  try {
+    built.limits().bounds(built.dynamics().time());  // the first step was chosen by unchecked ones
+  } catch (const NoStepBound&) {
+  }
+}
 
 void Simulation::try_plugins() {
   ForceLoop& models = run_->built().body().models();

@@ -112,7 +112,8 @@ class Simulation {
   /// The mean displacement of the selected vertices, m.
   Vec3 mean_displacement(const Selection& selection) const;
 
-  /// From now on every call of a plugin's force is checked (ForceLoop::check_plugins).
+  /// From now on every call of a plugin's force is checked (ForceLoop::check_plugins), and now the
+  /// bounds of the stable step.
   void check_plugins();
   /// Forces and energies of the present state, computed for their checks only.
   void try_plugins();

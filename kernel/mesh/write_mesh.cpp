@@ -47,6 +47,7 @@ void write_vtu(const std::filesystem::path& path, const Mesh& mesh) {
   image.points = mesh.points.data();
   image.point_count = mesh.points.size();
   image.connectivity = reinterpret_cast<const Index*>(cells.data());
+  image.connectivity_size = 8 * cells.size();
   image.cell_count = cells.size();
   FlagArrays flags;
   flags.add(mesh.point_sets, mesh.points.size(), image.point_arrays);
@@ -75,7 +76,8 @@ void write_mesh(const std::filesystem::path& path, const Mesh& mesh, Diagnostics
   } else if (extension == ".msh") {
     write_file(path, gmsh_text(mesh));
   } else {
-    throw UsageError(path.string() + ": meshes are written as .vtu, .vtk, .mesh or .msh, not as '" +
+    throw UsageError(path.string() +
+                     ": cannot write this mesh format; expected .vtu, .vtk, .mesh or .msh, not '" +
                      extension + "'");
   }
 }

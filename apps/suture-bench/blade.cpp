@@ -68,11 +68,10 @@ Block block_of(Index cells) {
 void measure_sheets(const Options& options, Report& report) {
   const Block block = block_of(options.cells);
   const Workers workers(options.threads);
-  report.begin(
-      "blade triangles",
-      "an oblique wavy sheet of triangles through a block, whole cut: tree and grid built, "
-      "faces found, map cut with vertices and edges; once each, " +
-          std::to_string(options.threads) + " thread(s)");
+  report.begin("blade triangles",
+               "an oblique wavy sheet of triangles through a block, the whole cut: tree and grid "
+               "built, faces found, map cut with vertices and edges; once each, " +
+                   std::to_string(options.threads) + " thread(s)");
   const Vec3 normals[] = {{1, 0.3, 0.1}, {0.2, 1, 0.4}, {0.3, -0.5, 1}, {1, 1, 1}, {1, -1, 0.5}};
   for (const Vec3& normal : normals) {
     Diagnostics diagnostics;
@@ -112,8 +111,8 @@ void measure_moving(const Options& options, Report& report) {
       measure([&] { body.body().models().add_forces(0, 0); }, options.threads, options.seconds)
           .median;
   report.begin("blade moving",
-               "a segment that moves 1/1000 of an element per step and cuts "
-               "nothing, beside one evaluation of the forces of tm-faure");
+               "a segment that moves 1/1000 of an element per step and cuts nothing, compared with "
+               "one evaluation of the forces of tm-faure");
   const auto add = [&](const char* where, double y, double z) {
     const BladeKey from{0, {{-edge, y, z}, {size[0] + edge, y, z}}};
     BladeKey to = from;
@@ -136,7 +135,7 @@ void measure_moving(const Options& options, Report& report) {
                    .add("force ms", 1e3 * force)
                    .add("step/force", step / force));
   };
-  add("beside the body", -2 * edge, 0.5 * size[2]);
+  add("outside the body", -2 * edge, 0.5 * size[2]);
   // Between two rows of centroids: near a layer of links, and the steps are too small to
   // reach them.
   add("in the body", (cells[1] / 2 + 0.1) * edge, (cells[2] / 2) * edge);

@@ -37,8 +37,8 @@ void add_bodies(CLI::App& app, std::vector<Command>& commands) {
   auto* command = app.add_subcommand("body", "The surface of a body of the paper's Table 1");
   auto options = std::make_shared<Options>();
   command->add_option("name", options->name, "frog, elephant, mushroom or giraffe")->required();
-  command->add_option("-o,--output", options->to, "New file (.stl .obj .off .ply)")->required();
-  command->add_option("--size", options->size, "About the edge of its triangles in m")
+  command->add_option("-o,--output", options->to, "Output file (.stl .obj .off .ply)")->required();
+  command->add_option("--size", options->size, "Approximate edge length of its triangles in m")
       ->check(CLI::PositiveNumber);
   commands.push_back({command, [options](Report&) { run(*options); }, false});
 }

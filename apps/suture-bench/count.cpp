@@ -47,7 +47,7 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_count(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("count", "Work to be counted by callgrind, not measured");
+  auto* command = app.add_subcommand("count", "Work for counting with callgrind, not for timing");
   auto options = std::make_shared<Options>();
   command->add_option("--model", options->model, "Model");
   command->add_option_function<std::vector<std::string>>(
@@ -56,11 +56,11 @@ void add_count(CLI::App& app, std::vector<Command>& commands) {
         for (std::size_t i = 0; i + 1 < given.size(); i += 2)
           options->parameters[given[i]] = std::stod(given[i + 1]);
       },
-      "NAME VALUE of the model");
+      "Parameter of the model: NAME VALUE");
   command->add_flag("--distorted", options->distorted, "General hexahedra");
-  command->add_option("--work", options->work, "What is repeated")
+  command->add_option("--work", options->work, "The work to repeat")
       ->check(CLI::IsMember({"force", "step", "cut"}));
-  command->add_option("--repeat", options->repeat, "How often; cuts at most 8 times")
+  command->add_option("--repeat", options->repeat, "Number of repetitions; at most 8 for cuts")
       ->check(CLI::Range(1, strips));
   commands.push_back({command, [options](Report& report) { run(*options, report); }, false});
 }

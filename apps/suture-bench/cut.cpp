@@ -151,9 +151,9 @@ void add_lines(Report& report, const CutCase& c, const std::vector<Method>& all,
 
 void compare_grids(const Options& options, const std::vector<Method>& all, Report& report) {
   report.begin("cut",
-               "the paper's Fig. 5: all faces between two layers of cubes; vertices, edges "
-               "and faces split, masses and stiffnesses summed again, columns grown, rows of "
-               "the force loops updated; median of fresh bodies, processor time");
+               "the paper's Fig. 5: all faces between two layers of cubes; vertices, edges and "
+               "faces split, masses and stiffnesses recomputed, columns grown, rows of the force "
+               "loops updated; median over fresh bodies, CPU time");
   for (const Index side : options.sides) {
     const CutCase c = two_layers(side);
     add_lines(report, c, all, measure(c, all, options.rounds));
@@ -162,7 +162,7 @@ void compare_grids(const Options& options, const std::vector<Method>& all, Repor
 
 void compare_bodies(const Options& options, const std::vector<Method>& all, Report& report) {
   report.begin("cut bodies",
-               "the paper's Table 1 on generated bodies of as many elements, one "
+               "the paper's Table 1 on generated bodies with the same numbers of elements, one "
                "plane each, and its Fig. 11: ten cuts of the giraffe together");
   for (const std::string& name : options.bodies) {
     const CutCase c = body_case(name);
@@ -172,7 +172,7 @@ void compare_bodies(const Options& options, const std::vector<Method>& all, Repo
   const CutCase ten = ten_cuts();
   const std::vector<Sample> samples = measure(ten, all, options.rounds);
   add_lines(report, ten, all, samples);
-  report.begin("ten cuts", "Fig. 11, one after the other, us per face");
+  report.begin("ten cuts", "Fig. 11, cut by cut, us per face");
   for (std::size_t i = 0; i < ten.cuts.size(); ++i) {
     Line line;
     line.add("cut", static_cast<double>(i + 1));
@@ -196,8 +196,8 @@ void compare_sizes(const Options& options, const std::vector<Method>& all, Repor
 /// One operation after the other, of one face or element each, chosen at random.
 void single_operations(PluginHost& host, const Options& options, Report& report) {
   report.begin("single cuts",
-               "a face, or an element, at a time: 1,000 cuts at random in 20x20x20 "
-               "and in large cubes of cells; us per operation");
+               "one face or element at a time: 1,000 random cuts in 20x20x20 and in large cubes of "
+               "cells; us per operation");
   for (const char* model : {"mss-baudet", "tm-faure"})
     for (const Index n :
          {Index{20}, static_cast<Index>(std::cbrt(2.0 * options.large * options.large))}) {
@@ -262,7 +262,8 @@ void run(const Options& options, Report& report) {
 
 void add_cut(CLI::App& app, std::vector<Command>& commands) {
   auto* command = app.add_subcommand(
-      "cut", "Time per cut face, beside CGAL's unsew<3> and the model before the paper's");
+      "cut",
+      "Time per cut face, compared with CGAL's unsew<3> and the predecessor of the paper's model");
   auto options = std::make_shared<Options>();
   command->add_option("--sides", options->sides, "n of the grids n x n x 2");
   command->add_option("--bodies", options->bodies, "Bodies of the paper's Table 1");

@@ -126,7 +126,7 @@ void compare(const char* what, const Scene& without, const Scene& with, const Op
 void run(const Options& options, Report& report) {
   PluginHost host;
   report.begin("event runs",
-               "whole runs with events over runs without, started outside the clock; " +
+               "whole runs with events relative to runs without, start-up not timed; " +
                    std::to_string(options.cells[0] * options.cells[1] * options.cells[2]) +
                    " elements, medians of " + std::to_string(options.pairs) + " pairs, 1 thread");
   for (const char* model : {"tm-faure", "mss-baudet"})
@@ -137,14 +137,15 @@ void run(const Options& options, Report& report) {
         add_cuts(cuts, options);
         add_blade(blade, options);
         compare("cuts of one face", plain, cuts, options, host, report);
-        compare("a blade in each step", plain, blade, options, host, report);
+        compare("a blade in every step", plain, blade, options, host, report);
       }
 }
 
 }  // namespace
 
 void add_event_runs(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("event-runs", "Whole runs with events beside runs without");
+  auto* command =
+      app.add_subcommand("event-runs", "Whole runs with events compared with runs without");
   auto options = std::make_shared<Options>();
   command->add_option("--cells", options->cells, "Elements along each axis");
   command->add_option("--pairs", options->pairs, "Pairs of runs")->check(CLI::PositiveNumber);

@@ -51,17 +51,17 @@ void measure_tear(Index size, bool distorted, Tear::By by, const Options& option
                  .add("mesh", distorted ? "general" : "boxes")
                  .add("by", by == Tear::By::elongation ? "elongation" : "principal-strain")
                  .add("force ns/el", ns * force)
-                 .add("look ns/el", ns * look)
+                 .add("check ns/el", ns * look)
                  .add("look/force", look / force)
-                 .add("every 4: look/force", look / force / 4));
+                 .add("every 4: check/force", look / force / 4));
 }
 
 void run(const Options& options, Report& report) {
   PluginHost host;
-  report.begin("tear",
-               "a look for faces that tear, where none does, beside the force of tm-faure; "
-               "best of 5 medians, " +
-                   std::to_string(options.threads) + " thread(s)");
+  report.begin(
+      "tear",
+      "a tear check that finds no face, compared with the force of tm-faure; best of 5 medians, " +
+          std::to_string(options.threads) + " thread(s)");
   for (const bool distorted : {false, true})
     for (const Tear::By by : {Tear::By::principal_strain, Tear::By::elongation})
       for (const Index size : options.sizes)
@@ -71,7 +71,7 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_events(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("events", "What looking for a tear costs beside the forces");
+  auto* command = app.add_subcommand("events", "The cost of a tear check relative to the forces");
   auto options = std::make_shared<Options>();
   command->add_option("--sizes", options->sizes, "Elements");
   command->add_option("--threads", options->threads, "Threads")->check(CLI::PositiveNumber);

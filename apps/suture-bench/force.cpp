@@ -90,9 +90,9 @@ void measure_case(const Case& c, Index size, const Options& options, PluginHost&
 
 void add_roofs(unsigned threads, Report& report) {
   const Machine& roof = machine(threads);
-  report.begin("force: roofs",
-               "of this machine, measured: multiply-adds on registers, and "
-               "a[i] = b[i] + s c[i] through memory (24 B each); " +
+  report.begin("force: roofline",
+               "measured on this machine: multiply-adds in registers, and a[i] = b[i] + s c[i] "
+               "through memory (24 B each); " +
                    std::to_string(threads) + " thread(s)");
   report.add(Line()
                  .add("GFlop/s", 1e-9 * roof.flops)
@@ -105,7 +105,7 @@ void run(const Options& options, Report& report) {
   add_roofs(options.threads, report);
   for (const Case& c : cases()) {
     if (std::string(c.name).find(options.only) == std::string::npos) continue;
-    report.begin(c.name, "whole steps of symplectic Euler with gravity and a held end, " +
+    report.begin(c.name, "whole steps of symplectic Euler with gravity and one end fixed, " +
                              std::to_string(options.threads) + " thread(s), medians");
     for (const Index size : options.sizes) measure_case(c, size, options, host, report);
   }
@@ -114,7 +114,7 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_force(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("force", "Rates of the models through the SDK, by size");
+  auto* command = app.add_subcommand("force", "Throughput of the models through the SDK, by size");
   auto options = std::make_shared<Options>();
   command->add_option("--sizes", options->sizes, "Elements (432000: the 60x60x120 grid)");
   command->add_option("--only", options->only, "Cases whose name contains this");

@@ -34,8 +34,8 @@ void measure_side(Index side, const Options& options, PluginHost& host, Report& 
   };
   report.add(Line()
                  .add("elements", static_cast<double>(side) * side * side)
-                 .add("ms of the processor", median(processor))
-                 .add("ms by the clock", median(wall)));
+                 .add("CPU ms", median(processor))
+                 .add("wall-clock ms", median(wall)));
 }
 
 void run(const Options& options, Report& report) {
@@ -47,7 +47,7 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_frame(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("frame", "What a frame costs the simulation");
+  auto* command = app.add_subcommand("frame", "The cost of a frame to the simulation");
   auto options = std::make_shared<Options>();
   command->add_option("--sides", options->sides, "n of the cubes n x n x n (60: 216,000)");
   command->add_option("--rounds", options->rounds, "Frames")->check(CLI::PositiveNumber);

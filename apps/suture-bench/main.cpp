@@ -9,7 +9,7 @@
 #include "kernel/base/error.hpp"
 
 int main(int argc, char** argv) {
-  CLI::App app{"The figures of Suture on this machine"};
+  CLI::App app{"Benchmarks of Suture on this machine"};
   app.fallthrough();  // --json behind a subcommand, too
   std::string json;
   app.add_option("--json", json, "Write the figures to this file as well");

@@ -173,8 +173,8 @@ void require_few(const BodyParameters& parameters, double size, double coarse) {
   if (estimate <= most) return;
   char text[200];
   std::snprintf(text, sizeof text,
-                "body: triangles of %.4g m would be about %.2g, more than 50 million; "
-                "take a size of %.2g m or more",
+                "body: triangles of %.4g m would be about %.2g, more than 50 million; use a size "
+                "of at least %.2g m",
                 size, estimate, size * std::sqrt(estimate / most));
   throw InputError(text);
 }
@@ -192,7 +192,7 @@ TriangleSurface generate_body(const BodyParameters& parameters, double size) {
   if (size > body.thickness())
     throw InputError("body: triangles of " + std::to_string(size) +
                      " m would lose parts that are " + std::to_string(body.thickness()) +
-                     " m thick; take a smaller size");
+                     " m thick; use a smaller size");
   require_few(parameters, size, coarse);
   TriangleSurface surface =
       isosurface([&](const Vec3& p) { return body.value(p); }, {0, 0, 0}, 1.1 * radius, size);
@@ -209,7 +209,7 @@ const BodyPreset& body_preset(std::string_view name) {
     list += (list.empty() ? "" : ", ") + preset.name;
   }
   throw UsageError("no body is called '" + std::string(name) + "'" + did_you_mean(name, names) +
-                   "; one of " + list);
+                   "; expected one of " + list);
 }
 
 }  // namespace suture::bench

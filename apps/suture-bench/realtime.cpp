@@ -113,18 +113,16 @@ void largest_shown(const Options& options, Index layers, unsigned threads, Plugi
 void run(const Options& options, Report& report) {
   PluginHost host;
   std::vector<Index> layers;
-  report.begin(
-      "realtime",
-      "slab of liver (tm-faure, E 10 kPa, nu 0.45, rho 1000), elements of 5 mm, 10 high, on "
-      "a plate that holds it, under its weight; dt = 0.8 of the stability limit (search "
-      "at rest), "
-      "best of 3 s");
+  report.begin("realtime",
+               "slab of liver (tm-faure, E 10 kPa, nu 0.45, rho 1000), elements of 5 mm, 10 layers "
+               "high, fixed to a plate, under its weight; dt = 0.8 of the stability limit (search "
+               "at rest), "
+               "best of 3 s");
   for (const unsigned threads : options.threads)
     layers.push_back(largest_block(options, threads, host, report));
-  report.begin(
-      "realtime, cut",
-      "the same while a tenth of the middle plane is cut every 0.1 s: fewer elements until "
-      "every frame of 1/30 s is in time");
+  report.begin("realtime, cut",
+               "the same while a tenth of the middle plane is cut every 0.1 s: with fewer "
+               "elements, until every frame of 1/30 s is on time");
   for (std::size_t i = 0; i < layers.size(); ++i)
     largest_shown(options, layers[i], options.threads[i], host, report);
 }
@@ -132,7 +130,7 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_realtime(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("realtime", "The largest block that moves in real time");
+  auto* command = app.add_subcommand("realtime", "The largest block that runs in real time");
   auto options = std::make_shared<Options>();
   command->add_option("--threads", options->threads, "Threads")->check(CLI::PositiveNumber);
   command->add_option("--deep", options->deep, "Cells over the depth");

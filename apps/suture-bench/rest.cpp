@@ -68,9 +68,9 @@ void add_rest(CLI::App& app, std::vector<Command>& commands) {
   auto* command = app.add_subcommand("rest", "Time until the paper's cantilever is at rest");
   auto options = std::make_shared<Options>();
   command->add_option("--across", options->across, "Cells over the height; four times that along");
-  command->add_option("--tolerance", options->tolerance, "Residual over load");
-  command->add_option("--ramp", options->ramp, "Time in which gravity grows, s");
-  command->add_option("--safety", options->safety, "dt over the stable step");
+  command->add_option("--tolerance", options->tolerance, "Residual relative to the load");
+  command->add_option("--ramp", options->ramp, "Duration of the gravity ramp, s");
+  command->add_option("--safety", options->safety, "dt relative to the stable step");
   commands.push_back({command, [options](Report& report) { run(*options, report); }});
 }
 

@@ -74,7 +74,7 @@ void run(const Options& options, Report& report) {
   PluginHost host;
   const Machine &one = machine(1), &many = machine(options.threads);
   report.begin("scaling: the machine",
-               "what threads that share nothing gain: multiply-adds on registers, and a stream "
+               "the gain of threads that share nothing: multiply-adds in registers, and a stream "
                "through memory");
   report.add(Line()
                  .add("threads", static_cast<double>(options.threads))
@@ -87,7 +87,7 @@ void run(const Options& options, Report& report) {
   for (const Case& c : cases()) {
     report.begin(std::string("scaling: ") + c.name,
                  "beams n x n x 4n of cubes of 0.025 m, whole steps, best of " +
-                     std::to_string(options.rounds) + " medians by the wall clock, 1 and " +
+                     std::to_string(options.rounds) + " wall-clock medians, 1 and " +
                      std::to_string(options.threads) + " threads in turn");
     for (const Index n : options.across) measure_beam(c, n, options, host, report);
   }
@@ -100,8 +100,8 @@ void add_scaling(CLI::App& app, std::vector<Command>& commands) {
   auto options = std::make_shared<Options>();
   command->add_option("--across", options->across, "Cells over the height; four times that along");
   command->add_option("--threads", options->threads, "Threads")->check(CLI::PositiveNumber);
-  command->add_option("--rounds", options->rounds, "Turns of each")->check(CLI::PositiveNumber);
-  command->add_option("--seconds", options->seconds, "Time spent on each figure and turn");
+  command->add_option("--rounds", options->rounds, "Rounds of each")->check(CLI::PositiveNumber);
+  command->add_option("--seconds", options->seconds, "Time spent on each figure and round");
   commands.push_back({command, [options](Report& report) { run(*options, report); }});
 }
 

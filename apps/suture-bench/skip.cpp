@@ -79,7 +79,7 @@ class Skips {
   void threads() {
     BodyOptions small{.model = "tm-faure", .cells = {5, 5, 20}, .threads = 2};
     BenchBody with = body(small, true), without = body(small, false);
-    of_step("threads that do not pay", "TM, 500 elements", with, without);
+    of_step("threads that do not help", "TM, 500 elements", with, without);
   }
 
   /// From a mesh to attributes.
@@ -89,7 +89,7 @@ class Skips {
       BodyOptions options;
     };
     const Case cases[] = {{"edge and face ids", "TM, no cuts", {.model = "tm-faure", .cells = {}}},
-                          {"columns that nobody reads",
+                          {"columns that no functor reads",
                            "springs without correction, general hexahedra",
                            {.model = "mss-baudet", .cells = {}, .distorted = true}}};
     for (const Case& c : cases) {
@@ -123,7 +123,7 @@ class Skips {
         seconds[skip] = std::min(seconds[skip], now(1) - start);
       }
     }
-    add("fields that are not asked for", "TM, displacement and velocity", "a frame", seconds[1],
+    add("fields that are not requested", "TM, displacement and velocity", "a frame", seconds[1],
         seconds[0]);
   }
 
@@ -135,10 +135,11 @@ class Skips {
 
 void run(const Options& options, Report& report) {
   PluginHost host;
-  report.begin("skip",
-               "what is skipped if a scene does not need it, on a scene where it matters; " +
-                   std::to_string(options.size) + " elements, best of " +
-                   std::to_string(options.rounds) + ", in turn");
+  report.begin(
+      "skip",
+      "work that is skipped if a scene does not need it, measured on a scene where it matters; " +
+          std::to_string(options.size) + " elements, best of " + std::to_string(options.rounds) +
+          ", in turn");
   Skips skips(options, host, report);
   skips.functors();
   skips.constant_columns();
@@ -151,11 +152,11 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_skip(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("skip", "What each thing that is skipped would cost");
+  auto* command = app.add_subcommand("skip", "The cost of each skipped piece of work");
   auto options = std::make_shared<Options>();
   command->add_option("--size", options->size, "Elements");
   command->add_option("--rounds", options->rounds, "Turns")->check(CLI::PositiveNumber);
-  command->add_option("--seconds", options->seconds, "Time spent on each figure and turn");
+  command->add_option("--seconds", options->seconds, "Time spent on each figure and round");
   commands.push_back({command, [options](Report& report) { run(*options, report); }});
 }
 

@@ -156,7 +156,7 @@ double peak() {
   std::ifstream file("/proc/self/status");
   for (std::string line; std::getline(file, line);)
     if (line.starts_with("VmHWM:")) return 1024 * std::stod(line.substr(6));
-  throw IoError("/proc/self/status does not tell the peak of the memory");
+  throw IoError("/proc/self/status does not report the peak memory (VmHWM)");
 }
 void reset_peak() { std::ofstream("/proc/self/clear_refs") << 5; }
 
@@ -190,7 +190,7 @@ void measure_memory(const Scenes& scenes, const std::string& model, const Option
 }
 
 void run(const Options& options, Report& report) {
-  report.begin("startup: the program", "suture run from start to exit, best by the wall clock");
+  report.begin("startup: the program", "suture run from start to exit, best wall-clock time");
   const Scenes scenes;
   measure_program(scenes, options, report);
   for (const std::string& model : options.models) {
@@ -199,8 +199,8 @@ void run(const Options& options, Report& report) {
                                           ", wall clock, one thread");
     for (const Index size : options.sizes) measure_parts(model, size, options, report);
     report.begin("memory: " + model,
-                 "bytes per element, beyond those of a scene of 10: held after the first step of a "
-                 "scene without cuts and frames, and at most until then");
+                 "bytes per element, in excess of a scene of 10 elements: after the first step of "
+                 "a scene without cuts and frames, and the peak until then");
     measure_memory(scenes, model, options, report);
   }
 }

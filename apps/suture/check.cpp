@@ -16,8 +16,8 @@ int check(const CheckCommand& command, Console& console) {
     simulation.try_plugins();
   }
   if (!console.quiet()) {
-    console.print(command.scene.string() + ": good (" + count(scene.models.size(), "model") + ", " +
-                  count(scene.constraints.size(), "constraint") + ", " +
+    console.print(command.scene.string() + ": valid (" + count(scene.models.size(), "model") +
+                  ", " + count(scene.constraints.size(), "constraint") + ", " +
                   count(scene.loads.size(), "load") + ", " + count(scene.events.size(), "event") +
                   "; hash " + scene.hash + ")");
   }

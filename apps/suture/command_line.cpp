@@ -41,7 +41,8 @@ std::string thread_count(const std::string& text) {
 
 CLI::Option* add_scene(CLI::App& app, std::filesystem::path& scene,
                        std::vector<std::string>& sets) {
-  app.add_option("--set", sets, "change the scene: /solver/dt=1e-4; may be repeated")
+  app.add_option("--set", sets,
+                 "change a value of the scene, e.g. /solver/dt=1e-4; may be repeated")
       ->allow_extra_args(false)
       ->type_name("/PATH=VALUE");
   app.add_option_function<std::string>(
@@ -54,7 +55,7 @@ CLI::Option* add_scene(CLI::App& app, std::filesystem::path& scene,
 
 void add_skip(CLI::App& app, bool& skip) {
   app.add_flag("!--no-skip", skip,
-               "build and compute also what the scene does not need: slower, the same results");
+               "also build and compute what the scene does not need (slower, same results)");
 }
 
 void add_plugin_checks(CLI::App& app, bool& check) {
@@ -91,7 +92,7 @@ struct Parser {
     app.fallthrough();
     app.set_version_flag("--version", version_text, "print the version");
     auto* quiet = app.add_flag("-q,--quiet", line.quiet, "warnings and errors only");
-    app.add_flag("-v,--verbose", line.verbose, "say more")->excludes(quiet);
+    app.add_flag("-v,--verbose", line.verbose, "print more messages")->excludes(quiet);
     add_scene_commands();
     add_model_commands();
     add_mesh_commands();
@@ -104,7 +105,7 @@ struct Parser {
     CLI::Option* resume =
         run_app
             ->add_option("--resume", run.resume,
-                         "go on from a checkpoint of an earlier run, in its folder")
+                         "resume an earlier run from a checkpoint, in the same folder")
             ->type_name("CHECKPOINT")
             ->excludes(scene);
     scene->required(false)->excludes(resume);
@@ -122,22 +123,23 @@ struct Parser {
       line.command = run;
     });
 
-    auto* check_app = app.add_subcommand("check", "tell everything that is wrong with a scene");
+    auto* check_app = app.add_subcommand("check", "report every mistake in a scene");
     add_scene(*check_app, check.scene, check.sets);
     add_trust(*check_app, check.trust);
     add_plugin_checks(*check_app, check.check_plugins);
     check_app->callback([this] { line.command = check; });
 
     auto* explain_app =
-        app.add_subcommand("explain", "tell what a run would load, build, compute, skip and cost");
+        app.add_subcommand("explain", "show what a run would load, build, compute, skip and cost");
     add_scene(*explain_app, explain.scene, explain.sets);
     add_trust(*explain_app, explain.trust);
-    explain_app->add_flag("--json", explain.json, "as JSON");
+    explain_app->add_flag("--json", explain.json, "print JSON");
     add_skip(*explain_app, explain.skip);
     explain_app->callback([this] { line.command = explain; });
 
     auto* replay_app = app.add_subcommand(
-        "replay", "repeat the operations of a journal on its mesh and check the map after each");
+        "replay",
+        "replay the operations of a journal on its mesh, checking the map after each one");
     replay_app->add_option("journal", replay.journal, "journal file")->required();
     replay_app->callback([this] { line.command = replay; });
   }
@@ -147,18 +149,20 @@ struct Parser {
       line.command = ModelsCommand{};
     });
     auto* describe_app =
-        app.add_subcommand("describe", "parameters, attributes and source of a model");
-    describe_app->add_option("model", describe.model, "id of the model")->required();
+        app.add_subcommand("describe", "show parameters, attributes and source of a model");
+    describe_app->add_option("model", describe.model, "model id")->required();
     describe_app->callback([this] { line.command = describe; });
   }
 
   void add_mesh_commands() {
-    auto* mesh = app.add_subcommand("mesh", "look at, convert and make meshes");
+    auto* mesh = app.add_subcommand("mesh", "inspect, convert and generate meshes");
     mesh->require_subcommand(1);
     const auto add_scale = [](CLI::App* sub, double& scale) {
-      sub->add_option("--scale", scale, "factor to metres")->check(CLI::PositiveNumber);
+      sub->add_option("--scale", scale, "factor from the file's unit to m")
+          ->check(CLI::PositiveNumber);
     };
-    auto* info_app = mesh->add_subcommand("info", "count, measure and check a mesh or a surface");
+    auto* info_app =
+        mesh->add_subcommand("info", "print counts, dimensions and quality of a mesh or a surface");
     info_app
         ->add_option("file", info.file,
                      "mesh (.vtu .vtk .mesh .msh) or surface (.obj .off .ply .stl .vtp)")
@@ -166,7 +170,7 @@ struct Parser {
     add_scale(info_app, info.scale);
     info_app->callback([this] { line.command = info; });
 
-    auto* convert_app = mesh->add_subcommand("convert", "from one file format to another");
+    auto* convert_app = mesh->add_subcommand("convert", "convert a mesh to another file format");
     convert_app->add_option("from", convert.from, "mesh file")->required();
     convert_app->add_option("to", convert.to, "new file (.vtu .vtk .mesh .msh)")->required();
     add_scale(convert_app, convert.scale);
@@ -176,13 +180,13 @@ struct Parser {
 
     add_voxelize(*mesh->add_subcommand("voxelize", "fill a closed surface with equal cubes"));
 
-    auto* generate = mesh->add_subcommand("generate", "make a mesh");
+    auto* generate = mesh->add_subcommand("generate", "generate a mesh");
     generate->require_subcommand(1);
     auto* box_app = generate->add_subcommand("box", "a regular or graded grid");
     box_app->add_option("to", box.to, "new file (.vtu .vtk .mesh .msh)")->required();
     box_app->add_option("--size", box.box.size, "lengths along x, y and z in m")->required();
     box_app->add_option("--cells", box.box.cells, "cells along x, y and z")->required();
-    box_app->add_option("--origin", box.box.origin, "smallest coordinates in m");
+    box_app->add_option("--origin", box.box.origin, "corner with the smallest coordinates, in m");
     box_app->add_option("--grading", box.box.grading, "last cell / first cell along x, y and z");
     for (CLI::Option* lengths : box_app->get_options()) lengths->delimiter(',');  // 1,1,1 or 1 1 1
     box_app->callback([this] { line.command = box; });
@@ -191,16 +195,17 @@ struct Parser {
   void add_voxelize(CLI::App& sub) {
     sub.add_option("surface", voxels.from, "surface file (.obj .off .ply .stl .vtp)")->required();
     sub.add_option("-o,--output", voxels.to, "new file (.vtu .vtk .mesh .msh)")->required();
-    auto* cells =
-        sub.add_option("--cells", voxels.options.cells, "about as many hexahedra, within 1 %")
-            ->check(CLI::PositiveNumber);
-    sub.add_option("--edge", voxels.options.edge, "edge of a cube in m")
+    auto* cells = sub.add_option("--cells", voxels.options.cells,
+                                 "approximate number of hexahedra, within 1 %")
+                      ->check(CLI::PositiveNumber);
+    sub.add_option("--edge", voxels.options.edge, "edge length of the cubes in m")
         ->check(CLI::PositiveNumber)
         ->excludes(cells);
-    sub.add_option("--scale", voxels.scale, "factor to metres")->check(CLI::PositiveNumber);
-    sub.add_flag("--repair", voxels.repair, "fill holes; let the surface cross itself");
+    sub.add_option("--scale", voxels.scale, "factor from the file's unit to m")
+        ->check(CLI::PositiveNumber);
+    sub.add_flag("--repair", voxels.repair, "fill holes and accept self-intersections");
     sub.add_flag("--largest-island", voxels.options.largest_island,
-                 "keep only the largest part that hangs together");
+                 "keep only the largest connected part");
     sub.callback([this] { line.command = voxels; });
   }
 };
@@ -244,9 +249,9 @@ std::string full_name(const CLI::App& app) {
     commands.push_back(sub->get_name());
     list += (list.empty() ? "" : ", ") + sub->get_name();
   }
-  if (commands.empty()) throw UsageError(name + ": '" + word + "' is one argument too many");
+  if (commands.empty()) throw UsageError(name + ": '" + word + "' is an unexpected argument");
   throw UsageError(name + ": unknown command '" + word + "'" + did_you_mean(word, commands) +
-                   "; one of " + list);
+                   "; expected one of " + list);
 }
 
 }  // namespace

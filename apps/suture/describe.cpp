@@ -65,7 +65,7 @@ void print_parameters(const suture_model& model, Console& console) {
 void print_attributes(const suture_model& model, Console& console) {
   constexpr const char* cells[] = {"vertices", "edges", "faces", "elements"};
   constexpr const char* policies[] = {"copied", "zero for a new cell", "shared by volume",
-                                      "summed again over the elements"};
+                                      "recomputed from the elements"};
   if (model.attribute_count > 0) console.print("\nattributes");
   for (std::uint32_t i = 0; i < model.attribute_count; ++i) {
     const suture_attribute& attribute = model.attributes[i];

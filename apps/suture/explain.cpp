@@ -17,7 +17,7 @@ std::string seconds(double value) {
 }
 
 std::string stability(double stable_dt) {
-  if (std::isinf(stable_dt)) return "any step is stable, as every node is prescribed";
+  if (std::isinf(stable_dt)) return "any step is stable because every node is prescribed";
   return "stable below " + seconds(stable_dt);
 }
 
@@ -55,7 +55,7 @@ void print_text(const Scene& scene, const Simulation& simulation, const Estimate
   console.print("\ncost");
   console.print("  step: dt " + seconds(cost.dt) + ", " + stability(cost.stable_dt) + ", takes " +
                 duration(cost.seconds_per_step));
-  console.print(cost.steps == 0 ? "  steps: until rest, not known beforehand"
+  console.print(cost.steps == 0 ? "  steps: until rest, number not known in advance"
                                 : "  steps: " + std::to_string(cost.steps) +
                                       ", frames: " + std::to_string(cost.frames));
   if (cost.steps > 0) console.print("  time: about " + duration(cost.seconds));

@@ -42,10 +42,11 @@ int guarded(Console& console, F&& f) {
     console.error(error.what());
     return error.exit_code();
   } catch (const std::bad_alloc&) {
-    console.error("out of memory; 'suture explain' tells what a scene needs");
+    console.error("out of memory; 'suture explain' shows how much a scene needs");
     return 6;
   } catch (const std::exception& error) {
-    console.error(std::string("unexpected: ") + error.what() + "; please report this");
+    console.error(std::string("unexpected: ") + error.what() +
+                  "; this is a bug in Suture, please report it");
     return 1;
   }
 }

@@ -150,7 +150,8 @@ int mesh_generate_box(const MeshBoxCommand& command, Console& console) {
 
 int mesh_voxelize(const MeshVoxelizeCommand& command, Console& console) {
   if (command.options.cells == 0 && command.options.edge == 0)
-    throw UsageError("suture mesh voxelize: --cells or --edge says how large the cubes are");
+    throw UsageError(
+        "suture mesh voxelize: the size of the cubes is missing; give --cells or --edge");
   const TriangleSurface surface =
       close_surface(read_soup(command.from, command.scale), command.repair, console.diagnostics());
   const Mesh mesh = voxelize(surface, command.options, console.diagnostics());

@@ -15,7 +15,7 @@ int models(const ModelsCommand&, Console& console) {
     if (!file.problem.empty()) console.print("    not used: " + file.problem);
   }
   if (files.empty()) {
-    console.print("no plugin found; SUTURE_PLUGIN_PATH names folders to search");
+    console.print("no plugins found; add their folders to SUTURE_PLUGIN_PATH");
   }
   return 0;
 }

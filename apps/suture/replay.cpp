@@ -15,7 +15,7 @@ std::string text_of(const Request& request) {
     text += " of " + count(request.kind == Operation::Kind::sew ? request.seams.size()
                                                                 : request.faces.size(),
                            "face");
-  if (request.left_out > 0) text += " (" + std::to_string(request.left_out) + " not possible)";
+  if (request.left_out > 0) text += " (" + std::to_string(request.left_out) + " impossible)";
   return text;
 }
 
@@ -40,7 +40,7 @@ std::string perform(const Request& request, CellComplex& complex, Islands& islan
   } catch (const TopologyError& error) {
     complex.validate();  // refused: then nothing has happened
     islands.validate(complex);
-    return std::string(": refused, ") + error.what();
+    return std::string(": refused: ") + error.what();
   }
   islands.update(complex, change);
   complex.validate();
@@ -64,12 +64,13 @@ int replay(const ReplayCommand& command, Console& console) {
       const std::string happened = perform(wanted, complex, islands);
       console.note(what + happened);
     } catch (const TopologyError& error) {
-      throw TopologyError(command.journal.string() + ", " + what + " broke a law: " + error.what());
+      throw TopologyError(command.journal.string() + ", " + what +
+                          " broke the map: " + error.what());
     }
   }
-  console.print(command.journal.string() + ": good (" +
+  console.print(command.journal.string() + ": valid (" +
                 count(journal.operations.size(), "operation") + " on " +
-                count(complex.element_count(), "element") + ", the map is valid after each)");
+                count(complex.element_count(), "element") + ", map valid after each)");
   return 0;
 }
 

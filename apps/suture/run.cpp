@@ -64,7 +64,7 @@ void print_summary(const RunSummary& summary, Console& console) {
   text += " at t = " + significant(summary.time) + " s: " + count(summary.steps, "step") + " in " +
           duration(summary.seconds) + " (" + short_number(summary.elements_per_second) +
           " elements/s, " + count(summary.threads, "thread") + ")";
-  if (summary.steps_back > 0) text += ", " + count(summary.steps_back, "step") + " back";
+  if (summary.steps_back > 0) text += ", " + count(summary.steps_back, "rollback");
   if (summary.exchanged > 0)
     text += ", balance " + significant(100 * summary.balance / summary.exchanged) + " %";
   if (summary.frames > 0) text += ", " + count(summary.frames, "frame");
@@ -89,12 +89,12 @@ Scene scene_of(const Checkpoint& checkpoint, const RunCommand& command, PluginHo
 }
 
 void tell_of_resume(const CheckpointHeader& header, Simulation& simulation, Console& console) {
-  console.note("going on from step " + std::to_string(header.step) +
+  console.note("resuming from step " + std::to_string(header.step) +
                ", t = " + significant(header.time) + " s, of " + header.scene_file);
   if (header.isa != simulation.isa())
-    console.diagnostics().warn("the run was made with the instruction set " + header.isa +
-                               " and goes on with " + std::string(simulation.isa()) +
-                               ": results agree to rounding, not in every bit");
+    console.diagnostics().warn("the earlier run used the instruction set " + header.isa +
+                               ", this one uses " + std::string(simulation.isa()) +
+                               ": results agree to within rounding, but not bit for bit");
 }
 
 void report_threads(unsigned wanted, unsigned used, Console& console) {

@@ -38,17 +38,19 @@ Column& add_column(Table& table, const char* name, const char* unit, const char*
 Attributes::Attributes(const CellComplex& complex, std::span<const Vec3> rest) {
   if (rest.size() != complex.count(0))
     throw InputError("attributes: " + std::to_string(rest.size()) + " rest positions for " +
-                     std::to_string(complex.count(0)) + " vertices; one each is needed");
+                     std::to_string(complex.count(0)) + " vertices; the numbers must be equal");
   for (int d = 0; d < 4; ++d) kernel(d).dimension = d;
   kernel(0).cells = all_cells(complex, 0);
   kernel(3).cells = all_cells(complex, 3);
   Table& t = kernel(0);
   rest_ = &add_column(t, "rest", "m", "Position without load.", 3, SUTURE_COPY);
-  position_ = &add_column(t, "position", "m", "Present position.", 3, SUTURE_COPY);
-  velocity_ = &add_column(t, "velocity", "m/s", "Present velocity.", 3, SUTURE_COPY);
+  position_ = &add_column(t, "position", "m", "Current position.", 3, SUTURE_COPY);
+  velocity_ = &add_column(t, "velocity", "m/s", "Current velocity.", 3, SUTURE_COPY);
   force_ = &add_column(t, "force", "N", "Sum of the forces of a step.", 3, SUTURE_ZERO);
-  mass_ = &add_column(t, "mass", "kg", "Sum of the models' shares.", 1, SUTURE_FROM_VOLUMES);
-  fixed_ = &add_column(t, "fixed", "1", "Bits: 1 x, 2 y, 4 z held.", 1, SUTURE_COPY);
+  mass_ = &add_column(t, "mass", "kg", "Sum of the contributions of all models.", 1,
+                      SUTURE_FROM_VOLUMES);
+  fixed_ =
+      &add_column(t, "fixed", "1", "Fixed components, as bits: 1 x, 2 y, 4 z.", 1, SUTURE_COPY);
   for (std::size_t v = 0; v < rest.size(); ++v)
     for (std::size_t c = 0; c < 3; ++c)
       rest_->rows()[4 * v + c] = position_->rows()[4 * v + c] = rest[v][c];

@@ -29,7 +29,7 @@ void pack_rows(Archive& archive, const char* name, const std::array<Column*, n>&
       for (Index k = 0; k < count; ++k, row += 4) copy_three(row, packed[k].data() + 3 * i);
     }
     archive(name, packed);
-    archive.require(packed.size() == count, "the number of vertices is another");
+    archive.require(packed.size() == count, "the number of vertices differs");
     for (std::size_t i = 0; i < n && archive.loads(); ++i) {
       double* row = columns[i]->rows() + std::size_t{first} * 4;
       for (Index k = 0; k < count; ++k, row += 4) copy_three(packed[k].data() + 3 * i, row);
@@ -51,8 +51,8 @@ void check_columns(Archive& archive, const Instance& instance, const Table& tabl
   std::string there = here;
   archive("columns", there);
   if (there != here)
-    archive.refuse(instance.title() + " had these columns of dimension " +
-                   std::to_string(table.dimension) + ": " + there + "; here it has: " + here);
+    archive.refuse(instance.title() + " had other columns of dimension " +
+                   std::to_string(table.dimension) + ": " + there + "; now: " + here);
 }
 
 void cells_of(Archive& archive, Table& table) {
@@ -68,7 +68,7 @@ void columns_of(Archive& archive, const Instance& instance, Table& table, bool w
   for (Column& column : table.columns) {
     if (column.has_trial() || (whole && table.dimension < 3))
       archive(("column " + column.spec().name).c_str(), column);
-    archive.require(column.size() == table.cells.size(), "a column has more or fewer rows");
+    archive.require(column.size() == table.cells.size(), "a column has a different number of rows");
   }
 }
 
@@ -76,7 +76,7 @@ void state_of(Archive& archive, Instance& instance, bool whole) {
   std::string name = instance.title();
   if (archive.has_cells()) archive("title", name);
   if (name != instance.title())
-    archive.refuse("it is the state of " + name + ", and here is " + instance.title());
+    archive.refuse("the state belongs to " + name + ", but this is " + instance.title());
   std::span<Table, 4> tables = instance.tables();
   archive.each("tables", tables,
                [&](Archive& a, Table& table) { columns_of(a, instance, table, whole); });
@@ -88,7 +88,8 @@ void Attributes::state(Archive& archive) {
   if (archive.has_cells()) {
     const bool is_fresh = operations_ == 0;
     archive("operations", operations_);
-    archive.require(is_fresh || !archive.loads(), "the body here has had operations");
+    archive.require(is_fresh || !archive.loads(),
+                    "operations have already been applied to this body");
     if (operations_ != 0) kernel_tables(archive);
   }
   motion(archive);
@@ -104,7 +105,8 @@ void Attributes::kernel_tables(Archive& archive) {
   archive.each("kernel", kernel_, cells_of);
   for (Column* column : {rest_, mass_, fixed_}) {
     archive(column->spec().name.c_str(), *column);
-    archive.require(column->size() == kernel(0).cells.size(), "a column has more or fewer rows");
+    archive.require(column->size() == kernel(0).cells.size(),
+                    "a column has a different number of rows");
   }
   for (Column* column : {position_, velocity_, force_}) column->resize(kernel(0).cells.size());
   archive("own_rest", own_rest_);

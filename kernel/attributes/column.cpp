@@ -191,7 +191,7 @@ void Column::state(Archive& archive) {
     archive("constant", constant);
     if (!constant) expand();
     if (archive.loads()) {
-      archive.require(constant == constant_, "the column here is not the same everywhere");
+      archive.require(constant == constant_, "only one of the two columns is constant");
       resize(rows);  // with the room that it has for more
     }
   }
@@ -199,7 +199,7 @@ void Column::state(Archive& archive) {
   archive("values", data_);
   if (archive.has_cells() && has_trial()) archive("trial", trial_);
   archive.require(data_.size() == size && (!has_trial() || trial_.size() == size),
-                  "the column here has another number of rows");
+                  "the column has a different number of rows");
 }
 
 }  // namespace suture

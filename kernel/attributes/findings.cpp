@@ -25,8 +25,8 @@ void Findings::deliver(const std::string& who, Diagnostics& diagnostics) {
     std::string line = who + ": " + finding.text;
     if (finding.first != none)
       line += " [" + name.second + ": " + std::to_string(finding.count) +
-              (finding.count == 1 ? " cell, " : " cells, the first is ") +
-              std::to_string(finding.first) + "]";
+              (finding.count == 1 ? " cell, " : " cells, first ") + std::to_string(finding.first) +
+              "]";
     if (name.first >= SUTURE_ERROR)
       errors += (errors.empty() ? "" : "\n") + line;
     else if (name.first == SUTURE_WARNING)

@@ -85,8 +85,7 @@ Instance::Instance(const suture_model& model, std::string name, std::vector<doub
     : model_(model), name_(std::move(name)), parameters_(std::move(parameters)), skip_(skip) {
   if (parameters_.size() != model_.parameter_count)
     throw PluginError(title() + ": declares " + std::to_string(model_.parameter_count) +
-                      " parameters, but " + std::to_string(parameters_.size()) +
-                      " were handed over");
+                      " parameters, but " + std::to_string(parameters_.size()) + " were given");
   for (int d = 0; d < 4; ++d) table(d).dimension = d;
   if (model_.instance_bytes != 0)
     prepared_.resize(static_cast<std::size_t>(guard_begin() + guard_size), prepared_guard);

@@ -65,15 +65,15 @@ void LiveMask::state(Archive& archive) {
 void CellSet::state(Archive& archive) {
   bool all = all_;
   archive("all", all);
-  archive.require(all == all_, "the cells of a region are not those of the region here");
+  archive.require(all == all_, "the cells of the region differ");
   archive("size", size_);
   if (!all_) {
     archive("cells", cells_);
     archive("rows", row_of_);
-    archive.require(cells_.size() == size_, "the cells are more or fewer than their number");
+    archive.require(cells_.size() == size_, "the number of cells does not match");
   }
   archive("live", live_);
-  archive.require(live_.fits(size_), "the rows are more or fewer than those that live or not");
+  archive.require(live_.fits(size_), "the number of rows does not match the mask of live rows");
 }
 
 Column& Table::add(ColumnSpec spec) {

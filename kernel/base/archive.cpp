@@ -32,7 +32,9 @@ const char* name_of(Archive::Scalar type) {
   return names[static_cast<std::size_t>(type)];
 }
 
-[[noreturn]] void wrong_way() { throw std::logic_error("an archive used against its direction"); }
+[[noreturn]] void wrong_way() {
+  throw std::logic_error("an archive was used in the wrong direction");
+}
 
 }  // namespace
 
@@ -64,7 +66,7 @@ void TreeWriter::write(const char* name, const Shape& shape, const void* data) {
   array.bytes = std::make_unique_for_overwrite<std::byte[]>(array.size());
   if (array.size() != 0) std::memcpy(array.bytes.get(), data, array.size());
   if (!path_.back()->arrays.emplace(name, std::move(array)).second)
-    throw std::logic_error(std::string("two states are called ") + name);
+    throw std::logic_error(std::string("two states have the same name ") + name);
 }
 
 const void* TreeWriter::read(const char*, Shape&) { wrong_way(); }
@@ -84,19 +86,18 @@ void TreeReader::write(const char*, const Shape&, const void*) { wrong_way(); }
 
 const void* TreeReader::read(const char* name, Shape& shape) {
   const auto found = path_.back()->arrays.find(name);
-  if (found == path_.back()->arrays.end()) refuse(std::string("there is no ") + name);
+  if (found == path_.back()->arrays.end()) refuse(std::string("missing entry ") + name);
   const StateTree::Array& array = found->second;
   if (array.type != shape.type || array.columns != shape.columns)
     refuse(std::string(name) + " has " + std::to_string(array.columns) + ' ' + name_of(array.type) +
-           " per row, and should have " + std::to_string(shape.columns) + ' ' +
-           name_of(shape.type));
+           " per row, expected " + std::to_string(shape.columns) + ' ' + name_of(shape.type));
   shape.rows = array.rows;
   return array.bytes.get();
 }
 
 void TreeReader::enter(const char* name) {
   const auto found = path_.back()->groups.find(name);
-  if (found == path_.back()->groups.end()) refuse(std::string("there is no ") + name);
+  if (found == path_.back()->groups.end()) refuse(std::string("missing entry ") + name);
   path_.push_back(&found->second);
   names_.emplace_back(name);
 }

@@ -176,7 +176,7 @@ class Archive {
     Shape shape{scalar_of<Number>(), sizeof(T) / sizeof(Number), 1};
     if (!loads()) return write(name, shape, &value);
     const void* data = read(name, shape);
-    require(shape.rows == 1, "one value was expected, and there are several");
+    require(shape.rows == 1, "expected one value, found several");
     std::memcpy(&value, data, sizeof(T));
   }
 
@@ -225,7 +225,7 @@ class Archive {
     if constexpr (requires { objects.resize(count); })
       objects.resize(count);
     else
-      require(objects.size() == count, "the number of its items is another");
+      require(objects.size() == count, "the number of items differs from this run");
   }
 
   Extent extent_;

@@ -23,7 +23,8 @@ inline void archive_lists(Archive& archive, const char* name,
     archive("ends", ends);
     archive("values", values);
     if (!archive.loads()) return;
-    archive.require(values.size() == (ends.empty() ? 0 : ends.back()), "the lists do not fit");
+    archive.require(values.size() == (ends.empty() ? 0 : ends.back()),
+                    "the ends of the lists do not match their values");
     lists.assign(ends.size(), {});
     for (std::size_t i = 0, begin = 0; i < ends.size(); begin = ends[i++])
       lists[i].assign(values.begin() + static_cast<std::ptrdiff_t>(begin),

@@ -18,16 +18,16 @@ const char* hint(int error) {
   switch (error) {
     case ENOSPC:
     case EDQUOT:
-      return "; free some space or choose another output folder";
+      return "; free some space or choose a different output folder";
     case EACCES:
     case EPERM:
     case EROFS:
-      return "; choose an output folder that you may write to";
+      return "; choose an output folder for which you have write permission";
     case EFBIG:
       return "; raise the limit on the size of files (ulimit -f)";
     case ENOTDIR:
     case EEXIST:
-      return "; a file stands where a folder is needed";
+      return "; a file exists where a folder is needed";
     default:
       return "";
   }

@@ -44,11 +44,11 @@ void* module_symbol(const std::string& file, const char* symbol) {
     }
     void* address = dlsym(library, symbol);
     if (address == nullptr) {
-      throw IoError(path.string() + " is not the module it should be: " + dlerror());
+      throw IoError(path.string() + " is not the expected module: " + dlerror());
     }
     return address;
   }
-  throw IoError("the module " + file + " is missing; looked for:" + tried +
+  throw IoError("the module " + file + " is missing; searched for:" + tried +
                 "\nset SUTURE_MODULE_PATH to its folder, or install Suture again");
 }
 

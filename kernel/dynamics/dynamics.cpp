@@ -22,8 +22,8 @@ void Dynamics::start(double time) {
     if (mass.get(v, 0) > 0 || !body().complex().exists(0, v)) continue;
     const Index element = body().complex().dart_of(0, v) / 24;
     throw InputError("element " + std::to_string(body().user_element(element)) +
-                     " has a vertex without mass: no model with a density acts on it; give the "
-                     "models regions that cover the mesh");
+                     " has a node without mass: no model with a density acts on it; extend the "
+                     "regions of the models to cover the mesh");
   }
   motion_.start(time);
   body().constraints().apply(attributes, time);

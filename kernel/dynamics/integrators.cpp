@@ -22,7 +22,7 @@ bool Integrator::is_other_step(double dt) const {
 
 std::unique_ptr<Integrator> make_integrator(const std::string& name, Motion& motion) {
   const auto found = std::ranges::find(names, name);
-  if (found == names.end()) throw InputError("there is no integrator '" + name + "'");
+  if (found == names.end()) throw InputError("unknown integrator '" + name + "'");
   return makers[static_cast<std::size_t>(found - names.begin())](motion);
 }
 

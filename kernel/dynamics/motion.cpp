@@ -180,7 +180,7 @@ void Motion::refuse_not_finite() const {
   };
   while (vertex + 1 < attributes.vertex_count() && finite(vertex)) ++vertex;
   const Index element = body_.complex().dart_of(0, vertex) / 24;
-  throw NotFinite("the velocity of vertex " + std::to_string(vertex) + " is not finite",
+  throw NotFinite("velocity of node " + std::to_string(vertex) + " is not finite",
                   body_.user_element(element));
 }
 

@@ -102,27 +102,26 @@ bool RestSearch::at_rest(Dynamics& dynamics) {
 std::string RestSearch::explanation(Dynamics& dynamics) const {
   std::ostringstream text;
   if (limited_) {
-    text << "the residual stays at " << residual_ << ", above /solver/tolerance, " << tolerance_
-         << ": this is the rounding of positions, no smaller residual can be reached; the state "
-            "counts as at rest";
+    text << "the residual does not fall below " << residual_ << " (/solver/tolerance is "
+         << tolerance_ << "): the rounding of positions limits it; the state counts as at rest";
     return text.str();
   }
-  text << "no rest: the residual is " << residual_ << ", above /solver/tolerance, " << tolerance_
-       << ", and has not fallen for " << stagnation_.steps_without_progress()
-       << " steps, far above rounding; ";
+  text << "no rest was reached: the residual is " << residual_ << " (/solver/tolerance is "
+       << tolerance_ << ") and has not decreased for " << stagnation_.steps_without_progress()
+       << " steps, although it is far above rounding; ";
   if (dynamics.motion().damping() == 0)
-    text << "nothing damps the motion: set /solver/damping to \"auto\"";
+    text << "the motion is undamped: set /solver/damping to \"auto\"";
   else if (const auto inverted =
                find_inverted(dynamics.body().complex(), dynamics.body().attributes());
            !inverted.empty())
     text << "inverted elements (" << inverted.size()
-         << ") have no stable state: lower the load or refine the mesh there";
+         << ") have no stable state: reduce the load or refine the mesh there";
   else if (!dynamics.body().loads_have_tangent())
-    text << "a pressure that follows the surface can feed a vibration for ever: set /solver/end, "
-            "or damp more";
+    text << "a pressure that follows the surface can sustain a vibration: set /solver/end or "
+            "increase /solver/damping";
   else
-    text << "the body may have no equilibrium near this state, or a model feeds a vibration: "
-            "lower the load, hold more of the body, damp more, or set /solver/end";
+    text << "there may be no equilibrium near this state, or a model sustains a vibration: reduce "
+            "the load, add constraints, increase /solver/damping, or set /solver/end";
   return text.str();
 }
 

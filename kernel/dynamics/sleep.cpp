@@ -26,7 +26,7 @@ void require_islands(const Body& body, std::span<const Index> elements) {
   std::vector<bool> inside(complex.element_count());
   for (const Index e : elements) {
     if (e >= complex.element_count() || !complex.exists(3, e))
-      throw InputError("element " + std::to_string(e) + " cannot sleep: there is none");
+      throw InputError("element " + std::to_string(e) + " cannot sleep: it does not exist");
     inside[e] = true;
   }
   for (const Index e : elements)
@@ -34,7 +34,7 @@ void require_islands(const Body& body, std::span<const Index> elements) {
       const Index other = complex.neighbour(e, f);
       if (other != none && !inside[other])
         throw InputError("element " + std::to_string(body.user_element(e)) +
-                         " cannot sleep alone: it hangs together with element " +
+                         " cannot sleep on its own: it is connected to element " +
                          std::to_string(body.user_element(other)) + "; put whole islands to sleep");
     }
 }

@@ -83,15 +83,15 @@ Dart face_between(const CellComplex& complex, const std::string& path, const Ele
       throw InputError(path + ": the mesh has no element " + std::to_string(pair[i]));
   }
   if (elements[0] == elements[1])
-    throw InputError(path + ": names element " + std::to_string(pair[0]) +
+    throw InputError(path + ": the pair contains element " + std::to_string(pair[0]) +
                      " twice; a face lies between two elements");
   if (!complex.exists(3, elements[0]) || !complex.exists(3, elements[1])) return none;
   for (int f = 0; f < 6; ++f)
     if (complex.neighbour(elements[0], f) == elements[1]) return 24 * elements[0] + 4 * f;
   if (point_of_vertex.empty())
-    throw InputError(path + ": " + names + " have no common face (or it was cut before)");
+    throw InputError(path + ": " + names + " have no common face (or it has already been cut)");
   if (shared_a_face(complex, elements[0], elements[1], point_of_vertex)) return none;
-  throw InputError(path + ": " + names + " are no neighbours: they have no common face");
+  throw InputError(path + ": " + names + " are not neighbours: they have no common face");
 }
 
 ListedFaces faces_between(const CellComplex& complex, const std::string& path,

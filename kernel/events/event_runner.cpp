@@ -85,12 +85,13 @@ struct EventRunner::Call {
     return built.body().cut(faces).faces_cut;
   }
   EventOutcome cut(const std::vector<Dart>& faces) const {
-    if (faces.empty()) warn_once(" cuts no face: the blade misses the body" + or_is_cut());
+    if (faces.empty()) warn_once(" cut no face: the blade misses the body" + or_is_cut());
     return opened(faces);
   }
   /// What else it can be that nothing is cut, once anything has been done to the map.
   std::string or_is_cut() const {
-    return built.body().complex().has_operated() ? ", or the faces there are cut already" : "";
+    return built.body().complex().has_operated() ? ", or the faces there have already been cut"
+                                                 : "";
   }
   const Workers* workers() const { return &built.body().models().workers(); }
 
@@ -104,8 +105,8 @@ struct EventRunner::Call {
     const std::vector<Dart> faces =
         state.surface->faces_cut(built.body().complex(), places, workers());
     if (faces.empty() && !event.every)
-      warn(" cuts no face: " + why_nothing_was_cut(state.surface->box(), built.body().complex(),
-                                                   places, built.frame().origin));
+      warn(" cut no face: " + why_nothing_was_cut(state.surface->box(), built.body().complex(),
+                                                  places, built.frame().origin));
     return opened(faces);
   }
 
@@ -117,8 +118,8 @@ struct EventRunner::Call {
 
   EventOutcome operator()(const CutFaces& listed) const {
     const ListedFaces faces = faces_of(listed);
-    tell_of("is cut already", "are cut already", faces.cut_before);
-    tell_of("is gone with an element", "are gone with an element", faces.gone);
+    tell_of("has already been cut", "have already been cut", faces.cut_before);
+    tell_of("was removed with an element", "were removed with an element", faces.gone);
     return opened(faces.faces);
   }
   void tell_of(const char* one, const char* many, const std::vector<ElementPair>& pairs) const {
@@ -138,13 +139,13 @@ struct EventRunner::Call {
     return remove(pierce.where ? built.selector().elements_now(*pierce.where, shape())
                                : elements_along_path(built.body().complex(), shape(), pierce.path,
                                                      pierce.radius),
-                  " removes no element: nothing is left where it pierces");
+                  " removed no element: there are none left where it pierces");
   }
 
   EventOutcome operator()(const RemoveIslands& islands) const {
     return remove(
         elements_of_islands(built.body().complex(), built.body().islands(), shape(), islands),
-        " removes no island: all are large enough and within the region");
+        " removed no island: all are large enough and inside the region");
   }
 
   EventOutcome remove(const std::vector<Index>& elements, const char* nothing) const;
@@ -153,7 +154,7 @@ struct EventRunner::Call {
     EventOutcome outcome;
     const std::vector<Seam> seams = seams_of(sew);
     if (seams.empty()) {
-      if (!state.told_misfits) warn_once(" sews no face: " + why_none(sew));
+      if (!state.told_misfits) warn_once(" sewed no face: " + why_none(sew));
       return outcome;
     }
     const TopologyChange change = built.body().sew(seams);
@@ -177,7 +178,7 @@ struct EventRunner::Call {
     if (!faces.empty())
       outcome.faces_torn = cut_now(faces);
     else
-      warn_once(" tears no face: the criterion is below its threshold everywhere");
+      warn_once(" tore no face: the criterion is below its threshold everywhere");
     return outcome;
   }
 };
@@ -221,16 +222,16 @@ std::vector<Seam> EventRunner::Call::listed_seams(const SewFaces& sew) const {
       built.body().user_vertex(), naming());
   if (!listed.idle.empty() && !listed.seams.empty()) {
     warn_once("/suture/faces: " + std::to_string(listed.idle.size()) +
-              " of the pairs share a face or were removed, the first is elements " +
+              " of the pairs still share a face or were removed; the first is elements " +
               std::to_string(listed.idle[0][0]) + " and " + std::to_string(listed.idle[0][1]));
   }
   return std::move(listed.seams);
 }
 
 std::string EventRunner::Call::why_none(const SewFaces& sew) {
-  if (sew.between) return "none of one side is within the gap of one of the other";
-  return sew.element_pairs.empty() ? "nothing that was cut is open there"
-                                   : "all pairs share a face already, or were removed";
+  if (sew.between) return "no face of one side is within the gap of a face of the other";
+  return sew.element_pairs.empty() ? "no cut face is open there"
+                                   : "all pairs already share a face or were removed";
 }
 
 EventOutcome EventRunner::Call::remove(const std::vector<Index>& elements,
@@ -243,8 +244,7 @@ EventOutcome EventRunner::Call::remove(const std::vector<Index>& elements,
   if (elements.size() >= built.body().complex().existing(3)) {
     throw InputError(time_text(time) + event.path + ": " + event.operation() +
                      " would remove all " + std::to_string(elements.size()) +
-                     " elements that are left, and nothing would be simulated; nothing was "
-                     "removed");
+                     " remaining elements; nothing was removed. Make the selection smaller");
   }
   runner.removals_.before(elements);
   const TopologyChange change = built.body().pierce(elements);
@@ -344,7 +344,9 @@ EventOutcome EventRunner::fire(std::size_t i, double time) {
 
 EventOutcome EventRunner::apply(const Event& event, double time) {
   if (std::holds_alternative<CutBlade>(event.what))
-    throw InputError(event.path + "/cut: a moving blade takes time; put it into the scene");
+    throw InputError(
+        event.path +
+        "/cut: a moving blade cannot be applied at one instant; add it to the scene as an event");
   State state = prepare(event);
   return std::visit(Call{*this, event, none, time, state}, event.what);
 }
@@ -365,7 +367,7 @@ void EventRunner::finish() {
     const bool told = event.is_timed() || (event.when && states_[i].came);  // at its time
     if (states_[i].had_effect || told) continue;
     std::string text = event.path + ": " + event.operation() + " had no effect in the whole run";
-    if (event.when) text += ": its condition never held";
+    if (event.when) text += ": its condition was never met";
     if (states_[i].blade) {
       text += ": " + why_nothing_was_cut(states_[i].blade->box(), built_.body().complex(),
                                          Places{built_.body().attributes().position().rows()},

@@ -299,7 +299,7 @@ std::optional<Seam> seam_between(const Places& places, const std::string& path,
   if (best.distance < infinite) return best.seam;
   throw InputError(path + ": elements " + std::to_string(pair[0]) + " and " +
                    std::to_string(pair[1]) +
-                   " have no boundary faces that look at each other: there is nothing to sew");
+                   " have no boundary faces that face each other, so there is nothing to sew");
 }
 
 }  // namespace

@@ -60,10 +60,11 @@ std::vector<std::string> RemovalWatch::after() {
     for (Index e = 0; e < complex.element_count() && holder.gone; ++e)
       holder.gone = !carries(e, holder);
     if (holder.gone)
-      losses.push_back("takes all that " + holder.path + " acts on, which ends here");
+      losses.push_back("removes all nodes or faces on which " + holder.path +
+                       " acts; it has no effect from now on");
     else if (!std::exchange(holder.told, true))
-      losses.push_back("takes a part of what " + holder.path +
-                       " acts on; that part of it ends here");
+      losses.push_back("removes some of the nodes or faces on which " + holder.path +
+                       " acts; it continues to act on the others");
   }
   return losses;
 }

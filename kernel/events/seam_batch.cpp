@@ -38,13 +38,14 @@ std::string SeamBatch::fold_text(Index element, const std::vector<Index>& group,
   for (const Index v : complex_.vertices_of(element))
     if (std::ranges::find(group, joined(v)) != group.end())
       nodes += (nodes.empty() ? "" : " and ") + naming.vertex(v);
-  return "nodes " + nodes + " of element " + naming.element(element) + " would become one";
+  return "nodes " + nodes + " of element " + naming.element(element) + " would be merged";
 }
 
 std::optional<std::string> SeamBatch::add(Seam seam, const Naming& naming) {
   for (const Dart face : {seam.one, seam.other})
     if (has(face))
-      return "the face of element " + naming.element(face / 24) + " would be sewn to two others";
+      return "the face of element " + naming.element(face / 24) +
+             " would be sewn to two other faces";
   std::vector<std::pair<Index, Index>> equal;
   for (Dart k = 0; k < 4; ++k) {
     const Index a = joined(corner_vertex(complex_, seam, k)),

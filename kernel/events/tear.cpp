@@ -223,7 +223,8 @@ int TearCheck::field_dimension(const Look& look) const {
           return static_cast<int>(functor.dimension);
     }
   }
-  throw PluginError(path_ + "/by: no model '" + tear_.model + "' gives '" + tear_.field + "'");
+  throw PluginError(path_ + "/by: no model named '" + tear_.model + "' provides the field '" +
+                    tear_.field + "'");
 }
 
 /// The field by cell of the complex; NaN where there is none.
@@ -234,8 +235,8 @@ std::vector<double> TearCheck::field_values(const Look& look, int dimension) con
     const CellSet& cells = instance->table(dimension).cells;
     std::vector<double> rows(cells.size(), no_value);
     if (!look.body.models().compute_field(*instance, dimension, tear_.field, look.time, rows)) {
-      throw PluginError(path_ + "/by: model '" + tear_.model + "' computes no '" + tear_.field +
-                        "' with these parameters");
+      throw PluginError(path_ + "/by: model '" + tear_.model + "' does not compute '" +
+                        tear_.field + "' with these parameters");
     }
     for (Index row = 0; row < cells.size(); ++row)
       if (cells.row(cells.cell(row)) == row) values[cells.cell(row)] = rows[row];
@@ -275,9 +276,9 @@ void TearCheck::check_share(const CellComplex& complex, std::size_t torn) const 
   if (static_cast<double>(torn) <= tear_.most * static_cast<double>(faces)) return;
   std::ostringstream text;
   text << path_ << ": would tear " << torn << " of " << faces
-       << " faces at once, more than 'most' admits (" << 100 * tear_.most
-       << " %); nothing was torn. A criterion that tears everything is no crack: raise 'above', "
-          "ramp the load, give a 'where', or raise 'most'";
+       << " faces at once, more than 'most' allows (" << 100 * tear_.most
+       << " %); nothing was torn. Raise 'above', ramp the load, restrict it with 'where', or raise "
+          "'most'";
   throw NumericalError(text.str());
 }
 
@@ -291,7 +292,7 @@ void TearCheck::state(Archive& archive) {
   if (!archive.has_cells()) return;
   std::vector<char> chosen = is_chosen_;
   archive("chosen", chosen);
-  archive.require(chosen == is_chosen_, "other elements may tear here");
+  archive.require(chosen == is_chosen_, "the elements that may tear differ");
   if (archive.loads()) invalidate();
 }
 

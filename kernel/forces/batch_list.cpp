@@ -230,7 +230,7 @@ void BatchList::state(Archive& archive) {
   archive.require(!chunk_begin_.empty() && chunk_begin_.back() == ranges_.size() &&
                       !colour_begin_.empty() && colour_begin_.back() == chunk_count() &&
                       order_.before.size() == chunk_count() && order_.place.size() == chunk_count(),
-                  "the chunks are not those of the order");
+                  "the chunks do not match their order");
 }
 
 ChunkFinder::ChunkFinder(const BatchList& list) : colour_of_(list.chunk_count()) {

@@ -74,7 +74,7 @@ void RowNodes::state(Archive& archive) {
   archive("nodes", nodes_);
   archive("rest_slots", rest_slot_);
   archive("own_rest", own_rest_);
-  archive.require(nodes_.size() == cells_.size() * node_count_, "the rows are other ones");
+  archive.require(nodes_.size() == cells_.size() * node_count_, "the rows differ");
 }
 
 void RowNodes::read_rest(const RestPlaces& rest, std::span<const Index> elements) {
@@ -157,7 +157,7 @@ CompiledFunctor::CompiledFunctor(Instance& instance, const suture_functor& funct
       dimension_(static_cast<int>(functor.dimension)) {
   const Instance::Enabled& answer =
       instance.functor(static_cast<std::size_t>(&functor - instance.model().functors));
-  if (!answer.runs) reason_ = "gives no force with these parameters";
+  if (!answer.runs) reason_ = "its force is zero with these parameters";
   reads_ = answer.reads;
   cell_columns_.resize(functor.cell_column_count);
   vertex_columns_.resize(functor.vertex_column_count);
@@ -222,7 +222,7 @@ void CompiledFunctor::build(const CellComplex& complex) {
   const auto rows = wanted_rows(complex);
   if (rows.empty()) {
     // Faces may join after a cut; elements never change their shape.
-    if (dimension_ == 3) reason_ = "no element of its region has the shape it is written for";
+    if (dimension_ == 3) reason_ = "no element of its region has the shape for which it is written";
     list_ = {};
     return;
   }
@@ -251,10 +251,11 @@ void CompiledFunctor::state(Archive& archive, const std::vector<bool>* still) {
   bool skips = skipped();
   archive("skipped", skips);
   if (skips != skipped())
-    archive.refuse(title() + (skips ? " was skipped, and is not here" : " is skipped here"));
+    archive.refuse(title() + (skips ? " was skipped in the earlier run but is needed here"
+                                    : " is skipped here but was computed in the earlier run"));
   archive("rows", rows_);
   archive("list", list_);
-  archive.require(skips || rows_ == cells().size(), "the rows are other ones");
+  archive.require(skips || rows_ == cells().size(), "the rows differ");
   if (archive.loads()) still_ = still;
 }
 

@@ -111,7 +111,7 @@ void DeadLoads::sum_corners(Load& load, const RestPlaces& rest) {
 
 void DeadLoads::add_force(const CellComplex& complex, std::span<const Index> vertices,
                           const Vec3& total, const TimeRamp& ramp) {
-  if (vertices.empty()) throw InputError("a force acts on no vertex: select at least one");
+  if (vertices.empty()) throw InputError("a force acts on no node; select at least one");
   const RestPlaces rest = attributes_.rest_places(complex);
   std::vector<double> weights = areas_around(rest, vertices);
   if (weights.empty()) weights.assign(vertices.size(), 1);
@@ -129,7 +129,7 @@ void DeadLoads::add_force(const CellComplex& complex, std::span<const Index> ver
 
 void DeadLoads::add_traction(const CellComplex& complex, std::span<const Dart> faces,
                              const Vec3& traction, const TimeRamp& ramp) {
-  if (faces.empty()) throw InputError("a traction acts on no face: select at least one");
+  if (faces.empty()) throw InputError("a traction acts on no face; select at least one");
   const RestPlaces rest = attributes_.rest_places(complex);
   Load load;
   load.ramp = ramp;

@@ -347,7 +347,7 @@ void ForceLoop::state(Archive& archive) {
   const auto fits = [](std::size_t size, std::size_t all) { return size == 0 || size == all; };
   archive.require(fits(i.still.size(), i.attributes.vertex_count()) &&
                       fits(i.awake_rows.size(), i.attributes.instances().size()),
-                  "what is still or asleep is of another body");
+                  "the masks of fixed and sleeping cells belong to a different body");
   if (FixedList nodes{i.row_nodes}; i.operated) archive.each("row_nodes", nodes);
   FixedList functors{i.functors};
   archive.each("functors", functors, [&](Archive& a, CompiledFunctor& functor) {

@@ -65,8 +65,8 @@ const suture_stable_dt_1& bounds_of(const CompiledFunctor& functor) {
   const auto* extension = functor.extension<suture_stable_dt_1>(SUTURE_STABLE_DT_1);
   if (extension) return *extension;
   throw NoStepBound(functor.title() +
-                    " offers no bound of the stable step (suture.stable-dt/1): give \"dt\" as a "
-                    "number of seconds, or add the extension to the model");
+                    " provides no bound for the stable step (suture.stable-dt/1); give \"dt\" in "
+                    "seconds, or add the extension to the model");
 }
 
 /// sums(vertex) += the bounds of every node of a batch that `wanted` has.

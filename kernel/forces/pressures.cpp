@@ -10,7 +10,7 @@ namespace suture {
 
 void Pressures::add(const CellComplex& complex, std::span<const Dart> faces, double pressure,
                     const TimeRamp& ramp) {
-  if (faces.empty()) throw InputError("a pressure acts on no face: select at least one");
+  if (faces.empty()) throw InputError("a pressure acts on no face; select at least one");
   Load load{pressure, {faces.begin(), faces.end()}, {}, ramp, {}};
   for (const Dart face : faces) load.nodes.push_back(face_nodes(complex, face));
   loads_.push_back(std::move(load));

@@ -36,9 +36,10 @@ std::string why_nothing_was_cut(const Box& blade, const CellComplex& complex, co
     return box_text(low, high, 4);
   };
   return "the blade cuts nothing: " +
-         std::string(apart
-                         ? "it lies beside the body"
-                         : "it lies between no two centroids of elements that still share a face") +
+         std::string(
+             apart
+                 ? "it lies outside the body"
+                 : "it does not pass between the centroids of any two elements that share a face") +
          "; blade " + text_of(blade) + " m, body " + text_of(body) + " m";
 }
 

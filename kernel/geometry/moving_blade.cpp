@@ -24,14 +24,15 @@ void check_key(const std::vector<BladeKey>& keys, std::size_t i) {
   if (!finite(key)) throw InputError(name + " has a time or a point that is not finite");
   if (key.points.size() < 2)
     throw InputError(name + " has " + std::to_string(key.points.size()) +
-                     " points; a blade is a segment or polyline of at least 2");
+                     " points; a blade needs at least 2");
   if (key.points.size() != keys[0].points.size())
-    throw InputError(name + " has " + std::to_string(key.points.size()) + " points, the first " +
-                     std::to_string(keys[0].points.size()) + "; all need the same number");
+    throw InputError(name + " has " + std::to_string(key.points.size()) +
+                     " points, the first has " + std::to_string(keys[0].points.size()) +
+                     "; all stations need the same number");
   if (i > 0 && !(key.time > keys[i - 1].time))
-    throw InputError(name + " has a time that is not after the one before it");
+    throw InputError(name + " has a time that is not later than the previous one");
   if (std::ranges::all_of(key.points, [&](const Vec3& p) { return p == key.points[0]; }))
-    throw InputError(name + " has all points at one place; a blade needs a length");
+    throw InputError(name + " has coincident points; a blade must have a positive length");
 }
 
 Vec3 between(const Vec3& a, const Vec3& b, double t) {
@@ -136,7 +137,7 @@ struct ElementWay {
 
 MovingBlade::MovingBlade(std::vector<BladeKey> keys, Look look)
     : keys_(std::move(keys)), look_(look) {
-  if (keys_.empty()) throw InputError("the moving blade has no key; one or more are needed");
+  if (keys_.empty()) throw InputError("the moving blade has no station; at least one is needed");
   for (std::size_t i = 0; i < keys_.size(); ++i) check_key(keys_, i);
 }
 
@@ -188,8 +189,7 @@ std::vector<BladeKey> MovingBlade::path(double from, double to) const {
 
 std::vector<Dart> MovingBlade::advance(const CellComplex& complex, const Places& places,
                                        double time, const Workers* workers) {
-  if (started_ && time < time_)
-    throw InputError("the moving blade was asked for a time before the last one");
+  if (started_ && time < time_) throw InputError("the time of the moving blade must not decrease");
   const double last = time_;
   const bool first = !started_;
   started_ = true;

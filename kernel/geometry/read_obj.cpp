@@ -38,8 +38,8 @@ class ObjReader {
       else if (key == "f")
         add_face();
       else if (std::ranges::find(keys, key) == keys.end())
-        fail(key, "cannot be read as obj from here on: " + in_quotes(key) +
-                      " begins no line of such a file" + did_you_mean(key, keys));
+        fail(key, "not a valid .obj line: " + in_quotes(key) + " is not a keyword of the format" +
+                      did_you_mean(key, keys));
     }
     if (last_ > points()) fail_corner(last_at_, last_);
     return std::move(soup_);
@@ -86,7 +86,7 @@ class ObjReader {
     Vec3& point = soup_.points.emplace_back();
     for (std::size_t i = 1; i < 4; ++i) {
       if (i == words_.size())
-        fail(words_[0], "a point has three numbers, here are " + std::to_string(i - 1));
+        fail(words_[0], "a point needs three numbers, found " + std::to_string(i - 1));
       point[i - 1] = number(words_[i]);
     }
   }
@@ -125,7 +125,7 @@ class ObjReader {
   std::int64_t points() const { return static_cast<std::int64_t>(soup_.points.size()); }
 
   [[noreturn]] void fail_corner(std::string_view at, std::int64_t point) const {
-    fail(at, "a face has the point " + std::to_string(point) + "; the " +
+    fail(at, "a face uses point " + std::to_string(point) + ", but the " +
                  grouped(soup_.points.size()) + " points" + (at_ == file_.end() ? "" : " so far") +
                  " are numbered from 1");
   }

@@ -14,8 +14,8 @@ PolygonSoup read_off(const FileText& file) {
   if (!key.ends_with("OFF")) cursor.fail("expected OFF, found " + in_quotes(key));
   if (cursor.peek_word() == "BINARY" || key.find_first_of("n4") != key.npos)
     cursor.fail(
-        "only OFF files that are text, with points of three coordinates, are read; .ply can "
-        "be binary");
+        "only text OFF files with three coordinates per point are supported; use .ply for binary "
+        "data");
   const auto points = cursor.integer<std::uint64_t>("the number of points");
   const auto faces = cursor.integer<std::uint64_t>("the number of faces");
   cursor.skip_line();
@@ -35,7 +35,7 @@ PolygonSoup read_off(const FileText& file) {
     for (std::uint64_t n = 0; n < corners; ++n) {
       const auto point = cursor.integer<std::int64_t>("the corner of a face");
       if (point < 0 || static_cast<std::uint64_t>(point) >= points)
-        cursor.fail("a face has the point " + std::to_string(point) + "; the " + grouped(points) +
+        cursor.fail("a face uses point " + std::to_string(point) + ", but the " + grouped(points) +
                     " points are numbered from 0");
       soup.corners.push_back(static_cast<Index>(point));
     }

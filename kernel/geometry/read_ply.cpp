@@ -77,8 +77,7 @@ class PlyReader {
   [[noreturn]] void fail(const std::string& what) const { file_.fail_at_line(line_, what); }
 
   void read_format() {
-    if (next_line() != std::vector<std::string>{"ply"})
-      fail("expected 'ply', the first line of such a file");
+    if (next_line() != std::vector<std::string>{"ply"}) fail("expected 'ply' in the first line");
     static const std::vector<std::string> formats{"ascii", "binary_little_endian",
                                                   "binary_big_endian"};
     const auto words = next_line();
@@ -100,20 +99,20 @@ class PlyReader {
     } else if (key == "property") {
       add_property(words);
     } else if (key != "comment" && key != "obj_info") {
-      fail(in_quotes(key) + " begins no line of a header" + did_you_mean(key, keys) +
-           "; one of comment, element, end_header, obj_info, property");
+      fail(in_quotes(key) + " is not a keyword of the header" + did_you_mean(key, keys) +
+           "; expected comment, element, end_header, obj_info or property");
     }
     return true;
   }
 
   void add_element(const std::vector<std::string>& words) {
     Element element;
-    if (words.size() != 3) fail("expected 'element', its name and how many there are");
+    if (words.size() != 3) fail("expected 'element NAME COUNT'");
     element.name = words[1];
     const char* end = words[2].data() + words[2].size();
     const auto [stop, error] = std::from_chars(words[2].data(), end, element.count);
     if (error != std::errc{} || stop != end)
-      fail(in_quotes(words[2]) + " is no number of elements " + in_quotes(element.name));
+      fail(in_quotes(words[2]) + " is not a valid number of elements " + in_quotes(element.name));
     elements_.push_back(std::move(element));
   }
 
@@ -122,14 +121,14 @@ class PlyReader {
     if (words.size() != (list ? 5U : 3U))
       fail("expected 'property TYPE NAME' or 'property list TYPE TYPE NAME'");
     if (elements_.empty())
-      fail("a property before the first 'element': nothing has it; is a line before misspelled?");
+      fail("a property appears before the first 'element'; is an earlier line misspelled?");
     Property property;
     property.name = words.back();
     property.type = type(words[words.size() - 2]);
     property.list = list;
     if (list) property.count_type = type(words[2]);
     if (list && !is_integer(property.count_type))
-      fail("a list is counted in integers, not in " + words[2]);
+      fail("the count of a list must have an integer type, not " + words[2]);
     elements_.back().properties.push_back(std::move(property));
   }
 
@@ -139,7 +138,7 @@ class PlyReader {
         "int",  "int32", "uint",  "uint32", "float", "float32", "double", "float64"};
     const auto known = std::ranges::find(types, word);
     if (known == types.end())
-      fail(in_quotes(word) + " is no type of a property" + did_you_mean(word, types));
+      fail(in_quotes(word) + " is not a property type" + did_you_mean(word, types));
     return static_cast<Type>((known - types.begin()) / 2);
   }
 
@@ -192,7 +191,8 @@ class PlyReader {
   std::uint64_t count(const Property& property) {
     if (format_ != Format::ascii) {
       const auto count = static_cast<std::int64_t>(value(property, property.count_type));
-      if (count < 0) file_.fail_at_byte(cursor_.position(), property.name + " are fewer than none");
+      if (count < 0)
+        file_.fail_at_byte(cursor_.position(), property.name + " has a negative count");
       need(static_cast<std::uint64_t>(count), property, property.type);
       return static_cast<std::uint64_t>(count);
     }
@@ -244,8 +244,8 @@ class PlyReader {
 
   void add_corner(double corner) {
     if (corner < 0 || corner >= static_cast<double>(points_)) {
-      const std::string what = "a face has the point " +
-                               std::to_string(saturate<std::int64_t>(corner)) + "; the " +
+      const std::string what = "a face uses point " +
+                               std::to_string(saturate<std::int64_t>(corner)) + ", but the " +
                                grouped(points_) + " points are numbered from 0";
       if (format_ == Format::ascii) cursor_.fail(what);
       file_.fail_at_byte(cursor_.position(), what);

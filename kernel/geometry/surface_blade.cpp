@@ -11,7 +11,7 @@ namespace {
 
 void check(const TriangleSurface& surface) {
   const std::string& name = surface.source;
-  if (surface.triangles.empty()) throw InputError(name + ": the blade has no triangle");
+  if (surface.triangles.empty()) throw InputError(name + ": the blade has no triangles");
   for (std::size_t i = 0; i < surface.points.size(); ++i)
     for (const double x : surface.points[i])
       if (!std::isfinite(x))
@@ -19,7 +19,7 @@ void check(const TriangleSurface& surface) {
   for (std::size_t i = 0; i < surface.triangles.size(); ++i)
     for (const Index corner : surface.triangles[i])
       if (corner >= surface.points.size())
-        throw InputError(name + ": triangle " + std::to_string(i) + " of the blade has point " +
+        throw InputError(name + ": triangle " + std::to_string(i) + " of the blade uses point " +
                          std::to_string(corner) + "; there are " +
                          std::to_string(surface.points.size()));
 }
@@ -42,11 +42,11 @@ TriangleSurface checked(TriangleSurface surface, Diagnostics& diagnostics) {
   const std::size_t dropped =
       std::erase_if(surface.triangles, [&](const Triangle& t) { return has_no_area(surface, t); });
   if (surface.triangles.empty())
-    throw InputError(surface.source + ": no triangle of the blade has an area");
+    throw InputError(surface.source + ": all triangles of the blade are degenerate");
   if (dropped != 0)
     diagnostics.warn(surface.source + ": " + std::to_string(dropped) +
                      (dropped == 1 ? " triangle" : " triangles") +
-                     " without area cut nothing and were dropped");
+                     " without area dropped (they cut nothing)");
   return surface;
 }
 

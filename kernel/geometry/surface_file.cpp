@@ -36,8 +36,8 @@ std::string unknown_extension(const std::filesystem::path& path,
   std::string list;
   for (const std::string& e : known) list += (list.empty() ? "" : " ") + e;
   const std::string extension = lower_extension(path);
-  return path.string() + ": '" + extension + "' is no format of a surface" +
-         did_you_mean(extension, known) + "; one of " + list;
+  return path.string() + ": '" + extension + "' is not a surface format" +
+         did_you_mean(extension, known) + "; expected one of " + list;
 }
 
 void scale_points(PolygonSoup& soup, double scale) {
@@ -48,7 +48,7 @@ void scale_points(PolygonSoup& soup, double scale) {
       x *= scale;
       if (!std::isfinite(x))
         throw InputError(soup.source + ": point " + std::to_string(i) +
-                         " has a coordinate that is no finite number");
+                         " has a coordinate that is not finite");
     }
 }
 
@@ -63,15 +63,15 @@ PolygonSoup read_stl(const FileText& file) {
   const std::string_view text = file.view();
   if (geometry_module().read_stl(text, soup)) return soup;
   if (text.starts_with("solid"))
-    throw InputError(file.name() +
-                     ": no triangles up to an 'endsolid' in it: the file is truncated, or of "
-                     "another format");
+    throw InputError(
+        file.name() +
+        ": no triangles before 'endsolid': the file is truncated or has another format");
   std::uint32_t n = 0;
   if (text.size() >= 84) std::memcpy(&n, text.data() + 80, 4);
   throw InputError(file.name() + ": " + grouped(text.size()) +
-                   " bytes are too few for a binary STL file of " + grouped(n) +
-                   " triangles, which has " + grouped(84 + 50 * std::uint64_t{n}) +
-                   ": the file is truncated, or of another format");
+                   " bytes are too few for a binary STL file with " + grouped(n) +
+                   " triangles, which needs " + grouped(84 + 50 * std::uint64_t{n}) +
+                   ": the file is truncated or has another format");
 }
 
 struct Reader {
@@ -105,8 +105,8 @@ PolygonSoup read_soup(const std::filesystem::path& path, double scale) {
   PolygonSoup soup = readers[format].read(file);
   soup.source = path.string();
   if (soup.size() == 0)
-    throw InputError(path.string() + ": there is no face in it (" +
-                     plural(soup.points.size(), "point", "points") + "); a surface is needed");
+    throw InputError(path.string() + ": the file contains no faces (" +
+                     plural(soup.points.size(), "point", "points") + "); give a surface");
   scale_points(soup, scale);
   return soup;
 }
@@ -124,7 +124,7 @@ TriangleSurface read_triangles(const std::filesystem::path& path, double scale) 
   }
   if (others != 0)
     throw InputError(path.string() + ": " + plural(others, "face is", "faces are") +
-                     " no triangle; triangulate the surface before it is used as a blade");
+                     " not triangular; triangulate the surface before using it as a blade");
   return surface;
 }
 
@@ -158,26 +158,26 @@ TriangleSurface close_surface(const PolygonSoup& soup, bool repair, Diagnostics&
   Closing closing = geometry_module().close(soup, repair);
   const std::string border = plural(closing.border_edges, "edge has", "edges have");
   const std::string crossings =
-      plural(closing.crossings, "pair of triangles", "pairs of triangles") + " cross each other";
+      plural(closing.crossings, "pair of triangles", "pairs of triangles") + " intersect";
   if (closing.surface.triangles.empty()) {
     if (closing.crossings != 0)
-      throw InputError(soup.source + ": the surface crosses itself (" + crossings +
-                       "); --repair takes what its sheets enclose together");
+      throw InputError(soup.source + ": the surface intersects itself (" + crossings +
+                       "); use --repair to fill the region enclosed by all its sheets");
     if (closing.border_edges == 0)
       throw InputError(soup.source + ": the surface encloses no volume: there is nothing to fill");
     throw InputError(soup.source + ": the surface is not closed: " + border +
                      " a face on one side only" +
-                     (repair ? ", and not every hole could be given a lid; close by hand"
-                             : "; --repair puts a lid on each hole") +
+                     (repair ? ", and not every hole could be filled; close by hand"
+                             : "; use --repair to fill each hole") +
                      list_of_holes(closing.holes));
   }
   if (closing.holes_filled != 0)
     diagnostics.warn(soup.source + ": the surface is not closed, " + border +
                      " a face on one side only; " +
-                     plural(closing.holes_filled, "hole was", "holes were") + " given a lid");
+                     plural(closing.holes_filled, "hole was", "holes were") + " filled");
   if (closing.crossings != 0)
-    diagnostics.warn(soup.source + ": the surface crosses itself (" + crossings +
-                     "); what its sheets enclose together is filled");
+    diagnostics.warn(soup.source + ": the surface intersects itself (" + crossings +
+                     "); the region enclosed by all its sheets is filled");
   return std::move(closing.surface);
 }
 

@@ -62,8 +62,8 @@ CubeGrid grid_around(const Box& box, double edge, const std::string& source) {
     lattice *= cells;
     if (!(lattice <= max_lattice))
       throw InputError(source + ": cubes of " + number_text(edge) +
-                       " m are too small for a body of this size: the lattice around it would "
-                       "have more than 4,000,000,000; take fewer cells or a longer edge");
+                       " m are too small for a body of this size: the lattice around it would have "
+                       "more than 4,000,000,000 cubes; use fewer cells or a longer edge");
     grid.cells[a] = static_cast<Index>(cells);
     grid.origin[a] = (box.low[a] + box.high[a]) / 2 - cells * edge / 2;
   }
@@ -83,12 +83,12 @@ void require_compact(const TriangleSurface& surface, const Box& box, double edge
     lattice *= std::max(1.0, std::ceil((box.high[a] - box.low[a]) / edge));
   if (lattice <= std::max(always_allowed, max_outside * wanted)) return;
   const int a = longest_axis(box);
-  throw InputError(surface.source + ": the surface encloses " + number_text(volume_of(surface)) +
-                   " m^3 only, in a box of " + size_text(box) + ": " + number_text(wanted) +
-                   " cubes of it would need a lattice of " + number_text(lattice) +
-                   "; it reaches from " + number_text(box.low[a]) + " to " +
+  throw InputError(surface.source + ": the surface encloses only " +
+                   number_text(volume_of(surface)) + " m^3 in a box of " + size_text(box) + ": " +
+                   number_text(wanted) + " cubes inside would need a lattice of " +
+                   number_text(lattice) + "; it extends from " + number_text(box.low[a]) + " to " +
                    number_text(box.high[a]) + " m along " + "xyz"[a] +
-                   ": is a point astray? --edge takes the surface as it is");
+                   "; check for stray points, or give --edge to use the surface as it is");
 }
 
 Filling fill(const TriangleSurface& surface, const Box& box, double edge) {
@@ -144,7 +144,7 @@ Filling fill_with_cells(const TriangleSurface& surface, const Box& box,
   const double wanted = double(options.cells);
   if (wanted > max_cells)
     throw InputError(surface.source + ": " + grouped(options.cells) +
-                     " cells are more than 67,000,000, which a map can number");
+                     " cells exceed the 67,000,000 that the map can number");
   double edge = std::cbrt(volume_of(surface) / wanted);
   if (!(edge > 0)) throw InputError(surface.source + ": the surface encloses no volume");
   const auto error = [&](const Filling& f) { return std::abs(double(f.count) - wanted) / wanted; };
@@ -161,7 +161,7 @@ Filling fill_with_cells(const TriangleSurface& surface, const Box& box,
   }
   if (best.count != 0)
     diagnostics.warn(surface.source + ": " + grouped(best.count) + " cells instead of " +
-                     grouped(options.cells) + ": no lattice of cubes came closer");
+                     grouped(options.cells) + ": no other cube size came closer");
   return best;
 }
 
@@ -218,7 +218,7 @@ void warn_if_coarse(const Filling& filling, const TriangleSurface& surface, cons
   if (cubes <= 2 * volume && volume <= 2 * cubes) return;
   diagnostics.warn(surface.source + ": the cubes, of edge " + number_text(edge) + " m, have " +
                    number_text(cubes / volume) + " times the volume of the body of " +
-                   size_text(box) + "; more cells or a shorter edge follows it");
+                   size_text(box) + "; use more cells or a shorter edge to follow the surface");
 }
 
 }  // namespace
@@ -230,7 +230,7 @@ Mesh voxelize(const TriangleSurface& surface, const VoxelizeOptions& options,
       (by_edge && !(options.edge > 0 && std::isfinite(options.edge))))
     throw InputError(
         surface.source +
-        ": the number of cells or the edge of a cube is needed, one of them, positive");
+        ": give either the number of cells or the edge of the cubes, as a positive number");
   if (surface.triangles.empty()) throw InputError(surface.source + ": the surface is empty");
   const Box box = box_of(surface.points);
   const Filling filling = by_edge ? fill_with(surface, box, options.edge, options)
@@ -238,10 +238,10 @@ Mesh voxelize(const TriangleSurface& surface, const VoxelizeOptions& options,
   if (filling.count == 0)
     throw InputError(surface.source + ": no cube of edge " + number_text(filling.grid.edge) +
                      " m has its centre inside the body of " + size_text(box) +
-                     "; more cells or a shorter edge is needed");
+                     "; use more cells or a shorter edge");
   if (double(filling.count) > max_cells)
     throw InputError(surface.source + ": " + grouped(filling.count) +
-                     " cubes are more than 67,000,000, which a map can number");
+                     " cubes exceed the 67,000,000 that the map can number");
   if (!options.largest_island) warn_if_coarse(filling, surface, box, diagnostics);
   Mesh mesh = mesh_of(filling);
   mesh.source = surface.source;

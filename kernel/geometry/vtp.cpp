@@ -57,7 +57,7 @@ class VtpReader {
     const auto ends = vtu_integers(file_, xml_.encoding(),
                                    xml_.required(piece.offsets, tag, "offsets"), piece.polygons);
     if (ends.front() < 0 || !std::ranges::is_sorted(ends))
-      file_.fail_at_line(tag.at, "the offsets of the polygons do not ascend");
+      file_.fail_at_line(tag.at, "the offsets of the polygons are not ascending");
     const auto corners =
         vtu_integers(file_, xml_.encoding(), xml_.required(piece.connectivity, tag, "connectivity"),
                      static_cast<std::uint64_t>(ends.back()));
@@ -65,7 +65,7 @@ class VtpReader {
     for (const std::int64_t end : ends) soup_.offsets.push_back(base + static_cast<Index>(end));
     for (const std::int64_t corner : corners) {
       if (corner < 0 || corner >= static_cast<std::int64_t>(piece.points))
-        file_.fail_at_line(tag.at, "a polygon has point " + std::to_string(corner) +
+        file_.fail_at_line(tag.at, "a polygon uses point " + std::to_string(corner) +
                                        "; the piece has " + grouped(piece.points) + " points");
       soup_.corners.push_back(first + static_cast<Index>(corner));
     }

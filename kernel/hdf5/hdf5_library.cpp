@@ -29,7 +29,7 @@ std::string guarded(Body body) {
     if (major != H5_VERS_MAJOR || minor != H5_VERS_MINOR || release != H5_VERS_RELEASE)
       throw Failure{"libhdf5 is " + std::to_string(major) + '.' + std::to_string(minor) + '.' +
                     std::to_string(release) +
-                    ", and Suture was built with " H5_VERS_INFO "; build it again"};
+                    ", but Suture was built with " H5_VERS_INFO "; rebuild Suture"};
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     H5Eclear2(H5E_DEFAULT);
     body();

@@ -32,7 +32,7 @@ Array described(const Id& type, const Id& space, bool attribute, const std::stri
   if (rank > 2) throw Failure{name + " has more than two dimensions"};
   const bool null = H5Sget_simple_extent_type(space) == H5S_NULL;
   if (H5Tget_class(type) == H5T_STRING) {
-    if (rank != 0 || H5Tis_variable_str(type) != 0) throw Failure{name + " is no single text"};
+    if (rank != 0 || H5Tis_variable_str(type) != 0) throw Failure{name + " is not a single text"};
     return {Scalar::text, 1, null ? 0 : H5Tget_size(type), nullptr};
   }
   const std::optional<Scalar> scalar = scalar_of(type);
@@ -42,7 +42,7 @@ Array described(const Id& type, const Id& space, bool attribute, const std::stri
   if (attribute && rank == 1) std::swap(sizes[0], sizes[1]);
   if (sizes[1] != 0 &&
       sizes[0] > std::numeric_limits<std::size_t>::max() / sizes[1] / bytes_of(*scalar))
-    throw Failure{name + " is larger than any memory"};
+    throw Failure{name + " exceeds the address space"};
   return {*scalar, sizes[1], sizes[0], nullptr};
 }
 
@@ -54,7 +54,7 @@ Array filled(Array array, const Id& type, const std::string& name, Read read) {
   try {
     array.bytes = std::make_unique_for_overwrite<std::byte[]>(size);
   } catch (const std::bad_alloc&) {
-    throw Failure{"there is no memory for " + name + ", " + std::to_string(size) + " bytes"};
+    throw Failure{"not enough memory for " + name + ", " + std::to_string(size) + " bytes"};
   }
   if (size != 0)
     good(read(text ? hid_t(type) : memory_type(array.type), array.bytes.get()), "read " + name);

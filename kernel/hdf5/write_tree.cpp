@@ -118,7 +118,8 @@ void write_group(hid_t group, StateTree& tree, const Properties& properties) {
     if (is_attribute(array)) {
       write_attribute(group, link, array, properties);
     } else {
-      if (tree.groups.contains(name)) throw Failure{"a group and an array are called " + name};
+      if (tree.groups.contains(name))
+        throw Failure{"a group and an array have the same name " + name};
       write_dataset(group, link, array, properties);
     }
     array.bytes.reset();
@@ -192,7 +193,7 @@ void write_tree(StateTree& tree, const std::function<void(std::span<const std::b
   good(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG), "make a file");
   const Image image(access);
   const std::size_t size = write_file(tree, access);
-  if (image.bytes() == nullptr) throw Failure{"HDF5 kept the file for itself"};
+  if (image.bytes() == nullptr) throw Failure{"HDF5 did not release the file image"};
   take({image.bytes(), size});
 }
 

@@ -31,7 +31,7 @@ void check(const BoxOptions& box) {
     }
     if (!std::isfinite(box.origin[a]) || !std::isfinite(box.origin[a] + box.size[a])) {
       throw InputError("box: origin " + number(box.origin[a]) + " m along " + axis +
-                       " must be finite, and so must the end of the box");
+                       " must be finite, as must the opposite corner of the box");
     }
     if (!(box.grading[a] > 0) || !std::isfinite(box.grading[a])) {
       throw InputError("box: grading " + number(box.grading[a]) + " along " + axis +
@@ -41,7 +41,7 @@ void check(const BoxOptions& box) {
     points *= box.cells[a] + 1.0;
   }
   if (hexahedra > double(max_darts / 24) || points >= double(none)) {
-    throw InputError("box: " + number(hexahedra) + " hexahedra are more than the " +
+    throw InputError("box: " + number(hexahedra) + " hexahedra exceed the " +
                      std::to_string(max_darts / 24) + " that 32-bit darts can number");
   }
 }

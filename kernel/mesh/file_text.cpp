@@ -101,9 +101,8 @@ void TextCursor::require_room(std::uint64_t count, std::uint64_t values, const c
   // A value takes a character and a separator at least; the last one no separator.
   const std::uint64_t room = (bytes_left() + 1) / (2 * values);
   if (count > room) {
-    fail(grouped(count) + " " + what + " are announced, but the " + grouped(bytes_left()) +
-         " bytes that are left hold " + grouped(room) +
-         " at most: the file is truncated or the count is wrong");
+    fail(grouped(count) + " " + what + " are declared, but the remaining " + grouped(bytes_left()) +
+         " bytes hold at most " + grouped(room) + ": the file is truncated or the count is wrong");
   }
 }
 

@@ -16,13 +16,13 @@ class GmshReader {
       const std::string name(in_.text.word("a section"));
       if (name.front() != '$') {
         fail("expected a section such as $Nodes, found " + in_quotes(name) +
-             "; the section before has more entries than its count says");
+             "; the previous section has more entries than its count");
       }
       section(name.substr(1));
     }
-    if (!format_) fail("there is no section $MeshFormat");
-    if (!has_nodes_) fail("there is no section $Nodes: the file is truncated");
-    if (!has_elements_) fail("there is no section $Elements: the file is truncated");
+    if (!format_) fail("section $MeshFormat is missing");
+    if (!has_nodes_) fail("section $Nodes is missing: the file is truncated");
+    if (!has_elements_) fail("section $Elements is missing: the file is truncated");
     return mesh_.finish(format_ == 2, diagnostics_);
   }
 
@@ -31,7 +31,7 @@ class GmshReader {
 
   void section(const std::string& name) {
     if (name == "NOD" || name == "ELM") {
-      fail("format 1 of Gmsh is not read; save as 4.1 or 2.2 (gmsh -format msh41)");
+      fail("Gmsh format 1 is not supported; save as 4.1 or 2.2 (gmsh -format msh41)");
     }
     if (name == "MeshFormat") {
       format();
@@ -58,16 +58,16 @@ class GmshReader {
     if (version == 4.1) format_ = 4;
     if (format_ == 0) {
       fail(
-          "formats 2.0 to 2.2 and 4.1 of Gmsh are read, this is another; save as 4.1 or 2.2 "
-          "(gmsh -format msh41)");
+          "unsupported Gmsh format (supported: 2.0 to 2.2 and 4.1); save as 4.1 or 2.2 (gmsh "
+          "-format msh41)");
     }
-    if (type != 0 && type != 1) fail("file type " + std::to_string(type) + "; 0 or 1 is expected");
-    if (size != 8) fail("data size " + std::to_string(size) + "; 8 is expected");
+    if (type != 0 && type != 1) fail("file type " + std::to_string(type) + "; expected 0 or 1");
+    if (size != 8) fail("data size " + std::to_string(size) + "; expected 8");
     if (type == 0) return;
     in_.end_of_line();
     in_.binary = true;
     if (in_.int32("test of the byte order") != 1) {
-      fail("the bytes are in the order of another processor; save the file as ASCII");
+      fail("the byte order is that of another processor; save the file as ASCII");
     }
   }
 
@@ -84,15 +84,14 @@ class GmshReader {
       const int number = in_.text.integer<int>("number of a physical group");
       std::string_view name = in_.text.skip_line();
       const std::size_t open = name.find('"'), close = name.rfind('"');
-      if (open == name.npos || close == open) fail("the name of a physical group has no quotes");
-      if (dimension < 0 || dimension > 3)
-        fail("a physical group has a dimension that is not 0 to 3");
+      if (open == name.npos || close == open) fail("the name of a physical group is not in quotes");
+      if (dimension < 0 || dimension > 3) fail("the dimension of a physical group is not 0 to 3");
       mesh_.name_group(dimension, number, std::string(name.substr(open + 1, close - open - 1)));
     }
   }
 
   void nodes() {
-    if (!format_) fail("$Nodes stands before $MeshFormat");
+    if (!format_) fail("$Nodes appears before $MeshFormat");
     if (has_nodes_) fail("a second section $Nodes");
     has_nodes_ = true;
     if (format_ == 2) return read_gmsh2_nodes(in_, file_, mesh_);
@@ -101,7 +100,7 @@ class GmshReader {
   }
 
   void elements() {
-    if (!has_nodes_) fail("$Elements stands before $Nodes");
+    if (!has_nodes_) fail("$Elements appears before $Nodes");
     if (has_elements_) fail("a second section $Elements");
     has_elements_ = true;
     if (format_ == 2) return read_gmsh2_elements(in_, file_, mesh_);
@@ -111,8 +110,9 @@ class GmshReader {
 
   void skip(const std::string& name) {
     if (name.starts_with("Partitioned")) {
-      diagnostics_.warn(file_.name() +
-                        ": the mesh is partitioned; physical groups of its parts are not read");
+      diagnostics_.warn(
+          file_.name() +
+          ": the mesh is partitioned; the physical groups of its partitions are not read");
     }
     const std::string_view rest(in_.text.position(), in_.text.bytes_left());
     const std::size_t found = rest.find("$End" + name);

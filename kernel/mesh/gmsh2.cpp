@@ -47,7 +47,7 @@ Block read_block_header(GmshScanner& in) {
   const int type = in.int32("type of an element");
   Block block{find_gmsh_type(type), in.binary ? in.int32("number of elements") : 1,
               in.int32("number of tags")};
-  if (!block.type) in.fail("element type " + std::to_string(type) + " is not known");
+  if (!block.type) in.fail("element type " + std::to_string(type) + " is unknown");
   if (block.type->dimension == 3 && std::string_view(block.type->name) == "hexahedra" &&
       type != gmsh_hexahedron) {
     in.fail(too_many_nodes(block.type->nodes));
@@ -89,8 +89,7 @@ void read_gmsh2_elements(GmshScanner& in, const FileText& file, GmshMesh& mesh) 
       read_element(in, mesh, block, number, nodes);
     }
     done += std::uint64_t(block.count);
-    if (done > count)
-      in.fail("a block of elements goes beyond the " + grouped(count) + " that are announced");
+    if (done > count) in.fail("a block of elements exceeds the " + grouped(count) + " declared");
   }
 }
 

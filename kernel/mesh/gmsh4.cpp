@@ -27,7 +27,7 @@ struct Block {
 // Blocks that hold more or less than their section announces are damaged.
 void check_total(GmshScanner& in, std::uint64_t announced, std::uint64_t found, const char* what) {
   if (found != announced)
-    in.fail(grouped(announced) + " " + what + " are announced, but the blocks hold " +
+    in.fail(grouped(announced) + " " + what + " are declared, but the blocks contain " +
             grouped(found) + ": the file is damaged");
 }
 
@@ -81,7 +81,7 @@ std::uint64_t read_element_block(GmshScanner& in, const FileText& file,
   const int number = in.int32("type of a block of elements");
   block.count = in.size("number of elements in a block");
   const GmshType* type = find_gmsh_type(number);
-  if (!type) in.fail("element type " + std::to_string(number) + " is not known");
+  if (!type) in.fail("element type " + std::to_string(number) + " is unknown");
   if (type->nodes > 8 && std::string_view(type->name) == "hexahedra") {
     in.fail(too_many_nodes(type->nodes));
   }

@@ -66,8 +66,8 @@ void GmshScanner::require_room(std::uint64_t count, std::uint64_t values, std::u
                                const char* what) const {
   if (!binary) return text.require_room(count, values, what);
   if (count > text.bytes_left() / bytes) {
-    fail(grouped(count) + " " + what + " are announced, but " + grouped(text.bytes_left()) +
-         " bytes are left: the file is truncated or the count is wrong");
+    fail(grouped(count) + " " + what + " are declared, but only " + grouped(text.bytes_left()) +
+         " bytes remain: the file is truncated or the count is wrong");
   }
 }
 
@@ -121,7 +121,7 @@ void GmshMesh::end_points() {
     const bool repeated =
         dense ? std::exchange(dense_[tag], i) != none : !sparse_.emplace(tag, i).second;
     if (repeated)
-      in_.fail("node " + std::to_string(tag) + " is defined twice in the section before");
+      in_.fail("node " + std::to_string(tag) + " is defined twice in the previous section");
   }
 }
 
@@ -192,7 +192,7 @@ Mesh GmshMesh::finish(bool repeats, Diagnostics& diagnostics) {
   for (const auto& [group, name] : names_) {
     if (members_.contains(group)) continue;
     diagnostics.warn(file_.name() + ": the physical " + dimension_name[group.first] + " " +
-                     in_quotes(name) + " has no element that is read; it is not kept as a set");
+                     in_quotes(name) + " contains no supported element; it is not kept as a set");
   }
   return std::move(mesh_);
 }

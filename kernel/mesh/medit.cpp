@@ -58,12 +58,12 @@ class MeditReader {
   void header() {
     if (in_.peek_word() != "MeshVersionFormatted") {
       in_.fail("a Medit mesh begins with 'MeshVersionFormatted', found " +
-               in_quotes(in_.peek_word()) + " (binary .meshb is not read)");
+               in_quotes(in_.peek_word()) + " (binary .meshb is not supported)");
     }
     in_.word("a keyword");
     const int version = in_.integer<int>("version");
     if (version < 1 || version > 4) {
-      in_.fail("Medit version " + std::to_string(version) + "; versions 1 to 4 are read");
+      in_.fail("Medit version " + std::to_string(version) + "; supported versions are 1 to 4");
     }
   }
 
@@ -72,7 +72,7 @@ class MeditReader {
     if (keyword == "End") return true;
     if (keyword == "Dimension") {
       const int dimension = in_.integer<int>("dimension");
-      if (dimension != 3) in_.fail("dimension " + std::to_string(dimension) + "; 3 is needed");
+      if (dimension != 3) in_.fail("dimension " + std::to_string(dimension) + "; expected 3");
     } else if (keyword == "Vertices") {
       vertices();
     } else if (keyword == "Hexahedra" || keyword == "Hexaedra") {
@@ -135,7 +135,7 @@ class MeditReader {
     for (std::size_t i = 0; i < words * entry; ++i) in_.word("a number");
     in_.skip_space();
     in_.fail(std::string(what) + " " + std::to_string(entry + 1) + " has vertex " +
-             std::to_string(Index(node + 1)) + "; there are vertices 1 to " +
+             std::to_string(Index(node + 1)) + "; the vertices are numbered 1 to " +
              grouped(mesh_.points.size()));
   }
 
@@ -165,7 +165,7 @@ class MeditReader {
     if (!((first >= 'A' && first <= 'Z') || (first >= 'a' && first <= 'z'))) {
       in_.seek(keyword.data());
       in_.fail("expected a keyword, found " + in_quotes(keyword) +
-               "; the section before has more entries than its count says");
+               "; the previous section has more entries than its count");
     }
     unknown_section(keyword);
   }

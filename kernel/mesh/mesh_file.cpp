@@ -43,9 +43,10 @@ std::string list_of(const std::map<std::string, std::size_t>& cells) {
 void check_hexahedra(const Mesh& mesh, Diagnostics& diagnostics) {
   const std::string others = list_of(mesh.skipped_cells);
   if (mesh.hexahedra.empty()) {
-    throw InputError(mesh.source + ": no hexahedra; the file holds " + grouped(mesh.points.size()) +
-                     " points" + (others.empty() ? "" : ", " + others) +
-                     ". A body must be meshed with hexahedra of 8 nodes");
+    throw InputError(mesh.source + ": no hexahedra; the file contains " +
+                     grouped(mesh.points.size()) + " points" +
+                     (others.empty() ? "" : ", " + others) +
+                     ". Mesh the body with 8-node hexahedra");
   }
   if (!others.empty()) {
     diagnostics.warn(mesh.source + ": skipped " + others + "; only the " +
@@ -77,8 +78,8 @@ Mesh read_mesh(const std::filesystem::path& path, double scale, Diagnostics& dia
   if (!reader) reader = reader_by_extension(path);
   if (!reader) {
     throw InputError(path.string() +
-                     ": neither content nor extension is that of a mesh; expected Medit .mesh, "
-                     "Gmsh .msh, VTK .vtk or .vtu");
+                     ": neither the contents nor the extension are those of a mesh; expected Medit "
+                     ".mesh, Gmsh .msh, VTK .vtk or .vtu");
   }
   Mesh mesh = reader(file, diagnostics);
   mesh.source = path.string();
@@ -102,7 +103,7 @@ void add_sets_by_value(Sets& sets, const std::string& prefix,
       last_value = value;
       if (by_value.size() > max_labels) {
         diagnostics.warn(source + ": '" + prefix + "' has more than " + grouped(max_labels) +
-                         " different values; they are not kept as sets");
+                         " different values; they are not read as sets");
         return;
       }
     }
@@ -116,14 +117,13 @@ void add_sets_by_value(Sets& sets, const std::string& prefix,
 void check_count(const FileText& file, std::uint64_t count, const char* what) {
   if (count >= none) {
     throw InputError(file.name() + ": " + grouped(count) + " " + what +
-                     " are more than 32-bit numbers reach");
+                     " are too many for 32-bit numbers");
   }
 }
 
 std::string too_many_nodes(std::size_t nodes) {
   return "hexahedra with " + std::to_string(nodes) +
-         " nodes; only those with 8 are read: save the mesh at order 1 (in Gmsh: "
-         "Mesh.ElementOrder = 1)";
+         " nodes are not supported; save the mesh at order 1 (in Gmsh: Mesh.ElementOrder = 1)";
 }
 
 }  // namespace suture

@@ -106,7 +106,7 @@ Mesh make_voxels(const VoxelOptions& voxels) {
     }
   }
   if (mesh.hexahedra.empty()) {
-    throw InputError("voxels: the drawing is empty; every character but '.' and ' ' is a cube");
+    throw InputError("voxels: the drawing is empty; every character except '.' and ' ' is a cube");
   }
   for (auto& [name, points] : mesh.point_sets) sort_unique(points);
   add_side_sets(mesh);

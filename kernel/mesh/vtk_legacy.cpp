@@ -75,10 +75,10 @@ class LegacyReader {
       if (!section()) break;
     }
     end_data();
-    if (!has_points_) in_.fail("there is no section POINTS: the file is truncated");
-    if (!has_cells_) in_.fail("there is no section CELLS: the file is truncated");
+    if (!has_points_) in_.fail("section POINTS is missing: the file is truncated");
+    if (!has_cells_) in_.fail("section CELLS is missing: the file is truncated");
     if (grid_.types.empty() && grid_.offsets.size() > 1) {
-      in_.fail("there is no section CELL_TYPES: the file is truncated");
+      in_.fail("section CELL_TYPES is missing: the file is truncated");
     }
     return mesh_from_vtk(std::move(grid_), file_, diagnostics_);
   }
@@ -103,7 +103,7 @@ class LegacyReader {
     if (lower(set) != "unstructured_grid") {
       in_.fail("the data set is " + in_quotes(set) +
                (lower(set) == "polydata" ? ", a surface" : "") +
-               "; an UNSTRUCTURED_GRID with hexahedra is needed");
+               "; expected an UNSTRUCTURED_GRID with hexahedra");
     }
     in_.word("the data set");
   }
@@ -150,14 +150,14 @@ class LegacyReader {
   }
   [[noreturn]] void fail_type(std::string_view name) {
     const std::string cause = in_.skip_space() ? "" : ": the file is truncated";
-    file_.fail_at_line(name.data(), "type of numbers " + in_quotes(name) + " is not known" + cause);
+    file_.fail_at_line(name.data(), "type of numbers " + in_quotes(name) + " is unknown" + cause);
   }
 
   void require_room(std::uint64_t count, unsigned bytes, const char* what) {
     if (!binary_) return in_.require_room(count, 1, what);
     if (count > in_.bytes_left() / bytes) {
-      fail(grouped(count) + " " + what + " are announced, but " + grouped(in_.bytes_left()) +
-           " bytes are left: the file is truncated or the count is wrong");
+      fail(grouped(count) + " " + what + " are declared, but only " + grouped(in_.bytes_left()) +
+           " bytes remain: the file is truncated or the count is wrong");
     }
   }
   [[noreturn]] void fail(const std::string& what) const {
@@ -236,7 +236,7 @@ class LegacyReader {
     const auto second = in_.integer<std::uint64_t>("size of the cells");
     check_count(file_, first, "cells");
     if (major_ >= 5) return cells_of_version_5(first, second);
-    if (first > second) in_.fail("more cells than numbers that describe them");
+    if (first > second) in_.fail("the size of CELLS is smaller than its number of cells");
     const ScalarName& type = *find_scalar("int");
     start_array(type, second, "numbers of cells");
     grid_.offsets.reserve(first + 1);
@@ -246,14 +246,14 @@ class LegacyReader {
       const std::int64_t n = cell_number(type);
       if (n < 0 || std::uint64_t(n) + 1 + grid_.connectivity.size() + c > second) {
         fail("cell " + std::to_string(c) + " has " + std::to_string(n) +
-             " points, more than the size of CELLS admits");
+             " points, more than the size of CELLS allows");
       }
       for (std::int64_t i = 0; i < n; ++i) add_node(c, cell_number(type));
       grid_.offsets.push_back(std::int64_t(grid_.connectivity.size()));
     }
     if (grid_.connectivity.size() + first != second) {
       fail("the cells have " + grouped(grid_.connectivity.size() + first) +
-           " numbers; CELLS announced " + grouped(second));
+           " numbers; CELLS declares " + grouped(second));
     }
   }
   std::int64_t cell_number(const ScalarName& type) {
@@ -262,7 +262,8 @@ class LegacyReader {
   void add_node(std::uint64_t cell, std::int64_t node) {
     if (has_points_ && (node < 0 || node >= std::int64_t(grid_.points.size()))) {
       fail("cell " + std::to_string(cell) + " has point " + std::to_string(node) +
-           "; there are points 0 to " + std::to_string(std::int64_t(grid_.points.size()) - 1));
+           "; the points are numbered 0 to " +
+           std::to_string(std::int64_t(grid_.points.size()) - 1));
     }
     grid_.connectivity.push_back(node);
   }
@@ -291,7 +292,7 @@ class LegacyReader {
     require_room(count, 1, "cell types");
     grid_.types.reserve(count);
     integers(type, count, "type of a cell", [&](std::int64_t v) {
-      if (v < 0 || v > 255) fail("cell type " + std::to_string(v) + " is not known");
+      if (v < 0 || v > 255) fail("cell type " + std::to_string(v) + " is unknown");
       grid_.types.push_back(static_cast<std::uint8_t>(v));
     });
   }
@@ -366,10 +367,10 @@ class LegacyReader {
     if (std::find(unread.begin(), unread.end(), lower(type)) == unread.end()) fail_type(type);
     const std::string what = "array " + in_quotes(name) + " has the type " + in_quotes(type);
     stop_ = has_points_ && has_cells_ && !grid_.types.empty();
-    if (!stop_) in_.fail(what + ", which is not read");
+    if (!stop_) in_.fail(what + ", which is not supported");
     ++arrays_;
     diagnostics_.warn(file_.name() + ": " + what +
-                      "; neither it nor the arrays that follow it are read");
+                      "; neither it nor the following arrays are read");
   }
 
   void metadata() {
@@ -402,7 +403,7 @@ class LegacyReader {
              keyword != "edge_flags") {
       in_.seek(at);
       in_.fail("expected an array such as SCALARS or FIELD, found " + in_quotes(keyword) +
-               "; the array before has more values than announced");
+               "; the previous array has more values than declared");
     }
     const std::string_view type_name = in_.word("a type of numbers");
     const ScalarName* type = find_scalar(type_name);

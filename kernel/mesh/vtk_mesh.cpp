@@ -65,7 +65,7 @@ void check_sizes(const VtkGrid& grid, const FileText& file) {
                        grid.offsets.back() <= std::int64_t(grid.connectivity.size()) &&
                        std::is_sorted(grid.offsets.begin(), grid.offsets.end());
   if (!matches && !grid.types.empty()) {
-    fail(file, "offsets, connectivity and types of the cells do not fit each other");
+    fail(file, "offsets, connectivity and types of the cells do not match");
   }
   for (std::size_t i = 0; i < grid.points.size(); ++i) {
     for (const double x : grid.points[i]) {
@@ -93,15 +93,15 @@ void repair_types(VtkGrid& grid, const FileText& file, Diagnostics& diagnostics)
 Hexahedron nodes_of(const VtkGrid& grid, std::size_t cell, const FileText& file) {
   const std::int64_t begin = grid.offsets[cell], count = grid.offsets[cell + 1] - begin;
   if (count != 8) {
-    fail(file, "cell " + std::to_string(cell) + " is a hexahedron of " + std::to_string(count) +
-                   " nodes; 8 are expected");
+    fail(file, "cell " + std::to_string(cell) + " is a hexahedron with " + std::to_string(count) +
+                   " nodes; expected 8");
   }
   Hexahedron nodes;
   for (int i = 0; i < 8; ++i) {
     const std::int64_t node = grid.connectivity[begin + i];
     if (node < 0 || node >= std::int64_t(grid.points.size())) {
       fail(file, "cell " + std::to_string(cell) + " has point " + std::to_string(node) +
-                     "; there are points 0 to " +
+                     "; the points are numbered 0 to " +
                      std::to_string(std::int64_t(grid.points.size()) - 1));
     }
     nodes[i] = static_cast<Index>(node);

@@ -25,7 +25,8 @@ void VtkXml::find_appended() {
   const std::size_t start = text.find('_', open);
   const std::size_t close = text.rfind("</AppendedData>");
   if (start == text.npos || close == text.npos || close < start) {
-    file_.fail_at_byte(file_.end(), "the appended data have no end: the file is truncated");
+    file_.fail_at_byte(file_.end(),
+                       "the end of the appended data is missing: the file is truncated");
   }
   appended_tag_ = file_.begin() + open;
   encoding_.appended = file_.begin() + start + 1;
@@ -61,16 +62,16 @@ void VtkXml::check_place(const XmlTag& tag) const {
 }
 
 void VtkXml::finish() const {
-  if (!opened_) file_.fail_at_line(file_.begin(), "there is no element <VTKFile>");
+  if (!opened_) file_.fail_at_line(file_.begin(), "element <VTKFile> is missing");
   if (!closed_)
     file_.fail_at_byte(file_.end(), "the file does not end with </VTKFile>: it is truncated");
-  if (pieces_ == 0) file_.fail_at_line(file_.begin(), "there is no element <Piece>");
+  if (pieces_ == 0) file_.fail_at_line(file_.begin(), "element <Piece> is missing");
 }
 
 void VtkXml::file_header(const XmlTag& tag) {
   if (tag["type"] != data_set_) {
-    file_.fail_at_line(tag.at,
-                       "the data set is " + in_quotes(tag["type"]) + "; " + needed_ + " is needed");
+    file_.fail_at_line(
+        tag.at, "the data set is " + in_quotes(tag["type"]) + "; " + needed_ + " is expected");
   }
   encoding_.swap_bytes = tag["byte_order"] == "BigEndian";
   encoding_.long_headers = tag["header_type"] == "UInt64";
@@ -82,7 +83,7 @@ void VtkXml::file_header(const XmlTag& tag) {
   else if (compressor == "vtkLZMADataCompressor")
     encoding_.compression = VtuCompression::lzma;
   else if (!compressor.empty())
-    file_.fail_at_line(tag.at, "compressor " + in_quotes(compressor) + " is not known");
+    file_.fail_at_line(tag.at, "compressor " + in_quotes(compressor) + " is unknown");
 }
 
 std::uint64_t VtkXml::number(const XmlTag& tag, std::string_view key,
@@ -100,7 +101,7 @@ std::uint64_t VtkXml::number(const XmlTag& tag, std::string_view key,
 
 const VtuDataArray& VtkXml::required(const std::optional<VtuDataArray>& array, const XmlTag& tag,
                                      const char* name) const {
-  if (!array) file_.fail_at_line(tag.at, std::string("the piece has no array of ") + name);
+  if (!array) file_.fail_at_line(tag.at, std::string("the piece has no array for ") + name);
   return *array;
 }
 

@@ -76,7 +76,7 @@ class VtuReader {
                  const VtuDataArray& types) {
     const auto ends = vtu_integers(file_, xml_.encoding(), offsets, cells_);
     if (ends.front() < 0 || !std::is_sorted(ends.begin(), ends.end()))
-      file_.fail_at_line(offsets.tag.at, "the offsets of the cells do not ascend");
+      file_.fail_at_line(offsets.tag.at, "the offsets of the cells are not ascending");
     const auto nodes =
         vtu_integers(file_, xml_.encoding(), connectivity, static_cast<std::uint64_t>(ends.back()));
     const auto base = static_cast<std::int64_t>(grid_.connectivity.size());
@@ -92,7 +92,7 @@ class VtuReader {
     }
     for (const std::int64_t type : vtu_integers(file_, xml_.encoding(), types, cells_)) {
       if (type < 0 || type > 255)
-        file_.fail_at_line(types.tag.at, "cell type " + std::to_string(type) + " is not known");
+        file_.fail_at_line(types.tag.at, "cell type " + std::to_string(type) + " is unknown");
       grid_.types.push_back(static_cast<std::uint8_t>(type));
     }
   }
@@ -126,7 +126,7 @@ class VtuReader {
   }
   void warn_of_missing(const std::string& name) {
     diagnostics_.warn(file_.name() + ": array " + in_quotes(name) +
-                      " is not in every piece once; it is not read");
+                      " does not appear exactly once in every piece; it is not read");
   }
 
   const FileText& file_;

@@ -87,10 +87,10 @@ class Stream {
       file_.fail_at_line(array.tag.at, "the array has no offset");
     }
     if (!encoding.appended)
-      file_.fail_at_line(array.tag.at, "there are no appended data: the file is truncated");
+      file_.fail_at_line(array.tag.at, "the appended data are missing: the file is truncated");
     if (offset > static_cast<std::uint64_t>(encoding.appended_end - encoding.appended)) {
       file_.fail_at_line(array.tag.at,
-                         "offset " + in_quotes(word) + " is behind the end of the data");
+                         "offset " + in_quotes(word) + " is beyond the end of the data");
     }
     p_ = encoding.appended + offset;
     end_ = encoding.appended_end;
@@ -109,7 +109,7 @@ class Stream {
       bytes.assign(p_, p_ + n);
       p_ += n;
     }
-    if (bytes.size() < n) fail("an array is cut off: the file is truncated or damaged");
+    if (bytes.size() < n) fail("an array is incomplete: the file is truncated or damaged");
     return bytes;
   }
   // As take, without moving on.
@@ -150,8 +150,8 @@ struct Announced {
 Announced plain_header(Stream& stream) {
   const std::uint64_t n = stream.header(stream.peek(stream.header_size()), 0);
   if (n > stream.room()) {
-    stream.fail("an array of " + grouped(n) + " bytes is announced, " + grouped(stream.room()) +
-                " are left: the file is truncated or damaged");
+    stream.fail("an array of " + grouped(n) + " bytes is declared, but only " +
+                grouped(stream.room()) + " remain: the file is truncated or damaged");
   }
   return {0, 0, 0, n};
 }
@@ -198,7 +198,7 @@ Bytes expanded_bytes(Stream& stream, const Announced& said, VtuCompression compr
                                           b + 1 == said.blocks ? said.last : said.size);
     if (!vtk_module().expand(compression, block, target)) {
       stream.fail("compressed block " + std::to_string(b) +
-                  " does not expand: the file is damaged");
+                  " cannot be expanded: the file is damaged");
     }
     from += n;
   }
@@ -251,8 +251,8 @@ void check_number(const FileText& file, const VtuDataArray& array, std::uint64_t
                   std::uint64_t count) {
   if (found == count) return;
   file.fail_at_line(array.tag.at, "array " + in_quotes(array.tag["Name"]) + " has " +
-                                      grouped(found) + " numbers where " + grouped(count) +
-                                      " are needed: the file is truncated or damaged");
+                                      grouped(found) + " numbers, expected " + grouped(count) +
+                                      ": the file is truncated or damaged");
 }
 
 // A file of a few bytes can announce, and even expand to, more than there is memory.
@@ -260,11 +260,11 @@ template <class To>
 void take_memory(const FileText& file, VtuEncoding& encoding, const VtuDataArray& array,
                  std::uint64_t count) {
   if (count > encoding.memory_left / sizeof(To)) {
-    file.fail_at_line(array.tag.at, "array " + in_quotes(array.tag["Name"]) + " announces " +
-                                        grouped(count) + " numbers, more than a file of " +
-                                        grouped(file.view().size()) +
-                                        " bytes can be expected to hold; if it is right, save it "
-                                        "without compression");
+    file.fail_at_line(array.tag.at,
+                      "array " + in_quotes(array.tag["Name"]) + " declares " + grouped(count) +
+                          " numbers, more than expected for a file of " +
+                          grouped(file.view().size()) +
+                          " bytes; if this is correct, save the file without compression");
   }
   encoding.memory_left -= sizeof(To) * count;
 }
@@ -290,7 +290,7 @@ std::vector<To> values_of(const FileText& file, VtuEncoding& encoding, const Vtu
   if (format == "binary" || format == "appended")
     return encoded_values<To>(file, encoding, array, count);
   if (format != "ascii")
-    file.fail_at_line(array.tag.at, "format " + in_quotes(format) + " of an array is not known");
+    file.fail_at_line(array.tag.at, "format " + in_quotes(format) + " of an array is unknown");
   std::vector<To> values = text_values<To>(file, array);
   check_number(file, array, values.size(), count);
   return values;
@@ -298,7 +298,7 @@ std::vector<To> values_of(const FileText& file, VtuEncoding& encoding, const Vtu
 
 [[noreturn]] void fail_type(const FileText& file, const VtuDataArray& array) {
   file.fail_at_line(array.tag.at,
-                    "type " + in_quotes(array.tag["type"]) + " of an array is not known");
+                    "type " + in_quotes(array.tag["type"]) + " of an array is unknown");
 }
 
 }  // namespace
@@ -323,7 +323,8 @@ std::vector<std::int64_t> vtu_integers(const FileText& file, VtuEncoding& encodi
                                        const VtuDataArray& array, std::uint64_t count) {
   if (!vtu_is_integer(array)) {
     file.fail_at_line(array.tag.at, "array " + in_quotes(array.tag["Name"]) +
-                                        " must be of integers, is " + in_quotes(array.tag["type"]));
+                                        " must have an integer type, has " +
+                                        in_quotes(array.tag["type"]));
   }
   return values_of<std::int64_t>(file, encoding, array, count);
 }

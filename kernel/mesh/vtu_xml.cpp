@@ -79,7 +79,8 @@ std::optional<XmlTag> XmlCursor::next() {
     const std::string_view rest = between(at, file_.end());
     if (rest.starts_with("<!--")) {
       const std::size_t end = rest.find("-->");
-      if (end == rest.npos) file_.fail_at_line(at, "a comment has no end: the file is truncated");
+      if (end == rest.npos)
+        file_.fail_at_line(at, "a comment is not terminated: the file is truncated");
       p_ = at + end + 3;
       continue;
     }

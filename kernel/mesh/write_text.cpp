@@ -29,7 +29,8 @@ std::vector<int> refs_of(const Sets& sets, std::size_t count, const char* what, 
   for (const auto& [name, members] : sets) {
     if (std::any_of(members.begin(), members.end(), [&](Index i) { return refs[i] != 0; })) {
       diagnostics.warn("the set " + quote(name) + " of " + what +
-                       " overlaps another and is lost: Medit keeps one reference each");
+                       " overlaps another set and is lost: Medit stores only one reference per "
+                       "point and element");
       continue;
     }
     int ref = medit_ref(name);

@@ -59,24 +59,24 @@ bool is_hdf5(std::string_view start) { return start.starts_with("\x89HDF\r\n\x1a
 // The file that was meant, perhaps: the newest one there.
 std::string newest_in(const fs::path& folder) {
   const std::vector<std::uint64_t> numbers = checkpoints_in(folder);
-  if (numbers.empty()) return "; there is no checkpoint in " + folder.string();
-  return "; the newest one there is " + (folder / checkpoint_name(numbers.back())).string();
+  if (numbers.empty()) return "; no checkpoint was found in " + folder.string();
+  return "; the newest one is " + (folder / checkpoint_name(numbers.back())).string();
 }
 
 void require_readable(const InputFile& file, const fs::path& path) {
   if (file.problem().empty()) return;
-  if (file.is_folder()) refuse(path, "is a folder; give a checkpoint in it" + newest_in(path));
+  if (file.is_folder()) refuse(path, "is a folder; give a checkpoint file" + newest_in(path));
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   refuse(path, file.problem() + (file.is_missing() ? newest_in(folder) : ""));
 }
 
-constexpr const char* older = "; take an older checkpoint";
+constexpr const char* older = "; resume from an older checkpoint";
 
 [[noreturn]] void refuse_foreign(const fs::path& path, std::string_view start) {
   if (start.empty()) refuse(path, std::string("is empty") + older);
   if (is_hdf5(start))
-    refuse(path, "is an HDF5 file, but no checkpoint that suture wrote (checkpoint_NNNN.h5)");
-  refuse(path, "is no checkpoint of suture (checkpoint_NNNN.h5)");
+    refuse(path, "is an HDF5 file, but not a Suture checkpoint (checkpoint_NNNN.h5)");
+  refuse(path, "is not a Suture checkpoint (checkpoint_NNNN.h5)");
 }
 
 // The whole file against the block in front of it, so that HDF5 never sees a damaged one.
@@ -88,8 +88,9 @@ void check_bytes(const fs::path& path) {
   const auto version = number_after(start, begins);
   if (!start.starts_with(begins) || !version) refuse_foreign(path, start);
   if (*version != format)
-    refuse(path, "has format " + std::to_string(*version) + "; this program reads format " +
-                     std::to_string(format) + ", so resume it with the program that wrote it");
+    refuse(path, "has format " + std::to_string(*version) +
+                     "; this version of Suture reads format " + std::to_string(format) +
+                     "; resume it with the version that wrote it");
 
   Checksum checksum;
   std::uint64_t size = start.size();
@@ -101,10 +102,10 @@ void check_bytes(const fs::path& path) {
   }
   const auto expected = number_after(start, "\nbytes ");
   if (expected && size < *expected)
-    refuse(path, "was cut off: it has " + std::to_string(size) + " of " +
+    refuse(path, "is truncated: it has " + std::to_string(size) + " of " +
                      std::to_string(*expected) + " bytes" + older);
   if (block != block_of(size, checksum.text()))
-    refuse(path, std::string("is damaged: its checksum is not that of its bytes") + older);
+    refuse(path, std::string("is damaged: its checksum does not match its contents") + older);
 }
 
 }  // namespace
@@ -155,7 +156,7 @@ Checkpoint read_checkpoint(const fs::path& path) {
   try {
     load_state(tree, checkpoint.header);
     const auto found = tree.groups.find("state");
-    if (found == tree.groups.end()) throw InputError("/: there is no state");
+    if (found == tree.groups.end()) throw InputError("/: the group 'state' is missing");
     checkpoint.state = std::move(found->second);
   } catch (const InputError& error) {
     refuse(path, error.what());

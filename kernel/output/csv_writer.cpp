@@ -102,12 +102,12 @@ void CsvWriter::state(Archive& archive) {
 void CsvWriter::check_file() const {
   const std::filesystem::path path = folder_->path() / name_;
   const auto refuse = [&](const std::string& what) {
-    throw InputError(path.string() + ": " + what + ", and the checkpoint goes on behind byte " +
+    throw InputError(path.string() + ": " + what + ", but the checkpoint continues after byte " +
                      std::to_string(bytes_) +
-                     " of it; put it back as it was, or start the run anew");
+                     " of it; restore the file, or start the run again from the beginning");
   };
   InputFile file(path);
-  if (file.is_missing()) refuse("is gone");
+  if (file.is_missing()) refuse("is missing");
   if (!file.problem().empty()) refuse(file.problem());
   if (file.size() < bytes_) refuse("has " + std::to_string(file.size()) + " bytes");
   std::string first(header_.size(), ' ');
@@ -115,7 +115,7 @@ void CsvWriter::check_file() const {
   file.seek(bytes_ - 1);
   char last = 0;
   file.read({&last, 1});
-  if (first != header_ || last != '\n') refuse("is another table");
+  if (first != header_ || last != '\n') refuse("is not the table of this run");
 }
 
 }  // namespace suture

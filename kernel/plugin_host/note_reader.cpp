@@ -70,18 +70,18 @@ class Reader {
 
 Elf64_Ehdr read_header(Reader& file) {
   if (!file.contains(0, SELFMAG) || std::memcmp(file.read(0, SELFMAG).data(), ELFMAG, SELFMAG) != 0)
-    throw Refusal{"it is not a shared library (no ELF file)"};
+    throw Refusal{"it is not a shared library (not an ELF file)"};
   if (!file.contains(0, sizeof(Elf64_Ehdr))) throw Refusal{"it is truncated within its ELF header"};
   const auto header = file.read<Elf64_Ehdr>(0);
   if (header.e_ident[EI_CLASS] != ELFCLASS64 || header.e_ident[EI_DATA] != ELFDATA2LSB ||
       header.e_machine != this_machine)
-    throw Refusal{"it is built for another kind of processor (ELF machine " +
+    throw Refusal{"it is built for a different processor architecture (ELF machine " +
                   std::to_string(header.e_machine) + ", this host has " +
                   std::to_string(this_machine) + "); build it on this machine"};
   if (header.e_type != ET_DYN)
     throw Refusal{
-        "it is an ELF file but no shared library (an object file or a program); link it "
-        "with -shared, or build it with suture_add_plugin"};
+        "it is an ELF file but not a shared library (an object file or a program); link it with "
+        "-shared, or build it with suture_add_plugin"};
   if (header.e_phentsize != sizeof(Elf64_Phdr))
     throw Refusal{"its ELF header is damaged (size of a program header)"};
   return header;
@@ -142,8 +142,8 @@ suture_note_desc read_descriptor(Reader& file, const std::vector<Elf64_Phdr>& se
     return desc;
   }
   throw Refusal{
-      "it is a shared library but no plugin of Suture: it carries no Suture note. Build "
-      "plugins with suture_add_plugin (C++), or place SUTURE_NOTE of suture/note.h (C)"};
+      "it is a shared library but not a Suture plugin: it has no Suture note. Build it with "
+      "suture_add_plugin (C++), or add SUTURE_NOTE from suture/note.h (C)"};
 }
 
 template <std::size_t n>
@@ -180,11 +180,11 @@ std::string incompatibility(const PluginNote& note) {
            std::to_string(SUTURE_LANES) + "; rebuild the plugin with this Suture's SDK";
   if (isa_rank(note.isa) < 0)
     return "it is built for the instruction set '" + note.isa +
-           "', which this Suture does not know";
+           "', which is unknown to this Suture";
   if (isa_rank(note.isa) > isa_rank(best_isa()))
     return "it is built for " + note.isa +
-           ", which this processor does not run (or SUTURE_ISA rules out); put the plugin's other "
-           "builds (NAME.avx2.so, NAME.so) beside it";
+           ", which this processor does not support or SUTURE_ISA excludes; put the plugin's other "
+           "builds (NAME.avx2.so, NAME.so) in the same folder";
   return {};
 }
 

@@ -101,10 +101,10 @@ struct PluginHost::Impl {
   void warn_of_hidden(std::string_view id, const std::vector<const Plugin*>& found) const {
     if (diagnostics == nullptr) return;
     for (std::size_t i = 1; i < found.size(); ++i)
-      diagnostics->warn("model '" + std::string(id) +
-                        "' is in more than one plugin: " + found.front()->best().file.string() +
-                        " is used, as the first on the search path, and " +
-                        found[i]->best().file.string() + " is not");
+      diagnostics->warn("model '" + std::string(id) + "' is provided by more than one plugin: " +
+                        found.front()->best().file.string() +
+                        " is used because it comes first on the search path; " +
+                        found[i]->best().file.string() + " is ignored");
   }
 
   /// True if the file lies in a folder that is searched, where the user has put it.
@@ -119,8 +119,8 @@ struct PluginHost::Impl {
     const fs::path& file = plugin.best().file;
     if (trust == Trust::all || plugin.place > 0 || is_on_search_path(file)) return;
     throw PluginError("model " + quote(id) + " is in plugin " + file.string() +
-                      ", which the scene names and which lies outside the search path: its code "
-                      "is not run. If you trust it, add --trust, or put its folder into "
+                      ", which the scene names and which lies outside the search path: its code is "
+                      "ignored run. If you trust it, add --trust, or put its folder into "
                       "SUTURE_PLUGIN_PATH");
   }
 
@@ -164,10 +164,10 @@ struct PluginHost::Impl {
         throw PluginError("model " + quote(id) + ": plugin " + best.file.string() + ": " +
                           best.note.problem);
     }
-    throw PluginError("no plugin has the model " + quote(id) + did_you_mean(id, ids) +
+    throw PluginError("no plugin provides the model " + quote(id) + did_you_mean(id, ids) +
                       ". Searched:" + searched() + refused() +
-                      "\n`suture models` lists what is there; name a plugin file in the scene's "
-                      "\"plugins\" or its folder in SUTURE_PLUGIN_PATH");
+                      "\n`suture models` lists the available models; add the plugin file to "
+                      "\"plugins\" in the scene, or its folder to SUTURE_PLUGIN_PATH");
   }
 };
 

@@ -27,10 +27,10 @@ std::string_view hint(std::string_view loader_text) {
     return loader_text.find(part) != std::string_view::npos;
   };
   if (says("undefined symbol"))
-    return "the plugin was linked without something it needs; suture_add_plugin makes that an "
-           "error when the plugin is built (-Wl,-z,defs)";
+    return "a library is missing from the plugin's link line; suture_add_plugin reports this when "
+           "the plugin is built (-Wl,-z,defs)";
   if (says("GLIBC") || says("CXXABI"))
-    return "the plugin was built on a newer system; build it on this one";
+    return "the plugin was built on a newer system; rebuild it on this one";
   if (says("cannot open shared object file"))
     return "a library that the plugin needs is not installed; `ldd` on the plugin lists them";
   if (says("static TLS"))
@@ -87,8 +87,8 @@ const suture_plugin& load_plugin(const std::filesystem::path& file, const Plugin
     // Boost's own message would be a misleading "Bad file descriptor".
     const char* text = dlerror();
     const std::string said = text != nullptr ? text : code.message();
-    refuse(file,
-           "it cannot be loaded; the loader says: " + said + ". Hint: " + std::string(hint(said)));
+    refuse(file, "it cannot be loaded; message of the loader: " + said +
+                     ". Hint: " + std::string(hint(said)));
   }
   if (!library.has(SUTURE_PLUGIN_SYMBOL))
     refuse(file, std::string("it exports no function ") + SUTURE_PLUGIN_SYMBOL +

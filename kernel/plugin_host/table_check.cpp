@@ -41,10 +41,10 @@ void check_id(const Entry& entry, const char* id) {
 
 void check_choices(const Entry& entry, const suture_parameter& p) {
   if (p.type != SUTURE_CHOICE) {
-    entry.require(p.choice_count == 0, "has choices, but is not of type SUTURE_CHOICE");
+    entry.require(p.choice_count == 0, "has choices, but its type is not SUTURE_CHOICE");
     return;
   }
-  if (!entry.require(p.choice_count > 0, "is a choice without choices") ||
+  if (!entry.require(p.choice_count > 0, "has type SUTURE_CHOICE but no choices") ||
       !entry.array(p.choices, p.choice_count, "choices"))
     return;
   Names names;
@@ -70,8 +70,9 @@ void check_default(const Entry& entry, const suture_parameter& p) {
     entry.require(value == 0.0 || value == 1.0, its + " is neither 0 nor 1");
   if (p.type == SUTURE_CHOICE)
     entry.require(value >= 0.0 && value < p.choice_count && value == std::floor(value),
-                  its + " is no index into its choices");
-  if (p.type == SUTURE_INTEGER) entry.require(value == std::floor(value), its + " is no integer");
+                  its + " is not an index into its choices");
+  if (p.type == SUTURE_INTEGER)
+    entry.require(value == std::floor(value), its + " is not an integer");
   if (p.type > SUTURE_INTEGER) return;
   const bool above = (p.flags & SUTURE_MINIMUM_EXCLUDED) ? value > p.minimum : value >= p.minimum;
   const bool below = (p.flags & SUTURE_MAXIMUM_EXCLUDED) ? value < p.maximum : value <= p.maximum;
@@ -107,7 +108,7 @@ void check_policy(const Entry& entry, const suture_attribute& a) {
   entry.require(summed || a.contribution_count == 0,
                 "has a contribution, but not policy SUTURE_FROM_VOLUMES");
   entry.require(!summed || (a.flags & SUTURE_TRIAL) == 0,
-                "has a trial copy, but is summed from volumes: it can have one of both");
+                "has both a trial copy and policy SUTURE_FROM_VOLUMES, which exclude each other");
   if ((a.flags & SUTURE_SHARED_MASS) != 0)
     entry.require(a.dimension == 0 && a.components == 1 && summed,
                   "has SUTURE_SHARED_MASS: expected dimension 0, 1 component and policy "
@@ -152,8 +153,8 @@ void check_attributes(const Entry& model, const suture_model& m) {
 void check_column(const Entry& entry, const suture_model& m, std::uint32_t column,
                   std::uint32_t dimension, const char* which) {
   const std::string its = std::string("its ") + which + " column " + std::to_string(column);
-  if (!entry.require(column < m.attribute_count,
-                     its + " is no attribute: the model has " + std::to_string(m.attribute_count)))
+  if (!entry.require(column < m.attribute_count, its + " is not an attribute: the model has " +
+                                                     std::to_string(m.attribute_count)))
     return;
   const suture_attribute& a = m.attributes[column];
   entry.require(a.dimension == dimension, its + " is an attribute of dimension " +
@@ -161,8 +162,8 @@ void check_column(const Entry& entry, const suture_model& m, std::uint32_t colum
                                               std::to_string(dimension));
   entry.require((a.flags & SUTURE_SHARED_MASS) == 0,
                 its +
-                    " has SUTURE_SHARED_MASS and so is no column; the vertex mass is the vertex "
-                    "column UINT32_MAX");
+                    " has SUTURE_SHARED_MASS and is therefore not a column; use the vertex column "
+                    "UINT32_MAX for the vertex mass");
 }
 
 void check_columns(const Entry& entry, const suture_model& m, const suture_functor& f) {
@@ -225,9 +226,9 @@ void check_model(const Entry& entry, const suture_model& m) {
   entry.known_bits(m.flags, SUTURE_CONTINUUM, "flags");
   entry.reserved(m.reserved);
   entry.require(m.instance_bytes == 0 || m.prepare != nullptr,
-                "asks for instance_bytes, but has no function prepare to fill them");
+                "requests instance_bytes, but has no function prepare to fill them");
   entry.require(m.instance_bytes < (std::uint64_t{1} << 30),
-                "asks for 1 GiB or more of instance_bytes");
+                "requests 1 GiB or more of instance_bytes");
   check_parameters(entry, m);
   check_attributes(entry, m);
   check_functors(entry, m);

@@ -76,17 +76,17 @@ std::string Checkpoints::newest() const { return writer_ ? writer_->newest().str
 void Checkpoints::check(const CheckpointHeader& header, const std::filesystem::path& file) const {
   const auto refuse = [&](const std::string& why) { throw InputError(file.string() + ": " + why); };
   if (header.program != header_.program)
-    refuse("it was written by " + header.program + ", and this is " + header_.program +
-           ": resume it with that version");
+    refuse("it was written by " + header.program + ", but this is " + header_.program +
+           "; resume it with that version");
   if (header.mesh_hash != header_.mesh_hash)
-    refuse("it was written for another mesh: " + built_.mesh_source() +
-           " has changed since, restore it");
+    refuse("it was written for a different mesh: " + built_.mesh_source() +
+           " has changed since; restore the file");
   for (std::size_t i = 0; i < header.plugins.size() && i < header_.plugins.size(); ++i) {
     const CheckpointHeader::Plugin &then = header.plugins[i], &now = header_.plugins[i];
     if (then.id != now.id || then.version != now.version)
       throw PluginError(file.string() + ": it was written with the plugin " + then.id + ' ' +
-                        then.version + ", and here is " + now.id + ' ' + now.version + " (" +
-                        now.file + "): restore that version");
+                        then.version + ", but the one found is " + now.id + ' ' + now.version +
+                        " (" + now.file + "); install the earlier version");
   }
 }
 

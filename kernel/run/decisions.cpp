@@ -32,11 +32,11 @@ void decide_plugins(const Scene& scene, PluginHost& host, std::vector<Decision>&
                         host.file_of(*use.model).filename().string() + ", for model " +
                         use.model->id + " as '" + use.name + "'"});
   }
-  list.push_back({"other plugins", true, "only those that the scene names are loaded"});
+  list.push_back({"other plugins", true, "only plugins used by the scene are loaded"});
 }
 
 // Why something is done although the scene does not need it.
-constexpr const char* no_skip = "not needed, done because of --no-skip";
+constexpr const char* no_skip = "not needed; done because of --no-skip";
 
 void decide_cells(BuiltScene& built, std::vector<Decision>& list) {
   const CellComplex& complex = built.body().complex();
@@ -63,7 +63,7 @@ void decide_column(const Instance& instance, std::uint32_t attribute, std::vecto
   const std::string subject = "column " + instance.name() + "/" + declared.name;
   const Column* column = instance.column(attribute);
   if (!instance.needs(attribute))
-    list.push_back({subject, true, "no functor that runs reads it: neither summed nor stored"});
+    list.push_back({subject, true, "not read by any active functor: neither summed nor stored"});
   else if (column != nullptr && column->is_constant())
     list.push_back({subject, true, "the same everywhere: stored once"});
   else if (column != nullptr)
@@ -87,39 +87,40 @@ void decide_functor(const ForceLoop::Summary& functor, std::vector<Decision>& li
                       " batches, " + count_text(functor.colours, "colour") + "; gathers " +
                       reads_text(functor.reads)});
   const bool velocities = (functor.reads & SUTURE_READ_VELOCITY) != 0;
-  if (!velocities) list.push_back({"velocities for " + subject, true, "it reads none"});
+  if (!velocities)
+    list.push_back({"velocities for " + subject, true, "it does not read velocities"});
 }
 
 void decide_functors(BuiltScene& built, std::vector<Decision>& list) {
   for (const ForceLoop::Summary& functor : built.body().models().summary())
     decide_functor(functor, list);
   const unsigned threads = built.body().models().threads();
-  list.push_back({"threads", threads == 1,
-                  threads == 1
-                      ? "one: more would not pay for a loop of this size, or the scene asks for one"
-                      : std::to_string(threads) + " for the force loop"});
+  list.push_back(
+      {"threads", threads == 1,
+       threads == 1 ? "one: more would not help for a loop of this size, or the scene requests one"
+                    : std::to_string(threads) + " for the force loop"});
   list.push_back({"instruction set", false, std::string(built.body().models().isa())});
 }
 
 void decide_integrator(const Scene& scene, BuiltScene& built, std::vector<Decision>& list) {
   if (scene.solver.integrator == "symplectic-euler") {
-    list.push_back({"integrator", false, "symplectic Euler, of first order in dt"});
+    list.push_back({"integrator", false, "symplectic Euler, first order in dt"});
     return;
   }
   for (const ForceLoop::Summary& functor : built.body().models().summary()) {
     if (functor.skipped || (functor.reads & SUTURE_READ_VELOCITY) == 0) continue;
     list.push_back({"integrator", false,
-                    "velocity Verlet, of first order in dt: functor " + functor.instance + "/" +
-                        functor.functor + " reads velocities, which lag half a step behind"});
+                    "velocity Verlet, first order in dt: functor " + functor.instance + "/" +
+                        functor.functor + " reads velocities, which lag half a step"});
     return;
   }
-  list.push_back({"integrator", false, "velocity Verlet, of second order in dt"});
+  list.push_back({"integrator", false, "velocity Verlet, second order in dt"});
 }
 
 void decide_physics(const Scene& scene, BuiltScene& built, std::vector<Decision>& list) {
   const bool weight = scene.gravity != Vec3{};
-  list.push_back({"gravity", !weight,
-                  weight ? "an acceleration in the integrator's pass" : "the scene has none"});
+  list.push_back(
+      {"gravity", !weight, weight ? "added in the pass of the integrator" : "the scene has none"});
   list.push_back(
       {"loads", !built.body().has_loads(),
        !built.body().has_loads() ? "the scene has none" : count_text(scene.loads.size(), "load")});
@@ -127,14 +128,14 @@ void decide_physics(const Scene& scene, BuiltScene& built, std::vector<Decision>
                   built.body().constraints().empty()
                       ? "the scene has none"
                       : std::to_string(built.body().constraints().vertex_count()) +
-                            " vertices, a pass over their list"});
+                            " vertices; one pass over their list"});
 }
 
 void decide_events(const Scene& scene, std::vector<Decision>& list) {
   const bool sleeps = scene.solver.sleep_acceleration > 0;
   list.push_back({"sleep", !sleeps,
-                  sleeps ? "islands that are still are not computed until an operation wakes them"
-                         : "not asked for"});
+                  sleeps ? "islands at rest are not computed until an operation wakes them"
+                         : "not requested"});
   if (scene.events.empty()) list.push_back({"events", true, "the scene has none"});
   bool blades = false;
   for (const Event& event : scene.events) {
@@ -144,7 +145,7 @@ void decide_events(const Scene& scene, std::vector<Decision>& list) {
   }
   list.push_back(
       {"geometry module", !blades,
-       blades ? "exact predicates for blades" : "no event cuts with a surface or a moving blade"});
+       blades ? "exact predicates for blades" : "no event uses a surface or a moving blade"});
 }
 
 std::string names(const std::vector<FieldChoice>& fields) {
@@ -156,24 +157,24 @@ std::string names(const std::vector<FieldChoice>& fields) {
 void decide_output(const Scene& scene, const BuiltScene& built, const Recorder& recorder,
                    std::vector<Decision>& list) {
   if (!recorder.writes_frames()) {
-    list.push_back({"writer", true, "the scene asks for no output"});
+    list.push_back({"writer", true, "the scene requests no output"});
     return;
   }
   list.push_back({"frames", false,
                   "to " + scene.output.directory.string() + ", with " + names(recorder.fields())});
   const std::string others = names(recorder.other_fields());
-  list.push_back(
-      {"other fields", built.skips(),
-       others + ": " + (built.skips() ? "not asked for" : std::string(no_skip) + ", and dropped")});
+  list.push_back({"other fields", built.skips(),
+                  others + ": " +
+                      (built.skips() ? "not requested" : std::string(no_skip) + ", then dropped")});
   list.push_back({"energies.csv", !recorder.writes_energies(),
                   recorder.writes_energies()
                       ? "every " + count_text(scene.output.energies_every, "step")
-                      : "not asked for"});
+                      : "not requested"});
   list.push_back({"probes.csv", !recorder.writes_probes(),
                   recorder.writes_probes()
                       ? "every " + count_text(scene.output.probes_every, "step") + ", with " +
                             names(recorder.probe_table()->fields())
-                      : "not asked for"});
+                      : "not requested"});
   const auto series = [&](const char* name, bool wanted) {
     list.push_back({name, !wanted, wanted ? "one more file per frame" : "not requested"});
   };
@@ -193,14 +194,14 @@ bool only_cuts(const std::vector<Event>& events) {
 std::string who_looks_at_still_cells(const Scene& scene, const BuiltScene& built,
                                      const Recorder& recorder) {
   if (!built.skips()) return no_skip;
-  if (recorder.frames_need_force()) return "computed: frames show forces";
-  if (recorder.frames_run_functors()) return "computed: frames show fields of the models";
-  if (recorder.probes_need(&FieldChoice::needs_force)) return "computed: probes show forces";
+  if (recorder.frames_need_force()) return "computed: frames contain forces";
+  if (recorder.frames_run_functors()) return "computed: frames contain fields of the models";
+  if (recorder.probes_need(&FieldChoice::needs_force)) return "computed: probes record forces";
   if (recorder.probes_need(&FieldChoice::runs_functors))
-    return "computed: probes show fields of the models";
+    return "computed: probes record fields of the models";
   if (recorder.writes_energies()) return "computed: energies.csv sums over all cells";
-  if (scene.solver.until_rest) return "computed: the search for rest looks at energy";
-  if (!only_cuts(scene.events)) return "computed: an event may look at every cell";
+  if (scene.solver.until_rest) return "computed: the search for rest needs the energy";
+  if (!only_cuts(scene.events)) return "computed: an event may use any cell";
   return "";
 }
 
@@ -211,11 +212,11 @@ Decision decide_still_cells(const Scene& scene, BuiltScene& built, const Recorde
   const std::string reason = who_looks_at_still_cells(scene, built, recorder);
   if (!reason.empty()) return {subject, false, reason};
   const Index cells = built.body().skip_still_cells();
-  if (cells == 0) return {subject, false, "there is no block of 8 of them"};
+  if (cells == 0) return {subject, false, "there is no complete block of 8 such cells"};
   return {subject, true,
           std::to_string(cells) +
-              " (whole blocks of 8): they move nothing, and nobody asks for "
-              "their stress, forces or energy"};
+              " (whole blocks of 8): they never move, and their stress, forces and energy are not "
+              "requested"};
 }
 
 std::vector<Decision> decide(const Scene& scene, PluginHost& host, BuiltScene& built,

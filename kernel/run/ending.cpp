@@ -45,7 +45,7 @@ std::optional<RunSummary::Outcome> Ending::look(const StepControl::Notify& notif
 void Ending::warn_of_motion() {
   std::ostringstream text;
   text << "not at rest at /solver/end, t = " << control_.clock().time() << " s: the residual is "
-       << rest_->residual() << ", asked for " << rest_->tolerance();
+       << rest_->residual() << ", requested " << rest_->tolerance();
   diagnostics_.warn(text.str());
 }
 
@@ -54,8 +54,8 @@ void Ending::require_no_falling_body() {
   cells_changed_ = false;
   const std::string body = falling_body(scene_, built_);
   if (!body.empty())
-    throw NumericalError("no rest: " + body +
-                         "; remove it (remove_islands), hold it, or give /solver/end");
+    throw NumericalError("the body cannot come to rest: " + body +
+                         "; remove it (remove_islands), constrain it, or give /solver/end");
 }
 
 std::optional<RunSummary::Outcome> Ending::look_at_rest(const StepControl::Notify& notify) {
@@ -91,8 +91,8 @@ void Ending::refuse_more_steps(std::uint64_t limit) const {
   std::ostringstream text;
   if (rest_)
     text << "not at rest after " << limit << " steps: the residual is " << rest_->residual()
-         << ", asked for " << rest_->tolerance()
-         << "; raise /solver/max_steps or /solver/tolerance, or damp more";
+         << ", requested " << rest_->tolerance()
+         << "; raise /solver/max_steps, /solver/tolerance or /solver/damping";
   else
     text << "t = " << control_.clock().time() << " s after " << limit
          << " steps, and /solver/end is " << *scene_.solver.end

@@ -86,9 +86,9 @@ std::string Evidence::write(std::shared_ptr<OutputFolder> folder) {
     }
     writer.finish();
     return writer.collection().string() +
-           (number == 2 ? " shows the last good state and this one" : " shows this state");
+           (number == 2 ? " contains the last good state and this one" : " contains this state");
   } catch (const Error& error) {
-    return std::string("No frame of this state: ") + error.what();
+    return std::string("No frame of this state was written: ") + error.what();
   }
 }
 

@@ -296,9 +296,9 @@ const FieldChoice& field_named(const std::vector<FieldChoice>& fields, const std
   for (const FieldChoice& f : fields) {
     if (is_in_frames(f)) names.push_back(f.name);
   }
-  std::string text =
-      path + ": no model of this scene gives " + quote(name) + did_you_mean(name, names);
-  for (std::size_t i = 0; i < names.size(); ++i) text += (i ? ", " : "; there are ") + names[i];
+  std::string text = path + ": no model of this scene provides the field " + quote(name) +
+                     did_you_mean(name, names);
+  for (std::size_t i = 0; i < names.size(); ++i) text += (i ? ", " : "; available: ") + names[i];
   throw InputError(text);
 }
 

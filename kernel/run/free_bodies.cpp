@@ -41,8 +41,8 @@ std::string describe(const FreePiece& piece) {
 
 std::string push_of(const FreePiece& piece) {
   std::ostringstream text;
-  text << "gravity and loads push it with (" << piece.force[0] << ", " << piece.force[1] << ", "
-       << piece.force[2] << ") N";
+  text << "gravity and loads act on it with a resultant of (" << piece.force[0] << ", "
+       << piece.force[1] << ", " << piece.force[2] << ") N";
   return text.str();
 }
 
@@ -75,16 +75,16 @@ void look_for_free_bodies(const Scene& scene, BuiltScene& built, Diagnostics& di
   for (const FreePiece& piece : pieces) {
     if (!piece.is_pushed() || scene.solver.end || !scene.events.empty()) continue;
     if (!models_let_move(built, piece)) continue;
-    throw InputError("/constraints: " + describe(piece) + ", and " + push_of(piece) +
-                     ", so it never comes to rest; hold it, balance the loads, or give "
-                     "/solver/end");
+    throw InputError(
+        "/constraints: " + describe(piece) + ", and " + push_of(piece) +
+        ", so it never comes to rest; constrain it, balance the loads, or give /solver/end");
   }
   for (std::size_t i = 0; i < std::min(pieces.size(), most_told); ++i)
     diagnostics.warn("/constraints: " + describe(pieces[i]) +
                      (pieces[i].is_pushed() ? "; " + push_of(pieces[i]) : std::string()));
   if (pieces.size() > most_told)
     diagnostics.warn("/constraints: " + std::to_string(pieces.size() - most_told) +
-                     " more pieces are not held");
+                     " more pieces are unconstrained");
 }
 
 std::string falling_body(const Scene& scene, BuiltScene& built) {

@@ -74,7 +74,7 @@ void Guard::check_inversion(std::uint64_t step, double time) {
   if (worst != inverted.end()) throw NumericalError(text.str());
   std::ostringstream when;
   when << "step " << step << ", t = " << time << " s: ";
-  diagnostics_.warn(when.str() + text.str() + "; the run goes on (on_inversion)");
+  diagnostics_.warn(when.str() + text.str() + "; the run continues (on_inversion is \"warn\")");
 }
 
 void Guard::state(Archive& archive) {

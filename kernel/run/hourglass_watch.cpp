@@ -47,16 +47,15 @@ std::string hourglass_warning(const Scene& scene, BuiltScene& built, bool at_res
   const Vec3 centre = centre_of(built, worst);
   std::ostringstream text;
   text << count << " of " << elements
-       << " elements hourglass: they move in a checkerboard that no strain explains. The worst is "
-          "element "
+       << " elements have hourglassed: they move in a checkerboard pattern without strain. The "
+          "worst is element "
        << built.element_name(worst) << " at " << built.place_text(centre) << " of model '"
        << use.name << "', by " << found.content(worst) << " times its strain. ";
   if ((use.model->flags & SUTURE_CONTINUUM) == 0)
-    text
-        << "Springs do not resist such motions, \"correction\" and a finer mesh do not help: use a "
-           "continuum model (tm-faure), or lower the load";
+    text << "Springs do not resist such motions, and neither \"correction\" nor a finer mesh "
+            "helps: use a continuum model (tm-faure), or reduce the load";
   else
-    text << "Lower the load, or refine the mesh there";
+    text << "Reduce the load, or refine the mesh there";
   return text.str();
 }
 

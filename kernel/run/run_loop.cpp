@@ -114,7 +114,7 @@ void RunLoop::tell_of_sleep(Observer& observer) {
   control_.commit();
   std::ostringstream text;
   text << "t = " << clock_.time() << " s: " << sleeper_.sleeping() << " of "
-       << built_.body().islands().existing() << " islands sleep";
+       << built_.body().islands().existing() << " islands asleep";
   observer.on_message(text.str());
 }
 
@@ -248,7 +248,7 @@ void RunLoop::finish(Observer& observer) {
   if (const std::string text = control_.balance_warning(); !text.empty()) diagnostics_.warn(text);
   checkpoints_.finish();
   if (summary_.outcome == RunSummary::Outcome::interrupted && checkpoints_.are_written())
-    observer.on_message("go on with: suture run --resume " + checkpoints_.newest());
+    observer.on_message("resume with: suture run --resume " + checkpoints_.newest());
 }
 
 void RunLoop::summarise() {

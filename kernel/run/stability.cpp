@@ -44,7 +44,7 @@ Stability::Verdict Stability::examine(const RestSearch& rest, std::uint64_t step
   const ForceLoop& forces = built_.body().models();
   if (!forces.has_tangent()) {
     lowest_.reset();
-    diagnostics_.warn("the stability of the equilibrium was not examined: " +
+    diagnostics_.warn("the stability of the equilibrium was not checked: " +
                       forces.without_tangent() + " has no tangent (suture.tangent/1)");
     return Verdict::unknown;
   }
@@ -59,15 +59,16 @@ Stability::Verdict Stability::examine(const RestSearch& rest, std::uint64_t step
   if (scene_.solver.kick > 0 && kicks_ < most_kicks) {
     ++kicks_;
     std::ostringstream push;
-    push << "; pushed along it by " << scene_.solver.kick << " m (/solver/kick)";
+    push << "; displaced along the mode by " << scene_.solver.kick << " m (/solver/kick)";
     diagnostics_.warn(text + push.str());
     kick(mode);
     return Verdict::kicked;
   }
   if (kicks_ == 0)
-    text += "; give /solver/kick, the length of a push along the mode in m, to go on from here";
+    text += "; set /solver/kick, a displacement along the mode in m, to continue from here";
   else
-    text += "; " + std::to_string(kicks_) + " pushes along such modes have not led to a stable one";
+    text += "; " + std::to_string(kicks_) +
+            " kicks along such modes have not led to a stable equilibrium";
   diagnostics_.warn(text);
   return is_partial() ? Verdict::unknown : Verdict::unstable;
 }
@@ -77,8 +78,8 @@ std::string Stability::describe(const LowestMode& mode) const {
   const Column& x = built_.body().attributes().position();
   std::ostringstream text;
   if (is_partial())
-    text << "the equilibrium may be unstable: without the pressures, whose stiffness is not in "
-            "it, the tangent has the eigenvalue "
+    text << "the equilibrium may be unstable: the tangent, which does not include the pressures, "
+            "has the eigenvalue "
          << mode.eigenvalue << " 1/s^2";
   else
     text << "the equilibrium is unstable: the lowest eigenvalue of the tangent is "
@@ -88,7 +89,7 @@ std::string Stability::describe(const LowestMode& mode) const {
        << built_.element_name(built_.body().complex().dart_of(0, vertex) / 24) << " at "
        << built_.place_text({x.get(vertex, 0), x.get(vertex, 1), x.get(vertex, 2)});
   if (const std::string file = recorder_.mode_collection(); !file.empty())
-    text << ", and is the field \"unstable_mode\" of " << file;
+    text << "; see the field \"unstable_mode\" of " << file;
   return text.str();
 }
 
@@ -107,10 +108,9 @@ void Stability::kick(const LowestMode& mode) {
 
 std::string Stability::text() const {
   std::ostringstream text;
-  if (!lowest_) return "the equilibrium is stable: every node is prescribed";
+  if (!lowest_) return "the equilibrium is stable because every node is prescribed";
   if (neutral_) return "the equilibrium is neutral: the lowest eigenvalue of the tangent is zero";
-  text << "the equilibrium is stable: no eigenvalue of the tangent below " << *lowest_
-       << " 1/s^2 was found";
+  text << "the equilibrium is stable: the tangent has no eigenvalue below " << *lowest_ << " 1/s^2";
   if (*lowest_ > 0) text << " (" << std::sqrt(*lowest_) / (2 * std::numbers::pi) << " Hz)";
   return text.str();
 }

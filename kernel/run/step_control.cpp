@@ -86,7 +86,8 @@ void StepControl::step(const Notify& notify) {
 void StepControl::make_step() {
   const double dt = next_dt();
   if (!(dt > 0))
-    throw NumericalError("the stable step is " + std::to_string(dt) + " s; nothing can move on");
+    throw NumericalError("the stable step is " + std::to_string(dt) +
+                         " s, so the run cannot continue");
   clock_.advance();
   last_dt_ = dt;  // and not the difference of two times: forces stay good while dt is the same
   built_.dynamics().step(dt, clock_.time());
@@ -99,7 +100,7 @@ void StepControl::check_step(const Notify& notify) {
     std::ostringstream text;
     text << "the step is unstable: the motion reaches omega dt = "
          << built_.dynamics().motion().sums().apparent_frequency()
-         << ", the limit being 2, at element " << built_.element_name(element) << ", "
+         << " (the limit is 2) at element " << built_.element_name(element) << ", "
          << built_.place_of(element);
     throw UnstableStep(text.str());
   }
@@ -113,7 +114,7 @@ void StepControl::check_state(const Notify& notify) {
   const double last_growth = std::exchange(last_growth_, guard_.growth());
   if (guard_.growth() <= notable_growth) return;
   std::ostringstream text;
-  text << 100 * guard_.growth() << " % of the energy exchanged came from nowhere";
+  text << 100 * guard_.growth() << " % of the energy exchanged is unexplained";
   if (watch_.is_unstable(clock_.step(), last_dt_))
     throw UnstableStep("the step is unstable: " + text.str());
   if (guard_.growth() - last_growth > notable_growth / 2 && is_worth_a_smaller_step()) {
@@ -125,14 +126,14 @@ void StepControl::check_state(const Notify& notify) {
   std::ostringstream when;
   when << "t = " << clock_.time() << " s: ";
   if (watch_.lower_safety()) {
-    notify(when.str() + text.str() + "; from now on dt is half the stable step");
+    notify(when.str() + text.str() + "; dt is half the stable step from now on");
   } else if (!growth_was_reported_) {
     growth_was_reported_ = true;
     diagnostics_.warn(when.str() + text.str() +
-                      " although the step is stable: it is too coarse for this motion, or a "
-                      "model feeds energy that its suture.energy/1 does not state; lower " +
+                      " although the step is stable: it is too coarse for this motion, or a model "
+                      "adds energy that its suture.energy/1 does not include; reduce " +
                       (scene_.solver.dt ? "/solver/dt" : "/solver/safety") +
-                      " to see which (balance in energies.csv falls with its square)");
+                      " to find out which (the balance in energies.csv decreases with its square)");
   }
 }
 
@@ -143,9 +144,9 @@ std::string StepControl::balance_warning() const {
   const bool is_noise = std::abs(open) < guard_.noise();
   if (!(std::abs(part) > notable_balance) || growth_was_reported_ || is_noise) return "";
   std::ostringstream text;
-  text << "the energies balance to " << 100 * part
-       << " % of what was exchanged only: the step is stable, but coarse for what happened (a "
-          "sudden load or motion); lower "
+  text << "the energy balance closes only to " << 100 * part
+       << " % of the energy exchanged: the step is stable, but too coarse for a sudden load or "
+          "motion; reduce "
        << (scene_.solver.dt ? "/solver/dt" : "/solver/safety");
   return text.str();
 }
@@ -199,9 +200,9 @@ void StepControl::step_back(const NumericalError& error, const Notify& notify) {
   std::ostringstream text;
   text << timed(failed_at, error.what());
   if (goes_on)
-    text << "; an operation forbids to go back, dt is " << next_dt() << " s from here";
+    text << "; an operation cannot be undone, so dt is " << next_dt() << " s from here on";
   else
-    text << "; back to t = " << clock_.time() << " s, where dt is " << next_dt() << " s";
+    text << "; rolled back to t = " << clock_.time() << " s with dt = " << next_dt() << " s";
   notify(text.str());
   ++steps_back_;
 }
@@ -218,7 +219,7 @@ void StepControl::give_up(const NumericalError& error) {
   const Index element = error.element != NumericalError::nowhere
                             ? built_.selector().element_with_id(error.element)
                             : none;
-  if (element != none) text << "; this element lies at " << built_.place_of(element);
+  if (element != none) text << "; the element is at " << built_.place_of(element);
   Evidence evidence(built_, clock_.time());
   if (kept_.empty()) {
     recorder_.go_back(clock_.step() - 1);
@@ -265,18 +266,18 @@ std::string StepControl::advice(const NumericalError& error) const {
     text << "/solver/dt is " << *scene_.solver.dt << " s";
     if (watch_.stable() > 0)
       text << ", and the stable step of the last good state is about " << watch_.stable() << " s";
-    text << ": lower it, or set it to \"auto\"";
+    text << ": reduce it, or set it to \"auto\"";
     return text.str();
   }
   if (scene_.solver.dt && dynamic_cast<const StepRejected*>(&error) == nullptr)
-    return "Set /solver/dt to \"auto\", which tries smaller steps at such a place; if that fails "
-           "too, the load is beyond what the law or the mesh bears";
+    return "Set /solver/dt to \"auto\", which tries smaller steps; if that fails too, the load "
+           "exceeds the range of the material law or the mesh";
   text << "Smaller steps do not help: ";
   if (guard_.inverted_elements() > 0)
-    text << "the load is beyond what the law or the mesh bears. Lower or ramp it, refine the mesh "
-            "there, choose another model, or set on_inversion of the model to \"warn\"";
+    text << "the load exceeds the range of the material law or the mesh. Reduce or ramp it, refine "
+            "the mesh there, choose another model, or set on_inversion of the model to \"warn\"";
   else
-    text << "lower the loads or ramp them, or look at the model's parameters there";
+    text << "reduce or ramp the loads, or check the parameters of the model there";
   return text.str();
 }
 

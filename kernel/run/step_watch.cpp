@@ -24,7 +24,7 @@ void StepWatch::start() {
     search(0);
     if (!std::isfinite(stable_) && built_.body().has_free_vertices())
       throw InputError(
-          "/solver/dt: \"auto\" needs a force, and no model gives one; give a number of seconds");
+          "/solver/dt: \"auto\" needs a model with forces, and there is none; give dt in seconds");
     return;
   }
   stable_ = bound(&StepLimits::bounds).value_or(0);
@@ -100,8 +100,8 @@ void StepWatch::compare() {
   due_ = never;
   std::ostringstream text;
   text << "/solver/dt is " << *scene_.solver.dt
-       << " s, above the stable step of the present state, " << stable_
-       << " s; the run will become unstable, \"auto\" follows it";
+       << " s, which exceeds the stable step of the current state, " << stable_
+       << " s; the run will become unstable. Reduce it, or use \"auto\"";
   diagnostics_.warn(text.str());
 }
 

@@ -11,16 +11,16 @@ namespace {
 struct What {
   std::string operator()(const CutPlane& cut) const {
     const bool bounded = cut.radius < std::numeric_limits<double>::infinity();
-    return bounded               ? "the faces that a disc separates"
-           : cut.polygon.empty() ? "the faces that a plane separates"
-                                 : "the faces that a polygon separates";
+    return bounded               ? "the faces crossed by a disc"
+           : cut.polygon.empty() ? "the faces crossed by a plane"
+                                 : "the faces crossed by a polygon";
   }
   std::string operator()(const CutSurface& cut) const {
     return "the faces that the triangles of " + cut.file.filename().string() + " separate";
   }
   std::string operator()(const CutBlade& cut) const {
     return "the faces that a blade of " + std::to_string(cut.stations.front().points.size()) +
-           " points crosses on its way through the tissue";
+           " points crosses as it moves through the tissue";
   }
   std::string operator()(const CutFaces& cut) const {
     return std::to_string(cut.element_pairs.size()) + " listed faces";
@@ -32,7 +32,7 @@ struct What {
     static constexpr const char* values[] = {"the largest principal strain of each element",
                                              "the elongation of each edge", ""};
     const std::string field =
-        tear.model + "/" + tear.field + ", which the model computes each time";
+        tear.model + "/" + tear.field + ", computed by the model at each check";
     return "faces by " +
            (tear.by == Tear::By::field ? field : values[static_cast<std::size_t>(tear.by)]);
   }
@@ -42,7 +42,7 @@ struct What {
                                        : std::to_string(sew.element_pairs.size()) + " listed faces";
   }
   std::string operator()(const RemoveIslands&) const {
-    return "islands, known from all operations";
+    return "islands, tracked through all operations";
   }
 };
 
@@ -58,7 +58,7 @@ std::string Event::summary() const {
     text << ", every " << every << (every == 1 ? " step" : " steps") << " from " << from << " s";
     if (until) text << " until " << *until << " s";
   } else if (when) {
-    text << ", once a condition holds, looked at every " << when->every
+    text << ", as soon as a condition holds, checked every " << when->every
          << (when->every == 1 ? " step" : " steps");
   } else {
     text << ", at " << at << " s";

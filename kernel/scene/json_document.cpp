@@ -120,14 +120,14 @@ class TokenFollower {
 std::string hint(const std::string& reason, std::string_view token) {
   const auto says = [&](std::string_view words) { return reason.find(words) != std::string::npos; };
   const auto starts = [&](std::string_view words) { return token.starts_with(words); };
-  if (says("unexpected end of input")) return "; a bracket or brace opened earlier is not closed";
+  if (says("unexpected end of input")) return "; an earlier bracket or brace is not closed";
   if (says("number overflow")) return "; the largest number is about 1.8e308";
-  if (starts("'")) return "; strings stand in double quotes";
-  if (starts("#")) return "; comments start with // or stand between /* and */";
+  if (starts("'")) return "; strings must be in double quotes";
+  if (starts("#")) return "; comments begin with // or are enclosed in /* and */";
   if (starts("N") || starts("I") || starts("-I") || starts("nan") || starts("inf")) {
-    return "; JSON knows no NaN and no infinity";
+    return "; JSON has no NaN or infinity";
   }
-  if (starts("}") || starts("]")) return "; is the comma before it one too many?";
+  if (starts("}") || starts("]")) return "; is there an extra comma before it?";
   if (says("expected '}'") || says("expected ']'")) return "; is a comma missing before it?";
   return "";
 }

@@ -72,7 +72,7 @@ JsonValue& child(JsonValue& parent, const std::string& key, const JsonValue& mis
   if (parent.kind == JsonValue::Kind::array) return array_child(parent, key, missing, option);
   if (parent.kind != JsonValue::Kind::object) {
     throw UsageError(option + ": " + quote(key) + " would be inside " + describe(parent) +
-                     ", which is no object and no array");
+                     ", which is neither an object nor an array");
   }
   // Of duplicate keys (the reader refuses them) the first is set.
   for (JsonMember& member : parent.members) {

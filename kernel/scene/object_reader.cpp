@@ -137,7 +137,7 @@ ObjectReader::ObjectReader(const JsonValue& value, std::string path, Mistakes& m
     const auto [entry, is_new] = first.emplace(member.key, &member);
     if (is_new) continue;
     mistakes_.add(member.at, path_of(member.key),
-                  "given a second time; the first is at " + mistakes_.place(entry->second->at));
+                  "duplicate key; first given at " + mistakes_.place(entry->second->at));
   }
 }
 
@@ -204,7 +204,7 @@ void ObjectReader::finish() {
   for (const JsonMember& member : value_.members) {
     if (std::find(known_.begin(), known_.end(), member.key) != known_.end()) continue;
     std::string text = "unknown key" + did_you_mean(member.key, known_);
-    if (nearest(member.key, known_).empty()) text += "; known here: " + quoted_list(known_);
+    if (nearest(member.key, known_).empty()) text += "; valid keys: " + quoted_list(known_);
     mistakes_.add(member.at, path_of(member.key), text);
   }
 }

@@ -43,7 +43,7 @@ std::uint8_t read_components(ObjectReader& object) {
 void read_rotation(ObjectReader rotation, Constraint& constraint) {
   rotation.require("axis", "the direction of the axis [x, y, z]");
   constraint.axis = read_direction(rotation, "axis").value_or(Vec3{0, 0, 1});
-  rotation.require("angle", "at the end of the ramp, in degrees");
+  rotation.require("angle", "the angle at the end of the ramp, in degrees");
   constraint.angle =
       rotation.number("angle", Limits::any("degrees")).value_or(0) * std::numbers::pi / 180;
   constraint.centre = rotation.vector("centre", Limits::any("m")).value_or(Vec3{});
@@ -60,7 +60,7 @@ void read_motion(ObjectReader& object, const JsonValue& value, Constraint& const
     move.complain("must have 'translation', 'rotation' or both");
   }
   move.finish();
-  object.require("ramp", "a motion takes time: give its duration in s or {\"from\", \"to\"}");
+  object.require("ramp", "the duration of the motion in s, or {\"from\", \"to\"}");
 }
 
 void read_constraint(ObjectReader& object, Reading& reading) {
@@ -75,7 +75,7 @@ void read_constraint(ObjectReader& object, Reading& reading) {
       object.complain("ramp", "must last longer than 0 s: a jump would mean infinite velocity");
     }
   }
-  constraint.where = require_where(object, "the nodes that are held");
+  constraint.where = require_where(object, "the constrained nodes");
   reading.scene.constraints.push_back(std::move(constraint));
 }
 
@@ -93,7 +93,7 @@ void read_load(ObjectReader& object, Reading& reading) {
     load.pressure = object.number("pressure", Limits::any("Pa")).value_or(0);
   }
   load.ramp = optional_ramp(object);
-  load.where = require_where(object, "the nodes that carry it");
+  load.where = require_where(object, "the loaded nodes");
   reading.scene.loads.push_back(std::move(load));
 }
 
@@ -112,7 +112,7 @@ TimeRamp read_ramp(const JsonValue& value, const std::string& path, Mistakes& mi
   }
   ObjectReader object(value, path, mistakes);
   ramp.from = object.number("from", Limits::not_negative("s")).value_or(0);
-  object.require("to", "when the full value is reached, in s");
+  object.require("to", "the time at which the full value is reached, in s");
   ramp.to = object.number("to", Limits::not_negative("s")).value_or(ramp.from);
   if (ramp.to < ramp.from) object.complain("to", "is before 'from'");
   static const std::array<std::string, 2> shapes{"linear", "smooth"};

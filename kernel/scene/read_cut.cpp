@@ -79,12 +79,14 @@ void read_polygon(ObjectReader& plane, CutPlane& cut) {
   const bool has_area = area > 1e-12 * size * size;
   if (has_area && off > 1e-6 * size) {
     plane.complain("polygon",
-                   "is not flat: a point lies " + std::to_string(off) +
-                       " m off the plane of the others; give a {\"surface\"} of triangles instead");
+                   "is not planar: a point lies " + std::to_string(off) +
+                       " m off the plane of the others; use a {\"surface\"} of triangles instead");
   } else if (sides_cross(cut.polygon)) {
-    plane.complain("polygon", "is no polygon: its sides cross; give the points in order around it");
+    plane.complain("polygon",
+                   "is not a simple polygon: its sides cross; give the points in order around it");
   } else if (!has_area) {
-    plane.complain("polygon", "has no area: its points lie on a line");
+    plane.complain("polygon",
+                   "has no area: its points lie on a line; give at least three that do not");
   }
   if (!has_area) cut.normal = {1, 0, 0};
 }
@@ -94,12 +96,12 @@ CutPlane read_plane(ObjectReader plane) {
   if (plane.find("polygon") != nullptr) {
     for (const char* key : {"point", "normal", "radius"}) {
       if (plane.find(key) != nullptr)
-        plane.complain(key, "is told by 'polygon' already; give one or the other");
+        plane.complain(key, "is already determined by 'polygon'; remove one of them");
     }
     read_polygon(plane, cut);
   } else {
     cut.point = require_vector(plane, "point", "m", "a point of the plane [x, y, z] in m");
-    plane.require("normal", "the direction across the cut [x, y, z]");
+    plane.require("normal", "the direction normal to the cut [x, y, z]");
     cut.normal = read_direction(plane, "normal").value_or(Vec3{1, 0, 0});
     cut.radius = plane.number("radius", Limits::positive("m")).value_or(cut.radius);
   }
@@ -109,7 +111,8 @@ CutPlane read_plane(ObjectReader plane) {
 
 CutSurface read_surface(ObjectReader surface, Reading& reading) {
   CutSurface cut;
-  if (const JsonValue* file = surface.require("file", "triangles: .obj, .stl, .ply or .vtp"))
+  if (const JsonValue* file =
+          surface.require("file", "a file of triangles (.obj, .off, .stl, .ply or .vtp)"))
     cut.file = read_file(*file, surface.path_of("file"), reading);
   cut.scale = surface.number("scale", Limits::positive("1")).value_or(1);
   cut.translation = surface.vector("translation", Limits::any("m")).value_or(Vec3{});
@@ -119,7 +122,7 @@ CutSurface read_surface(ObjectReader surface, Reading& reading) {
 
 CutBlade::Station read_station(ObjectReader& object, const Scene& scene) {
   CutBlade::Station station{};
-  object.require("at", "when the blade is there, in s");
+  object.require("at", "the time of the station, in s");
   station.at = object.number("at", Limits::not_negative("s")).value_or(0);
   if (scene.solver.end && station.at > *scene.solver.end)
     object.complain("at", "is after the end of the run (/solver/end)");
@@ -130,21 +133,22 @@ CutBlade::Station read_station(ObjectReader& object, const Scene& scene) {
 
 CutBlade read_blade(ObjectReader blade, Reading& reading) {
   CutBlade cut;
-  blade.require("path", "where the blade is when: [{\"at\", \"points\"}]");
+  blade.require("path", "the stations of the blade [{\"at\", \"points\"}]");
   for_each_object(blade, "path", "stations", [&](ObjectReader& object) {
     CutBlade::Station station = read_station(object, reading.scene);
     if (!cut.stations.empty()) {
       const CutBlade::Station& last = cut.stations.back();
-      if (station.at <= last.at) object.complain("at", "must be later than the station before");
+      if (station.at <= last.at) object.complain("at", "must be later than the previous station");
       if (station.points.size() != last.points.size())
-        object.complain("points", "must be as many as at the station before, " +
-                                      std::to_string(last.points.size()) + "; are " +
+        object.complain("points", "must have the same number of points as the previous station, " +
+                                      std::to_string(last.points.size()) + "; has " +
                                       std::to_string(station.points.size()));
     }
     cut.stations.push_back(std::move(station));
   });
   if (cut.stations.empty()) {
-    if (blade.find("path") != nullptr) blade.complain("path", "is empty: a blade is somewhere");
+    if (blade.find("path") != nullptr)
+      blade.complain("path", "is empty; give at least one station");
     cut.stations.resize(1);
   }
   blade.finish();
@@ -158,7 +162,7 @@ std::vector<std::array<std::uint64_t, 2>> read_pairs(const JsonValue& value,
   std::vector<std::array<std::uint64_t, 2>> pairs;
   const auto* items = read_array(value, path, "pairs of element numbers", mistakes);
   if (items == nullptr) return pairs;
-  if (items->empty()) mistakes.add(value.at, path, "is empty: names no face");
+  if (items->empty()) mistakes.add(value.at, path, "is empty; name at least one face");
   for (std::size_t i = 0; i < items->size(); ++i) {
     const JsonValue& item = (*items)[i];
     const std::string here = child_path(path, i);
@@ -172,7 +176,9 @@ std::vector<std::array<std::uint64_t, 2>> read_pairs(const JsonValue& value,
     const auto b = read_natural(item.items[1], child_path(here, 1), 0, UINT64_MAX, mistakes);
     if (!a || !b) continue;
     if (*a == *b)
-      mistakes.add(item.at, here, "names element " + std::to_string(*a) + " twice; a face has two");
+      mistakes.add(item.at, here,
+                   "names element " + std::to_string(*a) +
+                       " twice; a face lies between two different elements");
     else
       pairs.push_back({*a, *b});
   }

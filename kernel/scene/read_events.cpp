@@ -19,7 +19,7 @@ double read_time(ObjectReader& object, const std::string& key, const Scene& scen
 
 Condition read_condition(ObjectReader object) {
   Condition condition;
-  if (const JsonValue* where = object.require("where", "the nodes that are looked at"))
+  if (const JsonValue* where = object.require("where", "the nodes to observe"))
     condition.where = read_selection(*where, object.path_of("where"), object.mistakes());
   static const std::array<std::string, 3> quantities{"displacement", "velocity", "position"};
   object.require("of", "\"displacement\", \"velocity\" or \"position\"");
@@ -41,7 +41,8 @@ Condition read_condition(ObjectReader object) {
 void read_interval(ObjectReader& object, Event& event, const Scene& scene) {
   const bool repeats = object.find("every") != nullptr;
   for (const char* key : {"from", "until"}) {
-    if (!repeats && object.find(key) != nullptr) object.complain(key, "belongs to 'every' (steps)");
+    if (!repeats && object.find(key) != nullptr)
+      object.complain(key, "is only allowed with 'every' (steps)");
   }
   event.from = read_time(object, "from", scene);
   if (object.find("until") != nullptr) {
@@ -55,7 +56,8 @@ void read_schedule(ObjectReader& object, Event& event, const Scene& scene) {
   if (std::holds_alternative<CutBlade>(event.what)) {
     for (const char* key : {"at", "every", "when", "from", "until"}) {
       if (object.find(key) != nullptr)
-        object.complain(key, "is told by the path of the blade, which has times of its own");
+        object.complain(key,
+                        "is not allowed here: the path of the blade contains its times; remove it");
     }
     return;
   }
@@ -98,10 +100,11 @@ void read_event(ObjectReader& object, Reading& reading) {
   event.rest_shape = object.choice("shape", shapes) == 1u;
   if (operation && object.find("shape") != nullptr && !has_shape(*operation) &&
       !std::holds_alternative<CutFaces>(*operation)) {
-    object.complain("shape", std::string("means nothing to ") + event.operation() +
-                                 (std::holds_alternative<CutBlade>(*operation)
-                                      ? " by a blade: it moves through the deformed shape"
-                                      : ""));
+    object.complain("shape",
+                    std::string("has no meaning for ") + event.operation() +
+                        (std::holds_alternative<CutBlade>(*operation)
+                             ? " by a moving blade, which always acts on the deformed shape"
+                             : ""));
   }
   reading.scene.events.push_back(std::move(event));
 }

@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint64_t max_cells = 178'956'970;
 
 std::optional<std::array<Index, 3>> read_cells(ObjectReader& box) {
-  const JsonValue* value = box.require("cells", "how many along each axis [nx, ny, nz]");
+  const JsonValue* value = box.require("cells", "the number of cells along each axis [nx, ny, nz]");
   if (value == nullptr) return {};
   const std::string path = box.path_of("cells");
   if (value->kind != JsonValue::Kind::array || value->items.size() != 3) {
@@ -32,7 +32,7 @@ std::optional<std::array<Index, 3>> read_cells(ObjectReader& box) {
   const double total = double(cells[0]) * cells[1] * cells[2];
   if (total > double(max_cells)) {
     box.complain("cells", "are " + std::to_string(std::uint64_t(total)) +
-                              " in all; 32-bit darts can number " + std::to_string(max_cells));
+                              " in total; the map can number at most " + std::to_string(max_cells));
   }
   return cells;
 }
@@ -52,7 +52,7 @@ void read_box(const JsonValue& value, const std::string& path, Reading& reading)
 void read_voxels(const JsonValue& value, const std::string& path, Reading& reading) {
   ObjectReader voxels(value, path, reading.mistakes);
   VoxelOptions options;
-  voxels.require("size", "the edge of one cube in m");
+  voxels.require("size", "the edge length of a cube in m");
   options.size = voxels.number("size", Limits::positive("m")).value_or(options.size);
   options.layers = static_cast<Index>(voxels.natural("layers", 1, 100'000).value_or(1));
   options.origin = voxels.vector("origin", Limits::any("m")).value_or(options.origin);
@@ -65,7 +65,8 @@ void read_voxels(const JsonValue& value, const std::string& path, Reading& readi
       options.rows.push_back(row.value_or("#"));
       any = any || options.rows.back().find_first_not_of(" .") != std::string::npos;
     }
-    if (!any) voxels.complain("rows", "draws no cube; every character but '.' and ' ' is one");
+    if (!any)
+      voxels.complain("rows", "contains no cube; every character except '.' and ' ' is a cube");
   }
   voxels.finish();
   reading.scene.mesh.voxels = options;
@@ -89,7 +90,7 @@ std::filesystem::path read_file(const JsonValue& value, const std::string& path,
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) {
     reading.mistakes.add(value.at, path,
-                         "no file " + quote(file.string()) + nearest_file(file) +
+                         "there is no file " + quote(file.string()) + nearest_file(file) +
                              "; paths are relative to the folder of the scene");
   }
   return file;
@@ -109,8 +110,8 @@ void read_mesh(const JsonValue& value, Reading& reading) {
 
   MeshSource& result = reading.scene.mesh;
   if (mesh.find("scale") != nullptr && source && *source != 1) {
-    mesh.complain(
-        "scale", "belongs to a mesh file; the size of a " + sources[*source] + " is given with it");
+    mesh.complain("scale", "is only allowed with 'file'; the size of a " + sources[*source] +
+                               " is given by its own keys");
   }
   result.scale = mesh.number("scale", Limits::positive("1")).value_or(1);
   static const std::array<std::string, 2> pinched{"split", "refuse"};

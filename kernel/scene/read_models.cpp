@@ -89,7 +89,8 @@ std::string read_name(ObjectReader& object, const std::string& id, const Scene& 
     object.complain("name",
                     "must consist of letters, digits, '_', '-' and '.', is " + quote(*name));
   } else if (is_taken(scene, *name)) {
-    object.complain("name", quote(*name) + " is the name of an earlier model; names must differ");
+    object.complain(
+        "name", quote(*name) + " is already the name of an earlier model; names must be unique");
   }
   return *name;
 }
@@ -139,7 +140,7 @@ void read_plugins(ObjectReader& top, Reading& reading) {
 
 void read_models(ObjectReader& top, Reading& reading) {
   read_plugins(top, reading);
-  const JsonValue* models = top.require("models", "what the elements are made of");
+  const JsonValue* models = top.require("models", "the models of the elements");
   for_each_object(top, "models", "models",
                   [&](ObjectReader& object) { read_model(object, reading); });
   if (models != nullptr && models->kind == JsonValue::Kind::array && models->items.empty()) {

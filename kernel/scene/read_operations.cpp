@@ -35,7 +35,7 @@ std::vector<std::string> scalar_fields(const suture_model& model) {
 // is meant for one only.
 void read_field(ObjectReader by, Tear& tear, Reading& reading) {
   by.require("model", "the name of a model of this scene");
-  by.require("field", "a value that the model declares");
+  by.require("field", "the name of a scalar field that the model declares");
   tear.by = Tear::By::field;
   tear.model = by.string("model").value_or("");
   tear.field = by.string("field").value_or("");
@@ -49,10 +49,9 @@ void read_field(ObjectReader by, Tear& tear, Reading& reading) {
     const auto* model = reading.scene.models[static_cast<std::size_t>(use - names.begin())].model;
     const auto fields = model == nullptr ? std::vector{tear.field} : scalar_fields(*model);
     if (std::find(fields.begin(), fields.end(), tear.field) == fields.end()) {
-      std::string text = quote(tear.model) + " gives no single number " + quote(tear.field) +
-                         " of its elements or edges" + did_you_mean(tear.field, fields);
-      for (std::size_t i = 0; i < fields.size(); ++i)
-        text += (i ? ", " : "; it gives ") + fields[i];
+      std::string text = quote(tear.model) + " has no scalar field " + quote(tear.field) +
+                         " on its elements or edges" + did_you_mean(tear.field, fields);
+      for (std::size_t i = 0; i < fields.size(); ++i) text += (i ? ", " : "; it has ") + fields[i];
       by.complain("field", text);
     }
   }
@@ -80,9 +79,10 @@ Pierce read_pierce(ObjectReader pierce) {
   if (kind == 0u) result.where = optional_selection(pierce, "where");
   if (kind == 1u) {
     result.path = read_points(*pierce.find("path"), pierce.path_of("path"), 2, pierce.mistakes());
-    pierce.require("radius", "elements whose centroid is that near to the path go, in m");
+    pierce.require("radius",
+                   "the largest distance from the path to the centroid of a removed element, in m");
   } else if (pierce.find("radius") != nullptr) {
-    pierce.complain("radius", "belongs to 'path'");
+    pierce.complain("radius", "is only allowed with 'path'");
   }
   result.radius = pierce.number("radius", Limits::positive("m")).value_or(0);
   pierce.finish();
@@ -119,14 +119,14 @@ SewFaces read_suture(ObjectReader suture) {
       suture.complain("between", "must be two selections of elements [A, B], has " +
                                      std::to_string(items->size()));
     }
-    suture.require("gap", "how far apart two corners may be, in m");
+    suture.require("gap", "the largest distance between corners, in m");
   } else if (suture.find("gap") != nullptr) {
-    suture.complain("gap", "belongs to 'between'");
+    suture.complain("gap", "is only allowed with 'between'");
   }
   result.gap = suture.number("gap", Limits::positive("m")).value_or(0);
   if (suture.find("where") != nullptr) ++ways;
   result.where = optional_selection(suture, "where");
-  if (ways > 1) suture.complain("must have one of 'faces', 'between' and 'where', or none");
+  if (ways > 1) suture.complain("must have at most one of 'faces', 'between' and 'where'");
   suture.finish();
   return result;
 }

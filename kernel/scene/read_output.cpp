@@ -80,8 +80,8 @@ bool read_series(ObjectReader& object, const char* key, std::uint32_t dimension,
 /// Why a name is not a field of frames and probes: it belongs to a series of its own. "" otherwise.
 std::string other_place(const ModelFields& fields, const std::string& name) {
   if (contains(fields.of_springs, name))
-    return " is a value of springs, not of nodes or elements; \"springs\": true in /output writes "
-           "it for every spring";
+    return " is a value on springs, not on nodes or elements; set \"springs\": true in /output to "
+           "write it for every spring";
   if (contains(fields.of_faces, name))
     return " is a value of faces, not of nodes or elements; \"faces\": true in /output writes it "
            "for every face";
@@ -133,7 +133,7 @@ void read_rhythm(ObjectReader& object, Reading& reading) {
   const SolverOptions& solver = reading.scene.solver;
   if (output.every > 0 && solver.dt && output.every < *solver.dt) {
     reading.warn(object.find("every")->at, "/output/every",
-                 "is shorter than a step; every step becomes a frame");
+                 "is shorter than a step; a frame is written at every step");
   }
 }
 
@@ -147,8 +147,8 @@ void read_probe_fields(ObjectReader& object, Reading& reading, Probe& probe) {
   const auto* items = read_array(*value, path, "names", reading.mistakes);
   if (items == nullptr) return;
   if (items->empty()) {
-    object.complain("fields",
-                    "is empty; name a field, or leave it out for position, displacement and force");
+    object.complain(
+        "fields", "is empty; name a field, or remove the key for position, displacement and force");
   }
   if (!all_models_found(reading.scene)) return;
   std::vector<std::string> known{"position"};
@@ -160,15 +160,16 @@ Probe read_probe(ObjectReader& object, Reading& reading) {
   const OutputOptions& output = reading.scene.output;
   Probe probe;
   probe.path = object.path();
-  object.require("name", "the name of its columns in probes.csv");
+  object.require("name", "the name of the columns in probes.csv");
   probe.name = object.string("name").value_or("");
   if (object.find("name") != nullptr && !is_good_name(probe.name)) {
     object.complain("name", "must consist of letters, digits, '_', '-' and '.'");
   }
   for (const Probe& earlier : output.probes) {
     if (earlier.name == probe.name) {
-      object.complain("name",
-                      "'" + probe.name + "' is the name of an earlier probe; names must differ");
+      object.complain(
+          "name",
+          "'" + probe.name + "' is already the name of an earlier probe; names must be unique");
     }
   }
   static const std::array<std::string, 2> kinds{"point", "where"};
@@ -261,14 +262,14 @@ void read_checkpoint(const JsonValue* value, Reading& reading) {
   checkpoint.enabled = true;
   if (!reading.scene.output.enabled) {
     object.complain(
-        "needs a folder, and \"output\" is false; give an output or leave out the checkpoints");
+        "needs an output folder, but \"output\" is false; add an output or remove the checkpoint");
   }
   const std::array<std::string, 3> rhythms{"every_steps", "every", "minutes"};
   if (std::count_if(rhythms.begin(), rhythms.end(),
                     [&](const std::string& key) { return object.find(key) != nullptr; }) > 1) {
     object.complain(
-        "must have one of 'every_steps', 'every' (s of the simulation) and 'minutes' (that the "
-        "run takes), not several");
+        "must have at most one of 'every_steps', 'every' (s of simulated time) and 'minutes' "
+        "(wall-clock time)");
   }
   checkpoint.every_steps = object.natural("every_steps", 1).value_or(0);
   checkpoint.every = object.number("every", Limits::positive("s")).value_or(0);
@@ -279,7 +280,7 @@ void read_checkpoint(const JsonValue* value, Reading& reading) {
   const SolverOptions& solver = reading.scene.solver;
   if (checkpoint.every > 0 && solver.dt && checkpoint.every < *solver.dt) {
     reading.warn(object.find("every")->at, object.path_of("every"),
-                 "is shorter than a step; every step writes a checkpoint");
+                 "is shorter than a step; a checkpoint is written at every step");
   }
   object.finish();
 }

@@ -11,7 +11,7 @@ namespace {
 Selection::Plane read_plane(ObjectReader plane) {
   Selection::Plane result{};
   result.point = require_vector(plane, "point", "m", "a point of the plane [x, y, z] in m");
-  plane.require("normal", "the direction across the plane [x, y, z]");
+  plane.require("normal", "the direction normal to the plane [x, y, z]");
   result.normal = read_direction(plane, "normal").value_or(Vec3{0, 0, 1});
   result.tolerance = plane.number("tolerance", Limits::not_negative("m")).value_or(-1);
   plane.finish();
@@ -40,7 +40,7 @@ Selection::Ids read_ids(const JsonValue& value, const std::string& path, Mistake
   Selection::Ids result;
   const auto* items = read_array(value, path, "numbers of the mesh", mistakes);
   if (items == nullptr) return result;
-  if (items->empty()) mistakes.add(value.at, path, "is empty: selects nothing");
+  if (items->empty()) mistakes.add(value.at, path, "is empty; name at least one");
   for (std::size_t i = 0; i < items->size(); ++i) {
     const auto id = read_natural((*items)[i], child_path(path, i), 0, UINT64_MAX, mistakes);
     if (id) result.ids.push_back(*id);
@@ -52,8 +52,10 @@ Selection::Ids read_ids(const JsonValue& value, const std::string& path, Mistake
 
 Selection::InBox read_box(ObjectReader box) {
   Selection::InBox result;
-  result.min = require_vector(box, "min", "m", "the corner of smallest coordinates [x, y, z] in m");
-  result.max = require_vector(box, "max", "m", "the corner of largest coordinates [x, y, z] in m");
+  result.min =
+      require_vector(box, "min", "m", "the corner with the smallest coordinates [x, y, z] in m");
+  result.max =
+      require_vector(box, "max", "m", "the corner with the largest coordinates [x, y, z] in m");
   for (int a = 0; a < 3; ++a) {
     if (result.min[a] > result.max[a]) {
       box.complain(std::string("'min' is larger than 'max' along ") + "xyz"[a]);
@@ -112,7 +114,7 @@ Selection read_selection(const JsonValue& value, const std::string& path, Mistak
 std::optional<Vec3> read_direction(ObjectReader& object, const std::string& key) {
   const auto vector = object.vector(key, Limits::any("1"));
   if (vector && *vector == Vec3{}) {
-    object.complain(key, "must not be [0, 0, 0]: it gives a direction");
+    object.complain(key, "must not be [0, 0, 0]: a direction is expected");
     return {};
   }
   return vector;

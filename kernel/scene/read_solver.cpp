@@ -19,7 +19,7 @@ void read_step(ObjectReader& object, SolverOptions& solver) {
   }
   const Limits share{"1", 0, 1, true, false};
   if (object.find("safety") != nullptr && !automatic) {
-    object.complain("safety", "belongs to \"dt\": \"auto\"; here dt is given");
+    object.complain("safety", "is only used with \"dt\": \"auto\"; remove it or the fixed dt");
   }
   solver.safety = object.number("safety", share).value_or(solver.safety);
 }
@@ -29,19 +29,19 @@ void read_end(ObjectReader& object, SolverOptions& solver) {
   static const std::array<std::string, 1> until{"rest"};
   solver.until_rest = object.choice("until", until).has_value();
   if (object.find("end") == nullptr && object.find("until") == nullptr && object.is_object()) {
-    object.complain("says no end: give 'end' in s, or \"until\": \"rest\"");
+    object.complain("has no end; give 'end' in s, or \"until\": \"rest\"");
   }
   const Limits part{"1", 0, 1, true, true};
   if (object.find("tolerance") != nullptr && object.find("until") == nullptr) {
-    object.complain("tolerance", "belongs to \"until\": \"rest\"");
+    object.complain("tolerance", "is only allowed with \"until\": \"rest\"");
   }
   if (object.find("kick") != nullptr && object.find("until") == nullptr) {
-    object.complain("kick", "belongs to \"until\": \"rest\"");
+    object.complain("kick", "is only allowed with \"until\": \"rest\"");
   }
   solver.kick = object.number("kick", Limits::positive("m")).value_or(0);
   solver.tolerance = object.number("tolerance", part).value_or(solver.tolerance);
   if (solver.dt && solver.end && *solver.dt > *solver.end) {
-    object.complain("dt", "is longer than the whole run");
+    object.complain("dt", "is longer than the whole run (/solver/end)");
   }
 }
 
@@ -54,7 +54,8 @@ void read_damping(ObjectReader& object, SolverOptions& solver) {
   } else if (damping->text != "auto") {
     object.complain("damping", "must be a number (1/s) or \"auto\", is " + describe(*damping));
   } else if (!solver.until_rest) {
-    object.complain("damping", "\"auto\" belongs to \"until\": \"rest\"; give a number in 1/s");
+    object.complain("damping",
+                    "\"auto\" is only allowed with \"until\": \"rest\"; give a number in 1/s");
   } else {
     solver.automatic_damping = true;
   }
@@ -64,13 +65,15 @@ void read_sleep(ObjectReader& object, SolverOptions& solver) {
   const JsonValue* value = object.find("sleep");
   if (value == nullptr) return;
   ObjectReader sleep(*value, object.path_of("sleep"), object.mistakes());
-  sleep.require("acceleration", "an island sleeps below it, in m/s^2");
-  sleep.require("velocity", "an island sleeps below it, in m/s");
+  sleep.require("acceleration", "the threshold below which an island sleeps, in m/s^2");
+  sleep.require("velocity", "the threshold below which an island sleeps, in m/s");
   solver.sleep_acceleration = sleep.number("acceleration", Limits::positive("m/s^2")).value_or(0);
   solver.sleep_velocity = sleep.number("velocity", Limits::positive("m/s")).value_or(0);
   sleep.finish();
   if (solver.until_rest)
-    object.complain("sleep", "and \"until\": \"rest\" exclude each other: at rest the run ends");
+    object.complain("sleep",
+                    "cannot be combined with \"until\": \"rest\", which ends the run at rest; "
+                    "remove one of them");
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ void warn_of_late_ramps(const Reading& reading) {
   const auto check = [&](const TimeRamp& ramp, const std::string& what) {
     if (ramp.to > *scene.solver.end) {
       reading.diagnostics.warn(what +
-                               ": the ramp ends after the run; the full value is never reached");
+                               ": the ramp ends after the run, so its full value is never reached");
     }
   };
   check(scene.gravity_ramp, "/gravity");
@@ -52,7 +52,7 @@ void read_top(const JsonValue& root, Reading& reading) {
   read_gravity(top, reading);
   read_constraints(top, reading);
   read_loads(top, reading);
-  const JsonValue* solver = top.require("solver", "how and how long to run");
+  const JsonValue* solver = top.require("solver", "how to run, and for how long");
   if (solver != nullptr) read_solver(*solver, reading);
   read_events(top, reading);
   read_output(top.find("output"), reading);

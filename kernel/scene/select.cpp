@@ -67,7 +67,7 @@ std::vector<std::string> set_names(const std::map<std::string, std::vector<Index
                               const std::vector<std::string>& names) {
   std::string text =
       selection.path + ": the mesh has no set " + quote(set) + did_you_mean(set, names);
-  text += names.empty() ? "; it has no named sets" : "; it has";
+  text += names.empty() ? "; the mesh has no named sets" : "; it has";
   for (std::size_t i = 0; i < names.size() && i < 12; ++i)
     text += (i ? ", " : " ") + escaped(names[i]);
   throw InputError(text + (names.size() > 12 ? ", ..." : ""));
@@ -192,7 +192,8 @@ std::vector<Index> Selector::vertices(const Selection& selection) const {
     if (mask[v]) result.push_back(static_cast<Index>(v));
   }
   if (result.empty()) {
-    throw InputError(selection.path + ": selects no node; the nodes lie in " + bounds_text());
+    throw InputError(selection.path + ": the selection contains no node; the nodes lie in " +
+                     bounds_text());
   }
   return result;
 }
@@ -211,8 +212,8 @@ std::vector<Index> Selector::listed_elements(const Selection& selection) const {
     if (found == names_.element_sets.end()) {
       if (names_.point_sets.contains(named->set))
         throw InputError(selection.path + ": " + quote(named->set) +
-                         " is a set of nodes, and elements are wanted; a box, a half_space or ids "
-                         "select them");
+                         " is a set of nodes, but elements are expected; select them with a box, a "
+                         "half_space or ids");
       unknown_set(selection, named->set, set_names(names_.element_sets, {}));
     }
     for (Index position : found->second) result.push_back(imported_.element_of[position]);
@@ -226,10 +227,10 @@ std::vector<Index> Selector::elements(const Selection& selection) const {
   std::vector<Index> result = listed_elements(selection);
   if (result.empty()) result = located_elements(selection, rest_.rows());
   if (result.empty()) {
-    throw InputError(
-        selection.path +
-        ": selects no element (an element is selected by its centroid); the mesh lies in " +
-        bounds_text());
+    throw InputError(selection.path +
+                     ": the selection contains no element (elements are selected by their "
+                     "centroids); the mesh lies in " +
+                     bounds_text());
   }
   return result;
 }
@@ -267,8 +268,8 @@ std::vector<Dart> Selector::boundary_faces(const Selection& selection) const {
   }
   if (result.empty()) {
     throw InputError(selection.path +
-                     ": selects no boundary face (all four nodes of a face must be selected); the "
-                     "nodes lie in " +
+                     ": the selection contains no boundary face (all four nodes of a face must be "
+                     "selected); the nodes lie in " +
                      bounds_text());
   }
   return result;

@@ -17,7 +17,7 @@ namespace {
 void check_size(std::size_t elements) {
   if (elements >= incidence::most_elements)
     throw TopologyError("the mesh has " + std::to_string(elements) +
-                        " elements; the links of the map have room for " +
+                        " elements; the map can address at most " +
                         std::to_string(incidence::most_elements - 1));
 }
 
@@ -253,11 +253,12 @@ void CellComplex::state(Archive& archive) {
   const bool fits = operated ? vertices >= count(0) : vertices == count(0);
   if (elements != element_count() || !fits)
     archive.refuse("a map of " + std::to_string(elements) + " elements and " +
-                   std::to_string(vertices) + " vertices is that of another mesh: this one has " +
+                   std::to_string(vertices) +
+                   " vertices belongs to a different mesh: this one has " +
                    std::to_string(element_count()) + " and " + std::to_string(count(0)));
   if (operated) return arrays(archive);
   if (!archive.loads()) return;
-  archive.require(!has_operated_, "the map here has had operations");
+  archive.require(!has_operated_, "operations have already been applied to this map");
   load_built(edges, faces);
 }
 
@@ -292,7 +293,7 @@ void CellComplex::arrays(Archive& archive) {
   archive.require(vertices_.size() == elements && links_.size() == 6 * elements &&
                       fits(edges_.size(), elements) && fits(faces_.size(), elements) &&
                       fits(removed_marks_.size(), elements / 64 + 1),
-                  "an array of the map has another size");
+                  "an array of the map has a different size");
   for (std::vector<Dart>& darts : some_dart_) {
     if (darts.empty()) continue;
     darts.reserve(room_for(darts.size()));

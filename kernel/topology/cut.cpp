@@ -109,14 +109,14 @@ TopologyChange CellComplex::cut(std::span<const Dart> faces) {
 std::vector<Link> CellComplex::mark_leaving(std::span<const Dart> faces) {
   for (const Dart d : faces)
     if (!can_cut(d))
-      throw TopologyError(d / 24 < element_count()
-                              ? "face " + std::to_string(d % 24 / 4) + " of element " +
-                                    std::to_string(d / 24) +
-                                    (exists(3, d / 24) ? " is on the boundary"
-                                                       : " is gone: the element was removed") +
-                                    ": only a face between two elements can be cut"
-                              : "dart " + std::to_string(d) + " does not exist: the map has " +
-                                    std::to_string(element_count()) + " elements");
+      throw TopologyError(
+          d / 24 < element_count()
+              ? "face " + std::to_string(d % 24 / 4) + " of element " + std::to_string(d / 24) +
+                    (exists(3, d / 24) ? " is on the boundary"
+                                       : " does not exist: its element was removed") +
+                    "; only a face between two elements can be cut"
+              : "dart " + std::to_string(d) + " does not exist: the map has " +
+                    std::to_string(element_count()) + " elements");
   std::vector<Link> result;
   result.reserve(faces.size());
   for (const Dart d : faces) {

@@ -126,9 +126,9 @@ std::string sentence(const MapFault& fault, const Naming& naming) {
     if (v != none) face += " " + naming.vertex(v);
   switch (fault.kind) {
     case Kind::index_out_of_range:
-      return "element " + element(0) + " names point " + std::to_string(fault.vertices[0]);
+      return "element " + element(0) + " uses point " + std::to_string(fault.vertices[0]);
     case Kind::repeated_vertex:
-      return "element " + element(0) + " names point " + naming.vertex(fault.vertices[0]);
+      return "element " + element(0) + " uses point " + naming.vertex(fault.vertices[0]);
     case Kind::third_element:
       return face + " belongs to elements " + element(0) + ", " + element(1) + " and " + element(2);
     case Kind::same_side:
@@ -146,12 +146,12 @@ const char* headline(Kind kind) {
       return "with the same point twice (\"bad_elements\": \"drop\" in /mesh leaves such elements "
              "out)";
     case Kind::third_element:
-      return "in three elements (a face separates two at most)";
+      return "in three elements (a face belongs to at most two)";
     case Kind::same_side:
       return "with both elements on the same side (they overlap, one is numbered as its mirror "
              "image, or one is inside out, which \"bad_elements\": \"drop\" in /mesh leaves out)";
     case Kind::not_cyclic:
-      return "whose four points come in another order around the face in the other element";
+      return "whose points have a different cyclic order in the two elements";
   }
   return "";
 }

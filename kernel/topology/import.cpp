@@ -21,7 +21,7 @@ void check_not_empty(const Mesh& mesh) {
   if (!mesh.hexahedra.empty()) return;
   std::string text = prefix(mesh.source) + "has no hexahedra";
   if (!mesh.skipped_cells.empty())
-    text += "; it has " + listed(mesh.skipped_cells, [](const auto& cell) {
+    text += "; it contains " + listed(mesh.skipped_cells, [](const auto& cell) {
               return std::to_string(cell.second) + " cells of type " + cell.first;
             });
   throw InputError(text + ". Suture simulates hexahedra: export or generate a hexahedral mesh");
@@ -43,7 +43,7 @@ std::vector<bool> check_points(const Mesh& mesh, const UserNames& names) {
     }
   if (!faults.empty())
     throw TopologyError(prefix(mesh.source) + "has " + counted(count, "point", "points") +
-                        ", counted from 0, and " +
+                        ", numbered from 0, and " +
                         describe(faults, {.element = [&](Index e) { return names.element(e); }}));
   std::vector<Index> not_finite;
   for (Index p = 0; p < count; ++p) {
@@ -52,7 +52,7 @@ std::vector<bool> check_points(const Mesh& mesh, const UserNames& names) {
   }
   if (!not_finite.empty())
     throw InputError(prefix(mesh.source) + "has " + counted(not_finite.size(), "point", "points") +
-                     " with a coordinate that is not a finite number: " +
+                     " with a coordinate that is not finite: " +
                      listed(not_finite, [&](Index p) { return names.point(p); }));
   return used;
 }
@@ -183,19 +183,19 @@ void report_pinched(const std::vector<Split>& pinched, const std::string& where,
   const std::string what = counted(points.size(), "vertex", "vertices") + " and " +
                            counted(edges.size(), "edge", "edges");
   if (option == ImportOptions::Pinched::split) {
-    diagnostics.warn(where + "is pinched at " + what +
-                     " (elements touch there without a chain of common faces): they were split");
+    diagnostics.warn(where + "is non-manifold at " + what +
+                     " (elements meet there without a common face); these were split");
     return;
   }
   std::string text =
-      where + "is pinched at " + what + " (elements touch there without a chain of common faces)";
+      where + "is non-manifold at " + what + " (elements meet there without a common face)";
   if (!points.empty())
     text += "\n  points " + listed(points, [&](Index p) { return names.point(p); });
   if (!edges.empty())
     text += "\n  edges " + listed(edges, [&](const std::array<Index, 2>& e) {
               return names.point(e[0]) + "-" + names.point(e[1]);
             });
-  throw TopologyError(text + "\n  \"pinched\": \"split\" separates them");
+  throw TopologyError(text + "\n  set \"pinched\": \"split\" in /mesh to separate them");
 }
 
 void report_inverted(const Shapes& shapes, const std::string& where, const Naming& naming,
@@ -204,8 +204,8 @@ void report_inverted(const Shapes& shapes, const std::string& where, const Namin
   const std::vector<Index>& refused = allowed ? shapes.hopeless : shapes.inverted;
   if (refused.empty()) {
     diagnostics.warn(where + "has " + counted(shapes.inverted.size(), "element", "elements") +
-                     " with a corner Jacobian <= 0, admitted by \"allow_inverted_rest\" (their "
-                     "Gauss points are positive): " +
+                     " with a corner Jacobian <= 0, accepted because of \"allow_inverted_rest\" "
+                     "(positive at their Gauss points): " +
                      listed(shapes.inverted, naming.element, 20));
     return;
   }
@@ -215,7 +215,7 @@ void report_inverted(const Shapes& shapes, const std::string& where, const Namin
                               : " with a corner Jacobian <= 0 at rest: ") +
                      listed(refused, naming.element) + ". ";
   if (!allowed && admissible > 0)
-    text += "\"allow_inverted_rest\": true admits " +
+    text += "\"allow_inverted_rest\": true accepts " +
             (admissible == refused.size() ? std::string("them") : std::to_string(admissible)) +
             " (positive at all quadrature points). ";
   if (allowed || admissible < refused.size())
@@ -267,16 +267,16 @@ Imported import_mesh(Mesh mesh, const ImportOptions& options, Diagnostics& diagn
     out.complex =
         CellComplex(std::move(hexahedra), static_cast<Index>(out.rest.size()), &pinched, naming);
   } catch (const TopologyError& error) {
-    throw TopologyError(where + "is no conforming hexahedral mesh. It has\n" + error.what());
+    throw TopologyError(where + "is not a conforming hexahedral mesh. It has\n" + error.what());
   }
   report_inverted(shapes, where, naming, options.allow_inverted_rest, diagnostics);
   report_pinched(pinched, where, names, options.pinched, out, diagnostics);
   if (unused > 0)
     diagnostics.warn(where + "has " + counted(unused, "point", "points") +
-                     " that no hexahedron uses: dropped");
+                     " not used by any hexahedron; dropped");
   if (!shapes.flipped.empty())
     diagnostics.warn(where + "has " + counted(shapes.flipped.size(), "element", "elements") +
-                     " numbered as a mirror image: turned round (" +
+                     " with mirrored node numbering; reordered (" +
                      listed(shapes.flipped, naming.element, 20) + ")");
   return out;
 }

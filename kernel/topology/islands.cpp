@@ -279,12 +279,12 @@ std::vector<Index> Islands::smaller_than(Index elements) const {
 
 void Islands::validate(const CellComplex& complex) const {
   const auto broken = [](const std::string& what) {
-    throw TopologyError("the islands are not those of the map: " + what);
+    throw TopologyError("the islands do not match the map: " + what);
   };
   Index components = 0;
   const std::vector<Index> component = complex.islands(&components);
   if (components != existing_)
-    broken(std::to_string(existing_) + " are counted, there are " + std::to_string(components));
+    broken(std::to_string(existing_) + " are counted, but there are " + std::to_string(components));
   std::vector<Index> island_of(components, none), component_of(size_.size(), none),
       size(size_.size(), 0);
   const auto is_first_or = [](Index& known, Index value) {
@@ -294,12 +294,13 @@ void Islands::validate(const CellComplex& complex) const {
   for (Index e = 0; e < component.size(); ++e) {
     const Index island = island_[e];
     if ((island == none) != (component[e] == none))
-      broken("element " + std::to_string(e) + " was removed, or has no island");
+      broken("element " + std::to_string(e) + " was removed but has an island, or has none");
     if (island == none) continue;
     ++size[island];
     if (!is_first_or(island_of[component[e]], island) ||
         !is_first_or(component_of[island], component[e]))
-      broken("element " + std::to_string(e) + " is said to be in island " + std::to_string(island));
+      broken("element " + std::to_string(e) + " is wrongly assigned to island " +
+             std::to_string(island));
     if (reached_[e] != none) broken("element " + std::to_string(e) + " is still marked");
   }
   for (Index i = 0; i < count(); ++i) {
@@ -318,7 +319,7 @@ void Islands::state(Archive& archive) {
   archive("some_element", some_);
   archive("existing", existing_);
   archive.require(island_.size() == reached_.size() && some_.size() == size_.size(),
-                  "they are the islands of another mesh");
+                  "the islands belong to a different mesh");
 }
 
 }  // namespace suture

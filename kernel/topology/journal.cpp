@@ -24,7 +24,8 @@ class Reader {
   Journal read() {
     in_.expect("suture-journal");
     if (const int version = in_.integer<int>("version"); version != 1)
-      in_.fail("version " + std::to_string(version) + " of the journal; 1 is read");
+      in_.fail("version " + std::to_string(version) +
+               " of the journal is not supported; expected 1");
     in_.expect("points");
     journal_.mesh.points.resize(count(3, "points"));
     for (Vec3& point : journal_.mesh.points)
@@ -36,7 +37,7 @@ class Reader {
     in_.expect("operations");
     journal_.operations.resize(count(2, "operations"));
     for (Operation& operation : journal_.operations) read(operation);
-    if (in_.skip_space()) in_.fail("more than was announced: " + in_quotes(in_.peek_word()));
+    if (in_.skip_space()) in_.fail("more data than declared: " + in_quotes(in_.peek_word()));
     return std::move(journal_);
   }
 
@@ -60,7 +61,7 @@ class Reader {
     if (found == kinds.end())
       in_.fail("operation " + in_quotes(kind) +
                did_you_mean(kind, std::vector<std::string>(kinds.begin(), kinds.end())) +
-               "; there are cut, tear, pierce and sew");
+               "; expected cut, tear, pierce or sew");
     operation.kind = static_cast<Operation::Kind>(found - kinds.begin());
     const bool elements = operation.kind == Operation::Kind::pierce;
     const std::size_t end = journal_.mesh.hexahedra.size() * (elements ? 1 : hexahedron::darts);

@@ -97,15 +97,15 @@ std::vector<Index> CellComplex::mark_removed(std::span<const Index> elements) {
       throw TopologyError(
           "element " + std::to_string(e) +
           (e < element_count()
-               ? " was removed before"
+               ? " has already been removed"
                : " does not exist: the map has " + std::to_string(element_count()) + " elements") +
-          "; only an element that is there can be removed");
+          "; only an existing element can be removed");
   std::vector<Index> going(elements.begin(), elements.end());
   sort_ascending(going);
   going.erase(std::unique(going.begin(), going.end()), going.end());
   if (!going.empty() && going.size() == existing(3))
     throw TopologyError("all " + std::to_string(going.size()) +
-                        " elements that are left would be removed; leave at least one");
+                        " remaining elements would be removed; at least one must stay");
   removed_marks_.resize(element_count() / std::size_t{64} + 1);
   for (const Index e : going) mark(removed_marks_, e);
   return going;

@@ -54,8 +54,8 @@ struct CellComplex::MergedCells {
       const auto twice = std::ranges::adjacent_find(stars[i], {}, element);
       if (twice == stars[i].end()) continue;
       return "element " + std::to_string(element(*twice)) +
-             " would have one vertex twice: " + std::to_string(map.origin(twice[0])) + " and " +
-             std::to_string(map.origin(twice[1])) + " would become one";
+             " would contain a vertex twice: " + std::to_string(map.origin(twice[0])) + " and " +
+             std::to_string(map.origin(twice[1])) + " would be merged";
     }
     return {};
   }
@@ -81,7 +81,7 @@ TopologyChange CellComplex::sew(std::span<const Seam> seams) {
     if (const std::string reason = why_no_seam(seam); !reason.empty()) throw TopologyError(reason);
   if (const Dart face = repeated_face(seams); face != none)
     throw TopologyError(face_text(face) +
-                        " is in two seams of one batch; a face is sewn to one other");
+                        " is in two seams of one batch; a face can be sewn to only one other");
   const MergedCells vertices = merged_cells<0>(seams);
   if (const std::string fault = vertices.fault(*this); !fault.empty())
     throw TopologyError("these faces cannot be sewn: " + fault);
@@ -120,14 +120,14 @@ std::string CellComplex::why_no_seam(Seam seam) const {
     if (d / 24 >= element_count())
       return "dart " + std::to_string(d) + " does not exist: the map has " +
              std::to_string(element_count()) + " elements";
-    if (!exists(3, d / 24)) return face_text(d) + " is gone: the element was removed";
+    if (!exists(3, d / 24)) return face_text(d) + " does not exist: its element was removed";
     if (beta3(d) != none)
-      return face_text(d) + " joins it to element " + std::to_string(beta3(d) / 24) +
-             ": only boundary faces can be sewn";
+      return face_text(d) + " is already joined to element " + std::to_string(beta3(d) / 24) +
+             "; only boundary faces can be sewn";
   }
   if (seam.one / 24 == seam.other / 24)
     return face_text(seam.one) + " and face " + std::to_string(seam.other % 24 / 4) +
-           " belong to one element; faces of different elements can be sewn";
+           " belong to the same element; only faces of different elements can be sewn";
   return {};
 }
 

@@ -16,7 +16,7 @@ std::string dart_text(Dart d) {
 }
 
 [[noreturn]] void broken(const std::string& law, Dart d, const std::string& found) {
-  throw TopologyError("the map is broken: " + law + " does not hold at " + dart_text(d) + ": " +
+  throw TopologyError("the map is invalid: " + law + " is violated at " + dart_text(d) + ": " +
                       found);
 }
 
@@ -31,11 +31,12 @@ void check_beta3(const CellComplex& map) {
     if (mate / 24 == d / 24)
       broken("beta3 joins different elements", d, "it is " + dart_text(mate));
     if (map.beta3(mate) != d)
-      broken("beta3(beta3(d)) = d", d, "beta3 is " + dart_text(mate) + " and does not come back");
+      broken("beta3(beta3(d)) = d", d, "beta3 is " + dart_text(mate) + ", whose beta3 is not d");
     const Dart turned = CellComplex::beta1(mate);
     const Dart back = map.beta3(turned);
     if (back == none || CellComplex::beta1(back) != d)
-      broken("beta1(beta3(beta1(beta3(d)))) = d", d, "the glued faces do not turn together");
+      broken("beta1(beta3(beta1(beta3(d)))) = d", d,
+             "the joined faces do not run in opposite directions");
   }
 }
 
@@ -94,7 +95,7 @@ void check_holes(const CellComplex& map, int dimension) {
     broken("existing() counts the " +
                (dimension == 3 ? "elements" : cell_names[dimension] + std::string(" ids")),
            0,
-           std::to_string(holes) + " do not exist, existing() says " +
+           std::to_string(holes) + " do not exist, but existing() reports " +
                std::to_string(map.existing(dimension)) + " of " +
                std::to_string(map.count(dimension)) + " do");
   for (Dart d = 0; dimension < 3 && d < 24 * map.element_count(); ++d)
@@ -125,7 +126,7 @@ void CellComplex::validate() const {
     for (std::size_t i = 0; i < marks->size(); ++i)
       if ((*marks)[i] != 0)
         broken("nothing is marked between operations", 0,
-               "one of the cells from " + std::to_string(64 * i) + " on is");
+               "one of the cells from number " + std::to_string(64 * i) + " on is marked");
 }
 
 }  // namespace suture

@@ -249,7 +249,7 @@ VtuOutcome write_vtu_file(int descriptor, const VtuImage& image) {
   if (!file.close()) file.record();
   if (file.error() != 0) return {file.error(), {}};
   if (!written || !messages.first().empty()) {
-    return {0, messages.first().empty() ? "VTK gives no reason" : messages.first()};
+    return {0, messages.first().empty() ? "VTK reported no reason" : messages.first()};
   }
   return {};
 }

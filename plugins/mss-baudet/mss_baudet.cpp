@@ -28,7 +28,8 @@ template <bool with_viscosity>
 struct EdgeSprings : suture::on_edges {
   static constexpr const char* name =
       with_viscosity ? "edge springs with viscosity" : "edge springs";
-  static constexpr const char* doc = "One spring along each edge, of all elements around it.";
+  static constexpr const char* doc =
+      "One spring along each edge, shared by all elements around it.";
   static constexpr std::uint32_t reads =
       SUTURE_READ_POSITION | (with_viscosity ? SUTURE_READ_VELOCITY : 0);
   static constexpr std::uint32_t alternative = 1;
@@ -91,8 +92,8 @@ struct EdgeSprings : suture::on_edges {
   }
 
   static constexpr suture_field fields[] = {
-      suture::field("strain", "1", "elongation of the edge over its rest length"),
-      suture::field("tension", "N", "elastic force along the edge, positive if it pulls")};
+      suture::field("strain", "1", "elongation of the edge relative to its rest length"),
+      suture::field("tension", "N", "elastic force along the edge, positive in tension")};
 
   template <class Cell, class Results>
   static void output(const Cell& c, Results& out) {
@@ -245,16 +246,16 @@ struct MssBaudet : suture::model {
           .below(0.5),
       suture::number("rho", "kg/m^3", "density").above(0),
       suture::boolean("correction",
-                      "forces that make a lattice of boxes show E and nu exactly in small strain",
+                      "forces that give a lattice of boxes exactly E and nu at small strain",
                       false),
       suture::number("viscosity", "1",
-                     "viscosity of the springs: 1 is the paper's (and costs a factor 5 to 7 in "
-                     "the stable step), 0 is none")
+                     "viscosity of the springs: 1 is the value of the paper (which reduces the "
+                     "stable step by a factor of 5 to 7), 0 is none")
           .at_least(0)
           .or_else(0),
       suture::choice("negative_stiffness",
-                     "edges to which the formula gives a stiffness below 0: set to 0, used as they "
-                     "are, or refused",
+                     "edges for which the formula gives a negative stiffness: set to 0, used "
+                     "unchanged, or refused",
                      negative_words)};
 
   template <class C>
@@ -267,14 +268,15 @@ struct MssBaudet : suture::model {
       suture::edge_attribute("stiffness", "N/m", "sum of k_e over the elements at the edge")
           .from_volumes(sum<StiffnessShare>)
           .output(),
-      suture::edge_attribute("rest_tension", "N", "sum of k_e l_e; over the stiffness: rest length")
+      suture::edge_attribute("rest_tension", "N",
+                             "sum of k_e l_e; divided by the stiffness, the rest length")
           .from_volumes(sum<RestTensionShare>),
-      suture::volume_attribute("inner_stiffness", "N/m", "of each inner diagonal")
+      suture::volume_attribute("inner_stiffness", "N/m", "stiffness of each inner diagonal")
           .from_volumes(sum<InnerStiffness>),
       suture::volume_attribute("inner_length", "m", "rest lengths of the inner diagonals", 4)
           .from_volumes(sum<InnerLength>),
       suture::volume_attribute("correction_stiffness", "N/m",
-                               "B of the correction's energy, XX YY ZZ XY YZ XZ", 6)
+                               "matrix B of the correction energy, XX YY ZZ XY YZ XZ", 6)
           .from_volumes(sum<Correction>),
       suture::volume_attribute("box", "m", "lengths of the mean edges at rest", 3)
           .from_volumes(sum<BoxLengths>)};
@@ -289,7 +291,7 @@ struct MssBaudet : suture::model {
     const double off = lattice_young(m) / m.E - 1;
     if (p[p_correction] != 0 || std::fabs(off) < 0.02) return;
     p.warn("lattice-moduli",
-           "without correction a lattice of cubes shows E = " + number(lattice_young(m)) +
+           "without correction, a lattice of cubes has E = " + number(lattice_young(m)) +
                " Pa and nu = " + number(lattice_nu(m)) + " instead of " + number(m.E) + " Pa and " +
                number(m.nu) + " (they agree at nu = 0.25); set \"correction\": true");
   }

@@ -52,16 +52,16 @@ void inspect_shape(const Cell& c) {
   const auto bad = is_no_box(c);
   if (any(bad))
     c.report(SUTURE_WARNING, bad, "not-a-box",
-             "the rest shape is no box, for which the springs are derived; the box of its mean "
-             "edges is taken, with the real lengths as rest lengths");
+             "the rest shape is not a box, for which the springs are derived; the box of its mean "
+             "edges is used, with the actual lengths as rest lengths");
   const auto l = box_lengths(rest_of(c));
   const auto ratio = max(max(l[0], l[1]), l[2]) / min(min(l[0], l[1]), l[2]);
   const auto flat = ratio > 1.2;
   if (any(flat))
     c.report(SUTURE_WARNING, flat, "aspect-ratio",
-             "the edges have the ratio " + number(ratio[first_of(flat)]) +
-                 ": the three shear moduli then differ by up to its square, as one inner spring "
-                 "cannot meet them all; keep below 1.2");
+             "the ratio of the edges is " + number(ratio[first_of(flat)]) +
+                 ": the three shear moduli differ by up to its square, because one inner spring "
+                 "stiffness cannot match them all; keep the ratio below 1.2");
 }
 
 template <class Cell>
@@ -73,7 +73,7 @@ void inspect_stiffness(const Cell& c) {
   const auto negative = least < 0.0;
   if (!any(negative)) return;
   const char* then = m.negative == clamp  ? "; it is set to 0"
-                     : m.negative == keep ? "; it is used as it is, and may be unstable"
+                     : m.negative == keep ? "; it is used unchanged and may be unstable"
                                           : "";
   c.report(m.negative == refuse ? SUTURE_ERROR : SUTURE_WARNING, negative, "negative-stiffness",
            "the box is so long that the formula gives an edge the stiffness " +

@@ -22,14 +22,13 @@ struct TmFaure : suture::continuum<TmFaure> {
           .below(0.5),
       suture::number("rho", "kg/m^3", "Density of the rest shape").above(0),
       suture::choice("quadrature",
-                     "gauss2: 2x2x2 points; exact: 3x3x3, on boxes the symbolic integration of "
-                     "the paper, at 3 times the cost",
+                     "gauss2: 2x2x2 points; exact: 3x3x3 points, which on boxes equals the "
+                     "symbolic integration of the paper, at 3 times the cost",
                      quadratures),
-      suture::choice(
-          "geometry",
-          "of elements that are no parallelepipeds, with gauss2; stored: up to a quarter "
-          "faster, 640 B per element",
-          geometries)};
+      suture::choice("geometry",
+                     "geometry of elements that are not parallelepipeds, with gauss2; stored: up "
+                     "to a quarter faster, 640 B per element",
+                     geometries)};
 
   struct Constants {
     double lambda, mu;  // Lame's, Pa
@@ -40,7 +39,8 @@ struct TmFaure : suture::continuum<TmFaure> {
     if (p[poisson] > 0.45)
       p.warn("volumetric-locking",
              "nu > 0.45: fully integrated hexahedra are far too stiff in bending (a cantilever of "
-             "5x5x20 cells with nu = 0.499 sags by less than half); take nu <= 0.45 or refine");
+             "5x5x20 cells with nu = 0.499 sags less than half as much as it should); use nu <= "
+             "0.45 or refine the mesh");
   }
 
   static double density(const suture::values& p) { return p[rho]; }

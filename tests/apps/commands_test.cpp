@@ -35,7 +35,7 @@ TEST_F(Commands, WrongUsageNamesWhatWasMeant) {
       {{"run", "s.json", "--thread", "2"}, "did you mean '--threads'"},
       {{"run", "s.json", "--stet=/a=1"}, "did you mean '--set'"},
       {{"--quite", "run", "s.json"}, "did you mean '--quiet'"},
-      {{"run", "s.json", "t.json"}, "one argument too many"},
+      {{"run", "s.json", "t.json"}, "unexpected argument"},
       {{"run", "-q", "-v", "s.json"}, "exclude"},
       {{"run", "s.json", "--threads=-1"}, "from 0 (as many as pay) to 1024, is '-1'"},
       {{"run", "s.json", "--threads", "-1"}, "'-1'"},
@@ -241,8 +241,8 @@ TEST_F(Commands, ReplayRepeatsAJournal) {
       << good;
   EXPECT_TRUE(good.says("operation 2: sew of 1 face; merges 4 vertices, 4 edges, 1 face; 1 isl"))
       << good;
-  EXPECT_TRUE(good.says("operation 3: pierce of 1 element (1 not possible)")) << good;
-  EXPECT_TRUE(good.says("a.journal: good (3 operations on 2 elements")) << good;
+  EXPECT_TRUE(good.says("operation 3: pierce of 1 element (1 impossible)")) << good;
+  EXPECT_TRUE(good.says("a.journal: valid (3 operations on 2 elements")) << good;
   EXPECT_TRUE(suture({"-q", "replay", "a.journal"}).err.empty());
 
   write("b.journal", mesh + "operations 1\ncut 1  800\n");

@@ -50,8 +50,8 @@ TEST_F(Runs, ValuesOfSpringsAreNoFieldsOfFramesOrProbes) {
                             {"/models/0/model=mss-baudet"});
   EXPECT_EQ(run.code, 3) << run;
   const std::string words =
-      ": 'strain' is a value of springs, not of nodes or elements; "
-      "\"springs\": true in /output writes it for every spring";
+      ": 'strain' is a value on springs, not on nodes or elements; set \"springs\": true in "
+      "/output to write it for every spring";
   EXPECT_TRUE(run.says("/output/fields/0" + words)) << run;
   EXPECT_TRUE(run.says("/output/probes/at/0/fields/0" + words)) << run;
   EXPECT_TRUE(run.says("/output/probes/at/0/fields/1: ") && run.says("did you mean 'mass'")) << run;
@@ -150,7 +150,7 @@ TEST_F(Runs, AnUnstableEquilibriumIsReportedWithItsMode) {
   kicked.emplace_back("/solver/kick=1e-3");
   const Outcome buckled = scene("run", moving, kicked);
   EXPECT_EQ(buckled.code, 0) << buckled;
-  EXPECT_TRUE(buckled.says("at rest") && buckled.says("pushed along it")) << buckled;
+  EXPECT_TRUE(buckled.says("at rest") && buckled.says("displaced along the mode")) << buckled;
 }
 
 TEST_F(Runs, MoreStepsThanAllowedAreAnError) {

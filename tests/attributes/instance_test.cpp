@@ -89,11 +89,10 @@ TEST(Findings, AreSaidOncePerKeyWhateverTheThreadsDid) {
   for (std::thread& thread : threads) thread.join();
   Diagnostics diagnostics;
   findings.deliver("model 'a'", diagnostics);
-  EXPECT_EQ(
-      diagnostics.warnings(),
-      std::vector<std::string>{"model 'a': element 0 is thin [thin: 1000 cells, the first is 0]"});
+  EXPECT_EQ(diagnostics.warnings(),
+            std::vector<std::string>{"model 'a': element 0 is thin [thin: 1000 cells, first 0]"});
   EXPECT_EQ(diagnostics.notes(),
-            std::vector<std::string>{"model 'a': an odd cell [odd: 10 cells, the first is 0]"});
+            std::vector<std::string>{"model 'a': an odd cell [odd: 10 cells, first 0]"});
   findings.deliver("model 'a'", diagnostics);
   EXPECT_EQ(diagnostics.warnings().size(), 1u);
 }
@@ -173,8 +172,8 @@ TEST(Instance, InspectsTheCellsOfAFunctorWithTheNumbersOfTheUser) {
                  row.complex, {});
   attributes.initialise(row.complex, diagnostics);
   EXPECT_EQ(diagnostics.warnings(),
-            std::vector<std::string>{"model 'a' (fake): element 60 of value 2.5 [seen: 2 cells, "
-                                     "the first is 60]"});
+            std::vector<std::string>{
+                "model 'a' (fake): element 60 of value 2.5 [seen: 2 cells, first 60]"});
 }
 
 TEST(Instance, AContributionThatFailsOrIsNotFiniteNamesTheElement) {

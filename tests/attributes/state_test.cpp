@@ -158,7 +158,7 @@ TEST(State, OfAnotherRegionIsRefused) {
   Simulated one(model, body, {{0, 1, 2}}), other(model, body, {{0, 1, 2, 3}});
   one.apply({Operation::Kind::pierce, {}, {20}, {}});
   EXPECT_EQ(refusal_of(state_of(one.attributes), other.attributes),
-            "/instances/0/tables/3: a column has more or fewer rows");
+            "/instances/0/tables/3: a column has a different number of rows");
 }
 
 TEST(State, OfAColumnTellsWhetherItIsTheSameEverywhere) {
@@ -177,7 +177,7 @@ TEST(State, OfAColumnTellsWhetherItIsTheSameEverywhere) {
   EXPECT_FALSE(twin.is_constant());
   EXPECT_EQ(twin.get(13, 1), 7);
   EXPECT_EQ(difference_of_states(one, twin), "");
-  EXPECT_EQ(refusal_of(constant, twin), "/: the column here is not the same everywhere");
+  EXPECT_EQ(refusal_of(constant, twin), "/: only one of the two columns is constant");
 }
 
 /// The accepted values of all columns that have a trial copy.
@@ -249,28 +249,28 @@ TEST(State, OfOtherModelsOrMeshesIsRefused) {
     const StateTree tree = state_of(one.attributes);
     Simulated lacks(without, body, {{}}), smaller(narrow, body, {{}}), foreign(fresh, body, {{}});
     EXPECT_EQ(refusal_of(tree, lacks.attributes),
-              "/instances/0/tables/1: model 'body' (fake) had these columns of dimension 1: edge "
-              "(2), plain (1); here it has: edge (2)");
+              "/instances/0/tables/1: model 'body' (fake) had other columns of dimension 1: edge "
+              "(2), plain (1); now: edge (2)");
     EXPECT_EQ(refusal_of(tree, smaller.attributes),
-              "/instances/0/tables/1: model 'body' (fake) had these columns of dimension 1: edge "
-              "(2), plain (1); here it has: edge (1), plain (1)");
+              "/instances/0/tables/1: model 'body' (fake) had other columns of dimension 1: edge "
+              "(2), plain (1); now: edge (1), plain (1)");
     Simulated larger(model, Body({3, 3, 4}), {{}}), line(model, Body({9, 3, 1}), {{}}),
         two(model, body, {{}, {}}), part(model, body, {{0, 1, 2}});
     if (!operated) {  // afterwards it is the map that tells
-      EXPECT_EQ(refusal_of(tree, larger.attributes), "/: the number of vertices is another");
-      EXPECT_EQ(refusal_of(tree, line.attributes), "/: the number of vertices is another");
+      EXPECT_EQ(refusal_of(tree, larger.attributes), "/: the number of vertices differs");
+      EXPECT_EQ(refusal_of(tree, line.attributes), "/: the number of vertices differs");
     }
-    EXPECT_EQ(refusal_of(tree, two.attributes), "/instances: the number of its items is another");
+    EXPECT_EQ(refusal_of(tree, two.attributes),
+              "/instances: the number of items differs from this run");
     if (operated) {
       EXPECT_EQ(refusal_of(tree, part.attributes),
-                "/instances/0/tables/0/cells: the cells of a region are not those of the region "
-                "here");
+                "/instances/0/tables/0/cells: the cells of the region differ");
     }
     EXPECT_EQ(refusal_of(tree, foreign.attributes),
-              "/instances/0: it is the state of model 'body' (fake), and here is model 'body' "
+              "/instances/0: the state belongs to model 'body' (fake), but this is model 'body' "
               "(foreign)");
     EXPECT_EQ(refusal_of(tree, one.attributes),
-              operated ? "/: the body here has had operations" : "");
+              operated ? "/: operations have already been applied to this body" : "");
   }
 }
 

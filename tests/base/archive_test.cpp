@@ -120,9 +120,9 @@ TEST(Archive, WhatIsMissingOrOfAnotherKindIsNamed) {
   const auto length = second.arrays.extract("length");
   EXPECT_EQ(refusal(tree), "/many/1: there is no length");
   second.arrays.emplace("length", StateTree::Array{Archive::Scalar::f32, 1, 1, nullptr});
-  EXPECT_EQ(refusal(tree), "/many/1: length has 1 floats per row, and should have 1 doubles");
+  EXPECT_EQ(refusal(tree), "/many/1: length has 1 floats per row, expected 1 doubles");
   tree.groups.erase("maybe");
-  EXPECT_EQ(refusal(tree), "/: there is no maybe");
+  EXPECT_EQ(refusal(tree), "/: missing entry maybe");
 }
 
 TEST(Archive, TwoStatesOfOneNameAreAMistakeOfOurs) {

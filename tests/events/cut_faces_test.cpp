@@ -138,11 +138,10 @@ TEST(FacesBetween, FindsFacesByTheUsersNumbersAndListsAllFaults) {
     faces_between(map, "/events/0/faces", bad, element_of, point);
     ADD_FAILURE();
   } catch (const InputError& error) {
-    EXPECT_EQ(
-        std::string(error.what()),
-        "/events/0/faces/1: elements 100 and 102 are no neighbours: they have no common face\n"
-        "/events/0/faces/2: the mesh has no element 7\n"
-        "/events/0/faces/3: names element 101 twice; a face lies between two elements");
+    EXPECT_EQ(std::string(error.what()),
+              "/events/0/faces/1: elements 100 and 102 are not neighbours: they have no common "
+              "face\n/events/0/faces/2: the mesh has no element 7\n/events/0/faces/3: the pair "
+              "contains element 101 twice; a face lies between two elements");
   }
 }
 

@@ -93,7 +93,7 @@ TEST_F(Events, APlaneCutsItsSectionAndOnceOnly) {
   EXPECT_EQ(built->body().islands().existing(), 2u);
   EXPECT_TRUE(warnings().empty());
   EXPECT_FALSE(apply(middle).changed());
-  expect_warning("t = 0.5 s: /now cuts no face: the blade misses the body, or the faces there");
+  expect_warning("t = 0.5 s: /now cut no face: the blade misses the body, or the faces there");
 }
 
 TEST_F(Events, ADiscCutsWhereItIs) {
@@ -102,8 +102,8 @@ TEST_F(Events, ADiscCutsWhereItIs) {
 
 TEST_F(Events, APlaneThatMissesWarnsAndNoMore) {
   EXPECT_EQ(apply(CutPlane{{3, 0, 0}, {1, 0, 0}}).text(), "");
-  expect_warning("/now cuts no face: the blade misses the body");
-  EXPECT_EQ(warnings()[0].find("cut already"), std::string::npos);
+  expect_warning("/now cut no face: the blade misses the body");
+  EXPECT_EQ(warnings()[0].find("already been cut"), std::string::npos);
 }
 
 TEST_F(Events, APlaneCutsTheShapeThatItIsGivenIn) {
@@ -126,7 +126,7 @@ TEST_F(Events, ASurfaceCutsWhatItSeparates) {
   EXPECT_EQ(apply(CutSurface{file, 1e-3, {0.25, 0, 0}}).faces_cut, 4u);
   EXPECT_TRUE(warnings().empty());
   EXPECT_EQ(apply(CutSurface{file, 1, {}}).faces_cut, 0u);
-  expect_warning("/now cuts no face");
+  expect_warning("/now cut no face");
   const std::string text = refusal<InputError>(CutSurface{folder / "none.obj", 1, {}});
   EXPECT_EQ(text.find("/now/cut: "), 0u) << text;
 }
@@ -142,8 +142,9 @@ TEST_F(Events, ABladeCutsWhatItSweepsBetweenTwoTimes) {
   EXPECT_EQ(runner->fire(0, 1).faces_cut, 2u);
   runner->finish();
   EXPECT_TRUE(warnings().empty());
-  EXPECT_EQ(refusal<InputError>(blade),
-            "/now/cut: a moving blade takes time; put it into the scene");
+  EXPECT_EQ(
+      refusal<InputError>(blade),
+      "/now/cut: a moving blade cannot be applied at one instant; add it to the scene as an event");
 }
 
 TEST_F(Events, ABladeGoesOnFromWhereItWentBackTo) {
@@ -167,10 +168,10 @@ TEST_F(Events, ListedFacesAreCutAndThoseThatAreToldOf) {
   EXPECT_TRUE(warnings().empty());
   EXPECT_EQ(apply(CutFaces{{{0, 1}, {1, 2}}}).faces_cut, 1u);
   expect_warning(
-      "/now/cut/faces: 1 of the faces is cut already, the first between elements 0 and 1");
+      "/now/cut/faces: 1 of the faces has already been cut, the first between elements 0 and 1");
   apply(Pierce{selection(Selection::Ids{{7}}), {}, 0});
   EXPECT_FALSE(apply(CutFaces{{{6, 7}}}).changed());
-  EXPECT_NE(warnings().back().find("1 of the faces is gone with an element"), std::string::npos)
+  EXPECT_NE(warnings().back().find("1 of the faces was removed with an element"), std::string::npos)
       << warnings().back();
 }
 
@@ -191,7 +192,7 @@ TEST_F(Events, PierceRemovesWhatIsSelectedOrNearItsPath) {
   EXPECT_EQ(apply(path).elements_removed, 2u) << "7 and 23";
   EXPECT_EQ(complex().existing(3), 28u);
   EXPECT_FALSE(apply(path).changed());
-  EXPECT_NE(warnings().back().find("/now removes no element: nothing is left where it pierces"),
+  EXPECT_NE(warnings().back().find("/now removed no element: there are none left where it pierces"),
             std::string::npos);
 }
 
@@ -204,15 +205,17 @@ TEST_F(Events, PierceTellsOfLoadsAndConstraints) {
   apply(Pierce{selection(Selection::Ids{{7}}), {}, 0});
   ASSERT_EQ(warnings().size(), 1u);
   EXPECT_EQ(warnings()[0],
-            "t = 0.5 s: /now pierce takes all that /loads/0 acts on, which ends here");
+            "t = 0.5 s: /now pierce removes all nodes or faces on which /loads/0 acts; it has no "
+            "effect from now on");
   apply(Pierce{selection(Selection::Ids{{0}}), {}, 0});
-  EXPECT_NE(warnings().back().find("takes a part of what /constraints/0 acts on"),
-            std::string::npos);
+  EXPECT_NE(
+      warnings().back().find("removes some of the nodes or faces on which /constraints/0 acts"),
+      std::string::npos);
 }
 
 TEST_F(Events, NobodyRemovesAll) {
   const std::string text = refusal<InputError>(Pierce{selection(Selection::All{}), {}, 0});
-  EXPECT_EQ(text.find("t = 0.5 s: /now: pierce would remove all 32 elements that are left"), 0u)
+  EXPECT_EQ(text.find("t = 0.5 s: /now: pierce would remove all 32 remaining elements"), 0u)
       << text;
   EXPECT_NE(refusal<InputError>(Pierce{selection(Selection::Ids{{32}}), {}, 0}), "no error");
   EXPECT_NE(refusal<InputError>(Pierce{selection(Selection::Named{"nowhere"}), {}, 0}), "no error");
@@ -220,7 +223,7 @@ TEST_F(Events, NobodyRemovesAll) {
 
 TEST_F(Events, IslandsThatAreSmallOrFarAreRemoved) {
   EXPECT_FALSE(apply(RemoveIslands{4, {}}).changed());
-  expect_warning("/now removes no island");
+  expect_warning("/now removed no island");
   apply(CutPlane{{0.875, 0, 0}, {1, 0, 0}});
   EXPECT_FALSE(apply(RemoveIslands{4, {}}).changed()) << "it has 4";
   EXPECT_EQ(apply(RemoveIslands{5, {}}).elements_removed, 4u);
@@ -238,15 +241,15 @@ TEST_F(Events, ASutureSewsWhatWasCutOrListedOrNear) {
   EXPECT_EQ(all.faces_sewn, 4u);
   EXPECT_EQ(all.text(), "sewed 4 faces");
   EXPECT_FALSE(apply(SewFaces{}).changed());
-  expect_warning("/now sews no face: nothing that was cut is open there");
+  expect_warning("/now sewed no face: no cut face is open there");
   apply(middle);
   SewFaces listed;
   listed.element_pairs = {{3, 4}, {11, 12}};
   EXPECT_EQ(apply(listed).faces_sewn, 2u);
   listed.element_pairs = {{3, 4}, {19, 20}};
   EXPECT_EQ(apply(listed).faces_sewn, 1u);
-  EXPECT_NE(warnings().back().find("1 of the pairs share a face or were removed, the first is "
-                                   "elements 3 and 4"),
+  EXPECT_NE(warnings().back().find(
+                "1 of the pairs still share a face or were removed; the first is elements 3 and 4"),
             std::string::npos)
       << warnings().back();
   SewFaces near;
@@ -274,7 +277,7 @@ TEST_F(Events, ATearOpensWhatIsStretched) {
   tear.most = 1;
   tear.where = selection(Selection::InBox{{0, 0, 0}, {0.5, 1, 1}});
   EXPECT_FALSE(apply(tear).changed());
-  expect_warning("/now tears no face: the criterion is below its threshold everywhere");
+  expect_warning("/now tore no face: the criterion is below its threshold everywhere");
   pull(1.3);
   const EventOutcome outcome = apply(tear);
   EXPECT_EQ(outcome.faces_torn, 3u * 4);
@@ -338,7 +341,7 @@ TEST_F(Events, WhatRepeatsIsToldOfAtTheEndOnce) {
   ASSERT_EQ(warnings().size(), 2u);
   EXPECT_EQ(warnings()[0], "/events/0: cut had no effect in the whole run");
   EXPECT_EQ(warnings()[1],
-            "/events/2: cut had no effect in the whole run: its condition never held");
+            "/events/2: cut had no effect in the whole run: its condition was never met");
 }
 
 }  // namespace

@@ -295,8 +295,8 @@ TEST(SeamsBetween, WhatWouldFoldAnElementIsTold) {
     ADD_FAILURE();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
-                 "/p/0: elements 103 and 105 cannot be sewn: nodes n3 and n9 of "
-                 "element 101 would become one; nothing was sewn");
+                 "/p/0: elements 103 and 105 cannot be sewn: nodes n3 and n9 of element 101 would "
+                 "be merged; nothing was sewn");
   }
 }
 

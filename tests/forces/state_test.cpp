@@ -199,11 +199,11 @@ TEST(State, OfAMotionLoadsGiveTheirBookAlone) {
 TEST(State, OfOtherLoadsOrFunctorsIsRefused) {
   Simulated one(box(3, 3, 3), 1, 1), walls(box(3, 3, 3), 5, 1), larger(box(3, 3, 4), 1, 1);
   EXPECT_EQ(refusal_of(state_of(*one.loop), *walls.loop),
-            "/functors: the number of its items is another");
-  EXPECT_EQ(refusal_of(state_of(*one.loop), *larger.loop), "/functors/0: the rows are other ones");
+            "/functors: the number of items differs from this run");
+  EXPECT_EQ(refusal_of(state_of(*one.loop), *larger.loop), "/functors/0: the rows differ");
   const StateTree tree = state_of(*one.loads);
   one.loads->add_traction(one.complex(), std::array<Dart, 1>{0}, {1, 0, 0}, {});
-  EXPECT_EQ(refusal_of(tree, *one.loads), "/loads: the number of its items is another");
+  EXPECT_EQ(refusal_of(tree, *one.loads), "/loads: the number of items differs from this run");
 }
 
 }  // namespace

@@ -304,7 +304,7 @@ TEST(MovingBlade, SaysWhatIsWrong) {
             std::string::npos);
   EXPECT_NE(error({{0, line}, {0, line}}).find("station 1 of the moving blade has a time"),
             std::string::npos);
-  EXPECT_NE(error({{0, {{0, 0, 0}, {0, 0, 0}}}}).find("at one place"), std::string::npos);
+  EXPECT_NE(error({{0, {{0, 0, 0}, {0, 0, 0}}}}).find("coincident points"), std::string::npos);
   EXPECT_NE(error({{std::nan(""), line}}).find("not finite"), std::string::npos);
   MovingBlade blade({{0, line}});
   const Block block = block_of(1, 1, 1);

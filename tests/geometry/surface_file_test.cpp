@@ -110,13 +110,14 @@ TEST(SurfaceFile, SaysWhatIsWrongInTheHeaderOfPly) {
     const std::string error = ply_with(header, std::string(three_points) + "3 0 1 2\n");
     EXPECT_NE(error.find(words), std::string::npos) << header << error;
   };
-  says("property float x\n", "p.ply:3: a property before the first 'element'");
-  says("elemnt vertex 3\nproperty float x\n", "p.ply:3: 'elemnt' begins no line of a header (did");
-  says("comment\nelement vertex x\n", "p.ply:4: 'x' is no number of elements 'vertex'");
+  says("property float x\n", "p.ply:3: a property appears before the first 'element'");
+  says("elemnt vertex 3\nproperty float x\n",
+       "p.ply:3: 'elemnt' is not a keyword of the header (did");
+  says("comment\nelement vertex x\n", "p.ply:4: 'x' is not a valid number of elements 'vertex'");
   says("element vertex\n", "p.ply:3: expected 'element'");
-  says("element vertex 3\nproperty flaot x\n", "p.ply:4: 'flaot' is no type of a property (did");
+  says("element vertex 3\nproperty flaot x\n", "p.ply:4: 'flaot' is not a property type (did");
   says("element vertex 3\nproperty x\n", "p.ply:4: expected 'property TYPE NAME'");
-  says("element face 1\nproperty list float int vertex_indices\n", "counted in integers");
+  says("element face 1\nproperty list float int vertex_indices\n", "must have an integer type");
   says("element vertex 3\nproperty float x\nproperty float y\n", "'vertex' has no property 'z'");
   says(points + "element face 1\nproperty int corner\n", "no list 'vertex_indices'");
   says(points + "element face 1\nproperty list int float vertex_index\n", "must be integers");
@@ -135,8 +136,8 @@ TEST(SurfaceFile, SaysWhatIsWrongInTheBodyOfPly) {
     EXPECT_NE(error.find(words), std::string::npos) << body << error;
   };
   says("0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", "p.ply:11: y is 'nan', which is not finite");
-  says("0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "p.ply:13: a face has the point 3; the 3 points");
-  says("0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "p.ply:13: a face has the point -1");
+  says("0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "p.ply:13: a face uses point 3, but the 3 points");
+  says("0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "p.ply:13: a face uses point -1");
   says("0 0 0\n1 0 0\n0 1 0\n9 0 1\n", "p.ply:13: 9 vertex_indices are announced");
   says("0 0 0\n1 0 0\n0 1 0\n3 0 1\n", "p.ply:14: the file ends where vertex_indices is expected");
   says("0 0 0\n1 0 0\n0.000000 1\n", "the file ends where z is expected: it is truncated");
@@ -151,14 +152,13 @@ TEST(SurfaceFile, SaysWhatIsWrongInObj) {
   says("# c\nv 0 nan 0\n", "o.obj:2: expected a finite number, found 'nan'");
   says("v 0 1e400 0\n", "o.obj:1: expected a finite number, found '1e400'");
   says("v 0.05 -0-1 .05\n", "o.obj:1: expected a finite number, found '-0-1'");
-  says("v 0 0 # 0\n", "o.obj:1: a point has three numbers, here are 2");
-  says(points + "f 1 2 4\n", "o.obj:4: a face has the point 4; the 3 points are numbered");
-  says(points + "f 1 2 -4\n", "o.obj:4: a face has the point -4");
-  says(points + "f 0 1 2\n", "o.obj:4: a face has the point 0");
+  says("v 0 0 # 0\n", "o.obj:1: a point needs three numbers, found 2");
+  says(points + "f 1 2 4\n", "o.obj:4: a face uses point 4, but the 3 points are numbered");
+  says(points + "f 1 2 -4\n", "o.obj:4: a face uses point -4");
+  says(points + "f 0 1 2\n", "o.obj:4: a face uses point 0");
   says(points + "f 1 2 x\n", "o.obj:4: expected the number of a point, found 'x'");
-  says(points + "facet 1\nf 1 2 3\n",
-       "o.obj:4: cannot be read as obj from here on: 'facet' begins");
-  says("v 0 0 0 \\\n# \\\n\nv 0 0\n", "o.obj:4: a point has three numbers, here are 2");
+  says(points + "facet 1\nf 1 2 3\n", "o.obj:4: not a valid .obj line: 'facet' begins");
+  says("v 0 0 0 \\\n# \\\n\nv 0 0\n", "o.obj:4: a point needs three numbers, found 2");
 }
 
 TEST(SurfaceFile, ReadsWhatObjAllows) {
@@ -177,12 +177,12 @@ TEST(SurfaceFile, SaysWhatIsWrongInOff) {
   };
   const std::string points = "OFF # c\n3 1 0\n0 0 0 255 0 0\n1 0 0\n\n0 1 0\n";
   EXPECT_EQ(read_error("o.off", points + "3 0 1 2 255 0 0\n"), "");
-  says("OFF BINARY\n", "o.off:1: only OFF files that are text");
-  says("4OFF\n1 0 0\n0 0 0 1\n", "with points of three coordinates");
+  says("OFF BINARY\n", "o.off:1: only text OFF files");
+  says("4OFF\n1 0 0\n0 0 0 1\n", "with three coordinates per point");
   says("OFT\n", "o.off:1: expected OFF, found 'OFT'");
   says("OFF\n999999999 1 0\n0 0 0\n", "999,999,999 points are announced");
   says("OFF\n3 1 0\n0.00 0.00 0.00\n0 inf 0\n", "o.off:4: y is 'inf', which is not finite");
-  says(points + "3 0 1 3\n", "o.off:7: a face has the point 3; the 3 points are numbered from 0");
+  says(points + "3 0 1 3\n", "o.off:7: a face uses point 3, but the 3 points are numbered from 0");
   says(points + "4294967295 0 1 2\n", "o.off:7: 4,294,967,295 corners are announced");
   says(points, "o.off:7: 1 faces are announced");
 }
@@ -190,12 +190,13 @@ TEST(SurfaceFile, SaysWhatIsWrongInOff) {
 TEST(SurfaceFile, SaysThatStlIsTruncated) {
   const auto path = file_with("t.stl", "");
   write_surface(path, test::box_surface({0, 0, 0}, {1, 1, 1}));
-  EXPECT_NE(read_error("t.stl", text_of(path).substr(0, 300))
-                .find("300 bytes are too few for a binary STL file of 12 triangles, which has 684"),
-            std::string::npos);
+  EXPECT_NE(
+      read_error("t.stl", text_of(path).substr(0, 300))
+          .find("300 bytes are too few for a binary STL file with 12 triangles, which needs 684"),
+      std::string::npos);
   EXPECT_NE(
       read_error("t.stl", "solid " + std::string(80, 's') + "\nfacet normal 0 0 1\nouter loop\n")
-          .find("no triangles up to an 'endsolid'"),
+          .find("no triangles before 'endsolid'"),
       std::string::npos);
 }
 
@@ -250,7 +251,7 @@ TEST(SurfaceFile, RefusesNumbersThatAreNone) {
   write_surface(path, test::box_surface({0, 0, 0}, {1, 1, 1}));
   std::string text = text_of(path);
   for (std::size_t i = 0; i < 4; ++i) text[84 + 12 + i] = '\xff';  // first corner, x: NaN
-  EXPECT_NE(read_error("n.stl", text).find("no finite number"), std::string::npos);
+  EXPECT_NE(read_error("n.stl", text).find("not finite"), std::string::npos);
 }
 
 // Truncated at every length: an error or a surface, never a crash.

@@ -129,7 +129,7 @@ TEST(Voxelize, RefusesAPointAstray) {
   EXPECT_EQ(voxels(spike, {.edge = 1}).hexahedra.empty(), false);
   for (Vec3& p : spike.points) p[2] += 100 * p[1];
   const std::string error = test::error_of<InputError>([&] { voxels(spike, {.cells = 100}); });
-  EXPECT_NE(error.find("along z: is a point astray?"), std::string::npos) << error;
+  EXPECT_NE(error.find("along z; check for stray points"), std::string::npos) << error;
 }
 
 // Two boxes that touch along an edge: one body for the centres, two for the map.
@@ -204,7 +204,7 @@ TEST(CloseSurface, RefusesOrFillsAHole) {
   const TriangleSurface closed = close_surface(soup, true, diagnostics);
   EXPECT_EQ(closed.triangles.size(), 1280u);
   ASSERT_EQ(diagnostics.warnings().size(), 1u);
-  EXPECT_NE(diagnostics.warnings()[0].find("1 hole was given a lid"), std::string::npos);
+  EXPECT_NE(diagnostics.warnings()[0].find("1 hole was filled"), std::string::npos);
   EXPECT_EQ(voxels(closed, {.edge = 0.1}).hexahedra.size(), whole);
 }
 
@@ -213,7 +213,7 @@ TEST(CloseSurface, RefusesOrUnitesWhatCrosses) {
       joined(box_surface({0, 0, 0}, {2, 2, 2}), box_surface({1.125, 1.125, 1.125}, {3, 3, 3})));
   Diagnostics diagnostics;
   const std::string text = error_of<InputError>([&] { close_surface(soup, false, diagnostics); });
-  EXPECT_NE(text.find("crosses itself"), std::string::npos) << text;
+  EXPECT_NE(text.find("intersects itself"), std::string::npos) << text;
   const TriangleSurface closed = close_surface(soup, true, diagnostics);
   // Centres at 0.125 + i / 4: 8^3 below 2, 7^3 above 1.125 with that on it, 4^3 in both.
   EXPECT_EQ(voxels(closed, {.edge = 0.25}).hexahedra.size(), 512u + 512 - 64);

@@ -68,11 +68,11 @@ std::string replaced(const std::string& file, const std::string& old_text,
 TEST(Gmsh, SaysWhatIsWrongAndWhere) {
   const std::string v2 = "two_msh22.msh", v4 = "two_msh41.msh";
   EXPECT_EQ(error_of(replaced(v2, "2.2 0 8", "3.7 0 8")).substr(0, 10), "m.msh:2: f");
-  EXPECT_EQ(error_of(replaced(v4, "4.1 0 8", "4.1 0 4")), "m.msh:2: data size 4; 8 is expected");
+  EXPECT_EQ(error_of(replaced(v4, "4.1 0 8", "4.1 0 4")), "m.msh:2: data size 4; expected 8");
   EXPECT_EQ(error_of(replaced(v2, "7 1 1 1", "7 1 1 inf")),
             "m.msh:19: coordinate is 'inf', which is not finite");
   EXPECT_EQ(error_of(replaced(v2, "7 1 1 1", "6 1 1 1")),
-            "m.msh:24: node 6 is defined twice in the section before");
+            "m.msh:24: node 6 is defined twice in the previous section");
   EXPECT_EQ(error_of(replaced(v2, "6 5 2 2 2 5", "6 5 2 2 2 99")),
             "m.msh:33: an element has node 99, which is not among the 12 nodes of the file");
   EXPECT_EQ(error_of(replaced(v2, "$Nodes\n12", "$Nodes\n11")),
@@ -82,7 +82,7 @@ TEST(Gmsh, SaysWhatIsWrongAndWhere) {
   EXPECT_EQ(error_of(replaced(v4, "1 2 3 4 5 6 7 8", "1 2 3 4 5 6 7 x")),
             "m.msh:111: expected an integer (node of an element), found 'x'");
   EXPECT_EQ(error_of("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"),
-            "m.msh:4: there is no section $Nodes: the file is truncated");
+            "m.msh:4: section $Nodes is missing: the file is truncated");
   EXPECT_EQ(error_of("$NOD\n0\n$ENDNOD\n").substr(0, 9), "m.msh:1: ");
 }
 
@@ -90,7 +90,7 @@ TEST(Gmsh, ReportsBlocksAndNamesThatDoNotFit) {
   std::string text = read_text(data("two_msh41.msh"));
   const std::size_t nodes = text.find("$Nodes\n") + 7, end = text.find(' ', nodes);
   text.replace(end, text.find(' ', end + 1) - end, " 13");
-  EXPECT_NE(error_of(text).find("13 nodes are announced, but the blocks hold 12"),
+  EXPECT_NE(error_of(text).find("13 nodes are declared, but the blocks contain 12"),
             std::string::npos)
       << error_of(text);
   const TemporaryFolder folder;
@@ -99,7 +99,7 @@ TEST(Gmsh, ReportsBlocksAndNamesThatDoNotFit) {
   read_mesh(folder.write("m.msh", text), 1, diagnostics);
   ASSERT_FALSE(diagnostics.warnings().empty());
   EXPECT_TRUE(diagnostics.warnings()[0].ends_with(
-      "the physical volume 'bone' has no element that is read; it is not kept as a set"))
+      "the physical volume 'bone' contains no supported element; it is not kept as a set"))
       << diagnostics.warnings()[0];
 }
 

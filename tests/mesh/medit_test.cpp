@@ -83,8 +83,8 @@ TEST(Medit, SaysWhatIsWrongAndInWhichLine) {
   EXPECT_EQ(error_of(""), "m.mesh: the file is empty");
   EXPECT_EQ(error_of(replaced("Version", "Edition")).substr(0, 9), "m.mesh:1:");
   EXPECT_EQ(error_of(replaced("Formatted 2", "Formatted 9")),
-            "m.mesh:1: Medit version 9; versions 1 to 4 are read");
-  EXPECT_EQ(error_of(replaced("\n3\n", "\n2\n")), "m.mesh:3: dimension 2; 3 is needed");
+            "m.mesh:1: Medit version 9; supported versions are 1 to 4");
+  EXPECT_EQ(error_of(replaced("\n3\n", "\n2\n")), "m.mesh:3: dimension 2; expected 3");
   EXPECT_EQ(error_of(replaced("1 1 1 7", "1 1 x 7")),
             "m.mesh:11: expected a number (coordinate), found 'x'");
   EXPECT_EQ(error_of(replaced("1 1 1 7", "1 1 nan 7")),
@@ -92,9 +92,9 @@ TEST(Medit, SaysWhatIsWrongAndInWhichLine) {
   EXPECT_EQ(error_of(replaced("1 1 1 7", "1 1 1e999 7")),
             "m.mesh:11: coordinate is '1e999', which is not finite");
   EXPECT_EQ(error_of(replaced("2 9 10", "2 13 10")),
-            "m.mesh:26: hexahedron 2 has vertex 13; there are vertices 1 to 12");
+            "m.mesh:26: hexahedron 2 has vertex 13; the vertices are numbered 1 to 12");
   EXPECT_EQ(error_of(replaced("1 4 8 5", "1 4 8 0")),
-            "m.mesh:21: quadrilateral 1 has vertex 0; there are vertices 1 to 12");
+            "m.mesh:21: quadrilateral 1 has vertex 0; the vertices are numbered 1 to 12");
   EXPECT_EQ(error_of(replaced("2 9 10", "2 9.5 10")),
             "m.mesh:26: expected an integer (number of a vertex), found '9.5'");
   EXPECT_EQ(error_of(replaced("2 9 10", "2 99999999999 10")),
@@ -115,8 +115,8 @@ TEST(Medit, DoesNotTrustCounts) {
 TEST(Medit, AFileWithoutHexahedraSaysWhatItHolds) {
   EXPECT_EQ(
       error_of("MeshVersionFormatted 1 Dimension 3 Vertices 1 0 0 0 0 Tetrahedra 1 1 1 1 1 0 End"),
-      "m.mesh: no hexahedra; the file holds 1 points, 1 tetrahedra. A body must be meshed "
-      "with hexahedra of 8 nodes");
+      "m.mesh: no hexahedra; the file contains 1 points, 1 tetrahedra. Mesh the body with 8-node "
+      "hexahedra");
 }
 
 TEST(Medit, AMissingEndIsAWarning) {

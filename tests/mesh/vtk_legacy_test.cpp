@@ -74,23 +74,23 @@ TEST(VtkLegacy, SaysWhatIsWrongAndInWhichLine) {
             "m.vtk:1: a legacy VTK file begins with '# vtk DataFile Version', found 'nothing of "
             "the kind'");
   EXPECT_EQ(error_of(replaced("UNSTRUCTURED_GRID", "POLYDATA")),
-            "m.vtk:4: the data set is 'POLYDATA', a surface; an UNSTRUCTURED_GRID with hexahedra "
-            "is needed");
+            "m.vtk:4: the data set is 'POLYDATA', a surface; expected an UNSTRUCTURED_GRID with "
+            "hexahedra");
   EXPECT_EQ(error_of(replaced("ASCII", "ASCCI")),
             "m.vtk:3: expected ASCII or BINARY, found 'ascci'");
   EXPECT_EQ(error_of(replaced("0 1 1 1 1 0", "0 1 1 nan 1 0")),
             "m.vtk:6: coordinate is 'nan', which is not finite");
   EXPECT_EQ(error_of(replaced("4 5 7 6", "4 5 7 8")),
-            "m.vtk:11: cell 2 has point 8; there are points 0 to 7");
+            "m.vtk:11: cell 2 has point 8; the points are numbered 0 to 7");
   EXPECT_EQ(error_of(replaced("4 0 1 2 5", "4000 0 1 2 5")),
-            "m.vtk:10: cell 1 has 4000 points, more than the size of CELLS admits");
+            "m.vtk:10: cell 1 has 4000 points, more than the size of CELLS allows");
   EXPECT_EQ(error_of(replaced("CELL_TYPES 3", "CELL_TYPES 4")),
             "m.vtk:12: 4 cell types for 3 cells");
   EXPECT_EQ(error_of(replaced("12 10 11", "12 10 25")).substr(0, 27),
             "m.vtk: cell 2: hexahedra wi");
   EXPECT_EQ(error_of(replaced("CELL_DATA 3", "CELL_DATA 2")), "m.vtk:14: 2 values for 3 cells");
   EXPECT_NE(error_of(replaced("POINTS 8", "POINTS 800000000000")).find("m.vtk"), std::string::npos);
-  EXPECT_NE(error_of(replaced("CELLS 3 23", "CELLS 3 2300000000000")).find("are announced"),
+  EXPECT_NE(error_of(replaced("CELLS 3 23", "CELLS 3 2300000000000")).find("are declared"),
             std::string::npos);
 }
 
@@ -106,11 +106,11 @@ TEST(VtkLegacy, ReportsArraysThatAreAnnouncedAndNotThere) {
   const std::string whole = cube_text("3.0", cells_of_version_3);
   const auto until = [&](const std::string& word) { return whole.substr(0, whole.find(word)); };
   EXPECT_EQ(error_of(until("nsigned_char")),
-            "m.vtk:22: type of numbers 'u' is not known: the file is truncated");
+            "m.vtk:22: type of numbers 'u' is unknown: the file is truncated");
   EXPECT_EQ(error_of(replaced("unsigned_char", "unsigned_chas")),
-            "m.vtk:22: type of numbers 'unsigned_chas' is not known");
+            "m.vtk:22: type of numbers 'unsigned_chas' is unknown");
   EXPECT_EQ(error_of(until("nt 1\n")),
-            "m.vtk:15: type of numbers 'i' is not known: the file is truncated");
+            "m.vtk:15: type of numbers 'i' is unknown: the file is truncated");
   EXPECT_EQ(error_of(until("stress")),
             "m.vtk:24: the file ends where name of an array is expected: it is truncated");
   const std::vector<std::string> cut_off = warnings_of(until("VECTORS"));
@@ -123,9 +123,8 @@ TEST(VtkLegacy, ReportsArraysThatAreAnnouncedAndNotThere) {
 TEST(VtkLegacy, WarnsOfArraysBehindOneOfStrings) {
   const std::vector<std::string> warnings = warnings_of(replaced("unsigned_char", "string"));
   ASSERT_EQ(warnings.size(), 2u);
-  EXPECT_TRUE(
-      warnings[0].ends_with("array 'of both' has the type 'string'; neither it nor the "
-                            "arrays that follow it are read"));
+  EXPECT_TRUE(warnings[0].ends_with(
+      "array 'of both' has the type 'string'; neither it nor the following arrays are read"));
 }
 
 TEST(VtkLegacy, TetrahedraOfEightNodesAreHexahedraWithAWarning) {

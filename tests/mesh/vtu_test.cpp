@@ -76,25 +76,25 @@ TEST(Vtu, JoinsPieces) {
 
 TEST(Vtu, SaysWhatIsWrongAndInWhichLine) {
   EXPECT_EQ(error_of(replaced("UnstructuredGrid", "PolyData")),
-            "m.vtu:3: the data set is 'PolyData'; an UnstructuredGrid with hexahedra is needed");
+            "m.vtu:3: the data set is 'PolyData'; an UnstructuredGrid with hexahedra is expected");
   EXPECT_NE(error_of(replaced("</VTKFile>", "")).find("it is truncated"), std::string::npos);
   EXPECT_EQ(error_of(replaced("NumberOfPoints=\"9\"", "NumberOfPoints=\"9000000000\"")),
-            "m.vtu: 9,000,000,000 points or cells are more than 32-bit numbers reach");
+            "m.vtu: 9,000,000,000 points or cells are too many for 32-bit numbers");
   EXPECT_NE(error_of(replaced("NumberOfPoints=\"9\"", "NumberOfPoints=\"10\""))
                 .find("m.vtu:6: array 'n' has 9"),
             std::string::npos);
   EXPECT_EQ(error_of(replaced("0 1 2 3 4 5 6 7", "0 1 2 3 4 5 6 9")),
             "m.vtu:11: a cell has point 9; the piece has 9 points");
   EXPECT_EQ(error_of(replaced("8 12<", "8 13<")),
-            "m.vtu:11: array 'connectivity' has 12 numbers where 13 are needed: the file is "
-            "truncated or damaged");
+            "m.vtu:11: array 'connectivity' has 12 numbers, expected 13: the file is truncated or "
+            "damaged");
   EXPECT_EQ(error_of(replaced("8 12<", "8 7<")),
-            "m.vtu:12: the offsets of the cells do not ascend");
-  EXPECT_EQ(error_of(replaced(">12 10<", ">12 266<")), "m.vtu:13: cell type 266 is not known");
+            "m.vtu:12: the offsets of the cells are not ascending");
+  EXPECT_EQ(error_of(replaced(">12 10<", ">12 266<")), "m.vtu:13: cell type 266 is unknown");
   EXPECT_EQ(error_of(replaced("1 1 1 1 0", "1 1 1 1 nan")),
             "m.vtu:10: number of an array is 'nan', which is not finite");
   EXPECT_EQ(error_of(replaced("\"ascii\">8", "\"asci\">8")),
-            "m.vtu:12: format 'asci' of an array is not known");
+            "m.vtu:12: format 'asci' of an array is unknown");
 }
 
 TEST(Vtu, DoesNotTrustTheHeadersOfCompressedArrays) {
@@ -130,7 +130,7 @@ TEST(Vtu, ReportsMalformedXml) {
       "m.vtu:7: <PointData> has an element <CellData>, where only <DataArray> is expected: the "
       "file is damaged");
   EXPECT_EQ(error_of(replaced("type=\"Int64\"", "type=\"Int46\"")),
-            "m.vtu:6: type 'Int46' of an array is not known");
+            "m.vtu:6: type 'Int46' of an array is unknown");
 }
 
 // VTK writes the range of a vector's norm into its array.
@@ -156,7 +156,7 @@ TEST(Vtu, WarnsOfSetsThatNotAllPiecesHave) {
   EXPECT_TRUE(mesh.element_sets.empty());
   ASSERT_GE(diagnostics.warnings().size(), 2u);
   EXPECT_TRUE(diagnostics.warnings()[0].ends_with(
-      "array 'material <a>' is not in every piece once; it is not read"));
+      "array 'material <a>' does not appear exactly once in every piece; it is not read"));
 }
 
 // 80 million points at 0, which zlib makes 1,000 times smaller, and whose arrays fit each other.
@@ -180,7 +180,7 @@ TEST(Vtu, RefusesCompressedBombsBeforeTheyExpand) {
   const auto start = std::chrono::steady_clock::now();
   const std::string error = error_of(bomb);
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  EXPECT_NE(error.find("numbers, more than a file of"), std::string::npos) << error;
+  EXPECT_NE(error.find("numbers, more than expected for a file of"), std::string::npos) << error;
   EXPECT_LT(seconds.count(), 0.2);
 }
 

@@ -94,31 +94,32 @@ TEST(CheckpointFile, TellsWhatIsNoCheckpoint) {
                 folder.path().string());
   write_checkpoint(folder / "checkpoint_0002.h5", some_header(), some_state(1));
   write_checkpoint(folder / "checkpoint_0010.h5", some_header(), some_state(1));
-  const std::string newest =
-      "; the newest one there is " + (folder / "checkpoint_0010.h5").string();
+  const std::string newest = "; the newest one is " + (folder / "checkpoint_0010.h5").string();
   EXPECT_EQ(refusal_of(folder / "checkpoint_0009.h5"),
             "cannot be opened: No such file or directory" + newest);
-  EXPECT_EQ(refusal_of(folder.path()), "is a folder; give a checkpoint in it" + newest);
-  EXPECT_EQ(refusal_of(folder.write("empty", "")), "is empty; take an older checkpoint");
+  EXPECT_EQ(refusal_of(folder.path()), "is a folder; give a checkpoint file" + newest);
+  EXPECT_EQ(refusal_of(folder.write("empty", "")), "is empty; resume from an older checkpoint");
   EXPECT_EQ(refusal_of(folder.write("scene", "{\"suture\": 1}")),
-            "is no checkpoint of suture (checkpoint_NNNN.h5)");
+            "is not a Suture checkpoint (checkpoint_NNNN.h5)");
   const std::string good = read_text(folder / "checkpoint_0002.h5");
   EXPECT_EQ(refusal_of(folder.write("foreign", good.substr(512))),
-            "is an HDF5 file, but no checkpoint that suture wrote (checkpoint_NNNN.h5)");
+            "is an HDF5 file, but not a Suture checkpoint (checkpoint_NNNN.h5)");
   std::string other = good;
   other[other.find("format 1") + 7] = '2';
   EXPECT_EQ(refusal_of(folder.write("other", other)),
-            "has format 2; this program reads format 1, so resume it with the program that wrote "
-            "it");
+            "has format 2; this version of Suture reads format 1; resume it with the version that "
+            "wrote it");
   EXPECT_EQ(refusal_of(folder.write("cut", good.substr(0, 2000))),
-            "was cut off: it has 2000 of " + std::to_string(good.size()) +
-                " bytes; take an older checkpoint");
+            "is truncated: it has 2000 of " + std::to_string(good.size()) +
+                " bytes; resume from an older checkpoint");
   std::string damaged = good;
   damaged[good.size() / 2] ^= 1;
-  EXPECT_EQ(refusal_of(folder.write("damaged", damaged)),
-            "is damaged: its checksum is not that of its bytes; take an older checkpoint");
-  EXPECT_EQ(refusal_of(folder.write("longer", good + "x")),
-            "is damaged: its checksum is not that of its bytes; take an older checkpoint");
+  EXPECT_EQ(
+      refusal_of(folder.write("damaged", damaged)),
+      "is damaged: its checksum does not match its contents; resume from an older checkpoint");
+  EXPECT_EQ(
+      refusal_of(folder.write("longer", good + "x")),
+      "is damaged: its checksum does not match its contents; resume from an older checkpoint");
 }
 
 /// A file whose bytes are exchanged in place, which spares the disk.

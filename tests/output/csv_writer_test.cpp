@@ -185,9 +185,9 @@ TEST(CsvWriter, ATableThatIsNotTheOneIsRefused) {
     state = state_of(table);
   }
   const std::string whole = read_text(folder / "t.csv"), name = (folder / "t.csv").string();
-  const std::string end = ", and the checkpoint goes on behind byte " +
+  const std::string end = ", but the checkpoint continues after byte " +
                           std::to_string(whole.size()) +
-                          " of it; put it back as it was, or start the run anew";
+                          " of it; restore the file, or start the run again from the beginning";
   const auto refusal = [&] {
     CsvWriter table(output(folder.path()), "t.csv", {"a", "b"});
     try {
@@ -201,9 +201,9 @@ TEST(CsvWriter, ATableThatIsNotTheOneIsRefused) {
   folder.write("t.csv", whole.substr(0, 12));
   EXPECT_EQ(refusal(), name + ": has 12 bytes" + end);
   folder.write("t.csv", "step,a,c\n" + whole.substr(9));
-  EXPECT_EQ(refusal(), name + ": is another table" + end);
+  EXPECT_EQ(refusal(), name + ": is not the table of this run" + end);
   folder.write("t.csv", whole.substr(0, whole.size() - 1) + "0\n");
-  EXPECT_EQ(refusal(), name + ": is another table" + end);
+  EXPECT_EQ(refusal(), name + ": is not the table of this run" + end);
   EXPECT_EQ(read_text(folder / "t.csv"), whole.substr(0, whole.size() - 1) + "0\n");
   std::filesystem::remove(folder / "t.csv");
   EXPECT_EQ(refusal(), name + ": is gone" + end);

@@ -52,23 +52,23 @@ TEST(NoteReader, SeveralModelsAreSplitAtSpaces) {
 TEST(NoteReader, SaysWhatAFileIsThatIsNoPlugin) {
   EXPECT_EQ(read_note("/no/such/file.so").problem, "there is no such file");
   EXPECT_EQ(read_note("/").problem, "it is not a regular file");
-  EXPECT_EQ(problem_of(""), "it is not a shared library (no ELF file)");
-  EXPECT_EQ(problem_of("{ \"mesh\": 1 }"), "it is not a shared library (no ELF file)");
+  EXPECT_EQ(problem_of(""), "it is not a shared library (not an ELF file)");
+  EXPECT_EQ(problem_of("{ \"mesh\": 1 }"), "it is not a shared library (not an ELF file)");
   EXPECT_EQ(problem_of("\x7f"
                        "ELF"),
             "it is truncated within its ELF header");
-  EXPECT_NE(read_note(plugins / "no-note.so").problem.find("no plugin of Suture"),
+  EXPECT_NE(read_note(plugins / "no-note.so").problem.find("not a Suture plugin"),
             std::string::npos);
 }
 
 TEST(NoteReader, ProgramsAndForeignMachinesAreNamed) {
   std::string content = bytes_of(plugins / "good.so");
   content[18] = 40;  // e_machine: ARM
-  EXPECT_NE(problem_of(content).find("another kind of processor (ELF machine 40"),
+  EXPECT_NE(problem_of(content).find("a different processor architecture (ELF machine 40"),
             std::string::npos);
   content = bytes_of(plugins / "good.so");
   content[16] = 1;  // e_type: ET_REL
-  EXPECT_NE(problem_of(content).find("no shared library (an object file"), std::string::npos);
+  EXPECT_NE(problem_of(content).find("not a shared library (an object file"), std::string::npos);
 }
 
 TEST(NoteReader, EveryTruncationIsRefused) {
@@ -106,7 +106,7 @@ TEST(NoteReader, SurvivesDamage) {
 TEST(NoteReader, SystemLibrariesAreNoPlugins) {
   for (const char* file : {"/lib/x86_64-linux-gnu/libm.so.6", "/lib/aarch64-linux-gnu/libm.so.6"})
     if (fs::exists(file)) {
-      EXPECT_NE(read_note(file).problem.find("carries no Suture note"), std::string::npos);
+      EXPECT_NE(read_note(file).problem.find("has no Suture note"), std::string::npos);
     }
 }
 

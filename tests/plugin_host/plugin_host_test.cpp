@@ -97,17 +97,17 @@ TEST_F(PluginHostTest, RefusesByNoteWithoutRunningTheFile) {
               AllOf(HasSubstr("other-major.so: it is built for plugin ABI 7.0"),
                     HasSubstr("this Suture has ABI 1.0")));
   EXPECT_THAT(refusal("newer-minor"), HasSubstr("newer than this Suture's ABI 1.0"));
-  EXPECT_THAT(refusal("no-note"), HasSubstr("it carries no Suture note"));
+  EXPECT_THAT(refusal("no-note"), HasSubstr("it has no Suture note"));
   EXPECT_EQ(std::getenv("TEST_PLUGIN_LOADED"), nullptr);
   EXPECT_THAT(refusal("no-symbol"), HasSubstr("it exports no function suture_plugin_v1"));
   EXPECT_STREQ(std::getenv("TEST_PLUGIN_LOADED"), "no-symbol");  // so the check above can fail
 }
 
 TEST_F(PluginHostTest, AnUndefinedSymbolIsFoundAtLoadingWithTheLoadersText) {
-  EXPECT_THAT(
-      refusal("undefined-symbol"),
-      AllOf(HasSubstr("the loader says: "), HasSubstr("undefined symbol: nobody_defines_this"),
-            HasSubstr("Hint: the plugin was linked without something it needs")));
+  EXPECT_THAT(refusal("undefined-symbol"),
+              AllOf(HasSubstr("message of the loader: "),
+                    HasSubstr("undefined symbol: nobody_defines_this"),
+                    HasSubstr("Hint: a library is missing from the plugin's link line")));
 }
 
 TEST_F(PluginHostTest, RefusesTablesThatCannotBeUsed) {
@@ -127,12 +127,12 @@ TEST_F(PluginHostTest, RefusesFilesThatAreNoLibraries) {
   std::ofstream(root / "a" / "text.so") << "hello";
   PluginHost host;
   EXPECT_THAT(message_of([&] { host.add_file(root / "a" / "text.so"); }),
-              EndsWith("text.so: it is not a shared library (no ELF file)"));
+              EndsWith("text.so: it is not a shared library (not an ELF file)"));
   EXPECT_THAT(message_of([&] { host.add_file(root / "a" / "txt.so"); }),
               HasSubstr("there is no such file (did you mean 'text.so'?)"));
   // Found on the search path under the model's name: the same reason, not "not found".
   EXPECT_THAT(message_of([&] { host.model("text"); }),
-              EndsWith("text.so: it is not a shared library (no ELF file)"));
+              EndsWith("text.so: it is not a shared library (not an ELF file)"));
 }
 
 TEST_F(PluginHostTest, AMissingModelNamesTheNearestAndThePlacesSearched) {
@@ -140,7 +140,7 @@ TEST_F(PluginHostTest, AMissingModelNamesTheNearestAndThePlacesSearched) {
   PluginHost host;
   EXPECT_THAT(
       message_of([&] { host.model("goood"); }),
-      AllOf(HasSubstr("no plugin has the model 'goood' (did you mean 'good'?)"),
+      AllOf(HasSubstr("no plugin provides the model 'goood' (did you mean 'good'?)"),
             HasSubstr((root / "a").string() + " (SUTURE_PLUGIN_PATH)"),
             HasSubstr((root / "data/suture/plugins").string() + " (user folder, no such folder)"),
             HasSubstr("lib/suture/plugins (beside the program"), HasSubstr("`suture models`")));
@@ -163,9 +163,10 @@ TEST_F(PluginHostTest, TheFirstFolderWinsWithAWarning) {
   PluginHost host(&diagnostics);
   EXPECT_EQ(host.file_of(host.model("good")), first);
   ASSERT_EQ(diagnostics.warnings().size(), 2u);
-  EXPECT_THAT(diagnostics.warnings()[0],
-              AllOf(HasSubstr("model 'good' is in more than one plugin: " + first.string()),
-                    HasSubstr((root / "b" / "good.so").string() + " is not")));
+  EXPECT_THAT(
+      diagnostics.warnings()[0],
+      AllOf(HasSubstr("model 'good' is provided by more than one plugin: " + first.string()),
+            HasSubstr((root / "b" / "good.so").string() + " is ignored")));
 }
 
 TEST_F(PluginHostTest, InAFolderThePluginNamedLikeTheModelWins) {
@@ -215,7 +216,7 @@ TEST_F(PluginHostTest, ABuildThatDoesNotRunIsRefused) {
   const auto file = put("good-avx512", "a", "good.avx512.so");
   setenv("SUTURE_ISA", "avx2", 1);
   PluginHost host;
-  const auto why = HasSubstr("it is built for avx512, which this processor does not run");
+  const auto why = HasSubstr("it is built for avx512, which this processor does not support");
   EXPECT_THAT(message_of([&] { host.model("good"); }), why);
   EXPECT_THAT(message_of([&] { host.add_file(file); }), why);
 }
@@ -251,7 +252,7 @@ TEST_F(PluginHostTest, ListsEveryFileWithoutLoadingAny) {
   EXPECT_EQ(list[0].problem, "");
   EXPECT_THAT(list[1].problem, AllOf(HasSubstr("its model 'good' is hidden by "),
                                      HasSubstr((root / "a" / "good.so").string())));
-  EXPECT_THAT(list[2].problem, HasSubstr("it carries no Suture note"));
+  EXPECT_THAT(list[2].problem, HasSubstr("it has no Suture note"));
   EXPECT_EQ(list[3].plugin, "other-major");
   EXPECT_THAT(list[3].problem, HasSubstr("built for plugin ABI 7.0"));
   EXPECT_EQ(std::getenv("TEST_PLUGIN_LOADED"), nullptr);

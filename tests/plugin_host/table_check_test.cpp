@@ -132,7 +132,7 @@ const Case plugin_cases[] = {
     {"NullFormula", [](Tables& t) { t.models[0].formula = nullptr; }, MODEL ": formula is NULL"},
     {"ModelFlags", [](Tables& t) { t.models[0].flags = 128; }, MODEL ": flags has unknown bits"},
     {"InstanceWithoutPrepare", [](Tables& t) { t.models[0].prepare = nullptr; },
-     MODEL ": asks for instance_bytes, but has no function prepare to fill them"},
+     MODEL ": requests instance_bytes, but has no function prepare to fill them"},
     {"NoFunctor", [](Tables& t) { t.models[0].functor_count = 0; }, MODEL ": has no functor"},
     {"DamagedCount", [](Tables& t) { t.models[0].parameter_count = 0xDEADBEEF; },
      MODEL ": the count of parameters is 3735928559, at most 4096"},
@@ -165,7 +165,7 @@ const Case parameter_cases[] = {
        t.parameters[0].type = SUTURE_INTEGER;
        t.parameters[0].default_value = 1.5;
      },
-     MODEL ", parameter 'E': its default 1.5 is no integer"},
+     MODEL ", parameter 'E': its default 1.5 is not an integer"},
     {"Boolean",
      [](Tables& t) {
        t.parameters[0].type = SUTURE_BOOLEAN;
@@ -177,9 +177,9 @@ const Case parameter_cases[] = {
     {"ChoiceNull", [](Tables& t) { t.choices[0] = nullptr; },
      MODEL ", parameter 'mode': choice 0 is empty or NULL"},
     {"ChoiceDefault", [](Tables& t) { t.parameters[1].default_value = 2; },
-     MODEL ", parameter 'mode': its default 2 is no index into its choices"},
+     MODEL ", parameter 'mode': its default 2 is not an index into its choices"},
     {"ChoicesOfNumber", [](Tables& t) { t.parameters[1].type = SUTURE_BOOLEAN; },
-     MODEL ", parameter 'mode': has choices, but is not of type SUTURE_CHOICE"},
+     MODEL ", parameter 'mode': has choices, but its type is not SUTURE_CHOICE"},
 };
 
 const Case attribute_cases[] = {
@@ -211,8 +211,8 @@ const Case attribute_cases[] = {
     {"ContributionUnused", [](Tables& t) { t.attributes[1].policy = SUTURE_SHARE; },
      MODEL ", attribute 'k': has a contribution, but not policy SUTURE_FROM_VOLUMES"},
     {"TrialOfSum", [](Tables& t) { t.attributes[1].flags = SUTURE_TRIAL; },
-     MODEL ", attribute 'k': has a trial copy, but is summed from volumes: it can have one of "
-           "both"},
+     MODEL ", attribute 'k': has both a trial copy and policy SUTURE_FROM_VOLUMES, which exclude "
+           "each other"},
     {"MassOnEdges", [](Tables& t) { t.attributes[0].dimension = 1; },
      MODEL ", attribute 'mass': has SUTURE_SHARED_MASS: expected dimension 0, 1 component and "
            "policy SUTURE_FROM_VOLUMES"},
@@ -241,14 +241,14 @@ const Case functor_cases[] = {
     {"Faces", [](Tables& t) { t.functors[0].faces = SUTURE_BOUNDARY_FACES; },
      MODEL ", functor 'edges': names a set of faces, but its dimension is not 2"},
     {"ColumnOutOfRange", [](Tables& t) { t.cell_columns[0] = 3; },
-     MODEL ", functor 'edges': its cell column 3 is no attribute: the model has 3"},
+     MODEL ", functor 'edges': its cell column 3 is not an attribute: the model has 3"},
     {"ColumnDimension", [](Tables& t) { t.cell_columns[0] = 2; },
      MODEL ", functor 'edges': its cell column 2 is an attribute of dimension 0, expected 1"},
     {"VertexColumnDimension", [](Tables& t) { t.vertex_columns[0] = 1; },
      MODEL ", functor 'edges': its vertex column 1 is an attribute of dimension 1, expected 0"},
     {"MassAsColumn", [](Tables& t) { t.vertex_columns[0] = 0; },
-     MODEL ", functor 'edges': its vertex column 0 has SUTURE_SHARED_MASS and so is no column; "
-           "the vertex mass is the vertex column UINT32_MAX"},
+     MODEL ", functor 'edges': its vertex column 0 has SUTURE_SHARED_MASS and is therefore not a "
+           "column; use the vertex column UINT32_MAX for the vertex mass"},
     {"NullColumns", [](Tables& t) { t.functors[0].cell_columns = nullptr; },
      MODEL ", functor 'edges': cell_columns is NULL, but its count is 1"},
 };

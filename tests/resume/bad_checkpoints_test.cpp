@@ -91,21 +91,21 @@ TEST_F(BadCheckpoint, OfAnotherKindOrVersionOrDamagedIsRefused) {
   std::string bytes = sound;
   bytes[sound.size() / 2] ^= 1;
   write("out/damaged.h5", bytes);
-  expect_refused("out/damaged.h5", 3, {"out/damaged.h5", "damaged", "take an older checkpoint"});
+  expect_refused("out/damaged.h5", 3,
+                 {"out/damaged.h5", "damaged", "resume from an older checkpoint"});
   write("out/cut.h5", sound.substr(0, sound.size() / 3));
-  expect_refused("out/cut.h5", 3, {"out/cut.h5", "was cut off"});
+  expect_refused("out/cut.h5", 3, {"out/cut.h5", "is truncated"});
   write("out/short.h5", sound.substr(0, 100));
-  expect_refused("out/short.h5", 3, {"out/short.h5", "was cut off"});
+  expect_refused("out/short.h5", 3, {"out/short.h5", "is truncated"});
   write("out/empty.h5", "");
   expect_refused("out/empty.h5", 3, {"out/empty.h5", "is empty"});
   write("out/text.h5", "no checkpoint");
-  expect_refused("out/text.h5", 3, {"out/text.h5", "is no checkpoint"});
+  expect_refused("out/text.h5", 3, {"out/text.h5", "is not a Suture checkpoint"});
   bytes = sound;
   bytes[bytes.find("format ") + 7] = '7';
   write("out/format.h5", bytes);
   expect_refused("out/format.h5", 3, {"out/format.h5", "format 7"});
-  expect_refused("out/missing.h5", 3,
-                 {"out/missing.h5", "cannot be opened", "the newest one there"});
+  expect_refused("out/missing.h5", 3, {"out/missing.h5", "cannot be opened", "the newest one"});
   expect_refused("out", 3, {"is a folder"});
   forge("out/older.h5", [](CheckpointHeader& header) { header.program = "suture 0.0.7"; });
   expect_refused("out/older.h5", 3, {"out/older.h5", "suture 0.0.7"});
@@ -122,13 +122,13 @@ TEST_F(BadCheckpoint, OfAnotherMeshIsRefused) {
   run({R"(/mesh={"file": "m.mesh"})",
        R"(/constraints=[{"fix": "xyz", "where": {"nearest": [0, 0, 0]}}])"});
   write("m.mesh", mesh("1.0000001"));
-  expect_refused(file, 3, {file, "another mesh", "m.mesh"});
+  expect_refused(file, 3, {file, "a different mesh", "m.mesh"});
   fs::remove(folder() / "m.mesh");
   expect_refused(file, 3, {"m.mesh", "no file"});
   write("m.mesh", mesh("1"));
   expect_resumes();
   run();
-  expect_refused(file, 3, {file, "another mesh"}, {"--set", "/mesh/box/cells=[2, 2, 3]"});
+  expect_refused(file, 3, {file, "a different mesh"}, {"--set", "/mesh/box/cells=[2, 2, 3]"});
 }
 
 TEST_F(BadCheckpoint, OfAnotherPluginIsRefused) {
@@ -151,7 +151,7 @@ TEST_F(BadCheckpoint, IsRefusedWithoutItsTables) {
   write("out/energies.csv", table.substr(0, 150));
   expect_refused(file, 3, {file, "energies.csv", "150 bytes"});
   write("out/energies.csv", "other" + table);
-  expect_refused(file, 3, {file, "energies.csv", "another table"});
+  expect_refused(file, 3, {file, "energies.csv", "not the table of this run"});
   write("out/energies.csv", table);
   expect_resumes();
 }
@@ -176,8 +176,9 @@ TEST_F(BadCheckpoint, OfAnotherSceneGoesOnOrIsRefused) {
         R"(/models=[{"model": "mss-baudet", "parameters": {"E": 1e5, "nu": 0.3, "rho": 1}}])"}) {
     const Outcome outcome = suture({"run", "--resume", file, "--set", set});
     EXPECT_TRUE(outcome.code == 0 || (outcome.code >= 3 && outcome.code <= 5)) << set << outcome;
-    if (outcome.code == 3)
+    if (outcome.code == 3) {
       EXPECT_TRUE(outcome.says(file) || outcome.says("as it was run")) << outcome;
+    }
     run();
   }
   const Outcome outcome = suture({"run", "--no-skip", "--resume", file});

@@ -31,7 +31,7 @@ struct Listener : Observer {
     return stops;
   }
   void tell(const std::string& text) {
-    if (text.starts_with("go on with")) return;
+    if (text.starts_with("resume with")) return;
     ran.messages.push_back(text);
     ran.told_at.push_back(ran.questions);
   }

@@ -200,7 +200,7 @@ TEST(Cut, ThatMissesWarnsAndChangesNothing) {
   Observer nobody;
   EXPECT_EQ(simulation.run(nobody).faces_cut, 0u);
   ASSERT_EQ(diagnostics.warnings().size(), 1u);
-  EXPECT_NE(diagnostics.warnings()[0].find("cuts no face"), std::string::npos);
+  EXPECT_NE(diagnostics.warnings()[0].find("cut no face"), std::string::npos);
 }
 
 }  // namespace

@@ -217,7 +217,7 @@ TEST(Schedule, AConditionThatNeverHoldsIsTold) {
   const Outcome run(scene);
   EXPECT_EQ(run.summary.faces_cut, 0u);
   ASSERT_EQ(run.diagnostics.warnings().size(), 1u);
-  EXPECT_NE(run.diagnostics.warnings()[0].find("never held"), std::string::npos);
+  EXPECT_NE(run.diagnostics.warnings()[0].find("never met"), std::string::npos);
 }
 
 // The same operation between two calls of run_to().

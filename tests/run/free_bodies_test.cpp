@@ -131,7 +131,9 @@ TEST(FreeBodies, WhatIsCutOffAndFallsEndsTheSearch) {
   event.what = CutPlane{{0.51, 0, 0}, {1, 0, 0}};
   scene.events.push_back(event);
   const std::string text = outcome(scene);
-  EXPECT_EQ(text.find("stopped no rest: a piece of 16 elements (the first: element 4) is free"), 0u)
+  EXPECT_EQ(text.find("stopped the body cannot come to rest: a piece of 16 elements (the first: "
+                      "element 4) is free"),
+            0u)
       << text;
 }
 

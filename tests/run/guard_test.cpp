@@ -82,7 +82,7 @@ TEST(OnInversion, IsTheModelsOwnWhereTheSceneSaysNothing) {
   Scene springs = beam(host(), "mss-baudet", 8, 2, 0);
   const Look look(springs, 0);
   EXPECT_EQ(look.stopped, "") << "springs bear it";
-  EXPECT_NE(look.diagnostics.warnings().back().find("the run goes on"), std::string::npos);
+  EXPECT_NE(look.diagnostics.warnings().back().find("the run continues"), std::string::npos);
 }
 
 TEST(Guard, FindsEnergiesThatAreNotFinite) {
@@ -141,7 +141,7 @@ TEST(Evidence, ShowsTheLastGoodAndTheFailedStateWithMarks) {
   std::copy(rows.begin(), rows.end(), x.rows());
   evidence.add_last_good(built, 0.25);
   const std::string text = evidence.write(std::make_shared<OutputFolder>(folder / "out"));
-  EXPECT_NE(text.find("failed.pvd shows the last good state and this one"), std::string::npos)
+  EXPECT_NE(text.find("failed.pvd contains the last good state and this one"), std::string::npos)
       << text;
   const std::string pvd = read_text(folder / "out/failed.pvd");
   EXPECT_NE(pvd.find("timestep=\"0.25\""), std::string::npos) << pvd;

@@ -359,8 +359,8 @@ TEST(Cuts, ThatFindNothingLeftAreToldTruly) {
   };
   EXPECT_TRUE(warnings(false).empty());
   EXPECT_EQ(warnings(true),
-            (std::vector<std::string>{"t = 0.01 s: /events/0 cuts no face: the blade misses the "
-                                      "body, or the faces there are cut already"}));
+            (std::vector<std::string>{"t = 0.01 s: /events/0 cut no face: the blade misses the "
+                                      "body, or the faces there have already been cut"}));
   plane.point[0] = 9;
   EXPECT_EQ(warnings(false),
             (std::vector<std::string>{"/events/0: cut had no effect in the whole run"}));
@@ -393,13 +393,15 @@ TEST(Pierce, TellsOfLoadsAndConstraintsThatLoseNodes) {
   Simulation simulation(scene, host(), diagnostics);
   Listener heard;
   EXPECT_EQ(simulation.run(heard).elements_removed, 16u);
-  const std::string part = " takes a part of what ", ends = " acts on; that part of it ends here";
-  EXPECT_EQ(diagnostics.warnings(),
-            (std::vector<std::string>{
-                "t = 0 s: /events/0 pierce" + part + "/loads/0" + ends,
-                "t = 0.002 s: /events/0 pierce" + part + "/loads/1" + ends,
-                "t = 0.004 s: /events/0 pierce takes all that /loads/0 acts on, which ends here",
-                "t = 0.004 s: /events/0 pierce" + part + "/constraints/0" + ends}));
+  const std::string part = " removes some of the nodes or faces on which ",
+                    ends = " acts; it continues to act on the others";
+  EXPECT_EQ(
+      diagnostics.warnings(),
+      (std::vector<std::string>{"t = 0 s: /events/0 pierce" + part + "/loads/0" + ends,
+                                "t = 0.002 s: /events/0 pierce" + part + "/loads/1" + ends,
+                                "t = 0.004 s: /events/0 pierce removes all nodes or faces on which "
+                                "/loads/0 acts; it has no effect from now on",
+                                "t = 0.004 s: /events/0 pierce" + part + "/constraints/0" + ends}));
 }
 
 TEST(Mistakes, LeaveEverythingAsItWas) {
@@ -426,7 +428,7 @@ TEST(Mistakes, LeaveEverythingAsItWas) {
   Pierce nodes;
   nodes.where.emplace().what = Selection::Named{"y1"};
   nodes.where->path = "/here";
-  EXPECT_EQ(message(event_of(nodes)).find("/here: 'y1' is a set of nodes, and elements are"), 0u);
+  EXPECT_EQ(message(event_of(nodes)).find("/here: 'y1' is a set of nodes, but elements are"), 0u);
   EXPECT_EQ(simulation.complex().existing(3), 27u);
   EXPECT_TRUE(heard.lines.empty());
   simulation.run(heard);

@@ -239,7 +239,10 @@ TEST_F(Probes, RefuseFieldsThatNoModelGives) {
     ADD_FAILURE();
   } catch (const InputError& error) {
     const std::string text = error.what();
-    EXPECT_EQ(text.find("/output/probes/at/0/fields: no model of this scene gives 'von_mises'"), 0u)
+    EXPECT_EQ(
+        text.find(
+            "/output/probes/at/0/fields: no model of this scene provides the field 'von_mises'"),
+        0u)
         << text;
     EXPECT_NE(text.find("there are position, displacement, "), std::string::npos) << text;
   }

@@ -510,8 +510,8 @@ TEST(Translation, OfWhatMessagesShow) {
     ADD_FAILURE();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
-                 "/constraints/0/where: selects no node; the nodes lie in [10000000, -3000000, "
-                 "100000] to [10000001, -2999999.75, 100000.25] m");
+                 "/constraints/0/where: the selection contains no node; the nodes lie in "
+                 "[10000000, -3000000, 100000] to [10000001, -2999999.75, 100000.25] m");
   }
 }
 
@@ -523,9 +523,10 @@ TEST(Translation, OfWhatIsToldOfABladeThatMisses) {
                                                    blade + R"(", "translation": [0, 0, 0]}}})"),
                               folder / "out");
   ASSERT_EQ(run.warnings.size(), 1u);
-  EXPECT_NE(run.warnings[0].find("it lies beside the body; blade [0, -9, -9] to [0, 9, 9] m, body "
-                                 "[10000000, -3000000.0"),
-            std::string::npos)
+  EXPECT_NE(
+      run.warnings[0].find(
+          "it lies outside the body; blade [0, -9, -9] to [0, 9, 9] m, body [10000000, -3000000.0"),
+      std::string::npos)
       << run.warnings[0];
 }
 

@@ -72,15 +72,15 @@ TEST(JsonDocument, KeepsDuplicateKeysAndWholeNumbers) {
 
 TEST(JsonDocument, SyntaxErrorsSayWhereAndWhatToDo) {
   expect_error("{\"a\": 1\n \"b\": 2}", "2:2", "is a comma missing before it?");
-  expect_error("{\"a\": 1,\n}", "2:1", "is the comma before it one too many?");
-  expect_error("{\"a\": [1, 2,]}", "1:13", "one too many?");
+  expect_error("{\"a\": 1,\n}", "2:1", "is there an extra comma before it?");
+  expect_error("{\"a\": [1, 2,]}", "1:13", "an extra comma before it?");
   expect_error("{\"a\": [1 2]}", "1:10", "comma missing");
   expect_error("{'a': 1}", "1:2", "double quotes");
   expect_error("{\"a\": NaN}", "1:7", "no NaN");
   expect_error("{\"a\": nan}", "1:7", "no NaN");
-  expect_error("{\"a\": -Infinity}", "1:8", "no infinity");
+  expect_error("{\"a\": -Infinity}", "1:8", "NaN or infinity");
   expect_error("{\"a\": 1e999}", "1:7", "largest number");
-  expect_error("{ # note\n}", "1:3", "comments start with //");
+  expect_error("{ # note\n}", "1:3", "comments begin with //");
   expect_error("{\"a\": {\"b\": 1}", "1:15", "not closed");
   expect_error("{\"a\": \"\xFF\"}", "1:7", "UTF-8");
   expect_error("{\"a\" 1}", "1:6", "expected ':'");

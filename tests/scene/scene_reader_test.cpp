@@ -154,7 +154,7 @@ INSTANTIATE_TEST_SUITE_P(
     All, SceneMistakes,
     ::testing::Values(
         Bad{R"(, "gravty": [0, 0, 0])", "/gravty", "did you mean 'gravity'"},
-        Bad{R"(, "temperature": 3)", "/temperature", "known here: 'suture'"},
+        Bad{R"(, "temperature": 3)", "/temperature", "valid keys: 'suture'"},
         Bad{R"(, "title": 3)", "/title", "must be a string, is the number 3"},
         Bad{R"(, "title": "a", "title": "b")", "/title", "second time"},
         Bad{R"(, "gravity": [0, 0])", "/gravity", "three numbers"},
@@ -225,7 +225,7 @@ INSTANTIATE_TEST_SUITE_P(
                                                "fields": ["mass", "mass"]}]}})",
             "/output/probes/at/0/fields/1", "second time"},
         Bad{R"(, "output": {"probes": {"at": [{"name": "a", "where": "all", "fields": []}]}})",
-            "/output/probes/at/0/fields", "leave it out"},
+            "/output/probes/at/0/fields", "remove the key"},
         Bad{R"(, "output": {"probes": {"at": [{"name": "a", "where": "all", "fields": "mass"}]}})",
             "/output/probes/at/0/fields", "must be an array of names"},
         Bad{R"(, "output": {"probes": {"at": [{"name": "a", "where": "all", "of": "average"}]}})",
@@ -264,9 +264,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadSet{"/solver/damping=auto", "/solver/damping", "until"},
         BadSet{"/solver/tolerance=1e-3", "/solver/tolerance", "until"},
         BadSet{"/solver/kick=1e-3", "/solver/kick", "until"},
-        BadSet{"/solver={}", "/solver", "says no end"}, BadSet{"/suture=2", "/suture", "version 2"},
+        BadSet{"/solver={}", "/solver", "has no end"}, BadSet{"/suture=2", "/suture", "version 2"},
         BadSet{"/mesh={}", "/mesh", "exactly one of 'box', 'file', 'voxels'"},
-        BadSet{"/mesh/scale=2", "/mesh/scale", "belongs to a mesh file"},
+        BadSet{"/mesh/scale=2", "/mesh/scale", "is only allowed with 'file'"},
         BadSet{"/mesh/pinched=spilt", "/mesh/pinched", "did you mean 'split'"},
         BadSet{"/mesh/bad_elements=dropp", "/mesh/bad_elements", "did you mean 'drop'"},
         BadSet{"/mesh={\"file\": \"nowhere.vtu\"}", "/mesh/file", "no file"},
@@ -293,7 +293,7 @@ TEST(SceneReader, NamesOfModelsMustDiffer) {
   const std::string error =
       error_of(scene_with(""), {"/models/-={\"model\": \"jelly\", \"name\": \"jelly\", "
                                 "\"parameters\": {\"E\": 1}}"});
-  EXPECT_NE(error.find("/models/1/name: 'jelly' is the name of an earlier model"),
+  EXPECT_NE(error.find("/models/1/name: 'jelly' is already the name of an earlier model"),
             std::string::npos)
       << error;
 }
@@ -399,12 +399,12 @@ TEST(SceneReader, RefusesCheckpointsThatCannotBe) {
   EXPECT_NE(error(R"({"every_step": 1})").find("unknown key (did you mean 'every_steps'?)"),
             std::string::npos);
   EXPECT_NE(error(R"({"every": 1, "minutes": 1})")
-                .find("/checkpoint: must have one of 'every_steps', 'every' (s of the simulation) "
-                      "and 'minutes' (that the run takes), not several"),
+                .find("/checkpoint: must have at most one of 'every_steps', 'every' (s of "
+                      "simulated time) and 'minutes' (wall-clock time)"),
             std::string::npos);
   EXPECT_NE(error(R"({}, "output": false)")
-                .find("/checkpoint: needs a folder, and \"output\" is false; give an output or "
-                      "leave out the checkpoints"),
+                .find("/checkpoint: needs an output folder, but \"output\" is false; add an output "
+                      "or remove the checkpoint"),
             std::string::npos);
 }
 

@@ -189,7 +189,7 @@ void judge_right(const Trial& trial, const Scene& scene, Result& result) {
   }
   if (result.outcome != "finished" && result.outcome != "at rest")
     return set(Verdict::wrong_outcome, result.outcome);
-  const bool told = contains(result.messages, "came from nowhere");
+  const bool told = contains(result.messages, "of the energy exchanged is unexplained");
   if (!std::isfinite(result.growth) || !std::isfinite(result.balance))
     return set(Verdict::grew, "not finite");
   if (result.growth > allowed_growth && !told)

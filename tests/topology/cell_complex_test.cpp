@@ -153,7 +153,7 @@ TEST(CellComplex, RefusesWhatIsNoMapAndNamesAllElements) {
 
   mesh = two_cubes();
   std::swap(mesh.hexahedra[1][0], mesh.hexahedra[1][2]);  // 0 2 4 6 are the common face
-  refuses(mesh, {"another order", "elements 0 and 1"});
+  refuses(mesh, {"a different cyclic order", "elements 0 and 1"});
 
   mesh = two_cubes();
   std::swap(mesh.hexahedra[1][0], mesh.hexahedra[1][2]);

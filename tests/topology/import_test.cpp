@@ -105,7 +105,7 @@ TEST(Import, DropsUnusedPoints) {
   mesh.points.push_back({8, 8, 8});
   for (Hexahedron& h : mesh.hexahedra)
     for (Index& v : h) ++v;
-  const Imported in = import_warned(mesh, "2 points that no hexahedron uses");
+  const Imported in = import_warned(mesh, "2 points not used by any hexahedron");
   expect_maps_are_consistent(mesh, in);
   EXPECT_TRUE(in.vertices_of_point(0).empty());
   EXPECT_TRUE(in.vertices_of_point(4711).empty());
@@ -115,7 +115,7 @@ TEST(Import, TurnsMirroredElementsRound) {
   Mesh mesh = grid(3, 2, 1);
   mirror(mesh.hexahedra[1]);
   mirror(mesh.hexahedra[4]);
-  const Imported in = import_warned(mesh, "2 elements numbered as a mirror image");
+  const Imported in = import_warned(mesh, "2 elements with mirrored node numbering");
   in.complex.validate();
   Index islands = 0;
   in.complex.islands(&islands);
@@ -125,7 +125,7 @@ TEST(Import, TurnsMirroredElementsRound) {
 TEST(Import, TurnsAWhollyMirroredMeshRound) {
   Mesh mesh = grid(3, 3, 3);
   for (Vec3& x : mesh.points) x[2] = -x[2];
-  import_warned(mesh, "27 elements numbered as a mirror image").complex.validate();
+  import_warned(mesh, "27 elements with mirrored node numbering").complex.validate();
 }
 
 TEST(Import, SplitsPinchedCellsOrRefusesThem) {
@@ -177,11 +177,11 @@ TEST(Import, RefusesEveryDefectWithElementAndReason) {
 
   mesh = two_cubes();
   std::swap(mesh.hexahedra[1][0], mesh.hexahedra[1][2]);
-  expect_refused<TopologyError>(mesh, {"another order", "elements 0 and 1"});
+  expect_refused<TopologyError>(mesh, {"a different cyclic order", "elements 0 and 1"});
 
   mesh = two_cubes();
   mesh.points[3][1] = std::nan("");
-  expect_refused<InputError>(mesh, {"not a finite number", "1 point", ": 3"});
+  expect_refused<InputError>(mesh, {"not finite", "1 point", ": 3"});
 }
 
 TEST(Import, RefusesMeshesWithoutHexahedraAndSaysWhatTheyHold) {
@@ -216,7 +216,7 @@ TEST(Import, AdmitsInvertedCornersIfTheGaussPointsArePositive) {
   ASSERT_LT(std::ranges::min(corner_jacobians(x)), 0);
   ASSERT_GT(std::ranges::min(gauss_jacobians(x)), 0);
   expect_refused<TopologyError>(mesh, {"1 element with a corner Jacobian", ": 0."});
-  import_warned(mesh, "admitted by \"allow_inverted_rest\"", {.allow_inverted_rest = true});
+  import_warned(mesh, "accepted because of \"allow_inverted_rest\"", {.allow_inverted_rest = true});
 
   mesh.points[mesh.hexahedra[0][0]] = {0.95, 0.95, 0.95};
   expect_refused<TopologyError>(mesh, {"at a corner and at a Gauss point"},

@@ -115,13 +115,13 @@ void expect_refused(const CellComplex& map, const Seams& seams, const std::strin
 
 TEST(Sew, RefusesWhatDoesNotMatchAndThenDoesNothing) {
   CellComplex map = complex_of(grid(2, 2, 1));
-  expect_refused(map, {{0, 16}}, "belong to one element");
+  expect_refused(map, {{0, 16}}, "belong to the same element");
   expect_refused(map, {{0, 24 * 4}}, "does not exist");
-  expect_refused(map, {{8, 24 * 3 + 8}}, "joins it to element 1");
+  expect_refused(map, {{8, 24 * 3 + 8}}, "is already joined to element 1");
   EXPECT_TRUE(map.can_sew(0, 24 * 3 + 8));
   expect_refused(map, {{0, 24 * 3 + 8}, {1, 24 + 8}}, "two seams");
   // x0 of element 0 to y0 of its neighbour: two corners of an element would meet.
-  expect_refused(map, {{0, 24 + 4}}, "one vertex twice");
+  expect_refused(map, {{0, 24 + 4}}, "a vertex twice");
   map.pierce(std::array<Index, 1>{3});
   expect_refused(map, {{0, 24 * 3 + 8}}, "was removed");
   EXPECT_TRUE(map.sew({}).empty());

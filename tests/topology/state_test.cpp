@@ -106,16 +106,16 @@ TEST(State, OfAnotherMeshIsRefused) {
   Body body(grid(3, 3, 3)), other(grid(3, 3, 2)), line(grid(27, 1, 1));
   StateTree fresh = state_of(body);
   EXPECT_EQ(refusal_of(fresh, other),
-            "/map: a map of 27 elements and 64 vertices is that of another mesh: this one has 18 "
-            "and 48");
+            "/map: a map of 27 elements and 64 vertices belongs to a different mesh: this one has "
+            "18 and 48");
   EXPECT_NE(refusal_of(fresh, line), "");
   body.follow({Operation::Kind::pierce, {}, {3}, {}});
-  EXPECT_EQ(refusal_of(fresh, body), "/map: the map here has had operations");
+  EXPECT_EQ(refusal_of(fresh, body), "/map: operations have already been applied to this map");
   const StateTree operated = state_of(body);
   EXPECT_NE(refusal_of(operated, other), "");
   EXPECT_NE(refusal_of(operated, line), "");
   EXPECT_EQ(refusal_of(operated.groups.at("islands"), other.islands),
-            "/: they are the islands of another mesh");
+            "/: the islands belong to a different mesh");
 }
 
 }  // namespace

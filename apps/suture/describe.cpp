@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "apps/suture/commands.hpp"
-#include "kernel/base/plugin_call.hpp"
+#include "kernel/base/output_fields.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
 
 namespace suture {
@@ -76,17 +76,14 @@ void print_attributes(const suture_model& model, Console& console) {
 }
 
 void print_functors(const suture_model& model, Console& console) {
-  constexpr const char* cells[] = {"", "edges", "faces", "elements"};
+  constexpr const char* cells[] = {"vertices", "edges", "faces", "elements"};
   console.print("\nforces");
   for (std::uint32_t i = 0; i < model.functor_count; ++i) {
     const suture_functor& functor = model.functors[i];
     console.print(std::string("  ") + functor.name + " on " + cells[functor.dimension] + ": " +
                   functor.doc);
-    const auto* output = extension_of<suture_output_1>(functor, SUTURE_OUTPUT_1);
-    for (std::uint32_t f = 0; output != nullptr && f < output->field_count; ++f) {
-      const suture_field& field = output->fields[f];
+    for (const suture_field& field : output_fields(functor))
       console.print("      field " + with_unit(field.name, field.unit) + ": " + field.doc);
-    }
   }
 }
 

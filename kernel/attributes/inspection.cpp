@@ -96,19 +96,6 @@ class InspectionBatch {
   suture_batch batch_{};
 };
 
-bool admits(const Instance& instance, const suture_functor& functor, const CellComplex& complex,
-            Index row) {
-  if (!instance.table(static_cast<int>(functor.dimension)).cells.is_live(row)) return false;
-  if (functor.dimension == 3 && functor.shape != SUTURE_ANY_SHAPE)
-    return (row < instance.general_begin) == (functor.shape == SUTURE_PARALLELEPIPED);
-  if (functor.dimension == 2 && functor.faces != SUTURE_ALL_FACES) {
-    const bool boundary =
-        complex.beta3(complex.dart_of(2, instance.table(2).cells.cell(row))) == none;
-    return boundary == (functor.faces == SUTURE_BOUNDARY_FACES);
-  }
-  return true;
-}
-
 const suture_inspect_1* inspection_of(const Instance& instance, const suture_functor& functor) {
   const auto number = static_cast<std::size_t>(&functor - instance.model().functors);
   if (!instance.functor(number).runs) return nullptr;
@@ -128,6 +115,19 @@ void inspect_batch(Instance& instance, const suture_functor& functor,
 }
 
 }  // namespace
+
+bool admits(const Instance& instance, const suture_functor& functor, const CellComplex& complex,
+            Index row) {
+  if (!instance.table(static_cast<int>(functor.dimension)).cells.is_live(row)) return false;
+  if (functor.dimension == 3 && functor.shape != SUTURE_ANY_SHAPE)
+    return (row < instance.general_begin) == (functor.shape == SUTURE_PARALLELEPIPED);
+  if (functor.dimension == 2 && functor.faces != SUTURE_ALL_FACES) {
+    const bool boundary =
+        complex.beta3(complex.dart_of(2, instance.table(2).cells.cell(row))) == none;
+    return boundary == (functor.faces == SUTURE_BOUNDARY_FACES);
+  }
+  return true;
+}
 
 void inspect(Instance& instance, const RestPlaces& rest, const Column& mass,
              std::span<const Index> user_element, Diagnostics& diagnostics) {

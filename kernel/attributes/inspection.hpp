@@ -7,6 +7,11 @@
 
 namespace suture {
 
+/// Whether the functor is for the cell of this row of its dimension's table: rest shapes of
+/// elements, boundary or interior faces.
+bool admits(const Instance& instance, const suture_functor& functor, const CellComplex& complex,
+            Index row);
+
 /// Runs SUTURE_INSPECT_1 of each functor of the instance that has it and is
 /// enabled over the cells the functor is for, at rest, and hands the findings on.
 /// `mass`: the kernel's column. Throws InputError for errors the model reports.

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/run/side_series.hpp"
 
+#include <algorithm>
 #include <limits>
+#include <span>
 
+#include "kernel/attributes/inspection.hpp"
 #include "kernel/run/shown.hpp"
 
 namespace suture {
@@ -34,6 +37,15 @@ SmallCell cell_at(const CellComplex& complex, Dart d, int dimension) {
   return cell;
 }
 
+/// False for an interior face of a model whose functors are for the boundary, and the like.
+bool has_functor(const Instance& instance, int dimension, Index row, const CellComplex& complex) {
+  const suture_model& model = instance.model();
+  return std::ranges::any_of(
+      std::span(model.functors, model.functor_count), [&](const suture_functor& f) {
+        return static_cast<int>(f.dimension) == dimension && admits(instance, f, complex, row);
+      });
+}
+
 void fill_model_cells(Frame& frame, int dimension, BuiltScene& built) {
   const CellComplex& complex = built.body().complex();
   std::vector<Index> left;  // rows, counted over all instances
@@ -42,7 +54,8 @@ void fill_model_cells(Frame& frame, int dimension, BuiltScene& built) {
   for (const auto& instance : built.body().attributes().instances()) {
     const Table& table = instance->table(dimension);
     for (Index row = 0; row < table.cells.size(); ++row) {
-      if (!has_cell(complex, table, row)) continue;
+      if (!has_cell(complex, table, row) || !has_functor(*instance, dimension, row, complex))
+        continue;
       left.push_back(first + row);
       frame.cells.push_back(
           cell_at(complex, complex.dart_of(dimension, table.cells.cell(row)), dimension));

@@ -120,7 +120,7 @@ struct PluginHost::Impl {
     if (trust == Trust::all || plugin.place > 0 || is_on_search_path(file)) return;
     throw PluginError("model " + quote(id) + " is in plugin " + file.string() +
                       ", which the scene names and which lies outside the search path: its code is "
-                      "ignored run. If you trust it, add --trust, or put its folder into "
+                      "not run. If you trust it, add --trust, or put its folder into "
                       "SUTURE_PLUGIN_PATH");
   }
 

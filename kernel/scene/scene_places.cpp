@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/scene/scene_places.hpp"
 
+#include <algorithm>
 #include <sstream>
 #include <utility>
 
@@ -51,9 +52,16 @@ JsonPosition ScenePlaces::of(std::string_view path) const {
   return places_.at("");
 }
 
+// An absolute path of a file begins like a path of the scene.
+bool ScenePlaces::is_in_scene(std::string_view path) const {
+  return places_.contains(path.substr(0, path.find('/', 1)));
+}
+
 void ScenePlaces::rethrow(const InputError& error) const {
   const std::vector<Finding> findings = findings_in(error);
-  if (places_.empty() || error.what()[0] != '/' || findings.empty()) throw;
+  if (findings.empty() || error.what()[0] != '/' ||
+      !std::ranges::all_of(findings, [&](const auto& f) { return is_in_scene(f.path); }))
+    throw;
   Mistakes mistakes(file_, sets_);
   for (const Finding& finding : findings)
     mistakes.add(of(finding.path), finding.path, finding.text);

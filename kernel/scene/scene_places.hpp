@@ -26,6 +26,7 @@ class ScenePlaces {
  private:
   void add(const JsonValue& value, const std::string& path);
   JsonPosition of(std::string_view path) const;
+  bool is_in_scene(std::string_view path) const;
 
   std::string file_;
   std::vector<std::string> sets_;

@@ -104,7 +104,7 @@ TEST_F(BadMeshes, PinchedCellsAreSplitOrRefused) {
   const std::string pinched = medit(more, {first, "3 10 13 14 7 12 15 16"});
   const Outcome split = run(pinched);
   EXPECT_EQ(split.code, 0) << split;
-  EXPECT_TRUE(split.says("pinched")) << split;
+  EXPECT_TRUE(split.says("non-manifold")) << split;
   const Outcome refused = run(pinched, {"/mesh/pinched=refuse"});
   EXPECT_EQ(refused.code, 3) << refused;
 }
@@ -154,7 +154,7 @@ TEST_F(BadElements, LeaveTheOthersTheirNumbersAndSets) {
   EXPECT_TRUE(gone.says("/models/0/region: the mesh has no element with id 1")) << gone;
   const Outcome node =
       drop(inverted(), {R"(/constraints=[{"fix": "xyz", "where": {"ids": [1]}}])"});
-  EXPECT_TRUE(node.says("selects no node")) << node;
+  EXPECT_TRUE(node.says("contains no node")) << node;
 
   const std::string model =
       R"({"model": "tm-faure", "parameters": {"E": 1e5, "nu": 0.3, "rho": 1},)";

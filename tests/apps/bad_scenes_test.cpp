@@ -96,8 +96,8 @@ TEST_F(BadScenes, MistakesThatOnlyTheMeshShowsAreReportedAtOnce) {
   EXPECT_EQ(outcome.code, 3) << outcome;
   for (const char* line :
        {"s.json:7:29: /constraints/0/where: the mesh has no set 'x00' (did you mean 'x0'?)",
-        "s.json:8:29: /constraints/1/where: selects no node",
-        "s.json:9:38: /loads/0/where: selects no boundary face",
+        "s.json:8:29: /constraints/1/where: the selection contains no node",
+        "s.json:9:38: /loads/0/where: the selection contains no boundary face",
         "s.json:12:7: /events/0/cut/faces/1: the mesh has no element 99",
         "s.json:13:24: /events/1/when/where: the mesh has no node with id 777",
         "s.json:14:26: /events/1/pierce/where: the mesh has no set 'y9'",
@@ -202,9 +202,9 @@ TEST_F(BadScenes, OperationsThatFailOnTheWayLoseNothing) {
     "output": {"directory": "o", "every_steps": 1}, "events": [)";
   const BadValue values[] = {
       {R"({"at": 0.005, "pierce": {"where": "all"}})", 3,
-       "t = 0.005 s: /events/0: pierce would remove all 8 elements"},
+       "t = 0.005 s: /events/0: pierce would remove all 8 remaining elements"},
       {R"({"at": 0.005, "remove_islands": {"below": 100}})", 3,
-       "/events/0: remove_islands would remove all 8 elements"},
+       "/events/0: remove_islands would remove all 8 remaining elements"},
       {R"({"at": 0.005, "tear": {"by": "principal-strain", "above": 1e-9, "most": 0.1}})", 5,
        "/events/0/tear: would tear"},
       // Two corner cubes are gone, and sides that face across their places are to be sewn:

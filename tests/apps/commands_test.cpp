@@ -187,7 +187,7 @@ TEST_F(Commands, SurfacesAreMeasuredAndTheirHolesNamed) {
 TEST_F(Commands, CheckRunsNothing) {
   const Outcome good = scene("check", "");
   EXPECT_EQ(good.code, 0) << good;
-  EXPECT_TRUE(good.says("good")) << good;
+  EXPECT_TRUE(good.says("valid")) << good;
   EXPECT_FALSE(std::filesystem::exists(folder() / "out"));
 }
 

@@ -219,7 +219,7 @@ TEST_F(Mistakes, InTheTablesAreRefusedWithTheEntry) {
   const Table mistakes[] = {
       {"dimension", "functor 'elements'", "dimension is 4"},
       {"cell-type", "functor 'elements'", "cell_type"},
-      {"column", "functor 'elements'", "column 3 is no attribute"},
+      {"column", "functor 'elements'", "column 3 is not an attribute"},
       {"same-parameter", "parameter 'how'", "occurs twice"},
       {"default", "parameter 'E'", "default 3 is outside its range from 0 to 2"},
       {"formula", "model 'mistakes'", "formula"},

@@ -42,6 +42,7 @@ pid_t Program::start(const std::vector<std::string>& arguments, const std::strin
     close(file);
   };
   if (chdir(folder_.c_str()) != 0) _exit(126);
+  setenv("HOME", folder_.c_str(), 1);  // no plugins of the user
   redirect(name + ".out", STDOUT_FILENO);
   redirect(name + ".err", STDERR_FILENO);
   execv(argv[0], argv.data());
@@ -52,6 +53,7 @@ Outcome Program::finish(pid_t child, const std::string& name) const {
   int status = 0;
   waitpid(child, &status, 0);
   const int code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+  messages_.add(read(name + ".err"), folder_);
   return {code, read(name + ".out"), read(name + ".err")};
 }
 

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/apps/messages.hpp"
+
 namespace suture::testing {
 
 /// What the program said and how it ended.
@@ -24,6 +26,7 @@ class Program : public ::testing::Test {
  public:
   Program();
   ~Program() override;
+  void TearDown() override { messages_.compare(); }
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
@@ -50,6 +53,7 @@ class Program : public ::testing::Test {
 
  private:
   std::filesystem::path folder_;
+  mutable Messages messages_;  ///< of all calls
 };
 
 }  // namespace suture::testing

@@ -118,7 +118,7 @@ TEST(Archive, WhatIsMissingOrOfAnotherKindIsNamed) {
   save_state(tree, given);
   StateTree& second = tree.groups.at("many").groups.at("1");
   const auto length = second.arrays.extract("length");
-  EXPECT_EQ(refusal(tree), "/many/1: there is no length");
+  EXPECT_EQ(refusal(tree), "/many/1: missing entry length");
   second.arrays.emplace("length", StateTree::Array{Archive::Scalar::f32, 1, 1, nullptr});
   EXPECT_EQ(refusal(tree), "/many/1: length has 1 floats per row, expected 1 doubles");
   tree.groups.erase("maybe");

@@ -270,7 +270,7 @@ TEST(Dynamics, ChecksNameWhatIsWrong) {
     m.dynamics.step(1e-4, 1e-4);
     FAIL() << "no error";
   } catch (const NumericalError& error) {
-    EXPECT_NE(std::string(error.what()).find("vertex " + std::to_string(vertex)), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("node " + std::to_string(vertex)), std::string::npos)
         << error.what();
   }
 }

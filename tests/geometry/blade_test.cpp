@@ -172,7 +172,7 @@ TEST(SurfaceBlade, SaysWhatIsWrong) {
   };
   const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}};
   EXPECT_NE(error({"b", points, {}}).find("b: the blade has no triangles"), std::string::npos);
-  EXPECT_NE(error({"b", points, {{0, 1, 4}}}).find("has point 4"), std::string::npos);
+  EXPECT_NE(error({"b", points, {{0, 1, 4}}}).find("uses point 4"), std::string::npos);
   EXPECT_NE(error({"b", points, {{0, 1, 2}}}).find("all triangles of the blade are degenerate"),
             std::string::npos);
   std::vector<Vec3> bad = points;

@@ -74,7 +74,7 @@ TEST(SurfaceFile, SaysWhatIsWrongInVtp) {
   EXPECT_NE(read_error("v.vtp", text).find("point 4"), std::string::npos);
   text = vtp;
   text.replace(text.find("3 6<"), 3, "3 5");
-  EXPECT_NE(read_error("v.vtp", text).find("6 numbers where 5 are needed"), std::string::npos);
+  EXPECT_NE(read_error("v.vtp", text).find("6 numbers, expected 5"), std::string::npos);
   text = vtp;
   text.replace(text.find("PolyData"), 8, "ImageData");
   EXPECT_NE(read_error("v.vtp", text).find("PolyData with polygons"), std::string::npos);
@@ -85,7 +85,7 @@ TEST(SurfaceFile, SaysWhatIsWrong) {
   EXPECT_NE(read_error("a.obj", "v 0 0 0\n").find("no face"), std::string::npos);
   EXPECT_NE(read_error("a.off", "OFF\n3 1").find("a.off:2: 3 points are"), std::string::npos);
   EXPECT_NE(read_error("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
-                .find("1 face is no triangle"),
+                .find("1 face is not triangular"),
             std::string::npos);
   EXPECT_NE(error_of<InputError>([] { read_triangles("no-such.stl"); }).find("no such file"),
             std::string::npos);
@@ -114,7 +114,7 @@ TEST(SurfaceFile, SaysWhatIsWrongInTheHeaderOfPly) {
   says("elemnt vertex 3\nproperty float x\n",
        "p.ply:3: 'elemnt' is not a keyword of the header (did");
   says("comment\nelement vertex x\n", "p.ply:4: 'x' is not a valid number of elements 'vertex'");
-  says("element vertex\n", "p.ply:3: expected 'element'");
+  says("element vertex\n", "p.ply:3: expected 'element NAME COUNT'");
   says("element vertex 3\nproperty flaot x\n", "p.ply:4: 'flaot' is not a property type (did");
   says("element vertex 3\nproperty x\n", "p.ply:4: expected 'property TYPE NAME'");
   says("element face 1\nproperty list float int vertex_indices\n", "must have an integer type");
@@ -138,7 +138,7 @@ TEST(SurfaceFile, SaysWhatIsWrongInTheBodyOfPly) {
   says("0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", "p.ply:11: y is 'nan', which is not finite");
   says("0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "p.ply:13: a face uses point 3, but the 3 points");
   says("0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "p.ply:13: a face uses point -1");
-  says("0 0 0\n1 0 0\n0 1 0\n9 0 1\n", "p.ply:13: 9 vertex_indices are announced");
+  says("0 0 0\n1 0 0\n0 1 0\n9 0 1\n", "p.ply:13: 9 vertex_indices are declared");
   says("0 0 0\n1 0 0\n0 1 0\n3 0 1\n", "p.ply:14: the file ends where vertex_indices is expected");
   says("0 0 0\n1 0 0\n0.000000 1\n", "the file ends where z is expected: it is truncated");
 }
@@ -157,7 +157,7 @@ TEST(SurfaceFile, SaysWhatIsWrongInObj) {
   says(points + "f 1 2 -4\n", "o.obj:4: a face uses point -4");
   says(points + "f 0 1 2\n", "o.obj:4: a face uses point 0");
   says(points + "f 1 2 x\n", "o.obj:4: expected the number of a point, found 'x'");
-  says(points + "facet 1\nf 1 2 3\n", "o.obj:4: not a valid .obj line: 'facet' begins");
+  says(points + "facet 1\nf 1 2 3\n", "o.obj:4: not a valid .obj line: 'facet' is not a keyword");
   says("v 0 0 0 \\\n# \\\n\nv 0 0\n", "o.obj:4: a point needs three numbers, found 2");
 }
 
@@ -180,11 +180,11 @@ TEST(SurfaceFile, SaysWhatIsWrongInOff) {
   says("OFF BINARY\n", "o.off:1: only text OFF files");
   says("4OFF\n1 0 0\n0 0 0 1\n", "with three coordinates per point");
   says("OFT\n", "o.off:1: expected OFF, found 'OFT'");
-  says("OFF\n999999999 1 0\n0 0 0\n", "999,999,999 points are announced");
+  says("OFF\n999999999 1 0\n0 0 0\n", "999,999,999 points are declared");
   says("OFF\n3 1 0\n0.00 0.00 0.00\n0 inf 0\n", "o.off:4: y is 'inf', which is not finite");
   says(points + "3 0 1 3\n", "o.off:7: a face uses point 3, but the 3 points are numbered from 0");
-  says(points + "4294967295 0 1 2\n", "o.off:7: 4,294,967,295 corners are announced");
-  says(points, "o.off:7: 1 faces are announced");
+  says(points + "4294967295 0 1 2\n", "o.off:7: 4,294,967,295 corners are declared");
+  says(points, "o.off:7: 1 faces are declared");
 }
 
 TEST(SurfaceFile, SaysThatStlIsTruncated) {

@@ -67,7 +67,7 @@ std::string replaced(const std::string& file, const std::string& old_text,
 
 TEST(Gmsh, SaysWhatIsWrongAndWhere) {
   const std::string v2 = "two_msh22.msh", v4 = "two_msh41.msh";
-  EXPECT_EQ(error_of(replaced(v2, "2.2 0 8", "3.7 0 8")).substr(0, 10), "m.msh:2: f");
+  EXPECT_EQ(error_of(replaced(v2, "2.2 0 8", "3.7 0 8")).substr(0, 10), "m.msh:2: u");
   EXPECT_EQ(error_of(replaced(v4, "4.1 0 8", "4.1 0 4")), "m.msh:2: data size 4; expected 8");
   EXPECT_EQ(error_of(replaced(v2, "7 1 1 1", "7 1 1 inf")),
             "m.msh:19: coordinate is 'inf', which is not finite");
@@ -110,12 +110,12 @@ TEST(Gmsh, RefusesHexahedraOfHigherOrder) {
 
 TEST(Gmsh, DoesNotTrustCounts) {
   EXPECT_NE(error_of(replaced("two_msh22.msh", "$Nodes\n12", "$Nodes\n1200000000000"))
-                .find("m.msh:12: 1,200,000,000,000 nodes are announced"),
+                .find("m.msh:12: 1,200,000,000,000 nodes are declared"),
             std::string::npos);
   std::string binary = read_text(data("two_msh41_binary.msh"));
   const std::size_t nodes = binary.find("$Nodes\n") + 7;
   for (std::size_t i = 8; i < 15; ++i) binary[nodes + i] = '\x7f';
-  EXPECT_NE(error_of(binary).find("nodes are announced"), std::string::npos) << error_of(binary);
+  EXPECT_NE(error_of(binary).find("nodes are declared"), std::string::npos) << error_of(binary);
   EXPECT_NE(error_of(binary).find("m.msh, byte "), std::string::npos);
 }
 

@@ -106,7 +106,7 @@ TEST(Medit, SaysWhatIsWrongAndInWhichLine) {
 
 TEST(Medit, DoesNotTrustCounts) {
   EXPECT_NE(error_of(replaced("Vertices 12", "Vertices 4000000000000000000"))
-                .find("m.mesh:4: 4,000,000,000,000,000,000 vertices are announced"),
+                .find("m.mesh:4: 4,000,000,000,000,000,000 vertices are declared"),
             std::string::npos);
   EXPECT_NE(error_of(replaced("Hexahedra\n2", "Hexahedra\n3")).find("m.mesh:27:"),
             std::string::npos);

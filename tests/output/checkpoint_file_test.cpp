@@ -90,7 +90,7 @@ TEST(CheckpointFile, AGroupAndAListOfOneNameAreRefused) {
 TEST(CheckpointFile, TellsWhatIsNoCheckpoint) {
   const TemporaryFolder folder;
   EXPECT_EQ(refusal_of(folder / "checkpoint_0009.h5"),
-            "cannot be opened: No such file or directory; there is no checkpoint in " +
+            "cannot be opened: No such file or directory; no checkpoint was found in " +
                 folder.path().string());
   write_checkpoint(folder / "checkpoint_0002.h5", some_header(), some_state(1));
   write_checkpoint(folder / "checkpoint_0010.h5", some_header(), some_state(1));

@@ -206,7 +206,7 @@ TEST(CsvWriter, ATableThatIsNotTheOneIsRefused) {
   EXPECT_EQ(refusal(), name + ": is not the table of this run" + end);
   EXPECT_EQ(read_text(folder / "t.csv"), whole.substr(0, whole.size() - 1) + "0\n");
   std::filesystem::remove(folder / "t.csv");
-  EXPECT_EQ(refusal(), name + ": is gone" + end);
+  EXPECT_EQ(refusal(), name + ": is missing" + end);
   EXPECT_FALSE(std::filesystem::exists(folder / "t.csv"));
 }
 

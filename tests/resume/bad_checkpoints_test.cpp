@@ -147,7 +147,7 @@ TEST_F(BadCheckpoint, IsRefusedWithoutItsTables) {
   run();
   const std::string table = read("out/energies.csv");
   fs::rename(folder() / "out/energies.csv", folder() / "kept.csv");
-  expect_refused(file, 3, {file, "energies.csv", "is gone"});
+  expect_refused(file, 3, {file, "energies.csv", "is missing"});
   write("out/energies.csv", table.substr(0, 150));
   expect_refused(file, 3, {file, "energies.csv", "150 bytes"});
   write("out/energies.csv", "other" + table);

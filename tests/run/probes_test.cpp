@@ -244,7 +244,7 @@ TEST_F(Probes, RefuseFieldsThatNoModelGives) {
             "/output/probes/at/0/fields: no model of this scene provides the field 'von_mises'"),
         0u)
         << text;
-    EXPECT_NE(text.find("there are position, displacement, "), std::string::npos) << text;
+    EXPECT_NE(text.find("available: position, displacement, "), std::string::npos) << text;
   }
 }
 

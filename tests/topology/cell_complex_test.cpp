@@ -163,7 +163,7 @@ TEST(CellComplex, RefusesWhatIsNoMapAndNamesAllElements) {
   mesh = two_cubes();
   mesh.hexahedra[1][7] = mesh.hexahedra[1][0];
   mesh.hexahedra[0][3] = 12;
-  refuses(mesh, {"1 element with a point that does not exist", "element 0 names point 12",
+  refuses(mesh, {"1 element with a point that does not exist", "element 0 uses point 12",
                  "1 element with the same point twice", "element 1"});
 }
 

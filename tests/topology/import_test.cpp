@@ -131,17 +131,17 @@ TEST(Import, TurnsAWhollyMirroredMeshRound) {
 TEST(Import, SplitsPinchedCellsOrRefusesThem) {
   // Vertex: cubes on a diagonal. Edge: two columns between two plates.
   const Mesh corner = voxels(2, 2, 2, [](int x, int y, int z) { return x == y && y == z; });
-  const Imported in = import_warned(corner, "pinched at 1 vertex and 0 edges");
+  const Imported in = import_warned(corner, "non-manifold at 1 vertex and 0 edges");
   expect_maps_are_consistent(corner, in);
   EXPECT_EQ(in.vertices_of_point(corner.hexahedra[0][7]).size(), 2u);
-  expect_refused<TopologyError>(corner, {"pinched at 1 vertex", "points 7"},
+  expect_refused<TopologyError>(corner, {"non-manifold at 1 vertex", "points 7"},
                                 {.pinched = ImportOptions::Pinched::refuse});
 
   const Mesh columns = voxels(3, 3, 3, [](int x, int y, int z) {
     return z != 1 || (x == 0 && y == 0) || (x == 1 && y == 1);
   });
-  import_warned(columns, "pinched at 0 vertices and 1 edge");
-  expect_refused<TopologyError>(columns, {"pinched at 0 vertices and 1 edge", "edges "},
+  import_warned(columns, "non-manifold at 0 vertices and 1 edge");
+  expect_refused<TopologyError>(columns, {"non-manifold at 0 vertices and 1 edge", "edges "},
                                 {.pinched = ImportOptions::Pinched::refuse});
 }
 
@@ -149,13 +149,13 @@ TEST(Import, RefusesEveryDefectWithElementAndReason) {
   Mesh mesh = two_cubes();
   mesh.hexahedra[1][5] = 12;
   mesh.element_ids = {100, 200};
-  expect_refused<TopologyError>(mesh, {"voxels", "does not exist", "element 200 names point 12"});
+  expect_refused<TopologyError>(mesh, {"voxels", "does not exist", "element 200 uses point 12"});
 
   mesh = two_cubes();
   mesh.point_ids = {50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61};
   mesh.hexahedra[1][7] = mesh.hexahedra[1][6];
   expect_refused<TopologyError>(
-      mesh, {"the same point twice", "\"bad_elements\": \"drop\"", "element 1 names point 5"});
+      mesh, {"the same point twice", "\"bad_elements\": \"drop\"", "element 1 uses point 5"});
 
   mesh = two_cubes();
   mesh.hexahedra.push_back(mesh.hexahedra[1]);

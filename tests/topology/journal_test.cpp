@@ -47,7 +47,7 @@ TEST(Journal, DamagedOnesAreRefusedWithTheLine) {
       {head + "operations 1\npierce 1  1\n", ":8: element 1; there are 1"},
       {head + "operations 1\nsew 1  3\n", ":9: the file ends where dart"},
       {head + "operations 1\ncut 0\ncut 0\n", ":9: more data than declared"},
-      {head + "operations 3\ncut 1  8\n", ":7: 3 operations are announced"},
+      {head + "operations 3\ncut 1  8\n", ":7: 3 operations are declared"},
   };
   for (const auto& [text, words] : damaged) {
     const auto file = folder.write("damaged.journal", text);

@@ -56,20 +56,25 @@ struct ActiveSteps {
   double seconds_of_event;  ///< per step
 };
 
-/// Lets the event happen in the middle of its time, a few times in succession. This may change the
-/// body, which serves for the estimate only.
-ActiveSteps measure_event(RunLoop& run, std::size_t i, double end) {
-  constexpr int repetitions = 8;
+/// Lets the event happen in the middle of its time, step after step for a while. This may change
+/// the body, which serves for the estimate only.
+ActiveSteps measure_event(RunLoop& run, std::size_t i, double end, double seconds_per_step) {
+  constexpr int most_steps = 64;
+  constexpr double budget = 0.3;  // s
   const Event& event = run.built().scene().events[i];
   const double from = event.start(), to = std::min(event.finish(), end);
-  const double dt = run.control().next_dt();
   double time = (from + to) / 2;
   run.rehearse(i, time);  // a blade cuts from its last place on
   const Wall::time_point start = Wall::now();
-  for (int k = 0; k < repetitions; ++k) run.rehearse(i, time += dt);
-  const double seconds = seconds_since(start) / repetitions;
+  int steps = 0;
+  while (steps < most_steps && seconds_since(start) < budget && run.tries_step()) {
+    time += run.control().last_dt();
+    run.rehearse(i, time);
+    ++steps;
+  }
+  const double seconds = seconds_since(start) / std::max(steps, 1) - seconds_per_step;
   return {std::max(to - from, 0.0), run.control().next_dt(),
-          seconds / static_cast<double>(std::max<std::uint64_t>(event.every, 1))};
+          std::max(seconds, 0.0) / static_cast<double>(std::max<std::uint64_t>(event.every, 1))};
 }
 
 /// Takes events that repeat into the estimate of a run without them.
@@ -77,7 +82,7 @@ void add_events(RunLoop& run, double end, Estimate& estimate) {
   const std::vector<Event>& events = run.built().scene().events;
   for (std::size_t i = 0; i < events.size(); ++i) {
     if (!events[i].repeats()) continue;
-    const ActiveSteps active = measure_event(run, i, end);
+    const ActiveSteps active = measure_event(run, i, end, estimate.seconds_per_step);
     const double steps = active.duration / active.dt;
     estimate.steps += saturate<std::uint64_t>(steps - active.duration / estimate.dt);
     estimate.seconds += steps * active.seconds_of_event;

@@ -186,6 +186,20 @@ TEST_F(Runs, ExplainBearsAForceThatAnEventWouldEnd) {
   EXPECT_EQ(explained.code, 0) << explained;
 }
 
+// Vertices on the blade's way have less mass behind it, and the step is shorter.
+TEST_F(Runs, ExplainCountsTheStepsThatABladeTakes) {
+  const std::string file = SUTURE_SCENES "/blade-sweep.json";
+  const auto steps = [&](const std::vector<std::string>& sets) {
+    std::vector<std::string> arguments{"explain", file, "--json", "--set", "/output=false"};
+    arguments.insert(arguments.end(), sets.begin(), sets.end());
+    const Outcome explained = suture(arguments);
+    const auto at = explained.out.find("\"steps\": ");
+    EXPECT_NE(at, std::string::npos) << explained;
+    return at == std::string::npos ? 0 : std::stoi(explained.out.substr(at + 9));
+  };
+  EXPECT_GT(steps({}), steps({"--set", "/events=[]"}));
+}
+
 struct Cut {
   const char* what;
   const char* event;

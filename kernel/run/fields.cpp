@@ -215,8 +215,18 @@ bool contains(const std::vector<FieldChoice>& fields, const FieldChoice& field) 
   });
 }
 
+/// Fields of one name on the same cells are one array. Throws PluginError if they differ in width.
 void add_once(std::vector<FieldChoice>& fields, FieldChoice field) {
-  if (!contains(fields, field)) fields.push_back(std::move(field));
+  const auto same = std::ranges::find_if(
+      fields, [&](const FieldChoice& f) { return f.name == field.name && f.on == field.on; });
+  if (same == fields.end()) {
+    fields.push_back(std::move(field));
+  } else if (same->components != field.components) {
+    throw PluginError("the models of this scene have fields " + quote(field.name) + " of " +
+                      std::to_string(same->components) + " and of " +
+                      std::to_string(field.components) +
+                      " components; one array cannot hold both, use only one of these models");
+  }
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "kernel/base/error.hpp"
 #include "kernel/output/frame_file.hpp"
 #include "tests/run/beam.hpp"
 
@@ -94,16 +95,25 @@ TEST(CutSeries, ShowsABladeWhileItIsThere) {
   EXPECT_TRUE(std::isnan(field(frame, "opened").values[0]));
 }
 
+ModelUse use_of(const char* model) {
+  ModelUse use;
+  use.name = model;
+  use.model = &host().model(model);
+  use.parameters = {0.1};
+  return use;
+}
+
+Scene scene_with_skin() {
+  Scene scene = beam(host(), "tm-faure", 8, 2, 0);
+  scene.models.push_back(use_of("skin"));
+  scene.output.faces = true;
+  return scene;
+}
+
 // The surface of the beam, 2 x 0.25^2 + 4 x 0.25 m^2, from 8 + 4 x 16 faces; a cut through it adds
 // two ends.
 TEST(FaceSeries, HasTheFieldsOfFunctorsOnFaces) {
-  Scene scene = beam(host(), "tm-faure", 8, 2, 0);
-  ModelUse skin;
-  skin.name = "skin";
-  skin.model = &host().model("skin");
-  skin.parameters = {0.1};
-  scene.models.push_back(skin);
-  scene.output.faces = true;
+  Scene scene = scene_with_skin();
   scene.events = {event_of(CutPlane{{0.5, 0, 0}, {1, 0, 0}})};
   Shown shown(scene);
   const auto area = [&](const Frame& frame) {
@@ -119,6 +129,18 @@ TEST(FaceSeries, HasTheFieldsOfFunctorsOnFaces) {
   const Frame cut = shown.frame(0);
   EXPECT_EQ(cut.cells.size(), 80u);
   EXPECT_NEAR(area(cut), 1.25, 1e-12);
+}
+
+TEST(FaceSeries, RefusesFieldsOfOneNameAndDifferentWidth) {
+  Scene scene = scene_with_skin();
+  scene.models.push_back(use_of("vector-skin"));
+  try {
+    const Shown shown(scene);
+    ADD_FAILURE();
+  } catch (const PluginError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("'area' of 1 and of 3 components"), std::string::npos) << text;
+  }
 }
 
 }  // namespace

@@ -38,4 +38,16 @@ struct Skin : suture::model, suture::on_faces {
     out.set(0, 0.5 * sqrt(dot(a, a)));
   }
 };
-SUTURE_PLUGIN("skin", "1.0", "GPL-3.0-or-later", "Surface tension", Skin)
+
+/// The same with a field of that name, but of three components: the vector area.
+struct VectorSkin : Skin {
+  static constexpr const char* id = "vector-skin";
+  static constexpr suture_field fields[] = {suture::field("area", "m^2", "area vector", 3)};
+
+  template <class Cell, class Results>
+  static void output(const Cell& c, const Results& out) {
+    const auto a = twice_the_area(c);
+    for (int i = 0; i < 3; ++i) out.set(0, i, 0.5 * a[i]);
+  }
+};
+SUTURE_PLUGIN("skin", "1.0", "GPL-3.0-or-later", "Surface tension", Skin, VectorSkin)

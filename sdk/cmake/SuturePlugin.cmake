@@ -3,23 +3,24 @@
 # suture_add_plugin(NAME SOURCES a.cpp ... [CXX_STANDARD 17] [FOLDER dir])
 #
 # Builds one shared object per instruction set from the same sources:
-#   NAME.so         the base line of the architecture, always
+#   NAME.so         the baseline of the architecture, always
 #   NAME.avx2.so    x86-64-v3 (Haswell and later), on x86-64 only
 #   NAME.avx512.so  x86-64-v4 (Skylake-SP and later), on x86-64 only
-# into <build>/lib/suture/plugins and, on install, <libdir>/suture/plugins; with
-# FOLDER into that folder only (plugins of tests). The host loads the best one that
-# the processor runs. The objects share no code: an inline function compiled for
-# AVX-512 in one of them can never become the copy that an old processor executes.
+# They go into <build>/lib/suture/plugins and, on installation, into
+# <libdir>/suture/plugins; with FOLDER, into that folder only (plugins of tests). The
+# host loads the best one that the processor supports. The objects share no code: an
+# inline function compiled for AVX-512 in one of them can never become the copy that
+# an older processor executes.
 #
-# What each flag is for:
+# The purpose of each flag:
 #   -fno-math-errno, -fno-trapping-math, -fno-signed-zeros  roots and selects become
 #       instructions, and a sum may start from zero for free. Values, NaN and
-#       infinity are as IEEE 754 says. -ffast-math is not used: the compiler would
-#       assume that no NaN exists, and remove every check for one.
-#   -ffp-contract=fast  a*b+c in one rounding where the processor has it.
+#       infinity follow IEEE 754. -ffast-math is not used: the compiler would assume
+#       that no NaN exists, and remove every check for one.
+#   -ffp-contract=fast  a*b+c is rounded once where the processor supports it.
 #   hidden visibility and plugin.map  suture_plugin_v1 is the only dynamic symbol.
 #       No plugin can call into another by accident, and inline statics stay the
-#       plugin's own, which glibc would else merge over all libraries (STB_GNU_UNIQUE).
+#       plugin's own; otherwise glibc would merge them across libraries (STB_GNU_UNIQUE).
 #   -z defs  a missing symbol is an error now, not at the first call.
 #   --require-defined  so is a missing SUTURE_PLUGIN(...).
 include_guard(GLOBAL)
@@ -66,7 +67,7 @@ function(suture_add_plugin name)
   endif()
   _suture_plugin_object(${name} ${common})
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
-    # A sanitizer looks at the base line: same source, a fifth of the compile time.
+    # Sanitizers instrument only the baseline: same source, a fifth of the compile time.
     set(plain $<$<BOOL:${SUTURE_SANITIZER}>:-fno-sanitize=all>)
     _suture_plugin_object(${name}.avx2 ${common} FLAGS -march=x86-64-v3 ${plain})
     _suture_plugin_object(${name}.avx512 ${common}

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// suture/cell.hpp - what a model's functions are given: one cell, seen through
-// the scalar type T. Really it is lanes_of<T> cells of a batch side by side; a
-// function written against it never notices.
+// suture/cell.hpp - what a model's functions receive: one cell, with the scalar
+// type T. It stands for lanes_of<T> cells of a batch side by side, but a function is
+// written as if for one.
 //
 //   template <class Cell> static void force(Cell& c) {
 //     const auto d = c.position(1) - c.position(0);      // vec3<T>, m
@@ -11,8 +11,8 @@
 //     c.force(1, -f);
 //   }
 //
-// Only what the functor declares is there: reading anything else is an error of the
-// compiler, which says what to declare.
+// Only what the functor declares is available: reading anything else is a
+// compile-time error that says what to declare.
 #ifndef SUTURE_CELL_HPP
 #define SUTURE_CELL_HPP
 
@@ -33,9 +33,9 @@ struct failure : std::runtime_error {
   int lane = -1;  ///< of the batch; -1: the whole instance
   failure(suture_status s, const std::string& text) : std::runtime_error(text), status(s) {}
 };
-/// The run cannot go on. `text` says what happened and what to do.
+/// Stops the run. `text` says what happened and what to do.
 [[noreturn]] inline void stop(const std::string& text) { throw failure(SUTURE_STOP, text); }
-/// The step may succeed with `factor` times its length.
+/// Requests that the step be repeated with `factor` times its length.
 [[noreturn]] inline void retry(const std::string& text, double factor = 0.5) {
   failure f(SUTURE_RETRY, text);
   f.step_factor = factor;
@@ -54,13 +54,14 @@ class values {
   const suture_context* context_;
 };
 
-/// Parameters, and what prepare() may tell the user about them. Ranges of single
-/// parameters are declared in the list and checked by the host; this is for what
-/// only several together show. `key` is a short stable word ("unstable-ratio").
+/// Parameters, and the means by which prepare() reports problems with them to the user.
+/// Ranges of single parameters are declared in the list and checked by the host; these
+/// reports are for conditions on several parameters. `key` is a short, stable word
+/// ("unstable-ratio").
 class setup : public values {
  public:
   using values::values;
-  /// Shown once to the user; the run goes on.
+  /// Shows `text` to the user once; the run continues.
   void warn(const char* key, const std::string& text) const {
     context()->host->report(context(), SUTURE_WARNING, UINT32_MAX, key, text.c_str());
   }
@@ -83,17 +84,17 @@ struct constants_of_model<Model, std::void_t<typename Model::Constants>> {
 template <class Model>
 using constants_of = typename constants_of_model<Model>::type;
 
-/// Which function of a functor a cell is for: force() sets forces and trial columns,
-/// inspect() sees rest shapes and reports, the others do neither.
+/// The kind of function that receives a cell: force() sets forces and trial columns,
+/// inspect() examines rest shapes and reports, the others do neither.
 enum class purpose { force, evaluation, inspection };
 
 /// Cells `lane` .. `lane + lanes_of<T> - 1` of a batch, as one cell of scalar T.
-/// With T = dual<R> positions and velocities carry the direction (dx, dv).
+/// With T = dual<R>, positions and velocities carry the direction (dx, dv).
 template <class T, class Model, class Functor, purpose Purpose = purpose::evaluation>
 class cell {
  public:
   using scalar = T;
-  using real = real_of<T>;  ///< of what is never differentiated
+  using real = real_of<T>;  ///< for quantities that are never differentiated
 
   SUTURE_INLINE cell(const suture_context* context, const suture_batch* batch, int lane,
                      double* force = nullptr, const double* dx = nullptr,
@@ -101,8 +102,9 @@ class cell {
       : context_(context), batch_(batch), lane_(lane), force_(force), dx_(dx), dv_(dv) {}
 
   // ---- geometry and state ----
-  // Nodes are numbered as in plugin.h: 0 of a vertex, 0, 1 of an edge, outward from
-  // side 0 of a face, X0..X7 of a hexahedron with the x index fastest.
+  // Nodes are numbered as in plugin.h: 0 for a vertex, 0 and 1 for an edge, 0..3 for a
+  // face (its normal points outward from side 0), 0..7 for a hexahedron (X0..X7, the x
+  // index runs fastest).
 
   /// Rest position of a node, m. Never a dual number: the rest shape does not move.
   SUTURE_INLINE vec3<real> rest(int node) const {
@@ -110,13 +112,13 @@ class cell {
                   "rest() is not declared: add SUTURE_READ_REST to the functor's `reads`");
     return vector<real>(batch_->rest, node);
   }
-  /// Present position of a node, m. Declared unless the functor says otherwise.
+  /// Current position of a node, m. Declared by default.
   SUTURE_INLINE vec3<T> position(int node) const {
     static_assert(reads<SUTURE_READ_POSITION>,
                   "position() is not declared: add SUTURE_READ_POSITION to the functor's `reads`");
     return moving(batch_->position, dx_, node);
   }
-  /// Velocity of a node, m/s. Zero where enabled() has cleared it.
+  /// Velocity of a node, m/s. Zero if enabled() has cleared it.
   SUTURE_INLINE vec3<T> velocity(int node) const {
     static_assert(reads<SUTURE_READ_VELOCITY>,
                   "velocity() is not declared: add SUTURE_READ_VELOCITY to the functor's `reads`");
@@ -128,19 +130,19 @@ class cell {
 
   // ---- columns ----
 
-  /// Component of a column of this cell.
+  /// A component of a column of this cell.
   template <std::uint32_t Place>
   SUTURE_INLINE real column(suture::column<Place>, int component = 0) const {
     SUTURE_DETAIL_CHECK_INDEX(component, component, (detail::components_of<Model, Place>()));
     return load<real>(batch_->cell_columns[cell_column<Place>()] + component * stride + lane_);
   }
-  /// The same of one out of several columns, chosen at run time.
+  /// The same for one of several columns, chosen at run time.
   template <std::uint32_t... Places>
   SUTURE_INLINE real column(column_list<Places...>, int which, int component) const {
     constexpr int index[] = {cell_column<Places>()...};
     return load<real>(batch_->cell_columns[index[which]] + component * stride + lane_);
   }
-  /// Component of a column of a node.
+  /// A component of a column of a node.
   template <std::uint32_t Place>
   SUTURE_INLINE real vertex_column(suture::column<Place>, int node, int component = 0) const {
     constexpr int index = Functor::vertex_columns.index_of(Place);
@@ -155,7 +157,7 @@ class cell {
   }
   /// Writes the trial copy of a column declared with trial(): the next state of a
   /// material with memory. column() keeps the accepted state until the kernel accepts
-  /// the step. Does nothing but in force(), on what is no derivative.
+  /// the step. Has an effect only in force(), and only if T is not a dual number.
   template <std::uint32_t Place>
   SUTURE_INLINE void trial(suture::column<Place>, int component, const T& value) const {
     static_assert(detail::has_trial<Model, Place>(),
@@ -168,14 +170,14 @@ class cell {
 
   // ---- parameters ----
 
-  /// Value of parameter `i`, by place in the declared list; the same in all cells.
+  /// Value of parameter `i` of the declared list; the same in all cells.
   SUTURE_INLINE double parameter(int i) const {
     SUTURE_DETAIL_CHECK_INDEX(parameter, i, detail::parameter_count<Model>());
     return context_->parameters[i];
   }
-  /// All of them, for functions that take values.
+  /// All parameters, for functions that take `values`.
   suture::values parameters() const { return suture::values(context_); }
-  /// What Model::prepare stored: derived once, read by every cell.
+  /// What Model::prepare stored: computed once, read by every cell.
   SUTURE_INLINE const constants_of<Model>& constants() const {
     static_assert(detail::has_prepare<Model>,
                   "constants() are not there: give the model a struct Constants and a function "
@@ -185,8 +187,8 @@ class cell {
 
   // ---- results ----
 
-  /// Sets the force on a node, N. Every node must be set, once: what the layer
-  /// passes on is not cleared before. With dual numbers the derivative is stored.
+  /// Sets the force on a node, N. Every node must be set exactly once: the array is not
+  /// cleared beforehand. With dual numbers the derivative is stored.
   SUTURE_INLINE void force(int node, const vec3<T>& f) const {
     static_assert(Purpose == purpose::force, "forces are set by the functor's force() alone");
     SUTURE_DETAIL_CHECK_INDEX(node, node, Functor::nodes);
@@ -201,9 +203,9 @@ class cell {
 
   // ---- findings ----
 
-  /// In inspect(): reports every cell in which `where` holds. `key` is a short stable
-  /// word, `text` one sentence with the remedy; the user sees each key once, with the
-  /// number of cells. SUTURE_ERROR refuses the scene.
+  /// In inspect(): reports every cell in which `where` holds. `key` is a short, stable
+  /// word, `text` one sentence that includes the remedy; the user sees each key once,
+  /// with the number of cells. After a SUTURE_ERROR the scene is refused.
   template <class Mask>
   void report(suture_severity severity, const Mask& where, const char* key,
               const std::string& text) const {
@@ -216,7 +218,7 @@ class cell {
         context_->host->report(context_, severity, batch_->cell_ids[lane_ + i], key, text.c_str());
   }
   /// In force(): throws `f` for the first cell in which `good` does not hold. Costs
-  /// one test per pack while all is well.
+  /// one test per pack if it holds in all cells.
   template <class Mask>
   SUTURE_INLINE void require(const Mask& good, failure f) const {
     if (__builtin_expect(all(good), 1)) return;
@@ -231,7 +233,7 @@ class cell {
   static constexpr bool reads = (Functor::reads & Read) != 0 ||
                                 (Purpose == purpose::inspection && Read != SUTURE_READ_VELOCITY);
 
-  /// Which of the declared cell_columns it is.
+  /// The index of the column among the declared cell_columns.
   template <std::uint32_t Place>
   static constexpr int cell_column() {
     constexpr int index = Functor::cell_columns.index_of(Place);

@@ -2,8 +2,8 @@
 //
 // suture/columns.hpp - names for the columns of a model.
 //
-// A column<N> stands for the attribute at place N of the model's list. What is not
-// declared cannot be read: the compiler says so where the function is instantiated.
+// A column<N> stands for the attribute at place N of the model's list. Reading a column
+// that is not declared is a compile-time error where the function is instantiated.
 //
 //   static constexpr suture::column<0> stiffness{};
 //   static constexpr suture::column<1> rest_length{};
@@ -23,15 +23,16 @@ struct column {
   static constexpr std::uint32_t place = Place;
 };
 
-/// The kernel's mass, among the vertex_columns of a functor.
+/// The kernel's mass of a vertex, for the vertex_columns of a functor.
 inline constexpr column<UINT32_MAX> vertex_mass{};
 
-/// Several columns: what a functor declares, or some alike to choose from at run time.
+/// Several columns: those that a functor declares, or some from which one is chosen at run
+/// time.
 template <std::uint32_t... Places>
 struct column_list {
   static constexpr std::array<std::uint32_t, sizeof...(Places)> places{Places...};
 
-  /// Where in the list a column is; -1: nowhere.
+  /// The index of a column in the list; -1 if it is not in it.
   static constexpr int index_of(std::uint32_t place) {
     for (std::size_t i = 0; i < places.size(); ++i)
       if (places[i] == place) return int(i);

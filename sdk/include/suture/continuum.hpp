@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// suture/continuum.hpp - a whole hyperelastic model from its law in closed form.
+// suture/continuum.hpp - a complete hyperelastic model from a law in closed form.
 //
 //   #include "suture/continuum.hpp"
 //
@@ -22,24 +22,24 @@
 //   };
 //   SUTURE_PLUGIN("neo-hooke", "1.0", "MIT", "Neo-Hookean solid", NeoHooke)
 //
-// That gives forces on trilinear hexahedra (parallelepipeds on a faster path),
+// This gives forces on trilinear hexahedra (parallelepipeds on a faster path),
 // mass, energy, exact tangent, stable step, and the fields "stress", "von_mises"
 // and "energy_density".
 //
-// A law has one or both of, as static templates of the model:
+// A law consists of one or both of these static function templates of the model:
 //   energy(F, p) -> T        energy density W per rest volume, J/m^3
 //   stress(F, p) -> mat3<T>  first Piola-Kirchhoff stress P = dW/dF, Pa
-// Without stress() P is found from energy() on dual numbers, at nine times its
-// cost; without energy() no energies are offered. `p` is the model's Constants if
+// Without stress(), P is computed from energy() on dual numbers, at nine times the
+// cost; without energy(), no energies are offered. `p` is the model's Constants if
 // it declares them, else its parameters by index.
 //
-// Besides, a model may have
-//   static lame isotropic(p)    where S = lambda tr(E) I + 2 mu E is its law: boxes then take a
-//                               tenth fewer operations (isotropic_box_force)
+// A model may also have
+//   static lame isotropic(p)     if its law is S = lambda tr(E) I + 2 mu E: boxes then need a
+//                                tenth fewer operations (isotropic_box_force)
 //   static int points(values)    Gauss points per axis, 2 (default) or 3
-//   static bool stores(values)   false: the geometry of elements that are no parallelepipeds
-//                                is computed anew at each evaluation (default: stored where
-//                                there are 2 points, a quarter faster, 640 B per element)
+//   static bool stores(values)   false: the geometry of elements other than parallelepipeds
+//                                is computed again at each evaluation (default: stored if
+//                                there are 2 points; a quarter faster, 640 B per element)
 // and the members of any model (model.hpp).
 #ifndef SUTURE_CONTINUUM_HPP
 #define SUTURE_CONTINUUM_HPP
@@ -56,7 +56,7 @@ struct lame {
 
 namespace detail {
 
-/// What a law gets as `p`: the model's constants, or its parameters.
+/// What a law receives as `p`: the model's constants, or its parameters.
 template <class M>
 using material_of =
     std::conditional_t<std::is_same_v<constants_of<M>, no_constants>, values, constants_of<M>>;
@@ -111,7 +111,7 @@ inline constexpr bool is_box = false;
 template <class R, int Q>
 inline constexpr bool is_box<box_geometry<R, Q>> = true;
 
-/// P of the law: its own, or dW/dF_ij one component after the other.
+/// P of the law: from stress(), or else dW/dF_ij, one component after another.
 template <class M, class T, class Material>
 SUTURE_INLINE mat3<T> law_stress(const mat3<T>& F, const Material& p) {
   if constexpr (has_stress<M>) {
@@ -131,8 +131,8 @@ SUTURE_INLINE mat3<T> law_stress(const mat3<T>& F, const Material& p) {
   }
 }
 
-/// J^-1 of parallelepipeds, row-major: component 3*axis + coordinate. Entries
-/// that are rounding (below 1e-13 of the largest) are zero, so that a box is
+/// J^-1 of parallelepipeds, row-major: component 3*axis + coordinate. Entries that
+/// are due to rounding (below 1e-13 of the largest) are set to zero, so that a box is
 /// recognised as one.
 struct inverse_jacobian {
   static constexpr int components = 9;
@@ -150,7 +150,8 @@ struct inverse_jacobian {
   }
 };
 
-/// J^-1 at Gauss point `Point` of two per axis, x fastest; det J of all eight.
+/// J^-1 at Gauss point `Point` (two per axis, x fastest); point_measures gives det J at
+/// all eight.
 template <int Point>
 struct point_inverse {
   static constexpr int components = 9;
@@ -203,8 +204,8 @@ constexpr bool check_law() {
   return true;
 }
 
-/// What parallelepipeds and general hexahedra have in common. `Shape` offers
-/// with_geometry<Q>(cell, work): calls work(geometry).
+/// What parallelepipeds and general hexahedra have in common. `Shape` provides
+/// with_geometry<Q>(cell, work), which calls work(geometry).
 template <class M, class Shape>
 struct continuum_law : on_volumes {
   static_assert(check_law<M>());
@@ -271,7 +272,7 @@ struct continuum_law : on_volumes {
     work(std::integral_constant<int, 2>());
   }
 
-  /// One body of code per rule and geometry: together they would spill.
+  /// One function per rule and geometry: inlined into one, they would spill registers.
   template <int Q, class Cell, class Geometry>
   static __attribute__((noinline)) void force_with(const Cell& c, const Geometry& g) {
     using T = typename Cell::scalar;
@@ -365,7 +366,7 @@ struct stored_hexahedra : continuum_functor<M, stored_hexahedra<M>> {
   template <int Q, class Cell, class Work>
   static SUTURE_INLINE void with_geometry(const Cell& c, Work&& work) {
     using R = typename Cell::real;
-    if constexpr (Q == 2)  // else it is not enabled
+    if constexpr (Q == 2)  // otherwise the functor is not enabled
       work(make_stored_geometry<R>([&](int point, int i) { return c.column(jacobians, point, i); },
                                    [&](int point) { return c.column(measures, point); }));
   }

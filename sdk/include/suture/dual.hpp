@@ -10,9 +10,9 @@
 //   dual<double> x{3.0, 1.0};            // dx = 1
 //   auto y = x * x * x;                  // y.value = 27, y.derivative = 27
 //
-// T is double, a pack, or again a dual (second derivatives). The layer obtains
-// from it: the tangent from the force, the stress from an energy density, and
-// the tangent of that.
+// T is double, a pack, or again a dual (second derivatives). With it the layer
+// obtains the tangent from the force, the stress from an energy density, and the
+// tangent of that stress.
 #ifndef SUTURE_DUAL_HPP
 #define SUTURE_DUAL_HPP
 
@@ -54,7 +54,7 @@ struct dual {
     return {q, (a.derivative - q * b.derivative) / b.value};
   }
 
-  // With a constant: no derivative of it to carry along.
+  // With a constant, which has no derivative.
   friend SUTURE_INLINE dual operator+(const dual& a, T b) { return {a.value + b, a.derivative}; }
   friend SUTURE_INLINE dual operator+(T a, const dual& b) { return {a + b.value, b.derivative}; }
   friend SUTURE_INLINE dual operator-(const dual& a, T b) { return {a.value - b, a.derivative}; }
@@ -102,7 +102,7 @@ struct dual {
     return dual(T(double(a))) / b;
   }
 
-  // Comparisons and choices go by the value; the derivative follows the choice.
+  // Comparisons and select() use the value; the derivative goes with the selected value.
   friend SUTURE_INLINE auto operator<(const dual& a, const dual& b) { return a.value < b.value; }
   friend SUTURE_INLINE auto operator>(const dual& a, const dual& b) { return a.value > b.value; }
   friend SUTURE_INLINE auto operator<=(const dual& a, const dual& b) { return a.value <= b.value; }
@@ -146,7 +146,7 @@ struct dual {
   }
 };
 
-/// The real number below duals: double or a pack.
+/// The real type that underlies (nested) duals: double or a pack.
 template <class T>
 struct real_part {
   using type = T;

@@ -5,12 +5,12 @@
 // Local coordinates xi in [0,1]^3; node n sits at (n&1, (n>>1)&1, (n>>2)&1), and
 //   x(xi) = sum_n N_n(xi) x_n,   N_n = product over axes of xi or 1 - xi.
 //
-// Along a local axis x is linear, so dx/dxi_d is the difference of the two ends
+// x is linear along each local axis, so dx/dxi_d is the difference of the two ends
 // of an edge, interpolated between the four edges of direction d. It does not
 // depend on xi_d: a rule of Q points per axis has Q^2 different values of it, not
-// Q^3, and they are found axis by axis ("sum factorisation"), without the 8 x 3
-// matrix of shape gradients. The transpose of the same steps takes stresses back
-// to nodes. For Q = 2 that is 48 operations per component each way; the shape
+// Q^3, and they are computed axis by axis ("sum factorisation"), without the 8 x 3
+// matrix of shape gradients. The transpose of the same steps maps stresses back to
+// the nodes. For Q = 2 that is 48 operations per component each way; the shape
 // matrix would cost 8 x 24.
 #ifndef SUTURE_HEXAHEDRON_HPP
 #define SUTURE_HEXAHEDRON_HPP
@@ -34,8 +34,8 @@ struct gauss<3> {
   static constexpr double weight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
 };
 
-/// Weights of the product rule, as a factor of all points times one of the point:
-/// for Q = 2 all points weigh the same, and the factor goes where it costs least.
+/// Weights of the product rule, as a factor common to all points times one per point:
+/// for Q = 2 all points have the same weight, which is applied where it costs least.
 template <int Q>
 inline constexpr double common_weight = Q == 2 ? 0.125 : 1.0;
 template <int Q>
@@ -44,7 +44,7 @@ SUTURE_INLINE constexpr double point_weight(int i, int j, int k) {
   return Q == 2 ? 1.0 : w[i] * w[j] * w[k];
 }
 
-/// From the values `a`, `b` at the ends of an axis to those at its Gauss points.
+/// Interpolates from the values `a`, `b` at the ends of an axis to its Gauss points.
 template <int Q, class T>
 SUTURE_INLINE void to_points(const T& a, const T& b, T* out, int stride) {
   const T step = b - a;
@@ -68,7 +68,7 @@ SUTURE_INLINE void to_ends(const T* in, int stride, T& a, T& b) {
 }
 
 /// A vector per local axis d and Gauss point of the two other axes: gradients
-/// dx/dxi_d, or the stresses that belong to them.
+/// dx/dxi_d, or the stresses conjugate to them.
 template <class T, int Q>
 struct axis_values {
   T along[3][3][Q * Q];  // [axis][component][lower other axis + Q * higher other axis]
@@ -103,7 +103,7 @@ struct axis_values {
   }
 };
 
-/// dx/dxi at all Gauss points, of the field with the values x at the nodes.
+/// dx/dxi at all Gauss points for the field with the values x at the nodes.
 template <int Q, class T>
 SUTURE_INLINE axis_values<T, Q> gradients(const vec3<T> (&x)[8]) {
   axis_values<T, Q> g;
@@ -146,12 +146,12 @@ SUTURE_INLINE void scatter(const axis_values<T, Q>& s, vec3<T> (&f)[8]) {
 
 // --------------------------------------------------------------- geometry --
 // How local gradients become physical ones, F = dx/dxi J^-1, and how the stress
-// P goes back, s = P cof(J) = P J^-T det J. A geometry offers
+// P is mapped back, s = P cof(J) = P J^-T det J. A geometry provides
 //   start(gradients)      once before the points
 //   point(i, j, k)        an object with F(dx/dxi), measure() = det J, and
 //                         add_flux(P, stresses), which adds s at that point
-//   finish(stresses)      once after the points; with it the fluxes have been
-//                         multiplied by common_weight<Q>
+//   finish(stresses)      once after the points; afterwards the fluxes include the
+//                         factor common_weight<Q>
 
 /// Constant J: parallelepipeds. Holds J^-1 (rows: local axes) and det J.
 template <class R, int Q>
@@ -258,10 +258,10 @@ struct general_geometry {
   }
 };
 
-/// Any hexahedron with Q = 2, J^-1 and det J of its points read from columns of the cell:
-/// 4 to 8 of them are fetched while others are computed with, so that 640 B per element
-/// cost less than geometry that is computed anew (docs/decisions).
-/// inverse_column(point, component) and measure_column(point) load them.
+/// Any hexahedron with Q = 2; J^-1 and det J at its points are read from columns of the
+/// cell. 4 to 8 columns are fetched while others are in use, so that reading 640 B per
+/// element costs less than computing the geometry again (docs/decisions).
+/// inverse_column(point, component) and measure_column(point) load the values.
 template <class R, class InverseColumn, class MeasureColumn>
 struct stored_geometry {
   InverseColumn inverse_column;
@@ -367,7 +367,7 @@ SUTURE_INLINE void isotropic_box_force(const vec3<T> (&x)[8], const box_geometry
   scatter<Q>(s, f);
 }
 
-/// Calls visit(F, w det J) at every Gauss point: integrals and averages.
+/// Calls visit(F, w det J) at every Gauss point, for integrals and averages.
 template <int Q, class T, class Geometry, class Visit>
 SUTURE_INLINE void for_deformations(const vec3<T> (&x)[8], const Geometry& geometry,
                                     Visit&& visit) {

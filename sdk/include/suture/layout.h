@@ -2,11 +2,11 @@
  *
  * suture/layout.h - the layout of every struct of plugin.h, asserted.
  *
- * Host and plugin may come from different compilers, languages and flags; what
- * they share are these numbers. A compiler that lays a struct out differently
- * (packing pragmas, another ABI) stops here instead of reading wrong numbers.
- * They hold where pointers have 64 bits. New members go to the end of a struct
- * and get a line; published lines never change. plugin.h includes this file.
+ * Host and plugin may come from different compilers, languages and flags; these
+ * numbers are what they share. A compiler that lays out a struct differently
+ * (packing pragmas, another ABI) stops here instead of reading wrong values. The
+ * numbers hold for 64-bit pointers. New members go at the end of a struct and get
+ * a new line; published lines never change. plugin.h includes this file.
  */
 #ifndef SUTURE_LAYOUT_H
 #define SUTURE_LAYOUT_H

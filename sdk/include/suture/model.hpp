@@ -21,10 +21,10 @@
 //   };
 //   SUTURE_PLUGIN("drag", "1.0", "MIT", "Drag on edges", Drag)
 //
-// A model of several functors lists them instead of being one:
+// A model with several functors lists them instead of being one itself:
 //   using functors = suture::list<EdgeSprings, InnerSprings>;
 //
-// Members of a model (M: must, others optional):
+// Members of a model (M: mandatory, others optional):
 //   M id, doc, formula, citation            const char*
 //     flags                                 suture_model_flag bits
 //     parameters[]                          suture::parameter
@@ -41,10 +41,11 @@
 //     fields[], output(const Cell&, results&)
 //     inspect(const Cell&)                  reports on rest shapes
 //     enabled(values, uint32_t& reads)   -> bool
-//     alternative                           number of a group of which one runs
-// What is present is offered; a function with one of these names that cannot be called
-// as shown is a compile-time error. The tangent is always offered, from force() on dual
-// numbers, and without bounds() the stable step is found from it by power iteration.
+//     alternative                           number of a group of which only one runs
+// Members that are present are offered to the host; a function with one of these names
+// that cannot be called as shown is a compile-time error. The tangent is always offered,
+// from force() on dual numbers; without bounds(), the stable step is computed from it by
+// power iteration.
 // Functions may throw suture::failure; any other exception is a fault of the plugin.
 #ifndef SUTURE_MODEL_HPP
 #define SUTURE_MODEL_HPP
@@ -64,7 +65,7 @@ inline constexpr double infinity = std::numeric_limits<double>::infinity();
 // ------------------------------------------------------------- parameters --
 
 /// A parameter under construction: number("E", "Pa", "Young's modulus").above(0).
-/// Required unless it is given a default.
+/// Required unless or_else() gives it a default.
 struct parameter : suture_parameter {
   constexpr parameter above(double x) const {
     return with_range(x, maximum, SUTURE_MINIMUM_EXCLUDED);
@@ -116,8 +117,8 @@ constexpr parameter boolean(const char* name, const char* doc, bool default_valu
   p.maximum = 1;
   return p;
 }
-/// One of `words` (an array that lives as long as the program); the first is the
-/// default. The value is the index.
+/// One of `words` (an array with static storage duration); the first is the default.
+/// The value is the index.
 template <std::size_t N>
 constexpr parameter choice(const char* name, const char* doc, const char* const (&words)[N]) {
   parameter p = make_parameter(SUTURE_CHOICE, name, "1", doc).or_else(0);
@@ -130,7 +131,7 @@ constexpr parameter choice(const char* name, const char* doc, const char* const 
 
 // ------------------------------------------------------------- attributes --
 
-/// What elements give to an attribute of model M, by the struct C; for from_volumes():
+/// What elements contribute to an attribute of model M, computed by C; for from_volumes():
 ///   struct RestLength {                              // on edges of a hexahedron
 ///     static constexpr int components = 1;
 ///     template <class Cell, class Out> static void compute(const Cell& c, Out out) {
@@ -145,7 +146,7 @@ inline constexpr contribution_of<M, C> contribution{};
 namespace detail {
 template <class M, class C>
 struct contribution_table;
-/// Called in constant expressions alone, where it is an error with this name.
+/// Called in constant expressions only, where it causes an error that shows this name.
 inline void attribute_and_contribution_have_different_numbers_of_components() {}
 }  // namespace detail
 
@@ -210,7 +211,7 @@ constexpr attribute volume_attribute(const char* name, const char* unit, const c
   return make_attribute(3, name, unit, doc, n);
 }
 
-/// Where a contribution writes: `set(k, component, value)`, k as in plugin.h.
+/// Receives the results of a contribution: `set(k, component, value)`, k as in plugin.h.
 template <class R, int components>
 struct contribution_results {
   double* out;
@@ -223,7 +224,7 @@ struct contribution_results {
 
 // --------------------------------------------------------------- functors --
 
-/// What a functor is unless it says otherwise by a member of the same name.
+/// The defaults of a functor; it overrides them with members of the same name.
 struct functor_defaults {
   static constexpr std::uint32_t shape = SUTURE_ANY_SHAPE;
   static constexpr std::uint32_t faces = SUTURE_ALL_FACES;
@@ -249,7 +250,7 @@ struct on_volumes : functor_defaults {
   static constexpr int nodes = 8;
 };
 
-/// Results of bounds(): per node the stiffness and damping matrices of plugin.h.
+/// Receives the results of bounds(): per node the stiffness and damping matrices of plugin.h.
 template <class R>
 struct bound_matrices {
   double* stiffness_out;
@@ -268,7 +269,7 @@ struct bound_matrices {
 constexpr suture_field field(const char* name, const char* unit, const char* doc, int n = 1) {
   return {sizeof(suture_field), std::uint32_t(n), name, unit, doc};
 }
-/// Where output() writes; ask wanted() before an expensive field.
+/// Receives the results of output(); call wanted() before computing an expensive field.
 template <class R>
 struct results {
   double* const* out;
@@ -286,7 +287,7 @@ struct results {
 template <class... Functors>
 struct list {};
 
-/// Base of a model: the members it may leave out.
+/// Base of a model: the defaults of its optional members.
 struct model {
   static constexpr std::uint32_t flags = 0;
 };
@@ -295,7 +296,7 @@ struct model {
 
 #include "suture/detail/tables.hpp"
 
-/// Exports the plugin: once, in one source file, after the models.
+/// Exports the plugin. Use it once, in one source file, after the models.
 #define SUTURE_PLUGIN(plugin_id, plugin_version, plugin_license, plugin_doc, ...)             \
   SUTURE_NOTE_STORAGE constexpr suture_note suture_note_of_this_plugin =                      \
       suture::detail::note_of<__VA_ARGS__>(plugin_id);                                        \

@@ -2,21 +2,22 @@
  *
  * suture/note.h - what a plugin file says about itself without being loaded.
  *
- * Loading a shared object runs code (constructors), so a file must be listed or
- * refused before. One ELF note in its section ".note.suture" carries what that
- * needs: the ABI, the lanes, the instruction set, the plugin's id and the ids
- * of its models. `readelf -n FILE` shows it under the owner "Suture".
+ * Loading a shared object runs code (constructors), so the host must be able to
+ * list or refuse a file without loading it. One ELF note in the section
+ * ".note.suture" holds what this requires: the ABI, the lanes, the instruction
+ * set, the plugin's id and the ids of its models. `readelf -n FILE` shows it under
+ * the owner "Suture".
  *
  * A plugin written in C places this line once, in one source file:
  *
  *   SUTURE_NOTE("my-plugin", "model-a model-b")
  *
- * The C++ layer places it for you. The instruction set is that of the compiler
- * flags of the file in which the line stands: one source built three times (see
+ * The C++ layer places it for you. The note names the instruction set for which
+ * the file with this line is compiled: one source built three times (see
  * suture_add_plugin) gives three files with three notes.
  *
- * Growth: the descriptor is append-only, a reader tests `size` first. The note
- * is data of the file, never read by address: the plugin needs no symbol for it.
+ * Growth: the descriptor is append-only; a reader tests `size` first. The note is
+ * read from the file, never through an address: the plugin needs no symbol for it.
  */
 #ifndef SUTURE_NOTE_H
 #define SUTURE_NOTE_H
@@ -32,8 +33,8 @@ extern "C" {
 #define SUTURE_NOTE_PLUGIN_CHARS 64  /* with the final zero */
 #define SUTURE_NOTE_MODELS_CHARS 912 /* with the final zero */
 
-/* What the flags of this compilation admit, in the names of files:
- * NAME.avx512.so, NAME.avx2.so, and NAME.so for the base line of the
+/* The instruction set that the flags of this compilation allow, as in the names of
+ * files: NAME.avx512.so, NAME.avx2.so, and NAME.so for the baseline of the
  * architecture. */
 #if defined(__AVX512F__)
 #define SUTURE_NOTE_ISA "avx512"
@@ -43,7 +44,7 @@ extern "C" {
 #define SUTURE_NOTE_ISA "base"
 #endif
 
-/* The descriptor. Strings are zero-terminated UTF-8, the rest of each is 0. */
+/* The descriptor. Strings are zero-terminated UTF-8; their remaining bytes are 0. */
 typedef struct suture_note_desc {
   uint32_t size;                         /* of this struct, as compiled into the plugin */
   uint32_t magic;                        /* SUTURE_MAGIC */
@@ -53,10 +54,10 @@ typedef struct suture_note_desc {
   uint32_t reserved;                     /* 0 */
   char isa[24];                          /* SUTURE_NOTE_ISA */
   char plugin[SUTURE_NOTE_PLUGIN_CHARS]; /* suture_plugin.id */
-  char models[SUTURE_NOTE_MODELS_CHARS]; /* ids, one space between two */
+  char models[SUTURE_NOTE_MODELS_CHARS]; /* ids, separated by one space */
 } suture_note_desc;
 
-/* The whole note as ELF wants it: header, owner padded to 4, descriptor. */
+/* The whole note as ELF requires it: header, owner padded to 4 bytes, descriptor. */
 typedef struct suture_note {
   uint32_t owner_size; /* strlen + 1 */
   uint32_t desc_size;
@@ -65,8 +66,8 @@ typedef struct suture_note {
   suture_note_desc desc;
 } suture_note;
 
-/* Storage of a suture_note: kept though nobody refers to it, aligned as notes
- * are (an aggregate of this size would get 32). */
+/* Storage of a suture_note: kept although nothing refers to it, and aligned as
+ * notes are (compilers align an aggregate of this size to 32 bytes). */
 #define SUTURE_NOTE_STORAGE __attribute__((section(".note.suture"), used, aligned(4))) static const
 
 #define SUTURE_NOTE_INITIALIZER(plugin_id, model_ids)                                              \
@@ -83,8 +84,8 @@ typedef struct suture_note {
 #define SUTURE_NOTE_ASSERT(condition, text) _Static_assert(condition, text)
 #endif
 
-/* Both arguments are string literals; ids of models are separated by one space.
- * Too long an id is a compile error. */
+/* Both arguments are string literals; the ids of the models are separated by one
+ * space. An id that is too long is a compile-time error. */
 #define SUTURE_NOTE(plugin_id, model_ids)                                  \
   SUTURE_NOTE_ASSERT(sizeof(plugin_id) <= SUTURE_NOTE_PLUGIN_CHARS,        \
                      "plugin id longer than 63 characters");               \
@@ -106,9 +107,9 @@ SUTURE_NOTE_ASSERT(sizeof(suture_note) == 1044, "layout of the note");
 #if __cplusplus >= 201703L
 namespace suture {
 
-/* The same note from ids that are constants of types, for the C++ layer:
+/* The same note for the C++ layer, from ids that are static members of types:
  *   SUTURE_NOTE_STORAGE constexpr suture_note n = suture::make_note("p", A::id, B::id);
- * An id that is too long is a compile error (a throw in a constant). */
+ * An id that is too long is a compile-time error (a throw in a constant expression). */
 template <class... Ids>
 constexpr suture_note make_note(const char* plugin, Ids... models) {
   suture_note note = SUTURE_NOTE_INITIALIZER("", "");

@@ -12,13 +12,13 @@
  * Most authors never include this file: suture/model.hpp builds these tables
  * from a C++ struct of 20 to 60 lines. Read this one to learn what is promised.
  *
- * Growth. Structs are append-only within an ABI major, and a member that a later
- * minor adds means nothing while it is 0. The host copies the tables of a plugin
- * into its own structs, members that the plugin does not know being 0, so a plugin
- * of an older minor needs no care; elements of an array are `size` bytes apart. A
- * plugin tests `size` before it reads a late member of the host's structs
- * (SUTURE_HAS). Published members and extensions never change meaning. Unknown
- * bits are zero.
+ * Growth. Structs are append-only within an ABI major version, and a member that a
+ * later minor version adds has no effect while it is 0. The host copies a plugin's
+ * tables into its own structs and sets the members that the plugin does not have to
+ * 0, so a plugin built for an older minor version keeps working; elements of an
+ * array are `size` bytes apart. A plugin tests `size` before it reads a member that
+ * a later minor version added to a struct of the host (SUTURE_HAS). Published
+ * members and extensions never change their meaning. Unused bits are zero.
  *
  * Units are SI. Coordinates are right-handed. A hexahedron's nodes are X0..X7
  * with X_i = (i&1, (i>>1)&1, (i>>2)&1): the x index runs fastest.
@@ -44,33 +44,33 @@ extern "C" {
 #define SUTURE_ALIGNMENT 64u     /* of every array in a batch, in bytes */
 #define SUTURE_MAGIC 0x31565453u /* "STV1" as a little-endian word */
 
-/* True if the struct that `pointer` shows was compiled with `member`. */
+/* True if the struct at `pointer` was compiled with `member`. */
 #define SUTURE_HAS(pointer, member) \
   ((pointer)->size >= offsetof(__typeof__(*(pointer)), member) + sizeof((pointer)->member))
 
 /* ---------------------------------------------------------------- status -- */
 
 /* Returned by every function of a plugin that can fail.
- * SUTURE_OK: good. SUTURE_RETRY: the step may succeed if it is tried again with a
+ * SUTURE_OK: success. SUTURE_RETRY: the step may succeed if it is repeated with a
  * smaller dt (see suture_error.step_factor). SUTURE_STOP: the run must stop, because
- * the law has no answer. SUTURE_FAULT: the run must stop, because the plugin has a
- * bug, such as an exception that it did not expect; suture_error.text says which.
- * Any other value is a fault too. */
+ * the law is not defined for this state. SUTURE_FAULT: the run must stop, because the
+ * plugin has a bug, such as an exception that it did not catch; suture_error.text
+ * describes it. Any other value is a fault, too. */
 typedef int32_t suture_status;
 #define SUTURE_OK 0
 #define SUTURE_RETRY 1
 #define SUTURE_STOP (-1)
 #define SUTURE_FAULT (-2)
 
-/* One record per worker, owned by the host, reset before each call. Of the
- * records of a step the one with the lowest cell id is reported, whatever the
- * threads did. */
+/* One record per worker, owned by the host, reset before each call. If several calls
+ * of a step fail, the same record is reported for any number of threads: faults come
+ * before stops, stops before retries, then the first functor, then the lowest cell. */
 typedef struct suture_error {
   uint32_t size;
   int32_t code;       /* the plugin's own number, shown to the user */
-  uint32_t cell;      /* id out of suture_batch.cell_ids, or UINT32_MAX */
+  uint32_t cell;      /* id from suture_batch.cell_ids, or UINT32_MAX */
   uint32_t reserved;  /* 0 */
-  double step_factor; /* with SUTURE_RETRY: proposed dt / present dt; 0: none proposed */
+  double step_factor; /* with SUTURE_RETRY: proposed dt / current dt; 0: none proposed */
   char text[512];     /* zero-terminated UTF-8; what happened and what to do */
 } suture_error;
 
@@ -84,20 +84,20 @@ enum suture_parameter_type {
 };
 
 enum suture_parameter_flag {
-  SUTURE_REQUIRED = 1u << 0,         /* no default: the scene must give it */
+  SUTURE_REQUIRED = 1u << 0,         /* no default: the scene must set it */
   SUTURE_MINIMUM_EXCLUDED = 1u << 1, /* value > minimum, not >= */
   SUTURE_MAXIMUM_EXCLUDED = 1u << 2
 };
 
 /* One parameter of a model, as `suture describe` prints it. The host reads the
- * scene, checks type and range, and hands plain doubles over, in this order. */
+ * scene, checks types and ranges, and passes plain doubles, in this order. */
 typedef struct suture_parameter {
   uint32_t size;
   uint32_t type;  /* suture_parameter_type */
   uint32_t flags; /* suture_parameter_flag */
   uint32_t choice_count;
   const char* name; /* key in the scene: "E" */
-  const char* unit; /* "Pa"; "1" if it has none */
+  const char* unit; /* "Pa"; "1" if dimensionless */
   const char* doc;  /* one sentence */
   double default_value;
   double minimum; /* -INFINITY if unbounded */
@@ -108,8 +108,8 @@ typedef struct suture_parameter {
 /* What happens to the value of an attribute when its cell splits, merges or
  * vanishes. Applied by the host, in one place, after every operation.
  *             split                        merge                    removal
- * COPY        both parts keep the value    mean weighed by mass     dropped
- * ZERO        new part 0, old part kept    sum                      dropped
+ * COPY        both parts keep the value    mass-weighted mean       dropped
+ * ZERO        old part keeps it, new is 0  sum                      dropped
  * SHARE       divided in proportion to     sum                      dropped
  *             the incident volumes
  * FROM_VOLUMES each part summed again over summed again             dropped
@@ -118,37 +118,38 @@ typedef struct suture_parameter {
 enum suture_policy { SUTURE_COPY = 0, SUTURE_ZERO = 1, SUTURE_SHARE = 2, SUTURE_FROM_VOLUMES = 3 };
 
 enum suture_attribute_flag {
-  SUTURE_OUTPUT = 1u << 0,     /* may be named among the fields of a frame */
+  SUTURE_OUTPUT = 1u << 0,     /* a scene may request it as a field of frames */
   SUTURE_TRIAL = 1u << 1,      /* state: a pair (accepted, trial). Functors read
-                                  the first and write the second; swapped when
-                                  the step is accepted, dropped when rejected,
-                                  and part of every checkpoint */
-  SUTURE_SHARED_MASS = 1u << 2 /* not a column of its own: the contributions
-                                  are summed into the kernel's vertex mass */
+                                  the first and write the second; the two are
+                                  swapped when the step is accepted, and the
+                                  second is discarded when it is rejected. Part
+                                  of every checkpoint */
+  SUTURE_SHARED_MASS = 1u << 2 /* not a separate column: the contributions are
+                                  summed into the kernel's vertex mass */
 };
 
-/* Cells that functors and contributions are written for. */
+/* The types of cells for which functors and contributions are written. */
 enum suture_cell_type {
   SUTURE_VERTEX = 1,        /* dimension 0, 1 node */
   SUTURE_EDGE = 2,          /* dimension 1, 2 nodes */
-  SUTURE_QUADRILATERAL = 3, /* dimension 2, 4 nodes, outward from side 0 */
+  SUTURE_QUADRILATERAL = 3, /* dimension 2, 4 nodes, normal outward from side 0 */
   SUTURE_HEXAHEDRON = 4     /* dimension 3, 8 nodes X0..X7 */
 };
 
 struct suture_context;
 struct suture_batch;
 
-/* The values that each 3-cell of the batch gives to its incident cells of the
+/* The values that each 3-cell of the batch contributes to its incident cells of the
  * attribute's dimension: out[(k*components + c)*lanes + lane]. In a hexahedron k
  * runs over the 8 vertices X0..X7 (dimension 0), the 12 edges (dimension 1, order of
  * suture_hexahedron_edges), the 6 faces (dimension 2, order of
  * suture_hexahedron_faces) or the cell itself (dimension 3, k = 0).
- * The batch holds rest positions, cell ids and nothing else.
- * [worker] at the start and after each operation, for the cells it touched. */
+ * The batch holds only rest positions and cell ids.
+ * [worker] at the start and after each operation, for the cells that it touched. */
 typedef suture_status (*suture_contribution_fn)(const struct suture_context* context,
                                                 const struct suture_batch* batch, double* out);
 
-/* What the 3-cells of one type give to an attribute. */
+/* What the 3-cells of one type contribute to an attribute. */
 typedef struct suture_contribution {
   uint32_t size;
   uint32_t cell_type; /* suture_cell_type, of dimension 3 */
@@ -167,33 +168,34 @@ typedef struct suture_attribute {
   const char* name;
   const char* unit;
   const char* doc;
-  double initial; /* of every component, where no contribution gives it */
-  /* with FROM_VOLUMES one for each type of 3-cell that the model is written for,
-   * else NULL */
+  double initial; /* value of every component unless contributions compute it */
+  /* with FROM_VOLUMES: one for each type of 3-cell for which the model is written;
+   * otherwise NULL */
   const suture_contribution* contributions;
 } suture_attribute;
 
 /* Vertex pairs of the 12 edges of a hexahedron: 0..3 along x, 4..7 along y,
- * 8..11 along z; within a direction the other two indices count as binary
- * digits, the lower axis first. */
+ * 8..11 along z; within a direction the indices of the other two axes count as
+ * binary digits, the lower axis as the lower digit. */
 static const uint8_t suture_hexahedron_edges[12][2] = {
     {0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
 
 /* Vertices of the 6 faces, in the order of dart[6][4]: x=0, y=0, x=1, y=1,
- * z=0, z=1, each seen from inside the element counter-clockwise (its normal by
- * the right-hand rule points inward). */
+ * z=0, z=1, each counter-clockwise as seen from inside the element (by the
+ * right-hand rule its normal points inward). */
 static const uint8_t suture_hexahedron_faces[6][4] = {{2, 6, 4, 0}, {0, 4, 5, 1}, {1, 5, 7, 3},
                                                       {3, 7, 6, 2}, {2, 0, 1, 3}, {6, 7, 5, 4}};
 
 /* ---------------------------------------------------------------- batches -- */
 
-/* SUTURE_LANES cells of one functor, gathered by the host, lane-fastest:
+/* SUTURE_LANES cells of one functor, gathered by the host; the lane runs fastest:
  *   value(node, component, lane) = p[(node*components + component)*lanes + lane]
- * Every array is SUTURE_ALIGNMENT-aligned and holds finite numbers in all
- * lanes: lanes >= valid repeat the last valid cell, so they need no mask.
- * rest, position and velocity are never NULL: zeros stand where the functor did
- * not declare them, or cleared them in enabled(). Lists of columns are NULL if
- * none is declared. The host owns everything; nothing outlives the call. */
+ * Every array is aligned to SUTURE_ALIGNMENT and holds finite numbers in all
+ * lanes: lanes >= valid repeat the last valid cell, so no mask is needed.
+ * rest, position and velocity are never NULL: they hold zeros if the functor did
+ * not declare them or cleared them in enabled(). Lists of columns are NULL if no
+ * column is declared. The host owns everything; no pointer is valid after the
+ * call. */
 typedef struct suture_batch {
   uint32_t size;
   uint32_t lanes;         /* SUTURE_LANES */
@@ -207,7 +209,7 @@ typedef struct suture_batch {
   /* one pointer per declared column, in declared order */
   const double* const* cell_columns;   /* components x lanes each */
   const double* const* vertex_columns; /* nodes x components x lanes each */
-  const uint32_t* cell_ids;            /* lanes ids as users see them, for messages */
+  const uint32_t* cell_ids;            /* lanes: ids as users see them, for messages */
   double* force;                /* out: nodes x 3 x lanes, N; the host adds it to the nodes */
   double* const* trial_columns; /* out: trial copies of cell_columns, or NULL
                                    where the column has none */
@@ -219,18 +221,18 @@ enum suture_severity { SUTURE_NOTE = 0, SUTURE_WARNING = 1, SUTURE_ERROR = 2 };
 typedef struct suture_host {
   uint32_t size;
   uint32_t abi_minor; /* of the host */
-  /* A finding about one cell (or about the instance: cell = UINT32_MAX), kept
-   * with its severity and shown to the user once per `key` with the number of
-   * cells and the first of them; an ERROR refuses the scene. `key` is a short
-   * stable word ("negative-stiffness"), `text` one sentence with the remedy.
-   * Allowed in prepare and suture_inspect_1 only. Any thread. */
+  /* Reports a finding about one cell (or, with cell = UINT32_MAX, about the
+   * instance). The user sees it once per severity and `key`, with the number of
+   * cells and the first of them; after an ERROR the scene is refused. `key` is a
+   * short, stable word ("negative-stiffness"), `text` one sentence that includes
+   * the remedy. Allowed in prepare and suture_inspect_1 only. Any thread. */
   void (*report)(const struct suture_context* context, int32_t severity, uint32_t cell,
                  const char* key, const char* text);
-  /* True if the host understands the extension. Any thread. */
+  /* True if the host supports the extension. Any thread. */
   int32_t (*has_extension)(const char* id);
 } suture_host;
 
-/* What a functor knows besides its batch. One per instance and worker. */
+/* What a functor receives besides its batch. One per instance and worker. */
 typedef struct suture_context {
   uint32_t size;
   uint32_t parameter_count;
@@ -238,7 +240,7 @@ typedef struct suture_context {
   const void* instance;     /* what prepare() stored, or NULL */
   const suture_host* host;
   suture_error* error; /* fill before returning a status != 0 */
-  void* host_data;     /* the host's own */
+  void* host_data;     /* for the host only */
 } suture_context;
 
 /* --------------------------------------------------------------- functors -- */
@@ -249,18 +251,19 @@ enum suture_read { /* what the host gathers for a functor */
                    SUTURE_READ_VELOCITY = 1u << 2
 };
 
-/* Which rest shapes of 3-cells a functor is written for. Elements whose rest
- * shape is a parallelepiped (edge vectors of one direction equal within 1e-12
- * of the element's size) are SUTURE_PARALLELEPIPED, all others SUTURE_GENERAL.
- * A cell is visited by every functor whose shape admits it. */
+/* The rest shapes of 3-cells for which a functor is written. Elements whose rest
+ * shape is a parallelepiped (the edge vectors of each direction are equal to within
+ * 1e-12 of the element's size) are SUTURE_PARALLELEPIPED, all others
+ * SUTURE_GENERAL. A cell is visited by every functor whose shape includes it. */
 enum suture_shape { SUTURE_ANY_SHAPE = 0, SUTURE_PARALLELEPIPED = 1, SUTURE_GENERAL = 2 };
 
-/* Which faces a functor on 2-cells means. */
+/* Which faces a functor on 2-cells visits. */
 enum suture_faces { SUTURE_ALL_FACES = 0, SUTURE_BOUNDARY_FACES = 1, SUTURE_INTERIOR_FACES = 2 };
 
-/* Forces of one batch. [worker] once per step and batch. Must depend on its
- * declared inputs only; must write every lane of batch->force (and of the
- * trial columns); each lane's result must depend on that lane only. */
+/* Computes the forces of one batch. [worker] once per step and batch. The result
+ * must depend on the declared inputs only, every lane of batch->force (and of the
+ * trial columns) must be written, and the result of a lane must depend on that lane
+ * only. */
 typedef suture_status (*suture_force_fn)(const suture_context* context, const suture_batch* batch);
 
 typedef struct suture_functor {
@@ -274,9 +277,9 @@ typedef struct suture_functor {
   uint32_t reads;     /* suture_read bits */
   uint32_t cell_column_count;
   uint32_t vertex_column_count;
-  uint32_t alternative;           /* functors of a model with the same number, other than 0,
-                                     are alternatives, the cheapest first: of those that are
-                                     enabled the first runs and no other */
+  uint32_t alternative;           /* functors of a model with the same nonzero number are
+                                     alternatives, the cheapest first: only the first of
+                                     those that are enabled runs */
   uint32_t reserved;              /* 0 */
   const uint32_t* cell_columns;   /* indices of attributes of `dimension` */
   const uint32_t* vertex_columns; /* indices of attributes of dimension 0;
@@ -286,13 +289,13 @@ typedef struct suture_functor {
   suture_force_fn force;
   /* Extension of this functor by id, or NULL. [main], after loading. */
   const void* (*extension)(const char* id);
-  /* False if the functor gives nothing but zero with these parameters; of an
-   * alternative, if it is not written for them. NULL means always true. [main],
-   * when the scene is compiled: a functor that answers 0 is skipped, and what is
-   * cleared in *reads (velocities without damping) is not gathered but zero. A
-   * run that skips nothing (suture run --no-skip) gathers all that is declared,
-   * runs functors that have no alternative whatever they answer, and of
-   * alternatives the last that is enabled. */
+  /* Returns 0 if the functor would contribute only zeros with these parameters or,
+   * for an alternative, if it is not written for them. NULL means always enabled.
+   * [main], when the scene is compiled: a functor that returns 0 is skipped, and
+   * inputs whose bits it clears in *reads (such as velocities without damping) are
+   * not gathered but zero. A run that skips nothing (suture run --no-skip) gathers
+   * all declared inputs, runs functors without alternatives whatever they return,
+   * and runs the last enabled one of each group of alternatives. */
   int32_t (*enabled)(const suture_context* context, uint32_t* reads);
 } suture_functor;
 
@@ -315,10 +318,11 @@ typedef struct suture_model {
   const suture_parameter* parameters;
   const suture_attribute* attributes;
   const suture_functor* functors;
-  /* Checks what ranges cannot say (through host->report), and stores what the
-   * functors derive from the parameters: at most `bytes` bytes at `instance`,
-   * which the host allocates (SUTURE_ALIGNMENT), zeroes and frees. May be NULL.
-   * [main], once per instance, before any functor. */
+  /* Checks what the ranges of single parameters cannot express (and reports it
+   * through host->report), and stores what is derived from the parameters for the
+   * functors: at most instance_bytes bytes at `instance`, which the host allocates
+   * (aligned to SUTURE_ALIGNMENT), zeroes and frees. May be NULL. [main], once per
+   * instance, before any functor. */
   suture_status (*prepare)(const suture_context* context, void* instance);
   uint64_t instance_bytes;
   /* Model-wide extension by id, or NULL. [main], after loading. */
@@ -342,16 +346,17 @@ typedef struct suture_plugin {
   const char* const* required_extensions; /* of the host */
 } suture_plugin;
 
-/* The one exported symbol. No side effect, callable at any time, never fails. */
+/* The only exported symbol. Has no side effect, may be called at any time and never
+ * fails. */
 typedef const suture_plugin* (*suture_plugin_fn)(void);
 #define SUTURE_PLUGIN_SYMBOL "suture_plugin_v1"
 
 /* -------------------------------------------------------------- extensions -- */
-/* Of functors, asked for with suture_functor.extension. The batch is that of
- * the functor's force; batch->force is NULL. All [worker]. */
+/* Extensions of functors, requested through suture_functor.extension. The batch is
+ * that of the functor's force; batch->force is NULL. All [worker]. */
 
-/* Stored energy of each cell, J. Where a model has no potential (viscosity),
- * the part that has one. */
+/* Stored energy of each cell, J. Forces without a potential (viscosity) are left
+ * out. */
 #define SUTURE_ENERGY_1 "suture.energy/1"
 typedef struct suture_energy_1 {
   uint32_t size;
@@ -360,11 +365,11 @@ typedef struct suture_energy_1 {
                           double* out /* lanes */);
 } suture_energy_1;
 
-/* Bounds for the stable step. For each node a symmetric 3x3 matrix in order
+/* Bounds for the stable step. For each node a symmetric 3x3 matrix in the order
  * XX YY ZZ XY YZ XZ: out[(node*6 + c)*lanes + lane]. Block-diagonal bounds of
  * the cell's stiffness K = -df/dx (N/m) and damping C = -df/dv (N s/m):
  *   x'Kx <= sum over nodes of x_n' stiffness_n x_n   for all x.
- * The host sums them per vertex and takes the largest eigenvalue over m. */
+ * The host sums them per vertex and divides their largest eigenvalue by the mass. */
 #define SUTURE_STABLE_DT_1 "suture.stable-dt/1"
 typedef struct suture_stable_dt_1 {
   uint32_t size;
@@ -373,14 +378,14 @@ typedef struct suture_stable_dt_1 {
                           double* stiffness, double* damping);
 } suture_stable_dt_1;
 
-/* Output fields of the functor's cells, computed at frames if asked for:
- * out[field][component*lanes + lane]; out[field] is NULL if not wanted. */
+/* Output fields of the functor's cells, computed only when they are needed:
+ * out[field][component*lanes + lane]; out[field] is NULL if it is not needed. */
 #define SUTURE_OUTPUT_1 "suture.output/1"
 typedef struct suture_field {
   uint32_t size;
   uint32_t components; /* 1, 3 or 6 (symmetric: XX YY ZZ XY YZ XZ) */
-  const char* name;    /* "stress": the same name in two functors of a model is
-                          one field (parallelepipeds and general hexahedra) */
+  const char* name;    /* "stress"; fields of the same name in two functors of a
+                          model (parallelepipeds, general hexahedra) are one */
   const char* unit;
   const char* doc;
 } suture_field;
@@ -392,8 +397,8 @@ typedef struct suture_output_1 {
                            double* const* out);
 } suture_output_1;
 
-/* Directional derivative of the force: df = (df/dx) dx + (df/dv) dv, arrays as
- * batch->force. For implicit and static solvers. */
+/* Directional derivative of the force: df = (df/dx) dx + (df/dv) dv, in arrays with
+ * the layout of batch->force. For implicit and static solvers. */
 #define SUTURE_TANGENT_1 "suture.tangent/1"
 typedef struct suture_tangent_1 {
   uint32_t size;
@@ -402,9 +407,9 @@ typedef struct suture_tangent_1 {
                          const double* dv, double* df);
 } suture_tangent_1;
 
-/* Looks at the cells once before the run and reports what the user should know
- * through host->report: rest shapes outside the model's range, and the like.
- * The batch holds rest positions (and positions = rest) and columns. */
+/* Inspects the cells once before the run and reports through host->report what the
+ * user should know, such as rest shapes outside the model's range. The batch holds
+ * rest positions (and positions equal to them) and columns. */
 #define SUTURE_INSPECT_1 "suture.inspect/1"
 typedef struct suture_inspect_1 {
   uint32_t size;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// suture/simd.hpp - one number that is several: pack<N>, N doubles side by side.
+// suture/simd.hpp - pack<N>: N doubles side by side that behave as one number.
 //
 // A model's functions are written for a scalar type T, as if for one cell. The
 // layer calls them with T = pack<native_lanes>, so that every line works on as
 // many cells as a register of the instruction set holds; T = double works in the
-// same templates and is what tests compare with.
+// same templates and is the reference for tests.
 //
 //   template <class T> T energy(T k, T length, T rest) {
 //     const T stretch = length - rest;
@@ -38,7 +38,7 @@
 
 namespace suture {
 
-/// Doubles in a register of the instruction set that this file is compiled for.
+/// Number of doubles in a register of the instruction set for which this is compiled.
 #if defined(__AVX512F__)
 inline constexpr int native_lanes = 8;
 #elif defined(__AVX__)
@@ -48,7 +48,7 @@ inline constexpr int native_lanes = 2;
 #endif
 static_assert(SUTURE_LANES % native_lanes == 0, "a batch is a whole number of packs");
 
-/// The compiler's vector extension; GCC wants element and length both dependent.
+/// The compiler's vector extension; GCC requires element and length to be dependent.
 template <class E, int N>
 struct vector_extension {
   using type [[gnu::vector_size(N * sizeof(E))]] = E;
@@ -56,7 +56,7 @@ struct vector_extension {
 template <class E, int N>
 using vector_of = typename vector_extension<E, N>::type;
 
-/// N doubles; every operation acts on each lane by itself.
+/// N doubles; every operation acts on each lane separately.
 template <int N>
 struct pack {
   using vector = vector_of<double, N>;
@@ -167,7 +167,7 @@ struct pack {
 /// The pack that fills one register.
 using native = pack<native_lanes>;
 
-// The same words for one double.
+// The same functions for one double.
 SUTURE_INLINE double select(bool m, double a, double b) { return m ? a : b; }
 SUTURE_INLINE double min(double a, double b) { return a < b ? a : b; }
 SUTURE_INLINE double max(double a, double b) { return a > b ? a : b; }
@@ -182,14 +182,14 @@ using std::pow;
 using std::sin;
 using std::sqrt;
 
-/// 1/sqrt(x) for normal x > 0, to 2 units in the last place; a NaN or an infinity
-/// gives no finite result. Cheaper than a division by a root: no operation of
-/// the sequence occupies the divider.
+/// 1/sqrt(x) for normal x > 0, to 2 units in the last place; the result for a NaN or
+/// an infinity is not finite. Cheaper than a division by a root: no operation of the
+/// sequence occupies the divider.
 ///
 /// An estimate y of relative error d is improved with e = 1 - x y^2:
 ///   x^(-1/2) = y (1 - e)^(-1/2) = y (1 + e/2 + 3/8 e^2 + 5/16 e^3 + ...)
 /// AVX-512 starts from an instruction with d < 2^-14; one step to e^3 leaves
-/// 35/128 e^4 < 6e-17. Elsewhere the start is the linear function of the exponent
+/// 35/128 e^4 < 6e-17. Otherwise the start is the linear function of the exponent
 /// and mantissa bits (d < 0.035; Lomont 2003), and two steps are made.
 SUTURE_INLINE double rsqrt(double x) { return 1 / std::sqrt(x); }
 
@@ -225,7 +225,7 @@ SUTURE_INLINE pack<N> reciprocal(pack<N> x) {
   return 1.0 / x;
 }
 
-/// What a constant lane looks like to a template: the double below a T.
+/// Whether a type is a pack.
 template <class T>
 inline constexpr bool is_pack = false;
 template <int N>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// suture/tensor.hpp - vectors and matrices of three dimensions, as formulas have
-// them. T is double, a pack or a dual; operands of different scalar types mix
-// (a rest length is no dual, a position may be one).
+// suture/tensor.hpp - vectors and matrices in three dimensions, written as in
+// formulas. T is double, a pack or a dual; operands of different scalar types mix
+// (a rest length is never a dual, a position may be one).
 //
 // Everything is inlined and its loops have constant bounds: after optimisation
 // only the arithmetic is left.

@@ -40,15 +40,15 @@ SUTURE_DETAIL_HAS(attributes)
 SUTURE_DETAIL_HAS(name)
 #undef SUTURE_DETAIL_HAS
 
-// Optional functions are found by a call with the right arguments. What has the name of one but
-// cannot be called so would be left out in silence: names_energy<F> is true if F has any function
-// called energy. Looking the name up in a struct that has one from two bases is ambiguous, whatever
-// the function looks like.
+// Optional functions are detected by a call with the right arguments. A function that has the name
+// of one but cannot be called in this way would silently be left out; therefore names_energy<F> is
+// true if F has any member called energy. Looking up the name in a struct that inherits one from
+// each of two bases is ambiguous, whatever the function looks like.
 struct optional_functions {
   int energy, bounds, output, inspect, enabled, prepare, stress, isotropic, points, stores;
 };
 struct nothing {};
-template <class F>  // a final struct has no derived one, and is not examined
+template <class F>  // a final struct cannot be derived from and is not examined
 struct with_optional_functions : std::conditional_t<std::is_final_v<F>, nothing, F>,
                                  optional_functions {};
 
@@ -106,8 +106,8 @@ constexpr bool has_trial() {
     return false;
 }
 
-/// Columns are attributes of one dimension, in places that the list has, and not the
-/// shares of the mass, which are no column.
+/// Columns are attributes of one dimension, at places that exist in the list; shares of
+/// the mass are not columns.
 template <class M, std::size_t N>
 constexpr bool are_places_of(const std::array<std::uint32_t, N>& places) {
   for (const std::uint32_t place : places)
@@ -131,9 +131,9 @@ constexpr bool share_mass([[maybe_unused]] const std::array<std::uint32_t, N>& p
   return false;
 }
 
-// Indices of nodes, components and parameters are numbers of the running program, so
-// that they can be counted in loops. Those that the optimiser knows are checked here;
-// the functions are never defined and never called.
+// Indices of nodes, components and parameters are run-time values, so that loops can count
+// them. Those that the optimiser knows are checked here; the functions are never defined
+// and never called.
 SUTURE_COMPILE_ERROR("suture: this node is beyond those of the functor's cells")
 void node_out_of_range();
 SUTURE_COMPILE_ERROR("suture: this component is beyond those that the attribute declares")

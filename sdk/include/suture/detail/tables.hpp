@@ -73,7 +73,7 @@ inline void describe(const suture_context* context, const suture_batch* batch, c
   std::snprintf(e->text, sizeof e->text, "%s", f.what());
 }
 
-/// What is thrown but is no failure. Allocates nothing: memory may be what is missing.
+/// Reports an exception other than a failure. Allocates nothing: memory may have run out.
 inline suture_status fault(const suture_context* context, const char* thrown) {
   suture_error* const e = context->error;
   if (!e) return SUTURE_FAULT;
@@ -113,7 +113,7 @@ SUTURE_INLINE suture_status for_packs(const suture_context* context, const sutur
   });
 }
 
-/// The lane and cause of a force that is no number; zeroes the forces of the batch.
+/// Reports the lane and cause of a force that is not finite; zeroes the forces of the batch.
 template <int Nodes>
 [[noreturn, gnu::cold, gnu::noinline]] void fail_not_finite(const suture_batch* batch) {
   int bad = -1;
@@ -136,13 +136,13 @@ template <int Nodes>
 
 // ---------------------------------------------------------------- functions --
 
-/// Of how many nodes the force shows whether a result is finite: of functors of the
-/// layer itself that spoil all nodes if any, less than all.
+/// The number of nodes whose forces show whether a result is finite: fewer than all for
+/// functors of this layer that spoil either all nodes or none.
 template <class F>
 inline constexpr int nodes_that_show = F::nodes;
 
-/// x - x is 0 for a number and NaN for infinities and NaNs. A sum per coordinate: one
-/// of all would be a chain of additions, each of which waits for the one before.
+/// x - x is 0 for a finite number and NaN for infinities and NaNs. One sum per coordinate: a
+/// single sum would be a chain of additions, each of which waits for the one before.
 template <class M, class F>
 [[gnu::flatten]] void force_pack(const suture_context* context, const suture_batch* batch,
                                  int lane) {
@@ -188,16 +188,16 @@ suture_status energy(const suture_context* context, const suture_batch* batch,
 
 /// Upper bound of the spectral radius of K = -df/dx (or -df/dv) of each cell, by
 /// power iteration on the exact tangent. With the Rayleigh quotient q of the unit
-/// vector x and the residual r = |Kx - q x| the eigenvalue that x has converged to
-/// lies in [q - r, q + r]; the iteration ends when r is below 3 % of q, and q + r
-/// is returned, so the step that follows is at most 1.5 % too short on its account.
+/// vector x and the residual r = |Kx - q x|, the eigenvalue to which x has converged
+/// lies in [q - r, q + r]; the iteration ends when r is below 3 % of q, and q + r is
+/// returned, which shortens the step by at most 1.5 %.
 template <class M, class F>
 native spectral_bound(const suture_context* context, const suture_batch* batch, int lane,
                       bool of_velocity) {
   constexpr int count = 3 * F::nodes, stride = SUTURE_LANES;
   alignas(SUTURE_ALIGNMENT) double x[count * stride], y[count * stride], zero[count * stride] = {};
   const auto at = [lane](double* v, int i) { return v + i * stride + lane; };
-  // Fractional parts of multiples of the golden ratio: nothing a mode is orthogonal to.
+  // Fractional parts of multiples of the golden ratio: no mode is orthogonal to them.
   for (int i = 0; i < count; ++i) {
     const double golden = 0.6180339887498949 * (i + 1);
     store(at(x, i), native((golden - std::floor(golden) - 0.5) * std::sqrt(12.0 / count)));
@@ -267,7 +267,7 @@ std::int32_t enabled(const suture_context* context, std::uint32_t* reads) noexce
   return F::enabled(values(context), *reads) ? 1 : 0;
 }
 
-/// What a contribution sees of a hexahedron.
+/// A hexahedron as a contribution receives it.
 struct contributor : on_volumes {
   static constexpr std::uint32_t reads = SUTURE_READ_REST;
 };
@@ -344,7 +344,7 @@ constexpr void check_columns() {
                 "an attribute with SUTURE_SHARED_MASS is no column: read suture::vertex_mass");
 }
 
-/// What is there must be what is called: nothing is left out in silence.
+/// Every function that is present must be called: none is left out silently.
 template <class M, class F>
 constexpr void check_optional_functions() {
   using Cell = cell<native, M, F>;

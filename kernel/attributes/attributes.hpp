@@ -22,10 +22,10 @@ class Archive;
 /// All attributes of a simulation: the kernel's own columns and those of every
 /// instance. apply() is the one place where values follow an operation.
 ///
-/// Memory per vertex of the kernel's columns: 4 x 32 B (rest, position, velocity,
+/// Memory of the kernel's columns per vertex: 4 x 32 B (rest, position, velocity,
 /// force) + 8 B mass + 8 B fixed = 144 B; a bit per vertex, edge and face for the
 /// sums after an operation; 4 B per element once a region or a SHARE column needs it;
-/// 8 B per row of a table with a SHARE column. After the first removal or merge a bit
+/// 8 B per row of a table with a SHARE column; after the first removal or merge, a bit
 /// per row.
 class Attributes {
  public:
@@ -34,34 +34,34 @@ class Attributes {
   /// Throws InputError unless there is one rest position per vertex.
   Attributes(const CellComplex& complex, std::span<const Vec3> rest);
 
-  /// Adds an instance on `elements` (ascending; empty = all elements), builds its
-  /// cell sets for the dimensions its model uses (and in `complex` the ids that
-  /// they need), and its columns.
+  /// Adds an instance on `elements` (ascending; empty = all elements), and builds its
+  /// columns, its cell sets for the dimensions that its model uses and, in `complex`,
+  /// the ids that these need.
   Instance& add(std::unique_ptr<Instance> instance, CellComplex& complex,
                 std::vector<Index> elements);
 
   /// Sums every from_volumes column (and the mass) over all elements in ascending
   /// order (the mass instance by instance), stores constant columns once and runs
-  /// the models' inspections. Throws InputError for what a model reports as an
-  /// error, PluginError for a contribution that is not finite.
+  /// the models' inspections. Throws InputError for errors that a model reports,
+  /// PluginError for a contribution that is not finite.
   void initialise(const CellComplex& complex, Diagnostics& diagnostics);
 
   /// Applies the declared policies to the kernel's tables and to those of every
-  /// instance: splits, then merges, then removals. Rows of cells that are gone stay
-  /// behind, dead, the kernel's columns of such vertices are zero. New cells join the sets of the
-  /// instances of their elements; a cell of which an instance's elements left in whole is renamed
-  /// in its set, so that a row's cell changes: afterwards row(c) is to be read again for every cell
-  /// c of change.stars. from_volumes sums of touched cells have the bits of
+  /// instance: splits, then merges, then removals. Rows of removed cells remain as dead rows; for
+  /// removed vertices, the kernel's columns are zero. New cells join the sets of the instances of
+  /// their elements. If all elements of an instance move from a cell to a new one, its row is
+  /// reassigned to the new cell; therefore row(c) must be read again for every cell c of
+  /// change.stars. from_volumes sums of touched cells are bitwise identical to those of
   /// initialise() on the cut complex (but see decision 018). O(cells in the change).
   void apply(const CellComplex& complex, const TopologyChange& change);
 
-  /// After a step that was accepted: swaps the trial copies of all columns.
+  /// To be called after an accepted step: swaps in the trial copies of all columns.
   void accept_trials();
 
-  /// To be loaded where the same was built and initialised, and apply() was not called. What
-  /// steps change: positions, velocities (48 B per vertex) and the accepted states of models.
-  /// With cells also forces and trial copies, and everything else if apply() was called. Refuses
-  /// columns that are not those of the models here.
+  /// Load it into attributes that were built and initialised in the same way and to which no
+  /// operation was applied. Covers what steps change: positions, velocities (48 B per vertex) and
+  /// the accepted states of models; with cells also forces and trial copies, and everything else if
+  /// apply() was called. Refuses columns that do not match those of the models.
   void state(Archive& archive);
 
   /// The kernel's columns on cells of a dimension; rows = cells.
@@ -80,12 +80,12 @@ class Attributes {
   Column& fixed() { return *fixed_; }                   ///< rows of 1
   Index vertex_count() const { return mass_->size(); }  ///< rows, dead ones included
 
-  /// Where elements are at rest; the column rest() alone does not know of elements that
-  /// have rest positions of their own. The accessor refers to both and to `complex`.
+  /// The rest positions of elements; the column rest() alone ignores elements that have
+  /// separate rest positions. The accessor refers to both and to `complex`.
   RestPlaces rest_places(const CellComplex& complex) const { return {complex, *rest_, own_rest_}; }
 
-  /// Numbers of elements that users see, for messages and suture_batch.cell_ids; kept by
-  /// whoever sets it, before initialise(). Empty: the complex's own.
+  /// The numbers of elements as users see them, for messages and suture_batch.cell_ids; set
+  /// before initialise() and owned by the caller. Empty: the numbers of the complex.
   std::span<const Index> user_element;
 
  private:

@@ -7,12 +7,12 @@
 
 namespace suture {
 
-/// Numbers of a cell's nodes in a batch: 1 (vertex), 2 (edge), 4 (face), 8 (element).
+/// Number of a cell's nodes in a batch: 1 (vertex), 2 (edge), 4 (face), 8 (element).
 inline constexpr int nodes_of_cell(int dimension) { return 1 << dimension; }
 
-/// Corners 0..7 of a cell in the element that stands for it, as every batch lists them: an edge in
-/// the order of suture_hexahedron_edges, a face outward, both of the element of its dart_of (side
-/// 0), an element X0..X7. Returns that element. O(1).
+/// The corners (0..7) of a cell in the element that represents it, in the order of every batch: an
+/// edge as in suture_hexahedron_edges, a face with its normal outward, both in the element of their
+/// dart_of (side 0); an element X0..X7. Returns that element. O(1).
 inline Index cell_corners(const CellComplex& complex, int dimension, Index cell,
                           hexahedron::Local* corners) {
   using hexahedron::Local;
@@ -29,14 +29,14 @@ inline Index cell_corners(const CellComplex& complex, int dimension, Index cell,
     corners[0] = ends[0];
     corners[1] = ends[1];
   } else {
-    // The darts of a face turn counter-clockwise seen from inside: reversed.
+    // The darts of a face run counter-clockwise as seen from inside, hence the reverse order.
     const Dart face = local / 4 * 4;
     for (Dart i = 0; i < 4; ++i) corners[i] = hexahedron::dart_vertex[face + (4 - i) % 4];
   }
   return dart / hexahedron::darts;
 }
 
-/// The cells of a dimension of an element; of dimension 3 the element itself, which must outlive
+/// The cells of one dimension of an element; for dimension 3 the element itself, which must outlive
 /// the span.
 inline std::span<const Index> cells_of_element(const CellComplex& complex, int dimension,
                                                const Index& element) {
@@ -46,7 +46,7 @@ inline std::span<const Index> cells_of_element(const CellComplex& complex, int d
   return {&element, 1};
 }
 
-/// The vertices there. O(1).
+/// The vertices at these corners. O(1).
 inline void cell_nodes(const CellComplex& complex, int dimension, Index cell, Index* nodes) {
   hexahedron::Local corners[hexahedron::vertices];
   const Hexahedron& x = complex.vertices_of(cell_corners(complex, dimension, cell, corners));

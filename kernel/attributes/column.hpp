@@ -20,7 +20,7 @@ struct RowSplit {
   Index old_row, new_row;
 };
 
-/// Declaration of a column; for a plugin's attribute the same words as there.
+/// Declaration of a column; for a plugin's attribute, with the same terms as in plugin.h.
 struct ColumnSpec {
   std::string name, unit, doc;
   int components = 1;
@@ -34,17 +34,17 @@ struct ColumnSpec {
 
 /// One attribute of the cells of one dimension, contiguous doubles.
 ///
-/// Vertices (dimension 0) lie in rows: `stride()` doubles per vertex, which is 4
+/// Vertices (dimension 0) are stored in rows: `stride()` doubles per vertex, which is 4
 /// for vectors so that a gather loads one aligned half cache line.
-/// Cells of dimension 1..3 lie in blocks of 8 cells, lane-fastest, so that a
-/// functor reads its columns without any copy: block(b)[component*8 + lane].
-/// Lanes behind the last row repeat it, so a functor finds no garbage there.
-/// A constant column holds one block whatever its length.
+/// Cells of dimension 1..3 are stored in blocks of 8 cells, lane-fastest, so that a
+/// functor reads its columns without copying: block(b)[component*8 + lane].
+/// Lanes after the last row repeat it, so a functor never reads garbage.
+/// A constant column holds one block, whatever its length.
 ///
 /// Memory per row: 8 B x stride() (dimension 0; a 3-vector takes 32 B), 8 B x
 /// components (dimension 1..3), nothing if constant; twice that with
-/// SUTURE_TRIAL. Address space for as many rows again is reserved, so that the
-/// first cuts copy nothing; its pages become memory only when rows use them.
+/// SUTURE_TRIAL. Address space for the same number of rows is reserved in addition, so
+/// that the first cuts copy nothing; its pages use memory only once rows use them.
 ///
 /// Pointers are valid until the next resize(), expansion, compress() or accept().
 class Column {
@@ -65,14 +65,14 @@ class Column {
   double get(Index row, int component) const { return data_[stored(row, component)]; }
   /// Expands a constant column if the value differs from it.
   void set(Index row, int component, double value);
-  /// The new rows of the splits, which follow the last row in this order: all components
-  /// of the old ones, of the trial copy too.
+  /// Appends the new rows of the splits, in this order: copies of all components of the
+  /// old rows, also in the trial copy.
   void append_copies(std::span<const RowSplit> splits);
-  void scale_row(Index row, double factor);  ///< of the trial copy too
-  /// Row `to` goes by `weight` (0..1) towards row `from`, the trial copy too: equal
-  /// values keep their bits, and a weight of 1 gives those of `from`.
+  void scale_row(Index row, double factor);  ///< also in the trial copy
+  /// Moves row `to` by `weight` (0..1) towards row `from`, also in the trial copy: equal
+  /// values keep their bits, and a weight of 1 gives the values of `from`.
   void mix_row(Index to, Index from, double weight);
-  void add_row(Index to, Index from);  ///< row `to` += row `from`, of the trial copy too
+  void add_row(Index to, Index from);  ///< row `to` += row `from`, also in the trial copy
   void fill(double value);             ///< every row and component; not the trial copy
 
   double* rows() { return data_.data(); }  ///< dimension 0, never constant
@@ -82,8 +82,8 @@ class Column {
   const double* block(Index b) const { return data_.data() + (constant_ ? 0 : block_offset(b)); }
   double* block(Index b);  ///< expands a constant column
 
-  /// Where a component of a row is in rows() or block(0) of a column that is not
-  /// constant; the next component is component_step() further.
+  /// The offset of a component of a row in rows() or block(0) of a column that is not
+  /// constant; the next component is component_step() further on.
   std::size_t offset(Index row) const {
     return dimension_ == 0 ? std::size_t{row} * static_cast<std::size_t>(stride_)
                            : block_offset(row / lanes) + row % lanes;
@@ -91,24 +91,24 @@ class Column {
   std::size_t component_step() const { return dimension_ == 0 ? 1 : lanes; }
 
   void expand();
-  /// Repeats the last row in the lanes behind it; after writing through block().
+  /// Repeats the last row in the lanes after it; to be called after writing through block().
   void pad();
   /// Stores a column once if, in every component, its rows agree within
-  /// `relative` times the largest magnitude in the column: the first row stands
-  /// for all, which changes no value by more than that bound.
+  /// `relative` times the largest magnitude in the column: the first row replaces
+  /// all others, which changes no value by more than that bound.
   /// Returns true if it is constant now. Dimension 1..3, no trial copy.
   bool compress(double relative);
 
-  /// The trial copy that functors write (SUTURE_TRIAL): same layout. A step that
-  /// is rejected needs no call: the next evaluation writes every row again.
+  /// The trial copy that functors write (SUTURE_TRIAL): same layout. A rejected step
+  /// needs no call: the next evaluation writes every row again.
   bool has_trial() const { return (spec_.flags & SUTURE_TRIAL) != 0; }
   double* trial_rows() { return trial_.data(); }
   double* trial_block(Index b) { return trial_.data() + block_offset(b); }
   void accept() { data_.swap(trial_); }  ///< the trial values become the values
-  /// The values; with cells the number of rows and the trial copy, too.
+  /// The values; with cells, also the number of rows and the trial copy.
   void state(Archive& archive);
-  /// The trial copy of a row that is not visited for a while: whatever is accepted
-  /// meanwhile, the row keeps its values.
+  /// Sets the trial copy of a row that will not be visited for a while: the row keeps its
+  /// values through all steps that are accepted meanwhile.
   void hold_row(Index row);
 
  private:

@@ -10,15 +10,15 @@
 
 namespace suture {
 
-/// Values per 3-cell that a contribution functor gives to cells of a dimension:
-/// 8 vertices, 12 edges, 6 faces, itself.
+/// Number of cells of a dimension to which a contribution of one 3-cell gives values:
+/// 8 vertices, 12 edges, 6 faces or the cell itself.
 inline constexpr std::array<int, 4> contribution_cells = {8, 12, 6, 1};
 
 /// The batch that a contribution functor reads: rest positions of up to eight
-/// elements, lane-fastest; lanes behind the last repeat it.
+/// elements, lane-fastest; lanes after the last element repeat it.
 class RestBatch {
  public:
-  /// `user_element`: numbers that messages show, or empty.
+  /// `user_element`: numbers as messages show them, or empty.
   RestBatch(const RestPlaces& rest, std::span<const Index> user_element);
 
   /// 1..8 elements.
@@ -39,39 +39,40 @@ class RestBatch {
 void contribute(Instance& instance, const suture_attribute& attribute, const suture_batch& batch,
                 double* out);
 
-/// What the first element of the region gives to a from_volumes attribute of dimension
-/// 0..2, contribution_cells x components values, if every element gives the same within
-/// `relative` times the largest of them; else empty. O(elements), less if they differ.
+/// The values that the first element of the region contributes to a from_volumes attribute
+/// of dimension 0..2 (contribution_cells x components) if those of every element are equal
+/// to within `relative` times the largest of them; else empty. O(elements), less if they
+/// differ.
 std::vector<double> alike_contribution(Instance& instance, const suture_attribute& attribute,
                                        const CellComplex& complex, RestBatch& rest,
                                        double relative);
 
 /// A from_volumes attribute summed over all elements of the region, in ascending
 /// order, into `column`; its rows are those of `cells`. Sums are added to what
-/// `column` holds. `alike`: taken for every element if it is not empty. O(elements).
+/// `column` holds. `alike`: used for every element if it is not empty. O(elements).
 void sum_contributions(Instance& instance, const suture_attribute& attribute,
                        const CellComplex& complex, RestBatch& rest, const CellSet& cells,
                        Column& column, std::span<const double> alike);
 
-/// The same sums, again, at the cells that an operation touched. Work space, kept
-/// between operations: a bit per vertex, edge and face.
+/// Repeats these sums at the cells that an operation touched. Its work space, a bit per
+/// vertex, edge and face, is kept between operations.
 class TouchedSums {
  public:
-  /// Room for the marks; otherwise the first operation pays for it.
+  /// Allocates the marks; otherwise the first operation does.
   void reserve(const CellComplex& complex);
 
-  /// From now on sum() takes `values` for every element, unless they are empty.
-  /// Returns the values that are kept.
+  /// From now on sum() uses `values` for every element, unless they are empty.
+  /// Returns the stored values.
   std::span<const double> keep_alike(const Instance& instance, const suture_attribute& attribute,
                                      std::vector<double> values);
 
-  /// All from_volumes attributes of the instance at the touched cells; its shares
+  /// Sums all from_volumes attributes of the instance at the touched cells; its shares
   /// are added to `mass`, whose touched rows the caller has set to zero. Each sum
   /// adds the same values in the same order as sum_contributions() on the complex
   /// after the operation: the same bits. O(cells and elements in the change).
   void sum(Instance& instance, const CellComplex& complex, RestBatch& rest,
            const TopologyChange& change, Column& mass);
-  /// After the last sum() with a change.
+  /// To be called after the last sum() for a change.
   void clear(const TopologyChange& change);
 
  private:
@@ -81,9 +82,9 @@ class TouchedSums {
     const CellSet* cells;  ///< nullptr: rows of the kernel's mass, row = cell
     double* values;
     std::size_t components;
-    const double* alike = nullptr;  ///< what every element gives
+    const double* alike = nullptr;  ///< the values of every element
 
-    /// The rows of cells become the sums over their elements of the region.
+    /// Sets the rows of cells to the sums over their elements in the region.
     template <int Dimension>
     void sum_alike(const Stars& stars, const CellSet& region) const;
   };

@@ -16,11 +16,11 @@ namespace suture {
 /// kept once per severity and key: how often, and the first cell's sentence.
 class Findings {
  public:
-  /// Any thread; what deliver() says does not depend on the order of the calls.
+  /// Any thread; the result of deliver() does not depend on the order of the calls.
   void add(std::int32_t severity, Index cell, std::string key, std::string text);
 
-  /// Hands notes and warnings on, each as one line beginning with `who`, and
-  /// forgets them; throws InputError with all errors, if there are any.
+  /// Passes on notes and warnings, each as one line beginning with `who`, and clears
+  /// them; throws InputError with all errors, if there are any.
   void deliver(const std::string& who, Diagnostics& diagnostics);
 
  private:

@@ -16,20 +16,20 @@
 
 namespace suture {
 
-/// All cells of a dimension that are there; row = cell, holes are dead rows. O(1)
-/// without holes.
+/// All existing cells of a dimension; row = cell, removed cells are dead rows. O(1)
+/// if no cell was removed.
 CellSet all_cells(const CellComplex& complex, int dimension);
 
-/// One use of a model in a scene: its parameters, its region, its own columns.
-/// The same model twice is two instances; an edge between them has a row in
-/// each, summed from the elements of each. Neither copied nor moved: contexts
-/// point into it.
+/// One use of a model in a scene, with its parameters, region and columns. A model
+/// that is used twice has two instances; an edge between them has a row in each,
+/// summed from the elements of each. Neither copied nor moved: contexts point into
+/// it.
 class Instance {
  public:
-  /// Runs the model's prepare(). Throws InputError with what it reported as an
-  /// error, PluginError if it failed or takes another number of parameters. The tables
-  /// are believed: the plugin host checks them when it loads them.
-  /// `skip`: false makes it compute also what adds nothing (suture run --no-skip).
+  /// Runs the model's prepare(). Throws InputError with the errors that it reported,
+  /// PluginError if it failed or takes another number of parameters. The tables are
+  /// trusted: the plugin host checks them when it loads them. With `skip` false,
+  /// functors that add nothing are computed, too (suture run --no-skip).
   Instance(const suture_model& model, std::string name, std::vector<double> parameters,
            Diagnostics& diagnostics, bool skip = true);
   ~Instance();
@@ -41,23 +41,23 @@ class Instance {
   std::span<const double> parameters() const { return parameters_; }
   /// "model 'tissue' (mss-baudet)", the beginning of messages.
   std::string title() const;
-  /// For a call of a function of the model.
+  /// Describes a call of a function of the model.
   PluginCall call(const char* function) const {
     return {.function = function, .model = &model_, .instance = name_.c_str()};
   }
 
-  /// What the model said of a functor and these parameters, once.
+  /// What enabled() returned for a functor with these parameters; it is called once.
   struct Enabled {
     bool runs = true;
-    std::uint32_t reads = 0;  ///< suture_read bits that it wants, of those declared
+    std::uint32_t reads = 0;  ///< those of the declared suture_read bits that it needs
   };
   const Enabled& functor(std::size_t number) const { return enabled_[number]; }
   bool skips() const { return skip_; }
 
-  /// False for an attribute that only functors read which do not run: it gets no
+  /// False for an attribute that is read only by functors that do not run: it gets no
   /// column. Attributes for output, and those that no functor names, are needed.
   bool needs(std::uint32_t attribute) const { return needed_[attribute]; }
-  /// True if a needed attribute or a functor that runs is on cells of `dimension`.
+  /// True if a needed attribute or an enabled functor is on cells of `dimension`.
   bool uses(int dimension) const;
 
   /// Tables of the dimensions that uses(), and always table(3), whose cells are
@@ -72,21 +72,21 @@ class Instance {
   /// share of the kernel's mass (SUTURE_SHARED_MASS), and if it is not needed.
   Column* column(std::uint32_t attribute) const { return columns_[attribute]; }
 
-  /// Cell sets and columns for `elements` (ascending; empty = all that are
-  /// there). Builds ids of edges and faces if the model uses them. Called by
+  /// Builds cell sets and columns for `elements` (ascending; empty = all existing
+  /// ones), and ids of edges and faces if the model uses them. Called by
   /// Attributes::add. O(elements of the complex).
   void build(CellComplex& complex, const RestPlaces& rest, std::vector<Index> elements);
 
-  /// Context for worker `worker` (0 .. workers-1); error record of its own, to be
+  /// Context for worker `worker` (0 .. workers-1), with a separate error record, to be
   /// reset() before a call. There is one worker until set_workers().
   suture_context& context(unsigned worker) { return workers_[worker]->context; }
   void set_workers(unsigned count);
 
-  /// Hands on what the model has reported; throws InputError for its errors.
+  /// Passes on what the model has reported; throws InputError for its errors.
   void deliver_findings(Diagnostics& diagnostics) { findings_.deliver(title(), diagnostics); }
 
-  /// First row of table(3) whose element is no parallelepiped at rest: rows are
-  /// ordered parallelepipeds first. table(3).cells.size() if no functor of the
+  /// First row of table(3) whose element is not a parallelepiped at rest: the rows of
+  /// parallelepipeds come first. table(3).cells.size() if no functor of the
   /// model asks for the shape (nothing is classified then).
   Index general_begin = 0;
 
@@ -112,7 +112,7 @@ class Instance {
   std::vector<Enabled> enabled_;  ///< by position in model().functors
   std::vector<bool> needed_;      ///< by position in model().attributes
   bool skip_;
-  /// Doubles of the model's own memory.
+  /// Size of the model's own memory, in doubles.
   std::ptrdiff_t guard_begin() const {
     return static_cast<std::ptrdiff_t>((model_.instance_bytes + sizeof(double) - 1) /
                                        sizeof(double));

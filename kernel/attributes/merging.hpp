@@ -11,26 +11,26 @@
 
 namespace suture {
 
-/// Masses of the two cells of a merge before it; any unit, the same for both.
+/// Masses of the two cells before they merge; in any unit, the same for both.
 struct MergeWeight {
   double kept, gone;
 };
 
 /// Makes the rows and values of one table follow merges and removals of its cells, as
-/// suture/plugin.h says, once the splits of the same change have been followed
+/// specified in suture/plugin.h, after the splits of the same change have been applied
 /// (policies.hpp). Sums of SUTURE_FROM_VOLUMES are left to contributions.hpp. Work
 /// space, kept between operations.
 ///
-/// The mass of a vertex is the kernel's. That of an edge or a face is taken as the
-/// volume of the region's elements around it: an instance has one set of parameters.
+/// The mass of a vertex is the kernel's. For an edge or a face it is the volume of the
+/// region's elements around it, because an instance has one set of parameters.
 class MergePolicies {
  public:
-  /// Incident volumes of all rows, if a column of the table is shared by them; before
-  /// the first operation. O(elements) for such tables.
+  /// Computes the incident volumes of all rows if a column of the table is divided by
+  /// them; to be called before the first operation. O(elements) for such tables.
   static void weigh(Table& table, const CellSet& region, const RestPlaces& rest);
 
-  /// `vertex_weights`: one per merge of vertices. `new_rows`: what the splits added, in
-  /// order. Columns before `first_column` are left alone, but their rows die too.
+  /// `vertex_weights`: one per merge of vertices. `new_rows`: the rows that the splits added,
+  /// in order. Columns before `first_column` are left alone, but their rows die, too.
   /// O(cells of the dimension in the change).
   void apply(Table& table, const RestPlaces& rest, const TouchedElements& touched,
              std::span<const MergeWeight> vertex_weights, std::span<const RowSplit> new_rows,
@@ -58,12 +58,12 @@ struct VertexMerge {
   Column &rest, &position, &velocity, &fixed;
   OwnRest& own;
 
-  /// Positions and velocities become the mean weighed by mass, so that the centre of
-  /// mass and the momentum stay; what is fixed in one of the vertices is fixed in the
-  /// one they become and keeps that one's place, of two fixed ones that of the cell
-  /// that is kept. Rest positions that agree to 1e-9 of an edge become the kept one;
-  /// others their mean too, so that the potential of gravity stays, and the elements
-  /// around them keep their rest shape as their own. O(elements around them).
+  /// Positions and velocities become the mass-weighted means, so that the centre of mass
+  /// and the momentum are conserved. Components that are fixed in one of the vertices stay
+  /// fixed at its position; if both are fixed, at that of the vertex that is kept. Rest
+  /// positions that agree to 1e-9 of an edge become that of the vertex that is kept; others
+  /// become the mass-weighted mean, too, so that the potential of gravity is conserved, and
+  /// the elements around them keep separate rest shapes. O(elements around them).
   void apply(const CellComplex& complex, const TopologyChange& change,
              std::span<const MergeWeight> weights) const;
 };

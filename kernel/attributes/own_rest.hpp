@@ -11,23 +11,23 @@
 
 namespace suture {
 
-/// Rest positions of elements that have their own: where faces were sewn that do not
+/// Rest positions of elements that need separate ones: where faces were sewn that do not
 /// coincide at rest, one rest position per vertex would bend the rest shape of the
 /// elements around it. Memory: nothing while no element needs it; then 4 B per element
-/// and 256 B for each that has its own.
+/// and 256 B for each that has separate ones.
 class OwnRest {
  public:
   bool empty() const { return slot_of_.empty(); }
-  /// `none` if the element takes the rest positions of its vertices.
+  /// `none` if the element uses the rest positions of its vertices.
   Index slot(Index element) const { return element < slot_of_.size() ? slot_of_[element] : none; }
-  /// The element has its own rest positions from now on. O(1), the first time O(elements).
+  /// Gives the element separate rest positions. O(1), the first time O(elements).
   void set(Index element, const HexahedronNodes& x, Index element_count);
-  /// The element was removed; its slot is used again.
+  /// To be called when the element was removed; its slot is reused.
   void remove(Index element);
 
   void state(Archive& archive);
 
-  /// By element; null if empty(). Elements have slots once one has.
+  /// The slot of every element; null if empty().
   const Index* slots() const { return empty() ? nullptr : slot_of_.data(); }
   /// Rows of 4 doubles as in vertex columns: corner i of slot s is row 8 s + i.
   const double* rows() const { return rows_.data(); }
@@ -38,8 +38,8 @@ class OwnRest {
   AlignedVector<double> rows_;
 };
 
-/// Where the corners of elements are at rest: every reader of rest positions asks
-/// here. An edge or a face takes those of the element of its dart_of() (side 0).
+/// The positions of the corners of elements at rest: every reader of rest positions uses
+/// it. For an edge or a face, those of the element of its dart_of() (side 0) count.
 class RestPlaces {
  public:
   RestPlaces(const CellComplex& complex, const Column& vertex_rest, const OwnRest& own)

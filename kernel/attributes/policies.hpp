@@ -19,15 +19,15 @@ class SplitPolicies {
   static bool weighs(const Table& table);
 
   /// New cells join `table` where an element of its region is incident to them;
-  /// then every column follows its declared policy, but for the sums of
+  /// then the declared policy is applied to every column, except for the sums of
   /// SUTURE_FROM_VOLUMES (contributions.hpp).
-  /// `touched`: the region's elements in the change; need not be selected for a
-  /// table of all cells that does not weigh.
+  /// `touched`: the region's elements in the change; not needed for a table of all
+  /// cells in which no column is divided by volumes.
   /// O(cells of the dimension in the change).
   void apply(Table& table, const CellComplex& complex, const RestPlaces& rest,
              const TouchedElements& touched, const TopologyChange& change);
 
-  /// The rows that the last apply() added, in order; none of a table without columns.
+  /// The rows that the last apply() added, in order; empty for a table without columns.
   std::span<const RowSplit> new_rows() const { return rows_; }
 
  private:
@@ -39,8 +39,8 @@ class SplitPolicies {
              const Stars& stars);
 
   BulkVector<RowSplit> rows_;
-  /// Parts of the incident volume, per split. Of several splits of one row the
-  /// first carries the old row's part, the others 1.
+  /// Fractions of the incident volume, per split. Of several splits of one row, the
+  /// first has the fraction of the old row, the others have 1.
   std::vector<double> old_share_, new_share_;
   std::vector<Index> star_of_;  ///< cell -> position in Stars; read for its cells only
   std::vector<Index> source_row_;

@@ -11,16 +11,16 @@
 
 namespace suture {
 
-/// The cells of one dimension that a table describes, in the order of its rows.
-/// All cells of the complex (row = cell) or those of a model's region. A row whose
-/// cell left the set stays behind, dead: loops over rows skip it (is_live()).
+/// The cells of one dimension that a table describes, in the order of its rows:
+/// all cells of the complex (row = cell) or those of a model's region. A row whose
+/// cell has left the set remains as a dead row, which loops skip (is_live()).
 /// Memory: nothing for all cells, else 4 B per row and 4 B per cell of the complex;
 /// a bit per row once a row is dead.
 class CellSet {
  public:
   CellSet() = default;
   static CellSet all(Index count);
-  /// Row i is cells[i]; `cell_count` cells are in the complex.
+  /// Row i is cells[i]; the complex has `cell_count` cells.
   static CellSet of(std::vector<Index> cells, Index cell_count);
 
   Index size() const { return size_; }  ///< rows, dead ones included
@@ -28,10 +28,10 @@ class CellSet {
   bool is_live(Index row) const { return live_[row]; }
   Index live_count() const { return size_ - live_.dead(); }
   const LiveMask& live() const { return live_; }
-  /// Of a dead row the cell that it was for.
+  /// For a dead row, the cell that it had.
   Index cell(Index row) const { return all_ ? row : cells_[row]; }
-  /// `none` if the cell is not in the set. A set of all cells does not look whether
-  /// the cell is still there; contains() does.
+  /// `none` if the cell is not in the set. A set of all cells does not check whether
+  /// the cell still exists; contains() does.
   Index row(Index cell) const {
     if (all_) return cell;
     return cell < row_of_.size() ? row_of_[cell] : none;
@@ -41,9 +41,9 @@ class CellSet {
   /// Row of each cell or `none`, for loops over batches; empty if is_all().
   std::span<const Index> rows() const { return row_of_; }
 
-  /// A cell that an operation made. Its row is the last.
+  /// Adds a cell that an operation created. Its row is the last.
   void append(Index cell);
-  /// The next `count` cells of the complex, of a set of all cells.
+  /// Adds the next `count` cells of the complex to a set of all cells.
   void append_all(Index count);
   /// The row of `from` describes `to` from now on; `from` leaves the set.
   void rename(Index from, Index to);
@@ -67,11 +67,11 @@ struct Table {
   int dimension = 0;
   CellSet cells;
   std::deque<Column> columns;  ///< deque: references stay valid
-  /// Incident volume at rest of each row, m^3, where a column is shared by volumes
-  /// (SUTURE_SHARE): what a removal leaves of it is told from this. Else empty.
+  /// Incident volume at rest of each row, m^3, if a column is divided by volumes
+  /// (SUTURE_SHARE): determines what a removal leaves of it. Otherwise empty.
   std::vector<double> volumes;
 
-  /// A column for all rows. Throws InputError if the name is taken.
+  /// Adds a column for all rows. Throws InputError if the name is taken.
   Column& add(ColumnSpec spec);
   Column* find(std::string_view name);  ///< nullptr if there is none
 };

@@ -9,12 +9,12 @@
 namespace suture {
 
 /// The elements of one region that an operation touched, numbered 0, 1, ... in
-/// ascending order, so that values per touched element lie densely and are found
+/// ascending order, so that values per touched element are contiguous and are found
 /// from a dart without a search. One array over all elements, never cleared: only
 /// entries of elements in the change are read. Kept between operations.
 class TouchedElements {
  public:
-  /// Reserves the array; otherwise the first operation pays for it. O(elements).
+  /// Reserves the array; otherwise the first operation does. O(elements).
   void reserve(Index element_count) { slot_.resize(element_count); }
 
   /// `changed`: TopologyChange::elements. O(changed).

@@ -11,21 +11,22 @@
 
 namespace suture {
 
-/// What a checkpoint says of the run beside its state.
+/// What a checkpoint holds about the run besides its state.
 struct CheckpointHeader {
   struct Plugin {
     std::string id, version, file;
     void state(Archive& archive);
   };
   std::string program;         ///< "suture 0.1.0"
-  std::string isa;             ///< of the loops
+  std::string isa;             ///< instruction set of the loops
   std::string scene_text;      ///< complete, after --set
-  std::string scene_file;      ///< absolute; its folder is what files are relative to
-  std::string working_folder;  ///< absolute; what the output folder is relative to
+  std::string scene_file;      ///< absolute; files are relative to its folder
+  std::string working_folder;  ///< absolute; the output folder is relative to it
   std::string scene_hash;
   std::string mesh_source, mesh_hash;
   std::vector<Plugin> plugins;
-  std::uint64_t number = 0;  ///< of the checkpoint in its run, from 1; set by CheckpointWriter
+  std::uint64_t number =
+      0;  ///< index of the checkpoint in its run, from 1; set by CheckpointWriter
   std::uint64_t step = 0;
   double time = 0;  ///< s
 
@@ -37,19 +38,19 @@ struct Checkpoint {
   StateTree state;
 };
 
-/// Writes one file and returns when the disk has it. The file is
-/// HDF5 behind a block of 512 bytes that has its version, length and checksum: the attributes
-/// of the root and the group `plugins` are the header, the group `state` is the state, group by
-/// group. Arrays of the state are freed on the way. Throws IoError.
+/// Writes one file and returns when it is on disk. The file is HDF5 after a block of 512 bytes
+/// that holds its version, length and checksum: the attributes of the root group and the group
+/// `plugins` are the header, the group `state` is the state, group by group. Arrays of the state
+/// are freed as they are written. Throws IoError.
 void write_checkpoint(OutputFile& file, CheckpointHeader header, StateTree&& state);
 
-/// Throws InputError that says why a file cannot be read: no file, a folder, of another kind or
-/// another version of the format, cut off, damaged.
+/// Throws an InputError that says why a file cannot be read: it does not exist, is a folder, is of
+/// another kind or version of the format, is truncated or damaged.
 Checkpoint read_checkpoint(const std::filesystem::path& path);
 
-/// checkpoint_0042.h5: the number has four digits or more.
+/// The name of a file, checkpoint_0042.h5: the number has four digits or more.
 std::string checkpoint_name(std::uint64_t number);
-/// The numbers of the files of such names in a folder, ascending.
+/// The numbers of the files with such names in a folder, ascending.
 std::vector<std::uint64_t> checkpoints_in(const std::filesystem::path& folder);
 
 }  // namespace suture

@@ -10,16 +10,16 @@
 namespace suture {
 
 /// The list of a run's frames with their times, ParaView's `.pvd`. Its file is replaced with
-/// each frame, so that there is a valid one at any time.
+/// each frame, so that a valid one exists at any time.
 class Collection {
  public:
   void add(double time, const std::string& file);
-  /// What the file has.
+  /// The content of the file.
   std::string text() const;
 
   /// The frames so far.
   void state(Archive& archive);
-  /// Leaves out the frames whose files are not in the folder; how many those are.
+  /// Removes the frames whose files are not in the folder from the list; returns their number.
   std::size_t leave_out_missing(const std::filesystem::path& folder);
   const std::vector<std::string>& files() const { return files_; }
 

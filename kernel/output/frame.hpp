@@ -14,9 +14,9 @@ namespace suture {
 struct FrameField {
   std::string name;
   int components = 1;               ///< 1, 3 or 6 (XX YY ZZ XY YZ XZ)
-  std::vector<double> values{};     ///< of vertices or elements
+  std::vector<double> values{};     ///< for vertices or elements
   std::vector<std::int64_t> ids{};  ///< instead of values: an integer array
-  bool global_ids = false;          ///< the user's numbers; read_mesh finds them again
+  bool global_ids = false;          ///< the user's numbers, from which read_mesh restores them
 
   void state(Archive& archive);
 };
@@ -24,9 +24,9 @@ struct FrameField {
 /// A line, triangle or quadrilateral: 2, 3 or 4 points; unused places at the end are `none`.
 using SmallCell = std::array<Index, 4>;
 
-/// A copy of what one frame shows, so that the simulation can go on while it is
-/// written. Points and cells are those of the complex, in its order; ids of the
-/// user are fields. Nodes X0..X7; the writer converts to VTK's order.
+/// A copy of the data of one frame, so that the simulation can continue while it is
+/// written. Points and cells are those of the complex, in its order; the user's ids
+/// are fields. Nodes X0..X7; the writer converts to VTK's order.
 struct Frame {
   std::uint64_t number = 0;
   double time = 0;  ///< s
@@ -37,7 +37,7 @@ struct Frame {
   std::vector<FrameField> cell_fields;
   std::string field_data_provenance;  ///< scene hash, plugin versions
 
-  /// For frames that are held back when a checkpoint is written.
+  /// Saves frames that are held back when a checkpoint is written.
   void state(Archive& archive);
 };
 

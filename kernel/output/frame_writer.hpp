@@ -17,43 +17,43 @@ struct FrameWriterOptions {
   std::string prefix = "frame";    ///< frame_0042.vtu
   std::string collection = "run";  ///< run.pvd
   Compression compression = Compression::lz4;
-  bool background = true;   ///< write on a thread of its own
-  std::size_t waiting = 2;  ///< frames that may wait; the next submit blocks
+  bool background = true;   ///< write on a separate thread
+  std::size_t waiting = 2;  ///< frames that may wait before submit() blocks
 };
 
 /// Writes frames as `.vtu` (appended raw data) and lists them in a `.pvd`, on a
-/// thread of its own while the simulation goes on. A frame appears complete or
-/// not at all, then the list is replaced: ParaView can read at any time, and what
-/// is listed is whole whenever the program ends.
+/// separate thread while the simulation continues. A frame appears complete or not
+/// at all, and then the list is replaced: ParaView can read the files at any time,
+/// and every listed frame is complete whenever the program ends.
 ///
-/// What becomes of the results of an earlier run in the folder: see OutputFolder.
+/// For what happens to the results of an earlier run in the folder, see OutputFolder.
 ///
-/// Errors of the writing thread are thrown, once, as IoError (path and the text
-/// of the system's error) by the next submit() or by finish(); frames that wait
-/// then are dropped, those written stay.
+/// Errors of the writing thread are thrown, once, as IoError (with the path and the
+/// text of the system's error) by the next submit() or by finish(); frames that are
+/// waiting then are dropped, those already written stay.
 class FrameWriter {
  public:
   explicit FrameWriter(FrameWriterOptions options);
-  /// Writes what waits; errors are lost, therefore call finish() before.
+  /// Writes what is waiting; its errors are lost, so call finish() first.
   ~FrameWriter();
   FrameWriter(const FrameWriter&) = delete;
   FrameWriter& operator=(const FrameWriter&) = delete;
 
-  /// A frame to fill: the memory of one that was written, contents stale, or an
-  /// empty one. Assigning into its vectors spares the page faults of fresh memory:
+  /// A frame to fill: one that was already written, with stale contents, or an
+  /// empty one. Assigning to its vectors avoids the page faults of fresh memory:
   /// 216,000 hexahedra with displacement and velocity take 3.5 ms instead of 14.
   Frame take_frame();
-  /// Hands a frame over; returns at once unless `waiting` frames wait already.
+  /// Submits a frame; returns at once unless `waiting` frames are already waiting.
   /// Throws std::invalid_argument for a field of the wrong length.
   void submit(Frame frame);
-  /// Returns when everything is on disk; throws IoError if it is not there any more.
+  /// Returns when everything is on disk; throws IoError if files are missing.
   void finish();
 
-  /// Saved: the list of frames; all of them are on disk then. Loaded: the list goes on there.
-  /// Frames beyond are stale from the next write in the folder on, at the latest finish();
-  /// frames of the list whose files are gone leave it.
+  /// Saving stores the list of frames, all of which are on disk then; after loading, the list is
+  /// continued. Later frames are stale from the next write to the folder on, at the latest from
+  /// finish(). Frames of the list whose files are missing are removed from it.
   void state(Archive& archive);
-  /// How many frames were gone when the state was loaded.
+  /// The number of frames whose files were missing when the state was loaded.
   std::size_t missing() const;
 
   /// Frames written so far; the list to open in ParaView.

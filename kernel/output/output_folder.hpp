@@ -13,29 +13,30 @@
 
 namespace suture {
 
-/// Where a run writes: all its files come from here. Nothing is touched before open().
+/// The folder to which a run writes all its files. Nothing is touched before open().
 ///
-/// - One process at a time: the folder is locked from open() on. The system takes the lock back
-///   when the process ends, however it does.
-/// - No file of another name or place is touched: links are replaced, not followed, and below
-///   `root` no folder may be a link.
-/// - `.suture-run` in the folder lists what was written, each name before its file. What an
-///   earlier run has left is removed as one set, lists (.pvd) first, when this one is about to
-///   put its first file in place; until then it stays, and files that are not listed always do.
+/// - One process at a time: the folder is locked from open() on. The system releases the lock
+///   when the process ends, in whatever way.
+/// - No other file is touched: links are replaced, not followed, and below `root` no folder may
+///   be a link.
+/// - `.suture-run` in the folder lists what was written; each name is added before its file is
+///   written. The files of an earlier run are removed as one set, lists (.pvd) first, when this
+///   run is about to put its first file in place. Until then they stay; files that are not listed
+///   are never removed.
 ///
 /// Any thread may call any member. They throw IoError.
 class OutputFolder {
  public:
   explicit OutputFolder(std::filesystem::path path, std::filesystem::path root = {});
-  /// Leaves no trace if nothing was written.
+  /// Restores the original state of the folder if nothing was written.
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  /// Makes and locks the folder, once.
+  /// Creates and locks the folder, once.
   void open();
-  /// Writes a file in full or not at all: `fill(OutputFile&)`.
+  /// Writes a complete file or none at all: `fill(OutputFile&)`.
   template <class Fill>
   void write(const std::string& name, Fill&& fill) {
     announce(name);
@@ -44,23 +45,23 @@ class OutputFolder {
     begin();
     file.commit();
   }
-  /// A file that grows, empty at first; or one that exists, cut to its first `kept` bytes.
+  /// A file that grows: an empty one, or an existing one, truncated to its first `kept` bytes.
   std::unique_ptr<OutputFile> grow(const std::string& name);
   std::unique_ptr<OutputFile> grow(const std::string& name, std::uint64_t kept);
   void remove(const std::string& name);
   void sync();
 
-  /// Of a run that is resumed, before anything is written: a file of the earlier part is one of
-  /// this run too.
+  /// For a resumed run, before anything is written: declares that a file of the earlier part
+  /// belongs to this run, too.
   void keep(const std::string& name);
-  /// The same for a list of files, which has this text from the first write on.
+  /// The same for a list of files, which has this content from the first write on.
   void keep(const std::string& name, std::string text);
-  /// The first result is there: removes what others have left, once.
+  /// To be called when the first result is ready: removes the files of earlier runs, once.
   void begin();
-  /// Throws if what was written is not to be found under path() any more.
+  /// Throws if the files written can no longer be found under path().
   void require_in_place() const;
 
-  /// For a signal handler, while nothing else uses the folder: what the destructor does.
+  /// Does what the destructor does; for a signal handler, while nothing else uses the folder.
   void abandon() const noexcept;
 
  private:
@@ -74,9 +75,9 @@ class OutputFolder {
   std::mutex mutex_;
   std::optional<Folder> folder_;
   int list_ = -1;           ///< `.suture-run`, locked
-  bool made_list_ = false;  ///< it was not there before
+  bool made_list_ = false;  ///< it did not exist before
   bool has_begun_ = false;
-  std::set<std::string> listed_;     ///< in `.suture-run`
+  std::set<std::string> listed_;     ///< names in `.suture-run`
   std::set<std::string> own_;        ///< kept or announced
   std::set<std::string> announced_;  ///< by this process
   std::map<std::string, std::string> kept_lists_;

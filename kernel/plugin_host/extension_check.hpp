@@ -8,9 +8,9 @@
 
 namespace suture {
 
-/// Everything wrong with the extensions that functors offer, in tables without table_problems():
-/// sizes, functions that are NULL, fields. Asks the functors, so code of the plugin runs; throws
-/// PluginError if that fails.
+/// Everything that is wrong with the extensions of the functors in tables that have no
+/// table_problems(): sizes, functions that are NULL, fields. This calls the plugin's code and
+/// throws PluginError if a call fails.
 std::vector<std::string> extension_problems(const suture_plugin& plugin,
                                             const TableSizes& least = {});
 

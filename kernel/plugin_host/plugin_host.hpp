@@ -16,41 +16,41 @@ namespace suture {
 /// Finds, checks and loads plugins; never unloads them. For use on one thread.
 ///
 /// A plugin NAME is up to three files in one folder, NAME.so, NAME.avx2.so and
-/// NAME.avx512.so; the best that the processor runs stands for all. Which models
-/// a file has is read from its note, so nothing is loaded but what is used.
+/// NAME.avx512.so, of which the best that the processor supports is used. The models
+/// in a file are read from its note, so only plugins that are used are loaded.
 ///
-/// Search order: files named in the scene in the scene's order, the folders of
-/// SUTURE_PLUGIN_PATH, the user's plugin folder, the installed folder, the build
-/// tree; within a folder the plugin that is named like the model, then by name.
-/// If two plugins have the model, the first is used and a warning names both.
+/// Search order: the files named in the scene, in the scene's order; the folders of
+/// SUTURE_PLUGIN_PATH; the user's plugin folder; the installation folder; the build
+/// tree. Within a folder: first the plugin that has the name of the model, then by
+/// name. If two plugins have the model, the first is used and a warning names both.
 class PluginHost {
  public:
-  /// Whose code may run. Loading a plugin runs its code.
+  /// Which plugins may be loaded. Loading a plugin runs its code.
   enum class Trust {
-    all,         ///< also files that a scene names, wherever they lie
-    search_path  ///< files in the folders that are searched
+    all,         ///< also files that a scene names, wherever they are
+    search_path  ///< only files in the folders that are searched
   };
 
-  /// Reads the environment, no file. `diagnostics` gets the warnings, may be null.
+  /// Reads the environment but no files. `diagnostics` receives warnings; may be null.
   explicit PluginHost(Diagnostics* diagnostics = nullptr, Trust trust = Trust::all);
   ~PluginHost();
   PluginHost(const PluginHost&) = delete;
   PluginHost& operator=(const PluginHost&) = delete;
 
-  /// A plugin file named in a scene, already resolved against the scene's folder.
+  /// Adds a plugin file named in a scene, already resolved against the scene's folder.
   /// "NAME.so" (".so" may be left out) means the best of NAME's builds beside it.
   /// Throws PluginError if there is no such file or it is refused by its note.
   void add_file(const std::filesystem::path& file);
 
   /// The model `id`; loads the one plugin that has it, once. The reference is
-  /// valid as long as the program runs. Throws PluginError naming the file, the
-  /// loader's text or the tables' faults; for a file that is not trusted; or, if no
-  /// plugin has the model, the nearest id, the places searched, the files refused
-  /// there and a hint.
-  /// Cost: the notes of all files on the search path once (10 us per file).
+  /// valid as long as the program runs. Throws PluginError with the file and the
+  /// loader's text or the problems of the tables; for a file that is not trusted; or,
+  /// if no plugin has the model, with the nearest id, the folders searched, the files
+  /// refused there and a hint.
+  /// Cost: reads the notes of all files on the search path once (10 us per file).
   const suture_model& model(std::string_view id);
 
-  /// Of a model that model() returned.
+  /// The plugin of a model that model() returned.
   const suture_plugin& plugin_of(const suture_model& model) const;
   std::filesystem::path file_of(const suture_model& model) const;
 
@@ -62,7 +62,7 @@ class PluginHost {
     std::string isa;                  ///< "avx512", "avx2", "base"
     std::string problem;              ///< why it would be refused or not used, else empty
   };
-  /// What `suture models` shows: every plugin file in search order.
+  /// Every plugin file in search order, for `suture models`.
   std::vector<Listing> list() const;
 
  private:

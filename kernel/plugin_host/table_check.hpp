@@ -8,10 +8,10 @@
 
 namespace suture {
 
-/// Everything wrong with tables that copy_tables() could read, one sentence each, naming
-/// the model and the entry ("model 'm', parameter 'E': ..."); empty if the rest of the
-/// host may rely on them: no NULL where text or a function is needed, ids unique, known
-/// values only, columns in range and of the right dimension, required extensions present.
+/// Everything that is wrong with tables that copy_tables() could read, in one sentence each
+/// that names the model and the entry ("model 'm', parameter 'E': ..."); empty if the rest of the
+/// host may rely on them: no text or required function is NULL, ids are unique, values are
+/// known, columns are in range and of the right dimension, required extensions are present.
 std::vector<std::string> table_problems(const suture_plugin& plugin);
 
 }  // namespace suture

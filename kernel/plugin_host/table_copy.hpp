@@ -11,15 +11,15 @@
 
 namespace suture {
 
-/// Sizes of the structs as ABI 1.0 published them, bytes: a plugin has none smaller.
+/// Sizes of the structs as published in ABI 1.0, bytes; those of a plugin are never smaller.
 struct TableSizes {
   std::uint32_t plugin = 80, model = 104, functor = 104, parameter = 72, attribute = 64,
                 contribution = 16, extension = 16, output = 24, field = 32;
 };
 
-/// A plugin's tables in this host's own structs. Members that the plugin's ABI minor does
-/// not have are 0, which by the rules of plugin.h means what the plugin means. Texts,
-/// functions and lists of numbers are the plugin's.
+/// A plugin's tables in this host's own structs. Members that do not exist in the plugin's
+/// ABI minor version are 0, which by the rules of plugin.h has no effect. Texts, functions
+/// and lists of numbers remain those of the plugin.
 struct PluginTables {
   suture_plugin plugin{};
   std::vector<suture_model> models;
@@ -30,9 +30,9 @@ struct PluginTables {
   std::deque<std::vector<suture_contribution>> contributions;
 };
 
-/// Copies them. What makes them unreadable is added to `problems`, one sentence each, naming the
-/// entry; the copy then holds what could be read and is not to be used. Arrays must be readable:
-/// garbage pointers cannot be told apart.
+/// Copies the tables. What makes them unreadable is added to `problems`, in one sentence each that
+/// names the entry; the copy then holds what could be read and must not be used. Arrays must be
+/// readable: invalid pointers cannot be detected.
 std::unique_ptr<PluginTables> copy_tables(const suture_plugin& plugin,
                                           std::vector<std::string>& problems,
                                           const TableSizes& least = {});

@@ -12,7 +12,7 @@
 
 namespace suture {
 
-/// More entries than any table has: a count above it is a damaged struct.
+/// More entries than any table has: a larger count means a damaged struct.
 inline constexpr std::uint32_t most_entries = 4096;
 
 /// Collects problems of one entry under its name.
@@ -36,7 +36,7 @@ class Entry {
     require(value != nullptr, std::string(member) + " is NULL");
   }
 
-  /// Array member and its count belong together.
+  /// Checks that an array member and its count are consistent.
   bool array(const void* pointer, std::uint32_t count, const char* member) const {
     return require(count <= most_entries, std::string("the count of ") + member + " is " +
                                               std::to_string(count) + ", at most " +
@@ -45,7 +45,7 @@ class Entry {
                    std::string(member) + " is NULL, but its count is " + std::to_string(count));
   }
 
-  /// A struct of a plugin's: `least` bytes at least, and no more than `most` are known here.
+  /// Checks the size of a plugin's struct: `least` bytes to `most`, the size known to this host.
   bool size(std::uint32_t bytes, std::uint32_t least, std::uint32_t most) const {
     const std::string range = least == most ? std::to_string(most)
                                             : std::to_string(least) + " to " + std::to_string(most);
@@ -70,7 +70,7 @@ class Entry {
   std::string name_;
 };
 
-/// Letter or '_', then letters, digits and '_'.
+/// A letter or '_', followed by letters, digits and '_'.
 inline bool is_name(std::string_view text) {
   if (text.empty() || std::isdigit(static_cast<unsigned char>(text.front())) != 0) return false;
   for (const char c : text)
@@ -78,7 +78,7 @@ inline bool is_name(std::string_view text) {
   return true;
 }
 
-/// Names in one list of a table, which occur once.
+/// The names in one list of a table, each of which must be unique.
 class Names {
  public:
   void check(const Entry& entry, const char* name) {
@@ -95,7 +95,7 @@ class Names {
   std::set<std::string> seen_;
 };
 
-/// Copies a struct of `bytes` bytes, at most those of T; the rest is 0.
+/// Copies a struct of `bytes` bytes, at most sizeof(T); the remaining bytes are 0.
 template <class T>
 T copy_of(const char* place, std::uint32_t bytes) {
   T copy{};
@@ -104,9 +104,9 @@ T copy_of(const char* place, std::uint32_t bytes) {
   return copy;
 }
 
-/// Copies an array of a plugin's, whose entries are as far apart as the plugin's compiler has
-/// put them: by their size, `least` at least. Ends before the first that is not usable. `theirs`
-/// becomes the copy.
+/// Copies an array of a plugin, whose entries are as far apart as the size, at least `least`, that
+/// the plugin's compiler gave them. Ends before the first unusable entry. `theirs` is set to the
+/// copy.
 template <class T>
 std::vector<T> copy_entries(const Entry& entry, const T*& theirs, std::uint32_t count,
                             std::uint32_t least, const char* kind) {

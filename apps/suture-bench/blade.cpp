@@ -98,7 +98,7 @@ void measure_sheets(const Options& options, Report& report) {
 }
 
 /// Steps in which the blade moves along the body, half an element beside it, and in its middle,
-/// where it has cut before: so that it looks at links and cuts nothing.
+/// where it has cut before, so that it examines links and cuts nothing.
 void measure_moving(const Options& options, Report& report) {
   PluginHost host;
   const auto cells = grid_of(options.moving);

@@ -46,7 +46,7 @@ class BenchBody {
  public:
   BenchBody(PluginHost& host, const BodyOptions& options);
 
-  /// One step, and the time goes on.
+  /// Performs one step and advances the time.
   void step();
   /// `count` cuts, one after the other, each of one inner face chosen at random.
   /// Returns the seconds they took.

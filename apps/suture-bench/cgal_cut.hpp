@@ -9,7 +9,7 @@
 
 namespace suture::bench {
 
-/// A base line of the cut: a mesh that is cut face by face. Darts are 24 e + 4 f + k
+/// A baseline of the cut: a mesh that is cut face by face. Darts are 24 e + 4 f + k
 /// in the numbers of the mesh.
 class CutBaseLine {
  public:

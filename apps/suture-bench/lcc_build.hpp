@@ -13,7 +13,7 @@
 #include "kernel/mesh/mesh.hpp"
 #include "kernel/topology/hexahedron_tables.hpp"
 
-/// What the two base lines on CGAL's linear cell complex share. Included by
+/// What the two baselines on CGAL's linear cell complex share. Included by
 /// cgal_cut.cpp and flechon_cut.cpp only: CGAL's headers are heavy.
 namespace suture::bench::lcc {
 

@@ -12,7 +12,7 @@
 namespace suture {
 
 struct RunCommand {
-  std::filesystem::path scene, resume;  ///< one of them
+  std::filesystem::path scene, resume;  ///< exactly one is set
   std::vector<std::string> sets;
   bool skip = true, check_plugins = false;
 };
@@ -65,7 +65,7 @@ struct CommandLine {
       command;
 };
 
-/// Throws UsageError, with the nearest command or option for one that is unknown.
+/// Throws UsageError; for an unknown command or option, it suggests the nearest one.
 CommandLine parse_command_line(int argc, const char* const* argv);
 
 }  // namespace suture

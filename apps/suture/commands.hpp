@@ -7,7 +7,8 @@
 
 namespace suture {
 
-/// Commands that only look at a scene run no code that it brings along, unless they are told to.
+/// Commands that only inspect a scene run no code from files that it names, unless the user
+/// allows it.
 template <class Command>
 PluginHost::Trust trust_of(const Command& command) {
   return command.trust ? PluginHost::Trust::all : PluginHost::Trust::search_path;

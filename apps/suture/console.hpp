@@ -8,7 +8,7 @@
 namespace suture {
 
 /// What the user sees: control characters that come from files are escaped. Results go to standard
-/// output; warnings, errors and progress to standard error, where a terminal has one line that is
+/// output; warnings, errors and progress to standard error, where a terminal shows one line that is
 /// rewritten.
 class Console {
  public:
@@ -20,17 +20,17 @@ class Console {
   bool verbose() const { return verbose_; }
   bool is_terminal() const { return terminal_; }
 
-  /// A result; `line` without its end.
+  /// Prints a result; `line` without a line feed.
   void print(const std::string& line);
-  /// Something that happened, unless quiet.
+  /// Reports something that happened, unless quiet.
   void note(const std::string& line);
-  /// Replaces the line of progress on a terminal; a line of its own in a log.
+  /// Replaces the progress line on a terminal; adds a line to a log.
   void status(const std::string& line);
   void error(const std::string& text);
-  /// Says how many warnings there were, if any. Call it last.
+  /// Prints the number of warnings, if there were any. Call it last.
   void count_warnings();
-  /// Results that could not be written (a full disk behind a redirection, a closed pipe) are an
-  /// error: the exit code.
+  /// Returns the exit code: results that could not be written (a full disk behind a redirection, a
+  /// closed pipe) are an error.
   int finish();
 
   Diagnostics& diagnostics() { return diagnostics_; }

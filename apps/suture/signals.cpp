@@ -20,7 +20,8 @@ std::atomic<const OutputFolder*> opened = nullptr;
 static_assert(std::atomic<const OutputFolder*>::is_always_lock_free);
 
 void put(const char* text) {
-  if (::write(STDERR_FILENO, text, std::strlen(text)) < 0) return;  // nobody is left to tell
+  if (::write(STDERR_FILENO, text, std::strlen(text)) < 0)
+    return;  // there is nowhere to report the failure
 }
 
 void abandon_folder() {

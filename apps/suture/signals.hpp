@@ -5,19 +5,19 @@ namespace suture {
 
 class OutputFolder;
 
-/// Writing to a closed pipe, or beyond the limit on the size of files, is an error of that write
-/// and not the end of the program.
+/// Makes writing to a closed pipe, or beyond the limit on the size of files, an error of that write
+/// instead of the end of the program.
 void report_failed_writes();
 
-/// SIGINT, SIGTERM and SIGHUP from here on: at once, with a message, while a scene is built, as
-/// nothing is written then; an orderly end of a run once it has started. The second signal of a
-/// kind kills. SIGHUP stays ignored under nohup.
+/// Handles SIGINT, SIGTERM and SIGHUP from now on. While a scene is being built, the program ends
+/// at once with a message, because nothing is written yet; a run that has started ends in an
+/// orderly way. The second signal of a kind kills the process. SIGHUP stays ignored under nohup.
 void catch_signals();
-/// The folder to leave as it was found if a signal comes while the scene is built.
+/// The folder to restore to its original state if a signal arrives while the scene is built.
 void has_opened(const OutputFolder& folder);
-/// The scene is built: signals wait for the step to end.
+/// Call it when the scene is built: from then on signals take effect at the end of a step.
 void has_started();
-/// The signal that asks the run to end; 0 if there is none.
+/// The signal that requested the end of the run; 0 if there is none.
 int caught_signal();
 
 }  // namespace suture

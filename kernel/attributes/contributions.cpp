@@ -257,8 +257,8 @@ void TouchedSums::sum_alike(const Instance& instance, const TopologyChange& chan
     target.sum_alike<Dimension>(change.stars[Dimension], instance.table(3).cells);
 }
 
-/// Elements that give alike values need not be asked again: the darts of a star say
-/// which of the values the cell gets, in the order of the elements.
+/// If all elements give identical values, no contribution is called: the darts of a star show
+/// which of the values the cell receives, in the order of the elements.
 template <int Dimension>
 void TouchedSums::Target::sum_alike(const Stars& stars, const CellSet& region) const {
   using hexahedron::darts;

@@ -112,7 +112,7 @@ void MergePolicies::weigh_merges(std::size_t dimension, const TouchedElements& t
 //
 //     #  c   d  #          #  c  #     both have a row: c's has both values, d's dies
 //     #  c   d  .   sew    #  c  .     d has none: nothing happens
-//     .  c   d  #  ----->  .  c  #     c has none: d's row goes on as c
+//     .  c   d  #  ----->  .  c  #     c has none: d's row becomes c's
 void MergePolicies::merge(Table& table, std::span<const Merge> merges,
                           std::span<const MergeWeight> weights, std::size_t first_column) {
   CellSet& cells = table.cells;
@@ -190,7 +190,7 @@ void MergePolicies::keep_shares(Table& table, const TouchedElements& touched,
 
 namespace {
 
-/// A corner of an element that had a rest position of its own before the merge.
+/// A corner of an element that had a separate rest position before the merge.
 struct Corner {
   Index element;
   std::size_t node;

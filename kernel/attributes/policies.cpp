@@ -92,7 +92,7 @@ void SplitPolicies::find_stars(const Stars& stars, Index cell_count) {
 //     --c--     cut      --c   d--     element of the region: a new row for e
 //     # | .    ------>   # |   | .     if it has one too, none for d
 //
-//     . | #              . |   | #     it has none: the row goes on as d, the
+//     . | #              . |   | #     it has none: the row continues as d, the
 //     --c--     ----->   --c   d--     first part that has one, with all values
 //     . | .              . |   | .
 void SplitPolicies::split_region(CellSet& cells, std::span<const Split> splits, const Stars& stars,

@@ -6,9 +6,9 @@
 
 namespace suture {
 
-// Names and texts of files, scenes and plugins may hold anything. What a terminal would obey
-// (control characters) or display in another order (bidirectional controls), and bytes that are
-// not UTF-8, become "\x1b", "\u202e", "\xff".
+// Names and texts from files, scenes and plugins may contain anything. Characters that a terminal
+// would obey (control characters) or that change the order of the text (bidirectional controls),
+// and bytes that are not UTF-8, become "\x1b", "\u202e", "\xff".
 
 /// For a name within a message: line feeds and tabs become "\n" and "\t".
 std::string escaped(std::string_view text);

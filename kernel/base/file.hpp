@@ -20,7 +20,7 @@ class OutputFile {
   /// Creates the file; one of that name is removed before. Throws IoError, as do all members but
   /// the destructor.
   OutputFile(const Folder& folder, const std::string& name) : OutputFile(folder, name, name) {}
-  /// Opens a file that exists and goes on behind its first `kept` bytes; what follows is cut off.
+  /// Opens an existing file to append to its first `kept` bytes; whatever follows them is cut off.
   OutputFile(const Folder& folder, const std::string& name, std::uint64_t kept);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;

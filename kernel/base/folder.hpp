@@ -7,14 +7,14 @@
 
 namespace suture {
 
-/// A folder that is held open: what is written to it stays in it, whatever becomes of its path
-/// meanwhile. All members but the destructor throw IoError.
+/// A folder that is kept open: files are written to it even if its path changes meanwhile. All
+/// members but the destructor throw IoError.
 class Folder {
  public:
-  /// The folder of this path, which may lead through links; "" is the working folder.
+  /// Opens the folder at this path, which may contain links; "" is the working folder.
   static Folder open(const std::filesystem::path& path);
-  /// The same, made if it is missing, with its parents. No component behind `root` may be a
-  /// link where the path begins with it.
+  /// The same, but creates the folder and its parents if they are missing. If the path begins
+  /// with `root`, no component after it may be a link.
   static Folder make(const std::filesystem::path& path, const std::filesystem::path& root);
 
   ~Folder();
@@ -23,14 +23,14 @@ class Folder {
 
   int descriptor() const { return fd_; }
   const std::filesystem::path& path() const { return path_; }
-  /// The path still leads to this folder.
+  /// Whether the path still leads to this folder.
   bool is_in_place() const;
-  /// Removes a file of this name, if there is one.
+  /// Removes the file with this name if there is one.
   void remove(const std::string& name) const noexcept;
-  /// Returns when the disk has the names of the files in it. File systems that cannot are left
-  /// alone.
+  /// Returns when the names of the files in the folder are on disk. Does nothing on file systems
+  /// that do not support this.
   void sync() const;
-  /// Removes again what make() has made, as far as it is empty. Safe in a signal handler.
+  /// Removes the folders that make() created, as far as they are empty. Safe in a signal handler.
   void unmake() const noexcept;
 
  private:

@@ -8,8 +8,8 @@
 
 namespace suture {
 
-/// A regular file opened for reading. Nothing else is opened: a FIFO would be waited for, and a
-/// device may have no end.
+/// A regular file that is opened for reading. Nothing else is opened: reading a FIFO would block,
+/// and a device may have no end.
 class InputFile {
  public:
   explicit InputFile(const std::filesystem::path& path);
@@ -25,7 +25,7 @@ class InputFile {
 
   std::uint64_t size() const { return size_; }
   void seek(std::uint64_t offset);
-  /// Reads until the end of the file, at most `bytes`; how many there were. Throws IoError.
+  /// Reads at most `bytes`, up to the end of the file; returns their number. Throws IoError.
   std::size_t read(std::span<char> bytes);
   /// The rest of the file.
   std::string read_all();
@@ -35,7 +35,7 @@ class InputFile {
 
   std::filesystem::path path_;
   std::string problem_;
-  int error_ = 0;  ///< of the system
+  int error_ = 0;  ///< the system's error number
   bool is_folder_ = false;
   std::uint64_t size_ = 0;
   int fd_ = -1;

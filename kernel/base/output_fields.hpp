@@ -8,7 +8,7 @@
 namespace suture {
 
 /// The fields of a functor's suture.output/1, in its order, as this host's structs: members that
-/// the plugin does not know are 0. Empty without the extension.
+/// the plugin does not have are 0. Empty without the extension.
 std::vector<suture_field> output_fields(const suture_functor& functor);
 
 }  // namespace suture

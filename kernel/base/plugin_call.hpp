@@ -10,31 +10,31 @@
 
 namespace suture {
 
-/// A call of a plugin's function: what a message names when the call fails. Everything may be
-/// null but `function`. Lives on the caller's stack while the call is under way.
+/// A call of a plugin's function, as a message describes it when the call fails. Everything except
+/// `function` may be null. Lives on the caller's stack while the call is in progress.
 struct PluginCall {
   const char* function = "";  ///< "force", "prepare"
   const suture_model* model = nullptr;
   const char* instance = nullptr;  ///< name of the model's use in the scene
   const suture_functor* functor = nullptr;
   const suture_attribute* attribute = nullptr;
-  const char* file = nullptr;           ///< of the plugin, where no model is known yet
-  const suture_batch* batch = nullptr;  ///< while it is filled, so that its cells are named
+  const char* file = nullptr;           ///< of the plugin, if no model is known yet
+  const suture_batch* batch = nullptr;  ///< the current batch, whose cells a message names
 };
 
-/// What this thread is calling. Signal handlers read it, on the same thread only.
+/// The plugin call of this thread. Signal handlers read it, only on the same thread.
 struct PluginThread {
   const PluginCall* present = nullptr;  ///< null outside plugins
-  std::uint64_t calls = 0;              ///< scopes that were entered
-  bool guarded = false;                 ///< enter_plugin_thread was called for the thread
+  std::uint64_t calls = 0;              ///< number of scopes entered
+  bool guarded = false;                 ///< whether enter_plugin_thread was called for the thread
 };
 inline constinit thread_local PluginThread plugin_thread;
 
-/// What plugin_faults.hpp does when a thread first calls a plugin; null without guards.
+/// Called when a thread first calls a plugin (plugin_faults.hpp); null without guards.
 inline void (*enter_plugin_thread)() = nullptr;
 
-/// `call` is under way as long as the scope lives. Costs a nanosecond: one scope per chunk of
-/// batches, not per batch.
+/// `call` is in progress as long as the scope lives. Costs a nanosecond: used once per chunk of
+/// batches, not once per batch.
 class PluginScope {
  public:
   explicit PluginScope(const PluginCall& call) : outer_(plugin_thread.present) {
@@ -50,35 +50,35 @@ class PluginScope {
   const PluginCall* outer_;
 };
 
-/// Makes id and file of a loaded plugin known to messages. The tables outlive the program's
-/// calls: plugins are never unloaded.
+/// Registers the id and file of a loaded plugin for messages. The tables stay valid because
+/// plugins are never unloaded.
 void register_plugin(const suture_plugin& plugin, const std::filesystem::path& file);
 
-/// "plugin 'p' (p.so), model 'tissue' (m), functor 'edge springs', force of edges 8 to 15" into
-/// `out`, terminated and at most `size` bytes; returns its length. Safe in signal handlers.
+/// Writes "plugin 'p' (p.so), model 'tissue' (m), functor 'edge springs', force of edges 8 to 15"
+/// to `out`, terminated, at most `size` bytes; returns the length. Safe in signal handlers.
 std::size_t describe(const PluginCall& call, char* out, std::size_t size);
 std::string describe(const PluginCall& call);
 
-/// What a plugin wrote into its error record, terminated or not.
+/// The text that a plugin wrote to its error record, terminated or not.
 std::string text_of(const suture_error& error);
 
 inline constexpr const char* exception_cure =
     "no exception may leave a function of a plugin: catch it, and return SUTURE_STOP with a text "
     "where the function returns a status";
-/// In a catch block: what was thrown, "an exception of type int". Never throws it again.
+/// In a catch block: what was thrown, such as "an exception of type int". Never rethrows it.
 std::string text_of_exception();
-/// In a catch block around a call: the call, what was thrown, and what the author is to do.
+/// In a catch block around a call: the call, what was thrown, and what the author should do.
 std::string text_of_fault(const PluginCall& call);
-/// SUTURE_FAULT, or a value that is no status.
+/// True for SUTURE_FAULT and for a value that is not a status.
 bool is_fault(suture_status status);
-/// The same as of an exception for a status that is a fault.
+/// The same text for a status that is a fault.
 std::string text_of_fault(const PluginCall& call, suture_status status, const suture_error& error);
-/// text_of_fault() as a PluginError.
+/// Throws text_of_fault() as a PluginError.
 [[noreturn]] void raise_exception_of(const PluginCall& call);
 [[noreturn]] void raise_fault(const PluginCall& call, suture_status status,
                               const suture_error& error);
 
-/// f() as a call of a plugin; an exception of any type becomes a PluginError.
+/// Runs f() as a call of a plugin; an exception of any type becomes a PluginError.
 template <class F>
 decltype(auto) call_plugin(const PluginCall& call, F&& f) {
   const PluginScope scope(call);
@@ -89,7 +89,7 @@ decltype(auto) call_plugin(const PluginCall& call, F&& f) {
   }
 }
 
-/// The same for a function that returns a status; a status that is a fault becomes one too.
+/// The same for a function that returns a status; a fault becomes a PluginError, too.
 template <class F>
 suture_status call_plugin(const PluginCall& call, const suture_error& error, F&& f) {
   const suture_status status = call_plugin(call, std::forward<F>(f));

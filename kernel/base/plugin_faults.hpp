@@ -5,11 +5,11 @@ namespace suture {
 
 /// From now on a plugin that crashes (SIGSEGV, SIGFPE, SIGBUS, SIGILL, SIGABRT, a stack
 /// overflow), calls exit() or does not return ends the program with exit code 4 and a message
-/// that names plugin, model, functor and cells. Outside plugins signals keep their actions; a
-/// handler that is there already (a sanitizer's) is left alone.
+/// that names plugin, model, functor and cells. Outside plugins, signals keep their actions; a
+/// handler that is already installed (a sanitizer's) is left alone.
 ///
-/// "Does not return": one call has used 20 s of its thread's processor time, or what
-/// SUTURE_PLUGIN_TIMEOUT says (seconds; 0: no limit). A thread that a debugger has stopped uses
+/// "Does not return": one call has used 20 s of its thread's CPU time, or the value of
+/// SUTURE_PLUGIN_TIMEOUT (seconds; 0: no limit). A thread that a debugger has stopped uses
 /// none. Throws UsageError if the variable is not a number.
 void guard_plugin_calls();
 
@@ -17,8 +17,8 @@ void guard_plugin_calls();
 /// program.
 void at_plugin_fault(void (*leave)());
 
-/// Says that the user wants the program to end: a call that does not return ends it soon, with
-/// exit code 130. Safe in signal handlers.
+/// Declares that the user wants the program to end: if a plugin's call does not return soon, the
+/// program ends with exit code 130. Safe in signal handlers.
 void interrupt_plugin_calls();
 
 }  // namespace suture

@@ -6,8 +6,8 @@
 
 namespace suture {
 
-/// A number without its fraction; the nearest limit where the integer type does not reach it, 0
-/// for NaN. A cast is undefined there, and numbers of scenes and files have any size.
+/// A number without its fraction; the nearest limit if it is out of range for the integer type; 0
+/// for NaN. A cast would be undefined then, and numbers in scenes and files can have any size.
 template <std::integral To>
 constexpr To saturate(double value) {
   constexpr auto low = static_cast<double>(std::numeric_limits<To>::min());

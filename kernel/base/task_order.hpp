@@ -20,7 +20,7 @@ namespace suture {
 struct TaskOrder {
   std::vector<std::vector<Index>> before;  ///< by task: lower numbers, in any order
   /// By task: the position of its data among those of all tasks, 0 .. count-1. A thread first takes
-  /// the tasks of its own part, the same in every round, so that their data stay in its cache.
+  /// the tasks of its part, which is the same in every round, so that their data stay in its cache.
   std::vector<Index> place;
 };
 

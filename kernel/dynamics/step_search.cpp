@@ -26,7 +26,7 @@ constexpr int local_iterations = 8;
 /// `tolerance` of the largest eigenvalue but for one start in 10,000, whatever the other
 /// eigenvalues (Kuczynski & Wozniakowski, SIAM J. Matrix Anal. 13 (1992) 1094, th. 4.1b):
 ///   P <= 1.648 sqrt(n) exp(-sqrt(tolerance) (2 k - 1))
-/// A small residual alone only tells that some eigenvalue is near.
+/// A small residual alone only shows that some eigenvalue is near.
 int iterations_from_random(std::size_t n) {
   const double factor = 1.648 * std::sqrt(static_cast<double>(n)) / 1e-4;
   return static_cast<int>(std::ceil((std::log(factor) / std::sqrt(tolerance) + 1) / 2));

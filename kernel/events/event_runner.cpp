@@ -67,7 +67,7 @@ struct EventRunner::Call {
   void warn(const std::string& text) const {
     runner.diagnostics_.warn(time_text(time) + event.path + text);
   }
-  /// Of what happens once; what repeats is told of after the run, by finish().
+  /// Warns about an event that happens once; finish() reports repeated events after the run.
   void warn_once(const std::string& text) const {
     if (event.every == 0) warn(text);
   }

@@ -256,7 +256,7 @@ MatchedSeams seams_within_gap(const CellComplex& complex, const double* rows,
         distance > gap ? std::optional(apart_text(distance)) : batch.add(seam, naming);
     if (reason) result.misfits.push_back({seam, *reason});
   }
-  // A face that fits one neighbour need not fit the others, and is told of once.
+  // A face that matches one neighbour need not match the others, and is reported once.
   std::unordered_set<Dart> told;
   std::erase_if(result.misfits, [&](const Misfit& misfit) {
     const auto [one, other] = misfit.seam;

@@ -19,10 +19,10 @@ class RowNodes {
   RowNodes(const Instance& instance, int dimension, const RestPlaces& rest);
   /// O(cells in the change).
   void update(const RestPlaces& rest, const TopologyChange& change);
-  /// After the attributes'.
+  /// To be called after state() of the attributes.
   void state(Archive& archive);
   const Index* data() const { return nodes_.data(); }
-  /// As in loops::Job; null while no element has rest positions of its own.
+  /// As in loops::Job; null while no element has separate rest positions.
   const Index* rest_slots() const { return rest_slot_.empty() ? nullptr : rest_slot_.data(); }
   const double* own_rest() const { return own_rest_.data(); }
 
@@ -57,7 +57,7 @@ class CompiledFunctor {
   /// Follows a change; `nodes` must already be up to date.
   void update(const CellComplex& complex, const TopologyChange& change);
 
-  /// After the attributes'. `still`: of leave_out(), from now on.
+  /// To be called after state() of the attributes. `still`: as for leave_out(), from now on.
   void state(Archive& archive, const std::vector<bool>* still);
 
   /// The job with the current addresses of all columns, for the live rows, adding to `force`.
@@ -79,7 +79,7 @@ class CompiledFunctor {
   const BatchList& list() const { return list_; }
   std::string title() const;  ///< "model 'tissue' (mss-baudet), functor 'edge springs'"
 
-  /// Every call of the force is checked from now on (checked_force.hpp).
+  /// From now on every call of the force is checked (checked_force.hpp).
   void check_calls() { function_ = &checked_force; }
   PluginCall call(const char* function) const {
     PluginCall call = instance_.call(function);

@@ -9,10 +9,10 @@
 
 namespace suture {
 
-/// The failure to report among those that one worker encountered: a fault of the plugin comes
-/// before failures that stop the run, these before those that ask for a smaller step, then the
-/// first functor, then the lowest cell. Merging the failures of all workers gives the same result
-/// for any number of workers.
+/// The failure to report among those that one worker encountered: faults of a plugin come
+/// before failures that stop the run, these before those that ask for a smaller step; then the
+/// first functor counts, then the lowest cell. Merging the failures of all workers gives the same
+/// result for any number of workers.
 class Failure {
  public:
   /// Notes that a call of functor number `functor` returned `status` for `batch`.

@@ -300,7 +300,7 @@ Index ForceLoop::skip_still(std::vector<bool> still) {
   return impl_->skip_still();
 }
 
-/// The parts of a vertex are held alike; what is sewn to a held vertex is held.
+/// The parts of a held vertex stay held; a vertex sewn to a held one becomes held.
 void ForceLoop::Impl::follow_still(const TopologyChange& change) {
   if (still.empty()) return;
   still.resize(complex->count(0));

@@ -16,61 +16,61 @@
 
 namespace suture {
 
-/// A model asks for a smaller step: the state before the step is still good.
+/// A model asks for a smaller step: the state before the step is still valid.
 class StepRejected : public NumericalError {
  public:
   StepRejected(const std::string& text, double factor, std::uint64_t where = nowhere)
       : NumericalError(text, where), step_factor(factor) {}
-  double step_factor;  ///< proposed dt / present dt, in (0, 1)
+  double step_factor;  ///< proposed dt / current dt, in (0, 1)
 };
 
 /// The internal forces: the enabled functors of all instances, compiled into batches of 8 cells.
-/// Same bits for any number of threads.
+/// The results are bitwise identical for any number of threads.
 ///
-/// Cells of a functor are coloured in chunks (batch_list.hpp); the loop itself is
-/// compiled per instruction set (loops/). Memory: 4 B per row of a vertex functor, 8 B
+/// The cells of a functor are coloured in chunks (batch_list.hpp); the loop itself is
+/// compiled for each instruction set (loops/). Memory: 4 B per row of a vertex functor, 8 B
 /// of an edge functor, 16 B of a face functor, nothing per element.
 class ForceLoop final : public ForceTerm {
  public:
-  /// `threads`: 0 = as many as pay; only loops large enough use more than one.
-  /// Throws PluginError if a functor asks for what this program does not have.
+  /// `threads`: 0 = as many as are useful; only loops that are large enough use more than one.
+  /// Throws PluginError if a functor requires what this program does not support.
   ForceLoop(Attributes& attributes, const CellComplex& complex, unsigned threads);
   ~ForceLoop() override;
 
   const char* name() const override { return "models"; }
 
-  /// Which functors: those with an energy (suture.energy/1), whose work is minus the change
-  /// of it, those without, or all.
+  /// Which functors: those with an energy (suture.energy/1), whose work is the negative change
+  /// of that energy, those without, or all.
   enum class Part { all, with_energy, without_energy };
-  bool has(Part part) const;  ///< some enabled functor belongs to it
-  /// Some enabled functor has an energy and reads velocities: besides what it stores it dissipates.
+  bool has(Part part) const;  ///< whether an enabled functor belongs to it
+  /// Whether an enabled functor with an energy also reads velocities: it then dissipates, too.
   bool is_viscoelastic() const;
   /// rows += sum of the functors (by default in the column `force`), at (position, velocity, time).
   /// Throws NumericalError with the lowest failing cell's message, StepRejected
   /// if a smaller step may help. `dt`: of the step in progress, 0 outside one.
   void add_forces(double time, double dt, Part part = Part::all, double* rows = nullptr);
-  /// Cells that sleep are left out whatever `live` says.
+  /// Cells that sleep are left out regardless of `live`.
   void add_forces(double time, const LiveMask& live, double* rows) override;
   void add_forces_in_step(const StepTimes& step, const LiveMask& live, double* rows) override;
-  /// To the rounding of another order. O(cells around them).
+  /// Sums in another order, hence with other rounding. O(cells around them).
   void add_forces_at(const VertexSelection& selection, std::span<const Index> vertices, double time,
                      std::vector<Vec3>& forces) override;
 
-  /// Of functors without an energy, beside others with one.
+  /// The work of functors without an energy, if others have one.
   double work() const override;
   void forget_last() override;
   void restart() override;
-  /// Trial copies of state columns become the accepted ones.
+  /// Makes the trial copies of state columns the accepted ones.
   void accept() override;
 
-  /// Stored energy of all functors that know theirs, J. Fixed order of summation.
+  /// Stored energy of all functors that have one, J. Summed in a fixed order.
   double energy(double time) override;
-  /// The part of energy() that lies in these elements, their edges and their faces: an
-  /// operation that touches no others changes energy() by the difference. Elements that
-  /// were removed add nothing. To the rounding of another order. O(elements).
+  /// The part of energy() in these elements, their edges and their faces: an operation
+  /// that touches no others changes energy() by the difference. Removed elements add
+  /// nothing. Summed in another order, hence with other rounding. O(elements).
   double energy_around(std::span<const Index> elements, double time);
-  /// Elements that have one of these vertices, ascending: what an operation on them can
-  /// touch. O(elements around them).
+  /// Elements with one of these vertices, ascending: those that an operation on the vertices
+  /// can touch. O(elements around them).
   std::vector<Index> elements_around(std::span<const Index> vertices);
 
   bool is_stiff() const override { return true; }
@@ -84,42 +84,42 @@ class ForceLoop final : public ForceTerm {
   void add_tangent(const double* d, double dx, double dv, double time, double* out) override;
   void add_tangent(const float* d, double dx, double dv, double time, float* out);
   bool has_tangent() const override;    ///< every enabled functor has suture.tangent/1
-  std::string without_tangent() const;  ///< the first that has none, or ""
-  bool reads_velocity() const;          ///< some enabled functor does
-  /// Some enabled functor is on edges or faces, or reads columns of vertices: an operation
-  /// changes its bounds also at vertices that keep their elements.
+  std::string without_tangent() const;  ///< the first functor without a tangent, or ""
+  bool reads_velocity() const;          ///< whether an enabled functor does
+  /// Whether an enabled functor is on edges or faces, or reads columns of vertices: then an
+  /// operation changes its bounds also at vertices that keep their elements.
   bool reads_summed_columns() const;
 
   /// An output field (suture.output/1) of an instance's functors on cells of a
   /// dimension: values[row*components + c] of its table; rows that no functor
-  /// serves are left alone. False if no enabled functor gives the field.
+  /// computes are left alone. False if no enabled functor provides the field.
   bool compute_field(const Instance& instance, int dimension, std::string_view field, double time,
                      std::span<double> values);
 
-  /// Re-reads connectivity, rows and chunks after a change. O(cells touched) but
+  /// Updates connectivity, rows and chunks after a change. O(cells touched), except
   /// when an eighth of the rows is new (edges) or for functors on faces.
   void follow(const CellComplex& complex, const TopologyChange& change) override;
 
-  /// Leaves out blocks of 8 cells all of whose vertices are `still` (one per vertex:
-  /// held where they are at rest, for good), of every functor: their forces move
-  /// nothing. What is left keeps its order, so free vertices get the same bits.
-  /// Forces and fields at those cells are not computed from now on. Returns how many
-  /// cells are left out. O(cells).
+  /// Leaves out, for every functor, blocks of 8 cells whose vertices are all `still` (one
+  /// flag per vertex: permanently held at its rest position): their forces move nothing. The
+  /// other cells keep their order, so the forces on free vertices are bitwise the same.
+  /// From now on, forces and fields in the blocks left out are not computed. Returns the
+  /// number of cells left out. O(cells).
   Index skip_still(std::vector<bool> still);
 
-  /// Cells of these elements are not visited by add_forces() any more; state columns
-  /// keep what they hold. Energies, fields and bounds go on seeing them. For whole
-  /// islands: a cell that a waking element shares is left out too. O(elements), the
-  /// first time O(rows / 8).
+  /// Cells of these elements are no longer visited by add_forces(); state columns keep
+  /// their values. Energies, fields and bounds still include them. Only for whole
+  /// islands: a cell that an element which is awake shares is left out, too. O(elements),
+  /// the first time O(rows / 8).
   void sleep(std::span<const Index> elements);
-  void wake_all();  ///< follow() wakes too
+  void wake_all();  ///< so does follow()
 
-  /// To be loaded after the attributes, where the same was built.
+  /// To be loaded after the attributes, into a loop that was built in the same way.
   void state(Archive& archive) override;
 
-  /// From now on every call of a force looks for mistakes of its plugin (checked_force.hpp),
+  /// From now on every call of a force is checked for mistakes of its plugin (checked_force.hpp),
   /// and energies, bounds, tangents and fields must be finite. Small bodies run hundreds of times
-  /// slower.
+  /// more slowly.
   void check_plugins();
 
   struct Summary {  ///< for `suture explain`
@@ -133,8 +133,8 @@ class ForceLoop final : public ForceTerm {
   std::vector<Summary> summary() const;
 
   const Workers& workers() const;  ///< the run's threads
-  unsigned threads() const;        ///< that the forces run on; 1 below the size where more pay
-  std::string_view isa() const;    ///< "avx512", "avx2" or "base"
+  unsigned threads() const;      ///< used for the forces; 1 below the size at which more are useful
+  std::string_view isa() const;  ///< "avx512", "avx2" or "base"
 
  private:
   struct Impl;

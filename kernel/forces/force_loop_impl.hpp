@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What ForceLoop is made of: for its own sources only. force_loop.cpp runs over all cells,
+// The implementation of ForceLoop: for its own sources only. force_loop.cpp runs over all cells,
 // force_loop_local.cpp over those around some vertices.
 #pragma once
 
@@ -21,11 +21,11 @@ namespace suture {
 
 inline constexpr Index lanes = SUTURE_LANES;
 
-/// Nodes gathered below which one thread is faster than waking others: about
-/// 0.1 ms of work against some microseconds per colour.
+/// Number of gathered nodes below which one thread is faster than waking others: about
+/// 0.1 ms of work compared with a few microseconds per colour.
 inline constexpr std::size_t parallel_nodes = 32768;
 
-/// A direction of dx and dv: a row of 3 per vertex, times a factor each.
+/// The directions dx and dv: a row of 3 numbers per vertex, with one factor for each.
 template <class Real>
 struct Direction {
   const Real* rows;
@@ -65,8 +65,8 @@ struct ForceLoop::Impl {
     return threads.threads() > 1 && (large || !functor.instance().skips());
   }
 
-  /// chunk(worker, ranges, chunk number) for all chunks, in the order of the list. `function`
-  /// of the functor is called there, for messages.
+  /// Calls chunk(worker, ranges, chunk number) for all chunks, in the order of the list.
+  /// `function` is the functor's function that it calls, for messages.
   template <class Chunk>
   void run(Index number, const char* function, double time, Chunk chunk) {
     run(number, function, functors[number].cells().live(), time, 0, attributes.force().rows(),
@@ -91,7 +91,7 @@ struct ForceLoop::Impl {
       for (Index c = 0; c < list.chunk_count(); ++c) one(c, 0);
   }
 
-  /// visit(batch, rows of its lanes) for every batch of some ranges.
+  /// Calls visit(batch, rows of its lanes) for every batch of some ranges.
   template <class Visit>
   void for_each_batch(const loops::Job& job, const loops::Worker& worker,
                       std::span<const loops::Rows> ranges, Visit visit) const {
@@ -134,7 +134,7 @@ struct ForceLoop::Impl {
     for (const loops::BatchRows& rows : batches) visit_batch(job, worker, rows, one);
   }
 
-  /// With checks: throws PluginError unless the results of the present call are finite.
+  /// With checks: throws PluginError unless the results of the current call are finite.
   void check_results(std::span<const double> results, Index valid) const {
     if (!checks) return;
     for (std::size_t i = 0; i < results.size(); ++i)
@@ -175,13 +175,13 @@ struct ForceLoop::Impl {
   std::deque<RowNodes> row_nodes;
   std::deque<CompiledFunctor> functors;
   LocalRows local;
-  /// Rows that are neither dead nor asleep, per instance; empty if none sleeps.
+  /// Rows that are neither dead nor asleep, per instance; empty if none is asleep.
   std::vector<std::array<LiveMask, 4>> awake_rows;
   bool checks = false;      ///< check_plugins()
   bool operated = false;    ///< follow() was called
-  std::vector<bool> still;  ///< vertices held where they are at rest; empty: nothing is left out
-  // Work of functors without an energy beside others with one, and their forces at the last
-  // evaluation, rows of 4.
+  std::vector<bool> still;  ///< vertices held at their rest positions; empty: nothing is left out
+  // Work of functors without an energy if others have one, and their forces at the last
+  // evaluation, in rows of 4.
   double fed = 0;
   std::vector<double> fed_force;
   bool fed_is_booked = false;

@@ -31,7 +31,7 @@ struct alignas(64) WorkerMemory {
     self.failure.note_fault(self.functor, self.call, text_of_fault(self.call));
   }
 
-  /// For calls of `function` of functor `number`, which `call` names.
+  /// Prepares calls of `function` of functor `number`, which `call` describes.
   loops::Worker prepare(const loops::Job& job, const suture_context& context, Index number,
                         const PluginCall& named) {
     functor = number;

@@ -31,7 +31,7 @@ NearGrid::NearGrid(const TriangleSurface& surface, const Box& box) {
     extent = std::max(extent, box.high[a] - box.low[a]);
     magnitude = std::max({magnitude, std::abs(box.low[a]), std::abs(box.high[a])});
   }
-  // Cubes no thinner than what a coordinate can tell apart.
+  // No cube is thinner than what coordinates can resolve.
   edge_ = std::max(extent / (longest_for(surface.triangles.size()) - 2), 1e-8 * magnitude);
   if (edge_ == 0) edge_ = 1;
   std::size_t cubes = 1;

@@ -198,7 +198,7 @@ Mesh mesh_of(const Filling& filling) {
   return mesh;
 }
 
-/// Gives every part of a pinched vertex a point of its own. The import finds them.
+/// Gives every part of a non-manifold vertex a separate point. The import finds these vertices.
 void split_pinched(Mesh& mesh, Diagnostics& diagnostics) {
   const Imported imported = import_mesh(mesh, {.renumber = false}, diagnostics);
   std::vector<Index> point = imported.user_vertex;

@@ -412,7 +412,7 @@ class LegacyReader {
     array(name, *type, components, tuples_, keyword == "global_ids");
   }
 
-  // "SCALARS name type [components]", then "LOOKUP_TABLE name" on a line of its own.
+  // "SCALARS name type [components]", then "LOOKUP_TABLE name" on a separate line.
   std::uint64_t components_of_scalars() {
     std::uint64_t components = 1;
     const std::string next = lower(in_.peek_word());

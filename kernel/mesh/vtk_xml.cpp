@@ -16,8 +16,8 @@ VtkXml::VtkXml(const FileText& file, std::string data_set, std::string needed)
   encoding_.memory_left = (std::uint64_t{16} << 20) + 128 * file.view().size();
 }
 
-// Raw data may contain anything: the XML ends where they begin, and goes on
-// behind the last </AppendedData>.
+// Raw data may contain anything: the XML ends where they begin and continues after the last
+// </AppendedData>.
 void VtkXml::find_appended() {
   const std::string_view text = file_.view();
   const std::size_t open = text.find("<AppendedData");

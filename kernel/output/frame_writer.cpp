@@ -66,7 +66,7 @@ struct FrameWriter::Impl {
                     "and leave its files where they are");
   }
 
-  // What this run goes on from belongs to it.
+  // The files from which this run continues belong to it.
   void keep() {
     missing = pvd.leave_out_missing(folder().path());
     for (const std::string& file : pvd.files()) folder().keep(file);

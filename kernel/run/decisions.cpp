@@ -190,7 +190,7 @@ bool only_cuts(const std::vector<Event>& events) {
   });
 }
 
-// Who looks at forces, stresses or energies where nothing moves; "" if nobody.
+// What needs forces, stresses or energies in cells that do not move; "" if nothing does.
 std::string who_looks_at_still_cells(const Scene& scene, const BuiltScene& built,
                                      const Recorder& recorder) {
   if (!built.skips()) return no_skip;

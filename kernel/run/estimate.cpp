@@ -17,9 +17,9 @@ double seconds_since(Wall::time_point start) {
   return std::chrono::duration<double>(Wall::now() - start).count();
 }
 
-/// Frames that are in memory at once: one is filled, one written, two wait.
+/// Frames that are in memory at once: one being filled, one being written, two waiting.
 constexpr double frames_alive = 4;
-/// What the writer takes when it is at work (VTK's objects, its thread), measured.
+/// Memory of the writer while it works (VTK's objects, its thread), measured.
 constexpr double writer_bytes = 3e6;
 
 std::uint64_t frames_until(const Scene& scene, double end, std::uint64_t steps) {
@@ -28,7 +28,7 @@ std::uint64_t frames_until(const Scene& scene, double end, std::uint64_t steps) 
   return output.every > 0 ? saturate<std::uint64_t>(1 + std::ceil(end / output.every - 1e-9)) : 2;
 }
 
-/// Steps until rest from those made: the residual falls by a factor per step.
+/// Estimates the steps until rest from those made: the residual falls by a factor per step.
 std::uint64_t steps_to_rest(RunLoop& run, double budget) {
   const Clock& clock = run.control().clock();
   RestSearch* rest = run.ending().rest();
@@ -56,15 +56,15 @@ struct ActiveSteps {
   double seconds_of_event;  ///< per step
 };
 
-/// Lets the event happen in the middle of its time, step after step for a while. This may change
-/// the body, which serves for the estimate only.
+/// Performs the event in the middle of its time span, in several consecutive steps. This may change
+/// the body, which is used for the estimate only.
 ActiveSteps measure_event(RunLoop& run, std::size_t i, double end, double seconds_per_step) {
   constexpr int most_steps = 64;
   constexpr double budget = 0.3;  // s
   const Event& event = run.built().scene().events[i];
   const double from = event.start(), to = std::min(event.finish(), end);
   double time = (from + to) / 2;
-  run.rehearse(i, time);  // a blade cuts from its last place on
+  run.rehearse(i, time);  // a blade cuts from its last position on
   const Wall::time_point start = Wall::now();
   int steps = 0;
   while (steps < most_steps && seconds_since(start) < budget && run.tries_step()) {
@@ -77,7 +77,7 @@ ActiveSteps measure_event(RunLoop& run, std::size_t i, double end, double second
           std::max(seconds, 0.0) / static_cast<double>(std::max<std::uint64_t>(event.every, 1))};
 }
 
-/// Takes events that repeat into the estimate of a run without them.
+/// Adds repeated events to the estimate of a run without them.
 void add_events(RunLoop& run, double end, Estimate& estimate) {
   const std::vector<Event>& events = run.built().scene().events;
   for (std::size_t i = 0; i < events.size(); ++i) {
@@ -101,7 +101,7 @@ Estimate Simulation::estimate() {
   estimate.dt = run.control().next_dt();
   const auto bytes = static_cast<double>(run.recorder().rehearse(0, run.records().gravity()));
   Wall::time_point start = Wall::now();
-  run.recorder().rehearse(0, run.records().gravity());  // the first one loaded the writer
+  run.recorder().rehearse(0, run.records().gravity());  // the first call loaded the writer
   const double frame_seconds = seconds_since(start);
   start = Wall::now();
   const double end = scene.solver.end.value_or(0);

@@ -9,18 +9,19 @@
 
 namespace suture {
 
-/// Lines for the user about what events did. An event that happens once has its line at once. Of
-/// one that repeats (a moving blade, a tear) the first time has, and each time that changes the
-/// number of islands; what lies between is gathered into one line:
+/// Lines for the user about the effects of events. An event that happens once is reported at once.
+/// An event that repeats (a moving blade, a tear) is reported at once the first time and whenever
+/// it changes the number of islands; what happens in between is gathered into one line:
 ///   t = 0.102 to 0.3 s: cut 330 faces in 120 steps, 1 island
 class EventReport {
  public:
   explicit EventReport(const std::vector<Event>& events);
 
-  /// Event `i` had an effect at `time`, and left so many islands. Returns the lines that are due.
+  /// Records that event `i` had an effect at `time`, after which there are so many islands.
+  /// Returns the lines that are due.
   std::vector<std::string> add(std::size_t i, const EventOutcome& outcome, double time,
                                Index islands);
-  /// What is still gathered.
+  /// The lines for what is still gathered.
   std::vector<std::string> finish();
   void state(Archive& archive);
 
@@ -35,7 +36,7 @@ class EventReport {
 
   const std::vector<Event>& events_;
   std::vector<Gathered> gathered_;  ///< by event
-  Index islands_ = 0;               ///< after the last effect; 0: there was none
+  Index islands_ = 0;               ///< after the last effect; 0 if there was none
 };
 
 /// "t = 0.5 s: cut 25 faces, 2 islands"

@@ -232,7 +232,7 @@ RunSummary RunLoop::run(Observer& observer) {
 }
 
 void RunLoop::finish(Observer& observer) {
-  // A run that goes on from a checkpoint reports what is gathered then.
+  // If the run was interrupted, the run that continues it reports what is gathered.
   if (summary_.outcome != RunSummary::Outcome::interrupted)
     report_events(event_report_.finish(), observer);
   events_.finish();

@@ -11,7 +11,7 @@
 namespace suture {
 namespace {
 
-/// The cells have vertices of the body; makes the points of the frame of those that are used.
+/// The cells refer to vertices of the body; makes those that are used the points of the frame.
 void take_points(Frame& frame, BuiltScene& built) {
   const Column& x = built.body().attributes().position();
   std::vector<Index> point_of(x.size(), none);
@@ -37,7 +37,8 @@ SmallCell cell_at(const CellComplex& complex, Dart d, int dimension) {
   return cell;
 }
 
-/// False for an interior face of a model whose functors are for the boundary, and the like.
+/// Whether a functor visits the cell: not, for example, an interior face if the model's functors
+/// are for the boundary.
 bool has_functor(const Instance& instance, int dimension, Index row, const CellComplex& complex) {
   const suture_model& model = instance.model();
   return std::ranges::any_of(

@@ -24,9 +24,9 @@ struct SideSeries {
 /// The series that a scene requests:
 ///  - springs, faces: the cells of dimension 1 or 2 of all instances, with their fields;
 ///  - cuts: both sides of every face that a cut or tear opened and that is still open, with the
-///    fields "event" (its place in the scene) and "opened" (s); and the blades that are present
+///    fields "event" (its index in the scene) and "opened" (s); and the blades that are present
 ///    ("blade" is 1), moving ones as lines, surfaces as triangles.
-/// `fields`, `built` and `events` are referred to.
+/// Keeps references to `fields`, `built` and `events`.
 std::vector<SideSeries> side_series(const OutputOptions& options,
                                     const std::vector<FieldChoice>& fields, BuiltScene& built,
                                     const EventRunner& events);

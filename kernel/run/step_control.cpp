@@ -14,7 +14,7 @@
 namespace suture {
 namespace {
 
-// Steps between looks at energy and inversion, which cost 1 % of the forces then.
+// Steps between checks of energy and inversion, which then cost 1 % of the forces.
 constexpr std::uint64_t guard_steps = 64;
 // Energy from nowhere, as a part of what was exchanged, that is worth a word. Right runs stay
 // below 0.014.
@@ -185,7 +185,7 @@ void StepControl::step_back(const NumericalError& error, const Notify& notify) {
   attempts_ = same_place ? attempts_ + 1 : 1;
   furthest_failure_ = std::max(furthest_failure_, failed_at);
   const bool may_help = rejected || (!scene_.solver.dt && (unstable || attempts_ <= most_attempts));
-  // Right after an operation the run goes on from here: a step that a model rejects has moved
+  // Right after an operation the run continues from here: a step that a model rejects has moved
   // nothing yet, and the energy of an unstable one is in the balance.
   const bool goes_on = kept_.empty() && (rejected || (unstable && !scene_.solver.dt));
   if (!may_help || (kept_.empty() && !goes_on) || watch_.halvings() >= most_halvings)

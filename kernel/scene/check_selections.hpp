@@ -6,9 +6,9 @@
 
 namespace suture {
 
-/// What only the mesh can tell: regions, constraints, loads, conditions and probes that select
-/// nothing, sets and numbers that it does not have, elements without a model. Throws one
-/// InputError with a line "PATH: TEXT" for each. As long as the selections take by themselves.
+/// Checks what depends on the mesh: regions, constraints, loads, conditions and probes that select
+/// nothing, sets and numbers that do not exist, elements without a model. Throws one InputError
+/// with a line "PATH: TEXT" for each. Takes as long as the selections themselves.
 void check_selections(const Scene& scene, const Selector& selector);
 
 }  // namespace suture

@@ -77,7 +77,7 @@ bool read_series(ObjectReader& object, const char* key, std::uint32_t dimension,
   return wanted;
 }
 
-/// Why a name is not a field of frames and probes: it belongs to a series of its own. "" otherwise.
+/// Why a name is not a field of frames and probes: it belongs to a separate series. Otherwise "".
 std::string other_place(const ModelFields& fields, const std::string& name) {
   if (contains(fields.of_springs, name))
     return " is a value on springs, not on nodes or elements; set \"springs\": true in /output to "

@@ -11,16 +11,17 @@
 
 namespace suture {
 
-/// Where the parts of a scene were written: mistakes that only its mesh shows have a line too.
+/// Where the parts of a scene are in its text, so that mistakes that only the mesh reveals are
+/// reported with a line, too.
 class ScenePlaces {
  public:
-  /// Of a scene that was not read from a text: no place is known.
+  /// For a scene that was not read from a text: no place is known.
   ScenePlaces() = default;
   /// `file` as shown to the user; `sets` the texts given with --set.
   ScenePlaces(const JsonValue& root, std::string file, std::vector<std::string> sets);
 
-  /// Throws an error whose lines are "/PATH: TEXT" again with the place of each, in the order of
-  /// the file, and their number; any other error as it is.
+  /// Rethrows an error. If its lines are "/PATH: TEXT", adds the place of each, sorts them in the
+  /// order of the file and adds their number; any other error is unchanged.
   [[noreturn]] void rethrow(const InputError& error) const;
 
  private:

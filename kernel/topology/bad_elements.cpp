@@ -51,8 +51,8 @@ bool has_finite_corners(const Mesh& mesh, const Hexahedron& nodes) {
   });
 }
 
-/// Elements that a volume < 0 alone would pass off as mirror images: their neighbours, with which
-/// they overlap, tell that they are numbered like the others and pulled through themselves.
+/// Elements that would seem mirrored if only their negative volume were tested: their neighbours,
+/// which they overlap, show that they are numbered like the others and turned inside out.
 std::vector<Index> find_inside_out(const Turned& turned, Index point_count) {
   const auto mirrored = static_cast<std::size_t>(std::ranges::count(turned.mirrored, true));
   if (mirrored == 0) return {};

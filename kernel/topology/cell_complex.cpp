@@ -262,7 +262,7 @@ void CellComplex::state(Archive& archive) {
   load_built(edges, faces);
 }
 
-/// The mesh tells all of it.
+/// Everything is derived from the mesh.
 void CellComplex::load_built(bool edges, bool faces) {
   if (edges) require_edges();
   if (faces) require_faces();

@@ -76,7 +76,7 @@ class Matcher {
  private:
   struct Seen {
     Link link;   ///< the dart that starts at the largest vertex
-    Index sum;   ///< of the other three vertices: tells most different faces apart
+    Index sum;   ///< of the other three vertices: distinguishes most different faces
     Index next;  ///< in the list of the same largest vertex
   };
 

@@ -147,8 +147,8 @@ void CellComplex::free_rim(std::span<const Link> rim, TopologyChange& change) {
   sort_ascending(change.elements);
 }
 
-/// Most stars are read off and stay in one piece: drops their removed elements and tells
-/// the others. False for any other star, and then nothing has happened.
+/// Most stars can be read directly and stay in one piece: drops their removed elements and
+/// reports the others. Returns false, without any change, for any other star.
 template <int Dimension>
 bool CellComplex::lose_elements(Index cell, HalfStars& halves, TopologyChange& change) {
   const std::size_t n = halves.size;

@@ -91,7 +91,7 @@ class StreamWriter : public vtkXMLUnstructuredGridWriter {
 };
 vtkStandardNewMacro(StreamWriter)
 
-// `data` stays the caller's: VTK is told to keep its hands off.
+// `data` still belongs to the caller: VTK must not free it.
 template <class Array, class T>
 vtkSmartPointer<Array> borrowed(const T* data, std::size_t tuples, int components) {
   auto array = vtkSmartPointer<Array>::New();

@@ -9,7 +9,7 @@
 namespace suture {
 namespace {
 
-/// Part of the second of two masses; halves if there is no mass at all.
+/// The fraction of the second of two masses; one half if both are zero.
 double part(double first, double second) {
   return first + second > 0 ? second / (first + second) : 0.5;
 }
@@ -135,7 +135,8 @@ void MergePolicies::merge(Table& table, std::span<const Merge> merges,
   }
 }
 
-/// Cells that are no more leave the table, and those that lost the region's elements.
+/// Removes the cells that no longer exist from the table, and those that have no element of the
+/// region left.
 void MergePolicies::drop(Table& table, const TouchedElements& touched,
                          const TopologyChange& change) {
   const auto dimension = static_cast<std::size_t>(table.dimension);

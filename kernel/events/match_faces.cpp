@@ -163,8 +163,8 @@ double cube_edge(const Places& places, const std::vector<Dart>& faces, double ga
   return std::max({gap, 1e-12 * largest, std::numeric_limits<double>::min()});
 }
 
-/// All pairs of faces that look at each other with centres within the gap, of elements
-/// that have no face in common; nearest first.
+/// All pairs of faces that face each other, whose centres are within the gap and whose
+/// elements have no face in common; nearest first.
 std::vector<Pairing> pairings(const Places& places, const std::vector<Dart>& a,
                               const std::vector<Dart>& b, double gap) {
   Grid grid(std::max(cube_edge(places, a, gap), cube_edge(places, b, gap)));

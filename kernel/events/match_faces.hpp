@@ -13,7 +13,7 @@ namespace suture {
 
 // Decides which boundary faces a suture joins; CellComplex::sew() joins them.
 //
-//    A  |..|  B        the faces of A and B look at each other and each corner has
+//    A  |..|  B        the faces of A and B face each other and each corner has
 //   +---+..+---+       a partner: a seam, the darts of both paired corner by corner
 //   |   |..|   |
 //   +---+..+---+

@@ -17,7 +17,7 @@ Index element_with_two(std::vector<Index>& elements) {
 
 }  // namespace
 
-/// The vertex that stands for all that this one becomes.
+/// The vertex that represents all vertices with which this one is joined.
 Index SeamBatch::joined(Index vertex) const {
   for (auto next = joined_.find(vertex); next != joined_.end(); next = joined_.find(vertex))
     vertex = next->second;

@@ -15,7 +15,7 @@
 namespace suture {
 namespace {
 
-// Words that may begin a line; what is no polygon is passed.
+// Words that may begin a line; lines other than vertices and polygons are skipped.
 const std::vector<std::string> keys{
     "v",          "f",         "l",      "vt",       "vn",     "vp",       "o",      "g",
     "s",          "p",         "bevel",  "lod",      "ctech",  "stech",    "usemap", "usemtl",

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Legacy VTK files, versions 1 to 5.1, text and bytes. Format: "VTK File Formats",
-// VTK User's Guide. Read here and not by VTK: its reader allocates what a corrupt
-// count asks for, takes a truncated file for a whole one, and knows no lines.
+// Legacy VTK files, versions 1 to 5.1, ASCII and binary. Format: "VTK File Formats",
+// VTK User's Guide. Not read by VTK, because its reader allocates as much as a corrupt
+// count requests, accepts truncated files, and does not report line numbers.
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -109,8 +109,8 @@ Hexahedron nodes_of(const VtkGrid& grid, std::size_t cell, const FileText& file)
   return grid.types[cell] == vtk_voxel ? nodes : swap_vtk_order(nodes);
 }
 
-// Byte arrays of 0 and 1 are flags, other integers labels. Arrays with more
-// values than a user would give names to (numbers of points) are no labels.
+// Byte arrays of 0 and 1 are flags, other integers are labels. Arrays with more values
+// than a user would name (numbers of points) are not labels.
 void add_sets(Sets& sets, const VtkGrid::Labels& labels) {
   constexpr std::size_t max_labels = 256;
   const bool flags = labels.bytes && std::all_of(labels.values.begin(), labels.values.end(),

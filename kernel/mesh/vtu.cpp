@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// VTK's XML files of unstructured grids. Read here and not by VTK, whose reader
-// ends the program for some damaged files and allocates what a corrupt header
-// asks for; VTK's compressors are used, behind its module.
+// VTK's XML files of unstructured grids. Not read by VTK, because its reader ends the
+// program for some damaged files and allocates as much as a corrupt header requests;
+// VTK's compressors are used, through the module in kernel/vtk.
 #include <algorithm>
 
 #include "kernel/mesh/readers.hpp"

@@ -40,8 +40,8 @@ void Guard::check(std::uint64_t step, double time) {
   check_inversion(step, time);
 }
 
-// Viscous functors only take: what they give is as unexplained as a balance that grows.
-// What the step gives back is no growth.
+// Viscous functors only dissipate: energy that they add is as unexplained as a growing balance.
+// Energy that the step returns later is not growth.
 double Guard::unexplained() const {
   return last_.balance - last_.recoverable - std::min(last_.dissipated, 0.0);
 }

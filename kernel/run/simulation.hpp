@@ -112,14 +112,14 @@ class Simulation {
   /// The mean displacement of the selected vertices, m.
   Vec3 mean_displacement(const Selection& selection) const;
 
-  /// From now on every call of a plugin's force is checked (ForceLoop::check_plugins), and now the
-  /// bounds of the stable step.
+  /// Checks every call of a plugin's force from now on (ForceLoop::check_plugins), and the bounds
+  /// of the stable step at once.
   void check_plugins();
-  /// Forces and energies of the present state, computed for their checks only.
+  /// Computes forces and energies of the current state, only to check them.
   void try_plugins();
 
   const std::vector<Decision>& decisions() const;
-  unsigned threads() const;      ///< that work; at most as many as the scene asks for
+  unsigned threads() const;      ///< that are used; at most as many as the scene requests
   std::string_view isa() const;  ///< of the loops: "avx512", "avx2" or "base"
   /// Times a few steps; the simulation cannot be used afterwards.
   Estimate estimate();

@@ -127,7 +127,7 @@ Shapes orient(std::vector<Hexahedron>& hexahedra, const std::vector<Vec3>& rest)
   return shapes;
 }
 
-// ----------------------------------------------------------------- pinched --
+// ------------------------------------------------------------ non-manifold --
 
 /// Pairs of points with several edges of the complex between them, each of them on
 /// the boundary. The elements around a boundary edge form a path, on whose ends it is

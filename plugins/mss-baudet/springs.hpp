@@ -9,8 +9,8 @@
 
 namespace mss_baudet {
 
-/// Squares of lengths outside of this (m^2) are no lengths: zero, where a force
-/// has no direction, not a number, or infinite.
+/// Squares of lengths outside this range (m^2) are invalid: zero, where a force has
+/// no direction, not a number, or infinite.
 template <class T>
 SUTURE_INLINE auto is_length_squared(const T& x) {
   return (x > T(1e-200)) & (x < T(1e200));

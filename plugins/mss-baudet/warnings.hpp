@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Where the model's known weaknesses bite: what the user is told of rest shapes.
+// The warnings about rest shapes for which the model's known weaknesses matter.
 #ifndef MSS_BAUDET_WARNINGS_HPP
 #define MSS_BAUDET_WARNINGS_HPP
 

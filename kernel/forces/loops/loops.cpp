@@ -265,8 +265,8 @@ void gather(const Job* job, const Worker* worker, const BatchRows* rows, Buffers
 
 // -------------------------------------------------------------- integrators --
 
-/// Rows ahead that a pass asks for: with three columns written, the processor's
-/// own prefetcher left a third of the time waiting (9.5 -> 6 ns per vertex on the
+/// Number of rows by which a pass prefetches: with three columns written, the
+/// processor's own prefetcher left a third of the time waiting (9.5 -> 6 ns per vertex on the
 /// 60 x 60 x 120 grid).
 constexpr uint32_t prefetch_distance = 24;
 

@@ -36,7 +36,7 @@ namespace processing = CGAL::Polygon_mesh_processing;
 using Points = std::vector<Point>;
 using Polygons = std::vector<std::vector<std::size_t>>;
 
-// False for a corner that is no point.
+// False if a corner is not a point.
 bool to_soup(const Points& points, const Polygons& polygons, PolygonSoup& out) {
   for (const Point& p : points) out.points.push_back({p.x(), p.y(), p.z()});
   for (const auto& polygon : polygons) {

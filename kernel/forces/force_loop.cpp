@@ -173,16 +173,7 @@ bool ForceLoop::compute_field(const Instance& instance, int dimension, std::stri
   return given;
 }
 
-// ------------------------------------------------------------------ tangent --
-
-bool ForceLoop::has_tangent() const { return without_tangent().empty(); }
-
-std::string ForceLoop::without_tangent() const {
-  for (const CompiledFunctor& functor : impl_->functors)
-    if (!functor.skipped() && !functor.extension<suture_tangent_1>(SUTURE_TANGENT_1))
-      return functor.title();
-  return "";
-}
+// -------------------------------------------------------------------- reads --
 
 bool ForceLoop::reads_velocity() const {
   return std::ranges::any_of(impl_->functors, reads_velocity_now);
@@ -193,54 +184,6 @@ bool ForceLoop::reads_summed_columns() const {
     return !functor.skipped() &&
            (functor.dimension() != 3 || functor.functor().vertex_column_count != 0);
   });
-}
-
-template <class Real>
-void ForceLoop::Impl::add_tangent(Index number, const Direction<Real>& d, double time, Real* out) {
-  const auto* extension = functors[number].extension<suture_tangent_1>(SUTURE_TANGENT_1);
-  run(number, "tangent", time,
-      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
-          Index) {
-        for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {
-          alignas(64) double dx[8 * 3 * lanes], dv[8 * 3 * lanes], df[8 * 3 * lanes];
-          const auto for_each_value = [&](Index count, auto value) {
-            for (Index l = 0; l < count; ++l) {
-              const Index r = rows.row[l];
-              const Index* nodes =
-                  job.nodes + std::size_t{job.cells ? job.cells[r] : r} * job.node_count;
-              for (Index n = 0; n < job.node_count; ++n)
-                for (std::size_t c = 0; c < 3; ++c)
-                  value(std::size_t{nodes[n]} * 3 + c, (n * 3 + c) * lanes + l);
-            }
-          };
-          for_each_value(lanes, [&](std::size_t vertex, std::size_t at) {
-            dx[at] = d.dx * static_cast<double>(d.rows[vertex]);
-            dv[at] = d.dv * static_cast<double>(d.rows[vertex]);
-          });
-          const suture_status status = extension->apply(worker.context, &batch, dx, dv, df);
-          if (status == SUTURE_OK)
-            check_results(std::span(df, std::size_t{job.node_count} * 3 * lanes), batch.valid);
-          for_each_value(batch.valid, [&](std::size_t vertex, std::size_t at) {
-            out[vertex] += static_cast<Real>(df[at]);
-          });
-          return status;
-        });
-      });
-}
-
-template <class Real>
-void ForceLoop::Impl::add_tangent(const Direction<Real>& d, double time, Real* out) {
-  for (Index i = 0; i < functors.size(); ++i)
-    if (!functors[i].skipped()) add_tangent(i, d, time, out);
-  raise_failures(time);
-}
-
-void ForceLoop::add_tangent(const float* d, double dx, double dv, double time, float* out) {
-  impl_->add_tangent(Direction<float>{d, dx, dv}, time, out);
-}
-
-void ForceLoop::add_tangent(const double* d, double dx, double dv, double time, double* out) {
-  impl_->add_tangent(Direction<double>{d, dx, dv}, time, out);
 }
 
 // -------------------------------------------------------------------- sleep --

@@ -32,6 +32,11 @@ struct Direction {
   double dx, dv;
 };
 
+/// The vertices of the cell in a row.
+inline const Index* nodes_of(const loops::Job& job, Index row) {
+  return job.nodes + std::size_t{job.cells ? job.cells[row] : row} * job.node_count;
+}
+
 struct ForceLoop::Impl {
   Impl(Attributes& a, const CellComplex& c, unsigned wanted)
       : attributes(a), complex(&c), loops(hot_loops()), threads(wanted) {
@@ -166,6 +171,8 @@ struct ForceLoop::Impl {
   void add_tangent(Index number, const Direction<Real>& d, double time, Real* out);
   template <class Real>
   void add_tangent(const Direction<Real>& d, double time, Real* out);
+  void for_each_tangent(Index number, double dx, double dv, double time,
+                        const VisitTangents& visit);
 
   Attributes& attributes;
   const CellComplex* complex;

@@ -10,24 +10,23 @@ void ForceLoop::add_forces_at(const VertexSelection& selection, std::span<const 
   for (Index i = 0; i < impl_->functors.size(); ++i) {
     const CompiledFunctor& functor = impl_->functors[i];
     if (functor.skipped()) continue;
-    impl_->for_each_local(
-        i, "force", time, impl_->local.rows_at(*impl_->complex, functor, elements, selection),
-        [&](const loops::Job& job, const loops::Worker& worker, suture_batch& batch,
-            const loops::BatchRows& rows) {
-          batch.force = force;
-          const suture_status status = job.function(worker.context, &batch);
-          for (Index l = 0; l < batch.valid; ++l) {
-            const Index r = rows.row[l];
-            const Index* nodes =
-                job.nodes + std::size_t{job.cells ? job.cells[r] : r} * job.node_count;
-            for (Index n = 0; n < job.node_count; ++n) {
-              if (!selection.contains(nodes[n])) continue;
-              Vec3& sum = forces[selection.slot(nodes[n])];
-              for (std::size_t c = 0; c < 3; ++c) sum[c] += force[(n * 3 + c) * lanes + l];
-            }
-          }
-          return status;
-        });
+    impl_->for_each_local(i, "force", time,
+                          impl_->local.rows_at(*impl_->complex, functor, elements, selection),
+                          [&](const loops::Job& job, const loops::Worker& worker,
+                              suture_batch& batch, const loops::BatchRows& rows) {
+                            batch.force = force;
+                            const suture_status status = job.function(worker.context, &batch);
+                            for (Index l = 0; l < batch.valid; ++l) {
+                              const Index* nodes = nodes_of(job, rows.row[l]);
+                              for (Index n = 0; n < job.node_count; ++n) {
+                                if (!selection.contains(nodes[n])) continue;
+                                Vec3& sum = forces[selection.slot(nodes[n])];
+                                for (std::size_t c = 0; c < 3; ++c)
+                                  sum[c] += force[(n * 3 + c) * lanes + l];
+                              }
+                            }
+                            return status;
+                          });
   }
   impl_->raise_failures(time);
 }
@@ -81,8 +80,7 @@ suture_status add_bounds_of(const Loop& loop, const suture_stable_dt_1& extensio
     if (status == SUTURE_OK)
       loop.check_results(std::span(bounds, std::size_t{job.node_count} * 6 * lanes), batch.valid);
   for (Index l = 0; l < batch.valid; ++l) {
-    const Index r = rows.row[l];
-    const Index* nodes = job.nodes + std::size_t{job.cells ? job.cells[r] : r} * job.node_count;
+    const Index* nodes = nodes_of(job, rows.row[l]);
     for (Index n = 0; n < job.node_count; ++n) {
       if (!wanted(nodes[n])) continue;
       double k[6], c[6];

@@ -26,6 +26,14 @@ struct StepTimes {
   double last = 0;  ///< dt of the previous step, 0 before the first
 };
 
+/// The tangents of up to 8 cells of one functor: the derivatives of the forces on their nodes, N/m.
+struct CellTangents {
+  Index cells;            ///< 1 .. 8
+  Index nodes;            ///< of each cell: 1, 2, 4 or 8
+  const Index* vertices;  ///< vertices[cell * nodes + node]
+  const double* values;   ///< values[(row * 3 nodes + column) * 8 + cell]; 3 rows per node
+};
+
 /// A contribution to the forces on a body: internal forces of models, gravity, loads. To add one,
 /// write such a class in its own file and one line that adds it to the body (Body::add).
 ///
@@ -57,6 +65,11 @@ class ForceTerm : public Follower {
   /// out += the derivative of its forces in the direction (dx d, dv d); 3 numbers per vertex.
   virtual void add_tangent(const double* /*d*/, double /*dx*/, double /*dv*/, double /*time*/,
                            double* /*out*/) {}
+  using VisitTangents = std::function<void(const CellTangents&)>;
+  /// Visits dx df/dx + dv df/dv of all its cells, in a fixed order, on this thread. A term that
+  /// does not implement it is missing from preconditioners, which only makes solvers slower.
+  virtual void for_each_tangent(double /*dx*/, double /*dv*/, double /*time*/,
+                                const VisitTangents& /*visit*/) {}
   /// sums(vertex, K, C): bounds on its stiffness (N/m) and damping (N s/m) at the vertices, XX YY
   /// ZZ XY YZ XZ each (stable_step.hpp).
   using AddBounds = std::function<void(Index, const double* stiffness, const double* damping)>;

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/forces/force_loop_impl.hpp"
+
+namespace suture {
+
+bool ForceLoop::has_tangent() const { return without_tangent().empty(); }
+
+std::string ForceLoop::without_tangent() const {
+  for (const CompiledFunctor& functor : impl_->functors)
+    if (!functor.skipped() && !functor.extension<suture_tangent_1>(SUTURE_TANGENT_1))
+      return functor.title();
+  return "";
+}
+
+template <class Real>
+void ForceLoop::Impl::add_tangent(Index number, const Direction<Real>& d, double time, Real* out) {
+  const auto* extension = functors[number].extension<suture_tangent_1>(SUTURE_TANGENT_1);
+  run(number, "tangent", time,
+      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
+          Index) {
+        for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {
+          alignas(64) double dx[8 * 3 * lanes], dv[8 * 3 * lanes], df[8 * 3 * lanes];
+          const auto for_each_value = [&](Index count, auto value) {
+            for (Index l = 0; l < count; ++l) {
+              const Index* nodes = nodes_of(job, rows.row[l]);
+              for (Index n = 0; n < job.node_count; ++n)
+                for (std::size_t c = 0; c < 3; ++c)
+                  value(std::size_t{nodes[n]} * 3 + c, (n * 3 + c) * lanes + l);
+            }
+          };
+          for_each_value(lanes, [&](std::size_t vertex, std::size_t at) {
+            dx[at] = d.dx * static_cast<double>(d.rows[vertex]);
+            dv[at] = d.dv * static_cast<double>(d.rows[vertex]);
+          });
+          const suture_status status = extension->apply(worker.context, &batch, dx, dv, df);
+          if (status == SUTURE_OK)
+            check_results(std::span(df, std::size_t{job.node_count} * 3 * lanes), batch.valid);
+          for_each_value(batch.valid, [&](std::size_t vertex, std::size_t at) {
+            out[vertex] += static_cast<Real>(df[at]);
+          });
+          return status;
+        });
+      });
+}
+
+template <class Real>
+void ForceLoop::Impl::add_tangent(const Direction<Real>& d, double time, Real* out) {
+  for (Index i = 0; i < functors.size(); ++i)
+    if (!functors[i].skipped()) add_tangent(i, d, time, out);
+  raise_failures(time);
+}
+
+void ForceLoop::add_tangent(const float* d, double dx, double dv, double time, float* out) {
+  impl_->add_tangent(Direction<float>{d, dx, dv}, time, out);
+}
+
+void ForceLoop::add_tangent(const double* d, double dx, double dv, double time, double* out) {
+  impl_->add_tangent(Direction<double>{d, dx, dv}, time, out);
+}
+
+// -------------------------------------------------------- matrices of cells --
+
+namespace {
+
+/// The functor's derivatives along one component of one node, for all cells of a batch at once:
+/// column `column` of their matrices.
+class TangentColumns {
+ public:
+  TangentColumns(const suture_tangent_1& extension, Index nodes, double dx, double dv)
+      : extension_(extension),
+        size_(nodes * 3),
+        values_(std::size_t{size_} * size_ * lanes),
+        scaled_dx_(dx),
+        scaled_dv_(dv) {}
+
+  suture_status compute(const suture_context* context, const suture_batch& batch) {
+    for (Index column = 0; column < size_; ++column) {
+      const suture_status status = compute(context, batch, column);
+      if (status != SUTURE_OK) return status;
+    }
+    return SUTURE_OK;
+  }
+  std::span<const double> values() const { return values_; }
+
+ private:
+  suture_status compute(const suture_context* context, const suture_batch& batch, Index column) {
+    alignas(64) double dx[8 * 3 * lanes] = {}, dv[8 * 3 * lanes] = {}, df[8 * 3 * lanes];
+    std::fill_n(dx + std::size_t{column} * lanes, lanes, scaled_dx_);
+    std::fill_n(dv + std::size_t{column} * lanes, lanes, scaled_dv_);
+    const suture_status status = extension_.apply(context, &batch, dx, dv, df);
+    for (Index row = 0; row < size_; ++row)
+      std::copy_n(df + std::size_t{row} * lanes, lanes,
+                  values_.data() + (std::size_t{row} * size_ + column) * lanes);
+    return status;
+  }
+
+  const suture_tangent_1& extension_;
+  Index size_;
+  AlignedVector<double> values_;
+  double scaled_dx_, scaled_dv_;
+};
+
+}  // namespace
+
+void ForceLoop::Impl::for_each_tangent(Index number, double dx, double dv, double time,
+                                       const VisitTangents& visit) {
+  const auto* extension = functors[number].extension<suture_tangent_1>(SUTURE_TANGENT_1);
+  CompiledFunctor& functor = functors[number];
+  const loops::Job& job =
+      functor.job(attributes, *complex, functor.cells().live(), time, 0, nullptr);
+  const auto worker =
+      workers[0].prepare(job, functor.instance().context(0), number, functor.call("tangent"));
+  const PluginScope scope(workers[0].call);
+  TangentColumns columns(*extension, job.node_count, dx, dv);
+  std::vector<Index> vertices(std::size_t{job.node_count} * lanes);
+  for (Index chunk = 0; chunk < functor.list().chunk_count(); ++chunk)
+    for_each_batch(job, worker, functor.list().ranges(chunk),
+                   [&](suture_batch& batch, const loops::BatchRows& rows) {
+                     const suture_status status = columns.compute(worker.context, batch);
+                     if (status != SUTURE_OK) return status;
+                     check_results(columns.values(), batch.valid);
+                     for (Index l = 0; l < batch.valid; ++l)
+                       std::copy_n(nodes_of(job, rows.row[l]), job.node_count,
+                                   vertices.data() + std::size_t{l} * job.node_count);
+                     visit({batch.valid, job.node_count, vertices.data(), columns.values().data()});
+                     return status;
+                   });
+}
+
+void ForceLoop::for_each_tangent(double dx, double dv, double time, const VisitTangents& visit) {
+  for (Index i = 0; i < impl_->functors.size(); ++i)
+    if (!impl_->functors[i].skipped()) impl_->for_each_tangent(i, dx, dv, time, visit);
+  impl_->raise_failures(time);
+}
+
+}  // namespace suture

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "kernel/solvers/preconditioner.hpp"
+
+namespace suture {
+
+/// The end of a linear solve.
+struct LinearSolve {
+  enum class Outcome {
+    converged,
+    too_many,    ///< the allowed number of iterations was not enough
+    indefinite,  ///< a direction d with d.Ad <= 0 was found: x is the iterate before it
+  };
+  Outcome outcome = Outcome::converged;
+  unsigned iterations = 0;  ///< products with the matrix
+  double residual = 0;      ///< |b - A x| / |b|, by recurrence
+};
+
+/// Solves A x = b by preconditioned conjugate gradients, from x = 0, until |b - A x| <= tolerance
+/// |b|. Where A turns out to be indefinite, x is a descent direction nevertheless: the last iterate
+/// or, in the first iteration, B^-1 b (Nash, SIAM J. Numer. Anal. 21 (1984) 770; Dembo and
+/// Steihaug, Math. Program. 26 (1983) 190).
+///
+/// Memory: 4 vectors, kept for the next solve. Sums have a fixed order. Throws the errors of terms,
+/// and NumericalError if the tangent is not finite.
+class ConjugateGradients {
+ public:
+  LinearSolve solve(const TangentMatrix& a, const Preconditioner& preconditioner,
+                    std::span<const double> b, std::span<double> x, double tolerance,
+                    unsigned most_iterations);
+
+  /// The direction of the last solve that ended as indefinite, with d.Ad <= 0.
+  std::span<const double> negative_direction() const { return d_; }
+
+ private:
+  std::vector<double> r_, z_, d_, q_;
+};
+
+/// The dot product in a fixed order, with errors that grow with the square root of the size.
+double dot(std::span<const double> a, std::span<const double> b);
+
+}  // namespace suture

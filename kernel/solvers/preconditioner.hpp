@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "kernel/solvers/tangent_matrix.hpp"
+
+namespace suture {
+
+/// An approximate inverse of a tangent matrix: symmetric and positive definite.
+class Preconditioner {
+ public:
+  virtual ~Preconditioner() = default;
+  /// Its name for users: "multigrid", "block Jacobi", "direct".
+  virtual std::string name() const = 0;
+  /// Builds the approximate inverse of `a` as it is now. Throws the errors of terms.
+  virtual void build(const TangentMatrix& a) = 0;
+  /// z = B^-1 r.
+  virtual void apply(const double* r, double* z) const = 0;
+  /// Cells, or the free components, have changed: the next build() starts anew.
+  virtual void forget() {}
+};
+
+}  // namespace suture

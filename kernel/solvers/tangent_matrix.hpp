@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "kernel/attributes/attributes.hpp"
+#include "kernel/forces/force_term.hpp"
+
+namespace suture {
+
+/// The symmetric matrix of a Newton step on the free components of a body, matrix-free:
+///   A = mass M + K + velocity C,   K = -df/dx,   C = -df/dv   of all terms at (x, v, time)
+/// Static equilibrium: mass = velocity = 0. Implicit Euler: mass = 1/dt^2, velocity = 1/dt.
+///
+/// Vectors have 3 numbers per vertex. Components that are constrained, and those of removed
+/// vertices, are 0 in every vector and in every product.
+class TangentMatrix {
+ public:
+  TangentMatrix(Attributes& attributes, std::span<const std::unique_ptr<ForceTerm>> terms);
+
+  /// The matrix at the current state from now on. Call again after cells or constraints changed.
+  /// O(vertices).
+  void set(double time, double mass = 0, double velocity = 0);
+
+  std::size_t size() const { return free_.size(); }
+  /// Whether each component is free.
+  const std::vector<std::uint8_t>& free() const { return free_; }
+  /// y = A x. About three evaluations of the forces. Throws the errors of terms.
+  void apply(const double* x, double* y) const;
+  /// The diagonal of the mass term at a vertex, N/m.
+  double mass_at(Index vertex) const;
+  /// Visits the matrices of all cells, K + velocity C, with the opposite sign: see
+  /// ForceTerm::for_each_tangent. The mass term is not included.
+  void for_each_cell(const ForceTerm::VisitTangents& visit) const;
+  /// Sets the components of a vector that are not free to 0.
+  void restrict(std::span<double> x) const;
+
+ private:
+  Attributes& attributes_;
+  std::span<const std::unique_ptr<ForceTerm>> terms_;
+  std::vector<std::uint8_t> free_;
+  double time_ = 0, mass_ = 0, velocity_ = 0;
+};
+
+}  // namespace suture

@@ -50,6 +50,9 @@ class Watcher final : public Observer {
     if (!first || console_.is_terminal()) console_.status(describe(progress));
   }
   void on_message(const std::string& message) override { console_.note(message); }
+  void on_detail(const std::string& message) override {
+    if (console_.verbose()) console_.note(message);
+  }
   bool stop_requested() override { return caught_signal() != 0; }
 
  private:

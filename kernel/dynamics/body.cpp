@@ -43,13 +43,11 @@ double Body::potential(double time) const {
 }
 
 bool Body::has_loads() const {
-  return !std::ranges::all_of(terms().subspan(1),
-                              [](const auto& term) { return term->adds_no_rows(); });
+  return !std::ranges::all_of(loads(), [](const auto& term) { return term->adds_no_rows(); });
 }
 
 bool Body::loads_have_tangent() const {
-  return std::ranges::all_of(terms().subspan(1),
-                             [](const auto& term) { return term->has_tangent(); });
+  return std::ranges::all_of(loads(), [](const auto& term) { return term->has_tangent(); });
 }
 
 double Body::settled_after() const {

@@ -63,13 +63,15 @@ class Body {
   /// The term of the models; after compile().
   ForceLoop& models() { return *models_; }
   const ForceLoop& models() const { return *models_; }
-  /// All terms, the models first.
-  std::span<const std::unique_ptr<ForceTerm>> terms() const { return terms_; }
+  /// All terms, the models first; the list lives as long as the body.
+  const std::vector<std::unique_ptr<ForceTerm>>& terms() const { return terms_; }
+  /// All terms other than the models.
+  std::span<const std::unique_ptr<ForceTerm>> loads() const { return std::span(terms_).subspan(1); }
 
   Vec3 acceleration(double time) const;  ///< sum over all terms, m/s^2
   double energy(double time) const;      ///< stored by all terms, J
   double potential(double time) const;   ///< of all terms, J
-  // For the terms other than the models:
+  // For the loads:
   bool has_loads() const;           ///< some term adds to rows
   bool loads_have_tangent() const;  ///< all terms have a tangent; pressures do not
   double settled_after() const;     ///< when the last ramp and motion ends, s

@@ -4,14 +4,21 @@
 #include <algorithm>
 
 #include "kernel/base/error.hpp"
+#include "kernel/dynamics/newton.hpp"
 #include "kernel/dynamics/rounding.hpp"
 
 namespace suture {
 
 Dynamics::Dynamics(Body& body, const DynamicsOptions& options)
     : motion_(body, options.damping),
-      integrator_(make_integrator(options.integrator, motion_)),
+      integrator_(make_integrator(options.integrator, motion_, options.solver)),
       ledger_(body, motion_.sums()) {
+  const std::string without = is_implicit() ? body.models().without_tangent() : "";
+  if (!without.empty())
+    throw InputError("the integrator '" + options.integrator +
+                     "' needs the derivatives of all forces, and " + without +
+                     " has none (suture.tangent/1); use an explicit integrator, or add the "
+                     "extension to the model");
   body.add_follower(*this);
 }
 
@@ -68,7 +75,8 @@ double Dynamics::unseen_work() {
 Ledger::Now Dynamics::now() {
   Ledger::Now n;
   n.kinetic = kinetic();  // evaluates the forces
-  n.leapfrog_part = motion_.leapfrog_part(motion_.last_step(), integrator_->lacking());
+  if (!is_implicit())
+    n.leapfrog_part = motion_.leapfrog_part(motion_.last_step(), integrator_->lacking());
   n.time = time();
   n.half_step = integrator_->is_lagging() ? motion_.last_step() : 0;
   if (ledger_.needs_work()) n.work = unseen_work();
@@ -157,6 +165,7 @@ void Dynamics::kick_changed(const TopologyChange& change) {
 }
 
 void Dynamics::follow(const CellComplex&, const TopologyChange& change) {
+  if (Newton* newton = integrator_->newton()) newton->forget();
   motion_.thaw();
   motion_.forget_forces();
   kick_changed(change);

@@ -14,6 +14,7 @@ namespace suture {
 struct DynamicsOptions {
   std::string integrator = "symplectic-euler";  ///< one of integrator_names()
   double damping = 0;                           ///< alpha, 1/s: f = -alpha m v
+  IntegratorOptions solver{};                   ///< of implicit schemes
 };
 
 /// Advances a body in time: steps of an integrator, their energy ledger, and operations between
@@ -23,7 +24,8 @@ struct DynamicsOptions {
 /// prescribed positions; only the velocity of Verlet needs synchronise().
 class Dynamics : private Follower {
  public:
-  /// Follows the body's operations from now on. Throws InputError for an unknown integrator.
+  /// Follows the body's operations from now on. Throws InputError for an unknown integrator, and
+  /// for an implicit one if a functor has no tangent.
   Dynamics(Body& body, const DynamicsOptions& options);
 
   Body& body() const { return motion_.body(); }
@@ -31,6 +33,13 @@ class Dynamics : private Follower {
   Motion& motion() { return motion_; }
   const Motion& motion() const { return motion_; }
   double time() const { return motion_.time(); }
+  /// True if the scheme is implicit: no step is too long to be stable.
+  bool is_implicit() const { return integrator_->is_implicit(); }
+  /// True if the scheme finds equilibria and no motion: the energy that loads give and springs do
+  /// not store is taken to be dissipated.
+  bool is_static() const { return integrator_->is_static(); }
+  /// The solver of an implicit scheme, or nullptr.
+  Newton* newton() { return integrator_->newton(); }
 
   /// Moves constrained vertices to their positions at `time` and starts the ledger. Call it again
   /// after positions, velocities or masses were changed from outside. Throws InputError if a vertex

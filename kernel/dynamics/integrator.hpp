@@ -2,13 +2,14 @@
 #pragma once
 
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "kernel/dynamics/motion.hpp"
 
 namespace suture {
+
+class Newton;
 
 /// A time integration scheme. Each has its own file; integrators.cpp lists them.
 ///
@@ -27,6 +28,11 @@ class Integrator {
   /// Discards the step as if it had not begun.
   virtual void reject() = 0;
 
+  /// True if steps solve equations: they need no stable step, and their solver is newton().
+  virtual bool is_implicit() const { return false; }
+  virtual Newton* newton() { return nullptr; }
+  /// True if nothing has a velocity: steps are equilibria.
+  virtual bool is_static() const { return false; }
   /// True if the velocities lag the positions by half a step.
   virtual bool is_lagging() const { return false; }
   /// The kick that brings the velocities to the time of the positions.
@@ -45,10 +51,18 @@ class Integrator {
   Motion& motion_;
 };
 
+/// What implicit schemes need to know.
+struct IntegratorOptions {
+  double tolerance = 1e-8;  ///< of the residual, relative to the forces
+};
+
 /// Creates an integrator by its name in scenes, for example "symplectic-euler". Throws InputError
 /// for an unknown name.
-std::unique_ptr<Integrator> make_integrator(const std::string& name, Motion& motion);
+std::unique_ptr<Integrator> make_integrator(const std::string& name, Motion& motion,
+                                            const IntegratorOptions& options);
+/// Whether the scheme of this name solves equations in every step.
+bool is_implicit(const std::string& name);
 /// All names, the default first.
-std::span<const char* const> integrator_names();
+std::vector<std::string> integrator_names();
 
 }  // namespace suture

@@ -10,9 +10,21 @@
 namespace suture {
 namespace {
 
-constexpr std::array names{"symplectic-euler", "velocity-verlet"};
-constexpr std::array makers{make_symplectic_euler, make_velocity_verlet};
-static_assert(names.size() == makers.size());
+struct Scheme {
+  const char* name;
+  MakeIntegrator* make;
+  bool is_implicit = false;
+};
+constexpr std::array schemes{Scheme{"symplectic-euler", make_symplectic_euler},
+                             Scheme{"velocity-verlet", make_velocity_verlet},
+                             Scheme{"implicit-euler", make_implicit_euler, true},
+                             Scheme{"newmark", make_newmark, true},
+                             Scheme{"static", make_static_equilibrium, true}};
+
+const Scheme* find(const std::string& name) {
+  const auto found = std::ranges::find(schemes, name, &Scheme::name);
+  return found == schemes.end() ? nullptr : &*found;
+}
 
 }  // namespace
 
@@ -20,12 +32,22 @@ bool Integrator::is_other_step(double dt) const {
   return !(std::abs(dt - motion_.last_step()) <= 1e-9 * dt);
 }
 
-std::unique_ptr<Integrator> make_integrator(const std::string& name, Motion& motion) {
-  const auto found = std::ranges::find(names, name);
-  if (found == names.end()) throw InputError("unknown integrator '" + name + "'");
-  return makers[static_cast<std::size_t>(found - names.begin())](motion);
+std::unique_ptr<Integrator> make_integrator(const std::string& name, Motion& motion,
+                                            const IntegratorOptions& options) {
+  const Scheme* scheme = find(name);
+  if (!scheme) throw InputError("unknown integrator '" + name + "'");
+  return scheme->make(motion, options);
 }
 
-std::span<const char* const> integrator_names() { return names; }
+bool is_implicit(const std::string& name) {
+  const Scheme* scheme = find(name);
+  return scheme && scheme->is_implicit;
+}
+
+std::vector<std::string> integrator_names() {
+  std::vector<std::string> names;
+  for (const Scheme& scheme : schemes) names.emplace_back(scheme.name);
+  return names;
+}
 
 }  // namespace suture

@@ -6,7 +6,9 @@
 namespace suture {
 
 // One function per scheme; integrators.cpp lists them.
-std::unique_ptr<Integrator> make_symplectic_euler(Motion& motion);
-std::unique_ptr<Integrator> make_velocity_verlet(Motion& motion);
+using MakeIntegrator = std::unique_ptr<Integrator>(Motion& motion,
+                                                   const IntegratorOptions& options);
+MakeIntegrator make_symplectic_euler, make_velocity_verlet, make_implicit_euler, make_newmark,
+    make_static_equilibrium;
 
 }  // namespace suture

@@ -55,7 +55,7 @@ EnergyBalance Ledger::balance(const Now& now) {
     account_.start_driven = driven;
   }
   const double stored = b.elastic - account_.start_elastic - account_.events_elastic;
-  for (const auto& term : body_.terms().subspan(1)) b.works.push_back({term->name(), term->work()});
+  for (const auto& term : body_.loads()) b.works.push_back({term->name(), term->work()});
   b.prescribed = sums_.driven_work() + driven_until(now) + account_.owed_driven + driven -
                  account_.start_driven;
   b.events = account_.events;

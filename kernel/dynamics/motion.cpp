@@ -170,6 +170,14 @@ void Motion::kick(const Kick& kick) {
   if (!good) refuse_not_finite();
 }
 
+void Motion::arrive(double dt, double end) {
+  discard_forces();
+  time_ = end;
+  last_ = dt;
+  for (const auto& term : body_.terms()) term->accept();
+  evaluate(dt);
+}
+
 void Motion::refuse_not_finite() const {
   const Attributes& attributes = body_.attributes();
   const double* v = body_.attributes().velocity().rows();

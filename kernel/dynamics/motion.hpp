@@ -65,6 +65,9 @@ class Motion {
   void kick_and_drift(std::span<const Kick> kicks, double dt, double end, double unseen);
   /// One kick of the moving vertices, at the end of the last step.
   void kick(const Kick& kick);
+  /// Ends a step of length dt of an implicit scheme, which has moved the vertices itself to their
+  /// positions at `end`, and evaluates the forces there.
+  void arrive(double dt, double end);
   /// sum m v^2 / 2 of the velocities that a kick would give, in a fixed order, J.
   double kinetic(const Kick& kick);
   /// sum m a . v- with the current velocities, W.

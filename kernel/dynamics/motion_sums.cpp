@@ -67,6 +67,13 @@ void MotionSums::finish_step(double before, double now, bool damps) {
   whole_body_only_ = false;
 }
 
+void MotionSums::add_step(const StepSums& sums) {
+  work_ += sums.work;
+  damped_ += sums.damped;
+  driven_ += sums.driven;
+  largest_kinetic_ = std::max(largest_kinetic_, sums.kinetic);
+}
+
 void MotionSums::state(Archive& archive) {
   archive.rows<double>("chunks", chunks_);
   archive("has last", has_last_);

@@ -9,6 +9,14 @@
 
 namespace suture {
 
+/// The sums over one step of an implicit scheme, by the trapezoidal rule, J.
+struct StepSums {
+  double work = 0;     ///< of all forces
+  double damped = 0;   ///< by mass damping
+  double driven = 0;   ///< of prescribed motion, without its inertia (DrivenWork::work)
+  double kinetic = 0;  ///< at the end
+};
+
 /// The sums of the passes over the vertices in each step, chunk by chunk in a fixed order (bitwise
 /// identical for any number of threads): the work of all forces by the trapezoidal rule, and the
 /// apparent frequency of the motion.
@@ -50,6 +58,8 @@ class MotionSums {
   /// Call when the step is complete: `before` and `now` are the lengths h- and h+, s; `damps`: mass
   /// damping was active.
   void finish_step(double before, double now, bool damps);
+  /// Adds a step that no pass has made.
+  void add_step(const StepSums& sums);
   /// Call when cells were removed or joined, or vertices fell asleep: the sums of the previous step
   /// do not belong to the current vertices.
   void forget_last();

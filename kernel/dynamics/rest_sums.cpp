@@ -22,8 +22,7 @@ loops::RestSums RestSums::look(Motion& motion) {
   std::ranges::copy(body.acceleration(motion.time()), in.gravity);
   if (body.has_loads()) {
     external_.assign(size, 0);
-    for (const auto& term : body.terms().subspan(1))
-      term->add_forces(motion.time(), {}, external_.data());
+    for (const auto& term : body.loads()) term->add_forces(motion.time(), {}, external_.data());
     in.external = external_.data();
   }
   if (old_position_.size() != size || jumps_ != motion.jumps()) {

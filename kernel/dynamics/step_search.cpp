@@ -191,7 +191,7 @@ void StepSearch::apply(const Vector& x, double stiffness, double damping, Vector
 
 /// In double, as their interface has it.
 void StepSearch::add_other_terms(double stiffness, double damping, Vector& image) {
-  for (const auto& term : body_.terms().subspan(1)) {
+  for (const auto& term : body_.loads()) {
     if (!term->is_stiff()) continue;
     direction_.assign(scaled_.begin(), scaled_.end());
     image_.assign(image.size(), 0);

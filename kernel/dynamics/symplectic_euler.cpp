@@ -40,7 +40,7 @@ class SymplecticEuler final : public Integrator {
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_symplectic_euler(Motion& motion) {
+std::unique_ptr<Integrator> make_symplectic_euler(Motion& motion, const IntegratorOptions&) {
   return std::make_unique<SymplecticEuler>(motion);
 }
 

@@ -56,7 +56,7 @@ class VelocityVerlet final : public Integrator {
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_velocity_verlet(Motion& motion) {
+std::unique_ptr<Integrator> make_velocity_verlet(Motion& motion, const IntegratorOptions&) {
   return std::make_unique<VelocityVerlet>(motion);
 }
 

@@ -28,6 +28,7 @@ Ending::Ending(BuiltScene& built, const EventSchedule& schedule, StepControl& co
 
 std::optional<RunSummary::Outcome> Ending::look(const StepControl::Notify& notify) {
   const Clock& clock = control_.clock();
+  if (cells_changed_ && built_.dynamics().is_static()) require_held_bodies();
   if (clock.finished()) {
     if (!control_.ends_well(notify)) return std::nullopt;
     if (rest_) warn_of_motion();
@@ -56,6 +57,16 @@ void Ending::require_no_falling_body() {
   if (!body.empty())
     throw NumericalError("the body cannot come to rest: " + body +
                          "; remove it (remove_islands), constrain it, or give /solver/end");
+}
+
+/// An event may have cut a piece off that nothing holds.
+void Ending::require_held_bodies() {
+  cells_changed_ = false;
+  const std::string body = unheld_body(scene_, built_);
+  if (!body.empty())
+    throw NumericalError(body +
+                         ", so it has no equilibrium; remove it (remove_islands), constrain it, or "
+                         "replace /solver/static by an integrator");
 }
 
 std::optional<RunSummary::Outcome> Ending::look_at_rest(const StepControl::Notify& notify) {

@@ -30,6 +30,7 @@ class Ending : private Follower {
   using Outcome = RunSummary::Outcome;
   void follow(const CellComplex&, const TopologyChange&) override { cells_changed_ = true; }
   void require_no_falling_body();
+  void require_held_bodies();
   std::optional<Outcome> look_at_rest(const StepControl::Notify& notify);
   std::optional<Outcome> examine(const StepControl::Notify& notify);
   void warn_of_motion();

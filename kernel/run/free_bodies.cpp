@@ -18,7 +18,7 @@ std::vector<double> final_forces(const Scene& scene, BuiltScene& built) {
   const Attributes& attributes = built.body().attributes();
   std::vector<double> force(4 * std::size_t{attributes.vertex_count()});
   const double end = built.body().settled_after();
-  for (const auto& term : built.body().terms().subspan(1)) term->add_forces(end, {}, force.data());
+  for (const auto& term : built.body().loads()) term->add_forces(end, {}, force.data());
   for (Index v = 0; v < attributes.vertex_count(); ++v)
     for (std::size_t c = 0; c < 3; ++c)
       force[4 * std::size_t{v} + c] +=
@@ -46,8 +46,10 @@ std::string push_of(const FreePiece& piece) {
   return text.str();
 }
 
-/// Whether models leave all of a translation alone: not those with springs to the ground.
-bool models_let_move(BuiltScene& built, const FreePiece& piece) {
+/// Whether models leave the translations that `matters(c)` names alone: not those with springs to
+/// the ground.
+template <class Matters>
+bool models_let_move(BuiltScene& built, const FreePiece& piece, Matters matters) {
   if (!built.body().models().has_tangent()) return false;
   const std::size_t size = 3 * std::size_t{built.body().attributes().vertex_count()};
   const auto largest_image = [&](auto value) {
@@ -60,12 +62,16 @@ bool models_let_move(BuiltScene& built, const FreePiece& piece) {
   };
   const double stiff = largest_image([](std::size_t i) { return i * 7 % 5 < 2 ? 1.0 : -1.0; });
   for (std::size_t c = 0; c < 3; ++c) {
-    const bool pushed = piece.translations[c] && piece.force[c] != 0;
-    if (pushed &&
+    if (piece.translations[c] && matters(c) &&
         largest_image([&](std::size_t i) { return i % 3 == c ? 1.0 : 0.0; }) > 1e-8 * stiff)
       return false;
   }
   return true;
+}
+
+/// The translations along which it is pushed.
+bool models_let_move(BuiltScene& built, const FreePiece& piece) {
+  return models_let_move(built, piece, [&](std::size_t c) { return piece.force[c] != 0; });
 }
 
 }  // namespace
@@ -85,6 +91,12 @@ void look_for_free_bodies(const Scene& scene, BuiltScene& built, Diagnostics& di
   if (pieces.size() > most_told)
     diagnostics.warn("/constraints: " + std::to_string(pieces.size() - most_told) +
                      " more pieces are unconstrained");
+}
+
+std::string unheld_body(const Scene& scene, BuiltScene& built) {
+  for (const FreePiece& piece : free_pieces(scene, built))
+    if (models_let_move(built, piece, [](std::size_t) { return true; })) return describe(piece);
+  return "";
 }
 
 std::string falling_body(const Scene& scene, BuiltScene& built) {

@@ -18,4 +18,8 @@ void look_for_free_bodies(const Scene& scene, BuiltScene& built, Diagnostics& di
 /// returns "". Also returns "" while another event is or may be still to come.
 std::string falling_body(const Scene& scene, BuiltScene& built);
 
+/// For static equilibria: describes a piece that nothing holds, "a piece of 8 elements (the first:
+/// element 3) is free to move along x", or returns "".
+std::string unheld_body(const Scene& scene, BuiltScene& built);
+
 }  // namespace suture

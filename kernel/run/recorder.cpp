@@ -65,7 +65,7 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& eve
   }
   if (options.energies_every > 0) {
     std::vector<std::string> columns{"time [s]", "dt [s]", "kinetic [J]", "elastic [J]"};
-    for (const auto& term : built.body().terms().subspan(1))
+    for (const auto& term : built.body().loads())
       columns.push_back(std::string(term->name()) + " [J]");
     columns.insert(columns.end(),
                    {"prescribed [J]", "models [J]", "events [J]", "dissipated [J]", "balance [J]"});

@@ -6,6 +6,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/heap.hpp"
+#include "kernel/dynamics/newton.hpp"
 #include "kernel/run/free_bodies.hpp"
 #include "kernel/run/hourglass_watch.hpp"
 
@@ -76,8 +77,17 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
   decisions_.push_back(std::move(still));
   built_.dynamics().start();
   if (ending_.rest()) look_for_free_bodies(scene_, built_, diagnostics);
+  if (built_.dynamics().is_static()) require_held_bodies();
   control_.start();
   trim_heap();  // of the search
+}
+
+void RunLoop::require_held_bodies() {
+  const std::string body = unheld_body(scene_, built_);
+  if (!body.empty())
+    throw InputError("/constraints: " + body +
+                     ", so it has no equilibrium of its own; constrain it, or replace "
+                     "/solver/static by an integrator");
 }
 
 // ------------------------------------------------------------------- events --
@@ -127,7 +137,22 @@ void RunLoop::apply(const Event& event, Observer& observer) {
 
 // ----------------------------------------------------------------- the loop --
 
+/// For `suture run -v`: the convergence of implicit steps.
+void RunLoop::watch_newton(Observer& observer) {
+  Newton* newton = built_.dynamics().newton();
+  if (!newton) return;
+  newton->on_iteration = [&observer, newton](const Newton::Iteration& i) {
+    std::ostringstream text;
+    text << "Newton iteration " << i.number << ": residual " << i.residual / i.scale
+         << " of the forces, " << i.linear_iterations << " linear iterations ("
+         << newton->preconditioner() << "), step " << i.step
+         << (i.indefinite ? ", the tangent is indefinite" : "");
+    observer.on_detail(text.str());
+  };
+}
+
 void RunLoop::loop(std::optional<double> until, Observer& observer) {
+  watch_newton(observer);
   const StepControl::Notify notify = notify_to(observer);
   const Wall::time_point start = Wall::now();
   Wall::time_point reported = start;
@@ -253,7 +278,7 @@ void RunLoop::finish(Observer& observer) {
 
 void RunLoop::summarise() {
   const EnergyBalance& energies = control_.guard().last();
-  if (energies.exchanged > control_.guard().noise()) {
+  if (energies.exchanged > control_.guard().noise() && !built_.dynamics().is_static()) {
     summary_.balance = energies.balance;
     summary_.exchanged = energies.exchanged;
   }

@@ -23,6 +23,8 @@ class RunLoop {
           std::shared_ptr<OutputFolder> folder);
 
   /// Runs until `until`, or to the end of the scene.
+  void require_held_bodies();
+  void watch_newton(Observer& observer);
   void loop(std::optional<double> until, Observer& observer);
   RunSummary run(Observer& observer);
   void apply(const Event& event, Observer& observer);

@@ -45,6 +45,7 @@ class Observer {
   virtual ~Observer() = default;
   virtual void on_progress(const Progress&) {}
   virtual void on_message(const std::string&) {}  ///< "t = 0.5 s: cut 25 faces, 2 islands"
+  virtual void on_detail(const std::string&) {}   ///< the convergence of implicit steps
   virtual bool stop_requested() { return false; }
 };
 

@@ -111,6 +111,7 @@ void StepControl::check_step(const Notify& notify) {
 /// Throws for numbers that are wrong; energy that grows slowly is reported.
 void StepControl::check_state(const Notify& notify) {
   guard_.check(clock_.step(), clock_.time());
+  if (built_.dynamics().is_implicit()) return;  // growth cannot come from the step
   const double last_growth = std::exchange(last_growth_, guard_.growth());
   if (guard_.growth() <= notable_growth) return;
   std::ostringstream text;
@@ -138,6 +139,7 @@ void StepControl::check_state(const Notify& notify) {
 }
 
 std::string StepControl::balance_warning() const {
+  if (built_.dynamics().is_implicit()) return "";
   const EnergyBalance& last = guard_.last();
   const double open = last.balance - last.recoverable;
   const double part = last.exchanged > 0 ? open / last.exchanged : 0;
@@ -187,7 +189,9 @@ void StepControl::step_back(const NumericalError& error, const Notify& notify) {
   const bool may_help = rejected || (!scene_.solver.dt && (unstable || attempts_ <= most_attempts));
   // Right after an operation the run continues from here: a step that a model rejects has moved
   // nothing yet, and the energy of an unstable one is in the balance.
-  const bool goes_on = kept_.empty() && (rejected || (unstable && !scene_.solver.dt));
+  const bool implicit = built_.dynamics().is_implicit();
+  const bool goes_on =
+      (rejected && (kept_.empty() || implicit)) || (kept_.empty() && unstable && !scene_.solver.dt);
   if (!may_help || (kept_.empty() && !goes_on) || watch_.halvings() >= most_halvings)
     give_up(error);
   if (!goes_on)
@@ -199,7 +203,9 @@ void StepControl::step_back(const NumericalError& error, const Notify& notify) {
   watch_.step_back(clock_.step(), std::min(halvings, most_halvings));
   std::ostringstream text;
   text << timed(failed_at, error.what());
-  if (goes_on)
+  if (goes_on && implicit)
+    text << "; tried again with dt = " << next_dt() << " s";
+  else if (goes_on)
     text << "; an operation cannot be undone, so dt is " << next_dt() << " s from here on";
   else
     text << "; rolled back to t = " << clock_.time() << " s with dt = " << next_dt() << " s";

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "kernel/base/error.hpp"
@@ -20,6 +21,10 @@ constexpr double most_over_bound = 1.4;
 }  // namespace
 
 void StepWatch::start() {
+  if (is_implicit_) {
+    stable_ = std::numeric_limits<double>::infinity();
+    return;
+  }
   if (!scene_.solver.dt) {
     search(0);
     if (!std::isfinite(stable_) && built_.body().has_free_vertices())
@@ -32,6 +37,7 @@ void StepWatch::start() {
 }
 
 void StepWatch::after_event(std::uint64_t step) {
+  if (is_implicit_) return;
   alarms_ = 0;
   interval_ = search_steps;
   if (warned_) return;  // nothing more to say
@@ -47,7 +53,7 @@ void StepWatch::after_event(std::uint64_t step) {
 }
 
 void StepWatch::after_step(std::uint64_t step) {
-  if (halvings_ > 0 && step >= clean_since_ + search_steps) {
+  if (halvings_ > 0 && step >= clean_since_ + (is_implicit_ ? implicit_steps : search_steps)) {
     --halvings_;
     clean_since_ = step;
   }
@@ -108,6 +114,7 @@ void StepWatch::compare() {
 // ------------------------------------------------------------------- alarms --
 
 bool StepWatch::is_alarming(std::uint64_t step) {
+  if (is_implicit_) return false;
   alarms_ = built_.dynamics().motion().sums().apparent_frequency() > alarming ? alarms_ + 1 : 0;
   return alarms_ >= alarms_needed && step >= trusted_until_;
 }

@@ -29,11 +29,17 @@ namespace suture {
 ///    neither a search for each cut nor a run without any.
 ///  - The frequency of the motion reveals what the search does not find in time (is_alarming());
 ///    the step is then halved, searched every 64 steps, and doubled after 512 without an alarm.
+/// An implicit integrator needs none of this: its steps are stable, and are halved only where their
+/// equations have no solution within reach.
 /// Intervals are counted in steps, not seconds, so that a run is the same on every machine.
 class StepWatch {
  public:
   StepWatch(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics)
-      : scene_(scene), built_(built), diagnostics_(diagnostics), safety_(scene.solver.safety) {}
+      : scene_(scene),
+        built_(built),
+        diagnostics_(diagnostics),
+        is_implicit_(built.dynamics().is_implicit()),
+        safety_(scene.solver.safety) {}
 
   /// Throws PluginError or InputError if "auto" cannot determine a step.
   void start();
@@ -68,7 +74,7 @@ class StepWatch {
  private:
   static constexpr std::uint64_t search_steps = 512, most_search_steps = 16 * search_steps,
                                  most_event_steps = 8 * search_steps, reduced_search_steps = 64,
-                                 never = ~std::uint64_t{0};
+                                 implicit_steps = 4, never = ~std::uint64_t{0};
 
   std::optional<double> bound(StepBounds (StepLimits::*which)(double));
   void compare();
@@ -76,6 +82,7 @@ class StepWatch {
   const Scene& scene_;
   BuiltScene& built_;
   Diagnostics& diagnostics_;
+  bool is_implicit_;
   double safety_;
   double stable_ = 0;
   unsigned halvings_ = 0;

@@ -131,6 +131,8 @@ void read_rhythm(ObjectReader& object, Reading& reading) {
   output.every = object.number("every", Limits::positive("s")).value_or(0);
   output.every_steps = object.natural("every_steps", 1).value_or(0);
   const SolverOptions& solver = reading.scene.solver;
+  const bool none = output.every == 0 && output.every_steps == 0;
+  if (none && solver.integrator == "static") output.every_steps = 1;  // "frames" of /solver/static
   if (output.every > 0 && solver.dt && output.every < *solver.dt) {
     reading.warn(object.find("every")->at, "/output/every",
                  "is shorter than a step; a frame is written at every step");

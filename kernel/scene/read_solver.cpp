@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -7,6 +8,35 @@
 
 namespace suture::scene_parts {
 namespace {
+
+/// When the last load, motion and gravity have their full values, s.
+double last_ramp(const Scene& scene) {
+  double last = scene.gravity_ramp.to;
+  for (const Load& load : scene.loads) last = std::max(last, load.ramp.to);
+  for (const Constraint& constraint : scene.constraints) last = std::max(last, constraint.ramp.to);
+  return last;
+}
+
+constexpr const char* statics = "static";
+
+/// "static": equilibria instead of motion, `frames` of them until the end.
+void read_static(ObjectReader& object, const Scene& scene, SolverOptions& solver) {
+  const JsonValue* value = object.find(statics);
+  if (value == nullptr) return;
+  for (const char* key :
+       {"integrator", "dt", "safety", "until", "kick", "damping", "sleep", "tolerance"})
+    if (object.find(key) != nullptr)
+      object.complain(key, "cannot be combined with \"static\"; remove one of them");
+  ObjectReader reader(*value, object.path_of(statics), object.mistakes());
+  const Limits part{"1", 0, 1, true, true};
+  const auto frames = static_cast<double>(reader.natural("frames", 1).value_or(1));
+  solver.step_tolerance = reader.number("tolerance", part).value_or(solver.step_tolerance);
+  reader.finish();
+  solver.integrator = statics;
+  solver.end = object.number("end", Limits::positive("s"));
+  if (!solver.end) solver.end = last_ramp(scene) > 0 ? last_ramp(scene) : 1;
+  solver.dt = *solver.end / frames;
+}
 
 void read_step(ObjectReader& object, SolverOptions& solver) {
   const JsonValue* dt = object.find("dt");
@@ -22,6 +52,10 @@ void read_step(ObjectReader& object, SolverOptions& solver) {
     object.complain("safety", "is only used with \"dt\": \"auto\"; remove it or the fixed dt");
   }
   solver.safety = object.number("safety", share).value_or(solver.safety);
+  if (automatic && is_implicit(solver.integrator))
+    object.complain("dt", "must be given in s for \"" + solver.integrator +
+                              "\", whose steps are always stable: choose it by the accuracy that "
+                              "you need");
 }
 
 void read_end(ObjectReader& object, SolverOptions& solver) {
@@ -88,13 +122,18 @@ OnInversion read_on_inversion(ObjectReader& object) {
 void read_solver(const JsonValue& value, Reading& reading) {
   SolverOptions& solver = reading.scene.solver;
   ObjectReader object(value, "/solver", reading.mistakes);
-  const std::vector<std::string> integrators(integrator_names().begin(), integrator_names().end());
+  std::vector<std::string> integrators = integrator_names();
+  std::erase(integrators, statics);
   if (const auto choice = object.choice("integrator", integrators))
     solver.integrator = integrators[*choice];
-  read_step(object, solver);
-  read_end(object, solver);
-  read_damping(object, solver);
-  read_sleep(object, solver);
+  if (object.find(statics) != nullptr) {
+    read_static(object, reading.scene, solver);
+  } else {
+    read_step(object, solver);
+    read_end(object, solver);
+    read_damping(object, solver);
+    read_sleep(object, solver);
+  }
   solver.max_steps = object.natural("max_steps", 1).value_or(solver.max_steps);
   solver.threads = static_cast<unsigned>(object.natural("threads", 0, 1024).value_or(0));
   solver.on_inversion = read_on_inversion(object);

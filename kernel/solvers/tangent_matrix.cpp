@@ -6,7 +6,7 @@
 namespace suture {
 
 TangentMatrix::TangentMatrix(Attributes& attributes,
-                             std::span<const std::unique_ptr<ForceTerm>> terms)
+                             const std::vector<std::unique_ptr<ForceTerm>>& terms)
     : attributes_(attributes), terms_(terms) {}
 
 void TangentMatrix::set(double time, double mass, double velocity) {

@@ -20,7 +20,7 @@ namespace suture {
 /// vertices, are 0 in every vector and in every product.
 class TangentMatrix {
  public:
-  TangentMatrix(Attributes& attributes, std::span<const std::unique_ptr<ForceTerm>> terms);
+  TangentMatrix(Attributes& attributes, const std::vector<std::unique_ptr<ForceTerm>>& terms);
 
   /// The matrix at the current state from now on. Call again after cells or constraints changed.
   /// O(vertices).
@@ -41,7 +41,7 @@ class TangentMatrix {
 
  private:
   Attributes& attributes_;
-  std::span<const std::unique_ptr<ForceTerm>> terms_;
+  const std::vector<std::unique_ptr<ForceTerm>>& terms_;
   std::vector<std::uint8_t> free_;
   double time_ = 0, mass_ = 0, velocity_ = 0;
 };

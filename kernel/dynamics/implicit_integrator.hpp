@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "kernel/dynamics/integrator.hpp"
+#include "kernel/dynamics/newton.hpp"
+
+namespace suture {
+
+/// A scheme whose step solves equations for the positions at its end (StepEquations). A derived
+/// class gives the equations.
+class ImplicitIntegrator : public Integrator {
+ public:
+  ImplicitIntegrator(Motion& motion, const IntegratorOptions& options);
+
+  /// Throws StepRejected if the equations have no solution within reach.
+  void begin(double dt) final;
+  void accept(double end) final;
+  void reject() final;
+  bool is_implicit() const final { return true; }
+  bool is_other_step(double) const final { return false; }
+  Newton* newton() final { return &newton_; }
+
+ protected:
+  /// Sets the rates, x* and v* of a step of length dt; x* and v* are the current x and v before.
+  virtual void set(StepEquations& equations) = 0;
+  /// Called when the step was accepted, at its end.
+  virtual void finish(const StepEquations&) {}
+
+ private:
+  StepSums sums(const Vec3& gravity_before) const;
+
+  Newton newton_;
+  StepEquations equations_;
+  std::vector<double> position_, velocity_, force_;  ///< at the start of the step
+};
+
+}  // namespace suture

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/dynamics/newton.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "kernel/base/error.hpp"
+
+namespace suture {
+namespace {
+
+// Of the slope at the start that a step may leave, either way (Crisfield).
+constexpr double slope_left = 0.8;
+constexpr unsigned most_trials = 12;
+// Forcing terms of the linear solves.
+constexpr double first_forcing = 0.1, least_forcing = 1e-3;
+constexpr unsigned most_linear_iterations = 5000;
+
+double norm(std::span<const double> v) { return std::sqrt(dot(v, v)); }
+
+}  // namespace
+
+Newton::Newton(Motion& motion, const NewtonOptions& options,
+               std::unique_ptr<Preconditioner> preconditioner)
+    : motion_(motion),
+      options_(options),
+      matrix_(motion.body().attributes(), motion.body().terms()),
+      preconditioner_(std::move(preconditioner)) {}
+
+// ----------------------------------------------------------------- residual --
+
+/// r at the current positions, and the velocities there; returns its norm. Updates the scale.
+double Newton::evaluate(const StepEquations& equations) {
+  Body& body = motion_.body();
+  Attributes& attributes = body.attributes();
+  const Index vertices = attributes.vertex_count();
+  const double* x = attributes.position().rows();
+  double* v = attributes.velocity().rows();
+  for (std::size_t i = 0; i < std::size_t{vertices} * 4; ++i)
+    if (i % 4 != 3 && matrix_.free()[i / 4 * 3 + i % 4])
+      v[i] = equations.velocity[i] + equations.rate * (x[i] - equations.position[i]);
+  forces_.assign(std::size_t{vertices} * 4, 0);
+  load_.assign(std::size_t{vertices} * 4, 0);
+  body.models().add_forces(equations.time, equations.dt, ForceLoop::Part::all, forces_.data());
+  for (const auto& term : body.loads())
+    term->add_forces(equations.time, attributes.kernel(0).cells.live(), load_.data());
+  const Vec3 gravity = body.acceleration(equations.time);
+  double external = 0, reaction = 0, inertia = 0, squared = 0;
+  for (Index vertex = 0; vertex < vertices; ++vertex) {
+    const double mass = attributes.mass().get(vertex, 0);
+    if (!(mass > 0)) continue;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t row = std::size_t{vertex} * 4 + c, i = std::size_t{vertex} * 3 + c;
+      const double given = load_[row] + mass * gravity[c];
+      if (!matrix_.free()[i]) {
+        residual_[i] = 0;
+        reaction += (forces_[row] + given) * (forces_[row] + given);
+        continue;
+      }
+      const double moved = mass * (equations.acceleration * (x[row] - equations.position[row]) +
+                                   motion_.damping() * v[row]);
+      residual_[i] = forces_[row] + given - moved;
+      external += given * given;
+      inertia += moved * moved;
+      squared += residual_[i] * residual_[i];
+    }
+  }
+  scale_ = std::sqrt(std::max({external, reaction, inertia}));
+  return std::sqrt(squared);
+}
+
+/// Positions: start + step * direction.
+void Newton::move(double step) {
+  double* x = motion_.body().attributes().position().rows();
+  for (std::size_t i = 0; i < direction_.size(); ++i) {
+    const std::size_t row = i / 3 * 4 + i % 3;
+    x[row] = start_[row] + step * direction_[i];
+  }
+}
+
+/// What prescribed components still have to move to be where they are at `time`.
+void Newton::set_remaining(double time) {
+  Attributes& attributes = motion_.body().attributes();
+  double* x = attributes.position().rows();
+  start_.assign(x, x + std::size_t{attributes.vertex_count()} * 4);
+  motion_.body().constraints().apply(attributes, time);
+  for (std::size_t i = 0; i < remaining_.size(); ++i) {
+    const std::size_t row = i / 3 * 4 + i % 3;
+    remaining_[i] = x[row] - start_[row];
+    x[row] = start_[row];
+  }
+}
+
+// ---------------------------------------------------------------- directions --
+
+/// Solves A d = r - A d_p with d = d_p on prescribed components.
+LinearSolve Newton::find_direction(const StepEquations& equations, double tolerance) {
+  matrix_.set(equations.time, equations.acceleration + motion_.damping() * equations.rate,
+              equations.rate);
+  if (!is_built_) preconditioner_->build(matrix_);
+  std::vector<double> right = residual_;
+  if (std::ranges::any_of(remaining_, [](double d) { return d != 0; })) {
+    matrix_.apply(remaining_.data(), right.data());
+    for (std::size_t i = 0; i < right.size(); ++i) right[i] = residual_[i] - right[i];
+  }
+  const LinearSolve solve = linear_.solve(matrix_, *preconditioner_, right, direction_, tolerance,
+                                          most_linear_iterations);
+  // A preconditioner that has become twice as bad is built again.
+  if (!is_built_) built_iterations_ = solve.iterations;
+  is_built_ = solve.outcome == LinearSolve::Outcome::converged &&
+              solve.iterations <= 2 * built_iterations_ + 4;
+  for (std::size_t i = 0; i < remaining_.size(); ++i) direction_[i] += remaining_[i];
+  return solve;
+}
+
+/// Moves by a step; the slope r . d there. False if the forces do not exist there.
+bool Newton::try_step(const StepEquations& equations, double step, double& slope) {
+  move(step);
+  try {
+    evaluate(equations);
+  } catch (const NumericalError&) {
+    return false;
+  }
+  slope = dot(residual_, direction_);
+  return std::isfinite(slope);
+}
+
+/// A step at which the slope of the energy along the direction is small; the vertices are moved by
+/// it, and the residual is that there.
+Newton::Search Newton::search(const StepEquations& equations) {
+  const double first = dot(residual_, direction_);
+  double low = 0, low_slope = first, high = 0, high_slope = 0, step = 1;
+  for (unsigned trial = 0; trial < most_trials; ++trial) {
+    double slope = 0;
+    if (!try_step(equations, step, slope)) {
+      high = step;
+      high_slope = 0;
+      step = low + (high - low) / 4;
+      continue;
+    }
+    if (std::abs(slope) <= slope_left * std::abs(first) || (slope > 0 && high == 0))
+      return {step, true};
+    if (slope > 0) {
+      low = step;
+      low_slope = slope;
+    } else {
+      high = step;
+      high_slope = slope;
+    }
+    const double secant =
+        high_slope < 0 ? low_slope / (low_slope - high_slope) : 0.25;  // of the interval
+    step = low + (high - low) * std::clamp(secant, 0.1, 0.9);
+  }
+  return {};
+}
+
+// -------------------------------------------------------------------- solve --
+
+Newton::Result Newton::solve(const StepEquations& equations) {
+  matrix_.set(equations.time);  // what is free
+  for (auto* vector : {&residual_, &direction_, &remaining_}) vector->assign(matrix_.size(), 0);
+  Result result;
+  double last = 0, forcing = first_forcing;
+  for (;; ++result.iterations) {
+    set_remaining(equations.time);
+    const bool arrived = std::ranges::all_of(remaining_, [](double d) { return d == 0; });
+    if (result.iterations == 0) result.residual = evaluate(equations);
+    result.scale = scale_;
+    if (!std::isfinite(result.residual)) refuse(equations, result, "the forces are not finite");
+    const double target = options_.tolerance * scale_;
+    if (arrived && result.residual <= target) return result;
+    const bool stalls = result.iterations > 1 && arrived && result.residual > 0.3 * last;
+    if (stalls && result.residual <= 4 * noise(equations)) {
+      result.limited_by_rounding = true;
+      return result;
+    }
+    if (result.iterations == options_.most_iterations)
+      refuse(equations, result, "the allowed number of iterations was not enough");
+    if (result.iterations > 0) {
+      const double gain = result.residual / last;
+      forcing = std::clamp(std::max(0.9 * gain * gain, 0.3 * target / result.residual),
+                           least_forcing, first_forcing);
+    }
+    const LinearSolve solve = find_direction(equations, forcing);
+    result.linear_iterations += solve.iterations;
+    last = result.residual;
+    const Search search = this->search(equations);
+    if (!search.found) refuse(equations, result, "no step along the direction of Newton helps");
+    result.residual = norm(residual_);
+    if (on_iteration)
+      on_iteration({result.iterations + 1, solve.iterations, result.residual, scale_, search.step,
+                    solve.outcome == LinearSolve::Outcome::indefinite});
+  }
+}
+
+/// The change of the residual if positions are rounded: by half a unit in the last place, up and
+/// down in turn. The residual is that of the positions again when it returns.
+double Newton::noise(const StepEquations& equations) {
+  const std::vector<double> residual = residual_;
+  double* x = motion_.body().attributes().position().rows();
+  for (std::size_t i = 0; i < start_.size(); ++i)
+    if (i % 4 != 3 && matrix_.free()[i / 4 * 3 + i % 4])
+      x[i] += (i % 2 == 0 ? 1 : -1) * std::numeric_limits<double>::epsilon() * std::abs(x[i]);
+  evaluate(equations);
+  double squared = 0;
+  for (std::size_t i = 0; i < residual.size(); ++i)
+    squared += (residual_[i] - residual[i]) * (residual_[i] - residual[i]);
+  std::ranges::copy(start_, x);
+  evaluate(equations);
+  return std::sqrt(squared);
+}
+
+void Newton::refuse(const StepEquations& equations, const Result& result,
+                    const std::string& reason) {
+  const Body& body = motion_.body();
+  const auto worst = std::ranges::max_element(
+      residual_, [](double a, double b) { return std::abs(a) < std::abs(b) || std::isnan(b); });
+  const auto vertex = static_cast<Index>((worst - residual_.begin()) / 3);
+  std::ostringstream text;
+  text << "no equilibrium was found at t = " << equations.time << " s: " << reason << " after "
+       << result.iterations << " iterations of Newton's method; the residual is "
+       << result.residual / result.scale << " of the forces, the tolerance " << options_.tolerance;
+  throw NumericalError(text.str(), body.user_element(body.complex().dart_of(0, vertex) / 24));
+}
+
+}  // namespace suture

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "kernel/base/aligned.hpp"
+#include "kernel/dynamics/motion.hpp"
+#include "kernel/solvers/conjugate_gradients.hpp"
+
+namespace suture {
+
+/// The equations of one implicit step for the positions x at its end, on the free components:
+///   f(x, v, time) + m g - m a - alpha m v = 0
+///   v = v* + rate (x - x*),   a = acceleration (x - x*)
+/// Static equilibrium: rate = acceleration = 0 and v* = 0.
+struct StepEquations {
+  double time = 0;                         ///< at the end of the step, s
+  double dt = 0;                           ///< s
+  double rate = 0;                         ///< 1/s
+  double acceleration = 0;                 ///< 1/s^2
+  std::vector<double> position, velocity;  ///< x* and v*, 4 numbers per vertex
+};
+
+struct NewtonOptions {
+  double tolerance = 1e-8;  ///< of the residual, relative to Newton::Result::scale
+  unsigned most_iterations = 50;
+};
+
+/// Solves the equations of a step by Newton's method with inexact linear solves (Eisenstat and
+/// Walker, SIAM J. Sci. Comput. 17 (1996) 16) and a line search on the slope of the energy
+/// (Matthies and Strang, IJNME 14 (1979) 1613).
+///
+/// Prescribed vertices move with the free ones: the first direction d solves the linearised
+/// equations with their displacement given, so that no layer of elements is crushed by a motion
+/// that the rest of the body does not follow.
+class Newton {
+ public:
+  Newton(Motion& motion, const NewtonOptions& options,
+         std::unique_ptr<Preconditioner> preconditioner);
+
+  struct Result {
+    unsigned iterations = 0;         ///< linear solves
+    unsigned linear_iterations = 0;  ///< products with the tangent
+    double residual = 0;             ///< |r| over the free components, N
+    /// The largest of the norms of external forces, reactions and inertial forces, N.
+    double scale = 0;
+    bool limited_by_rounding = false;  ///< the residual is above the tolerance for that reason
+  };
+
+  /// Moves the vertices, free and prescribed, to the solution, starting from their current
+  /// positions; sets their velocities. Throws NumericalError with the element where the residual is
+  /// largest and what to try if there is none within reach; positions and velocities are undefined
+  /// then. One evaluation of the forces per iteration and trial step, and the linear solves.
+  Result solve(const StepEquations& equations);
+
+  /// Called after each iteration, for `suture run -v`.
+  struct Iteration {
+    unsigned number, linear_iterations;
+    double residual, scale, step;
+    bool indefinite;
+  };
+  std::function<void(const Iteration&)> on_iteration;
+
+  /// Cells or constraints changed.
+  void forget() { preconditioner_->forget(), is_built_ = false; }
+  std::string preconditioner() const { return preconditioner_->name(); }
+
+ private:
+  struct Search {
+    double step = 0;     ///< along the direction
+    bool found = false;  ///< false: no step lowers the energy
+  };
+  double evaluate(const StepEquations& equations);
+  void move(double step);
+  void set_remaining(double time);
+  LinearSolve find_direction(const StepEquations& equations, double tolerance);
+  Search search(const StepEquations& equations);
+  bool try_step(const StepEquations& equations, double step, double& slope);
+  double noise(const StepEquations& equations);
+  [[noreturn]] void refuse(const StepEquations& equations, const Result& result,
+                           const std::string& reason);
+
+  Motion& motion_;
+  NewtonOptions options_;
+  TangentMatrix matrix_;
+  std::unique_ptr<Preconditioner> preconditioner_;
+  ConjugateGradients linear_;
+  bool is_built_ = false;
+  unsigned built_iterations_ = 0;  ///< of the first solve after it was built
+  double scale_ = 0;
+  // 3 numbers per vertex:
+  std::vector<double> residual_, direction_, remaining_;
+  std::vector<double> start_;            ///< positions, 4 numbers per vertex
+  AlignedVector<double> forces_, load_;  ///< of the models and the other terms, 4 per vertex
+};
+
+}  // namespace suture

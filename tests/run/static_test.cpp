@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Equilibria by Newton's method, compared with independent programs and closed forms.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernel/base/error.hpp"
+#include "tests/reference/beam.hpp"
+#include "tests/run/beam.hpp"
+
+namespace suture::test {
+namespace {
+
+PluginHost& host() {
+  static PluginHost plugins;
+  return plugins;
+}
+
+Scene equilibrium(Scene scene, unsigned frames = 1, double end = 1) {
+  scene.solver.integrator = "static";
+  scene.solver.end = end;
+  scene.solver.dt = end / frames;
+  return scene;
+}
+
+struct Counted : Observer {
+  void on_detail(const std::string&) override { ++iterations; }
+  void on_message(const std::string& text) override { messages.push_back(text); }
+  int iterations = 0;
+  std::vector<std::string> messages;
+};
+
+class StaticSolve : public testing::TestWithParam<reference::StaticBeam> {};
+
+// From rest, in one step, to the solution of the same discrete problem.
+TEST_P(StaticSolve, AgreesWithTheIndependentSolution) {
+  const reference::StaticBeam& expected = GetParam();
+  const auto n = static_cast<Index>(expected.cells_y);
+  const Scene scene = equilibrium(
+      beam(host(), "tm-faure", static_cast<Index>(expected.cells_x), n, expected.gravity));
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Counted observer;
+  const RunSummary summary = simulation.run(observer);
+  EXPECT_EQ(summary.steps, 1u);
+  const Vec3 tip = simulation.mean_displacement(beam_tip(n));
+  const double scale = std::abs(expected.tip_uy);
+  EXPECT_NEAR(tip[1], expected.tip_uy, 1e-8 * scale);
+  EXPECT_NEAR(tip[0], expected.tip_ux, 1e-8 * scale);
+  EXPECT_NEAR(simulation.energies().elastic, expected.strain_energy, 1e-7 * expected.strain_energy);
+  EXPECT_LE(observer.iterations, 15);
+}
+
+std::vector<reference::StaticBeam> small_beams() {
+  std::vector<reference::StaticBeam> beams;
+  for (const reference::StaticBeam& beam : reference::static_beams)
+    if (std::string(beam.quadrature) == "gauss2" && beam.cells_y <= 5) beams.push_back(beam);
+  return beams;
+}
+INSTANTIATE_TEST_SUITE_P(CaseA, StaticSolve, testing::ValuesIn(small_beams()),
+                         [](const auto& test) {
+                           std::string name = test.param.name;
+                           std::replace(name.begin(), name.end(), '.', '_');
+                           return name;
+                         });
+
+TEST(Static, SpringsReachTheEquilibriumOfARelaxation) {
+  Scene scene = beam(host(), "mss-baudet", 8, 2, 2.45);
+  Scene slow = scene;
+  slow.solver.until_rest = slow.solver.automatic_damping = true;
+  slow.solver.tolerance = 1e-10;
+  Diagnostics diagnostics;
+  Observer nobody;
+  Simulation relaxed(slow, host(), diagnostics), solved(equilibrium(scene), host(), diagnostics);
+  relaxed.run(nobody);
+  solved.run(nobody);
+  const Vec3 a = relaxed.mean_displacement(beam_tip(2)), b = solved.mean_displacement(beam_tip(2));
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], 1e-7);
+}
+
+/// Both ends held, one drawn away by half the length: x = 1.5 X and free contraction.
+Scene stretched(unsigned frames) {
+  Scene scene = equilibrium(beam(host(), "tm-faure", 4, 2, 0), frames);
+  scene.constraints[0].components = 1;
+  Constraint pulled;
+  pulled.where.what = Selection::InBox{{0.999, -1, -1}, {1.001, 1, 1}};
+  pulled.components = 1;
+  pulled.translation = {0.5, 0, 0};
+  pulled.moves = true;
+  pulled.ramp = {0, 1, false};
+  scene.constraints.push_back(pulled);
+  return scene;
+}
+
+// Uniaxial tension of St Venant-Kirchhoff: lateral stretch from S_yy = 0 (formulas: E_yy = -nu E_xx
+// for the plane E, so l_y^2 = 1 - nu (l_x^2 - 1)), and the same in one step as in ten.
+TEST(Static, PrescribedMotionGivesUniaxialTensionInAnyNumberOfSteps) {
+  for (const unsigned frames : {1u, 10u}) {
+    Scene scene = stretched(frames);
+    for (int c = 1; c < 3; ++c) {  // symmetry planes
+      Constraint plane = scene.constraints[0];
+      const double y = c == 1 ? 1e-6 : 9, z = c == 2 ? 1e-6 : 9;
+      plane.where.what = Selection::InBox{{-9, -y, -z}, {9, y, z}};
+      plane.components = static_cast<std::uint8_t>(1 << c);
+      scene.constraints.push_back(plane);
+    }
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    Observer nobody;
+    simulation.run(nobody);
+    const double lateral = std::sqrt(1 - 0.3 * (1.5 * 1.5 - 1));
+    Attributes& attributes = simulation.attributes();
+    for (Index v = 0; v < attributes.vertex_count(); ++v)
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(attributes.position().get(v, c),
+                    (c == 0 ? 1.5 : lateral) * attributes.rest().get(v, c), 1e-8);
+  }
+}
+
+TEST(Static, ABodyThatNothingHoldsIsRefused) {
+  Scene scene = equilibrium(beam(host(), "tm-faure", 4, 2, 9.8));
+  scene.constraints.clear();
+  Diagnostics diagnostics;
+  EXPECT_THAT([&] { Simulation(scene, host(), diagnostics); },
+              testing::ThrowsMessage<InputError>(
+                  testing::HasSubstr("is free to move and turn in every direction")));
+}
+
+}  // namespace
+}  // namespace suture::test

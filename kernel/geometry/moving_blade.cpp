@@ -135,8 +135,8 @@ struct ElementWay {
         outside(outcode(box, before) & outcode(box, now)) {}
 };
 
-MovingBlade::MovingBlade(std::vector<BladeKey> keys, Look look)
-    : keys_(std::move(keys)), look_(look) {
+MovingBlade::MovingBlade(std::vector<BladeKey> keys, Scope scope)
+    : keys_(std::move(keys)), scope_(scope) {
   if (keys_.empty()) throw InputError("the moving blade has no station; at least one is needed");
   for (std::size_t i = 0; i < keys_.size(); ++i) check_key(keys_, i);
 }
@@ -199,14 +199,14 @@ std::vector<Dart> MovingBlade::advance(const CellComplex& complex, const Places&
   std::vector<Dart> faces;
   if (first || !(time > last)) return faces;
   const Step step = step_between(last);
-  const std::vector<Index> elements = elements_to_look_at(complex, step);
+  const std::vector<Index> elements = elements_to_check(complex, step);
   std::vector<std::vector<Dart>> cut(elements.size() / chunk_size + 1);
-  std::vector<Found> found(elements.size());
+  std::vector<CheckResult> found(elements.size());
   for_chunks(elements.size(), workers, [&](std::size_t first_one, std::size_t end, std::size_t c) {
     for (std::size_t i = first_one; i < end; ++i)
-      found[i] = look_at(complex, step, elements[i], cut[c]);
+      found[i] = check(complex, step, elements[i], cut[c]);
   });
-  for (std::size_t i = 0; i < elements.size(); ++i) note(elements[i], found[i]);
+  for (std::size_t i = 0; i < elements.size(); ++i) record(elements[i], found[i]);
   for (const auto& part : cut) faces.insert(faces.end(), part.begin(), part.end());
   return faces;
 }
@@ -232,7 +232,7 @@ MovingBlade::Step MovingBlade::step_between(double last) const {
 /// gaps_ are not above `needed`.
 bool MovingBlade::may_skip(Index block, const Step& step, double& needed) {
   Clearance& c = clearances_[block];
-  const bool known = look_ == Look::near && c.step + 1 == step_;  // followed up to now
+  const bool known = scope_ == Scope::near && c.step + 1 == step_;  // followed up to now
   const double tissue = known ? tissue_.moved(block) : 0;
   c.step = step_;
   c.tissue += tissue;
@@ -247,11 +247,11 @@ bool MovingBlade::may_skip(Index block, const Step& step, double& needed) {
   return false;
 }
 
-std::vector<Index> MovingBlade::elements_to_look_at(const CellComplex& complex, const Step& step) {
+std::vector<Index> MovingBlade::elements_to_check(const CellComplex& complex, const Step& step) {
   clearances_.resize(tissue_.block_count());
   gaps_.resize(complex.element_count());
   std::vector<Index> elements;
-  for (const Index block : look_ == Look::near ? tissue_.near(step.box) : tissue_.all()) {
+  for (const Index block : scope_ == Scope::near ? tissue_.near(step.box) : tissue_.all()) {
     double needed = std::numeric_limits<double>::infinity();
     const bool some = may_skip(block, step, needed);
     const Index first = block * TissueBlocks::size;
@@ -263,12 +263,12 @@ std::vector<Index> MovingBlade::elements_to_look_at(const CellComplex& complex, 
 }
 
 // A link is near if no side of the blade's box has both elements beyond it all the time.
-MovingBlade::Found MovingBlade::look_at(const CellComplex& complex, const Step& step, Index element,
-                                        std::vector<Dart>& cut) const {
+MovingBlade::CheckResult MovingBlade::check(const CellComplex& complex, const Step& step,
+                                            Index element, std::vector<Dart>& cut) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const ElementWay one(complex, tissue_, step.box, element);
   double longest = 0;
-  Found found{infinity, 0, infinity};
+  CheckResult found{infinity, 0, infinity};
   for (int f = 0; f < 6; ++f) {
     const Index n = complex.neighbour(element, f);
     if (n == none || n < element) continue;
@@ -296,7 +296,7 @@ MovingBlade::Found MovingBlade::look_at(const CellComplex& complex, const Step& 
   return found;
 }
 
-void MovingBlade::note(Index element, const Found& found) {
+void MovingBlade::record(Index element, const CheckResult& found) {
   Clearance& c = clearances_[element / TissueBlocks::size];
   c.reach = std::max(c.reach, found.reach);
   c.shortest = std::min(c.shortest, found.shortest + 2 * c.tissue);

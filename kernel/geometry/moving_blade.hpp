@@ -42,9 +42,9 @@ class MovingBlade {
  public:
   /// Throws InputError if there is no key, if a key has fewer than 2 points or a different number
   /// of points from the first key, if values are not finite, if times do not increase, or if all
-  /// points coincide. Look::all checks all elements in every step, as a reference.
-  enum class Look { near, all };
-  explicit MovingBlade(std::vector<BladeKey> keys, Look look = Look::near);
+  /// points coincide. Scope::all checks all elements in every step, as a reference.
+  enum class Scope { near, all };
+  explicit MovingBlade(std::vector<BladeKey> keys, Scope scope = Scope::near);
 
   double begin() const { return keys_.front().time; }
   double end() const;  ///< s; infinite for one key
@@ -86,18 +86,18 @@ class MovingBlade {
   /// Positions of the blade during a step: at its ends and at the keys in between.
   std::vector<BladeKey> path(double from, double to) const;
   Step step_between(double last) const;
-  std::vector<Index> elements_to_look_at(const CellComplex& complex, const Step& step);
+  std::vector<Index> elements_to_check(const CellComplex& complex, const Step& step);
   bool may_skip(Index block, const Step& step, double& needed);
   /// The result of checking an element's links, as in Clearance.
-  struct Found {
+  struct CheckResult {
     double gap, reach, shortest;
   };
-  Found look_at(const CellComplex& complex, const Step& step, Index element,
-                std::vector<Dart>& cut) const;
-  void note(Index element, const Found& found);
+  CheckResult check(const CellComplex& complex, const Step& step, Index element,
+                    std::vector<Dart>& cut) const;
+  void record(Index element, const CheckResult& found);
 
   std::vector<BladeKey> keys_;
-  Look look_;
+  Scope scope_;
   bool started_ = false;
   double time_ = 0;
   TissueBlocks tissue_;

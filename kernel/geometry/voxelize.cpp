@@ -199,7 +199,7 @@ Mesh mesh_of(const Filling& filling) {
 }
 
 /// Gives every part of a non-manifold vertex a separate point. The import finds these vertices.
-void split_pinched(Mesh& mesh, Diagnostics& diagnostics) {
+void split_non_manifold(Mesh& mesh, Diagnostics& diagnostics) {
   const Imported imported = import_mesh(mesh, {.renumber = false}, diagnostics);
   std::vector<Index> point = imported.user_vertex;
   for (const auto& [old, vertex] : imported.split_points) {
@@ -245,7 +245,7 @@ Mesh voxelize(const TriangleSurface& surface, const VoxelizeOptions& options,
   if (!options.largest_island) warn_if_coarse(filling, surface, box, diagnostics);
   Mesh mesh = mesh_of(filling);
   mesh.source = surface.source;
-  split_pinched(mesh, diagnostics);
+  split_non_manifold(mesh, diagnostics);
   return mesh;
 }
 

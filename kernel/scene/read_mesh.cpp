@@ -114,9 +114,9 @@ void read_mesh(const JsonValue& value, Reading& reading) {
                                " is given by its own keys");
   }
   result.scale = mesh.number("scale", Limits::positive("1")).value_or(1);
-  static const std::array<std::string, 2> pinched{"split", "refuse"};
-  if (mesh.choice("pinched", pinched) == 1u) {
-    result.import.pinched = ImportOptions::Pinched::refuse;
+  static const std::array<std::string, 2> treatments{"split", "refuse"};
+  if (mesh.choice("pinched", treatments) == 1u) {
+    result.import.non_manifold = ImportOptions::NonManifold::refuse;
   }
   static const std::array<std::string, 2> bad_elements{"refuse", "drop"};
   result.drop_bad_elements = mesh.choice("bad_elements", bad_elements) == 1u;

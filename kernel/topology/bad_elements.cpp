@@ -84,7 +84,7 @@ BadElements find_bad(const Mesh& mesh, bool allow_inverted_rest) {
     Corners x;
     for (std::size_t i = 0; i < 8; ++i) x[i] = mesh.points[nodes[i]];
     const RestShape shape = rest_shape(x);
-    if (allow_inverted_rest ? shape.hopeless : shape.inverted) {
+    if (allow_inverted_rest ? shape.unusable : shape.inverted) {
       bad.inverted.push_back(e);
       continue;
     }

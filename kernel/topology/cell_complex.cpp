@@ -15,10 +15,10 @@ using namespace incidence;
 namespace {
 
 void check_size(std::size_t elements) {
-  if (elements >= incidence::most_elements)
+  if (elements >= incidence::max_elements)
     throw TopologyError("the mesh has " + std::to_string(elements) +
                         " elements; the map can address at most " +
-                        std::to_string(incidence::most_elements - 1));
+                        std::to_string(incidence::max_elements - 1));
 }
 
 /// Cuts append cells; room for them in advance keeps a small cut of a large map from
@@ -40,7 +40,7 @@ constexpr auto corner_faces = [] {
 // ---------------------------------------------------------------- building --
 
 CellComplex::CellComplex(std::vector<Hexahedron> hexahedra, Index vertex_count,
-                         std::vector<Split>* pinched, const Naming& naming) {
+                         std::vector<Split>* splits, const Naming& naming) {
   check_size(hexahedra.size());
   std::vector<MapFault> faults;
   links_ = match_faces(hexahedra, vertex_count, faults);
@@ -48,7 +48,7 @@ CellComplex::CellComplex(std::vector<Hexahedron> hexahedra, Index vertex_count,
   vertices_ = std::move(hexahedra);
   element_marks_.assign(vertices_.size() / 64 + 1, 0);
   cell_marks_[0].assign(vertex_count / 64 + 1, 0);
-  split_pinched_vertices(vertex_count, pinched);
+  split_non_manifold_vertices(vertex_count, splits);
 }
 
 template <int Dimension>
@@ -78,16 +78,16 @@ void CellComplex::collect_star(Dart start, std::vector<Dart>& out) const {
 /// A corner none of whose neighbours around the vertex belongs to an earlier element
 /// is the first of its component, or at least a local one. A vertex with a single
 /// such corner is whole; only the others are flooded.
-void CellComplex::split_pinched_vertices(Index vertex_count, std::vector<Split>* pinched) {
-  some_dart_[0].reserve(room_for(vertex_count));
-  some_dart_[0].assign(vertex_count, none);
+void CellComplex::split_non_manifold_vertices(Index vertex_count, std::vector<Split>* splits) {
+  first_dart_[0].reserve(room_for(vertex_count));
+  first_dart_[0].assign(vertex_count, none);
   std::vector<Dart> further;
   for (Index e = 0; e < vertices_.size(); ++e) {
     unsigned earlier = 0;  // bit f: the neighbour across face f
     for (unsigned f = 0; f < 6; ++f) earlier |= unsigned{links_[6 * e + f] < link_of(e, 0)} << f;
     for (int i = 0; i < 8; ++i) {
       if (earlier & corner_faces[i]) continue;
-      Dart& first = some_dart_[0][vertices_[e][i]];
+      Dart& first = first_dart_[0][vertices_[e][i]];
       const Dart here = 24 * e + hexahedron::vertex_darts[i][0];
       if (first == none)
         first = here;
@@ -96,7 +96,7 @@ void CellComplex::split_pinched_vertices(Index vertex_count, std::vector<Split>*
     }
   }
   for (Index v = 0; v < vertex_count; ++v)
-    if (some_dart_[0][v] == none)
+    if (first_dart_[0][v] == none)
       throw TopologyError("vertex " + std::to_string(v) + " belongs to no element");
   std::ranges::sort(further, {}, [&](Dart d) { return std::pair(origin(d), d); });
   std::vector<Dart> star;
@@ -104,17 +104,17 @@ void CellComplex::split_pinched_vertices(Index vertex_count, std::vector<Split>*
   for (const Dart d : further) {
     const Index vertex = origin(d);
     if (vertex >= vertex_count) continue;  // split off already
-    if (vertex != flooded) collect_star<0>(some_dart_[0][vertex], star);
+    if (vertex != flooded) collect_star<0>(first_dart_[0][vertex], star);
     flooded = vertex;
     if (std::ranges::binary_search(star, d)) continue;
     std::vector<Dart> component;
     collect_star<0>(d, component);
     const Index fresh = count(0);
-    some_dart_[0].push_back(component[0]);
+    first_dart_[0].push_back(component[0]);
     for (const Dart c : component) vertices_[c / 24][hexahedron::dart_vertex[c % 24]] = fresh;
-    if (pinched) pinched->push_back({vertex, fresh});
+    if (splits) splits->push_back({vertex, fresh});
   }
-  prepare_room(some_dart_[0]);
+  prepare_room(first_dart_[0]);
 }
 
 /// An edge's elements form a path or a cycle: walks it from its smallest dart one
@@ -124,18 +124,18 @@ void CellComplex::require_edges() {
   std::array<Index, 12> unknown;
   unknown.fill(none);
   edges_.assign(vertices_.size(), unknown);
-  some_dart_[1].reserve(room_for(4 * vertices_.size()));  // as many as a sheet has
+  first_dart_[1].reserve(room_for(4 * vertices_.size()));  // as many as a sheet has
   for (Index e = 0; e < vertices_.size(); ++e)
     for (unsigned i = 0; i < 12 && exists(3, e); ++i) {
       if (edges_[e][i] != none) continue;
       const Index id = count(1);
-      some_dart_[1].push_back(dart_at<1>(e << 4 | i));
+      first_dart_[1].push_back(dart_at<1>(e << 4 | i));
       edges_[e][i] = id;
       for (const Exit way : exits<1>[i])
         if (number_edge(e, way, id)) break;
     }
-  prepare_room(some_dart_[1]);
-  cell_marks_[1].resize(some_dart_[1].size() / 64 + 1);
+  prepare_room(first_dart_[1]);
+  cell_marks_[1].resize(first_dart_[1].size() / 64 + 1);
 }
 
 /// Numbers an edge in the elements behind an exit of e; true if that leads round to e.
@@ -157,7 +157,7 @@ void CellComplex::require_faces() {
   std::array<Index, 6> unknown;
   unknown.fill(none);
   faces_.assign(vertices_.size(), unknown);
-  some_dart_[2].reserve(room_for(3 * vertices_.size()));
+  first_dart_[2].reserve(room_for(3 * vertices_.size()));
   for (Index e = 0; e < vertices_.size(); ++e)
     for (int f = 0; f < 6 && exists(3, e); ++f) {
       const Link link = links_[6 * e + f];
@@ -165,10 +165,10 @@ void CellComplex::require_faces() {
         faces_[e][f] = faces_[link >> 5][(link & 31) / 4];
       } else {
         faces_[e][f] = count(2);
-        some_dart_[2].push_back(24 * e + 4 * f);
+        first_dart_[2].push_back(24 * e + 4 * f);
       }
     }
-  prepare_room(some_dart_[2]);
+  prepare_room(first_dart_[2]);
 }
 
 // -------------------------------------------------------------- questions --
@@ -211,7 +211,7 @@ std::size_t CellComplex::memory() const {
   std::size_t sum = bytes(vertices_) + bytes(edges_) + bytes(faces_) + bytes(links_) +
                     bytes(element_marks_) + bytes(removed_marks_);
   for (const auto& marks : cell_marks_) sum += bytes(marks);
-  for (const std::vector<Dart>& darts : some_dart_) sum += bytes(darts);
+  for (const std::vector<Dart>& darts : first_dart_) sum += bytes(darts);
   return sum;
 }
 
@@ -268,11 +268,11 @@ void CellComplex::load_built(bool edges, bool faces) {
   if (faces) require_faces();
   if (!edges) {
     edges_ = {};
-    some_dart_[1] = {};
+    first_dart_[1] = {};
   }
   if (!faces) {
     faces_ = {};
-    some_dart_[2] = {};
+    first_dart_[2] = {};
   }
 }
 
@@ -283,7 +283,7 @@ void CellComplex::arrays(Archive& archive) {
   archive("edges", edges_);
   archive("faces", faces_);
   archive("links", links_);
-  archive.each("darts", some_dart_,
+  archive.each("darts", first_dart_,
                [](Archive& a, std::vector<Dart>& darts) { a("of_cells", darts); });
   archive("removed", removed_marks_);
   archive("holes", holes_);
@@ -294,7 +294,7 @@ void CellComplex::arrays(Archive& archive) {
                       fits(edges_.size(), elements) && fits(faces_.size(), elements) &&
                       fits(removed_marks_.size(), elements / 64 + 1),
                   "an array of the map has a different size");
-  for (std::vector<Dart>& darts : some_dart_) {
+  for (std::vector<Dart>& darts : first_dart_) {
     if (darts.empty()) continue;
     darts.reserve(room_for(darts.size()));
     prepare_room(darts);

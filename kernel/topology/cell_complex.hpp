@@ -102,17 +102,17 @@ class CellComplex {
   /// Builds the map from conforming connectivity (import.hpp repairs and renumbers first). A
   /// non-manifold vertex, whose elements form several components around it, is split: the component
   /// of the smallest element keeps the number, the others get new ones from `vertex_count` on,
-  /// which are appended to `pinched` if it is given. Throws TopologyError naming the elements and
-  /// the reason.
+  /// which are appended to `splits` if it is given. Throws TopologyError naming the elements
+  /// and the reason.
   CellComplex(std::vector<Hexahedron> hexahedra, Index vertex_count,
-              std::vector<Split>* pinched = nullptr, const Naming& naming = {});
+              std::vector<Split>* splits = nullptr, const Naming& naming = {});
 
   /// The number of elements so far, including removed ones (see exists()).
   Index element_count() const { return static_cast<Index>(vertices_.size()); }
   /// The number of cells so far, including removed ones (see exists()): 0 vertices, 1 edges, 2
   /// faces, 3 elements. Edges and faces are counted once they have been required.
   Index count(int dimension) const {
-    return dimension == 3 ? element_count() : static_cast<Index>(some_dart_[dimension].size());
+    return dimension == 3 ? element_count() : static_cast<Index>(first_dart_[dimension].size());
   }
 
   /// Builds the ids of edges and faces, in the order of their smallest darts (idempotent).
@@ -156,13 +156,13 @@ class CellComplex {
   /// False for the number of a cell that was removed or merged into another; such numbers are not
   /// reused.
   bool exists(int dimension, Index id) const {
-    return dimension == 3 ? vertices_[id][0] != none : some_dart_[dimension][id] != none;
+    return dimension == 3 ? vertices_[id][0] != none : first_dart_[dimension][id] != none;
   }
   /// The number of existing cells: count() minus the holes.
   Index existing(int dimension) const { return count(dimension) - holes_[dimension]; }
   /// The smallest dart of cell `id` (starting at the vertex, on the edge, ...). O(1).
   Dart dart_of(int dimension, Index id) const {
-    return dimension == 3 ? 24 * id : some_dart_[dimension][id];
+    return dimension == 3 ? 24 * id : first_dart_[dimension][id];
   }
   /// The elements around a cell: one dart per element, ascending, as in Stars. O(valence); O(n log
   /// n) for valences above 64.
@@ -227,7 +227,7 @@ class CellComplex {
 
   template <int Dimension>
   void collect_star(Dart start, std::vector<Dart>& out) const;
-  void split_pinched_vertices(Index vertex_count, std::vector<Split>* pinched);
+  void split_non_manifold_vertices(Index vertex_count, std::vector<Split>* splits);
   bool number_edge(Index e, incidence::Exit way, Index id);
 
   /// The vertex (dimension 0), edge (1) or face (2) ids, a row per element.
@@ -261,12 +261,12 @@ class CellComplex {
   // pierce.cpp
   bool is_removed(Index e) const { return removed_marks_[e / 64] >> e % 64 & 1; }
   std::vector<Index> mark_removed(std::span<const Index> elements);
-  std::vector<incidence::Link> mark_rim(std::span<const Index> going);
+  std::vector<incidence::Link> mark_rim(std::span<const Index> removed);
   void free_rim(std::span<const incidence::Link> rim, TopologyChange& change);
   template <int Dimension>
   bool lose_elements(Index cell, incidence::HalfStars& halves, TopologyChange& change);
   template <int Dimension>
-  void remove_cells(std::span<const Index> going, TopologyChange& change);
+  void remove_cells(std::span<const Index> elements, TopologyChange& change);
 
   // sew.cpp
   struct MergedCells;
@@ -282,7 +282,7 @@ class CellComplex {
   std::vector<std::array<Index, 6>> faces_;
   std::vector<incidence::Link> links_;  ///< 6 e + f: beta3 of the face's first dart, or none
   bool has_operated_ = false;
-  std::array<std::vector<Dart>, 3> some_dart_;
+  std::array<std::vector<Dart>, 3> first_dart_;
   // One bit per vertex, edge and element; 0 between operations.
   std::array<std::vector<std::uint64_t>, 2> cell_marks_;
   std::vector<std::uint64_t> element_marks_;

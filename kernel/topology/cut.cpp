@@ -177,7 +177,7 @@ void CellComplex::split_cell(Link dart, StarWork& work, TopologyChange& change) 
   if constexpr (What == Loss::elements) {
     flood.drop([this](Index e) { return is_removed(e); });
     flood.sort();
-    some_dart_[Dimension][cell] = dart_at<Dimension>(flood.places[flood.components.front().begin]);
+    first_dart_[Dimension][cell] = dart_at<Dimension>(flood.places[flood.components.front().begin]);
     name_components<Dimension>(cell, flood, change);
   } else if (flood.components.size() > 1) {
     flood.sort();
@@ -198,7 +198,7 @@ void CellComplex::split_in_halves(Index cell, HalfStars& halves, TopologyChange&
   sort_local_cells(leaves, leaves + size);
   if (leaves[0] < kept[0]) std::swap(kept, leaves);
   const Index id = count(Dimension);
-  some_dart_[Dimension].push_back(dart_at<Dimension>(leaves[0]));
+  first_dart_[Dimension].push_back(dart_at<Dimension>(leaves[0]));
   change.splits[Dimension].push_back({cell, id});
   for (std::size_t i = 0; i < size; ++i) label[leaves[i] >> 4][leaves[i] & 15] = id;
   Stars& stars = change.stars[Dimension];
@@ -264,7 +264,7 @@ void CellComplex::name_components(Index cell, const StarFlood& flood, TopologyCh
   Index id = cell;
   for (const StarFlood::Component& component : flood.components) {
     if (id != cell) {
-      some_dart_[Dimension].push_back(dart_at<Dimension>(flood.places[component.begin]));
+      first_dart_[Dimension].push_back(dart_at<Dimension>(flood.places[component.begin]));
       change.splits[Dimension].push_back({cell, id});
     }
     Dart* darts = stars.append(id, component.end - component.begin);
@@ -290,7 +290,7 @@ void CellComplex::split_faces(std::span<const Link> cut_faces, TopologyChange& c
     if (!has_faces()) continue;
     const Index old_id = faces_[first >> 5][(first & 31) / 4], new_id = count(2);
     faces_[second >> 5][(second & 31) / 4] = new_id;
-    some_dart_[2].push_back(incidence::dart_of(second));
+    first_dart_[2].push_back(incidence::dart_of(second));
     change.splits[2].push_back({old_id, new_id});
     *change.stars[2].append(old_id, 1) = incidence::dart_of(first);
     *change.stars[2].append(new_id, 1) = incidence::dart_of(second);

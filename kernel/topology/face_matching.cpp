@@ -169,7 +169,7 @@ std::vector<Link> match_faces(std::span<const Hexahedron> hexahedra, Index verte
 }
 
 std::string describe(std::span<const MapFault> faults, const Naming& naming) {
-  constexpr std::size_t shown_at_most = 20;
+  constexpr std::size_t max_listed = 20;
   std::string text;
   for (const Kind kind : {Kind::index_out_of_range, Kind::repeated_vertex, Kind::third_element,
                           Kind::same_side, Kind::not_cyclic}) {
@@ -182,10 +182,10 @@ std::string describe(std::span<const MapFault> faults, const Naming& naming) {
     std::size_t shown = 0;
     for (const MapFault& fault : faults) {
       if (fault.kind != kind) continue;
-      if (shown++ == shown_at_most) break;
+      if (shown++ == max_listed) break;
       text += "\n  " + sentence(fault, naming);
     }
-    if (count > shown_at_most) text += "\n  and " + std::to_string(count - shown_at_most) + " more";
+    if (count > max_listed) text += "\n  and " + std::to_string(count - max_listed) + " more";
   }
   return text;
 }

@@ -107,7 +107,7 @@ std::vector<Hexahedron> number(const Mesh& mesh, const std::vector<bool>& used, 
 struct Shapes {
   std::vector<Index> flipped;   ///< were mirror images
   std::vector<Index> inverted;  ///< a corner Jacobian <= 0
-  std::vector<Index> hopeless;  ///< a Gauss point too
+  std::vector<Index> unusable;  ///< a Gauss point too
 };
 
 /// Turns mirrored elements round and finds the inverted ones.
@@ -122,7 +122,7 @@ Shapes orient(std::vector<Hexahedron>& hexahedra, const std::vector<Vec3>& rest)
       shapes.flipped.push_back(e);
     }
     if (shape.inverted) shapes.inverted.push_back(e);
-    if (shape.hopeless) shapes.hopeless.push_back(e);
+    if (shape.unusable) shapes.unusable.push_back(e);
   }
   return shapes;
 }
@@ -133,8 +133,8 @@ Shapes orient(std::vector<Hexahedron>& hexahedra, const std::vector<Vec3>& rest)
 /// the boundary. The elements around a boundary edge form a path, on whose ends it is
 /// a side of a boundary face, once from a to b and once from b to a: so each such edge
 /// appears once among the sides with a < b.
-std::vector<std::array<Index, 2>> pinched_edges(const CellComplex& complex,
-                                                const std::vector<Index>& user_vertex) {
+std::vector<std::array<Index, 2>> non_manifold_edges(const CellComplex& complex,
+                                                     const std::vector<Index>& user_vertex) {
   struct Side {
     Index a, b;
   };
@@ -163,11 +163,11 @@ std::vector<std::array<Index, 2>> pinched_edges(const CellComplex& complex,
 }
 
 /// Gives the vertices that the complex split their points; refuses or warns.
-void report_pinched(const std::vector<Split>& pinched, const std::string& where,
-                    const UserNames& names, ImportOptions::Pinched option, Imported& out,
-                    Diagnostics& diagnostics) {
+void report_non_manifold(const std::vector<Split>& splits, const std::string& where,
+                         const UserNames& names, ImportOptions::NonManifold option, Imported& out,
+                         Diagnostics& diagnostics) {
   std::vector<Index> points;
-  for (const Split& split : pinched) {
+  for (const Split& split : splits) {
     const Index point = out.user_vertex[split.old_cell];
     out.user_vertex.push_back(point);
     out.rest.push_back(out.rest[split.old_cell]);
@@ -177,12 +177,12 @@ void report_pinched(const std::vector<Split>& pinched, const std::string& where,
   std::ranges::sort(out.split_points);
   std::ranges::sort(points);
   points.erase(std::unique(points.begin(), points.end()), points.end());
-  const auto edges = pinched_edges(out.complex, out.user_vertex);
+  const auto edges = non_manifold_edges(out.complex, out.user_vertex);
   if (points.empty() && edges.empty()) return;
 
   const std::string what = counted(points.size(), "vertex", "vertices") + " and " +
                            counted(edges.size(), "edge", "edges");
-  if (option == ImportOptions::Pinched::split) {
+  if (option == ImportOptions::NonManifold::split) {
     diagnostics.warn(where + "is non-manifold at " + what +
                      " (elements meet there without a common face); these were split");
     return;
@@ -201,7 +201,7 @@ void report_pinched(const std::vector<Split>& pinched, const std::string& where,
 void report_inverted(const Shapes& shapes, const std::string& where, const Naming& naming,
                      bool allowed, Diagnostics& diagnostics) {
   if (shapes.inverted.empty()) return;
-  const std::vector<Index>& refused = allowed ? shapes.hopeless : shapes.inverted;
+  const std::vector<Index>& refused = allowed ? shapes.unusable : shapes.inverted;
   if (refused.empty()) {
     diagnostics.warn(where + "has " + counted(shapes.inverted.size(), "element", "elements") +
                      " with a corner Jacobian <= 0, accepted because of \"allow_inverted_rest\" "
@@ -209,7 +209,7 @@ void report_inverted(const Shapes& shapes, const std::string& where, const Namin
                      listed(shapes.inverted, naming.element, 20));
     return;
   }
-  const std::size_t admissible = shapes.inverted.size() - shapes.hopeless.size();
+  const std::size_t admissible = shapes.inverted.size() - shapes.unusable.size();
   std::string text = where + "has " + counted(refused.size(), "element", "elements") +
                      (allowed ? " with a Jacobian <= 0 at a corner and at a Gauss point: "
                               : " with a corner Jacobian <= 0 at rest: ") +
@@ -262,15 +262,15 @@ Imported import_mesh(Mesh mesh, const ImportOptions& options, Diagnostics& diagn
   const Naming naming{[&](Index e) { return names.element(out.user_element[e]); },
                       [&](Index v) { return names.point(out.user_vertex[v]); }};
   const Shapes shapes = orient(hexahedra, out.rest);
-  std::vector<Split> pinched;
+  std::vector<Split> splits;
   try {
     out.complex =
-        CellComplex(std::move(hexahedra), static_cast<Index>(out.rest.size()), &pinched, naming);
+        CellComplex(std::move(hexahedra), static_cast<Index>(out.rest.size()), &splits, naming);
   } catch (const TopologyError& error) {
     throw TopologyError(where + "is not a conforming hexahedral mesh. It has\n" + error.what());
   }
   report_inverted(shapes, where, naming, options.allow_inverted_rest, diagnostics);
-  report_pinched(pinched, where, names, options.pinched, out, diagnostics);
+  report_non_manifold(splits, where, names, options.non_manifold, out, diagnostics);
   if (unused > 0)
     diagnostics.warn(where + "has " + counted(unused, "point", "points") +
                      " not used by any hexahedron; dropped");

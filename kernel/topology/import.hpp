@@ -12,8 +12,8 @@
 namespace suture {
 
 struct ImportOptions {
-  enum class Pinched { split, refuse };
-  Pinched pinched = Pinched::split;
+  enum class NonManifold { split, refuse };
+  NonManifold non_manifold = NonManifold::split;
   bool allow_inverted_rest = false;
   bool renumber = true;  ///< renumber elements and vertices for locality (user ids do not change)
 };

@@ -17,7 +17,7 @@ using hexahedron::Local;
 /// needs shifts, whereas 24 e + d needs a division (a third of the time of a cut). The highest bit
 /// is reserved for marks, so there are fewer than 2^26 elements.
 using Link = std::uint32_t;
-inline constexpr Index most_elements = Index{1} << 26;
+inline constexpr Index max_elements = Index{1} << 26;
 inline constexpr Link link_of(Index element, unsigned dart) { return element << 5 | dart; }
 inline constexpr Dart dart_of(Link link) { return 24 * (link >> 5) + (link & 31); }
 

@@ -49,9 +49,9 @@ struct Islands::Part {
 /// is the next to grow; parts that meet are one. It is over when all parts but one are
 /// whole: the last one is what these leave of the island. Unless that is more than each
 /// of them has, the last one is searched to its end as well.
-class Islands::Race {
+class Islands::ComponentSearch {
  public:
-  Race(const CellComplex& complex, std::vector<Index>& reached, std::vector<Part>& parts)
+  ComponentSearch(const CellComplex& complex, std::vector<Index>& reached, std::vector<Part>& parts)
       : complex_(complex), reached_(reached), parts_(parts), sets_(parts.size()) {
     for (std::size_t i = 0; i < parts.size(); ++i) running_.push({parts[i].members.size(), i});
   }
@@ -128,16 +128,16 @@ Islands::Islands(const CellComplex& complex) {
   island_ = complex.islands(&existing_);
   reached_.assign(island_.size(), none);
   size_.assign(existing_, 0);
-  some_.assign(existing_, none);
+  representative_.assign(existing_, none);
   for (Index e = 0; e < island_.size(); ++e)
-    if (island_[e] != none && size_[island_[e]]++ == 0) some_[island_[e]] = e;
+    if (island_[e] != none && size_[island_[e]]++ == 0) representative_[island_[e]] = e;
 }
 
 IslandChange Islands::update(const CellComplex& complex, const TopologyChange& change) {
   IslandChange result;
   forget(change.removed[3], result);
   if (change.faces_sewn > 0) join(complex, change, result);
-  if (change.faces_cut > 0) part(complex, change, result);
+  if (change.faces_cut > 0) split(complex, change, result);
   for (const Index e : change.elements) result.touched.push_back(island_[e]);
   for (const Split& split : result.splits) result.touched.push_back(split.new_cell);
   sort_unique(result.touched);
@@ -176,8 +176,8 @@ void Islands::join(const CellComplex& complex, const TopologyChange& change, Isl
 }
 
 void Islands::rename(const CellComplex& complex, Index from, Index to) {
-  std::vector<Index> found{some_[from]};
-  island_[some_[from]] = to;
+  std::vector<Index> found{representative_[from]};
+  island_[representative_[from]] = to;
   for (std::size_t next = 0; next < found.size(); ++next)
     for_neighbours(complex, found[next], [&](Index other) {
       if (island_[other] != from) return;
@@ -188,7 +188,8 @@ void Islands::rename(const CellComplex& complex, Index from, Index to) {
 
 /// Wherever an island fell apart, each part holds elements of the change. Islands with
 /// a single part are whole.
-void Islands::part(const CellComplex& complex, const TopologyChange& change, IslandChange& result) {
+void Islands::split(const CellComplex& complex, const TopologyChange& change,
+                    IslandChange& result) {
   std::vector<Part> parts = first_parts(complex, change.elements), leaving;
   for (auto first = parts.begin(); first != parts.end();) {
     const auto last = std::find_if(
@@ -203,7 +204,7 @@ void Islands::part(const CellComplex& complex, const TopologyChange& change, Isl
     for (const Index e : part.members) island_[e] = fresh;
     size_[part.island] -= static_cast<Index>(part.members.size());
     size_.push_back(static_cast<Index>(part.members.size()));
-    some_.push_back(part.members[0]);
+    representative_.push_back(part.members[0]);
     result.splits.push_back({part.island, fresh});
   }
   existing_ += static_cast<Index>(leaving.size());
@@ -227,7 +228,7 @@ std::vector<Islands::Part> Islands::first_parts(const CellComplex& complex,
     if (first == i) {
       part_of[i] = parts.size();
       parts.push_back({island_[seeds[i]], {}, {}});
-      some_[island_[seeds[i]]] = seeds[i];
+      representative_[island_[seeds[i]]] = seeds[i];
     }
     part_of[i] = part_of[first];
     parts[part_of[i]].add(seeds[i]);
@@ -242,7 +243,7 @@ void Islands::separate(const CellComplex& complex, std::vector<Part>& parts,
                        std::vector<Part>& leaving) {
   for (std::size_t i = 0; i < parts.size(); ++i)
     for (const Index e : parts[i].members) reached_[e] = static_cast<Index>(i);
-  Race(complex, reached_, parts).run(size_[parts[0].island]);
+  ComponentSearch(complex, reached_, parts).run(size_[parts[0].island]);
   std::erase_if(parts, [](const Part& p) { return p.members.empty(); });
   for (Part& part : parts) {
     for (const Index e : part.members) reached_[e] = none;
@@ -251,7 +252,7 @@ void Islands::separate(const CellComplex& complex, std::vector<Part>& parts,
   const auto kept = std::ranges::max_element(parts, {}, [](const Part& p) {
     return std::tuple(!p.whole(), p.members.size(), none - p.members[0]);
   });
-  some_[kept->island] = kept->members[0];
+  representative_[kept->island] = kept->members[0];
   for (auto it = parts.begin(); it != parts.end(); ++it)
     if (it != kept) leaving.push_back(std::move(*it));
 }
@@ -263,7 +264,7 @@ std::vector<Index> Islands::elements(const CellComplex& complex, Index island) {
   const auto add = [&](Index e) {
     if (std::exchange(reached_[e], island) == none) found.push_back(e);
   };
-  add(some_[island]);
+  add(representative_[island]);
   for (std::size_t next = 0; next < found.size(); ++next) for_neighbours(complex, found[next], add);
   for (const Index e : found) reached_[e] = none;
   std::ranges::sort(found);
@@ -307,8 +308,9 @@ void Islands::validate(const CellComplex& complex) const {
     if (size[i] != size_[i])
       broken("island " + std::to_string(i) + " has " + std::to_string(size[i]) + " elements, not " +
              std::to_string(size_[i]));
-    if (size_[i] > 0 && island_[some_[i]] != i)
-      broken("element " + std::to_string(some_[i]) + " is not in island " + std::to_string(i));
+    if (size_[i] > 0 && island_[representative_[i]] != i)
+      broken("element " + std::to_string(representative_[i]) + " is not in island " +
+             std::to_string(i));
   }
 }
 
@@ -316,9 +318,9 @@ void Islands::state(Archive& archive) {
   if (!archive.has_cells()) return;
   archive("of_elements", island_);
   archive("sizes", size_);
-  archive("some_element", some_);
+  archive("some_element", representative_);
   archive("existing", existing_);
-  archive.require(island_.size() == reached_.size() && some_.size() == size_.size(),
+  archive.require(island_.size() == reached_.size() && representative_.size() == size_.size(),
                   "the islands belong to a different mesh");
 }
 

@@ -62,18 +62,18 @@ class Islands {
 
  private:
   struct Part;
-  class Race;
+  class ComponentSearch;
 
   void forget(std::span<const Index> removed, IslandChange& result);
   void join(const CellComplex& complex, const TopologyChange& change, IslandChange& result);
-  void part(const CellComplex& complex, const TopologyChange& change, IslandChange& result);
+  void split(const CellComplex& complex, const TopologyChange& change, IslandChange& result);
   void rename(const CellComplex& complex, Index from, Index to);
   std::vector<Part> first_parts(const CellComplex& complex, std::span<const Index> seeds);
   void separate(const CellComplex& complex, std::vector<Part>& parts, std::vector<Part>& leaving);
 
-  std::vector<Index> island_;  ///< per element
-  std::vector<Index> size_;    ///< per island
-  std::vector<Index> some_;    ///< per island, one of its elements
+  std::vector<Index> island_;          ///< per element
+  std::vector<Index> size_;            ///< per island
+  std::vector<Index> representative_;  ///< per island, one of its elements
   Index existing_ = 0;
   /// Per element: the search that visited it; `none` between operations.
   std::vector<Index> reached_;

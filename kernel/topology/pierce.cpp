@@ -74,19 +74,19 @@ bool hangs_together<1>(unsigned left, unsigned n, bool closed) {
  * c would part at u.
  */
 TopologyChange CellComplex::pierce(std::span<const Index> elements) {
-  const std::vector<Index> going = mark_removed(elements);
+  const std::vector<Index> removed = mark_removed(elements);
   has_operated_ = true;
-  const std::vector<Link> rim = mark_rim(going);
+  const std::vector<Link> rim = mark_rim(removed);
   TopologyChange change;
   change.faces_cut = static_cast<Index>(rim.size());
   split_cells<Loss::elements>(rim, change);
   free_rim(rim, change);
-  for (const Index e : going) std::fill_n(links_.data() + std::size_t{6} * e, 6, none);
-  remove_cells<0>(going, change);
-  if (has_edges()) remove_cells<1>(going, change);
-  if (has_faces()) remove_cells<2>(going, change);
-  holes_[3] += static_cast<Index>(going.size());
-  change.removed[3] = going;
+  for (const Index e : removed) std::fill_n(links_.data() + std::size_t{6} * e, 6, none);
+  remove_cells<0>(removed, change);
+  if (has_edges()) remove_cells<1>(removed, change);
+  if (has_faces()) remove_cells<2>(removed, change);
+  holes_[3] += static_cast<Index>(removed.size());
+  change.removed[3] = removed;
   return change;
 }
 
@@ -100,22 +100,22 @@ std::vector<Index> CellComplex::mark_removed(std::span<const Index> elements) {
                ? " has already been removed"
                : " does not exist: the map has " + std::to_string(element_count()) + " elements") +
           "; only an existing element can be removed");
-  std::vector<Index> going(elements.begin(), elements.end());
-  sort_ascending(going);
-  going.erase(std::unique(going.begin(), going.end()), going.end());
-  if (!going.empty() && going.size() == existing(3))
-    throw TopologyError("all " + std::to_string(going.size()) +
+  std::vector<Index> removed(elements.begin(), elements.end());
+  sort_ascending(removed);
+  removed.erase(std::unique(removed.begin(), removed.end()), removed.end());
+  if (!removed.empty() && removed.size() == existing(3))
+    throw TopologyError("all " + std::to_string(removed.size()) +
                         " remaining elements would be removed; at least one must stay");
   removed_marks_.resize(element_count() / std::size_t{64} + 1);
-  for (const Index e : going) mark(removed_marks_, e);
-  return going;
+  for (const Index e : removed) mark(removed_marks_, e);
+  return removed;
 }
 
 /// Marks the links between elements that go and such that stay; returns the faces as
 /// mark_leaving() does.
-std::vector<Link> CellComplex::mark_rim(std::span<const Index> going) {
+std::vector<Link> CellComplex::mark_rim(std::span<const Index> removed) {
   std::vector<Link> rim;
-  for (const Index e : going)
+  for (const Index e : removed)
     for (unsigned f = 0; f < 6; ++f) {
       Link& link = links_[std::size_t{6} * e + f];
       if (link == none || is_removed(link >> 5)) continue;
@@ -140,7 +140,7 @@ void CellComplex::free_rim(std::span<const Link> rim, TopologyChange& change) {
     if (!has_faces()) continue;
     faces_[goes >> 5][(goes & 31) / 4] = none;
     const Index id = faces_[stays >> 5][(stays & 31) / 4];
-    some_dart_[2][id] = incidence::dart_of(stays);
+    first_dart_[2][id] = incidence::dart_of(stays);
     *stars.append(id, 1) = incidence::dart_of(stays);
   }
   unmark(element_marks_, change.elements);
@@ -152,7 +152,7 @@ void CellComplex::free_rim(std::span<const Link> rim, TopologyChange& change) {
 template <int Dimension>
 bool CellComplex::lose_elements(Index cell, HalfStars& halves, TopologyChange& change) {
   const std::size_t n = halves.size;
-  std::array<LocalCell, 2 * HalfStars::most> places;
+  std::array<LocalCell, 2 * HalfStars::max_size> places;
   unsigned left = 0;
   for (std::size_t i = 0; i < n; ++i) {
     places[i] = halves.above[i];
@@ -175,7 +175,7 @@ bool CellComplex::lose_elements(Index cell, HalfStars& halves, TopologyChange& c
       if (mark(element_marks_, place >> 4)) change.elements.push_back(place >> 4);
     }
   }
-  some_dart_[Dimension][cell] = stars.darts[first];
+  first_dart_[Dimension][cell] = stars.darts[first];
   stars.cells.push_back(cell);
   stars.offsets.push_back(static_cast<Index>(stars.darts.size()));
   return true;
@@ -186,13 +186,13 @@ template bool CellComplex::lose_elements<1>(Index, HalfStars&, TopologyChange&);
 
 /// What still carries a number in an element that goes had no other element.
 template <int Dimension>
-void CellComplex::remove_cells(std::span<const Index> going, TopologyChange& change) {
+void CellComplex::remove_cells(std::span<const Index> elements, TopologyChange& change) {
   std::vector<Index>& removed = change.removed[Dimension];
   auto* const label = rows<Dimension>();
-  for (const Index e : going)
+  for (const Index e : elements)
     for (Index& id : label[e]) {
-      if (id != none && some_dart_[Dimension][id] != none) {
-        some_dart_[Dimension][id] = none;
+      if (id != none && first_dart_[Dimension][id] != none) {
+        first_dart_[Dimension][id] = none;
         removed.push_back(id);
       }
       id = none;

@@ -78,10 +78,10 @@ inline void sort_local_cells(LocalCell* begin, LocalCell* end) {
   }
 }
 
-/// Two half stars: above[0..size) and below[0..size), with size <= most.
+/// Two half stars: above[0..size) and below[0..size), with size <= max_size.
 struct HalfStars {
-  static constexpr std::size_t most = 8;
-  std::array<LocalCell, most> above, below;
+  static constexpr std::size_t max_size = 8;
+  std::array<LocalCell, max_size> above, below;
   std::size_t size = 0;
   bool cut_all = true;  ///< every element of both has a cut face
   bool closed = false;  ///< the last elements are neighbours of the first (or of each other)
@@ -148,7 +148,7 @@ bool half_stars_of_vertex(const Link* links, Link start, HalfStars& stars) {
     if (on == Step::end) break;
     if (!is_glued<What>(links, above, below)) return false;
     if (above == start) return below == mate;
-    if (stars.size == HalfStars::most) return false;
+    if (stars.size == HalfStars::max_size) return false;
   }
   // At the boundary: continue in the other direction, with darts `above` that end at the vertex.
   stars.closed = false;
@@ -158,7 +158,7 @@ bool half_stars_of_vertex(const Link* links, Link start, HalfStars& stars) {
     const Step on = step<What>(links, above, below, previous_of_beta2, next_of_beta2);
     if (on == Step::irregular) return false;
     if (on == Step::end) return true;
-    if (!is_glued<What>(links, above, below) || stars.size == HalfStars::most) return false;
+    if (!is_glued<What>(links, above, below) || stars.size == HalfStars::max_size) return false;
     if (!add(place(above, end_of), place(below, begin_of))) return false;
   }
 }

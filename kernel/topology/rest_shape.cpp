@@ -68,7 +68,7 @@ RestShape rest_shape(const Corners& x) {
     gauss = gauss_jacobians(turned);
   }
   shape.inverted = !(smallest(corner_jacobians(turned)) > 0);
-  shape.hopeless = shape.inverted && !(smallest(gauss) > 0);
+  shape.unusable = shape.inverted && !(smallest(gauss) > 0);
   return shape;
 }
 

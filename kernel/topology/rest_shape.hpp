@@ -30,7 +30,7 @@ void mirror(std::array<T, 8>& nodes) {
 struct RestShape {
   bool mirrored = false;  ///< numbered as the mirror image; turned round for what follows
   bool inverted = false;  ///< a corner Jacobian <= 0
-  bool hopeless = false;  ///< and one at a Gauss point
+  bool unusable = false;  ///< and one at a Gauss point
 };
 RestShape rest_shape(const Corners& x);
 

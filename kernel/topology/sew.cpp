@@ -138,7 +138,7 @@ CellComplex::MergedCells CellComplex::merged_cells(std::span<const Seam> seams) 
   for (const std::vector<Index>& group : groups_of_equal(glued<Dimension>(*this, seams))) {
     Stars& stars = merged.stars;
     for (const Index cell : group) {
-      collect_star<Dimension>(some_dart_[Dimension][cell], star);
+      collect_star<Dimension>(first_dart_[Dimension][cell], star);
       if (cell != group[0]) {
         merged.merges.push_back({group[0], cell});
         merged.gone.append(cell, star);
@@ -155,10 +155,10 @@ CellComplex::MergedCells CellComplex::merged_cells(std::span<const Seam> seams) 
 template <int Dimension>
 void CellComplex::merge_cells(const MergedCells& merged, TopologyChange& change) {
   auto* const label = rows<Dimension>();
-  for (const Merge& merge : merged.merges) some_dart_[Dimension][merge.gone] = none;
+  for (const Merge& merge : merged.merges) first_dart_[Dimension][merge.gone] = none;
   for (std::size_t i = 0; i < merged.stars.size(); ++i) {
     const Index kept = merged.stars.cells[i];
-    some_dart_[Dimension][kept] = merged.stars[i][0];
+    first_dart_[Dimension][kept] = merged.stars[i][0];
     for (const Dart d : merged.stars[i]) {
       label[d / 24][local_of<Dimension>(static_cast<int>(d % 24))] = kept;
       change.elements.push_back(d / 24);
@@ -174,17 +174,17 @@ void CellComplex::merge_faces(std::span<const Seam> seams, TopologyChange& chang
   std::vector<std::pair<Merge, Dart>> merged;  // with the dart of the face that goes
   for (const auto& [one, other] : seams) {
     const Index kept = std::min(face(one), face(other)), gone = std::max(face(one), face(other));
-    merged.push_back({{kept, gone}, some_dart_[2][gone]});
+    merged.push_back({{kept, gone}, first_dart_[2][gone]});
     faces_[one / 24][one % 24 / 4] = faces_[other / 24][other % 24 / 4] = kept;
-    some_dart_[2][gone] = none;
-    some_dart_[2][kept] = std::min(one & ~3u, other & ~3u);
+    first_dart_[2][gone] = none;
+    first_dart_[2][kept] = std::min(one & ~3u, other & ~3u);
   }
   holes_[2] += static_cast<Index>(seams.size());
   std::ranges::sort(merged, {}, [](const auto& m) { return m.first.kept; });
   for (const auto& [merge, dart_of_gone] : merged) {
     change.merges[2].push_back(merge);
     change.gone[2].append(merge.gone, std::span(&dart_of_gone, 1));
-    const Dart first = some_dart_[2][merge.kept];
+    const Dart first = first_dart_[2][merge.kept];
     change.stars[2].append(merge.kept, std::array{first, beta3(first) & ~3u});
   }
 }

@@ -97,15 +97,15 @@ TEST_F(BadMeshes, WhatAUserWouldExpectToBeRepairedIs) {
   EXPECT_TRUE(mirrored.says("mirror")) << mirrored;
 }
 
-TEST_F(BadMeshes, PinchedCellsAreSplitOrRefused) {
+TEST_F(BadMeshes, NonManifoldCellsAreSplitOrRefused) {
   std::vector<std::string> more = points;
   for (const char* p : {"2 2 0", "1 2 0", "2 2 1", "1 2 1"}) more.emplace_back(p);
   // Second cube on the edge x = y = 1 of the first.
-  const std::string pinched = medit(more, {first, "3 10 13 14 7 12 15 16"});
-  const Outcome split = run(pinched);
+  const std::string mesh = medit(more, {first, "3 10 13 14 7 12 15 16"});
+  const Outcome split = run(mesh);
   EXPECT_EQ(split.code, 0) << split;
   EXPECT_TRUE(split.says("non-manifold")) << split;
-  const Outcome refused = run(pinched, {"/mesh/pinched=refuse"});
+  const Outcome refused = run(mesh, {"/mesh/pinched=refuse"});
   EXPECT_EQ(refused.code, 3) << refused;
 }
 

@@ -80,7 +80,7 @@ TEST(FacesAcrossPlane, SeparateWhatLiesOnDifferentSides) {
   for (int round = 0; round < 20; ++round) {
     const Mesh mesh = blob(5, 0.7, random);
     CellComplex map = complex_of(mesh);
-    // Pinched vertices were split: positions by the elements' corners.
+    // Non-manifold vertices were split: positions by the elements' corners.
     std::vector<double> rows;
     const auto place = [&] {
       rows.resize(4 * std::size_t{map.count(0)});

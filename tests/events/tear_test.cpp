@@ -28,7 +28,7 @@ struct Block : Body {
     result.user_vertex.resize(result.rest.size());
     return result;
   }
-  // Pinched vertices were split: places by the elements' corners.
+  // Non-manifold vertices were split: places by the elements' corners.
   static std::vector<Vec3> rest_of(const Mesh& mesh, const CellComplex& complex) {
     std::vector<Vec3> rest(complex.count(0));
     for (Index e = 0; e < complex.element_count(); ++e)

@@ -10,17 +10,17 @@
 namespace suture::fuzz {
 namespace {
 
-constexpr double most_elements = 200;
+constexpr double max_elements = 200;
 
 bool is_small(const MeshSource& mesh) {
   if (mesh.voxels) {
     std::size_t cubes = 0;
     for (const std::string& row : mesh.voxels->rows) cubes += row.size();
-    return static_cast<double>(cubes) * mesh.voxels->layers <= most_elements;
+    return static_cast<double>(cubes) * mesh.voxels->layers <= max_elements;
   }
   if (!mesh.box) return false;
   const auto& cells = mesh.box->cells;
-  return double(cells[0]) * double(cells[1]) * double(cells[2]) <= most_elements;
+  return double(cells[0]) * double(cells[1]) * double(cells[2]) <= max_elements;
 }
 
 // Plugins that the scene names are code, not input.

@@ -206,7 +206,7 @@ TEST(MovingBlade, LooksNearItselfAndMissesNothing) {
         keys.back().points.push_back(plus(lattice_point(random, 0.25, -1, 10), {far, -far, far}));
       if (keys.back().points[0] == keys.back().points[1]) keys.back().points[0][0] += 1;
     }
-    MovingBlade near(keys), all(keys, MovingBlade::Look::all);
+    MovingBlade near(keys), all(keys, MovingBlade::Scope::all);
     const double speed = std::pow(10, 2 * number(random) - 1);  // elements per step
     Vec3 drift{};
     for (int step = 0; step <= 16; ++step) {

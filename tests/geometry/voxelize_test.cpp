@@ -133,7 +133,7 @@ TEST(Voxelize, RefusesAPointAstray) {
 }
 
 // Two boxes that touch along an edge: one body for the centres, two for the map.
-TEST(Voxelize, SplitsPinchedVertices) {
+TEST(Voxelize, SplitsNonManifoldVertices) {
   const TriangleSurface two =
       joined(box_surface({0, 0, 0}, {1, 1, 2}), box_surface({1, 1, 0}, {2, 2, 2}));
   Diagnostics diagnostics;
@@ -143,7 +143,7 @@ TEST(Voxelize, SplitsPinchedVertices) {
   ASSERT_EQ(diagnostics.warnings().size(), 1u);
   EXPECT_NE(diagnostics.warnings()[0].find("5 vertices"), std::string::npos)
       << diagnostics.warnings()[0];
-  // What was written is no longer pinched.
+  // What was written is no longer non-manifold.
   Diagnostics again;
   const Imported imported = import_mesh(mesh, {}, again);
   EXPECT_TRUE(again.warnings().empty());

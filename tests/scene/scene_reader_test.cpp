@@ -48,7 +48,7 @@ TEST(SceneReader, ReadsEveryKey) {
   EXPECT_EQ(scene.mesh.box->origin, (Vec3{1, 2, 3}));
   EXPECT_EQ(scene.mesh.box->cells, (std::array<Index, 3>{4, 2, 1}));
   EXPECT_EQ(scene.mesh.box->grading[0], 2);
-  EXPECT_EQ(scene.mesh.import.pinched, ImportOptions::Pinched::refuse);
+  EXPECT_EQ(scene.mesh.import.non_manifold, ImportOptions::NonManifold::refuse);
   EXPECT_TRUE(scene.mesh.import.allow_inverted_rest);
   EXPECT_TRUE(scene.mesh.drop_bad_elements);
   EXPECT_FALSE(scene.mesh.import.renumber);

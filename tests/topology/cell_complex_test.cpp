@@ -88,22 +88,22 @@ TEST(CellComplex, HasNoBoundOnTheValence) {
   EXPECT_EQ(map.count(0), Index(4 * n + 2));
 }
 
-TEST(CellComplex, SplitsPinchedVerticesByOrbit) {
+TEST(CellComplex, SplitsNonManifoldVerticesByOrbit) {
   // Two cubes that touch at one vertex, and two that touch along one edge.
-  std::vector<Split> pinched;
+  std::vector<Split> split;
   Mesh corner = voxels(2, 2, 2, [](int x, int y, int z) { return x == y && y == z; });
-  const CellComplex one(corner.hexahedra, Index(corner.points.size()), &pinched);
+  const CellComplex one(corner.hexahedra, Index(corner.points.size()), &split);
   one.validate();
-  ASSERT_EQ(pinched.size(), 1u);
-  EXPECT_EQ(pinched[0].old_cell, one.vertices_of(0)[7]);
-  EXPECT_EQ(pinched[0].new_cell, 15u);
+  ASSERT_EQ(split.size(), 1u);
+  EXPECT_EQ(split[0].old_cell, one.vertices_of(0)[7]);
+  EXPECT_EQ(split[0].new_cell, 15u);
   EXPECT_EQ(one.vertices_of(1)[0], 15u);
   EXPECT_EQ(one.count(0), 16u);
 
-  pinched.clear();
+  split.clear();
   const Mesh edge = voxels(2, 2, 1, [](int x, int y, int) { return x == y; });
-  const CellComplex two(edge.hexahedra, Index(edge.points.size()), &pinched);
-  EXPECT_EQ(pinched.size(), 2u);
+  const CellComplex two(edge.hexahedra, Index(edge.points.size()), &split);
+  EXPECT_EQ(split.size(), 2u);
   EXPECT_EQ(two.count(0), 16u);
 }
 

@@ -15,7 +15,7 @@ namespace suture {
 /// afterwards, and every cell that is no more, while the others are as they were.
 class ChangeCheck {
  public:
-  /// What is not told, or told wrongly: the first offence, or "".
+  /// What is not reported, or reported wrongly: the first offence, or "".
   static std::string offence(const CellComplex& before, const CellComplex& after,
                              const TopologyChange& change) {
     ChangeCheck check(before, after, change);
@@ -39,9 +39,9 @@ class ChangeCheck {
   }
 
   void dimension(int d) {
-    const std::set<Index> gone_cells = gone(d), told = stars(d);
+    const std::set<Index> gone_cells = gone(d), reported = stars(d);
     for (Index id = 0; id < after_.count(d); ++id) {
-      if (told.contains(id)) continue;
+      if (reported.contains(id)) continue;
       expect(id < before_.count(d), d, id, "a new cell without a star");
       if (id >= before_.count(d)) return;
       expect(after_.exists(d, id) == (before_.exists(d, id) && !gone_cells.contains(id)), d, id,
@@ -55,13 +55,13 @@ class ChangeCheck {
   }
 
   std::set<Index> stars(int d) {
-    std::set<Index> told;
+    std::set<Index> reported;
     const Stars& stars = change_.stars[static_cast<std::size_t>(d)];
     for (std::size_t i = 0; i < stars.size(); ++i) {
       const Index id = stars.cells[i];
-      expect(told.insert(id).second, d, id, "two stars");
+      expect(reported.insert(id).second, d, id, "two stars");
       expect(after_.exists(d, id), d, id, "a star of a cell that is not there");
-      if (!offence_.empty()) return told;
+      if (!offence_.empty()) return reported;
       after_.star(d, id, new_star_);
       expect(std::ranges::equal(stars[i], new_star_), d, id, "not the star of the map");
       expect(stars[i][0] == after_.dart_of(d, id), d, id, "dart_of is not the first");
@@ -70,7 +70,7 @@ class ChangeCheck {
       before_.star(d, id, old_star_);
       expect(old_star_ != new_star_, d, id, "told without need");
     }
-    return told;
+    return reported;
   }
 
   /// The cells that are said to be no more.

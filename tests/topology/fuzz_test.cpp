@@ -13,7 +13,7 @@ namespace {
 
 using namespace meshes;
 
-/// Blobs of a hundred cubes or more; sparse ones are full of pinched cells.
+/// Blobs of a hundred cubes or more; sparse ones are full of non-manifold cells.
 Mesh large_blob(int n, double fill, std::mt19937& random) {
   for (;;)
     if (Mesh mesh = blob(n, fill, random); mesh.hexahedra.size() >= 100) return mesh;

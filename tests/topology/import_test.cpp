@@ -128,21 +128,21 @@ TEST(Import, TurnsAWhollyMirroredMeshRound) {
   import_warned(mesh, "27 elements with mirrored node numbering").complex.validate();
 }
 
-TEST(Import, SplitsPinchedCellsOrRefusesThem) {
+TEST(Import, SplitsNonManifoldCellsOrRefusesThem) {
   // Vertex: cubes on a diagonal. Edge: two columns between two plates.
   const Mesh corner = voxels(2, 2, 2, [](int x, int y, int z) { return x == y && y == z; });
   const Imported in = import_warned(corner, "non-manifold at 1 vertex and 0 edges");
   expect_maps_are_consistent(corner, in);
   EXPECT_EQ(in.vertices_of_point(corner.hexahedra[0][7]).size(), 2u);
   expect_refused<TopologyError>(corner, {"non-manifold at 1 vertex", "points 7"},
-                                {.pinched = ImportOptions::Pinched::refuse});
+                                {.non_manifold = ImportOptions::NonManifold::refuse});
 
   const Mesh columns = voxels(3, 3, 3, [](int x, int y, int z) {
     return z != 1 || (x == 0 && y == 0) || (x == 1 && y == 1);
   });
   import_warned(columns, "non-manifold at 0 vertices and 1 edge");
   expect_refused<TopologyError>(columns, {"non-manifold at 0 vertices and 1 edge", "edges "},
-                                {.pinched = ImportOptions::Pinched::refuse});
+                                {.non_manifold = ImportOptions::NonManifold::refuse});
 }
 
 TEST(Import, RefusesEveryDefectWithElementAndReason) {

@@ -33,7 +33,7 @@ void expect_components(Islands& islands, const CellComplex& map) {
 }
 
 /// The number of a part is that of the island in which its elements were, if it is the
-/// largest part of it and no larger island was sewn to it: told from whole lists.
+/// largest part of it and no larger island was sewn to it: computed from complete lists.
 void expect_names(const Islands& before, const Islands& after, const IslandChange& change) {
   std::map<Index, std::map<Index, Elements>> parts;  // by island before, then after
   for (Index e = 0; e < before.of_elements().size(); ++e)
@@ -164,9 +164,9 @@ TEST(Islands, FollowRandomSequences) {
         } catch (const std::exception&) {  // one of them is possible, all are not
         }
       }
-      const IslandChange told = islands.update(map, change);
+      const IslandChange reported = islands.update(map, change);
       ASSERT_NO_FATAL_FAILURE(expect_components(islands, map));
-      ASSERT_NO_FATAL_FAILURE(expect_names(before, islands, told));
+      ASSERT_NO_FATAL_FAILURE(expect_names(before, islands, reported));
     }
   }
 }

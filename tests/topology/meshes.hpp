@@ -77,7 +77,7 @@ inline Mesh wheel(int n) {
   return mesh;
 }
 
-/// Each cube with probability `fill`: islands, holes, tunnels and pinched cells.
+/// Each cube with probability `fill`: islands, holes, tunnels and non-manifold cells.
 inline Mesh blob(int n, double fill, std::mt19937& random) {
   std::bernoulli_distribution yes(fill);
   std::vector<bool> filled(static_cast<std::size_t>(n * n * n));

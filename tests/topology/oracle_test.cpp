@@ -85,7 +85,7 @@ TEST_F(Oracle, PlanesThroughAGrid) {
   }
 }
 
-TEST_F(Oracle, BlobsWithHolesTunnelsAndPinchedCells) {
+TEST_F(Oracle, BlobsWithHolesTunnelsAndNonManifoldCells) {
   for (int round = 0; round < rounds; ++round)
     ASSERT_NO_FATAL_FAILURE(cut_both(blob(5, 0.35 + 0.05 * (round % 11), random), 5, random))
         << "seed " << seed << ", round " << round;

@@ -13,7 +13,7 @@ struct CellComplexAccess {
   static std::vector<std::array<Index, 12>>& edges(CellComplex& map) { return map.edges_; }
   static std::vector<std::array<Index, 6>>& faces(CellComplex& map) { return map.faces_; }
   static std::vector<Dart>& some_dart(CellComplex& map, int dimension) {
-    return map.some_dart_[dimension];
+    return map.first_dart_[dimension];
   }
   static std::array<Index, 4>& holes(CellComplex& map) { return map.holes_; }
   static std::vector<std::uint64_t>& marks(CellComplex& map) { return map.element_marks_; }

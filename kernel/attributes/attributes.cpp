@@ -81,11 +81,11 @@ void Attributes::initialise(const CellComplex& complex, Diagnostics& diagnostics
       Column& column = own ? *own : *mass_;
       const CellSet& cells = own ? instance->table(dimension).cells : kernel(0).cells;
       if (own) column.fill(0);
-      std::vector<double> alike;
+      std::vector<double> uniform;
       if (dimension < 3 && instance->skips())
-        alike = alike_contribution(*instance, attribute, complex, rest, volume_tolerance);
+        uniform = uniform_contribution(*instance, attribute, complex, rest, volume_tolerance);
       sum_contributions(*instance, attribute, complex, rest, cells, column,
-                        sums_.keep_alike(*instance, attribute, std::move(alike)));
+                        sums_.keep_uniform(*instance, attribute, std::move(uniform)));
       if (own && instance->skips()) column.compress(dimension == 3 ? volume_tolerance : 0);
     }
   }

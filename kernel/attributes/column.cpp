@@ -64,9 +64,9 @@ void Column::set(Index row, int component, double value) {
 void Column::append_copies(std::span<const RowSplit> splits) {
   if (constant_) return resize(size_ + static_cast<Index>(splits.size()));
   // A few at a time, so that what resize() writes is still in the cache.
-  constexpr std::size_t most = 128;
-  for (; !splits.empty(); splits = splits.subspan(std::min(most, splits.size()))) {
-    const std::span<const RowSplit> some = splits.first(std::min(most, splits.size()));
+  constexpr std::size_t max_splits = 128;
+  for (; !splits.empty(); splits = splits.subspan(std::min(max_splits, splits.size()))) {
+    const std::span<const RowSplit> some = splits.first(std::min(max_splits, splits.size()));
     resize(size_ + static_cast<Index>(some.size()));
     copy_rows(data_, some);
     if (has_trial()) copy_rows(trial_, some);

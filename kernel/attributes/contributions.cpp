@@ -119,9 +119,9 @@ void contribute(Instance& instance, const suture_attribute& attribute, const sut
                    std::to_string(cell) + ": " + text_of(*context.error));
 }
 
-std::vector<double> alike_contribution(Instance& instance, const suture_attribute& attribute,
-                                       const CellComplex& complex, RestBatch& rest,
-                                       double relative) {
+std::vector<double> uniform_contribution(Instance& instance, const suture_attribute& attribute,
+                                         const CellComplex& complex, RestBatch& rest,
+                                         double relative) {
   std::vector<double> first;
   double bound = 0;
   Contributions out;
@@ -134,29 +134,29 @@ std::vector<double> alike_contribution(Instance& instance, const suture_attribut
                        first.push_back(out[i * lanes]);
                        bound = std::max(bound, relative * std::abs(first.back()));
                      }
-                   bool alike = true;
+                   bool uniform = true;
                    for (std::size_t i = 0; i < count; ++i)
                      for (std::size_t lane = 0; lane < elements.size(); ++lane)
-                       alike &= std::abs(out[i * lanes + lane] - first[i]) <= bound;
-                   if (!alike) first.clear();
-                   return alike;
+                       uniform &= std::abs(out[i * lanes + lane] - first[i]) <= bound;
+                   if (!uniform) first.clear();
+                   return uniform;
                  });
   return first;
 }
 
 void sum_contributions(Instance& instance, const suture_attribute& attribute,
                        const CellComplex& complex, RestBatch& rest, const CellSet& cells,
-                       Column& column, std::span<const double> alike) {
+                       Column& column, std::span<const double> uniform) {
   column.expand();
   double* values = column.dimension() == 0 ? column.rows() : column.block(0);
   const std::size_t step = column.component_step();
   const int per_element = contribution_cells[attribute.dimension];
   const int components = column.spec().components;
   Contributions out;
-  for (std::size_t i = 0; i < alike.size(); ++i) std::fill_n(&out[i * lanes], lanes, alike[i]);
+  for (std::size_t i = 0; i < uniform.size(); ++i) std::fill_n(&out[i * lanes], lanes, uniform[i]);
   for_each_batch(instance.table(3).cells, all_elements(complex),
                  [&](std::span<const Index> elements) {
-                   if (alike.empty())
+                   if (uniform.empty())
                      contribute(instance, attribute, rest.gather(elements), out.data());
                    for (Index lane = 0; lane < elements.size(); ++lane) {
                      const Index* incident = cells_of(complex, attribute.dimension, elements[lane]);
@@ -179,18 +179,19 @@ void TouchedSums::reserve(const CellComplex& complex) {
     marks_[d].resize(complex.count(static_cast<int>(d)) / 64 + 1, 0);
 }
 
-std::span<const double> TouchedSums::keep_alike(const Instance& instance,
-                                                const suture_attribute& attribute,
-                                                std::vector<double> values) {
-  std::erase_if(
-      alike_, [&](const Alike& a) { return a.instance == &instance && a.attribute == &attribute; });
+std::span<const double> TouchedSums::keep_uniform(const Instance& instance,
+                                                  const suture_attribute& attribute,
+                                                  std::vector<double> values) {
+  std::erase_if(uniform_, [&](const Uniform& a) {
+    return a.instance == &instance && a.attribute == &attribute;
+  });
   if (values.empty()) return {};
-  return alike_.emplace_back(Alike{&instance, &attribute, std::move(values)}).values;
+  return uniform_.emplace_back(Uniform{&instance, &attribute, std::move(values)}).values;
 }
 
-std::span<const double> TouchedSums::alike(const Instance& instance,
-                                           const suture_attribute& attribute) const {
-  for (const Alike& a : alike_)
+std::span<const double> TouchedSums::uniform(const Instance& instance,
+                                             const suture_attribute& attribute) const {
+  for (const Uniform& a : uniform_)
     if (a.instance == &instance && a.attribute == &attribute) return a.values;
   return {};
 }
@@ -214,9 +215,9 @@ void TouchedSums::clear(const TopologyChange& change) {
 void TouchedSums::sum(Instance& instance, const CellComplex& complex, RestBatch& rest,
                       const TopologyChange& change, Column& mass) {
   find_targets(instance, change, mass);
-  sum_alike<0>(instance, change);
-  sum_alike<1>(instance, change);
-  sum_alike<2>(instance, change);
+  sum_uniform<0>(instance, change);
+  sum_uniform<1>(instance, change);
+  sum_uniform<2>(instance, change);
   if (std::ranges::all_of(targets_, [](const auto& t) { return t.empty(); })) return;
   mark(complex, change);
   for (const auto& targets : targets_)
@@ -232,7 +233,7 @@ void TouchedSums::sum(Instance& instance, const CellComplex& complex, RestBatch&
 void TouchedSums::find_targets(Instance& instance, const TopologyChange& change, Column& mass) {
   const suture_model& model = instance.model();
   for (auto& targets : targets_) targets.clear();
-  for (auto& targets : alike_targets_) targets.clear();
+  for (auto& targets : uniform_targets_) targets.clear();
   for (std::uint32_t a = 0; a < model.attribute_count; ++a) {
     const suture_attribute& attribute = model.attributes[a];
     if (attribute.policy != SUTURE_FROM_VOLUMES || attribute.dimension == 3) continue;
@@ -241,8 +242,8 @@ void TouchedSums::find_targets(Instance& instance, const TopologyChange& change,
     Column* own = instance.column(a);
     Column& column = own ? *own : mass;
     column.expand();
-    const std::span<const double> values = alike(instance, attribute);
-    auto& targets = values.empty() ? targets_ : alike_targets_;
+    const std::span<const double> values = uniform(instance, attribute);
+    auto& targets = values.empty() ? targets_ : uniform_targets_;
     targets[attribute.dimension].push_back(
         {&attribute, &column,
          own ? &instance.table(static_cast<int>(attribute.dimension)).cells : nullptr,
@@ -252,21 +253,21 @@ void TouchedSums::find_targets(Instance& instance, const TopologyChange& change,
 }
 
 template <int Dimension>
-void TouchedSums::sum_alike(const Instance& instance, const TopologyChange& change) {
-  for (const Target& target : alike_targets_[Dimension])
-    target.sum_alike<Dimension>(change.stars[Dimension], instance.table(3).cells);
+void TouchedSums::sum_uniform(const Instance& instance, const TopologyChange& change) {
+  for (const Target& target : uniform_targets_[Dimension])
+    target.sum_uniform<Dimension>(change.stars[Dimension], instance.table(3).cells);
 }
 
 /// If all elements give identical values, no contribution is called: the darts of a star show
 /// which of the values the cell receives, in the order of the elements.
 template <int Dimension>
-void TouchedSums::Target::sum_alike(const Stars& stars, const CellSet& region) const {
+void TouchedSums::Target::sum_uniform(const Stars& stars, const CellSet& region) const {
   using hexahedron::darts;
   const bool everywhere = region.is_all();
   std::array<double, darts> given;
   for (std::size_t c = 0; c < components; ++c) {
     for (int d = 0; d < darts; ++d)
-      given[d] = alike[incidence::local_of<Dimension>(d) * components + c];
+      given[d] = uniform[incidence::local_of<Dimension>(d) * components + c];
     const Dart* dart = stars.darts.data();
     const Dart* end = dart;
     for (std::size_t i = 0; i < stars.size(); ++i, dart = end) {

@@ -43,16 +43,16 @@ void contribute(Instance& instance, const suture_attribute& attribute, const sut
 /// of dimension 0..2 (contribution_cells x components) if those of every element are equal
 /// to within `relative` times the largest of them; else empty. O(elements), less if they
 /// differ.
-std::vector<double> alike_contribution(Instance& instance, const suture_attribute& attribute,
-                                       const CellComplex& complex, RestBatch& rest,
-                                       double relative);
+std::vector<double> uniform_contribution(Instance& instance, const suture_attribute& attribute,
+                                         const CellComplex& complex, RestBatch& rest,
+                                         double relative);
 
 /// A from_volumes attribute summed over all elements of the region, in ascending
 /// order, into `column`; its rows are those of `cells`. Sums are added to what
-/// `column` holds. `alike`: used for every element if it is not empty. O(elements).
+/// `column` holds. `uniform`: used for every element if it is not empty. O(elements).
 void sum_contributions(Instance& instance, const suture_attribute& attribute,
                        const CellComplex& complex, RestBatch& rest, const CellSet& cells,
-                       Column& column, std::span<const double> alike);
+                       Column& column, std::span<const double> uniform);
 
 /// Repeats these sums at the cells that an operation touched. Its work space, a bit per
 /// vertex, edge and face, is kept between operations.
@@ -63,8 +63,8 @@ class TouchedSums {
 
   /// From now on sum() uses `values` for every element, unless they are empty.
   /// Returns the stored values.
-  std::span<const double> keep_alike(const Instance& instance, const suture_attribute& attribute,
-                                     std::vector<double> values);
+  std::span<const double> keep_uniform(const Instance& instance, const suture_attribute& attribute,
+                                       std::vector<double> values);
 
   /// Sums all from_volumes attributes of the instance at the touched cells; its shares
   /// are added to `mass`, whose touched rows the caller has set to zero. Each sum
@@ -82,26 +82,27 @@ class TouchedSums {
     const CellSet* cells;  ///< nullptr: rows of the kernel's mass, row = cell
     double* values;
     std::size_t components;
-    const double* alike = nullptr;  ///< the values of every element
+    const double* uniform = nullptr;  ///< the values of every element
 
     /// Sets the rows of cells to the sums over their elements in the region.
     template <int Dimension>
-    void sum_alike(const Stars& stars, const CellSet& region) const;
+    void sum_uniform(const Stars& stars, const CellSet& region) const;
   };
   /// A value in the batch of contributions that belongs to a touched cell.
   struct Hit {
     Index cell;
     std::uint16_t k, lane;  ///< local number of the cell in the element of the lane
   };
-  struct Alike {
+  struct Uniform {
     const Instance* instance;
     const suture_attribute* attribute;
     std::vector<double> values;
   };
-  std::span<const double> alike(const Instance& instance, const suture_attribute& attribute) const;
+  std::span<const double> uniform(const Instance& instance,
+                                  const suture_attribute& attribute) const;
   void mark(const CellComplex& complex, const TopologyChange& change);
   template <int Dimension>
-  void sum_alike(const Instance& instance, const TopologyChange& change);
+  void sum_uniform(const Instance& instance, const TopologyChange& change);
   void find_targets(Instance& instance, const TopologyChange& change, Column& mass);
   static void start(const Target& target, const TopologyChange& change);
   void add_batch(Instance& instance, const CellComplex& complex, const suture_batch& batch,
@@ -113,8 +114,8 @@ class TouchedSums {
   std::array<std::vector<std::uint64_t>, 3> marks_;  ///< all zero between operations
   std::array<Hit, std::size_t{12} * SUTURE_LANES + 1> hits_;
   std::size_t hit_count_ = 0;
-  std::array<std::vector<Target>, 3> targets_, alike_targets_;
-  std::vector<Alike> alike_;
+  std::array<std::vector<Target>, 3> targets_, uniform_targets_;
+  std::vector<Uniform> uniform_;
   bool marked_ = false;
 };
 

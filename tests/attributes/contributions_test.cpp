@@ -110,8 +110,8 @@ TEST(Alike, OneElementSpeaksForAllThatGiveTheSame) {
   const suture_attribute& mass = model.attributes[0];
   Summed cubes(model, {5, 3, 2}, nullptr);
   RestBatch rest = cubes.batch();
-  const auto alike = alike_contribution(*cubes.instance, mass, cubes.body.complex, rest, 1e-12);
-  EXPECT_EQ(alike, std::vector<double>(8, 3.0 / 8));
+  const auto uniform = uniform_contribution(*cubes.instance, mass, cubes.body.complex, rest, 1e-12);
+  EXPECT_EQ(uniform, std::vector<double>(8, 3.0 / 8));
   // One vertex moved by a thousandth, in the last of all elements.
   Body other({5, 3, 2});
   other.rest[other.complex.vertices_of(29)[1]][0] += 1e-3;
@@ -119,23 +119,23 @@ TEST(Alike, OneElementSpeaksForAllThatGiveTheSame) {
   Instance& instance = add(attributes, other.complex, model.table, {}, 3);
   initialise(attributes, other.complex);
   RestBatch moved(attributes.rest_places(other.complex), {});
-  EXPECT_TRUE(alike_contribution(instance, mass, other.complex, moved, 1e-4).empty());
-  EXPECT_EQ(alike_contribution(instance, mass, other.complex, moved, 1e-2).size(), 8u);
+  EXPECT_TRUE(uniform_contribution(instance, mass, other.complex, moved, 1e-4).empty());
+  EXPECT_EQ(uniform_contribution(instance, mass, other.complex, moved, 1e-2).size(), 8u);
 }
 
-// The closed form, from the functor and from the values that are alike: rho V / 8 per corner.
+// The closed form, from the functor and from the values that are uniform: rho V / 8 per corner.
 TEST(Sums, OfABoxAreItsMassAtEveryVertex) {
   const fake::Model model(
       {fake::attribute("mass", 0, 1, &fake::box_mass, SUTURE_FROM_VOLUMES, SUTURE_SHARED_MASS)});
   Summed s(model, {4, 3, 2}, nullptr);
   const std::vector<double> given(8, 3.0 / 8);
-  for (const bool alike : {false, true}) {
+  for (const bool uniform : {false, true}) {
     RestBatch rest = s.batch();
     Column& mass = s.attributes.mass();
     std::fill_n(mass.rows(), mass.size(), 1.0);  // sums are added to what is there
     sum_contributions(*s.instance, model.attributes[0], s.body.complex, rest,
                       s.attributes.kernel(0).cells, mass,
-                      alike ? std::span<const double>(given) : std::span<const double>());
+                      uniform ? std::span<const double>(given) : std::span<const double>());
     for (Index v = 0; v < mass.size(); ++v) {
       std::vector<Dart> star;
       s.body.complex.star(0, v, star);
@@ -187,7 +187,7 @@ TEST(TouchedSums, TakeValuesThatAreAlikeUntilTheyAreNoMore) {
   Summed s(model, {3, 3, 3}, nullptr);
   const suture_attribute& mass = model.attributes[fake::mass];
   TouchedSums touched;
-  EXPECT_EQ(touched.keep_alike(*s.instance, mass, std::vector<double>(8, 2)).size(), 8u);
+  EXPECT_EQ(touched.keep_uniform(*s.instance, mass, std::vector<double>(8, 2)).size(), 8u);
   const TopologyChange change = s.body.complex.pierce(std::array<Index, 1>{13});  // the middle
   s.attributes.apply(s.body.complex, change);
   const auto sum = [&](Index v) {
@@ -200,7 +200,7 @@ TEST(TouchedSums, TakeValuesThatAreAlikeUntilTheyAreNoMore) {
   ASSERT_EQ(change.stars[0].cells.size(), 8u);
   const Index v = change.stars[0].cells[0];
   EXPECT_EQ(sum(v), 1 + 7 * 2.0);
-  EXPECT_TRUE(touched.keep_alike(*s.instance, mass, {}).empty());
+  EXPECT_TRUE(touched.keep_uniform(*s.instance, mass, {}).empty());
   EXPECT_NE(sum(v), 1 + 7 * 2.0) << "asked again";
 }
 

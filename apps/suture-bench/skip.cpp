@@ -72,7 +72,7 @@ class Skips {
     BodyOptions bone{.model = "tm-faure", .cells = {}};
     bone.held = bone.cell * 2 * grid_of(options_.size)[0];  // half of a beam 1:1:4
     BenchBody with = body(bone, true), without = body(bone, true);
-    with.body().skip_still_cells();
+    with.body().skip_fixed_cells();
     of_step("cells between fixed vertices", "TM, half of it fixed", with, without);
   }
 

@@ -50,9 +50,9 @@ bool Body::loads_have_tangent() const {
   return std::ranges::all_of(loads(), [](const auto& term) { return term->has_tangent(); });
 }
 
-double Body::settled_after() const {
-  double last = constraints_.settled_after();
-  for (const auto& term : terms_) last = std::max(last, term->settled_after());
+double Body::last_change() const {
+  double last = constraints_.last_change();
+  for (const auto& term : terms_) last = std::max(last, term->last_change());
   return last;
 }
 

@@ -74,7 +74,7 @@ class Body {
   // For the loads:
   bool has_loads() const;           ///< some term adds to rows
   bool loads_have_tangent() const;  ///< all terms have a tangent; pressures do not
-  double settled_after() const;     ///< when the last ramp and motion ends, s
+  double last_change() const;       ///< when the last ramp and motion ends, s
   /// Some component of some vertex with mass is not prescribed. O(vertices).
   bool has_free_vertices();
   /// out += K d with K = df/dx of all terms that have a tangent; 3 numbers per vertex.
@@ -83,10 +83,10 @@ class Body {
   /// there).
   std::vector<Vec3> forces_at(std::span<const Index> vertices, double time);
 
-  /// Leaves out cells whose vertices are all permanently fixed from now on (ForceLoop::skip_still);
+  /// Leaves out cells whose vertices are all permanently fixed from now on (ForceLoop::skip_fixed);
   /// returns their number. Call after the constraints have been added.
-  Index skip_still_cells() {
-    return models_->skip_still(constraints_.still(attributes_.vertex_count()));
+  Index skip_fixed_cells() {
+    return models_->skip_fixed(constraints_.always_fixed(attributes_.vertex_count()));
   }
 
   // ---- operations ----

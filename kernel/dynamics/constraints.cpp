@@ -346,7 +346,7 @@ std::uint8_t Constraints::held(Index vertex) const {
   return components;
 }
 
-std::vector<bool> Constraints::still(Index vertex_count) const {
+std::vector<bool> Constraints::always_fixed(Index vertex_count) const {
   std::vector<std::uint8_t> held(vertex_count);
   std::vector<bool> result(vertex_count);
   for (const Group& group : groups_)
@@ -378,7 +378,7 @@ double Constraints::longest_step(double time) const {
   return step;
 }
 
-double Constraints::settled_after() const {
+double Constraints::last_change() const {
   double time = 0;
   for (const Group& group : groups_)
     if (group.motion.moves()) time = std::max(time, group.motion.ramp.to);

@@ -70,15 +70,15 @@ class Constraints {
   void update(const TopologyChange& change, Attributes& attributes);
 
   /// For each vertex of the complex, whether all its components are fixed and never move.
-  std::vector<bool> still(Index vertex_count) const;
+  std::vector<bool> always_fixed(Index vertex_count) const;
 
   /// The longest step from `time` that moves no vertex by more than its `reach`, s; infinite if
   /// nothing moves.
   double longest_step(double time) const;
 
   bool empty() const { return groups_.empty(); }
-  Index vertex_count() const;    ///< constrained, counted once per group
-  double settled_after() const;  ///< end of the last motion, s
+  Index vertex_count() const;  ///< constrained, counted once per group
+  double last_change() const;  ///< end of the last motion, s
 
  private:
   struct Group {

@@ -80,7 +80,7 @@ bool RestSearch::at_rest(Dynamics& dynamics) {
   force_ = std::sqrt(sums.residual);
   const double scale = sums.external > 0 ? sums.external : sums.reaction;
   residual_ = scale > 0 ? force_ / std::sqrt(scale) : force_;
-  if (dynamics.time() < std::max(earliest_, dynamics.body().settled_after())) {
+  if (dynamics.time() < std::max(earliest_, dynamics.body().last_change())) {
     good_checks_ = 0;
     return false;
   }

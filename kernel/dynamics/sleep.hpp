@@ -19,7 +19,7 @@ Stillness stillness(Dynamics& dynamics, std::span<const Index> elements);
 
 /// Islands at rest can be put to sleep: their vertices are frozen with velocity zero, and their
 /// cells are not computed. They wake at the next operation or at wake_all(); also wake them before
-/// a load, gravity or a prescribed motion that acts on them changes (Body::settled_after()). Throws
+/// a load, gravity or a prescribed motion that acts on them changes (Body::last_change()). Throws
 /// InputError unless `elements` are whole islands. O(elements).
 ///
 /// Error: with acceleration a and velocity v from stillness(), while the forces are linear in the

@@ -16,7 +16,7 @@ EventSchedule::EventSchedule(const std::vector<Event>& events, BuiltScene& built
   }
 }
 
-double EventSchedule::settled_after() const {
+double EventSchedule::last_change() const {
   double last = 0;
   for (const Event& event : events_)
     if (std::isfinite(event.finish())) last = std::max(last, event.finish());

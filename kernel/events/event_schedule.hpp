@@ -26,7 +26,7 @@ class EventSchedule {
   void state(Archive& archive);
 
   /// The last time at which an event is known to be due, s; a body cannot be at rest before it.
-  double settled_after() const;
+  double last_change() const;
 
  private:
   bool is_due(std::size_t i, const Clock& clock);

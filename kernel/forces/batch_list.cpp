@@ -13,8 +13,8 @@ namespace suture {
 namespace {
 
 constexpr Index lanes = SUTURE_LANES;
-constexpr Index least_tail = 512;   // rows; a small tail is never worth colouring
-constexpr Index most_colours = 64;  // threads wait for each other between colours
+constexpr Index least_tail = 512;  // rows; a small tail is never worth colouring
+constexpr Index max_colours = 64;  // threads wait for each other between colours
 
 /// Cuts ranges into chunks of about `size` rows, at borders of blocks.
 std::vector<std::vector<loops::Rows>> make_chunks(std::span<const loops::Rows> rows, Index size) {
@@ -167,10 +167,10 @@ void BatchList::meet(std::span<const Index> chunks) {
   for (std::size_t i = 1; i < chunks.size(); ++i) add_once(chunks[i - 1], order_.before[chunks[i]]);
 }
 
-void BatchList::leave_out(const Connectivity& cells, const std::vector<bool>& still) {
+void BatchList::leave_out(const Connectivity& cells, const std::vector<bool>& fixed) {
   const auto all_still = [&](loops::Rows block) {
     bool all = true;
-    for_each_vertex(cells, {&block, 1}, [&](Index v) { all = all && (v == none || still[v]); });
+    for_each_vertex(cells, {&block, 1}, [&](Index v) { all = all && (v == none || fixed[v]); });
     return all;
   };
   BatchList kept;
@@ -186,7 +186,7 @@ void BatchList::leave_out(const Connectivity& cells, const std::vector<bool>& st
     }
     kept.colour_begin_.push_back(kept.chunk_count());
   }
-  kept.find_order(cells, 0, {0, static_cast<Index>(still.size())});
+  kept.find_order(cells, 0, {0, static_cast<Index>(fixed.size())});
   *this = std::move(kept);
 }
 
@@ -206,7 +206,7 @@ bool BatchList::append(const Connectivity& cells, Index first, Index last, Index
   tail_ += last - first;
   if (tail_ <= least_tail || tail_ <= cells_ / 8) return true;
   const loops::Rows tail = ranges_.back();
-  if (tail.end - tail.begin != tail_ || colour_count() > most_colours) return false;
+  if (tail.end - tail.begin != tail_ || colour_count() > max_colours) return false;
   ranges_.pop_back();
   chunk_begin_.pop_back();
   colour_begin_.pop_back();

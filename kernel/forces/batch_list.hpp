@@ -50,9 +50,9 @@ class BatchList {
   /// rebuilt. Amortised O(rows added).
   bool append(const Connectivity& cells, Index first, Index last, Index vertex_count);
 
-  /// Leaves out the blocks of 8 rows whose vertices are all `still`. The order of the others does
+  /// Leaves out the blocks of 8 rows whose vertices are all `fixed`. The order of the others does
   /// not change. O(rows x nodes).
-  void leave_out(const Connectivity& cells, const std::vector<bool>& still);
+  void leave_out(const Connectivity& cells, const std::vector<bool>& fixed);
   Index left_out() const { return left_out_; }
 
   Index cell_count() const { return cells_ + tail_ - left_out_; }

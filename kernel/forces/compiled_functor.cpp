@@ -227,12 +227,12 @@ void CompiledFunctor::build(const CellComplex& complex) {
     return;
   }
   list_ = BatchList(connectivity(complex), rows, complex.count(0));
-  if (still_) list_.leave_out(connectivity(complex), *still_);
+  if (fixed_) list_.leave_out(connectivity(complex), *fixed_);
 }
 
-void CompiledFunctor::leave_out(const std::vector<bool>* still, const CellComplex& complex) {
-  still_ = still;
-  if (!skipped()) list_.leave_out(connectivity(complex), *still);
+void CompiledFunctor::leave_out(const std::vector<bool>* fixed, const CellComplex& complex) {
+  fixed_ = fixed;
+  if (!skipped()) list_.leave_out(connectivity(complex), *fixed);
 }
 
 void CompiledFunctor::update(const CellComplex& complex, const TopologyChange& change) {
@@ -247,7 +247,7 @@ void CompiledFunctor::update(const CellComplex& complex, const TopologyChange& c
     build(complex);
 }
 
-void CompiledFunctor::state(Archive& archive, const std::vector<bool>* still) {
+void CompiledFunctor::state(Archive& archive, const std::vector<bool>* fixed) {
   bool skips = skipped();
   archive("skipped", skips);
   if (skips != skipped())
@@ -256,7 +256,7 @@ void CompiledFunctor::state(Archive& archive, const std::vector<bool>* still) {
   archive("rows", rows_);
   archive("list", list_);
   archive.require(skips || rows_ == cells().size(), "the rows differ");
-  if (archive.loads()) still_ = still;
+  if (archive.loads()) fixed_ = fixed;
 }
 
 /// The rows at the vertex where the dart starts, in the dart's element.

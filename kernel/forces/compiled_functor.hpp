@@ -52,13 +52,13 @@ class CompiledFunctor {
 
   /// Rebuilds rows, chunks and colours. O(rows).
   void build(const CellComplex& complex);
-  /// Leaves out rows between `still` vertices, now and after every change.
-  void leave_out(const std::vector<bool>* still, const CellComplex& complex);
+  /// Leaves out rows between `fixed` vertices, now and after every change.
+  void leave_out(const std::vector<bool>* fixed, const CellComplex& complex);
   /// Follows a change; `nodes` must already be up to date.
   void update(const CellComplex& complex, const TopologyChange& change);
 
-  /// To be called after state() of the attributes. `still`: as for leave_out(), from now on.
-  void state(Archive& archive, const std::vector<bool>* still);
+  /// To be called after state() of the attributes. `fixed`: as for leave_out(), from now on.
+  void state(Archive& archive, const std::vector<bool>* fixed);
 
   /// The job with the current addresses of all columns, for the live rows, adding to `force`.
   /// O(columns).
@@ -109,7 +109,7 @@ class CompiledFunctor {
   std::uint32_t reads_;
   std::string reason_;  ///< why the functor is skipped
   BatchList list_;
-  const std::vector<bool>* still_ = nullptr;
+  const std::vector<bool>* fixed_ = nullptr;
   Index rows_ = 0;  ///< of the table when the list was built or last appended to
   loops::Job job_{};
   std::vector<loops::CellColumn> cell_columns_;

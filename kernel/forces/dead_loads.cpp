@@ -232,7 +232,7 @@ void DeadLoads::state(Archive& archive) {
   });
 }
 
-double DeadLoads::settled_after() const {
+double DeadLoads::last_change() const {
   double time = 0;
   for (const Load& load : loads_) time = std::max(time, load.ramp.to);
   return time;

@@ -47,7 +47,7 @@ class DeadLoads final : public ForceTerm {
   /// Updates the vertices of the corners. O(loaded corners).
   void follow(const CellComplex& complex, const TopologyChange& change) override;
   void state(Archive& archive) override;
-  double settled_after() const override;
+  double last_change() const override;
 
  private:
   struct Corner {

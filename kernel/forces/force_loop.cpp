@@ -51,7 +51,7 @@ void ForceLoop::add_forces_in_step(const StepTimes& step, const LiveMask&, doubl
   if (!has(Part::without_energy) || !has(Part::with_energy))
     return add_forces(step.time, step.dt, Part::all, rows);
   add_forces(step.time, step.dt, Part::without_energy, rows);
-  impl_->book_fed(step.last, rows);
+  impl_->book_unstored(step.last, rows);
   add_forces(step.time, step.dt, Part::with_energy, rows);
 }
 
@@ -63,24 +63,24 @@ void ForceLoop::Impl::raise_not_finite(std::size_t at) {
 }
 
 /// W += (f + f') / 2 . h v-, the rows being f' and nothing else.
-void ForceLoop::Impl::book_fed(double last_dt, const double* force) {
+void ForceLoop::Impl::book_unstored(double last_dt, const double* force) {
   const std::size_t size = std::size_t{attributes.vertex_count()} * 4;
   const double* velocity = attributes.velocity().rows();
-  const bool first = fed_force.empty();
-  fed_force.resize(size);
+  const bool first = unstored_force.empty();
+  unstored_force.resize(size);
   double work = 0;
   for (std::size_t i = 0; i < size; ++i) {
-    work += (fed_force[i] + force[i]) * velocity[i];
-    fed_force[i] = force[i];
+    work += (unstored_force[i] + force[i]) * velocity[i];
+    unstored_force[i] = force[i];
   }
-  if (!first && !fed_is_booked) fed += work * last_dt / 2;
-  fed_is_booked = true;
+  if (!first && !unstored_is_booked) unstored_work += work * last_dt / 2;
+  unstored_is_booked = true;
 }
 
-double ForceLoop::work() const { return impl_->fed; }
-void ForceLoop::forget_last() { impl_->fed_force.clear(); }
+double ForceLoop::work() const { return impl_->unstored_work; }
+void ForceLoop::forget_last() { impl_->unstored_force.clear(); }
 void ForceLoop::restart() {
-  impl_->fed = 0;
+  impl_->unstored_work = 0;
   forget_last();
 }
 
@@ -96,7 +96,7 @@ bool ForceLoop::is_viscoelastic() const {
 }
 
 void ForceLoop::accept() {
-  impl_->fed_is_booked = false;  // the forces to come are those of another state
+  impl_->unstored_is_booked = false;  // the forces to come are those of another state
   impl_->attributes.accept_trials();
 }
 
@@ -229,36 +229,36 @@ void ForceLoop::wake_all() { impl_->awake_rows.clear(); }
 
 // --------------------------------------------------------- changes, summary --
 
-Index ForceLoop::Impl::skip_still() {
+Index ForceLoop::Impl::skip_fixed() {
   Index skipped = 0;
   for (CompiledFunctor& functor : functors) {
-    functor.leave_out(&still, *complex);
+    functor.leave_out(&fixed, *complex);
     skipped += functor.list().left_out();
   }
   return skipped;
 }
 
-Index ForceLoop::skip_still(std::vector<bool> still) {
-  impl_->still = std::move(still);
-  return impl_->skip_still();
+Index ForceLoop::skip_fixed(std::vector<bool> fixed) {
+  impl_->fixed = std::move(fixed);
+  return impl_->skip_fixed();
 }
 
 /// The parts of a held vertex stay held; a vertex sewn to a held one becomes held.
-void ForceLoop::Impl::follow_still(const TopologyChange& change) {
-  if (still.empty()) return;
-  still.resize(complex->count(0));
-  for (const Split& split : change.splits[0]) still[split.new_cell] = still[split.old_cell];
+void ForceLoop::Impl::follow_fixed(const TopologyChange& change) {
+  if (fixed.empty()) return;
+  fixed.resize(complex->count(0));
+  for (const Split& split : change.splits[0]) fixed[split.new_cell] = fixed[split.old_cell];
   for (const Merge& merge : change.merges[0])
-    still[merge.kept] = still[merge.kept] || still[merge.gone];
+    fixed[merge.kept] = fixed[merge.kept] || fixed[merge.gone];
 }
 
 void ForceLoop::follow(const CellComplex& complex, const TopologyChange& change) {
   impl_->complex = &complex;
   impl_->operated |= !change.empty();
   // Until the next evaluation the first part of a split vertex carries the force of all.
-  if (!impl_->fed_force.empty())
-    impl_->fed_force.resize(std::size_t{impl_->attributes.vertex_count()} * 4);
-  impl_->follow_still(change);
+  if (!impl_->unstored_force.empty())
+    impl_->unstored_force.resize(std::size_t{impl_->attributes.vertex_count()} * 4);
+  impl_->follow_fixed(change);
   impl_->awake_rows.clear();
   const RestPlaces rest = impl_->attributes.rest_places(complex);
   for (RowNodes& nodes : impl_->row_nodes) nodes.update(rest, change);
@@ -280,21 +280,21 @@ struct FixedList {
 
 void ForceLoop::state(Archive& archive) {
   Impl& i = *impl_;
-  archive("fed", i.fed);
-  archive("fed force", i.fed_force);
-  archive("fed is booked", i.fed_is_booked);
+  archive("fed", i.unstored_work);
+  archive("fed force", i.unstored_force);
+  archive("fed is booked", i.unstored_is_booked);
   if (!archive.has_cells()) return;
   archive("operated", i.operated);
-  archive("still", i.still);
+  archive("still", i.fixed);
   archive.each("awake", i.awake_rows, [](Archive& a, auto& masks) { a.each("masks", masks); });
   const auto fits = [](std::size_t size, std::size_t all) { return size == 0 || size == all; };
-  archive.require(fits(i.still.size(), i.attributes.vertex_count()) &&
+  archive.require(fits(i.fixed.size(), i.attributes.vertex_count()) &&
                       fits(i.awake_rows.size(), i.attributes.instances().size()),
                   "the masks of fixed and sleeping cells belong to a different body");
   if (FixedList nodes{i.row_nodes}; i.operated) archive.each("row_nodes", nodes);
   FixedList functors{i.functors};
   archive.each("functors", functors, [&](Archive& a, CompiledFunctor& functor) {
-    functor.state(a, i.still.empty() ? nullptr : &i.still);
+    functor.state(a, i.fixed.empty() ? nullptr : &i.fixed);
   });
 }
 

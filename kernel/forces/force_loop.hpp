@@ -102,12 +102,12 @@ class ForceLoop final : public ForceTerm {
   /// when an eighth of the rows is new (edges) or for functors on faces.
   void follow(const CellComplex& complex, const TopologyChange& change) override;
 
-  /// Leaves out, for every functor, blocks of 8 cells whose vertices are all `still` (one
+  /// Leaves out, for every functor, blocks of 8 cells whose vertices are all `fixed` (one
   /// flag per vertex: permanently held at its rest position): their forces move nothing. The
   /// other cells keep their order, so the forces on free vertices are bitwise the same.
   /// From now on, forces and fields in the blocks left out are not computed. Returns the
   /// number of cells left out. O(cells).
-  Index skip_still(std::vector<bool> still);
+  Index skip_fixed(std::vector<bool> fixed);
 
   /// Cells of these elements are no longer visited by add_forces(); state columns keep
   /// their values. Energies, fields and bounds still include them. Only for whole
@@ -127,7 +127,7 @@ class ForceLoop final : public ForceTerm {
   struct Summary {  ///< for `suture explain`
     std::string instance, functor;
     Index cells = 0, batches = 0, chunks = 0, colours = 0;
-    Index left_out = 0;       ///< by skip_still(), not among the cells
+    Index left_out = 0;       ///< by skip_fixed(), not among the cells
     std::uint32_t reads = 0;  ///< suture_read bits that are gathered
     bool skipped = false;
     std::string reason;

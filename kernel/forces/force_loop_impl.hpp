@@ -159,9 +159,9 @@ struct ForceLoop::Impl {
   }
 
   [[noreturn]] static void raise_not_finite(std::size_t at);
-  void book_fed(double last_dt, const double* force);
-  void follow_still(const TopologyChange& change);
-  Index skip_still();
+  void book_unstored(double last_dt, const double* force);
+  void follow_fixed(const TopologyChange& change);
+  Index skip_fixed();
   const LiveMask& awake(const CompiledFunctor& functor) const;
   void sleep(Instance& instance, std::array<LiveMask, 4>& awake, std::span<const Index> elements);
 
@@ -186,12 +186,12 @@ struct ForceLoop::Impl {
   std::vector<std::array<LiveMask, 4>> awake_rows;
   bool checks = false;      ///< check_plugins()
   bool operated = false;    ///< follow() was called
-  std::vector<bool> still;  ///< vertices held at their rest positions; empty: nothing is left out
+  std::vector<bool> fixed;  ///< vertices held at their rest positions; empty: nothing is left out
   // Work of functors without an energy if others have one, and their forces at the last
   // evaluation, in rows of 4.
-  double fed = 0;
-  std::vector<double> fed_force;
-  bool fed_is_booked = false;
+  double unstored_work = 0;
+  std::vector<double> unstored_force;
+  bool unstored_is_booked = false;
 };
 
 }  // namespace suture

@@ -100,7 +100,7 @@ class ForceTerm : public Follower {
   /// All of its state that a run changes.
   virtual void state(Archive&) {}
   /// When its last ramp ends, s.
-  virtual double settled_after() const { return 0; }
+  virtual double last_change() const { return 0; }
 };
 
 }  // namespace suture

@@ -28,7 +28,7 @@ class Gravity final : public ForceTerm {
   void forget_last() override { is_booked_ = false; }
   void restart() override;
   void state(Archive& archive) override;
-  double settled_after() const override { return ramp_.to; }
+  double last_change() const override { return ramp_.to; }
 
  private:
   Attributes& attributes_;

@@ -121,7 +121,7 @@ void Pressures::state(Archive& archive) {
   });
 }
 
-double Pressures::settled_after() const {
+double Pressures::last_change() const {
   double time = 0;
   for (const Load& load : loads_) time = std::max(time, load.ramp.to);
   return time;

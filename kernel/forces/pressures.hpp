@@ -36,7 +36,7 @@ class Pressures final : public ForceTerm {
   void restart() override;
   void follow(const CellComplex& complex, const TopologyChange& change) override;
   void state(Archive& archive) override;
-  double settled_after() const override;
+  double last_change() const override;
 
  private:
   using Corners = std::array<Index, 4>;

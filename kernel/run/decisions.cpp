@@ -211,7 +211,7 @@ Decision decide_still_cells(const Scene& scene, BuiltScene& built, const Recorde
   const std::string subject = "cells between fixed vertices";
   const std::string reason = who_looks_at_still_cells(scene, built, recorder);
   if (!reason.empty()) return {subject, false, reason};
-  const Index cells = built.body().skip_still_cells();
+  const Index cells = built.body().skip_fixed_cells();
   if (cells == 0) return {subject, false, "there is no complete block of 8 such cells"};
   return {subject, true,
           std::to_string(cells) +

@@ -23,7 +23,7 @@ Ending::Ending(BuiltScene& built, const EventSchedule& schedule, StepControl& co
   built.body().add_follower(*this);
   if (!scene_.solver.until_rest) return;
   rest_.emplace(scene_.solver.tolerance, scene_.solver.automatic_damping);
-  rest_->wait_until(schedule.settled_after());
+  rest_->wait_until(schedule.last_change());
 }
 
 std::optional<RunSummary::Outcome> Ending::look(const StepControl::Notify& notify) {

@@ -17,7 +17,7 @@ constexpr std::size_t most_told = 3;
 std::vector<double> final_forces(const Scene& scene, BuiltScene& built) {
   const Attributes& attributes = built.body().attributes();
   std::vector<double> force(4 * std::size_t{attributes.vertex_count()});
-  const double end = built.body().settled_after();
+  const double end = built.body().last_change();
   for (const auto& term : built.body().loads()) term->add_forces(end, {}, force.data());
   for (Index v = 0; v < attributes.vertex_count(); ++v)
     for (std::size_t c = 0; c < 3; ++c)

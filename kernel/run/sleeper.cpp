@@ -33,7 +33,7 @@ bool Sleeper::is_still(std::span<const Index> elements) const {
 
 Index Sleeper::look(std::uint64_t step) {
   if (!is_enabled() || step % steps_between_looks != 0) return 0;
-  if (built_.dynamics().time() < built_.body().settled_after()) return 0;
+  if (built_.dynamics().time() < built_.body().last_change()) return 0;
   const Islands& islands = built_.body().islands();
   still_looks_.resize(islands.count());
   Index fallen_asleep = 0;

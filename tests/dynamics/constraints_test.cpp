@@ -45,7 +45,7 @@ TEST(Constraints, TurnAsRodriguesSaysAndVelocityIsTheDerivative) {
     turn.angle = 2.1;
     const auto all = all_vertices(m.body);
     m.hold(all, 7, turn);
-    EXPECT_EQ(m.body.constraints().settled_after(), 2.5);
+    EXPECT_EQ(m.body.constraints().last_change(), 2.5);
     const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, -2).normalized(), centre(0.1, -0.3, 0.2);
     for (const double time : {0.2, 0.9, 1.7, 3.0})
       for (const Index v : all) {
@@ -66,13 +66,13 @@ TEST(Constraints, WhereGroupsOverlapTheLastWinsInItsComponents) {
   m.hold(side, 7);
   m.hold(bottom, 5, along({0.1, 0.2, 0.3}));
   const Column& fixed = m.body.attributes().fixed();
-  const auto still = m.body.constraints().still(m.body.attributes().vertex_count());
+  const auto always_fixed = m.body.constraints().always_fixed(m.body.attributes().vertex_count());
   EXPECT_EQ(m.body.constraints().vertex_count(), side.size() + bottom.size());
   for (const Index v : all_vertices(m.body)) {
     const bool in_side = std::ranges::count(side, v) != 0;
     const bool in_bottom = std::ranges::count(bottom, v) != 0;
     EXPECT_EQ(fixed.get(v, 0), in_side ? 7 : in_bottom ? 5 : 0);
-    EXPECT_EQ(still[v], in_side && !in_bottom);
+    EXPECT_EQ(always_fixed[v], in_side && !in_bottom);
     const Eigen::Vector3d expected =
         in_bottom ? Eigen::Vector3d(0.05, 0, 0.15) : Eigen::Vector3d(0, 0, 0);
     EXPECT_LT((Held(m, v, 0.5).shift - expected).norm(), 1e-15) << v;

@@ -97,9 +97,9 @@ TEST(BatchList, WithoutStillRowsKeepsTheOrderOfTheOthers) {
   const std::vector<Index> nodes = random_rows(rows, vertices, random);
   const Connectivity cells{nodes.data(), nullptr, 2};
   BatchList list(cells, {{0, rows}}, vertices);
-  std::vector<bool> still(vertices);
-  for (Index v = 0; v < 1000; ++v) still[v] = true;
-  list.leave_out(cells, still);
+  std::vector<bool> fixed(vertices);
+  for (Index v = 0; v < 1000; ++v) fixed[v] = true;
+  list.leave_out(cells, fixed);
   EXPECT_GT(list.left_out(), 1000u);
   EXPECT_LT(list.chunk_count(), 64u);
   expect_ordered(list, cells, vertices);

@@ -68,7 +68,7 @@ TEST_F(Loaded, RampsAreAppliedAndToldOf) {
   EXPECT_EQ(sum(forces(1))[0], 0);
   EXPECT_NEAR(sum(forces(1.5))[0], 4, 1e-13);
   EXPECT_NEAR(sum(forces(9))[0], 16, 1e-13);
-  EXPECT_EQ(loads.settled_after(), 3);
+  EXPECT_EQ(loads.last_change(), 3);
 }
 
 // The parts of a vertex share its load by their volumes.

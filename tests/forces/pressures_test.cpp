@@ -50,7 +50,7 @@ TEST_F(Pressed, NothingCannotBePressed) {
 TEST_F(Pressed, ASidePushesInwardByItsAreaAsItIsNow) {
   pressures.add(body.complex(), end(), 100, {1, 3, false});
   EXPECT_FALSE(pressures.has_tangent()) << "it follows the surface";
-  EXPECT_EQ(pressures.settled_after(), 3);
+  EXPECT_EQ(pressures.last_change(), 3);
   EXPECT_NEAR(sum(forces(9))[0], -100 * 0.04, 1e-13);
   EXPECT_NEAR(sum(forces(1.5))[0], -25 * 0.04, 1e-13);
   expect_the_same_at(body, pressures, 2);

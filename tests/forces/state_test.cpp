@@ -90,9 +90,9 @@ struct Simulated {
     return part;
   }
   void hold() {
-    std::vector<bool> still(attributes().vertex_count());
-    for (Index v = 0; v < still.size(); ++v) still[v] = attributes().rest().get(v, 2) < 0.11;
-    loop->skip_still(still);
+    std::vector<bool> fixed(attributes().vertex_count());
+    for (Index v = 0; v < fixed.size(); ++v) fixed[v] = attributes().rest().get(v, 2) < 0.11;
+    loop->skip_fixed(fixed);
   }
   void add_loads() {
     std::vector<Index> vertices;

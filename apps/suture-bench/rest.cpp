@@ -38,12 +38,12 @@ void relax(Index n, const Options& options, PluginHost& host, Report& report) {
                         .safety = options.safety,
                         .search = true});
   RestSearch search(options.tolerance, true);
-  constexpr double most_steps = 1e6;
+  constexpr double max_steps = 1e6;
   double steps = 0;
   do {
     body.step();
     ++steps;
-  } while (!search.at_rest(body.dynamics()) && steps < most_steps);
+  } while (!search.at_rest(body.dynamics()) && steps < max_steps);
   report.add(Line()
                  .add("elements", static_cast<double>(body.element_count()))
                  .add("steps", steps)

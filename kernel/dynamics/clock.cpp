@@ -13,7 +13,7 @@ namespace {
 // Two times are one if they differ by less than this part of their size.
 constexpr double same = 1e-12;
 /// Steps to a stop beyond which it is not planned for, and how many are planned then.
-constexpr double most_steps = 1e12;
+constexpr double max_steps = 1e12;
 constexpr std::uint64_t block = 1024;
 /// s: the step where neither stability nor a stop limits it.
 constexpr double unlimited = 1;
@@ -53,7 +53,7 @@ double Clock::next_dt(double stable) {
     stable_ = stable;
     done_ = 0;
     // Without a stop ahead (a run until rest, an end that no run reaches) go on in blocks.
-    const bool is_far = !(steps < most_steps);
+    const bool is_far = !(steps < max_steps);
     steps_ = is_far ? block : std::max<std::uint64_t>(saturate<std::uint64_t>(steps), 1);
     length_ = is_far ? static_cast<double>(block) * stable : next_stop() - time_;
   }
@@ -85,7 +85,7 @@ void Clock::advance() {
   }
 }
 
-void Clock::take_back() {
+void Clock::undo_advance() {
   --step_;
   time_ = before_.time;
   done_ = before_.done;

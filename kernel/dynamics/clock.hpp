@@ -38,7 +38,7 @@ class Clock {
   /// Call after the step of next_dt().
   void advance();
   /// Undoes advance(), at most once per call.
-  void take_back();
+  void undo_advance();
   void state(Archive& archive);
 
  private:

@@ -71,7 +71,7 @@ void Constraints::add(std::span<const Index> vertices, std::uint8_t components,
   for (const Vec3& rest : group.rest) {
     const Vec3 across = axis > 0 ? cross(motion.axis, minus(rest, motion.centre)) : Vec3{};
     const double radius = axis > 0 ? std::sqrt(dot(across, across)) / axis : 0;
-    group.way = std::max(group.way, shift + std::abs(motion.angle) * radius);
+    group.path_length = std::max(group.path_length, shift + std::abs(motion.angle) * radius);
   }
   for (const Index v : vertices) {
     const int bits = static_cast<int>(attributes.fixed().get(v, 0)) | components;
@@ -88,9 +88,9 @@ void Constraints::gather(Attributes& attributes) {
       held[v] |= group.components;
       if (group.motion.moves()) driven[v] |= group.components;
     }
-  held_.clear();
+  constrained_.clear();
   driven_.clear();
-  for (const auto& [vertex, components] : held) held_.push_back({vertex, components});
+  for (const auto& [vertex, components] : held) constrained_.push_back({vertex, components});
   const Column& velocity = attributes.velocity();
   for (const auto& [vertex, components] : driven)
     driven_.push_back({{vertex, components},
@@ -165,7 +165,7 @@ void Constraints::before_drift(Attributes& attributes, const Vec3& gravity, Inde
     double* v = row(attributes.velocity(), driven.vertex);
     for_each_component(driven.components, [&](std::size_t c) { v[c] = 0; });
   }
-  for (const Held& held : within(held_, begin, end)) {
+  for (const Constrained& held : within(constrained_, begin, end)) {
     double* f = row(attributes.force(), held.vertex);
     for_each_component(held.components,
                        [&](std::size_t c) { f[c] = -mass[held.vertex] * gravity[c]; });
@@ -246,14 +246,14 @@ void Constraints::state(Archive& archive) {
     archive.each("groups", groups_, [](Archive& each, Group& group) {
       each("components", group.components);
       each("motion", group.motion);
-      each("way", group.way);
+      each("way", group.path_length);
       each("vertices", group.vertices);
       each("rest", group.rest);
       each("member", group.member);
     });
     archive.group("held", [&] {
-      archive.member("vertex", held_, &Held::vertex);
-      archive.member("components", held_, &Held::components);
+      archive.member("vertex", constrained_, &Constrained::vertex);
+      archive.member("components", constrained_, &Constrained::components);
     });
     archive.group("driven", [&] {
       archive.member("vertex", driven_, &Driven::vertex);
@@ -271,7 +271,7 @@ void Constraints::update(const TopologyChange& change, Attributes& attributes) {
   find_members(attributes.vertex_count());
   std::vector<std::uint8_t> held_before;
   bool any = false;
-  for (const Merge& merge : merges) held_before.push_back(held(merge.kept));
+  for (const Merge& merge : merges) held_before.push_back(constrained_components(merge.kept));
   std::vector<Group> partial;  // of the same motion, for some components only
   for (Group& group : groups_) {
     const auto before = static_cast<std::ptrdiff_t>(group.vertices.size());
@@ -298,7 +298,8 @@ void Constraints::update(const TopologyChange& change, Attributes& attributes) {
     }
     for (std::uint8_t more = 1; more < 8; ++more)
       if (!in_part[more].empty())
-        partial.push_back({group.motion, more, std::move(in_part[more]), {}, {}, group.way});
+        partial.push_back(
+            {group.motion, more, std::move(in_part[more]), {}, {}, group.path_length});
     for (const Index vertex : removed) leave(vertex);
     const auto joined = group.vertices.begin() + before;
     const bool changes = loses || joined != group.vertices.end() || !merges.empty();
@@ -339,7 +340,7 @@ void Constraints::find_members(Index vertex_count) {
 }
 
 /// Components that some group holds; needs find_members().
-std::uint8_t Constraints::held(Index vertex) const {
+std::uint8_t Constraints::constrained_components(Index vertex) const {
   std::uint8_t components = 0;
   for (const Group& group : groups_)
     if (group.member[vertex]) components |= group.components;
@@ -372,7 +373,7 @@ double Constraints::longest_step(double time) const {
     const TimeRamp& ramp = group.motion.ramp;
     const bool is_moving = group.motion.moves() && time >= ramp.from && time < ramp.to;
     if (!is_moving || group.motion.reach == 0) continue;
-    const double speed = group.way / (ramp.to - ramp.from) * (ramp.smooth ? 1.5 : 1);
+    const double speed = group.path_length / (ramp.to - ramp.from) * (ramp.smooth ? 1.5 : 1);
     step = std::min(step, group.motion.reach / speed);
   }
   return step;

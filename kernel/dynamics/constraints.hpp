@@ -89,24 +89,24 @@ class Constraints {
     /// column.
     std::vector<Vec3> rest;
     std::vector<bool> member;  ///< by vertex; filled by the first change
-    double way = 0;            ///< m: the longest path of a vertex over the whole ramp
+    double path_length = 0;    ///< m: the longest path of a vertex over the whole ramp
   };
   /// A constrained vertex, with the components of all groups together.
-  struct Held {
+  struct Constrained {
     Index vertex;
     std::uint8_t components;
   };
-  struct Driven : Held {
+  struct Driven : Constrained {
     Vec3 velocity;         ///< w-, m/s
     Vec3 force, position;  ///< m a and x before the pass
   };
   static void read_rest(Group& group, Attributes& attributes);
   void gather(Attributes& attributes);
   void find_members(Index vertex_count);
-  std::uint8_t held(Index vertex) const;
+  std::uint8_t constrained_components(Index vertex) const;
   std::vector<Group> groups_;
-  std::vector<Held> held_;      ///< ascending
-  std::vector<Driven> driven_;  ///< ascending; vertices of moving groups
+  std::vector<Constrained> constrained_;  ///< ascending
+  std::vector<Driven> driven_;            ///< ascending; vertices of moving groups
 };
 
 }  // namespace suture

@@ -56,23 +56,23 @@ EnergyBalance Ledger::balance(const Now& now) {
   }
   const double stored = b.elastic - account_.start_elastic - account_.events_elastic;
   for (const auto& term : body_.loads()) b.works.push_back({term->name(), term->work()});
-  b.prescribed = sums_.driven_work() + driven_until(now) + account_.owed_driven + driven -
+  b.prescribed = sums_.driven_work() + driven_until(now) + account_.pending_driven + driven -
                  account_.start_driven;
   b.events = account_.events;
   b.dissipated = sums_.damped();
-  double internal = sums_.work() + now.work + account_.owed_work;
+  double internal = sums_.work() + now.work + account_.pending_work;
   double balance = b.kinetic + b.elastic - account_.start;
-  double most = std::max(sums_.largest_kinetic(), b.kinetic + std::abs(stored));
+  double largest = std::max(sums_.largest_kinetic(), b.kinetic + std::abs(stored));
   for (const EnergyBalance::Work& work : b.works) {
     internal -= work.value;
     balance -= work.value;
-    most = std::max(most, std::abs(work.value));
+    largest = std::max(largest, std::abs(work.value));
   }
   b.models = models.has(ForceLoop::Part::with_energy) ? models.work() : internal + stored;
   if (models.is_viscoelastic()) b.dissipated -= internal - b.models + stored;
   b.balance = balance - b.prescribed - b.models - b.events + b.dissipated;
   b.recoverable = now.leapfrog_part - account_.leapfrog_start;
-  account_.exchanged = std::max({account_.exchanged, most, std::abs(b.prescribed)});
+  account_.exchanged = std::max({account_.exchanged, largest, std::abs(b.prescribed)});
   b.exchanged = account_.exchanged;
   return b;
 }
@@ -83,8 +83,8 @@ void Ledger::before_jump(const Now& now) {
   jump_.start_elastic = body_.energy(now.time);
   jump_.start = now.kinetic + jump_.start_elastic;
   jump_.start_driven = body_.constraints().driven_kinetic(body_.attributes());
-  jump_.owed_driven = driven_until(now);
-  jump_.owed_work = now.work;
+  jump_.pending_driven = driven_until(now);
+  jump_.pending_work = now.work;
 }
 
 void Ledger::after_jump(const Now& now) {
@@ -94,8 +94,8 @@ void Ledger::after_jump(const Now& now) {
   account_.start_driven +=
       body_.constraints().driven_kinetic(body_.attributes()) - jump_.start_driven;
   account_.leapfrog_start += now.leapfrog_part - jump_.leapfrog_start;
-  account_.owed_driven += jump_.owed_driven - driven_until(now);
-  account_.owed_work += jump_.owed_work - now.work;
+  account_.pending_driven += jump_.pending_driven - driven_until(now);
+  account_.pending_work += jump_.pending_work - now.work;
   book(now.time);
 }
 
@@ -106,8 +106,8 @@ void Ledger::state(Archive& archive) {
   archive("start driven", account_.start_driven);
   archive("events", account_.events);
   archive("events elastic", account_.events_elastic);
-  archive("owed driven", account_.owed_driven);
-  archive("owed work", account_.owed_work);
+  archive("owed driven", account_.pending_driven);
+  archive("owed work", account_.pending_work);
   archive("exchanged", account_.exchanged);
   archive("leapfrog start", account_.leapfrog_start);
 }

@@ -25,17 +25,17 @@ RestSearch::RestSearch(double tolerance, bool choose_damping)
 void RestSearch::restart() {
   stagnation_.restart();
   limited_ = false;
-  good_checks_ = 0;
+  passed_checks_ = 0;
   quenched_until_ = 0;
 }
 
-void RestSearch::look_at_motion(Dynamics& dynamics, const loops::RestSums& sums) {
+void RestSearch::estimate_frequency(Dynamics& dynamics, const loops::RestSums& sums) {
   if (steps_ % steps_between_roundings == 0 || rounding_.energy == 0)
     rounding_ = rounding_of(dynamics.motion());
   dt_ = (dynamics.time() - checked_at_) / static_cast<double>(steps_between_checks);
   // A body that leaves an unstable state moves along forces that grow: such a time counts a
   // tenth.
-  watched_ += (sums.work > 0 ? 1 : 0.1) * (dynamics.time() - checked_at_);
+  watched_time_ += (sums.work > 0 ? 1 : 0.1) * (dynamics.time() - checked_at_);
   checked_at_ = dynamics.time();
   // Softening, no motion, or noise: keep.
   if (!(sums.work > 100 * rounding_.energy) || !(sums.inertia > 0)) return;
@@ -44,7 +44,7 @@ void RestSearch::look_at_motion(Dynamics& dynamics, const loops::RestSums& sums)
 }
 
 /// Kinetic over elastic energy.
-double RestSearch::motion_left(Dynamics& dynamics, const loops::RestSums& sums) const {
+double RestSearch::remaining_motion(Dynamics& dynamics, const loops::RestSums& sums) const {
   const Body& body = dynamics.body();
   double elastic = body.energy(dynamics.time());
   if (elastic == 0) elastic = std::abs(body.potential(dynamics.time())) / 2;
@@ -75,28 +75,29 @@ bool RestSearch::quench(Dynamics& dynamics) {
 
 bool RestSearch::at_rest(Dynamics& dynamics) {
   if (++steps_ % steps_between_checks != 0) return false;
-  const loops::RestSums sums = sums_.look(dynamics.motion());
-  look_at_motion(dynamics, sums);
+  const loops::RestSums sums = sums_.evaluate(dynamics.motion());
+  estimate_frequency(dynamics, sums);
   force_ = std::sqrt(sums.residual);
   const double scale = sums.external > 0 ? sums.external : sums.reaction;
   residual_ = scale > 0 ? force_ / std::sqrt(scale) : force_;
   if (dynamics.time() < std::max(earliest_, dynamics.body().last_change())) {
-    good_checks_ = 0;
+    passed_checks_ = 0;
     return false;
   }
   double distance = residual_ / tolerance_;
   if (distance < 1)
-    distance = std::max(distance, std::sqrt(motion_left(dynamics, sums)) / tolerance_);
-  stagnation_.add(steps_, watched_, distance, slow_rate(frequency_, dynamics.motion().damping()));
+    distance = std::max(distance, std::sqrt(remaining_motion(dynamics, sums)) / tolerance_);
+  stagnation_.add(steps_, watched_time_, distance,
+                  slow_rate(frequency_, dynamics.motion().damping()));
   const bool noise = is_noise(sums, dynamics);
   if (noise && sums.external == 0) {
     residual_ = 0;
     distance = 0;
   }
-  good_checks_ = distance <= 1 ? good_checks_ + 1 : 0;
+  passed_checks_ = distance <= 1 ? passed_checks_ + 1 : 0;
   const bool at_noise = quenched_until_ > 0 || (noise && stagnation_.idle_windows() > 0);
-  limited_ = good_checks_ == 0 && at_noise && !quench(dynamics);
-  return good_checks_ >= checks_needed || limited_;
+  limited_ = passed_checks_ == 0 && at_noise && !quench(dynamics);
+  return passed_checks_ >= checks_needed || limited_;
 }
 
 std::string RestSearch::explanation(Dynamics& dynamics) const {
@@ -131,7 +132,7 @@ void RestSearch::state(Archive& archive) {
   archive("frequency", frequency_);
   archive("dt", dt_);
   archive("checked at", checked_at_);
-  archive("watched", watched_);
+  archive("watched", watched_time_);
   archive("rounding energy", rounding_.energy);
   archive("rounding force", rounding_.force_squared);
   archive("stagnation", stagnation_);
@@ -139,7 +140,7 @@ void RestSearch::state(Archive& archive) {
   archive("limited", limited_);
   archive("quenched until", quenched_until_);
   archive("steps", steps_);
-  archive("good checks", good_checks_);
+  archive("good checks", passed_checks_);
 }
 
 }  // namespace suture

@@ -61,9 +61,9 @@ class RestSearch {
   double tolerance() const { return tolerance_; }
 
  private:
-  void look_at_motion(Dynamics& dynamics, const loops::RestSums& sums);
+  void estimate_frequency(Dynamics& dynamics, const loops::RestSums& sums);
   bool quench(Dynamics& dynamics);
-  double motion_left(Dynamics& dynamics, const loops::RestSums& sums) const;
+  double remaining_motion(Dynamics& dynamics, const loops::RestSums& sums) const;
   bool is_noise(const loops::RestSums& sums, const Dynamics& dynamics) const;
 
   double tolerance_;
@@ -74,14 +74,14 @@ class RestSearch {
   double frequency_ = 0;  ///< w0 at the last check above rounding, 1/s
   double dt_ = 0;         ///< mean step between the last two checks
   double checked_at_ = 0;
-  double watched_ = 0;  ///< time that counts for stagnation, s
-  Rounding rounding_;   ///< updated at every tenth check
+  double watched_time_ = 0;  ///< time that counts for stagnation, s
+  Rounding rounding_;        ///< updated at every tenth check
   Stagnation stagnation_;
   RestSums sums_;
   bool limited_ = false;
   std::uint64_t quenched_until_ = 0;  ///< step; 0: the damping follows the motion
   std::uint64_t steps_ = 0;
-  unsigned good_checks_ = 0;
+  unsigned passed_checks_ = 0;
 };
 
 }  // namespace suture

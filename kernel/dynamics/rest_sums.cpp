@@ -7,7 +7,7 @@
 
 namespace suture {
 
-loops::RestSums RestSums::look(Motion& motion) {
+loops::RestSums RestSums::evaluate(Motion& motion) {
   constexpr Index part = 4096;
   motion.evaluate();
   Body& body = motion.body();

@@ -11,7 +11,7 @@ namespace suture {
 class RestSums {
  public:
   /// The sums in the current state; evaluates the forces, which the next step uses.
-  loops::RestSums look(Motion& motion);
+  loops::RestSums evaluate(Motion& motion);
   void state(Archive& archive);
 
  private:

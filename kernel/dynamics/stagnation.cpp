@@ -8,12 +8,12 @@ namespace suture {
 
 void Stagnation::state(Archive& archive) {
   archive("best", best_);
-  archive("here", here_);
+  archive("here", window_best_);
   archive("window begin", window_begin_);
   archive("rate", rate_);
   archive("best step", best_step_);
   archive("last step", last_step_);
-  archive("here step", here_step_);
+  archive("here step", window_best_step_);
   archive("checks", checks_);
   archive("idle", idle_);
   archive("restarts", restarts_);
@@ -34,9 +34,9 @@ void Stagnation::restart() {
 void Stagnation::add(std::uint64_t step, double time, double distance, double rate) {
   if (checks_++ == 0) window_begin_ = time;
   last_step_ = step;
-  if (distance < here_) {
-    here_ = distance;
-    here_step_ = step;
+  if (distance < window_best_) {
+    window_best_ = distance;
+    window_best_step_ = step;
   }
   if (rate > 0) rate_ = std::min(rate_, rate);
   if (checks_ < least_checks || !(rate_ * (time - window_begin_) >= window_decays)) return;
@@ -44,19 +44,19 @@ void Stagnation::add(std::uint64_t step, double time, double distance, double ra
 }
 
 void Stagnation::close_window(std::uint64_t step) {
-  if (here_ <= best_ / 2) {
-    best_ = here_;
-    best_step_ = here_step_;
+  if (window_best_ <= best_ / 2) {
+    best_ = window_best_;
+    best_step_ = window_best_step_;
     idle_ = 0;
-  } else if (here_ > 2 * best_ && restarts_ < restarts_allowed) {
+  } else if (window_best_ > 2 * best_ && restarts_ < restarts_allowed) {
     ++restarts_;
-    best_ = here_;
+    best_ = window_best_;
     best_step_ = step;
     idle_ = 0;
   } else {
     ++idle_;
   }
-  here_ = rate_ = infinite;
+  window_best_ = rate_ = infinite;
   checks_ = 0;
 }
 

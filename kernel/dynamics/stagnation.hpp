@@ -45,9 +45,9 @@ class Stagnation {
   static constexpr double infinite = std::numeric_limits<double>::infinity();
   static constexpr unsigned least_checks = 50;  ///< per window
 
-  double best_ = infinite, here_ = infinite;  ///< smallest in the record, and in this window
+  double best_ = infinite, window_best_ = infinite;  ///< smallest in the record, and in this window
   double window_begin_ = 0, rate_ = infinite;
-  std::uint64_t best_step_ = 0, last_step_ = 0, here_step_ = 0;
+  std::uint64_t best_step_ = 0, last_step_ = 0, window_best_step_ = 0;
   unsigned checks_ = 0, idle_ = 0, restarts_ = 0;
 };
 

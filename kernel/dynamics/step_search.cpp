@@ -16,7 +16,7 @@ using Vector = std::vector<float>;
 
 constexpr double tolerance = 0.03;  // of the eigenvalue; half of it on the step
 constexpr double exact = 1e-3;      // a residual that single precision can still trust
-constexpr int most_iterations = 80;
+constexpr int max_iterations = 80;
 /// For modes around vertices that changed to come up. Of 6,600 searches after random
 /// operations on small bodies 10 gave a step more than 3 % longer than one from random, 11 %
 /// at most; 83 did without this.
@@ -92,18 +92,18 @@ double StepSearch::largest(double time) {
   set_scales();
   if (std::ranges::none_of(scale_, [](float scale) { return scale > 0; }))
     return last_ = std::numeric_limits<double>::infinity();  // nothing is free
-  const bool anew = searches_++ % 16 == 0 || mode_.empty();
-  const int least = anew               ? iterations_from_random(scale_.size())
+  const bool from_random = searches_++ % 16 == 0 || mode_.empty();
+  const int least = from_random        ? iterations_from_random(scale_.size())
                     : changed_.empty() ? 0
                                        : local_iterations;
-  if (anew)
+  if (from_random)
     start_at_random();
   else
     start_at_last();
   changed_.clear();
   if (!body_.models().reads_velocity()) {
     last_ = stable_step(largest_eigenvalue(1, 0, least).upper, 0);
-  } else if (anew) {
+  } else if (from_random) {
     const double undamped = stable_step(largest_eigenvalue(1, 0, 0).upper, 0);
     last_ = damped(undamped, 0);
     start_at_random();  // the mode of another dt is near to the wrong ones of this
@@ -218,7 +218,7 @@ StepSearch::Eigenvalue StepSearch::largest_eigenvalue(double stiffness, double d
     const double error = length(residual.v);
     found.upper = found.value + error;
     const double wanted = iteration < least ? exact : tolerance;
-    if (!(error > wanted * std::abs(found.value)) || iteration == most_iterations) break;
+    if (!(error > wanted * std::abs(found.value)) || iteration == max_iterations) break;
     combine(1 / error, residual.v, 0, residual.v);  // before: its image may be beyond a float
     apply(residual.v, stiffness, damping, residual.image);
     step_to_best(x, residual, last);

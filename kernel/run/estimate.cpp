@@ -59,7 +59,7 @@ struct ActiveSteps {
 /// Performs the event in the middle of its time span, in several consecutive steps. This may change
 /// the body, which is used for the estimate only.
 ActiveSteps measure_event(RunLoop& run, std::size_t i, double end, double seconds_per_step) {
-  constexpr int most_steps = 64;
+  constexpr int max_steps = 64;
   constexpr double budget = 0.3;  // s
   const Event& event = run.built().scene().events[i];
   const double from = event.start(), to = std::min(event.finish(), end);
@@ -67,7 +67,7 @@ ActiveSteps measure_event(RunLoop& run, std::size_t i, double end, double second
   run.rehearse(i, time);  // a blade cuts from its last position on
   const Wall::time_point start = Wall::now();
   int steps = 0;
-  while (steps < most_steps && seconds_since(start) < budget && run.tries_step()) {
+  while (steps < max_steps && seconds_since(start) < budget && run.tries_step()) {
     time += run.control().last_dt();
     run.rehearse(i, time);
     ++steps;

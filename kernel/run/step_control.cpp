@@ -197,7 +197,7 @@ void StepControl::step_back(const NumericalError& error, const Notify& notify) {
   if (!goes_on)
     restore(kept_.take_older());
   else if (built_.dynamics().time() < clock_.time())
-    clock_.take_back();
+    clock_.undo_advance();
   const double factor = rejected ? rejected->step_factor : 0.5;
   const auto halvings = saturate<unsigned>(std::ceil(-std::log2(factor) - 1e-9));
   watch_.step_back(clock_.step(), std::min(halvings, most_halvings));

@@ -130,7 +130,7 @@ TEST(Clock, TakesAStepBack) {
       const double time = clock.time();
       clock.next_dt(0.03);
       clock.advance();
-      clock.take_back();
+      clock.undo_advance();
       EXPECT_EQ(clock.time(), time);
       EXPECT_EQ(clock.step(), static_cast<std::uint64_t>(i + 1));
     }

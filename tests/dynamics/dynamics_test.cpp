@@ -95,7 +95,7 @@ TEST(Integrators, TheStateBetweenStepsMayBeLookedAt) {
         const double dt = i < 50 ? 1e-3 : 1.5e-3;
         m.dynamics.step(dt, time += dt);
         if (look && i % 7 == 0) energies(m.dynamics);
-        if (look && i % 5 == 0) sums.look(m.dynamics.motion());
+        if (look && i % 5 == 0) sums.evaluate(m.dynamics.motion());
       }
       m.dynamics.synchronise();
       states[look] = m.state();

@@ -385,7 +385,7 @@ TEST(Removal, WhatIsGoneIsNotIntegrated) {
     EXPECT_TRUE(std::isfinite(energy.total()));
     EXPECT_EQ(body.attributes().position().get(gone, 1), x) << "a vertex that is gone stays";
     EXPECT_TRUE(find_inverted(body.complex(), body.attributes()).empty());
-    EXPECT_TRUE(std::isfinite(RestSums().look(dynamics.motion()).residual));
+    EXPECT_TRUE(std::isfinite(RestSums().evaluate(dynamics.motion()).residual));
   }
 }
 

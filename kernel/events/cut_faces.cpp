@@ -108,7 +108,7 @@ ListedFaces faces_between(const CellComplex& complex, const std::string& path,
       if (face != none)
         result.faces.push_back(face);
       else
-        (whole ? result.cut_before : result.gone).push_back(pairs[i]);
+        (whole ? result.already_cut : result.removed).push_back(pairs[i]);
     } catch (const InputError& error) {
       faults += (faults.empty() ? "" : "\n") + std::string(error.what());
     }

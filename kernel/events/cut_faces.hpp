@@ -41,7 +41,7 @@ Dart face_between(const CellComplex& complex, const std::string& path, const Ele
 /// ("<path>/3: ..."). O(pairs).
 struct ListedFaces {
   std::vector<Dart> faces;
-  std::vector<ElementPair> cut_before, gone;
+  std::vector<ElementPair> already_cut, removed;
 };
 ListedFaces faces_between(const CellComplex& complex, const std::string& path,
                           std::span<const ElementPair> pairs,

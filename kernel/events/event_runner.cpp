@@ -118,11 +118,12 @@ struct EventRunner::Call {
 
   EventOutcome operator()(const CutFaces& listed) const {
     const ListedFaces faces = faces_of(listed);
-    tell_of("has already been cut", "have already been cut", faces.cut_before);
-    tell_of("was removed with an element", "were removed with an element", faces.gone);
+    report_pairs("has already been cut", "have already been cut", faces.already_cut);
+    report_pairs("was removed with an element", "were removed with an element", faces.removed);
     return opened(faces.faces);
   }
-  void tell_of(const char* one, const char* many, const std::vector<ElementPair>& pairs) const {
+  void report_pairs(const char* one, const char* many,
+                    const std::vector<ElementPair>& pairs) const {
     if (pairs.empty()) return;
     warn_once("/cut/faces: " + std::to_string(pairs.size()) + " of the faces " +
               (pairs.size() == 1 ? one : many) + ", the first between elements " +
@@ -154,7 +155,7 @@ struct EventRunner::Call {
     EventOutcome outcome;
     const std::vector<Seam> seams = seams_of(sew);
     if (seams.empty()) {
-      if (!state.told_misfits) warn_once(" sewed no face: " + why_none(sew));
+      if (!state.reported_misfits) warn_once(" sewed no face: " + why_none(sew));
       return outcome;
     }
     const TopologyChange change = built.body().sew(seams);
@@ -201,7 +202,7 @@ std::vector<Seam> EventRunner::Call::seams_of(const SewFaces& sew) const {
 
 // Whoever leaves the choice of faces to us gets those that can be sewn.
 std::vector<Seam> EventRunner::Call::without_misfits(MatchedSeams matched) const {
-  if (!matched.misfits.empty() && !std::exchange(state.told_misfits, true))
+  if (!matched.misfits.empty() && !std::exchange(state.reported_misfits, true))
     warn("/suture: " + misfits_text(matched.misfits, naming()));
   return std::move(matched.seams);
 }
@@ -337,7 +338,7 @@ EventOutcome EventRunner::fire(std::size_t i, double time) {
   const EventOutcome outcome =
       std::visit(Call{*this, event, static_cast<std::uint32_t>(i), time, states_[i]}, event.what);
   states_[i].had_effect |= outcome.changed();
-  states_[i].came = true;
+  states_[i].has_fired = true;
   states_[i].last = time;
   return outcome;
 }
@@ -355,7 +356,7 @@ EventOutcome EventRunner::apply(const Event& event, double time) {
 void EventRunner::go_back(double time) {
   const Places places{built_.body().attributes().position().rows()};
   for (State& state : states_) {
-    if (!state.blade || !state.came) continue;
+    if (!state.blade || !state.has_fired) continue;
     state.blade->reset();
     state.blade->advance(built_.body().complex(), places, time);
   }
@@ -364,8 +365,8 @@ void EventRunner::go_back(double time) {
 void EventRunner::finish() {
   for (std::size_t i = 0; i < scene_.events.size(); ++i) {
     const Event& event = scene_.events[i];
-    const bool told = event.is_timed() || (event.when && states_[i].came);  // at its time
-    if (states_[i].had_effect || told) continue;
+    const bool reported = event.is_timed() || (event.when && states_[i].has_fired);  // at its time
+    if (states_[i].had_effect || reported) continue;
     std::string text = event.path + ": " + event.operation() + " had no effect in the whole run";
     if (event.when) text += ": its condition was never met";
     if (states_[i].blade) {
@@ -384,7 +385,7 @@ std::vector<BladeShape> EventRunner::blades(double time) const {
     const auto number = static_cast<std::uint32_t>(i);
     if (state.blade && state.blade->begin() <= time && time <= state.blade->end())
       shapes.push_back({number, state.blade->at(time), {}});
-    if (state.surface && (!state.came || state.last >= time || scene_.events[i].every > 0))
+    if (state.surface && (!state.has_fired || state.last >= time || scene_.events[i].every > 0))
       shapes.push_back(
           {number, state.surface->surface().points, state.surface->surface().triangles});
   }
@@ -400,10 +401,10 @@ void OpenedFace::state(Archive& archive) {
 void EventRunner::state(Archive& archive) {
   std::span states = states_;
   archive.each("events", states, [](Archive& each, State& state) {
-    each("came", state.came);
+    each("came", state.has_fired);
     each("had effect", state.had_effect);
     each("last", state.last);
-    each("told misfits", state.told_misfits);
+    each("told misfits", state.reported_misfits);
     if (state.tear) each("tear", *state.tear);
     if (state.blade) each("blade", *state.blade);
   });

@@ -72,9 +72,9 @@ class EventRunner : private Follower {
     std::unique_ptr<TearCheck> tear;
     std::unique_ptr<SurfaceBlade> surface;
     std::unique_ptr<MovingBlade> blade;
-    bool came = false, had_effect = false;
-    double last = 0;  ///< s, when it came
-    bool told_misfits = false;
+    bool has_fired = false, had_effect = false;
+    double last = 0;  ///< s, when it last fired
+    bool reported_misfits = false;
   };
 
   State prepare(const Event& event);

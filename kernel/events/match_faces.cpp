@@ -76,8 +76,8 @@ struct Places {
   }
   /// Opposite sides, with 60 degrees to spare (those at the edge of a box are at 90),
   /// neither behind the other by more than half an edge: lips of a cut may have gone
-  /// through each other, the two ends of a beam look away from each other.
-  bool look_at_each_other(Dart one, Dart other) const {
+  /// through each other, while the two ends of a beam face away from each other.
+  bool face_each_other(Dart one, Dart other) const {
     const Vec3 a = area(one), b = area(other), from = centre(one), to = centre(other);
     double opposite = 0, behind_one = 0, behind_other = 0, a2 = 0, b2 = 0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -173,7 +173,7 @@ std::vector<Pairing> pairings(const Places& places, const std::vector<Dart>& a,
   for (const Dart face : a) {
     const Vec3 p = places.centre(face);
     grid.near(p, [&](Dart other) {
-      if (other / 24 == face / 24 || !places.look_at_each_other(face, other)) return;
+      if (other / 24 == face / 24 || !places.face_each_other(face, other)) return;
       if (are_joined(places.complex, face / 24, other / 24)) return;
       const Vec3 q = places.centre(other);
       if (std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]) <= gap)
@@ -257,11 +257,12 @@ MatchedSeams seams_within_gap(const CellComplex& complex, const double* rows,
     if (reason) result.misfits.push_back({seam, *reason});
   }
   // A face that matches one neighbour need not match the others, and is reported once.
-  std::unordered_set<Dart> told;
+  std::unordered_set<Dart> reported;
   std::erase_if(result.misfits, [&](const Misfit& misfit) {
     const auto [one, other] = misfit.seam;
     if (batch.has(one) || batch.has(other)) return true;
-    const bool first = told.insert(one & ~3u).second, second = told.insert(other & ~3u).second;
+    const bool first = reported.insert(one & ~3u).second;
+    const bool second = reported.insert(other & ~3u).second;
     return !first || !second;
   });
   result.seams = batch.seams();
@@ -292,7 +293,7 @@ std::optional<Seam> seam_between(const Places& places, const std::string& path,
   Pairing best;
   for (const Dart one : of_one)
     for (const Dart other : of_other)
-      if (places.look_at_each_other(one, other)) {
+      if (places.face_each_other(one, other)) {
         const Pairing pairing = nearest_turn(places, one, other);
         if (pairing.distance < best.distance) best = pairing;
       }

@@ -41,7 +41,7 @@ void RemovalWatch::before(std::span<const Index> elements) {
     holder.nodes.clear();
     holder.loses = false;
     for (const Index e : elements) {
-      if (holder.gone || !carries(e, holder)) continue;
+      if (holder.is_empty || !carries(e, holder)) continue;
       holder.loses = true;
       for (const Index v : complex.vertices_of(e))
         if (holder.point[built_.body().user_vertex()[v]]) holder.nodes.push_back(v);
@@ -56,13 +56,13 @@ std::vector<std::string> RemovalWatch::after() {
     const bool keeps_nodes =
         std::ranges::all_of(holder.nodes, [&](Index v) { return complex.exists(0, v); });
     if (!holder.loses || (holder.by_nodes && keeps_nodes)) continue;
-    holder.gone = true;
-    for (Index e = 0; e < complex.element_count() && holder.gone; ++e)
-      holder.gone = !carries(e, holder);
-    if (holder.gone)
+    holder.is_empty = true;
+    for (Index e = 0; e < complex.element_count() && holder.is_empty; ++e)
+      holder.is_empty = !carries(e, holder);
+    if (holder.is_empty)
       losses.push_back("removes all nodes or faces on which " + holder.path +
                        " acts; it has no effect from now on");
-    else if (!std::exchange(holder.told, true))
+    else if (!std::exchange(holder.reported, true))
       losses.push_back("removes some of the nodes or faces on which " + holder.path +
                        " acts; it continues to act on the others");
   }
@@ -76,8 +76,8 @@ void RemovalWatch::state(Archive& archive) {
     each("point", holder.point);
     each("corners", holder.corners);
     each("by nodes", holder.by_nodes);
-    each("told", holder.told);
-    each("gone", holder.gone);
+    each("told", holder.reported);
+    each("gone", holder.is_empty);
   });
 }
 

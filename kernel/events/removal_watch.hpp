@@ -31,7 +31,7 @@ class RemovalWatch {
     int corners;                 ///< corners that an element must have in it to carry a part
     bool by_nodes;               ///< loses something only where a node is removed
     std::vector<Index> nodes{};  ///< of the elements to be removed
-    bool loses = false, told = false, gone = false;
+    bool loses = false, reported = false, is_empty = false;
   };
   void find_holders();
   void add(std::string path, const Selection& where, int corners, bool by_nodes);

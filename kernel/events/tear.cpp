@@ -17,7 +17,7 @@ namespace {
 
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
-/// What the bound of the first look gives away to rounding.
+/// The margin for rounding in the bound of the first pass.
 constexpr double slack = 1e-9;
 
 /// Rows per task of a thread, and rows below which one thread does all.
@@ -42,7 +42,7 @@ void add_face(const CellComplex& complex, Dart face, std::vector<Dart>& faces) {
 
 }  // namespace
 
-struct TearCheck::Look {
+struct TearCheck::Snapshot {
   const CellComplex& complex;
   Attributes& attributes;
   Body& body;
@@ -72,14 +72,14 @@ TearCheck::TearCheck(const Tear& tear, std::vector<Index> elements, const CellCo
   for (const Index e : elements) is_chosen_[e] = 1;
 }
 
-// ------------------------------------------------------- the first look --
+// ------------------------------------------------------- the first pass --
 
-Column TearCheck::make_metric(const Look& look) const {
+Column TearCheck::make_metric(const Snapshot& snapshot) const {
   Column metric(metric_spec(tear_), 3);
   metric.resize(row_count_);
   metric.expand();
   for (Index row = 0; row < row_count_; ++row) {
-    const HexahedronNodes rest = look.rest(rows_.empty() ? row : rows_[row]);
+    const HexahedronNodes rest = snapshot.rest(rows_.empty() ? row : rows_[row]);
     if (tear_.by == Tear::By::elongation) {
       for (int e = 0; e < 12; ++e) {
         const double limit =
@@ -97,24 +97,24 @@ Column TearCheck::make_metric(const Look& look) const {
   return metric;
 }
 
-void TearCheck::build(const Look& look) {
+void TearCheck::build(const Snapshot& snapshot) {
   if (is_built_) return;
-  const Index count = look.complex.element_count();
+  const Index count = snapshot.complex.element_count();
   rows_.clear();
   for (Index e = 0; e < count; ++e)
-    if (takes_part(e) && look.complex.exists(3, e)) rows_.push_back(e);
+    if (takes_part(e) && snapshot.complex.exists(3, e)) rows_.push_back(e);
   row_count_ = static_cast<Index>(rows_.size());
   if (row_count_ == count) rows_ = std::vector<Index>();
-  if (tear_.by != Tear::By::field) metric_ = make_metric(look);
+  if (tear_.by != Tear::By::field) metric_ = make_metric(snapshot);
   is_built_ = true;
 }
 
 /// Rows' elements that may be above the threshold, ascending.
-std::vector<Index> TearCheck::stretched(const Look& look) const {
+std::vector<Index> TearCheck::stretched(const Snapshot& snapshot) const {
   loops::Stretch job{};
-  job.nodes = look.complex.vertices().front().data();
+  job.nodes = snapshot.complex.vertices().front().data();
   job.cells = rows_.empty() ? nullptr : rows_.data();
-  job.position = look.attributes.position().rows();
+  job.position = snapshot.attributes.position().rows();
   job.metric = metric_.block(0);
   job.block = metric_.is_constant() ? 0 : std::uint64_t{8} * metric_.spec().components;
   // E > above  <=>  F^T F > 1 + 2 above
@@ -131,7 +131,7 @@ std::vector<Index> TearCheck::stretched(const Look& look) const {
     found[task].assign(out, out + n);
   };
   if (tasks > 4)
-    look.body.models().workers().parallel_for(tasks, one);
+    snapshot.body.models().workers().parallel_for(tasks, one);
   else
     for (Index task = 0; task < tasks; ++task) one(task);
 
@@ -144,9 +144,10 @@ std::vector<Index> TearCheck::stretched(const Look& look) const {
 // ------------------------------------------------------------- the faces --
 
 /// `values`: of every element, or null: the strain itself.
-std::vector<Dart> TearCheck::by_principal(const Look& look, const std::vector<double>* values) {
-  const CellComplex& complex = look.complex;
-  const auto value_of = [&](Index e) { return values ? (*values)[e] : look.strain(e).value; };
+std::vector<Dart> TearCheck::by_principal(const Snapshot& snapshot,
+                                          const std::vector<double>* values) {
+  const CellComplex& complex = snapshot.complex;
+  const auto value_of = [&](Index e) { return values ? (*values)[e] : snapshot.strain(e).value; };
   std::vector<Index> candidates;
   if (values) {
     for (Index row = 0; row < row_count_; ++row) {
@@ -154,11 +155,11 @@ std::vector<Dart> TearCheck::by_principal(const Look& look, const std::vector<do
       if ((*values)[e] > tear_.above) candidates.push_back(e);
     }
   } else {
-    candidates = stretched(look);
+    candidates = stretched(snapshot);
   }
   std::vector<Dart> faces;
   for (const Index e : candidates) {
-    const AxisValue strain = look.strain(e);
+    const AxisValue strain = snapshot.strain(e);
     const double value = values ? (*values)[e] : strain.value;
     if (!(value > tear_.above)) continue;
     for (const int f : faces_of_axis[static_cast<std::size_t>(strain.axis)]) {
@@ -174,10 +175,10 @@ std::vector<Dart> TearCheck::by_principal(const Look& look, const std::vector<do
 }
 
 /// `values`: of every edge, or null: the elongation.
-std::vector<Dart> TearCheck::by_edges(const Look& look, const std::vector<double>* values) {
-  const CellComplex& complex = look.complex;
+std::vector<Dart> TearCheck::by_edges(const Snapshot& snapshot, const std::vector<double>* values) {
+  const CellComplex& complex = snapshot.complex;
   const auto value_of = [&](Index e) {
-    if (!values) return elongations(look.now(e), look.rest(e));
+    if (!values) return elongations(snapshot.now(e), snapshot.rest(e));
     std::array<double, 3> most{no_value, no_value, no_value};
     for (std::size_t i = 0; i < 12; ++i) {
       const double value = (*values)[complex.edges_of(e)[i]];
@@ -187,7 +188,7 @@ std::vector<Dart> TearCheck::by_edges(const Look& look, const std::vector<double
   };
   std::vector<Index> candidates;
   if (!values) {
-    candidates = stretched(look);
+    candidates = stretched(snapshot);
   } else if (rows_.empty()) {
     candidates.resize(row_count_);
     for (Index e = 0; e < row_count_; ++e) candidates[e] = e;
@@ -213,8 +214,8 @@ std::vector<Dart> TearCheck::by_edges(const Look& look, const std::vector<double
 }
 
 /// 3 if elements have the field, 1 if edges have it.
-int TearCheck::field_dimension(const Look& look) const {
-  for (const auto& instance : look.attributes.instances()) {
+int TearCheck::field_dimension(const Snapshot& snapshot) const {
+  for (const auto& instance : snapshot.attributes.instances()) {
     if (instance->name() != tear_.model) continue;
     const suture_model& model = instance->model();
     for (const suture_functor& functor : std::span(model.functors, model.functor_count)) {
@@ -228,13 +229,14 @@ int TearCheck::field_dimension(const Look& look) const {
 }
 
 /// The field by cell of the complex; NaN where there is none.
-std::vector<double> TearCheck::field_values(const Look& look, int dimension) const {
-  std::vector<double> values(look.complex.count(dimension), no_value);
-  for (const auto& instance : look.attributes.instances()) {
+std::vector<double> TearCheck::field_values(const Snapshot& snapshot, int dimension) const {
+  std::vector<double> values(snapshot.complex.count(dimension), no_value);
+  for (const auto& instance : snapshot.attributes.instances()) {
     if (instance->name() != tear_.model) continue;
     const CellSet& cells = instance->table(dimension).cells;
     std::vector<double> rows(cells.size(), no_value);
-    if (!look.body.models().compute_field(*instance, dimension, tear_.field, look.time, rows)) {
+    if (!snapshot.body.models().compute_field(*instance, dimension, tear_.field, snapshot.time,
+                                              rows)) {
       throw PluginError(path_ + "/by: model '" + tear_.model + "' does not compute '" +
                         tear_.field + "' with these parameters");
     }
@@ -244,18 +246,18 @@ std::vector<double> TearCheck::field_values(const Look& look, int dimension) con
   return values;
 }
 
-std::vector<Dart> TearCheck::find(const Look& look) {
-  build(look);
+std::vector<Dart> TearCheck::find(const Snapshot& snapshot) {
+  build(snapshot);
   if (row_count_ == 0) return {};
   std::vector<Dart> faces;
   if (tear_.by == Tear::By::principal_strain) {
-    faces = by_principal(look, nullptr);
+    faces = by_principal(snapshot, nullptr);
   } else if (tear_.by == Tear::By::elongation) {
-    faces = by_edges(look, nullptr);
+    faces = by_edges(snapshot, nullptr);
   } else {
-    const int dimension = field_dimension(look);
-    const std::vector<double> values = field_values(look, dimension);
-    faces = dimension == 1 ? by_edges(look, &values) : by_principal(look, &values);
+    const int dimension = field_dimension(snapshot);
+    const std::vector<double> values = field_values(snapshot, dimension);
+    faces = dimension == 1 ? by_edges(snapshot, &values) : by_principal(snapshot, &values);
   }
   std::ranges::sort(faces);
   faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
@@ -273,10 +275,10 @@ void TearCheck::check_share(const CellComplex& complex, std::size_t torn) const 
       faces += other != none && e < other && takes_part(other);
     }
   }
-  if (static_cast<double>(torn) <= tear_.most * static_cast<double>(faces)) return;
+  if (static_cast<double>(torn) <= tear_.max_fraction * static_cast<double>(faces)) return;
   std::ostringstream text;
   text << path_ << ": would tear " << torn << " of " << faces
-       << " faces at once, more than 'most' allows (" << 100 * tear_.most
+       << " faces at once, more than 'most' allows (" << 100 * tear_.max_fraction
        << " %); nothing was torn. Raise 'above', ramp the load, restrict it with 'where', or raise "
           "'most'";
   throw NumericalError(text.str());

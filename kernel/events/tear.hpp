@@ -48,9 +48,9 @@ class TearCheck {
             std::string path);
 
   /// One dart of each face that tears now, ascending. Throws NumericalError if they exceed the
-  /// fraction tear.most of the faces between the elements (a criterion that tears everything does
-  /// not describe a crack), PluginError for a field that no model provides. The result does not
-  /// depend on the number of threads.
+  /// fraction tear.max_fraction of the faces between the elements (a criterion that tears
+  /// everything does not describe a crack), PluginError for a field that no model provides. The
+  /// result does not depend on the number of threads.
   std::vector<Dart> faces(Body& body, double time);
 
   /// Call after elements were removed or rest positions changed.
@@ -60,16 +60,16 @@ class TearCheck {
 
  private:
   /// The current state, for the duration of one check.
-  struct Look;
+  struct Snapshot;
 
-  void build(const Look& look);
-  Column make_metric(const Look& look) const;
-  std::vector<Index> stretched(const Look& look) const;
-  std::vector<Dart> find(const Look& look);
-  std::vector<Dart> by_principal(const Look& look, const std::vector<double>* values);
-  std::vector<Dart> by_edges(const Look& look, const std::vector<double>* values);
-  std::vector<double> field_values(const Look& look, int dimension) const;
-  int field_dimension(const Look& look) const;
+  void build(const Snapshot& snapshot);
+  Column make_metric(const Snapshot& snapshot) const;
+  std::vector<Index> stretched(const Snapshot& snapshot) const;
+  std::vector<Dart> find(const Snapshot& snapshot);
+  std::vector<Dart> by_principal(const Snapshot& snapshot, const std::vector<double>* values);
+  std::vector<Dart> by_edges(const Snapshot& snapshot, const std::vector<double>* values);
+  std::vector<double> field_values(const Snapshot& snapshot, int dimension) const;
+  int field_dimension(const Snapshot& snapshot) const;
   void check_share(const CellComplex& complex, std::size_t torn) const;
   bool takes_part(Index element) const { return is_chosen_.empty() || is_chosen_[element] != 0; }
 

@@ -129,9 +129,9 @@ std::optional<std::span<const char>> find_descriptor(std::span<const char> notes
 }
 
 suture_note_desc read_descriptor(Reader& file, const std::vector<Elf64_Phdr>& segments) {
-  constexpr std::uint64_t most = std::uint64_t{1} << 20;  // notes of real files: below 2 kB
+  constexpr std::uint64_t max_bytes = std::uint64_t{1} << 20;  // notes of real files: below 2 kB
   for (const auto& segment : segments) {
-    if (segment.p_type != PT_NOTE || segment.p_filesz > most) continue;
+    if (segment.p_type != PT_NOTE || segment.p_filesz > max_bytes) continue;
     const auto notes = file.read(segment.p_offset, segment.p_filesz);
     const auto found = find_descriptor(notes, segment.p_align);
     if (!found) continue;

@@ -13,7 +13,7 @@
 namespace suture {
 
 /// More entries than any table has: a larger count means a damaged struct.
-inline constexpr std::uint32_t most_entries = 4096;
+inline constexpr std::uint32_t max_entries = 4096;
 
 /// Collects problems of one entry under its name.
 class Entry {
@@ -38,9 +38,9 @@ class Entry {
 
   /// Checks that an array member and its count are consistent.
   bool array(const void* pointer, std::uint32_t count, const char* member) const {
-    return require(count <= most_entries, std::string("the count of ") + member + " is " +
-                                              std::to_string(count) + ", at most " +
-                                              std::to_string(most_entries)) &&
+    return require(count <= max_entries, std::string("the count of ") + member + " is " +
+                                             std::to_string(count) + ", at most " +
+                                             std::to_string(max_entries)) &&
            require(count == 0 || pointer != nullptr,
                    std::string(member) + " is NULL, but its count is " + std::to_string(count));
   }

@@ -59,10 +59,11 @@ class SelectionCheck {
   }
   /// Every element needs a model, or its vertices would have no mass.
   void require_models(const std::vector<char>& covered) const {
-    const auto bare = std::ranges::count(covered, 0);
-    if (bare == 0) return;
+    const auto uncovered = std::ranges::count(covered, 0);
+    if (uncovered == 0) return;
     const auto first = std::ranges::find(covered, 0) - covered.begin();
-    throw InputError("/models: " + std::to_string(bare) + " of " + std::to_string(covered.size()) +
+    throw InputError("/models: " + std::to_string(uncovered) + " of " +
+                     std::to_string(covered.size()) +
                      " elements have no model, the first is element " +
                      std::to_string(selector_.element_id(static_cast<Index>(first))) +
                      "; let the regions of the models cover the mesh");

@@ -61,7 +61,8 @@ struct Tear {
   std::string model, field;  ///< for By::field: the name of the instance and its output
   double above = 0;          ///< in the unit of the value
   std::optional<Selection> where;
-  double most = 0.25;  ///< fraction of the faces between the elements that one check may open
+  /// Fraction of the faces between the elements that one check may open.
+  double max_fraction = 0.25;
 };
 
 /// 3-sews boundary faces (events/match_faces.hpp).

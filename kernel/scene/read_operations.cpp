@@ -96,20 +96,21 @@ Tear read_tear(ObjectReader tear, Reading& reading) {
   const bool strain = result.by != Tear::By::field;
   result.above = tear.number("above", strain ? Limits::positive("1") : Limits::any("")).value_or(1);
   result.where = optional_selection(tear, "where");
-  result.most = tear.number("most", Limits{"1", 0, 1, true, false}).value_or(result.most);
+  result.max_fraction =
+      tear.number("most", Limits{"1", 0, 1, true, false}).value_or(result.max_fraction);
   tear.finish();
   return result;
 }
 
 SewFaces read_suture(ObjectReader suture) {
   SewFaces result;
-  int ways = 0;
+  int given = 0;
   if (const JsonValue* faces = suture.find("faces")) {
-    ++ways;
+    ++given;
     result.element_pairs = read_pairs(*faces, suture.path_of("faces"), suture.mistakes());
   }
   if (const JsonValue* between = suture.find("between")) {
-    ++ways;
+    ++given;
     const std::string path = suture.path_of("between");
     const auto* items = read_array(*between, path, "two selections", suture.mistakes());
     if (items != nullptr && items->size() == 2) {
@@ -124,9 +125,9 @@ SewFaces read_suture(ObjectReader suture) {
     suture.complain("gap", "is only allowed with 'between'");
   }
   result.gap = suture.number("gap", Limits::positive("m")).value_or(0);
-  if (suture.find("where") != nullptr) ++ways;
+  if (suture.find("where") != nullptr) ++given;
   result.where = optional_selection(suture, "where");
-  if (ways > 1) suture.complain("must have at most one of 'faces', 'between' and 'where'");
+  if (given > 1) suture.complain("must have at most one of 'faces', 'between' and 'where'");
   suture.finish();
   return result;
 }

@@ -276,9 +276,9 @@ void read_checkpoint(const JsonValue* value, Reading& reading) {
   checkpoint.every_steps = object.natural("every_steps", 1).value_or(0);
   checkpoint.every = object.number("every", Limits::positive("s")).value_or(0);
   checkpoint.minutes = object.number("minutes", Limits::positive("min")).value_or(0);
-  constexpr unsigned most = 1'000'000;
+  constexpr unsigned max_kept = 1'000'000;
   checkpoint.keep =
-      static_cast<unsigned>(object.natural("keep", 1, most).value_or(checkpoint.keep));
+      static_cast<unsigned>(object.natural("keep", 1, max_kept).value_or(checkpoint.keep));
   const SolverOptions& solver = reading.scene.solver;
   if (checkpoint.every > 0 && solver.dt && checkpoint.every < *solver.dt) {
     reading.warn(object.find("every")->at, object.path_of("every"),

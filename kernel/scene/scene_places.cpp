@@ -11,7 +11,7 @@ namespace suture {
 namespace {
 
 // Lists of a million elements are not worth a million places: items behind have their list's.
-constexpr std::size_t most_items = 1000;
+constexpr std::size_t max_items = 1000;
 
 /// A line of an error, with those that go on with it.
 struct Finding {
@@ -41,7 +41,7 @@ ScenePlaces::ScenePlaces(const JsonValue& root, std::string file, std::vector<st
 void ScenePlaces::add(const JsonValue& value, const std::string& path) {
   places_.emplace(path, value.at);
   for (const JsonMember& member : value.members) add(member.value, child_path(path, member.key));
-  for (std::size_t i = 0; i < value.items.size() && i < most_items; ++i)
+  for (std::size_t i = 0; i < value.items.size() && i < max_items; ++i)
     if (value.items[i].kind != JsonValue::Kind::number) add(value.items[i], child_path(path, i));
 }
 

@@ -131,7 +131,7 @@ TEST(FacesBetween, FindsFacesByTheUsersNumbersAndListsAllFaults) {
   const std::vector<ElementPair> good{{101, 100}, {101, 102}};
   const ListedFaces found = faces_between(map, "/events/0/faces", good, element_of, point);
   EXPECT_EQ(found.faces, (std::vector<Dart>{24, 24 + 8}));
-  EXPECT_TRUE(found.cut_before.empty());
+  EXPECT_TRUE(found.already_cut.empty());
 
   const std::vector<ElementPair> bad{{100, 101}, {100, 102}, {100, 7}, {101, 101}};
   try {
@@ -155,12 +155,12 @@ TEST(FacesBetween, TellsAFaceThatWasCutBefore) {
   const std::vector<ElementPair> pairs{{0, 1}, {1, 2}};
   const ListedFaces found = faces_between(map, "/events/1/faces", pairs, element_of, point);
   EXPECT_EQ(found.faces.size(), 1u);
-  EXPECT_EQ(found.cut_before, (std::vector<ElementPair>{{0, 1}}));
+  EXPECT_EQ(found.already_cut, (std::vector<ElementPair>{{0, 1}}));
   EXPECT_THROW(face_between(map, "/events/1", {0, 1}, element_of), InputError);
   map.pierce(std::array<Index, 1>{2});
   const ListedFaces left = faces_between(map, "/events/2/faces", pairs, element_of, point);
-  EXPECT_EQ(left.cut_before, (std::vector<ElementPair>{{0, 1}}));
-  EXPECT_EQ(left.gone, (std::vector<ElementPair>{{1, 2}})) << "no cut took it";
+  EXPECT_EQ(left.already_cut, (std::vector<ElementPair>{{0, 1}}));
+  EXPECT_EQ(left.removed, (std::vector<ElementPair>{{1, 2}})) << "no cut took it";
 }
 
 }  // namespace

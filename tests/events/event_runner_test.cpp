@@ -274,7 +274,7 @@ TEST_F(Events, ASutureOfWhatIsNotThereIsRefused) {
 TEST_F(Events, ATearOpensWhatIsStretched) {
   Tear tear;
   tear.above = 0.2;
-  tear.most = 1;
+  tear.max_fraction = 1;
   tear.where = selection(Selection::InBox{{0, 0, 0}, {0.5, 1, 1}});
   EXPECT_FALSE(apply(tear).changed());
   expect_warning("/now tore no face: the criterion is below its threshold everywhere");
@@ -288,7 +288,7 @@ TEST_F(Events, ATearOpensWhatIsStretched) {
 TEST_F(Events, ATearThatRepeatsSeesWhatWasRemoved) {
   Tear tear;
   tear.above = 0.2;
-  tear.most = 1;
+  tear.max_fraction = 1;
   add(tear).every = 1;
   build();
   EXPECT_EQ(runner->fire(0, 0.1).faces_torn, 0u);

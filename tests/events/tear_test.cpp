@@ -57,7 +57,7 @@ Tear tear_by(Tear::By by, double above) {
   Tear tear;
   tear.by = by;
   tear.above = above;
-  tear.most = 1;
+  tear.max_fraction = 1;
   return tear;
 }
 
@@ -242,7 +242,7 @@ TEST(TearCheck, RefusesToTearEverythingAtOnce) {
   Block body(grid(4, 4, 4));
   body.deform([](Vec3 x) { return Vec3{1.3 * x[0], x[1], x[2]}; });
   Tear tear = tear_by(Tear::By::principal_strain, 0.1);
-  tear.most = 0.25;
+  tear.max_fraction = 0.25;
   TearCheck check(tear, {}, body.complex(), "/events/0/tear");
   EXPECT_THROW(check.faces(body, 0), NumericalError);
   try {
@@ -253,7 +253,7 @@ TEST(TearCheck, RefusesToTearEverythingAtOnce) {
     EXPECT_NE(text.find("/events/0/tear: would tear 48 of 144 faces"), std::string::npos) << text;
     EXPECT_NE(text.find("nothing was torn"), std::string::npos) << text;
   }
-  tear.most = 0.34;
+  tear.max_fraction = 0.34;
   EXPECT_EQ(body.faces(tear).size(), 48u);
 }
 

@@ -72,7 +72,7 @@ TEST(TearEvent, ABarThatIsPulledTearsAcross) {
   scene.events.push_back(tear_of(0.45, 4));
   auto& tear = std::get<Tear>(scene.events[0].what);
   tear.where = Selection{};  // all
-  tear.most = 1;             // the recoil of the halves tears many at once
+  tear.max_fraction = 1;     // the recoil of the halves tears many at once
   const Outcome run(scene);
   EXPECT_GE(run.summary.faces_torn, 4u) << "a cross-section has four faces";
   EXPECT_EQ(run.summary.faces_cut, 0u);

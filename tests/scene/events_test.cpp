@@ -62,7 +62,7 @@ TEST(Events, TearNamesWhatItLooksAt) {
           "where": {"half_space": {"point": [0, 0, 0], "normal": [1, 0, 0]}}}})");
   EXPECT_EQ(tear.by, Tear::By::principal_strain);
   EXPECT_EQ(tear.above, 0.3);
-  EXPECT_EQ(tear.most, 0.5);
+  EXPECT_EQ(tear.max_fraction, 0.5);
   EXPECT_EQ(tear.where->path, "/events/0/tear/where");
 }
 

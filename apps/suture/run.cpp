@@ -67,7 +67,7 @@ void print_summary(const RunSummary& summary, Console& console) {
   text += " at t = " + significant(summary.time) + " s: " + count(summary.steps, "step") + " in " +
           duration(summary.seconds) + " (" + short_number(summary.elements_per_second) +
           " elements/s, " + count(summary.threads, "thread") + ")";
-  if (summary.steps_back > 0) text += ", " + count(summary.steps_back, "rollback");
+  if (summary.rollbacks > 0) text += ", " + count(summary.rollbacks, "rollback");
   if (summary.exchanged > 0)
     text += ", balance " + significant(100 * summary.balance / summary.exchanged) + " %";
   if (summary.frames > 0) text += ", " + count(summary.frames, "frame");
@@ -91,7 +91,7 @@ Scene scene_of(const Checkpoint& checkpoint, const RunCommand& command, PluginHo
                            command.sets, host, console.diagnostics());
 }
 
-void tell_of_resume(const CheckpointHeader& header, Simulation& simulation, Console& console) {
+void report_resume(const CheckpointHeader& header, Simulation& simulation, Console& console) {
   console.note("resuming from step " + std::to_string(header.step) +
                ", t = " + significant(header.time) + " s, of " + header.scene_file);
   if (header.isa != simulation.isa())
@@ -126,7 +126,7 @@ int run(const RunCommand& command, Console& console) {
   report_threads(scene.solver.threads, simulation.threads(), console);
   if (checkpoint) {
     simulation.resume(*checkpoint, command.resume);
-    tell_of_resume(checkpoint->header, simulation, console);
+    report_resume(checkpoint->header, simulation, console);
     checkpoint.reset();  // its memory
   }
   if (console.verbose()) {

@@ -353,7 +353,7 @@ EventOutcome EventRunner::apply(const Event& event, double time) {
 }
 
 // A blade knows where the tissue was at its last step.
-void EventRunner::go_back(double time) {
+void EventRunner::roll_back(double time) {
   const Places places{built_.body().attributes().position().rows()};
   for (State& state : states_) {
     if (!state.blade || !state.has_fired) continue;

@@ -55,7 +55,7 @@ class EventRunner : private Follower {
   /// body's frame.
   EventOutcome apply(const Event& event, double time);
   /// Call after a rollback to `time`; no operation has changed the body since then.
-  void go_back(double time);
+  void roll_back(double time);
   /// Warns of events that had no effect in the whole run.
   void finish();
   /// What cuts and tears opened so far, in order; sewn faces and those of removed elements stay in

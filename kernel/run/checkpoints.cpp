@@ -100,8 +100,8 @@ void Checkpoints::load(const std::filesystem::path& file, const std::function<vo
   }
 }
 
-void Checkpoints::go_on(const CheckpointHeader& header, const std::filesystem::path& file,
-                        const Clock& clock) {
+void Checkpoints::continue_from(const CheckpointHeader& header, const std::filesystem::path& file,
+                                const Clock& clock) {
   writing_.resumed_from = file;
   writing_.resumed_number = header.number;
   writer_ = std::make_unique<CheckpointWriter>(writing_);  // keeps the earlier ones

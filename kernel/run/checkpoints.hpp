@@ -20,7 +20,7 @@ class Checkpoints {
 
   /// Call between two steps, once per step.
   bool is_due(const Clock& clock) const;
-  bool are_written() const { return options_.enabled; }
+  bool is_enabled() const { return options_.enabled; }
   /// Saves the state now and writes it on another thread. Throws the IoError of the previous
   /// checkpoint, if any.
   template <class Run>
@@ -40,7 +40,7 @@ class Checkpoints {
               Run& run) {
     check(checkpoint.header, file);
     load(file, [&] { load_state(checkpoint.state, run); });
-    go_on(checkpoint.header, file, clock);
+    continue_from(checkpoint.header, file, clock);
   }
 
  private:
@@ -48,7 +48,8 @@ class Checkpoints {
   void write(const Clock& clock, StateTree&& state);
   void check(const CheckpointHeader& header, const std::filesystem::path& file) const;
   static void load(const std::filesystem::path& file, const std::function<void()>& load);
-  void go_on(const CheckpointHeader& header, const std::filesystem::path& file, const Clock& clock);
+  void continue_from(const CheckpointHeader& header, const std::filesystem::path& file,
+                     const Clock& clock);
 
   BuiltScene& built_;
   CheckpointOptions options_;

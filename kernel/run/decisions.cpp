@@ -191,8 +191,8 @@ bool only_cuts(const std::vector<Event>& events) {
 }
 
 // What needs forces, stresses or energies in cells that do not move; "" if nothing does.
-std::string who_looks_at_still_cells(const Scene& scene, const BuiltScene& built,
-                                     const Recorder& recorder) {
+std::string reason_to_compute_fixed_cells(const Scene& scene, const BuiltScene& built,
+                                          const Recorder& recorder) {
   if (!built.skips()) return no_skip;
   if (recorder.frames_need_force()) return "computed: frames contain forces";
   if (recorder.frames_run_functors()) return "computed: frames contain fields of the models";
@@ -207,9 +207,9 @@ std::string who_looks_at_still_cells(const Scene& scene, const BuiltScene& built
 
 }  // namespace
 
-Decision decide_still_cells(const Scene& scene, BuiltScene& built, const Recorder& recorder) {
+Decision decide_fixed_cells(const Scene& scene, BuiltScene& built, const Recorder& recorder) {
   const std::string subject = "cells between fixed vertices";
-  const std::string reason = who_looks_at_still_cells(scene, built, recorder);
+  const std::string reason = reason_to_compute_fixed_cells(scene, built, recorder);
   if (!reason.empty()) return {subject, false, reason};
   const Index cells = built.body().skip_fixed_cells();
   if (cells == 0) return {subject, false, "there is no complete block of 8 such cells"};

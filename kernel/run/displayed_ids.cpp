@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/run/shown.hpp"
+#include "kernel/run/displayed_ids.hpp"
 
 namespace suture {
 namespace {
@@ -30,20 +30,20 @@ void keep(std::vector<FrameField>& fields, const std::vector<Index>& cells) {
   }
 }
 
-Shown Shown::of(const CellComplex& complex) {
-  Shown shown{existing(complex, 0), existing(complex, 3), {}};
-  shown.point_of.assign(complex.count(0), none);
-  for (Index i = 0; i < shown.vertices.size(); ++i) shown.point_of[shown.vertices[i]] = i;
-  return shown;
+DisplayedIds DisplayedIds::of(const CellComplex& complex) {
+  DisplayedIds ids{existing(complex, 0), existing(complex, 3), {}};
+  ids.point_of.assign(complex.count(0), none);
+  for (Index i = 0; i < ids.vertices.size(); ++i) ids.point_of[ids.vertices[i]] = i;
+  return ids;
 }
 
-void leave_out_holes(Frame& frame, const Shown& shown) {
-  keep(frame.points, shown.vertices);
-  keep(frame.point_fields, shown.vertices);
-  keep(frame.hexahedra, shown.elements);
+void leave_out_holes(Frame& frame, const DisplayedIds& ids) {
+  keep(frame.points, ids.vertices);
+  keep(frame.point_fields, ids.vertices);
+  keep(frame.hexahedra, ids.elements);
   for (Hexahedron& nodes : frame.hexahedra)
-    for (Index& v : nodes) v = shown.point_of[v];
-  keep(frame.cell_fields, shown.elements);
+    for (Index& v : nodes) v = ids.point_of[v];
+  keep(frame.cell_fields, ids.elements);
 }
 
 }  // namespace suture

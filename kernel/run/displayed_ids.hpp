@@ -11,11 +11,11 @@ namespace suture {
 /// The numbering of a frame for a complex with holes: the existing vertices and elements, in order,
 /// become points 0, 1, 2, ... and cells 0, 1, 2, ... (Without holes a frame is a plain copy and
 /// needs no numbering.)
-struct Shown {
+struct DisplayedIds {
   std::vector<Index> vertices, elements;
   std::vector<Index> point_of;  ///< by vertex; none for a removed one
 
-  static Shown of(const CellComplex& complex);
+  static DisplayedIds of(const CellComplex& complex);
 };
 
 /// Keeps the values of these cells only, in this order.
@@ -23,6 +23,6 @@ void keep(std::vector<FrameField>& fields, const std::vector<Index>& cells);
 
 /// Drops points and hexahedra that do not exist, and their values in all fields, which before that
 /// have one value per vertex or element of the complex. O(frame).
-void leave_out_holes(Frame& frame, const Shown& shown);
+void leave_out_holes(Frame& frame, const DisplayedIds& ids);
 
 }  // namespace suture

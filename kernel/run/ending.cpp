@@ -26,20 +26,20 @@ Ending::Ending(BuiltScene& built, const EventSchedule& schedule, StepControl& co
   rest_->wait_until(schedule.last_change());
 }
 
-std::optional<RunSummary::Outcome> Ending::look(const StepControl::Notify& notify) {
+std::optional<RunSummary::Outcome> Ending::check(const StepControl::Notify& notify) {
   const Clock& clock = control_.clock();
   if (cells_changed_ && built_.dynamics().is_static()) require_held_bodies();
   if (clock.finished()) {
-    if (!control_.ends_well(notify)) return std::nullopt;
+    if (!control_.check_last_state(notify)) return std::nullopt;
     if (rest_) warn_of_motion();
     return Outcome::finished;
   }
   if (rest_ && clock.step() > 0)
-    if (const auto outcome = look_at_rest(notify)) return outcome;
+    if (const auto outcome = check_rest(notify)) return outcome;
   const std::uint64_t limit = scene_.solver.max_steps ? scene_.solver.max_steps
                               : rest_                 ? rest_step_limit
                                                       : 0;
-  if (limit != 0 && clock.step() >= limit) refuse_more_steps(limit);
+  if (limit != 0 && clock.step() >= limit) fail_at_step_limit(limit);
   return std::nullopt;
 }
 
@@ -51,9 +51,9 @@ void Ending::warn_of_motion() {
 }
 
 /// An event may have cut a piece off that now falls for ever.
-void Ending::require_no_falling_body() {
+void Ending::require_supported() {
   cells_changed_ = false;
-  const std::string body = falling_body(scene_, built_);
+  const std::string body = describe_falling_body(scene_, built_);
   if (!body.empty())
     throw NumericalError("the body cannot come to rest: " + body +
                          "; remove it (remove_islands), constrain it, or give /solver/end");
@@ -62,20 +62,20 @@ void Ending::require_no_falling_body() {
 /// An event may have cut a piece off that nothing holds.
 void Ending::require_held_bodies() {
   cells_changed_ = false;
-  const std::string body = unheld_body(scene_, built_);
+  const std::string body = describe_unheld_body(scene_, built_);
   if (!body.empty())
     throw NumericalError(body +
                          ", so it has no equilibrium; remove it (remove_islands), constrain it, or "
                          "replace /solver/static by an integrator");
 }
 
-std::optional<RunSummary::Outcome> Ending::look_at_rest(const StepControl::Notify& notify) {
-  if (cells_changed_ && !scene_.solver.end) require_no_falling_body();
+std::optional<RunSummary::Outcome> Ending::check_rest(const StepControl::Notify& notify) {
+  if (cells_changed_ && !scene_.solver.end) require_supported();
   bool rests = false;
-  if (!control_.tries([&] { rests = rest_->at_rest(built_.dynamics()); }, notify))
+  if (!control_.try_check([&] { rests = rest_->at_rest(built_.dynamics()); }, notify))
     return std::nullopt;
   if (rests) {
-    if (!control_.ends_well(notify)) return std::nullopt;
+    if (!control_.check_last_state(notify)) return std::nullopt;
     if (rest_->limited_by_rounding()) diagnostics_.warn(rest_->explanation(built_.dynamics()));
     return examine(notify);
   }
@@ -98,7 +98,7 @@ std::optional<RunSummary::Outcome> Ending::examine(const StepControl::Notify& no
   return verdict == Stability::Verdict::unstable ? Outcome::unstable_equilibrium : Outcome::at_rest;
 }
 
-void Ending::refuse_more_steps(std::uint64_t limit) const {
+void Ending::fail_at_step_limit(std::uint64_t limit) const {
   std::ostringstream text;
   if (rest_)
     text << "not at rest after " << limit << " steps: the residual is " << rest_->residual()

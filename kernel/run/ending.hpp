@@ -19,7 +19,7 @@ class Ending : private Follower {
   /// Call after a step and everything due at its time. Returns how the run ended, or none. Throws
   /// NumericalError for a body that never comes to rest, and at the limit of steps. May roll back
   /// to an earlier step.
-  std::optional<RunSummary::Outcome> look(const StepControl::Notify& notify);
+  std::optional<RunSummary::Outcome> check(const StepControl::Notify& notify);
 
   /// The search for rest, for a run that ends at rest.
   RestSearch* rest() { return rest_ ? &*rest_ : nullptr; }
@@ -29,12 +29,12 @@ class Ending : private Follower {
  private:
   using Outcome = RunSummary::Outcome;
   void follow(const CellComplex&, const TopologyChange&) override { cells_changed_ = true; }
-  void require_no_falling_body();
+  void require_supported();
   void require_held_bodies();
-  std::optional<Outcome> look_at_rest(const StepControl::Notify& notify);
+  std::optional<Outcome> check_rest(const StepControl::Notify& notify);
   std::optional<Outcome> examine(const StepControl::Notify& notify);
   void warn_of_motion();
-  [[noreturn]] void refuse_more_steps(std::uint64_t limit) const;
+  [[noreturn]] void fail_at_step_limit(std::uint64_t limit) const;
 
   BuiltScene& built_;
   const Scene& scene_;

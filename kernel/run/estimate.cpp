@@ -35,7 +35,7 @@ std::uint64_t steps_to_rest(RunLoop& run, double budget) {
   const Wall::time_point start = Wall::now();
   std::uint64_t middle_step = 0;
   double middle_residual = 0;
-  while (seconds_since(start) < budget && run.tries_step()) {
+  while (seconds_since(start) < budget && run.try_step()) {
     if (rest->at_rest(run.built().dynamics())) return clock.step();
     if (middle_step == 0 && seconds_since(start) > budget / 2) {
       middle_step = clock.step();
@@ -67,7 +67,7 @@ ActiveSteps measure_event(RunLoop& run, std::size_t i, double end, double second
   run.rehearse(i, time);  // a blade cuts from its last position on
   const Wall::time_point start = Wall::now();
   int steps = 0;
-  while (steps < max_steps && seconds_since(start) < budget && run.tries_step()) {
+  while (steps < max_steps && seconds_since(start) < budget && run.try_step()) {
     time += run.control().last_dt();
     run.rehearse(i, time);
     ++steps;
@@ -108,7 +108,7 @@ Estimate Simulation::estimate() {
   if (run.ending().rest()) {
     estimate.steps = steps_to_rest(run, 1.0);
   } else {
-    while (seconds_since(start) < 0.2 && !clock.finished() && run.tries_step()) continue;
+    while (seconds_since(start) < 0.2 && !clock.finished() && run.try_step()) continue;
     estimate.steps = saturate<std::uint64_t>(std::ceil(end / estimate.dt - 1e-9));
   }
   estimate.seconds_per_step = seconds_since(start) / static_cast<double>(clock.step());

@@ -11,7 +11,7 @@
 namespace suture {
 namespace {
 
-constexpr std::size_t most_told = 3;
+constexpr std::size_t max_reported = 3;
 
 /// Gravity and loads after their ramps, in rows of 4.
 std::vector<double> final_forces(const Scene& scene, BuiltScene& built) {
@@ -39,7 +39,7 @@ std::string describe(const FreePiece& piece) {
   return text.str();
 }
 
-std::string push_of(const FreePiece& piece) {
+std::string resultant_text(const FreePiece& piece) {
   std::ostringstream text;
   text << "gravity and loads act on it with a resultant of (" << piece.force[0] << ", "
        << piece.force[1] << ", " << piece.force[2] << ") N";
@@ -49,7 +49,7 @@ std::string push_of(const FreePiece& piece) {
 /// Whether models leave the translations that `matters(c)` names alone: not those with springs to
 /// the ground.
 template <class Matters>
-bool models_let_move(BuiltScene& built, const FreePiece& piece, Matters matters) {
+bool models_allow_motion(BuiltScene& built, const FreePiece& piece, Matters matters) {
   if (!built.body().models().has_tangent()) return false;
   const std::size_t size = 3 * std::size_t{built.body().attributes().vertex_count()};
   const auto largest_image = [&](auto value) {
@@ -70,41 +70,41 @@ bool models_let_move(BuiltScene& built, const FreePiece& piece, Matters matters)
 }
 
 /// The translations along which it is pushed.
-bool models_let_move(BuiltScene& built, const FreePiece& piece) {
-  return models_let_move(built, piece, [&](std::size_t c) { return piece.force[c] != 0; });
+bool models_allow_motion(BuiltScene& built, const FreePiece& piece) {
+  return models_allow_motion(built, piece, [&](std::size_t c) { return piece.force[c] != 0; });
 }
 
 }  // namespace
 
-void look_for_free_bodies(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics) {
+void check_free_bodies(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics) {
   const std::vector<FreePiece> pieces = free_pieces(scene, built);
   for (const FreePiece& piece : pieces) {
     if (!piece.is_pushed() || scene.solver.end || !scene.events.empty()) continue;
-    if (!models_let_move(built, piece)) continue;
+    if (!models_allow_motion(built, piece)) continue;
     throw InputError(
-        "/constraints: " + describe(piece) + ", and " + push_of(piece) +
+        "/constraints: " + describe(piece) + ", and " + resultant_text(piece) +
         ", so it never comes to rest; constrain it, balance the loads, or give /solver/end");
   }
-  for (std::size_t i = 0; i < std::min(pieces.size(), most_told); ++i)
+  for (std::size_t i = 0; i < std::min(pieces.size(), max_reported); ++i)
     diagnostics.warn("/constraints: " + describe(pieces[i]) +
-                     (pieces[i].is_pushed() ? "; " + push_of(pieces[i]) : std::string()));
-  if (pieces.size() > most_told)
-    diagnostics.warn("/constraints: " + std::to_string(pieces.size() - most_told) +
+                     (pieces[i].is_pushed() ? "; " + resultant_text(pieces[i]) : std::string()));
+  if (pieces.size() > max_reported)
+    diagnostics.warn("/constraints: " + std::to_string(pieces.size() - max_reported) +
                      " more pieces are unconstrained");
 }
 
-std::string unheld_body(const Scene& scene, BuiltScene& built) {
+std::string describe_unheld_body(const Scene& scene, BuiltScene& built) {
   for (const FreePiece& piece : free_pieces(scene, built))
-    if (models_let_move(built, piece, [](std::size_t) { return true; })) return describe(piece);
+    if (models_allow_motion(built, piece, [](std::size_t) { return true; })) return describe(piece);
   return "";
 }
 
-std::string falling_body(const Scene& scene, BuiltScene& built) {
+std::string describe_falling_body(const Scene& scene, BuiltScene& built) {
   for (const Event& event : scene.events)
     if (event.finish() > built.dynamics().time()) return "";
   for (const FreePiece& piece : free_pieces(scene, built))
-    if (piece.is_pushed() && models_let_move(built, piece))
-      return describe(piece) + ", and " + push_of(piece);
+    if (piece.is_pushed() && models_allow_motion(built, piece))
+      return describe(piece) + ", and " + resultant_text(piece);
   return "";
 }
 

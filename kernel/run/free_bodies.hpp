@@ -12,14 +12,14 @@ namespace suture {
 /// InputError for a piece that the final loads push along a free translation, if the scene has no
 /// end time and no event that could change this: such a body never comes to rest. A model whose
 /// tangent resists the motion also holds the piece, as may one without a tangent.
-void look_for_free_bodies(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics);
+void check_free_bodies(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics);
 
 /// The same after the last event, which may have cut a piece off: describes the falling piece, or
 /// returns "". Also returns "" while another event is or may be still to come.
-std::string falling_body(const Scene& scene, BuiltScene& built);
+std::string describe_falling_body(const Scene& scene, BuiltScene& built);
 
 /// For static equilibria: describes a piece that nothing holds, "a piece of 8 elements (the first:
 /// element 3) is free to move along x", or returns "".
-std::string unheld_body(const Scene& scene, BuiltScene& built);
+std::string describe_unheld_body(const Scene& scene, BuiltScene& built);
 
 }  // namespace suture

@@ -23,7 +23,7 @@ class KeptStates {
   /// Call before step `step`, after everything due at its start. Returns true if `run` was kept, so
   /// that the older state changed. `sooner`: do not wait for 32 steps.
   template <class Run>
-  bool look(std::uint64_t step, double time, Run& run, bool sooner) {
+  bool keep_if_due(std::uint64_t step, double time, Run& run, bool sooner) {
     if (step < due_ && !(sooner && count_ > 0)) return false;
     State& state = states_[count_ < 2 ? (older_ + count_) % 2 : older_];
     state.step = step;

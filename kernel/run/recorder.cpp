@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "kernel/run/shown.hpp"
+#include "kernel/run/displayed_ids.hpp"
 #include "kernel/vtk/vtk_module.hpp"
 
 namespace suture {
@@ -94,14 +94,14 @@ void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity,
   }
   frame.field_data_provenance = provenance_;
   if (has_holes(built_.body().complex()))
-    leave_out_holes(frame, Shown::of(built_.body().complex()));
+    leave_out_holes(frame, DisplayedIds::of(built_.body().complex()));
 }
 
 void Recorder::frame(std::uint64_t step, double time, const Vec3& gravity) {
   if (!frames_) return;
   auto frame = std::make_unique<Frame>(frames_->take_frame());
   fill_frame(*frame, time, gravity);
-  held_.push_back({step, Held::Kind::frame, std::move(frame), {}});
+  pending_.push_back({step, PendingRecord::Kind::frame, std::move(frame), {}});
   for (std::size_t i = 0; i < sides_.size(); ++i) side_frame(i, step, time, gravity);
   if (!built_.skips()) fill_other_fields(time, gravity);
   ++frame_number_;
@@ -116,38 +116,39 @@ void Recorder::mode(double time, const Vec3& gravity, const std::vector<Vec3>& s
   modes_->submit(std::move(frame));
 }
 
-void Recorder::write(Held& held) {
-  switch (held.kind) {
-    case Held::Kind::frame:
-      frames_->submit(std::move(*held.frame));
+void Recorder::write(PendingRecord& record) {
+  switch (record.kind) {
+    case PendingRecord::Kind::frame:
+      frames_->submit(std::move(*record.frame));
       break;
-    case Held::Kind::side:
-      sides_[held.side].writer->submit(std::move(*held.frame));
+    case PendingRecord::Kind::side:
+      sides_[record.side].writer->submit(std::move(*record.frame));
       break;
-    case Held::Kind::energies:
-      energies_->row(held.step, held.row);
+    case PendingRecord::Kind::energies:
+      energies_->row(record.step, record.row);
       break;
-    case Held::Kind::probes:
-      probes_->row(held.step, held.row);
+    case PendingRecord::Kind::probes:
+      probes_->row(record.step, record.row);
       break;
   }
 }
 
 void Recorder::release(std::uint64_t step) {
-  while (!held_.empty() && held_.front().step <= step) {
-    Held record = std::move(held_.front());
-    held_.pop_front();  // even if writing fails, which leaves an empty one
+  while (!pending_.empty() && pending_.front().step <= step) {
+    PendingRecord record = std::move(pending_.front());
+    pending_.pop_front();  // even if writing fails, which leaves an empty one
     write(record);
   }
 }
 
-void Recorder::go_back(std::uint64_t step) {
-  for (; !held_.empty() && held_.back().step > step; held_.pop_back())
-    if (held_.back().kind == Held::Kind::frame) --frame_number_;
+void Recorder::roll_back(std::uint64_t step) {
+  for (; !pending_.empty() && pending_.back().step > step; pending_.pop_back())
+    if (pending_.back().kind == PendingRecord::Kind::frame) --frame_number_;
 }
 
 std::size_t Recorder::frames_held() const {
-  return static_cast<std::size_t>(std::ranges::count(held_, Held::Kind::frame, &Held::kind));
+  return static_cast<std::size_t>(
+      std::ranges::count(pending_, PendingRecord::Kind::frame, &PendingRecord::kind));
 }
 
 /// Computed and dropped: a run that skips nothing pays for every field.
@@ -175,18 +176,19 @@ void Recorder::side_frame(std::size_t side, std::uint64_t step, double time, con
   frame->time = time;
   frame->field_data_provenance = provenance_;
   sides_[side].fill(*frame, time, gravity);
-  held_.push_back({step, Held::Kind::side, std::move(frame), {}, side});
+  pending_.push_back({step, PendingRecord::Kind::side, std::move(frame), {}, side});
 }
 
 void Recorder::energies(std::uint64_t step, double time, double dt, const EnergyBalance& e) {
   std::vector<double> values{time, dt, e.kinetic, e.elastic};
   for (const EnergyBalance::Work& work : e.works) values.push_back(work.value);
   values.insert(values.end(), {e.prescribed, e.models, e.events, e.dissipated, e.balance});
-  held_.push_back({step, Held::Kind::energies, nullptr, std::move(values)});
+  pending_.push_back({step, PendingRecord::Kind::energies, nullptr, std::move(values)});
 }
 
 void Recorder::probes(std::uint64_t step, double time, const Vec3& gravity) {
-  held_.push_back({step, Held::Kind::probes, nullptr, probe_table_->row(time, gravity)});
+  pending_.push_back(
+      {step, PendingRecord::Kind::probes, nullptr, probe_table_->row(time, gravity)});
 }
 
 bool Recorder::probes_need(bool FieldChoice::*what) const {
@@ -207,7 +209,7 @@ std::string Recorder::mode_collection() const {
 
 std::string Recorder::collection() const { return frames_ ? frames_->collection().string() : ""; }
 
-void Recorder::Held::state(Archive& archive) {
+void Recorder::PendingRecord::state(Archive& archive) {
   archive("step", step);
   archive("kind", kind);
   archive("row", row);
@@ -220,7 +222,7 @@ void Recorder::Held::state(Archive& archive) {
 void Recorder::state(Archive& archive) {
   archive("frame number", frame_number_);
   archive("modes written", modes_written_);
-  archive.each("held", held_);
+  archive.each("held", pending_);
   if (archive.loads() && modes_written_ > 0) modes_ = std::make_unique<FrameWriter>(mode_options_);
   const auto writer = [&](const char* name, auto& file) {
     if (file) archive(name, *file);

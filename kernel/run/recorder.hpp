@@ -49,7 +49,7 @@ class Recorder {
   /// Writes everything recorded up to a step.
   void release(std::uint64_t step);
   /// Drops the records of the steps after this one, which are repeated.
-  void go_back(std::uint64_t step);
+  void roll_back(std::uint64_t step);
   /// The number of frames held back.
   std::size_t frames_held() const;
   /// For an estimate: fills a frame that is not written, and loads the modules that writing needs.
@@ -74,7 +74,7 @@ class Recorder {
   void fill_other_fields(double time, const Vec3& gravity);
 
   /// A record that may still be dropped.
-  struct Held {
+  struct PendingRecord {
     std::uint64_t step = 0;
     enum class Kind { frame, side, energies, probes } kind = Kind::frame;
     std::unique_ptr<Frame> frame;  ///< for the first two kinds
@@ -82,7 +82,7 @@ class Recorder {
     std::size_t side = 0;          ///< the series
     void state(Archive& archive);
   };
-  void write(Held& held);
+  void write(PendingRecord& record);
 
   BuiltScene& built_;
   std::string provenance_;
@@ -90,7 +90,7 @@ class Recorder {
   std::vector<FieldChoice> fields_, other_fields_;
   bool frames_need_force_ = false, frames_run_functors_ = false;
   std::size_t frame_number_ = 0;
-  std::deque<Held> held_;
+  std::deque<PendingRecord> pending_;
   std::optional<ProbeTable> probe_table_;
   std::unique_ptr<FrameWriter> frames_, modes_;
   std::vector<SideSeries> sides_;

@@ -49,7 +49,7 @@ void Records::finish(double last_dt) {
   recorder_.finish();
 }
 
-void Records::go_back() {
+void Records::roll_back() {
   for (std::uint64_t* mark : {&last_frame_, &last_energies_, &last_probes_})
     if (*mark > clock_.step()) *mark = never;
   if (recorded_ != never) recorded_ = std::min(recorded_, clock_.step());

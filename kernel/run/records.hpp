@@ -23,7 +23,7 @@ class Records {
   /// Records the last frame and rows of a run; waits until everything is on disk.
   void finish(double last_dt);
   /// Call after a rollback to an earlier step, which was recorded before it was kept.
-  void go_back();
+  void roll_back();
   void state(Archive& archive);
 
  private:

@@ -72,18 +72,18 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
       sleeper_(scene.solver, built_),
       ending_(built_, schedule_, control_, recorder_, diagnostics),
       checkpoints_(built_, host, recorder_.folder()) {
-  Decision still = decide_still_cells(scene_, built_, recorder_);
+  Decision fixed_cells = decide_fixed_cells(scene_, built_, recorder_);
   decisions_ = decide(scene_, host, built_, recorder_);
-  decisions_.push_back(std::move(still));
+  decisions_.push_back(std::move(fixed_cells));
   built_.dynamics().start();
-  if (ending_.rest()) look_for_free_bodies(scene_, built_, diagnostics);
+  if (ending_.rest()) check_free_bodies(scene_, built_, diagnostics);
   if (built_.dynamics().is_static()) require_held_bodies();
   control_.start();
   trim_heap();  // of the search
 }
 
 void RunLoop::require_held_bodies() {
-  const std::string body = unheld_body(scene_, built_);
+  const std::string body = describe_unheld_body(scene_, built_);
   if (!body.empty())
     throw InputError("/constraints: " + body +
                      ", so it has no equilibrium of its own; constrain it, or replace "
@@ -119,8 +119,8 @@ void RunLoop::take_over(const EventOutcome& outcome) {
   control_.after_event();
 }
 
-void RunLoop::tell_of_sleep(Observer& observer) {
-  if (sleeper_.look(clock_.step()) == 0) return;
+void RunLoop::report_sleep(Observer& observer) {
+  if (sleeper_.check(clock_.step()) == 0) return;
   control_.commit();
   std::ostringstream text;
   text << "t = " << clock_.time() << " s: " << sleeper_.sleeping() << " of "
@@ -160,18 +160,18 @@ void RunLoop::loop(std::optional<double> until, Observer& observer) {
   while (!stops(observer)) {
     fire_events(observer);
     if (!record(notify)) continue;
-    const auto outcome = ending_.look(notify);
-    records_.go_back();
+    const auto outcome = ending_.check(notify);
+    records_.roll_back();
     if (outcome) {
       summary_.outcome = *outcome;
       break;
     }
     if (until && clock_.reached(*until)) break;
     control_.step(notify);
-    records_.go_back();
-    tell_of_sleep(observer);
+    records_.roll_back();
+    report_sleep(observer);
     if (clock_.step() % 16 == 0 && seconds_since(reported) > 0.1) {
-      report(observer, start, first_step);
+      report_progress(observer, start, first_step);
       reported = Wall::now();
     }
   }
@@ -181,7 +181,7 @@ void RunLoop::loop(std::optional<double> until, Observer& observer) {
 /// Between two steps: writes a checkpoint that is due, or because the run is to stop.
 bool RunLoop::stops(Observer& observer) {
   const bool stops = observer.stop_requested();
-  if (checkpoints_.is_due(clock_) || (stops && checkpoints_.are_written()))
+  if (checkpoints_.is_due(clock_) || (stops && checkpoints_.is_enabled()))
     checkpoints_.write(clock_, *this);
   if (stops) summary_.outcome = RunSummary::Outcome::interrupted;
   return stops;
@@ -190,8 +190,8 @@ bool RunLoop::stops(Observer& observer) {
 /// False if the run went back to an earlier step instead.
 bool RunLoop::record(const StepControl::Notify& notify) {
   if (records_.are_done()) return true;
-  const bool good = control_.tries([&] { records_.record(control_.last_dt()); }, notify);
-  records_.go_back();
+  const bool good = control_.try_check([&] { records_.record(control_.last_dt()); }, notify);
+  records_.roll_back();
   return good;
 }
 
@@ -203,7 +203,7 @@ void RunLoop::rehearse(std::size_t event, double time) {
   }
 }
 
-bool RunLoop::tries_step() {
+bool RunLoop::try_step() {
   try {
     control_.make_step();
     control_.watch().after_step(clock_.step());
@@ -213,7 +213,8 @@ bool RunLoop::tries_step() {
   }
 }
 
-void RunLoop::report(Observer& observer, Wall::time_point start, std::uint64_t first_step) {
+void RunLoop::report_progress(Observer& observer, Wall::time_point start,
+                              std::uint64_t first_step) {
   Progress progress;
   progress.step = clock_.step();
   progress.time = clock_.time();
@@ -266,13 +267,13 @@ void RunLoop::finish(Observer& observer) {
   if (const std::string text = hourglass_warning(scene_, built_, rests); !text.empty())
     diagnostics_.warn(text);
   // A run that is interrupted may stand at a state that the next step would have taken back.
-  if (!control_.tries([&] { records_.finish(control_.last_dt()); }, notify_to(observer))) {
-    records_.go_back();
+  if (!control_.try_check([&] { records_.finish(control_.last_dt()); }, notify_to(observer))) {
+    records_.roll_back();
     records_.finish(control_.last_dt());
   }
   if (const std::string text = control_.balance_warning(); !text.empty()) diagnostics_.warn(text);
   checkpoints_.finish();
-  if (summary_.outcome == RunSummary::Outcome::interrupted && checkpoints_.are_written())
+  if (summary_.outcome == RunSummary::Outcome::interrupted && checkpoints_.is_enabled())
     observer.on_message("resume with: suture run --resume " + checkpoints_.newest());
 }
 
@@ -283,7 +284,7 @@ void RunLoop::summarise() {
     summary_.exchanged = energies.exchanged;
   }
   summary_.lowest_eigenvalue = ending_.lowest_eigenvalue();
-  summary_.steps_back = control_.steps_back();
+  summary_.rollbacks = control_.rollbacks();
   summary_.steps = clock_.step();
   summary_.time = clock_.time();
   summary_.dt = control_.last_dt();

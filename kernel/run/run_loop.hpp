@@ -31,7 +31,7 @@ class RunLoop {
   /// Loads the state of the checkpoint from `file`. Call before any step.
   void resume(const Checkpoint& checkpoint, const std::filesystem::path& file);
   /// Makes a step for timing only, without events; returns false if it fails.
-  bool tries_step();
+  bool try_step();
   /// Event `event` as if it were `time`, without a message; only for estimates.
   void rehearse(std::size_t event, double time);
 
@@ -49,10 +49,10 @@ class RunLoop {
   using Wall = std::chrono::steady_clock;
   void fire_events(Observer& observer);
   void take_over(const EventOutcome& outcome);
-  void tell_of_sleep(Observer& observer);
+  void report_sleep(Observer& observer);
   bool record(const StepControl::Notify& notify);
   bool stops(Observer& observer);
-  void report(Observer& observer, Wall::time_point start, std::uint64_t first_step);
+  void report_progress(Observer& observer, Wall::time_point start, std::uint64_t first_step);
   void finish(Observer& observer);
   void summarise();
 

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "kernel/attributes/inspection.hpp"
-#include "kernel/run/shown.hpp"
+#include "kernel/run/displayed_ids.hpp"
 
 namespace suture {
 namespace {

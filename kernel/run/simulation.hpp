@@ -54,7 +54,7 @@ struct RunSummary {
   Outcome outcome = Outcome::finished;
   std::uint64_t steps = 0, frames = 0, inverted_elements = 0;
   std::uint64_t faces_cut = 0, faces_torn = 0, faces_sewn = 0, elements_removed = 0;
-  std::uint64_t steps_back = 0;       ///< number of rollbacks
+  std::uint64_t rollbacks = 0;        ///< number of rollbacks
   double balance = 0, exchanged = 0;  ///< J: the unexplained remainder and its scale; 0: rounding
   double time = 0, dt = 0;            ///< s; dt of the last step
   double seconds = 0;                 ///< wall clock of the loop

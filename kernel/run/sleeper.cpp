@@ -8,8 +8,8 @@
 namespace suture {
 namespace {
 
-constexpr std::uint64_t steps_between_looks = 64;
-constexpr unsigned looks_needed = 4;
+constexpr std::uint64_t steps_between_checks = 64;
+constexpr unsigned checks_needed = 4;
 
 /// Elements by island, ascending.
 std::vector<std::vector<Index>> elements_by_island(const Islands& islands, Index elements) {
@@ -31,18 +31,18 @@ bool Sleeper::is_still(std::span<const Index> elements) const {
   return found.acceleration <= acceleration_ && found.velocity <= velocity_;
 }
 
-Index Sleeper::look(std::uint64_t step) {
-  if (!is_enabled() || step % steps_between_looks != 0) return 0;
+Index Sleeper::check(std::uint64_t step) {
+  if (!is_enabled() || step % steps_between_checks != 0) return 0;
   if (built_.dynamics().time() < built_.body().last_change()) return 0;
   const Islands& islands = built_.body().islands();
-  still_looks_.resize(islands.count());
+  still_checks_.resize(islands.count());
   Index fallen_asleep = 0;
   const auto lists = elements_by_island(islands, built_.body().complex().element_count());
   for (Index island = 0; island < islands.count(); ++island) {
-    unsigned& looks = still_looks_[island];
-    if (lists[island].empty() || looks >= looks_needed) continue;
-    looks = is_still(lists[island]) ? looks + 1 : 0;
-    if (looks < looks_needed) continue;
+    unsigned& checks = still_checks_[island];
+    if (lists[island].empty() || checks >= checks_needed) continue;
+    checks = is_still(lists[island]) ? checks + 1 : 0;
+    if (checks < checks_needed) continue;
     put_to_sleep(built_.dynamics(), lists[island]);
     ++fallen_asleep;
   }
@@ -50,14 +50,14 @@ Index Sleeper::look(std::uint64_t step) {
 }
 
 void Sleeper::follow(const CellComplex&, const TopologyChange&) {
-  std::ranges::fill(still_looks_, 0u);
+  std::ranges::fill(still_checks_, 0u);
 }
 
-void Sleeper::state(Archive& archive) { archive("still looks", still_looks_); }
+void Sleeper::state(Archive& archive) { archive("still looks", still_checks_); }
 
 Index Sleeper::sleeping() const {
-  return static_cast<Index>(
-      std::ranges::count_if(still_looks_, [](unsigned looks) { return looks >= looks_needed; }));
+  return static_cast<Index>(std::ranges::count_if(
+      still_checks_, [](unsigned checks) { return checks >= checks_needed; }));
 }
 
 }  // namespace suture

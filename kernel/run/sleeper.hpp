@@ -22,7 +22,7 @@ class Sleeper : private Follower {
   bool is_enabled() const { return acceleration_ > 0; }
   /// Call after every step. Returns the number of islands that fell asleep now. A check costs a
   /// pass over the awake elements, every 64 steps.
-  Index look(std::uint64_t step);
+  Index check(std::uint64_t step);
   /// The number of sleeping islands.
   Index sleeping() const;
   void state(Archive& archive);
@@ -33,8 +33,8 @@ class Sleeper : private Follower {
   bool is_still(std::span<const Index> elements) const;
 
   BuiltScene& built_;
-  double acceleration_, velocity_;     ///< m/s^2, m/s
-  std::vector<unsigned> still_looks_;  ///< by island
+  double acceleration_, velocity_;      ///< m/s^2, m/s
+  std::vector<unsigned> still_checks_;  ///< by island
 };
 
 }  // namespace suture

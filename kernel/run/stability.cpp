@@ -56,7 +56,7 @@ Stability::Verdict Stability::examine(const RestSearch& rest, std::uint64_t step
   built_.dynamics().synchronise();
   recorder_.mode(time, gravity, mode.shape);
   std::string text = describe(mode);
-  if (scene_.solver.kick > 0 && kicks_ < most_kicks) {
+  if (scene_.solver.kick > 0 && kicks_ < max_kicks) {
     ++kicks_;
     std::ostringstream push;
     push << "; displaced along the mode by " << scene_.solver.kick << " m (/solver/kick)";

@@ -40,7 +40,7 @@ class Stability {
   bool is_partial() const;
   void kick(const LowestMode& mode);
 
-  static constexpr unsigned most_kicks = 5;
+  static constexpr unsigned max_kicks = 5;
 
   const Scene& scene_;
   BuiltScene& built_;

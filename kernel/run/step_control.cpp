@@ -23,7 +23,7 @@ constexpr double notable_growth = 0.02;
 constexpr double notable_balance = 0.1;
 // How often a step is halved before it is given up, and attempts to pass a place where
 // elements or models fail, which a smaller step may not help.
-constexpr unsigned most_halvings = 10, most_attempts = 2;
+constexpr unsigned max_halvings = 10, max_attempts = 2;
 // More frames than these are not held back: the state is kept sooner.
 constexpr std::size_t frames_held = 2;
 
@@ -73,13 +73,13 @@ void StepControl::commit() {
 // -------------------------------------------------------------------- steps --
 
 void StepControl::step(const Notify& notify) {
-  if (kept_.look(clock_.step(), clock_.time(), *this, recorder_.frames_held() > frames_held))
+  if (kept_.keep_if_due(clock_.step(), clock_.time(), *this, recorder_.frames_held() > frames_held))
     recorder_.release(kept_.older().step);
   try {
     make_step();
     check_step(notify);
   } catch (const NumericalError& error) {
-    step_back(error, notify);
+    roll_back(error, notify);
   }
 }
 
@@ -118,7 +118,7 @@ void StepControl::check_state(const Notify& notify) {
   text << 100 * guard_.growth() << " % of the energy exchanged is unexplained";
   if (watch_.is_unstable(clock_.step(), last_dt_))
     throw UnstableStep("the step is unstable: " + text.str());
-  if (guard_.growth() - last_growth > notable_growth / 2 && is_worth_a_smaller_step()) {
+  if (guard_.growth() - last_growth > notable_growth / 2 && should_retry_smaller()) {
     last_growth_ = last_growth;
     throw UnstableStep(text.str());
   }
@@ -153,70 +153,70 @@ std::string StepControl::balance_warning() const {
   return text.str();
 }
 
-/// Energy grew between two looks, though the step is stable now: a wave broke, or an element
+/// Energy grew between two checks, though the step is stable now: a wave broke, or an element
 /// snapped through. Each place is tried twice with smaller steps.
-bool StepControl::is_worth_a_smaller_step() {
-  if (scene_.solver.dt || kept_.empty() || watch_.halvings() >= most_halvings) return false;
-  growth_attempts_ = clock_.time() <= furthest_growth_ ? growth_attempts_ + 1 : 1;
-  furthest_growth_ = std::max(furthest_growth_, clock_.time());
-  return growth_attempts_ <= most_attempts;
+bool StepControl::should_retry_smaller() {
+  if (scene_.solver.dt || kept_.empty() || watch_.halvings() >= max_halvings) return false;
+  growth_attempts_ = clock_.time() <= latest_growth_time_ ? growth_attempts_ + 1 : 1;
+  latest_growth_time_ = std::max(latest_growth_time_, clock_.time());
+  return growth_attempts_ <= max_attempts;
 }
 
-bool StepControl::tries(const std::function<void()>& look, const Notify& notify) {
+bool StepControl::try_check(const std::function<void()>& check, const Notify& notify) {
   try {
-    look();
+    check();
     return true;
   } catch (const NumericalError& error) {
-    step_back(error, notify);
+    roll_back(error, notify);
     return false;
   }
 }
 
-bool StepControl::ends_well(const Notify& notify) {
-  return tries([&] { check_state(notify); }, notify);
+bool StepControl::check_last_state(const Notify& notify) {
+  return try_check([&] { check_state(notify); }, notify);
 }
 
 // -------------------------------------------------------------------- steps back --
 
 /// Goes back to the older state that is kept, with a smaller step; throws what is final.
-void StepControl::step_back(const NumericalError& error, const Notify& notify) {
+void StepControl::roll_back(const NumericalError& error, const Notify& notify) {
   const auto* rejected = dynamic_cast<const StepRejected*>(&error);
   const bool unstable = dynamic_cast<const UnstableStep*>(&error) != nullptr;
   const double failed_at = clock_.time();
-  const bool same_place = failed_at <= furthest_failure_ + 64 * last_dt_;
+  const bool same_place = failed_at <= latest_failure_time_ + 64 * last_dt_;
   attempts_ = same_place ? attempts_ + 1 : 1;
-  furthest_failure_ = std::max(furthest_failure_, failed_at);
-  const bool may_help = rejected || (!scene_.solver.dt && (unstable || attempts_ <= most_attempts));
+  latest_failure_time_ = std::max(latest_failure_time_, failed_at);
+  const bool may_help = rejected || (!scene_.solver.dt && (unstable || attempts_ <= max_attempts));
   // Right after an operation the run continues from here: a step that a model rejects has moved
   // nothing yet, and the energy of an unstable one is in the balance.
   const bool implicit = built_.dynamics().is_implicit();
-  const bool goes_on =
+  const bool continues_here =
       (rejected && (kept_.empty() || implicit)) || (kept_.empty() && unstable && !scene_.solver.dt);
-  if (!may_help || (kept_.empty() && !goes_on) || watch_.halvings() >= most_halvings)
+  if (!may_help || (kept_.empty() && !continues_here) || watch_.halvings() >= max_halvings)
     give_up(error);
-  if (!goes_on)
+  if (!continues_here)
     restore(kept_.take_older());
   else if (built_.dynamics().time() < clock_.time())
     clock_.undo_advance();
   const double factor = rejected ? rejected->step_factor : 0.5;
   const auto halvings = saturate<unsigned>(std::ceil(-std::log2(factor) - 1e-9));
-  watch_.step_back(clock_.step(), std::min(halvings, most_halvings));
+  watch_.roll_back(clock_.step(), std::min(halvings, max_halvings));
   std::ostringstream text;
   text << timed(failed_at, error.what());
-  if (goes_on && implicit)
+  if (continues_here && implicit)
     text << "; tried again with dt = " << next_dt() << " s";
-  else if (goes_on)
+  else if (continues_here)
     text << "; an operation cannot be undone, so dt is " << next_dt() << " s from here on";
   else
     text << "; rolled back to t = " << clock_.time() << " s with dt = " << next_dt() << " s";
   notify(text.str());
-  ++steps_back_;
+  ++rollbacks_;
 }
 
 void StepControl::restore(const KeptStates::State& kept) {
   kept.buffer.load(*this);
-  events_.go_back(clock_.time());
-  recorder_.go_back(clock_.step());
+  events_.roll_back(clock_.time());
+  recorder_.roll_back(clock_.step());
 }
 
 void StepControl::give_up(const NumericalError& error) {
@@ -228,15 +228,15 @@ void StepControl::give_up(const NumericalError& error) {
   if (element != none) text << "; the element is at " << built_.place_of(element);
   Evidence evidence(built_, clock_.time());
   if (kept_.empty()) {
-    recorder_.go_back(clock_.step() - 1);
+    recorder_.roll_back(clock_.step() - 1);
   } else {
     const KeptStates::State& good = kept_.take_older();
     const Clock failed = clock_;
     good.buffer.load(*this);
     clock_ = failed;
-    recorder_.go_back(good.step);
+    recorder_.roll_back(good.step);
     evidence.add_last_good(built_, good.time);
-    if (scene_.solver.dt) watch_.look_again();
+    if (scene_.solver.dt) watch_.search_for_report();
   }
   text << ". " << advice(error);
   if (dynamic_cast<const NotFinite*>(&error) != nullptr)
@@ -256,13 +256,13 @@ void StepControl::state(Archive& archive) {
   archive("watch", watch_);
   archive("kept", kept_);
   archive("last dt", last_dt_);
-  archive("furthest failure", furthest_failure_);
+  archive("furthest failure", latest_failure_time_);
   archive("attempts", attempts_);
   archive("last growth", last_growth_);
-  archive("furthest growth", furthest_growth_);
+  archive("furthest growth", latest_growth_time_);
   archive("growth attempts", growth_attempts_);
   archive("growth was reported", growth_was_reported_);
-  archive("steps back", steps_back_);
+  archive("steps back", rollbacks_);
 }
 
 /// What fits the scene, and is not in it yet.

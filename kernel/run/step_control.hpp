@@ -39,8 +39,8 @@ class StepControl {
   const Clock& clock() const { return clock_; }
   const Guard& guard() const { return guard_; }
   StepWatch& watch() { return watch_; }
-  double last_dt() const { return last_dt_; }               ///< s
-  std::uint64_t steps_back() const { return steps_back_; }  ///< the number of rollbacks
+  double last_dt() const { return last_dt_; }             ///< s
+  std::uint64_t rollbacks() const { return rollbacks_; }  ///< the number of rollbacks
   double next_dt();
 
   /// Makes one step, after everything due at its start, or rolls back to an earlier state. Throws
@@ -48,11 +48,11 @@ class StepControl {
   void step(const Notify& notify);
   /// Makes a step without checks, for estimates.
   void make_step();
-  /// Calls `look` on the current state, which may evaluate forces there and fail like a step;
+  /// Calls `check` on the current state, which may evaluate forces there and fail like a step;
   /// returns false if the run rolled back instead.
-  bool tries(const std::function<void()>& look, const Notify& notify);
+  bool try_check(const std::function<void()>& check, const Notify& notify);
   /// Checks the last state; returns false if the run rolled back instead.
-  bool ends_well(const Notify& notify);
+  bool check_last_state(const Notify& notify);
 
   /// A warning if the balance of the whole run did not close and this was not reported; otherwise
   /// "".
@@ -70,8 +70,8 @@ class StepControl {
  private:
   void check_step(const Notify& notify);
   void check_state(const Notify& notify);
-  bool is_worth_a_smaller_step();
-  void step_back(const NumericalError& error, const Notify& notify);
+  bool should_retry_smaller();
+  void roll_back(const NumericalError& error, const Notify& notify);
   void restore(const KeptStates::State& kept);
   [[noreturn]] void give_up(const NumericalError& error);
   std::string advice(const NumericalError& error) const;
@@ -87,13 +87,13 @@ class StepControl {
   StepWatch watch_;
   KeptStates kept_;
   double last_dt_ = 0;
-  double furthest_failure_ = -1;  ///< s
-  unsigned attempts_ = 0;         ///< to pass it
-  double last_growth_ = 0;        ///< at the previous check
-  double furthest_growth_ = -1;   ///< s
-  unsigned growth_attempts_ = 0;  ///< to pass it
+  double latest_failure_time_ = -1;  ///< s
+  unsigned attempts_ = 0;            ///< to pass it
+  double last_growth_ = 0;           ///< at the previous check
+  double latest_growth_time_ = -1;   ///< s
+  unsigned growth_attempts_ = 0;     ///< to pass it
   bool growth_was_reported_ = false;
-  std::uint64_t steps_back_ = 0;
+  std::uint64_t rollbacks_ = 0;
 };
 
 }  // namespace suture

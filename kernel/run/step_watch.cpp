@@ -16,7 +16,7 @@ namespace {
 constexpr double alarming = 1.8;
 constexpr unsigned alarms_needed = 2;
 constexpr double low_safety = 0.5;
-constexpr double most_over_bound = 1.4;
+constexpr double max_over_bound = 1.4;
 
 }  // namespace
 
@@ -59,7 +59,7 @@ void StepWatch::after_step(std::uint64_t step) {
   }
   if (step < due_) return;
   const bool events_go_on = lowered_ > searched_ && step < lowered_ + search_steps;
-  if (!scene_.solver.dt && events_go_on && step < searched_ + most_event_steps) {
+  if (!scene_.solver.dt && events_go_on && step < searched_ + max_event_steps) {
     stable_ = limit_over_bound_ * bound(&StepLimits::bounds).value();  // lowered_ by such a bound
     due_ = step + search_steps;
     return;
@@ -70,7 +70,7 @@ void StepWatch::after_step(std::uint64_t step) {
   if (scene_.solver.dt) return;
   const bool same = comparable && std::abs(stable_ - before) < 0.02 * before;
   interval_ = halvings_ > 0 ? reduced_search_steps
-              : same        ? std::min(2 * interval_, most_search_steps)
+              : same        ? std::min(2 * interval_, max_search_steps)
                             : search_steps;
   due_ = step + interval_;
 }
@@ -95,7 +95,7 @@ void StepWatch::search(std::uint64_t step, bool from_random) {
   }
   if (!scene_.solver.dt && !scene_.events.empty()) {
     const double limit = stable_ / bound(&StepLimits::bounds).value_or(stable_);
-    limit_over_bound_ = std::clamp(limit, 1.0, most_over_bound);
+    limit_over_bound_ = std::clamp(limit, 1.0, max_over_bound);
   }
   compare();
 }
@@ -136,7 +136,7 @@ bool StepWatch::is_unstable(std::uint64_t step, double dt) {
   return unstable;
 }
 
-void StepWatch::look_again() {
+void StepWatch::search_for_report() {
   try {
     stable_ = built_.limits().stable_step(built_.dynamics().time(), true);
   } catch (const Error&) {
@@ -144,7 +144,7 @@ void StepWatch::look_again() {
   }
 }
 
-void StepWatch::step_back(std::uint64_t step, unsigned halvings) {
+void StepWatch::roll_back(std::uint64_t step, unsigned halvings) {
   halvings_ += halvings;
   alarms_ = 0;
   clean_since_ = step;

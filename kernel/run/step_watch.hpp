@@ -56,9 +56,9 @@ class StepWatch {
   bool is_unstable(std::uint64_t step, double dt);
   /// For the final message of a run: finds the stable step of the current state from a random
   /// start; 0 if no model provides it.
-  void look_again();
+  void search_for_report();
   /// Call when a step was rejected and the run is back at `step`: dt is halved `halvings` times.
-  void step_back(std::uint64_t step, unsigned halvings);
+  void roll_back(std::uint64_t step, unsigned halvings);
   unsigned halvings() const { return halvings_; }
 
   /// The stable step, s; with a fixed dt, a known bound on it, or 0.
@@ -72,8 +72,8 @@ class StepWatch {
   void state(Archive& archive);
 
  private:
-  static constexpr std::uint64_t search_steps = 512, most_search_steps = 16 * search_steps,
-                                 most_event_steps = 8 * search_steps, reduced_search_steps = 64,
+  static constexpr std::uint64_t search_steps = 512, max_search_steps = 16 * search_steps,
+                                 max_event_steps = 8 * search_steps, reduced_search_steps = 64,
                                  implicit_steps = 4, never = ~std::uint64_t{0};
 
   std::optional<double> bound(StepBounds (StepLimits::*which)(double));
@@ -87,7 +87,7 @@ class StepWatch {
   double stable_ = 0;
   unsigned halvings_ = 0;
   std::uint64_t searched_ = 0, due_ = never, interval_ = search_steps;
-  double limit_over_bound_ = 1;    ///< at the last search, between 1 and most_over_bound
+  double limit_over_bound_ = 1;    ///< at the last search, between 1 and max_over_bound
   std::uint64_t lowered_ = 0;      ///< the step at which an event last lowered stable_
   std::uint64_t clean_since_ = 0;  ///< the last alarm or undone halving
   std::uint64_t trusted_until_ = 0;

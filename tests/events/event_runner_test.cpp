@@ -159,7 +159,7 @@ TEST_F(Events, ABladeGoesOnFromWhereItWentBackTo) {
   kept.save(*runner);
   runner->fire(0, 0.15);
   kept.load(*runner);
-  runner->go_back(0.1);
+  runner->roll_back(0.1);
   EXPECT_EQ(runner->fire(0, 1).faces_cut, 4u);
 }
 

@@ -24,13 +24,13 @@ namespace fs = std::filesystem;
 
 struct Listener : Observer {
   Listener(Ran& result, std::optional<std::uint64_t> last) : ran(result), stop(last) {}
-  void on_message(const std::string& text) override { tell(text); }
+  void on_message(const std::string& text) override { report(text); }
   bool stop_requested() override {
     const bool stops = stop && ran.questions >= *stop;
     ++ran.questions;
     return stops;
   }
-  void tell(const std::string& text) {
+  void report(const std::string& text) {
     if (text.starts_with("resume with")) return;
     ran.messages.push_back(text);
     ran.told_at.push_back(ran.questions);
@@ -45,7 +45,7 @@ std::string text_of(const RunSummary& s) {
   text << "outcome " << static_cast<int>(s.outcome) << ", steps " << s.steps << ", frames "
        << s.frames << ", inverted " << s.inverted_elements << ", cut " << s.faces_cut << ", torn "
        << s.faces_torn << ", sewn " << s.faces_sewn << ", removed " << s.elements_removed
-       << ", back " << s.steps_back << ", balance " << s.balance << " of " << s.exchanged
+       << ", back " << s.rollbacks << ", balance " << s.balance << " of " << s.exchanged
        << ", time " << s.time << ", dt " << s.dt << ", eigenvalue "
        << s.lowest_eigenvalue.value_or(0);
   return text.str();
@@ -62,7 +62,7 @@ void run(const Scene& scene, PluginHost& host, bool skips, const std::optional<C
   Simulation simulation(scene, host, diagnostics, skips);
   if (from) simulation.resume(*from, way.resume);
   Listener listener(ran, way.stop);
-  diagnostics.on_warning = [&](const std::string& text) { listener.tell(text); };
+  diagnostics.on_warning = [&](const std::string& text) { listener.report(text); };
   const RunSummary summary = simulation.run(listener);
   ran.end = text_of(summary);
   ran.steps = summary.steps;

@@ -113,7 +113,7 @@ TEST_P(Retry, IsHonouredWithAnAutomaticStepAndLeavesNoTrace) {
   add_moody(1, 0.04, 0.05, longest);
   const RunSummary summary = run();
   EXPECT_EQ(summary.outcome, RunSummary::Outcome::finished);
-  EXPECT_GE(summary.steps_back, 2u) << "two halvings";
+  EXPECT_GE(summary.rollbacks, 2u) << "two halvings";
   EXPECT_EQ(summary.time, 0.1);
   expect_whole_tables();
   const CsvTable table = energies();
@@ -138,7 +138,7 @@ TEST_P(Retry, DividesAFixedStepAndGoesBackToWholeOnes) {
   add_moody(1, 0.02, 0.025, 0.5e-4);
   const RunSummary summary = run();
   EXPECT_EQ(summary.outcome, RunSummary::Outcome::finished);
-  EXPECT_GE(summary.steps_back, 1u);
+  EXPECT_GE(summary.rollbacks, 1u);
   EXPECT_EQ(summary.dt, 1e-4) << "whole steps again";
   EXPECT_EQ(summary.time, 2000 * 1e-4);
   expect_whole_tables();
@@ -155,7 +155,7 @@ TEST_P(Retry, TakesTheStepThatTheModelProposes) {
   add_moody(1, 0.02, 0.0205, 1e-4 / 8, 0.125);
   const RunSummary summary = run();
   EXPECT_EQ(summary.outcome, RunSummary::Outcome::finished);
-  EXPECT_EQ(summary.steps_back, 1u) << "three halvings at once";
+  EXPECT_EQ(summary.rollbacks, 1u) << "three halvings at once";
 }
 
 TEST_P(Retry, ThatNothingSatisfiesEndsTheRun) {
@@ -185,7 +185,7 @@ TEST_P(Retry, SoonAfterACutIsHonouredAndTheCutStays) {
     const RunSummary summary = run();
     EXPECT_EQ(summary.outcome, RunSummary::Outcome::finished) << from;
     EXPECT_EQ(summary.faces_cut, 4u) << from;
-    EXPECT_GE(summary.steps_back, 1u) << from;
+    EXPECT_GE(summary.rollbacks, 1u) << from;
     expect_whole_tables();
   }
 }
@@ -205,7 +205,7 @@ TEST_P(Retry, InTheVeryStepOfACutMakesThatStepSmaller) {
   const RunSummary summary = run();
   EXPECT_EQ(summary.outcome, RunSummary::Outcome::finished);
   EXPECT_EQ(summary.faces_cut, 4u);
-  EXPECT_EQ(summary.steps_back, 1u);
+  EXPECT_EQ(summary.rollbacks, 1u);
   EXPECT_EQ(summary.time, 1000 * 1e-4);
 }
 
@@ -234,7 +234,7 @@ TEST_P(Retry, WritesEachFrameOnce) {
   scene.output.every = 2e-3;
   add_moody(1, 0.0505, 0.052, 0.25e-4);
   const RunSummary summary = run();
-  EXPECT_GE(summary.steps_back, 2u);
+  EXPECT_GE(summary.rollbacks, 2u);
   EXPECT_EQ(summary.frames, 51u);
   const std::string pvd = read_text(folder / "out/run.pvd");
   std::size_t at = 0;

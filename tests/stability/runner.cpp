@@ -241,7 +241,7 @@ void run(const Trial& trial, const Scene& scene, Result& result) {
     const RunSummary summary = simulation.run(listener);
     result.outcome = outcome_name(summary.outcome);
     result.steps = summary.steps;
-    result.steps_back = summary.steps_back;
+    result.rollbacks = summary.rollbacks;
     if (summary.exchanged > 0) result.balance = summary.balance / summary.exchanged;
     if (growth && growth->scale > 0) {
       const double part = 0.76 * (summary.time - trial.settled) / summary.time;

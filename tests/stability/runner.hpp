@@ -32,7 +32,7 @@ struct Result {
   std::string outcome;  ///< "finished", or the kind of error
   std::string error;
   std::vector<std::string> messages;  ///< of the observer and the diagnostics
-  std::uint64_t steps = 0, steps_back = 0;
+  std::uint64_t steps = 0, rollbacks = 0;
   double balance = 0;     ///< of the ledger at the end, part of what was exchanged
   double growth = 0;      ///< of kinetic + elastic + potential per 10,000 steps, the same
   double difference = 0;  ///< to a run at a quarter of the step, part of the displacement

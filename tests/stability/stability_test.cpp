@@ -70,7 +70,7 @@ class Report {
     std::string messages;
     for (const std::string& message : result.messages) messages += message + " | ";
     csv_ << trial.name << ',' << name_of(result.verdict) << ',' << csv_text(limit ? limit : "")
-         << ',' << result.outcome << ',' << result.steps << ',' << result.steps_back << ','
+         << ',' << result.outcome << ',' << result.steps << ',' << result.rollbacks << ','
          << result.balance << ',' << result.growth << ',' << result.difference << ','
          << result.seconds << ',' << csv_text(trial.title) << ',' << csv_text(result.reason) << ','
          << csv_text(messages) << std::endl;

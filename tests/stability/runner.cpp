@@ -189,21 +189,21 @@ void judge_right(const Trial& trial, const Scene& scene, Result& result) {
   }
   if (result.outcome != "finished" && result.outcome != "at rest")
     return set(Verdict::wrong_outcome, result.outcome);
-  const bool told = contains(result.messages, "of the energy exchanged is unexplained");
+  const bool was_reported = contains(result.messages, "of the energy exchanged is unexplained");
   if (!std::isfinite(result.growth) || !std::isfinite(result.balance))
     return set(Verdict::grew, "not finite");
-  if (result.growth > allowed_growth && !told)
+  if (result.growth > allowed_growth && !was_reported)
     return set(Verdict::grew, "energy grew by " + std::to_string(100 * result.growth) + " %");
   const double limit = trial.is_smooth ? allowed_smooth_balance : allowed_balance;
-  if (std::abs(result.balance) > limit && !told)
+  if (std::abs(result.balance) > limit && !was_reported)
     return set(Verdict::inaccurate, "balance " + std::to_string(result.balance));
   if (result.difference > (trial.is_smooth ? allowed_smooth_difference : allowed_difference))
     return set(Verdict::inaccurate,
                std::to_string(100 * result.difference) + " % from a quarter of the step");
-  if (told && trial.is_conservative && result.growth < allowed_growth)
+  if (was_reported && trial.is_conservative && result.growth < allowed_growth)
     set(Verdict::held, "reported or undone; no growth over the run");
-  else if (told)
-    set(Verdict::told, "growth was reported");
+  else if (was_reported)
+    set(Verdict::reported, "growth was reported");
 }
 
 void judge(const Trial& trial, const Scene& scene, Result& result) {
@@ -262,8 +262,8 @@ const char* name_of(Verdict verdict) {
   switch (verdict) {
     case Verdict::good:
       return "good";
-    case Verdict::told:
-      return "told";
+    case Verdict::reported:
+      return "reported";
     case Verdict::held:
       return "held";
     case Verdict::beyond_law:

@@ -12,7 +12,7 @@ namespace suture::test {
 
 enum class Verdict {
   good,            ///< as expected
-  told,            ///< right, and its energy grew by more than 2 %, which was reported
+  reported,        ///< right, and its energy grew by more than 2 %, which was reported
   held,            ///< growth was reported or undone, and over the run there is none
   beyond_law,      ///< stopped, and a run at a tenth of the step stops, too
   stopped,         ///< a right run was stopped
@@ -25,7 +25,7 @@ enum class Verdict {
 const char* name_of(Verdict verdict);
 inline bool is_good(Verdict v) { return v <= Verdict::beyond_law; }
 
-/// What came of a trial.
+/// The result of a trial.
 struct Result {
   Verdict verdict = Verdict::good;
   std::string reason;
@@ -39,7 +39,7 @@ struct Result {
   double seconds = 0;
 };
 
-/// Runs the trial and says what came of it. `folder`: for its files.
+/// Runs the trial and judges it. `folder`: for its files.
 Result run_trial(const Trial& trial, const std::filesystem::path& folder, bool compares);
 
 /// The scene as the program would read it.

@@ -31,7 +31,7 @@ struct Items {
 };
 using Map = lcc::Complex<Items>;
 
-class CgalCut final : public CutBaseLine {
+class CgalCut final : public CutBaseline {
  public:
   explicit CgalCut(const Mesh& mesh) : faces_(lcc::build(map_, mesh)) {
     lcc::add_attributes<1>(map_);
@@ -72,7 +72,7 @@ class CgalCut final : public CutBaseLine {
 
 }  // namespace
 
-std::unique_ptr<CutBaseLine> make_cgal_cut(const Mesh& mesh) {
+std::unique_ptr<CutBaseline> make_cgal_cut(const Mesh& mesh) {
   return std::make_unique<CgalCut>(mesh);
 }
 

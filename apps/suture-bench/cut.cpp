@@ -24,7 +24,7 @@ struct Options {
   std::vector<Index> sides{200, 400, 600, 800};
   std::vector<std::string> bodies{"frog", "elephant", "mushroom", "giraffe"};
   unsigned rounds = 3;
-  bool base_lines = true;
+  bool baselines = true;
   Index large = 800;
 };
 
@@ -62,7 +62,7 @@ Round run_suture(PluginHost& host, const std::string& model, const CutCase& c) {
   return round;
 }
 
-Round run_base_line(std::unique_ptr<CutBaseLine> (*make)(const Mesh&), const CutCase& c) {
+Round run_baseline(std::unique_ptr<CutBaseline> (*make)(const Mesh&), const CutCase& c) {
   Round round;
   const double bytes = resident_bytes();
   const auto map = make(c.mesh);
@@ -82,11 +82,10 @@ std::vector<Method> methods(PluginHost& host, const Options& options) {
   for (const char* model : {"mss-baudet", "tm-faure"})
     all.push_back({std::string("Suture, ") + model,
                    [&host, model](const CutCase& c) { return run_suture(host, model, c); }});
-  if (!options.base_lines) return all;
+  if (!options.baselines) return all;
+  all.push_back({"CGAL unsew<3>", [](const CutCase& c) { return run_baseline(make_cgal_cut, c); }});
   all.push_back(
-      {"CGAL unsew<3>", [](const CutCase& c) { return run_base_line(make_cgal_cut, c); }});
-  all.push_back(
-      {"Flechon 2013", [](const CutCase& c) { return run_base_line(make_flechon_cut, c); }});
+      {"Flechon 2013", [](const CutCase& c) { return run_baseline(make_flechon_cut, c); }});
   return all;
 }
 
@@ -140,9 +139,9 @@ void add_lines(Report& report, const CutCase& c, const std::vector<Method>& all,
         .add("ms", 1e3 * sample.all_seconds())
         .add("median_us_per_face", 1e6 * sample.all_seconds() / faces)
         .add("bytes_per_element", sample.rounds[0].bytes / elements);
-    const auto slower = [&](std::size_t base_line) -> Line::Value {
-      if (samples.size() <= base_line || base_line <= m) return "";
-      return samples[base_line].all_seconds() / sample.all_seconds();
+    const auto slower = [&](std::size_t baseline) -> Line::Value {
+      if (samples.size() <= baseline || baseline <= m) return "";
+      return samples[baseline].all_seconds() / sample.all_seconds();
     };
     line.add("CGAL / this", slower(2)).add("Flechon / this", slower(3));
     report.add(std::move(line));
@@ -270,7 +269,7 @@ void add_cut(CLI::App& app, std::vector<Command>& commands) {
   command->add_option("--large", options->large, "n of the large grid n x n x 2");
   command->add_option("--rounds", options->rounds, "Fresh bodies for each figure")
       ->check(CLI::PositiveNumber);
-  command->add_flag("!--no-base-lines", options->base_lines, "Suture only");
+  command->add_flag("!--no-baselines", options->baselines, "Suture only");
   commands.push_back({command, [options](Report& report) { run(*options, report); }});
 }
 

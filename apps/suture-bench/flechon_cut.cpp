@@ -44,7 +44,7 @@ struct Items {
 using Map = lcc::Complex<Items>;
 using Handle = Map::Dart_handle;
 
-class FlechonCut final : public CutBaseLine {
+class FlechonCut final : public CutBaseline {
  public:
   explicit FlechonCut(const Mesh& mesh) : faces_(lcc::build(map_, mesh)) {
     lcc::add_attributes<1>(map_);
@@ -138,7 +138,7 @@ class FlechonCut final : public CutBaseLine {
 
 }  // namespace
 
-std::unique_ptr<CutBaseLine> make_flechon_cut(const Mesh& mesh) {
+std::unique_ptr<CutBaseline> make_flechon_cut(const Mesh& mesh) {
   return std::make_unique<FlechonCut>(mesh);
 }
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The program and the base-line plugins on a processor without AVX (emulated):
-# they must run, and give the bits that the base line gives on this machine.
+# The program and the baseline plugins on a processor without AVX (emulated):
+# they must run, and give the bits that the baseline gives on this machine.
 # usage: old_processor.sh SUTURE FOLDER
 set -euo pipefail
 suture=$1 folder=$2

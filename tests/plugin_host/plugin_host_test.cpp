@@ -196,7 +196,7 @@ TEST_F(PluginHostTest, OneFileOnTwoWaysIsNoConflict) {
 
 // ------------------------------------------------------------ instruction sets --
 
-// The notes of the builds differ; their code is the base line's, which runs anywhere.
+// The notes of the builds differ; their code is the baseline's, which runs anywhere.
 TEST_F(PluginHostTest, TakesTheBestBuildThatRuns) {
   put("good", "a", "good.so");
   put("good-avx2", "a", "good.avx2.so");

@@ -90,7 +90,7 @@ double MergePolicies::volume(std::span<const Dart> star, const TouchedElements& 
   return sum;
 }
 
-/// What the cell that is kept had is what it has now but for what came from the others.
+/// The previous share of the kept cell is its present one without those of the others.
 void MergePolicies::weigh_merges(std::size_t dimension, const TouchedElements& touched,
                                  const TopologyChange& change) {
   const std::span<const Merge> merges = change.merges[dimension];
@@ -153,7 +153,7 @@ void MergePolicies::drop(Table& table, const TouchedElements& touched,
 }
 
 /// The parts of a cell that lost elements hold all that it had: they keep what belongs
-/// to the volume that is left. (Volumes of parts that came of a split are summed over
+/// to the volume that is left. (Volumes of parts that resulted from a split are summed over
 /// them, as the value was divided among them.)
 void MergePolicies::keep_shares(Table& table, const TouchedElements& touched,
                                 std::span<const RowSplit> new_rows, const TopologyChange& change) {

@@ -52,7 +52,7 @@ double Clock::next_dt(double stable) {
     start_ = time_;
     stable_ = stable;
     done_ = 0;
-    // Without a stop ahead (a run until rest, an end that no run reaches) go on in blocks.
+    // Without a stop ahead (a run until rest, an end that no run reaches) continue in blocks.
     const bool is_far = !(steps < max_steps);
     steps_ = is_far ? block : std::max<std::uint64_t>(saturate<std::uint64_t>(steps), 1);
     length_ = is_far ? static_cast<double>(block) * stable : next_stop() - time_;

@@ -319,7 +319,7 @@ void Constraints::update(const TopologyChange& change, Attributes& attributes) {
   if (!any) return;
   const std::vector<Driven> before = std::move(driven_);
   gather(attributes);
-  // Those that go on have the mean velocity that they had, the parts of a split vertex its own.
+  // Those that continue have the mean velocity that they had, the parts of a split vertex its own.
   const auto hand_on = [&](Index from, Index to) {
     const auto old = std::ranges::lower_bound(before, from, {}, &Driven::vertex);
     const auto now = std::ranges::lower_bound(driven_, to, {}, &Driven::vertex);

@@ -292,8 +292,8 @@ EventRunner::State EventRunner::prepare(const Event& event) {
   return state;
 }
 
-// Lists and sets that the mesh does not have are the scene's fault, and told before
-// anything runs. What geometry selects is known when the event comes.
+// Lists and sets that the mesh does not have are mistakes in the scene, reported before
+// anything runs. What geometry selects is known when the event fires.
 void EventRunner::check(const Event& event) {
   const auto check_names = [&](const Selection& selection) {
     const bool names = std::holds_alternative<Selection::Ids>(selection.what) ||

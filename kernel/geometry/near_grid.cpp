@@ -15,8 +15,9 @@ namespace {
 int longest_for(std::size_t triangles) {
   return std::clamp(static_cast<int>(4 * std::sqrt(double(triangles))), 8, 256);
 }
-// Rounding of a cube's place, relative to its edge; coordinates are told apart from
-// the lattice's corner, so far-off blades only lose what their coordinates have lost.
+// Rounding of the place of a cube, relative to its edge. Coordinates are taken relative to the
+// corner of the lattice, so that a distant blade loses no more accuracy than its coordinates have
+// lost.
 constexpr double slack = 1e-6;
 }  // namespace
 

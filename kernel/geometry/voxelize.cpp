@@ -98,7 +98,7 @@ Filling fill(const TriangleSurface& surface, const Box& box, double edge) {
   return result;
 }
 
-/// Cubes that hang together by faces, found by flooding; the largest such set stays,
+/// Cubes that are connected by faces, found by flooding; the largest such set stays,
 /// the first of several.
 void keep_largest_island(Filling& filling) {
   const auto [nx, ny, nz] = filling.grid.cells;

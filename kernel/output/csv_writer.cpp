@@ -36,7 +36,7 @@ CsvWriter::CsvWriter(std::shared_ptr<OutputFolder> folder, std::string name,
 CsvWriter::~CsvWriter() {
   try {
     if (!buffer_.empty()) finish();
-  } catch (...) {  // finish() is where errors are told.
+  } catch (...) {  // finish() reports errors
   }
 }
 

@@ -13,7 +13,7 @@ namespace {
 // Lists of a million elements are not worth a million places: items behind have their list's.
 constexpr std::size_t max_items = 1000;
 
-/// A line of an error, with those that go on with it.
+/// A line of an error, with its continuation lines.
 struct Finding {
   std::string path, text;
 };

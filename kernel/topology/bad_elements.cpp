@@ -148,7 +148,7 @@ void unite_around(std::span<const Index> bad, const Mesh& mesh, DisjointSets& se
       if (v < bad_at.size() && bad_at[v] != none) sets.unite(e, bad_at[v]);
 }
 
-/// How many sets of elements there are that hang together by common faces; a bad element, whose
+/// How many sets of elements there are that are connected by common faces; a bad element, whose
 /// faces may be collapsed, holds all around it together.
 std::size_t pieces_of(const Mesh& mesh, std::span<const Index> bad = {}) {
   DisjointSets sets(mesh.hexahedra.size());

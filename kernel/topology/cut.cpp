@@ -91,7 +91,7 @@ struct CellComplex::StarWork {
  *   beta3 joins F and G              beta3(F) = beta3(G) = none
  *
  * w splits: without F the elements around it form two components. u does not: its
- * elements still hang together below. Only elements around the vertices and edges of
+ * elements are still connected below. Only elements around the vertices and edges of
  * the cut faces are looked at.
  */
 TopologyChange CellComplex::cut(std::span<const Dart> faces) {
@@ -130,9 +130,9 @@ std::vector<Link> CellComplex::mark_leaving(std::span<const Dart> faces) {
   return sorted(std::move(result));
 }
 
-/// Splits the vertices and edges of the cut faces where their elements no longer hang
-/// together. If elements go, they drop out of their cells, and what is left of these is
-/// told even if it is whole.
+/// Splits the vertices and edges of the cut faces where their elements are no longer
+/// connected. If elements are removed, they leave their cells, and what is left of these is
+/// reported even if it stays in one piece.
 template <CellComplex::Loss What>
 void CellComplex::split_cells(std::span<const Link> cut_faces, TopologyChange& change) {
   StarWork work;

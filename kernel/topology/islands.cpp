@@ -25,7 +25,7 @@ void sort_unique(std::vector<Index>& values) {
 
 }  // namespace
 
-/// What hangs together around some elements of an island, as far as it is known.
+/// What is connected to some elements of an island, as far as it is known.
 struct Islands::Part {
   Index island;
   std::vector<Index> members;

@@ -22,14 +22,14 @@ void sort_ascending(std::vector<Index>& values) {
   radix_sort(values, spare, [](Index value) { return value; });
 }
 
-/// Whether what is left of a star hangs together. Bit i of `left`: the i-th element
-/// above stays, bit n + i: the one below. False also where that is not as easily told.
+/// Whether what is left of a star is connected. Bit i of `left`: the i-th element
+/// above stays, bit n + i: the one below. Also false where this is not as easily decided.
 template <int Dimension>
-bool hangs_together(unsigned left, unsigned n, bool closed);
+bool is_connected(unsigned left, unsigned n, bool closed);
 
 /// The elements form a prism: a ring above, one below, and the faces between them.
 template <>
-bool hangs_together<0>(unsigned left, unsigned n, bool closed) {
+bool is_connected<0>(unsigned left, unsigned n, bool closed) {
   const unsigned ring = (1u << n) - 1;
   if (std::popcount(left) + 1u == 2 * n) return true;  // one element less parts nothing
   if (!closed) return false;
@@ -48,7 +48,7 @@ bool hangs_together<0>(unsigned left, unsigned n, bool closed) {
 
 /// The elements form a path above 1, above 0, below 0, below 1, or a ring.
 template <>
-bool hangs_together<1>(unsigned left, unsigned n, bool closed) {
+bool is_connected<1>(unsigned left, unsigned n, bool closed) {
   if (n == 1) return true;
   const unsigned path = (left >> 1 & 1) | (left & 1) << 1 | (left & 12);
   const auto is_run = [](unsigned x) { return ((x + (x & -x)) & x) == 0; };
@@ -70,7 +70,7 @@ bool hangs_together<1>(unsigned left, unsigned n, bool closed) {
  * The face F between a and e stays, on the boundary. A cell whose last element was e
  * (the corner beyond v and w) is removed. Around every other cell of e the elements
  * left are flooded as in a cut, where e counts as a component that is then forgotten:
- * u stays whole because a, b and c hang together. If b had been removed before, a and
+ * u stays whole because a, b and c are connected. If b had been removed before, a and
  * c would part at u.
  */
 TopologyChange CellComplex::pierce(std::span<const Index> elements) {
@@ -159,7 +159,7 @@ bool CellComplex::lose_elements(Index cell, HalfStars& halves, TopologyChange& c
     places[n + i] = halves.below[i];
   }
   for (std::size_t i = 0; i < 2 * n; ++i) left |= unsigned{!is_removed(places[i] >> 4)} << i;
-  if (!hangs_together<Dimension>(left, static_cast<unsigned>(n), halves.closed)) return false;
+  if (!is_connected<Dimension>(left, static_cast<unsigned>(n), halves.closed)) return false;
   sort_local_cells(places.data(), places.data() + 2 * n);
   if (std::adjacent_find(places.data(), places.data() + 2 * n) != places.data() + 2 * n)
     return false;

@@ -227,7 +227,7 @@ TEST_F(BadScenes, OperationsThatFailOnTheWayLoseNothing) {
   }
 }
 
-// Far away, or with nothing to do: a warning, and the run goes on.
+// Far away, or with nothing to do: a warning, and the run continues.
 TEST_F(BadScenes, OperationsWithoutEffectAreTold) {
   write("far.obj", "v 9 0 0\nv 9 1 0\nv 9 0 1\nf 1 2 3\n");
   const BadValue values[] = {

@@ -37,7 +37,7 @@ TEST(Attributes, SumsAfterRandomCutsHaveTheBitsOfAFreshStart) {
   const fake::Model model(fake::everything());
   for (int round = 0; round < 20; ++round) {
     Random random;
-    // Elements of any shape, or alike but for rounding: then one stands for all.
+    // Elements of any shape, or identical except for rounding: then one stands for all.
     const double distortion = round % 2 == 0 ? 0.2 : 4e-15;
     Body body({2 + static_cast<Index>(random() % 5), 3, 4}, &random, distortion);
     const Index count = body.complex.element_count();

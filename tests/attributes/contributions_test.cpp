@@ -123,7 +123,7 @@ TEST(Alike, OneElementSpeaksForAllThatGiveTheSame) {
   EXPECT_EQ(uniform_contribution(instance, mass, other.complex, moved, 1e-2).size(), 8u);
 }
 
-// The closed form, from the functor and from the values that are uniform: rho V / 8 per corner.
+// The closed form, from the functor and from uniform values: rho V / 8 per corner.
 TEST(Sums, OfABoxAreItsMassAtEveryVertex) {
   const fake::Model model(
       {fake::attribute("mass", 0, 1, &fake::box_mass, SUTURE_FROM_VOLUMES, SUTURE_SHARED_MASS)});

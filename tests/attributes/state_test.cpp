@@ -256,7 +256,7 @@ TEST(State, OfOtherModelsOrMeshesIsRefused) {
               "(2), plain (1); now: edge (1), plain (1)");
     Simulated larger(model, Body({3, 3, 4}), {{}}), line(model, Body({9, 3, 1}), {{}}),
         two(model, body, {{}, {}}), part(model, body, {{0, 1, 2}});
-    if (!operated) {  // afterwards it is the map that tells
+    if (!operated) {  // afterwards the map reports it
       EXPECT_EQ(refusal_of(tree, larger.attributes), "/: the number of vertices differs");
       EXPECT_EQ(refusal_of(tree, line.attributes), "/: the number of vertices differs");
     }

@@ -89,7 +89,7 @@ TEST_P(RemovalOnIsa, ForcesAndEnergyAreThoseOfTheElementsThatAreThere) {
     auto parameters = defaults();
     parameters[edge_damping] = 3;
     std::vector<Index> region;
-    // Diagonals tell no energy; without them the sum is known.
+    // Diagonals report no energy; without them the sum is known.
     if (halved) parameters[diagonal_stiffness] = 0;
     for (Index e = 0; e < 120 && halved; ++e)
       if (e % 3 != 1) region.push_back(e);

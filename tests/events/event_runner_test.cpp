@@ -196,7 +196,7 @@ TEST_F(Events, PierceRemovesWhatIsSelectedOrNearItsPath) {
             std::string::npos);
 }
 
-TEST_F(Events, PierceTellsOfLoadsAndConstraints) {
+TEST_F(Events, PierceReportsLoadsAndConstraints) {
   Load load;
   load.kind = Load::Kind::force;
   load.value = {0, 0, 1};

@@ -87,7 +87,7 @@ suture_status edge_energy(const suture_context* context, const suture_batch* bat
   return SUTURE_OK;
 }
 
-/// k (x_a - x_b)^2 <= 2 k x_a^2 + 2 k x_b^2, all directions alike.
+/// k (x_a - x_b)^2 <= 2 k x_a^2 + 2 k x_b^2, the same in all directions.
 suture_status edge_bounds(const suture_context* context, const suture_batch* batch,
                           double* stiffness, double* damping) {
   for (std::uint32_t n = 0; n < 2; ++n)

@@ -185,8 +185,8 @@ TEST(MovingBlade, LeavesNoBridgeInTissueThatTurns) {
   EXPECT_EQ(islands, 2u);
 }
 
-// The same cuts in the same steps as by a look at every element, whatever moves how fast,
-// through cuts and removals, told of or not.
+// The same cuts in the same steps as by a check of every element, whatever moves how fast,
+// through cuts and removals, reported to the blade or not.
 TEST(MovingBlade, LooksNearItselfAndMissesNothing) {
   const char* given = std::getenv("SUTURE_SEED");
   const unsigned first = given ? static_cast<unsigned>(std::atoi(given)) : std::random_device{}();

@@ -76,7 +76,7 @@ TEST(CheckpointWriter, GoesOnBehindTheOneResumedFrom) {
     CheckpointWriter writer({.folder = output(folder.path()), .keep = 4});
     for (std::uint64_t n = 1; n <= 4; ++n) submit(writer, n);
   }
-  // Twice from the second: what was written behind it is of a future that comes anew.
+  // Twice from the second: what was written after it belongs to a future that is computed again.
   for (int round = 0; round < 2; ++round) {
     const fs::path from = folder / "checkpoint_0002.h5";
     CheckpointWriter writer(

@@ -238,7 +238,7 @@ TEST(FrameWriter, AWriteThatFailsInTheBackgroundIsTold) {
                   (folder / "frame_0001.vtu").string() + ": cannot be written: " + too_large);
       }
     }
-    // What was good before stays, nothing half-written remains, and it goes on.
+    // What was good before stays, nothing half-written remains, and the writer continues.
     expect_same(read_with_vtk(folder / "frame_0000.vtu"), box_frame(0));
     EXPECT_FALSE(fs::exists(folder / "frame_0001.vtu"));
     EXPECT_FALSE(fs::exists(folder / "frame_0001.vtu.part"));

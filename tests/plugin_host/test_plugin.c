@@ -25,7 +25,7 @@ SUTURE_NOTE(TEST_ID, TEST_ID)
 extern double nobody_defines_this(double);
 #endif
 
-/* Refused files must not run: a constructor tells the test if one did. */
+/* Refused files must not run: a constructor reports to the test if one did. */
 #include <stdlib.h>
 __attribute__((constructor)) static void loaded(void) { setenv("TEST_PLUGIN_LOADED", TEST_ID, 1); }
 

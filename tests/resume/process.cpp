@@ -33,7 +33,7 @@ struct Listener : Observer {
   void report(const std::string& text) {
     if (text.starts_with("resume with")) return;
     ran.messages.push_back(text);
-    ran.told_at.push_back(ran.questions);
+    ran.reported_at.push_back(ran.questions);
   }
   Ran& ran;
   std::optional<std::uint64_t> stop;

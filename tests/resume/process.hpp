@@ -22,13 +22,13 @@ struct Way {
   std::filesystem::path resume{};       ///< a checkpoint
 };
 
-/// What came of it.
+/// The result of a run.
 struct Ran {
   std::string end;  ///< the whole summary, or the error
   int code = 0;     ///< that the program ends with
   bool was_stopped = false;
-  std::vector<std::string> messages;   ///< and warnings, from the first step on
-  std::vector<std::uint64_t> told_at;  ///< questions before each
+  std::vector<std::string> messages;       ///< and warnings, from the first step on
+  std::vector<std::uint64_t> reported_at;  ///< questions before each
   std::uint64_t questions = 0, steps = 0;
   double seconds = 0;
 };

@@ -94,9 +94,9 @@ class Stops {
   /// Of the questions whether to stop: anywhere, or where something happens.
   std::uint64_t some_question() {
     const auto last = static_cast<double>(std::max<std::uint64_t>(whole_.questions, 2) - 1);
-    if (whole_.told_at.empty() || random_.chance(0.5))
+    if (whole_.reported_at.empty() || random_.chance(0.5))
       return static_cast<std::uint64_t>(random_.between(0, last));
-    const double near = static_cast<double>(random_.pick(whole_.told_at));
+    const double near = static_cast<double>(random_.pick(whole_.reported_at));
     return static_cast<std::uint64_t>(std::clamp(near + random_.between(-70, 10), 0.0, last));
   }
 
@@ -123,7 +123,7 @@ class Stops {
     return run_here(case_, files(), out, way);
   }
 
-  /// Checkpoints are written as the run goes on.
+  /// Checkpoints are written while the run continues.
   void pass_by() {
     const fs::path out = folder_ / "out";
     const auto questions = std::max<std::uint64_t>(whole_.questions, 2);

@@ -180,8 +180,8 @@ TEST(Schedule, EveryCountsStepsFromUntil) {
   sew.every = 1;
   scene.events = {cut, sew};
   const Outcome run(scene);
-  // Steps 52, 56, ... 100; step 102 is no multiple of 4. Looks without effect are not
-  // told of where others had one.
+  // Steps 52, 56, ... 100; step 102 is no multiple of 4. Checks without effect are not
+  // reported where others had one.
   ASSERT_EQ(run.heard.lines.size(), 2u * 13);
   EXPECT_EQ(run.heard.lines.front(), "t = 0.0104 s: cut 4 faces, 2 islands") << "step 52";
   EXPECT_EQ(run.heard.lines.back(), "t = 0.02 s: sewed 4 faces, 1 island") << "step 100";

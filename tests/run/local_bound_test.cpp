@@ -66,7 +66,7 @@ class Surgery {
     lowered_ += local < known_;
     const double taken = std::min(known_, local);
     followed_ =
-        built_.limits().stable_step(built_.dynamics().time());  // goes on from the mode before
+        built_.limits().stable_step(built_.dynamics().time());  // continues from the previous mode
     known_ = StepSearch(built_.body()).largest(0);
     return taken / known_;
   }

@@ -340,9 +340,9 @@ TEST(SutureBetween, SewsTheEndOfACut) {
   EXPECT_TRUE(diagnostics.warnings().empty()) << diagnostics.warnings()[0];
 }
 
-// What repeats and once had an effect needs no warning; what comes once and finds the
-// faces cut is told so, and not that it misses.
-TEST(Cuts, ThatFindNothingLeftAreToldTruly) {
+// What repeats and once had an effect needs no warning; an event that fires once and finds
+// the faces cut is reported as such, not as one that misses.
+TEST(Cuts, ThatFindNothingLeftAreReportedTruly) {
   CutPlane plane{{0.5, 0, 0}, {1, 0, 0}};
   const auto warnings = [&](bool again) {
     Scene scene = falling_block("tm-faure", 4);
@@ -366,9 +366,9 @@ TEST(Cuts, ThatFindNothingLeftAreToldTruly) {
             (std::vector<std::string>{"/events/0: cut had no effect in the whole run"}));
 }
 
-// A load or a constraint that loses what it acts on is told of by its path, once for a
+// A load or a constraint that loses what it acts on is reported by its path, once for a
 // part of it and once for all.
-TEST(Pierce, TellsOfLoadsAndConstraintsThatLoseNodes) {
+TEST(Pierce, ReportsLoadsAndConstraintsThatLoseNodes) {
   Scene scene = falling_block("tm-faure", 4);
   Load force;
   force.where.what = Selection::Named{"y0"};

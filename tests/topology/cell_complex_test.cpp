@@ -46,7 +46,7 @@ TEST(CellComplex, KnowsWhetherItHasOperated) {
   const std::vector<Dart> outside = {24 * 13 + 8, 0};
   EXPECT_THROW(map.cut(outside), TopologyError);
   EXPECT_FALSE(map.has_operated());
-  const std::vector<Dart> face = {24 * 13 + 8};  // inside: no vertex tells of the cut
+  const std::vector<Dart> face = {24 * 13 + 8};  // inside: no vertex changes
   ASSERT_TRUE(map.cut(face).splits[0].empty());
   EXPECT_TRUE(map.has_operated());
   map.validate();
@@ -109,7 +109,7 @@ TEST(CellComplex, SplitsNonManifoldVerticesByOrbit) {
 
 TEST(CellComplex, SeparatesEdgesThatShareBothVertices) {
   // A ring that closes along an edge: its ends touch along one edge, whose vertices
-  // stay whole because the elements around them hang together the other way.
+  // stay whole because the elements around them are connected the other way.
   const Mesh mesh = voxels(3, 3, 3, [](int x, int y, int z) {
     if (z != 1) return true;                          // two plates ...
     return (x == 0 && y == 0) || (x == 1 && y == 1);  // ... and two columns, touching along an edge

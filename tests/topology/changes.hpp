@@ -11,8 +11,8 @@
 
 namespace suture {
 
-/// Whether a change tells every cell whose star differs, with the star it has
-/// afterwards, and every cell that is no more, while the others are as they were.
+/// Whether a change reports every cell whose star differs, with the star it has
+/// afterwards, and every removed cell, while the others are as they were.
 class ChangeCheck {
  public:
   /// What is not reported, or reported wrongly: the first offence, or "".
@@ -45,11 +45,11 @@ class ChangeCheck {
       expect(id < before_.count(d), d, id, "a new cell without a star");
       if (id >= before_.count(d)) return;
       expect(after_.exists(d, id) == (before_.exists(d, id) && !gone_cells.contains(id)), d, id,
-             "is there, or gone, untold");
+             "was added or removed without a report");
       if (!after_.exists(d, id)) continue;
       before_.star(d, id, old_star_);
       after_.star(d, id, new_star_);
-      expect(old_star_ == new_star_, d, id, "has another star untold");
+      expect(old_star_ == new_star_, d, id, "has another star without a report");
     }
     splits(d, gone_cells.size());
   }
@@ -68,7 +68,7 @@ class ChangeCheck {
       for (const Dart dart : stars[i]) elements_.insert(dart / 24);
       if (id >= before_.count(d)) continue;
       before_.star(d, id, old_star_);
-      expect(old_star_ != new_star_, d, id, "told without need");
+      expect(old_star_ != new_star_, d, id, "reported without need");
     }
     return reported;
   }

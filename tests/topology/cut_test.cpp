@@ -138,7 +138,7 @@ TEST(Cut, SeparatesWheelsOfAnyValence) {
   map.validate();
 }
 
-/// Both sides of the cut face hang together behind the axis, two steps away: what
+/// Both sides of the cut face are connected behind the axis, two steps away: what
 /// looks like two regular half stars is one and the same.
 TEST(Cut, OfOneOfTwoFacesThatTwoElementsShareLeavesTheAxisWhole) {
   CellComplex map = complex_of(wheel(2));

@@ -46,8 +46,9 @@ class Players {
       const TopologyChange change = apply(map_, wanted);
       islands_.update(map_, change);
       count(change);
-      if (const std::string untold = ChangeCheck::offence(before, map_, change); !untold.empty())
-        return untold;
+      if (const std::string unreported = ChangeCheck::offence(before, map_, change);
+          !unreported.empty())
+        return unreported;
     } catch (const TopologyError& error) {  // only seams can be impossible together
       return refused(wanted, error.what());
     }

@@ -40,7 +40,7 @@ TEST(Pierce, TheMiddleOfARowAndOfACross) {
   EXPECT_EQ(row.islands(), (Elements{0, none, 1}));
   EXPECT_EQ(row.existing(0), 16u);
 
-  // Two cubes that touch along an edge hang together around it through a third one.
+  // Two cubes that touch along an edge are connected around it through a third one.
   CellComplex corner = complex_of(voxels(2, 2, 1, [](int x, int y, int) { return x + y < 2; }));
   before = corner;
   const TopologyChange change = corner.pierce(Elements{0});

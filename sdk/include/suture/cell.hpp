@@ -180,7 +180,7 @@ class cell {
   /// What Model::prepare stored: computed once, read by every cell.
   SUTURE_INLINE const constants_of<Model>& constants() const {
     static_assert(detail::has_prepare<Model>,
-                  "constants() are not there: give the model a struct Constants and a function "
+                  "constants() is not available: give the model a struct Constants and a function "
                   "`static void prepare(const suture::setup&, Constants&)`");
     return *static_cast<const constants_of<Model>*>(context_->instance);
   }
@@ -190,7 +190,7 @@ class cell {
   /// Sets the force on a node, N. Every node must be set exactly once: the array is not
   /// cleared beforehand. With dual numbers the derivative is stored.
   SUTURE_INLINE void force(int node, const vec3<T>& f) const {
-    static_assert(Purpose == purpose::force, "forces are set by the functor's force() alone");
+    static_assert(Purpose == purpose::force, "forces may be set only in the functor's force()");
     SUTURE_DETAIL_CHECK_INDEX(node, node, Functor::nodes);
     for (int c = 0; c < 3; ++c) {
       double* const p = force_ + (node * 3 + c) * stride + lane_;
@@ -211,8 +211,8 @@ class cell {
               const std::string& text) const {
     static_assert(
         Purpose == purpose::inspection,
-        "cells are reported by the functor's inspect() alone; force() ends with require() "
-        "or suture::stop()");
+        "cells may be reported only in the functor's inspect(); in force(), use require() or "
+        "suture::stop()");
     for (int i = 0; i < lanes_of<real> && lane_ + i < int(batch_->valid); ++i)
       if (bit(where, i))
         context_->host->report(context_, severity, batch_->cell_ids[lane_ + i], key, text.c_str());

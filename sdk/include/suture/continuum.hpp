@@ -372,13 +372,13 @@ struct stored_hexahedra : continuum_functor<M, stored_hexahedra<M>> {
   }
 };
 
-// Every Gauss point acts on every node.
+// Every Gauss point contributes to the force on every node.
 template <class M>
-inline constexpr int nodes_that_show<parallelepipeds<M>> = 1;
+inline constexpr int nodes_to_check<parallelepipeds<M>> = 1;
 template <class M>
-inline constexpr int nodes_that_show<stored_hexahedra<M>> = 1;
+inline constexpr int nodes_to_check<stored_hexahedra<M>> = 1;
 template <class M>
-inline constexpr int nodes_that_show<general_hexahedra<M>> = 1;
+inline constexpr int nodes_to_check<general_hexahedra<M>> = 1;
 
 }  // namespace detail
 

@@ -22,7 +22,7 @@
 #endif
 #define SUTURE_SIZE(type, bytes) SUTURE_LAYOUT(sizeof(type) == bytes, "size of " #type);
 #define SUTURE_AT(type, member, offset) \
-  SUTURE_LAYOUT(offsetof(type, member) == offset, "place of " #type "." #member);
+  SUTURE_LAYOUT(offsetof(type, member) == offset, "offset of " #type "." #member);
 
 SUTURE_SIZE(suture_error, 536)
 SUTURE_AT(suture_error, size, 0)

@@ -86,12 +86,12 @@ typedef struct suture_note {
 
 /* Both arguments are string literals; the ids of the models are separated by one
  * space. An id that is too long is a compile-time error. */
-#define SUTURE_NOTE(plugin_id, model_ids)                                  \
-  SUTURE_NOTE_ASSERT(sizeof(plugin_id) <= SUTURE_NOTE_PLUGIN_CHARS,        \
-                     "plugin id longer than 63 characters");               \
-  SUTURE_NOTE_ASSERT(sizeof(model_ids) <= SUTURE_NOTE_MODELS_CHARS,        \
-                     "ids of models longer than 911 characters together"); \
-  SUTURE_NOTE_STORAGE suture_note suture_note_of_this_plugin =             \
+#define SUTURE_NOTE(plugin_id, model_ids)                              \
+  SUTURE_NOTE_ASSERT(sizeof(plugin_id) <= SUTURE_NOTE_PLUGIN_CHARS,    \
+                     "plugin id longer than 63 characters");           \
+  SUTURE_NOTE_ASSERT(sizeof(model_ids) <= SUTURE_NOTE_MODELS_CHARS,    \
+                     "model ids longer than 911 characters in total"); \
+  SUTURE_NOTE_STORAGE suture_note suture_note_of_this_plugin =         \
       SUTURE_NOTE_INITIALIZER(plugin_id, model_ids);
 
 SUTURE_NOTE_ASSERT(sizeof(suture_note_desc) == 1024, "layout of the note");
@@ -120,7 +120,7 @@ constexpr suture_note make_note(const char* plugin, Ids... models) {
   for (const char* id : ids) {
     if (at > 0) note.desc.models[at++] = ' ';
     for (; *id != 0; ++id) {
-      if (at + 2 >= SUTURE_NOTE_MODELS_CHARS) throw "ids of models too long together";
+      if (at + 2 >= SUTURE_NOTE_MODELS_CHARS) throw "model ids longer than 911 characters in total";
       note.desc.models[at++] = *id;
     }
   }

@@ -46,7 +46,8 @@ inline constexpr int native_lanes = 4;
 #else
 inline constexpr int native_lanes = 2;
 #endif
-static_assert(SUTURE_LANES % native_lanes == 0, "a batch is a whole number of packs");
+static_assert(SUTURE_LANES % native_lanes == 0,
+              "SUTURE_LANES must be a multiple of the number of lanes of a pack");
 
 /// The compiler's vector extension; GCC requires element and length to be dependent.
 template <class E, int N>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A sound model, and usual mistakes of authors: one per macro. CTest compiles the file once
-// per macro and looks for the sentence that the compiler must say (CMakeLists.txt).
+// A correct model, and common mistakes of authors: one per macro. CTest compiles the file once
+// per macro and looks for the message that the compiler must print (CMakeLists.txt).
 #include "suture/continuum.hpp"
 
 namespace {

@@ -40,10 +40,10 @@ SUTURE_DETAIL_HAS(attributes)
 SUTURE_DETAIL_HAS(name)
 #undef SUTURE_DETAIL_HAS
 
-// Optional functions are detected by a call with the right arguments. A function that has the name
-// of one but cannot be called in this way would silently be left out; therefore names_energy<F> is
-// true if F has any member called energy. Looking up the name in a struct that inherits one from
-// each of two bases is ambiguous, whatever the function looks like.
+// An optional function is detected by a call with the expected arguments. A function that has its
+// name but cannot be called in this way would be ignored without a message; therefore
+// names_energy<F> is true if F has any member called energy. Looking up the name in a struct that
+// inherits one from each of two bases is ambiguous, whatever its signature.
 struct optional_functions {
   int energy, bounds, output, inspect, enabled, prepare, stress, isotropic, points, stores;
 };
@@ -90,24 +90,27 @@ constexpr std::size_t attribute_count() {
     return 0;
 }
 
-/// The kernel's mass has one component.
+/// The attribute at a place of the model's list; beyond its end the kernel's mass, which has one
+/// component and no flags.
+template <class M>
+constexpr suture_attribute attribute_at([[maybe_unused]] std::uint32_t place) {
+  if constexpr (has_attributes<M>)
+    if (place < attribute_count<M>()) return M::attributes[place];
+  suture_attribute mass{};
+  mass.components = 1;
+  return mass;
+}
 template <class M, std::uint32_t Place>
 constexpr int components_of() {
-  if constexpr (Place < attribute_count<M>())
-    return int(M::attributes[Place].components);
-  else
-    return 1;
+  return int(attribute_at<M>(Place).components);
 }
 template <class M, std::uint32_t Place>
 constexpr bool has_trial() {
-  if constexpr (Place < attribute_count<M>())
-    return (M::attributes[Place].flags & SUTURE_TRIAL) != 0;
-  else
-    return false;
+  return (attribute_at<M>(Place).flags & SUTURE_TRIAL) != 0;
 }
 
-/// Columns are attributes of one dimension, at places that exist in the list; shares of
-/// the mass are not columns.
+// Columns are attributes of one dimension, at places that exist in the list; shares of the mass are
+// not columns.
 template <class M, std::size_t N>
 constexpr bool are_places_of(const std::array<std::uint32_t, N>& places) {
   for (const std::uint32_t place : places)
@@ -115,30 +118,26 @@ constexpr bool are_places_of(const std::array<std::uint32_t, N>& places) {
   return true;
 }
 template <class M, std::size_t N>
-constexpr bool have_dimension([[maybe_unused]] const std::array<std::uint32_t, N>& places,
-                              [[maybe_unused]] std::uint32_t dimension) {
-  if constexpr (has_attributes<M>)
-    for (const std::uint32_t place : places)
-      if (place < attribute_count<M>() && M::attributes[place].dimension != dimension) return false;
+constexpr bool have_dimension(const std::array<std::uint32_t, N>& places, std::uint32_t dimension) {
+  for (const std::uint32_t place : places)
+    if (place < attribute_count<M>() && attribute_at<M>(place).dimension != dimension) return false;
   return true;
 }
 template <class M, std::size_t N>
-constexpr bool share_mass([[maybe_unused]] const std::array<std::uint32_t, N>& places) {
-  if constexpr (has_attributes<M>)
-    for (const std::uint32_t place : places)
-      if (place < attribute_count<M>() && (M::attributes[place].flags & SUTURE_SHARED_MASS) != 0)
-        return true;
+constexpr bool share_mass(const std::array<std::uint32_t, N>& places) {
+  for (const std::uint32_t place : places)
+    if ((attribute_at<M>(place).flags & SUTURE_SHARED_MASS) != 0) return true;
   return false;
 }
 
 // Indices of nodes, components and parameters are run-time values, so that loops can count
 // them. Those that the optimiser knows are checked here; the functions are never defined
 // and never called.
-SUTURE_COMPILE_ERROR("suture: this node is beyond those of the functor's cells")
+SUTURE_COMPILE_ERROR("suture: node index out of range for the functor's cells")
 void node_out_of_range();
-SUTURE_COMPILE_ERROR("suture: this component is beyond those that the attribute declares")
+SUTURE_COMPILE_ERROR("suture: component index out of range for the attribute")
 void component_out_of_range();
-SUTURE_COMPILE_ERROR("suture: this parameter is beyond those that the model declares")
+SUTURE_COMPILE_ERROR("suture: parameter index out of range for the model's list of parameters")
 void parameter_out_of_range();
 
 #define SUTURE_DETAIL_CHECK_INDEX(what, index, count)                        \

@@ -66,7 +66,7 @@ inline void describe(const suture_context* context, const suture_batch* batch, c
   e->code = f.code;
   e->cell = UINT32_MAX;
   if (f.lane >= 0 && batch) {
-    const int last = int(batch->valid) - 1;  // later lanes repeat it
+    const int last = int(batch->valid) - 1;  // later lanes repeat the last valid one
     e->cell = batch->cell_ids[f.lane < last ? f.lane : last];
   }
   e->step_factor = f.step_factor;
@@ -82,12 +82,12 @@ inline suture_status fault(const suture_context* context, const char* thrown) {
   e->step_factor = 0;
   std::snprintf(e->text, sizeof e->text,
                 "the plugin threw an exception (%.256s); catch it, and call suture::stop() or "
-                "suture::retry() where the law has no answer",
+                "suture::retry() where the law is not defined",
                 thrown);
   return SUTURE_FAULT;
 }
 
-/// Runs `work`; whatever it throws becomes a status and a record.
+/// Runs `work`; an exception becomes a status and a suture_error.
 template <class Work>
 SUTURE_INLINE suture_status guarded(const suture_context* context, const suture_batch* batch,
                                     Work&& work) noexcept {
@@ -127,8 +127,8 @@ template <int Nodes>
   }
   std::memset(batch->force, 0, sizeof(double) * Nodes * 3 * SUTURE_LANES);
   failure f(input ? SUTURE_RETRY : SUTURE_STOP,
-            input ? "the force is not finite although positions and velocities are: the cell has "
-                    "left the range of its law"
+            input ? "the force is not finite although positions and velocities are: the cell is "
+                    "outside the range in which its law is valid"
                   : "positions or velocities are not finite");
   f.lane = bad;
   throw f;
@@ -136,10 +136,10 @@ template <int Nodes>
 
 // ---------------------------------------------------------------- functions --
 
-/// The number of nodes whose forces show whether a result is finite: fewer than all for
-/// functors of this layer that spoil either all nodes or none.
+/// The number of nodes whose forces must be examined to know whether a result is finite: fewer
+/// than all for functors of this layer in which a value that is not finite reaches every node.
 template <class F>
-inline constexpr int nodes_that_show = F::nodes;
+inline constexpr int nodes_to_check = F::nodes;
 
 /// x - x is 0 for a finite number and NaN for infinities and NaNs. One sum per coordinate: a
 /// single sum would be a chain of additions, each of which waits for the one before.
@@ -152,7 +152,7 @@ template <class M, class F>
     return native::load(batch->force + i * int(SUTURE_LANES) + lane);
   };
   native sum[3] = {force(0), force(1), force(2)};
-  for (int n = 1; n < nodes_that_show<F>; ++n)
+  for (int n = 1; n < nodes_to_check<F>; ++n)
     for (int i = 0; i < 3; ++i) sum[i] += force(3 * n + i);
   const native all = sum[0] + sum[1] + sum[2];
   if (__builtin_expect(any(all - all != 0.0), 0)) fail_not_finite<F::nodes>(batch);
@@ -330,21 +330,24 @@ template <class M, class F>
 constexpr void check_columns() {
   static_assert(
       are_places_of<M>(F::cell_columns.places) && are_places_of<M>(F::vertex_columns.places),
-      "cell_columns or vertex_columns name a place that the model's list of attributes "
-      "does not have: column<0> is the first attribute");
-  static_assert(have_dimension<M>(F::cell_columns.places, F::dimension),
-                "cell_columns name an attribute of cells of another dimension than the functor's; "
-                "attributes of vertices belong to vertex_columns");
+      "cell_columns or vertex_columns name a column beyond the end of the model's list of "
+      "attributes; column<0> is the first attribute");
+  static_assert(
+      have_dimension<M>(F::cell_columns.places, F::dimension),
+      "cell_columns name an attribute of a dimension other than that of the functor's cells; "
+      "list attributes of vertices in vertex_columns");
   static_assert(F::cell_columns.index_of(vertex_mass.place) < 0,
-                "vertex_mass belongs to vertex_columns");
-  static_assert(have_dimension<M>(F::vertex_columns.places, 0),
-                "vertex_columns name an attribute that is not of vertices; those of the functor's "
-                "own cells belong to cell_columns");
-  static_assert(!share_mass<M>(F::cell_columns.places) && !share_mass<M>(F::vertex_columns.places),
-                "an attribute with SUTURE_SHARED_MASS is no column: read suture::vertex_mass");
+                "list vertex_mass in vertex_columns, not in cell_columns");
+  static_assert(
+      have_dimension<M>(F::vertex_columns.places, 0),
+      "vertex_columns name an attribute that does not belong to vertices; list those of the "
+      "functor's own cells in cell_columns");
+  static_assert(
+      !share_mass<M>(F::cell_columns.places) && !share_mass<M>(F::vertex_columns.places),
+      "an attribute with SUTURE_SHARED_MASS is not a column; read suture::vertex_mass instead");
 }
 
-/// Every function that is present must be called: none is left out silently.
+/// A function that is present but would never be called is an error.
 template <class M, class F>
 constexpr void check_optional_functions() {
   using Cell = cell<native, M, F>;
@@ -358,20 +361,20 @@ constexpr void check_optional_functions() {
                 "inspect() of this functor is never called: declare it as `template <class Cell> "
                 "static void inspect(const Cell& cell)`");
   static_assert(!names_enabled<F> || has_enabled<F>,
-                "enabled() of this functor is never called: declare it as `static bool "
-                "enabled(const suture::values& p, std::uint32_t& reads)`, once and no template");
+                "enabled() of this functor is never called: declare it as a single function, not a "
+                "template: `static bool enabled(const suture::values& p, std::uint32_t& reads)`");
   static_assert(!names_output<F> || has_fields<F>,
-                "output() of this functor is never called: list what it sets in `static constexpr "
-                "suture_field fields[]`");
+                "output() of this functor is never called: list the fields that it sets in `static "
+                "constexpr suture_field fields[]`");
   static_assert(!has_fields<F> || has_output<F, Cell>,
                 "a functor with `fields` needs `template <class Cell, class Results> static void "
-                "output(const Cell& cell, Results& results)`, which sets them");
+                "output(const Cell& cell, Results& results)`, which sets their values");
 }
 
 template <class M, class F>
 constexpr void check_functor() {
   static_assert(has_nodes<F>,
-                "a functor, or a model without `functors`, derives from suture::on_vertices, "
+                "a functor, or a model without `functors`, must derive from suture::on_vertices, "
                 "on_edges, on_faces or on_volumes");
   static_assert(has_name<F> || has_id<F>, "a functor needs `static constexpr const char* name`");
   static_assert(has_doc<F>, "a functor needs `static constexpr const char* doc`");
@@ -440,8 +443,8 @@ constexpr suture_model model_of() {
   static_assert(has_id<M> && has_doc<M> && has_formula<M> && has_citation<M>,
                 "a model needs `static constexpr const char*` id, doc, formula and citation");
   static_assert(!names_prepare<M> || has_prepare<M>,
-                "prepare() of this model is never called: declare it as `static void prepare(const "
-                "suture::setup&, Constants&)`, once and no template");
+                "prepare() of this model is never called: declare it as a single function, not a "
+                "template: `static void prepare(const suture::setup&, Constants&)`");
   using functors = functor_table<M, typename functors_of_model<M>::type>;
   suture_model m{};
   m.size = sizeof(suture_model);
@@ -463,9 +466,12 @@ constexpr suture_model model_of() {
   if constexpr (has_prepare<M>) {
     m.prepare = &prepare<M>;
     m.instance_bytes = sizeof(constants_of<M>);
-    static_assert(std::is_trivially_destructible_v<constants_of<M>>,
-                  "the host frees the constants without calling a destructor");
-    static_assert(alignof(constants_of<M>) <= SUTURE_ALIGNMENT, "more than the host aligns to");
+    static_assert(
+        std::is_trivially_destructible_v<constants_of<M>>,
+        "Constants must be trivially destructible: the host releases them without calling a "
+        "destructor");
+    static_assert(alignof(constants_of<M>) <= SUTURE_ALIGNMENT,
+                  "Constants must not require a larger alignment than SUTURE_ALIGNMENT");
   }
   return m;
 }

@@ -63,8 +63,8 @@ std::string describe(const PluginCall& call);
 std::string text_of(const suture_error& error);
 
 inline constexpr const char* exception_cure =
-    "no exception may leave a function of a plugin: catch it, and return SUTURE_STOP with a text "
-    "where the function returns a status";
+    "exceptions must not leave a plugin's functions: catch them, and return SUTURE_STOP with a "
+    "message from functions that return a status";
 /// In a catch block: what was thrown, such as "an exception of type int". Never rethrows it.
 std::string text_of_exception();
 /// In a catch block around a call: the call, what was thrown, and what the author should do.

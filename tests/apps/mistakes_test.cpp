@@ -45,7 +45,7 @@ struct Mistake {
 };
 
 constexpr const char* crash_cure = "gdb --args suture";
-constexpr const char* exception_cure = "catch it, and return SUTURE_STOP";
+constexpr const char* exception_cure = "catch them, and return SUTURE_STOP";
 constexpr const char *fault = "the tables of the law are not loaded", *fault_cure = "load() first";
 constexpr const char *unknown = "status 77", *known = "SUTURE_STOP (-1) or SUTURE_FAULT (-2)";
 

@@ -39,17 +39,17 @@ class RestBatch {
 void contribute(Instance& instance, const suture_attribute& attribute, const suture_batch& batch,
                 double* out);
 
-/// The values that the first element of the region contributes to a from_volumes attribute
-/// of dimension 0..2 (contribution_cells x components) if those of every element are equal
-/// to within `relative` times the largest of them; else empty. O(elements), less if they
-/// differ.
+/// What the first element of the region contributes to a from_volumes attribute of dimension 0..2
+/// (contribution_cells x components) if the contributions of all elements are equal to within
+/// `relative` times their largest value; otherwise empty. O(elements), less if they differ.
 std::vector<double> uniform_contribution(Instance& instance, const suture_attribute& attribute,
                                          const CellComplex& complex, RestBatch& rest,
                                          double relative);
 
 /// A from_volumes attribute summed over all elements of the region, in ascending
 /// order, into `column`; its rows are those of `cells`. Sums are added to what
-/// `column` holds. `uniform`: used for every element if it is not empty. O(elements).
+/// `column` holds. `uniform`: the contribution of every element (uniform_contribution()), or
+/// empty: the functor is called. O(elements).
 void sum_contributions(Instance& instance, const suture_attribute& attribute,
                        const CellComplex& complex, RestBatch& rest, const CellSet& cells,
                        Column& column, std::span<const double> uniform);
@@ -61,7 +61,7 @@ class TouchedSums {
   /// Allocates the marks; otherwise the first operation does.
   void reserve(const CellComplex& complex);
 
-  /// From now on sum() uses `values` for every element, unless they are empty.
+  /// From now on sum() uses `values` as the contribution of every element, unless they are empty.
   /// Returns the stored values.
   std::span<const double> keep_uniform(const Instance& instance, const suture_attribute& attribute,
                                        std::vector<double> values);
@@ -82,7 +82,7 @@ class TouchedSums {
     const CellSet* cells;  ///< nullptr: rows of the kernel's mass, row = cell
     double* values;
     std::size_t components;
-    const double* uniform = nullptr;  ///< the values of every element
+    const double* uniform = nullptr;  ///< the contribution of every element
 
     /// Sets the rows of cells to the sums over their elements in the region.
     template <int Dimension>

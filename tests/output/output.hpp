@@ -14,7 +14,7 @@ inline std::shared_ptr<OutputFolder> output(const std::filesystem::path& path) {
   return std::make_shared<OutputFolder>(path);
 }
 
-/// The frames that a .pvd names; none if there is no such file.
+/// The frames listed in a .pvd file; empty if the file does not exist.
 inline std::vector<std::string> frames_in(const std::filesystem::path& list) {
   std::vector<std::string> files;
   const std::string text = std::filesystem::exists(list) ? read_text(list) : "", key = "file=\"";

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // suture/detail/declared.hpp - what a model and its functors declare, for the checks
-// of cell.hpp and tables.hpp. Authors need not read it.
+// of cell.hpp and functor_checks.hpp. Authors need not read it.
 #ifndef SUTURE_DETAIL_DECLARED_HPP
 #define SUTURE_DETAIL_DECLARED_HPP
 

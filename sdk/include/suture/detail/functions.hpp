@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+//
+// suture/detail/functions.hpp - the C functions of plugin.h, which call an author's functions on
+// the packs of a batch. Authors need not read it.
+#ifndef SUTURE_DETAIL_FUNCTIONS_HPP
+#define SUTURE_DETAIL_FUNCTIONS_HPP
+
+#include <cmath>
+#include <cstring>
+#include <new>
+
+#include "suture/detail/guarded.hpp"
+#include "suture/detail/optional_functions.hpp"
+
+namespace suture::detail {
+
+/// The number of nodes whose forces must be examined to know whether a result is finite: fewer
+/// than all for functors of this layer in which a value that is not finite reaches every node.
+template <class F>
+inline constexpr int nodes_to_check = F::nodes;
+
+/// x - x is 0 for a finite number and NaN for infinities and NaNs. One sum per coordinate: a
+/// single sum would be a chain of additions, each of which waits for the one before.
+template <class M, class F>
+[[gnu::flatten]] void force_pack(const suture_context* context, const suture_batch* batch,
+                                 int lane) {
+  cell<native, M, F, purpose::force> c(context, batch, lane, batch->force);
+  F::force(c);
+  const auto force = [&](int i) {
+    return native::load(batch->force + i * int(SUTURE_LANES) + lane);
+  };
+  native sum[3] = {force(0), force(1), force(2)};
+  for (int n = 1; n < nodes_to_check<F>; ++n)
+    for (int i = 0; i < 3; ++i) sum[i] += force(3 * n + i);
+  const native all = sum[0] + sum[1] + sum[2];
+  if (__builtin_expect(any(all - all != 0.0), 0)) fail_not_finite<F::nodes>(batch);
+}
+template <class M, class F>
+suture_status force(const suture_context* context, const suture_batch* batch) noexcept {
+  return for_packs(context, batch, [&](int lane) { force_pack<M, F>(context, batch, lane); });
+}
+
+/// df of the direction (dx, dv) for the cells of one pack.
+template <class M, class F>
+[[gnu::noinline]] void tangent_pack(const suture_context* context, const suture_batch* batch,
+                                    int lane, double* df, const double* dx, const double* dv) {
+  cell<dual<native>, M, F, purpose::force> c(context, batch, lane, df, dx, dv);
+  F::force(c);
+}
+
+template <class M, class F>
+suture_status tangent(const suture_context* context, const suture_batch* batch, const double* dx,
+                      const double* dv, double* df) noexcept {
+  return for_packs(context, batch,
+                   [&](int lane) { tangent_pack<M, F>(context, batch, lane, df, dx, dv); });
+}
+
+template <class M, class F>
+suture_status energy(const suture_context* context, const suture_batch* batch,
+                     double* out) noexcept {
+  return for_packs(context, batch, [&](int lane) {
+    const cell<native, M, F> c(context, batch, lane);
+    store(out + lane, F::energy(c));
+  });
+}
+
+/// Upper bound of the spectral radius of K = -df/dx (or -df/dv) of each cell, by
+/// power iteration on the exact tangent. With the Rayleigh quotient q of the unit
+/// vector x and the residual r = |Kx - q x|, the eigenvalue to which x has converged
+/// lies in [q - r, q + r]; the iteration ends when r is below 3 % of q, and q + r is
+/// returned, which shortens the step by at most 1.5 %.
+template <class M, class F>
+native spectral_bound(const suture_context* context, const suture_batch* batch, int lane,
+                      bool of_velocity) {
+  constexpr int count = 3 * F::nodes, stride = SUTURE_LANES;
+  alignas(SUTURE_ALIGNMENT) double x[count * stride], y[count * stride], zero[count * stride] = {};
+  const auto at = [lane](double* v, int i) { return v + i * stride + lane; };
+  // Fractional parts of multiples of the golden ratio: no mode is orthogonal to them.
+  for (int i = 0; i < count; ++i) {
+    const double golden = 0.6180339887498949 * (i + 1);
+    store(at(x, i), native((golden - std::floor(golden) - 0.5) * std::sqrt(12.0 / count)));
+  }
+  native bound(0.0);
+  for (int iteration = 0; iteration < 100; ++iteration) {
+    tangent_pack<M, F>(context, batch, lane, y, of_velocity ? zero : x, of_velocity ? x : zero);
+    native xx(0.0), xy(0.0), yy(0.0);
+    for (int i = 0; i < count; ++i) {
+      const native a = native::load(at(x, i)), b = native::load(at(y, i));
+      xx += a * a;
+      xy += a * b;
+      yy += b * b;
+    }
+    const auto moves = yy > 0.0;
+    const native quotient = abs(xy) / xx;
+    const native residual = sqrt(max(yy / xx - quotient * quotient, native(0.0)));
+    bound = quotient + residual;
+    if (!any(moves & (residual > 0.03 * quotient))) break;
+    const native scale = select(moves, 1.0 / sqrt(select(moves, yy, native(1.0))), native(1.0));
+    for (int i = 0; i < count; ++i) store(at(x, i), native::load(at(y, i)) * scale);
+  }
+  return bound;
+}
+
+template <class M, class F>
+suture_status bounds(const suture_context* context, const suture_batch* batch, double* stiffness,
+                     double* damping) noexcept {
+  std::memset(stiffness, 0, sizeof(double) * F::nodes * 6 * SUTURE_LANES);
+  std::memset(damping, 0, sizeof(double) * F::nodes * 6 * SUTURE_LANES);
+  return for_packs(context, batch, [&](int lane) {
+    bound_matrices<native> b{stiffness, damping, lane};
+    if constexpr (has_bounds<F, cell<native, M, F>>) {
+      const cell<native, M, F> c(context, batch, lane);
+      F::bounds(c, b);
+    } else {
+      const auto isotropic = [](native s) { return sym3<native>{s, s, s, 0.0, 0.0, 0.0}; };
+      const sym3<native> k = isotropic(spectral_bound<M, F>(context, batch, lane, false));
+      for (int n = 0; n < F::nodes; ++n) b.stiffness(n, k);
+      if constexpr ((F::reads & SUTURE_READ_VELOCITY) == 0) return;
+      const sym3<native> d = isotropic(spectral_bound<M, F>(context, batch, lane, true));
+      for (int n = 0; n < F::nodes; ++n) b.damping(n, d);
+    }
+  });
+}
+
+template <class M, class F>
+suture_status output(const suture_context* context, const suture_batch* batch,
+                     double* const* out) noexcept {
+  return for_packs(context, batch, [&](int lane) {
+    const cell<native, M, F> c(context, batch, lane);
+    results<native> r{out, lane};
+    F::output(c, r);
+  });
+}
+
+template <class M, class F>
+suture_status inspect(const suture_context* context, const suture_batch* batch) noexcept {
+  return for_packs(context, batch, [&](int lane) {
+    const cell<native, M, F, purpose::inspection> c(context, batch, lane);
+    F::inspect(c);
+  });
+}
+
+template <class M, class F>
+std::int32_t enabled(const suture_context* context, std::uint32_t* reads) noexcept {
+  return F::enabled(values(context), *reads) ? 1 : 0;
+}
+
+/// A hexahedron as a contribution receives it.
+struct contributor : on_volumes {
+  static constexpr std::uint32_t reads = SUTURE_READ_REST;
+};
+template <class M, class C>
+suture_status contribute(const suture_context* context, const suture_batch* batch,
+                         double* out) noexcept {
+  return for_packs(context, batch, [&](int lane) {
+    const cell<native, M, contributor> c(context, batch, lane);
+    C::compute(c, contribution_results<native, C::components>{out, lane});
+  });
+}
+
+template <class M>
+suture_status prepare(const suture_context* context, void* instance) noexcept {
+  return guarded(context, nullptr, [&] {
+    using Constants = constants_of<M>;
+    M::prepare(setup(context), *new (instance) Constants());
+  });
+}
+
+}  // namespace suture::detail
+
+#endif

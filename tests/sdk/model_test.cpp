@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The C++ layer through the C boundary: what two small models declare arrives in
+// The C++ layer through the C boundary: what small models declare arrives in
 // the tables, and their functions do what they say, for every instruction set.
 #include <gtest/gtest.h>
 
@@ -25,19 +25,26 @@ class Layer : public testing::TestWithParam<std::string> {
   std::mt19937 random{5};
 };
 
-/// Eight edges of a batch; columns and mass as the dashpot declares them.
-struct EdgeBatch {
-  suture::AlignedVector<double> position, velocity, force, rest, mass;
+/// Eight vertices or edges of a batch; columns and mass as the dashpot declares them.
+struct CellBatch {
+  suture::AlignedVector<double> at_rest, position, velocity, force, rest, mass;
   std::array<std::uint32_t, 8> ids{30, 31, 32, 33, 34, 35, 36, 37};
   const double *columns[1], *vertex_columns[1];
   suture_batch batch{};
 
-  EdgeBatch() : position(48), velocity(48), force(48), rest(16), mass(16, 1.0) {
+  explicit CellBatch(std::uint32_t nodes)
+      : at_rest(24 * nodes),
+        position(24 * nodes),
+        velocity(24 * nodes),
+        force(24 * nodes),
+        rest(16),
+        mass(8 * nodes, 1.0) {
     columns[0] = rest.data();
     vertex_columns[0] = mass.data();
     batch.size = sizeof batch;
     batch.lanes = batch.valid = 8;
-    batch.nodes = 2;
+    batch.nodes = nodes;
+    batch.rest = at_rest.data();
     batch.position = position.data();
     batch.velocity = velocity.data();
     batch.cell_columns = columns;
@@ -45,7 +52,7 @@ struct EdgeBatch {
     batch.cell_ids = ids.data();
     batch.force = force.data();
   }
-  EdgeBatch(const EdgeBatch&) = delete;
+  CellBatch(const CellBatch&) = delete;
   double at(const suture::AlignedVector<double>& v, int node, int c, int lane) const {
     return v[(node * 3 + c) * 8 + lane];
   }
@@ -127,7 +134,7 @@ TEST_P(Layer, ForceTangentAndBoundsOfSprings) {
   const suture_functor& f = m.functors[0];
   const double k = 10, damping = 0.7;
   ModelInstance instance(m, {k, damping, 0});
-  EdgeBatch e;
+  CellBatch e(2);
   suture::AlignedVector<double> dx(48), dv(48), df(48);
   for (int i = 0; i < 48; ++i) {
     e.position[i] = uniform(1);
@@ -189,7 +196,7 @@ TEST_P(Layer, ForceTangentAndBoundsOfSprings) {
 TEST_P(Layer, TurnsAFailureIntoAStatusWithTheFirstCell) {
   const suture_model& m = plugin("dashpot").models[0];
   ModelInstance instance(m, {10, 1, 2});
-  EdgeBatch e;
+  CellBatch e(2);
   for (int lane = 0; lane < 8; ++lane) {
     e.position[3 * 8 + lane] = lane == 3 || lane == 6 ? 2.5 : 1;
     e.rest[lane] = e.rest[8 + lane] = 1;
@@ -198,6 +205,31 @@ TEST_P(Layer, TurnsAFailureIntoAStatusWithTheFirstCell) {
   EXPECT_EQ(instance.error.cell, 33u);
   EXPECT_EQ(instance.error.step_factor, 0.5);
   EXPECT_STREQ(instance.error.text, "an edge is longer than 2 m");
+}
+
+// ----------------------------------------------------- a functor on vertices --
+
+TEST_P(Layer, AnchorPullsAVertexToItsRestPosition) {
+  const suture_model& m = plugin("anchor").models[0];
+  const double k = 3, c = 0.5;
+  ModelInstance instance(m, {k, c});
+  CellBatch vertices(1);
+  for (int i = 0; i < 24; ++i) {
+    vertices.at_rest[i] = uniform(1);
+    vertices.position[i] = uniform(1);
+    vertices.velocity[i] = uniform(1);
+    vertices.mass[i % 8] = 2 + uniform(1);
+  }
+  ASSERT_EQ(m.functors[0].force(instance.context(), &vertices.batch), SUTURE_OK);
+  std::array<double, 8> energy, expected{};
+  const auto& energies = ModelInstance::extension<suture_energy_1>(m.functors[0], SUTURE_ENERGY_1);
+  ASSERT_EQ(energies.energy(instance.context(), &vertices.batch, energy.data()), SUTURE_OK);
+  for (int i = 0; i < 24; ++i) {
+    const double u = vertices.position[i] - vertices.at_rest[i];
+    EXPECT_NEAR(vertices.force[i], -k * u - c * vertices.mass[i % 8] * vertices.velocity[i], 1e-14);
+    expected[i % 8] += k * u * u / 2;
+  }
+  for (int lane = 0; lane < 8; ++lane) EXPECT_NEAR(energy[lane], expected[lane], 1e-14);
 }
 
 // ------------------------------------------------ a law given by its energy --
@@ -265,12 +297,14 @@ std::string text_of(const std::string& file) {
   return text.str();
 }
 
-TEST(Documentation, ShowsTheSmallestPluginAsItIsTested) {
-  const std::string source = text_of(SUTURE_SOURCE_DIR "/tests/sdk/neo_hooke.cpp");
-  ASSERT_FALSE(source.empty());
-  EXPECT_LE(std::count(source.begin(), source.end(), '\n'), 25);
-  EXPECT_NE(text_of(SUTURE_SOURCE_DIR "/docs/sdk.md").find(source), std::string::npos)
-      << "docs/sdk.md shows another text than tests/sdk/neo_hooke.cpp";
+TEST(Documentation, ShowsPluginsAsTheyAreTested) {
+  for (const char* name : {"neo_hooke.cpp", "anchor.cpp"}) {
+    const std::string source = text_of(std::string(SUTURE_SOURCE_DIR "/tests/sdk/") + name);
+    ASSERT_FALSE(source.empty()) << name;
+    EXPECT_LE(std::count(source.begin(), source.end(), '\n'), 28) << name;
+    EXPECT_NE(text_of(SUTURE_SOURCE_DIR "/docs/sdk.md").find(source), std::string::npos)
+        << "docs/sdk.md shows another text than tests/sdk/" << name;
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "kernel/attributes/cell_nodes.hpp"
+#include "kernel/attributes/inspection.hpp"
 #include "kernel/base/archive.hpp"
 #include "kernel/base/bulk.hpp"
 
@@ -183,18 +184,8 @@ loops::Rows CompiledFunctor::element_rows() const {
   return {begin, end};
 }
 
-/// On the boundary, or in the interior, as it is now.
-bool CompiledFunctor::wants_face(const CellComplex& complex, Index row) const {
-  if (functor_.faces == SUTURE_ALL_FACES) return true;
-  const bool boundary = complex.beta3(complex.dart_of(2, cells().cell(row))) == none;
-  return boundary == (functor_.faces == SUTURE_BOUNDARY_FACES);
-}
-
 bool CompiledFunctor::visits(const CellComplex& complex, Index row) const {
-  if (skipped() || !cells().is_live(row)) return false;
-  if (dimension_ == 2) return wants_face(complex, row);
-  const loops::Rows rows = element_rows();
-  return row >= rows.begin && row < rows.end;
+  return !skipped() && admits(instance_, functor_, complex, row);
 }
 
 std::vector<loops::Rows> CompiledFunctor::wanted_rows(const CellComplex& complex) const {
@@ -207,7 +198,7 @@ std::vector<loops::Rows> CompiledFunctor::wanted_rows(const CellComplex& complex
 std::vector<loops::Rows> CompiledFunctor::wanted_faces(const CellComplex& complex) const {
   std::vector<loops::Rows> ranges;
   for (Index row = 0; row < cells().size(); ++row) {
-    if (!cells().is_live(row) || !wants_face(complex, row)) continue;
+    if (!admits(instance_, functor_, complex, row)) continue;
     if (!ranges.empty() && ranges.back().end == row)
       ++ranges.back().end;
     else

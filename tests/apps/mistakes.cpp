@@ -2,7 +2,7 @@
 //
 // A plugin that makes the mistakes of plugin authors, one at a time: those of its functions by
 // the parameter "how", those of its tables and of its loading by the environment variable
-// SUTURE_TEST_MISTAKE. Written on the C tables, which the C++ layer would keep from most of them.
+// SUTURE_TEST_MISTAKE. Written on the C tables, as the C++ layer prevents most of them.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "suture/note.h"
+#include "suture/model.hpp"
 
 SUTURE_NOTE("mistakes", "mistakes")
 
@@ -201,28 +201,9 @@ suture_status contribute(const suture_context* context, const suture_batch*, dou
   return result;
 }
 
-suture_parameter parameters[] = {{.size = sizeof(suture_parameter),
-                                  .type = SUTURE_CHOICE,
-                                  .flags = 0,
-                                  .choice_count = sizeof ways / sizeof *ways,
-                                  .name = "how",
-                                  .unit = "1",
-                                  .doc = "which mistake",
-                                  .default_value = 0,
-                                  .minimum = 0,
-                                  .maximum = 0,
-                                  .choices = ways},
-                                 {.size = sizeof(suture_parameter),
-                                  .type = SUTURE_NUMBER,
-                                  .flags = 0,
-                                  .choice_count = 0,
-                                  .name = "E",
-                                  .unit = "Pa",
-                                  .doc = "not used",
-                                  .default_value = 1,
-                                  .minimum = 0,
-                                  .maximum = 2,
-                                  .choices = nullptr}};
+suture_parameter parameters[] = {
+    suture::choice("how", "which mistake", ways),
+    suture::number("E", "Pa", "not used").or_else(1).at_least(0).at_most(2)};
 
 suture_contribution contributions[] = {
     {.size = sizeof(suture_contribution), .cell_type = SUTURE_HEXAHEDRON, .function = contribute}};

@@ -297,4 +297,19 @@ TEST(RestSearch, FindsTheEquilibriumOfAHangingBlock) {
   EXPECT_NEAR(m.x(m.at(0, 0.6)[0]) - 0.6, expected, 1e-7 * expected);
 }
 
+TEST(Dynamics, ApparentFrequencyIsThatOfTheOscillator) {
+  for (const char* scheme : schemes) {
+    Oscillator o(Options{scheme, 0, {2, 0, 0}, {}});
+    o.start();
+    const double h = 0.02;
+    o.run(h, 3);
+    for (int i = 0; i < 60; ++i) {
+      o.step(h);
+      ASSERT_NEAR(o.dynamics.motion().sums().apparent_frequency(), h * Oscillator::omega(), 1e-6)
+          << i;
+    }
+    EXPECT_NE(std::ranges::find(o.plate, o.dynamics.motion().fastest_vertex()), o.plate.end());
+  }
+}
+
 }  // namespace

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What the ledger counts as lost or unexplained by an energy, compared with closed forms: damping,
+// functors without an energy, islands put to sleep.
+#include "kernel/dynamics/sleep.hpp"
+#include "tests/dynamics/ledger_rig.hpp"
+
+namespace {
+
+using namespace suture;
+using namespace rig;
+using namespace spring_model;
+using spring_model::Body;
+
+// -------------------------------------------------------------------- damping --
+
+// u'' + alpha u' + w^2 u = 0 from rest at u0: what is left of the energy is known.
+double energy_left(double u0, double alpha, double t) {
+  const double w2 = Oscillator::k / Oscillator::m, wd = std::sqrt(w2 - alpha * alpha / 4);
+  const double decay = std::exp(-alpha * t / 2), c = std::cos(wd * t), s = std::sin(wd * t);
+  const double u = u0 * decay * (c + alpha / (2 * wd) * s), v = -u0 * decay * w2 / wd * s;
+  return Oscillator::m * v * v / 2 + Oscillator::k * u * u / 2;
+}
+
+TEST(Ledger, MassDampingDissipatesWhatTheClosedFormLoses) {
+  for (const char* scheme : schemes)
+    for (const double alpha : {0.5, 4.0}) {
+      Oscillator o(with(scheme, alpha));
+      o.displace(1e-3);
+      const double all = o.start().elastic;
+      ASSERT_NEAR(all, 5e-5, 1e-12);
+      o.run(1e-3, 1000);
+      const EnergyBalance b = o.dynamics.balance();
+      const double lost = all - energy_left(1e-3, alpha, 1);
+      EXPECT_NEAR(b.dissipated, lost, 0.01 * lost) << alpha;
+      EXPECT_LT(std::abs(b.balance), 1e-3 * all) << alpha;
+    }
+}
+
+TEST(Ledger, DampingIsStillCountedAfterItWasSetOnTheWay) {
+  Oscillator o(with(verlet));
+  o.displace(1e-3);
+  const double all = o.start().elastic;
+  o.dynamics.motion().set_damping(4);
+  o.run(1e-3, 1000);
+  const double lost = all - energy_left(1e-3, 4, 1);
+  EXPECT_NEAR(o.dynamics.balance().dissipated, lost, 0.01 * lost);
+}
+
+// Springs with c between two plates: the same equation with alpha = c / m.
+TEST(Ledger, ViscousSpringsDissipateWhatTheClosedFormLoses) {
+  for (const char* scheme : schemes) {
+    const double alpha = 2;
+    Oscillator o(with(scheme), {100, alpha * Oscillator::m / 4, 0});
+    o.displace(1e-3);
+    const double all = o.start().elastic;
+    double before = 0;
+    for (int i = 0; i < 10; ++i) {
+      o.run(1e-4, 1000);
+      const EnergyBalance b = o.dynamics.balance();
+      EXPECT_GT(b.dissipated, before);
+      before = b.dissipated;
+      const double lost = all - energy_left(1e-3, alpha, 0.1 * (i + 1));
+      EXPECT_NEAR(b.dissipated, lost, 0.02 * all);
+      EXPECT_LT(std::abs(b.balance), 1e-6 * all);
+      EXPECT_EQ(b.models, 0);
+    }
+  }
+}
+
+// ---------------------------------------------------- functors without energy --
+
+TEST(Ledger, WorkOfFunctorsWithoutAnEnergyIsThatOfModels) {
+  for (const char* scheme : schemes)
+    for (const double edges : {100.0, 0.0}) {
+      Moving m(box(3, 2, 2), with(scheme, 0, {0, -9.8, 0}), {edges, 0, 80});
+      m.hold(m.at(0, 0), 7);
+      const EnergyBalance start = m.start();
+      for (int i = 0; i < 300; ++i) {
+        m.step(1e-3);
+        if (i % 50 != 49) continue;
+        const EnergyBalance b = m.dynamics.balance();
+        // All springs but the edges' have given what they store.
+        const double others =
+            reference_energy(m.block, *m.block.instance) - (edges > 0 ? b.elastic : 0);
+        ASSERT_GT(others, 1e-3);
+        EXPECT_NEAR(b.models, -others, 0.01 * b.exchanged) << edges << " " << i;
+        EXPECT_LT(std::abs(b.balance), 0.01 * b.exchanged) << edges << " " << i;
+        expect_to_add_up(start, b);
+      }
+    }
+}
+
+// ------------------------------------------------------------------- islands --
+
+TEST(Ledger, SleepIsBookedAndWakingCostsNothing) {
+  for (const char* scheme : schemes) {
+    Moving m(box(4, 2, 2), with(scheme, 0, {0, -9.8, 0}));
+    m.hold(m.at(0, 0), 7);
+    m.start();
+    m.run(1e-3, 50);
+    m.dynamics.synchronise();
+    std::vector<Dart> faces;
+    for (Dart d = 0; d < 24 * m.body.complex().element_count(); d += 4)
+      if (d % 24 == 8 && d / 24 % 4 == 1) faces.push_back(d);  // x1 sides of the second column
+    m.body.cut(faces);
+    Index islands = 0;
+    m.body.complex().islands(&islands);
+    ASSERT_EQ(islands, 2u);
+    m.run(1e-3, 20);
+    std::vector<Index> free;
+    for (Index e = 0; e < m.body.complex().element_count(); ++e)
+      if (e % 4 > 1) free.push_back(e);
+    const EnergyBalance before = m.dynamics.balance();
+    put_to_sleep(m.dynamics, free);
+    const EnergyBalance after = m.dynamics.balance();
+    EXPECT_LT(after.kinetic, before.kinetic);
+    EXPECT_NEAR(after.events, after.kinetic - before.kinetic, 1e-12 * before.exchanged);
+    EXPECT_NEAR(after.balance, before.balance, 1e-12 * before.exchanged);
+    m.run(1e-3, 40);
+    EXPECT_LT(std::abs(m.dynamics.balance().balance), 0.02 * before.exchanged);
+    wake_all(m.dynamics);
+    const EnergyBalance awake = m.dynamics.balance();
+    m.run(1e-3, 40);
+    const EnergyBalance end = m.dynamics.balance();
+    EXPECT_EQ(awake.events, after.events);
+    EXPECT_LT(std::abs(end.balance), 0.02 * end.exchanged);
+  }
+}
+
+}  // namespace

@@ -3,6 +3,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/mesh/mesh_file.hpp"
+#include "tests/mesh/damaged_files.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 
 namespace suture {
@@ -45,24 +46,11 @@ TEST(Gmsh, ReadsEveryFormatAlike) {
   }
 }
 
-std::string error_of(const std::string& text) {
-  const TemporaryFolder folder;
-  Diagnostics diagnostics;
-  try {
-    read_mesh(folder.write("m.msh", text), 1, diagnostics);
-  } catch (const InputError& error) {
-    const std::string what = error.what();
-    return what.substr(what.find("m.msh"));
-  }
-  return "no error";
-}
+std::string error_of(const std::string& text) { return read_error("m.msh", text); }
 
 std::string replaced(const std::string& file, const std::string& old_text,
                      const std::string& new_text) {
-  std::string text = read_text(data(file));
-  const std::size_t at = text.find(old_text);
-  EXPECT_NE(at, text.npos) << old_text;
-  return text.replace(at, old_text.size(), new_text);
+  return with_replaced(read_text(data(file)), old_text, new_text);
 }
 
 TEST(Gmsh, SaysWhatIsWrongAndWhere) {

@@ -3,6 +3,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/mesh/mesh_file.hpp"
+#include "tests/mesh/damaged_files.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 
 namespace suture {
@@ -40,23 +41,10 @@ End
 )";
 
 std::string replaced(const std::string& old_text, const std::string& new_text) {
-  std::string text = two_cubes;
-  const std::size_t at = text.find(old_text);
-  EXPECT_NE(at, text.npos) << old_text;
-  return text.replace(at, old_text.size(), new_text);
+  return with_replaced(two_cubes, old_text, new_text);
 }
 
-std::string error_of(const std::string& text) {
-  const TemporaryFolder folder;
-  Diagnostics diagnostics;
-  try {
-    read_mesh(folder.write("m.mesh", text), 1, diagnostics);
-  } catch (const InputError& error) {
-    const std::string what = error.what();
-    return what.substr(what.find("m.mesh"));
-  }
-  return "no error";
-}
+std::string error_of(const std::string& text) { return read_error("m.mesh", text); }
 
 TEST(Medit, ReadsHexahedraInOrderXAndRefsAsSets) {
   const TemporaryFolder folder;

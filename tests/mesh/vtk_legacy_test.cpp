@@ -3,6 +3,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/mesh/mesh_file.hpp"
+#include "tests/mesh/damaged_files.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 
 namespace suture {
@@ -37,21 +38,10 @@ Mesh read(const std::string& text) {
   return read_mesh(folder.write("m.vtk", text), 1, diagnostics);
 }
 
-std::string error_of(const std::string& text) {
-  try {
-    read(text);
-  } catch (const InputError& error) {
-    const std::string what = error.what();
-    return what.substr(what.find("m.vtk"));
-  }
-  return "no error";
-}
+std::string error_of(const std::string& text) { return read_error("m.vtk", text); }
 
 std::string replaced(const std::string& old_text, const std::string& new_text) {
-  std::string text = cube_text("3.0", cells_of_version_3);
-  const std::size_t at = text.find(old_text);
-  EXPECT_NE(at, text.npos) << old_text;
-  return text.replace(at, old_text.size(), new_text);
+  return with_replaced(cube_text("3.0", cells_of_version_3), old_text, new_text);
 }
 
 TEST(VtkLegacy, ReadsHexahedraVoxelsAndLabels) {

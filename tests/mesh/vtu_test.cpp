@@ -7,6 +7,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/mesh/box.hpp"
 #include "kernel/mesh/mesh_file.hpp"
+#include "tests/mesh/damaged_files.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/mesh/vtk_files.hpp"
 
@@ -42,23 +43,10 @@ std::string two_pieces() {
 }
 
 std::string replaced(const std::string& old_text, const std::string& new_text) {
-  std::string text = two_pieces();
-  const std::size_t at = text.find(old_text);
-  EXPECT_NE(at, text.npos) << old_text;
-  return text.replace(at, old_text.size(), new_text);
+  return with_replaced(two_pieces(), old_text, new_text);
 }
 
-std::string error_of(const std::string& text) {
-  const TemporaryFolder folder;
-  Diagnostics diagnostics;
-  try {
-    read_mesh(folder.write("m.vtu", text), 1, diagnostics);
-  } catch (const InputError& error) {
-    const std::string what = error.what();
-    return what.substr(what.find("m.vtu"));
-  }
-  return "no error";
-}
+std::string error_of(const std::string& text) { return read_error("m.vtu", text); }
 
 TEST(Vtu, JoinsPieces) {
   const TemporaryFolder folder;

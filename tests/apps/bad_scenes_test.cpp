@@ -58,7 +58,7 @@ TEST_F(BadScenes, SyntaxErrorsHaveALineAndAHint) {
   EXPECT_EQ(suture({"run", "binary.json"}).code, 3);
 }
 
-TEST_F(BadScenes, FiveMistakesAreToldAtOnceAndNothingRuns) {
+TEST_F(BadScenes, FiveMistakesAreReportedAtOnceAndNothingRuns) {
   const Outcome five = scene("run", R"(,
   "gravty": [0, -9.8, 0],
   "constraints": [{"fix": "xyz", "were": {"set": "x0"}}],
@@ -228,7 +228,7 @@ TEST_F(BadScenes, OperationsThatFailOnTheWayLoseNothing) {
 }
 
 // Far away, or with nothing to do: a warning, and the run continues.
-TEST_F(BadScenes, OperationsWithoutEffectAreTold) {
+TEST_F(BadScenes, OperationsWithoutEffectAreReported) {
   write("far.obj", "v 9 0 0\nv 9 1 0\nv 9 0 1\nf 1 2 3\n");
   const BadValue values[] = {
       {R"({"at": 0.005, "cut": {"surface": {"file": "far.obj"}}})", 0, "cut no face"},
@@ -266,7 +266,7 @@ TEST_F(BadScenes, PluginsThatAreNone) {
   EXPECT_TRUE(text.says("text.so")) << text;
 }
 
-TEST_F(BadScenes, OverlappingModelsShareElementsAndGapsAreTold) {
+TEST_F(BadScenes, OverlappingModelsShareElementsAndGapsAreReported) {
   const Outcome gap = scene("run", "",
                             {"/models/0/region={\"half_space\": {\"point\": [0.5, 0, 0], "
                              "\"normal\": [1, 0, 0]}}"});

@@ -191,7 +191,7 @@ TEST_F(Commands, CheckRunsNothing) {
   EXPECT_FALSE(std::filesystem::exists(folder() / "out"));
 }
 
-TEST_F(Commands, ExplainTellsWhatIsSkippedAndCosts) {
+TEST_F(Commands, ExplainReportsWhatIsSkippedAndCosts) {
   const Outcome text = scene("explain", "");
   EXPECT_EQ(text.code, 0) << text;
   for (const char* words : {"skipped", "cost", "steps: 10", "memory"}) {

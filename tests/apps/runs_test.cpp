@@ -206,7 +206,7 @@ struct Cut {
   const char* words;
 };
 
-TEST_F(Runs, OddCutsAreDoneOrTold) {
+TEST_F(Runs, OddCutsAreDoneOrReported) {
   const Cut cuts[] = {
       {"meets no face",
        R"({"at": 0.005, "cut": {"plane": {"point": [9, 0, 0], "normal": [1, 0, 0]}}})", "no face"},

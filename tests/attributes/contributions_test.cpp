@@ -104,7 +104,7 @@ TEST(Contribute, ValuesThatAreNotFiniteAndNegativeMassesAreRefusedWithTheirEleme
   EXPECT_NE(message().find("element 70 gives inf"), std::string::npos) << message();
 }
 
-TEST(Alike, OneElementSpeaksForAllThatGiveTheSame) {
+TEST(UniformContribution, OneElementSpeaksForAllThatGiveTheSame) {
   const fake::Model model(
       {fake::attribute("mass", 0, 1, &fake::box_mass, SUTURE_FROM_VOLUMES, SUTURE_SHARED_MASS)});
   const suture_attribute& mass = model.attributes[0];
@@ -182,7 +182,7 @@ TEST(TouchedSums, GiveTheBitsOfASumOverAllElements) {
   }
 }
 
-TEST(TouchedSums, TakeValuesThatAreAlikeUntilTheyAreNoMore) {
+TEST(TouchedSums, TakeUniformValuesUntilTheyDiffer) {
   const fake::Model model(fake::everything());
   Summed s(model, {3, 3, 3}, nullptr);
   const suture_attribute& mass = model.attributes[fake::mass];

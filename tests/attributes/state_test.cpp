@@ -161,7 +161,7 @@ TEST(State, OfAnotherRegionIsRefused) {
             "/instances/0/tables/3: a column has a different number of rows");
 }
 
-TEST(State, OfAColumnTellsWhetherItIsTheSameEverywhere) {
+TEST(State, OfAColumnReportsWhetherItIsTheSameEverywhere) {
   ColumnSpec spec;
   spec.components = 2;
   spec.initial = 5;

@@ -126,7 +126,7 @@ TEST_P(WorkersOf, MayBeUsedBesideOthers) {
 
 INSTANTIATE_TEST_SUITE_P(Threads, WorkersOf, testing::Values(1u, 2u, 3u, 8u));
 
-TEST(Workers, CountTheCoresWhenNotTold) { EXPECT_GE(Workers(0).threads(), 1u); }
+TEST(Workers, CountTheCoresWhenNoneAreGiven) { EXPECT_GE(Workers(0).threads(), 1u); }
 
 }  // namespace
 }  // namespace suture

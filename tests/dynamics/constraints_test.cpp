@@ -116,7 +116,7 @@ TEST(Constraints, DrivenWorkIsThatOfTheSpringsAndTheSpeed) {
   }
 }
 
-TEST(Constraints, PartsOfASplitVertexMoveAlikeAndTheirWorkGoesOn) {
+TEST(Constraints, PartsOfASplitVertexMoveTogetherAndTheirWorkContinues) {
   for (const char* scheme : schemes) {
     Moving m(box(4, 2, 2), {scheme, 0, {}, {}});
     const TimeRamp ramp{0, 0.4, true};  // mean velocities are not those at the end of a step

@@ -145,7 +145,7 @@ TEST(FacesBetween, FindsFacesByTheUsersNumbersAndListsAllFaults) {
   }
 }
 
-TEST(FacesBetween, TellsAFaceThatWasCutBefore) {
+TEST(FacesBetween, ReportsAFaceThatWasCutBefore) {
   CellComplex map = complex_of(grid(3, 1, 1));
   std::vector<Index> point(map.count(0));
   std::iota(point.begin(), point.end(), Index{0});

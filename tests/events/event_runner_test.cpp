@@ -163,7 +163,7 @@ TEST_F(Events, ABladeGoesOnFromWhereItWentBackTo) {
   EXPECT_EQ(runner->fire(0, 1).faces_cut, 4u);
 }
 
-TEST_F(Events, ListedFacesAreCutAndThoseThatAreToldOf) {
+TEST_F(Events, ListedFacesAreCutOrReported) {
   EXPECT_EQ(apply(CutFaces{{{0, 1}, {3, 4}}}).faces_cut, 2u);
   EXPECT_TRUE(warnings().empty());
   EXPECT_EQ(apply(CutFaces{{{0, 1}, {1, 2}}}).faces_cut, 1u);
@@ -312,7 +312,7 @@ TEST_F(Events, ATearOfTooMuchIsRefused) {
 
 // ------------------------------------------------------------------ the scene's --
 
-TEST_F(Events, MistakesInTheSceneAreToldBeforeAnythingRuns) {
+TEST_F(Events, MistakesInTheSceneAreReportedBeforeAnythingRuns) {
   add(CutFaces{{{0, 99}}});
   EXPECT_THROW(build(), InputError);
   scene.events.clear();
@@ -325,7 +325,7 @@ TEST_F(Events, MistakesInTheSceneAreToldBeforeAnythingRuns) {
   EXPECT_THROW(build(), InputError);
 }
 
-TEST_F(Events, WhatRepeatsIsToldOfAtTheEndOnce) {
+TEST_F(Events, WhatRepeatsIsReportedAtTheEndOnce) {
   add(CutPlane{{3, 0, 0}, {1, 0, 0}}).every = 5;
   add(middle).every = 5;
   Condition condition;

@@ -216,7 +216,7 @@ TEST(SeamsWithinGap, SidesAtAnAngleDoNotFace) {
   }
 }
 
-TEST(SeamBatch, TakesWhatSewTakesAndTellsTheRest) {
+TEST(SeamBatch, TakesWhatSewTakesAndReportsTheRest) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
@@ -281,8 +281,8 @@ TEST(SeamsBetween, FindWhatWasCutElseTheNearest) {
 }
 
 // A hole between two elements is not closed by sewing its walls: those above and
-// below would have two nodes in one place. Told with the numbers of the mesh.
-TEST(SeamsBetween, WhatWouldFoldAnElementIsTold) {
+// below would have two nodes in one place. Reported with the numbers of the mesh.
+TEST(SeamsBetween, WhatWouldFoldAnElementIsReported) {
   Cuttable body(grid(3, 3, 1));
   body.complex.pierce(std::vector<Index>{4});
   const std::vector<double> rows = body.rows();

@@ -124,7 +124,7 @@ TEST(BatchList, ChunksThatMeetWaitForEachOther) {
   expect_ordered(list, cells, vertices);
 }
 
-TEST(BatchList, WithTooManyColoursAsksToBeMadeAnew) {
+TEST(BatchList, WithTooManyColoursAsksToBeRebuilt) {
   const std::vector<Index> nodes(2 * 20000);  // all rows share a vertex: no two chunks agree
   const Connectivity cells{nodes.data(), nullptr, 2};
   BatchList list(cells, {{0, 64}}, 1);

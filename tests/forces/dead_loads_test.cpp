@@ -63,7 +63,7 @@ TEST_F(Loaded, AForceOnNodesWithoutAFaceIsSharedEqually) {
   for (const Index v : line) EXPECT_NEAR(f[v][1], 1, 1e-14);
 }
 
-TEST_F(Loaded, RampsAreAppliedAndToldOf) {
+TEST_F(Loaded, RampsAreAppliedAndReported) {
   loads.add_force(body.complex(), vertices_at(body, 0, 0.4), {16, 0, 0}, {1, 3, false});
   EXPECT_EQ(sum(forces(1))[0], 0);
   EXPECT_NEAR(sum(forces(1.5))[0], 4, 1e-13);

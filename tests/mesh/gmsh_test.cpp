@@ -31,7 +31,7 @@ void expect_two_hexahedra(const Mesh& mesh) {
             (std::map<std::string, std::size_t>{{"quadrilaterals", 2}, {"points as cells", 1}}));
 }
 
-TEST(Gmsh, ReadsEveryFormatAlike) {
+TEST(Gmsh, ReadsEveryFormatTheSame) {
   for (const char* name :
        {"two_msh22.msh", "two_msh22_binary.msh", "two_msh41.msh", "two_msh41_binary.msh"}) {
     SCOPED_TRACE(name);

@@ -158,7 +158,7 @@ TEST_F(RoundTrip, WeReadWhatVtkWrites) {
   }
 }
 
-TEST_F(RoundTrip, TellsWhatCannotBeWritten) {
+TEST_F(RoundTrip, ReportsWhatCannotBeWritten) {
   EXPECT_THROW(write_mesh(folder_ / "m.stl", mesh_, diagnostics_), UsageError);
   for (const char* name : {"m.vtu", "m.vtk", "m.mesh", "m.msh"}) {
     EXPECT_THROW(write_mesh(folder_ / "missing" / name, mesh_, diagnostics_), IoError);

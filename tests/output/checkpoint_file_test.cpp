@@ -87,7 +87,7 @@ TEST(CheckpointFile, AGroupAndAListOfOneNameAreRefused) {
   EXPECT_THROW(write_checkpoint(folder / "c.h5", some_header(), std::move(tree)), IoError);
 }
 
-TEST(CheckpointFile, TellsWhatIsNoCheckpoint) {
+TEST(CheckpointFile, ReportsWhatIsNoCheckpoint) {
   const TemporaryFolder folder;
   EXPECT_EQ(refusal_of(folder / "checkpoint_0009.h5"),
             "cannot be opened: No such file or directory; no checkpoint was found in " +
@@ -201,7 +201,7 @@ TEST(CheckpointFile, Hdf5FindsDamageToo) {
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
-TEST(CheckpointFile, AFullDiskIsToldAndNothingRemains) {
+TEST(CheckpointFile, AFullDiskIsReportedAndNothingRemains) {
   const TemporaryFolder folder;
   write_checkpoint(folder / "c.h5", some_header(), some_state(1));
   const std::string before = read_text(folder / "c.h5");

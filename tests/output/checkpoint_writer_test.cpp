@@ -114,7 +114,7 @@ TEST(CheckpointWriter, ResumedFromAnotherFolderLeavesThatAlone) {
   EXPECT_EQ(checkpoints_in(folder.path()), (Numbers{4}));
 }
 
-TEST(CheckpointWriter, AFullDiskIsToldOnceAndOlderOnesStay) {
+TEST(CheckpointWriter, AFullDiskIsReportedOnceAndOlderOnesStay) {
   const TemporaryFolder folder;
   CheckpointWriter writer({.folder = output(folder.path()), .keep = 1});
   submit(writer, 1);
@@ -140,7 +140,7 @@ TEST(CheckpointWriter, AFullDiskIsToldOnceAndOlderOnesStay) {
     EXPECT_NE(entry.path().extension(), ".part");
 }
 
-TEST(CheckpointWriter, AFileInPlaceOfTheFolderIsTold) {
+TEST(CheckpointWriter, AFileInPlaceOfTheFolderIsReported) {
   const TemporaryFolder folder;
   folder.write("out", "x");
   CheckpointWriter writer({.folder = output(folder / "out")});

@@ -79,7 +79,7 @@ TEST(CsvWriter, NothingIsLostWithoutFinish) {
   EXPECT_EQ(read_text(folder / "t.csv"), "step,a\n7,0.5\n");
 }
 
-TEST(CsvWriter, AFullDiskIsTold) {
+TEST(CsvWriter, AFullDiskIsReported) {
   const TemporaryFolder folder;
   CsvWriter table(output(folder.path()), "t.csv", {"a"});
   for (int step = 0; step < 1000; ++step) table.row(step, std::array<double, 1>{1});
@@ -93,7 +93,7 @@ TEST(CsvWriter, AFullDiskIsTold) {
   }
 }
 
-TEST(CsvWriter, AFileInPlaceOfTheFolderIsTold) {
+TEST(CsvWriter, AFileInPlaceOfTheFolderIsReported) {
   const TemporaryFolder folder;
   folder.write("out", "x");
   CsvWriter table(output(folder / "out"), "t.csv", {"a"});

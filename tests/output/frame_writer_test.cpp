@@ -209,7 +209,7 @@ TEST(FrameWriter, RefusesFieldsOfTheWrongLength) {
   EXPECT_THROW(writer.submit(std::move(frame)), std::invalid_argument);
 }
 
-TEST(FrameWriter, AFileInPlaceOfTheFolderIsTold) {
+TEST(FrameWriter, AFileInPlaceOfTheFolderIsReported) {
   const TemporaryFolder folder;
   folder.write("out", "x");
   try {
@@ -221,7 +221,7 @@ TEST(FrameWriter, AFileInPlaceOfTheFolderIsTold) {
   }
 }
 
-TEST(FrameWriter, AWriteThatFailsInTheBackgroundIsTold) {
+TEST(FrameWriter, AWriteThatFailsInTheBackgroundIsReported) {
   for (const bool background : {true, false}) {
     const TemporaryFolder folder;
     FrameWriter writer({.folder = output(folder.path()), .background = background});

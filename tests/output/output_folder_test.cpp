@@ -184,7 +184,7 @@ TEST(OutputFolder, LeavesNoTraceWithoutAFile) {
   EXPECT_FALSE(fs::exists(folder / "a/.suture-run"));
 }
 
-TEST(OutputFolder, OneThatWasRemovedOrReplacedIsToldOf) {
+TEST(OutputFolder, OneThatWasRemovedOrReplacedIsReported) {
   for (const bool replaced : {false, true}) {
     const TemporaryFolder folder;
     OutputFolder out(folder / "out");

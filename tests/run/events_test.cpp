@@ -84,7 +84,7 @@ TEST(TearEvent, ABarThatIsPulledTearsAcross) {
   EXPECT_TRUE(run.diagnostics.warnings().empty());
 }
 
-TEST(TearEvent, WithoutEffectIsToldOnce) {
+TEST(TearEvent, WithoutEffectIsReportedOnce) {
   Scene scene = pulled_bar(0.01);
   scene.events.push_back(tear_of(0.3, 1));
   const Outcome run(scene);
@@ -208,7 +208,7 @@ TEST(Schedule, WhenHoldsOnceItsConditionIsTrue) {
   }
 }
 
-TEST(Schedule, AConditionThatNeverHoldsIsTold) {
+TEST(Schedule, AConditionThatNeverHoldsIsReported) {
   Scene scene = pulled_bar(0.1);
   Event cut = event_of(CutPlane{{0.5, 0, 0}, {1, 0, 0}});
   cut.when = Condition{};

@@ -226,7 +226,7 @@ TEST(Blade, CutsWhatItSweepsRelativeToTheTissue) {
   }
 }
 
-TEST(Blade, ThatMissesIsToldOnce) {
+TEST(Blade, ThatMissesIsReportedOnce) {
   Scene scene = beam(host(), "tm-faure", 4, 2, 0);
   scene.solver.dt = 2e-4;
   scene.solver.end = 0.01;

@@ -108,7 +108,7 @@ TEST(SceneReader, FillsInDefaults) {
   EXPECT_FALSE(read(scene_with(", \"output\": false")).output.enabled);
 }
 
-TEST(SceneReader, TellsAllMistakesAtOnceInTheirOrder) {
+TEST(SceneReader, ReportsAllMistakesAtOnceInTheirOrder) {
   const std::string error = error_of(R"({
   "suture": 1,
   "mesh": {"box": {"size": [1, -1, 1], "cells": [2, 2, 2]}},
@@ -298,7 +298,7 @@ TEST(SceneReader, NamesOfModelsMustDiffer) {
       << error;
 }
 
-TEST(SceneReader, ExitCodeTellsPluginsFromScenes) {
+TEST(SceneReader, ExitCodeReportsPluginsFromScenes) {
   try {
     read(scene_with(""), {"/models/0/model=none"});
     FAIL();

@@ -82,10 +82,10 @@ bool EventSchedule::holds(std::size_t i) const {
   for (double& component : mean) component /= count;
   if (condition.of == Condition::Of::position && condition.component == 3)
     mean = minus(mean, condition.zero);
-  const double looked_at = condition.component < 3
-                               ? mean[static_cast<std::size_t>(condition.component)]
-                               : std::hypot(mean[0], mean[1], mean[2]);
-  return condition.above ? looked_at > condition.bound : looked_at < condition.bound;
+  const double observed = condition.component < 3
+                              ? mean[static_cast<std::size_t>(condition.component)]
+                              : std::hypot(mean[0], mean[1], mean[2]);
+  return condition.above ? observed > condition.bound : observed < condition.bound;
 }
 
 }  // namespace suture

@@ -228,7 +228,7 @@ MovingBlade::Step MovingBlade::step_between(double last) const {
   return step;
 }
 
-/// Counts the step for a block. False if all of it must be looked at; else only elements whose
+/// Counts the step for a block. False if all of it must be checked; otherwise only elements whose
 /// gaps_ are not above `needed`.
 bool MovingBlade::may_skip(Index block, const Step& step, double& needed) {
   Clearance& c = clearances_[block];

@@ -7,7 +7,7 @@
 namespace suture {
 namespace {
 
-// What is looked at each time, per kind of operation.
+// What an event acts on, per kind of operation.
 struct What {
   std::string operator()(const CutPlane& cut) const {
     const bool bounded = cut.radius < std::numeric_limits<double>::infinity();

@@ -92,7 +92,7 @@ struct CellComplex::StarWork {
  *
  * w splits: without F the elements around it form two components. u does not: its
  * elements are still connected below. Only elements around the vertices and edges of
- * the cut faces are looked at.
+ * the cut faces are examined.
  */
 TopologyChange CellComplex::cut(std::span<const Dart> faces) {
   const std::vector<Link> cut_faces = mark_leaving(faces);

@@ -13,10 +13,10 @@ namespace {
 
 // Of the slope at the start that a step may leave, either way (Crisfield).
 constexpr double slope_left = 0.8;
-constexpr unsigned most_trials = 12;
+constexpr unsigned max_trials = 12;
 // Forcing terms of the linear solves.
 constexpr double first_forcing = 0.1, least_forcing = 1e-3;
-constexpr unsigned most_linear_iterations = 5000;
+constexpr unsigned max_linear_iterations = 5000;
 
 double norm(std::span<const double> v) { return std::sqrt(dot(v, v)); }
 
@@ -106,7 +106,7 @@ LinearSolve Newton::find_direction(const StepEquations& equations, double tolera
     for (std::size_t i = 0; i < right.size(); ++i) right[i] = residual_[i] - right[i];
   }
   const LinearSolve solve = linear_.solve(matrix_, *preconditioner_, right, direction_, tolerance,
-                                          most_linear_iterations);
+                                          max_linear_iterations);
   // A preconditioner that has become twice as bad is built again.
   if (!is_built_) built_iterations_ = solve.iterations;
   is_built_ = solve.outcome == LinearSolve::Outcome::converged &&
@@ -132,7 +132,7 @@ bool Newton::try_step(const StepEquations& equations, double step, double& slope
 Newton::Search Newton::search(const StepEquations& equations) {
   const double first = dot(residual_, direction_);
   double low = 0, low_slope = first, high = 0, high_slope = 0, step = 1;
-  for (unsigned trial = 0; trial < most_trials; ++trial) {
+  for (unsigned trial = 0; trial < max_trials; ++trial) {
     double slope = 0;
     if (!try_step(equations, step, slope)) {
       high = step;
@@ -176,7 +176,7 @@ Newton::Result Newton::solve(const StepEquations& equations) {
       result.limited_by_rounding = true;
       return result;
     }
-    if (result.iterations == options_.most_iterations)
+    if (result.iterations == options_.max_iterations)
       refuse(equations, result, "the allowed number of iterations was not enough");
     if (result.iterations > 0) {
       const double gain = result.residual / last;

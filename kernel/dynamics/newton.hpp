@@ -26,7 +26,7 @@ struct StepEquations {
 
 struct NewtonOptions {
   double tolerance = 1e-8;  ///< of the residual, relative to Newton::Result::scale
-  unsigned most_iterations = 50;
+  unsigned max_iterations = 50;
 };
 
 /// Solves the equations of a step by Newton's method with inexact linear solves (Eisenstat and

@@ -33,7 +33,7 @@ double dot(std::span<const double> a, std::span<const double> b) {
 
 LinearSolve ConjugateGradients::solve(const TangentMatrix& a, const Preconditioner& preconditioner,
                                       std::span<const double> b, std::span<double> x,
-                                      double tolerance, unsigned most_iterations) {
+                                      double tolerance, unsigned max_iterations) {
   for (auto* vector : {&r_, &z_, &d_, &q_}) vector->resize(a.size());
   std::ranges::copy(b, r_.begin());
   std::ranges::fill(x, 0.0);
@@ -44,7 +44,7 @@ LinearSolve ConjugateGradients::solve(const TangentMatrix& a, const Precondition
     const double residual = std::sqrt(dot(r_, r_));
     result.residual = target > 0 ? residual / target * tolerance : 0;
     if (!(residual > target)) return result;
-    if (result.iterations == most_iterations) {
+    if (result.iterations == max_iterations) {
       result.outcome = LinearSolve::Outcome::too_many;
       return result;
     }

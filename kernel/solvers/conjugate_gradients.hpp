@@ -31,7 +31,7 @@ class ConjugateGradients {
  public:
   LinearSolve solve(const TangentMatrix& a, const Preconditioner& preconditioner,
                     std::span<const double> b, std::span<double> x, double tolerance,
-                    unsigned most_iterations);
+                    unsigned max_iterations);
 
   /// The direction of the last solve that ended as indefinite, with d.Ad <= 0.
   std::span<const double> negative_direction() const { return d_; }

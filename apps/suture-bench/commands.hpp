@@ -26,6 +26,8 @@ void add_build(CLI::App& app, std::vector<Command>& commands);
 void add_blade(CLI::App& app, std::vector<Command>& commands);
 /// Rates of the models' forces through the SDK, by size, fresh and after cuts.
 void add_force(CLI::App& app, std::vector<Command>& commands);
+/// Products of the models' tangents in double and single precision beside their forces.
+void add_tangent(CLI::App& app, std::vector<Command>& commands);
 /// What looking for a tear costs beside the forces.
 void add_events(CLI::App& app, std::vector<Command>& commands);
 /// Whole runs with events beside runs without.

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   suture::bench::add_cut(app, commands);
   suture::bench::add_blade(app, commands);
   suture::bench::add_force(app, commands);
+  suture::bench::add_tangent(app, commands);
   suture::bench::add_events(app, commands);
   suture::bench::add_event_runs(app, commands);
   suture::bench::add_step(app, commands);

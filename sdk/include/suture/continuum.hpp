@@ -44,7 +44,7 @@
 #ifndef SUTURE_CONTINUUM_HPP
 #define SUTURE_CONTINUUM_HPP
 
-#include "suture/hexahedron.hpp"
+#include "suture/hexahedron_tangent.hpp"
 #include "suture/model.hpp"
 
 namespace suture {
@@ -128,6 +128,22 @@ SUTURE_INLINE mat3<T> law_stress(const mat3<T>& F, const Material& p) {
         G(i, j).derivative = 0.0;
       }
     return P;
+  }
+}
+
+/// dP of the law for dF: in closed form where the law is known, or by dual numbers.
+template <class M, class T, class Material>
+SUTURE_INLINE mat3<T> law_tangent(const mat3<T>& F, const mat3<T>& dF, const Material& p) {
+  if constexpr (is_isotropic<M>) {
+    const lame constants = M::isotropic(p);
+    return isotropic_tangent(F, dF, T(constants.lambda), T(constants.mu));
+  } else {
+    mat3<dual<T>> G;
+    for (int i = 0; i < 9; ++i) G(i / 3, i % 3) = {F(i / 3, i % 3), dF(i / 3, i % 3)};
+    const mat3<dual<T>> P = law_stress<M>(G, p);
+    mat3<T> dP;
+    for (int i = 0; i < 9; ++i) dP(i / 3, i % 3) = P(i / 3, i % 3).derivative;
+    return dP;
   }
 }
 
@@ -278,10 +294,19 @@ struct continuum_law : on_volumes {
     using T = typename Cell::scalar;
     vec3<T> x[8], f[8];
     positions(c, x);
+    if constexpr (is_dual<T>)
+      tangent_on<Q>(c, x, g, f);
+    else
+      force_on<Q>(c, x, g, f);
+    for (int n = 0; n < 8; ++n) c.force(n, f[n]);
+  }
+
+  template <int Q, class Cell, class Geometry, class T>
+  static SUTURE_INLINE void force_on(const Cell& c, const vec3<T> (&x)[8], const Geometry& g,
+                                     vec3<T> (&f)[8]) {
     if constexpr (is_isotropic<M> && is_box<Geometry>) {
       const lame constants = M::isotropic(material<M>(c));
-      using R = typename Cell::real;
-      isotropic_box_force<Q>(x, g, R(constants.lambda), R(constants.mu), f);
+      isotropic_box_force<Q>(x, g, T(constants.lambda), T(constants.mu), f);
     } else {
       internal_force<Q>(
           x, g,
@@ -289,7 +314,28 @@ struct continuum_law : on_volumes {
               __attribute__((always_inline)) { return law_stress<M>(F, material<M>(c)); },
           f);
     }
-    for (int n = 0; n < 8; ++n) c.force(n, f[n]);
+  }
+
+  /// Sets the derivatives alone: c.force() takes no more.
+  template <int Q, class Cell, class Geometry, class R>
+  static SUTURE_INLINE void tangent_on(const Cell& c, const vec3<dual<R>> (&moving)[8],
+                                       const Geometry& g, vec3<dual<R>> (&f)[8]) {
+    vec3<R> x[8], dx[8], df[8];
+    for (int i = 0; i < 24; ++i) {
+      x[i / 3][i % 3] = moving[i / 3][i % 3].value;
+      dx[i / 3][i % 3] = moving[i / 3][i % 3].derivative;
+    }
+    if constexpr (is_isotropic<M> && is_box<Geometry>) {
+      const lame constants = M::isotropic(material<M>(c));
+      isotropic_box_tangent<Q>(x, dx, g, R(constants.lambda), R(constants.mu), df);
+    } else {
+      internal_tangent<Q>(
+          x, dx, g,
+          [&](const mat3<R>& F, const mat3<R>& dF)
+              __attribute__((always_inline)) { return law_tangent<M>(F, dF, material<M>(c)); },
+          df);
+    }
+    for (int i = 0; i < 24; ++i) f[i / 3][i % 3].derivative = df[i / 3][i % 3];
   }
 };
 

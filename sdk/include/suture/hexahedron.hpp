@@ -334,35 +334,75 @@ SUTURE_INLINE void internal_force(const vec3<T> (&x)[8], const Geometry& geometr
   scatter<Q>(s, f);
 }
 
-/// Nodal forces of S = lambda tr(E) I + 2 mu E (second Piola-Kirchhoff stress, Pa) on
-/// boxes along the axes. With the lengths l_a, G = dx/dxi and D_a = 1/l_a, F = G D, so
+/// S = lambda tr(E) I + 2 mu E (second Piola-Kirchhoff stress, Pa) on boxes along the axes.
+/// With the lengths l_a, G = dx/dxi and D_a = 1/l_a, F = G D, so
 ///   2 E_ab = D_a D_b (G'G)_ab - delta_ab,   s = P cof(J) = G M,
 ///   M_ab = V D_a D_b S_ab:   M_ab = mu V D_a^2 D_b^2 (G'G)_ab           (a != b)
 ///                            M_aa = V D_a^2 (lambda tr(E) + mu 2 E_aa)
 /// The lengths enter six numbers of M instead of nine of F and nine of P: a tenth fewer
 /// operations than internal_force() with box_geometry.
+template <class R, int Q>
+struct isotropic_box {
+  vec3<R> square;             ///< D_a^2
+  vec3<R> weight, mu_weight;  ///< V D_a^2, mu V D_a^2, with the common weight of the points
+  R xy, yz, xz, half_lambda;
+
+  SUTURE_INLINE isotropic_box(const box_geometry<R, Q>& box, const R& lambda, const R& mu)
+      : half_lambda(0.5 * lambda) {
+    const vec3<R>& D = box.inverse_length;
+    square = {D[0] * D[0], D[1] * D[1], D[2] * D[2]};
+    weight = square * (box.volume * common_weight<Q>);
+    mu_weight = weight * mu;
+    xy = mu_weight[0] * square[1];
+    yz = mu_weight[1] * square[2];
+    xz = mu_weight[0] * square[2];
+  }
+
+  /// M for G, times the weight of the point.
+  template <class T>
+  SUTURE_INLINE sym3<T> flux(const mat3<T>& G, double point) const {
+    const auto& c = G.column;
+    vec3<T> strain2;
+    for (int a = 0; a < 3; ++a) strain2[a] = square[a] * dot(c[a], c[a]) - 1.0;
+    return sum(strain2, dot(c[0], c[1]), dot(c[1], c[2]), dot(c[0], c[2]), point);
+  }
+  /// dM for G and dG, likewise.
+  template <class T>
+  SUTURE_INLINE sym3<T> flux_tangent(const mat3<T>& G, const mat3<T>& dG, double point) const {
+    const auto &c = G.column, &d = dG.column;
+    vec3<T> strain2;
+    for (int a = 0; a < 3; ++a) strain2[a] = (2.0 * square[a]) * dot(c[a], d[a]);
+    const auto both = [&](int a, int b) __attribute__((always_inline)) {
+      return dot(c[a], d[b]) + dot(d[a], c[b]);
+    };
+    return sum(strain2, both(0, 1), both(1, 2), both(0, 2), point);
+  }
+
+ private:
+  template <class T>
+  SUTURE_INLINE sym3<T> sum(const vec3<T>& strain2, const T& G_xy, const T& G_yz, const T& G_xz,
+                            double point) const {
+    const T pressure = half_lambda * (strain2[0] + strain2[1] + strain2[2]);
+    vec3<T> diagonal;
+    for (int a = 0; a < 3; ++a) diagonal[a] = mu_weight[a] * strain2[a] + weight[a] * pressure;
+    const sym3<T> M{diagonal[0], diagonal[1], diagonal[2], xy * G_xy, yz * G_yz, xz * G_xz};
+    if constexpr (Q == 2)
+      return M;
+    else
+      return M * point;
+  }
+};
+
+/// Nodal forces of that law.
 template <int Q, class T, class R>
 SUTURE_INLINE void isotropic_box_force(const vec3<T> (&x)[8], const box_geometry<R, Q>& box,
                                        const R& lambda, const R& mu, vec3<T> (&f)[8]) {
   const axis_values<T, Q> g = gradients<Q>(x);
-  const vec3<R>& D = box.inverse_length;
-  const vec3<R> square{D[0] * D[0], D[1] * D[1], D[2] * D[2]};
-  const vec3<R> weight = square * (box.volume * common_weight<Q>);
-  const vec3<R> mu_weight = weight * mu;
-  const R xy = mu_weight[0] * square[1], yz = mu_weight[1] * square[2],
-          xz = mu_weight[0] * square[2], half_lambda = 0.5 * lambda;
+  const isotropic_box<R, Q> constants(box, lambda, mu);
   axis_values<T, Q> s{};
   for_each_point<Q>([&](int i, int j, int k) __attribute__((always_inline)) {
     const mat3<T> G = g.at(i, j, k);
-    const auto& c = G.column;
-    vec3<T> strain2, diagonal;
-    for (int a = 0; a < 3; ++a) strain2[a] = square[a] * dot(c[a], c[a]) - 1.0;
-    const T pressure = half_lambda * (strain2[0] + strain2[1] + strain2[2]);
-    for (int a = 0; a < 3; ++a) diagonal[a] = mu_weight[a] * strain2[a] + weight[a] * pressure;
-    sym3<T> M{diagonal[0],          diagonal[1],          diagonal[2],
-              xy * dot(c[0], c[1]), yz * dot(c[1], c[2]), xz * dot(c[0], c[2])};
-    if constexpr (Q != 2) M = M * point_weight<Q>(i, j, k);
-    s.add_product(i, j, k, G, M);
+    s.add_product(i, j, k, G, constants.flux(G, point_weight<Q>(i, j, k)));
   });
   scatter<Q>(s, f);
 }

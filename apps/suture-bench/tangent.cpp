@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/suture-bench/body.hpp"
+#include "apps/suture-bench/commands.hpp"
+#include "apps/suture-bench/timer.hpp"
+
+namespace suture::bench {
+namespace {
+
+struct Case {
+  const char* name;
+  const char* model;
+  std::map<std::string, double> parameters;
+  bool distorted;
+};
+
+const std::vector<Case>& cases() {
+  static const std::vector<Case> list{
+      {"TM boxes, gauss2", "tm-faure", {}, false},
+      {"TM boxes, exact", "tm-faure", {{"quadrature", 1}}, false},
+      {"TM general, gauss2", "tm-faure", {}, true},
+      {"TM general, gauss2, geometry recomputed", "tm-faure", {{"geometry", 1}}, true},
+      {"MSS undamped", "mss-baudet", {}, false},
+      {"MSS, viscosity", "mss-baudet", {{"viscosity", 1}}, false},
+      {"MSS, correction", "mss-baudet", {{"correction", 1}}, false},
+  };
+  return list;
+}
+
+struct Options {
+  std::vector<Index> sizes{4000, 32000, 256000};
+  std::string only;
+  unsigned threads = 1;
+  double seconds = 0.5;
+};
+
+/// Seconds of a product with rows of Real.
+template <class Real>
+double product(ForceLoop& models, std::size_t size, const Options& options) {
+  std::vector<Real> direction(size), image(size);
+  for (std::size_t i = 0; i < size; ++i)
+    direction[i] = static_cast<Real>(1e-3 * std::sin(static_cast<double>(i)));
+  const auto call = [&] { models.add_tangent(direction.data(), 1, 0, 0, image.data()); };
+  return measure(call, options.threads, options.seconds).median;
+}
+
+void measure_case(const Case& c, Index size, const Options& options, PluginHost& host,
+                  Report& report) {
+  BenchBody body(host, {.model = c.model,
+                        .parameters = c.parameters,
+                        .cells = grid_of(size),
+                        .distorted = c.distorted,
+                        .threads = options.threads});
+  ForceLoop& models = body.body().models();
+  const double elements = body.element_count();
+  const auto rows = std::size_t{3} * body.attributes().vertex_count();
+  const auto force = [&] { models.add_forces(0, 0); };
+  const double forces = measure(force, options.threads, options.seconds).median;
+  const double in_double = product<double>(models, rows, options);
+  const double in_single = product<float>(models, rows, options);
+  report.add(Line()
+                 .add("case", std::string(c.name))
+                 .add("elements", elements)
+                 .add("force ns/el", 1e9 * forces / elements)
+                 .add("double ns/el", 1e9 * in_double / elements)
+                 .add("single ns/el", 1e9 * in_single / elements)
+                 .add("double/force", in_double / forces)
+                 .add("single/force", in_single / forces));
+}
+
+void run(const Options& options, Report& report) {
+  PluginHost host;
+  for (const Case& c : cases()) {
+    if (std::string(c.name).find(options.only) == std::string::npos) continue;
+    report.begin(std::string("tangent: ") + c.name,
+                 "the product of the tangent and a direction beside the force, " +
+                     std::to_string(options.threads) + " thread(s), medians");
+    for (const Index size : options.sizes) measure_case(c, size, options, host, report);
+  }
+}
+
+}  // namespace
+
+void add_tangent(CLI::App& app, std::vector<Command>& commands) {
+  auto* command =
+      app.add_subcommand("tangent", "Products of the models' tangents and a direction, by size");
+  auto options = std::make_shared<Options>();
+  command->add_option("--sizes", options->sizes, "Elements");
+  command->add_option("--only", options->only, "Cases whose name contains this");
+  command->add_option("--threads", options->threads, "Threads")->check(CLI::PositiveNumber);
+  command->add_option("--seconds", options->seconds, "Time spent on each figure");
+  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+}
+
+}  // namespace suture::bench

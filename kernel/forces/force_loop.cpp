@@ -55,11 +55,14 @@ void ForceLoop::add_forces_in_step(const StepTimes& step, const LiveMask&, doubl
   add_forces(step.time, step.dt, Part::with_energy, rows);
 }
 
-void ForceLoop::Impl::raise_not_finite(std::size_t at) {
-  const PluginCall& call = *plugin_thread.present;
-  throw PluginError(describe(call) + ": result " + std::to_string(at / lanes) + " of cell " +
-                    std::to_string(call.batch->cell_ids[at % lanes]) +
-                    " is not finite; see that no division, root or logarithm leaves its range");
+void require_finite(std::span<const double> results, Index valid) {
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (i % lanes >= valid || std::isfinite(results[i])) continue;
+    const PluginCall& call = *plugin_thread.present;
+    throw PluginError(describe(call) + ": result " + std::to_string(i / lanes) + " of cell " +
+                      std::to_string(call.batch->cell_ids[i % lanes]) +
+                      " is not finite; see that no division, root or logarithm leaves its range");
+  }
 }
 
 /// W += (f + f') / 2 . h v-, the rows being f' and nothing else.

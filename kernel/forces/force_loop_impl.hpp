@@ -25,17 +25,13 @@ inline constexpr Index lanes = SUTURE_LANES;
 /// 0.1 ms of work compared with a few microseconds per colour.
 inline constexpr std::size_t parallel_nodes = 32768;
 
-/// The directions dx and dv: a row of 3 numbers per vertex, with one factor for each.
-template <class Real>
-struct Direction {
-  const Real* rows;
-  double dx, dv;
-};
-
 /// The vertices of the cell in a row.
 inline const Index* nodes_of(const loops::Job& job, Index row) {
   return job.nodes + std::size_t{job.cells ? job.cells[row] : row} * job.node_count;
 }
+
+/// Throws PluginError unless the results of the current call's valid lanes are finite.
+void require_finite(std::span<const double> results, Index valid);
 
 struct ForceLoop::Impl {
   Impl(Attributes& a, const CellComplex& c, unsigned wanted)
@@ -141,9 +137,7 @@ struct ForceLoop::Impl {
 
   /// With checks: throws PluginError unless the results of the current call are finite.
   void check_results(std::span<const double> results, Index valid) const {
-    if (!checks) return;
-    for (std::size_t i = 0; i < results.size(); ++i)
-      if (i % lanes < valid && !std::isfinite(results[i])) raise_not_finite(i);
+    if (checks) require_finite(results, valid);
   }
 
   void raise_failures(double time) {
@@ -158,7 +152,6 @@ struct ForceLoop::Impl {
     first.raise(functor.title(), words[functor.functor().dimension], time);
   }
 
-  [[noreturn]] static void raise_not_finite(std::size_t at);
   void book_unstored(double last_dt, const double* force);
   void follow_fixed(const TopologyChange& change);
   Index skip_fixed();
@@ -168,9 +161,7 @@ struct ForceLoop::Impl {
   double energy_of(Index number, double time);
   bool add_field(Index number, std::string_view field, double time, std::span<double> values);
   template <class Real>
-  void add_tangent(Index number, const Direction<Real>& d, double time, Real* out);
-  template <class Real>
-  void add_tangent(const Direction<Real>& d, double time, Real* out);
+  void add_tangent(loops::Product<Real> product, double time);
   void for_each_tangent(Index number, double dx, double dv, double time,
                         const VisitTangents& visit);
 

@@ -12,50 +12,51 @@ std::string ForceLoop::without_tangent() const {
   return "";
 }
 
-template <class Real>
-void ForceLoop::Impl::add_tangent(Index number, const Direction<Real>& d, double time, Real* out) {
-  const auto* extension = functors[number].extension<suture_tangent_1>(SUTURE_TANGENT_1);
-  run(number, "tangent", time,
-      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
-          Index) {
-        for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {
-          alignas(64) double dx[8 * 3 * lanes], dv[8 * 3 * lanes], df[8 * 3 * lanes];
-          const auto for_each_value = [&](Index count, auto value) {
-            for (Index l = 0; l < count; ++l) {
-              const Index* nodes = nodes_of(job, rows.row[l]);
-              for (Index n = 0; n < job.node_count; ++n)
-                for (std::size_t c = 0; c < 3; ++c)
-                  value(std::size_t{nodes[n]} * 3 + c, (n * 3 + c) * lanes + l);
-            }
-          };
-          for_each_value(lanes, [&](std::size_t vertex, std::size_t at) {
-            dx[at] = d.dx * static_cast<double>(d.rows[vertex]);
-            dv[at] = d.dv * static_cast<double>(d.rows[vertex]);
-          });
-          const suture_status status = extension->apply(worker.context, &batch, dx, dv, df);
-          if (status == SUTURE_OK)
-            check_results(std::span(df, std::size_t{job.node_count} * 3 * lanes), batch.valid);
-          for_each_value(batch.valid, [&](std::size_t vertex, std::size_t at) {
-            out[vertex] += static_cast<Real>(df[at]);
-          });
-          return status;
-        });
-      });
+namespace {
+
+/// The functor's tangent in a run that checks plugins: it must be finite.
+suture_status checked_tangent(const suture_context* context, const suture_batch* batch,
+                              const double* dx, const double* dv, double* df) {
+  const auto* extension =
+      extension_of<suture_tangent_1>(*plugin_thread.present->functor, SUTURE_TANGENT_1);
+  const suture_status status = extension->apply(context, batch, dx, dv, df);
+  if (status == SUTURE_OK)
+    require_finite({df, std::size_t{batch->nodes} * 3 * lanes}, batch->valid);
+  return status;
 }
 
+void call(const loops::Table& loops, const loops::Job& job, const loops::Worker& worker,
+          std::span<const loops::Rows> ranges, const loops::Product<double>& product) {
+  loops.tangents_of_doubles(&job, &worker, ranges.data(), static_cast<Index>(ranges.size()),
+                            &product);
+}
+void call(const loops::Table& loops, const loops::Job& job, const loops::Worker& worker,
+          std::span<const loops::Rows> ranges, const loops::Product<float>& product) {
+  loops.tangents_of_floats(&job, &worker, ranges.data(), static_cast<Index>(ranges.size()),
+                           &product);
+}
+
+}  // namespace
+
 template <class Real>
-void ForceLoop::Impl::add_tangent(const Direction<Real>& d, double time, Real* out) {
-  for (Index i = 0; i < functors.size(); ++i)
-    if (!functors[i].skipped()) add_tangent(i, d, time, out);
+void ForceLoop::Impl::add_tangent(loops::Product<Real> product, double time) {
+  for (Index i = 0; i < functors.size(); ++i) {
+    if (functors[i].skipped()) continue;
+    const auto* extension = functors[i].extension<suture_tangent_1>(SUTURE_TANGENT_1);
+    product.function = checks ? checked_tangent : extension->apply;
+    run(i, "tangent", time,
+        [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
+            Index) { call(loops, job, worker, ranges, product); });
+  }
   raise_failures(time);
 }
 
 void ForceLoop::add_tangent(const float* d, double dx, double dv, double time, float* out) {
-  impl_->add_tangent(Direction<float>{d, dx, dv}, time, out);
+  impl_->add_tangent(loops::Product<float>{nullptr, d, dx, dv, out}, time);
 }
 
 void ForceLoop::add_tangent(const double* d, double dx, double dv, double time, double* out) {
-  impl_->add_tangent(Direction<double>{d, dx, dv}, time, out);
+  impl_->add_tangent(loops::Product<double>{nullptr, d, dx, dv, out}, time);
 }
 
 // -------------------------------------------------------- matrices of cells --

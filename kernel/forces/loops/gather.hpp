@@ -151,6 +151,8 @@ inline __attribute__((always_inline)) void gather_batch(const Job& job, const Wo
   if (job.vertex_column_count != 0) spare = gather_vertex_columns<N>(job, worker, cells);
   if (job.cell_column_count != 0) point_to_cell_columns(job, worker, rows, spare);
   fill_ids(job, rows, buffers.ids);
+  if (job.rest_slots && job.rest) take_own_rest(job, rows, buffers.rest);
+  suture::reset(*worker.context->error);
 }
 
 /// What stands where nothing is gathered.
@@ -173,13 +175,31 @@ void begin_batches(const Job& job, const Worker& worker, Buffers& buffers, sutur
   batch.trial_columns = job.has_trial ? worker.trial_columns : nullptr;
 }
 
+/// Calls work(rows, cells) for every batch of a range, one after the other. The commonest batch is
+/// a block of 8 elements that all live.
+template <uint32_t N, class Work>
+inline __attribute__((always_inline)) void for_each_batch(const Job& job, const Rows& range,
+                                                          const Work& work) {
+  const uint32_t end = range.end;
+  for (uint32_t row = range.begin; row < end;) {
+    const uint32_t to_block = lanes - row % lanes;
+    const uint32_t here = end - row < to_block ? end - row : to_block;
+    const bool whole = !job.live || job.live[row / lanes] == 0xFF;
+    if (N > 1 && here == lanes && !job.cells && whole) {
+      work(BlockRows{row}, Block<N>{job.nodes + static_cast<uint64_t>(row) * N});
+    } else {
+      const BatchRows rows = whole ? rows_of_block(row, here) : live_rows(job.live, row, here);
+      if (rows.valid != 0) work(rows, find_cells<N>(job, rows));
+    }
+    row += here;
+  }
+}
+
 template <uint32_t N>
 void gather_one(const Job& job, const Worker& worker, const BatchRows& rows, Buffers& buffers,
                 suture_batch& batch) {
   begin_batches(job, worker, buffers, batch);
   gather_batch<N>(job, worker, rows, find_cells<N>(job, rows), buffers, batch);
-  if (job.rest_slots && job.rest) take_own_rest(job, rows, buffers.rest);
-  suture::reset(*worker.context->error);
 }
 
 void gather(const Job* job, const Worker* worker, const BatchRows* rows, Buffers* buffers,

@@ -40,14 +40,9 @@ inline __attribute__((always_inline)) __m512d two_rows(const double* low, const 
   return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(low)), _mm256_load_pd(high), 1);
 }
 
-/// out[c*8 + l] = component c of the row of lane l.
-template <class C>
-inline __attribute__((always_inline)) void gather_node(const double* rows, const C& cell,
-                                                       uint32_t n, double* out) {
-  const __m512d a = two_rows(row_of(rows, cell, 0, n), row_of(rows, cell, 2, n));
-  const __m512d b = two_rows(row_of(rows, cell, 1, n), row_of(rows, cell, 3, n));
-  const __m512d c = two_rows(row_of(rows, cell, 4, n), row_of(rows, cell, 6, n));
-  const __m512d d = two_rows(row_of(rows, cell, 5, n), row_of(rows, cell, 7, n));
+/// Rows of lanes 0 and 2, 1 and 3, 4 and 6, 5 and 7 -> out[c*8 + l].
+inline __attribute__((always_inline)) void store_transposed(__m512d a, __m512d b, __m512d c,
+                                                            __m512d d, double* out) {
   const __m512d xz_low = _mm512_unpacklo_pd(a, b);  // x0 x1 | z0 z1 | x2 x3 | z2 z3
   const __m512d y_low = _mm512_unpackhi_pd(a, b);   // y0 y1 | w0 w1 | y2 y3 | w2 w3
   const __m512d xz_high = _mm512_unpacklo_pd(c, d);
@@ -55,6 +50,16 @@ inline __attribute__((always_inline)) void gather_node(const double* rows, const
   _mm512_store_pd(out, _mm512_shuffle_f64x2(xz_low, xz_high, 0x88));
   _mm512_store_pd(out + 8, _mm512_shuffle_f64x2(y_low, y_high, 0x88));
   _mm512_store_pd(out + 16, _mm512_shuffle_f64x2(xz_low, xz_high, 0xDD));
+}
+
+/// out[c*8 + l] = component c of the row of lane l.
+template <class C>
+inline __attribute__((always_inline)) void gather_node(const double* rows, const C& cell,
+                                                       uint32_t n, double* out) {
+  store_transposed(two_rows(row_of(rows, cell, 0, n), row_of(rows, cell, 2, n)),
+                   two_rows(row_of(rows, cell, 1, n), row_of(rows, cell, 3, n)),
+                   two_rows(row_of(rows, cell, 4, n), row_of(rows, cell, 6, n)),
+                   two_rows(row_of(rows, cell, 5, n), row_of(rows, cell, 7, n)), out);
 }
 
 #elif defined(__AVX__)

@@ -11,6 +11,7 @@
 #include "kernel/forces/loops/inverted.hpp"
 #include "kernel/forces/loops/motion_sums.hpp"
 #include "kernel/forces/loops/stretch.hpp"
+#include "kernel/forces/loops/tangents.hpp"
 
 namespace {
 
@@ -29,35 +30,11 @@ inline __attribute__((always_inline)) void one_batch(const Job& job, const Worke
                                                      const R& rows, const C& cells,
                                                      Buffers& buffers, suture_batch& batch) {
   gather_batch<N>(job, worker, rows, cells, buffers, batch);
-  if (job.rest_slots && job.rest) take_own_rest(job, rows, buffers.rest);
-  suture::reset(*worker.context->error);
   const suture_status status = job.function(worker.context, &batch);
   if (status != 0) worker.failed(worker.data, status, &batch);
   for (uint32_t n = 0; n < N; ++n)
     scatter_node(job.force, cells, n, rows.valid, batch.force + n * 3 * lanes);
   if (job.has_trial) return_trials(job, worker, rows);
-}
-
-/// One batch after the other, each in `batch`.
-template <uint32_t N>
-inline __attribute__((always_inline)) void forces_in(const Job& job, const Worker& worker,
-                                                     const Rows& range, Buffers& buffers,
-                                                     suture_batch& batch) {
-  const uint32_t end = range.end;
-  for (uint32_t row = range.begin; row < end;) {
-    const uint32_t to_block = lanes - row % lanes;
-    const uint32_t here = end - row < to_block ? end - row : to_block;
-    const bool whole = !job.live || job.live[row / lanes] == 0xFF;
-    if (N > 1 && here == lanes && !job.cells && whole) {
-      const Block<N> cells{job.nodes + static_cast<uint64_t>(row) * N};
-      one_batch<N>(job, worker, BlockRows{row}, cells, buffers, batch);
-    } else {
-      const BatchRows rows = whole ? rows_of_block(row, here) : live_rows(job.live, row, here);
-      if (rows.valid != 0)
-        one_batch<N>(job, worker, rows, find_cells<N>(job, rows), buffers, batch);
-    }
-    row += here;
-  }
 }
 
 template <uint32_t N>
@@ -68,8 +45,11 @@ void forces_of(const Job& job, const Worker& worker, const Rows* ranges, uint32_
   begin_batches(job, worker, buffers, batch);
   batch.force = force;
   *worker.present = &batch;
+  const auto one = [&](const auto& rows, const auto& cells) __attribute__((always_inline)) {
+    one_batch<N>(job, worker, rows, cells, buffers, batch);
+  };
   try {
-    for (uint32_t i = 0; i < count; ++i) forces_in<N>(job, worker, ranges[i], buffers, batch);
+    for (uint32_t i = 0; i < count; ++i) for_each_batch<N>(job, ranges[i], one);
   } catch (...) {
     worker.thrown(worker.data);
   }
@@ -87,6 +67,8 @@ const Table table = {sizeof(Table),
                      0,
                      isa_name,
                      forces,
+                     tangents_of_doubles,
+                     tangents_of_floats,
                      gather,
                      pass<1, true>,
                      pass<2, true>,

@@ -155,12 +155,27 @@ struct Stretch {
   double bound;
 };
 
+/// out += df/dx (dx d) + df/dv (dv d), by a functor's suture.tangent/1, in double precision. Rows
+/// of 3 numbers per vertex.
+template <class Real>
+struct Product {
+  decltype(suture_tangent_1::apply) function;
+  const Real* direction;  ///< d
+  double dx, dv;
+  Real* out;
+};
+
 struct Table {
   uint32_t size;
   uint32_t reserved;
   const char* isa;
   /// Forces of all cells in `ranges` added to the vertices, in order.
   void (*forces)(const Job*, const Worker*, const Rows* ranges, uint32_t count);
+  /// Products of all cells in `ranges`, in order.
+  void (*tangents_of_doubles)(const Job*, const Worker*, const Rows* ranges, uint32_t count,
+                              const Product<double>*);
+  void (*tangents_of_floats)(const Job*, const Worker*, const Rows* ranges, uint32_t count,
+                             const Product<float>*);
   /// Fills `batch` with rows of one block, at least one (extensions).
   void (*gather)(const Job*, const Worker*, const BatchRows*, Buffers*, suture_batch*);
   /// Passes of integrators; they return 1 if a velocity is not finite.

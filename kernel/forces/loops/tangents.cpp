@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Compiled like loops.cpp, once for each instruction set.
+
+#include "kernel/forces/loops/tangents.hpp"
+
+#include "kernel/forces/loops/directions.hpp"
+#include "kernel/forces/loops/gather.hpp"
+
+namespace {
+
+using namespace suture::loops;
+
+/// Directions of a batch and their image.
+struct alignas(64) Vectors {
+  double dx[8 * 3 * lanes], dv[8 * 3 * lanes], df[8 * 3 * lanes];
+};
+
+/// Those of velocities stay zero for a functor that reads none.
+template <uint32_t N, class Real, class C>
+inline __attribute__((always_inline)) void gather_directions(const Product<Real>& product,
+                                                             bool with_velocity, const C& cells,
+                                                             Vectors& vectors) {
+  for (uint32_t n = 0; n < N; ++n) {
+    double* const dx = vectors.dx + n * 3 * lanes;
+    double* const dv = vectors.dv + n * 3 * lanes;
+    gather_node3(product.direction, cells, n, dx);
+    if (with_velocity)
+      for (uint32_t i = 0; i < 3 * lanes; ++i) dv[i] = product.dv * dx[i];
+    for (uint32_t i = 0; i < 3 * lanes; ++i) dx[i] *= product.dx;
+  }
+}
+
+template <uint32_t N, class Real>
+void tangents_of(const Job& job, const Worker& worker, const Rows* ranges, uint32_t count,
+                 const Product<Real>& product) {
+  Buffers buffers;
+  Vectors vectors = {};
+  suture_batch batch;
+  begin_batches(job, worker, buffers, batch);
+  *worker.present = &batch;
+  const auto one = [&](const auto& rows, const auto& cells) __attribute__((always_inline)) {
+    gather_batch<N>(job, worker, rows, cells, buffers, batch);
+    gather_directions<N>(product, job.velocity != nullptr, cells, vectors);
+    const suture_status status =
+        product.function(worker.context, &batch, vectors.dx, vectors.dv, vectors.df);
+    if (status != 0) return worker.failed(worker.data, status, &batch);
+    for (uint32_t n = 0; n < N; ++n)
+      scatter_node3(product.out, cells, n, rows.valid, vectors.df + n * 3 * lanes);
+  };
+  try {
+    for (uint32_t i = 0; i < count; ++i) for_each_batch<N>(job, ranges[i], one);
+  } catch (...) {
+    worker.thrown(worker.data);
+  }
+  *worker.present = nullptr;
+}
+
+template <class Real>
+void tangents(const Job& job, const Worker& worker, const Rows* ranges, uint32_t count,
+              const Product<Real>& product) {
+  if (job.node_count == 1) return tangents_of<1>(job, worker, ranges, count, product);
+  if (job.node_count == 2) return tangents_of<2>(job, worker, ranges, count, product);
+  if (job.node_count == 4) return tangents_of<4>(job, worker, ranges, count, product);
+  tangents_of<8>(job, worker, ranges, count, product);
+}
+
+}  // namespace
+
+void suture::loops::tangents_of_doubles(const Job* job, const Worker* worker, const Rows* ranges,
+                                        uint32_t count, const Product<double>* product) {
+  tangents(*job, *worker, ranges, count, *product);
+}
+
+void suture::loops::tangents_of_floats(const Job* job, const Worker* worker, const Rows* ranges,
+                                       uint32_t count, const Product<float>* product) {
+  tangents(*job, *worker, ranges, count, *product);
+}

@@ -65,6 +65,11 @@ class ForceTerm : public Follower {
   /// out += the derivative of its forces in the direction (dx d, dv d); 3 numbers per vertex.
   virtual void add_tangent(const double* /*d*/, double /*dx*/, double /*dv*/, double /*time*/,
                            double* /*out*/) {}
+  /// The same in single precision, for preconditioners. False if it does not offer that.
+  virtual bool add_tangent_in_single(const float* /*d*/, double /*dx*/, double /*dv*/,
+                                     double /*time*/, float* /*out*/) {
+    return false;
+  }
   using VisitTangents = std::function<void(const CellTangents&)>;
   /// Visits dx df/dx + dv df/dv of all its cells, in a fixed order, on this thread. A term that
   /// does not implement it is missing from preconditioners, which only makes solvers slower.

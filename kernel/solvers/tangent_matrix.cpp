@@ -30,14 +30,36 @@ void TangentMatrix::restrict(std::span<double> x) const {
     if (!free_[i]) x[i] = 0;
 }
 
-void TangentMatrix::apply(const double* x, double* y) const {
+template <class Real>
+void TangentMatrix::apply_mass(const Real* x, Real* y) const {
   for (Index v = 0; v < attributes_.vertex_count(); ++v) {
-    const double mass = mass_ == 0 ? 0 : mass_at(v);
+    const auto mass = static_cast<Real>(mass_ == 0 ? 0 : mass_at(v));
     for (std::size_t i = std::size_t{v} * 3; i < std::size_t{v} * 3 + 3; ++i) y[i] = mass * x[i];
   }
+}
+
+void TangentMatrix::apply(const double* x, double* y) const {
+  apply_mass(x, y);
   for (const auto& term : terms_)
     if (term->has_tangent()) term->add_tangent(x, -1, -velocity_, time_, y);
   restrict({y, free_.size()});
+}
+
+void TangentMatrix::apply(const float* x, float* y) const {
+  apply_mass(x, y);
+  for (const auto& term : terms_)
+    if (term->is_stiff() && term->has_tangent() &&
+        !term->add_tangent_in_single(x, -1, -velocity_, time_, y))
+      add_in_double(*term, x, y);
+  for (std::size_t i = 0; i < free_.size(); ++i)
+    if (!free_[i]) y[i] = 0;
+}
+
+void TangentMatrix::add_in_double(ForceTerm& term, const float* x, float* y) const {
+  const std::vector<double> wide(x, x + free_.size());
+  std::vector<double> image(free_.size());
+  term.add_tangent(wide.data(), -1, -velocity_, time_, image.data());
+  for (std::size_t i = 0; i < image.size(); ++i) y[i] += static_cast<float>(image[i]);
 }
 
 void TangentMatrix::for_each_cell(const ForceTerm::VisitTangents& visit) const {

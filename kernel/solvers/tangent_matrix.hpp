@@ -31,6 +31,8 @@ class TangentMatrix {
   const std::vector<std::uint8_t>& free() const { return free_; }
   /// y = A x. About three evaluations of the forces. Throws the errors of terms.
   void apply(const double* x, double* y) const;
+  /// The same in single precision; terms without such a tangent are computed in double.
+  void apply(const float* x, float* y) const;
   /// The diagonal of the mass term at a vertex, N/m.
   double mass_at(Index vertex) const;
   /// Visits the matrices of all cells, K + velocity C, with the opposite sign: see
@@ -40,6 +42,10 @@ class TangentMatrix {
   void restrict(std::span<double> x) const;
 
  private:
+  template <class Real>
+  void apply_mass(const Real* x, Real* y) const;
+  void add_in_double(ForceTerm& term, const float* x, float* y) const;
+
   Attributes& attributes_;
   const std::vector<std::unique_ptr<ForceTerm>>& terms_;
   std::vector<std::uint8_t> free_;

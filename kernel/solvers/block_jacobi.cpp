@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/solvers/block_jacobi.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Core>
-#include <vector>
+#include "kernel/solvers/diagonal_blocks.hpp"
 
 namespace suture {
 namespace {
-
-using Block = Eigen::Matrix3d;
 
 class BlockJacobi final : public Preconditioner {
  public:
   std::string name() const override { return "block Jacobi"; }
 
   void build(const TangentMatrix& a) override {
-    sum(a);
-    for (std::size_t v = 0; v < inverse_.size(); ++v) invert(inverse_[v], &a.free()[v * 3]);
+    inverse_ = mass_blocks(a);
+    a.for_each_cell([&](const CellTangents& cells) { subtract(cells, inverse_); });
+    for (std::size_t v = 0; v < inverse_.size(); ++v) {
+      const std::uint8_t* free = &a.free()[v * 3];
+      invert(inverse_[v], {free[0] != 0, free[1] != 0, free[2] != 0});
+    }
   }
 
   void apply(const double* r, double* z) const override {
@@ -26,42 +26,7 @@ class BlockJacobi final : public Preconditioner {
   }
 
  private:
-  void sum(const TangentMatrix& a) {
-    inverse_.resize(a.size() / 3);
-    for (Index v = 0; v < inverse_.size(); ++v) inverse_[v] = a.mass_at(v) * Block::Identity();
-    a.for_each_cell([&](const CellTangents& cells) {
-      const Index size = cells.nodes * 3;
-      for (Index l = 0; l < cells.cells; ++l)
-        for (Index n = 0; n < cells.nodes; ++n) {
-          Block& block = inverse_[cells.vertices[l * cells.nodes + n]];
-          for (Index i = 0; i < 3; ++i)
-            for (Index j = 0; j < 3; ++j)
-              block(i, j) -= cells.values[((n * 3 + i) * size + n * 3 + j) * 8 + l];
-        }
-    });
-  }
-
-  /// The inverse on the free components; where the block is not positive definite, that of its
-  /// diagonal.
-  static void invert(Block& block, const std::uint8_t* free) {
-    block = (0.5 * (block + block.transpose())).eval();
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      if (free[i]) continue;
-      block.row(i).setZero();
-      block.col(i).setZero();
-      block(i, i) = 1;
-    }
-    const Eigen::Vector3d diagonal = block.diagonal().cwiseAbs().cwiseMax(1e-300);
-    const Eigen::LLT<Block> factor(block);
-    if (factor.info() == Eigen::Success)
-      block = factor.solve(Block::Identity()).eval();
-    else
-      block = diagonal.cwiseInverse().asDiagonal();
-    for (Eigen::Index i = 0; i < 3; ++i)
-      if (!free[i]) block(i, i) = 0;
-  }
-
-  std::vector<Block> inverse_;
+  DiagonalBlocks inverse_;
 };
 
 }  // namespace

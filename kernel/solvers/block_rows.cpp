@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/solvers/block_rows.hpp"
+
+#include <algorithm>
+
+namespace suture {
+namespace {
+
+/// The cells of every node, in compressed rows.
+struct CellsOfNodes {
+  explicit CellsOfNodes(const NodeGraph& graph)
+      : begin(graph.nodes() + 1), cells(graph.cell_nodes.size()) {
+    for (const Index node : graph.cell_nodes) ++begin[node];
+    Index sum = 0;
+    for (Index& b : begin) b = sum += b;
+    for (std::size_t cell = graph.cells(); cell-- > 0;)
+      for (const Index node : graph.cell(cell)) cells[--begin[node]] = static_cast<Index>(cell);
+  }
+  std::vector<Index> begin, cells;
+};
+
+using Four = float __attribute__((vector_size(16)));
+
+Four load(const float* from) {
+  Four result;
+  std::memcpy(&result, from, sizeof result);
+  return result;
+}
+
+}  // namespace
+
+BlockPattern pattern_of(const NodeGraph& graph) {
+  const CellsOfNodes around(graph);
+  BlockPattern pattern;
+  pattern.begin.push_back(0);
+  std::vector<Index> row_of(graph.nodes(), none);
+  for (Index node = 0; node < graph.nodes(); ++node) {
+    for (Index i = around.begin[node]; i < around.begin[node + 1]; ++i)
+      for (const Index other : graph.cell(around.cells[i]))
+        if (std::exchange(row_of[other], node) != node) pattern.column.push_back(other);
+    std::sort(pattern.column.begin() + pattern.begin.back(), pattern.column.end());
+    pattern.begin.push_back(static_cast<Index>(pattern.column.size()));
+  }
+  return pattern;
+}
+
+void multiply(const BlockRows<float>& a, const float* x, float* y) {
+  const BlockPattern& p = a.pattern();
+  for (Index row = 0; row < p.rows(); ++row) {
+    // Two sums: consecutive products do not wait for each other.
+    Four even{}, odd{};
+    for (Index i = p.begin[row]; i < p.begin[row + 1]; ++i) {
+      const float* block = a.block(i);
+      const float* from = x + std::size_t{p.column[i]} * 3;
+      Four& sum = i % 2 == 0 ? even : odd;
+      sum += load(block) * from[0] + load(block + 3) * from[1] + load(block + 6) * from[2];
+    }
+    even += odd;
+    std::memcpy(y + std::size_t{row} * 3, &even, 3 * sizeof(float));
+  }
+}
+
+BlockRows<float> in_single(const BlockRows<double>& a) {
+  BlockRows<float> result(a.pattern());
+  const std::size_t size = a.pattern().column.size() * BlockRows<double>::block_size;
+  std::transform(a.block(0), a.block(0) + size, result.block(0),
+                 [](double value) { return static_cast<float>(value); });
+  return result;
+}
+
+}  // namespace suture

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "kernel/base/aligned.hpp"
+#include "kernel/forces/force_term.hpp"
+#include "kernel/solvers/block_rows.hpp"
+
+namespace suture {
+
+/// Sums P^T A P over cell matrices A, on the free components: the operator of a coarse level from
+/// those of the fine cells. Consecutive cells with the same coarse nodes are summed before they are
+/// added to the matrix.
+class CellProjection {
+ public:
+  /// `sum` must have a block for any two coarse nodes of a cell.
+  CellProjection(const Interpolation& interpolation, const std::vector<std::uint8_t>& free,
+                 BlockRows<double>& sum);
+
+  /// Subtracts, because cells come with the opposite sign.
+  void subtract(const CellTangents& cells);
+  /// Adds what is still pending. To be called after the last cells.
+  void finish();
+
+ private:
+  static constexpr std::size_t lanes = 8;
+
+  void list_nodes(const CellTangents& cells);
+  void set_weights(const CellTangents& cells);
+  void copy_free(const CellTangents& cells);
+  void project(Index nodes);
+  void collect(std::size_t lane);
+
+  const Interpolation& p_;
+  const std::vector<std::uint8_t>& free_;
+  BlockRows<double>& sum_;
+  std::array<std::vector<Index>, lanes> lists_;  ///< coarse nodes of every cell, ascending
+  std::size_t width_ = 0;                        ///< of the longest list
+  AlignedVector<double> matrix_, weights_, half_, coarse_;
+  std::vector<Index> pending_nodes_;
+  std::vector<double> pending_;
+};
+
+}  // namespace suture

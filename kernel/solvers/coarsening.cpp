@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/solvers/coarsening.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+
+#include "kernel/topology/disjoint_sets.hpp"
+
+namespace suture {
+namespace {
+
+using Point = std::array<std::int32_t, 3>;
+
+/// An axis is coarsened if its spacing is below this multiple of the shortest: anisotropic boxes
+/// become cubes first.
+constexpr double short_axis = 1.5;
+
+std::array<bool, 3> axes_to_coarsen(const NodeGraph& fine) {
+  double shortest = 0;
+  for (std::size_t c = 0; c < 3; ++c)
+    if (fine.extent[c] > 1 && (shortest == 0 || fine.spacing[c] < shortest))
+      shortest = fine.spacing[c];
+  std::array<bool, 3> axes{};
+  for (std::size_t c = 0; c < 3; ++c)
+    axes[c] = !fine.is_grid || fine.spacing[c] < short_axis * shortest;
+  return axes;
+}
+
+/// The points of the coarse grid around all fine nodes: the shares of a node in them.
+class Shares {
+ public:
+  Shares(const NodeGraph& fine, const std::array<bool, 3>& axes) {
+    begin_.reserve(fine.nodes() + 1);
+    std::vector<bool> used(fine.nodes());
+    for (const Index node : fine.cell_nodes) used[node] = true;
+    for (Index node = 0; node < fine.nodes(); ++node) {
+      begin_.push_back(static_cast<Index>(points_.size()));
+      if (used[node]) add(fine.places[node], axes);
+    }
+    begin_.push_back(static_cast<Index>(points_.size()));
+  }
+
+  Index begin(Index node) const { return begin_[node]; }
+  Index end(Index node) const { return begin_[node + 1]; }
+  std::size_t size() const { return points_.size(); }
+  const Point& point(std::size_t share) const { return points_[share]; }
+
+  std::vector<Index> take_begin() { return std::move(begin_); }
+  std::vector<float> take_weights() { return std::move(weights_); }
+
+ private:
+  struct Side {
+    std::int32_t point;
+    double weight;
+  };
+  /// The points along one axis; one if the place is a point of the grid.
+  static std::pair<std::array<Side, 2>, std::size_t> sides(double place) {
+    constexpr double rounding = 1e-6;
+    const double low = std::floor(place + rounding), part = std::max(0.0, place - low);
+    const auto first = static_cast<std::int32_t>(low);
+    if (part < rounding) return {{{{first, 1.0}, {}}}, 1};
+    return {{{{first, 1 - part}, {first + 1, part}}}, 2};
+  }
+  void add(const Vec3& place, const std::array<bool, 3>& axes) {
+    const auto [x, nx] = sides(axes[0] ? place[0] / 2 : place[0]);
+    const auto [y, ny] = sides(axes[1] ? place[1] / 2 : place[1]);
+    const auto [z, nz] = sides(axes[2] ? place[2] / 2 : place[2]);
+    for (std::size_t k = 0; k < nz; ++k)
+      for (std::size_t j = 0; j < ny; ++j)
+        for (std::size_t i = 0; i < nx; ++i) {
+          points_.push_back({x[i].point, y[j].point, z[k].point});
+          weights_.push_back(static_cast<float>(x[i].weight * y[j].weight * z[k].weight));
+        }
+  }
+
+  std::vector<Index> begin_;
+  std::vector<Point> points_;
+  std::vector<float> weights_;
+};
+
+/// Unites the shares of the nodes of a cell that refer to the same point.
+class CellUnion {
+ public:
+  CellUnion(const Shares& shares, DisjointSets& sets) : shares_(shares), sets_(sets) {}
+
+  void unite(std::span<const Index> nodes) {
+    measure(nodes);
+    first_.assign(static_cast<std::size_t>(size_[0]) * size_[1] * size_[2], none);
+    for (const Index node : nodes)
+      for (Index share = shares_.begin(node); share < shares_.end(node); ++share) {
+        Index& first = first_[place(shares_.point(share))];
+        if (first == none)
+          first = share;
+        else
+          sets_.unite(first, share);
+      }
+  }
+
+ private:
+  void measure(std::span<const Index> nodes) {
+    Point high = low_ = shares_.point(shares_.begin(nodes[0]));
+    for (const Index node : nodes)
+      for (Index share = shares_.begin(node); share < shares_.end(node); ++share)
+        for (std::size_t c = 0; c < 3; ++c) {
+          low_[c] = std::min(low_[c], shares_.point(share)[c]);
+          high[c] = std::max(high[c], shares_.point(share)[c]);
+        }
+    for (std::size_t c = 0; c < 3; ++c) size_[c] = static_cast<std::size_t>(high[c] - low_[c]) + 1;
+  }
+  std::size_t place(const Point& p) const {
+    const auto at = [&](std::size_t c) { return static_cast<std::size_t>(p[c] - low_[c]); };
+    return (at(2) * size_[1] + at(1)) * size_[0] + at(0);
+  }
+
+  const Shares& shares_;
+  DisjointSets& sets_;
+  Point low_{};
+  std::array<std::size_t, 3> size_{};
+  std::vector<Index> first_;  ///< per point, the first share
+};
+
+/// Numbers the sets of shares by their first share: share -> coarse node. Places are those of the
+/// points.
+std::vector<Index> number(const Shares& shares, DisjointSets& sets, NodeGraph& coarse) {
+  std::vector<Index> nodes(shares.size());
+  for (std::size_t share = 0; share < nodes.size(); ++share) {
+    const std::size_t first = sets.find(share);
+    if (first == share) {
+      nodes[share] = coarse.nodes();
+      const Point& p = shares.point(share);
+      coarse.places.push_back({double(p[0]), double(p[1]), double(p[2])});
+    } else {
+      nodes[share] = nodes[first];
+    }
+  }
+  return nodes;
+}
+
+/// Adds the coarse nodes of every fine cell as a cell, each list once.
+class CoarseCells {
+ public:
+  explicit CoarseCells(NodeGraph& coarse) : graph_(coarse), known_(16, Hash{this}, Equal{this}) {}
+
+  void add(std::span<const Index> fine, const Interpolation& p) {
+    std::vector<Index>& nodes = graph_.cell_nodes;
+    const auto start = static_cast<std::ptrdiff_t>(nodes.size());
+    for (const Index node : fine)
+      nodes.insert(nodes.end(), p.node.begin() + p.begin[node], p.node.begin() + p.begin[node + 1]);
+    std::sort(nodes.begin() + start, nodes.end());
+    nodes.erase(std::unique(nodes.begin() + start, nodes.end()), nodes.end());
+    graph_.cell_begin.push_back(static_cast<Index>(nodes.size()));
+    if (known_.insert(graph_.cells() - 1).second) return;
+    graph_.cell_begin.pop_back();
+    nodes.resize(static_cast<std::size_t>(start));
+  }
+
+ private:
+  struct Hash {
+    const CoarseCells* self;
+    std::size_t operator()(std::size_t cell) const {
+      std::uint64_t hash = 0;
+      for (const Index node : self->graph_.cell(cell))
+        hash = (hash ^ node) * 0x9E3779B97F4A7C15u + (hash >> 29);
+      return hash;
+    }
+  };
+  struct Equal {
+    const CoarseCells* self;
+    bool operator()(std::size_t a, std::size_t b) const {
+      return std::ranges::equal(self->graph_.cell(a), self->graph_.cell(b));
+    }
+  };
+
+  NodeGraph& graph_;
+  std::unordered_set<std::size_t, Hash, Equal> known_;
+};
+
+}  // namespace
+
+Coarsening coarsen(const NodeGraph& fine) {
+  const std::array<bool, 3> axes = axes_to_coarsen(fine);
+  Coarsening result;
+  NodeGraph& coarse = result.coarse;
+  coarse.is_grid = fine.is_grid;
+  for (std::size_t c = 0; c < 3; ++c) {
+    coarse.spacing[c] = fine.spacing[c] * (axes[c] ? 2 : 1);
+    coarse.extent[c] = fine.extent[c] / (axes[c] ? 2 : 1);
+  }
+
+  Shares shares(fine, axes);
+  DisjointSets sets(shares.size());
+  CellUnion cell_union(shares, sets);
+  for (std::size_t cell = 0; cell < fine.cells(); ++cell) cell_union.unite(fine.cell(cell));
+
+  Interpolation& p = result.interpolation;
+  p.node = number(shares, sets, coarse);
+  p.begin = shares.take_begin();
+  p.weight = shares.take_weights();
+  CoarseCells cells(coarse);
+  for (std::size_t cell = 0; cell < fine.cells(); ++cell) cells.add(fine.cell(cell), p);
+  return result;
+}
+
+Held held_nodes(const Interpolation& p, Index coarse_nodes, const Held& fine) {
+  std::vector<float> heaviest(coarse_nodes);
+  for (std::size_t i = 0; i < p.node.size(); ++i)
+    heaviest[p.node[i]] = std::max(heaviest[p.node[i]], p.weight[i]);
+  Held held(std::size_t{coarse_nodes} * 3, 1);
+  for (std::size_t v = 0; v < p.fine_nodes(); ++v)
+    for (Index i = p.begin[v]; i < p.begin[v + 1]; ++i)
+      for (std::size_t c = 0; c < 3; ++c)
+        if (!fine[v * 3 + c] && p.weight[i] == heaviest[p.node[i]])
+          held[std::size_t{p.node[i]} * 3 + c] = 0;
+  return held;
+}
+
+}  // namespace suture

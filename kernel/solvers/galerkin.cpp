@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/solvers/galerkin.hpp"
+
+#include <algorithm>
+
+#include "kernel/solvers/cell_projection.hpp"
+
+namespace suture {
+namespace {
+
+constexpr std::size_t block_size = BlockRows<double>::block_size;
+
+void add_masses(const TangentMatrix& a, const Interpolation& p, BlockRows<double>& sum) {
+  for (Index v = 0; v < p.fine_nodes(); ++v) {
+    const double mass = a.mass_at(v);
+    if (mass == 0 || p.begin[v] == p.begin[v + 1]) continue;
+    const std::size_t size = p.begin[v + 1] - p.begin[v];
+    std::vector<std::pair<Index, double>> shares(size);
+    for (std::size_t i = 0; i < size; ++i)
+      shares[i] = {p.node[p.begin[v] + i], p.weight[p.begin[v] + i]};
+    std::ranges::sort(shares);
+    std::vector<Index> columns(size);
+    std::ranges::transform(shares, columns.begin(), [](const auto& s) { return s.first; });
+    for (const auto& [node, weight] : shares)
+      sum.add_row(node, columns, [&, w = weight](std::size_t k, double* block) {
+        for (std::size_t c = 0; c < 3; ++c)
+          if (a.free()[std::size_t{v} * 3 + c]) block[4 * c] += mass * w * shares[k].second;
+      });
+  }
+}
+
+/// One row of A P: its coarse nodes and blocks.
+class ProjectedRow {
+ public:
+  explicit ProjectedRow(Index coarse_nodes) : place_(coarse_nodes, none) {}
+
+  void compute(const BlockRows<double>& a, const Interpolation& p, Index row) {
+    for (const Index node : nodes_) place_[node] = none;
+    nodes_.clear();
+    const BlockPattern& pattern = a.pattern();
+    for (const Index j : pattern.row(row))
+      nodes_.insert(nodes_.end(), p.node.begin() + p.begin[j], p.node.begin() + p.begin[j + 1]);
+    std::ranges::sort(nodes_);
+    nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
+    for (std::size_t i = 0; i < nodes_.size(); ++i) place_[nodes_[i]] = static_cast<Index>(i);
+    blocks_.assign(nodes_.size() * block_size, 0.0);
+    for (Index i = pattern.begin[row]; i < pattern.begin[row + 1]; ++i)
+      add(a.block(i), p, pattern.column[i]);
+  }
+  std::span<const Index> nodes() const { return nodes_; }
+  const double* block(std::size_t i) const { return blocks_.data() + i * block_size; }
+
+ private:
+  void add(const double* block, const Interpolation& p, Index column) {
+    for (Index k = p.begin[column]; k < p.begin[column + 1]; ++k) {
+      double* to = blocks_.data() + place_[p.node[k]] * block_size;
+      for (std::size_t c = 0; c < block_size; ++c) to[c] += p.weight[k] * block[c];
+    }
+  }
+
+  std::vector<Index> place_, nodes_;
+  std::vector<double> blocks_;
+};
+
+}  // namespace
+
+BlockRows<double> project(const TangentMatrix& a, const Interpolation& p,
+                          const BlockPattern& pattern, DiagonalBlocks* diagonal) {
+  BlockRows<double> result(pattern);
+  if (diagonal) *diagonal = mass_blocks(a);
+  CellProjection projection(p, a.free(), result);
+  a.for_each_cell([&](const CellTangents& cells) {
+    if (diagonal) subtract(cells, *diagonal);
+    projection.subtract(cells);
+  });
+  projection.finish();
+  add_masses(a, p, result);
+  return result;
+}
+
+BlockRows<double> project(const BlockRows<double>& a, const Interpolation& p,
+                          const BlockPattern& pattern) {
+  BlockRows<double> result(pattern);
+  ProjectedRow row(pattern.rows());
+  for (Index i = 0; i < p.fine_nodes(); ++i) {
+    row.compute(a, p, i);
+    for (Index k = p.begin[i]; k < p.begin[i + 1]; ++k)
+      result.add_row(p.node[k], row.nodes(), [&](std::size_t b, double* block) {
+        for (std::size_t c = 0; c < block_size; ++c) block[c] += p.weight[k] * row.block(b)[c];
+      });
+  }
+  return result;
+}
+
+void hold(BlockRows<double>& a, const Held& held) {
+  const BlockPattern& pattern = a.pattern();
+  for (Index row = 0; row < pattern.rows(); ++row)
+    for (Index i = pattern.begin[row]; i < pattern.begin[row + 1]; ++i)
+      for (std::size_t c = 0; c < block_size; ++c)
+        if (held[std::size_t{row} * 3 + c % 3] || held[std::size_t{pattern.column[i]} * 3 + c / 3])
+          a.block(i)[c] = 0;
+}
+
+Interpolation identity(const NodeGraph& graph) {
+  Interpolation p;
+  std::vector<bool> used(graph.nodes());
+  for (const Index node : graph.cell_nodes) used[node] = true;
+  for (Index node = 0; node < graph.nodes(); ++node) {
+    p.begin.push_back(static_cast<Index>(p.node.size()));
+    if (used[node]) p.node.push_back(node);
+  }
+  p.begin.push_back(static_cast<Index>(p.node.size()));
+  p.weight.assign(p.node.size(), 1.0f);
+  return p;
+}
+
+}  // namespace suture

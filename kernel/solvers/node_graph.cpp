@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/solvers/node_graph.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kernel/topology/rest_shape.hpp"
+
+namespace suture {
+namespace {
+
+/// How far a vertex may be from a point of the grid that it is on, in multiples of the spacing:
+/// coordinates in files often have 5 digits.
+constexpr double on_grid = 1e-3;
+
+struct Bounds {
+  static constexpr double infinite = std::numeric_limits<double>::infinity();
+  Vec3 low{infinite, infinite, infinite}, high{-infinite, -infinite, -infinite};
+
+  void add(const Vec3& p) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      low[c] = std::min(low[c], p[c]);
+      high[c] = std::max(high[c], p[c]);
+    }
+  }
+  Vec3 extent() const { return {high[0] - low[0], high[1] - low[1], high[2] - low[2]}; }
+};
+
+void add_elements(const CellComplex& complex, NodeGraph& graph) {
+  graph.cell_begin.reserve(complex.existing(3) + 1);
+  graph.cell_nodes.reserve(std::size_t{complex.existing(3)} * 8);
+  for (Index e = 0; e < complex.element_count(); ++e) {
+    if (!complex.exists(3, e)) continue;
+    const Hexahedron& x = complex.vertices_of(e);
+    graph.cell_nodes.insert(graph.cell_nodes.end(), x.begin(), x.end());
+    graph.cell_begin.push_back(static_cast<Index>(graph.cell_nodes.size()));
+  }
+}
+
+Corners corners_of(const NodeGraph& graph, std::size_t element) {
+  Corners x;
+  for (std::size_t i = 0; i < 8; ++i) x[i] = graph.places[graph.cell(element)[i]];
+  return x;
+}
+
+/// The edge of the cube with the mean volume of an element.
+double mean_edge(const NodeGraph& graph) {
+  double volume = 0;
+  for (std::size_t e = 0; e < graph.cells(); ++e)
+    for (const double jacobian : gauss_jacobians(corners_of(graph, e)))
+      volume += std::abs(jacobian) / 8;
+  return std::cbrt(volume / static_cast<double>(graph.cells()));
+}
+
+Vec3 box_of(const Corners& corners) {
+  Bounds bounds;
+  for (const Vec3& x : corners) bounds.add(x);
+  return bounds.extent();
+}
+
+bool are_on_grid(const NodeGraph& graph, const Vec3& spacing) {
+  return std::ranges::all_of(graph.cell_nodes, [&](Index node) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double place = graph.places[node][c] / spacing[c];
+      if (!(std::abs(place - std::round(place)) < on_grid)) return false;
+    }
+    return true;
+  });
+}
+
+}  // namespace
+
+NodeGraph vertex_graph(const CellComplex& complex, Attributes& attributes) {
+  NodeGraph graph;
+  add_elements(complex, graph);
+  graph.places.resize(attributes.vertex_count());
+  const double* rest = attributes.rest().rows();
+  Bounds bounds;
+  for (const Index v : graph.cell_nodes) {
+    const double* p = rest + std::size_t{v} * 4;
+    graph.places[v] = {p[0], p[1], p[2]};
+    bounds.add(graph.places[v]);
+  }
+  for (Vec3& place : graph.places)
+    for (std::size_t c = 0; c < 3; ++c) place[c] -= bounds.low[c];
+
+  const Vec3 box = box_of(corners_of(graph, 0));
+  graph.is_grid = are_on_grid(graph, box);
+  const double edge = graph.is_grid ? 0 : mean_edge(graph);
+  graph.spacing = graph.is_grid ? box : Vec3{edge, edge, edge};
+  for (Vec3& place : graph.places)
+    for (std::size_t c = 0; c < 3; ++c) {
+      place[c] /= graph.spacing[c];
+      if (graph.is_grid) place[c] = std::round(place[c]);
+    }
+  for (std::size_t c = 0; c < 3; ++c) graph.extent[c] = bounds.extent()[c] / graph.spacing[c];
+  return graph;
+}
+
+}  // namespace suture

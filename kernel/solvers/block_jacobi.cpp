@@ -10,6 +10,8 @@ class BlockJacobi final : public Preconditioner {
  public:
   std::string name() const override { return "block Jacobi"; }
 
+  std::size_t bytes() const override { return inverse_.size() * sizeof(inverse_[0]); }
+
   void build(const TangentMatrix& a) override {
     inverse_ = mass_blocks(a);
     a.for_each_cell([&](const CellTangents& cells) { subtract(cells, inverse_); });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/solvers/block_rows.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 
 namespace suture {
@@ -42,6 +43,21 @@ BlockPattern pattern_of(const NodeGraph& graph) {
     pattern.begin.push_back(static_cast<Index>(pattern.column.size()));
   }
   return pattern;
+}
+
+void mirror(BlockRows<double>& a) {
+  const BlockPattern& p = a.pattern();
+  using Block = Eigen::Map<Eigen::Matrix3d>;
+  // The next block of every row below the diagonal: columns ascend.
+  std::vector<Index> next(p.begin.begin(), p.begin.end() - 1);
+  for (Index row = 0; row < p.rows(); ++row)
+    for (Index i = next[row]; i < p.begin[row + 1]; ++i) {
+      const Block block(a.block(i));
+      if (p.column[i] == row)
+        Block(a.block(i)) = (0.5 * (block + block.transpose())).eval();
+      else
+        Block(a.block(next[p.column[i]]++)) = block.transpose();
+    }
 }
 
 void multiply(const BlockRows<float>& a, const float* x, float* y) {

@@ -57,6 +57,9 @@ class BlockRows {
   AlignedVector<Real> values_;
 };
 
+/// Copies the blocks above the diagonal below it, and makes those on it symmetric.
+void mirror(BlockRows<double>& a);
+
 /// y = A x; 3 numbers per node. `x` and `y` must differ.
 void multiply(const BlockRows<float>& a, const float* x, float* y);
 

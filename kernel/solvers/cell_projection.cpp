@@ -10,35 +10,44 @@ namespace {
 
 constexpr std::size_t lanes = 8;
 
-/// half[i] = sum over j of weight[j] K[i][j], 9 numbers, for all nodes i: one column of K P. Of 8
-/// cells at once.
+/// The nodes with a weight in some of 8 cells; weights[node * lanes + lane].
+struct Weights {
+  const double* values;
+  const Index* nodes;
+  std::size_t count;
+};
+
+/// half = K P for one coarse node: 9 numbers per node of the cells, of 8 cells at once.
 SUTURE_CLONES
-void multiply_column(const double* matrix, const double* weights, std::size_t nodes, double* half) {
-  const std::size_t size = nodes * 3;
-  for (std::size_t row = 0; row < size; ++row) {
+void multiply_column(const double* matrix, const Weights& weights, std::size_t rows, double* half) {
+  for (std::size_t row = 0; row < rows; ++row) {
     double sums[3][lanes] = {};
-    for (std::size_t j = 0; j < nodes; ++j)
+    for (std::size_t k = 0; k < weights.count; ++k) {
+      const double* weight = weights.values + weights.nodes[k] * lanes;
+      const double* values = matrix + (row * rows + weights.nodes[k] * 3) * lanes;
       for (std::size_t c = 0; c < 3; ++c)
-        for (std::size_t l = 0; l < lanes; ++l)
-          sums[c][l] += weights[j * lanes + l] * matrix[(row * size + j * 3 + c) * lanes + l];
+        for (std::size_t l = 0; l < lanes; ++l) sums[c][l] += weight[l] * values[c * lanes + l];
+    }
     for (std::size_t c = 0; c < 3; ++c)
       for (std::size_t l = 0; l < lanes; ++l) half[(row * 3 + c) * lanes + l] = sums[c][l];
   }
 }
 
-/// block = sum over i of weight[i] half[i]. Of 8 cells at once.
+/// block = P^T half for one coarse node, of 8 cells at once.
 SUTURE_CLONES
-void multiply_row(const double* weights, const double* half, std::size_t nodes, double* block) {
+void multiply_row(const Weights& weights, const double* half, double* block) {
   double sums[9][lanes] = {};
-  for (std::size_t i = 0; i < nodes; ++i)
-    for (std::size_t k = 0; k < 9; ++k)
-      for (std::size_t l = 0; l < lanes; ++l)
-        sums[k][l] += weights[i * lanes + l] * half[(i * 9 + k) * lanes + l];
-  for (std::size_t k = 0; k < 9; ++k)
-    for (std::size_t l = 0; l < lanes; ++l) block[k * lanes + l] = sums[k][l];
+  for (std::size_t k = 0; k < weights.count; ++k) {
+    const double* weight = weights.values + weights.nodes[k] * lanes;
+    const double* values = half + weights.nodes[k] * 9 * lanes;
+    for (std::size_t c = 0; c < 9; ++c)
+      for (std::size_t l = 0; l < lanes; ++l) sums[c][l] += weight[l] * values[c * lanes + l];
+  }
+  for (std::size_t c = 0; c < 9; ++c)
+    for (std::size_t l = 0; l < lanes; ++l) block[c * lanes + l] = sums[c][l];
 }
 
-/// The place of the block (a, b), a <= b, among those of the upper triangle.
+/// The place of the block (a, b), a <= b, among those of the upper triangle, column by column.
 std::size_t upper(std::size_t a, std::size_t b) { return b * (b + 1) / 2 + a; }
 
 }  // namespace
@@ -50,8 +59,7 @@ CellProjection::CellProjection(const Interpolation& interpolation,
 void CellProjection::subtract(const CellTangents& cells) {
   list_nodes(cells);
   set_weights(cells);
-  copy_free(cells);
-  project(cells.nodes);
+  project(free_part(cells), cells.nodes);
   for (std::size_t l = 0; l < cells.cells; ++l) collect(l);
 }
 
@@ -62,47 +70,58 @@ void CellProjection::list_nodes(const CellTangents& cells) {
     list.clear();
     for (Index n = 0; n < cells.nodes; ++n) {
       const Index v = cells.vertices[l * cells.nodes + n];
-      list.insert(list.end(), p_.node.begin() + p_.begin[v], p_.node.begin() + p_.begin[v + 1]);
+      for (Index i = p_.begin[v]; i < p_.begin[v + 1]; ++i)
+        if (std::find(list.begin(), list.end(), p_.node[i]) == list.end())
+          list.push_back(p_.node[i]);
     }
     std::ranges::sort(list);
-    list.erase(std::unique(list.begin(), list.end()), list.end());
     width_ = std::max(width_, list.size());
   }
 }
 
 void CellProjection::set_weights(const CellTangents& cells) {
   weights_.assign(width_ * cells.nodes * lanes, 0.0);
-  for (std::size_t l = 0; l < cells.cells; ++l)
-    for (std::size_t n = 0; n < cells.nodes; ++n) {
+  if (used_.size() < width_) used_.resize(width_);
+  for (std::vector<Index>& nodes : used_) nodes.clear();
+  for (Index n = 0; n < cells.nodes; ++n)
+    for (std::size_t l = 0; l < cells.cells; ++l) {
       const Index v = cells.vertices[l * cells.nodes + n];
       for (Index i = p_.begin[v]; i < p_.begin[v + 1]; ++i) {
-        const auto at = std::ranges::lower_bound(lists_[l], p_.node[i]) - lists_[l].begin();
-        weights_[(static_cast<std::size_t>(at) * cells.nodes + n) * lanes + l] = p_.weight[i];
+        const auto at = static_cast<std::size_t>(
+            std::find(lists_[l].begin(), lists_[l].end(), p_.node[i]) - lists_[l].begin());
+        weights_[(at * cells.nodes + n) * lanes + l] = double{p_.weight[i]};
+        if (used_[at].empty() || used_[at].back() != n) used_[at].push_back(n);
       }
     }
 }
 
 /// The matrices without the rows and columns of components that are not free.
-void CellProjection::copy_free(const CellTangents& cells) {
+const double* CellProjection::free_part(const CellTangents& cells) {
   const std::size_t size = std::size_t{cells.nodes} * 3;
-  matrix_.assign(cells.values, cells.values + size * size * lanes);
+  bool is_copied = false;
   for (std::size_t l = 0; l < cells.cells; ++l)
     for (std::size_t i = 0; i < size; ++i) {
       const std::size_t v = cells.vertices[l * cells.nodes + i / 3];
       if (free_[v * 3 + i % 3]) continue;
+      if (!is_copied) matrix_.assign(cells.values, cells.values + size * size * lanes);
+      is_copied = true;
       for (std::size_t j = 0; j < size; ++j)
         matrix_[(i * size + j) * lanes + l] = matrix_[(j * size + i) * lanes + l] = 0;
     }
+  return is_copied ? matrix_.data() : cells.values;
 }
 
-void CellProjection::project(Index nodes) {
+void CellProjection::project(const double* matrix, Index nodes) {
   half_.resize(std::size_t{nodes} * 9 * lanes);
   coarse_.resize(upper(0, width_) * 9 * lanes);
+  const auto weights = [&](std::size_t place) {
+    return Weights{weights_.data() + place * nodes * lanes, used_[place].data(),
+                   used_[place].size()};
+  };
   for (std::size_t b = 0; b < width_; ++b) {
-    multiply_column(matrix_.data(), weights_.data() + b * nodes * lanes, nodes, half_.data());
+    multiply_column(matrix, weights(b), std::size_t{nodes} * 3, half_.data());
     for (std::size_t a = 0; a <= b; ++a)
-      multiply_row(weights_.data() + a * nodes * lanes, half_.data(), nodes,
-                   coarse_.data() + upper(a, b) * 9 * lanes);
+      multiply_row(weights(a), half_.data(), coarse_.data() + upper(a, b) * 9 * lanes);
   }
 }
 
@@ -116,14 +135,12 @@ void CellProjection::collect(std::size_t lane) {
 }
 
 void CellProjection::finish() {
-  for (std::size_t a = 0; a < pending_nodes_.size(); ++a)
-    sum_.add_row(pending_nodes_[a], pending_nodes_, [&](std::size_t b, double* block) {
-      const double* values = pending_.data() + upper(std::min(a, b), std::max(a, b)) * 9;
+  const std::span<const Index> nodes = pending_nodes_;
+  for (std::size_t a = 0; a < nodes.size(); ++a)
+    sum_.add_row(nodes[a], nodes.subspan(a), [&](std::size_t k, double* block) {
+      const double* values = pending_.data() + upper(a, a + k) * 9;
       for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) {
-          const double one = values[i * 3 + j], other = values[j * 3 + i];
-          block[3 * j + i] += a < b ? one : a > b ? other : 0.5 * (one + other);
-        }
+        for (std::size_t j = 0; j < 3; ++j) block[3 * j + i] += values[i * 3 + j];
     });
   pending_nodes_.clear();
 }

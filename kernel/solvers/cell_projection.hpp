@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
+
 #include "kernel/base/aligned.hpp"
 #include "kernel/forces/force_term.hpp"
 #include "kernel/solvers/block_rows.hpp"
@@ -9,7 +11,7 @@ namespace suture {
 
 /// Sums P^T A P over cell matrices A, on the free components: the operator of a coarse level from
 /// those of the fine cells. Consecutive cells with the same coarse nodes are summed before they are
-/// added to the matrix.
+/// added to the matrix. Only blocks of the upper triangle are computed.
 class CellProjection {
  public:
   /// `sum` must have a block for any two coarse nodes of a cell.
@@ -26,8 +28,8 @@ class CellProjection {
 
   void list_nodes(const CellTangents& cells);
   void set_weights(const CellTangents& cells);
-  void copy_free(const CellTangents& cells);
-  void project(Index nodes);
+  const double* free_part(const CellTangents& cells);
+  void project(const double* matrix, Index nodes);
   void collect(std::size_t lane);
 
   const Interpolation& p_;
@@ -36,8 +38,9 @@ class CellProjection {
   std::array<std::vector<Index>, lanes> lists_;  ///< coarse nodes of every cell, ascending
   std::size_t width_ = 0;                        ///< of the longest list
   AlignedVector<double> matrix_, weights_, half_, coarse_;
+  std::vector<std::vector<Index>> used_;  ///< per place in the lists, nodes with a weight
   std::vector<Index> pending_nodes_;
-  std::vector<double> pending_;
+  std::vector<double> pending_;  ///< blocks of the upper triangle, column by column
 };
 
 }  // namespace suture

@@ -215,4 +215,25 @@ Held held_nodes(const Interpolation& p, Index coarse_nodes, const Held& fine) {
   return held;
 }
 
+std::vector<bool> loose_nodes(const NodeGraph& graph, const Held& held) {
+  DisjointSets pieces(graph.nodes());
+  for (std::size_t cell = 0; cell < graph.cells(); ++cell)
+    for (const Index node : graph.cell(cell)) pieces.unite(graph.cell(cell)[0], node);
+  std::vector<Index> components(graph.nodes());
+  for (std::size_t i = 0; i < held.size(); ++i) components[pieces.find(i / 3)] += held[i];
+  std::vector<bool> loose(graph.nodes());
+  for (std::size_t node = 0; node < loose.size(); ++node)
+    loose[node] = components[pieces.find(node)] < 6;
+  return loose;
+}
+
+std::vector<bool> loose_nodes(const Interpolation& p, Index coarse_nodes,
+                              const std::vector<bool>& fine) {
+  std::vector<bool> coarse(coarse_nodes);
+  for (std::size_t v = 0; v < p.fine_nodes(); ++v)
+    for (Index i = p.begin[v]; i < p.begin[v + 1]; ++i)
+      if (fine[v]) coarse[p.node[i]] = true;
+  return coarse;
+}
+
 }  // namespace suture

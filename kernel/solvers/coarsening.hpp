@@ -41,4 +41,10 @@ using Held = std::vector<std::uint8_t>;
 /// that a support truncates to less than that converge no faster, and make matrices worse.)
 Held held_nodes(const Interpolation& interpolation, Index coarse_nodes, const Held& fine);
 
+/// The nodes of pieces with fewer than 6 held components, which may move as rigid bodies. O(cells).
+std::vector<bool> loose_nodes(const NodeGraph& graph, const Held& held);
+/// The coarse nodes of loose fine nodes. A coarse node never belongs to two pieces.
+std::vector<bool> loose_nodes(const Interpolation& interpolation, Index coarse_nodes,
+                              const std::vector<bool>& fine);
+
 }  // namespace suture

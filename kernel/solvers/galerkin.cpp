@@ -21,10 +21,11 @@ void add_masses(const TangentMatrix& a, const Interpolation& p, BlockRows<double
     std::ranges::sort(shares);
     std::vector<Index> columns(size);
     std::ranges::transform(shares, columns.begin(), [](const auto& s) { return s.first; });
-    for (const auto& [node, weight] : shares)
-      sum.add_row(node, columns, [&, w = weight](std::size_t k, double* block) {
+    for (std::size_t i = 0; i < size; ++i)
+      sum.add_row(columns[i], std::span(columns).subspan(i), [&](std::size_t k, double* block) {
+        const double share = mass * shares[i].second * shares[i + k].second;
         for (std::size_t c = 0; c < 3; ++c)
-          if (a.free()[std::size_t{v} * 3 + c]) block[4 * c] += mass * w * shares[k].second;
+          if (a.free()[std::size_t{v} * 3 + c]) block[4 * c] += share;
       });
   }
 }
@@ -48,6 +49,10 @@ class ProjectedRow {
       add(a.block(i), p, pattern.column[i]);
   }
   std::span<const Index> nodes() const { return nodes_; }
+  /// The place of the first node from `node` on.
+  std::size_t first_from(Index node) const {
+    return static_cast<std::size_t>(std::ranges::lower_bound(nodes_, node) - nodes_.begin());
+  }
   const double* block(std::size_t i) const { return blocks_.data() + i * block_size; }
 
  private:
@@ -75,6 +80,7 @@ BlockRows<double> project(const TangentMatrix& a, const Interpolation& p,
   });
   projection.finish();
   add_masses(a, p, result);
+  mirror(result);
   return result;
 }
 
@@ -84,11 +90,15 @@ BlockRows<double> project(const BlockRows<double>& a, const Interpolation& p,
   ProjectedRow row(pattern.rows());
   for (Index i = 0; i < p.fine_nodes(); ++i) {
     row.compute(a, p, i);
-    for (Index k = p.begin[i]; k < p.begin[i + 1]; ++k)
-      result.add_row(p.node[k], row.nodes(), [&](std::size_t b, double* block) {
-        for (std::size_t c = 0; c < block_size; ++c) block[c] += p.weight[k] * row.block(b)[c];
+    for (Index k = p.begin[i]; k < p.begin[i + 1]; ++k) {
+      const std::size_t first = row.first_from(p.node[k]);
+      result.add_row(p.node[k], row.nodes().subspan(first), [&](std::size_t b, double* block) {
+        const double* from = row.block(first + b);
+        for (std::size_t c = 0; c < block_size; ++c) block[c] += double{p.weight[k]} * from[c];
       });
+    }
   }
+  mirror(result);
   return result;
 }
 

@@ -3,194 +3,117 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 
-#include "kernel/solvers/chebyshev.hpp"
-#include "kernel/solvers/factored_rows.hpp"
+#include "kernel/solvers/direct.hpp"
 #include "kernel/solvers/galerkin.hpp"
+#include "kernel/solvers/multigrid_levels.hpp"
+#include "kernel/solvers/stop_test.hpp"
 
 namespace suture {
 namespace {
 
-/// A level of the hierarchy: the finest one is that of the vertices.
-struct Level {
-  Interpolation to_finer;  ///< not of the finest level
-  Held held;
-  BlockPattern pattern;
-  BlockRows<float> matrix;  ///< not of the finest level
-  Chebyshev smoother;
-  mutable SingleVector x, r;
-
-  std::size_t nodes() const { return held.size() / 3; }
-};
-
-constexpr double block_shift = 1e-6;
-constexpr unsigned power_steps = 20;
-
-/// Coarsening ends when it removes less than this part of the nodes.
-constexpr double least_gain = 0.15;
+DiagonalBlocks diagonal_of(const BlockRows<double>& a) {
+  const BlockPattern& pattern = a.pattern();
+  DiagonalBlocks blocks(pattern.rows(), Eigen::Matrix3d::Zero());
+  for (Index row = 0; row < pattern.rows(); ++row)
+    for (Index i = pattern.begin[row]; i < pattern.begin[row + 1]; ++i)
+      if (pattern.column[i] == row) blocks[row] = Eigen::Map<const Eigen::Matrix3d>(a.block(i));
+  return blocks;
+}
 
 class Multigrid final : public Preconditioner {
  public:
   Multigrid(const CellComplex& complex, Attributes& attributes, const MultigridOptions& options)
       : complex_(complex), attributes_(attributes), options_(options) {}
 
-  std::string name() const override { return "multigrid"; }
-  void forget() override { levels_.clear(); }
+  std::string name() const override { return direct_ ? direct_->name() : "multigrid"; }
+  double shift() const override { return direct_ ? direct_->shift() : coarsest_.shift(); }
+  std::size_t bytes() const override;
+
+  void forget() override {
+    levels_.clear();
+    direct_.reset();
+  }
 
   void build(const TangentMatrix& a) override {
-    matrix_ = &a;
-    if (levels_.empty()) make_levels(a);
-    DiagonalBlocks diagonal;
-    if (levels_.size() == 1) {
-      coarsest_.factor(project(a, identity_, levels_[0].pattern), levels_[0].held, {});
-      return;
+    const bool is_new = levels_.empty();
+    if (is_new) make(a);
+    if (direct_) return direct_->build(a);
+    levels_[0].multiply = [&a](const float* x, float* y) { a.apply(x, y); };
+    std::vector<BlockRows<double>> operators = make_operators(a, is_new);
+    if (is_new) {
+      coarsest_.analyse(levels_.back().pattern);
+      factor(a, operators.back());
+      StopTest test(levels_, coarsest_, options_.smoothing, complex_.existing(3));
+      while (const std::size_t last = test.next_direct_level()) {
+        levels_.resize(last + 1);
+        factor(a, operators[last - 1]);
+      }
+    } else {
+      factor(a, operators.back());
     }
-    BlockRows<double> rows = project(a, levels_[1].to_finer, levels_[1].pattern, &diagonal);
-    set_smoother(0, diagonal);
-    for (std::size_t l = 1;; ++l) {
-      hold(rows, levels_[l].held);
-      if (l + 1 == levels_.size()) break;
-      levels_[l].matrix = in_single(rows);
-      set_smoother(l, diagonal_of(rows));
-      rows = project(rows, levels_[l + 1].to_finer, levels_[l + 1].pattern);
-    }
-    coarsest_.factor(rows, levels_.back().held, {});
   }
 
   void apply(const double* r, double* z) const override {
-    const std::size_t size = levels_[0].nodes() * 3;
+    if (direct_) return direct_->apply(r, z);
+    MultigridLevel& level = levels_[0];
     double scale = 0;
-    for (std::size_t i = 0; i < size; ++i) scale = std::max(scale, std::abs(r[i]));
-    if (scale == 0 || levels_.size() == 1) return apply_directly(r, z);
-    for (std::size_t i = 0; i < size; ++i) levels_[0].r[i] = static_cast<float>(r[i] / scale);
-    cycle(0);
-    for (std::size_t i = 0; i < size; ++i) z[i] = scale * levels_[0].x[i];
+    for (std::size_t i = 0; i < level.held.size(); ++i) scale = std::max(scale, std::abs(r[i]));
+    if (scale == 0) scale = 1;
+    for (std::size_t i = 0; i < level.held.size(); ++i)
+      level.r[i] = static_cast<float>(r[i] / scale);
+    VCycle(levels_, coarsest_, options_.smoothing).run(0);
+    for (std::size_t i = 0; i < level.held.size(); ++i) z[i] = scale * double{level.x[i]};
   }
 
  private:
-  /// multiply(x, y): y = A x on a level.
-  auto multiplier(std::size_t l) const {
-    return [this, l](const float* x, float* y) {
-      if (l == 0)
-        matrix_->apply(x, y);
-      else
-        multiply(levels_[l].matrix, x, y);
-    };
+  void make(const TangentMatrix& a) {
+    levels_ = make_levels(vertex_graph(complex_, attributes_), a.free(), options_.coarsest_nodes);
+    if (levels_.size() == 1) direct_ = make_direct(complex_, attributes_);
   }
 
-  void make_levels(const TangentMatrix& a) {
-    NodeGraph graph = vertex_graph(complex_, attributes_);
-    levels_.emplace_back();
-    levels_[0].held.resize(a.size());
-    std::ranges::transform(a.free(), levels_[0].held.begin(), [](auto free) { return !free; });
-    while (graph.nodes() > options_.coarsest_nodes) {
-      Coarsening next = coarsen(graph);
-      if (next.coarse.nodes() > (1 - least_gain) * graph.nodes()) break;
-      const Held& finer = levels_.back().held;
-      Held held = held_nodes(next.interpolation, next.coarse.nodes(), finer);
-      graph = std::move(next.coarse);
-      levels_.emplace_back();
-      levels_.back().to_finer = std::move(next.interpolation);
-      levels_.back().held = std::move(held);
-      levels_.back().pattern = pattern_of(graph);
+  /// Sets the operators and smoothers of all levels but the coarsest. Returns the operators from
+  /// level 1 on; only the last one unless `keep`.
+  std::vector<BlockRows<double>> make_operators(const TangentMatrix& a, bool keep) {
+    DiagonalBlocks diagonal;
+    std::vector<BlockRows<double>> operators;
+    operators.push_back(project(a, levels_[1].to_finer, levels_[1].pattern, &diagonal));
+    set_smoother(levels_[0], std::move(diagonal));
+    for (std::size_t l = 1;; ++l) {
+      hold(operators.back(), levels_[l].held);
+      if (l + 1 == levels_.size()) return operators;
+      set_operator(levels_[l], operators.back());
+      operators.push_back(
+          project(operators.back(), levels_[l + 1].to_finer, levels_[l + 1].pattern));
+      if (!keep) operators.erase(operators.begin());
     }
-    if (levels_.size() == 1) {
-      identity_ = identity(graph);
-      levels_[0].pattern = pattern_of(graph);
-    }
-    for (Level& level : levels_) {
-      level.x = single_vector(level.nodes());
-      level.r = single_vector(level.nodes());
-    }
-    coarsest_.analyse(levels_.back().pattern);
   }
 
-  void set_smoother(std::size_t l, DiagonalBlocks diagonal) {
-    const Level& level = levels_[l];
-    for (std::size_t v = 0; v < diagonal.size(); ++v) {
-      const std::uint8_t* held = &level.held[v * 3];
-      invert(diagonal[v], {held[0] == 0, held[1] == 0, held[2] == 0}, block_shift);
-    }
-    Chebyshev& smoother = levels_[l].smoother;
-    smoother.set(diagonal);
-    smoother.estimate(multiplier(l), power_steps);
+  static void set_operator(MultigridLevel& level, const BlockRows<double>& rows) {
+    level.matrix = in_single(rows);
+    level.multiply = [&level](const float* x, float* y) { multiply(level.matrix, x, y); };
+    set_smoother(level, diagonal_of(rows));
   }
 
-  static DiagonalBlocks diagonal_of(const BlockRows<double>& a) {
-    const BlockPattern& pattern = a.pattern();
-    DiagonalBlocks blocks(pattern.rows(), Eigen::Matrix3d::Zero());
-    for (Index row = 0; row < pattern.rows(); ++row)
-      for (Index i = pattern.begin[row]; i < pattern.begin[row + 1]; ++i)
-        if (pattern.column[i] == row) blocks[row] = Eigen::Map<const Eigen::Matrix3d>(a.block(i));
-    return blocks;
-  }
-
-  void apply_directly(const double* r, double* z) const {
-    const std::size_t size = levels_[0].nodes() * 3;
-    std::copy_n(r, size, z);
-    if (levels_.size() == 1) coarsest_.solve({z, size});
-  }
-
-  /// x = approximately A^-1 r on a level; destroys r.
-  void cycle(std::size_t l) const {
-    const Level& level = levels_[l];
-    std::ranges::fill(level.x, 0.0f);
-    if (l + 1 == levels_.size()) return solve_coarsest();
-    level.smoother.smooth(multiplier(l), options_.smoothing, level.x, level.r, true);
-    restrict(l);
-    cycle(l + 1);
-    prolong(l);
-    level.smoother.smooth(multiplier(l), options_.smoothing, level.x, level.r, false);
-  }
-
-  void solve_coarsest() const {
-    const Level& level = levels_.back();
-    std::vector<double> x(level.r.begin(), level.r.end() - 1);
-    coarsest_.solve(x);
-    std::ranges::transform(x, level.x.begin(), [](double v) { return static_cast<float>(v); });
-  }
-
-  void restrict(std::size_t l) const {
-    const Level &fine = levels_[l], &coarse = levels_[l + 1];
-    const Interpolation& p = coarse.to_finer;
-    std::ranges::fill(coarse.r, 0.0f);
-    for (std::size_t v = 0; v < p.fine_nodes(); ++v)
-      for (Index i = p.begin[v]; i < p.begin[v + 1]; ++i)
-        for (std::size_t c = 0; c < 3; ++c)
-          coarse.r[std::size_t{p.node[i]} * 3 + c] += p.weight[i] * fine.r[v * 3 + c];
-    for (std::size_t i = 0; i < coarse.held.size(); ++i)
-      if (coarse.held[i]) coarse.r[i] = 0;
-  }
-
-  /// Adds the correction of the next coarser level to x, and updates r.
-  void prolong(std::size_t l) const {
-    const Level &fine = levels_[l], &coarse = levels_[l + 1];
-    const Interpolation& p = coarse.to_finer;
-    SingleVector correction(fine.x.size()), image(fine.x.size());
-    for (std::size_t v = 0; v < p.fine_nodes(); ++v)
-      for (std::size_t c = 0; c < 3; ++c) {
-        if (fine.held[v * 3 + c]) continue;
-        float sum = 0;
-        for (Index i = p.begin[v]; i < p.begin[v + 1]; ++i)
-          sum += p.weight[i] * coarse.x[std::size_t{p.node[i]} * 3 + c];
-        correction[v * 3 + c] = sum;
-      }
-    multiplier(l)(correction.data(), image.data());
-    for (std::size_t i = 0; i < fine.x.size(); ++i) {
-      fine.x[i] += correction[i];
-      fine.r[i] -= image[i];
-    }
+  void factor(const TangentMatrix& a, const BlockRows<double>& rows) {
+    const MultigridLevel& level = levels_.back();
+    coarsest_.factor(rows, level.held, a.has_mass() ? std::vector<bool>() : level.loose);
   }
 
   const CellComplex& complex_;
   Attributes& attributes_;
   MultigridOptions options_;
-  const TangentMatrix* matrix_ = nullptr;
-  std::deque<Level> levels_;
-  Interpolation identity_;
+  mutable MultigridLevels levels_;  ///< with scratch vectors
   FactoredRows coarsest_;
+  std::unique_ptr<Preconditioner> direct_;  ///< of a body that is too small for levels
 };
+
+std::size_t Multigrid::bytes() const {
+  if (direct_) return direct_->bytes();
+  std::size_t sum = coarsest_.bytes();
+  for (const MultigridLevel& level : levels_) sum += level.bytes();
+  return sum;
+}
 
 }  // namespace
 

@@ -15,8 +15,13 @@ class Preconditioner {
   virtual std::string name() const = 0;
   /// Builds the approximate inverse of `a` as it is now. Throws the errors of terms.
   virtual void build(const TangentMatrix& a) = 0;
+  /// By what part of itself the diagonal was raised in build() to make the matrix positive
+  /// definite; 0: it is.
+  virtual double shift() const { return 0; }
   /// z = B^-1 r.
   virtual void apply(const double* r, double* z) const = 0;
+  /// Memory that it holds after build().
+  virtual std::size_t bytes() const = 0;
   /// Cells, or the free components, have changed: the next build() starts anew.
   virtual void forget() {}
 };

@@ -33,6 +33,7 @@ class TangentMatrix {
   void apply(const double* x, double* y) const;
   /// The same in single precision; terms without such a tangent are computed in double.
   void apply(const float* x, float* y) const;
+  bool has_mass() const { return mass_ != 0; }
   /// The diagonal of the mass term at a vertex, N/m.
   double mass_at(Index vertex) const;
   /// Visits the matrices of all cells, K + velocity C, with the opposite sign: see

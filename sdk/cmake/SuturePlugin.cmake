@@ -21,14 +21,19 @@
 #   hidden visibility and plugin.map  suture_plugin_v1 is the only dynamic symbol.
 #       No plugin can call into another by accident, and inline statics stay the
 #       plugin's own; otherwise glibc would merge them across libraries (STB_GNU_UNIQUE).
-#   -z defs  a missing symbol is an error now, not at the first call.
+#   -z defs  a missing symbol is an error now, not at the first call. Not with the
+#       sanitizers of clang, whose symbols are in the program that loads the plugin.
 #   --require-defined  so is a missing SUTURE_PLUGIN(...).
 include_guard(GLOBAL)
 include(GNUInstallDirs)
 
 set(SUTURE_PLUGIN_MAP ${CMAKE_CURRENT_LIST_DIR}/plugin.map CACHE INTERNAL "")
-set(SUTURE_PLUGIN_LINK_OPTIONS -Wl,-z,defs -Wl,--require-defined=suture_plugin_v1
-  -Wl,--version-script=${SUTURE_PLUGIN_MAP} CACHE INTERNAL "")
+set(SUTURE_PLUGIN_LINK_OPTIONS -Wl,--require-defined=suture_plugin_v1
+  -Wl,--version-script=${SUTURE_PLUGIN_MAP})
+if(NOT (SUTURE_SANITIZER AND CMAKE_CXX_COMPILER_ID MATCHES Clang))
+  list(PREPEND SUTURE_PLUGIN_LINK_OPTIONS -Wl,-z,defs)
+endif()
+set(SUTURE_PLUGIN_LINK_OPTIONS ${SUTURE_PLUGIN_LINK_OPTIONS} CACHE INTERNAL "")
 
 function(_suture_plugin_object target)
   cmake_parse_arguments(PARSE_ARGV 1 ARG "" "CXX_STANDARD;FOLDER" "SOURCES;FLAGS")

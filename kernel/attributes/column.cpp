@@ -20,7 +20,7 @@ Column::Column(ColumnSpec spec, int dimension)
 
 std::size_t Column::storage(Index rows) const {
   if (dimension_ == 0) return offset(rows);
-  return block_offset((rows + lanes - 1) / lanes);
+  return block_offset(rows / lanes + (rows % lanes != 0 ? 1 : 0));
 }
 
 void Column::grow(AlignedVector<double>& data, Index rows) const {
@@ -192,6 +192,11 @@ void Column::state(Archive& archive) {
     if (!constant) expand();
     if (archive.loads()) {
       archive.require(constant == constant_, "only one of the two columns is constant");
+      // Room for `rows` only if there are values for all of them: a damaged number may be anything.
+      AlignedVector<double> values;
+      archive("values", values);
+      archive.require(values.size() == storage(constant ? 1 : rows),
+                      "the column has a different number of rows");
       resize(rows);  // with the room that it has for more
     }
   }

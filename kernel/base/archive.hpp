@@ -117,9 +117,13 @@ class Archive {
     group(name, [&] {
       std::uint64_t count = objects.size();
       (*this)("count", count);
-      if (loads()) resize_objects(objects, count);
-      for (std::size_t i = 0; i < objects.size(); ++i)
-        group(std::to_string(i).c_str(), [&] { item(*this, objects[i]); });
+      if (loads()) keep_objects(objects, count);
+      for (std::size_t i = 0; i < count; ++i) {
+        group(std::to_string(i).c_str(), [&] {
+          if (loads()) provide_object(objects, i);
+          item(*this, objects[i]);
+        });
+      }
     });
   }
   template <class Vector>
@@ -220,12 +224,21 @@ class Archive {
 
   void text(const char* name, std::string& value);
 
+  /// At most `count` objects. More are provided one by one, each for a group that exists: memory
+  /// for a damaged count might not.
   template <class Vector>
-  void resize_objects(Vector& objects, std::uint64_t count) const {
-    if constexpr (requires { objects.resize(count); })
-      objects.resize(count);
-    else
+  void keep_objects(Vector& objects, std::uint64_t count) const {
+    if constexpr (requires { objects.resize(count); }) {
+      if (objects.size() > count) objects.resize(count);
+    } else {
       require(objects.size() == count, "the number of items differs from this run");
+    }
+  }
+  template <class Vector>
+  static void provide_object(Vector& objects, std::size_t i) {
+    if constexpr (requires { objects.resize(i); }) {
+      if (objects.size() <= i) objects.resize(i + 1);
+    }
   }
 
   Extent extent_;

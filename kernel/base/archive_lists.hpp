@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,8 @@ inline void archive_lists(Archive& archive, const char* name,
     archive("ends", ends);
     archive("values", values);
     if (!archive.loads()) return;
-    archive.require(values.size() == (ends.empty() ? 0 : ends.back()),
+    archive.require(values.size() == (ends.empty() ? 0 : ends.back()) &&
+                        std::is_sorted(ends.begin(), ends.end()),
                     "the ends of the lists do not match their values");
     lists.assign(ends.size(), {});
     for (std::size_t i = 0, begin = 0; i < ends.size(); begin = ends[i++])

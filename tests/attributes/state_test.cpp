@@ -180,6 +180,17 @@ TEST(State, OfAColumnReportsWhetherItIsTheSameEverywhere) {
   EXPECT_EQ(refusal_of(constant, twin), "/: only one of the two columns is constant");
 }
 
+TEST(State, OfAColumnWithoutValuesForItsRowsIsRefusedBeforeThereIsRoomForThem) {
+  ColumnSpec spec;
+  spec.components = 3;
+  Column one(spec, 1), twin(spec, 1);
+  one.resize(20);
+  one.set(13, 1, 7);
+  StateTree tree = state_of(one);
+  overwrite(tree, "rows", 0, Index{0xfffffff0});
+  EXPECT_EQ(refusal_of(tree, twin), "/: the column has a different number of rows");
+}
+
 /// The accepted values of all columns that have a trial copy.
 std::vector<double> states_of(const Attributes& attributes) {
   std::vector<double> values;

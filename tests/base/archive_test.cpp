@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "kernel/base/aligned.hpp"
+#include "kernel/base/archive_lists.hpp"
 #include "kernel/base/error.hpp"
+#include "tests/base/same_state.hpp"
 
 namespace suture {
 namespace {
@@ -123,6 +125,31 @@ TEST(Archive, WhatIsMissingOrOfAnotherKindIsNamed) {
   EXPECT_EQ(refusal(tree), "/many/1: length has 1 floats per row, expected 1 doubles");
   tree.groups.erase("maybe");
   EXPECT_EQ(refusal(tree), "/: missing entry maybe");
+}
+
+TEST(Archive, ACountOfMoreItemsThanThereAreIsRefusedBeforeThereIsMemoryForThem) {
+  Holder given = filled();
+  StateTree tree;
+  save_state(tree, given);
+  overwrite(tree.groups.at("many"), "count", 0, std::uint64_t{1} << 40);
+  EXPECT_EQ(refusal(tree), "/many: missing entry 2");
+  overwrite(tree.groups.at("many"), "count", 0, std::uint64_t{1});
+  EXPECT_EQ(refusal(tree), "");
+}
+
+TEST(Archive, ListsWhoseEndsDoNotAscendAreRefused) {
+  struct Lists {
+    std::vector<std::vector<Index>> lists{{1, 2}, {3}, {4, 5}};
+    void state(Archive& archive) { archive_lists(archive, "lists", lists); }
+  } given, found;
+  StateTree tree;
+  save_state(tree, given);
+  load_state(tree, found);
+  EXPECT_EQ(found.lists, given.lists);
+  for (const std::uint64_t end : {1, 1000}) {
+    overwrite(tree.groups.at("lists"), "ends", 1, end);
+    EXPECT_THROW(load_state(tree, found), InputError) << end;
+  }
 }
 
 TEST(Archive, TwoStatesOfOneNameAreAMistakeOfOurs) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <string>
 
 #include "kernel/base/archive.hpp"
@@ -46,6 +47,12 @@ inline std::string difference(const StateTree& a, const StateTree& b,
 template <class Holder>
 std::string difference_of_states(Holder& a, Holder& b) {
   return difference(state_of(a), state_of(b));
+}
+
+/// Damages number `i` of an array.
+template <class Number>
+void overwrite(StateTree& tree, const std::string& name, std::size_t i, Number value) {
+  std::memcpy(tree.arrays.at(name).bytes.get() + i * sizeof value, &value, sizeof value);
 }
 
 /// What loading says that it refuses, or "".

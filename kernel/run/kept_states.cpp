@@ -35,6 +35,8 @@ void KeptStates::state(Archive& archive) {
   archive("count", count_);
   archive("due", due_);
   archive("kept at", kept_at_);
+  archive.require(older_ < states_.size() && count_ <= states_.size(),
+                  "there are more kept states than a run keeps");
   for (unsigned i = 0; i < count_; ++i)
     archive(i == 0 ? "first" : "second", states_[(older_ + i) % 2]);
 }

@@ -11,7 +11,9 @@
 #include <set>
 
 #include "kernel/base/error.hpp"
+#include "kernel/run/kept_states.hpp"
 #include "kernel/scene/built_scene.hpp"
+#include "tests/base/same_state.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/csv_table.hpp"
@@ -340,6 +342,16 @@ TEST(UnstableSteps, OfAFixedStepEndTheRunWithAdviceThatFits) {
     EXPECT_NE(text.find("/solver/dt is 0.02 s"), std::string::npos) << text;
     EXPECT_NE(text.find("set it to \"auto\""), std::string::npos) << text;
     EXPECT_EQ(text.find("shows"), std::string::npos) << "no output, no frame: " << text;
+  }
+}
+
+// Steps back are made from them.
+TEST(KeptStates, OfANumberThatNoRunKeepsAreRefused) {
+  KeptStates states, found;
+  for (const char* name : {"older", "count"}) {
+    StateTree tree = state_of(states);
+    overwrite(tree, name, 0, 3U);
+    EXPECT_EQ(refusal_of(tree, found), "/: there are more kept states than a run keeps");
   }
 }
 

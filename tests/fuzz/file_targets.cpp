@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "kernel/output/checkpoint_file.hpp"
 #include "kernel/plugin_host/note_reader.hpp"
 #include "kernel/topology/journal.hpp"
 #include "tests/fuzz/input_file.hpp"
@@ -26,10 +25,6 @@ void journal(std::string_view bytes) {
 }
 
 void note(std::string_view bytes) { read_note(input_file("p.so", bytes)); }
-
-void checkpoint(std::string_view bytes) {
-  answered([&] { read_checkpoint(input_file("c.h5", bytes)); });
-}
 
 std::span<const NamedTarget> targets() {
   static constexpr NamedTarget all[] = {{"vtk", vtk},

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cstdlib>
-
-#include "kernel/plugin_host/plugin_host.hpp"
 #include "kernel/scene/built_scene.hpp"
-#include "kernel/scene/scene_reader.hpp"
 #include "tests/fuzz/input_file.hpp"
+#include "tests/fuzz/small_scene.hpp"
 #include "tests/fuzz/targets.hpp"
 
 namespace suture::fuzz {
 namespace {
 
 constexpr double max_elements = 200;
+
+}  // namespace
 
 bool is_small(const MeshSource& mesh) {
   if (mesh.voxels) {
@@ -23,14 +22,15 @@ bool is_small(const MeshSource& mesh) {
   return double(cells[0]) * double(cells[1]) * double(cells[2]) <= max_elements;
 }
 
-// Plugins that the scene names are code, not input.
-ModelLookup shipped_models() {
+PluginHost& shipped_plugins() {
   static PluginHost host;
-  return {[](std::string_view id) -> const suture_model& { return host.model(id); },
-          [](const std::filesystem::path&) {}};
+  return host;
 }
 
-}  // namespace
+ModelLookup shipped_models() {
+  return {[](std::string_view id) -> const suture_model& { return shipped_plugins().model(id); },
+          [](const std::filesystem::path&) {}};
+}
 
 void scene(std::string_view bytes) {
   answered([&] {

@@ -33,6 +33,9 @@ void scene(std::string_view bytes);
 /// A journal: read, and repeated if it is small.
 void journal(std::string_view bytes);
 void note(std::string_view bytes);
+/// A checkpoint: read, and loaded into a run of its scene if that is small (its own mutator changes
+/// the arrays behind the checksum: checkpoint_mutator.cpp). No step is made: that numbers are those
+/// of the run is what the checksum is for.
 void checkpoint(std::string_view bytes);
 
 std::span<const NamedTarget> targets();

@@ -88,13 +88,18 @@ inline CheckpointHeader some_header() {
   return header;
 }
 
-/// The bytes with a block in front that fits them.
+/// The bytes in front of HDF5.
+constexpr std::size_t block_size = 512;
+
+/// The bytes with a length and a checksum in the block in front that fit them.
 inline std::string with_block(std::string bytes) {
   Checksum checksum;
-  checksum.add(std::as_bytes(std::span(bytes).subspan(512)));
-  const std::string sum = checksum.text();
-  bytes.replace(bytes.find("from 512 ") + 9, sum.size(), sum);
-  return bytes;
+  checksum.add(std::as_bytes(std::span(bytes).subspan(block_size)));
+  std::string end = "\nbytes " + std::to_string(bytes.size()) + "\nxxh64 of those from 512 " +
+                    checksum.text() + "\n";
+  const std::size_t at = std::min(bytes.find("\nbytes "), block_size - end.size());
+  end.resize(block_size - at);
+  return bytes.replace(at, end.size(), end);
 }
 
 }  // namespace suture

@@ -77,7 +77,7 @@ BenchBody::BenchBody(PluginHost& host, const BodyOptions& options)
   TimeRamp ramp;
   ramp.to = options.ramp;
   body_->add(std::make_unique<Gravity>(attributes(), options.gravity, ramp));
-  dynamics_ = std::make_unique<Dynamics>(*body_, DynamicsOptions{});
+  dynamics_ = std::make_unique<Dynamics>(*body_, DynamicsOptions{options.integrator});
   limits_ = std::make_unique<StepLimits>(*body_);
   std::vector<Index> held;
   for (Index v = 0; v < attributes().vertex_count(); ++v)
@@ -85,7 +85,9 @@ BenchBody::BenchBody(PluginHost& host, const BodyOptions& options)
   body_->constraints().add(held, 7, {}, attributes());
   dynamics_->start();
   times_.loops = watch.lap();
-  dt_ = options.safety * (options.search ? limits_->stable_step(0) : limits_->bounds(0).dt);
+  dt_ = options.dt;
+  if (dt_ == 0)
+    dt_ = options.safety * (options.search ? limits_->stable_step(0) : limits_->bounds(0).dt);
   times_.stable_step = watch.lap();
 }
 

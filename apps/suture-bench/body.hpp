@@ -14,7 +14,7 @@
 
 namespace suture::bench {
 
-/// A block of one model as a run has it: gravity, one end held, symplectic Euler
+/// A block of one model as a run has it: gravity, one end held, by default symplectic Euler
 /// at half the bound of the stable step.
 struct BodyOptions {
   std::string model;
@@ -29,6 +29,8 @@ struct BodyOptions {
   Vec3 gravity{0, -9.8, 0};  ///< m/s^2
   double held = 0;           ///< m along z that is held, from the end
   bool skip = true;          ///< false: compute also what adds nothing
+  std::string integrator = "symplectic-euler";
+  double dt = 0;  ///< s; 0: `safety` times the stable step
 };
 
 /// Wall clock of the parts of building a body, s.

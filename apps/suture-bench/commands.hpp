@@ -55,6 +55,11 @@ void add_realtime(CLI::App& app, std::vector<Command>& commands);
 /// Time until the paper's cantilever is at rest.
 void add_rest(CLI::App& app, std::vector<Command>& commands);
 
+/// Static equilibria: time, iterations and error.
+void add_static(CLI::App& app, std::vector<Command>& commands);
+/// Implicit steps: time and iterations.
+void add_implicit(CLI::App& app, std::vector<Command>& commands);
+
 /// The bodies that are cut, written as surfaces.
 void add_bodies(CLI::App& app, std::vector<Command>& commands);
 

@@ -6,9 +6,12 @@
 #endif
 
 #include <chrono>
+#include <fstream>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "kernel/base/error.hpp"
 #include "kernel/base/isa.hpp"
 #include "kernel/base/parallel.hpp"
 
@@ -109,6 +112,13 @@ const Machine& machine(unsigned threads) {
   const auto found = known.find(threads);
   return found != known.end() ? found->second
                               : known.emplace(threads, measure(threads)).first->second;
+}
+
+double peak_bytes() {
+  std::ifstream file("/proc/self/status");
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("VmHWM:")) return 1024 * std::stod(line.substr(6));
+  throw IoError("/proc/self/status does not report the peak memory (VmHWM)");
 }
 
 double bytes_per_element(BenchBody& body) {

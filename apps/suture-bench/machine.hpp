@@ -13,6 +13,9 @@ struct Machine {
 /// With `threads` threads at once. Takes about a second; measured once per count.
 const Machine& machine(unsigned threads);
 
+/// Most memory that this process has had, B. Throws IoError.
+double peak_bytes();
+
 /// Bytes that one evaluation of the forces must move if nothing stays in a cache:
 /// vertices and columns of each cell, and once per functor the positions that are
 /// read and the forces that are read and written (velocities, masses, rest positions

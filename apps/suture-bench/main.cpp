@@ -29,6 +29,8 @@ int main(int argc, char** argv) {
   suture::bench::add_count(app, commands);
   suture::bench::add_realtime(app, commands);
   suture::bench::add_rest(app, commands);
+  suture::bench::add_static(app, commands);
+  suture::bench::add_implicit(app, commands);
   suture::bench::add_bodies(app, commands);
   CLI11_PARSE(app, argc, argv);
   try {

@@ -16,6 +16,7 @@
 
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
+#include "apps/suture-bench/machine.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/run/simulation.hpp"
 #include "kernel/scene/scene_reader.hpp"
@@ -151,13 +152,6 @@ struct Memory {
   double held, peak;  ///< B
 };
 
-/// Most that this process has had in memory since reset_peak().
-double peak() {
-  std::ifstream file("/proc/self/status");
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("VmHWM:")) return 1024 * std::stod(line.substr(6));
-  throw IoError("/proc/self/status does not report the peak memory (VmHWM)");
-}
 void reset_peak() { std::ofstream("/proc/self/clear_refs") << 5; }
 
 /// What a run holds after its first step, and at most until then.
@@ -170,7 +164,7 @@ Memory memory_of(const std::filesystem::path& file) {
   Simulation simulation(scene, host, diagnostics);
   Observer nobody;
   simulation.run(nobody);
-  return {resident() - before, peak() - before};
+  return {resident() - before, peak_bytes() - before};
 }
 
 void measure_memory(const Scenes& scenes, const std::string& model, const Options& options,

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "kernel/base/error.hpp"
-#include "kernel/solvers/block_jacobi.hpp"
+#include "kernel/solvers/multigrid.hpp"
 
 namespace suture {
 namespace {
@@ -16,7 +16,9 @@ void copy_rows(const Column& column, Index rows, std::vector<double>& to) {
 }  // namespace
 
 ImplicitIntegrator::ImplicitIntegrator(Motion& motion, const IntegratorOptions& options)
-    : Integrator(motion), newton_(motion, {options.tolerance}, make_block_jacobi()) {}
+    : Integrator(motion),
+      newton_(motion, {options.tolerance},
+              make_multigrid(motion.body().complex(), motion.body().attributes())) {}
 
 void ImplicitIntegrator::begin(double dt) {
   Attributes& attributes = motion_.body().attributes();

@@ -105,8 +105,8 @@ LinearSolve Newton::find_direction(const StepEquations& equations, double tolera
     matrix_.apply(remaining_.data(), right.data());
     for (std::size_t i = 0; i < right.size(); ++i) right[i] = residual_[i] - right[i];
   }
-  const LinearSolve solve = linear_.solve(matrix_, *preconditioner_, right, direction_, tolerance,
-                                          max_linear_iterations);
+  const LinearSolve solve =
+      linear_.solve(matrix_, *preconditioner_, right, direction_, tolerance, max_linear_iterations);
   // A preconditioner that has become twice as bad is built again.
   if (!is_built_) built_iterations_ = solve.iterations;
   is_built_ = solve.outcome == LinearSolve::Outcome::converged &&

@@ -55,12 +55,11 @@ void ForceLoop::add_forces_in_step(const StepTimes& step, const LiveMask&, doubl
   add_forces(step.time, step.dt, Part::with_energy, rows);
 }
 
-void require_finite(std::span<const double> results, Index valid) {
+void require_finite(std::span<const double> results, std::span<const std::uint32_t> cells) {
   for (std::size_t i = 0; i < results.size(); ++i) {
-    if (i % lanes >= valid || std::isfinite(results[i])) continue;
-    const PluginCall& call = *plugin_thread.present;
-    throw PluginError(describe(call) + ": result " + std::to_string(i / lanes) + " of cell " +
-                      std::to_string(call.batch->cell_ids[i % lanes]) +
+    if (i % lanes >= cells.size() || std::isfinite(results[i])) continue;
+    throw PluginError(describe(*plugin_thread.present) + ": result " + std::to_string(i / lanes) +
+                      " of cell " + std::to_string(cells[i % lanes]) +
                       " is not finite; see that no division, root or logarithm leaves its range");
   }
 }

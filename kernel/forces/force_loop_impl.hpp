@@ -30,8 +30,8 @@ inline const Index* nodes_of(const loops::Job& job, Index row) {
   return job.nodes + std::size_t{job.cells ? job.cells[row] : row} * job.node_count;
 }
 
-/// Throws PluginError unless the results of the current call's valid lanes are finite.
-void require_finite(std::span<const double> results, Index valid);
+/// Throws PluginError unless the results of the current call are finite in the lanes of `cells`.
+void require_finite(std::span<const double> results, std::span<const std::uint32_t> cells);
 
 struct ForceLoop::Impl {
   Impl(Attributes& a, const CellComplex& c, unsigned wanted)
@@ -137,7 +137,7 @@ struct ForceLoop::Impl {
 
   /// With checks: throws PluginError unless the results of the current call are finite.
   void check_results(std::span<const double> results, Index valid) const {
-    if (checks) require_finite(results, valid);
+    if (checks) require_finite(results, {plugin_thread.present->batch->cell_ids, valid});
   }
 
   void raise_failures(double time) {
@@ -162,6 +162,8 @@ struct ForceLoop::Impl {
   bool add_field(Index number, std::string_view field, double time, std::span<double> values);
   template <class Real>
   void add_tangent(loops::Product<Real> product, double time);
+  bool add_single_tangent(Index number, const loops::Product<float>& product, double time);
+  bool add_single_tangent(Index, const loops::Product<double>&, double) { return false; }
   void for_each_tangent(Index number, double dx, double dv, double time,
                         const VisitTangents& visit);
 

@@ -21,8 +21,40 @@ suture_status checked_tangent(const suture_context* context, const suture_batch*
       extension_of<suture_tangent_1>(*plugin_thread.present->functor, SUTURE_TANGENT_1);
   const suture_status status = extension->apply(context, batch, dx, dv, df);
   if (status == SUTURE_OK)
-    require_finite({df, std::size_t{batch->nodes} * 3 * lanes}, batch->valid);
+
+    require_finite({df, std::size_t{batch->nodes} * 3 * lanes}, {batch->cell_ids, batch->valid});
   return status;
+}
+
+/// The same for floats, whose lanes all hold cells.
+suture_status checked_single_tangent(const suture_context* context,
+                                     const suture_single_batch* batch, const float* dx,
+                                     const float* dv, float* df) {
+  const PluginCall& call = *plugin_thread.present;
+  const auto* extension =
+      extension_of<suture_tangent_single_1>(*call.functor, SUTURE_TANGENT_SINGLE_1);
+  const suture_status status = extension->apply(context, batch, dx, dv, df);
+  if (status != SUTURE_OK) return status;
+  const std::size_t count = std::size_t{batch->nodes} * 3;
+  for (std::size_t half = 0; half < SUTURE_SINGLE_LANES; half += lanes) {
+    std::array<double, std::size_t{8} * 3 * lanes> results;
+    for (std::size_t i = 0; i < count * lanes; ++i)
+      results[i] = static_cast<double>(df[i / lanes * SUTURE_SINGLE_LANES + half + i % lanes]);
+    require_finite({results.data(), count * lanes}, {call.batch->cell_ids + half, lanes});
+  }
+  return status;
+}
+
+/// What a functor's tangent in single precision reads.
+loops::Job single_job(const loops::Job& job, const suture_tangent_single_1& extension,
+                      Attributes& attributes) {
+  loops::Job single = job;
+  const auto reads = extension.reads;
+  single.rest = reads & SUTURE_READ_REST ? attributes.rest().rows() : nullptr;
+  single.position = reads & SUTURE_READ_POSITION ? attributes.position().rows() : nullptr;
+  if ((reads & SUTURE_READ_VELOCITY) == 0) single.velocity = nullptr;
+  if (extension.columns == 0) single.cell_column_count = single.vertex_column_count = 0;
+  return single;
 }
 
 void call(const loops::Table& loops, const loops::Job& job, const loops::Worker& worker,
@@ -38,10 +70,28 @@ void call(const loops::Table& loops, const loops::Job& job, const loops::Worker&
 
 }  // namespace
 
+/// False if the functor has no tangent in single precision.
+bool ForceLoop::Impl::add_single_tangent(Index number, const loops::Product<float>& floats,
+                                         double time) {
+  const auto* extension =
+      functors[number].extension<suture_tangent_single_1>(SUTURE_TANGENT_SINGLE_1);
+  if (extension == nullptr) return false;
+  const loops::SingleProduct product{checks ? checked_single_tangent : extension->apply,
+                                     floats.direction, floats.dx, floats.dv, floats.out};
+  run(number, "tangent", time,
+      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
+          Index) {
+        const loops::Job single = single_job(job, *extension, attributes);
+        loops.single_tangents(&single, &worker, ranges.data(), static_cast<Index>(ranges.size()),
+                              &product);
+      });
+  return true;
+}
+
 template <class Real>
 void ForceLoop::Impl::add_tangent(loops::Product<Real> product, double time) {
   for (Index i = 0; i < functors.size(); ++i) {
-    if (functors[i].skipped()) continue;
+    if (functors[i].skipped() || add_single_tangent(i, product, time)) continue;
     const auto* extension = functors[i].extension<suture_tangent_1>(SUTURE_TANGENT_1);
     product.function = checks ? checked_tangent : extension->apply;
     run(i, "tangent", time,

@@ -15,6 +15,8 @@ struct alignas(64) WorkerMemory {
   AlignedVector<double> scratch;
   std::vector<const double*> cell_columns, vertex_columns;
   std::vector<double*> trial_columns;
+  AlignedVector<float> single_scratch;
+  std::vector<const float*> single_cell_columns, single_vertex_columns;
   Failure failure;
   Index functor = 0;
   const suture_error* error = nullptr;
@@ -39,17 +41,25 @@ struct alignas(64) WorkerMemory {
     error = context.error;
     const std::uint64_t needed = loops::scratch_doubles(job);
     if (scratch.size() < needed) scratch.resize(needed);
+    const std::uint64_t needed_single = loops::single_scratch_floats(job);
+    if (single_scratch.size() < needed_single) single_scratch.resize(needed_single);
     if (cell_columns.size() < job.cell_column_count) {
       cell_columns.resize(job.cell_column_count);
       trial_columns.resize(job.cell_column_count);
+      single_cell_columns.resize(job.cell_column_count);
     }
-    if (vertex_columns.size() < job.vertex_column_count)
+    if (vertex_columns.size() < job.vertex_column_count) {
       vertex_columns.resize(job.vertex_column_count);
+      single_vertex_columns.resize(job.vertex_column_count);
+    }
     return {&context,
             scratch.data(),
             cell_columns.data(),
             vertex_columns.data(),
             trial_columns.data(),
+            single_scratch.data(),
+            single_cell_columns.data(),
+            single_vertex_columns.data(),
             &failed,
             &thrown,
             this,

@@ -6,6 +6,7 @@
 
 #include "kernel/base/plugin_call.hpp"
 #include "kernel/plugin_host/table_entry.hpp"
+#include "suture/single.h"
 
 namespace suture {
 namespace {
@@ -24,6 +25,20 @@ class ExtensionCheck {
     if (!entry.size(table->size, least_.extension, sizeof *table)) return;
     entry.reserved(table->reserved);
     entry.require(table->*function != nullptr, "its function is NULL");
+  }
+
+  void single_tangent() const {
+    const auto* table = extension_of<suture_tangent_single_1>(functor_, SUTURE_TANGENT_SINGLE_1);
+    if (table == nullptr) return;
+    const Entry entry = entry_.inner("extension", SUTURE_TANGENT_SINGLE_1, 0);
+    if (!entry.size(table->size, sizeof *table, sizeof *table)) return;
+    entry.require(table->lanes == SUTURE_SINGLE_LANES, "lanes is " + std::to_string(table->lanes) +
+                                                           ", expected " +
+                                                           std::to_string(SUTURE_SINGLE_LANES));
+    entry.known_bits(table->reads, SUTURE_READ_REST | SUTURE_READ_POSITION | SUTURE_READ_VELOCITY,
+                     "reads");
+    entry.known(table->columns, 1, "columns");
+    entry.require(table->apply != nullptr, "its function is NULL");
   }
 
   /// The fields of suture.output/1, by name; those of other functors are `known`.
@@ -73,6 +88,7 @@ void check_model(const Entry& model, const suture_model& m, const TableSizes& le
     check.one(SUTURE_ENERGY_1, &suture_energy_1::energy);
     check.one(SUTURE_STABLE_DT_1, &suture_stable_dt_1::bounds);
     check.one(SUTURE_TANGENT_1, &suture_tangent_1::apply);
+    check.single_tangent();
     check.one(SUTURE_INSPECT_1, &suture_inspect_1::inspect);
     check.output(fields[functor.dimension]);
   }

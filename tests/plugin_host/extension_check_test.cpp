@@ -12,6 +12,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/output_fields.hpp"
+#include "suture/single.h"
 
 namespace suture {
 namespace {
@@ -38,6 +39,10 @@ struct Offer {
                              const double*, double*) {
     return SUTURE_OK;
   }
+  static suture_status apply_single(const suture_context*, const suture_single_batch*, const float*,
+                                    const float*, float*) {
+    return SUTURE_OK;
+  }
   static suture_status compute(const suture_context*, const suture_batch*, double* const*) {
     return SUTURE_OK;
   }
@@ -47,6 +52,7 @@ struct Offer {
     if (asked == SUTURE_ENERGY_1) return &present->energy;
     if (asked == SUTURE_STABLE_DT_1) return &present->stable_dt;
     if (asked == SUTURE_TANGENT_1) return &present->tangent;
+    if (asked == SUTURE_TANGENT_SINGLE_1) return &present->single;
     if (asked == SUTURE_INSPECT_1) return &present->inspect;
     return asked == SUTURE_OUTPUT_1 ? &present->output : nullptr;
   }
@@ -59,6 +65,8 @@ struct Offer {
   suture_energy_1 energy{sizeof energy, 0, one};
   suture_stable_dt_1 stable_dt{sizeof stable_dt, 0, two};
   suture_tangent_1 tangent{sizeof tangent, 0, apply};
+  suture_tangent_single_1 single{sizeof single, SUTURE_SINGLE_LANES, SUTURE_READ_POSITION, 0,
+                                 apply_single};
   suture_inspect_1 inspect{sizeof inspect, 0, force};
   suture_field fields[2] = {{sizeof(suture_field), 6, "stress", "Pa", "Stress."},
                             {sizeof(suture_field), 1, "strain", "1", "Strain."}};
@@ -103,6 +111,14 @@ const Case cases[] = {
      FIRST "'suture.stable-dt/1': its function is NULL"},
     {"Tangent", [](Offer& o) { o.tangent.apply = nullptr; },
      FIRST "'suture.tangent/1': its function is NULL"},
+    {"SingleTangent", [](Offer& o) { o.single.apply = nullptr; },
+     FIRST "'suture.tangent-single/1': its function is NULL"},
+    {"SingleLanes", [](Offer& o) { o.single.lanes = 8; },
+     FIRST "'suture.tangent-single/1': lanes is 8, expected 16"},
+    {"SingleReads", [](Offer& o) { o.single.reads = 8; },
+     FIRST "'suture.tangent-single/1': reads has unknown bits"},
+    {"SingleColumns", [](Offer& o) { o.single.columns = 2; },
+     FIRST "'suture.tangent-single/1': columns is 2, the last known value is 1"},
     {"Inspect", [](Offer& o) { o.inspect.inspect = nullptr; },
      FIRST "'suture.inspect/1': its function is NULL"},
     {"Size", [](Offer& o) { o.energy.size = 0; },

@@ -115,7 +115,7 @@ void point_to_cell_columns(const Job& job, const Worker& worker, const BatchRows
 inline void return_trials(const Job&, const Worker&, const BlockRows&) {}
 
 /// Trial values of lanes that were moved go home.
-void return_trials(const Job& job, const Worker& worker, const BatchRows& rows) {
+inline void return_trials(const Job& job, const Worker& worker, const BatchRows& rows) {
   if (in_place(job, rows)) return;
   for (uint32_t i = 0; i < job.cell_column_count; ++i) {
     const CellColumn& column = job.cell_columns[i];
@@ -193,21 +193,6 @@ inline __attribute__((always_inline)) void for_each_batch(const Job& job, const 
     }
     row += here;
   }
-}
-
-template <uint32_t N>
-void gather_one(const Job& job, const Worker& worker, const BatchRows& rows, Buffers& buffers,
-                suture_batch& batch) {
-  begin_batches(job, worker, buffers, batch);
-  gather_batch<N>(job, worker, rows, find_cells<N>(job, rows), buffers, batch);
-}
-
-void gather(const Job* job, const Worker* worker, const BatchRows* rows, Buffers* buffers,
-            suture_batch* batch) {
-  if (job->node_count == 1) return gather_one<1>(*job, *worker, *rows, *buffers, *batch);
-  if (job->node_count == 2) return gather_one<2>(*job, *worker, *rows, *buffers, *batch);
-  if (job->node_count == 4) return gather_one<4>(*job, *worker, *rows, *buffers, *batch);
-  gather_one<8>(*job, *worker, *rows, *buffers, *batch);
 }
 
 }  // namespace

@@ -63,12 +63,28 @@ void forces(const Job* job, const Worker* worker, const Rows* ranges, uint32_t c
   forces_of<8>(*job, *worker, ranges, count);
 }
 
+template <uint32_t N>
+void gather_one(const Job& job, const Worker& worker, const BatchRows& rows, Buffers& buffers,
+                suture_batch& batch) {
+  begin_batches(job, worker, buffers, batch);
+  gather_batch<N>(job, worker, rows, find_cells<N>(job, rows), buffers, batch);
+}
+
+void gather(const Job* job, const Worker* worker, const BatchRows* rows, Buffers* buffers,
+            suture_batch* batch) {
+  if (job->node_count == 1) return gather_one<1>(*job, *worker, *rows, *buffers, *batch);
+  if (job->node_count == 2) return gather_one<2>(*job, *worker, *rows, *buffers, *batch);
+  if (job->node_count == 4) return gather_one<4>(*job, *worker, *rows, *buffers, *batch);
+  gather_one<8>(*job, *worker, *rows, *buffers, *batch);
+}
+
 const Table table = {sizeof(Table),
                      0,
                      isa_name,
                      forces,
                      tangents_of_doubles,
                      tangents_of_floats,
+                     single_tangents,
                      gather,
                      pass<1, true>,
                      pass<2, true>,

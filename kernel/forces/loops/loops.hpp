@@ -4,6 +4,7 @@
 #include <stdint.h>
 
 #include "suture/plugin.h"
+#include "suture/single.h"
 
 /// The hot loops of a step, compiled once per instruction set from loops.cpp and reached through
 /// one table of function pointers. Only plain data crosses this header: an inline function of the
@@ -83,6 +84,9 @@ struct Worker {
   const double** cell_columns;
   const double** vertex_columns;
   double** trial_columns;
+  float* single_scratch;  ///< for batches of floats: 64-byte aligned, single_scratch_floats(job)
+  const float** single_cell_columns;
+  const float** single_vertex_columns;
   /// Reports a batch whose status is not 0. The loop continues, so that the lowest cell is found
   /// whatever the threads do.
   void (*failed)(void* data, suture_status status, const suture_batch* batch);
@@ -164,6 +168,13 @@ struct Product {
   double dx, dv;
   Real* out;
 };
+/// The same by its suture.tangent-single/1.
+struct SingleProduct {
+  decltype(suture_tangent_single_1::apply) function;
+  const float* direction;
+  double dx, dv;
+  float* out;
+};
 
 struct Table {
   uint32_t size;
@@ -176,6 +187,8 @@ struct Table {
                               const Product<double>*);
   void (*tangents_of_floats)(const Job*, const Worker*, const Rows* ranges, uint32_t count,
                              const Product<float>*);
+  void (*single_tangents)(const Job*, const Worker*, const Rows* ranges, uint32_t count,
+                          const SingleProduct*);
   /// Fills `batch` with rows of one block, at least one (extensions).
   void (*gather)(const Job*, const Worker*, const BatchRows*, Buffers*, suture_batch*);
   /// Passes of integrators; they return 1 if a velocity is not finite.
@@ -206,6 +219,16 @@ inline uint64_t scratch_doubles(const Job& job) {
   for (uint32_t i = 0; i < job.vertex_column_count; ++i)
     n += 8u * job.node_count * job.vertex_columns[i].components;
   for (uint32_t i = 0; i < job.cell_column_count; ++i) n += 16u * job.cell_columns[i].components;
+  return n;
+}
+
+/// Floats of Worker::single_scratch that a job needs.
+inline uint64_t single_scratch_floats(const Job& job) {
+  uint64_t n = 0;
+  for (uint32_t i = 0; i < job.vertex_column_count; ++i)
+    n += SUTURE_SINGLE_LANES * job.node_count * job.vertex_columns[i].components;
+  for (uint32_t i = 0; i < job.cell_column_count; ++i)
+    n += SUTURE_SINGLE_LANES * job.cell_columns[i].components;
   return n;
 }
 

@@ -4,8 +4,7 @@
 
 #include "kernel/forces/loops/tangents.hpp"
 
-#include "kernel/forces/loops/directions.hpp"
-#include "kernel/forces/loops/gather.hpp"
+#include "kernel/forces/loops/single.hpp"
 
 namespace {
 
@@ -65,6 +64,22 @@ void tangents(const Job& job, const Worker& worker, const Rows* ranges, uint32_t
   tangents_of<8>(job, worker, ranges, count, product);
 }
 
+template <uint32_t N>
+void single_tangents_of(const Job& job, const Worker& worker, const Rows* ranges, uint32_t count,
+                        const SingleProduct& product) {
+  try {
+    SingleLoop<N> loop(job, worker, product);
+    const auto add = [&](const auto& rows, const auto& cells) __attribute__((always_inline)) {
+      loop.add(rows, cells);
+    };
+    for (uint32_t i = 0; i < count; ++i) for_each_batch<N>(job, ranges[i], add);
+    loop.finish();
+  } catch (...) {
+    worker.thrown(worker.data);
+  }
+  *worker.present = nullptr;
+}
+
 }  // namespace
 
 void suture::loops::tangents_of_doubles(const Job* job, const Worker* worker, const Rows* ranges,
@@ -75,4 +90,12 @@ void suture::loops::tangents_of_doubles(const Job* job, const Worker* worker, co
 void suture::loops::tangents_of_floats(const Job* job, const Worker* worker, const Rows* ranges,
                                        uint32_t count, const Product<float>* product) {
   tangents(*job, *worker, ranges, count, *product);
+}
+
+void suture::loops::single_tangents(const Job* job, const Worker* worker, const Rows* ranges,
+                                    uint32_t count, const SingleProduct* product) {
+  if (job->node_count == 1) return single_tangents_of<1>(*job, *worker, ranges, count, *product);
+  if (job->node_count == 2) return single_tangents_of<2>(*job, *worker, ranges, count, *product);
+  if (job->node_count == 4) return single_tangents_of<4>(*job, *worker, ranges, count, *product);
+  single_tangents_of<8>(*job, *worker, ranges, count, *product);
 }

@@ -10,5 +10,6 @@ void tangents_of_doubles(const Job*, const Worker*, const Rows*, uint32_t count,
                          const Product<double>*);
 void tangents_of_floats(const Job*, const Worker*, const Rows*, uint32_t count,
                         const Product<float>*);
+void single_tangents(const Job*, const Worker*, const Rows*, uint32_t count, const SingleProduct*);
 
 }  // namespace suture::loops

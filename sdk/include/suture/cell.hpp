@@ -88,6 +88,20 @@ using constants_of = typename constants_of_model<Model>::type;
 /// inspect() examines rest shapes and reports, the others do neither.
 enum class purpose { force, evaluation, inspection };
 
+/// The batches that hold the values of a T, in double or single precision.
+template <class T, class E = element_of<real_of<T>>>
+struct batch_of_scalar {
+  using type = suture_batch;
+  static constexpr int lanes = SUTURE_LANES;
+};
+template <class T>
+struct batch_of_scalar<T, float> {
+  using type = suture_single_batch;
+  static constexpr int lanes = SUTURE_SINGLE_LANES;
+};
+template <class T>
+using batch_of = typename batch_of_scalar<T>::type;
+
 /// Cells `lane` .. `lane + lanes_of<T> - 1` of a batch, as one cell of scalar T.
 /// With T = dual<R>, positions and velocities carry the direction (dx, dv).
 template <class T, class Model, class Functor, purpose Purpose = purpose::evaluation>
@@ -96,9 +110,11 @@ class cell {
   using scalar = T;
   using real = real_of<T>;  ///< for quantities that are never differentiated
 
-  SUTURE_INLINE cell(const suture_context* context, const suture_batch* batch, int lane,
-                     double* force = nullptr, const double* dx = nullptr,
-                     const double* dv = nullptr)
+  using element = element_of<real>;  ///< double or float
+
+  SUTURE_INLINE cell(const suture_context* context, const batch_of<T>* batch, int lane,
+                     element* force = nullptr, const element* dx = nullptr,
+                     const element* dv = nullptr)
       : context_(context), batch_(batch), lane_(lane), force_(force), dx_(dx), dv_(dv) {}
 
   // ---- geometry and state ----
@@ -193,7 +209,7 @@ class cell {
     static_assert(Purpose == purpose::force, "forces may be set only in the functor's force()");
     SUTURE_DETAIL_CHECK_INDEX(node, node, Functor::nodes);
     for (int c = 0; c < 3; ++c) {
-      double* const p = force_ + (node * 3 + c) * stride + lane_;
+      element* const p = force_ + (node * 3 + c) * stride + lane_;
       if constexpr (is_dual<T>)
         store(p, f[c].derivative);
       else
@@ -228,7 +244,7 @@ class cell {
   }
 
  private:
-  static constexpr int stride = SUTURE_LANES;
+  static constexpr int stride = batch_of_scalar<T>::lanes;
   template <std::uint32_t Read>
   static constexpr bool reads = (Functor::reads & Read) != 0 ||
                                 (Purpose == purpose::inspection && Read != SUTURE_READ_VELOCITY);
@@ -244,12 +260,12 @@ class cell {
   }
 
   template <class R>
-  SUTURE_INLINE vec3<R> vector(const double* p, int node) const {
+  SUTURE_INLINE vec3<R> vector(const element* p, int node) const {
     SUTURE_DETAIL_CHECK_INDEX(node, node, Functor::nodes);
     p += node * 3 * stride + lane_;
     return {load<R>(p), load<R>(p + stride), load<R>(p + 2 * stride)};
   }
-  SUTURE_INLINE vec3<T> moving(const double* p, const double* direction, int node) const {
+  SUTURE_INLINE vec3<T> moving(const element* p, const element* direction, int node) const {
     if constexpr (is_dual<T>) {
       const vec3<real> x = vector<real>(p, node), d = vector<real>(direction, node);
       return {T(x[0], d[0]), T(x[1], d[1]), T(x[2], d[2])};
@@ -264,11 +280,11 @@ class cell {
   }
 
   const suture_context* context_;
-  const suture_batch* batch_;
+  const batch_of<T>* batch_;
   int lane_;
-  double* force_;
-  const double* dx_;
-  const double* dv_;
+  element* force_;
+  const element* dx_;
+  const element* dv_;
 };
 
 }  // namespace suture

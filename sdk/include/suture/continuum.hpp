@@ -226,6 +226,7 @@ template <class M, class Shape>
 struct continuum_law : on_volumes {
   static_assert(check_law<M>());
   static constexpr const char* doc = "Nodal forces of the stress";
+  static constexpr bool single_tangent = true;
 
   template <class Cell>
   static SUTURE_INLINE void positions(const Cell& c, vec3<typename Cell::scalar> (&x)[8]) {
@@ -416,6 +417,12 @@ struct stored_hexahedra : continuum_functor<M, stored_hexahedra<M>> {
       work(make_stored_geometry<R>([&](int point, int i) { return c.column(jacobians, point, i); },
                                    [&](int point) { return c.column(measures, point); }));
   }
+};
+
+/// Reading and rounding 80 columns of doubles takes longer than computing the geometry again.
+template <class M>
+struct functor_in_single<stored_hexahedra<M>> {
+  using type = general_hexahedra<M>;
 };
 
 // Every Gauss point contributes to the force on every node.

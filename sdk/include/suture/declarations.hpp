@@ -183,6 +183,9 @@ struct functor_defaults {
   static constexpr std::uint32_t faces = SUTURE_ALL_FACES;
   static constexpr std::uint32_t reads = SUTURE_READ_POSITION;
   static constexpr std::uint32_t alternative = 0;
+  /// Whether the force depends on differences of positions and of rest positions only, so that a
+  /// tangent in single precision can be offered (suture/single.h).
+  static constexpr bool single_tangent = false;
   static constexpr column_list<> cell_columns{};
   static constexpr column_list<> vertex_columns{};
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// suture/simd.hpp - pack<N>: N doubles side by side that behave as one number.
+// suture/simd.hpp - pack<N>: N doubles, or pack<N, float>: N floats, side by side that behave as
+// one number.
 //
 // A model's functions are written for a scalar type T, as if for one cell. The
 // layer calls them with T = pack<native_lanes>, so that every line works on as
@@ -26,6 +27,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <type_traits>
 
 #if defined(__AVX__)
@@ -33,6 +35,7 @@
 #endif
 
 #include "suture/plugin.h"
+#include "suture/single.h"
 
 #define SUTURE_INLINE inline __attribute__((always_inline))
 
@@ -57,11 +60,12 @@ struct vector_extension {
 template <class E, int N>
 using vector_of = typename vector_extension<E, N>::type;
 
-/// N doubles; every operation acts on each lane separately.
-template <int N>
+/// N numbers; every operation acts on each lane separately.
+template <int N, class E = double>
 struct pack {
-  using vector = vector_of<double, N>;
-  using integers = vector_of<std::int64_t, N>;
+  using vector = vector_of<E, N>;
+  using integer = std::conditional_t<sizeof(E) == 8, std::int64_t, std::int32_t>;
+  using integers = vector_of<integer, N>;
 
   /// Result of a comparison: all bits set in the lanes where it holds.
   struct mask {
@@ -76,13 +80,13 @@ struct pack {
 
   pack() = default;
   SUTURE_INLINE pack(vector values) : v(values) {}
-  SUTURE_INLINE pack(double value) : v(value - vector{}) {}  // in all lanes; -0 stays -0
+  SUTURE_INLINE pack(double value) : v(E(value) - vector{}) {}  // in all lanes; -0 stays -0
 
-  /// Reads or writes N doubles; `p` is aligned to the pack.
-  static SUTURE_INLINE pack load(const double* p) {
+  /// Reads or writes N numbers; `p` is aligned to the pack.
+  static SUTURE_INLINE pack load(const E* p) {
     return *static_cast<const vector*>(__builtin_assume_aligned(p, sizeof(vector)));
   }
-  SUTURE_INLINE void store(double* p) const {
+  SUTURE_INLINE void store(E* p) const {
     *static_cast<vector*>(__builtin_assume_aligned(p, sizeof(vector))) = v;
   }
   double operator[](int lane) const { return v[lane]; }
@@ -119,42 +123,44 @@ struct pack {
   friend SUTURE_INLINE pack select(mask m, pack a, pack b) { return m.bits ? a.v : b.v; }
   friend SUTURE_INLINE pack min(pack a, pack b) { return a.v < b.v ? a.v : b.v; }
   friend SUTURE_INLINE pack max(pack a, pack b) { return a.v > b.v ? a.v : b.v; }
-  friend SUTURE_INLINE pack abs(pack a) { return vector(integers(a.v) & INT64_MAX); }
+  friend SUTURE_INLINE pack abs(pack a) {
+    return vector(integers(a.v) & std::numeric_limits<integer>::max());
+  }
   friend SUTURE_INLINE bool any(mask m) {
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
-    if constexpr (N == 8) return _mm512_movepi64_mask(__m512i(m.bits)) != 0;
+    if constexpr (N == 8 && sizeof(E) == 8) return _mm512_movepi64_mask(__m512i(m.bits)) != 0;
 #endif
 #if defined(__AVX__)
-    if constexpr (N == 4) return _mm256_movemask_pd(__m256d(m.bits)) != 0;
+    if constexpr (N == 4 && sizeof(E) == 8) return _mm256_movemask_pd(__m256d(m.bits)) != 0;
 #endif
-    std::int64_t bits = 0;
+    integer bits = 0;
     for (int lane = 0; lane < N; ++lane) bits |= m.bits[lane];
     return bits != 0;
   }
   friend SUTURE_INLINE bool all(mask m) { return !any(!m); }
 
   friend SUTURE_INLINE pack sqrt(pack a) {
-    return map(a, [](double x) { return std::sqrt(x); });
+    return map(a, [](E x) { return std::sqrt(x); });
   }
 
   // One call of the C library per lane: correct, not fast.
   friend pack exp(pack a) {
-    return map(a, [](double x) { return std::exp(x); });
+    return map(a, [](E x) { return std::exp(x); });
   }
   friend pack log(pack a) {
-    return map(a, [](double x) { return std::log(x); });
+    return map(a, [](E x) { return std::log(x); });
   }
   friend pack cbrt(pack a) {
-    return map(a, [](double x) { return std::cbrt(x); });
+    return map(a, [](E x) { return std::cbrt(x); });
   }
   friend pack pow(pack a, double b) {
-    return map(a, [b](double x) { return std::pow(x, b); });
+    return map(a, [b](E x) { return std::pow(x, E(b)); });
   }
   friend pack sin(pack a) {
-    return map(a, [](double x) { return std::sin(x); });
+    return map(a, [](E x) { return std::sin(x); });
   }
   friend pack cos(pack a) {
-    return map(a, [](double x) { return std::cos(x); });
+    return map(a, [](E x) { return std::cos(x); });
   }
 
   template <class F>
@@ -165,8 +171,11 @@ struct pack {
   }
 };
 
-/// The pack that fills one register.
+/// The packs that fill one register.
 using native = pack<native_lanes>;
+using native_single = pack<2 * native_lanes, float>;
+static_assert(SUTURE_SINGLE_LANES % (2 * native_lanes) == 0,
+              "SUTURE_SINGLE_LANES must be a multiple of the number of lanes of a pack");
 
 // The same functions for one double.
 SUTURE_INLINE double select(bool m, double a, double b) { return m ? a : b; }
@@ -211,6 +220,12 @@ SUTURE_INLINE pack<N> rsqrt(pack<N> x) {
   return improve(improve(pack<N>(vector(bits))));
 }
 
+/// The same for floats: the compiler's root and division are as fast as any refinement.
+template <int N>
+SUTURE_INLINE pack<N, float> rsqrt(pack<N, float> x) {
+  return 1.0 / sqrt(x);
+}
+
 /// 1/x for normal x, to 2 units in the last place.
 SUTURE_INLINE double reciprocal(double x) { return 1 / x; }
 
@@ -226,36 +241,53 @@ SUTURE_INLINE pack<N> reciprocal(pack<N> x) {
   return 1.0 / x;
 }
 
+template <int N>
+SUTURE_INLINE pack<N, float> reciprocal(pack<N, float> x) {
+  return 1.0 / x;
+}
+
 /// Whether a type is a pack.
 template <class T>
 inline constexpr bool is_pack = false;
-template <int N>
-inline constexpr bool is_pack<pack<N>> = true;
+template <int N, class E>
+inline constexpr bool is_pack<pack<N, E>> = true;
+
+/// What a T consists of: double or float.
+template <class T>
+struct element_of_pack {
+  using type = T;
+};
+template <int N, class E>
+struct element_of_pack<pack<N, E>> {
+  using type = E;
+};
+template <class T>
+using element_of = typename element_of_pack<T>::type;
 
 /// Number of cells in a T.
 template <class T>
 inline constexpr int lanes_of = 1;
-template <int N>
-inline constexpr int lanes_of<pack<N>> = N;
+template <int N, class E>
+inline constexpr int lanes_of<pack<N, E>> = N;
 
-/// Reads a T at `p` (a double, or a pack that is aligned there), or writes it.
+/// Reads a T at `p` (a number, or a pack that is aligned there), or writes it.
 template <class T>
-SUTURE_INLINE T load(const double* p) {
+SUTURE_INLINE T load(const element_of<T>* p) {
   if constexpr (is_pack<T>)
     return T::load(p);
   else
     return *p;
 }
 SUTURE_INLINE void store(double* p, double value) { *p = value; }
-template <int N>
-SUTURE_INLINE void store(double* p, pack<N> value) {
+template <int N, class E>
+SUTURE_INLINE void store(E* p, pack<N, E> value) {
   value.store(p);
 }
 
 /// One lane of a T, for messages and tests.
 SUTURE_INLINE double lane(double value, int) { return value; }
-template <int N>
-double lane(pack<N> value, int i) {
+template <int N, class E>
+double lane(pack<N, E> value, int i) {
   return value[i];
 }
 

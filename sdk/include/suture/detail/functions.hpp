@@ -55,6 +55,29 @@ suture_status tangent(const suture_context* context, const suture_batch* batch, 
                    [&](int lane) { tangent_pack<M, F>(context, batch, lane, df, dx, dv); });
 }
 
+/// The functor that a functor's tangent in single precision calls: itself, or another that computes
+/// the same from what takes less memory.
+template <class F>
+struct functor_in_single {
+  using type = F;
+};
+
+template <class M, class F>
+[[gnu::noinline]] void single_tangent_pack(const suture_context* context,
+                                           const suture_single_batch* batch, int lane, float* df,
+                                           const float* dx, const float* dv) {
+  cell<dual<native_single>, M, F, purpose::force> c(context, batch, lane, df, dx, dv);
+  F::force(c);
+}
+
+template <class M, class F>
+suture_status single_tangent(const suture_context* context, const suture_single_batch* batch,
+                             const float* dx, const float* dv, float* df) noexcept {
+  return for_packs<native_single>(context, batch, [&](int lane) {
+    single_tangent_pack<M, F>(context, batch, lane, df, dx, dv);
+  });
+}
+
 template <class M, class F>
 suture_status energy(const suture_context* context, const suture_batch* batch,
                      double* out) noexcept {
@@ -160,7 +183,7 @@ suture_status contribute(const suture_context* context, const suture_batch* batc
 
 template <class M>
 suture_status prepare(const suture_context* context, void* instance) noexcept {
-  return guarded(context, nullptr, [&] {
+  return guarded<suture_batch>(context, nullptr, [&] {
     using Constants = constants_of<M>;
     M::prepare(setup(context), *new (instance) Constants());
   });

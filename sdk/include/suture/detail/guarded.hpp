@@ -13,13 +13,17 @@
 
 namespace suture::detail {
 
-inline void describe(const suture_context* context, const suture_batch* batch, const failure& f) {
+inline int last_lane(const suture_batch& batch) { return int(batch.valid) - 1; }
+inline int last_lane(const suture_single_batch& batch) { return int(batch.lanes) - 1; }
+
+template <class Batch>
+void describe(const suture_context* context, const Batch* batch, const failure& f) {
   suture_error* const e = context->error;
   if (!e) return;
   e->code = f.code;
   e->cell = UINT32_MAX;
   if (f.lane >= 0 && batch) {
-    const int last = int(batch->valid) - 1;  // later lanes repeat the last valid one
+    const int last = last_lane(*batch);  // later lanes repeat the last valid one
     e->cell = batch->cell_ids[f.lane < last ? f.lane : last];
   }
   e->step_factor = f.step_factor;
@@ -41,8 +45,8 @@ inline suture_status fault(const suture_context* context, const char* thrown) {
 }
 
 /// Runs `work`; an exception becomes a status and a suture_error.
-template <class Work>
-SUTURE_INLINE suture_status guarded(const suture_context* context, const suture_batch* batch,
+template <class Batch, class Work>
+SUTURE_INLINE suture_status guarded(const suture_context* context, const Batch* batch,
                                     Work&& work) noexcept {
   try {
     work();
@@ -58,11 +62,11 @@ SUTURE_INLINE suture_status guarded(const suture_context* context, const suture_
 }
 
 /// Calls work(lane) for the first lane of every pack of a batch.
-template <class Work>
-SUTURE_INLINE suture_status for_packs(const suture_context* context, const suture_batch* batch,
+template <class Pack = native, class Work>
+SUTURE_INLINE suture_status for_packs(const suture_context* context, const batch_of<Pack>* batch,
                                       Work&& work) noexcept {
   return guarded(context, batch, [&] {
-    for (int lane = 0; lane < int(SUTURE_LANES); lane += native_lanes) work(lane);
+    for (int lane = 0; lane < batch_of_scalar<Pack>::lanes; lane += lanes_of<Pack>) work(lane);
   });
 }
 

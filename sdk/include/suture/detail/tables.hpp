@@ -30,6 +30,15 @@ const void* extension(const char* id) noexcept {
     static constexpr suture_tangent_1 table{sizeof(suture_tangent_1), 0, &tangent<M, F>};
     return &table;
   }
+  if constexpr (F::single_tangent) {
+    using Single = typename functor_in_single<F>::type;
+    constexpr bool has_columns =
+        Single::cell_columns.places.size() + Single::vertex_columns.places.size() != 0;
+    static constexpr suture_tangent_single_1 table{
+        sizeof(suture_tangent_single_1), SUTURE_SINGLE_LANES, Single::reads, has_columns ? 1u : 0u,
+        &single_tangent<M, Single>};
+    if (is(SUTURE_TANGENT_SINGLE_1)) return &table;
+  }
   if constexpr (has_energy<F, Cell>) {
     static constexpr suture_energy_1 table{sizeof(suture_energy_1), 0, &energy<M, F>};
     if (is(SUTURE_ENERGY_1)) return &table;

@@ -55,6 +55,8 @@ void add_realtime(CLI::App& app, std::vector<Command>& commands);
 /// Time until the paper's cantilever is at rest.
 void add_rest(CLI::App& app, std::vector<Command>& commands);
 
+/// Linear solvers: set-up, iterations and time.
+void add_solve(CLI::App& app, std::vector<Command>& commands);
 /// Static equilibria: time, iterations and error.
 void add_static(CLI::App& app, std::vector<Command>& commands);
 /// Implicit steps: time and iterations.

@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   suture::bench::add_count(app, commands);
   suture::bench::add_realtime(app, commands);
   suture::bench::add_rest(app, commands);
+  suture::bench::add_solve(app, commands);
   suture::bench::add_static(app, commands);
   suture::bench::add_implicit(app, commands);
   suture::bench::add_bodies(app, commands);

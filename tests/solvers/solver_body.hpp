@@ -45,14 +45,21 @@ using IsCut = std::function<bool(const Vec3&, const Vec3&)>;
 /// A body of one model whose vertices up to z = `held` are held, with its matrix at rest.
 class SolverBody {
  public:
-  explicit SolverBody(Mesh mesh, const IsCut& is_cut = {}, double nu = 0.3,
-                      const char* model = "tm-faure", double held = 1e-9)
+  struct Options {
+    IsCut is_cut{};
+    double nu = 0.3;
+    const char* model = "tm-faure";
+    double held = 1e-9;
+    unsigned threads = 1;
+  };
+  explicit SolverBody(Mesh mesh) : SolverBody(std::move(mesh), Options()) {}
+  SolverBody(Mesh mesh, const Options& options)
       : body_(import_mesh(std::move(mesh), {}, ignored_)) {
-    add_model(model, nu);
-    if (is_cut) cut(is_cut);
+    add_model(options);
+    if (options.is_cut) cut(options.is_cut);
     std::vector<Index> low;
     for (Index v = 0; v < attributes().vertex_count(); ++v)
-      if (attributes().rest().get(v, 2) <= held) low.push_back(v);
+      if (attributes().rest().get(v, 2) <= options.held) low.push_back(v);
     body_.constraints().add(low, 7, {}, attributes());
     matrix_.emplace(attributes(), body_.terms());
     matrix_->set(0);
@@ -71,29 +78,15 @@ class SolverBody {
     matrix_->restrict(b);
     return b;
   }
-
- private:
-  void add_model(const char* name, double nu) {
-    static PluginHost host;
-    const suture_model& model = host.model(name);
-    std::vector<double> values;
-    for (const suture_parameter& p : std::span(model.parameters, model.parameter_count)) {
-      const std::string_view parameter = p.name;
-      values.push_back(parameter == "E"     ? 1e5
-                       : parameter == "nu"  ? nu
-                       : parameter == "rho" ? 1000
-                                            : p.default_value);
-    }
-    attributes().add(std::make_unique<Instance>(model, name, values, ignored_), body_.complex(),
-                     {});
-    body_.compile(ignored_, 1);
-  }
-  Vec3 centre(Index element) {
-    Vec3 sum{};
-    for (const Index v : complex().vertices_of(element))
-      for (int c = 0; c < 3; ++c)
-        sum[static_cast<std::size_t>(c)] += attributes().rest().get(v, c) / 8;
-    return sum;
+  /// The forces of a random displacement: what floats is in balance.
+  std::vector<double> balanced_load() {
+    std::mt19937 random(3);
+    std::normal_distribution<double> value;
+    std::vector<double> x(matrix_->size()), b(x.size());
+    for (double& d : x) d = value(random);
+    matrix_->restrict(x);
+    matrix_->apply(x.data(), b.data());
+    return b;
   }
   void cut(const IsCut& is_cut) {
     std::vector<Dart> faces;
@@ -106,6 +99,29 @@ class SolverBody {
     body_.cut(faces);
   }
 
+ private:
+  void add_model(const Options& options) {
+    static PluginHost host;
+    const suture_model& model = host.model(options.model);
+    std::vector<double> values;
+    for (const suture_parameter& p : std::span(model.parameters, model.parameter_count)) {
+      const std::string_view parameter = p.name;
+      values.push_back(parameter == "E"     ? 1e5
+                       : parameter == "nu"  ? options.nu
+                       : parameter == "rho" ? 1000
+                                            : p.default_value);
+    }
+    attributes().add(std::make_unique<Instance>(model, options.model, values, ignored_),
+                     body_.complex(), {});
+    body_.compile(ignored_, options.threads);
+  }
+  Vec3 centre(Index element) {
+    Vec3 sum{};
+    for (const Index v : complex().vertices_of(element))
+      for (int c = 0; c < 3; ++c)
+        sum[static_cast<std::size_t>(c)] += attributes().rest().get(v, c) / 8;
+    return sum;
+  }
   Diagnostics ignored_;
   Body body_;
   std::optional<TangentMatrix> matrix_;

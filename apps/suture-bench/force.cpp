@@ -28,8 +28,10 @@ const std::vector<Case>& cases() {
   static const std::vector<Case> list{
       {"TM boxes, gauss2", "tm-faure", {}, false, false, 1142},
       {"TM boxes, exact", "tm-faure", {{"quadrature", 1}}, false, false, 0},
+      {"TM boxes, mean gradient", "tm-faure", {{"element", 1}}, false, false, 0},
       {"TM general, gauss2", "tm-faure", {}, true, false, 0},
       {"TM general, gauss2, geometry recomputed", "tm-faure", {{"geometry", 1}}, true, false, 2504},
+      {"TM general, mean gradient", "tm-faure", {{"element", 1}}, true, false, 0},
       {"MSS undamped", "mss-baudet", {}, false, true, 196},
       {"MSS, viscosity", "mss-baudet", {{"viscosity", 1}}, false, true, 0},
       {"MSS, correction", "mss-baudet", {{"correction", 1}}, false, true, 0},

@@ -8,6 +8,7 @@
 struct failing : suture::continuum<failing> {
   static constexpr const char *id = "failing", *doc = "Fails on demand",
                               *formula = "S = 2000 E + tr(E) I", *citation = "none";
+  static constexpr auto default_element = suture::element_type::trilinear;  // fails in force() only
   enum { rho, how };
   static constexpr const char* ways[] = {"never", "nan", "throw", "stop", "throw-int"};
   static constexpr suture::parameter parameters[] = {

@@ -45,11 +45,14 @@ struct Report {
   std::string key, text;
 };
 
-/// One use of a model with given parameters; keeps what it reports.
+/// One use of a model with given parameters (defaults for those left out at the end);
+/// keeps what it reports.
 class ModelInstance {
  public:
   ModelInstance(const suture_model& model, std::vector<double> parameters)
       : model_(model), parameters_(std::move(parameters)) {
+    for (std::size_t i = parameters_.size(); i < model.parameter_count; ++i)
+      parameters_.push_back(model.parameters[i].default_value);
     host_ = {sizeof(suture_host), SUTURE_ABI_MINOR, &ModelInstance::keep,
              [](const char*) { return 0; }};
     error.size = sizeof error;

@@ -84,6 +84,13 @@ struct constants_of_model<Model, std::void_t<typename Model::Constants>> {
 template <class Model>
 using constants_of = typename constants_of_model<Model>::type;
 
+/// The memory of an instance: what Model::prepare stores, and what the layer adds to it.
+template <class Model>
+struct prepared {
+  constants_of<Model> constants;
+  typename Model::added_constants added;
+};
+
 /// The kind of function that receives a cell: force() sets forces and trial columns,
 /// inspect() examines rest shapes and reports, the others do neither.
 enum class purpose { force, evaluation, inspection };
@@ -198,7 +205,11 @@ class cell {
     static_assert(detail::has_prepare<Model>,
                   "constants() is not available: give the model a struct Constants and a function "
                   "`static void prepare(const suture::setup&, Constants&)`");
-    return *static_cast<const constants_of<Model>*>(context_->instance);
+    return static_cast<const prepared<Model>*>(context_->instance)->constants;
+  }
+  /// What the layer between the host and the model has derived from the parameters.
+  SUTURE_INLINE const auto& added_constants() const {
+    return static_cast<const prepared<Model>*>(context_->instance)->added;
   }
 
   // ---- results ----

@@ -22,9 +22,13 @@
 //   };
 //   SUTURE_PLUGIN("neo-hooke", "1.0", "MIT", "Neo-Hookean solid", NeoHooke)
 //
-// This gives forces on trilinear hexahedra (parallelepipeds on a faster path),
-// mass, energy, exact tangent, stable step, and the fields "stress", "von_mises"
-// and "energy_density".
+// This gives forces on hexahedra (parallelepipeds on a faster path), mass, energy, exact
+// tangent, stable step, and the fields "stress", "von_mises" and "energy_density".
+//
+// The scene chooses the hexahedron by the parameter "element", which the layer adds to
+// those of the model: "mean-gradient" evaluates the law once, at the mean deformation
+// gradient, and neither locks nor hourglasses (mean_gradient.hpp); "trilinear" evaluates it
+// at each Gauss point.
 //
 // A law consists of one or both of these static function templates of the model:
 //   energy(F, p) -> T        energy density W per rest volume, J/m^3
@@ -34,6 +38,13 @@
 // it declares them, else its parameters by index.
 //
 // A model may also have
+//   static constexpr suture::element_type default_element
+//                                the element of scenes that name none (default:
+//                                mean_gradient); element_of(p) is that of the scene
+//   static constexpr bool survives_inversion
+//                                true if energy and stress are finite at det F = 0 (default:
+//                                true with isotropic(), otherwise false). The hourglass energy
+//                                is then finite there, too
 //   static lame isotropic(p)     if its law is S = lambda tr(E) I + 2 mu E: boxes then need a
 //                                tenth fewer operations (isotropic_box_force)
 //   static int points(values)    Gauss points per axis, 2 (default) or 3
@@ -44,108 +55,16 @@
 #ifndef SUTURE_CONTINUUM_HPP
 #define SUTURE_CONTINUUM_HPP
 
-#include "suture/hexahedron_tangent.hpp"
-#include "suture/model.hpp"
+#include "suture/detail/mean_gradient_functors.hpp"
 
 namespace suture {
 
-/// Lame's constants, Pa.
-struct lame {
-  double lambda, mu;
-};
-
 namespace detail {
 
-/// What a law receives as `p`: the model's constants, or its parameters.
-template <class M>
-using material_of =
-    std::conditional_t<std::is_same_v<constants_of<M>, no_constants>, values, constants_of<M>>;
-template <class M, class Cell>
-SUTURE_INLINE decltype(auto) material(const Cell& c) {
-  if constexpr (std::is_same_v<constants_of<M>, no_constants>)
-    return c.parameters();
-  else
-    return c.constants();
-}
-
-template <class M, class = void>
-inline constexpr bool has_stress = false;
-template <class M>
-inline constexpr bool
-    has_stress<M, std::void_t<decltype(M::stress(std::declval<const mat3<native>&>(),
-                                                 std::declval<const material_of<M>&>()))>> = true;
-template <class M, class = void>
-inline constexpr bool has_energy_density = false;
-template <class M>
-inline constexpr bool
-    has_energy_density<M, std::void_t<decltype(M::energy(std::declval<const mat3<native>&>(),
-                                                         std::declval<const material_of<M>&>()))>> =
-        true;
-template <class M, class = void>
-inline constexpr bool has_points = false;
-template <class M>
-inline constexpr bool has_points<M, std::void_t<decltype(&M::points)>> = true;
-
-template <class M, class = void>
-inline constexpr bool has_stores = false;
-template <class M>
-inline constexpr bool has_stores<M, std::void_t<decltype(&M::stores)>> = true;
-
-/// Whether columns hold the geometry of general hexahedra.
-template <class M>
-bool stores_geometry(const values& p) {
-  if constexpr (has_points<M>)
-    if (M::points(p) != 2) return false;
-  if constexpr (has_stores<M>) return M::stores(p);
-  return true;
-}
-
-template <class M, class = void>
-inline constexpr bool is_isotropic = false;
-template <class M>
-inline constexpr bool
-    is_isotropic<M, std::void_t<decltype(M::isotropic(std::declval<const material_of<M>&>()))>> =
-        true;
 template <class G>
 inline constexpr bool is_box = false;
 template <class R, int Q>
 inline constexpr bool is_box<box_geometry<R, Q>> = true;
-
-/// P of the law: from stress(), or else dW/dF_ij, one component after another.
-template <class M, class T, class Material>
-SUTURE_INLINE mat3<T> law_stress(const mat3<T>& F, const Material& p) {
-  if constexpr (has_stress<M>) {
-    return M::stress(F, p);
-  } else {
-    mat3<T> P;
-    mat3<dual<T>> G;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) G(i, j) = F(i, j);
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) {
-        G(i, j).derivative = 1.0;
-        P(i, j) = M::energy(G, p).derivative;
-        G(i, j).derivative = 0.0;
-      }
-    return P;
-  }
-}
-
-/// dP of the law for dF: in closed form where the law is known, or by dual numbers.
-template <class M, class T, class Material>
-SUTURE_INLINE mat3<T> law_tangent(const mat3<T>& F, const mat3<T>& dF, const Material& p) {
-  if constexpr (is_isotropic<M>) {
-    const lame constants = M::isotropic(p);
-    return isotropic_tangent(F, dF, T(constants.lambda), T(constants.mu));
-  } else {
-    mat3<dual<T>> G;
-    for (int i = 0; i < 9; ++i) G(i / 3, i % 3) = {F(i / 3, i % 3), dF(i / 3, i % 3)};
-    const mat3<dual<T>> P = law_stress<M>(G, p);
-    mat3<T> dP;
-    for (int i = 0; i < 9; ++i) dP(i / 3, i % 3) = P(i / 3, i % 3).derivative;
-    return dP;
-  }
-}
 
 /// J^-1 of parallelepipeds, row-major: component 3*axis + coordinate. Entries that
 /// are due to rounding (below 1e-13 of the largest) are set to zero, so that a box is
@@ -203,23 +122,6 @@ struct lumped_mass {
   }
 };
 
-template <class M>
-constexpr bool check_law() {
-  static_assert(!names_energy<M> || has_energy_density<M>,
-                "energy() of this law is never called: declare it as `template <class T, class P> "
-                "static T energy(const suture::mat3<T>& F, const P& p)`");
-  static_assert(!names_stress<M> || has_stress<M>,
-                "stress() of this law is never called: declare it as `template <class T, class P> "
-                "static suture::mat3<T> stress(const suture::mat3<T>& F, const P& p)`");
-  static_assert(!names_isotropic<M> || is_isotropic<M>,
-                "isotropic() of this law is never called: declare it as `template <class P> static "
-                "suture::lame isotropic(const P& p)`");
-  static_assert((!names_points<M> || has_points<M>)&&(!names_stores<M> || has_stores<M>),
-                "points() or stores() of this law is never called: declare them as `static int "
-                "points(const suture::values&)`, `static bool stores(const suture::values&)`");
-  return true;
-}
-
 /// What parallelepipeds and general hexahedra have in common. `Shape` provides
 /// with_geometry<Q>(cell, work), which calls work(geometry).
 template <class M, class Shape>
@@ -242,15 +144,7 @@ struct continuum_law : on_volumes {
         });
   }
 
-  static constexpr auto fields = [] {
-    constexpr auto stress = field("stress", "Pa", "Cauchy stress, mean of the Gauss points", 6);
-    constexpr auto mises = field("von_mises", "Pa", "Equivalent stress of von Mises of it");
-    constexpr auto energy = field("energy_density", "J/m^3", "Stored energy per rest volume");
-    if constexpr (has_energy_density<M>)
-      return std::array<suture_field, 3>{stress, mises, energy};
-    else
-      return std::array<suture_field, 2>{stress, mises};
-  }();
+  static constexpr auto fields = fields_of_law<M>();
 
   template <class Cell, class Results>
   static void output(const Cell& c, const Results& out) {
@@ -357,9 +251,11 @@ struct continuum_functor<M, Shape, true> : continuum_law<M, Shape> {
 template <class M>
 struct parallelepipeds : continuum_functor<M, parallelepipeds<M>> {
   static constexpr const char* name = "parallelepipeds";
-  static constexpr std::uint32_t shape = SUTURE_PARALLELEPIPED;
+  static constexpr std::uint32_t shape = SUTURE_PARALLELEPIPED, alternative = 2;
   static constexpr column<0> jacobian{};
   static constexpr auto cell_columns = columns(jacobian);
+
+  static bool enabled(const values& p, std::uint32_t&) { return is_trilinear<M>(p); }
 
   template <int Q, class Cell, class Work>
   static SUTURE_INLINE void with_geometry(const Cell& c, Work&& work) {
@@ -383,7 +279,9 @@ struct general_hexahedra : continuum_functor<M, general_hexahedra<M>> {
   static constexpr std::uint32_t shape = SUTURE_GENERAL, alternative = 1;
   static constexpr std::uint32_t reads = SUTURE_READ_REST | SUTURE_READ_POSITION;
 
-  static bool enabled(const values& p, std::uint32_t&) { return !stores_geometry<M>(p); }
+  static bool enabled(const values& p, std::uint32_t&) {
+    return is_trilinear<M>(p) && !stores_geometry<M>(p);
+  }
 
   template <int Q, class Cell, class Work>
   static SUTURE_INLINE void with_geometry(const Cell& c, Work&& work) {
@@ -408,7 +306,9 @@ struct stored_hexahedra : continuum_functor<M, stored_hexahedra<M>> {
   static constexpr column<10> measures{};
   static constexpr column_list<2, 3, 4, 5, 6, 7, 8, 9, 10> cell_columns{};
 
-  static bool enabled(const values& p, std::uint32_t&) { return stores_geometry<M>(p); }
+  static bool enabled(const values& p, std::uint32_t&) {
+    return is_trilinear<M>(p) && stores_geometry<M>(p);
+  }
 
   template <int Q, class Cell, class Work>
   static SUTURE_INLINE void with_geometry(const Cell& c, Work&& work) {
@@ -456,7 +356,23 @@ struct continuum : model {
       volume_attribute("jacobians", "m^3", "det J at the 8 Gauss points, x fastest", 8)
           .from_volumes(contribution<M, detail::point_measures>)};
   using functors =
-      list<detail::parallelepipeds<M>, detail::stored_hexahedra<M>, detail::general_hexahedra<M>>;
+      list<detail::parallelepipeds<M>, detail::stored_hexahedra<M>, detail::general_hexahedra<M>,
+           detail::mean_gradient_parallelepipeds<M>, detail::mean_gradient_hexahedra<M>>;
+
+  /// The element that the scene chooses; for prepare().
+  static element_type element_of(const values& p) { return detail::element_of<M>(p); }
+
+  using added_constants = rest_moduli;
+  static constexpr std::array<parameter, 1> added_parameters() {
+    return {choice("element",
+                   "trilinear: the law at each Gauss point; mean-gradient: once per element, at "
+                   "the mean deformation gradient, does not lock",
+                   element_names)
+                .or_else(int(detail::default_element_of<M>()))};
+  }
+  static void prepare_added(const setup& p, prepared<M>& memory) {
+    detail::prepare_element<M>(p, memory);
+  }
 };
 
 }  // namespace suture

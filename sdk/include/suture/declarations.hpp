@@ -243,9 +243,13 @@ struct results {
 template <class... Functors>
 struct list {};
 
-/// Base of a model: the defaults of its optional members.
+/// Base of a model: the defaults of its optional members, and what a layer above this one
+/// (continuum.hpp) adds to an author's model: parameters, which follow the author's, and
+/// constants derived from all of them by prepare_added(setup, prepared<M>&).
 struct model {
   static constexpr std::uint32_t flags = 0;
+  using added_constants = no_constants;
+  static constexpr std::array<parameter, 0> added_parameters() { return {}; }
 };
 
 }  // namespace suture

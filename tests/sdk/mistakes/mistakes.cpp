@@ -138,7 +138,7 @@ static void output(const Cell&, Results&) {}
 #endif
 };
 
-#ifdef MISTAKE_ENERGY_OF_LAW
+#if defined(MISTAKE_ENERGY_OF_LAW) || defined(MISTAKE_ELEMENT_PARAMETER)
 struct Solid : suture::continuum<Solid> {
   static constexpr const char *id = "solid", *doc = "Solid", *formula = "P = k F",
                               *citation = "textbook";
@@ -147,16 +147,20 @@ struct Solid : suture::continuum<Solid> {
   static suture::mat3<T> stress(const suture::mat3<T>& F, const P&) {
     return F;
   }
+#ifdef MISTAKE_ENERGY_OF_LAW
   template <class T>
   static T energy(const suture::mat3<T>& F) {
     return 0.5 * dot(F, F);
   }
+#else
+  static constexpr suture::parameter parameters[] = {suture::integer("element", "which one")};
+#endif
 };
 #endif
 
 }  // namespace
 
-#ifdef MISTAKE_ENERGY_OF_LAW
+#if defined(MISTAKE_ENERGY_OF_LAW) || defined(MISTAKE_ELEMENT_PARAMETER)
 SUTURE_PLUGIN("solid", "1.0", "MIT", "Solid", Solid)
 #elif defined(MISTAKE_NO_PLUGIN)
 const suture_model* springs();

@@ -6,6 +6,7 @@
 #define SUTURE_DETAIL_DECLARED_HPP
 
 #include <iterator>
+#include <string_view>
 #include <type_traits>
 
 #include "suture/columns.hpp"
@@ -38,6 +39,8 @@ SUTURE_DETAIL_HAS(prepare)
 SUTURE_DETAIL_HAS(parameters)
 SUTURE_DETAIL_HAS(attributes)
 SUTURE_DETAIL_HAS(name)
+SUTURE_DETAIL_HAS(default_element)
+SUTURE_DETAIL_HAS(survives_inversion)
 #undef SUTURE_DETAIL_HAS
 
 // An optional function is detected by a call with the expected arguments. A function that has its
@@ -81,6 +84,14 @@ constexpr std::size_t parameter_count() {
     return std::size(M::parameters);
   else
     return 0;
+}
+/// Whether the model declares a parameter of this name.
+template <class M>
+constexpr bool declares_parameter([[maybe_unused]] std::string_view name) {
+  if constexpr (has_parameters<M>)
+    for (const auto& p : M::parameters)
+      if (name == p.name) return true;
+  return false;
 }
 template <class M>
 constexpr std::size_t attribute_count() {

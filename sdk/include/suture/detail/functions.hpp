@@ -182,10 +182,14 @@ suture_status contribute(const suture_context* context, const suture_batch* batc
 }
 
 template <class M>
+inline constexpr bool adds_constants = !std::is_same_v<typename M::added_constants, no_constants>;
+
+template <class M>
 suture_status prepare(const suture_context* context, void* instance) noexcept {
   return guarded<suture_batch>(context, nullptr, [&] {
-    using Constants = constants_of<M>;
-    M::prepare(setup(context), *new (instance) Constants());
+    auto& memory = *new (instance) prepared<M>();
+    if constexpr (has_prepare<M>) M::prepare(setup(context), memory.constants);
+    if constexpr (adds_constants<M>) M::prepare_added(setup(context), memory);
   });
 }
 

@@ -111,9 +111,20 @@ constexpr std::array<C, N> rows_of(const Author (&list)[N]) {
   for (std::size_t i = 0; i < N; ++i) rows[i] = list[i];
   return rows;
 }
+/// The author's parameters and those that the layer adds.
+template <class M>
+constexpr auto parameter_rows() {
+  constexpr std::size_t declared = parameter_count<M>();
+  constexpr auto added = M::added_parameters();
+  std::array<suture_parameter, declared + added.size()> rows{};
+  if constexpr (has_parameters<M>)
+    for (std::size_t i = 0; i < declared; ++i) rows[i] = M::parameters[i];
+  for (std::size_t i = 0; i < added.size(); ++i) rows[declared + i] = added[i];
+  return rows;
+}
 template <class M>
 struct parameter_table {
-  static constexpr auto rows = rows_of<suture_parameter>(M::parameters);
+  static constexpr auto rows = parameter_rows<M>();
 };
 template <class M>
 struct attribute_table {
@@ -137,22 +148,20 @@ constexpr suture_model model_of() {
   m.citation = M::citation;
   m.functor_count = std::uint32_t(std::size(functors::rows));
   m.functors = functors::rows;
-  if constexpr (has_parameters<M>) {
-    m.parameter_count = std::uint32_t(parameter_table<M>::rows.size());
-    m.parameters = parameter_table<M>::rows.data();
-  }
+  m.parameter_count = std::uint32_t(parameter_table<M>::rows.size());
+  m.parameters = parameter_table<M>::rows.data();
   if constexpr (has_attributes<M>) {
     m.attribute_count = std::uint32_t(attribute_table<M>::rows.size());
     m.attributes = attribute_table<M>::rows.data();
   }
-  if constexpr (has_prepare<M>) {
+  if constexpr (has_prepare<M> || adds_constants<M>) {
     m.prepare = &prepare<M>;
-    m.instance_bytes = sizeof(constants_of<M>);
+    m.instance_bytes = sizeof(prepared<M>);
     static_assert(
-        std::is_trivially_destructible_v<constants_of<M>>,
+        std::is_trivially_destructible_v<prepared<M>>,
         "Constants must be trivially destructible: the host releases them without calling a "
         "destructor");
-    static_assert(alignof(constants_of<M>) <= SUTURE_ALIGNMENT,
+    static_assert(alignof(prepared<M>) <= SUTURE_ALIGNMENT,
                   "Constants must not require a larger alignment than SUTURE_ALIGNMENT");
   }
   return m;

@@ -38,6 +38,8 @@ class Dynamics : private Follower {
   /// True if the scheme finds equilibria and no motion: the energy that loads give and springs do
   /// not store is taken to be dissipated.
   bool is_static() const { return integrator_->is_static(); }
+  /// For an implicit scheme: the linear solver of steps of length dt and why.
+  std::string describe_solver(double dt) { return integrator_->describe_solver(dt); }
   /// The solver of an implicit scheme, or nullptr.
   Newton* newton() { return integrator_->newton(); }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "kernel/base/error.hpp"
-#include "kernel/solvers/multigrid.hpp"
 
 namespace suture {
 namespace {
@@ -16,19 +15,27 @@ void copy_rows(const Column& column, Index rows, std::vector<double>& to) {
 }  // namespace
 
 ImplicitIntegrator::ImplicitIntegrator(Motion& motion, const IntegratorOptions& options)
-    : Integrator(motion),
-      newton_(motion, {options.tolerance},
-              make_multigrid(motion.body().complex(), motion.body().attributes())) {}
+    : Integrator(motion), newton_(motion, {options.tolerance}) {}
 
-void ImplicitIntegrator::begin(double dt) {
+std::string ImplicitIntegrator::describe_solver(double dt) {
+  set_equations(dt);
+  return newton_.describe_solver(equations_);
+}
+
+/// The equations of a step from the current state, which is kept for reject().
+void ImplicitIntegrator::set_equations(double dt) {
   Attributes& attributes = motion_.body().attributes();
   const Index vertices = attributes.vertex_count();
-  motion_.evaluate(dt);
   copy_rows(attributes.position(), vertices, position_);
   copy_rows(attributes.velocity(), vertices, velocity_);
+  motion_.evaluate(dt);
   copy_rows(attributes.force(), vertices, force_);
   equations_ = {motion_.time() + dt, dt, 0, 0, position_, velocity_};
   set(equations_);
+}
+
+void ImplicitIntegrator::begin(double dt) {
+  set_equations(dt);
   try {
     newton_.solve(equations_);
   } catch (const StepRejected&) {

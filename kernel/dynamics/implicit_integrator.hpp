@@ -21,6 +21,7 @@ class ImplicitIntegrator : public Integrator {
   bool is_implicit() const final { return true; }
   bool is_other_step(double) const final { return false; }
   Newton* newton() final { return &newton_; }
+  std::string describe_solver(double dt) final;
 
  protected:
   /// Sets the rates, x* and v* of a step of length dt; x* and v* are the current x and v before.
@@ -29,6 +30,7 @@ class ImplicitIntegrator : public Integrator {
   virtual void finish(const StepEquations&) {}
 
  private:
+  void set_equations(double dt);
   StepSums sums(const Vec3& gravity_before) const;
 
   Newton newton_;

@@ -31,6 +31,8 @@ class Integrator {
   /// True if steps solve equations: they need no stable step, and their solver is newton().
   virtual bool is_implicit() const { return false; }
   virtual Newton* newton() { return nullptr; }
+  /// The linear solver of a step of length dt, and why; for implicit schemes.
+  virtual std::string describe_solver(double /*dt*/) { return {}; }
   /// True if nothing has a velocity: steps are equilibria.
   virtual bool is_static() const { return false; }
   /// True if the velocities lag the positions by half a step.

@@ -22,12 +22,24 @@ double norm(std::span<const double> v) { return std::sqrt(dot(v, v)); }
 
 }  // namespace
 
-Newton::Newton(Motion& motion, const NewtonOptions& options,
-               std::unique_ptr<Preconditioner> preconditioner)
+Newton::Newton(Motion& motion, const NewtonOptions& options)
     : motion_(motion),
       options_(options),
-      matrix_(motion.body().attributes(), motion.body().terms()),
-      preconditioner_(std::move(preconditioner)) {}
+      matrix_(motion.body().attributes(), motion.body().terms()) {}
+
+/// The tangent at the current state, and a preconditioner for it.
+void Newton::set_matrix(const StepEquations& equations) {
+  matrix_.set(equations.time, equations.acceleration + motion_.damping() * equations.rate,
+              equations.rate);
+  Body& body = motion_.body();
+  if (!choice_.preconditioner)
+    choice_ = choose_preconditioner(body.complex(), body.attributes(), matrix_);
+}
+
+std::string Newton::describe_solver(const StepEquations& equations) {
+  set_matrix(equations);
+  return preconditioner() + ' ' + choice_.reason;
+}
 
 // ----------------------------------------------------------------- residual --
 
@@ -97,16 +109,15 @@ void Newton::set_remaining(double time) {
 
 /// Solves A d = r - A d_p with d = d_p on prescribed components.
 LinearSolve Newton::find_direction(const StepEquations& equations, double tolerance) {
-  matrix_.set(equations.time, equations.acceleration + motion_.damping() * equations.rate,
-              equations.rate);
-  if (!is_built_) preconditioner_->build(matrix_);
+  set_matrix(equations);
+  if (!is_built_) choice_.preconditioner->build(matrix_);
   std::vector<double> right = residual_;
   if (std::ranges::any_of(remaining_, [](double d) { return d != 0; })) {
     matrix_.apply(remaining_.data(), right.data());
     for (std::size_t i = 0; i < right.size(); ++i) right[i] = residual_[i] - right[i];
   }
-  const LinearSolve solve =
-      linear_.solve(matrix_, *preconditioner_, right, direction_, tolerance, max_linear_iterations);
+  const LinearSolve solve = linear_.solve(matrix_, *choice_.preconditioner, right, direction_,
+                                          tolerance, max_linear_iterations);
   // A preconditioner that has become twice as bad is built again.
   if (!is_built_) built_iterations_ = solve.iterations;
   is_built_ = solve.outcome == LinearSolve::Outcome::converged &&

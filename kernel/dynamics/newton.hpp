@@ -8,6 +8,7 @@
 
 #include "kernel/base/aligned.hpp"
 #include "kernel/dynamics/motion.hpp"
+#include "kernel/solvers/choice.hpp"
 #include "kernel/solvers/conjugate_gradients.hpp"
 
 namespace suture {
@@ -38,8 +39,7 @@ struct NewtonOptions {
 /// that the rest of the body does not follow.
 class Newton {
  public:
-  Newton(Motion& motion, const NewtonOptions& options,
-         std::unique_ptr<Preconditioner> preconditioner);
+  Newton(Motion& motion, const NewtonOptions& options);
 
   struct Result {
     unsigned iterations = 0;         ///< linear solves
@@ -65,14 +65,18 @@ class Newton {
   std::function<void(const Iteration&)> on_iteration;
 
   /// Cells or constraints changed.
-  void forget() { preconditioner_->forget(), is_built_ = false; }
-  std::string preconditioner() const { return preconditioner_->name(); }
+  void forget() { choice_ = {}, is_built_ = false; }
+  /// The preconditioner for these equations and why: "multigrid for 4000 elements".
+  std::string describe_solver(const StepEquations& equations);
+  /// The name of the current preconditioner.
+  std::string preconditioner() const { return choice_.preconditioner->name(); }
 
  private:
   struct Search {
     double step = 0;     ///< along the direction
     bool found = false;  ///< false: no step lowers the energy
   };
+  void set_matrix(const StepEquations& equations);
   double evaluate(const StepEquations& equations);
   void move(double step);
   void set_remaining(double time);
@@ -86,7 +90,7 @@ class Newton {
   Motion& motion_;
   NewtonOptions options_;
   TangentMatrix matrix_;
-  std::unique_ptr<Preconditioner> preconditioner_;
+  PreconditionerChoice choice_;  ///< none yet after forget()
   ConjugateGradients linear_;
   bool is_built_ = false;
   unsigned built_iterations_ = 0;  ///< of the first solve after it was built

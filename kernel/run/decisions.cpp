@@ -103,6 +103,13 @@ void decide_functors(BuiltScene& built, std::vector<Decision>& list) {
 }
 
 void decide_integrator(const Scene& scene, BuiltScene& built, std::vector<Decision>& list) {
+  if (built.dynamics().is_implicit()) {
+    list.push_back({"integrator", false,
+                    built.dynamics().is_static()
+                        ? "static equilibria by Newton's method"
+                        : scene.solver.integrator + ", implicit: Newton's method in every step"});
+    return;
+  }
   if (scene.solver.integrator == "symplectic-euler") {
     list.push_back({"integrator", false, "symplectic Euler, first order in dt"});
     return;

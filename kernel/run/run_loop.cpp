@@ -78,6 +78,9 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
   built_.dynamics().start();
   if (ending_.rest()) check_free_bodies(scene_, built_, diagnostics);
   if (built_.dynamics().is_static()) require_held_bodies();
+  if (built_.dynamics().is_implicit())
+    decisions_.push_back(
+        {"linear solver", false, built_.dynamics().describe_solver(*scene_.solver.dt)});
   control_.start();
   trim_heap();  // of the search
 }

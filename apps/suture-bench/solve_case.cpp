@@ -141,6 +141,8 @@ std::vector<SolveCase> solve_cases(Index n) {
                    .mesh = voxels(ball, [&](double r) { return r < 1 && r > 1 - thickness; }),
                    .held = 0.1});
   cases.push_back({.name = "distorted", .mesh = distorted(beam, 0.2), .held = 0.02});
+  cases.push_back(
+      {.name = "distorted comb", .mesh = distorted(beam, 0.2), .held = 0.02, .is_cut = comb(n)});
   cases.push_back({.name = "springs", .mesh = beam, .model = "mss-baudet"});
   return cases;
 }

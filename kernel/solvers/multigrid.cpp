@@ -44,7 +44,7 @@ class Multigrid final : public Preconditioner {
     if (is_new) {
       coarsest_.analyse(levels_.back().pattern);
       factor(a, operators.back());
-      StopTest test(levels_, coarsest_, options_.smoothing, complex_.existing(3));
+      StopTest test(levels_, coarsest_, options_.smoothing, on_grid_, complex_.existing(3));
       while (const std::size_t last = test.next_direct_level()) {
         levels_.resize(last + 1);
         factor(a, operators[last - 1]);
@@ -68,7 +68,9 @@ class Multigrid final : public Preconditioner {
 
  private:
   void make(const TangentMatrix& a) {
-    levels_ = make_levels(vertex_graph(complex_, attributes_), a.free(), options_.coarsest_nodes);
+    const NodeGraph vertices = vertex_graph(complex_, attributes_);
+    on_grid_ = vertices.is_grid;
+    levels_ = make_levels(vertices, a.free(), options_.coarsest_nodes);
     if (levels_.size() == 1) direct_ = make_direct(complex_, attributes_);
   }
 
@@ -104,6 +106,7 @@ class Multigrid final : public Preconditioner {
   Attributes& attributes_;
   MultigridOptions options_;
   mutable MultigridLevels levels_;  ///< with scratch vectors
+  bool on_grid_ = false;
   FactoredRows coarsest_;
   std::unique_ptr<Preconditioner> direct_;  ///< of a body that is too small for levels
 };

@@ -8,7 +8,7 @@
 namespace suture {
 namespace {
 
-constexpr unsigned most_iterations = 12;
+constexpr unsigned max_iterations = 12;
 constexpr double tolerance = 1e-3;
 
 double product(const SingleVector& a, const SingleVector& b) {
@@ -34,7 +34,7 @@ bool StopTest::converges(std::size_t l) const {
   const double target = tolerance * tolerance * product(r, r);
   double rz = 0;
   for (unsigned i = 0; product(r, r) > target; ++i) {
-    if (i == most_iterations) return false;
+    if (i == max_iterations) return false;
     level.r = r;
     cycle_.run(l);
     const double last = std::exchange(rz, product(r, level.x));
@@ -49,16 +49,30 @@ bool StopTest::converges(std::size_t l) const {
   return true;
 }
 
+/// False if it is not affordable; then the coarsest level keeps its factor.
+bool StopTest::make_factor(std::size_t l) {
+  const BlockPattern& pattern = levels_[l].pattern;
+  if (static_cast<double>(pattern.column.size()) > max_blocks_) return false;
+  FactoredRows candidate;
+  if (candidate.analyse(pattern) > max_operations_) return false;
+  coarsest_ = std::move(candidate);
+  return true;
+}
+
 std::size_t StopTest::next_direct_level() {
-  while (next_ > 1) {
-    const std::size_t l = --next_;
-    if (converges(l)) continue;
-    FactoredRows candidate;
-    // Finer levels are more expensive still.
-    if (candidate.analyse(levels_[l].pattern) > most_operations_) break;
-    coarsest_ = std::move(candidate);
-    return l;
-  }
+  if (!on_grid_) return std::exchange(next_, 0) > 1 && !converges(0) ? finest_affordable() : 0;
+  while (next_ > 1)
+    if (const std::size_t l = --next_; !converges(l)) {
+      // Finer levels are more expensive still.
+      if (!make_factor(l)) next_ = 0;
+      return next_;
+    }
+  return 0;
+}
+
+std::size_t StopTest::finest_affordable() {
+  for (std::size_t l = 1; l + 1 < levels_.size(); ++l)
+    if (make_factor(l)) return l;
   return 0;
 }
 

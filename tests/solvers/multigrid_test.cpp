@@ -194,6 +194,44 @@ TEST(Multigrid, TheMassTermOfAnImplicitStepHelps) {
   EXPECT_LT(iterations(body), at_rest);
 }
 
+TEST(Multigrid, UnitsDoNotMatter) {
+  const std::array<Index, 3> cells{6, 6, 24};
+  SolverBody metres(unit_box(cells)), microns(unit_box(cells, {1e-6, 1e-6, 1e-6}), {.held = 1e-12});
+  EXPECT_EQ(iterations(metres), iterations(microns));
+}
+
+/// A side that slides: components are held one by one.
+TEST(Multigrid, SidesMaySlide) {
+  SolverBody body(unit_box(beam));
+  std::vector<Index> side;
+  for (Index v = 0; v < body.attributes().vertex_count(); ++v)
+    if (body.attributes().rest().get(v, 0) == 0 && body.attributes().rest().get(v, 2) > 0)
+      side.push_back(v);
+  body.body().constraints().add(side, 1, {}, body.attributes());
+  body.matrix().set(0);
+  EXPECT_LE(iterations(body), 15u);
+}
+
+TEST(Multigrid, SmallAndSolidBodiesAreFactored) {
+  for (const std::array<Index, 3>& cells : {std::array<Index, 3>{1, 1, 1}, {2, 2, 2}, {4, 4, 7}}) {
+    SolverBody body(unit_box(cells));
+    const auto multigrid = make_multigrid(body.complex(), body.attributes());
+    multigrid->build(body.matrix());
+    EXPECT_EQ(multigrid->name(), "direct");
+    EXPECT_LE(iterations(*multigrid, body, body.weight()), 2u);
+  }
+}
+
+TEST(Multigrid, ABodyThatIsHeldEverywhereHasNothingToSolve) {
+  SolverBody body(unit_box({6, 6, 12}), {.held = 12});
+  EXPECT_EQ(iterations(body), 0u);
+  const auto multigrid = make_multigrid(body.complex(), body.attributes());
+  multigrid->build(body.matrix());
+  std::vector<double> z(body.matrix().size(), 1);
+  multigrid->apply(body.weight().data(), z.data());
+  EXPECT_EQ(z, std::vector<double>(z.size()));
+}
+
 // -------------------------------------------------------------------- states --
 
 std::vector<double> applied(const Preconditioner& b, const std::vector<double>& load) {

@@ -51,6 +51,15 @@ class Tridiagonal {
   double last_ = 1;
 };
 
+/// How much of each term is added to x, for polynomials of 1 to 4 terms: the best ones for a
+/// V-cycle (Phillips and Fischer, arXiv:2210.03179, table 1).
+constexpr unsigned max_steps = 4;
+constexpr double parts[max_steps][max_steps] = {
+    {1.125},
+    {1.02387287570313, 1.26408905371085},
+    {1.00842544782028, 1.08867839208730, 1.33753125909618},
+    {1.00391310427285, 1.04035811188593, 1.14863498546254, 1.38268869241000}};
+
 }  // namespace
 
 void Chebyshev::set(const DiagonalBlocks& inverse, const SingleProduct& multiply) {
@@ -61,6 +70,7 @@ void Chebyshev::set(const DiagonalBlocks& inverse, const SingleProduct& multiply
     Eigen::Map<Eigen::Matrix3f>(inverse_.data() + v * 9) = inverse[v].cast<float>();
   d_ = single_vector(inverse.size());
   q_ = single_vector(inverse.size());
+  s_ = single_vector(inverse.size());
   largest_ = static_cast<float>(safety * estimate(multiply));
 }
 
@@ -92,26 +102,29 @@ void Chebyshev::precondition(const SingleVector& r, SingleVector& z) const {
       z[i + c] = b[c] * r[i] + b[3 + c] * r[i + 1] + b[6 + c] * r[i + 2];
 }
 
-void Chebyshev::advance(float keep, float add, const SingleVector& r, SingleVector& x) const {
+void Chebyshev::advance(float keep, float add, const SingleVector& r) const {
   const float* b = inverse_.data();
   for (std::size_t i = 0; i + 3 < r.size(); i += 3, b += 9)
-    for (std::size_t c = 0; c < 3; ++c) {
-      const float step = b[c] * r[i] + b[3 + c] * r[i + 1] + b[6 + c] * r[i + 2];
-      d_[i + c] = keep * d_[i + c] + add * step;
-      x[i + c] += d_[i + c];
-    }
+    for (std::size_t c = 0; c < 3; ++c)
+      d_[i + c] =
+          keep * d_[i + c] + add * (b[c] * r[i] + b[3 + c] * r[i + 1] + b[6 + c] * r[i + 2]);
 }
 
 void Chebyshev::smooth(const SingleProduct& multiply, unsigned steps, SingleVector& x,
                        SingleVector& r, bool finish) const {
   if (!(largest_ > 0)) return;
+  if (finish) s_ = r;
+  SingleVector& plain = finish ? s_ : r;
   for (unsigned i = 0; i < steps; ++i) {
     const auto odd = static_cast<float>(2 * i + 3);
+    const double part = steps <= max_steps ? parts[steps - 1][i] : 1;
     advance(i == 0 ? 0.0f : static_cast<float>(2 * i - 1) / odd,
-            static_cast<float>(8 * i + 4) / (odd * largest_), r, x);
+            static_cast<float>(8 * i + 4) / (odd * largest_), plain);
+    add(part, d_, x);
     if (i + 1 == steps && !finish) return;
     multiply(d_.data(), q_.data());
-    add(-1, q_, r);
+    if (finish) add(-part, q_, r);
+    if (i + 1 < steps) add(-1, q_, plain);
   }
 }
 

@@ -16,9 +16,9 @@ inline SingleVector single_vector(std::size_t nodes) { return SingleVector(nodes
 /// y = A x.
 using SingleProduct = std::function<void(const float* x, float* y)>;
 
-/// Smooths on one level by polynomials of D^-1 A, with the diagonal blocks D: Chebyshev of the
-/// fourth kind (Lottes, Numer. Linear Algebra Appl. 30 (2023) e2518), which need no lower bound of
-/// the spectrum. Symmetric in the inner product of A.
+/// Smooths on one level by polynomials of D^-1 A, with the diagonal blocks D: optimised Chebyshev
+/// polynomials of the fourth kind, which need no lower bound of the spectrum (Lottes, Numer. Linear
+/// Algebra Appl. 30 (2023) e2518; arXiv:2202.08830). Symmetric in the inner product of A.
 class Chebyshev {
  public:
   /// `inverse`: of the blocks D; 0 for components that are held. Estimates the largest eigenvalue
@@ -34,16 +34,16 @@ class Chebyshev {
   void correct(const SingleProduct& multiply, const SingleVector& correction, SingleVector& x,
                SingleVector& r) const;
 
-  std::size_t bytes() const { return (inverse_.size() + d_.size() + q_.size()) * sizeof(float); }
+  std::size_t bytes() const { return (inverse_.size() + 3 * d_.size()) * sizeof(float); }
 
  private:
   double estimate(const SingleProduct& multiply) const;
   void precondition(const SingleVector& r, SingleVector& z) const;
-  /// d = keep d + add D^-1 r, x += d.
-  void advance(float keep, float add, const SingleVector& r, SingleVector& x) const;
+  /// d = keep d + add D^-1 r.
+  void advance(float keep, float add, const SingleVector& r) const;
 
-  std::vector<float> inverse_;  ///< column by column, 9 per node
-  mutable SingleVector d_, q_;  ///< scratch
+  std::vector<float> inverse_;      ///< column by column, 9 per node
+  mutable SingleVector d_, q_, s_;  ///< scratch
   float largest_ = 0;
 };
 

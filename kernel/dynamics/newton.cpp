@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <sstream>
 
 #include "kernel/base/error.hpp"
@@ -204,6 +205,18 @@ Newton::Result Newton::solve(const StepEquations& equations) {
       on_iteration({result.iterations + 1, solve.iterations, result.residual, scale_, search.step,
                     solve.outcome == LinearSolve::Outcome::indefinite});
   }
+}
+
+bool Newton::is_indefinite(double time) {
+  StepEquations equations;
+  equations.time = time;
+  set_matrix(equations);
+  std::minstd_rand random(1);
+  std::uniform_real_distribution<double> value(-1, 1);
+  for (double& r : residual_) r = value(random);
+  matrix_.restrict(residual_);
+  std::ranges::fill(remaining_, 0.0);
+  return find_direction(equations, 1e-6).outcome == LinearSolve::Outcome::indefinite;
 }
 
 /// The change of the residual if positions are rounded: by half a unit in the last place, up and

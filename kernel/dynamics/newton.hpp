@@ -56,6 +56,11 @@ class Newton {
   /// then. One evaluation of the forces per iteration and trial step, and the linear solves.
   Result solve(const StepEquations& equations);
 
+  /// Whether the tangent at the current state is indefinite: the equilibrium is unstable. Found by
+  /// a linear solve with a random right-hand side (fixed seed), in which every mode takes part; its
+  /// Lanczos process finds an isolated negative eigenvalue first. Costs as much as one iteration.
+  bool is_indefinite(double time);
+
   /// Called after each iteration, for `suture run -v`.
   struct Iteration {
     unsigned number, linear_iterations;

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "kernel/base/error.hpp"
+#include "kernel/dynamics/newton.hpp"
 #include "kernel/run/free_bodies.hpp"
 
 namespace suture {
@@ -32,7 +33,7 @@ std::optional<RunSummary::Outcome> Ending::check(const StepControl::Notify& noti
   if (clock.finished()) {
     if (!control_.check_last_state(notify)) return std::nullopt;
     if (rest_) warn_of_motion();
-    return Outcome::finished;
+    return built_.dynamics().is_static() ? examine_equilibrium() : Outcome::finished;
   }
   if (rest_ && clock.step() > 0)
     if (const auto outcome = check_rest(notify)) return outcome;
@@ -41,6 +42,17 @@ std::optional<RunSummary::Outcome> Ending::check(const StepControl::Notify& noti
                                                       : 0;
   if (limit != 0 && clock.step() >= limit) fail_at_step_limit(limit);
   return std::nullopt;
+}
+
+/// The last equilibrium of a static run.
+RunSummary::Outcome Ending::examine_equilibrium() {
+  const Clock& clock = control_.clock();
+  if (clock.step() == 0 || !built_.dynamics().newton()->is_indefinite(clock.time()))
+    return Outcome::finished;
+  const auto verdict =
+      stability_.examine(0, clock.step(), clock.time(), built_.body().acceleration(clock.time()));
+  return verdict == Stability::Verdict::unstable ? Outcome::unstable_equilibrium
+                                                 : Outcome::finished;
 }
 
 void Ending::warn_of_motion() {
@@ -87,7 +99,7 @@ std::optional<RunSummary::Outcome> Ending::check_rest(const StepControl::Notify&
 /// None after a kick.
 std::optional<RunSummary::Outcome> Ending::examine(const StepControl::Notify& notify) {
   const Clock& clock = control_.clock();
-  const auto verdict = stability_.examine(*rest_, clock.step(), clock.time(),
+  const auto verdict = stability_.examine(rest_->unbalanced_force(), clock.step(), clock.time(),
                                           built_.body().acceleration(clock.time()));
   if (verdict == Stability::Verdict::kicked) {
     control_.commit();

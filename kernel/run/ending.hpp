@@ -33,6 +33,7 @@ class Ending : private Follower {
   void require_held_bodies();
   std::optional<Outcome> check_rest(const StepControl::Notify& notify);
   std::optional<Outcome> examine(const StepControl::Notify& notify);
+  Outcome examine_equilibrium();
   void warn_of_motion();
   [[noreturn]] void fail_at_step_limit(std::uint64_t limit) const;
 

@@ -25,17 +25,17 @@ Index vertex_of_largest(const LowestMode& mode) {
 
 /// The forces f that are left turn with a body that nothing holds, which gives its rotations
 /// eigenvalues of about f / (mass of a vertex, root of their number, radius).
-double Stability::rounding_of_rest(const RestSearch& rest) const {
+double Stability::rounding_of_rest(double unbalanced_force) const {
   const Column& mass = built_.body().attributes().mass();
   double total = 0, count = 0;
   for (Index v = 0; v < built_.body().attributes().vertex_count(); ++v) {
     total += mass.get(v, 0);
     count += mass.get(v, 0) > 0;
   }
-  return 4 * rest.unbalanced_force() * std::sqrt(count) / (total * built_.selector().diagonal());
+  return 4 * unbalanced_force * std::sqrt(count) / (total * built_.selector().diagonal());
 }
 
-Stability::Verdict Stability::examine(const RestSearch& rest, std::uint64_t steps, double time,
+Stability::Verdict Stability::examine(double unbalanced_force, std::uint64_t steps, double time,
                                       const Vec3& gravity) {
   if (!built_.body().has_free_vertices()) {
     lowest_.reset();
@@ -49,7 +49,7 @@ Stability::Verdict Stability::examine(const RestSearch& rest, std::uint64_t step
     return Verdict::unknown;
   }
   LowestMode mode = find_lowest_mode(built_.body(), time, products_for(steps));
-  mode.noise += rounding_of_rest(rest);
+  mode.noise += rounding_of_rest(unbalanced_force);
   lowest_ = mode.eigenvalue;
   neutral_ = mode.eigenvalue <= 10 * mode.noise;
   if (!mode.negative()) return Verdict::stable;
@@ -64,7 +64,9 @@ Stability::Verdict Stability::examine(const RestSearch& rest, std::uint64_t step
     kick(mode);
     return Verdict::kicked;
   }
-  if (kicks_ == 0)
+  if (built_.dynamics().is_static())
+    text += "; disturb the symmetry of the loads or the mesh to reach the stable equilibrium";
+  else if (kicks_ == 0)
     text += "; set /solver/kick, a displacement along the mode in m, to continue from here";
   else
     text += "; " + std::to_string(kicks_) +

@@ -7,7 +7,6 @@
 
 #include "kernel/base/diagnostics.hpp"
 #include "kernel/dynamics/modes.hpp"
-#include "kernel/dynamics/rest_search.hpp"
 #include "kernel/run/recorder.hpp"
 #include "kernel/scene/built_scene.hpp"
 
@@ -23,10 +22,10 @@ class Stability {
   Stability(const Scene& scene, BuiltScene& built, Recorder& recorder, Diagnostics& diagnostics)
       : scene_(scene), built_(built), recorder_(recorder), diagnostics_(diagnostics) {}
 
-  /// Call when the body is at rest after `steps` steps. Warns if the state is unstable or could not
-  /// be examined, writes the mode, and applies the kick. `gravity` is used for the fields of the
-  /// frame. Costs at most a third of the steps so far, or of 2,900 steps.
-  Verdict examine(const RestSearch& rest, std::uint64_t steps, double time, const Vec3& gravity);
+  /// Call when the body is at rest after `steps` steps, up to a force, N. Warns if the state is
+  /// unstable or could not be examined, writes the mode, and applies the kick. `gravity` is used
+  /// for the fields of the frame. Costs at most a third of the steps so far, or of 2,900 steps.
+  Verdict examine(double unbalanced_force, std::uint64_t steps, double time, const Vec3& gravity);
 
   /// The lowest eigenvalue of the last check, 1/s^2; none if the tangent is unknown.
   std::optional<double> lowest_eigenvalue() const { return lowest_; }
@@ -35,7 +34,7 @@ class Stability {
   std::string text() const;
 
  private:
-  double rounding_of_rest(const RestSearch& rest) const;
+  double rounding_of_rest(double unbalanced_force) const;
   std::string describe(const LowestMode& mode) const;
   bool is_partial() const;
   void kick(const LowestMode& mode);

@@ -13,11 +13,11 @@ namespace {
 
 /// The direct solver and the multigrid take the same time for this many elements of a compact body
 /// (suture-bench solve --direct).
-constexpr Index most_direct_elements = 100;
+constexpr Index max_direct_elements = 100;
 
 /// With a stiffness of this multiple of the mass term, block Jacobi needs about 40 iterations to
 /// 1e-8, which take as long as building and applying the multigrid.
-constexpr double most_stiffness = 8;
+constexpr double max_stiffness = 8;
 
 /// The trace of the stiffness in multiples of that of the mass term, estimated by one random vector
 /// of +-1 (Hutchinson). Infinite without mass.
@@ -38,11 +38,11 @@ double stiffness_over_mass(const TangentMatrix& a) {
 
 PreconditionerChoice choose_preconditioner(const CellComplex& complex, Attributes& attributes,
                                            const TangentMatrix& a) {
-  if (stiffness_over_mass(a) < most_stiffness)
+  if (stiffness_over_mass(a) < max_stiffness)
     return {make_block_jacobi(), "because the mass term dominates the matrix"};
   const Index elements = complex.existing(3);
   const std::string count = std::to_string(elements) + " elements";
-  if (elements <= most_direct_elements)
+  if (elements <= max_direct_elements)
     return {make_direct(complex, attributes), "because a body of " + count + " is small"};
   return {make_multigrid(complex, attributes), "for " + count};
 }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "kernel/base/error.hpp"
 #include "tests/reference/beam.hpp"
@@ -117,6 +118,22 @@ TEST(Static, PrescribedMotionGivesUniaxialTensionInAnyNumberOfSteps) {
       for (int c = 0; c < 3; ++c)
         EXPECT_NEAR(attributes.position().get(v, c),
                     (c == 0 ? 1.5 : lateral) * attributes.rest().get(v, c), 1e-8);
+  }
+}
+
+// A straight column keeps its symmetry in every iteration, far above its Euler load.
+TEST(Static, AStraightColumnAboveItsEulerLoadIsReportedAsUnstable) {
+  for (const double part : {0.5, 3.0}) {
+    Scene scene = equilibrium(beam(host(), "tm-faure", 8, 2, 0));
+    const double second_moment = std::pow(0.25, 4) / 12;
+    const double euler = std::pow(std::numbers::pi / 2, 2) * 400e3 * second_moment;
+    scene.gravity = {-part * 3.18 * euler / (1000 * 0.0625), 0, 0};  // of the tip load: 7.84 / 2.47
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    Observer nobody;
+    const RunSummary summary = simulation.run(nobody);
+    EXPECT_EQ(summary.outcome,
+              part < 1 ? RunSummary::Outcome::finished : RunSummary::Outcome::unstable_equilibrium);
   }
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "kernel/base/error.hpp"
-#include "kernel/dynamics/newton.hpp"
 #include "kernel/dynamics/rounding.hpp"
 
 namespace suture {
@@ -165,7 +164,6 @@ void Dynamics::kick_changed(const TopologyChange& change) {
 }
 
 void Dynamics::follow(const CellComplex&, const TopologyChange& change) {
-  if (Newton* newton = integrator_->newton()) newton->forget();
   motion_.thaw();
   motion_.forget_forces();
   kick_changed(change);

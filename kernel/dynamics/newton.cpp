@@ -171,6 +171,7 @@ Newton::Search Newton::search(const StepEquations& equations) {
 // -------------------------------------------------------------------- solve --
 
 Newton::Result Newton::solve(const StepEquations& equations) {
+  forget();  // a run that is resumed here has no preconditioner of earlier steps either
   matrix_.set(equations.time);  // what is free
   for (auto* vector : {&residual_, &direction_, &remaining_}) vector->assign(matrix_.size(), 0);
   Result result;

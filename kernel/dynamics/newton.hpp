@@ -37,6 +37,8 @@ struct NewtonOptions {
 /// Prescribed vertices move with the free ones: the first direction d solves the linearised
 /// equations with their displacement given, so that no layer of elements is crushed by a motion
 /// that the rest of the body does not follow.
+///
+/// Every solve builds its own preconditioner, so results depend on the state alone.
 class Newton {
  public:
   Newton(Motion& motion, const NewtonOptions& options);
@@ -69,14 +71,13 @@ class Newton {
   };
   std::function<void(const Iteration&)> on_iteration;
 
-  /// Cells or constraints changed.
-  void forget() { choice_ = {}, is_built_ = false; }
   /// The preconditioner for these equations and why: "multigrid for 4000 elements".
   std::string describe_solver(const StepEquations& equations);
   /// The name of the current preconditioner.
   std::string preconditioner() const { return choice_.preconditioner->name(); }
 
  private:
+  void forget() { choice_ = {}, is_built_ = false; }
   struct Search {
     double step = 0;     ///< along the direction
     bool found = false;  ///< false: no step lowers the energy

@@ -173,12 +173,30 @@ Case dense(Random& random, unsigned, std::uint64_t) {
   return result;
 }
 
+/// Steps that solve equations; a cut between two of them.
+Case implicit(Random& random, unsigned index, std::uint64_t) {
+  Case result = bar("implicit", random, {8, 3, 3});
+  Json& scene = result.scene;
+  scene["solver"] = {{"end", 1}};
+  if (index % 3 == 0) {
+    scene["solver"]["static"] = {{"frames", 30}};
+    scene["gravity"] = {{"value", {0, -2, 0}}, {"ramp", {{"to", 1}}}};
+  } else {
+    scene["solver"]["integrator"] = index % 3 == 1 ? "newmark" : "implicit-euler";
+    scene["solver"]["dt"] = random.between(0.005, 0.03);
+  }
+  scene["events"] = {{{"at", random.between(0.1, 0.9)}, {"cut", across(0.4, random)}}};
+  add_output(scene, random);
+  scene["output"]["every_steps"] = 3;
+  return result;
+}
+
 }  // namespace
 
 std::vector<Kind> own_kinds() {
   return {{"asleep", 2, 12, asleep}, {"kicked", 1, 8, kicked}, {"springs", 1, 8, springs},
           {"when", 1, 8, when},      {"moody", 2, 16, moody},  {"memory", 1, 10, memory},
-          {"large", 1, 9, large},    {"dense", 1, 8, dense}};
+          {"large", 1, 9, large},    {"dense", 1, 8, dense},   {"implicit", 3, 9, implicit}};
 }
 
 }  // namespace suture::test

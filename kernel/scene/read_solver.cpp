@@ -53,9 +53,9 @@ void read_step(ObjectReader& object, SolverOptions& solver) {
   }
   solver.safety = object.number("safety", share).value_or(solver.safety);
   if (automatic && is_implicit(solver.integrator))
-    object.complain("dt", "must be given in s for \"" + solver.integrator +
-                              "\", whose steps are always stable: choose it by the accuracy that "
-                              "you need");
+    object.complain("dt", "'dt' must be a number (s) for \"" + solver.integrator +
+                              "\": any step is stable, so choose it by the accuracy that you "
+                              "need");
 }
 
 void read_end(ObjectReader& object, SolverOptions& solver) {

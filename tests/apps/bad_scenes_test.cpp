@@ -130,7 +130,7 @@ TEST_F(BadScenes, WhatOthersRunWithAllTheSame) {
       {"/solver/dt=-1e-3", 3, "must be > 0 s"},
       {"/solver/end=0", 3, "> 0 s"},
       {"/solver/integrator=newmarck", 3, "did you mean 'newmark'"},
-      {"/solver={\"integrator\": \"newmark\", \"end\": 1}", 3, "must be given in s for"},
+      {"/solver={\"integrator\": \"newmark\", \"end\": 1}", 3, "'dt' must be a number (s) for"},
       {"/solver={\"static\": {}, \"dt\": 0.1}", 3, "cannot be combined with"},
       {"/solver={\"static\": {\"frames\": 0}}", 3, "/solver/static/frames"},
       {"/solver={\"static\": {\"steps\": 3}}", 3, "unknown key"},

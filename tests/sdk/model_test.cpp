@@ -221,7 +221,8 @@ TEST_P(Layer, AnchorPullsAVertexToItsRestPosition) {
     vertices.mass[i % 8] = 2 + uniform(1);
   }
   ASSERT_EQ(m.functors[0].force(instance.context(), &vertices.batch), SUTURE_OK);
-  std::array<double, 8> energy, expected{};
+  alignas(64) std::array<double, 8> energy;
+  std::array<double, 8> expected{};
   const auto& energies = ModelInstance::extension<suture_energy_1>(m.functors[0], SUTURE_ENERGY_1);
   ASSERT_EQ(energies.energy(instance.context(), &vertices.batch, energy.data()), SUTURE_OK);
   for (int i = 0; i < 24; ++i) {

@@ -17,7 +17,7 @@ std::string seconds(double value) {
 }
 
 std::string stability(double stable_dt) {
-  if (std::isinf(stable_dt)) return "any step is stable because every node is prescribed";
+  if (std::isinf(stable_dt)) return "any step is stable";
   return "stable below " + seconds(stable_dt);
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <sstream>
 
 #include "kernel/base/error.hpp"
@@ -21,10 +20,7 @@ constexpr double max_over_bound = 1.4;
 }  // namespace
 
 void StepWatch::start() {
-  if (is_implicit_) {
-    stable_ = std::numeric_limits<double>::infinity();
-    return;
-  }
+  if (is_implicit_) return;
   if (!scene_.solver.dt) {
     search(0);
     if (!std::isfinite(stable_) && built_.body().has_free_vertices())
@@ -85,6 +81,7 @@ std::optional<double> StepWatch::bound(StepBounds (StepLimits::*which)(double)) 
 }
 
 void StepWatch::search(std::uint64_t step, bool from_random) {
+  if (is_implicit_) return;
   searched_ = step;
   due_ = scene_.solver.dt ? never : step + interval_;
   try {
@@ -137,6 +134,7 @@ bool StepWatch::is_unstable(std::uint64_t step, double dt) {
 }
 
 void StepWatch::search_for_report() {
+  if (is_implicit_) return;
   try {
     stable_ = built_.limits().stable_step(built_.dynamics().time(), true);
   } catch (const Error&) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "kernel/base/diagnostics.hpp"
@@ -39,7 +40,8 @@ class StepWatch {
         built_(built),
         diagnostics_(diagnostics),
         is_implicit_(built.dynamics().is_implicit()),
-        safety_(scene.solver.safety) {}
+        safety_(scene.solver.safety),
+        stable_(is_implicit_ ? std::numeric_limits<double>::infinity() : 0) {}
 
   /// Throws PluginError or InputError if "auto" cannot determine a step.
   void start();
@@ -62,7 +64,7 @@ class StepWatch {
   unsigned halvings() const { return halvings_; }
 
   /// The stable step, s; with a fixed dt, a known bound on it, or 0.
-  /// Infinite where every vertex is prescribed.
+  /// Infinite where every vertex is prescribed, and for implicit integrators.
   double stable() const { return stable_; }
   /// The step chosen by "auto", s: with safety and halvings, and such that prescribed motion moves
   /// no vertex by more than a tenth of an element.
@@ -84,7 +86,7 @@ class StepWatch {
   Diagnostics& diagnostics_;
   bool is_implicit_;
   double safety_;
-  double stable_ = 0;
+  double stable_;
   unsigned halvings_ = 0;
   std::uint64_t searched_ = 0, due_ = never, interval_ = search_steps;
   double limit_over_bound_ = 1;    ///< at the last search, between 1 and max_over_bound

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/attributes/mean_gradient.hpp"
 #include "kernel/base/vec3.hpp"
 
 namespace suture {
@@ -15,29 +16,7 @@ namespace {
 /// to pass; a checkerboard stays.
 constexpr int passes = 4;
 
-using Edges = std::array<Vec3, 3>;
 using Gradient = std::array<Vec3, 3>;  ///< rows
-
-/// Mean of the four edges along each axis.
-Edges mean_edges(const HexahedronNodes& x) {
-  Edges mean{};
-  for (std::size_t n = 0; n < 8; ++n)
-    for (std::size_t a = 0; a < 3; ++a)
-      for (std::size_t c = 0; c < 3; ++c) mean[a][c] += (n >> a & 1 ? x[n][c] : -x[n][c]) / 4;
-  return mean;
-}
-
-/// F with F A_a = a_a for the mean edges A at rest and a now; not finite for a flat element.
-Gradient gradient(const Edges& now, const Edges& rest) {
-  Gradient f{};
-  const double volume = dot(rest[0], cross(rest[1], rest[2]));
-  for (std::size_t a = 0; a < 3; ++a) {
-    const Vec3 normal = cross(rest[(a + 1) % 3], rest[(a + 2) % 3]);
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = 0; j < 3; ++j) f[i][j] += now[a][i] * normal[j] / volume;
-  }
-  return f;
-}
 
 Vec3 mean(const HexahedronNodes& x) {
   Vec3 sum{};
@@ -58,16 +37,16 @@ HexahedronNodes residual(const HexahedronNodes& x, const HexahedronNodes& rest, 
   return r;
 }
 
+/// F that maps the mean edges at rest to those of x; not finite for a flat element.
+Gradient gradient(const HexahedronNodes& x, const HexahedronNodes& rest) {
+  return mean_gradient(x, reciprocals(mean_edges(rest)));
+}
+
 /// |(F^T F - 1) / 2|
 double strain_of(const Gradient& f) {
-  double squares = 0;
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j) {
-      double e = i == j ? -0.5 : 0;
-      for (std::size_t k = 0; k < 3; ++k) e += f[k][i] * f[k][j] / 2;
-      squares += e * e;
-    }
-  return std::sqrt(squares);
+  const SymmetricTensor e = green_lagrange(f);
+  return std::sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2] +
+                   2 * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5]));
 }
 
 /// visit(element, nodes of it, rest positions)
@@ -107,7 +86,7 @@ HexahedronNodes residual_of(const std::vector<Vec3>& w, const Hexahedron& nodes,
                             const HexahedronNodes& rest) {
   HexahedronNodes x;
   for (std::size_t n = 0; n < 8; ++n) x[n] = w[nodes[n]];
-  return residual(x, rest, gradient(mean_edges(x), mean_edges(rest)));
+  return residual(x, rest, gradient(x, rest));
 }
 
 }  // namespace
@@ -131,7 +110,7 @@ Hourglass measure_hourglass(const CellComplex& complex, Attributes& attributes) 
               x[n] = {row[0], row[1], row[2]};
               for (const double component : x[n]) far = std::max(far, std::abs(component));
             }
-            const Gradient f = gradient(mean_edges(x), mean_edges(rest));
+            const Gradient f = gradient(x, rest);
             result.strain[e] = strain_of(f);
             squares += result.strain[e] * result.strain[e];
             return residual(x, rest, f);

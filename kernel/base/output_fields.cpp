@@ -21,4 +21,19 @@ std::vector<suture_field> output_fields(const suture_functor& functor) {
   return fields;
 }
 
+bool provides_field(const suture_model& model, std::uint32_t dimension, std::string_view name,
+                    std::uint32_t components) {
+  const auto matches = [&](const auto& field) {
+    return field.name == name && field.components == components;
+  };
+  const auto computes = [&](const suture_functor& functor) {
+    return functor.dimension == dimension && std::ranges::any_of(output_fields(functor), matches);
+  };
+  const auto stores = [&](const suture_attribute& attribute) {
+    return attribute.dimension == dimension && is_shown(attribute) && matches(attribute);
+  };
+  return std::ranges::any_of(std::span(model.functors, model.functor_count), computes) ||
+         std::ranges::any_of(std::span(model.attributes, model.attribute_count), stores);
+}
+
 }  // namespace suture

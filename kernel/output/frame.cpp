@@ -9,6 +9,7 @@ void FrameField::state(Archive& archive) {
   archive("values", values);
   archive("ids", ids);
   archive("global_ids", global_ids);
+  archive("principal", principal);
 }
 
 void Frame::state(Archive& archive) {

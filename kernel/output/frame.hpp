@@ -17,6 +17,7 @@ struct FrameField {
   std::vector<double> values{};     ///< for vertices or elements
   std::vector<std::int64_t> ids{};  ///< instead of values: an integer array
   bool global_ids = false;          ///< the user's numbers, from which read_mesh restores them
+  bool principal = false;           ///< components 1, 2, 3 in descending order, not X, Y, Z
 
   void state(Archive& archive);
 };

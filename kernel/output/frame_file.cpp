@@ -24,6 +24,14 @@ std::size_t cell_count(const Frame& frame) {
   return frame.cells.empty() ? frame.hexahedra.size() : frame.cells.size();
 }
 
+std::span<const char* const> names_of_components(const FrameField& field) {
+  static constexpr const char* tensor[] = {"XX", "YY", "ZZ", "XY", "YZ", "XZ"};
+  static constexpr const char* principal[] = {"1", "2", "3"};
+  if (field.principal) return principal;
+  if (field.components == 6) return tensor;
+  return {};
+}
+
 std::vector<VtuArray> arrays_of(const std::vector<FrameField>& fields) {
   std::vector<VtuArray> arrays;
   for (const FrameField& field : fields) {
@@ -35,6 +43,7 @@ std::vector<VtuArray> arrays_of(const std::vector<FrameField>& fields) {
     else
       array.ids = field.ids.data();
     array.global_ids = field.global_ids;
+    array.component_names = names_of_components(field);
     arrays.push_back(std::move(array));
   }
   return arrays;

@@ -9,6 +9,7 @@
 #include "kernel/base/nearest.hpp"
 #include "kernel/base/output_fields.hpp"
 #include "kernel/dynamics/hourglass.hpp"
+#include "kernel/run/tensor_fields.hpp"
 
 namespace suture {
 namespace {
@@ -181,6 +182,7 @@ FieldChoice output_field(const suture_functor& functor, const suture_field& fiel
           },
           true,
           components,
+          false,
           unit_of(field.unit)};
 }
 
@@ -206,6 +208,7 @@ FieldChoice attribute_field(const suture_attribute& attribute) {
           },
           false,
           components,
+          false,
           unit_of(attribute.unit)};
 }
 
@@ -231,8 +234,9 @@ void add_once(std::vector<FieldChoice>& fields, FieldChoice field) {
 
 }  // namespace
 
-std::vector<std::string> component_names(int components) {
-  switch (components) {
+std::vector<std::string> component_names(const FieldChoice& field) {
+  if (field.principal) return {"1", "2", "3"};
+  switch (field.components) {
     case 1:
       return {""};
     case 3:
@@ -241,7 +245,7 @@ std::vector<std::string> component_names(int components) {
       return {"xx", "yy", "zz", "xy", "yz", "xz"};
     default:
       std::vector<std::string> names;
-      for (int c = 0; c < components; ++c) names.push_back(std::to_string(c));
+      for (int c = 0; c < field.components; ++c) names.push_back(std::to_string(c));
       return names;
   }
 }
@@ -278,9 +282,7 @@ std::vector<FieldChoice> model_fields(BuiltScene& built) {
         add_once(fields, output_field(functor, field));
     }
     for (const suture_attribute& attribute : std::span(table.attributes, table.attribute_count)) {
-      const bool shown =
-          (attribute.flags & SUTURE_OUTPUT) != 0 && (attribute.flags & SUTURE_SHARED_MASS) == 0;
-      if (shown) add_once(fields, attribute_field(attribute));
+      if (is_shown(attribute)) add_once(fields, attribute_field(attribute));
     }
   }
   return fields;
@@ -288,7 +290,14 @@ std::vector<FieldChoice> model_fields(BuiltScene& built) {
 
 std::vector<FieldChoice> all_fields(BuiltScene& built) {
   std::vector<FieldChoice> all = kernel_fields();
-  for (FieldChoice& field : model_fields(built)) all.push_back(std::move(field));
+  const std::vector<FieldChoice> models = model_fields(built);
+  all.insert(all.end(), models.begin(), models.end());
+  for (const std::vector<FieldChoice>& tensors : {strain_fields(), fields_of_stress(models)}) {
+    std::ranges::copy_if(tensors, std::back_inserter(all), [&](const FieldChoice& field) {
+      return std::ranges::none_of(
+          models, [&](const FieldChoice& f) { return f.name == field.name && is_in_frames(f); });
+    });
+  }
   return all;
 }
 
@@ -331,6 +340,7 @@ void fill_fields(const std::vector<FieldChoice>& choices, FieldChoice::On on, Bu
     if (used == fields.size()) fields.emplace_back();
     FrameField& field = fields[used++];
     field.name = choice.name;
+    field.principal = choice.principal;
     choice.fill(built, gravity, time, field);
   }
   fields.resize(used);

@@ -20,15 +20,16 @@ struct FieldChoice {
   std::function<void(BuiltScene&, const Vec3& gravity, double time, FrameField&)> fill;
   bool runs_functors = false;  ///< an output of a model, not a column
   int components = 1;
+  bool principal = false;  ///< components 1, 2, 3 in descending order, not x, y, z
   std::string unit = "1";  ///< "1": none
   /// One component at one vertex or element, without computing the others; empty if only fill() can
   /// compute it.
   std::function<double(BuiltScene&, const Vec3& gravity, Index cell, int component)> value{};
 };
 
-/// The names of the components of a field: "x y z", "xx yy zz xy yz xz", 0, 1, ...; a single "" for
-/// a scalar.
-std::vector<std::string> component_names(int components);
+/// The names of the components of a field: "x y z", "1 2 3" (principal values), "xx yy zz xy yz
+/// xz", 0, 1, ...; a single "" for a scalar.
+std::vector<std::string> component_names(const FieldChoice& field);
 
 /// False for a row whose cell was removed, or left the instance.
 inline bool has_cell(const CellComplex& complex, const Table& table, Index row) {
@@ -44,7 +45,8 @@ const std::vector<FieldChoice>& kernel_fields();
 /// several instances is one array, NaN where no model provides it.
 std::vector<FieldChoice> model_fields(BuiltScene& built);
 
-/// The fields of every run, followed by those of its models.
+/// The fields of every run, followed by those of its models and the strains and stresses of
+/// tensor_fields.hpp; where a model has a field of the same name as one of these, only the model's.
 std::vector<FieldChoice> all_fields(BuiltScene& built);
 
 /// Whether frames and probes can show it: it lies on points or elements.

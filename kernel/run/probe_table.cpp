@@ -112,7 +112,7 @@ std::vector<std::string> ProbeTable::columns() const {
   for (const Entry& entry : entries_) {
     const FieldChoice& field = fields_[entry.field];
     const bool has_unit = !field.unit.empty() && field.unit != "1";
-    for (const std::string& component : component_names(field.components)) {
+    for (const std::string& component : component_names(field)) {
       std::string column = entry.probe + ' ' + field.name;
       if (!component.empty()) column += ' ' + component;
       if (has_unit) column += " [" + field.unit + ']';

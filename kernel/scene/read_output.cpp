@@ -29,8 +29,7 @@ ModelFields model_fields(const Scene& scene) {
   for (const ModelUse& use : scene.models) {
     for (std::uint32_t i = 0; use.model != nullptr && i < use.model->attribute_count; ++i) {
       const suture_attribute& attribute = use.model->attributes[i];
-      const bool shown = (attribute.flags & (SUTURE_OUTPUT | SUTURE_SHARED_MASS)) == SUTURE_OUTPUT;
-      if (shown) names.add(attribute.dimension, attribute.name);
+      if (is_shown(attribute)) names.add(attribute.dimension, attribute.name);
     }
     for (std::uint32_t i = 0; use.model != nullptr && i < use.model->functor_count; ++i) {
       const suture_functor& functor = use.model->functors[i];
@@ -45,8 +44,15 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+bool has_stress(const Scene& scene) {
+  return std::ranges::any_of(scene.models, [](const ModelUse& use) {
+    return use.model != nullptr && provides_field(*use.model, 3, "stress", 6);
+  });
+}
+
 std::vector<std::string> known_fields(const Scene& scene) {
   std::vector<std::string> names = standard_fields();
+  if (has_stress(scene)) names.insert(names.end(), stress_fields().begin(), stress_fields().end());
   for (std::string& name : model_fields(scene).of_cells) {
     if (!contains(names, name)) names.push_back(std::move(name));
   }
@@ -77,7 +83,8 @@ bool read_series(ObjectReader& object, const char* key, std::uint32_t dimension,
   return wanted;
 }
 
-/// Why a name is not a field of frames and probes: it belongs to a separate series. Otherwise "".
+/// Why a name that exists elsewhere is not a field of frames and probes of this scene: it belongs
+/// to a separate series, or no model provides the stress that it is computed from. Otherwise "".
 std::string other_place(const ModelFields& fields, const std::string& name) {
   if (contains(fields.of_springs, name))
     return " is a value on springs, not on nodes or elements; set \"springs\": true in /output to "
@@ -85,6 +92,9 @@ std::string other_place(const ModelFields& fields, const std::string& name) {
   if (contains(fields.of_faces, name))
     return " is a value of faces, not of nodes or elements; \"faces\": true in /output writes it "
            "for every face";
+  if (contains(stress_fields(), name))
+    return " is computed from the element field 'stress', which no model of this scene provides; "
+           "use a model that does, such as tm-faure, or remove this name";
   return "";
 }
 

@@ -146,9 +146,15 @@ Scene read_scene_source(const SceneSource& source, const std::vector<std::string
 }
 
 const std::vector<std::string>& standard_fields() {
-  static const std::vector<std::string> fields{"displacement", "velocity", "force",    "reaction",
-                                               "mass",         "fixed",    "node_id",  "element_id",
-                                               "island",       "model",    "hourglass"};
+  static const std::vector<std::string> fields{
+      "displacement", "velocity", "force", "reaction",  "mass",   "fixed",           "node_id",
+      "element_id",   "island",   "model", "hourglass", "strain", "principal_strain"};
+  return fields;
+}
+
+const std::vector<std::string>& stress_fields() {
+  static const std::vector<std::string> fields{"principal_stress", "nodal_stress",
+                                               "nodal_von_mises"};
   return fields;
 }
 

@@ -45,5 +45,7 @@ Scene read_scene_source(const SceneSource& source, const std::vector<std::string
 
 /// Names of the output fields available to every scene, independent of its models.
 const std::vector<std::string>& standard_fields();
+/// Names of those available if a model provides the element field "stress" (6 components).
+const std::vector<std::string>& stress_fields();
 
 }  // namespace suture

@@ -22,7 +22,8 @@ struct VtuArray {
   const double* values = nullptr;
   const std::int64_t* ids = nullptr;
   const std::uint8_t* flags = nullptr;
-  bool global_ids = false;  ///< the user's own numbers; marked as global ids
+  bool global_ids = false;                       ///< the user's own numbers; marked as global ids
+  std::span<const char* const> component_names;  ///< one per component; empty: those of VTK
 };
 
 enum class VtuCompression { raw, lz4, zlib, lzma };

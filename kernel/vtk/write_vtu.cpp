@@ -136,10 +136,8 @@ vtkSmartPointer<vtkDataArray> array_of(const VtuArray& source, std::size_t tuple
   if (source.flags) array = borrowed<vtkUnsignedCharArray>(source.flags, tuples, source.components);
   if (!array) array = vtkSmartPointer<vtkDoubleArray>::New();
   array->SetName(escaped(source.name).c_str());
-  if (source.components == 6) {
-    const char* names[6] = {"XX", "YY", "ZZ", "XY", "YZ", "XZ"};
-    for (int c = 0; c < 6; ++c) array->SetComponentName(c, names[c]);
-  }
+  for (std::size_t c = 0; c < source.component_names.size(); ++c)
+    array->SetComponentName(static_cast<vtkIdType>(c), source.component_names[c]);
   return array;
 }
 

@@ -33,24 +33,51 @@ TEST_F(Runs, WriteFramesTablesAndASummary) {
 
 // Every name that the reader lets pass is one that the run can write.
 TEST_F(Runs, WriteEveryFieldThatTheReaderKnows) {
+  std::vector<std::string> known = standard_fields();
+  known.insert(known.end(), stress_fields().begin(), stress_fields().end());
   std::string names = "\"stress\"";
-  for (const std::string& name : standard_fields()) names += ", \"" + name + "\"";
+  for (const std::string& name : known) names += ", \"" + name + "\"";
   const Outcome run =
       scene("run", ", \"output\": {\"directory\": \"o\", \"fields\": [" + names + "]}");
   EXPECT_EQ(run.code, 0) << run;
   const std::string frame = read("o/frame_0001.vtu");
-  for (const std::string& name : standard_fields()) {
+  for (const std::string& name : known) {
     EXPECT_NE(frame.find("Name=\"" + name + "\""), std::string::npos) << name;
   }
+  for (const char* component : {"ComponentName0=\"1\"", "ComponentName5=\"XZ\""})
+    EXPECT_NE(frame.find(component), std::string::npos) << component;
+}
+
+TEST_F(Runs, ExplainNamesTheFieldsThatAreComputed) {
+  const Outcome some = scene("explain", R"(, "output": {"fields": ["nodal_stress"],
+      "probes": {"at": [{"name": "a", "where": "all", "fields": ["principal_strain"]}]}})");
+  EXPECT_EQ(some.code, 0) << some;
+  EXPECT_TRUE(some.says("with nodal_stress\n") && some.says("with principal_strain\n")) << some;
+  EXPECT_TRUE(some.says("nodal_von_mises: not requested")) << some;
+}
+
+TEST_F(Runs, StressAtNodesNeedsAModelWithStress) {
+  const Outcome run = scene("check", R"(, "output": {"fields": ["nodal_stress"],
+      "probes": {"at": [{"name": "a", "where": "all", "fields": ["principal_strss"]}]}})",
+                            {"/models/0/model=mss-baudet"});
+  EXPECT_EQ(run.code, 3) << run;
+  EXPECT_TRUE(
+      run.says("/output/fields/0: 'nodal_stress' is computed from the element field "
+               "'stress', which no model of this scene provides; use a model that does, "
+               "such as tm-faure, or remove this name"))
+      << run;
+  EXPECT_TRUE(run.says("did you mean 'principal_strain'")) << run;
+  const Outcome known = suture({"check", "s.json", "--set", "/output/fields=[\"nodal_stres\"]"});
+  EXPECT_TRUE(known.says("did you mean 'nodal_stress'")) << known;
 }
 
 TEST_F(Runs, ValuesOfSpringsAreNoFieldsOfFramesOrProbes) {
-  const Outcome run = scene("check", R"(, "output": {"fields": ["strain"],
-      "probes": {"at": [{"name": "a", "where": "all", "fields": ["strain", "mas"]}]}})",
+  const Outcome run = scene("check", R"(, "output": {"fields": ["tension"],
+      "probes": {"at": [{"name": "a", "where": "all", "fields": ["tension", "mas"]}]}})",
                             {"/models/0/model=mss-baudet"});
   EXPECT_EQ(run.code, 3) << run;
   const std::string words =
-      ": 'strain' is a value on springs, not on nodes or elements; set \"springs\": true in "
+      ": 'tension' is a value on springs, not on nodes or elements; set \"springs\": true in "
       "/output to write it for every spring";
   EXPECT_TRUE(run.says("/output/fields/0" + words)) << run;
   EXPECT_TRUE(run.says("/output/probes/at/0/fields/0" + words)) << run;

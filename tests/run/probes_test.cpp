@@ -125,6 +125,37 @@ TEST_F(Probes, AtRestTheReactionCarriesTheWeight) {
   EXPECT_NEAR(table.last("body mass [kg]"), 62.5, 1e-9);
 }
 
+/// Equilibrium in one step.
+void make_static(Scene& scene) {
+  scene.solver.integrator = "static";
+  scene.solver.dt = scene.solver.end = 1;
+  scene.output.probes_every = 1;
+}
+
+// A bar with nu = 0 that hangs under its weight: the stress of elements is exact at their centres,
+// rho g (L - x), and the stress of nodes at the nodes, also at the clamp and at the free end.
+TEST_F(Probes, ShowTheStressAtTheClampOfAHangingBar) {
+  scene_ = [&] {
+    Scene hanging = beam(host(), "tm-faure", 8, 2, 0, {{"E", 4e9}, {"nu", 0}});
+    hanging.gravity = {9.8, 0, 0};
+    hanging.output = scene_.output;
+    return hanging;
+  }();
+  make_static(scene_);
+  add("clamp", named("x0"), {"nodal_stress", "nodal_von_mises"});
+  add("end", named("x1"), {"nodal_stress"});
+  add("first", selection(Selection::InBox{{0, 0, 0}, {0.1, 1, 1}}),
+      {"stress", "principal_stress", "principal_strain"});
+  const CsvTable table = run();
+  const double stress = 9800;
+  EXPECT_NEAR(table.last("first stress xx [Pa]"), stress * 15 / 16, 1e-5 * stress);
+  EXPECT_NEAR(table.last("first principal_stress 1 [Pa]"), stress * 15 / 16, 1e-5 * stress);
+  EXPECT_NEAR(table.last("first principal_strain 1"), stress * 15 / 16 / 4e9, 1e-11);
+  EXPECT_NEAR(table.last("clamp nodal_stress xx [Pa]"), stress, 1e-5 * stress);
+  EXPECT_NEAR(table.last("clamp nodal_von_mises [Pa]"), stress, 1e-5 * stress);
+  EXPECT_NEAR(table.last("end nodal_stress xx [Pa]"), 0, 1e-5 * stress);
+}
+
 TEST_F(Probes, TakeMeanSumLeastOrLargest) {
   const std::pair<const char*, Probe::Of> ways[] = {{"mean", Probe::Of::mean},
                                                     {"sum", Probe::Of::sum},
@@ -224,7 +255,7 @@ TEST_F(Probes, KeepStillCellsOnlyIfTheyShowForcesOrStress) {
   };
   for (const char* field : {"position", "displacement", "velocity", "mass", "element_id"})
     EXPECT_TRUE(skipped(field)) << field;
-  for (const char* field : {"force", "reaction", "von_mises", "stress"})
+  for (const char* field : {"force", "reaction", "von_mises", "nodal_stress", "stress"})
     EXPECT_FALSE(skipped(field)) << field;
   EXPECT_NE(decision("probes.csv").reason.find("stress"), std::string::npos);
 }

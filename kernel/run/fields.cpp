@@ -89,6 +89,15 @@ double reaction(BuiltScene& built, const Vec3& gravity, Index v, int a) {
   return held ? -total_force(built, gravity, v, a) : 0.0;
 }
 
+// x X reaction, about the origin of the scene's coordinates.
+double reaction_moment(BuiltScene& built, const Vec3& gravity, Index v, int a) {
+  const Column& x = built.body().attributes().position();
+  const Vec3& origin = built.frame().origin;
+  const int b = (a + 1) % 3, c = (a + 2) % 3;
+  const auto arm = [&](int i) { return x.get(v, i) + origin[static_cast<std::size_t>(i)]; };
+  return arm(b) * reaction(built, gravity, v, c) - arm(c) * reaction(built, gravity, v, b);
+}
+
 FieldChoice element_id() {
   FieldChoice field = integers("element_id", On::cells,
                                [](BuiltScene& built, Index e) { return built.element_name(e); });
@@ -256,6 +265,7 @@ const std::vector<FieldChoice>& kernel_fields() {
       vertex_vector("velocity", "m/s", false, velocity),
       vertex_vector("force", "N", true, total_force),
       vertex_vector("reaction", "N", true, reaction),
+      vertex_vector("reaction_moment", "N m", true, reaction_moment),
       vertex_scalar(
           "mass", "kg",
           [](BuiltScene& built) -> const Column& { return built.body().attributes().mass(); }),

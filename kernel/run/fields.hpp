@@ -37,7 +37,7 @@ inline bool has_cell(const CellComplex& complex, const Table& table, Index row) 
   return cell != none && complex.exists(table.dimension, cell) && table.cells.row(cell) == row;
 }
 
-/// Fields that every simulation has: displacement, velocity, force, reaction,
+/// Fields that every simulation has: displacement, velocity, force, reaction, reaction_moment,
 /// mass, fixed, node_id (points), element_id, island, model, hourglass (elements).
 const std::vector<FieldChoice>& kernel_fields();
 

@@ -25,7 +25,8 @@ FieldChoice position() {
 }
 
 Probe::Of usual(const std::string& field) {
-  return field == "force" || field == "reaction" ? Probe::Of::sum : Probe::Of::mean;
+  const bool adds_up = field == "force" || field == "reaction" || field == "reaction_moment";
+  return adds_up ? Probe::Of::sum : Probe::Of::mean;
 }
 
 /// The elements that have one of these vertices, ascending.

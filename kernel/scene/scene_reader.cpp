@@ -147,8 +147,9 @@ Scene read_scene_source(const SceneSource& source, const std::vector<std::string
 
 const std::vector<std::string>& standard_fields() {
   static const std::vector<std::string> fields{
-      "displacement", "velocity", "force", "reaction",  "mass",   "fixed",           "node_id",
-      "element_id",   "island",   "model", "hourglass", "strain", "principal_strain"};
+      "displacement", "velocity",  "force",   "reaction",        "reaction_moment",
+      "mass",         "fixed",     "node_id", "element_id",      "island",
+      "model",        "hourglass", "strain",  "principal_strain"};
   return fields;
 }
 

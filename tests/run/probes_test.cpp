@@ -132,6 +132,33 @@ void make_static(Scene& scene) {
   scene.output.probes_every = 1;
 }
 
+// Reactions and external forces sum to zero, and so do their moments about the origin of the
+// scene, which is far from the body: m g acts at the centre of mass of the bent beam.
+TEST_F(Probes, AtAStaticEquilibriumReactionsBalanceTheLoads) {
+  make_static(scene_);
+  scene_.mesh.box->origin = {1000, 0, 0};
+  Load load;
+  load.kind = Load::Kind::force;
+  load.value = {0, 0, 30};
+  load.where = named("x1");
+  scene_.loads.push_back(load);
+  add("root", named("x0"), {"reaction", "reaction_moment"});
+  add("body", selection(Selection::All{}), {"reaction"});
+  add("balance", named("x1"), {"force"});
+  const CsvTable table = run();
+  const double weight = 9.8 * 1000 * 0.0625;
+  EXPECT_NEAR(table.last("root reaction x [N]"), 0, 1e-5);
+  EXPECT_NEAR(table.last("root reaction y [N]"), weight, 1e-5);
+  EXPECT_NEAR(table.last("root reaction z [N]"), -30, 1e-5);
+  EXPECT_EQ(table.last("body reaction y [N]"), table.last("root reaction y [N]"));
+  EXPECT_NEAR(table.last("balance force y [N]"), 0, 1e-5);
+  Attributes& a = simulation_->attributes();
+  double first_moment = 0;
+  for (Index v = 0; v < a.vertex_count(); ++v)
+    first_moment += a.mass().get(v, 0) * (a.position().get(v, 0) + simulation_->origin()[0]);
+  EXPECT_NEAR(table.last("root reaction_moment z [N m]"), 9.8 * first_moment, 1e-2);
+}
+
 // A bar with nu = 0 that hangs under its weight: the stress of elements is exact at their centres,
 // rho g (L - x), and the stress of nodes at the nodes, also at the clamp and at the free end.
 TEST_F(Probes, ShowTheStressAtTheClampOfAHangingBar) {

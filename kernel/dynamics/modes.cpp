@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/dynamics/modes.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "kernel/base/vec3.hpp"
 #include "kernel/dynamics/coarse_space.hpp"
+#include "kernel/dynamics/scaled_tangent.hpp"
+#include "kernel/solvers/ritz.hpp"
 
 namespace suture {
 namespace {
@@ -17,116 +17,17 @@ using Eigen::MatrixXd, Eigen::VectorXd;
 using EigenIndex = Eigen::Index;
 
 constexpr EigenIndex block = 3;
-constexpr unsigned power_steps = 12;
 constexpr unsigned least_iterations = 4;
 constexpr double wanted = 0.05;  // estimated error of the eigenvalue over the eigenvalue
 /// Quotient of the whole checkerboard over lambda_max below which a model is taken not to
 /// resist it: 0.13 and more for tensor-mass, 0.02 for a clamped lattice of springs.
 constexpr double soft_checkerboard = 0.06;
 
-/// Numbers in [-0.5, 0.5), the same on every machine.
-class Random {
- public:
-  double operator()() { return (engine_() - 2147483648.0) / 4294967296.0; }
-
- private:
-  std::mt19937 engine_;
-};
-
-/// y -> M^-1/2 K M^-1/2 y on the free components.
-class Operator {
- public:
-  Operator(Body& body, double time)
-      : body_(body), time_(time), scale_(3 * std::size_t{body.attributes().vertex_count()}) {
-    Attributes& attributes = body.attributes();
-    for (std::size_t i = 0; i < scale_.size(); ++i) {
-      const auto v = static_cast<Index>(i / 3);
-      const double mass = attributes.mass().get(v, 0);
-      const bool held = static_cast<int>(attributes.fixed().get(v, 0)) >> i % 3 & 1;
-      scale_[i] = mass > 0 && !held ? 1 / std::sqrt(mass) : 0;
-    }
-    direction_.resize(scale_.size());
-  }
-
-  EigenIndex size() const { return static_cast<EigenIndex>(scale_.size()); }
-  const std::vector<double>& scale() const { return scale_; }
-  unsigned products() const { return products_; }
-
-  VectorXd operator()(const Eigen::Ref<const VectorXd>& y) {
-    ++products_;
-    for (std::size_t i = 0; i < scale_.size(); ++i)
-      direction_[i] = scale_[i] * y[static_cast<EigenIndex>(i)];
-    VectorXd image = VectorXd::Zero(size());
-    body_.add_tangent(direction_.data(), 1, 0, time_, image.data());
-    for (std::size_t i = 0; i < scale_.size(); ++i) image[static_cast<EigenIndex>(i)] *= -scale_[i];
-    return image;
-  }
-
-  MatrixXd images(const MatrixXd& vectors) {
-    MatrixXd result(vectors.rows(), vectors.cols());
-    for (EigenIndex i = 0; i < vectors.cols(); ++i) result.col(i) = (*this)(vectors.col(i));
-    return result;
-  }
-
-  VectorXd random(Random& random) const {
-    VectorXd y(size());
-    for (std::size_t i = 0; i < scale_.size(); ++i)
-      y[static_cast<EigenIndex>(i)] = scale_[i] > 0 ? random() : 0;
-    return y.normalized();
-  }
-
-  /// By power steps: at most a fifth too small.
-  double largest(Random& numbers) {
-    VectorXd y = random(numbers);
-    double value = 0;
-    for (unsigned step = 0; step < power_steps; ++step) {
-      y = (*this)(y);
-      value = y.norm();
-      if (!(value > 0)) return 0;
-      y /= value;
-    }
-    return value;
-  }
-
- private:
-  Body& body_;
-  double time_;
-  std::vector<double> scale_, direction_;
-  unsigned products_ = 0;
-};
-
-/// The Ritz values of a subspace with the Gram matrix `gram` and the projected operator
-/// `ritz`, ascending, and its vectors; what is dependent within 1e-10 is left out.
-struct Ritz {
-  VectorXd values;
-  MatrixXd vectors;  ///< columns of coefficients
-
-  Ritz(const MatrixXd& gram, const MatrixXd& ritz) {
-    const VectorXd diagonal = gram.diagonal();
-    VectorXd unit = VectorXd::Zero(diagonal.size());
-    for (EigenIndex i = 0; i < unit.size(); ++i)
-      if (diagonal[i] > 0) unit[i] = 1 / std::sqrt(diagonal[i]);
-    const MatrixXd scaled = unit.asDiagonal() * gram * unit.asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> basis(scaled);
-    EigenIndex first = 0;
-    while (first < unit.size() && !(basis.eigenvalues()[first] > 1e-10)) ++first;
-    const EigenIndex kept = unit.size() - first;
-    if (kept == 0) return;
-    const MatrixXd orthonormal =
-        unit.asDiagonal() * basis.eigenvectors().rightCols(kept) *
-        basis.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
-    const MatrixXd projected = orthonormal.transpose() * ritz * orthonormal;
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver((projected + projected.transpose()) / 2);
-    values = solver.eigenvalues();
-    vectors = orthonormal * solver.eigenvectors();
-  }
-};
-
 /// The coarse space with its Ritz pairs: start vectors, and the smooth part of the
 /// preconditioner.
 class Coarse {
  public:
-  Coarse(Operator& a, const CellComplex& complex, Attributes& attributes, Index nodes,
+  Coarse(ScaledTangent& a, const CellComplex& complex, Attributes& attributes, Index nodes,
          double largest)
       : space_(complex, attributes, a.scale(), nodes) {
     CoarseSpace more = space_;
@@ -162,7 +63,7 @@ class Coarse {
   }
 
   /// All functions of the checkerboards' grid add up to the whole checkerboard.
-  double softest_checkerboard(Operator& a, const CoarseSpace& more) {
+  double softest_checkerboard(ScaledTangent& a, const CoarseSpace& more) {
     rows_ = a.size();
     double softest = std::numeric_limits<double>::infinity();
     for (EigenIndex c = 0; c < 3; ++c) {
@@ -193,7 +94,7 @@ struct Descent {
   MatrixXd x, image, last, last_image;
   VectorXd values;
 
-  void start(MatrixXd vectors, Operator& a) {
+  void start(MatrixXd vectors, ScaledTangent& a) {
     x.resize(vectors.rows(), 0);
     image = x;
     last = image;
@@ -219,7 +120,7 @@ struct Descent {
 };
 
 /// The lowest modes of the coarse space, with a little of everything, and the last motion.
-MatrixXd start_vectors(const Operator& a, const Coarse& coarse, Random& numbers,
+MatrixXd start_vectors(const ScaledTangent& a, const Coarse& coarse, Random& numbers,
                        std::span<const double> last_motion) {
   MatrixXd start(a.size(), block + 1);
   for (EigenIndex i = 0; i < start.cols(); ++i) {
@@ -242,38 +143,14 @@ MatrixXd precondition(const Coarse& coarse, const MatrixXd& residual, double lar
   return direction;
 }
 
-double noise_of(const CellComplex& complex, Attributes& attributes, double largest) {
-  double far = 0;
-  for (Index v = 0; v < attributes.vertex_count(); ++v)
-    for (int c = 0; c < 3; ++c) far = std::max(far, std::abs(attributes.position().get(v, c)));
-  double smallest = std::numeric_limits<double>::infinity();
-  for (Index e = 0; e < complex.element_count(); ++e) {
-    if (!complex.exists(3, e)) continue;
-    const Hexahedron& nodes = complex.vertices_of(e);
-    for (const std::size_t n : {1u, 2u, 4u}) {
-      Vec3 edge;
-      for (int c = 0; c < 3; ++c)
-        edge[static_cast<std::size_t>(c)] =
-            attributes.rest().get(nodes[n], c) - attributes.rest().get(nodes[0], c);
-      smallest = std::min(smallest, std::sqrt(dot(edge, edge)));
-    }
-  }
-  constexpr double epsilon = std::numeric_limits<double>::epsilon();
-  const double strain = smallest > 0 && std::isfinite(smallest) ? far / smallest : 0;
-  return largest * (1e-12 + 8 * epsilon * strain);
-}
-
-void set_shape(LowestMode& mode, const Operator& a, const VectorXd& y) {
-  mode.shape.resize(a.scale().size() / 3);
+/// Scaled so that the longest displacement has length 1.
+std::vector<Vec3> unit_shape(const ScaledTangent& a, const VectorXd& y) {
+  std::vector<Vec3> shape = a.shape(y);
   double longest = 0;
-  for (std::size_t v = 0; v < mode.shape.size(); ++v) {
-    Vec3& u = mode.shape[v];
-    for (std::size_t c = 0; c < 3; ++c)
-      u[c] = a.scale()[3 * v + c] * y[static_cast<EigenIndex>(3 * v + c)];
-    longest = std::max(longest, std::sqrt(dot(u, u)));
-  }
-  for (Vec3& u : mode.shape)
+  for (const Vec3& u : shape) longest = std::max(longest, std::sqrt(dot(u, u)));
+  for (Vec3& u : shape)
     for (double& component : u) component /= longest;
+  return shape;
 }
 
 }  // namespace
@@ -282,11 +159,11 @@ LowestMode find_lowest_mode(Body& body, double time, unsigned products,
                             std::span<const double> last_motion) {
   const CellComplex& complex = body.complex();
   Attributes& attributes = body.attributes();
-  Operator a(body, time);
+  ScaledTangent a(body, time);
   Random numbers;
   LowestMode mode;
   const double largest = a.largest(numbers);
-  mode.noise = noise_of(complex, attributes, largest);
+  mode.noise = a.noise(largest);
   const Coarse coarse(a, complex, attributes, std::clamp<Index>(products / 6, 8, 100), largest);
 
   Descent descent;
@@ -306,7 +183,7 @@ LowestMode find_lowest_mode(Body& body, double time, unsigned products,
   const VectorXd y = descent.x.col(0).normalized();
   mode.eigenvalue = y.dot(a(y));
   mode.products = a.products();
-  set_shape(mode, a, y);
+  mode.shape = unit_shape(a, y);
   return mode;
 }
 

@@ -35,8 +35,7 @@ struct LowestMode {
 /// a factorisation could prove that none is negative; the descent ends when the residual is below a
 /// fifth of the value, or after the allowed number of products.
 ///
-/// Rounding: products are exact to eps lambda_max, and positions rounded by eps |x| change
-/// strains by eps |x| / h; noise = lambda_max (1e-12 + 8 eps |x| / h).
+/// For the effect of rounding, see ScaledTangent::noise().
 ///
 /// Cost: at most `products`, about half of them for the coarse space. Memory: 18 vectors of
 /// 24 B per vertex. Needs body.models().has_tangent().

@@ -11,7 +11,9 @@
 #include <random>
 
 #include "kernel/base/error.hpp"
+#include "kernel/dynamics/natural_modes.hpp"
 #include "kernel/scene/built_scene.hpp"
+#include "tests/reference/beam.hpp"
 #include "tests/run/beam.hpp"
 
 namespace suture::test {
@@ -241,6 +243,147 @@ TEST(Column, BucklesAfterAKick) {
   EXPECT_EQ(result.summary.outcome, RunSummary::Outcome::at_rest) << result.warnings;
   EXPECT_GT(*result.summary.lowest_eigenvalue, 0);
   EXPECT_GT(result.deflection, 0.3) << "m";
+}
+
+// ------------------------------------------------------------- natural modes --
+
+std::vector<double> frequencies(const NaturalModes& found) {
+  std::vector<double> result;
+  for (const NaturalMode& mode : found.modes) result.push_back(mode.frequency());
+  return result;
+}
+
+/// A built scene at rest.
+struct AtRest {
+  explicit AtRest(const Scene& scene) : built(scene, diagnostics) { built.dynamics().start(); }
+  NaturalModes modes(unsigned count) { return find_natural_modes(built.body(), 0, count); }
+  Diagnostics diagnostics;
+  BuiltScene built;
+};
+
+Scene free_beam(const std::string& model, Index nx, Index n) {
+  Scene scene = beam(host(), model, nx, n, 0);
+  scene.constraints.clear();
+  return scene;
+}
+
+class CaseF : public testing::TestWithParam<reference::ModalBeam> {};
+INSTANTIATE_TEST_SUITE_P(Beams, CaseF, testing::ValuesIn(reference::modal_beams),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+TEST_P(CaseF, FrequenciesAreThoseOfAnIndependentProgram) {
+  const reference::ModalBeam& expected = GetParam();
+  AtRest beam_at_rest(beam(host(), "tm-faure", static_cast<Index>(expected.cells_x),
+                           static_cast<Index>(expected.cells_y), 0));
+  const std::vector<double> found = frequencies(beam_at_rest.modes(8));
+  for (std::size_t i = 0; i < 8; ++i)
+    EXPECT_NEAR(found[i] / expected.frequencies[i], 1, 1e-7) << "mode " << i + 1;
+}
+
+// A chain of n equal masses, the last one half, and springs: K u = w^2 M u is solved by
+// u = sin(k x), k = (2j - 1) pi / (2 L), w = 2 c / h sin(k h / 2), c^2 = (lambda + 2 mu) / rho.
+TEST(NaturalModes, OfAConfinedBarHaveAClosedForm) {
+  const Index n = 20;
+  Scene scene = beam(host(), "tm-faure", n, 1, 0);
+  scene.mesh.box->size = {1, 0.02, 0.02};
+  Constraint confined = scene.constraints[0];
+  confined.where.what = Selection::InBox{{-1, -1, -1}, {2, 2, 2}};
+  confined.components = 6;
+  scene.constraints.push_back(confined);
+  AtRest bar(scene);
+  const NaturalModes found = bar.modes(5);
+  const double nu = 0.3, speed = std::sqrt(400 * (1 - nu) / ((1 + nu) * (1 - 2 * nu)));
+  for (std::size_t j = 0; j < 5; ++j) {
+    const double k = (2.0 * static_cast<double>(j) + 1) * std::numbers::pi / 2;
+    EXPECT_NEAR(std::sqrt(found.modes[j].eigenvalue) / (2 * speed * n * std::sin(k / (2 * n))), 1,
+                1e-8)
+        << j;
+  }
+  const std::vector<Vec3>& shape = found.modes[0].shape;
+  const Column& rest = bar.built.body().attributes().rest();
+  for (Index v = 0; v < shape.size(); ++v)
+    EXPECT_NEAR(shape[v][0], std::sin(rest.get(v, 0) * std::numbers::pi / 2), 1e-3) << v;
+}
+
+// Free springs have mechanisms besides the rigid motions.
+TEST(NaturalModes, OfAFreeBodyBeginWithZeroes) {
+  for (const char* model : {"tm-faure", "mss-baudet"}) {
+    AtRest body(free_beam(model, 8, 3));
+    const Eigen::VectorXd expected = eigenvalues(body.built);
+    const auto zeroes = (expected.array() < 1e-9 * expected.maxCoeff()).count();
+    EXPECT_EQ(zeroes == 6, std::string(model) == "tm-faure") << zeroes;
+    const NaturalModes found = body.modes(static_cast<unsigned>(zeroes) + 6);
+    for (Eigen::Index i = 0; i < zeroes + 6; ++i) {
+      const NaturalMode& mode = found.modes[static_cast<std::size_t>(i)];
+      EXPECT_EQ(mode.kind == NaturalMode::Kind::zero, i < zeroes) << model << mode.eigenvalue;
+      if (i < zeroes) continue;
+      EXPECT_NEAR(mode.eigenvalue / expected[i], 1, 1e-6) << model;
+    }
+  }
+}
+
+struct Notch {
+  const char* name;
+  double depth;    ///< of the cut at half the length
+  double squeeze;  ///< stretch along x
+  std::ptrdiff_t zero;
+};
+
+class NotchedBeam : public testing::TestWithParam<Notch> {};
+INSTANTIATE_TEST_SUITE_P(States, NotchedBeam,
+                         testing::Values(Notch{"Whole", 0, 1, 0}, Notch{"Slit", 0.15, 1, 0},
+                                         Notch{"CutInTwo", 1, 1, 6},
+                                         Notch{"SqueezedALittle", 0.15, 0.97, 0},
+                                         Notch{"Squeezed", 0.15, 0.8, 0}),
+                         [](const auto& notch) { return std::string(notch.param.name); });
+
+/// Cuts the beam of n x ... elements in the middle down to `depth`.
+void cut_in_the_middle(BuiltScene& w, double depth) {
+  const CellComplex& complex = w.body().complex();
+  const auto centre = [&](Index e, int c) {
+    double sum = 0;
+    for (const Index v : complex.vertices_of(e)) sum += w.body().attributes().rest().get(v, c) / 8;
+    return sum;
+  };
+  std::vector<Dart> faces;
+  for (Index e = 0; e < complex.element_count(); ++e)
+    for (int f = 0; f < 6; ++f)
+      if (const Index other = complex.neighbour(e, f);
+          other != none && centre(e, 0) < 0.5 && centre(other, 0) > 0.5 && centre(e, 1) < depth)
+        faces.push_back(24 * e + 4 * static_cast<Dart>(f));
+  if (!faces.empty()) w.body().cut(faces);
+}
+
+TEST_P(NotchedBeam, HasTheModesOfADenseSolver) {
+  AtRest body(beam(host(), "tm-faure", 8, 3, 0));
+  cut_in_the_middle(body.built, GetParam().depth);
+  deform(body.built, [](const Vec3& x) { return Vec3{x[0] * GetParam().squeeze, x[1], x[2]}; });
+  const Eigen::VectorXd expected = eigenvalues(body.built);
+  const NaturalModes found = body.modes(10);
+  using Kind = NaturalMode::Kind;
+  EXPECT_EQ(std::ranges::count(found.modes, Kind::zero, &NaturalMode::kind), GetParam().zero);
+  const auto unstable = (expected.head(10).array() < -1e-9 * expected.maxCoeff()).count();
+  EXPECT_EQ(unstable > 0, GetParam().squeeze < 1);
+  EXPECT_EQ(std::ranges::count(found.modes, Kind::unstable, &NaturalMode::kind), unstable);
+  for (std::size_t i = 0; i < 10; ++i) {
+    const NaturalMode& mode = found.modes[i];
+    if (mode.kind != Kind::zero) {
+      EXPECT_NEAR(mode.eigenvalue / expected[static_cast<Eigen::Index>(i)], 1, 1e-6) << i;
+    }
+    double largest = 0;
+    for (const Vec3& u : mode.shape)
+      for (const double component : u)
+        if (std::abs(component) > std::abs(largest)) largest = component;
+    EXPECT_DOUBLE_EQ(largest, 1);
+  }
+}
+
+TEST(NaturalModes, CanBeAllOfThem) {
+  AtRest body(free_beam("tm-faure", 1, 1));
+  const Eigen::VectorXd expected = eigenvalues(body.built);
+  const NaturalModes found = body.modes(24);
+  for (std::size_t i = 6; i < 24; ++i)
+    EXPECT_NEAR(found.modes[i].eigenvalue / expected[static_cast<Eigen::Index>(i)], 1, 1e-8);
 }
 
 }  // namespace

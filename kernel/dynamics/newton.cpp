@@ -37,6 +37,11 @@ void Newton::set_matrix(const StepEquations& equations) {
     choice_ = choose_preconditioner(body.complex(), body.attributes(), matrix_);
 }
 
+std::string Newton::preconditioner() const {
+  const std::string name = choice_.preconditioner->name();
+  return choice_.preconditioner->shift() > 0 ? name + ", its diagonal raised" : name;
+}
+
 std::string Newton::describe_solver(const StepEquations& equations) {
   set_matrix(equations);
   return preconditioner() + ' ' + choice_.reason;

@@ -73,8 +73,9 @@ class Newton {
 
   /// The preconditioner for these equations and why: "multigrid for 4000 elements".
   std::string describe_solver(const StepEquations& equations);
-  /// The name of the current preconditioner.
-  std::string preconditioner() const { return choice_.preconditioner->name(); }
+  /// The name of the current preconditioner, and whether it had to be changed to be positive
+  /// definite.
+  std::string preconditioner() const;
 
  private:
   void forget() { choice_ = {}, is_built_ = false; }

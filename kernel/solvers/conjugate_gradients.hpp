@@ -33,9 +33,6 @@ class ConjugateGradients {
                     std::span<const double> b, std::span<double> x, double tolerance,
                     unsigned max_iterations);
 
-  /// The direction of the last solve that ended as indefinite, with d.Ad <= 0.
-  std::span<const double> negative_direction() const { return d_; }
-
  private:
   std::vector<double> r_, z_, d_, q_;
 };

@@ -16,7 +16,6 @@ class Direct final : public Preconditioner {
 
   std::string name() const override { return "direct"; }
   std::size_t bytes() const override { return factor_.bytes(); }
-  void forget() override { pattern_ = {}; }
   double shift() const override { return factor_.shift(); }
 
   void build(const TangentMatrix& a) override {

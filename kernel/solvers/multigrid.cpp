@@ -30,11 +30,6 @@ class Multigrid final : public Preconditioner {
   double shift() const override { return direct_ ? direct_->shift() : coarsest_.shift(); }
   std::size_t bytes() const override;
 
-  void forget() override {
-    levels_.clear();
-    direct_.reset();
-  }
-
   void build(const TangentMatrix& a) override {
     const bool is_new = levels_.empty();
     if (is_new) make(a);

@@ -20,8 +20,8 @@ struct MultigridOptions {
 /// factored.
 ///
 /// Memory: 350 B per element on grids, up to 1.7 kB elsewhere; twice that during build(). The
-/// results depend on the matrix of the first build() after forget() or construction, and of the
-/// last one, which is read in every apply().
+/// results depend on the matrix of the first build(), and of the last one, which is
+/// read in every apply().
 std::unique_ptr<Preconditioner> make_multigrid(const CellComplex& complex, Attributes& attributes,
                                                const MultigridOptions& options = {});
 

@@ -7,7 +7,8 @@
 
 namespace suture {
 
-/// An approximate inverse of a tangent matrix: symmetric and positive definite.
+/// An approximate inverse of a tangent matrix: symmetric and positive definite. It belongs to the
+/// cells and the free components of its first build(): where these change, make another one.
 class Preconditioner {
  public:
   virtual ~Preconditioner() = default;
@@ -22,8 +23,6 @@ class Preconditioner {
   virtual void apply(const double* r, double* z) const = 0;
   /// Memory that it holds after build().
   virtual std::size_t bytes() const = 0;
-  /// Cells, or the free components, have changed: the next build() starts anew.
-  virtual void forget() {}
 };
 
 }  // namespace suture

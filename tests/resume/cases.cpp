@@ -60,11 +60,12 @@ Kind tried(const Family& family) {
 }  // namespace
 
 void add_output(Json& scene, Random& random) {
-  std::vector<std::string> fields{"displacement", "velocity", "force",   "reaction",
-                                  "mass",         "fixed",    "node_id", "element_id",
-                                  "island",       "hourglass"};
+  std::vector<std::string> fields{"displacement", "velocity",  "force",           "reaction",
+                                  "mass",         "fixed",     "node_id",         "element_id",
+                                  "island",       "hourglass", "principal_strain"};
   const bool springs = uses(scene, "mss-baudet");
-  if (uses(scene, "tm-faure") && !springs) fields.insert(fields.end(), {"stress", "von_mises"});
+  if (uses(scene, "tm-faure") && !springs)
+    fields.insert(fields.end(), {"stress", "von_mises", "nodal_stress"});
   std::erase_if(fields, [&](const std::string& field) {
     return field != "displacement" && random.chance(0.6);
   });

@@ -109,6 +109,7 @@ void Newton::set_remaining(double time) {
     remaining_[i] = x[row] - start_[row];
     x[row] = start_[row];
   }
+  is_moving_ = std::ranges::any_of(remaining_, [](double d) { return d != 0; });
 }
 
 // ---------------------------------------------------------------- directions --
@@ -118,7 +119,7 @@ LinearSolve Newton::find_direction(const StepEquations& equations, double tolera
   set_matrix(equations);
   if (!is_built_) choice_.preconditioner->build(matrix_);
   std::vector<double> right = residual_;
-  if (std::ranges::any_of(remaining_, [](double d) { return d != 0; })) {
+  if (is_moving_) {
     matrix_.apply(remaining_.data(), right.data());
     for (std::size_t i = 0; i < right.size(); ++i) right[i] = residual_[i] - right[i];
   }
@@ -144,9 +145,10 @@ bool Newton::try_step(const StepEquations& equations, double step, double& slope
   return std::isfinite(slope);
 }
 
-/// A step at which the slope of the energy along the direction is small; the vertices are moved by
-/// it, and the residual is that there.
-Newton::Search Newton::search(const StepEquations& equations) {
+/// A step at which the slope of the energy along the direction is small, or 0 if there is none; the
+/// vertices are moved by it, and the residual is that there. While prescribed vertices move, the
+/// energy need not decrease: then any step at which the forces exist will do.
+double Newton::search(const StepEquations& equations) {
   const double first = dot(residual_, direction_);
   double low = 0, low_slope = first, high = 0, high_slope = 0, step = 1;
   for (unsigned trial = 0; trial < max_trials; ++trial) {
@@ -157,8 +159,8 @@ Newton::Search Newton::search(const StepEquations& equations) {
       step = low + (high - low) / 4;
       continue;
     }
-    if (std::abs(slope) <= slope_left * std::abs(first) || (slope > 0 && high == 0))
-      return {step, true};
+    const bool is_flat = std::abs(slope) <= slope_left * std::abs(first);
+    if (is_moving_ || is_flat || (slope > 0 && high == 0)) return step;
     if (slope > 0) {
       low = step;
       low_slope = slope;
@@ -170,7 +172,7 @@ Newton::Search Newton::search(const StepEquations& equations) {
         high_slope < 0 ? low_slope / (low_slope - high_slope) : 0.25;  // of the interval
     step = low + (high - low) * std::clamp(secant, 0.1, 0.9);
   }
-  return {};
+  return 0;
 }
 
 // -------------------------------------------------------------------- solve --
@@ -180,37 +182,44 @@ Newton::Result Newton::solve(const StepEquations& equations) {
   matrix_.set(equations.time);  // what is free
   for (auto* vector : {&residual_, &direction_, &remaining_}) vector->assign(matrix_.size(), 0);
   Result result;
-  double last = 0, forcing = first_forcing;
+  result.residual = evaluate(equations);
+  double last = 0;
   for (;; ++result.iterations) {
-    set_remaining(equations.time);
-    const bool arrived = std::ranges::all_of(remaining_, [](double d) { return d == 0; });
-    if (result.iterations == 0) result.residual = evaluate(equations);
     result.scale = scale_;
     if (!std::isfinite(result.residual)) refuse(equations, result, "the forces are not finite");
-    const double target = options_.tolerance * scale_;
-    if (arrived && result.residual <= target) return result;
-    const bool stalls = result.iterations > 1 && arrived && result.residual > 0.3 * last;
-    if (stalls && result.residual <= 4 * noise(equations)) {
-      result.limited_by_rounding = true;
-      return result;
-    }
+    if (is_solved(equations, result, last)) return result;
     if (result.iterations == options_.max_iterations)
       refuse(equations, result, "the allowed number of iterations was not enough");
-    if (result.iterations > 0) {
-      const double gain = result.residual / last;
-      forcing = std::clamp(std::max(0.9 * gain * gain, 0.3 * target / result.residual),
-                           least_forcing, first_forcing);
-    }
-    const LinearSolve solve = find_direction(equations, forcing);
-    result.linear_iterations += solve.iterations;
+    const LinearSolve solve = find_direction(equations, forcing(result, last));
+    const double step = search(equations);
+    if (step == 0) refuse(equations, result, "no step along the direction of Newton helps");
     last = result.residual;
-    const Search search = this->search(equations);
-    if (!search.found) refuse(equations, result, "no step along the direction of Newton helps");
     result.residual = norm(residual_);
+    result.linear_iterations += solve.iterations;
     if (on_iteration)
-      on_iteration({result.iterations + 1, solve.iterations, result.residual, scale_, search.step,
+      on_iteration({result.iterations + 1, solve.iterations, result.residual, scale_, step,
                     solve.outcome == LinearSolve::Outcome::indefinite});
   }
+}
+
+/// Also true if the residual no longer decreases for rounding. Updates what prescribed components
+/// still have to move.
+bool Newton::is_solved(const StepEquations& equations, Result& result, double last) {
+  set_remaining(equations.time);
+  if (is_moving_) return false;
+  if (result.residual <= options_.tolerance * scale_) return true;
+  const bool stalls = result.iterations > 1 && result.residual > 0.3 * last;
+  result.limited_by_rounding = stalls && result.residual <= 4 * noise(equations);
+  limited_steps_ += result.limited_by_rounding;
+  return result.limited_by_rounding;
+}
+
+/// The tolerance of a linear solve: smaller, the better the last iteration was.
+double Newton::forcing(const Result& result, double last) const {
+  if (result.iterations == 0) return first_forcing;
+  const double gain = result.residual / last, target = options_.tolerance * scale_;
+  return std::clamp(std::max(0.9 * gain * gain, 0.3 * target / result.residual), least_forcing,
+                    first_forcing);
 }
 
 bool Newton::is_indefinite(double time) {
@@ -222,6 +231,7 @@ bool Newton::is_indefinite(double time) {
   for (double& r : residual_) r = value(random);
   matrix_.restrict(residual_);
   std::ranges::fill(remaining_, 0.0);
+  is_moving_ = false;
   return find_direction(equations, 1e-6).outcome == LinearSolve::Outcome::indefinite;
 }
 

@@ -58,6 +58,9 @@ class Newton {
   /// then. One evaluation of the forces per iteration and trial step, and the linear solves.
   Result solve(const StepEquations& equations);
 
+  /// The number of solves that rounding kept above the tolerance.
+  unsigned limited_steps() const { return limited_steps_; }
+
   /// Whether the tangent at the current state is indefinite: the equilibrium is unstable. Found by
   /// a linear solve with a random right-hand side (fixed seed), in which every mode takes part; its
   /// Lanczos process finds an isolated negative eigenvalue first. Costs as much as one iteration.
@@ -79,16 +82,14 @@ class Newton {
 
  private:
   void forget() { choice_ = {}, is_built_ = false; }
-  struct Search {
-    double step = 0;     ///< along the direction
-    bool found = false;  ///< false: no step lowers the energy
-  };
   void set_matrix(const StepEquations& equations);
   double evaluate(const StepEquations& equations);
   void move(double step);
   void set_remaining(double time);
   LinearSolve find_direction(const StepEquations& equations, double tolerance);
-  Search search(const StepEquations& equations);
+  double search(const StepEquations& equations);
+  bool is_solved(const StepEquations& equations, Result& result, double last);
+  double forcing(const Result& result, double last) const;
   bool try_step(const StepEquations& equations, double step, double& slope);
   double noise(const StepEquations& equations);
   [[noreturn]] void refuse(const StepEquations& equations, const Result& result,
@@ -100,6 +101,8 @@ class Newton {
   PreconditionerChoice choice_;  ///< none yet after forget()
   ConjugateGradients linear_;
   bool is_built_ = false;
+  bool is_moving_ = false;  ///< prescribed components have not arrived
+  unsigned limited_steps_ = 0;
   unsigned built_iterations_ = 0;  ///< of the first solve after it was built
   double scale_ = 0;
   // 3 numbers per vertex:

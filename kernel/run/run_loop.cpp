@@ -260,6 +260,17 @@ RunSummary RunLoop::run(Observer& observer) {
   return summary_;
 }
 
+/// Of implicit steps; "" if all reached the tolerance.
+std::string RunLoop::rounding_warning() {
+  const Newton* newton = built_.dynamics().newton();
+  if (!newton || newton->limited_steps() == 0) return "";
+  std::ostringstream text;
+  text << "rounding kept the residual of " << newton->limited_steps()
+       << (newton->limited_steps() == 1 ? " step" : " steps") << " above the tolerance of "
+       << scene_.solver.step_tolerance << " of the forces: no more digits can be had";
+  return text.str();
+}
+
 void RunLoop::finish(Observer& observer) {
   // If the run was interrupted, the run that continues it reports what is gathered.
   if (summary_.outcome != RunSummary::Outcome::interrupted)
@@ -275,6 +286,7 @@ void RunLoop::finish(Observer& observer) {
     records_.finish(control_.last_dt());
   }
   if (const std::string text = control_.balance_warning(); !text.empty()) diagnostics_.warn(text);
+  if (const std::string text = rounding_warning(); !text.empty()) diagnostics_.warn(text);
   checkpoints_.finish();
   if (summary_.outcome == RunSummary::Outcome::interrupted && checkpoints_.is_enabled())
     observer.on_message("resume with: suture run --resume " + checkpoints_.newest());

@@ -24,6 +24,7 @@ class RunLoop {
 
   /// Runs until `until`, or to the end of the scene.
   void require_held_bodies();
+  std::string rounding_warning();
   void watch_newton(Observer& observer);
   void loop(std::optional<double> until, Observer& observer);
   RunSummary run(Observer& observer);

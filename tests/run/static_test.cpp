@@ -137,6 +137,38 @@ TEST(Static, AStraightColumnAboveItsEulerLoadIsReportedAsUnstable) {
   }
 }
 
+// No residual is that small: the state is accepted, and the run says so.
+TEST(Static, AToleranceBelowRoundingIsReported) {
+  Scene scene = equilibrium(beam(host(), "tm-faure", 8, 2, 9.8));
+  scene.solver.step_tolerance = 1e-17;
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Observer nobody;
+  EXPECT_EQ(simulation.run(nobody).outcome, RunSummary::Outcome::finished);
+  ASSERT_EQ(diagnostics.warnings().size(), 1u);
+  EXPECT_THAT(diagnostics.warnings()[0],
+              testing::HasSubstr("rounding kept the residual of 1 step"));
+}
+
+// Half a turn of the end in one step would crush what is beside it; the bar follows as a whole.
+TEST(Static, ALargeRotationOfTheEndIsFollowedInFewSteps) {
+  Scene scene = equilibrium(beam(host(), "tm-faure", 8, 2, 0), 6);
+  Constraint turned;
+  turned.where.what = Selection::InBox{{0.999, -1, -1}, {1.001, 1, 1}};
+  turned.axis = {1, 0, 0};
+  turned.centre = {1, 0.125, 0.125};
+  turned.angle = std::numbers::pi;
+  turned.moves = true;
+  turned.ramp = {0, 1, false};
+  scene.constraints.push_back(turned);
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Counted observer;
+  simulation.run(observer);
+  EXPECT_EQ(observer.messages, std::vector<std::string>{}) << "no step was divided";
+  EXPECT_LE(observer.iterations, 6 * 10);
+}
+
 TEST(Static, ABodyThatNothingHoldsIsRefused) {
   Scene scene = equilibrium(beam(host(), "tm-faure", 4, 2, 9.8));
   scene.constraints.clear();

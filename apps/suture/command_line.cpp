@@ -27,16 +27,30 @@ std::string version_text() {
          std::to_string(SUTURE_ABI_MINOR) + ", instruction set " + (isa.empty() ? "base" : isa);
 }
 
+/// A whole number from `least` to `most`; `meaning` explains the smallest one in the message.
 /// Throws CLI::ConversionError.
-std::string thread_count(const std::string& text) {
-  constexpr unsigned most = 1024;
+unsigned whole_number(const std::string& option, const std::string& text, unsigned least,
+                      unsigned most, const std::string& meaning = "") {
   unsigned n = 0;
   const char* const end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, n);
-  if (error != std::errc() || stop != end || n > most)
-    throw CLI::ConversionError("--threads must be a whole number from 0 (as many as pay) to " +
-                               std::to_string(most) + ", is " + quote(text));
-  return std::to_string(n);
+  if (error != std::errc() || stop != end || n < least || n > most)
+    throw CLI::ConversionError(option + " must be a whole number from " + std::to_string(least) +
+                               meaning + " to " + std::to_string(most) + ", is " + quote(text));
+  return n;
+}
+
+std::string thread_count(const std::string& text) {
+  return std::to_string(whole_number("--threads", text, 0, 1024, " (as many as pay)"));
+}
+
+/// Throws CLI::ConversionError.
+bool is_equilibrium(const std::string& text) {
+  const std::vector<std::string> states{"rest", "equilibrium"};
+  if (text != states[0] && text != states[1])
+    throw CLI::ConversionError("--at must be rest or equilibrium, is " + quote(text) +
+                               did_you_mean(text, states));
+  return text == states[1];
 }
 
 CLI::Option* add_scene(CLI::App& app, std::filesystem::path& scene,
@@ -79,6 +93,7 @@ struct Parser {
   CheckCommand check;
   ExplainCommand explain;
   ReplayCommand replay;
+  ModesCommand modes;
   DescribeCommand describe;
   MeshInfoCommand info;
   MeshConvertCommand convert;
@@ -137,11 +152,36 @@ struct Parser {
     add_skip(*explain_app, explain.skip);
     explain_app->callback([this] { line.command = explain; });
 
+    add_modes(*app.add_subcommand("modes", "find natural frequencies and mode shapes"));
+
     auto* replay_app = app.add_subcommand(
         "replay",
         "replay the operations of a journal on its mesh, checking the map after each one");
     replay_app->add_option("journal", replay.journal, "journal file")->required();
     replay_app->callback([this] { line.command = replay; });
+  }
+
+  void add_modes(CLI::App& sub) {
+    add_scene(sub, modes.scene, modes.sets);
+    sub.add_option_function<std::string>(
+           "--count",
+           [this](const std::string& n) { modes.count = whole_number("--count", n, 1, 10000); },
+           "number of modes, the lowest first; default 10")
+        ->type_name("N");
+    sub.add_option_function<std::string>(
+           "--at", [this](const std::string& at) { modes.at_equilibrium = is_equilibrium(at); },
+           "the state about which the body vibrates: rest (default), or the static equilibrium at "
+           "the end of the scene")
+        ->type_name("rest|equilibrium");
+    sub.add_option_function<std::string>(
+           "-o,--output",
+           [this](const std::string& d) {
+             modes.sets.push_back("/output/directory=" + d);
+             modes.names_folder = true;
+           },
+           "folder of the results; default: modes in the output folder of the scene")
+        ->type_name("DIR");
+    sub.callback([this] { line.command = modes; });
   }
 
   void add_model_commands() {

@@ -29,6 +29,12 @@ struct ExplainCommand {
 struct ReplayCommand {
   std::filesystem::path journal;
 };
+struct ModesCommand {
+  std::filesystem::path scene;
+  std::vector<std::string> sets;
+  unsigned count = 10;
+  bool at_equilibrium = false, names_folder = false;
+};
 struct ModelsCommand {};
 struct DescribeCommand {
   std::string model;
@@ -59,7 +65,7 @@ struct TextCommand {
 
 struct CommandLine {
   bool quiet = false, verbose = false;
-  std::variant<RunCommand, CheckCommand, ExplainCommand, ReplayCommand, ModelsCommand,
+  std::variant<RunCommand, CheckCommand, ExplainCommand, ReplayCommand, ModesCommand, ModelsCommand,
                DescribeCommand, MeshInfoCommand, MeshConvertCommand, MeshBoxCommand,
                MeshVoxelizeCommand, TextCommand>
       command;

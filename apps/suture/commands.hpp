@@ -19,6 +19,7 @@ PluginHost::Trust trust_of(const Command& command) {
 int run(const RunCommand& command, Console& console);
 int check(const CheckCommand& command, Console& console);
 int explain(const ExplainCommand& command, Console& console);
+int modes(const ModesCommand& command, Console& console);
 int models(const ModelsCommand& command, Console& console);
 int replay(const ReplayCommand& command, Console& console);
 int describe(const DescribeCommand& command, Console& console);

@@ -17,6 +17,7 @@ struct Dispatch {
   int operator()(const CheckCommand& command) const { return check(command, console); }
   int operator()(const ExplainCommand& command) const { return explain(command, console); }
   int operator()(const ReplayCommand& command) const { return replay(command, console); }
+  int operator()(const ModesCommand& command) const { return modes(command, console); }
   int operator()(const ModelsCommand& command) const { return models(command, console); }
   int operator()(const DescribeCommand& command) const { return describe(command, console); }
   int operator()(const MeshInfoCommand& command) const { return mesh_info(command, console); }

@@ -36,7 +36,7 @@ void on_signal(int number) {
     interrupt_plugin_calls();
     return;
   }
-  put("suture: stopped before the first step; nothing was written\n");
+  put("suture: stopped; nothing was written\n");
   if (plugin_thread.present != nullptr) {
     char call[2048];
     describe(*plugin_thread.present, call, sizeof call);

@@ -3,45 +3,10 @@
 
 #include <algorithm>
 
-#include "kernel/run/displayed_ids.hpp"
+#include "kernel/run/frame_parts.hpp"
 #include "kernel/vtk/vtk_module.hpp"
 
 namespace suture {
-namespace {
-
-FrameWriterOptions writer_options(const OutputOptions& options,
-                                  const std::shared_ptr<OutputFolder>& folder) {
-  FrameWriterOptions result;
-  result.folder = folder;
-  switch (options.compression) {
-    case OutputOptions::Compression::off:
-      result.compression = FrameWriterOptions::Compression::raw;
-      break;
-    case OutputOptions::Compression::lz4:
-      result.compression = FrameWriterOptions::Compression::lz4;
-      break;
-    case OutputOptions::Compression::zlib:
-      result.compression = FrameWriterOptions::Compression::zlib;
-      break;
-  }
-  return result;
-}
-
-void copy_points(BuiltScene& built, std::vector<Vec3>& points) {
-  const Column& x = built.body().attributes().position();
-  const double* row = x.rows();
-  points.resize(x.size());
-  for (Vec3& p : points) {
-    p = built.frame().in_scene({row[0], row[1], row[2]});
-    row += x.stride();
-  }
-}
-
-bool has_holes(const CellComplex& complex) {
-  return complex.existing(0) < complex.count(0) || complex.existing(3) < complex.count(3);
-}
-
-}  // namespace
 
 Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& events,
                    std::string provenance, std::shared_ptr<OutputFolder> folder)
@@ -54,12 +19,12 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& eve
   frames_run_functors_ =
       std::any_of(fields_.begin(), fields_.end(), [](const auto& f) { return f.runs_functors; });
   other_fields_ = fields_besides(built, fields_);
-  frames_ = std::make_unique<FrameWriter>(writer_options(options, folder_));
-  mode_options_ = writer_options(options, folder_);
+  frames_ = std::make_unique<FrameWriter>(frame_options(options, folder_));
+  mode_options_ = frame_options(options, folder_);
   mode_options_.prefix = mode_options_.collection = "mode";
   sides_ = side_series(options, fields_, built, events);
   for (SideSeries& side : sides_) {
-    FrameWriterOptions writer = writer_options(options, folder_);
+    FrameWriterOptions writer = frame_options(options, folder_);
     writer.prefix = writer.collection = side.name;
     side.writer = std::make_unique<FrameWriter>(writer);
   }
@@ -81,9 +46,7 @@ void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity,
                           const std::vector<Vec3>* mode) {
   frame.number = frame_number_;
   frame.time = time;
-  copy_points(built_, frame.points);
-  const auto hexahedra = built_.body().complex().vertices();
-  frame.hexahedra.assign(hexahedra.begin(), hexahedra.end());
+  set_geometry(frame, built_);
   fill_fields(fields_, FieldChoice::On::points, built_, gravity, time, frame.point_fields);
   fill_fields(fields_, FieldChoice::On::cells, built_, gravity, time, frame.cell_fields);
   if (mode != nullptr) {
@@ -93,8 +56,7 @@ void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity,
     for (const Vec3& u : *mode) field.values.insert(field.values.end(), u.begin(), u.end());
   }
   frame.field_data_provenance = provenance_;
-  if (has_holes(built_.body().complex()))
-    leave_out_holes(frame, DisplayedIds::of(built_.body().complex()));
+  drop_holes(frame, built_.body().complex());
 }
 
 void Recorder::frame(std::uint64_t step, double time, const Vec3& gravity) {

@@ -7,6 +7,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/heap.hpp"
 #include "kernel/dynamics/newton.hpp"
+#include "kernel/run/frame_parts.hpp"
 #include "kernel/run/free_bodies.hpp"
 #include "kernel/run/hourglass_watch.hpp"
 
@@ -35,19 +36,6 @@ std::vector<double> stops_of(const Scene& scene) {
 Clock clock_of(const Scene& scene) {
   return {scene.solver.dt, stops_of(scene), scene.output.enabled ? scene.output.every : 0,
           scene.solver.end};
-}
-
-std::string provenance_of(const Scene& scene, PluginHost& host, const BuiltScene& built) {
-  std::ostringstream text;
-  text << "suture " SUTURE_VERSION "; scene " << scene.file.filename().string() << ' ' << scene.hash
-       << "; mesh " << built.mesh_source() << ';';
-  for (const ModelUse& use : scene.models) {
-    const suture_plugin& plugin = host.plugin_of(*use.model);
-    text << ' ' << use.model->id << " (" << plugin.id << ' ' << plugin.version << ", "
-         << host.file_of(*use.model).filename().string() << ");";
-  }
-  text << ' ' << built.body().models().isa();
-  return text.str();
 }
 
 void report_events(const std::vector<std::string>& lines, Observer& observer) {

@@ -280,5 +280,30 @@ TEST_F(BadScenes, OverlappingModelsShareElementsAndGapsAreReported) {
   EXPECT_EQ(gap.code, 3) << gap;
 }
 
+TEST_F(BadScenes, ModesThatDoNotExist) {
+  const std::string plugin = std::string(R"(, "plugins": [")") + TEST_PLUGINS + R"(/mistakes.so"])";
+  struct Case {
+    std::string more;
+    std::vector<std::string> arguments;
+    std::string words;
+  };
+  const Case cases[] = {
+      {"", {"--count", "82"}, "the body has 81 free components"},
+      {R"(, "constraints": [{"fix": "xyz", "where": "all"}])", {}, "every node is prescribed"},
+      {R"(, "gravity": [0, -1, 0])", {"--at", "equilibrium"}, "constrain it, or use --at rest"},
+      {plugin,
+       {"--set", R"(/models/0={"model": "mistakes", "parameters": {"how": "nothing"}})"},
+       "modes need the derivatives of all forces, and "}};
+  for (const Case& bad : cases) {
+    scene("check", bad.more);
+    std::vector<std::string> arguments{"modes", "s.json"};
+    arguments.insert(arguments.end(), bad.arguments.begin(), bad.arguments.end());
+    const Outcome outcome = suture(arguments);
+    EXPECT_EQ(outcome.code, 3) << outcome;
+    EXPECT_TRUE(outcome.says(bad.words)) << outcome;
+    EXPECT_FALSE(std::filesystem::exists(folder() / "out")) << outcome;
+  }
+}
+
 }  // namespace
 }  // namespace suture::testing

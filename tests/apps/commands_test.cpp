@@ -12,7 +12,7 @@ TEST_F(Commands, HelpAndVersionAreNoErrors) {
     const Outcome help = suture({option});
     EXPECT_EQ(help.code, 0) << help;
     for (const char* command :
-         {"run", "check", "explain", "replay", "models", "describe", "mesh"}) {
+         {"run", "check", "explain", "modes", "replay", "models", "describe", "mesh"}) {
       EXPECT_TRUE(help.out.find(command) != std::string::npos) << command << help;
     }
   }
@@ -43,6 +43,10 @@ TEST_F(Commands, WrongUsageNamesWhatWasMeant) {
       {{"run", "s.json", "--threads", "2x"}, "is '2x'"},
       {{"run", "s.json", "--threads", "1025"}, "is '1025'"},
       {{"run", "s.json", "--threads", "99999999999999999999"}, "to 1024"},
+      {{"modes", "s.json", "--count", "0"}, "--count must be a whole number from 1 to 10000"},
+      {{"modes", "s.json", "--count", "ten"}, "is 'ten'"},
+      {{"modes", "s.json", "--at", "equilibrum"}, "did you mean 'equilibrium'"},
+      {{"modes"}, "scene"},
       {{"mesh"}, "subcommand"},
       {{"mesh", "inof", "a.vtu"}, "did you mean 'info'"},
       {{"mesh", "generate", "box", "a.vtu", "--size", "1", "1", "--cells", "1", "1", "1"},

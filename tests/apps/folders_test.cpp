@@ -19,7 +19,8 @@ class Folders : public Program {
   std::map<std::string, std::string> contents(const std::string& name) const {
     std::map<std::string, std::string> files;
     for (const auto& entry : fs::directory_iterator(folder() / name))
-      if (const std::string file = entry.path().filename(); file != ".suture-run")
+      if (const std::string file = entry.path().filename();
+          entry.is_regular_file() && file != ".suture-run")
         files[file] = read(name + "/" + file);
     return files;
   }
@@ -159,6 +160,27 @@ TEST_F(Folders, FramesThatGoDuringTheRunAreMissed) {
   const Outcome ended = finish(child);
   EXPECT_EQ(ended.code, 6) << ended;
   EXPECT_TRUE(ended.says("run.pvd: 1 of its frames")) << ended;
+}
+
+TEST_F(Folders, ModesAreWrittenBesideTheResultsOfARun) {
+  ASSERT_EQ(scene("run", "").code, 0);
+  const auto results = contents("out/s");
+  const auto find = [&](const char* count, const char* out) {
+    return suture({"modes", "s.json", "--count", count, "-o", out});
+  };
+  const Outcome found = suture({"modes", "s.json", "--count", "8"});
+  EXPECT_EQ(found.code, 0) << found;
+  EXPECT_TRUE(found.says("zero: a rigid motion") && found.says("modes.pvd")) << found;
+  EXPECT_EQ(contents("out/s"), results);
+  EXPECT_EQ(contents("out/s/modes").size(), 10u);
+  EXPECT_NE(read("out/s/modes/mode_0008.vtu").find("\"mode\""), std::string::npos);
+  EXPECT_EQ(read("out/s/modes/modes.csv").find("mode,kind,frequency [Hz],omega^2 [1/s^2]"), 0u);
+  EXPECT_EQ(find("7", "here").code, 0);
+  EXPECT_EQ(find("3", "here").code, 0);
+  EXPECT_EQ(contents("here").size(), 5u) << "earlier modes stayed";
+  write("here/notes.vtu", "not a result");
+  EXPECT_EQ(find("2", "here").code, 0);
+  EXPECT_EQ(read("here/notes.vtu"), "not a result");
 }
 
 }  // namespace

@@ -47,6 +47,7 @@ TEST_F(Hints, NameOptionsThatTheParserKnows) {
                                              {"run"},
                                              {"check"},
                                              {"explain"},
+                                             {"modes"},
                                              {"replay"},
                                              {"models"},
                                              {"describe"},

@@ -12,6 +12,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/dynamics/natural_modes.hpp"
+#include "kernel/run/modal_run.hpp"
 #include "kernel/scene/built_scene.hpp"
 #include "tests/reference/beam.hpp"
 #include "tests/run/beam.hpp"
@@ -384,6 +385,24 @@ TEST(NaturalModes, CanBeAllOfThem) {
   const NaturalModes found = body.modes(24);
   for (std::size_t i = 6; i < 24; ++i)
     EXPECT_NEAR(found.modes[i].eigenvalue / expected[static_cast<Eigen::Index>(i)], 1, 1e-8);
+}
+
+// w^2 = w1^2 (1 - p) under the share p of the Euler load, very nearly.
+TEST(NaturalModes, AboutAnEquilibriumSeeItsLoads) {
+  const auto lowest = [](double factor, bool at_equilibrium) {
+    Scene scene = column(10, 2, factor);
+    Diagnostics diagnostics;
+    ModalRun run(scene, host(), diagnostics, {2, at_equilibrium});
+    Observer nobody;
+    const NaturalMode mode = run.solve(nobody).modes[0];
+    EXPECT_EQ(diagnostics.warnings().size(), mode.kind == NaturalMode::Kind::unstable ? 1u : 0u);
+    return mode.eigenvalue;
+  };
+  const double rest = lowest(0.5, false), half = lowest(0.5, true), twice = lowest(2, true);
+  EXPECT_GT(half, 0.4 * rest);
+  EXPECT_LT(half, 0.7 * rest);
+  EXPECT_LT(twice, -0.3 * rest);
+  EXPECT_NEAR((rest - twice) / (rest - half), 4, 0.5);
 }
 
 }  // namespace

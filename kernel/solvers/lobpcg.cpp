@@ -129,7 +129,8 @@ EigenPairs Lobpcg::solve() {
     if (on_iteration && pairs_ > 0)
       on_iteration({result.iterations, converged, values_[0], worst_residual()});
     result.converged = converged == options_.count;
-    if (result.converged || result.iterations == options_.max_iterations) break;
+    const bool can_converge = pairs_ >= options_.count;
+    if (result.converged || !can_converge || result.iterations == options_.max_iterations) break;
     orthogonalise(pairs_, working);
     multiply(pairs_, working);
     improve(pairs_ + working + append_directions(pairs_ + working));

@@ -47,7 +47,8 @@ struct EigenPairs {
 /// means an eigenvalue to about 1e-8. Pairs that are zero converge when that error is below `zero`.
 ///
 /// `start`: approximations, one column per pair and some more as guards; at most as many as there
-/// are unknowns. Memory: 10 times `start`. Deterministic.
+/// are unknowns. Columns that depend on others are left out; if fewer than `count` remain, the
+/// result is not converged. Memory: 10 times `start`. Deterministic.
 class Lobpcg {
  public:
   Lobpcg(EigenProblem& problem, const EigenOptions& options, const Eigen::MatrixXd& start);

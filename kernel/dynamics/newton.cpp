@@ -18,6 +18,8 @@ constexpr unsigned max_trials = 12;
 // Forcing terms of the linear solves.
 constexpr double first_forcing = 0.1, least_forcing = 1e-3;
 constexpr unsigned max_linear_iterations = 5000;
+// With the preconditioner of an earlier iteration, which may be useless after a large step.
+constexpr unsigned max_reused_iterations = 20;
 
 double norm(std::span<const double> v) { return std::sqrt(dot(v, v)); }
 
@@ -117,20 +119,30 @@ void Newton::set_remaining(double time) {
 /// Solves A d = r - A d_p with d = d_p on prescribed components.
 LinearSolve Newton::find_direction(const StepEquations& equations, double tolerance) {
   set_matrix(equations);
-  if (!is_built_) choice_.preconditioner->build(matrix_);
   std::vector<double> right = residual_;
   if (is_moving_) {
     matrix_.apply(remaining_.data(), right.data());
     for (std::size_t i = 0; i < right.size(); ++i) right[i] = residual_[i] - right[i];
   }
-  const LinearSolve solve = linear_.solve(matrix_, *choice_.preconditioner, right, direction_,
-                                          tolerance, max_linear_iterations);
+  LinearSolve solve;
+  solve.outcome = LinearSolve::Outcome::too_many;
+  if (is_built_) solve = solve_linear(right, tolerance, max_reused_iterations);
+  if (solve.outcome == LinearSolve::Outcome::too_many) {
+    choice_.preconditioner->build(matrix_);
+    solve = solve_linear(right, tolerance, max_linear_iterations);
+    built_iterations_ = solve.iterations;
+  }
   // A preconditioner that has become twice as bad is built again.
-  if (!is_built_) built_iterations_ = solve.iterations;
   is_built_ = solve.outcome == LinearSolve::Outcome::converged &&
               solve.iterations <= 2 * built_iterations_ + 4;
   for (std::size_t i = 0; i < remaining_.size(); ++i) direction_[i] += remaining_[i];
   return solve;
+}
+
+LinearSolve Newton::solve_linear(std::span<const double> right, double tolerance,
+                                 unsigned max_iterations) {
+  return linear_.solve(matrix_, *choice_.preconditioner, right, direction_, tolerance,
+                       max_iterations);
 }
 
 /// Moves by a step; the slope r . d there. False if the forces do not exist there.

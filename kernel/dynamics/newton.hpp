@@ -87,6 +87,8 @@ class Newton {
   void move(double step);
   void set_remaining(double time);
   LinearSolve find_direction(const StepEquations& equations, double tolerance);
+  LinearSolve solve_linear(std::span<const double> right, double tolerance,
+                           unsigned max_iterations);
   double search(const StepEquations& equations);
   bool is_solved(const StepEquations& equations, Result& result, double last);
   double forcing(const Result& result, double last) const;

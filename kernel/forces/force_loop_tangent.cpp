@@ -121,12 +121,14 @@ class TangentColumns {
       : extension_(extension),
         size_(nodes * 3),
         values_(std::size_t{size_} * size_ * lanes),
+        dx_(std::size_t{size_} * lanes),
+        dv_(dx_.size()),
         scaled_dx_(dx),
         scaled_dv_(dv) {}
 
   suture_status compute(const suture_context* context, const suture_batch& batch) {
     for (Index column = 0; column < size_; ++column) {
-      const suture_status status = compute(context, batch, column);
+      const suture_status status = compute(context, batch, std::size_t{column} * lanes);
       if (status != SUTURE_OK) return status;
     }
     return SUTURE_OK;
@@ -134,20 +136,20 @@ class TangentColumns {
   std::span<const double> values() const { return values_; }
 
  private:
-  suture_status compute(const suture_context* context, const suture_batch& batch, Index column) {
-    alignas(64) double dx[8 * 3 * lanes] = {}, dv[8 * 3 * lanes] = {}, df[8 * 3 * lanes];
-    std::fill_n(dx + std::size_t{column} * lanes, lanes, scaled_dx_);
-    std::fill_n(dv + std::size_t{column} * lanes, lanes, scaled_dv_);
-    const suture_status status = extension_.apply(context, &batch, dx, dv, df);
-    for (Index row = 0; row < size_; ++row)
-      std::copy_n(df + std::size_t{row} * lanes, lanes,
-                  values_.data() + (std::size_t{row} * size_ + column) * lanes);
+  suture_status compute(const suture_context* context, const suture_batch& batch, std::size_t at) {
+    std::fill_n(&dx_[at], lanes, scaled_dx_);
+    std::fill_n(&dv_[at], lanes, scaled_dv_);
+    const suture_status status =
+        extension_.apply(context, &batch, dx_.data(), dv_.data(), &values_[at * size_]);
+    std::fill_n(&dx_[at], lanes, 0.0);
+    std::fill_n(&dv_[at], lanes, 0.0);
     return status;
   }
 
   const suture_tangent_1& extension_;
   Index size_;
   AlignedVector<double> values_;
+  AlignedVector<double> dx_, dv_;  ///< 0 between two columns
   double scaled_dx_, scaled_dv_;
 };
 

@@ -31,7 +31,7 @@ struct CellTangents {
   Index cells;            ///< 1 .. 8
   Index nodes;            ///< of each cell: 1, 2, 4 or 8
   const Index* vertices;  ///< vertices[cell * nodes + node]
-  const double* values;   ///< values[(row * 3 nodes + column) * 8 + cell]; 3 rows per node
+  const double* values;   ///< values[(column * 3 nodes + row) * 8 + cell]; 3 rows per node
 };
 
 /// A contribution to the forces on a body: internal forces of models, gravity, loads. To add one,

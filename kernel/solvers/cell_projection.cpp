@@ -17,7 +17,8 @@ struct Weights {
   std::size_t count;
 };
 
-/// half = K P for one coarse node: 9 numbers per node of the cells, of 8 cells at once.
+/// half = K P for one coarse node: 9 numbers per node of the cells, of 8 cells at once. K is
+/// symmetric: its columns serve as its rows.
 SUTURE_CLONES
 void multiply_column(const double* matrix, const Weights& weights, std::size_t rows, double* half) {
   for (std::size_t row = 0; row < rows; ++row) {

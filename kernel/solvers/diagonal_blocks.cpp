@@ -20,7 +20,7 @@ void subtract(const CellTangents& cells, DiagonalBlocks& blocks) {
       Matrix3d& block = blocks[cells.vertices[l * cells.nodes + n]];
       for (Index i = 0; i < 3; ++i)
         for (Index j = 0; j < 3; ++j)
-          block(i, j) -= cells.values[((n * 3 + i) * size + n * 3 + j) * 8 + l];
+          block(i, j) -= cells.values[((n * 3 + j) * size + n * 3 + i) * 8 + l];
     }
 }
 

@@ -82,7 +82,7 @@ Matrix by_cells(const TangentMatrix& a) {
     for (Index l = 0; l < cells.cells; ++l)
       for (Index i = 0; i < rows; ++i)
         for (Index j = 0; j < rows; ++j)
-          result(place(l, i), place(l, j)) -= cells.values[(i * rows + j) * 8 + l];
+          result(place(l, i), place(l, j)) -= cells.values[(j * rows + i) * 8 + l];
   });
   for (Eigen::Index i = 0; i < size; ++i)
     if (!a.free()[static_cast<std::size_t>(i)]) result.row(i).setZero(), result.col(i).setZero();

@@ -20,9 +20,8 @@ suture_status checked_tangent(const suture_context* context, const suture_batch*
   const auto* extension =
       extension_of<suture_tangent_1>(*plugin_thread.present->functor, SUTURE_TANGENT_1);
   const suture_status status = extension->apply(context, batch, dx, dv, df);
-  if (status == SUTURE_OK)
-
-    require_finite({df, std::size_t{batch->nodes} * 3 * lanes}, {batch->cell_ids, batch->valid});
+  if (status != SUTURE_OK) return status;
+  require_finite({df, std::size_t{batch->nodes} * 3 * lanes}, {batch->cell_ids, batch->valid});
   return status;
 }
 

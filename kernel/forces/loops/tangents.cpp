@@ -67,8 +67,8 @@ void tangents(const Job& job, const Worker& worker, const Rows* ranges, uint32_t
 template <uint32_t N>
 void single_tangents_of(const Job& job, const Worker& worker, const Rows* ranges, uint32_t count,
                         const SingleProduct& product) {
+  SingleLoop<N> loop(job, worker, product);
   try {
-    SingleLoop<N> loop(job, worker, product);
     const auto add = [&](const auto& rows, const auto& cells) __attribute__((always_inline)) {
       loop.add(rows, cells);
     };

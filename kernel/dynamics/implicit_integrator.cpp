@@ -15,7 +15,7 @@ void copy_rows(const Column& column, Index rows, std::vector<double>& to) {
 }  // namespace
 
 ImplicitIntegrator::ImplicitIntegrator(Motion& motion, const IntegratorOptions& options)
-    : Integrator(motion), newton_(motion, {options.tolerance}) {}
+    : Integrator(motion), newton_(motion, options.tolerance) {}
 
 std::string ImplicitIntegrator::describe_solver(double dt) {
   set_equations(dt);
@@ -50,7 +50,6 @@ void ImplicitIntegrator::accept(double end) {
   const Vec3 before = motion_.body().acceleration(motion_.time());
   motion_.arrive(equations_.dt, end);
   motion_.sums().add_step(sums(before));
-  finish(equations_);
 }
 
 void ImplicitIntegrator::reject() {

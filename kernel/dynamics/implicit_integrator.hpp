@@ -26,8 +26,6 @@ class ImplicitIntegrator : public Integrator {
  protected:
   /// Sets the rates, x* and v* of a step of length dt; x* and v* are the current x and v before.
   virtual void set(StepEquations& equations) = 0;
-  /// Called when the step was accepted, at its end.
-  virtual void finish(const StepEquations&) {}
 
  private:
   void set_equations(double dt);

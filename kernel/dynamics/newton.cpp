@@ -4,17 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 #include <sstream>
+#include <utility>
 
 #include "kernel/base/error.hpp"
+#include "kernel/dynamics/scaled_tangent.hpp"
 
 namespace suture {
 namespace {
 
 // Of the slope at the start that a step may leave, either way (Crisfield).
 constexpr double slope_left = 0.8;
-constexpr unsigned max_trials = 12;
+constexpr unsigned max_iterations = 50, max_trials = 12;
 // Forcing terms of the linear solves.
 constexpr double first_forcing = 0.1, least_forcing = 1e-3;
 constexpr unsigned max_linear_iterations = 5000;
@@ -25,9 +26,9 @@ double norm(std::span<const double> v) { return std::sqrt(dot(v, v)); }
 
 }  // namespace
 
-Newton::Newton(Motion& motion, const NewtonOptions& options)
+Newton::Newton(Motion& motion, double tolerance)
     : motion_(motion),
-      options_(options),
+      tolerance_(tolerance),
       matrix_(motion.body().attributes(), motion.body().terms()) {}
 
 /// The tangent at the current state, and a preconditioner for it.
@@ -189,48 +190,44 @@ double Newton::search(const StepEquations& equations) {
 
 // -------------------------------------------------------------------- solve --
 
-Newton::Result Newton::solve(const StepEquations& equations) {
+void Newton::solve(const StepEquations& equations) {
   forget();  // a run that is resumed here has no preconditioner of earlier steps either
   matrix_.set(equations.time);  // what is free
   for (auto* vector : {&residual_, &direction_, &remaining_}) vector->assign(matrix_.size(), 0);
-  Result result;
-  result.residual = evaluate(equations);
-  double last = 0;
-  for (;; ++result.iterations) {
-    result.scale = scale_;
-    if (!std::isfinite(result.residual)) refuse(equations, result, "the forces are not finite");
-    if (is_solved(equations, result, last)) return result;
-    if (result.iterations == options_.max_iterations)
-      refuse(equations, result, "the allowed number of iterations was not enough");
-    const LinearSolve solve = find_direction(equations, forcing(result, last));
+  Progress progress;
+  progress.residual = evaluate(equations);
+  for (;; ++progress.iterations) {
+    if (!std::isfinite(progress.residual)) refuse(equations, progress, "the forces are not finite");
+    if (is_solved(equations, progress)) return;
+    if (progress.iterations == max_iterations)
+      refuse(equations, progress, "the allowed number of iterations was not enough");
+    const LinearSolve solve = find_direction(equations, forcing(progress));
     const double step = search(equations);
-    if (step == 0) refuse(equations, result, "no step along the direction of Newton helps");
-    last = result.residual;
-    result.residual = norm(residual_);
-    result.linear_iterations += solve.iterations;
+    if (step == 0) refuse(equations, progress, "no step along the direction of Newton helps");
+    progress.last = std::exchange(progress.residual, norm(residual_));
     if (on_iteration)
-      on_iteration({result.iterations + 1, solve.iterations, result.residual, scale_, step,
+      on_iteration({progress.iterations + 1, solve.iterations, progress.residual, scale_, step,
                     solve.outcome == LinearSolve::Outcome::indefinite});
   }
 }
 
 /// Also true if the residual no longer decreases for rounding. Updates what prescribed components
 /// still have to move.
-bool Newton::is_solved(const StepEquations& equations, Result& result, double last) {
+bool Newton::is_solved(const StepEquations& equations, const Progress& progress) {
   set_remaining(equations.time);
   if (is_moving_) return false;
-  if (result.residual <= options_.tolerance * scale_) return true;
-  const bool stalls = result.iterations > 1 && result.residual > 0.3 * last;
-  result.limited_by_rounding = stalls && result.residual <= 4 * noise(equations);
-  limited_steps_ += result.limited_by_rounding;
-  return result.limited_by_rounding;
+  if (progress.residual <= tolerance_ * scale_) return true;
+  const bool stalls = progress.iterations > 1 && progress.residual > 0.3 * progress.last;
+  const bool is_limited = stalls && progress.residual <= 4 * noise(equations);
+  limited_steps_ += is_limited;
+  return is_limited;
 }
 
 /// The tolerance of a linear solve: smaller, the better the last iteration was.
-double Newton::forcing(const Result& result, double last) const {
-  if (result.iterations == 0) return first_forcing;
-  const double gain = result.residual / last, target = options_.tolerance * scale_;
-  return std::clamp(std::max(0.9 * gain * gain, 0.3 * target / result.residual), least_forcing,
+double Newton::forcing(const Progress& progress) const {
+  if (progress.iterations == 0) return first_forcing;
+  const double gain = progress.residual / progress.last, target = tolerance_ * scale_;
+  return std::clamp(std::max(0.9 * gain * gain, 0.3 * target / progress.residual), least_forcing,
                     first_forcing);
 }
 
@@ -238,9 +235,8 @@ bool Newton::is_indefinite(double time) {
   StepEquations equations;
   equations.time = time;
   set_matrix(equations);
-  std::minstd_rand random(1);
-  std::uniform_real_distribution<double> value(-1, 1);
-  for (double& r : residual_) r = value(random);
+  Random random;
+  for (double& r : residual_) r = random();
   matrix_.restrict(residual_);
   std::ranges::fill(remaining_, 0.0);
   is_moving_ = false;
@@ -264,7 +260,7 @@ double Newton::noise(const StepEquations& equations) {
   return std::sqrt(squared);
 }
 
-void Newton::refuse(const StepEquations& equations, const Result& result,
+void Newton::refuse(const StepEquations& equations, const Progress& progress,
                     const std::string& reason) {
   const Body& body = motion_.body();
   const auto worst = std::ranges::max_element(
@@ -272,8 +268,8 @@ void Newton::refuse(const StepEquations& equations, const Result& result,
   const auto vertex = static_cast<Index>((worst - residual_.begin()) / 3);
   std::ostringstream text;
   text << "no equilibrium was found at t = " << equations.time << " s: " << reason << " after "
-       << result.iterations << " iterations of Newton's method; the residual is "
-       << result.residual / result.scale << " of the forces, the tolerance " << options_.tolerance;
+       << progress.iterations << " iterations of Newton's method; the residual is "
+       << progress.residual / scale_ << " of the forces, the tolerance " << tolerance_;
   throw NumericalError(text.str(), body.user_element(body.complex().dart_of(0, vertex) / 24));
 }
 

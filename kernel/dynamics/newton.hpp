@@ -25,11 +25,6 @@ struct StepEquations {
   std::vector<double> position, velocity;  ///< x* and v*, 4 numbers per vertex
 };
 
-struct NewtonOptions {
-  double tolerance = 1e-8;  ///< of the residual, relative to Newton::Result::scale
-  unsigned max_iterations = 50;
-};
-
 /// Solves the equations of a step by Newton's method with inexact linear solves (Eisenstat and
 /// Walker, SIAM J. Sci. Comput. 17 (1996) 16) and a line search on the slope of the energy
 /// (Matthies and Strang, IJNME 14 (1979) 1613).
@@ -41,22 +36,15 @@ struct NewtonOptions {
 /// Every solve builds its own preconditioner, so results depend on the state alone.
 class Newton {
  public:
-  Newton(Motion& motion, const NewtonOptions& options);
-
-  struct Result {
-    unsigned iterations = 0;         ///< linear solves
-    unsigned linear_iterations = 0;  ///< products with the tangent
-    double residual = 0;             ///< |r| over the free components, N
-    /// The largest of the norms of external forces, reactions and inertial forces, N.
-    double scale = 0;
-    bool limited_by_rounding = false;  ///< the residual is above the tolerance for that reason
-  };
+  /// `tolerance`: of the residual, relative to the largest of the norms of external forces,
+  /// reactions and inertial forces.
+  Newton(Motion& motion, double tolerance);
 
   /// Moves the vertices, free and prescribed, to the solution, starting from their current
   /// positions; sets their velocities. Throws NumericalError with the element where the residual is
   /// largest and what to try if there is none within reach; positions and velocities are undefined
   /// then. One evaluation of the forces per iteration and trial step, and the linear solves.
-  Result solve(const StepEquations& equations);
+  void solve(const StepEquations& equations);
 
   /// The number of solves that rounding kept above the tolerance.
   unsigned limited_steps() const { return limited_steps_; }
@@ -81,6 +69,10 @@ class Newton {
   std::string preconditioner() const;
 
  private:
+  struct Progress {
+    unsigned iterations = 0;
+    double residual = 0, last = 0;  ///< |r| over the free components now and before, N
+  };
   void forget() { choice_ = {}, is_built_ = false; }
   void set_matrix(const StepEquations& equations);
   double evaluate(const StepEquations& equations);
@@ -90,15 +82,15 @@ class Newton {
   LinearSolve solve_linear(std::span<const double> right, double tolerance,
                            unsigned max_iterations);
   double search(const StepEquations& equations);
-  bool is_solved(const StepEquations& equations, Result& result, double last);
-  double forcing(const Result& result, double last) const;
+  bool is_solved(const StepEquations& equations, const Progress& progress);
+  double forcing(const Progress& progress) const;
   bool try_step(const StepEquations& equations, double step, double& slope);
   double noise(const StepEquations& equations);
-  [[noreturn]] void refuse(const StepEquations& equations, const Result& result,
+  [[noreturn]] void refuse(const StepEquations& equations, const Progress& progress,
                            const std::string& reason);
 
   Motion& motion_;
-  NewtonOptions options_;
+  double tolerance_;
   TangentMatrix matrix_;
   PreconditionerChoice choice_;  ///< none yet after forget()
   ConjugateGradients linear_;

@@ -8,8 +8,25 @@
 
 #include "kernel/solvers/sparse_factor.hpp"
 
+// Of the OpenMP runtime that Debian's CHOLMOD is linked with; <omp.h> may belong to another one.
+extern "C" int omp_get_max_active_levels();
+extern "C" void omp_set_max_active_levels(int levels);
+
 namespace suture {
 namespace {
+
+/// While it lives, OpenMP gives this thread no others: how many a run uses is the user's choice
+/// (`--threads`), and CHOLMOD takes four whatever that says.
+class OneThread {
+ public:
+  OneThread() { omp_set_max_active_levels(0); }
+  ~OneThread() { omp_set_max_active_levels(before_); }
+  OneThread(const OneThread&) = delete;
+  OneThread& operator=(const OneThread&) = delete;
+
+ private:
+  int before_ = omp_get_max_active_levels();
+};
 
 class CholmodFactor final : public SparseFactor {
  public:
@@ -33,6 +50,7 @@ class CholmodFactor final : public SparseFactor {
   CholmodFactor& operator=(const CholmodFactor&) = delete;
 
   double analyse(const LowerTriangle& a) override {
+    const OneThread one_thread;
     cholmod_free_factor(&factor_, &common_);
     cholmod_sparse matrix = view(a);
     factor_ = cholmod_analyze(&matrix, &common_);
@@ -41,6 +59,7 @@ class CholmodFactor final : public SparseFactor {
   }
 
   bool factor(const LowerTriangle& a) override {
+    const OneThread one_thread;
     cholmod_sparse matrix = view(a);
     cholmod_factorize(&matrix, factor_, &common_);
     if (common_.status < CHOLMOD_OK) throw std::bad_alloc();
@@ -48,6 +67,7 @@ class CholmodFactor final : public SparseFactor {
   }
 
   void solve(std::span<double> x) override {
+    const OneThread one_thread;
     cholmod_dense right{};
     right.nrow = right.d = right.nzmax = x.size();
     right.ncol = 1;

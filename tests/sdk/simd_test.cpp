@@ -83,7 +83,7 @@ template <class T>
 T everything(T x) {
   using namespace suture;  // for T = double; other types find these by themselves
   return 1.0 / (1 + x * x) + 2 * sqrt(x) - x / 3 + exp(x) * rsqrt(x) + log(x) * 0.5 + pow(x, 1.5) +
-         cbrt(x) * sin(x) - cos(2 * x) / x + max(x, T(2.0)) * min(x, T(1.0)) + abs(-x) +
+         cbrt(x) * sin(x) - cos(2 * x) / x + tanh(x) + max(x, T(2.0)) * min(x, T(1.0)) + abs(-x) +
          select(x > T(1.0), x, x * x) + (3 - x) * (x - 1) / (x + 4);
 }
 

@@ -16,7 +16,7 @@
 #ifndef SUTURE_DUAL_HPP
 #define SUTURE_DUAL_HPP
 
-#include "suture/simd.hpp"
+#include "suture/elementary.hpp"
 
 namespace suture {
 
@@ -143,6 +143,10 @@ struct dual {
   }
   friend SUTURE_INLINE dual cos(const dual& a) {
     return {cos(a.value), -sin(a.value) * a.derivative};
+  }
+  friend SUTURE_INLINE dual tanh(const dual& a) {
+    const T t = tanh(a.value);
+    return {t, (1.0 - t * t) * a.derivative};
   }
 };
 

@@ -15,7 +15,7 @@
 //
 // There are no branches on values: both sides are computed and select() takes
 // one of them per lane. Arithmetic is that of IEEE 754 in every lane; a NaN in
-// one lane stays in that lane.
+// one lane stays in that lane. elementary.hpp adds exp, log, pow and the like.
 //
 // The batch has SUTURE_LANES = 8 cells whatever the instruction set is. With
 // AVX-512 one pack is a batch, with AVX2 a batch is two packs, with SSE2 four:
@@ -143,26 +143,6 @@ struct pack {
     return map(a, [](E x) { return std::sqrt(x); });
   }
 
-  // One call of the C library per lane: correct, not fast.
-  friend pack exp(pack a) {
-    return map(a, [](E x) { return std::exp(x); });
-  }
-  friend pack log(pack a) {
-    return map(a, [](E x) { return std::log(x); });
-  }
-  friend pack cbrt(pack a) {
-    return map(a, [](E x) { return std::cbrt(x); });
-  }
-  friend pack pow(pack a, double b) {
-    return map(a, [b](E x) { return std::pow(x, E(b)); });
-  }
-  friend pack sin(pack a) {
-    return map(a, [](E x) { return std::sin(x); });
-  }
-  friend pack cos(pack a) {
-    return map(a, [](E x) { return std::cos(x); });
-  }
-
   template <class F>
   static SUTURE_INLINE pack map(pack a, F&& f) {
     vector result;
@@ -184,12 +164,6 @@ SUTURE_INLINE double max(double a, double b) { return a > b ? a : b; }
 SUTURE_INLINE bool any(bool m) { return m; }
 SUTURE_INLINE bool all(bool m) { return m; }
 using std::abs;
-using std::cbrt;
-using std::cos;
-using std::exp;
-using std::log;
-using std::pow;
-using std::sin;
 using std::sqrt;
 
 /// 1/sqrt(x) for normal x > 0, to 2 units in the last place; the result for a NaN or

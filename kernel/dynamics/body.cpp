@@ -46,8 +46,9 @@ bool Body::has_loads() const {
   return !std::ranges::all_of(loads(), [](const auto& term) { return term->adds_no_rows(); });
 }
 
-bool Body::loads_have_tangent() const {
-  return std::ranges::all_of(loads(), [](const auto& term) { return term->has_tangent(); });
+bool Body::loads_are_conservative(double time) const {
+  return std::ranges::all_of(loads(),
+                             [&](const auto& term) { return term->is_conservative(time); });
 }
 
 double Body::last_change() const {

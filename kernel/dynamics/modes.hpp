@@ -19,8 +19,8 @@ struct LowestMode {
   bool negative() const { return eigenvalue < -noise; }
 };
 
-/// Finds the lowest eigenvalue of M^-1/2 K M^-1/2, where K = -df/dx is the tangent of all terms
-/// except pressures, which follow the surface. Matrix-free.
+/// Finds the lowest eigenvalue of M^-1/2 K M^-1/2, where K = -df/dx is the symmetric part of
+/// the tangent of all terms. Matrix-free.
 ///
 /// Rayleigh-Ritz on the motions of a coarse space (coarse_space.hpp), then locally optimal
 /// descent of a block of three (LOBPCG; Knyazev, SIAM J. Sci. Comput. 23 (2001) 517) from

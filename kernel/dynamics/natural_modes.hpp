@@ -47,7 +47,7 @@ void require_modes(Body& body, unsigned count);
 /// pieces that may move freely, or once a negative Ritz value has shown that the state is unstable.
 /// Frequencies are exact to about 1e-8.
 ///
-/// K = -df/dx includes all terms except pressures, which follow the surface. Needs
+/// K = -df/dx is the symmetric part of the tangent of all terms. Needs
 /// body.models().has_tangent(), and require_modes(). Throws NumericalError if the tangent is not
 /// finite or a mode does not converge.
 ///

@@ -117,7 +117,7 @@ std::string RestSearch::explanation(Dynamics& dynamics) const {
            !inverted.empty())
     text << "inverted elements (" << inverted.size()
          << ") have no stable state: reduce the load or refine the mesh there";
-  else if (!dynamics.body().loads_have_tangent())
+  else if (!dynamics.body().loads_are_conservative(dynamics.time()))
     text << "a pressure that follows the surface can sustain a vibration: set /solver/end or "
             "increase /solver/damping";
   else

@@ -19,7 +19,7 @@ class Random {
 };
 
 /// The operator y -> M^-1/2 K M^-1/2 y on the free components of a body about its present state,
-/// where K = -df/dx is the tangent of all terms except pressures, which follow the surface. Its
+/// where K = -df/dx is the symmetric part of the tangent of all terms. Its
 /// eigenvalues are those of K u = w^2 M u, with y = sqrt(m) u. Vectors have 3 numbers per vertex, 0
 /// for other components. Needs body.models().has_tangent().
 class ScaledTangent {

@@ -24,10 +24,11 @@ Quad rest_corners(const RestPlaces& rest, Dart face) {
 /// parallelograms, where the area element is constant.
 std::array<double, 4> corner_areas(const Quad& x) {
   std::array<double, 4> areas{};
-  for_each_point(x, [&](const std::array<double, 4>& n, const Vec3& normal) {
+  for_each_point(x, [&](const QuadPoint& point) {
+    const Vec3 normal = point.normal();
     const double area =
         std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) / 4;
-    for (std::size_t a = 0; a < 4; ++a) areas[a] += n[a] * area;
+    for (std::size_t a = 0; a < 4; ++a) areas[a] += point.n[a] * area;
   });
   return areas;
 }

@@ -60,9 +60,13 @@ class ForceTerm : public Follower {
 
   /// True if its forces depend on positions or velocities.
   virtual bool is_stiff() const { return false; }
-  /// True if add_tangent() is implemented. False for forces that follow a surface.
+  /// True if add_tangent() is implemented.
   virtual bool has_tangent() const { return true; }
-  /// out += the derivative of its forces in the direction (dx d, dv d); 3 numbers per vertex.
+  /// True if the whole tangent on the free components is symmetric; add_tangent() gives its
+  /// symmetric part. False for pressures up to a free edge.
+  virtual bool is_conservative(double /*time*/) const { return true; }
+  /// out += the derivative (its symmetric part) of its forces in the direction (dx d, dv d); 3
+  /// numbers per vertex.
   virtual void add_tangent(const double* /*d*/, double /*dx*/, double /*dv*/, double /*time*/,
                            double* /*out*/) {}
   /// The same in single precision, for preconditioners. False if it does not offer that.

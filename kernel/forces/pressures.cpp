@@ -2,11 +2,40 @@
 #include "kernel/forces/pressures.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <random>
 #include <utility>
 
+#include "kernel/base/aligned.hpp"
 #include "kernel/base/error.hpp"
 
 namespace suture {
+namespace {
+
+using Arms = std::array<std::array<Vec3, 4>, 4>;
+
+/// w_ab with df_a = p sum_b w_ab x du_b:
+///   w_ab = integral of N_a (dx/dr dN_b/ds - dx/ds dN_b/dr) dr ds
+Arms arms_of(const Quad& x) {
+  Arms w{};
+  for_each_point(x, [&](const QuadPoint& p) {
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t b = 0; b < 4; ++b)
+        for (std::size_t c = 0; c < 3; ++c)
+          w[a][b][c] += p.n[a] / 4 * (p.x_r[c] * p.n_s[b] - p.x_s[c] * p.n_r[b]);
+  });
+  return w;
+}
+
+/// (w_ab + sign w_ba) / 2: the matrices [w_ab] x have blocks [-w_ba] x in their transpose, so -1
+/// gives the symmetric part.
+Vec3 part_of(const Arms& w, std::size_t a, std::size_t b, double sign) {
+  Vec3 part;
+  for (std::size_t c = 0; c < 3; ++c) part[c] = (w[a][b][c] + sign * w[b][a][c]) / 2;
+  return part;
+}
+
+}  // namespace
 
 void Pressures::add(const CellComplex& complex, std::span<const Dart> faces, double pressure,
                     const TimeRamp& ramp) {
@@ -30,11 +59,11 @@ void Pressures::for_each_face(const Load& load, double time, Visit visit) const 
   const double p = load.pressure * load.ramp.value(time) / 4;
   for (std::size_t i = 0; i < load.nodes.size(); ++i) {
     Quad force{};
-    for_each_point(corners_of(load.nodes[i]),
-                   [&](const std::array<double, 4>& n, const Vec3& inward) {
-                     for (std::size_t a = 0; a < 4; ++a)
-                       for (std::size_t c = 0; c < 3; ++c) force[a][c] += p * n[a] * inward[c];
-                   });
+    for_each_point(corners_of(load.nodes[i]), [&](const QuadPoint& point) {
+      const Vec3 inward = point.normal();
+      for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t c = 0; c < 3; ++c) force[a][c] += p * point.n[a] * inward[c];
+    });
     visit(i, force);
   }
 }
@@ -79,6 +108,86 @@ void Pressures::add_forces_at(const VertexSelection& selection, std::span<const 
       }
     });
   }
+}
+
+template <class Visit>
+void Pressures::for_each_arms(double time, Visit visit) const {
+  for (const Load& load : loads_) {
+    const double p = load.pressure * load.ramp.value(time);
+    for (const Corners& nodes : load.nodes) visit(nodes, p, arms_of(corners_of(nodes)));
+  }
+}
+
+template <class Real>
+void Pressures::multiply(const Real* d, double factor, double sign, double time, Real* out) const {
+  for_each_arms(time, [&](const Corners& nodes, double p, const Arms& w) {
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t b = 0; b < 4; ++b) {
+        const Real* u = d + std::size_t{nodes[b]} * 3;
+        const Vec3 f = cross(part_of(w, a, b, sign), Vec3{u[0], u[1], u[2]});
+        for (std::size_t c = 0; c < 3; ++c)
+          out[std::size_t{nodes[a]} * 3 + c] += static_cast<Real>(factor * p * f[c]);
+      }
+  });
+}
+
+void Pressures::add_tangent(const double* d, double dx, double, double time, double* out) {
+  multiply(d, dx, -1, time, out);
+}
+
+bool Pressures::add_tangent_in_single(const float* d, double dx, double, double time, float* out) {
+  multiply(d, dx, -1, time, out);
+  return true;
+}
+
+void Pressures::for_each_tangent(double dx, double, double time, const VisitTangents& visit) {
+  constexpr std::size_t lanes = 8, rows = 12;
+  AlignedVector<double> values(rows * rows * lanes);
+  std::array<Corners, lanes> vertices{};
+  Index count = 0;
+  const auto flush = [&] {
+    if (count > 0) visit({count, 4, vertices[0].data(), values.data()});
+    std::ranges::fill(values, 0.0);
+    count = 0;
+  };
+  for_each_arms(time, [&](const Corners& nodes, double p, const Arms& w) {
+    vertices[count] = nodes;
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t b = 0; b < 4; ++b) {
+        const Vec3 arm = part_of(w, a, b, -1);
+        for (std::size_t c = 0; c < 3; ++c) {  // [w] x has -w_c at (c + 1, c + 2)
+          const std::size_t up = (c + 1) % 3, down = (c + 2) % 3;
+          values[((b * 3 + down) * rows + a * 3 + up) * lanes + count] = -dx * p * arm[c];
+          values[((b * 3 + up) * rows + a * 3 + down) * lanes + count] = dx * p * arm[c];
+        }
+      }
+    if (++count == lanes) flush();
+  });
+  flush();
+}
+
+/// What is left of the other part on the free components, for a vector without regularity.
+bool Pressures::is_conservative(double time) const {
+  const std::size_t size = std::size_t{attributes_.vertex_count()} * 3;
+  std::vector<double> d(size), other(size), whole(size);
+  std::minstd_rand random(1);
+  for (double& x : d) x = random() % 2 == 0 ? 1 : -1;
+  const auto restrict = [&](std::vector<double>& x) {
+    for (std::size_t i = 0; i < size; ++i) {
+      const auto v = static_cast<Index>(i / 3);
+      if (static_cast<int>(attributes_.fixed().get(v, 0)) >> i % 3 & 1) x[i] = 0;
+    }
+  };
+  restrict(d);
+  multiply(d.data(), 1, 1, time, other.data());
+  multiply(d.data(), 1, -1, time, whole.data());
+  restrict(other);
+  const auto largest = [](const std::vector<double>& x) {
+    double most = 0;
+    for (const double value : x) most = std::max(most, std::abs(value));
+    return most;
+  };
+  return largest(other) <= 1e-9 * largest(whole);
 }
 
 void Pressures::forget_last() {

@@ -13,6 +13,10 @@ namespace suture {
 
 /// Pressures on faces, normal to the deformed faces.
 ///   f_a = p  integral of N_a  dx/dr x dx/ds  dr ds,   2 x 2 points: exact
+/// Their tangent (Hibbitt, Int. J. Solids Struct. 15 (1979) 937) is
+///   df_a = p  integral of N_a (dx/dr x du/ds - dx/ds x du/dr) dr ds
+/// It is symmetric where p is uniform up to edges that are held or absent; of other tangents, the
+/// symmetric part is used.
 /// Pressure on a removed element is removed with it; a face that is sewn permanently carries none.
 class Pressures final : public ForceTerm {
  public:
@@ -30,7 +34,12 @@ class Pressures final : public ForceTerm {
   void add_forces_at(const VertexSelection& selection, std::span<const Index> vertices, double time,
                      std::vector<Vec3>& forces) override;
   bool adds_no_rows() const override { return loads_.empty(); }
-  bool has_tangent() const override { return loads_.empty(); }
+  bool is_stiff() const override { return !loads_.empty(); }
+  void add_tangent(const double* d, double dx, double dv, double time, double* out) override;
+  bool add_tangent_in_single(const float* d, double dx, double dv, double time,
+                             float* out) override;
+  void for_each_tangent(double dx, double dv, double time, const VisitTangents& visit) override;
+  bool is_conservative(double time) const override;
   double work() const override { return work_; }
   void forget_last() override;
   void restart() override;
@@ -55,6 +64,12 @@ class Pressures final : public ForceTerm {
   void for_each_face(const Load& load, double time, Visit visit) const;
   template <class OnFace>
   void add(double time, const LiveMask& live, double* rows, OnFace on_face);
+  /// visit(nodes, pressure, w_ab) for each face of all loads.
+  template <class Visit>
+  void for_each_arms(double time, Visit visit) const;
+  /// out += factor times the symmetric (sign = -1) or the other part (1) of the tangent times d.
+  template <class Real>
+  void multiply(const Real* d, double factor, double sign, double time, Real* out) const;
   Quad corners_of(const Corners& nodes) const;
 
   Attributes& attributes_;

@@ -26,20 +26,27 @@ inline bool is_open(const CellComplex& complex, Dart face) {
   return complex.exists(3, face / 24) && complex.beta3(face) == none;
 }
 
-/// visit(shape functions N_0..N_3, dx/dr x dx/ds) at the 2 x 2 Gauss points of a
-/// bilinear face on the unit square, nodes (0,0) (1,0) (1,1) (0,1); weights 1/4.
+/// A point of a bilinear face on the unit square, nodes (0,0) (1,0) (1,1) (0,1).
+struct QuadPoint {
+  std::array<double, 4> n, n_r, n_s;  ///< shape functions and their derivatives
+  Vec3 x_r{}, x_s{};                  ///< dx/dr and dx/ds
+  Vec3 normal() const { return cross(x_r, x_s); }
+};
+
+/// visit(point) at the 2 x 2 Gauss points of a face; weights 1/4.
 template <class Visit>
 void for_each_point(const Quad& x, Visit visit) {
   const double low = 0.5 - 0.5 / std::sqrt(3.0), points[2] = {low, 1 - low};
   for (const double r : points)
     for (const double s : points) {
-      const std::array<double, 4> n{(1 - r) * (1 - s), r * (1 - s), r * s, (1 - r) * s};
-      Vec3 along_r, along_s;
+      QuadPoint point{{(1 - r) * (1 - s), r * (1 - s), r * s, (1 - r) * s},
+                      {s - 1, 1 - s, s, -s},
+                      {r - 1, -r, r, 1 - r}};
       for (std::size_t c = 0; c < 3; ++c) {
-        along_r[c] = (1 - s) * (x[1][c] - x[0][c]) + s * (x[2][c] - x[3][c]);
-        along_s[c] = (1 - r) * (x[3][c] - x[0][c]) + r * (x[2][c] - x[1][c]);
+        point.x_r[c] = (1 - s) * (x[1][c] - x[0][c]) + s * (x[2][c] - x[3][c]);
+        point.x_s[c] = (1 - r) * (x[3][c] - x[0][c]) + r * (x[2][c] - x[1][c]);
       }
-      visit(n, cross(along_r, along_s));
+      visit(point);
     }
 }
 

@@ -149,9 +149,10 @@ NaturalModes ModalRun::solve(Observer& observer) {
   bool is_reported = false;  // that the equilibrium is unstable
   if (statics_) {
     is_reported = statics_->run(observer).outcome == RunSummary::Outcome::unstable_equilibrium;
-    if (!built().body().loads_have_tangent())
+    if (!built().body().loads_are_conservative(built().dynamics().time()))
       diagnostics_.warn(
-          "the modes do not include the stiffness of pressures, whose forces follow the surface");
+          "the pressures act up to a free edge, so their stiffness is not symmetric; the modes "
+          "include its symmetric part");
   }
   const auto report = [&](const ModalIteration& i) {
     std::ostringstream text;
@@ -159,8 +160,9 @@ NaturalModes ModalRun::solve(Observer& observer) {
          << " modes, residual " << i.residual << ", lowest omega^2 " << i.lowest << " 1/s^2";
     observer.on_detail(text.str());
   };
-  NaturalModes modes =
-      find_natural_modes(built().body(), built().dynamics().time(), options_.count, report);
+  // At rest, before every ramp: the stiffness of a pressure belongs to the state under it.
+  const double time = statics_ ? built().dynamics().time() : -1;
+  NaturalModes modes = find_natural_modes(built().body(), time, options_.count, report);
   if (!is_reported) warn_of_instability(modes, diagnostics_);
   return modes;
 }

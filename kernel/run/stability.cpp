@@ -55,7 +55,10 @@ Stability::Verdict Stability::examine(double unbalanced_force, std::uint64_t ste
   if (!mode.negative()) return Verdict::stable;
   built_.dynamics().synchronise();
   recorder_.mode(time, gravity, mode.shape);
-  std::string text = describe(mode);
+  // A column under a load that follows it can be stable far above its Euler load (Beck), so a
+  // negative eigenvalue of the symmetric part proves nothing.
+  const bool is_proof = built_.body().loads_are_conservative(time);
+  std::string text = describe(mode, is_proof);
   if (scene_.solver.kick > 0 && kicks_ < max_kicks) {
     ++kicks_;
     std::ostringstream push;
@@ -72,16 +75,16 @@ Stability::Verdict Stability::examine(double unbalanced_force, std::uint64_t ste
     text += "; " + std::to_string(kicks_) +
             " kicks along such modes have not led to a stable equilibrium";
   diagnostics_.warn(text);
-  return is_partial() ? Verdict::unknown : Verdict::unstable;
+  return is_proof ? Verdict::unstable : Verdict::unknown;
 }
 
-std::string Stability::describe(const LowestMode& mode) const {
+std::string Stability::describe(const LowestMode& mode, bool is_proof) const {
   const Index vertex = vertex_of_largest(mode);
   const Column& x = built_.body().attributes().position();
   std::ostringstream text;
-  if (is_partial())
-    text << "the equilibrium may be unstable: the tangent, which does not include the pressures, "
-            "has the eigenvalue "
+  if (!is_proof)
+    text << "the equilibrium may be unstable: the symmetric part of the tangent, which is not "
+            "symmetric for pressures up to a free edge, has the eigenvalue "
          << mode.eigenvalue << " 1/s^2";
   else
     text << "the equilibrium is unstable: the lowest eigenvalue of the tangent is "
@@ -94,10 +97,6 @@ std::string Stability::describe(const LowestMode& mode) const {
     text << "; see the field \"unstable_mode\" of " << file;
   return text.str();
 }
-
-/// A column under a load that follows it can be stable far above its Euler load (Beck), so a
-/// negative eigenvalue proves nothing then.
-bool Stability::is_partial() const { return !built_.body().loads_have_tangent(); }
 
 void Stability::kick(const LowestMode& mode) {
   built_.dynamics().jump([&] {

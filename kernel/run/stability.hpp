@@ -35,8 +35,7 @@ class Stability {
 
  private:
   double rounding_of_rest(double unbalanced_force) const;
-  std::string describe(const LowestMode& mode) const;
-  bool is_partial() const;
+  std::string describe(const LowestMode& mode, bool is_proof) const;
   void kick(const LowestMode& mode);
 
   static constexpr unsigned max_kicks = 5;

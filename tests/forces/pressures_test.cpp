@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
+#include <random>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/vec3.hpp"
@@ -37,19 +39,50 @@ class Pressed : public testing::Test {
     std::vector<double> rows(4 * std::size_t{body.attributes().vertex_count()});
     pressures.add_forces_in_step({time, 0.1, 0.1}, {}, rows.data());
   }
+  std::vector<double> random_direction(unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> value(-1, 1);
+    std::vector<double> d(3 * std::size_t{body.attributes().vertex_count()});
+    for (double& x : d) x = value(random);
+    return d;
+  }
+  std::vector<double> product(const std::vector<double>& d) {
+    std::vector<double> image(d.size());
+    pressures.add_tangent(d.data(), 2, 0, 9, image.data());
+    for (double& f : image) f /= 2;
+    return image;
+  }
+  /// The derivative of the forces by central differences.
+  std::vector<double> difference(const std::vector<double>& d) {
+    const double h = 1e-6;
+    std::vector<double> result(d.size());
+    const auto move = [&](double way) {
+      for (std::size_t i = 0; i < d.size(); ++i)
+        body.attributes().position().rows()[i / 3 * 4 + i % 3] += way * d[i];
+      return forces(9);
+    };
+    const auto after = move(h), before = move(-2 * h);
+    move(h);
+    for (std::size_t i = 0; i < d.size(); ++i)
+      result[i] = (after[i / 3][i % 3] - before[i / 3][i % 3]) / (2 * h);
+    return result;
+  }
+  static double dot_of(const std::vector<double>& a, const std::vector<double>& b) {
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+  }
   Compiled body{box(4, 2, 2)};
   Pressures& pressures{body.add(std::make_unique<Pressures>(body.attributes()))};
 };
 
 TEST_F(Pressed, NothingCannotBePressed) {
   EXPECT_TRUE(pressures.adds_no_rows());
-  EXPECT_TRUE(pressures.has_tangent());
+  EXPECT_FALSE(pressures.is_stiff());
   EXPECT_THROW(pressures.add(body.complex(), {}, 1, {}), InputError);
 }
 
 TEST_F(Pressed, ASidePushesInwardByItsAreaAsItIsNow) {
   pressures.add(body.complex(), end(), 100, {1, 3, false});
-  EXPECT_FALSE(pressures.has_tangent()) << "it follows the surface";
+  EXPECT_TRUE(pressures.is_stiff()) << "it follows the surface";
   EXPECT_EQ(pressures.last_change(), 3);
   EXPECT_NEAR(sum(forces(9))[0], -100 * 0.04, 1e-13);
   EXPECT_NEAR(sum(forces(1.5))[0], -25 * 0.04, 1e-13);
@@ -103,6 +136,56 @@ TEST_F(Pressed, AClosedSurfaceGivesNoResultantAndNoMoment) {
     EXPECT_NEAR(moment[c], 0, 1e-11);
   }
   EXPECT_NEAR(power, -3 * 1000 * volume(body), 1e-10);
+}
+
+TEST_F(Pressed, TheTangentOnAClosedSurfaceIsTheDerivative) {
+  pressures.add(body.complex(), boundary_faces(body), 1000, {1, 3, false});
+  body.shake(0.02, 7);
+  const std::vector<double> d = random_direction(1), image = product(d), expected = difference(d);
+  ASSERT_GT(dot_of(expected, expected), 1);
+  for (std::size_t i = 0; i < d.size(); ++i) EXPECT_NEAR(image[i], expected[i], 1e-6) << i;
+  EXPECT_TRUE(pressures.is_conservative(9));
+}
+
+TEST_F(Pressed, TheTangentUpToAFreeEdgeIsTheSymmetricPart) {
+  pressures.add(body.complex(), end(), 1000, {});
+  body.shake(0.02, 8);
+  const std::vector<double> a = random_direction(1), b = random_direction(2);
+  const double ab = dot_of(a, difference(b)), ba = dot_of(b, difference(a));
+  ASSERT_GT(std::abs(ab - ba), 0.1);
+  EXPECT_NEAR(dot_of(a, product(b)), (ab + ba) / 2, 1e-6);
+  EXPECT_NEAR(dot_of(b, product(a)), (ab + ba) / 2, 1e-6);
+  EXPECT_FALSE(pressures.is_conservative(0));
+  std::vector<Index> edge;
+  for (Index v = 0; v < body.attributes().vertex_count(); ++v)
+    if (const Column& x = body.attributes().rest();
+        x.get(v, 1) < 0.01 || x.get(v, 1) > 0.19 || x.get(v, 2) < 0.01 || x.get(v, 2) > 0.19)
+      edge.push_back(v);
+  body.constraints().add(edge, 7, {}, body.attributes());
+  EXPECT_TRUE(pressures.is_conservative(0)) << "its edge is held";
+}
+
+TEST_F(Pressed, TheTangentIsTheSameInSinglePrecisionAndByCells) {
+  pressures.add(body.complex(), boundary_faces(body), 1000, {});
+  body.shake(0.02, 9);
+  const std::vector<double> d = random_direction(3), image = product(d);
+  const std::vector<float> narrow(d.begin(), d.end());
+  std::vector<float> single(d.size());
+  EXPECT_TRUE(pressures.add_tangent_in_single(narrow.data(), 1, 0, 9, single.data()));
+  std::vector<double> sum(d.size());
+  pressures.for_each_tangent(1, 0, 9, [&](const CellTangents& cells) {
+    ASSERT_EQ(cells.nodes, 4u);
+    for (std::size_t l = 0; l < cells.cells; ++l)
+      for (std::size_t j = 0; j < 12; ++j)
+        for (std::size_t i = 0; i < 12; ++i)
+          sum[std::size_t{cells.vertices[l * 4 + i / 3]} * 3 + i % 3] +=
+              cells.values[(j * 12 + i) * 8 + l] *
+              d[std::size_t{cells.vertices[l * 4 + j / 3]} * 3 + j % 3];
+  });
+  for (std::size_t i = 0; i < d.size(); ++i) {
+    EXPECT_NEAR(single[i], image[i], 1e-4) << i;
+    EXPECT_NEAR(sum[i], image[i], 1e-11) << i;
+  }
 }
 
 TEST_F(Pressed, FollowsSplitsRemovalsAndSeams) {

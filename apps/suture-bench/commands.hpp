@@ -61,6 +61,8 @@ void add_solve(CLI::App& app, std::vector<Command>& commands);
 void add_static(CLI::App& app, std::vector<Command>& commands);
 /// Implicit steps: time and iterations.
 void add_implicit(CLI::App& app, std::vector<Command>& commands);
+/// Equilibria at frame rate, with cuts.
+void add_quasi_static(CLI::App& app, std::vector<Command>& commands);
 /// Natural modes: time, iterations and residuals.
 void add_modes(CLI::App& app, std::vector<Command>& commands);
 

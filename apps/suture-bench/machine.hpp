@@ -15,6 +15,8 @@ const Machine& machine(unsigned threads);
 
 /// Most memory that this process has had, B. Throws IoError.
 double peak_bytes();
+/// From now on peak_bytes() is the peak since this call, where the system allows that.
+void forget_peak();
 
 /// Bytes that one evaluation of the forces must move if nothing stays in a cache:
 /// vertices and columns of each cell, and once per functor the positions that are

@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
   suture::bench::add_solve(app, commands);
   suture::bench::add_static(app, commands);
   suture::bench::add_implicit(app, commands);
+  suture::bench::add_quasi_static(app, commands);
   suture::bench::add_modes(app, commands);
   suture::bench::add_bodies(app, commands);
   CLI11_PARSE(app, argc, argv);

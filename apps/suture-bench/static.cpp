@@ -1,158 +1,279 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Time, iterations and error of static equilibria: from rest, and after a cut; CalculiX beside
+// them where it is installed.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <map>
 #include <memory>
+#include <optional>
+#include <random>
 
-#include "apps/suture-bench/body.hpp"
+#include "apps/suture-bench/calculix.hpp"
+#include "apps/suture-bench/cantilever.hpp"
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/machine.hpp"
+#include "apps/suture-bench/solve_case.hpp"
 #include "apps/suture-bench/timer.hpp"
-#include "kernel/dynamics/newton.hpp"
+#include "kernel/base/error.hpp"
+#include "kernel/forces/gravity.hpp"
 
 namespace suture::bench {
 namespace {
 
-/// The paper's cantilever at a part of its weight, and the deflections of its tip by independent
-/// programs (tests/reference/beam.hpp): of the same trilinear mesh, and converged.
-struct Case {
-  const char* name;
-  double gravity;                   ///< m/s^2
-  double discrete[3];               ///< m, of 5x5x20, 10x10x40 and 20x20x80
-  double converged = std::nan("");  ///< m; the full load has no converged solution
-};
-constexpr Index reference_cells[3] = {5, 10, 20};
-const Case cases[] = {
-    {"A", 9.8, {-0.49929120063264626, -0.5077616632536078, -0.5108246881083}},
-    {"A0.25", 2.45, {-0.1467450383566, -0.1498008516107, -0.1507273288824}, -0.15116161849280005},
-};
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 struct Options {
-  std::vector<Index> across{5, 10, 20};
-  std::vector<std::string> models{"tm-faure"};
+  std::vector<std::string> cases{"A", "A0.25"}, models{"tm-faure"},
+      elements{"trilinear", "mean-gradient"}, files, calculix_elements{"C3D8", "C3D8I"};
+  std::vector<Index> across{5, 10, 20}, calculix{5, 10};
+  bool distorted = false, beside = true;
+  double cut = 1;  ///< % of the inner faces; 0: no cuts
 };
 
-struct Work {
-  unsigned newton = 0, krylov = 0;
+/// What is asked of tm-faure on boxes, us per element.
+double asked(const std::string& name, const std::string& element, Index across) {
+  static const std::map<std::tuple<std::string, std::string, Index>, double> all{
+      {{"A", "trilinear", 10}, 12.5},        {{"A", "trilinear", 20}, 0.35e6 / 32000},
+      {{"A0.25", "trilinear", 10}, 9},       {{"A0.25", "trilinear", 20}, 8.5},
+      {{"A0.25", "trilinear", 40}, 9.5},     {{"A0.25", "trilinear", 80}, 10},
+      {{"A0.25", "mean-gradient", 10}, 7.5}, {{"A0.25", "mean-gradient", 20}, 0.2e6 / 32000}};
+  const auto found = all.find({name, element, across});
+  return found == all.end() ? unknown : found->second;
+}
+
+// -------------------------------------------------------------------- from rest --
+
+struct Solution {
+  double seconds = 0, newton = 0, krylov = 0;
+  bool found = true;
 };
 
-/// Counts the iterations of a body's steps.
-void count_work(BenchBody& body, Work& work) {
-  body.dynamics().newton()->on_iteration = [&work](const Newton::Iteration& i) {
-    ++work.newton;
-    work.krylov += i.linear_iterations;
-  };
-}
-
-/// Deflection of the centre of the free end, m.
-double tip(BenchBody& body, double cell) {
-  double sum = 0;
-  int count = 0;
-  const Column &rest = body.attributes().rest(), &position = body.attributes().position();
-  const auto is_central = [&](Index v, int c) {
-    return std::abs(rest.get(v, c) - 0.125) < 0.51 * cell;
-  };
-  for (Index v = 0; v < body.attributes().vertex_count(); ++v) {
-    if (rest.get(v, 2) < 1 - 1e-9 || !is_central(v, 0) || !is_central(v, 1)) continue;
-    sum += position.get(v, 1) - rest.get(v, 1);
-    ++count;
-  }
-  return sum / count;
-}
-
-Line solve(const Case& loading, const std::string& model, Index n, PluginHost& host) {
-  const double cell = 0.25 / n;
-  BenchBody body(host, {.model = model,
-                        .cells = {n, n, 4 * n},
-                        .cell = cell,
-                        .gravity = {0, -loading.gravity, 0},
-                        .integrator = "static",
-                        .dt = 1});
-  Work work;
-  count_work(body, work);
+/// The next equilibrium of a body; `found` is false if there is none within reach.
+Solution solve(Dynamics& dynamics) {
+  Solution result;
+  const Work work(dynamics);
   const double begin = now(1);
-  body.step();
-  const double seconds = now(1) - begin, deflection = tip(body, cell);
-  Line line;
-  line.add("case", loading.name)
-      .add("model", model)
-      .add("elements", static_cast<double>(body.element_count()))
-      .add("seconds", seconds)
-      .add("us_per_element", 1e6 * seconds / body.element_count())
-      .add("newton_steps", static_cast<double>(work.newton))
-      .add("krylov_iterations", static_cast<double>(work.krylov))
-      .add("tip_m", deflection);
-  double discrete = std::nan("");
-  for (std::size_t i = 0; i < 3; ++i)
-    if (reference_cells[i] == n && model == "tm-faure") discrete = loading.discrete[i];
-  line.add("discrete_error", std::abs(deflection / discrete - 1))
-      .add("relative_error", std::abs(deflection / loading.converged - 1))
-      .add("peak_mb", peak_bytes() / 1e6);
-  return line;
+  try {
+    dynamics.step(1, dynamics.time() + 1);
+  } catch (const NumericalError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    result.found = false;
+  }
+  result.seconds = now(1) - begin;
+  result.newton = work.newton;
+  result.krylov = work.krylov;
+  return result;
 }
 
-void run(const Options& options, Report& report) {
-  PluginHost host;
-  report.begin(
-      "static",
-      "cantilever of 1 m under its weight (E 400 kPa, nu 0.3, rho 1000) from rest to 1e-8, "
-      "after the mesh is read and the body built; CPU s of one thread");
-  for (const Case& loading : cases)
-    for (const std::string& model : options.models)
-      for (const Index n : options.across) report.add(solve(loading, model, n, host));
-}
+/// One row of a table; figures that a row does not have are NaN.
+struct Row {
+  std::string name, model, element;
+  double elements = 0, faces = 0;
+  Solution solution{};
+  double asked_us = unknown, whole_seconds = unknown, growth = unknown, tip = unknown,
+         discrete = unknown, converged = unknown, peak = 0;
 
-struct ImplicitOptions {
-  std::vector<Index> across{5, 10};
-  std::vector<std::string> integrators{"implicit-euler", "newmark"};
-  double dt = 1.0 / 60;
-  int steps = 30;
+  Line line() const {
+    Line line;
+    line.add("case", name).add("model", model).add("element", element).add("elements", elements);
+    if (faces > 0) line.add("faces_cut", faces);
+    line.add("seconds", solution.seconds)
+        .add("us_per_element", 1e6 * solution.seconds / elements)
+        .add("asked_us", asked_us)
+        .add("growth", growth)
+        .add("newton_steps", solution.newton)
+        .add("krylov_iterations", solution.krylov);
+    if (faces == 0)
+      line.add("relative_error", std::abs(tip / converged - 1))
+          .add("discrete_error", std::abs(tip / discrete - 1))
+          .add("with_mesh_s", whole_seconds);
+    return line.add("peak_mb", peak / 1e6);
+  }
 };
 
-void run_implicit(const ImplicitOptions& options, Report& report) {
-  PluginHost host;
-  report.begin("implicit", "the same cantilever at A0.25, let go at rest, tm-faure; CPU s");
-  for (const std::string& integrator : options.integrators)
-    for (const Index n : options.across) {
-      BenchBody body(host, {.model = "tm-faure",
-                            .cells = {n, n, 4 * n},
-                            .cell = 0.25 / n,
-                            .gravity = {0, -2.45, 0},
-                            .integrator = integrator,
-                            .dt = options.dt});
-      Work work;
-      count_work(body, work);
-      const double begin = now(1);
-      for (int i = 0; i < options.steps; ++i) body.step();
-      const double seconds = (now(1) - begin) / options.steps;
-      report.add(Line()
-                     .add("integrator", integrator)
-                     .add("elements", static_cast<double>(body.element_count()))
-                     .add("dt_s", options.dt)
-                     .add("ms_per_step", 1e3 * seconds)
-                     .add("us_per_element", 1e6 * seconds / body.element_count())
-                     .add("newton_steps", work.newton / static_cast<double>(options.steps))
-                     .add("krylov_iterations", work.krylov / static_cast<double>(options.steps)));
-    }
+/// The element type that a body of the model has, or "" if the model knows none.
+std::string element_of(const suture_model& model, const std::string& wanted) {
+  for (const suture_parameter& p : std::span(model.parameters, model.parameter_count))
+    if (std::string_view(p.name) == "element") return wanted;
+  return "";
 }
+
+class Bench {
+ public:
+  Bench(const Options& options, Report& report) : options_(options), report_(report) {}
+
+  void run() {
+    report_.begin("static",
+                  "cantilever of 1 m under its weight (E 400 kPa, rho 1000; H: nu as named, others "
+                  "0.3) from rest to 1e-8, after the mesh is read and the body built: CPU s of one "
+                  "thread; growth: exponent of the time since the row before; relative_error: of "
+                  "the tip beside converged solutions, discrete_error: beside DOLFINx on the same "
+                  "mesh; CalculiX: the whole process");
+    for (const std::string& name : options_.cases) {
+      for_each_use([&](const suture_model& model, const std::string& element) {
+        for (const Index n : options_.across) from_rest(cantilever(name), model, element, n);
+      });
+      beside(cantilever(name));
+    }
+    if (options_.beside && !has_calculix())
+      std::printf("CalculiX (ccx) is not installed: its rows are left out\n");
+    if (options_.cut > 0) after_cuts();
+  }
+
+ private:
+  template <class Visit>
+  void for_each_use(Visit visit) {
+    for (const std::string& name : options_.models) {
+      const suture_model& model = host_.model(name);
+      std::vector<std::string> elements = options_.elements;
+      if (element_of(model, "any").empty()) elements = {""};
+      for (const std::string& element : elements) visit(model, element);
+    }
+  }
+
+  void from_rest(const Cantilever& what, const suture_model& model, const std::string& element,
+                 Index n) {
+    forget_peak();
+    const double begin = now(1);
+    BenchBody body(host_, options_of(what, model, {n, element, options_.distorted}));
+    Row row{.name = what.name, .model = model.id, .element = element};
+    row.elements = body.element_count();
+    row.solution = solve(body.dynamics());
+    row.whole_seconds = now(1) - begin;
+    row.peak = peak_bytes();
+    row.growth = growth(row);
+    const bool is_paper = row.model == "tm-faure" && !options_.distorted;
+    if (is_paper) row.asked_us = asked(what.name, element, n);
+    if (row.solution.found) row.tip = tip_of(body, n);
+    if (model.id == std::string("tm-faure")) row.converged = what.converged;
+    if (is_paper && element == "trilinear") row.discrete = what.discrete_tip(n);
+    report_.add(row.line());
+  }
+
+  /// log(time ratio) / log(size ratio) to the row before, if it is of the same series.
+  double growth(const Row& row) {
+    const Row before = std::exchange(last_, row);
+    if (before.name != row.name || before.model != row.model || before.element != row.element ||
+        before.elements >= row.elements)
+      return unknown;
+    return std::log(row.solution.seconds / before.solution.seconds) /
+           std::log(row.elements / before.elements);
+  }
+
+  /// CalculiX's rows.
+  void beside(const Cantilever& what) {
+    if (!options_.beside || !has_calculix()) return;
+    for (const std::string& element : options_.calculix_elements)
+      for (const Index n : options_.calculix) {
+        const CalculixRun found = run_calculix(what, n, element);
+        Row row{.name = what.name, .model = "CalculiX", .element = element};
+        row.elements = found.elements;
+        row.solution = {.seconds = found.seconds, .newton = found.iterations, .krylov = unknown};
+        row.tip = found.tip;
+        row.converged = what.converged;
+        row.whole_seconds = found.seconds;
+        row.peak = found.peak_bytes;
+        row.growth = growth(row);
+        report_.add(row.line());
+      }
+  }
+
+  // -------------------------------------------------------------- after a cut --
+
+  void after_cuts() {
+    char note[200];
+    std::snprintf(note, sizeof note,
+                  "the cantilever at a quarter of its weight, and meshes of files: the new "
+                  "equilibrium after %g %% of the inner faces were cut at random, hierarchy "
+                  "included",
+                  options_.cut);
+    report_.begin("static, after a cut", note);
+    for_each_use([&](const suture_model& model, const std::string& element) {
+      for (const Index n : options_.across) {
+        BenchBody body(host_,
+                       options_of(cantilever("A0.25"), model, {n, element, options_.distorted}));
+        after_cut("A0.25", model, element, body.body(), body.dynamics(), options_.distorted);
+      }
+    });
+    for (const std::string& file : options_.files) of_file(file);
+  }
+
+  void after_cut(const std::string& name, const suture_model& model, const std::string& element,
+                 Body& body, Dynamics& dynamics, bool foreign) {
+    forget_peak();
+    if (!solve(dynamics).found) return;
+    const std::vector<Dart> faces = random_faces(body.complex());
+    body.cut(faces);
+    Row row{.name = name, .model = model.id, .element = element};
+    row.elements = body.complex().existing(3);
+    row.faces = static_cast<double>(faces.size());
+    row.solution = solve(dynamics);
+    row.peak = peak_bytes();
+    if (row.model == "tm-faure" && options_.cut == 1) row.asked_us = foreign ? 50 : 12;
+    report_.add(row.line());
+  }
+
+  /// A mesh that is held at its lowest tenth and bent by a weight that is a thousandth of E.
+  void of_file(const std::string& file) {
+    const auto body = body_of(case_of_file(file), host_);
+    Attributes& attributes = body->attributes();
+    double low = attributes.rest().get(0, 2), high = low;
+    for (Index v = 0; v < attributes.vertex_count(); ++v) {
+      low = std::min(low, attributes.rest().get(v, 2));
+      high = std::max(high, attributes.rest().get(v, 2));
+    }
+    const double g = 1e-3 * 400e3 / (1000 * (high - low));
+    body->add(std::make_unique<Gravity>(attributes, Vec3{0, -g, 0}, TimeRamp{}));
+    Dynamics dynamics(*body, DynamicsOptions{"static"});
+    dynamics.start();
+    after_cut(std::filesystem::path(file).stem(), host_.model("tm-faure"), "trilinear", *body,
+              dynamics, true);
+  }
+
+  /// Each inner face once, with the probability that was asked for.
+  std::vector<Dart> random_faces(const CellComplex& complex) const {
+    std::mt19937 random(1);
+    std::bernoulli_distribution is_cut(options_.cut / 100);
+    std::vector<Dart> faces;
+    for (Index e = 0; e < complex.element_count(); ++e)
+      for (int f = 0; f < 6; ++f) {
+        const Index other = complex.neighbour(e, f);
+        if (other != none && other > e && is_cut(random))
+          faces.push_back(24 * e + 4 * static_cast<Dart>(f));
+      }
+    return faces;
+  }
+
+  const Options& options_;
+  Report& report_;
+  PluginHost host_;
+  Row last_;
+};
 
 }  // namespace
 
 void add_static(CLI::App& app, std::vector<Command>& commands) {
   auto* command = app.add_subcommand("static", "Time, iterations and error of static equilibria");
   auto options = std::make_shared<Options>();
+  std::vector<std::string> names;
+  for (const Cantilever& known : cantilevers()) names.push_back(known.name);
+  command->add_option("--cases", options->cases, "Loads and materials")
+      ->check(CLI::IsMember(names));
   command->add_option("--across", options->across, "Cells over the height; four times that along");
   command->add_option("--models", options->models, "Models with the parameters E, nu and rho");
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
-}
-
-void add_implicit(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("implicit", "Time and iterations of implicit steps");
-  auto options = std::make_shared<ImplicitOptions>();
-  command->add_option("--across", options->across, "Cells over the height; four times that along");
-  command->add_option("--integrators", options->integrators, "Names as in scenes");
-  command->add_option("--dt", options->dt, "s");
-  command->add_option("--steps", options->steps, "Number of steps");
-  commands.push_back({command, [options](Report& report) { run_implicit(*options, report); }});
+  command->add_option("--elements", options->elements, "Element types of the models");
+  command->add_flag("--distorted", options->distorted, "General hexahedra");
+  command->add_option("--cut", options->cut, "% of the inner faces that are cut; 0: none")
+      ->check(CLI::Range(0., 100.));
+  command->add_option("--files", options->files, "Meshes to cut, held at their lowest tenth");
+  command->add_option("--calculix", options->calculix, "Cells over the height for CalculiX");
+  command->add_flag("!--no-calculix", options->beside, "Leave out CalculiX");
+  command->add_option("--calculix-elements", options->calculix_elements, "C3D8, C3D8I, C3D20R");
+  commands.push_back({command, [options](Report& report) { Bench(*options, report).run(); }});
 }
 
 }  // namespace suture::bench

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "apps/suture-bench/cantilever.hpp"
+#include "apps/suture-bench/commands.hpp"
+#include "apps/suture-bench/machine.hpp"
+#include "apps/suture-bench/timer.hpp"
+
+namespace suture::bench {
+namespace {
+
+struct Options {
+  std::vector<Index> across{5, 10};
+  std::vector<std::string> models{"tm-faure"}, elements{"trilinear", "mean-gradient"},
+      integrators{"implicit-euler", "newmark"};
+  double dt = 1.0 / 60;
+  int steps = 30;
+};
+
+/// What is asked of a step of 1/60 s of 4,000 trilinear elements.
+constexpr double asked_ms = 15;
+
+bool is_asked(const std::string& integrator, Index across, const CantileverMesh& mesh, double dt) {
+  return integrator == "implicit-euler" && across == 10 && mesh.element == "trilinear" &&
+         dt == 1.0 / 60;
+}
+
+/// The tip of 5x5x20 trilinear elements after 0.5 s by an independent program (case I of
+/// tests/reference/beam.hpp), m; NaN for other meshes and times.
+double reference_tip(const CantileverMesh& mesh, const Options& options) {
+  const bool is_known = mesh.across == 5 && mesh.element == "trilinear" &&
+                        std::abs(options.steps * options.dt - 0.5) < 1e-9;
+  return is_known ? -0.2651348698621649 : std::nan("");
+}
+
+Line measure(const std::string& integrator, const suture_model& model, const CantileverMesh& mesh,
+             const Options& options, PluginHost& host) {
+  forget_peak();
+  const Cantilever& what = cantilever("A0.25");
+  BodyOptions of_body = options_of(what, model, mesh);
+  of_body.integrator = integrator;
+  of_body.dt = options.dt;
+  BenchBody body(host, of_body);
+  const Work work(body.dynamics());
+  const double begin = now(1);
+  for (int i = 0; i < options.steps; ++i) body.step();
+  const double seconds = (now(1) - begin) / options.steps;
+  Line line;
+  line.add("case", what.name + ", " + integrator)
+      .add("model", model.id)
+      .add("element", mesh.element)
+      .add("elements", static_cast<double>(body.element_count()))
+      .add("dt_s", options.dt)
+      .add("ms_per_step", 1e3 * seconds)
+      .add("asked_ms",
+           is_asked(integrator, mesh.across, mesh, options.dt) ? asked_ms : std::nan(""))
+      .add("us_per_element", 1e6 * seconds / body.element_count())
+      .add("newton_steps", work.newton / options.steps)
+      .add("krylov_iterations", work.krylov / options.steps)
+      .add("relative_error", std::abs(tip_of(body, mesh.across) / reference_tip(mesh, options) - 1))
+      .add("peak_mb", peak_bytes() / 1e6);
+  return line;
+}
+
+void run(const Options& options, Report& report) {
+  PluginHost host;
+  report.begin("implicit",
+               "the cantilever of `static` at a quarter of its weight, let go at rest: CPU s and "
+               "iterations per step, one thread");
+  for (const std::string& integrator : options.integrators)
+    for (const std::string& model : options.models)
+      for (const std::string& element : options.elements)
+        for (const Index n : options.across)
+          report.add(measure(integrator, host.model(model), {n, element}, options, host));
+}
+
+}  // namespace
+
+void add_implicit(CLI::App& app, std::vector<Command>& commands) {
+  auto* command = app.add_subcommand("implicit", "Time and iterations of implicit steps");
+  auto options = std::make_shared<Options>();
+  command->add_option("--across", options->across, "Cells over the height; four times that along");
+  command->add_option("--models", options->models, "Models with the parameters E, nu and rho");
+  command->add_option("--elements", options->elements, "Element types of the models");
+  command->add_option("--integrators", options->integrators, "Names as in scenes");
+  command->add_option("--dt", options->dt, "s")->check(CLI::PositiveNumber);
+  command->add_option("--steps", options->steps, "Number of steps")->check(CLI::PositiveNumber);
+  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+}
+
+}  // namespace suture::bench

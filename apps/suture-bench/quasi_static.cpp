@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Equilibria at frame rate: a beam that is pulled and cut, one equilibrium per frame.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "apps/suture-bench/body.hpp"
+#include "apps/suture-bench/commands.hpp"
+#include "apps/suture-bench/timer.hpp"
+#include "kernel/run/simulation.hpp"
+
+namespace suture::bench {
+namespace {
+
+/// A beam, and the rate of frames that is asked of it.
+struct Beam {
+  std::array<Index, 3> cells;  ///< x along it
+  int frames_per_second;
+};
+constexpr Beam beams[] = {{{40, 5, 5}, 100}, {{40, 10, 10}, 30}};
+
+struct Options {
+  std::vector<std::string> elements{"trilinear", "mean-gradient"};
+  double seconds = 1, tolerance = 1e-4, cut_every = 0.1;
+};
+
+constexpr double length = 1, side = 0.25;  // m
+
+/// Held at one end; the other is pulled away by a tenth of the length and aside, in a second.
+Scene pulled(PluginHost& host, const Beam& beam, const std::string& element,
+             const Options& options) {
+  Scene scene;
+  scene.mesh.box = BoxOptions{{0, 0, 0}, {length, side, side}, beam.cells, {1, 1, 1}};
+  ModelUse use;
+  use.name = "tm-faure";
+  use.model = &host.model(use.name);
+  use.parameters = parameters_of(*use.model, {{"element", element == "trilinear" ? 0 : 1}});
+  scene.models.push_back(use);
+  scene.gravity = {0, -2.45, 0};
+  Constraint end;
+  end.where.what = Selection::Named{"x0"};
+  scene.constraints.push_back(end);
+  end.where.what = Selection::Named{"x1"};
+  end.translation = {0.1 * length, 0.1 * length, 0};
+  end.moves = true;
+  end.ramp = {0, 1, false};
+  scene.constraints.push_back(end);
+  scene.solver.integrator = "static";
+  scene.solver.dt = 1.0 / beam.frames_per_second;
+  scene.solver.end = options.seconds;
+  scene.solver.step_tolerance = options.tolerance;
+  scene.solver.threads = 1;
+  scene.output.enabled = false;
+  return scene;
+}
+
+/// A notch from above over half of the height, the `number`-th along the beam.
+Event notch(int number) {
+  const double x = length * (0.1 + 0.1 * (number % 9)) + 1e-3, low = side / 2 + 1e-3;
+  CutPlane cut{{x, 0.75 * side, side / 2}, {1, 0, 0}};
+  cut.polygon = {
+      {x, low, -side}, {x, 2 * side, -side}, {x, 2 * side, 2 * side}, {x, low, 2 * side}};
+  Event event;
+  event.path = "/events/" + std::to_string(number);
+  event.what = cut;
+  return event;
+}
+
+struct Frames {
+  double total = 0, slowest = 0;  ///< s
+  int count = 0, late = 0, cuts = 0, newton = 0;
+};
+
+/// Counts the iterations of Newton's method.
+struct Counter : Observer {
+  void on_detail(const std::string&) override { ++iterations; }
+  int iterations = 0;
+};
+
+Frames show(Simulation& simulation, const Beam& beam, const Options& options) {
+  Frames result;
+  Counter counter;
+  const double frame = 1.0 / beam.frames_per_second;
+  const int frames = static_cast<int>(std::lround(options.seconds / frame));
+  for (int i = 1; i <= frames; ++i) {
+    const double begin = now(1);
+    if (i * frame > options.cut_every * (result.cuts + 1))
+      simulation.apply(notch(result.cuts++), counter);
+    simulation.run_to(i * frame, counter);
+    const double spent = now(1) - begin;
+    result.total += spent;
+    result.slowest = std::max(result.slowest, spent);
+    result.late += spent > frame;
+    ++result.count;
+  }
+  result.newton = counter.iterations;
+  return result;
+}
+
+void run(const Options& options, Report& report) {
+  PluginHost host;
+  report.begin("quasi-static",
+               "cantilever of 1 m whose free end is pulled by 0.1 m along and aside in a second, "
+               "notched to half of its height every 0.1 s: one equilibrium to 1e-4 per frame, CPU "
+               "s of one thread; a frame is late that takes longer than the asked rate allows");
+  for (const std::string& element : options.elements)
+    for (const Beam& beam : beams) {
+      Diagnostics diagnostics;
+      Simulation simulation(pulled(host, beam, element, options), host, diagnostics);
+      const Frames frames = show(simulation, beam, options);
+      report.add(Line()
+                     .add("element", element)
+                     .add("elements", static_cast<double>(simulation.complex().existing(3)))
+                     .add("cuts", static_cast<double>(frames.cuts))
+                     .add("frames", static_cast<double>(frames.count))
+                     .add("frames_per_s", frames.count / frames.total)
+                     .add("asked_frames_per_s", static_cast<double>(beam.frames_per_second))
+                     .add("slowest_ms", 1e3 * frames.slowest)
+                     .add("asked_ms", 1e3 / beam.frames_per_second)
+                     .add("newton_steps", static_cast<double>(frames.newton) / frames.count)
+                     .add("late", static_cast<double>(frames.late)));
+    }
+}
+
+}  // namespace
+
+void add_quasi_static(CLI::App& app, std::vector<Command>& commands) {
+  auto* command = app.add_subcommand("quasi-static", "Equilibria at frame rate, with cuts");
+  auto options = std::make_shared<Options>();
+  command->add_option("--elements", options->elements, "Element types of tm-faure")
+      ->check(CLI::IsMember({"trilinear", "mean-gradient"}));
+  command->add_option("--seconds", options->seconds, "Simulated time")->check(CLI::PositiveNumber);
+  command->add_option("--tolerance", options->tolerance, "Residual relative to the load")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--cut-every", options->cut_every, "s")->check(CLI::PositiveNumber);
+  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+}
+
+}  // namespace suture::bench

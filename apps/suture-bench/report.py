@@ -119,6 +119,33 @@ def plot_cut(tables, docs):
     return save(docs, "cut")
 
 
+def plot_static(tables, docs):
+    """Error of the tip over time: what an accuracy costs."""
+    rows = [r for r in tables["static"]["rows"]
+            if r["case"] == "A0.25" and r.get("relative_error") is not None]
+    series = dict.fromkeys((r["model"], r["element"]) for r in rows)
+    for model, element in series:
+        mine = [r for r in rows if (r["model"], r["element"]) == (model, element)]
+        plt.loglog([r["with_mesh_s"] for r in mine], [100 * r["relative_error"] for r in mine],
+                   "o-" if model != "CalculiX" else "s--", markersize=3, label=f"{model} {element}")
+    plt.xlabel("CPU s, mesh included")
+    plt.ylabel("error of the tip, %")
+    plt.legend()
+    return save(docs, "static")
+
+
+def plot_quasi_static(tables, docs):
+    rows = tables["quasi-static"]["rows"]
+    names = [f"{shown(r['elements'])}, {r['element']}" for r in rows]
+    plt.figure(figsize=(6.4, 0.36 * len(names) + 0.6))
+    plt.barh(names, [r["slowest_ms"] for r in rows], label="slowest frame")
+    plt.plot([r["asked_ms"] for r in rows], names, "k|", markersize=14, label="time of a frame")
+    plt.gca().invert_yaxis()
+    plt.xlabel("ms")
+    plt.legend()
+    return save(docs, "quasi-static")
+
+
 # (NAME of NAME.json, title, introduction, plot or None)
 SECTIONS = [
     ("force", "Forces", "Throughput of the models through the SDK, by size: whole steps, forces alone, "
@@ -147,6 +174,14 @@ SECTIONS = [
      "automatic dt, events shorten the step: the last column is the part of the ratio due to the "
      "larger number of steps.", None),
     ("rest", "Rest", "The paper's cantilever under its weight, to rest.", None),
+    ("static", "Static equilibria", "Newton's method with conjugate gradients and multigrid, CalculiX "
+     "beside it where it is installed. At the full load (A) the law has no solution to which meshes "
+     "converge, so there are only errors beside the same discrete problem (plugins/tm-faure/README.md).",
+     plot_static),
+    ("implicit", "Implicit steps", "Steps far above the stable one.", None),
+    ("quasi-static", "Quasi-static runs at frame rate", "An equilibrium for every frame while the "
+     "body is pulled and cut.", plot_quasi_static),
+    ("modes", "Natural modes", "By LOBPCG with the multigrid as preconditioner.", None),
 ]
 
 

@@ -30,14 +30,19 @@ void ImplicitIntegrator::set_equations(double dt) {
   copy_rows(attributes.velocity(), vertices, velocity_);
   motion_.evaluate(dt);
   copy_rows(attributes.force(), vertices, force_);
-  equations_ = {motion_.time() + dt, dt, 0, 0, position_, velocity_};
+  const double end = motion_.time() + dt;
+  equations_ = {end, dt, 0, 0, position_, velocity_, end};
   set(equations_);
 }
 
 void ImplicitIntegrator::begin(double dt) {
   set_equations(dt);
+  solve(equations_);
+}
+
+void ImplicitIntegrator::solve(const StepEquations& equations) {
   try {
-    newton_.solve(equations_);
+    newton_.solve(equations);
   } catch (const StepRejected&) {
     throw;
   } catch (const NumericalError& error) {

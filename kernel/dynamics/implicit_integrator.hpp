@@ -14,7 +14,7 @@ class ImplicitIntegrator : public Integrator {
  public:
   ImplicitIntegrator(Motion& motion, const IntegratorOptions& options);
 
-  /// Throws StepRejected if the equations have no solution within reach.
+  /// Throws StepRejected or NumericalError if the equations have no solution within reach.
   void begin(double dt) final;
   void accept(double end) final;
   void reject() final;
@@ -26,6 +26,8 @@ class ImplicitIntegrator : public Integrator {
  protected:
   /// Sets the rates, x* and v* of a step of length dt; x* and v* are the current x and v before.
   virtual void set(StepEquations& equations) = 0;
+  /// Solves them. Throws StepRejected where a smaller step may help, NumericalError where not.
+  virtual void solve(const StepEquations& equations);
 
  private:
   void set_equations(double dt);

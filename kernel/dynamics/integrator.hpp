@@ -56,6 +56,9 @@ class Integrator {
 /// What implicit schemes need to know.
 struct IntegratorOptions {
   double tolerance = 1e-8;  ///< of the residual, relative to the forces
+  /// By instance of the body: whether an equilibrium in which its elements have become inverted is
+  /// no solution. Empty: none.
+  std::vector<bool> forbids_inversion{};
 };
 
 /// Creates an integrator by its name in scenes, for example "symplectic-euler". Throws InputError

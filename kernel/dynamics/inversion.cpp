@@ -28,4 +28,23 @@ std::vector<Index> find_inverted(const CellComplex& complex, Attributes& attribu
   return found;
 }
 
+std::vector<Index> find_inverted(Body& body, const std::vector<Index>& allowed) {
+  std::vector<Index> found;
+  std::ranges::set_difference(find_inverted(body.complex(), body.attributes()), allowed,
+                              std::back_inserter(found));
+  return found;
+}
+
+Index first_forbidden(const Body& body, const std::vector<Index>& inverted,
+                      const std::vector<bool>& forbids) {
+  const auto& instances = body.attributes().instances();
+  const auto is_forbidden = [&](Index e) {
+    for (std::size_t i = 0; i < forbids.size(); ++i)
+      if (forbids[i] && instances[i]->table(3).cells.contains(e)) return true;
+    return false;
+  };
+  const auto found = std::ranges::find_if(inverted, is_forbidden);
+  return found != inverted.end() ? *found : none;
+}
+
 }  // namespace suture

@@ -34,7 +34,7 @@ Newton::Newton(Motion& motion, double tolerance)
 /// The tangent at the current state, and a preconditioner for it.
 void Newton::set_matrix(const StepEquations& equations) {
   matrix_.set(equations.time, equations.acceleration + motion_.damping() * equations.rate,
-              equations.rate);
+              equations.rate, equations.load);
   Body& body = motion_.body();
   if (!choice_.preconditioner)
     choice_ = choose_preconditioner(body.complex(), body.attributes(), matrix_);
@@ -68,13 +68,14 @@ double Newton::evaluate(const StepEquations& equations) {
   for (const auto& term : body.loads())
     term->add_forces(equations.time, attributes.kernel(0).cells.live(), load_.data());
   const Vec3 gravity = body.acceleration(equations.time);
-  double external = 0, reaction = 0, inertia = 0, squared = 0;
+  double external = 0, reaction = 0, inertia = 0;
   for (Index vertex = 0; vertex < vertices; ++vertex) {
     const double mass = attributes.mass().get(vertex, 0);
     if (!(mass > 0)) continue;
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t row = std::size_t{vertex} * 4 + c, i = std::size_t{vertex} * 3 + c;
-      const double given = load_[row] + mass * gravity[c];
+      const double held_back = equations.held_back.empty() ? 0 : equations.held_back[i];
+      const double given = equations.load * (load_[row] + mass * gravity[c]) - held_back;
       if (!matrix_.free()[i]) {
         residual_[i] = 0;
         reaction += (forces_[row] + given) * (forces_[row] + given);
@@ -85,11 +86,10 @@ double Newton::evaluate(const StepEquations& equations) {
       residual_[i] = forces_[row] + given - moved;
       external += given * given;
       inertia += moved * moved;
-      squared += residual_[i] * residual_[i];
     }
   }
   scale_ = std::sqrt(std::max({external, reaction, inertia}));
-  return std::sqrt(squared);
+  return norm(residual_);
 }
 
 /// Positions: start + step * direction.
@@ -190,14 +190,25 @@ double Newton::search(const StepEquations& equations) {
 
 // -------------------------------------------------------------------- solve --
 
-void Newton::solve(const StepEquations& equations) {
+void Newton::start(const StepEquations& equations) {
   forget();  // a run that is resumed here has no preconditioner of earlier steps either
   matrix_.set(equations.time);  // what is free
   for (auto* vector : {&residual_, &direction_, &remaining_}) vector->assign(matrix_.size(), 0);
+}
+
+const std::vector<double>& Newton::residual(const StepEquations& equations) {
+  start(equations);
+  evaluate(equations);
+  return residual_;
+}
+
+void Newton::solve(const StepEquations& equations) {
+  start(equations);
   Progress progress;
   progress.residual = evaluate(equations);
   for (;; ++progress.iterations) {
     if (!std::isfinite(progress.residual)) refuse(equations, progress, "the forces are not finite");
+    iterations_ = progress.iterations;
     if (is_solved(equations, progress)) return;
     if (progress.iterations == max_iterations)
       refuse(equations, progress, "the allowed number of iterations was not enough");
@@ -214,7 +225,7 @@ void Newton::solve(const StepEquations& equations) {
 /// Also true if the residual no longer decreases for rounding. Updates what prescribed components
 /// still have to move.
 bool Newton::is_solved(const StepEquations& equations, const Progress& progress) {
-  set_remaining(equations.time);
+  set_remaining(equations.motion_time);
   if (is_moving_) return false;
   if (progress.residual <= tolerance_ * scale_) return true;
   const bool stalls = progress.iterations > 1 && progress.residual > 0.3 * progress.last;
@@ -267,8 +278,8 @@ void Newton::refuse(const StepEquations& equations, const Progress& progress,
       residual_, [](double a, double b) { return std::abs(a) < std::abs(b) || std::isnan(b); });
   const auto vertex = static_cast<Index>((worst - residual_.begin()) / 3);
   std::ostringstream text;
-  text << "no equilibrium was found at t = " << equations.time << " s: " << reason << " after "
-       << progress.iterations << " iterations of Newton's method; the residual is "
+  text << "Newton's method found no solution at t = " << equations.time << " s: " << reason
+       << " after " << progress.iterations << " iterations; the residual is "
        << progress.residual / scale_ << " of the forces, the tolerance " << tolerance_;
   throw NumericalError(text.str(), body.user_element(body.complex().dart_of(0, vertex) / 24));
 }

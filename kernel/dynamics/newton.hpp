@@ -16,13 +16,17 @@ namespace suture {
 /// The equations of one implicit step for the positions x at its end, on the free components:
 ///   f(x, v, time) + m g - m a - alpha m v = 0
 ///   v = v* + rate (x - x*),   a = acceleration (x - x*)
-/// Static equilibrium: rate = acceleration = 0 and v* = 0.
+/// Static equilibrium: rate = acceleration = 0 and v* = 0. On the way to it (LoadSteps), loads and
+/// gravity can have a factor, and constant forces can be held back.
 struct StepEquations {
   double time = 0;                         ///< at the end of the step, s
   double dt = 0;                           ///< s
   double rate = 0;                         ///< 1/s
   double acceleration = 0;                 ///< 1/s^2
   std::vector<double> position, velocity;  ///< x* and v*, 4 numbers per vertex
+  double motion_time = 0;                  ///< when prescribed motion has the positions at the end
+  double load = 1;                         ///< factor of all terms except the models
+  std::vector<double> held_back{};         ///< subtracted, N, 3 numbers per vertex; empty: none
 };
 
 /// Solves the equations of a step by Newton's method with inexact linear solves (Eisenstat and
@@ -46,6 +50,13 @@ class Newton {
   /// then. One evaluation of the forces per iteration and trial step, and the linear solves.
   void solve(const StepEquations& equations);
 
+  /// The forces that are not in balance at the current positions, 3 numbers per vertex; 0 on
+  /// components that are not free.
+  const std::vector<double>& residual(const StepEquations& equations);
+
+  /// Iterations of the last solve that converged.
+  unsigned iterations() const { return iterations_; }
+
   /// The number of solves that rounding kept above the tolerance.
   unsigned limited_steps() const { return limited_steps_; }
 
@@ -61,6 +72,8 @@ class Newton {
     bool indefinite;
   };
   std::function<void(const Iteration&)> on_iteration;
+  /// What else `suture run -v` prints: the load steps of a static step.
+  std::function<void(const std::string&)> on_note;
 
   /// The preconditioner for these equations and why: "multigrid for 4000 elements".
   std::string describe_solver(const StepEquations& equations);
@@ -73,6 +86,7 @@ class Newton {
     unsigned iterations = 0;
     double residual = 0, last = 0;  ///< |r| over the free components now and before, N
   };
+  void start(const StepEquations& equations);
   void forget() { choice_ = {}, is_built_ = false; }
   void set_matrix(const StepEquations& equations);
   double evaluate(const StepEquations& equations);
@@ -96,7 +110,7 @@ class Newton {
   ConjugateGradients linear_;
   bool is_built_ = false;
   bool is_moving_ = false;  ///< prescribed components have not arrived
-  unsigned limited_steps_ = 0;
+  unsigned limited_steps_ = 0, iterations_ = 0;
   unsigned built_iterations_ = 0;  ///< of the first solve after it was built
   double scale_ = 0;
   // 3 numbers per vertex:

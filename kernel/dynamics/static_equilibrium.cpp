@@ -3,6 +3,7 @@
 
 #include "kernel/dynamics/implicit_integrator.hpp"
 #include "kernel/dynamics/integrators.hpp"
+#include "kernel/dynamics/load_steps.hpp"
 
 namespace suture {
 namespace {
@@ -11,11 +12,16 @@ namespace {
 /// parameter of ramps, motions and events; nothing has a velocity.
 class StaticEquilibrium final : public ImplicitIntegrator {
  public:
-  using ImplicitIntegrator::ImplicitIntegrator;
+  StaticEquilibrium(Motion& motion, const IntegratorOptions& options)
+      : ImplicitIntegrator(motion, options),
+        load_steps_(motion, *newton(), options.forbids_inversion) {}
   bool is_static() const override { return true; }
 
  private:
   void set(StepEquations& equations) override { std::ranges::fill(equations.velocity, 0.0); }
+  void solve(const StepEquations& equations) override { load_steps_.solve(equations); }
+
+  LoadSteps load_steps_;
 };
 
 }  // namespace

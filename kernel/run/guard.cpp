@@ -10,22 +10,11 @@
 #include "kernel/dynamics/rounding.hpp"
 
 namespace suture {
-namespace {
-
-bool stops_on_inversion(const Scene& scene, const ModelUse& use) {
-  for (const OnInversion choice : {use.on_inversion, scene.solver.on_inversion})
-    if (choice != OnInversion::by_model) return choice == OnInversion::stop;
-  return (use.model->flags & SUTURE_CONTINUUM) != 0;
-}
-
-}  // namespace
-
-Guard::Guard(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics)
+Guard::Guard(BuiltScene& built, Diagnostics& diagnostics)
     : built_(built),
       diagnostics_(diagnostics),
-      inverted_at_rest_(find_inverted(built.body().complex(), built.body().attributes())) {
-  for (const ModelUse& use : scene.models) stops_.push_back(stops_on_inversion(scene, use));
-}
+      stops_(built.stops_on_inversion()),
+      inverted_at_rest_(find_inverted(built.body(), {})) {}
 
 void Guard::check(std::uint64_t step, double time) {
   last_ = built_.dynamics().balance();
@@ -52,26 +41,18 @@ double Guard::growth() const {
 }
 
 void Guard::check_inversion(std::uint64_t step, double time) {
-  std::vector<Index> inverted;
-  std::ranges::set_difference(find_inverted(built_.body().complex(), built_.body().attributes()),
-                              inverted_at_rest_, std::back_inserter(inverted));
+  const std::vector<Index> inverted = find_inverted(built_.body(), inverted_at_rest_);
   if (inverted.empty()) return;
-  const auto& instances = built_.body().attributes().instances();
-  const auto stops = [&](Index e) {
-    for (std::size_t i = 0; i < instances.size(); ++i)
-      if (stops_[i] && instances[i]->table(3).cells.contains(e)) return true;
-    return false;
-  };
-  const auto worst = std::ranges::find_if(inverted, stops);
+  const Index worst = first_forbidden(built_.body(), inverted, stops_);
   const bool first_time = worst_inverted_ == 0;
   worst_inverted_ = std::max(worst_inverted_, static_cast<Index>(inverted.size()));
-  if (!first_time && worst == inverted.end()) return;
-  const Index shown = worst != inverted.end() ? *worst : inverted.front();
+  if (!first_time && worst == none) return;
+  const Index shown = worst != none ? worst : inverted.front();
   std::ostringstream text;
   text << inverted.size() << (inverted.size() == 1 ? " element is" : " elements are")
        << " inverted (a corner Jacobian <= 0): element " << built_.element_name(shown) << " at "
        << built_.place_of(shown) << (inverted.size() > 1 ? " and others" : "");
-  if (worst != inverted.end()) throw NumericalError(text.str());
+  if (worst != none) throw NumericalError(text.str());
   std::ostringstream when;
   when << "step " << step << ", t = " << time << " s: ";
   diagnostics_.warn(when.str() + text.str() + "; the run continues (on_inversion is \"warn\")");

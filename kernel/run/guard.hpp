@@ -14,7 +14,7 @@ namespace suture {
 /// frequency of the motion reveals an unstable step.)
 class Guard {
  public:
-  Guard(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics);
+  Guard(BuiltScene& built, Diagnostics& diagnostics);
 
   /// Starts the ledger.
   void start() { last_ = built_.dynamics().balance(); }

@@ -140,6 +140,7 @@ void RunLoop::watch_newton(Observer& observer) {
          << (i.indefinite ? ", the tangent is indefinite" : "");
     observer.on_detail(text.str());
   };
+  newton->on_note = [&observer](const std::string& text) { observer.on_detail(text); };
 }
 
 void RunLoop::loop(std::optional<double> until, Observer& observer) {

@@ -47,7 +47,7 @@ StepControl::StepControl(const Scene& scene, BuiltScene& built, Recorder& record
       events_(events),
       diagnostics_(diagnostics),
       clock_(std::move(clock)),
-      guard_(scene, built, diagnostics),
+      guard_(built, diagnostics),
       watch_(scene, built, diagnostics) {}
 
 void StepControl::start() {
@@ -267,6 +267,10 @@ void StepControl::state(Archive& archive) {
 
 /// What fits the scene, and is not in it yet.
 std::string StepControl::advice(const NumericalError& error) const {
+  if (built_.dynamics().is_static())
+    return "Reduce the loads or motions, refine the mesh there, or choose another law: some have "
+           "no "
+           "equilibrium beyond a limit (St Venant-Kirchhoff softens below a stretch of 0.58)";
   std::ostringstream text;
   if (scene_.solver.dt && !(*scene_.solver.dt < watch_.stable())) {
     text << "/solver/dt is " << *scene_.solver.dt << " s";

@@ -50,6 +50,12 @@ BodyFrame frame_of(const Mesh& mesh) {
   return {mesh.origin, std::sqrt(dot(size, size))};
 }
 
+bool stops_on_inversion(const Scene& scene, const ModelUse& use) {
+  for (const OnInversion choice : {use.on_inversion, scene.solver.on_inversion})
+    if (choice != OnInversion::by_model) return choice == OnInversion::stop;
+  return (use.model->flags & SUTURE_CONTINUUM) != 0;
+}
+
 }  // namespace
 
 BuiltScene::BuiltScene(const Scene& given, Diagnostics& diagnostics, bool skip)
@@ -66,12 +72,20 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
   check_selections(scene_, selector_);
   name_elements();
   add_models(diagnostics);
-  const DynamicsOptions options{
-      scene_.solver.integrator, scene_.solver.damping, {scene_.solver.step_tolerance}};
+  const DynamicsOptions options{scene_.solver.integrator,
+                                scene_.solver.damping,
+                                {scene_.solver.step_tolerance, stops_on_inversion()}};
   dynamics_ = std::make_unique<Dynamics>(body_, options);
   limits_ = std::make_unique<StepLimits>(body_);
   add_constraints();
   add_terms();
+}
+
+std::vector<bool> BuiltScene::stops_on_inversion() const {
+  std::vector<bool> stops;
+  for (const ModelUse& use : scene_.models)
+    stops.push_back(suture::stops_on_inversion(scene_, use));
+  return stops;
 }
 
 void BuiltScene::name_elements() {

@@ -35,6 +35,9 @@ class BuiltScene {
   Dynamics& dynamics() { return *dynamics_; }
   StepLimits& limits() { return *limits_; }
 
+  /// By model of the scene: whether a run ends where one of its elements becomes inverted.
+  std::vector<bool> stops_on_inversion() const;
+
   /// The user's number of an element.
   std::uint64_t element_name(Index e) const { return selector_.element_id(e); }
   /// "(0.1, 0.2, 0.3) m" in coordinates of the scene: a point of the body, or the centre of an

@@ -9,10 +9,11 @@ TangentMatrix::TangentMatrix(Attributes& attributes,
                              const std::vector<std::unique_ptr<ForceTerm>>& terms)
     : attributes_(attributes), terms_(terms) {}
 
-void TangentMatrix::set(double time, double mass, double velocity) {
+void TangentMatrix::set(double time, double mass, double velocity, double load) {
   time_ = time;
   mass_ = mass;
   velocity_ = velocity;
+  load_ = load;
   const Column &masses = attributes_.mass(), &fixed = attributes_.fixed();
   free_.resize(std::size_t{attributes_.vertex_count()} * 3);
   for (Index v = 0; v < attributes_.vertex_count(); ++v) {
@@ -40,30 +41,34 @@ void TangentMatrix::apply_mass(const Real* x, Real* y) const {
 
 void TangentMatrix::apply(const double* x, double* y) const {
   apply_mass(x, y);
-  for (const auto& term : terms_)
-    if (term->has_tangent()) term->add_tangent(x, -1, -velocity_, time_, y);
+  for (std::size_t t = 0; t < terms_.size(); ++t)
+    if (terms_[t]->has_tangent())
+      terms_[t]->add_tangent(x, -factor(t), -factor(t) * velocity_, time_, y);
   restrict({y, free_.size()});
 }
 
 void TangentMatrix::apply(const float* x, float* y) const {
   apply_mass(x, y);
-  for (const auto& term : terms_)
-    if (term->is_stiff() && term->has_tangent() &&
-        !term->add_tangent_in_single(x, -1, -velocity_, time_, y))
-      add_in_double(*term, x, y);
+  for (std::size_t t = 0; t < terms_.size(); ++t) {
+    ForceTerm& term = *terms_[t];
+    if (term.is_stiff() && term.has_tangent() &&
+        !term.add_tangent_in_single(x, -factor(t), -factor(t) * velocity_, time_, y))
+      add_in_double(term, factor(t), x, y);
+  }
   for (std::size_t i = 0; i < free_.size(); ++i)
     if (!free_[i]) y[i] = 0;
 }
 
-void TangentMatrix::add_in_double(ForceTerm& term, const float* x, float* y) const {
+void TangentMatrix::add_in_double(ForceTerm& term, double factor, const float* x, float* y) const {
   const std::vector<double> wide(x, x + free_.size());
   std::vector<double> image(free_.size());
-  term.add_tangent(wide.data(), -1, -velocity_, time_, image.data());
+  term.add_tangent(wide.data(), -factor, -factor * velocity_, time_, image.data());
   for (std::size_t i = 0; i < image.size(); ++i) y[i] += static_cast<float>(image[i]);
 }
 
 void TangentMatrix::for_each_cell(const ForceTerm::VisitTangents& visit) const {
-  for (const auto& term : terms_) term->for_each_tangent(1, velocity_, time_, visit);
+  for (std::size_t t = 0; t < terms_.size(); ++t)
+    terms_[t]->for_each_tangent(factor(t), factor(t) * velocity_, time_, visit);
 }
 
 }  // namespace suture

@@ -14,6 +14,7 @@ namespace suture {
 
 /// The symmetric matrix of a Newton step on the free components of a body, matrix-free:
 ///   A = mass M + K + velocity C,   K = -df/dx,   C = -df/dv   of all terms at (x, v, time)
+/// with a factor on all terms but the first, the models.
 /// Static equilibrium: mass = velocity = 0. Implicit Euler: mass = 1/dt^2, velocity = 1/dt.
 ///
 /// Vectors have 3 numbers per vertex. Components that are constrained, and those of removed
@@ -24,7 +25,7 @@ class TangentMatrix {
 
   /// The matrix at the current state from now on. Call again after cells or constraints changed.
   /// O(vertices).
-  void set(double time, double mass = 0, double velocity = 0);
+  void set(double time, double mass = 0, double velocity = 0, double load = 1);
 
   std::size_t size() const { return free_.size(); }
   /// Whether each component is free.
@@ -45,12 +46,13 @@ class TangentMatrix {
  private:
   template <class Real>
   void apply_mass(const Real* x, Real* y) const;
-  void add_in_double(ForceTerm& term, const float* x, float* y) const;
+  void add_in_double(ForceTerm& term, double factor, const float* x, float* y) const;
+  double factor(std::size_t term) const { return term == 0 ? 1 : load_; }
 
   Attributes& attributes_;
   const std::vector<std::unique_ptr<ForceTerm>>& terms_;
   std::vector<std::uint8_t> free_;
-  double time_ = 0, mass_ = 0, velocity_ = 0;
+  double time_ = 0, mass_ = 0, velocity_ = 0, load_ = 1;
 };
 
 }  // namespace suture

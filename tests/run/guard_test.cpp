@@ -36,7 +36,7 @@ Scene two_halves(OnInversion left, OnInversion right, OnInversion solver = OnInv
 struct Look {
   Look(const Scene& scene, double x) : built(scene, diagnostics) {
     built.dynamics().start();
-    Guard guard(scene, built, diagnostics);
+    Guard guard(built, diagnostics);
     guard.start();
     built.dynamics().jump([&] { push(x); });
     try {
@@ -90,7 +90,7 @@ TEST(Guard, FindsEnergiesThatAreNotFinite) {
   Diagnostics diagnostics;
   BuiltScene built(scene, diagnostics);
   built.dynamics().start();
-  Guard guard(scene, built, diagnostics);
+  Guard guard(built, diagnostics);
   guard.start();
   guard.check(1, 0);
   built.body().attributes().velocity().set(2, 0, 1e200);
@@ -102,7 +102,7 @@ TEST(Guard, CountsGrowthFromWhatWasForgiven) {
   Diagnostics diagnostics;
   BuiltScene built(scene, diagnostics);
   built.dynamics().start();
-  Guard guard(scene, built, diagnostics);
+  Guard guard(built, diagnostics);
   guard.start();
   const double dt = 0.5 * built.limits().stable_step(built.dynamics().time());
   double time = 0;

@@ -28,10 +28,13 @@ Scene equilibrium(Scene scene, unsigned frames = 1, double end = 1) {
 }
 
 struct Counted : Observer {
-  void on_detail(const std::string&) override { ++iterations; }
+  void on_detail(const std::string& text) override {
+    iterations += text.starts_with("Newton");
+    details.push_back(text);
+  }
   void on_message(const std::string& text) override { messages.push_back(text); }
   int iterations = 0;
-  std::vector<std::string> messages;
+  std::vector<std::string> messages, details;
 };
 
 class StaticSolve : public testing::TestWithParam<reference::StaticBeam> {};
@@ -150,9 +153,9 @@ TEST(Static, AToleranceBelowRoundingIsReported) {
               testing::HasSubstr("rounding kept the residual of 1 step"));
 }
 
-// Half a turn of the end in one step would crush what is beside it; the bar follows as a whole.
-TEST(Static, ALargeRotationOfTheEndIsFollowedInFewSteps) {
-  Scene scene = equilibrium(beam(host(), "tm-faure", 8, 2, 0), 6);
+/// A bar whose end makes half a turn about its axis.
+Scene turned_end(unsigned frames) {
+  Scene scene = equilibrium(beam(host(), "tm-faure", 8, 2, 0), frames);
   Constraint turned;
   turned.where.what = Selection::InBox{{0.999, -1, -1}, {1.001, 1, 1}};
   turned.axis = {1, 0, 0};
@@ -161,12 +164,87 @@ TEST(Static, ALargeRotationOfTheEndIsFollowedInFewSteps) {
   turned.moves = true;
   turned.ramp = {0, 1, false};
   scene.constraints.push_back(turned);
+  return scene;
+}
+
+// Half a turn of the end in one step would crush what is beside it; the bar follows as a whole.
+TEST(Static, ALargeRotationOfTheEndIsFollowedInFewSteps) {
+  Diagnostics diagnostics;
+  Simulation simulation(turned_end(6), host(), diagnostics);
+  Counted observer;
+  simulation.run(observer);
+  EXPECT_EQ(observer.messages, std::vector<std::string>{});
+  EXPECT_LE(observer.iterations, 6 * 10);
+}
+
+/// A column of unit section that is pressed at one end and slides on three planes of symmetry: the
+/// nominal stress of St Venant-Kirchhoff is E s (s^2 - 1) / 2 at a stretch s.
+Scene pressed_column(double traction) {
+  Scene scene = equilibrium(beam(host(), "tm-faure", 4, 1, 0));
+  scene.constraints.clear();
+  for (const char* side : {"x0", "y0", "z0"}) {
+    Constraint plane;
+    plane.where.what = Selection::Named{side};
+    plane.components = static_cast<std::uint8_t>(1 << (side[0] - 'x'));
+    scene.constraints.push_back(plane);
+  }
+  Load press;
+  press.kind = Load::Kind::traction;
+  press.value = {-traction, 0, 0};
+  press.where.what = Selection::Named{"x1"};
+  scene.loads.push_back(press);
+  return scene;
+}
+
+TEST(Static, ALoadBeyondTheLimitOfTheLawIsFollowedUpToIt) {
+  const double limit = 400e3 / std::sqrt(27.0), load = limit / 0.77;
+  Diagnostics diagnostics;
+  Simulation simulation(pressed_column(load), host(), diagnostics);
+  Observer nobody;
+  try {
+    simulation.run(nobody);
+    FAIL() << "there is no equilibrium";
+  } catch (const NumericalError& error) {
+    const std::string text = error.what();
+    const std::size_t end = text.find("end at "), stretch = text.find("stretch is ");
+    ASSERT_NE(end, std::string::npos) << text;
+    ASSERT_NE(stretch, std::string::npos) << text;
+    EXPECT_NEAR(std::stod(text.substr(end + 7)), 77 - 0.05, 0.05) << text;
+    EXPECT_NEAR(std::stod(text.substr(stretch + 11)), 1 / std::sqrt(3.0), 0.03) << text;
+    EXPECT_THAT(text, testing::HasSubstr("Reduce the loads"));
+  }
+}
+
+// Half a turn at once is more than Newton's method can follow.
+TEST(Static, AMotionThatIsTooLargeAtOnceIsFollowedInParts) {
+  Diagnostics diagnostics;
+  Simulation simulation(turned_end(1), host(), diagnostics),
+      steps(turned_end(6), host(), diagnostics);
+  Counted observer, nobody;
+  EXPECT_EQ(simulation.run(observer).steps, 1u);
+  steps.run(nobody);
+  EXPECT_THAT(observer.details,
+              testing::Contains(testing::HasSubstr("continuing from 0 % with 50")));
+  EXPECT_THAT(observer.details, testing::Contains(testing::HasSubstr("equilibrium at 100 %")));
+  const double expected = steps.energies().elastic;
+  EXPECT_NEAR(simulation.energies().elastic, expected, 1e-7 * expected);
+}
+
+// The block is pressed on all sides but the clamped one: the pressure has a symmetric tangent.
+TEST(Static, NewtonConvergesQuadraticallyUnderAPressureThatFollows) {
+  Scene scene = equilibrium(beam(host(), "tm-faure", 8, 2, 2));
+  for (const char* side : {"x1", "y0", "y1", "z0", "z1"}) {
+    Load load;
+    load.kind = Load::Kind::pressure;
+    load.pressure = 20e3;
+    load.where.what = Selection::Named{side};
+    scene.loads.push_back(load);
+  }
   Diagnostics diagnostics;
   Simulation simulation(scene, host(), diagnostics);
   Counted observer;
-  simulation.run(observer);
-  EXPECT_EQ(observer.messages, std::vector<std::string>{}) << "no step was divided";
-  EXPECT_LE(observer.iterations, 6 * 10);
+  EXPECT_EQ(simulation.run(observer).outcome, RunSummary::Outcome::finished);
+  EXPECT_LE(observer.iterations, 7);
 }
 
 TEST(Static, ABodyThatNothingHoldsIsRefused) {

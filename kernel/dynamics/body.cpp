@@ -65,9 +65,10 @@ bool Body::has_free_vertices() {
   return false;
 }
 
-void Body::add_tangent(const double* d, double dx, double dv, double time, double* out) const {
+void Body::add_tangent(const double* d, double dx, double dv, const TangentTime& at,
+                       double* out) const {
   for (const auto& term : terms_)
-    if (term->has_tangent()) term->add_tangent(d, dx, dv, time, out);
+    if (term->has_tangent()) term->add_tangent(d, dx, dv, at, out);
 }
 
 std::vector<Vec3> Body::forces_at(std::span<const Index> vertices, double time) {

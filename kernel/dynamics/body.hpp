@@ -78,7 +78,7 @@ class Body {
   /// Some component of some vertex with mass is not prescribed. O(vertices).
   bool has_free_vertices();
   /// out += K d with K = df/dx of all terms that have a tangent; 3 numbers per vertex.
-  void add_tangent(const double* d, double dx, double dv, double time, double* out) const;
+  void add_tangent(const double* d, double dx, double dv, const TangentTime& at, double* out) const;
   /// The forces of all terms at these vertices, each given once, excluding acceleration(). O(cells
   /// there).
   std::vector<Vec3> forces_at(std::span<const Index> vertices, double time);

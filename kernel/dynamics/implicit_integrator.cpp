@@ -28,7 +28,7 @@ void ImplicitIntegrator::set_equations(double dt) {
   const Index vertices = attributes.vertex_count();
   copy_rows(attributes.position(), vertices, position_);
   copy_rows(attributes.velocity(), vertices, velocity_);
-  motion_.evaluate(dt);
+  motion_.evaluate();
   copy_rows(attributes.force(), vertices, force_);
   const double end = motion_.time() + dt;
   equations_ = {end, dt, 0, 0, position_, velocity_, end};

@@ -149,7 +149,7 @@ void Motion::kick_and_drift(std::span<const Kick> kicks, double dt, double end, 
   if (!good) refuse_not_finite();
   sums_.finish_step(last_ != 0 ? last_ : dt, dt, damping_ != 0);
   time_ = end;
-  last_ = dt;
+  last_ = end_dt_ = dt;
   for (const auto& term : body_.terms()) term->accept();
 }
 
@@ -175,7 +175,7 @@ void Motion::arrive(double dt, double end) {
   time_ = end;
   last_ = dt;
   for (const auto& term : body_.terms()) term->accept();
-  evaluate(dt);
+  evaluate(end_dt_);
 }
 
 void Motion::refuse_not_finite() const {
@@ -244,6 +244,7 @@ void Motion::state(Archive& archive) {
   }
   archive("time", time_);
   archive("last step", last_);
+  archive("end dt", end_dt_);
   archive("sums", sums_);
   archive("body", body_);
   if (!archive.has_cells()) return;

@@ -51,7 +51,8 @@ class Motion {
   /// Evaluates the forces at (x, v, time) into the column `force`, for a step of length dt. Throws
   /// the errors of terms; the state is intact then.
   void evaluate(double dt);
-  void evaluate() { evaluate(last_); }
+  /// The same as the step before has left them.
+  void evaluate() { evaluate(end_dt_); }
   /// The forces must be evaluated again.
   void discard_forces();
   /// The state was changed other than by a step.
@@ -66,7 +67,8 @@ class Motion {
   /// One kick of the moving vertices, at the end of the last step.
   void kick(const Kick& kick);
   /// Ends a step of length dt of an implicit scheme, which has moved the vertices itself to their
-  /// positions at `end`, and evaluates the forces there.
+  /// positions at `end`, and evaluates the forces there: outside a step, as the states of models
+  /// are those at `end` already.
   void arrive(double dt, double end);
   /// sum m v^2 / 2 of the velocities that a kick would give, in a fixed order, J.
   double kinetic(const Kick& kick);
@@ -96,6 +98,7 @@ class Motion {
   Body& body_;
   const loops::Table& loops_;
   double damping_, time_ = 0, last_ = 0;
+  double end_dt_ = 0;  // of the forces with which a step ends
   MotionSums sums_;
   bool evaluated_ = false;  // the column `force` belongs to the current state
   double evaluated_dt_ = 0;

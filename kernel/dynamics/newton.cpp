@@ -33,8 +33,9 @@ Newton::Newton(Motion& motion, double tolerance)
 
 /// The tangent at the current state, and a preconditioner for it.
 void Newton::set_matrix(const StepEquations& equations) {
-  matrix_.set(equations.time, equations.acceleration + motion_.damping() * equations.rate,
-              equations.rate, equations.load);
+  matrix_.set({equations.time, equations.dt},
+              equations.acceleration + motion_.damping() * equations.rate, equations.rate,
+              equations.load);
   Body& body = motion_.body();
   if (!choice_.preconditioner)
     choice_ = choose_preconditioner(body.complex(), body.attributes(), matrix_);

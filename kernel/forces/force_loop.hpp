@@ -81,15 +81,17 @@ class ForceLoop final : public ForceTerm {
 
   /// Needs has_tangent(). About three evaluations of forces. The forces are differentiated in
   /// double; floats halve the memory of a search that needs few digits (step_search.hpp).
-  void add_tangent(const double* d, double dx, double dv, double time, double* out) override;
-  void add_tangent(const float* d, double dx, double dv, double time, float* out);
-  bool add_tangent_in_single(const float* d, double dx, double dv, double time,
+  void add_tangent(const double* d, double dx, double dv, const TangentTime& at,
+                   double* out) override;
+  void add_tangent(const float* d, double dx, double dv, const TangentTime& at, float* out);
+  bool add_tangent_in_single(const float* d, double dx, double dv, const TangentTime& at,
                              float* out) override {
-    add_tangent(d, dx, dv, time, out);
+    add_tangent(d, dx, dv, at, out);
     return true;
   }
   /// 3 products with the tangent per node of a cell: 24 for hexahedra.
-  void for_each_tangent(double dx, double dv, double time, const VisitTangents& visit) override;
+  void for_each_tangent(double dx, double dv, const TangentTime& at,
+                        const VisitTangents& visit) override;
   bool has_tangent() const override;    ///< every enabled functor has suture.tangent/1
   std::string without_tangent() const;  ///< the first functor without a tangent, or ""
   bool reads_velocity() const;          ///< whether an enabled functor does

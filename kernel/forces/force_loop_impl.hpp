@@ -74,6 +74,11 @@ struct ForceLoop::Impl {
         chunk);
   }
   template <class Chunk>
+  void run_tangent(Index number, const TangentTime& at, Chunk chunk) {
+    run(number, "tangent", functors[number].cells().live(), at.time, at.dt,
+        attributes.force().rows(), chunk);
+  }
+  template <class Chunk>
   void run(Index number, const char* function, const LiveMask& live, double time, double dt,
            double* rows, Chunk chunk) {
     CompiledFunctor& functor = functors[number];
@@ -161,10 +166,13 @@ struct ForceLoop::Impl {
   double energy_of(Index number, double time);
   bool add_field(Index number, std::string_view field, double time, std::span<double> values);
   template <class Real>
-  void add_tangent(loops::Product<Real> product, double time);
-  bool add_single_tangent(Index number, const loops::Product<float>& product, double time);
-  bool add_single_tangent(Index, const loops::Product<double>&, double) { return false; }
-  void for_each_tangent(Index number, double dx, double dv, double time,
+  void add_tangent(loops::Product<Real> product, const TangentTime& at);
+  bool add_single_tangent(Index number, const loops::Product<float>& product,
+                          const TangentTime& at);
+  bool add_single_tangent(Index, const loops::Product<double>&, const TangentTime&) {
+    return false;
+  }
+  void for_each_tangent(Index number, double dx, double dv, const TangentTime& at,
                         const VisitTangents& visit);
 
   Attributes& attributes;

@@ -71,41 +71,44 @@ void call(const loops::Table& loops, const loops::Job& job, const loops::Worker&
 
 /// False if the functor has no tangent in single precision.
 bool ForceLoop::Impl::add_single_tangent(Index number, const loops::Product<float>& floats,
-                                         double time) {
+                                         const TangentTime& at) {
   const auto* extension =
       functors[number].extension<suture_tangent_single_1>(SUTURE_TANGENT_SINGLE_1);
   if (extension == nullptr) return false;
   const loops::SingleProduct product{checks ? checked_single_tangent : extension->apply,
                                      floats.direction, floats.dx, floats.dv, floats.out};
-  run(number, "tangent", time,
-      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
-          Index) {
-        const loops::Job single = single_job(job, *extension, attributes);
-        loops.single_tangents(&single, &worker, ranges.data(), static_cast<Index>(ranges.size()),
-                              &product);
-      });
+  run_tangent(number, at,
+              [&](const loops::Job& job, const loops::Worker& worker,
+                  std::span<const loops::Rows> ranges, Index) {
+                const loops::Job single = single_job(job, *extension, attributes);
+                loops.single_tangents(&single, &worker, ranges.data(),
+                                      static_cast<Index>(ranges.size()), &product);
+              });
   return true;
 }
 
 template <class Real>
-void ForceLoop::Impl::add_tangent(loops::Product<Real> product, double time) {
+void ForceLoop::Impl::add_tangent(loops::Product<Real> product, const TangentTime& at) {
   for (Index i = 0; i < functors.size(); ++i) {
-    if (functors[i].skipped() || add_single_tangent(i, product, time)) continue;
+    if (functors[i].skipped() || add_single_tangent(i, product, at)) continue;
     const auto* extension = functors[i].extension<suture_tangent_1>(SUTURE_TANGENT_1);
     product.function = checks ? checked_tangent : extension->apply;
-    run(i, "tangent", time,
+    run_tangent(
+        i, at,
         [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
             Index) { call(loops, job, worker, ranges, product); });
   }
-  raise_failures(time);
+  raise_failures(at.time);
 }
 
-void ForceLoop::add_tangent(const float* d, double dx, double dv, double time, float* out) {
-  impl_->add_tangent(loops::Product<float>{nullptr, d, dx, dv, out}, time);
+void ForceLoop::add_tangent(const float* d, double dx, double dv, const TangentTime& at,
+                            float* out) {
+  impl_->add_tangent(loops::Product<float>{nullptr, d, dx, dv, out}, at);
 }
 
-void ForceLoop::add_tangent(const double* d, double dx, double dv, double time, double* out) {
-  impl_->add_tangent(loops::Product<double>{nullptr, d, dx, dv, out}, time);
+void ForceLoop::add_tangent(const double* d, double dx, double dv, const TangentTime& at,
+                            double* out) {
+  impl_->add_tangent(loops::Product<double>{nullptr, d, dx, dv, out}, at);
 }
 
 // -------------------------------------------------------- matrices of cells --
@@ -154,12 +157,12 @@ class TangentColumns {
 
 }  // namespace
 
-void ForceLoop::Impl::for_each_tangent(Index number, double dx, double dv, double time,
+void ForceLoop::Impl::for_each_tangent(Index number, double dx, double dv, const TangentTime& at,
                                        const VisitTangents& visit) {
   const auto* extension = functors[number].extension<suture_tangent_1>(SUTURE_TANGENT_1);
   CompiledFunctor& functor = functors[number];
   const loops::Job& job =
-      functor.job(attributes, *complex, functor.cells().live(), time, 0, nullptr);
+      functor.job(attributes, *complex, functor.cells().live(), at.time, at.dt, nullptr);
   const auto worker =
       workers[0].prepare(job, functor.instance().context(0), number, functor.call("tangent"));
   const PluginScope scope(workers[0].call);
@@ -179,10 +182,11 @@ void ForceLoop::Impl::for_each_tangent(Index number, double dx, double dv, doubl
                    });
 }
 
-void ForceLoop::for_each_tangent(double dx, double dv, double time, const VisitTangents& visit) {
+void ForceLoop::for_each_tangent(double dx, double dv, const TangentTime& at,
+                                 const VisitTangents& visit) {
   for (Index i = 0; i < impl_->functors.size(); ++i)
-    if (!impl_->functors[i].skipped()) impl_->for_each_tangent(i, dx, dv, time, visit);
-  impl_->raise_failures(time);
+    if (!impl_->functors[i].skipped()) impl_->for_each_tangent(i, dx, dv, at, visit);
+  impl_->raise_failures(at.time);
 }
 
 }  // namespace suture

@@ -26,6 +26,13 @@ struct StepTimes {
   double last = 0;  ///< dt of the previous step, 0 before the first
 };
 
+/// Where in time a tangent is taken. States of models may make a force depend on dt.
+struct TangentTime {
+  double time = 0;  ///< s
+  double dt = 0;    ///< of the step in progress, s; 0: outside a step
+  TangentTime(double when, double step = 0) : time(when), dt(step) {}
+};
+
 /// The tangents of up to 8 cells of one functor: the derivatives of the forces on their nodes, N/m.
 struct CellTangents {
   Index cells;            ///< 1 .. 8
@@ -67,17 +74,17 @@ class ForceTerm : public Follower {
   virtual bool is_conservative(double /*time*/) const { return true; }
   /// out += the derivative (its symmetric part) of its forces in the direction (dx d, dv d); 3
   /// numbers per vertex.
-  virtual void add_tangent(const double* /*d*/, double /*dx*/, double /*dv*/, double /*time*/,
-                           double* /*out*/) {}
+  virtual void add_tangent(const double* /*d*/, double /*dx*/, double /*dv*/,
+                           const TangentTime& /*at*/, double* /*out*/) {}
   /// The same in single precision, for preconditioners. False if it does not offer that.
   virtual bool add_tangent_in_single(const float* /*d*/, double /*dx*/, double /*dv*/,
-                                     double /*time*/, float* /*out*/) {
+                                     const TangentTime& /*at*/, float* /*out*/) {
     return false;
   }
   using VisitTangents = std::function<void(const CellTangents&)>;
   /// Visits dx df/dx + dv df/dv of all its cells, in a fixed order, on this thread. A term that
   /// does not implement it is missing from preconditioners, which only makes solvers slower.
-  virtual void for_each_tangent(double /*dx*/, double /*dv*/, double /*time*/,
+  virtual void for_each_tangent(double /*dx*/, double /*dv*/, const TangentTime& /*at*/,
                                 const VisitTangents& /*visit*/) {}
   /// sums(vertex, K, C): bounds on its stiffness (N/m) and damping (N s/m) at the vertices, XX YY
   /// ZZ XY YZ XZ each (stable_step.hpp).

@@ -131,16 +131,19 @@ void Pressures::multiply(const Real* d, double factor, double sign, double time,
   });
 }
 
-void Pressures::add_tangent(const double* d, double dx, double, double time, double* out) {
-  multiply(d, dx, -1, time, out);
+void Pressures::add_tangent(const double* d, double dx, double, const TangentTime& at,
+                            double* out) {
+  multiply(d, dx, -1, at.time, out);
 }
 
-bool Pressures::add_tangent_in_single(const float* d, double dx, double, double time, float* out) {
-  multiply(d, dx, -1, time, out);
+bool Pressures::add_tangent_in_single(const float* d, double dx, double, const TangentTime& at,
+                                      float* out) {
+  multiply(d, dx, -1, at.time, out);
   return true;
 }
 
-void Pressures::for_each_tangent(double dx, double, double time, const VisitTangents& visit) {
+void Pressures::for_each_tangent(double dx, double, const TangentTime& at,
+                                 const VisitTangents& visit) {
   constexpr std::size_t lanes = 8, rows = 12;
   AlignedVector<double> values(rows * rows * lanes);
   std::array<Corners, lanes> vertices{};
@@ -150,7 +153,7 @@ void Pressures::for_each_tangent(double dx, double, double time, const VisitTang
     std::ranges::fill(values, 0.0);
     count = 0;
   };
-  for_each_arms(time, [&](const Corners& nodes, double p, const Arms& w) {
+  for_each_arms(at.time, [&](const Corners& nodes, double p, const Arms& w) {
     vertices[count] = nodes;
     for (std::size_t a = 0; a < 4; ++a)
       for (std::size_t b = 0; b < 4; ++b) {

@@ -35,10 +35,12 @@ class Pressures final : public ForceTerm {
                      std::vector<Vec3>& forces) override;
   bool adds_no_rows() const override { return loads_.empty(); }
   bool is_stiff() const override { return !loads_.empty(); }
-  void add_tangent(const double* d, double dx, double dv, double time, double* out) override;
-  bool add_tangent_in_single(const float* d, double dx, double dv, double time,
+  void add_tangent(const double* d, double dx, double dv, const TangentTime& at,
+                   double* out) override;
+  bool add_tangent_in_single(const float* d, double dx, double dv, const TangentTime& at,
                              float* out) override;
-  void for_each_tangent(double dx, double dv, double time, const VisitTangents& visit) override;
+  void for_each_tangent(double dx, double dv, const TangentTime& at,
+                        const VisitTangents& visit) override;
   bool is_conservative(double time) const override;
   double work() const override { return work_; }
   void forget_last() override;

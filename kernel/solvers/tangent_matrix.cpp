@@ -9,8 +9,8 @@ TangentMatrix::TangentMatrix(Attributes& attributes,
                              const std::vector<std::unique_ptr<ForceTerm>>& terms)
     : attributes_(attributes), terms_(terms) {}
 
-void TangentMatrix::set(double time, double mass, double velocity, double load) {
-  time_ = time;
+void TangentMatrix::set(const TangentTime& at, double mass, double velocity, double load) {
+  at_ = at;
   mass_ = mass;
   velocity_ = velocity;
   load_ = load;
@@ -43,7 +43,7 @@ void TangentMatrix::apply(const double* x, double* y) const {
   apply_mass(x, y);
   for (std::size_t t = 0; t < terms_.size(); ++t)
     if (terms_[t]->has_tangent())
-      terms_[t]->add_tangent(x, -factor(t), -factor(t) * velocity_, time_, y);
+      terms_[t]->add_tangent(x, -factor(t), -factor(t) * velocity_, at_, y);
   restrict({y, free_.size()});
 }
 
@@ -52,7 +52,7 @@ void TangentMatrix::apply(const float* x, float* y) const {
   for (std::size_t t = 0; t < terms_.size(); ++t) {
     ForceTerm& term = *terms_[t];
     if (term.is_stiff() && term.has_tangent() &&
-        !term.add_tangent_in_single(x, -factor(t), -factor(t) * velocity_, time_, y))
+        !term.add_tangent_in_single(x, -factor(t), -factor(t) * velocity_, at_, y))
       add_in_double(term, factor(t), x, y);
   }
   for (std::size_t i = 0; i < free_.size(); ++i)
@@ -62,13 +62,13 @@ void TangentMatrix::apply(const float* x, float* y) const {
 void TangentMatrix::add_in_double(ForceTerm& term, double factor, const float* x, float* y) const {
   const std::vector<double> wide(x, x + free_.size());
   std::vector<double> image(free_.size());
-  term.add_tangent(wide.data(), -factor, -factor * velocity_, time_, image.data());
+  term.add_tangent(wide.data(), -factor, -factor * velocity_, at_, image.data());
   for (std::size_t i = 0; i < image.size(); ++i) y[i] += static_cast<float>(image[i]);
 }
 
 void TangentMatrix::for_each_cell(const ForceTerm::VisitTangents& visit) const {
   for (std::size_t t = 0; t < terms_.size(); ++t)
-    terms_[t]->for_each_tangent(factor(t), factor(t) * velocity_, time_, visit);
+    terms_[t]->for_each_tangent(factor(t), factor(t) * velocity_, at_, visit);
 }
 
 }  // namespace suture

@@ -25,7 +25,7 @@ class TangentMatrix {
 
   /// The matrix at the current state from now on. Call again after cells or constraints changed.
   /// O(vertices).
-  void set(double time, double mass = 0, double velocity = 0, double load = 1);
+  void set(const TangentTime& at, double mass = 0, double velocity = 0, double load = 1);
 
   std::size_t size() const { return free_.size(); }
   /// Whether each component is free.
@@ -52,7 +52,8 @@ class TangentMatrix {
   Attributes& attributes_;
   const std::vector<std::unique_ptr<ForceTerm>>& terms_;
   std::vector<std::uint8_t> free_;
-  double time_ = 0, mass_ = 0, velocity_ = 0, load_ = 1;
+  TangentTime at_ = 0;
+  double mass_ = 0, velocity_ = 0, load_ = 1;
 };
 
 }  // namespace suture

@@ -31,7 +31,8 @@ class Ties final : public ForceTerm {
   void add_forces_at(const VertexSelection&, std::span<const Index>, double,
                      std::vector<Vec3>&) override {}
   bool is_stiff() const override { return true; }
-  void add_tangent(const double* d, double dx, double dv, double, double* out) override {
+  void add_tangent(const double* d, double dx, double dv, const TangentTime&,
+                   double* out) override {
     for (std::size_t i = 0; i < 3 * std::size_t{attributes_.vertex_count()}; ++i)
       out[i] -= (dx * k_ + dv * c_) * d[i];
   }

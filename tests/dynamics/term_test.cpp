@@ -29,7 +29,7 @@ class Foundation final : public ForceTerm {
       for (std::size_t c = 0; c < 3; ++c) forces[i][c] += force(vertices[i], static_cast<int>(c));
   }
   bool is_stiff() const override { return true; }
-  void add_tangent(const double* d, double dx, double, double, double* out) override {
+  void add_tangent(const double* d, double dx, double, const TangentTime&, double* out) override {
     for (Index v = 0; v < attributes_.vertex_count(); ++v)
       for (std::size_t c = 0; c < 3; ++c)
         out[3 * std::size_t{v} + c] -= stiffness(v) * dx * d[3 * std::size_t{v} + c];

@@ -53,8 +53,9 @@ void print_text(const Scene& scene, const Simulation& simulation, const Estimate
     print_decisions(simulation.decisions(), skipped, console);
   }
   console.print("\ncost");
-  console.print("  step: dt " + seconds(cost.dt) + ", " + stability(cost.stable_dt) + ", takes " +
-                duration(cost.seconds_per_step));
+  const char* mean = cost.dt_follows_error ? "about " : "";
+  console.print("  step: dt " + (mean + seconds(cost.dt)) + ", " + stability(cost.stable_dt) +
+                ", takes " + duration(cost.seconds_per_step));
   console.print(cost.steps == 0 ? "  steps: until rest, number not known in advance"
                                 : "  steps: " + std::to_string(cost.steps) +
                                       ", frames: " + std::to_string(cost.frames));

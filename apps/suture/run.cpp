@@ -67,6 +67,10 @@ void print_summary(const RunSummary& summary, Console& console) {
   text += " at t = " + significant(summary.time) + " s: " + count(summary.steps, "step") + " in " +
           duration(summary.seconds) + " (" + short_number(summary.elements_per_second) +
           " elements/s, " + count(summary.threads, "thread") + ")";
+  if (summary.longest_dt > 0)
+    text += ", dt from " + significant(summary.shortest_dt) + " to " +
+            significant(summary.longest_dt) + " s, " + count(summary.rejected_steps, "step") +
+            " rejected";
   if (summary.rollbacks > 0) text += ", " + count(summary.rollbacks, "rollback");
   if (summary.exchanged > 0)
     text += ", balance " + significant(100 * summary.balance / summary.exchanged) + " %";

@@ -67,6 +67,8 @@ std::unique_ptr<Integrator> make_integrator(const std::string& name, Motion& mot
                                             const IntegratorOptions& options);
 /// Whether the scheme of this name solves equations in every step.
 bool is_implicit(const std::string& name);
+/// c in the error c h^2 (a' - a) of its steps (LocalError); 0 if the scheme has no such estimate.
+double error_constant(const std::string& name);
 /// All names, the default first.
 std::vector<std::string> integrator_names();
 

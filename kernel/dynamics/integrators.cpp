@@ -14,11 +14,12 @@ struct Scheme {
   const char* name;
   MakeIntegrator* make;
   bool is_implicit = false;
+  double error_constant = 0;
 };
 constexpr std::array schemes{Scheme{"symplectic-euler", make_symplectic_euler},
-                             Scheme{"velocity-verlet", make_velocity_verlet},
+                             Scheme{"velocity-verlet", make_velocity_verlet, false, 1. / 6},
                              Scheme{"implicit-euler", make_implicit_euler, true},
-                             Scheme{"newmark", make_newmark, true},
+                             Scheme{"newmark", make_newmark, true, 1. / 12},
                              Scheme{"static", make_static_equilibrium, true}};
 
 const Scheme* find(const std::string& name) {
@@ -42,6 +43,11 @@ std::unique_ptr<Integrator> make_integrator(const std::string& name, Motion& mot
 bool is_implicit(const std::string& name) {
   const Scheme* scheme = find(name);
   return scheme && scheme->is_implicit;
+}
+
+double error_constant(const std::string& name) {
+  const Scheme* scheme = find(name);
+  return scheme ? scheme->error_constant : 0;
 }
 
 std::vector<std::string> integrator_names() {

@@ -4,6 +4,7 @@
 #include "kernel/run/decisions.hpp"
 
 #include <algorithm>
+#include <sstream>
 #include <variant>
 
 namespace suture {
@@ -124,6 +125,16 @@ void decide_integrator(const Scene& scene, BuiltScene& built, std::vector<Decisi
   list.push_back({"integrator", false, "velocity Verlet, second order in dt"});
 }
 
+/// How "auto" chooses dt; a number is not worth a line.
+void decide_step(const Scene& scene, std::vector<Decision>& list) {
+  if (!scene.solver.step_error) return;
+  std::ostringstream text;
+  text << "chosen such that the error of each step is at most " << *scene.solver.step_error
+       << " of the largest displacement so far"
+       << (is_implicit(scene.solver.integrator) ? "" : ", and the step stable");
+  list.push_back({"dt", false, text.str()});
+}
+
 void decide_physics(const Scene& scene, BuiltScene& built, std::vector<Decision>& list) {
   const bool weight = scene.gravity != Vec3{};
   list.push_back(
@@ -234,6 +245,7 @@ std::vector<Decision> decide(const Scene& scene, PluginHost& host, BuiltScene& b
   decide_columns(built, list);
   decide_functors(built, list);
   decide_integrator(scene, built, list);
+  decide_step(scene, list);
   decide_physics(scene, built, list);
   decide_events(scene, list);
   decide_output(scene, built, recorder, list);

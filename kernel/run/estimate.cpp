@@ -49,6 +49,15 @@ std::uint64_t steps_to_rest(RunLoop& run, double budget) {
   return clock.step() + static_cast<std::uint64_t>(std::max(left, 0.0));
 }
 
+/// Steps that follow their error begin short: makes some, and takes the others to be like the last.
+std::uint64_t steps_by_error(RunLoop& run, double end, double budget) {
+  const Clock& clock = run.control().clock();
+  const Wall::time_point start = Wall::now();
+  while (seconds_since(start) < budget && !clock.finished() && run.try_step()) continue;
+  const double left = std::max(end - clock.time(), 0.0) / run.control().last_dt();
+  return clock.step() + saturate<std::uint64_t>(std::ceil(left - 1e-9));
+}
+
 /// The steps of a run during which an event repeats (a moving blade, a tear).
 struct ActiveSteps {
   double duration;          ///< s of the simulation
@@ -107,6 +116,10 @@ Estimate Simulation::estimate() {
   const double end = scene.solver.end.value_or(0);
   if (run.ending().rest()) {
     estimate.steps = steps_to_rest(run, 1.0);
+  } else if (run.control().accuracy()) {
+    estimate.steps = steps_by_error(run, end, 1.0);
+    estimate.dt = end / static_cast<double>(estimate.steps);
+    estimate.dt_follows_error = true;
   } else {
     while (seconds_since(start) < 0.2 && !clock.finished() && run.try_step()) continue;
     estimate.steps = saturate<std::uint64_t>(std::ceil(end / estimate.dt - 1e-9));

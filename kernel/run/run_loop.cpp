@@ -66,11 +66,15 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
   built_.dynamics().start();
   if (ending_.rest()) check_free_bodies(scene_, built_, diagnostics);
   if (built_.dynamics().is_static()) require_held_bodies();
-  if (built_.dynamics().is_implicit())
-    decisions_.push_back(
-        {"linear solver", false, built_.dynamics().describe_solver(*scene_.solver.dt)});
   control_.start();
+  if (built_.dynamics().is_implicit())
+    decisions_.push_back({"linear solver", false, describe_solver()});
   trim_heap();  // of the search
+}
+
+std::string RunLoop::describe_solver() {
+  const std::string text = built_.dynamics().describe_solver(control_.next_dt());
+  return control_.accuracy() ? text + "; for the first step, and chosen again for each" : text;
 }
 
 void RunLoop::require_held_bodies() {
@@ -128,8 +132,9 @@ void RunLoop::apply(const Event& event, Observer& observer) {
 
 // ----------------------------------------------------------------- the loop --
 
-/// For `suture run -v`: the convergence of implicit steps.
-void RunLoop::watch_newton(Observer& observer) {
+/// For `suture run -v`: the convergence of implicit steps, and steps that follow their error.
+void RunLoop::pass_details_to(Observer& observer) {
+  control_.on_detail = [&observer](const std::string& text) { observer.on_detail(text); };
   Newton* newton = built_.dynamics().newton();
   if (!newton) return;
   newton->on_iteration = [&observer, newton](const Newton::Iteration& i) {
@@ -144,7 +149,7 @@ void RunLoop::watch_newton(Observer& observer) {
 }
 
 void RunLoop::loop(std::optional<double> until, Observer& observer) {
-  watch_newton(observer);
+  pass_details_to(observer);
   const StepControl::Notify notify = notify_to(observer);
   const Wall::time_point start = Wall::now();
   Wall::time_point reported = start;
@@ -292,6 +297,11 @@ void RunLoop::summarise() {
   summary_.steps = clock_.step();
   summary_.time = clock_.time();
   summary_.dt = control_.last_dt();
+  if (const StepAccuracy* accuracy = control_.accuracy()) {
+    summary_.rejected_steps = accuracy->rejected_steps();
+    summary_.shortest_dt = accuracy->shortest();
+    summary_.longest_dt = accuracy->longest();
+  }
   summary_.frames = recorder_.frames_written();
   summary_.inverted_elements = control_.guard().inverted_elements();
   summary_.threads = built_.body().models().threads();

@@ -25,7 +25,7 @@ class RunLoop {
   /// Runs until `until`, or to the end of the scene.
   void require_held_bodies();
   std::string rounding_warning();
-  void watch_newton(Observer& observer);
+  void pass_details_to(Observer& observer);
   void loop(std::optional<double> until, Observer& observer);
   RunSummary run(Observer& observer);
   void apply(const Event& event, Observer& observer);
@@ -56,6 +56,7 @@ class RunLoop {
   void report_progress(Observer& observer, Wall::time_point start, std::uint64_t first_step);
   void finish(Observer& observer);
   void summarise();
+  std::string describe_solver();
 
   Diagnostics& diagnostics_;
   BuiltScene built_;

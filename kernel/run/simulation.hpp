@@ -45,7 +45,7 @@ class Observer {
   virtual ~Observer() = default;
   virtual void on_progress(const Progress&) {}
   virtual void on_message(const std::string&) {}  ///< "t = 0.5 s: cut 25 faces, 2 islands"
-  virtual void on_detail(const std::string&) {}   ///< the convergence of implicit steps
+  virtual void on_detail(const std::string&) {}  ///< convergence of implicit steps, errors of steps
   virtual bool stop_requested() { return false; }
 };
 
@@ -57,7 +57,10 @@ struct RunSummary {
   std::uint64_t rollbacks = 0;        ///< number of rollbacks
   double balance = 0, exchanged = 0;  ///< J: the unexplained remainder and its scale; 0: rounding
   double time = 0, dt = 0;            ///< s; dt of the last step
-  double seconds = 0;                 ///< wall clock of the loop
+  // Of steps that follow their error:
+  std::uint64_t rejected_steps = 0;
+  double shortest_dt = 0, longest_dt = 0;  ///< s, accepted; 0: dt does not follow the error
+  double seconds = 0;                      ///< wall clock of the loop
   double elements_per_second = 0;
   /// Of the tangent where the run came to rest, 1/s^2; none if it was not computed.
   std::optional<double> lowest_eigenvalue;
@@ -69,7 +72,8 @@ struct RunSummary {
 struct Estimate {
   std::uint64_t steps = 0;  ///< 0: unknown (until rest)
   std::uint64_t frames = 0;
-  double dt = 0, stable_dt = 0;  ///< s
+  double dt = 0, stable_dt = 0;   ///< s
+  bool dt_follows_error = false;  ///< dt is a mean
   double seconds_per_step = 0, seconds = 0;
   double bytes = 0;  ///< peak of the process
 };

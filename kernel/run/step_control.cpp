@@ -6,6 +6,7 @@
 #include <sstream>
 #include <utility>
 
+#include "kernel/base/box.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/saturate.hpp"
 #include "kernel/dynamics/motion.hpp"
@@ -26,6 +27,15 @@ constexpr double notable_balance = 0.1;
 constexpr unsigned max_halvings = 10, max_attempts = 2;
 // More frames than these are not held back: the state is kept sooner.
 constexpr std::size_t frames_held = 2;
+
+/// The diagonal of the box around the body at rest, m.
+double size_of(Body& body) {
+  Box box = no_box;
+  const Column& rest = body.attributes().rest();
+  for (Index v = 0; v < rest.size(); ++v)
+    if (body.complex().exists(0, v)) include(box, {rest.get(v, 0), rest.get(v, 1), rest.get(v, 2)});
+  return std::hypot(box.length(0), box.length(1), box.length(2));
+}
 
 /// With the time, unless the text begins with it.
 std::string timed(double time, const std::string& what) {
@@ -48,16 +58,21 @@ StepControl::StepControl(const Scene& scene, BuiltScene& built, Recorder& record
       diagnostics_(diagnostics),
       clock_(std::move(clock)),
       guard_(built, diagnostics),
-      watch_(scene, built, diagnostics) {}
+      watch_(scene, built, diagnostics),
+      error_(built.dynamics().motion(), error_constant(scene.solver.integrator)) {
+  if (scene.solver.step_error) accuracy_.emplace(*scene.solver.step_error, size_of(built.body()));
+}
 
 void StepControl::start() {
   watch_.start();
   guard_.start();
+  if (accuracy_) accuracy_->start(error_.time_to_move(accuracy_->tolerated()));
 }
 
 double StepControl::next_dt() {
   clock_.divide(watch_.halvings());
-  return clock_.next_dt(watch_.wanted());
+  const double accurate = accuracy_ ? accuracy_->wanted() : watch_.wanted();
+  return clock_.next_dt(std::min(watch_.wanted(), accurate));
 }
 
 void StepControl::after_event() {
@@ -84,6 +99,13 @@ void StepControl::step(const Notify& notify) {
 }
 
 void StepControl::make_step() {
+  if (accuracy_)
+    make_accurate_step();
+  else
+    make_one_step();
+}
+
+void StepControl::make_one_step() {
   const double dt = next_dt();
   if (!(dt > 0))
     throw NumericalError("the stable step is " + std::to_string(dt) +
@@ -91,6 +113,56 @@ void StepControl::make_step() {
   clock_.advance();
   last_dt_ = dt;  // and not the difference of two times: forces stay good while dt is the same
   built_.dynamics().step(dt, clock_.time());
+}
+
+/// Repeats the step until its error is within the tolerance. Only the last attempt leaves a trace.
+void StepControl::make_accurate_step() {
+  before_.save(*this);
+  error_.begin();
+  while (!try_accurate_step()) continue;
+}
+
+/// False if the step has to be repeated, from the state at its start.
+bool StepControl::try_accurate_step() {
+  const double start = clock_.time();
+  StepError error;
+  try {
+    make_one_step();
+    error = error_.measure(last_dt_);
+    const bool accepted = accuracy_->accepts(error, last_dt_);
+    std::ostringstream judgement;
+    judgement << "error " << accuracy_->error() << " of the tolerance";
+    tell_step(start, (accepted ? "" : "rejected: ") + judgement.str());
+    if (accepted) return true;
+  } catch (const StepRejected& rejected) {
+    if (!built_.dynamics().is_implicit()) throw;
+    tell_step(start, std::string("rejected: ") + rejected.what());
+    accuracy_->shorten(last_dt_, rejected.step_factor);
+    if (accuracy_->is_stuck(start)) throw InaccurateStep(rejected.what(), rejected.element);
+  }
+  const StepAccuracy judged = *accuracy_;
+  before_.load(*this);
+  accuracy_ = judged;
+  if (accuracy_->is_stuck(clock_.time())) refuse_step(error);
+  return false;
+}
+
+void StepControl::tell_step(double start, const std::string& judgement) const {
+  if (!on_detail) return;
+  std::ostringstream text;
+  text << "t = " << start << " s: step of " << last_dt_ << " s, " << judgement;
+  on_detail(text.str());
+}
+
+void StepControl::refuse_step(const StepError& step) {
+  const Index element = built_.body().complex().dart_of(0, step.vertex) / 24;
+  std::ostringstream text;
+  text << "no step is short enough: after " << accuracy_->rejections()
+       << " rejections in succession, a step of " << last_dt_ << " s has an error of " << step.error
+       << " m, and " << accuracy_->tolerated() << " m are tolerated (/solver/step_error is "
+       << *scene_.solver.step_error << "); the error is largest at element "
+       << built_.element_name(element) << ", " << built_.place_of(element);
+  throw InaccurateStep(text.str());
 }
 
 void StepControl::check_step(const Notify& notify) {
@@ -186,6 +258,7 @@ void StepControl::roll_back(const NumericalError& error, const Notify& notify) {
   const bool same_place = failed_at <= latest_failure_time_ + 64 * last_dt_;
   attempts_ = same_place ? attempts_ + 1 : 1;
   latest_failure_time_ = std::max(latest_failure_time_, failed_at);
+  if (dynamic_cast<const InaccurateStep*>(&error) != nullptr) give_up(error);
   const bool may_help = rejected || (!scene_.solver.dt && (unstable || attempts_ <= max_attempts));
   // Right after an operation the run continues from here: a step that a model rejects has moved
   // nothing yet, and the energy of an unstable one is in the balance.
@@ -201,6 +274,7 @@ void StepControl::roll_back(const NumericalError& error, const Notify& notify) {
   const double factor = rejected ? rejected->step_factor : 0.5;
   const auto halvings = saturate<unsigned>(std::ceil(-std::log2(factor) - 1e-9));
   watch_.roll_back(clock_.step(), std::min(halvings, max_halvings));
+  if (accuracy_) accuracy_->shorten(last_dt_, factor);
   std::ostringstream text;
   text << timed(failed_at, error.what());
   if (continues_here && implicit)
@@ -250,6 +324,7 @@ void StepControl::state(Archive& archive) {
   archive("clock", clock_);
   archive("schedule", schedule_);
   archive("dynamics", built_.dynamics());
+  if (accuracy_) archive("accuracy", *accuracy_);
   if (!archive.has_cells()) return;
   archive("limits", built_.limits());
   archive("guard", guard_);
@@ -269,9 +344,11 @@ void StepControl::state(Archive& archive) {
 std::string StepControl::advice(const NumericalError& error) const {
   if (built_.dynamics().is_static())
     return "Reduce the loads or motions, refine the mesh there, or choose another law: some have "
-           "no "
-           "equilibrium beyond a limit (St Venant-Kirchhoff softens below a stretch of 0.58)";
+           "no equilibrium beyond a limit (St Venant-Kirchhoff softens below a stretch of 0.58)";
   std::ostringstream text;
+  if (dynamic_cast<const InaccurateStep*>(&error) != nullptr)
+    return "Ramp loads and motions that begin suddenly there, check the parameters of the model, "
+           "or increase /solver/step_error";
   if (scene_.solver.dt && !(*scene_.solver.dt < watch_.stable())) {
     text << "/solver/dt is " << *scene_.solver.dt << " s";
     if (watch_.stable() > 0)

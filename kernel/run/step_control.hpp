@@ -10,6 +10,7 @@
 #include "kernel/run/guard.hpp"
 #include "kernel/run/kept_states.hpp"
 #include "kernel/run/recorder.hpp"
+#include "kernel/run/step_accuracy.hpp"
 #include "kernel/run/step_watch.hpp"
 
 namespace suture {
@@ -20,9 +21,16 @@ class UnstableStep : public NumericalError {
   using NumericalError::NumericalError;
 };
 
+/// Steps have become too short to reach the tolerance of their error.
+class InaccurateStep : public NumericalError {
+ public:
+  using NumericalError::NumericalError;
+};
+
 /// Makes the steps of a run and verifies them: a step that turns out to be wrong (its motion is
 /// unstable, a model asks for a smaller step, values are not finite, elements invert) is repeated
-/// from a state 32 to 64 steps earlier, with half the step. A failure that no smaller step
+/// from a state 32 to 64 steps earlier, with half the step. A step whose error is too large is
+/// repeated at once, from its own start. A failure that no smaller step
 /// resolves, or that a fixed dt does not allow to resolve, ends the run with its cause, advice that
 /// fits the scene, and two frames: the last good state and the one that failed.
 class StepControl {
@@ -41,11 +49,15 @@ class StepControl {
   StepWatch& watch() { return watch_; }
   double last_dt() const { return last_dt_; }             ///< s
   std::uint64_t rollbacks() const { return rollbacks_; }  ///< the number of rollbacks
+  /// How steps follow their error, or nullptr if they do not.
+  const StepAccuracy* accuracy() const { return accuracy_ ? &*accuracy_ : nullptr; }
   double next_dt();
 
   /// Makes one step, after everything due at its start, or rolls back to an earlier state. Throws
   /// NumericalError for a final failure.
   void step(const Notify& notify);
+  /// Called for each step that follows its error, for `suture run -v`.
+  Notify on_detail{};
   /// Makes a step without checks, for estimates.
   void make_step();
   /// Calls `check` on the current state, which may evaluate forces there and fail like a step;
@@ -68,6 +80,11 @@ class StepControl {
   void state(Archive& archive);
 
  private:
+  void make_one_step();
+  void make_accurate_step();
+  bool try_accurate_step();
+  void tell_step(double start, const std::string& judgement) const;
+  [[noreturn]] void refuse_step(const StepError& step);
   void check_step(const Notify& notify);
   void check_state(const Notify& notify);
   bool should_retry_smaller();
@@ -85,6 +102,9 @@ class StepControl {
   Clock clock_;
   Guard guard_;
   StepWatch watch_;
+  std::optional<StepAccuracy> accuracy_;
+  LocalError error_;
+  StateBuffer before_;  ///< the state at the start of a step that follows its error
   KeptStates kept_;
   double last_dt_ = 0;
   double latest_failure_time_ = -1;  ///< s

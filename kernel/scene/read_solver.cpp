@@ -18,13 +18,14 @@ double last_ramp(const Scene& scene) {
 }
 
 constexpr const char* statics = "static";
+constexpr double default_step_error = 1e-3;
 
 /// "static": equilibria instead of motion, `frames` of them until the end.
 void read_static(ObjectReader& object, const Scene& scene, SolverOptions& solver) {
   const JsonValue* value = object.find(statics);
   if (value == nullptr) return;
-  for (const char* key :
-       {"integrator", "dt", "safety", "until", "kick", "damping", "sleep", "tolerance"})
+  for (const char* key : {"integrator", "dt", "step_error", "safety", "until", "kick", "damping",
+                          "sleep", "tolerance"})
     if (object.find(key) != nullptr)
       object.complain(key, "cannot be combined with \"static\"; remove one of them");
   ObjectReader reader(*value, object.path_of(statics), object.mistakes());
@@ -36,6 +37,37 @@ void read_static(ObjectReader& object, const Scene& scene, SolverOptions& solver
   solver.end = object.number("end", Limits::positive("s"));
   if (!solver.end) solver.end = last_ramp(scene) > 0 ? last_ramp(scene) : 1;
   solver.dt = *solver.end / frames;
+}
+
+/// The names of the integrators of a kind that estimate the error of a step.
+std::string names_with_estimate(bool implicit) {
+  std::string names;
+  for (const std::string& name : integrator_names())
+    if (error_constant(name) > 0 && is_implicit(name) == implicit)
+      names += (names.empty() ? "\"" : " or \"") + name + '"';
+  return names;
+}
+
+/// Steps of "auto" follow their error where a tolerance says so, and with implicit integrators,
+/// for which any step is stable.
+void read_step_error(ObjectReader& object, bool automatic, SolverOptions& solver) {
+  constexpr double smallest = 1e-9;  // rounding of the positions
+  const bool given = object.find("step_error") != nullptr,
+             implicit = is_implicit(solver.integrator);
+  if (given && !automatic)
+    object.complain("step_error", "is only used with \"dt\": \"auto\"; remove it or the fixed dt");
+  else if (error_constant(solver.integrator) > 0 && automatic && (given || implicit))
+    solver.step_error =
+        object.number("step_error", {"", smallest, 1, false, true}).value_or(default_step_error);
+  else if (given)
+    object.complain("step_error", "needs an estimate of the error of a step, and \"" +
+                                      solver.integrator + "\" has none; choose " +
+                                      names_with_estimate(implicit) + ", or remove it");
+  else if (automatic && implicit)
+    object.complain("dt", "'dt' must be a number (s) for \"" + solver.integrator +
+                              "\": any step is stable, so choose it by the accuracy that you "
+                              "need, or choose " +
+                              names_with_estimate(implicit) + ", which can choose it itself");
 }
 
 void read_step(ObjectReader& object, SolverOptions& solver) {
@@ -52,10 +84,9 @@ void read_step(ObjectReader& object, SolverOptions& solver) {
     object.complain("safety", "is only used with \"dt\": \"auto\"; remove it or the fixed dt");
   }
   solver.safety = object.number("safety", share).value_or(solver.safety);
-  if (automatic && is_implicit(solver.integrator))
-    object.complain("dt", "'dt' must be a number (s) for \"" + solver.integrator +
-                              "\": any step is stable, so choose it by the accuracy that you "
-                              "need");
+  if (automatic && is_implicit(solver.integrator) && object.find("safety") != nullptr)
+    object.complain("safety", "is only used by explicit integrators; use 'step_error' instead");
+  read_step_error(object, automatic, solver);
 }
 
 void read_end(ObjectReader& object, SolverOptions& solver) {

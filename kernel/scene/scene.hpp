@@ -69,8 +69,10 @@ struct Load {
 
 struct SolverOptions {
   std::string integrator = "symplectic-euler";
-  std::optional<double> dt;   ///< s; none: "auto"
-  double safety = 0.8;        ///< of the stable step, for "auto"
+  std::optional<double> dt;  ///< s; none: "auto"
+  double safety = 0.8;       ///< of the stable step, for "auto"
+  /// Of a step, relative to the largest displacement: for "auto" steps chosen by their error.
+  std::optional<double> step_error;
   std::optional<double> end;  ///< s
   bool until_rest = false;
   double tolerance = 1e-6;         ///< of the residual, for rest

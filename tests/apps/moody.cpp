@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
 #include <limits>
 
 #include "suture/model.hpp"
 
-/// Edges without a force that fail for a while, next to a model that moves. A repeated step
-/// succeeds only if it is shorter than "longest": the time of a failure depends on the state alone,
-/// as in any sound model.
+/// Edges without a force (but for noise) that fail for a while, next to a model that moves. A
+/// repeated step succeeds only if it is shorter than "longest": the time of a failure depends on
+/// the state alone, as in any sound model.
 struct Moody : suture::model, suture::on_edges {
   static constexpr const char *id = "moody", *doc = "Fails \x1b[5mfor a while", *formula = "f = 0",
                               *citation = "none";
   enum { how, from, to, longest, factor };
-  static constexpr const char* ways[] = {"never", "retry", "nan", "stop"};
+  static constexpr const char* ways[] = {"never", "retry", "nan", "stop", "noise"};
   static constexpr suture::parameter parameters[] = {
       suture::choice("how", "what happens", ways),
       suture::number("from", "s", "when it begins").or_else(0),
@@ -27,7 +28,9 @@ struct Moody : suture::model, suture::on_edges {
     if (fails && c.parameter(how) == 1)
       suture::retry("the edges want a smaller step", c.parameter(factor));
     if (fails && c.parameter(how) == 3) suture::stop("the edges have had enough");
-    const double bad = fails ? std::numeric_limits<double>::quiet_NaN() : 0.0;
+    double bad = fails ? std::numeric_limits<double>::quiet_NaN() : 0.0;
+    // So large that its error is the same for a step of any length.
+    if (fails && c.parameter(how) == 4) bad = std::sin(1e9 * c.time()) / (c.dt() * c.dt());
     const auto nothing = (c.position(1) - c.position(0)) * bad;
     c.force(0, nothing);
     c.force(1, nothing);

@@ -191,12 +191,24 @@ Case implicit(Random& random, unsigned index, std::uint64_t) {
   return result;
 }
 
+/// Steps that follow their error, rejected ones among them, of a body with a memory.
+Case adaptive(Random& random, unsigned index, std::uint64_t seed) {
+  Case result = memory(random, index, seed);
+  result.name = "adaptive";
+  const bool implicit = index % 2 == 0;
+  result.scene["solver"] = {{"end", 4},
+                            {"integrator", implicit ? "newmark" : "velocity-verlet"},
+                            {"step_error", implicit ? random.decades(1e-4, 1e-2) : 1e-6}};
+  return result;
+}
+
 }  // namespace
 
 std::vector<Kind> own_kinds() {
-  return {{"asleep", 2, 12, asleep}, {"kicked", 1, 8, kicked}, {"springs", 1, 8, springs},
-          {"when", 1, 8, when},      {"moody", 2, 16, moody},  {"memory", 1, 10, memory},
-          {"large", 1, 9, large},    {"dense", 1, 8, dense},   {"implicit", 3, 9, implicit}};
+  return {{"asleep", 2, 12, asleep},   {"kicked", 1, 8, kicked}, {"springs", 1, 8, springs},
+          {"when", 1, 8, when},        {"moody", 2, 16, moody},  {"memory", 1, 10, memory},
+          {"large", 1, 9, large},      {"dense", 1, 8, dense},   {"implicit", 3, 9, implicit},
+          {"adaptive", 2, 8, adaptive}};
 }
 
 }  // namespace suture::test

@@ -8,6 +8,7 @@
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/timer.hpp"
+#include "kernel/base/aligned.hpp"
 
 namespace suture::bench {
 namespace {
@@ -39,10 +40,10 @@ struct Options {
   double seconds = 0.5;
 };
 
-/// Seconds of a product with rows of Real.
+/// Seconds of a product with vectors of Real of this size.
 template <class Real>
 double product(ForceLoop& models, std::size_t size, const Options& options) {
-  std::vector<Real> direction(size), image(size);
+  AlignedVector<Real> direction(size), image(size);
   for (std::size_t i = 0; i < size; ++i)
     direction[i] = static_cast<Real>(1e-3 * std::sin(static_cast<double>(i)));
   const auto call = [&] { models.add_tangent(direction.data(), 1, 0, 0, image.data()); };
@@ -58,11 +59,11 @@ void measure_case(const Case& c, Index size, const Options& options, PluginHost&
                         .threads = options.threads});
   ForceLoop& models = body.body().models();
   const double elements = body.element_count();
-  const auto rows = std::size_t{3} * body.attributes().vertex_count();
+  const std::size_t vertices = body.attributes().vertex_count();
   const auto force = [&] { models.add_forces(0, 0); };
   const double forces = measure(force, options.threads, options.seconds).median;
-  const double in_double = product<double>(models, rows, options);
-  const double in_single = product<float>(models, rows, options);
+  const double in_double = product<double>(models, 3 * vertices, options);
+  const double in_single = product<float>(models, 4 * vertices, options);
   report.add(Line()
                  .add("case", std::string(c.name))
                  .add("elements", elements)

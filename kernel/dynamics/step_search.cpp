@@ -112,7 +112,7 @@ double StepSearch::largest(double time) {
     last_ = damped(last_, least);
   }
   scale_ = Vector();  // gives its memory back, which = {} would not
-  scaled_ = Vector();
+  rows_ = image_rows_ = AlignedVector<float>();
   return last_;
 }
 
@@ -181,10 +181,12 @@ void StepSearch::follow(const TopologyChange& change) {
 
 /// image = M^-1/2 (stiffness K + damping C) M^-1/2 x
 void StepSearch::apply(const Vector& x, double stiffness, double damping, Vector& image) {
-  scaled_.resize(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) scaled_[i] = scale_[i] * x[i];
-  image.assign(x.size(), 0);
-  body_.models().add_tangent(scaled_.data(), stiffness, damping, time_, image.data());
+  rows_.assign(x.size() / 3 * 4, 0);
+  image_rows_.assign(rows_.size(), 0);
+  for (std::size_t i = 0; i < x.size(); ++i) rows_[i / 3 * 4 + i % 3] = scale_[i] * x[i];
+  body_.models().add_tangent(rows_.data(), stiffness, damping, time_, image_rows_.data());
+  image.resize(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) image[i] = image_rows_[i / 3 * 4 + i % 3];
   add_other_terms(stiffness, damping, image);
   for (std::size_t i = 0; i < x.size(); ++i) image[i] *= -scale_[i];
 }
@@ -193,7 +195,8 @@ void StepSearch::apply(const Vector& x, double stiffness, double damping, Vector
 void StepSearch::add_other_terms(double stiffness, double damping, Vector& image) {
   for (const auto& term : body_.loads()) {
     if (!term->is_stiff()) continue;
-    direction_.assign(scaled_.begin(), scaled_.end());
+    direction_.resize(image.size());
+    for (std::size_t i = 0; i < image.size(); ++i) direction_[i] = rows_[i / 3 * 4 + i % 3];
     image_.assign(image.size(), 0);
     term->add_tangent(direction_.data(), stiffness, damping, time_, image_.data());
     for (std::size_t i = 0; i < image.size(); ++i) image[i] += static_cast<float>(image_[i]);

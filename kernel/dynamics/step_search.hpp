@@ -4,6 +4,7 @@
 #include <random>
 #include <vector>
 
+#include "kernel/base/aligned.hpp"
 #include "kernel/dynamics/body.hpp"
 
 namespace suture {
@@ -64,8 +65,8 @@ class StepSearch {
   Vector mode_;                 // unit vector, in coordinates sqrt(m) x
   std::vector<Index> changed_;  // vertices changed since the last search; may contain duplicates
   Vector scale_;                // 1/sqrt(m), 0 where fixed
-  Vector scaled_;
-  std::vector<double> direction_, image_;  // for terms other than the models
+  AlignedVector<float> rows_, image_rows_;  // a direction and its image, 4 per vertex
+  std::vector<double> direction_, image_;   // for terms other than the models
 };
 
 }  // namespace suture

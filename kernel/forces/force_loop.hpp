@@ -80,7 +80,8 @@ class ForceLoop final : public ForceTerm {
                      const AddBounds& sums) override;
 
   /// Needs has_tangent(). About three evaluations of forces. The forces are differentiated in
-  /// double; floats halve the memory of a search that needs few digits (step_search.hpp).
+  /// double; floats, in rows of 4 as in add_tangent_in_single(), halve the memory of a search that
+  /// needs few digits (step_search.hpp).
   void add_tangent(const double* d, double dx, double dv, const TangentTime& at,
                    double* out) override;
   void add_tangent(const float* d, double dx, double dv, const TangentTime& at, float* out);

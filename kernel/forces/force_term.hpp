@@ -76,7 +76,8 @@ class ForceTerm : public Follower {
   /// numbers per vertex.
   virtual void add_tangent(const double* /*d*/, double /*dx*/, double /*dv*/,
                            const TangentTime& /*at*/, double* /*out*/) {}
-  /// The same in single precision, for preconditioners. False if it does not offer that.
+  /// The same in single precision, for preconditioners: rows of 4 numbers per vertex, the fourth 0,
+  /// 16-byte aligned. False if it does not offer that.
   virtual bool add_tangent_in_single(const float* /*d*/, double /*dx*/, double /*dv*/,
                                      const TangentTime& /*at*/, float* /*out*/) {
     return false;

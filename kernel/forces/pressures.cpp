@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <type_traits>
 #include <utility>
 
 #include "kernel/base/aligned.hpp"
@@ -120,13 +121,14 @@ void Pressures::for_each_arms(double time, Visit visit) const {
 
 template <class Real>
 void Pressures::multiply(const Real* d, double factor, double sign, double time, Real* out) const {
+  constexpr std::size_t row = std::is_same_v<Real, float> ? 4 : 3;  // numbers per vertex
   for_each_arms(time, [&](const Corners& nodes, double p, const Arms& w) {
     for (std::size_t a = 0; a < 4; ++a)
       for (std::size_t b = 0; b < 4; ++b) {
-        const Real* u = d + std::size_t{nodes[b]} * 3;
+        const Real* u = d + nodes[b] * row;
         const Vec3 f = cross(part_of(w, a, b, sign), Vec3{u[0], u[1], u[2]});
         for (std::size_t c = 0; c < 3; ++c)
-          out[std::size_t{nodes[a]} * 3 + c] += static_cast<Real>(factor * p * f[c]);
+          out[nodes[a] * row + c] += static_cast<Real>(factor * p * f[c]);
       }
   });
 }

@@ -4,6 +4,9 @@
 #include <Eigen/Core>
 #include <algorithm>
 
+#include "kernel/solvers/clones.hpp"
+#include "kernel/solvers/single_vector.hpp"
+
 namespace suture {
 namespace {
 
@@ -20,12 +23,34 @@ struct CellsOfNodes {
   std::vector<Index> begin, cells;
 };
 
-using Four = float __attribute__((vector_size(16)));
-
-Four load(const float* from) {
-  Four result;
+SingleRow load(const float* from) {
+  SingleRow result;
   std::memcpy(&result, from, sizeof result);
   return result;
+}
+
+/// Blocks lie one after the other: the fourth number of a column belongs to the next one.
+SUTURE_CLONES
+void multiply(const Index* begin, const Index* column, const float* block, const SingleRow* x,
+              SingleRow* y, Index rows) {
+  for (Index row = 0; row < rows; ++row) {
+    // Two sums: consecutive products do not wait for each other.
+    SingleRow even{}, odd{};
+    Index i = begin[row];
+    for (; i + 1 < begin[row + 1]; i += 2, block += 18) {
+      const SingleRow a = x[column[i]], b = x[column[i + 1]];
+      even += load(block) * a[0] + load(block + 3) * a[1] + load(block + 6) * a[2];
+      odd += load(block + 9) * b[0] + load(block + 12) * b[1] + load(block + 15) * b[2];
+    }
+    if (i < begin[row + 1]) {
+      const SingleRow a = x[column[i]];
+      even += load(block) * a[0] + load(block + 3) * a[1] + load(block + 6) * a[2];
+      block += 9;
+    }
+    even += odd;
+    even[3] = 0;
+    y[row] = even;
+  }
 }
 
 }  // namespace
@@ -62,18 +87,8 @@ void mirror(BlockRows<double>& a) {
 
 void multiply(const BlockRows<float>& a, const float* x, float* y) {
   const BlockPattern& p = a.pattern();
-  for (Index row = 0; row < p.rows(); ++row) {
-    // Two sums: consecutive products do not wait for each other.
-    Four even{}, odd{};
-    for (Index i = p.begin[row]; i < p.begin[row + 1]; ++i) {
-      const float* block = a.block(i);
-      const float* from = x + std::size_t{p.column[i]} * 3;
-      Four& sum = i % 2 == 0 ? even : odd;
-      sum += load(block) * from[0] + load(block + 3) * from[1] + load(block + 6) * from[2];
-    }
-    even += odd;
-    std::memcpy(y + std::size_t{row} * 3, &even, 3 * sizeof(float));
-  }
+  multiply(p.begin.data(), p.column.data(), a.block(0), reinterpret_cast<const SingleRow*>(x),
+           reinterpret_cast<SingleRow*>(y), p.rows());
 }
 
 BlockRows<float> in_single(const BlockRows<double>& a) {

@@ -60,7 +60,7 @@ class BlockRows {
 /// Copies the blocks above the diagonal below it, and makes those on it symmetric.
 void mirror(BlockRows<double>& a);
 
-/// y = A x; 3 numbers per node. `x` and `y` must differ.
+/// y = A x, in rows of 4 (single_vector.hpp). `x` and `y` must differ.
 void multiply(const BlockRows<float>& a, const float* x, float* y);
 
 /// The same matrix in single precision.

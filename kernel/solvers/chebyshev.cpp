@@ -2,29 +2,114 @@
 #include "kernel/solvers/chebyshev.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
-#include <random>
+#include <cstdint>
+#include <utility>
+
+#include "kernel/solvers/clones.hpp"
 
 namespace suture {
 namespace {
 
-double product(const SingleVector& a, const SingleVector& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += double{a[i]} * double{b[i]};
-  return sum;
+typedef float Unaligned __attribute__((vector_size(16), aligned(4), may_alias));
+
+/// An inverse diagonal block (xx, yy, zz, xy, yz, xz), symmetric, times a row. The fourth numbers
+/// that are loaded meet the 0 of the row.
+inline __attribute__((always_inline)) SingleRow precondition(const float* block, SingleRow r) {
+  const SingleRow diagonal = *reinterpret_cast<const Unaligned*>(block);
+  const SingleRow sides = *reinterpret_cast<const Unaligned*>(block + 3);
+  const SingleRow next = __builtin_shufflevector(r, r, 1, 2, 0, 3);
+  const SingleRow last = __builtin_shufflevector(r, r, 2, 0, 1, 3);
+  return diagonal * r + (sides * next + __builtin_shufflevector(sides, sides, 2, 0, 1, 3) * last);
 }
 
-void add(double factor, const SingleVector& from, SingleVector& to) {
-  const auto f = static_cast<float>(factor);
-  for (std::size_t i = 0; i < to.size(); ++i) to[i] += f * from[i];
+/// The coefficients of one term of the polynomial: d = keep d + add D^-1 r, x += part d.
+struct Term {
+  float keep, add, part;
+};
+
+// The passes over the vectors of a level. Each reads and writes as much as it can at once.
+
+/// d = add D^-1 r, x = part d.
+SUTURE_CLONES
+void begin(const Term& term, const float* inverse, const SingleRow* r, SingleRow* d, SingleRow* x,
+           std::size_t rows) {
+  for (std::size_t i = 0; i < rows; ++i) {
+    d[i] = term.add * precondition(inverse + 6 * i, r[i]);
+    x[i] = term.part * d[i];
+  }
 }
 
-/// The same random numbers in every call: short waves have the largest eigenvalues.
-SingleVector random_vector(std::size_t size) {
-  std::minstd_rand random(1);
-  SingleVector result(size);
-  for (float& value : result)
-    value = static_cast<float>(random()) / static_cast<float>(std::minstd_rand::max()) - 0.5f;
+/// s = r - q, r -= last q, d = keep d + add D^-1 s, x += part d. `r` may be `from`.
+SUTURE_CLONES
+void advance(const Term& term, float last, const float* inverse, const SingleRow* q,
+             const SingleRow* from, SingleRow* s, SingleRow* r, SingleRow* d, SingleRow* x,
+             std::size_t rows) {
+  for (std::size_t i = 0; i < rows; ++i) {
+    const SingleRow next = from[i] - q[i];
+    r[i] -= last * q[i];
+    s[i] = next;
+    d[i] = term.keep * d[i] + term.add * precondition(inverse + 6 * i, next);
+    x[i] += term.part * d[i];
+  }
+}
+
+/// The same with r = s.
+SUTURE_CLONES
+void advance(const Term& term, const float* inverse, const SingleRow* q, SingleRow* r, SingleRow* d,
+             SingleRow* x, std::size_t rows) {
+  for (std::size_t i = 0; i < rows; ++i) {
+    r[i] -= q[i];
+    d[i] = term.keep * d[i] + term.add * precondition(inverse + 6 * i, r[i]);
+    x[i] += term.part * d[i];
+  }
+}
+
+/// r -= q, d = add D^-1 r, x += correction + part d.
+SUTURE_CLONES
+void begin_corrected(const Term& term, const float* inverse, const SingleRow* q,
+                     const SingleRow* correction, SingleRow* r, SingleRow* d, SingleRow* x,
+                     std::size_t rows) {
+  for (std::size_t i = 0; i < rows; ++i) {
+    r[i] -= q[i];
+    d[i] = term.add * precondition(inverse + 6 * i, r[i]);
+    x[i] += correction[i] + term.part * d[i];
+  }
+}
+
+/// y += factor x.
+SUTURE_CLONES
+void add(float factor, const SingleRow* x, SingleRow* y, std::size_t rows) {
+  for (std::size_t i = 0; i < rows; ++i) y[i] += factor * x[i];
+}
+
+/// z = D^-1 r; returns r . z.
+SUTURE_CLONES
+double precondition(const float* inverse, const SingleRow* r, SingleRow* z, std::size_t rows) {
+  typedef double Doubles __attribute__((vector_size(32)));
+  Doubles sum{};
+  for (std::size_t i = 0; i < rows; ++i) {
+    z[i] = precondition(inverse + 6 * i, r[i]);
+    sum += __builtin_convertvector(r[i], Doubles) * __builtin_convertvector(z[i], Doubles);
+  }
+  return (sum[0] + sum[1]) + sum[2];
+}
+
+/// d = z + keep d.
+SUTURE_CLONES
+void combine(float keep, const SingleRow* z, SingleRow* d, std::size_t rows) {
+  for (std::size_t i = 0; i < rows; ++i) d[i] = z[i] + keep * d[i];
+}
+
+/// Numbers in [-0.5, 0.5), the same in every call: short waves have the largest eigenvalues.
+SingleVector random_vector(std::size_t rows) {
+  SingleVector result = single_vector(rows);
+  std::uint32_t state = 1;
+  for (std::size_t i = 0; i < rows * 4; ++i) {
+    state = state * 1664525u + 1013904223u;
+    if (i % 4 != 3) result[i] = static_cast<float>(state >> 8) * 0x1p-24f - 0.5f;
+  }
   return result;
 }
 
@@ -60,14 +145,25 @@ constexpr double parts[max_steps][max_steps] = {
     {1.00842544782028, 1.08867839208730, 1.33753125909618},
     {1.00391310427285, 1.04035811188593, 1.14863498546254, 1.38268869241000}};
 
+/// Term i of a polynomial of `steps` terms for this largest eigenvalue.
+Term term_of(unsigned i, unsigned steps, float largest) {
+  const auto odd = static_cast<float>(2 * i + 3);
+  const double part = steps <= max_steps ? parts[steps - 1][i] : 1;
+  return {i == 0 ? 0 : static_cast<float>(2 * i - 1) / odd,
+          static_cast<float>(8 * i + 4) / (odd * largest), static_cast<float>(part)};
+}
+
 }  // namespace
 
 void Chebyshev::set(const DiagonalBlocks& inverse, const SingleProduct& multiply) {
   // The estimate is a lower bound.
   constexpr double safety = 1.1;
-  inverse_.resize(inverse.size() * 9);
-  for (std::size_t v = 0; v < inverse.size(); ++v)
-    Eigen::Map<Eigen::Matrix3f>(inverse_.data() + v * 9) = inverse[v].cast<float>();
+  inverse_.assign(inverse.size() * 6 + 1, 0);
+  for (std::size_t v = 0; v < inverse.size(); ++v) {
+    const Eigen::Matrix3f b = inverse[v].cast<float>();
+    const float values[] = {b(0, 0), b(1, 1), b(2, 2), b(1, 0), b(2, 1), b(2, 0)};
+    std::ranges::copy(values, inverse_.data() + v * 6);
+  }
   d_ = single_vector(inverse.size());
   q_ = single_vector(inverse.size());
   s_ = single_vector(inverse.size());
@@ -77,62 +173,58 @@ void Chebyshev::set(const DiagonalBlocks& inverse, const SingleProduct& multiply
 /// As good as 20 steps of power iteration.
 double Chebyshev::estimate(const SingleProduct& multiply) const {
   constexpr unsigned steps = 10;
-  SingleVector r = random_vector(d_.size()), z(d_.size());
+  const std::size_t rows = d_.size() / 4;
+  const float* const inverse = inverse_.data();
+  SingleVector r = random_vector(rows);
   Tridiagonal lanczos;
   double rz = 0;
   for (unsigned i = 0; i < steps; ++i) {
-    precondition(r, z);
-    const double last = std::exchange(rz, product(r, z));
+    const double last = std::exchange(rz, precondition(inverse, rows_of(r), rows_of(s_), rows));
     const double keep = i == 0 ? 0 : rz / last;
     if (!(rz > 0)) break;
-    for (std::size_t k = 0; k < d_.size(); ++k) d_[k] = z[k] + static_cast<float>(keep) * d_[k];
+    combine(static_cast<float>(keep), rows_of(s_), rows_of(d_), rows);
     multiply(d_.data(), q_.data());
-    const double step = rz / product(d_, q_);
+    const double step = rz / dot(d_, q_);
     if (!std::isfinite(step)) break;
     lanczos.add(step, keep);
-    add(-step, q_, r);
+    add(static_cast<float>(-step), rows_of(q_), rows_of(r), rows);
   }
   return lanczos.largest();
 }
 
-void Chebyshev::precondition(const SingleVector& r, SingleVector& z) const {
-  const float* b = inverse_.data();
-  for (std::size_t i = 0; i + 3 < r.size(); i += 3, b += 9)
-    for (std::size_t c = 0; c < 3; ++c)
-      z[i + c] = b[c] * r[i] + b[3 + c] * r[i + 1] + b[6 + c] * r[i + 2];
-}
-
-void Chebyshev::advance(float keep, float add, const SingleVector& r) const {
-  const float* b = inverse_.data();
-  for (std::size_t i = 0; i + 3 < r.size(); i += 3, b += 9)
-    for (std::size_t c = 0; c < 3; ++c)
-      d_[i + c] =
-          keep * d_[i + c] + add * (b[c] * r[i] + b[3 + c] * r[i + 1] + b[6 + c] * r[i + 2]);
-}
-
 void Chebyshev::smooth(const SingleProduct& multiply, unsigned steps, SingleVector& x,
-                       SingleVector& r, bool finish) const {
-  if (!(largest_ > 0)) return;
-  if (finish) s_ = r;
-  SingleVector& plain = finish ? s_ : r;
-  for (unsigned i = 0; i < steps; ++i) {
-    const auto odd = static_cast<float>(2 * i + 3);
-    const double part = steps <= max_steps ? parts[steps - 1][i] : 1;
-    advance(i == 0 ? 0.0f : static_cast<float>(2 * i - 1) / odd,
-            static_cast<float>(8 * i + 4) / (odd * largest_), plain);
-    add(part, d_, x);
-    if (i + 1 == steps && !finish) return;
+                       SingleVector& r) const {
+  const std::size_t rows = x.size() / 4;
+  const float* const inverse = inverse_.data();
+  if (!(largest_ > 0)) {
+    std::ranges::fill(x, 0.0f);
+    return;
+  }
+  Term term = term_of(0, steps, largest_);
+  begin(term, inverse, rows_of(r), rows_of(d_), rows_of(x), rows);
+  for (unsigned i = 1;; ++i) {
     multiply(d_.data(), q_.data());
-    if (finish) add(-part, q_, r);
-    if (i + 1 < steps) add(-1, q_, plain);
+    const float last = term.part;
+    if (i == steps) return add(-last, rows_of(q_), rows_of(r), rows);
+    term = term_of(i, steps, largest_);
+    advance(term, last, inverse, rows_of(q_), rows_of(i == 1 ? r : s_), rows_of(s_), rows_of(r),
+            rows_of(d_), rows_of(x), rows);
   }
 }
 
-void Chebyshev::correct(const SingleProduct& multiply, const SingleVector& correction,
-                        SingleVector& x, SingleVector& r) const {
+void Chebyshev::correct(const SingleProduct& multiply, unsigned steps,
+                        const SingleVector& correction, SingleVector& x, SingleVector& r) const {
+  const std::size_t rows = x.size() / 4;
+  const float* const inverse = inverse_.data();
+  if (!(largest_ > 0)) return add(1, rows_of(correction), rows_of(x), rows);
   multiply(correction.data(), q_.data());
-  add(1, correction, x);
-  add(-1, q_, r);
+  begin_corrected(term_of(0, steps, largest_), inverse, rows_of(q_), rows_of(correction),
+                  rows_of(r), rows_of(d_), rows_of(x), rows);
+  for (unsigned i = 1; i < steps; ++i) {
+    multiply(d_.data(), q_.data());
+    advance(term_of(i, steps, largest_), inverse, rows_of(q_), rows_of(r), rows_of(d_), rows_of(x),
+            rows);
+  }
 }
 
 }  // namespace suture

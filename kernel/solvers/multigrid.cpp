@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/solvers/multigrid.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "kernel/solvers/direct.hpp"
 #include "kernel/solvers/galerkin.hpp"
 #include "kernel/solvers/multigrid_levels.hpp"
@@ -52,13 +49,9 @@ class Multigrid final : public Preconditioner {
   void apply(const double* r, double* z) const override {
     if (direct_) return direct_->apply(r, z);
     MultigridLevel& level = levels_[0];
-    double scale = 0;
-    for (std::size_t i = 0; i < level.held.size(); ++i) scale = std::max(scale, std::abs(r[i]));
-    if (scale == 0) scale = 1;
-    for (std::size_t i = 0; i < level.held.size(); ++i)
-      level.r[i] = static_cast<float>(r[i] / scale);
+    const double scale = to_single(r, level.r);
     VCycle(levels_, coarsest_, options_.smoothing).run(0);
-    for (std::size_t i = 0; i < level.held.size(); ++i) z[i] = scale * double{level.x[i]};
+    to_double(level.x, scale, z);
   }
 
  private:

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "kernel/solvers/clones.hpp"
+
 namespace suture {
 namespace {
 
@@ -31,12 +33,42 @@ MultigridLevel coarser_level(Coarsening& coarsening, const MultigridLevel& finer
   return level;
 }
 
+/// The places in rows of 4 of components that are held.
+std::vector<Index> places_of(const Held& held) {
+  std::vector<Index> places;
+  for (std::size_t i = 0; i < held.size(); ++i)
+    if (held[i]) places.push_back(static_cast<Index>(i / 3 * 4 + i % 3));
+  return places;
+}
+
+void hold(const MultigridLevel& level, SingleVector& v) {
+  for (const Index place : level.held_places) v[place] = 0;
+}
+
+SUTURE_CLONES
+void interpolate(const Index* begin, const Index* node, const float* weight, const SingleRow* from,
+                 SingleRow* to, std::size_t rows) {
+  for (std::size_t v = 0; v < rows; ++v) {
+    SingleRow sum{};
+    for (Index i = begin[v]; i < begin[v + 1]; ++i) sum += weight[i] * from[node[i]];
+    to[v] = sum;
+  }
+}
+
+SUTURE_CLONES
+void add_to_coarse(const Index* begin, const Index* node, const float* weight,
+                   const SingleRow* from, SingleRow* to, std::size_t rows) {
+  for (std::size_t v = 0; v < rows; ++v)
+    for (Index i = begin[v]; i < begin[v + 1]; ++i) to[node[i]] += weight[i] * from[v];
+}
+
 }  // namespace
 
 std::size_t MultigridLevel::bytes() const {
   return to_finer.begin.size() * sizeof(Index) + to_finer.node.size() * 2 * sizeof(Index) +
          (pattern.begin.size() + pattern.column.size()) * sizeof(Index) + matrix.bytes() +
-         smoother.bytes() + 3 * x.size() * sizeof(float) + held.size();
+         smoother.bytes() + 3 * x.size() * sizeof(float) + held.size() +
+         held_places.size() * sizeof(Index);
 }
 
 MultigridLevels make_levels(const NodeGraph& vertices, const std::vector<std::uint8_t>& free,
@@ -50,8 +82,10 @@ MultigridLevels make_levels(const NodeGraph& vertices, const std::vector<std::ui
     levels.push_back(coarser_level(next, levels.back()));
     graph = std::move(next.coarse);
   }
-  for (MultigridLevel& level : levels)
+  for (MultigridLevel& level : levels) {
+    level.held_places = places_of(level.held);
     level.x = level.r = level.correction = single_vector(level.nodes());
+  }
   return levels;
 }
 
@@ -66,47 +100,39 @@ void set_smoother(MultigridLevel& level, DiagonalBlocks diagonal) {
 void VCycle::run(std::size_t l) const {
   if (l + 1 == levels_.size()) return solve_coarsest();
   MultigridLevel& level = levels_[l];
-  std::ranges::fill(level.x, 0.0f);
-  level.smoother.smooth(level.multiply, smoothing_, level.x, level.r, true);
+  level.smoother.smooth(level.multiply, smoothing_, level.x, level.r);
   restrict(l);
   run(l + 1);
   prolong(l);
-  level.smoother.smooth(level.multiply, smoothing_, level.x, level.r, false);
+  level.smoother.correct(level.multiply, smoothing_, level.correction, level.x, level.r);
 }
 
 void VCycle::solve_coarsest() const {
   MultigridLevel& level = levels_.back();
-  std::vector<double> x(level.r.begin(), level.r.end() - 1);
+  std::vector<double> x(level.held.size());
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = level.r[i / 3 * 4 + i % 3];
   coarsest_.solve(x);
-  std::ranges::transform(x, level.x.begin(), [](double v) { return static_cast<float>(v); });
+  for (std::size_t i = 0; i < x.size(); ++i) level.x[i / 3 * 4 + i % 3] = static_cast<float>(x[i]);
 }
 
 void VCycle::restrict(std::size_t l) const {
-  const MultigridLevel& fine = levels_[l];
-  MultigridLevel& coarse = levels_[l + 1];
+  MultigridLevel &fine = levels_[l], &coarse = levels_[l + 1];
   const Interpolation& p = coarse.to_finer;
+  hold(fine, fine.r);
   std::ranges::fill(coarse.r, 0.0f);
-  for (std::size_t v = 0; v < p.fine_nodes(); ++v)
-    for (Index i = p.begin[v]; i < p.begin[v + 1]; ++i)
-      for (std::size_t c = 0; c < 3; ++c)
-        coarse.r[std::size_t{p.node[i]} * 3 + c] += p.weight[i] * fine.r[v * 3 + c];
-  for (std::size_t i = 0; i < coarse.held.size(); ++i)
-    if (coarse.held[i]) coarse.r[i] = 0;
+  add_to_coarse(p.begin.data(), p.node.data(), p.weight.data(), rows_of(fine.r), rows_of(coarse.r),
+                p.fine_nodes());
+  hold(coarse, coarse.r);
 }
 
-/// Adds the correction of the next coarser level to x, and updates r.
+/// The correction by the next coarser level.
 void VCycle::prolong(std::size_t l) const {
   MultigridLevel& fine = levels_[l];
   const MultigridLevel& coarse = levels_[l + 1];
   const Interpolation& p = coarse.to_finer;
-  for (std::size_t v = 0; v < p.fine_nodes(); ++v)
-    for (std::size_t c = 0; c < 3; ++c) {
-      float sum = 0;
-      for (Index i = p.begin[v]; i < p.begin[v + 1]; ++i)
-        sum += p.weight[i] * coarse.x[std::size_t{p.node[i]} * 3 + c];
-      fine.correction[v * 3 + c] = fine.held[v * 3 + c] ? 0 : sum;
-    }
-  fine.smoother.correct(fine.multiply, fine.correction, fine.x, fine.r);
+  interpolate(p.begin.data(), p.node.data(), p.weight.data(), rows_of(coarse.x),
+              rows_of(fine.correction), p.fine_nodes());
+  hold(fine, fine.correction);
 }
 
 }  // namespace suture

@@ -10,11 +10,12 @@ namespace suture {
 
 /// A level of a multigrid hierarchy. The finest one is that of the vertices.
 struct MultigridLevel {
-  Interpolation to_finer;   ///< not of the finest level
-  Held held;                ///< 3 per node
-  std::vector<bool> loose;  ///< nodes of pieces that nothing holds
-  BlockPattern pattern;     ///< not of the finest level
-  BlockRows<float> matrix;  ///< not of the finest and the coarsest level
+  Interpolation to_finer;          ///< not of the finest level
+  Held held;                       ///< 3 per node
+  std::vector<Index> held_places;  ///< those of `held` in rows of 4
+  std::vector<bool> loose;         ///< nodes of pieces that nothing holds
+  BlockPattern pattern;            ///< not of the finest level
+  BlockRows<float> matrix;         ///< not of the finest and the coarsest level
   SingleProduct multiply;
   Chebyshev smoother;
   SingleVector x, r, correction;  ///< scratch

@@ -11,17 +11,11 @@ namespace {
 constexpr unsigned max_iterations = 12;
 constexpr double tolerance = 1e-3;
 
-double product(const SingleVector& a, const SingleVector& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += double{a[i]} * double{b[i]};
-  return sum;
-}
-
 /// A uniform load on the nodes of pieces that something holds.
 SingleVector load_of(const MultigridLevel& level) {
   SingleVector load = single_vector(level.nodes());
   for (std::size_t i = 0; i < level.held.size(); ++i)
-    load[i] = level.held[i] || level.loose[i / 3] ? 0.0f : 1.0f;
+    load[i / 3 * 4 + i % 3] = level.held[i] || level.loose[i / 3] ? 0.0f : 1.0f;
   return load;
 }
 
@@ -31,17 +25,17 @@ SingleVector load_of(const MultigridLevel& level) {
 bool StopTest::converges(std::size_t l) const {
   MultigridLevel& level = levels_[l];
   SingleVector r = load_of(level), d = single_vector(level.nodes()), q = d;
-  const double target = tolerance * tolerance * product(r, r);
+  const double target = tolerance * tolerance * dot(r, r);
   double rz = 0;
-  for (unsigned i = 0; product(r, r) > target; ++i) {
+  for (unsigned i = 0; dot(r, r) > target; ++i) {
     if (i == max_iterations) return false;
     level.r = r;
     cycle_.run(l);
-    const double last = std::exchange(rz, product(r, level.x));
+    const double last = std::exchange(rz, dot(r, level.x));
     const auto keep = static_cast<float>(i == 0 ? 0 : rz / last);
     for (std::size_t k = 0; k < d.size(); ++k) d[k] = level.x[k] + keep * d[k];
     level.multiply(d.data(), q.data());
-    const double curvature = product(d, q);
+    const double curvature = dot(d, q);
     if (!(curvature > 0)) return false;
     const auto step = static_cast<float>(rz / curvature);
     for (std::size_t k = 0; k < r.size(); ++k) r[k] -= step * q[k];

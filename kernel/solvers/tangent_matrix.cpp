@@ -11,36 +11,31 @@ TangentMatrix::TangentMatrix(Attributes& attributes,
 
 void TangentMatrix::set(const TangentTime& at, double mass, double velocity, double load) {
   at_ = at;
-  mass_ = mass;
   velocity_ = velocity;
   load_ = load;
   const Column &masses = attributes_.mass(), &fixed = attributes_.fixed();
-  free_.resize(std::size_t{attributes_.vertex_count()} * 3);
-  for (Index v = 0; v < attributes_.vertex_count(); ++v) {
-    const int held = masses.get(v, 0) > 0 ? static_cast<int>(fixed.get(v, 0)) : 7;
-    for (std::size_t c = 0; c < 3; ++c) free_[std::size_t{v} * 3 + c] = (held >> c & 1) == 0;
+  const Index vertices = attributes_.vertex_count();
+  free_.assign(std::size_t{vertices} * 3, 1);
+  held_.clear();
+  masses_.resize(mass != 0 ? vertices : 0);
+  for (Index v = 0; v < vertices; ++v) {
+    const double own = masses.get(v, 0);
+    if (mass != 0) masses_[v] = mass * own;
+    const int held = own > 0 ? static_cast<int>(fixed.get(v, 0)) : 7;
+    for (Index c = 0; held != 0 && c < 3; ++c)
+      if ((held >> c & 1) != 0) held_.push_back(v * 3 + c);
   }
-}
-
-double TangentMatrix::mass_at(Index vertex) const {
-  return mass_ * attributes_.mass().get(vertex, 0);
+  for (const Index i : held_) free_[i] = 0;
 }
 
 void TangentMatrix::restrict(std::span<double> x) const {
-  for (std::size_t i = 0; i < x.size(); ++i)
-    if (!free_[i]) x[i] = 0;
-}
-
-template <class Real>
-void TangentMatrix::apply_mass(const Real* x, Real* y) const {
-  for (Index v = 0; v < attributes_.vertex_count(); ++v) {
-    const auto mass = static_cast<Real>(mass_ == 0 ? 0 : mass_at(v));
-    for (std::size_t i = std::size_t{v} * 3; i < std::size_t{v} * 3 + 3; ++i) y[i] = mass * x[i];
-  }
+  for (const Index i : held_) x[i] = 0;
 }
 
 void TangentMatrix::apply(const double* x, double* y) const {
-  apply_mass(x, y);
+  std::fill_n(y, free_.size(), 0.0);
+  for (std::size_t v = 0; v < masses_.size(); ++v)
+    for (std::size_t i = v * 3; i < v * 3 + 3; ++i) y[i] = masses_[v] * x[i];
   for (std::size_t t = 0; t < terms_.size(); ++t)
     if (terms_[t]->has_tangent())
       terms_[t]->add_tangent(x, -factor(t), -factor(t) * velocity_, at_, y);
@@ -48,22 +43,26 @@ void TangentMatrix::apply(const double* x, double* y) const {
 }
 
 void TangentMatrix::apply(const float* x, float* y) const {
-  apply_mass(x, y);
+  std::fill_n(y, free_.size() / 3 * 4, 0.0f);
+  for (std::size_t v = 0; v < masses_.size(); ++v) {
+    const auto mass = static_cast<float>(masses_[v]);
+    for (std::size_t i = v * 4; i < v * 4 + 4; ++i) y[i] = mass * x[i];
+  }
   for (std::size_t t = 0; t < terms_.size(); ++t) {
     ForceTerm& term = *terms_[t];
     if (term.is_stiff() && term.has_tangent() &&
         !term.add_tangent_in_single(x, -factor(t), -factor(t) * velocity_, at_, y))
       add_in_double(term, factor(t), x, y);
   }
-  for (std::size_t i = 0; i < free_.size(); ++i)
-    if (!free_[i]) y[i] = 0;
+  for (const Index i : held_) y[i / 3 * 4 + i % 3] = 0;
 }
 
 void TangentMatrix::add_in_double(ForceTerm& term, double factor, const float* x, float* y) const {
-  const std::vector<double> wide(x, x + free_.size());
-  std::vector<double> image(free_.size());
+  std::vector<double> wide(free_.size()), image(free_.size());
+  for (std::size_t i = 0; i < wide.size(); ++i) wide[i] = x[i / 3 * 4 + i % 3];
   term.add_tangent(wide.data(), -factor, -factor * velocity_, at_, image.data());
-  for (std::size_t i = 0; i < image.size(); ++i) y[i] += static_cast<float>(image[i]);
+  for (std::size_t i = 0; i < image.size(); ++i)
+    y[i / 3 * 4 + i % 3] += static_cast<float>(image[i]);
 }
 
 void TangentMatrix::for_each_cell(const ForceTerm::VisitTangents& visit) const {

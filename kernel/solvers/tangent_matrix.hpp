@@ -32,11 +32,12 @@ class TangentMatrix {
   const std::vector<std::uint8_t>& free() const { return free_; }
   /// y = A x. About three evaluations of the forces. Throws the errors of terms.
   void apply(const double* x, double* y) const;
-  /// The same in single precision; terms without such a tangent are computed in double.
+  /// The same in single precision, in rows of 4 numbers, the fourth 0, 16-byte aligned; terms
+  /// without such a tangent are computed in double.
   void apply(const float* x, float* y) const;
-  bool has_mass() const { return mass_ != 0; }
+  bool has_mass() const { return !masses_.empty(); }
   /// The diagonal of the mass term at a vertex, N/m.
-  double mass_at(Index vertex) const;
+  double mass_at(Index vertex) const { return masses_.empty() ? 0 : masses_[vertex]; }
   /// Visits the matrices of all cells, K + velocity C, with the opposite sign: see
   /// ForceTerm::for_each_tangent. The mass term is not included.
   void for_each_cell(const ForceTerm::VisitTangents& visit) const;
@@ -44,16 +45,16 @@ class TangentMatrix {
   void restrict(std::span<double> x) const;
 
  private:
-  template <class Real>
-  void apply_mass(const Real* x, Real* y) const;
   void add_in_double(ForceTerm& term, double factor, const float* x, float* y) const;
   double factor(std::size_t term) const { return term == 0 ? 1 : load_; }
 
   Attributes& attributes_;
   const std::vector<std::unique_ptr<ForceTerm>>& terms_;
   std::vector<std::uint8_t> free_;
+  std::vector<Index> held_;     ///< the components that are not free
+  std::vector<double> masses_;  ///< the diagonal of the mass term; empty if there is none
   TangentTime at_ = 0;
-  double mass_ = 0, velocity_ = 0, load_ = 1;
+  double velocity_ = 0, load_ = 1;
 };
 
 }  // namespace suture

@@ -70,9 +70,12 @@ struct Block : spring_model::Body {
   }
   template <class Real>
   std::vector<Real> product(const std::vector<double>& d, double dx, double dv) {
-    const std::vector<Real> rounded(d.begin(), d.end());
+    constexpr std::size_t row = std::is_same_v<Real, float> ? 4 : 3;
+    AlignedVector<Real> rows(d.size() / 3 * row), images(rows.size());
+    for (std::size_t i = 0; i < d.size(); ++i) rows[i / 3 * row + i % 3] = static_cast<Real>(d[i]);
+    models().add_tangent(rows.data(), dx, dv, 0, images.data());
     std::vector<Real> image(d.size());
-    models().add_tangent(rounded.data(), dx, dv, 0, image.data());
+    for (std::size_t i = 0; i < d.size(); ++i) image[i] = images[i / 3 * row + i % 3];
     return image;
   }
   /// Moves positions by `dx` and velocities by `dv` times the direction.

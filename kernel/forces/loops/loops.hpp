@@ -160,7 +160,7 @@ struct Stretch {
 };
 
 /// out += df/dx (dx d) + df/dv (dv d), by a functor's suture.tangent/1, in double precision. Rows
-/// of 3 numbers per vertex.
+/// of 3 doubles or of 4 floats per vertex, these 16-byte aligned and the fourth 0.
 template <class Real>
 struct Product {
   decltype(suture_tangent_1::apply) function;

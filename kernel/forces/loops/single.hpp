@@ -143,8 +143,9 @@ class SingleLoop {
     const auto dx = static_cast<float>(product_.dx), dv = static_cast<float>(product_.dv);
     for (uint32_t n = 0; n < N; ++n) {
       const uint32_t node = n * 3 * single_lanes + at;
-      gather_single_node3(product_.direction, cells, n, dx, arrays_.dx + node);
-      if (job_.velocity) gather_single_node3(product_.direction, cells, n, dv, arrays_.dv + node);
+      gather_single_direction(product_.direction, cells, n, dx, arrays_.dx + node);
+      if (job_.velocity)
+        gather_single_direction(product_.direction, cells, n, dv, arrays_.dv + node);
     }
   }
 
@@ -179,8 +180,8 @@ class SingleLoop {
     if (status != 0) return worker_.failed(worker_.data, status, &names_);
     for (uint32_t half = 0; half < 2; ++half)
       for (uint32_t n = 0; n < N; ++n)
-        scatter_single_node3(product_.out, cells_[half], n, valid_[half],
-                             arrays_.df + n * 3 * single_lanes + half * lanes);
+        scatter_single_direction(product_.out, cells_[half], n, valid_[half],
+                                 arrays_.df + n * 3 * single_lanes + half * lanes);
   }
 
   const Job& job_;

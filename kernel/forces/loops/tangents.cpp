@@ -23,7 +23,7 @@ inline __attribute__((always_inline)) void gather_directions(const Product<Real>
   for (uint32_t n = 0; n < N; ++n) {
     double* const dx = vectors.dx + n * 3 * lanes;
     double* const dv = vectors.dv + n * 3 * lanes;
-    gather_node3(product.direction, cells, n, dx);
+    gather_direction(product.direction, cells, n, dx);
     if (with_velocity)
       for (uint32_t i = 0; i < 3 * lanes; ++i) dv[i] = product.dv * dx[i];
     for (uint32_t i = 0; i < 3 * lanes; ++i) dx[i] *= product.dx;
@@ -45,7 +45,7 @@ void tangents_of(const Job& job, const Worker& worker, const Rows* ranges, uint3
         product.function(worker.context, &batch, vectors.dx, vectors.dv, vectors.df);
     if (status != 0) return worker.failed(worker.data, status, &batch);
     for (uint32_t n = 0; n < N; ++n)
-      scatter_node3(product.out, cells, n, rows.valid, vectors.df + n * 3 * lanes);
+      scatter_direction(product.out, cells, n, rows.valid, vectors.df + n * 3 * lanes);
   };
   try {
     for (uint32_t i = 0; i < count; ++i) for_each_batch<N>(job, ranges[i], one);

@@ -61,7 +61,10 @@ void CellProjection::subtract(const CellTangents& cells) {
   list_nodes(cells);
   set_weights(cells);
   project(free_part(cells), cells.nodes);
-  for (std::size_t l = 0; l < cells.cells; ++l) collect(l);
+  for (std::size_t first = 0, end = 0; first < cells.cells; first = end) {
+    for (end = first + 1; end < cells.cells && lists_[end] == lists_[first];) ++end;
+    collect(first, end);
+  }
 }
 
 void CellProjection::list_nodes(const CellTangents& cells) {
@@ -126,13 +129,18 @@ void CellProjection::project(const double* matrix, Index nodes) {
   }
 }
 
-void CellProjection::collect(std::size_t lane) {
-  if (lists_[lane] != pending_nodes_) {
+/// Cells first .. end - 1 have the same coarse nodes.
+void CellProjection::collect(std::size_t first, std::size_t end) {
+  if (lists_[first] != pending_nodes_) {
     finish();
-    pending_nodes_ = lists_[lane];
+    pending_nodes_ = lists_[first];
     pending_.assign(upper(0, pending_nodes_.size()) * 9, 0.0);
   }
-  for (std::size_t i = 0; i < pending_.size(); ++i) pending_[i] -= coarse_[i * lanes + lane];
+  const double* lane = coarse_.data();
+  for (double& sum : pending_) {
+    for (std::size_t l = first; l < end; ++l) sum -= lane[l];
+    lane += lanes;
+  }
 }
 
 void CellProjection::finish() {

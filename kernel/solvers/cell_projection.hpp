@@ -30,7 +30,7 @@ class CellProjection {
   void set_weights(const CellTangents& cells);
   const double* free_part(const CellTangents& cells);
   void project(const double* matrix, Index nodes);
-  void collect(std::size_t lane);
+  void collect(std::size_t first, std::size_t end);
 
   const Interpolation& p_;
   const std::vector<std::uint8_t>& free_;

@@ -166,6 +166,7 @@ void Dynamics::kick_changed(const TopologyChange& change) {
 void Dynamics::follow(const CellComplex&, const TopologyChange& change) {
   motion_.thaw();
   motion_.forget_forces();
+  integrator_->forget_cells();
   kick_changed(change);
   if (change.faces_sewn == 0 && change.removed[3].empty()) {
     motion_.sums().resize(body().attributes().vertex_count());

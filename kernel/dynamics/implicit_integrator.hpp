@@ -22,6 +22,8 @@ class ImplicitIntegrator : public Integrator {
   bool is_other_step(double) const final { return false; }
   Newton* newton() final { return &newton_; }
   std::string describe_solver(double dt) final;
+  void forget_cells() final { newton_.forget(); }
+  void state(Archive& archive) override { newton_.state(archive); }
 
  protected:
   /// Sets the rates, x* and v* of a step of length dt; x* and v* are the current x and v before.

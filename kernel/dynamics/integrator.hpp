@@ -46,6 +46,8 @@ class Integrator {
   virtual void synchronise() {}
   /// True if synchronise() has work to do.
   virtual bool waits() const { return false; }
+  /// The cells have changed.
+  virtual void forget_cells() {}
   /// State in addition to that of the motion.
   virtual void state(Archive&) {}
 

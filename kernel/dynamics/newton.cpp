@@ -36,9 +36,41 @@ void Newton::set_matrix(const StepEquations& equations) {
   matrix_.set({equations.time, equations.dt},
               equations.acceleration + motion_.damping() * equations.rate, equations.rate,
               equations.load);
+  if (matrix_.free() != free_) forget();
+  free_ = matrix_.free();
+  if (!is_chosen_) choose();
+}
+
+/// A preconditioner of the same kind stays.
+void Newton::choose() {
+  is_chosen_ = true;
   Body& body = motion_.body();
-  if (!choice_.preconditioner)
-    choice_ = choose_preconditioner(body.complex(), body.attributes(), matrix_);
+  PreconditionerChoice next =
+      choose_preconditioner(body.complex(), body.attributes(), matrix_, levels_);
+  if (next.kind != choice_.kind)
+    choice_ = std::move(next);
+  else
+    choice_.reason = next.reason;
+}
+
+void Newton::forget() {
+  choice_ = {};
+  levels_ = 0;
+  is_chosen_ = is_built_ = false;
+}
+
+/// A run that is resumed has no hierarchy yet and makes the same one again.
+void Newton::state(Archive& archive) {
+  if (!archive.has_cells()) return;
+  matrix_.set(motion_.time());  // what is free
+  if (!archive.loads() && matrix_.free() != free_) forget();
+  std::uint64_t levels = choice_.preconditioner ? choice_.preconditioner->levels() : 0;
+  if (levels == 0) levels = levels_;
+  archive("levels", levels);
+  if (!archive.loads()) return;
+  forget();
+  levels_ = static_cast<std::size_t>(levels);
+  free_ = matrix_.free();
 }
 
 std::string Newton::preconditioner() const {
@@ -121,6 +153,7 @@ void Newton::set_remaining(double time) {
 /// Solves A d = r - A d_p with d = d_p on prescribed components.
 LinearSolve Newton::find_direction(const StepEquations& equations, double tolerance) {
   set_matrix(equations);
+  if (choice_.kind != PreconditionerChoice::Kind::multigrid) levels_ = 0;
   std::vector<double> right = residual_;
   if (is_moving_) {
     matrix_.apply(remaining_.data(), right.data());
@@ -192,8 +225,8 @@ double Newton::search(const StepEquations& equations) {
 // -------------------------------------------------------------------- solve --
 
 void Newton::start(const StepEquations& equations) {
-  forget();  // a run that is resumed here has no preconditioner of earlier steps either
-  matrix_.set(equations.time);  // what is free
+  is_chosen_ = is_built_ = false;  // results do not depend on operators of earlier steps
+  matrix_.set(equations.time);     // what is free
   for (auto* vector : {&residual_, &direction_, &remaining_}) vector->assign(matrix_.size(), 0);
 }
 

@@ -37,7 +37,9 @@ struct StepEquations {
 /// equations with their displacement given, so that no layer of elements is crushed by a motion
 /// that the rest of the body does not follow.
 ///
-/// Every solve builds its own preconditioner, so results depend on the state alone.
+/// Every solve builds its own preconditioner, so results depend on the state. The hierarchy of a
+/// multigrid is kept as long as cells and free components stay; how many levels it has is part of
+/// state().
 class Newton {
  public:
   /// `tolerance`: of the residual, relative to the largest of the norms of external forces,
@@ -49,6 +51,10 @@ class Newton {
   /// largest and what to try if there is none within reach; positions and velocities are undefined
   /// then. One evaluation of the forces per iteration and trial step, and the linear solves.
   void solve(const StepEquations& equations);
+
+  /// To be called when cells have changed.
+  void forget();
+  void state(Archive& archive);
 
   /// The forces that are not in balance at the current positions, 3 numbers per vertex; 0 on
   /// components that are not free.
@@ -87,8 +93,8 @@ class Newton {
     double residual = 0, last = 0;  ///< |r| over the free components now and before, N
   };
   void start(const StepEquations& equations);
-  void forget() { choice_ = {}, is_built_ = false; }
   void set_matrix(const StepEquations& equations);
+  void choose();
   double evaluate(const StepEquations& equations);
   void move(double step);
   void set_remaining(double time);
@@ -106,8 +112,11 @@ class Newton {
   Motion& motion_;
   double tolerance_;
   TangentMatrix matrix_;
-  PreconditionerChoice choice_;  ///< none yet after forget()
+  PreconditionerChoice choice_;     ///< none yet after forget()
+  std::vector<std::uint8_t> free_;  ///< what is free in the matrices that it belongs to
+  std::size_t levels_ = 0;          ///< that the next multigrid is known to have, or 0
   ConjugateGradients linear_;
+  bool is_chosen_ = false;  ///< choice_ is that for this solve
   bool is_built_ = false;
   bool is_moving_ = false;  ///< prescribed components have not arrived
   unsigned limited_steps_ = 0, iterations_ = 0;

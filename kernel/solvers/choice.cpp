@@ -37,14 +37,16 @@ double stiffness_over_mass(const TangentMatrix& a) {
 }  // namespace
 
 PreconditionerChoice choose_preconditioner(const CellComplex& complex, Attributes& attributes,
-                                           const TangentMatrix& a) {
+                                           const TangentMatrix& a, std::size_t levels) {
+  using Kind = PreconditionerChoice::Kind;
   if (stiffness_over_mass(a) < max_stiffness)
-    return {make_block_jacobi(), "because the mass term dominates the matrix"};
+    return {Kind::block_jacobi, make_block_jacobi(), "because the mass term dominates the matrix"};
   const Index elements = complex.existing(3);
   const std::string count = std::to_string(elements) + " elements";
   if (elements <= max_direct_elements)
-    return {make_direct(complex, attributes), "because a body of " + count + " is small"};
-  return {make_multigrid(complex, attributes), "for " + count};
+    return {Kind::direct, make_direct(complex, attributes),
+            "because a body of " + count + " is small"};
+  return {Kind::multigrid, make_multigrid(complex, attributes, {.levels = levels}), "for " + count};
 }
 
 }  // namespace suture

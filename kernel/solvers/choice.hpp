@@ -9,14 +9,17 @@
 namespace suture {
 
 struct PreconditionerChoice {
+  enum class Kind { open, block_jacobi, direct, multigrid };
+  Kind kind = Kind::open;
   std::unique_ptr<Preconditioner> preconditioner;
   std::string reason;  ///< for `suture explain`: a clause that follows its name
 };
 
 /// The fastest preconditioner for a matrix: block Jacobi if the mass term dominates, the direct
 /// solver for bodies of few elements, the multigrid otherwise. The choice holds as long as the
-/// number of elements and the mass term do not change much. One product with the matrix.
+/// number of elements and the mass term do not change much. One product with the matrix. `levels`:
+/// MultigridOptions::levels.
 PreconditionerChoice choose_preconditioner(const CellComplex& complex, Attributes& attributes,
-                                           const TangentMatrix& a);
+                                           const TangentMatrix& a, std::size_t levels = 0);
 
 }  // namespace suture

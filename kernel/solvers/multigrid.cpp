@@ -27,22 +27,16 @@ class Multigrid final : public Preconditioner {
   double shift() const override { return direct_ ? direct_->shift() : coarsest_.shift(); }
   std::size_t bytes() const override;
 
+  std::size_t levels() const override { return direct_ ? 0 : levels_.size(); }
+
   void build(const TangentMatrix& a) override {
-    const bool is_new = levels_.empty();
-    if (is_new) make(a);
-    if (direct_) return direct_->build(a);
-    levels_[0].multiply = [&a](const float* x, float* y) { a.apply(x, y); };
-    std::vector<BlockRows<double>> operators = make_operators(a, is_new);
-    if (is_new) {
-      coarsest_.analyse(levels_.back().pattern);
-      factor(a, operators.back());
-      StopTest test(levels_, coarsest_, options_.smoothing, on_grid_, complex_.existing(3));
-      while (const std::size_t last = test.next_direct_level()) {
-        levels_.resize(last + 1);
-        factor(a, operators[last - 1]);
-      }
-    } else {
-      factor(a, operators.back());
+    if (!levels_.empty()) return build_again(a);
+    try {
+      make(a);
+    } catch (...) {
+      levels_.clear();  // where coarsening ends was not found
+      direct_.reset();
+      throw;
     }
   }
 
@@ -57,14 +51,37 @@ class Multigrid final : public Preconditioner {
  private:
   void make(const TangentMatrix& a) {
     const NodeGraph vertices = vertex_graph(complex_, attributes_);
-    on_grid_ = vertices.is_grid;
     levels_ = make_levels(vertices, a.free(), options_.coarsest_nodes);
-    if (levels_.size() == 1) direct_ = make_direct(complex_, attributes_);
+    const bool is_known = options_.levels > 1 && options_.levels <= levels_.size();
+    if (is_known) levels_.resize(options_.levels);
+    if (levels_.size() == 1)
+      direct_ = make_direct(complex_, attributes_);
+    else
+      coarsest_.analyse(levels_.back().pattern);
+    if (is_known || direct_) return build_again(a);
+    find_end(a, vertices.is_grid);
+  }
+
+  void build_again(const TangentMatrix& a) {
+    if (direct_) return direct_->build(a);
+    factor(a, make_operators(a, false).back());
+  }
+
+  /// Builds everything, and finds where coarsening ends.
+  void find_end(const TangentMatrix& a, bool on_grid) {
+    const std::vector<BlockRows<double>> operators = make_operators(a, true);
+    factor(a, operators.back());
+    StopTest test(levels_, coarsest_, options_.smoothing, on_grid, complex_.existing(3));
+    while (const std::size_t last = test.next_direct_level()) {
+      levels_.resize(last + 1);
+      factor(a, operators[last - 1]);
+    }
   }
 
   /// Sets the operators and smoothers of all levels but the coarsest. Returns the operators from
   /// level 1 on; only the last one unless `keep`.
   std::vector<BlockRows<double>> make_operators(const TangentMatrix& a, bool keep) {
+    levels_[0].multiply = [&a](const float* x, float* y) { a.apply(x, y); };
     DiagonalBlocks diagonal;
     std::vector<BlockRows<double>> operators;
     operators.push_back(project(a, levels_[1].to_finer, levels_[1].pattern, &diagonal));
@@ -94,7 +111,6 @@ class Multigrid final : public Preconditioner {
   Attributes& attributes_;
   MultigridOptions options_;
   mutable MultigridLevels levels_;  ///< with scratch vectors
-  bool on_grid_ = false;
   FactoredRows coarsest_;
   std::unique_ptr<Preconditioner> direct_;  ///< of a body that is too small for levels
 };

@@ -19,6 +19,9 @@ class Preconditioner {
   /// By what part of itself the diagonal was raised in build() to make the matrix positive
   /// definite; 0: it is.
   virtual double shift() const { return 0; }
+  /// The levels of a multigrid, 0 of others and before build(). Of all that build() keeps for the
+  /// next call, only this depends on the matrix.
+  virtual std::size_t levels() const { return 0; }
   /// z = B^-1 r.
   virtual void apply(const double* r, double* z) const = 0;
   /// Memory that it holds after build().

@@ -175,7 +175,7 @@ Case dense(Random& random, unsigned, std::uint64_t) {
 
 /// Steps that solve equations; a cut between two of them.
 Case implicit(Random& random, unsigned index, std::uint64_t) {
-  Case result = bar("implicit", random, {8, 3, 3});
+  Case result = bar("implicit", random, {12, 4, 4});
   Json& scene = result.scene;
   scene["solver"] = {{"end", 1}};
   if (index % 3 == 0) {

@@ -252,6 +252,40 @@ TEST(Multigrid, BuiltAgainFromTheSameMatrixItIsTheSame) {
   EXPECT_EQ(applied(*old, body.weight()), applied(*fresh, body.weight()));
 }
 
+/// Where coarsening ends depends on the matrix of the first build: a run that is resumed knows.
+TEST(Multigrid, OfAKnownNumberOfLevelsItIsTheSame) {
+  SolverBody body(unit_box(beam), {.is_cut = comb});
+  const auto old = make_multigrid(body.complex(), body.attributes());
+  EXPECT_EQ(old->levels(), 0u);
+  old->build(body.matrix());
+  SolverBody whole(unit_box(beam));
+  const auto other = make_multigrid(whole.complex(), whole.attributes());
+  other->build(whole.matrix());
+  EXPECT_LT(old->levels(), other->levels());
+  for (Index v = 0; v < body.attributes().vertex_count(); ++v)
+    body.attributes().position().set(v, 2, 1.01 * body.attributes().position().get(v, 2));
+  old->build(body.matrix());
+  const auto fresh = make_multigrid(body.complex(), body.attributes(), {.levels = old->levels()});
+  fresh->build(body.matrix());
+  EXPECT_EQ(fresh->levels(), old->levels());
+  EXPECT_EQ(applied(*old, body.weight()), applied(*fresh, body.weight()));
+}
+
+/// What a first build that fails leaves behind is not taken for a hierarchy.
+TEST(Multigrid, IsBuiltFromScratchAfterAFailure) {
+  SolverBody body(unit_box(beam), {.is_cut = comb});
+  const double x = body.attributes().position().get(100, 0);
+  body.attributes().position().set(100, 0, std::nan(""));
+  const auto multigrid = make_multigrid(body.complex(), body.attributes());
+  EXPECT_THROW(multigrid->build(body.matrix()), NumericalError);
+  EXPECT_EQ(multigrid->levels(), 0u);
+  body.attributes().position().set(100, 0, x);
+  multigrid->build(body.matrix());
+  const auto fresh = make_multigrid(body.complex(), body.attributes());
+  fresh->build(body.matrix());
+  EXPECT_EQ(applied(*multigrid, body.weight()), applied(*fresh, body.weight()));
+}
+
 TEST(Multigrid, IsTheSameForEveryNumberOfThreads) {
   std::vector<std::vector<double>> results;
   for (const unsigned threads : {1u, 2u}) {

@@ -75,6 +75,8 @@ void find_motions(Sums& sums) {
   Eigen::Index free = 0;
   while (free < 6 && solver.eigenvalues()[free] <= bound) ++free;
   if (free == 0) return;
+  for (Eigen::Index i = 0; i < free; ++i)
+    Eigen::Map<Vector6>(sums.piece.modes.emplace_back().data()) = solver.eigenvectors().col(i);
   const Eigen::MatrixXd turns = solver.eigenvectors().leftCols(free).bottomRows(3);
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(turns, Eigen::ComputeFullU);
   for (Eigen::Index i = 0; i < svd.singularValues().size(); ++i) {
@@ -160,6 +162,11 @@ std::vector<FreePiece> find_free_pieces(const CellComplex& complex, Attributes& 
     }
   });
   add_elements(complex, attributes, pieces, sums);
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    sums[i].piece.number = static_cast<Index>(i);
+    sums[i].piece.centre = sums[i].centre;
+    sums[i].piece.radius = std::sqrt(sums[i].radius_squared);
+  }
   std::vector<FreePiece> found;
   for (Sums& sum : sums) {
     find_motions(sum);
@@ -167,6 +174,35 @@ std::vector<FreePiece> find_free_pieces(const CellComplex& complex, Attributes& 
     if (!sum.piece.axes.empty() || moves[0] || moves[1] || moves[2]) found.push_back(sum.piece);
   }
   return found;
+}
+
+bool models_allow_motion(Body& body, const FreePiece& piece, const std::array<bool, 3>& matters) {
+  if (!body.models().has_tangent()) return false;
+  const std::size_t size = 3 * std::size_t{body.attributes().vertex_count()};
+  const auto largest_image = [&](auto value) {
+    std::vector<double> direction(size), image(size);
+    for (std::size_t i = 0; i < size; ++i) direction[i] = value(i);
+    body.models().add_tangent(direction.data(), 1, 0, 0, image.data());
+    double largest = 0;
+    for (const double f : image) largest = std::max(largest, std::abs(f));
+    return largest;
+  };
+  const double stiff = largest_image([](std::size_t i) { return i * 7 % 5 < 2 ? 1.0 : -1.0; });
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (piece.translations[c] && matters[c] &&
+        largest_image([&](std::size_t i) { return i % 3 == c ? 1.0 : 0.0; }) > 1e-8 * stiff)
+      return false;
+  }
+  return true;
+}
+
+std::vector<FreePiece> find_unheld_pieces(Body& body) {
+  const std::vector<double> no_forces(4 * std::size_t{body.attributes().vertex_count()});
+  std::vector<FreePiece> pieces = find_free_pieces(body.complex(), body.attributes(), no_forces);
+  std::erase_if(pieces, [&](const FreePiece& piece) {
+    return !models_allow_motion(body, piece, {true, true, true});
+  });
+  return pieces;
 }
 
 }  // namespace suture

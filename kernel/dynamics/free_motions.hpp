@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "kernel/attributes/attributes.hpp"
-#include "kernel/topology/cell_complex.hpp"
+#include "kernel/dynamics/body.hpp"
 
 namespace suture {
 
@@ -18,6 +17,12 @@ struct FreePiece {
   std::vector<Vec3> axes;              ///< of independent rotations, unit vectors
   Vec3 force{};                        ///< sum of the given forces, N
   double force_scale = 0;              ///< sum of their magnitudes, N
+  Index number = none;                 ///< among the pieces (pieces_of())
+  Vec3 centre{};                       ///< mean of the positions of its vertices, m
+  double radius = 0;                   ///< root mean square of their distances from it, m
+  /// Its independent free motions: the velocity at x is t + w x (x - centre) / radius, with t the
+  /// first three numbers and w the others.
+  std::vector<std::array<double, 6>> modes;
 
   /// True if there is a resultant force along a free translation, which accelerates the piece
   /// indefinitely.
@@ -34,5 +39,13 @@ struct FreePiece {
 /// O(elements).
 std::vector<FreePiece> find_free_pieces(const CellComplex& complex, Attributes& attributes,
                                         const std::vector<double>& force);
+
+/// Whether models leave the translations of a piece for which `matters[c]`: not those with springs
+/// to the ground.
+bool models_allow_motion(Body& body, const FreePiece& piece, const std::array<bool, 3>& matters);
+
+/// The pieces that neither constraints nor models hold. Costs 4 products with the tangent if there
+/// is one.
+std::vector<FreePiece> find_unheld_pieces(Body& body);
 
 }  // namespace suture

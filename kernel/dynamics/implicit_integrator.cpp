@@ -15,7 +15,7 @@ void copy_rows(const Column& column, Index rows, std::vector<double>& to) {
 }  // namespace
 
 ImplicitIntegrator::ImplicitIntegrator(Motion& motion, const IntegratorOptions& options)
-    : Integrator(motion), newton_(motion, options.tolerance) {}
+    : Integrator(motion), newton_(motion, options.tolerance, options.holds_free_pieces) {}
 
 std::string ImplicitIntegrator::describe_solver(double dt) {
   set_equations(dt);

@@ -61,6 +61,7 @@ struct IntegratorOptions {
   /// By instance of the body: whether an equilibrium in which its elements have become inverted is
   /// no solution. Empty: none.
   std::vector<bool> forbids_inversion{};
+  bool holds_free_pieces = false;  ///< static equilibria: by inertia relief
 };
 
 /// Creates an integrator by its name in scenes, for example "symplectic-euler". Throws InputError

@@ -26,10 +26,20 @@ double norm(std::span<const double> v) { return std::sqrt(dot(v, v)); }
 
 }  // namespace
 
-Newton::Newton(Motion& motion, double tolerance)
+Newton::Newton(Motion& motion, double tolerance, bool holds_free_pieces)
     : motion_(motion),
       tolerance_(tolerance),
-      matrix_(motion.body().attributes(), motion.body().terms()) {}
+      matrix_(motion.body().attributes(), motion.body().terms()) {
+  if (holds_free_pieces) relief_.emplace(motion.body());
+}
+
+/// Of the pieces that float free now. A preconditioner does not outlive its supports.
+void Newton::set_supports() {
+  if (!relief_) return;
+  forget();
+  relief_->find();
+  matrix_.support(relief_->supports());
+}
 
 /// The tangent at the current state, and a preconditioner for it.
 void Newton::set_matrix(const StepEquations& equations) {
@@ -109,7 +119,7 @@ double Newton::evaluate(const StepEquations& equations) {
       const std::size_t row = std::size_t{vertex} * 4 + c, i = std::size_t{vertex} * 3 + c;
       const double held_back = equations.held_back.empty() ? 0 : equations.held_back[i];
       const double given = equations.load * (load_[row] + mass * gravity[c]) - held_back;
-      if (!matrix_.free()[i]) {
+      if (!matrix_.free()[i] && !(relief_ && relief_->is_support(i))) {
         residual_[i] = 0;
         reaction += (forces_[row] + given) * (forces_[row] + given);
         continue;
@@ -122,6 +132,7 @@ double Newton::evaluate(const StepEquations& equations) {
     }
   }
   scale_ = std::sqrt(std::max({external, reaction, inertia}));
+  if (relief_) relief_->balance(residual_);
   return norm(residual_);
 }
 
@@ -155,9 +166,11 @@ LinearSolve Newton::find_direction(const StepEquations& equations, double tolera
   set_matrix(equations);
   if (choice_.kind != PreconditionerChoice::Kind::multigrid) levels_ = 0;
   std::vector<double> right = residual_;
+  matrix_.restrict(right);
   if (is_moving_) {
     matrix_.apply(remaining_.data(), right.data());
     for (std::size_t i = 0; i < right.size(); ++i) right[i] = residual_[i] - right[i];
+    matrix_.restrict(right);
   }
   LinearSolve solve;
   solve.outcome = LinearSolve::Outcome::too_many;
@@ -171,6 +184,7 @@ LinearSolve Newton::find_direction(const StepEquations& equations, double tolera
   is_built_ = solve.outcome == LinearSolve::Outcome::converged &&
               solve.iterations <= 2 * built_iterations_ + 4;
   for (std::size_t i = 0; i < remaining_.size(); ++i) direction_[i] += remaining_[i];
+  if (relief_) relief_->remove_rigid_motion(direction_);
   return solve;
 }
 
@@ -226,7 +240,8 @@ double Newton::search(const StepEquations& equations) {
 
 void Newton::start(const StepEquations& equations) {
   is_chosen_ = is_built_ = false;  // results do not depend on operators of earlier steps
-  matrix_.set(equations.time);     // what is free
+  set_supports();
+  matrix_.set(equations.time);  // what is free
   for (auto* vector : {&residual_, &direction_, &remaining_}) vector->assign(matrix_.size(), 0);
 }
 
@@ -279,6 +294,7 @@ double Newton::forcing(const Progress& progress) const {
 bool Newton::is_indefinite(double time) {
   StepEquations equations;
   equations.time = time;
+  set_supports();
   set_matrix(equations);
   Random random;
   for (double& r : residual_) r = random();

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "kernel/base/aligned.hpp"
+#include "kernel/dynamics/inertia_relief.hpp"
 #include "kernel/dynamics/motion.hpp"
 #include "kernel/solvers/choice.hpp"
 #include "kernel/solvers/conjugate_gradients.hpp"
@@ -44,7 +46,8 @@ class Newton {
  public:
   /// `tolerance`: of the residual, relative to the largest of the norms of external forces,
   /// reactions and inertial forces.
-  Newton(Motion& motion, double tolerance);
+  /// `holds_free_pieces`: by inertia relief; otherwise the equations must have a solution without.
+  Newton(Motion& motion, double tolerance, bool holds_free_pieces = false);
 
   /// Moves the vertices, free and prescribed, to the solution, starting from their current
   /// positions; sets their velocities. Throws NumericalError with the element where the residual is
@@ -93,6 +96,7 @@ class Newton {
     double residual = 0, last = 0;  ///< |r| over the free components now and before, N
   };
   void start(const StepEquations& equations);
+  void set_supports();
   void set_matrix(const StepEquations& equations);
   void choose();
   double evaluate(const StepEquations& equations);
@@ -111,6 +115,7 @@ class Newton {
 
   Motion& motion_;
   double tolerance_;
+  std::optional<InertiaRelief> relief_;  ///< of static equilibria that request it
   TangentMatrix matrix_;
   PreconditionerChoice choice_;     ///< none yet after forget()
   std::vector<std::uint8_t> free_;  ///< what is free in the matrices that it belongs to

@@ -22,6 +22,7 @@ Ending::Ending(BuiltScene& built, const EventSchedule& schedule, StepControl& co
       diagnostics_(diagnostics),
       stability_(scene_, built, recorder, diagnostics) {
   built.body().add_follower(*this);
+  cells_changed_ = scene_.solver.hold_free_pieces;  // reports those of the mesh, too
   if (!scene_.solver.until_rest) return;
   rest_.emplace(scene_.solver.tolerance, scene_.solver.automatic_damping);
   rest_->wait_until(schedule.last_change());
@@ -29,7 +30,7 @@ Ending::Ending(BuiltScene& built, const EventSchedule& schedule, StepControl& co
 
 std::optional<RunSummary::Outcome> Ending::check(const StepControl::Notify& notify) {
   const Clock& clock = control_.clock();
-  if (cells_changed_ && built_.dynamics().is_static()) require_held_bodies();
+  if (cells_changed_ && built_.dynamics().is_static()) examine_free_pieces(notify);
   if (clock.finished()) {
     if (!control_.check_last_state(notify)) return std::nullopt;
     if (rest_) warn_of_motion();
@@ -72,13 +73,20 @@ void Ending::require_supported() {
 }
 
 /// An event may have cut a piece off that nothing holds.
-void Ending::require_held_bodies() {
+void Ending::examine_free_pieces(const StepControl::Notify& notify) {
   cells_changed_ = false;
-  const std::string body = describe_unheld_body(scene_, built_);
+  if (scene_.solver.hold_free_pieces) {
+    std::ostringstream when;
+    when << "t = " << control_.clock().time() << " s: ";
+    for (const std::string& text : held_pieces_.added(built_)) notify(when.str() + text);
+    return;
+  }
+  const std::string body = describe_unheld_body(built_);
   if (!body.empty())
     throw NumericalError(body +
-                         ", so it has no equilibrium; remove it (remove_islands), constrain it, or "
-                         "replace /solver/static by an integrator");
+                         ", so it has no equilibrium; remove it (remove_islands), constrain it, "
+                         "set /solver/static/free_pieces to \"hold\", or replace /solver/static "
+                         "by an integrator");
 }
 
 std::optional<RunSummary::Outcome> Ending::check_rest(const StepControl::Notify& notify) {
@@ -126,6 +134,7 @@ void Ending::fail_at_step_limit(std::uint64_t limit) const {
 void Ending::state(Archive& archive) {
   archive("stability", stability_);
   archive("cells changed", cells_changed_);
+  archive("held pieces", held_pieces_);
   if (rest_) archive("rest", *rest_);
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "kernel/dynamics/rest_search.hpp"
+#include "kernel/run/free_bodies.hpp"
 #include "kernel/run/simulation.hpp"
 #include "kernel/run/stability.hpp"
 #include "kernel/run/step_control.hpp"
@@ -30,7 +31,7 @@ class Ending : private Follower {
   using Outcome = RunSummary::Outcome;
   void follow(const CellComplex&, const TopologyChange&) override { cells_changed_ = true; }
   void require_supported();
-  void require_held_bodies();
+  void examine_free_pieces(const StepControl::Notify& notify);
   std::optional<Outcome> check_rest(const StepControl::Notify& notify);
   std::optional<Outcome> examine(const StepControl::Notify& notify);
   Outcome examine_equilibrium();
@@ -43,7 +44,8 @@ class Ending : private Follower {
   Diagnostics& diagnostics_;
   Stability stability_;
   std::optional<RestSearch> rest_;
-  bool cells_changed_ = false;  // since the last check for falling pieces
+  bool cells_changed_ = false;  // since the last check for free pieces
+  HeldPieces held_pieces_;
 };
 
 }  // namespace suture

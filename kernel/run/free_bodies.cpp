@@ -46,32 +46,10 @@ std::string resultant_text(const FreePiece& piece) {
   return text.str();
 }
 
-/// Whether models leave the translations that `matters(c)` names alone: not those with springs to
-/// the ground.
-template <class Matters>
-bool models_allow_motion(BuiltScene& built, const FreePiece& piece, Matters matters) {
-  if (!built.body().models().has_tangent()) return false;
-  const std::size_t size = 3 * std::size_t{built.body().attributes().vertex_count()};
-  const auto largest_image = [&](auto value) {
-    std::vector<double> direction(size), image(size);
-    for (std::size_t i = 0; i < size; ++i) direction[i] = value(i);
-    built.body().add_tangent(direction.data(), 1, 0, 0, image.data());
-    double largest = 0;
-    for (const double f : image) largest = std::max(largest, std::abs(f));
-    return largest;
-  };
-  const double stiff = largest_image([](std::size_t i) { return i * 7 % 5 < 2 ? 1.0 : -1.0; });
-  for (std::size_t c = 0; c < 3; ++c) {
-    if (piece.translations[c] && matters(c) &&
-        largest_image([&](std::size_t i) { return i % 3 == c ? 1.0 : 0.0; }) > 1e-8 * stiff)
-      return false;
-  }
-  return true;
-}
-
 /// The translations along which it is pushed.
 bool models_allow_motion(BuiltScene& built, const FreePiece& piece) {
-  return models_allow_motion(built, piece, [&](std::size_t c) { return piece.force[c] != 0; });
+  const Vec3& f = piece.force;
+  return suture::models_allow_motion(built.body(), piece, {f[0] != 0, f[1] != 0, f[2] != 0});
 }
 
 }  // namespace
@@ -93,11 +71,23 @@ void check_free_bodies(const Scene& scene, BuiltScene& built, Diagnostics& diagn
                      " more pieces are unconstrained");
 }
 
-std::string describe_unheld_body(const Scene& scene, BuiltScene& built) {
-  for (const FreePiece& piece : free_pieces(scene, built))
-    if (models_allow_motion(built, piece, [](std::size_t) { return true; })) return describe(piece);
-  return "";
+std::string describe_unheld_body(BuiltScene& built) {
+  const std::vector<FreePiece> pieces = find_unheld_pieces(built.body());
+  return pieces.empty() ? "" : describe(pieces.front());
 }
+
+std::vector<std::string> HeldPieces::added(BuiltScene& built) {
+  std::vector<std::string> texts;
+  for (const FreePiece& piece : find_unheld_pieces(built.body())) {
+    if (std::ranges::find(known_, piece.first_element) != known_.end()) continue;
+    known_.push_back(piece.first_element);
+    texts.push_back(describe(piece) +
+                    "; inertia relief holds it: accelerations as a rigid body balance its loads");
+  }
+  return texts;
+}
+
+void HeldPieces::state(Archive& archive) { archive("known", known_); }
 
 std::string describe_falling_body(const Scene& scene, BuiltScene& built) {
   for (const Event& event : scene.events)

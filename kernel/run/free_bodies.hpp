@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "kernel/base/diagnostics.hpp"
 #include "kernel/scene/built_scene.hpp"
@@ -20,6 +21,17 @@ std::string describe_falling_body(const Scene& scene, BuiltScene& built);
 
 /// For static equilibria: describes a piece that nothing holds, "a piece of 8 elements (the first:
 /// element 3) is free to move along x", or returns "".
-std::string describe_unheld_body(const Scene& scene, BuiltScene& built);
+std::string describe_unheld_body(BuiltScene& built);
+
+/// The pieces that inertia relief holds, so that each is reported once: by their first element.
+class HeldPieces {
+ public:
+  /// Describes those that were not known yet.
+  std::vector<std::string> added(BuiltScene& built);
+  void state(Archive& archive);
+
+ private:
+  std::vector<Index> known_;
+};
 
 }  // namespace suture

@@ -56,8 +56,9 @@ void require_tangent(const BuiltScene& built) {
                      " has none (suture.tangent/1); add the extension to the model");
 }
 
-void require_held(const Scene& scene, BuiltScene& built) {
-  const std::string body = describe_unheld_body(scene, built);
+void require_held(BuiltScene& built) {
+  if (built.scene().solver.hold_free_pieces) return;
+  const std::string body = describe_unheld_body(built);
   if (!body.empty())
     throw InputError("/constraints: " + body +
                      ", so it has no equilibrium of its own; constrain it, or use --at rest");
@@ -134,7 +135,7 @@ void ModalRun::build() {
   require_tangent(*rest_);
   require_modes(rest_->body(), options_.count);
   if (!options_.at_equilibrium) return;
-  require_held(rest_->scene(), *rest_);
+  require_held(*rest_);
   const double last_change = rest_->body().last_change();
   rest_.reset();
   // The folder is never opened, because the run has no output.

@@ -78,11 +78,13 @@ std::string RunLoop::describe_solver() {
 }
 
 void RunLoop::require_held_bodies() {
-  const std::string body = describe_unheld_body(scene_, built_);
+  if (scene_.solver.hold_free_pieces) return;
+  const std::string body = describe_unheld_body(built_);
   if (!body.empty())
     throw InputError("/constraints: " + body +
-                     ", so it has no equilibrium of its own; constrain it, or replace "
-                     "/solver/static by an integrator");
+                     ", so it has no equilibrium of its own; constrain it, set "
+                     "/solver/static/free_pieces to \"hold\", or replace /solver/static by an "
+                     "integrator");
 }
 
 // ------------------------------------------------------------------- events --

@@ -32,6 +32,8 @@ void read_static(ObjectReader& object, const Scene& scene, SolverOptions& solver
   const Limits part{"1", 0, 1, true, true};
   const auto frames = static_cast<double>(reader.natural("frames", 1).value_or(1));
   solver.step_tolerance = reader.number("tolerance", part).value_or(solver.step_tolerance);
+  static const std::array<std::string, 2> choices{"refuse", "hold"};
+  solver.hold_free_pieces = reader.choice("free_pieces", choices).value_or(0) == 1;
   reader.finish();
   solver.integrator = statics;
   solver.end = object.number("end", Limits::positive("s"));

@@ -25,6 +25,7 @@ void TangentMatrix::set(const TangentTime& at, double mass, double velocity, dou
     for (Index c = 0; held != 0 && c < 3; ++c)
       if ((held >> c & 1) != 0) held_.push_back(v * 3 + c);
   }
+  for (const std::size_t i : supports_) held_.push_back(static_cast<Index>(i));
   for (const Index i : held_) free_[i] = 0;
 }
 

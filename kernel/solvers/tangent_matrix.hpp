@@ -27,6 +27,9 @@ class TangentMatrix {
   /// O(vertices).
   void set(const TangentTime& at, double mass = 0, double velocity = 0, double load = 1);
 
+  /// Components that are held besides those that are constrained, from the next set() on.
+  void support(std::vector<std::size_t> components) { supports_ = std::move(components); }
+
   std::size_t size() const { return free_.size(); }
   /// Whether each component is free.
   const std::vector<std::uint8_t>& free() const { return free_; }
@@ -54,6 +57,7 @@ class TangentMatrix {
   std::vector<Index> held_;     ///< the components that are not free
   std::vector<double> masses_;  ///< the diagonal of the mass term; empty if there is none
   TangentTime at_ = 0;
+  std::vector<std::size_t> supports_;  ///< components that are held, too
   double velocity_ = 0, load_ = 1;
 };
 

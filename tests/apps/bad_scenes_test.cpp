@@ -140,6 +140,7 @@ TEST_F(BadScenes, WhatOthersRunWithAllTheSame) {
       {"/solver={\"static\": {}, \"dt\": 0.1}", 3, "cannot be combined with"},
       {"/solver={\"static\": {\"frames\": 0}}", 3, "/solver/static/frames"},
       {"/solver={\"static\": {\"steps\": 3}}", 3, "unknown key"},
+      {"/solver={\"static\": {\"free_pieces\": \"holt\"}}", 3, "did you mean 'hold'"},
       {"/solver={\"static\": {}}", 3, "is free to move and turn in every direction"},
       {"/models=[]", 3, "at least one model"},
       {"/mesh={}", 3, "exactly one of"},

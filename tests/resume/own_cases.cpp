@@ -173,7 +173,7 @@ Case dense(Random& random, unsigned, std::uint64_t) {
   return result;
 }
 
-/// Steps that solve equations; a cut between two of them.
+/// Steps that solve equations; a cut between two of them, after which a piece may float free.
 Case implicit(Random& random, unsigned index, std::uint64_t) {
   Case result = bar("implicit", random, {12, 4, 4});
   Json& scene = result.scene;
@@ -181,6 +181,10 @@ Case implicit(Random& random, unsigned index, std::uint64_t) {
   if (index % 3 == 0) {
     scene["solver"]["static"] = {{"frames", 30}};
     scene["gravity"] = {{"value", {0, -2, 0}}, {"ramp", {{"to", 1}}}};
+    if (index % 2 == 0) {
+      scene["constraints"].erase(1);
+      scene["solver"]["static"]["free_pieces"] = "hold";
+    }
   } else {
     scene["solver"]["integrator"] = index % 3 == 1 ? "newmark" : "implicit-euler";
     scene["solver"]["dt"] = random.between(0.005, 0.03);

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "kernel/base/error.hpp"
+#include "kernel/dynamics/pieces.hpp"
 #include "tests/reference/beam.hpp"
 #include "tests/run/beam.hpp"
 
@@ -245,6 +246,68 @@ TEST(Static, NewtonConvergesQuadraticallyUnderAPressureThatFollows) {
   Counted observer;
   EXPECT_EQ(simulation.run(observer).outcome, RunSummary::Outcome::finished);
   EXPECT_LE(observer.iterations, 7);
+}
+
+/// The right half is cut off under its weight, half-way through a run of two steps.
+Scene cut_in_two() {
+  Scene scene = equilibrium(beam(host(), "tm-faure", 16, 3, 9.8), 2);
+  Event cut;
+  cut.at = 0.5;
+  cut.what = CutPlane{{0.5, 0, 0}, {1, 0, 0}};
+  cut.path = "/events/0";
+  cut.rest_shape = true;
+  scene.events.push_back(cut);
+  return scene;
+}
+
+TEST(Static, APieceThatIsCutOffIsRefused) {
+  Diagnostics diagnostics;
+  Simulation simulation(cut_in_two(), host(), diagnostics);
+  Observer nobody;
+  EXPECT_THAT([&] { simulation.run(nobody); },
+              testing::ThrowsMessage<NumericalError>(
+                  testing::HasSubstr("set /solver/static/free_pieces to \"hold\"")));
+}
+
+TEST(Static, InertiaReliefLetsAFreePieceRelaxWhereItIs) {
+  Scene scene = cut_in_two();
+  scene.solver.hold_free_pieces = true;
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Counted observer;
+  simulation.run_to(0.5, observer);
+  Attributes& attributes = simulation.attributes();
+  const std::vector<Index> pieces = pieces_of(simulation.complex(), attributes.vertex_count());
+  std::vector<Index> free;
+  for (Index v = 0; v < attributes.vertex_count(); ++v)
+    if (attributes.rest().get(pieces[v] == pieces[0] ? 0 : v, 0) > 0) free.push_back(v);
+  ASSERT_EQ(free.size(), 9u * 16);
+  const auto centre = [&] {
+    Vec3 sum{};
+    for (const Index v : free)
+      for (int c = 0; c < 3; ++c)
+        sum[static_cast<std::size_t>(c)] +=
+            attributes.mass().get(v, 0) * attributes.position().get(v, c);
+    return sum;
+  };
+  const auto length = [&](const Column& x, Index v) {
+    return std::hypot(x.get(v, 0) - x.get(free[0], 0), x.get(v, 1) - x.get(free[0], 1),
+                      x.get(v, 2) - x.get(free[0], 2));
+  };
+  const Vec3 before = centre();
+  const RunSummary summary = simulation.run(observer);
+  EXPECT_FALSE(summary.lowest_eigenvalue) << "nothing suggests that it is unstable";
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(centre()[c], before[c], 1e-9);
+  for (const Index v : free)
+    EXPECT_NEAR(length(attributes.position(), v), length(attributes.rest(), v), 1e-8);
+  double reaction = 0;  // at the clamp
+  for (Index v = 0; v < attributes.vertex_count(); ++v)
+    if (attributes.rest().get(v, 0) == 0)
+      reaction -= attributes.force().get(v, 1) - 9.8 * attributes.mass().get(v, 0);
+  EXPECT_NEAR(reaction, 9.8 * 1000 * 0.5 * 0.0625, 1e-4) << "the weight of the half that is held";
+  ASSERT_EQ(observer.messages.size(), 2u);
+  EXPECT_THAT(observer.messages[1], testing::AllOf(testing::HasSubstr("a piece of 72 elements"),
+                                                   testing::HasSubstr("inertia relief holds it")));
 }
 
 TEST(Static, ABodyThatNothingHoldsIsRefused) {

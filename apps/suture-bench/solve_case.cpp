@@ -72,14 +72,6 @@ auto random_cuts(double part) {
   };
 }
 
-Vec3 centre_of(const Body& body, Index element) {
-  Vec3 centre{};
-  const double* rest = const_cast<Body&>(body).attributes().rest().rows();  // NOLINT: read only
-  for (const Index v : body.complex().vertices_of(element))
-    for (std::size_t c = 0; c < 3; ++c) centre[c] += rest[std::size_t{v} * 4 + c] / 8;
-  return centre;
-}
-
 void cut(Body& body, const SolveCase& what, double edge) {
   const CellComplex& complex = body.complex();
   const auto place = [&](Index e) {
@@ -118,6 +110,14 @@ void hold(Body& body, double part) {
 }
 
 }  // namespace
+
+Vec3 centre_of(const Body& body, Index element) {
+  Vec3 centre{};
+  const double* rest = const_cast<Body&>(body).attributes().rest().rows();  // NOLINT: read only
+  for (const Index v : body.complex().vertices_of(element))
+    for (std::size_t c = 0; c < 3; ++c) centre[c] += rest[std::size_t{v} * 4 + c] / 8;
+  return centre;
+}
 
 std::vector<SolveCase> solve_cases(Index n) {
   const Mesh beam = box({n, n, 4 * n});

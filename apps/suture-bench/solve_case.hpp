@@ -27,6 +27,9 @@ std::vector<SolveCase> solve_cases(Index n);
 /// A file, held at its lowest tenth.
 SolveCase case_of_file(const std::string& path);
 
+/// The centre of an element at rest.
+Vec3 centre_of(const Body& body, Index element);
+
 /// Builds, cuts and holds the body of a case.
 std::unique_ptr<Body> body_of(const SolveCase& what, PluginHost& host);
 

@@ -93,6 +93,8 @@ class ForceLoop final : public ForceTerm {
   /// 3 products with the tangent per node of a cell: 24 for hexahedra.
   void for_each_tangent(double dx, double dv, const TangentTime& at,
                         const VisitTangents& visit) override;
+  void for_some_tangents(double dx, double dv, const TangentTime& at, const SelectCell& select,
+                         const VisitTangents& visit) override;
   bool has_tangent() const override;    ///< every enabled functor has suture.tangent/1
   std::string without_tangent() const;  ///< the first functor without a tangent, or ""
   bool reads_velocity() const;          ///< whether an enabled functor does

@@ -124,6 +124,27 @@ struct ForceLoop::Impl {
     }
     *worker.present = nullptr;
   }
+  /// The same for the live rows that `select` wants, packed into batches whose rows ascend.
+  template <class Select, class Visit>
+  void for_selected(const loops::Job& job, const loops::Worker& worker,
+                    std::span<const loops::Rows> ranges, Select select, const Visit& visit) const {
+    loops::BatchRows packed{};
+    const auto flush = [&] {
+      if (packed.valid == 0) return;
+      std::fill(packed.row + packed.valid, packed.row + lanes, packed.row[packed.valid - 1]);
+      visit_batch(job, worker, packed, visit);
+      packed.valid = 0;
+    };
+    for (const loops::Rows& range : ranges)
+      for (Index row = range.begin; row < range.end; ++row) {
+        if (job.live && (job.live[row / lanes] >> row % lanes & 1) == 0) continue;
+        if (!select(row)) continue;
+        if (packed.valid == lanes || (packed.valid > 0 && row < packed.row[packed.valid - 1]))
+          flush();
+        packed.row[packed.valid++] = row;
+      }
+    flush();
+  }
   /// The same for batches that local_rows.hpp found.
   template <class Visit>
   void for_each_local(Index number, const char* function, double time,
@@ -172,8 +193,13 @@ struct ForceLoop::Impl {
   bool add_single_tangent(Index, const loops::Product<double>&, const TangentTime&) {
     return false;
   }
+  template <class Run>
+  void with_tangent_columns(Index number, double dx, double dv, const TangentTime& at,
+                            const VisitTangents& visit, Run run_batches);
   void for_each_tangent(Index number, double dx, double dv, const TangentTime& at,
                         const VisitTangents& visit);
+  void for_some_tangents(Index number, double dx, double dv, const TangentTime& at,
+                         const SelectCell& select, const VisitTangents& visit);
 
   Attributes& attributes;
   const CellComplex* complex;

@@ -155,10 +155,43 @@ class TangentColumns {
   double scaled_dx_, scaled_dv_;
 };
 
+/// Computes the columns of a batch and hands them on, with the vertices of its cells.
+class VisitColumns {
+ public:
+  VisitColumns(TangentColumns columns, const loops::Job& job, Index functor)
+      : columns_(std::move(columns)),
+        job_(job),
+        functor_(functor),
+        vertices_(std::size_t{job.node_count} * lanes) {}
+
+  template <class Check>
+  suture_status operator()(const suture_context* context, const suture_batch& batch,
+                           const loops::BatchRows& rows, const Check& check,
+                           const ForceTerm::VisitTangents& visit) {
+    const suture_status status = columns_.compute(context, batch);
+    if (status != SUTURE_OK) return status;
+    check(columns_.values(), batch.valid);
+    for (Index l = 0; l < batch.valid; ++l)
+      std::copy_n(nodes_of(job_, rows.row[l]), job_.node_count,
+                  vertices_.data() + std::size_t{l} * job_.node_count);
+    visit({batch.valid, job_.node_count, vertices_.data(), columns_.values().data(), functor_});
+    return status;
+  }
+
+ private:
+  TangentColumns columns_;
+  const loops::Job& job_;
+  Index functor_;
+  std::vector<Index> vertices_;
+};
+
 }  // namespace
 
-void ForceLoop::Impl::for_each_tangent(Index number, double dx, double dv, const TangentTime& at,
-                                       const VisitTangents& visit) {
+/// Calls run(job, worker, visit of a batch) for the functor.
+template <class Run>
+void ForceLoop::Impl::with_tangent_columns(Index number, double dx, double dv,
+                                           const TangentTime& at, const VisitTangents& visit,
+                                           Run run_batches) {
   const auto* extension = functors[number].extension<suture_tangent_1>(SUTURE_TANGENT_1);
   CompiledFunctor& functor = functors[number];
   const loops::Job& job =
@@ -166,26 +199,47 @@ void ForceLoop::Impl::for_each_tangent(Index number, double dx, double dv, const
   const auto worker =
       workers[0].prepare(job, functor.instance().context(0), number, functor.call("tangent"));
   const PluginScope scope(workers[0].call);
-  TangentColumns columns(*extension, job.node_count, dx, dv);
-  std::vector<Index> vertices(std::size_t{job.node_count} * lanes);
-  for (Index chunk = 0; chunk < functor.list().chunk_count(); ++chunk)
-    for_each_batch(job, worker, functor.list().ranges(chunk),
-                   [&](suture_batch& batch, const loops::BatchRows& rows) {
-                     const suture_status status = columns.compute(worker.context, batch);
-                     if (status != SUTURE_OK) return status;
-                     check_results(columns.values(), batch.valid);
-                     for (Index l = 0; l < batch.valid; ++l)
-                       std::copy_n(nodes_of(job, rows.row[l]), job.node_count,
-                                   vertices.data() + std::size_t{l} * job.node_count);
-                     visit({batch.valid, job.node_count, vertices.data(), columns.values().data()});
-                     return status;
-                   });
+  VisitColumns columns(TangentColumns(*extension, job.node_count, dx, dv), job, number);
+  const auto check = [this](auto values, Index valid) { check_results(values, valid); };
+  run_batches(job, worker, [&](suture_batch& batch, const loops::BatchRows& rows) {
+    return columns(worker.context, batch, rows, check, visit);
+  });
+}
+
+void ForceLoop::Impl::for_each_tangent(Index number, double dx, double dv, const TangentTime& at,
+                                       const VisitTangents& visit) {
+  const BatchList& list = functors[number].list();
+  with_tangent_columns(number, dx, dv, at, visit,
+                       [&](const loops::Job& job, const loops::Worker& worker, auto one) {
+                         for (Index chunk = 0; chunk < list.chunk_count(); ++chunk)
+                           for_each_batch(job, worker, list.ranges(chunk), one);
+                       });
+}
+
+void ForceLoop::Impl::for_some_tangents(Index number, double dx, double dv, const TangentTime& at,
+                                        const SelectCell& select, const VisitTangents& visit) {
+  const BatchList& list = functors[number].list();
+  with_tangent_columns(number, dx, dv, at, visit,
+                       [&](const loops::Job& job, const loops::Worker& worker, auto one) {
+                         const auto is_selected = [&](Index row) {
+                           return select({1, job.node_count, nodes_of(job, row), nullptr, number});
+                         };
+                         for (Index chunk = 0; chunk < list.chunk_count(); ++chunk)
+                           for_selected(job, worker, list.ranges(chunk), is_selected, one);
+                       });
 }
 
 void ForceLoop::for_each_tangent(double dx, double dv, const TangentTime& at,
                                  const VisitTangents& visit) {
   for (Index i = 0; i < impl_->functors.size(); ++i)
     if (!impl_->functors[i].skipped()) impl_->for_each_tangent(i, dx, dv, at, visit);
+  impl_->raise_failures(at.time);
+}
+
+void ForceLoop::for_some_tangents(double dx, double dv, const TangentTime& at,
+                                  const SelectCell& select, const VisitTangents& visit) {
+  for (Index i = 0; i < impl_->functors.size(); ++i)
+    if (!impl_->functors[i].skipped()) impl_->for_some_tangents(i, dx, dv, at, select, visit);
   impl_->raise_failures(at.time);
 }
 

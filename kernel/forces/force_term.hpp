@@ -39,6 +39,7 @@ struct CellTangents {
   Index nodes;            ///< of each cell: 1, 2, 4 or 8
   const Index* vertices;  ///< vertices[cell * nodes + node]
   const double* values;   ///< values[(column * 3 nodes + row) * 8 + cell]; 3 rows per node
+  Index functor = 0;      ///< the number of their functor
 };
 
 /// A contribution to the forces on a body: internal forces of models, gravity, loads. To add one,
@@ -87,6 +88,20 @@ class ForceTerm : public Follower {
   /// does not implement it is missing from preconditioners, which only makes solvers slower.
   virtual void for_each_tangent(double /*dx*/, double /*dv*/, const TangentTime& /*at*/,
                                 const VisitTangents& /*visit*/) {}
+  /// Whether the tangent of one cell is wanted; it has no values that could be read.
+  using SelectCell = std::function<bool(const CellTangents&)>;
+  /// The same for a selection: `select` is asked about every cell, in the order of the visits.
+  /// Where the term implements it, only selected cells cost products.
+  virtual void for_some_tangents(double dx, double dv, const TangentTime& at,
+                                 const SelectCell& select, const VisitTangents& visit) {
+    for_each_tangent(dx, dv, at, [&](const CellTangents& cells) {
+      for (std::size_t l = 0; l < cells.cells; ++l) {
+        const CellTangents cell{1, cells.nodes, cells.vertices + l * cells.nodes, cells.values + l,
+                                cells.functor};
+        if (select(cell)) visit(cell);
+      }
+    });
+  }
   /// sums(vertex, K, C): bounds on its stiffness (N/m) and damping (N s/m) at the vertices, XX YY
   /// ZZ XY YZ XZ each (stable_step.hpp).
   using AddBounds = std::function<void(Index, const double* stiffness, const double* damping)>;

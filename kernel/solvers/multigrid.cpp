@@ -9,15 +9,6 @@
 namespace suture {
 namespace {
 
-DiagonalBlocks diagonal_of(const BlockRows<double>& a) {
-  const BlockPattern& pattern = a.pattern();
-  DiagonalBlocks blocks(pattern.rows(), Eigen::Matrix3d::Zero());
-  for (Index row = 0; row < pattern.rows(); ++row)
-    for (Index i = pattern.begin[row]; i < pattern.begin[row + 1]; ++i)
-      if (pattern.column[i] == row) blocks[row] = Eigen::Map<const Eigen::Matrix3d>(a.block(i));
-  return blocks;
-}
-
 class Multigrid final : public Preconditioner {
  public:
   Multigrid(const CellComplex& complex, Attributes& attributes, const MultigridOptions& options)
@@ -27,17 +18,19 @@ class Multigrid final : public Preconditioner {
   double shift() const override { return direct_ ? direct_->shift() : coarsest_.shift(); }
   std::size_t bytes() const override;
 
-  std::size_t levels() const override { return direct_ ? 0 : levels_.size(); }
+  std::size_t levels() const override { return end_is_found_ ? levels_.size() : 0; }
 
   void build(const TangentMatrix& a) override {
-    if (!levels_.empty()) return build_again(a);
-    try {
-      make(a);
-    } catch (...) {
-      levels_.clear();  // where coarsening ends was not found
-      direct_.reset();
-      throw;
-    }
+    if (levels_.empty()) make(a.free());
+    if (direct_) return direct_->build(a);
+    if (!end_is_found_) return find_end(a);
+    factor(a, make_operators(a, false).back());
+  }
+
+  CoarseLevels coarse_levels(const TangentMatrix& a) override {
+    if (levels_.empty()) make(a.free());
+    if (direct_) return {};
+    return {&levels_, &coarsest_};
   }
 
   void apply(const double* r, double* z) const override {
@@ -49,33 +42,32 @@ class Multigrid final : public Preconditioner {
   }
 
  private:
-  void make(const TangentMatrix& a) {
+  /// The hierarchy, without operators.
+  void make(const std::vector<std::uint8_t>& free) {
     const NodeGraph vertices = vertex_graph(complex_, attributes_);
-    levels_ = make_levels(vertices, a.free(), options_.coarsest_nodes);
-    const bool is_known = options_.levels > 1 && options_.levels <= levels_.size();
-    if (is_known) levels_.resize(options_.levels);
+    on_grid_ = vertices.is_grid;
+    levels_ = make_levels(vertices, free, options_.coarsest_nodes);
+    end_is_found_ = options_.levels > 1 && options_.levels <= levels_.size();
+    if (end_is_found_) levels_.resize(options_.levels);
     if (levels_.size() == 1)
       direct_ = make_direct(complex_, attributes_);
     else
       coarsest_.analyse(levels_.back().pattern);
-    if (is_known || direct_) return build_again(a);
-    find_end(a, vertices.is_grid);
   }
 
-  void build_again(const TangentMatrix& a) {
-    if (direct_) return direct_->build(a);
-    factor(a, make_operators(a, false).back());
-  }
-
-  /// Builds everything, and finds where coarsening ends.
-  void find_end(const TangentMatrix& a, bool on_grid) {
+  /// Builds everything, and finds where coarsening ends. A failure leaves no hierarchy.
+  void find_end(const TangentMatrix& a) try {
     const std::vector<BlockRows<double>> operators = make_operators(a, true);
     factor(a, operators.back());
-    StopTest test(levels_, coarsest_, options_.smoothing, on_grid, complex_.existing(3));
+    StopTest test(levels_, coarsest_, options_.smoothing, on_grid_, complex_.existing(3));
     while (const std::size_t last = test.next_direct_level()) {
       levels_.resize(last + 1);
       factor(a, operators[last - 1]);
     }
+    end_is_found_ = true;
+  } catch (...) {
+    levels_.clear();
+    throw;
   }
 
   /// Sets the operators and smoothers of all levels but the coarsest. Returns the operators from
@@ -96,12 +88,6 @@ class Multigrid final : public Preconditioner {
     }
   }
 
-  static void set_operator(MultigridLevel& level, const BlockRows<double>& rows) {
-    level.matrix = in_single(rows);
-    level.multiply = [&level](const float* x, float* y) { multiply(level.matrix, x, y); };
-    set_smoother(level, diagonal_of(rows));
-  }
-
   void factor(const TangentMatrix& a, const BlockRows<double>& rows) {
     const MultigridLevel& level = levels_.back();
     coarsest_.factor(rows, level.held, a.has_mass() ? std::vector<bool>() : level.loose);
@@ -111,6 +97,8 @@ class Multigrid final : public Preconditioner {
   Attributes& attributes_;
   MultigridOptions options_;
   mutable MultigridLevels levels_;  ///< with scratch vectors
+  bool on_grid_ = false;
+  bool end_is_found_ = false;  ///< of coarsening
   FactoredRows coarsest_;
   std::unique_ptr<Preconditioner> direct_;  ///< of a body that is too small for levels
 };

@@ -14,6 +14,15 @@ constexpr double least_gain = 0.15;
 /// A block may be singular where a coarse node has few fine ones.
 constexpr double block_shift = 1e-6;
 
+DiagonalBlocks diagonal_of(const BlockRows<double>& a) {
+  const BlockPattern& pattern = a.pattern();
+  DiagonalBlocks blocks(pattern.rows(), Eigen::Matrix3d::Zero());
+  for (Index row = 0; row < pattern.rows(); ++row)
+    for (Index i = pattern.begin[row]; i < pattern.begin[row + 1]; ++i)
+      if (pattern.column[i] == row) blocks[row] = Eigen::Map<const Eigen::Matrix3d>(a.block(i));
+  return blocks;
+}
+
 MultigridLevel finest_level(const NodeGraph& vertices, const std::vector<std::uint8_t>& free) {
   MultigridLevel level;
   level.held.resize(free.size());
@@ -95,6 +104,12 @@ void set_smoother(MultigridLevel& level, DiagonalBlocks diagonal) {
     invert(diagonal[v], {held[0] == 0, held[1] == 0, held[2] == 0}, block_shift);
   }
   level.smoother.set(diagonal, level.multiply);
+}
+
+void set_operator(MultigridLevel& level, const BlockRows<double>& rows) {
+  level.matrix = in_single(rows);
+  level.multiply = [&level](const float* x, float* y) { multiply(level.matrix, x, y); };
+  set_smoother(level, diagonal_of(rows));
 }
 
 void VCycle::run(std::size_t l) const {

@@ -34,6 +34,9 @@ MultigridLevels make_levels(const NodeGraph& vertices, const std::vector<std::ui
 /// Inverts the diagonal blocks of a level for its smoother, and estimates the spectrum.
 void set_smoother(MultigridLevel& level, DiagonalBlocks diagonal);
 
+/// Sets the operator of a coarse level, and its smoother.
+void set_operator(MultigridLevel& level, const BlockRows<double>& rows);
+
 /// The V-cycle on levels l, l+1, ...; the last one is solved by `coarsest`.
 class VCycle {
  public:

@@ -1,11 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <deque>
 #include <string>
 
 #include "kernel/solvers/tangent_matrix.hpp"
 
 namespace suture {
+
+struct MultigridLevel;
+class FactoredRows;
+
+/// The levels of a multigrid and the factor of the coarsest one, lent to others: the next build()
+/// computes their operators again.
+struct CoarseLevels {
+  std::deque<MultigridLevel>* levels = nullptr;
+  FactoredRows* coarsest = nullptr;  ///< analysed
+};
 
 /// An approximate inverse of a tangent matrix: symmetric and positive definite. It belongs to the
 /// cells and the free components of its first build(): where these change, make another one.
@@ -16,6 +27,8 @@ class Preconditioner {
   virtual std::string name() const = 0;
   /// Builds the approximate inverse of `a` as it is now. Throws the errors of terms.
   virtual void build(const TangentMatrix& a) = 0;
+  /// The coarse levels that build() uses for these cells and free components; none if it uses none.
+  virtual CoarseLevels coarse_levels(const TangentMatrix& /*a*/) { return {}; }
   /// By what part of itself the diagonal was raised in build() to make the matrix positive
   /// definite; 0: it is.
   virtual double shift() const { return 0; }

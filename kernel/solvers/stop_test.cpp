@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/solvers/stop_test.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
+
+#include "kernel/solvers/level_solve.hpp"
 
 namespace suture {
 namespace {
@@ -21,26 +21,10 @@ SingleVector load_of(const MultigridLevel& level) {
 
 }  // namespace
 
-/// Conjugate gradients with the cycle from level l.
 bool StopTest::converges(std::size_t l) const {
-  MultigridLevel& level = levels_[l];
-  SingleVector r = load_of(level), d = single_vector(level.nodes()), q = d;
-  const double target = tolerance * tolerance * dot(r, r);
-  double rz = 0;
-  for (unsigned i = 0; dot(r, r) > target; ++i) {
-    if (i == max_iterations) return false;
-    level.r = r;
-    cycle_.run(l);
-    const double last = std::exchange(rz, dot(r, level.x));
-    const auto keep = static_cast<float>(i == 0 ? 0 : rz / last);
-    for (std::size_t k = 0; k < d.size(); ++k) d[k] = level.x[k] + keep * d[k];
-    level.multiply(d.data(), q.data());
-    const double curvature = dot(d, q);
-    if (!(curvature > 0)) return false;
-    const auto step = static_cast<float>(rz / curvature);
-    for (std::size_t k = 0; k < r.size(); ++k) r[k] -= step * q[k];
-  }
-  return true;
+  SingleVector x;
+  return solve_on_level(levels_, cycle_, l, levels_[l].multiply, load_of(levels_[l]), tolerance,
+                        max_iterations, x);
 }
 
 /// False if it is not affordable; then the coarsest level keeps its factor.

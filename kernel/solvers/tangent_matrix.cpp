@@ -71,4 +71,10 @@ void TangentMatrix::for_each_cell(const ForceTerm::VisitTangents& visit) const {
     terms_[t]->for_each_tangent(factor(t), factor(t) * velocity_, at_, visit);
 }
 
+void TangentMatrix::for_some_cells(const ForceTerm::SelectCell& select,
+                                   const ForceTerm::VisitTangents& visit) const {
+  for (std::size_t t = 0; t < terms_.size(); ++t)
+    terms_[t]->for_some_tangents(factor(t), factor(t) * velocity_, at_, select, visit);
+}
+
 }  // namespace suture

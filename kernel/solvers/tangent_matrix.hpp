@@ -44,6 +44,9 @@ class TangentMatrix {
   /// Visits the matrices of all cells, K + velocity C, with the opposite sign: see
   /// ForceTerm::for_each_tangent. The mass term is not included.
   void for_each_cell(const ForceTerm::VisitTangents& visit) const;
+  /// The same for a selection: see ForceTerm::for_some_tangents.
+  void for_some_cells(const ForceTerm::SelectCell& select,
+                      const ForceTerm::VisitTangents& visit) const;
   /// Sets the components of a vector that are not free to 0.
   void restrict(std::span<double> x) const;
 

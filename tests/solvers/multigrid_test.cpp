@@ -7,6 +7,7 @@
 
 #include "kernel/base/vec3.hpp"
 #include "kernel/solvers/choice.hpp"
+#include "kernel/solvers/coarse_system.hpp"
 #include "kernel/solvers/conjugate_gradients.hpp"
 #include "kernel/solvers/direct.hpp"
 #include "kernel/solvers/galerkin.hpp"
@@ -350,6 +351,88 @@ TEST(PreconditionerChoice, FollowsSizeAndMass) {
   EXPECT_EQ(choose({6, 6, 12}, 0), "multigrid for 432 elements");
   EXPECT_EQ(choose({6, 6, 12}, 10), "multigrid for 432 elements");
   EXPECT_EQ(choose({6, 6, 12}, 1e6), "block Jacobi because the mass term dominates the matrix");
+}
+
+// ------------------------------------------------------------ coarse systems --
+
+/// Trilinear interpolation from a grid four times as wide.
+Interpolation from_every_fourth(SolverBody& body) {
+  NodeGraph graph = vertex_graph(body.complex(), body.attributes());
+  for (Vec3& place : graph.places)
+    for (double& x : place) x /= 2;
+  graph.is_grid = false;
+  return coarsen(graph).interpolation;
+}
+
+/// The sum of the diagonals of cell matrices.
+double trace(const CellTangents& cells) {
+  double sum = 0;
+  const std::size_t rows = std::size_t{cells.nodes} * 3;
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t l = 0; l < cells.cells; ++l) sum += cells.values[(i * rows + i) * 8 + l];
+  return sum;
+}
+
+TEST(CellSample, StandsForAllCellsOfEveryFunctor) {
+  for (const char* model : {"tm-faure", "mss-baudet"}) {
+    SolverBody body(unit_box({12, 12, 24}), {.is_cut = slit, .model = model});
+    const CellSample sample(body.matrix(), from_every_fourth(body));
+    double all = 0, sampled = 0;
+    std::size_t cells = 0, visited = 0;
+    body.matrix().for_each_cell([&](const CellTangents& some) {
+      all += trace(some);
+      cells += some.cells;
+    });
+    sample.for_each_cell(body.matrix(), [&](const CellTangents& some) {
+      sampled += trace(some);
+      visited += some.cells;
+    });
+    EXPECT_NEAR(sampled / all, 1, 0.02) << model;
+    EXPECT_LT(visited, cells / 2) << model;
+  }
+}
+
+/// The relative error, in energy, of the coarse system's answer to the load of a displacement that
+/// its level represents.
+double coarse_error(SolverBody& body) {
+  const auto multigrid = make_multigrid(body.complex(), body.attributes(), {.coarsest_nodes = 40});
+  const TangentMatrix& a = body.matrix();
+  CoarseSystem system(multigrid->coarse_levels(a), 2, a);
+  system.build(a);
+  std::vector<double> u(a.size()), load(u), error(u), image(u);
+  EXPECT_TRUE(system.solve(a, system.restrict(body.weight()), u));
+  EXPECT_GT(dot(u, body.weight()), 0);
+  a.apply(u.data(), load.data());
+  EXPECT_TRUE(system.solve(a, system.restrict(load), error));
+  for (std::size_t i = 0; i < u.size(); ++i) error[i] -= u[i];
+  a.apply(error.data(), image.data());
+  return std::sqrt(dot(error, image) / dot(u, load));
+}
+
+// In at most 20 iterations, which a bad sample would exceed.
+TEST(CoarseSystem, IsSolvedWithAPreconditionerFromASample) {
+  SolverBody beam(unit_box({8, 8, 16})), cut(unit_box({8, 8, 16}), {.is_cut = slit}),
+      skew(distorted(unit_box({8, 8, 16}), 0.2), {.held = 0.3}),
+      springs(unit_box({8, 8, 16}), {.model = "mss-baudet"});
+  EXPECT_LT(coarse_error(beam), 0.2);
+  EXPECT_LT(coarse_error(cut), 0.2);
+  EXPECT_LT(coarse_error(skew), 0.2);
+  EXPECT_LT(coarse_error(springs), 0.2);
+}
+
+TEST(CoarseSystem, DoesNotDisturbTheMultigrid) {
+  SolverBody body(unit_box({8, 8, 16}), {.is_cut = slit});
+  const auto multigrid = make_multigrid(body.complex(), body.attributes(), {.coarsest_nodes = 40});
+  CoarseSystem system(multigrid->coarse_levels(body.matrix()), 2, body.matrix());
+  system.build(body.matrix());
+  multigrid->build(body.matrix());
+  const auto other = make_multigrid(body.complex(), body.attributes(), {.coarsest_nodes = 40});
+  other->build(body.matrix());
+  const std::vector<double> load = body.weight();
+  std::vector<double> x(load.size()), y(load.size());
+  multigrid->apply(load.data(), x.data());
+  other->apply(load.data(), y.data());
+  EXPECT_EQ(x, y);
 }
 
 }  // namespace

@@ -189,7 +189,7 @@ struct Table {
                              const Product<float>*);
   void (*single_tangents)(const Job*, const Worker*, const Rows* ranges, uint32_t count,
                           const SingleProduct*);
-  /// Fills `batch` with rows of one block, at least one (extensions).
+  /// Fills `batch` with some rows, at least one; they ascend (extensions).
   void (*gather)(const Job*, const Worker*, const BatchRows*, Buffers*, suture_batch*);
   /// Passes of integrators; they return 1 if a velocity is not finite.
   int32_t (*kick_drift)(const Motion*, uint32_t begin, uint32_t end, PassSums*);

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/solvers/coarse_system.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "kernel/solvers/cell_projection.hpp"
+#include "kernel/solvers/galerkin.hpp"
+#include "kernel/solvers/level_solve.hpp"
+
+namespace suture {
+namespace {
+
+constexpr unsigned smoothing = 2, max_iterations = 20;
+constexpr double tolerance = 0.1;
+
+/// Numbers per node: vectors in single precision have rows of 4 (single_vector.hpp).
+template <class Real>
+constexpr std::size_t row = sizeof(Real) == sizeof(float) ? 4 : 3;
+
+/// P = P1 P2 for the interpolations P1 and P2 to a level and from the next coarser one to it.
+Interpolation product(const Interpolation& finer, const Interpolation& coarser) {
+  Interpolation result;
+  result.begin.push_back(0);
+  for (Index v = 0; v < finer.fine_nodes(); ++v) {
+    const std::size_t first = result.node.size();
+    for (Index i = finer.begin[v]; i < finer.begin[v + 1]; ++i)
+      for (Index k = coarser.begin[finer.node[i]]; k < coarser.begin[finer.node[i] + 1]; ++k) {
+        std::size_t place = first;
+        while (place < result.node.size() && result.node[place] != coarser.node[k]) ++place;
+        if (place == result.node.size()) {
+          result.node.push_back(coarser.node[k]);
+          result.weight.push_back(0);
+        }
+        result.weight[place] += finer.weight[i] * coarser.weight[k];
+      }
+    result.begin.push_back(static_cast<Index>(result.node.size()));
+  }
+  return result;
+}
+
+Interpolation to_vertices(const MultigridLevels& levels, std::size_t level) {
+  Interpolation p = levels[1].to_finer;
+  for (std::size_t l = 2; l <= level; ++l) p = product(p, levels[l].to_finer);
+  return p;
+}
+
+}  // namespace
+
+CoarseSystem::CoarseSystem(const CoarseLevels& coarse, std::size_t level, const TangentMatrix& a)
+    : levels_(*coarse.levels),
+      coarsest_(*coarse.coarsest),
+      level_(level),
+      p_(to_vertices(levels_, level)),
+      sample_(a, p_) {}
+
+void CoarseSystem::build(const TangentMatrix& a) {
+  BlockRows<double> rows(levels_[level_].pattern);
+  CellProjection projection(p_, a.free(), rows);
+  sample_.for_each_cell(a, [&](const CellTangents& cells) { projection.subtract(cells); });
+  projection.finish();
+  mirror(rows);
+  hold(rows, levels_[level_].held);
+  for (std::size_t l = level_; l + 1 < levels_.size(); ++l) {
+    set_operator(levels_[l], rows);
+    rows = project(rows, levels_[l + 1].to_finer, levels_[l + 1].pattern);
+    hold(rows, levels_[l + 1].held);
+  }
+  coarsest_.factor(rows, levels_.back().held, levels_.back().loose);
+}
+
+std::vector<double> CoarseSystem::restrict(std::span<const double> r) const {
+  std::vector<double> result(levels_[level_].held.size());
+  restrict_to(r.data(), result.data());
+  return result;
+}
+
+template <class Real>
+void CoarseSystem::restrict_to(const Real* r, Real* result) const {
+  const Held& held = levels_[level_].held;
+  std::fill_n(result, nodes() * row<Real>, Real(0));
+  for (std::size_t v = 0; v < p_.fine_nodes(); ++v)
+    for (Index i = p_.begin[v]; i < p_.begin[v + 1]; ++i)
+      for (std::size_t c = 0; c < 3; ++c)
+        result[p_.node[i] * row<Real> + c] +=
+            static_cast<Real>(p_.weight[i]) * r[v * row<Real> + c];
+  for (std::size_t i = 0; i < held.size(); ++i)
+    if (held[i]) result[i / 3 * row<Real> + i % 3] = 0;
+}
+
+template <class Real>
+void CoarseSystem::prolong(const float* q, double scale, Real* d) const {
+  const Held& held = levels_[0].held;
+  for (std::size_t v = 0; v < p_.fine_nodes(); ++v) {
+    std::array<float, 3> sum{};
+    for (Index i = p_.begin[v]; i < p_.begin[v + 1]; ++i)
+      for (std::size_t c = 0; c < 3; ++c)
+        sum[c] += p_.weight[i] * q[std::size_t{p_.node[i]} * 4 + c];
+    for (std::size_t c = 0; c < 3; ++c)
+      d[v * row<Real> + c] = held[v * 3 + c] ? Real(0) : static_cast<Real>(scale * double{sum[c]});
+  }
+}
+
+bool CoarseSystem::solve(const TangentMatrix& a, std::span<const double> right,
+                         std::span<double> d) const {
+  SingleVector r = single_vector(nodes()), q, fine = single_vector(levels_[0].nodes()),
+               image = fine;
+  const double scale = to_single(right.data(), r);
+  const auto multiply = [&](const float* x, float* y) {
+    prolong(x, 1, fine.data());
+    a.apply(fine.data(), image.data());
+    restrict_to(image.data(), y);
+  };
+  const bool converged = solve_on_level(levels_, VCycle(levels_, coarsest_, smoothing), level_,
+                                        multiply, std::move(r), tolerance, max_iterations, q);
+  prolong(q.data(), scale, d.data());
+  return converged;
+}
+
+}  // namespace suture

@@ -102,7 +102,7 @@ double tip_of(BenchBody& body, Index across) {
 
 Work::Work(Dynamics& dynamics) : dynamics_(dynamics) {
   dynamics.newton()->on_iteration = [this](const Newton::Iteration& i) {
-    ++newton;
+    ++(i.coarse_nodes > 0 ? coarse : newton);
     krylov += i.linear_iterations;
   };
 }

@@ -47,7 +47,7 @@ class Work {
   ~Work();
   Work(const Work&) = delete;
   Work& operator=(const Work&) = delete;
-  double newton = 0, krylov = 0;
+  double newton = 0, krylov = 0, coarse = 0;  ///< iterations of the body, and on coarse levels
 
  private:
   Dynamics& dynamics_;

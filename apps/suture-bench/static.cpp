@@ -47,7 +47,7 @@ double asked(const std::string& name, const std::string& element, Index across) 
 // -------------------------------------------------------------------- from rest --
 
 struct Solution {
-  double seconds = 0, newton = 0, krylov = 0;
+  double seconds = 0, newton = 0, krylov = 0, coarse = 0;
   bool found = true;
 };
 
@@ -65,6 +65,7 @@ Solution solve(Dynamics& dynamics) {
   result.seconds = now(1) - begin;
   result.newton = work.newton;
   result.krylov = work.krylov;
+  result.coarse = work.coarse;
   return result;
 }
 
@@ -84,6 +85,7 @@ struct Row {
         .add("us_per_element", 1e6 * solution.seconds / elements)
         .add("asked_us", asked_us)
         .add("growth", growth)
+        .add("coarse_steps", solution.coarse)
         .add("newton_steps", solution.newton)
         .add("krylov_iterations", solution.krylov);
     if (faces == 0)

@@ -16,6 +16,8 @@ namespace {
 // Of the slope at the start that a step may leave, either way (Crisfield).
 constexpr double slope_left = 0.8;
 constexpr unsigned max_iterations = 50, max_trials = 12;
+// From a solution on coarse levels: one that takes longer was of little use.
+constexpr unsigned max_nested_iterations = 25;
 // Forcing terms of the linear solves.
 constexpr double first_forcing = 0.1, least_forcing = 1e-3;
 constexpr unsigned max_linear_iterations = 5000;
@@ -251,15 +253,34 @@ const std::vector<double>& Newton::residual(const StepEquations& equations) {
   return residual_;
 }
 
+/// From the coarse levels where that is worthwhile; from the current positions otherwise, or if
+/// that leads nowhere.
 void Newton::solve(const StepEquations& equations) {
   start(equations);
+  evaluate(equations);
+  double* x = motion_.body().attributes().position().rows();
+  const std::vector<double> before(x, x + equations.position.size());
+  if (start_from_coarse_levels(equations)) {
+    try {
+      return iterate(equations, max_nested_iterations);
+    } catch (const NumericalError&) {
+      std::ranges::copy(before, x);
+      evaluate(equations);
+      is_built_ = false;
+    }
+  }
+  iterate(equations, max_iterations);
+}
+
+/// From the current positions, where the residual is known.
+void Newton::iterate(const StepEquations& equations, unsigned allowed) {
   Progress progress;
-  progress.residual = evaluate(equations);
+  progress.residual = norm(residual_);
   for (;; ++progress.iterations) {
     if (!std::isfinite(progress.residual)) refuse(equations, progress, "the forces are not finite");
     iterations_ = progress.iterations;
     if (is_solved(equations, progress)) return;
-    if (progress.iterations == max_iterations)
+    if (progress.iterations == allowed)
       refuse(equations, progress, "the allowed number of iterations was not enough");
     const LinearSolve solve = find_direction(equations, forcing(progress));
     const double step = search(equations);

@@ -15,6 +15,8 @@
 
 namespace suture {
 
+class CoarseSystem;
+
 /// The equations of one implicit step for the positions x at its end, on the free components:
 ///   f(x, v, time) + m g - m a - alpha m v = 0
 ///   v = v* + rate (x - x*),   a = acceleration (x - x*)
@@ -79,6 +81,7 @@ class Newton {
     unsigned number, linear_iterations;
     double residual, scale, step;
     bool indefinite;
+    std::size_t coarse_nodes = 0;  ///< 0: of the body itself; otherwise of a coarse level
   };
   std::function<void(const Iteration&)> on_iteration;
   /// What else `suture run -v` prints: the load steps of a static step.
@@ -99,6 +102,9 @@ class Newton {
   void set_supports();
   void set_matrix(const StepEquations& equations);
   void choose();
+  void iterate(const StepEquations& equations, unsigned allowed);
+  bool start_from_coarse_levels(const StepEquations& equations);
+  bool solve_on_level(const StepEquations& equations, CoarseSystem& system);
   double evaluate(const StepEquations& equations);
   void move(double step);
   void set_remaining(double time);

@@ -134,18 +134,31 @@ void RunLoop::apply(const Event& event, Observer& observer) {
 
 // ----------------------------------------------------------------- the loop --
 
+namespace {
+
+std::string describe(const Newton::Iteration& i, const Newton& newton) {
+  std::ostringstream text;
+  text << "Newton iteration " << i.number;
+  if (i.coarse_nodes > 0) {
+    text << " on " << i.coarse_nodes << " coarse nodes: residual " << i.residual / i.scale
+         << " of the first one, step " << i.step;
+    return text.str();
+  }
+  text << ": residual " << i.residual / i.scale << " of the forces, " << i.linear_iterations
+       << " linear iterations (" << newton.preconditioner() << "), step " << i.step
+       << (i.indefinite ? ", the tangent is indefinite" : "");
+  return text.str();
+}
+
+}  // namespace
+
 /// For `suture run -v`: the convergence of implicit steps, and steps that follow their error.
 void RunLoop::pass_details_to(Observer& observer) {
   control_.on_detail = [&observer](const std::string& text) { observer.on_detail(text); };
   Newton* newton = built_.dynamics().newton();
   if (!newton) return;
   newton->on_iteration = [&observer, newton](const Newton::Iteration& i) {
-    std::ostringstream text;
-    text << "Newton iteration " << i.number << ": residual " << i.residual / i.scale
-         << " of the forces, " << i.linear_iterations << " linear iterations ("
-         << newton->preconditioner() << "), step " << i.step
-         << (i.indefinite ? ", the tangent is indefinite" : "");
-    observer.on_detail(text.str());
+    observer.on_detail(describe(i, *newton));
   };
   newton->on_note = [&observer](const std::string& text) { observer.on_detail(text); };
 }

@@ -1,12 +1,52 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/dynamics/inertia_relief.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <span>
 
 #include "kernel/base/vec3.hpp"
 #include "kernel/dynamics/pieces.hpp"
 
 namespace suture {
+namespace {
+
+using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+using Row = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
+
+/// visit(component, mass, velocities there in all motions) for components that are not constrained.
+template <class Visit>
+void for_each_row(Body& body, const FreePiece& motions, std::span<const Index> vertices,
+                  Visit visit) {
+  Attributes& attributes = body.attributes();
+  const auto& modes = motions.modes;
+  Row row(static_cast<Eigen::Index>(modes.size()));
+  for (const Index v : vertices) {
+    const double* x = attributes.position().rows() + std::size_t{v} * 4;
+    const Vec3 arm = minus(Vec3{x[0], x[1], x[2]}, motions.centre);
+    const int fixed = static_cast<int>(attributes.fixed().get(v, 0));
+    for (std::size_t c = 0; c < 3; ++c) {
+      if ((fixed >> c & 1) != 0) continue;
+      for (std::size_t m = 0; m < modes.size(); ++m)
+        row[static_cast<Eigen::Index>(m)] =
+            modes[m][c] +
+            cross(Vec3{modes[m][3], modes[m][4], modes[m][5]}, arm)[c] / motions.radius;
+      visit(std::size_t{v} * 3 + c, attributes.mass().get(v, 0), row);
+    }
+  }
+}
+
+/// a with R^T M R a = b.
+Row solve_masses(Body& body, const FreePiece& motions, std::span<const Index> vertices,
+                 const Row& b) {
+  Small sum = Small::Zero(b.size(), b.size());
+  for_each_row(body, motions, vertices, [&](std::size_t, double mass, const Row& row) {
+    sum += mass * row * row.transpose();
+  });
+  return Eigen::LLT<Small>(sum).solve(b);
+}
+
+}  // namespace
 
 void InertiaRelief::find() {
   pieces_.clear();
@@ -27,56 +67,27 @@ void InertiaRelief::find() {
   for (const Piece& piece : pieces_) add_supports(piece);
 }
 
-/// visit(component, mass, velocities there in all motions) for components that are not constrained.
-template <class Visit>
-void InertiaRelief::for_each_row(const Piece& piece, Visit visit) const {
-  Attributes& attributes = body_.attributes();
-  const auto& modes = piece.motions.modes;
-  Row row(static_cast<Eigen::Index>(modes.size()));
-  for (const Index v : piece.vertices) {
-    const double* x = attributes.position().rows() + std::size_t{v} * 4;
-    const Vec3 arm = minus(Vec3{x[0], x[1], x[2]}, piece.motions.centre);
-    const int fixed = static_cast<int>(attributes.fixed().get(v, 0));
-    for (std::size_t c = 0; c < 3; ++c) {
-      if ((fixed >> c & 1) != 0) continue;
-      for (std::size_t m = 0; m < modes.size(); ++m)
-        row[static_cast<Eigen::Index>(m)] =
-            modes[m][c] +
-            cross(Vec3{modes[m][3], modes[m][4], modes[m][5]}, arm)[c] / piece.motions.radius;
-      visit(std::size_t{v} * 3 + c, attributes.mass().get(v, 0), row);
-    }
-  }
-}
-
-Eigen::LLT<InertiaRelief::Small> InertiaRelief::masses(const Piece& piece) const {
-  const auto size = static_cast<Eigen::Index>(piece.motions.modes.size());
-  Small sum = Small::Zero(size, size);
-  for_each_row(piece, [&](std::size_t, double mass, const Row& row) {
-    sum += mass * row * row.transpose();
-  });
-  return Eigen::LLT<Small>(sum);
-}
-
 void InertiaRelief::balance(std::vector<double>& forces) const {
   for (const Piece& piece : pieces_) {
     Row resultant = Row::Zero(static_cast<Eigen::Index>(piece.motions.modes.size()));
-    for_each_row(piece,
+    for_each_row(body_, piece.motions, piece.vertices,
                  [&](std::size_t i, double, const Row& row) { resultant += forces[i] * row; });
-    const Row acceleration = masses(piece).solve(resultant);
-    for_each_row(piece, [&](std::size_t i, double mass, const Row& row) {
-      forces[i] -= mass * row.dot(acceleration);
-    });
+    const Row acceleration = solve_masses(body_, piece.motions, piece.vertices, resultant);
+    for_each_row(body_, piece.motions, piece.vertices,
+                 [&](std::size_t i, double mass, const Row& row) {
+                   forces[i] -= mass * row.dot(acceleration);
+                 });
   }
 }
 
 void InertiaRelief::remove_rigid_motion(std::vector<double>& direction) const {
   for (const Piece& piece : pieces_) {
     Row momentum = Row::Zero(static_cast<Eigen::Index>(piece.motions.modes.size()));
-    for_each_row(piece, [&](std::size_t i, double mass, const Row& row) {
-      momentum += mass * direction[i] * row;
-    });
-    const Row velocity = masses(piece).solve(momentum);
-    for_each_row(piece,
+    for_each_row(
+        body_, piece.motions, piece.vertices,
+        [&](std::size_t i, double mass, const Row& row) { momentum += mass * direction[i] * row; });
+    const Row velocity = solve_masses(body_, piece.motions, piece.vertices, momentum);
+    for_each_row(body_, piece.motions, piece.vertices,
                  [&](std::size_t i, double, const Row& row) { direction[i] -= row.dot(velocity); });
   }
 }
@@ -85,7 +96,7 @@ void InertiaRelief::remove_rigid_motion(std::vector<double>& direction) const {
 void InertiaRelief::add_supports(const Piece& piece) {
   std::vector<Row> rows;
   std::vector<std::size_t> components;
-  for_each_row(piece, [&](std::size_t i, double, const Row& row) {
+  for_each_row(body_, piece.motions, piece.vertices, [&](std::size_t i, double, const Row& row) {
     rows.push_back(row);
     components.push_back(i);
   });

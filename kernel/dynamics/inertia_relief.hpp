@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <vector>
 
 #include "kernel/dynamics/free_motions.hpp"
@@ -35,12 +34,6 @@ class InertiaRelief {
     FreePiece motions;
     std::vector<Index> vertices;
   };
-  using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
-  using Row = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
-
-  template <class Visit>
-  void for_each_row(const Piece& piece, Visit visit) const;
-  Eigen::LLT<Small> masses(const Piece& piece) const;
   void add_supports(const Piece& piece);
 
   Body& body_;

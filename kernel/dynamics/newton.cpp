@@ -315,12 +315,10 @@ double Newton::forcing(const Progress& progress) const {
 bool Newton::is_indefinite(double time) {
   StepEquations equations;
   equations.time = time;
-  set_supports();
-  set_matrix(equations);
+  start(equations);  // there may have been no solve: a run that is resumed at its end
   Random random;
   for (double& r : residual_) r = random();
   matrix_.restrict(residual_);
-  std::ranges::fill(remaining_, 0.0);
   is_moving_ = false;
   return find_direction(equations, 1e-6).outcome == LinearSolve::Outcome::indefinite;
 }

@@ -73,7 +73,8 @@ class Newton {
 
   /// Whether the tangent at the current state is indefinite: the equilibrium is unstable. Found by
   /// a linear solve with a random right-hand side (fixed seed), in which every mode takes part; its
-  /// Lanczos process finds an isolated negative eigenvalue first. Costs as much as one iteration.
+  /// Lanczos process finds an isolated negative eigenvalue first. Costs as much as a first
+  /// iteration.
   bool is_indefinite(double time);
 
   /// Called after each iteration, for `suture run -v`.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 
@@ -41,6 +42,36 @@ void print_sets(const char* of, const std::map<std::string, std::vector<Index>>&
   for (const auto& [name, members] : sets) {
     console.print(std::string("set of ") + of + " \"" + escaped(name) +
                   "\": " + std::to_string(members.size()));
+  }
+}
+
+/// "1000 to 5000", of all components; what is not finite is counted.
+std::string range_of(const MeshArray& array) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  double low = infinity, high = -infinity;
+  std::size_t not_finite = 0;
+  for (const double x : array.values) {
+    if (!std::isfinite(x)) {
+      ++not_finite;
+      continue;
+    }
+    low = std::min(low, x);
+    high = std::max(high, x);
+  }
+  std::string text = low <= high ? number_text(low) + " to " + number_text(high) : "no number";
+  if (not_finite > 0) text += ", " + count(not_finite, "value") + " not finite";
+  return text;
+}
+
+void print_arrays(const Mesh& mesh, Console& console) {
+  for (const MeshArray& array : mesh.arrays) {
+    const std::string name = std::string("array of ") +
+                             (array.of_elements ? "elements" : "points") + " \"" +
+                             escaped(array.name) + "\": ";
+    if (array.unreadable.empty())
+      console.print(name + count(array.components, "component") + ", " + range_of(array));
+    else
+      console.print(name + "cannot be read: " + array.unreadable);
   }
 }
 
@@ -122,10 +153,11 @@ int surface_info(const MeshInfoCommand& command, Console& console) {
 
 int mesh_info(const MeshInfoCommand& command, Console& console) {
   if (is_surface_file(command.file)) return surface_info(command, console);
-  const Mesh mesh = read_mesh(command.file, command.scale, console.diagnostics());
+  const Mesh mesh = read_mesh(command.file, command.scale, console.diagnostics(), all_arrays);
   print_counts(mesh, console);
   print_sets("points", mesh.point_sets, console);
   print_sets("elements", mesh.element_sets, console);
+  print_arrays(mesh, console);
   print_bounds(mesh, console);
   Imported imported = import_mesh(mesh, {}, console.diagnostics());
   print_topology(imported, console);
@@ -134,7 +166,7 @@ int mesh_info(const MeshInfoCommand& command, Console& console) {
 }
 
 int mesh_convert(const MeshConvertCommand& command, Console& console) {
-  Mesh mesh = read_mesh(command.from, command.scale, console.diagnostics());
+  Mesh mesh = read_mesh(command.from, command.scale, console.diagnostics(), all_arrays);
   if (command.drop_bad) drop_bad_elements(mesh, false, console.diagnostics());
   write_mesh(command.to, mesh, console.diagnostics());
   if (!console.quiet()) print_counts(mesh, console);

@@ -106,6 +106,16 @@ void TextCursor::require_room(std::uint64_t count, std::uint64_t values, const c
   }
 }
 
+double TextCursor::any_real(const char* what) {
+  if (!skip_space()) fail_end(what);
+  if (*p_ == '+') ++p_;
+  double value = 0;
+  const auto [stop, error] = std::from_chars(p_, end_, value);
+  if (error != std::errc{} || !ends_word(stop)) return unusual_real(what, stop, error, value);
+  p_ = stop;
+  return value;
+}
+
 double TextCursor::unusual_real(const char* what, const char* stop, std::errc error, double value) {
   if (error == std::errc::result_out_of_range && ends_word(stop)) {
     // Too small is 0 to every program; too large is not a number to compute with.

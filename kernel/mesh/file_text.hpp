@@ -99,6 +99,8 @@ class TextCursor {
     p_ = stop;
     return value;
   }
+  /// The same, but it need not be finite.
+  double any_real(const char* what);
   /// Fails unless `count` entries of `values` words each can follow; called before memory is
   /// allocated for a count that may be wrong.
   void require_room(std::uint64_t count, std::uint64_t values, const char* what) const;

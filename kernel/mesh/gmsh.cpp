@@ -8,8 +8,8 @@ namespace {
 
 class GmshReader {
  public:
-  GmshReader(const FileText& file, Diagnostics& diagnostics)
-      : file_(file), diagnostics_(diagnostics), in_(file), mesh_(in_, file) {}
+  GmshReader(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics)
+      : file_(file), wants_(wants), diagnostics_(diagnostics), in_(file), mesh_(in_, file) {}
 
   Mesh read() {
     while (in_.text.skip_space()) {
@@ -44,6 +44,8 @@ class GmshReader {
       nodes();
     } else if (name == "Elements") {
       elements();
+    } else if (name == "NodeData" || name == "ElementData" || name == "ElementNodeData") {
+      return data(name);
     } else {
       return skip(name);
     }
@@ -108,6 +110,20 @@ class GmshReader {
     read_gmsh4_elements(in_, file_, entities_, mesh_);
   }
 
+  void data(const std::string& name) {
+    GmshData data = read_gmsh_data_header(in_, name != "NodeData");
+    if (name == "ElementNodeData")
+      data.array.unreadable =
+          "its values belong to the nodes of each element; save a value per element";
+    if (data.array.unreadable.empty() && wants_ && wants_(data.array.name)) {
+      read_gmsh_data(in_, data);
+      in_.text.expect("$End" + name);
+    } else {
+      skip(name);
+    }
+    mesh_.add_data(std::move(data));
+  }
+
   void skip(const std::string& name) {
     if (name.starts_with("Partitioned")) {
       diagnostics_.warn(
@@ -122,6 +138,7 @@ class GmshReader {
   }
 
   const FileText& file_;
+  const WantsArray& wants_;
   Diagnostics& diagnostics_;
   GmshScanner in_;
   GmshMesh mesh_;
@@ -132,8 +149,8 @@ class GmshReader {
 
 }  // namespace
 
-Mesh read_gmsh(const FileText& file, Diagnostics& diagnostics) {
-  return GmshReader(file, diagnostics).read();
+Mesh read_gmsh(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics) {
+  return GmshReader(file, wants, diagnostics).read();
 }
 
 }  // namespace suture

@@ -180,6 +180,36 @@ void GmshMesh::join_repeated_hexahedra() {
   }
 }
 
+void GmshMesh::add_data(GmshData data) {
+  const auto earlier = std::find_if(data_.begin(), data_.end(), [&](const GmshData& other) {
+    return other.array.name == data.array.name && other.array.of_elements == data.array.of_elements;
+  });
+  if (earlier == data_.end()) return data_.push_back(std::move(data));
+  earlier->array.values.clear();
+  earlier->array.unreadable = "the file has it several times, such as for several time steps";
+}
+
+/// Values in the order of the mesh. The file may leave out some, and give others of cells that are
+/// not read.
+void GmshMesh::place_data(GmshData& data) {
+  const std::size_t n = data.array.components;
+  const bool of_elements = data.array.of_elements;
+  std::unordered_map<std::uint64_t, Index> element_of;
+  for (Index e = 0; of_elements && e < mesh_.element_ids.size(); ++e)
+    element_of.emplace(mesh_.element_ids[e], e);
+  const auto place = [&](std::uint64_t tag) {
+    if (!of_elements) return tag < dense_.size() ? dense_[tag] : sparse_point(tag);
+    const auto found = element_of.find(tag);
+    return found == element_of.end() ? none : found->second;
+  };
+  std::vector<double> values(n * (of_elements ? mesh_.hexahedra.size() : mesh_.points.size()),
+                             std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < data.tags.size(); ++i)
+    if (const Index to = place(data.tags[i]); to != none)
+      std::copy_n(&data.array.values[n * i], n, &values[n * to]);
+  data.array.values = std::move(values);
+}
+
 Mesh GmshMesh::finish(bool repeats, Diagnostics& diagnostics) {
   const auto volumes = std::count_if(members_.begin(), members_.end(),
                                      [](const auto& group) { return group.first.first == 3; });
@@ -193,6 +223,10 @@ Mesh GmshMesh::finish(bool repeats, Diagnostics& diagnostics) {
     if (members_.contains(group)) continue;
     diagnostics.warn(file_.name() + ": the physical " + dimension_name[group.first] + " " +
                      in_quotes(name) + " contains no supported element; it is not kept as a set");
+  }
+  for (GmshData& data : data_) {
+    if (!data.array.values.empty()) place_data(data);
+    mesh_.arrays.push_back(std::move(data.array));
   }
   return std::move(mesh_);
 }

@@ -34,6 +34,8 @@ class GmshScanner {
     if (value - value != 0) fail(std::string(what) + " is not finite");
     return value;
   }
+  /// A double that need not be finite.
+  double any_real(const char* what) { return binary ? take<double>(what) : text.any_real(what); }
   /// Fails unless `count` entries can follow, of `bytes` bytes each in a binary file or `values`
   /// words each in a text.
   void require_room(std::uint64_t count, std::uint64_t values, std::uint64_t bytes,
@@ -71,6 +73,13 @@ inline constexpr int gmsh_hexahedron = 5;
 /// Null for an unknown type.
 const GmshType* find_gmsh_type(int number);
 
+/// A section $NodeData or $ElementData; the array has a value for each of the tags.
+struct GmshData {
+  MeshArray array;
+  std::uint64_t count = 0;  ///< of its entries
+  std::vector<std::uint64_t> tags;
+};
+
 /// Collects the data of both formats into a Mesh.
 class GmshMesh {
  public:
@@ -90,6 +99,7 @@ class GmshMesh {
   void add_hexahedron(std::uint64_t tag, const Hexahedron& vtk_order, std::span<const int> groups);
   /// Adds a node of a lower-dimensional cell that belongs to groups.
   void add_group_point(int dimension, Index point, std::span<const int> groups);
+  void add_data(GmshData data);
   void count_skipped(const GmshType& type, std::uint64_t count);
   /// Names the groups, and warns of names that no group of the file has; `repeats`: the file
   /// repeats a hexahedron for each of its groups.
@@ -101,10 +111,12 @@ class GmshMesh {
   [[noreturn]] void fail_tag(std::uint64_t tag) const;
   std::string name_of(const Group& group) const;
   void join_repeated_hexahedra();
+  void place_data(GmshData& data);
 
   GmshScanner& in_;
   const FileText& file_;
   Mesh mesh_;
+  std::vector<GmshData> data_;
   std::map<Group, std::string> names_;
   std::map<Group, std::vector<Index>> members_;
   std::vector<Index> dense_;  // tag -> point, where tags are near 1, 2, ...
@@ -114,6 +126,10 @@ class GmshMesh {
 /// The readers of formats 2 and 4.1 call these for the sections of a file.
 void read_gmsh2_nodes(GmshScanner& in, const FileText& file, GmshMesh& mesh);
 void read_gmsh2_elements(GmshScanner& in, const FileText& file, GmshMesh& mesh);
+
+/// The same for a section $NodeData or $ElementData: its header, then its values.
+GmshData read_gmsh_data_header(GmshScanner& in, bool of_elements);
+void read_gmsh_data(GmshScanner& in, GmshData& data);
 
 /// Physical groups of the entities of a geometry: (dimension, tag) -> groups.
 using GmshEntities = std::map<std::pair<int, int>, std::vector<int>>;

@@ -223,7 +223,7 @@ class MeditReader {
 
 }  // namespace
 
-Mesh read_medit(const FileText& file, Diagnostics& diagnostics) {
+Mesh read_medit(const FileText& file, const WantsArray&, Diagnostics& diagnostics) {
   return MeditReader(file, diagnostics).read();
 }
 

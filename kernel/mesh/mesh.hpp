@@ -10,6 +10,28 @@
 
 namespace suture {
 
+/// An array of numbers of a mesh file: a value, or several components, per point or element.
+struct MeshArray {
+  std::string name;
+  bool of_elements = false;
+  std::size_t components = 1;
+  /// All components of point or element 0, then those of 1, ...; NaN where the file has no value.
+  /// Empty unless the values were asked for.
+  std::vector<double> values;
+  std::string unreadable;  ///< why the values cannot be read; else empty
+
+  /// For elements that are left out: copies the values of one of an array of elements to a place
+  /// before it; drops all but the first ones.
+  void move_element(std::size_t from, std::size_t to) {
+    if (!of_elements || values.empty()) return;
+    for (std::size_t c = 0; c < components; ++c)
+      values[to * components + c] = values[from * components + c];
+  }
+  void keep_elements(std::size_t count) {
+    if (of_elements && !values.empty()) values.resize(count * components);
+  }
+};
+
 /// Points and hexahedra from a file or a generator; only the syntax has been checked. The node
 /// order is X0..X7 (converted from the order of the file by the reader); numbers are positions in
 /// these vectors.
@@ -25,6 +47,7 @@ struct Mesh {
   /// The file's own numbers (Gmsh tags) where they are not 0, 1, 2, ...; else empty.
   std::vector<std::uint64_t> point_ids;
   std::vector<std::uint64_t> element_ids;
+  std::vector<MeshArray> arrays;  ///< all arrays of the file, in its order
   /// Cells of other types in the file, which are not read: name -> count.
   std::map<std::string, std::size_t> skipped_cells;
 };

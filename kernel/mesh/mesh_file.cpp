@@ -9,7 +9,7 @@
 namespace suture {
 namespace {
 
-using Reader = Mesh (*)(const FileText&, Diagnostics&);
+using Reader = Mesh (*)(const FileText&, const WantsArray&, Diagnostics&);
 
 // What the file says of itself; null if nothing known.
 Reader reader_by_content(const FileText& file) {
@@ -72,7 +72,8 @@ void scale_points(Mesh& mesh, double scale) {
 
 }  // namespace
 
-Mesh read_mesh(const std::filesystem::path& path, double scale, Diagnostics& diagnostics) {
+Mesh read_mesh(const std::filesystem::path& path, double scale, Diagnostics& diagnostics,
+               const WantsArray& wants) {
   const FileText file(path);
   Reader reader = reader_by_content(file);
   if (!reader) reader = reader_by_extension(path);
@@ -81,7 +82,7 @@ Mesh read_mesh(const std::filesystem::path& path, double scale, Diagnostics& dia
                      ": neither the contents nor the extension are those of a mesh; expected Medit "
                      ".mesh, Gmsh .msh, VTK .vtk or .vtu");
   }
-  Mesh mesh = reader(file, diagnostics);
+  Mesh mesh = reader(file, wants, diagnostics);
   mesh.source = path.string();
   check_hexahedra(mesh, diagnostics);
   scale_points(mesh, scale);

@@ -3,18 +3,18 @@
 
 #include "kernel/base/diagnostics.hpp"
 #include "kernel/mesh/file_text.hpp"
-#include "kernel/mesh/mesh.hpp"
+#include "kernel/mesh/mesh_file.hpp"
 
 // The readers behind read_mesh, one per format. Each returns points, hexahedra in the order X0..X7,
-// sets, and the numbers of skipped cells; indices are in range and coordinates finite. Each throws
-// InputError with a line or byte.
+// sets, arrays, and the numbers of skipped cells; indices are in range and coordinates finite. Each
+// throws InputError with a line or byte.
 
 namespace suture {
 
-Mesh read_medit(const FileText& file, Diagnostics& diagnostics);
-Mesh read_gmsh(const FileText& file, Diagnostics& diagnostics);
-Mesh read_vtk_legacy(const FileText& file, Diagnostics& diagnostics);
-Mesh read_vtu(const FileText& file, Diagnostics& diagnostics);
+Mesh read_medit(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics);
+Mesh read_gmsh(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics);
+Mesh read_vtk_legacy(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics);
+Mesh read_vtu(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics);
 
 using Sets = std::map<std::string, std::vector<Index>>;
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "kernel/base/types.hpp"
+#include "kernel/mesh/mesh.hpp"
 
 namespace suture {
 
@@ -24,6 +26,14 @@ struct VtkGrid {
   std::vector<std::int64_t> connectivity;
   std::vector<std::uint8_t> types;
   std::vector<Labels> labels;
+  std::vector<MeshArray> arrays;  ///< "elements" stand for cells of every type
+
+  MeshArray* find_array(const std::string& name, bool of_cells) {
+    const auto found = std::find_if(arrays.begin(), arrays.end(), [&](const MeshArray& a) {
+      return a.name == name && a.of_elements == of_cells;
+    });
+    return found == arrays.end() ? nullptr : &*found;
+  }
 };
 
 /// VTK's numbers for the cell types that are 8-node hexahedra.

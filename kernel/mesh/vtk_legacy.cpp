@@ -66,8 +66,8 @@ T big_endian(const char* p) {
 
 class LegacyReader {
  public:
-  LegacyReader(const FileText& file, Diagnostics& diagnostics)
-      : file_(file), diagnostics_(diagnostics), in_(file) {}
+  LegacyReader(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics)
+      : file_(file), wants_(wants), diagnostics_(diagnostics), in_(file) {}
 
   Mesh read() {
     header();
@@ -196,8 +196,7 @@ class LegacyReader {
   // Calls each(value) for `count` integers.
   template <class Each>
   void integers(const ScalarName& type, std::uint64_t count, const char* what, Each each) {
-    if (type.scalar == Scalar::f32 || type.scalar == Scalar::f64)
-      in_.fail(std::string(what) + " must be integers");
+    if (!is_integral(type)) in_.fail(std::string(what) + " must be integers");
     start_array(type, count, what);
     for (std::uint64_t i = 0; i < count; ++i) {
       each(binary_ ? value<std::int64_t>(type) : in_.integer<std::int64_t>(what));
@@ -319,21 +318,49 @@ class LegacyReader {
                       "; the file may be truncated");
   }
 
-  // One array: kept if it labels points or cells.
+  // One array: integers label points or cells; numbers are kept where they are wanted.
   void array(const std::string& name, const ScalarName& type, std::uint64_t components,
              std::uint64_t tuples, bool global_ids) {
-    ++arrays_;
-    if (components != 0 && tuples > file_.view().size() / components) {
-      in_.fail("array " + in_quotes(name) + " is larger than the file");
-    }
-    const bool integral = type.scalar != Scalar::f32 && type.scalar != Scalar::f64;
-    if (!has_data_ || components != 1 || !integral || tuples != tuples_) {
+    require_size(name, components, tuples);
+    if (!has_data_ || components == 0 || tuples != tuples_)
       return skip_array(type, components * tuples);
+    MeshArray* const earlier = grid_.find_array(name, of_cells_);
+    const bool wanted = !global_ids && !earlier && wants_ && wants_(name);
+    MeshArray found{name, of_cells_, components, {}, {}};
+    if (components == 1 && is_integral(type)) {
+      label(name, type, global_ids);
+      const auto& labels = grid_.labels.back().values;
+      if (wanted) found.values.assign(labels.begin(), labels.end());
+    } else if (wanted) {
+      found.values = numbers(type, components * tuples);
+    } else {
+      skip_array(type, components * tuples);
     }
+    if (earlier)
+      *earlier = {name, of_cells_, components, {}, "the file has two arrays of this name"};
+    else if (!global_ids)
+      grid_.arrays.push_back(std::move(found));
+  }
+
+  void require_size(const std::string& name, std::uint64_t components, std::uint64_t tuples) {
+    ++arrays_;
+    if (components != 0 && tuples > file_.view().size() / components)
+      in_.fail("array " + in_quotes(name) + " is larger than the file");
+  }
+  static bool is_integral(const ScalarName& type) {
+    return type.scalar != Scalar::f32 && type.scalar != Scalar::f64;
+  }
+  void label(const std::string& name, const ScalarName& type, bool global_ids) {
     VtkGrid::Labels labels{name, of_cells_, type.bytes == 1, global_ids, {}};
-    labels.values.reserve(std::min<std::uint64_t>(tuples, in_.bytes_left()));
-    integers(type, tuples, "value", [&](std::int64_t v) { labels.values.push_back(v); });
+    labels.values.reserve(std::min<std::uint64_t>(tuples_, in_.bytes_left()));
+    integers(type, tuples_, "value", [&](std::int64_t v) { labels.values.push_back(v); });
     grid_.labels.push_back(std::move(labels));
+  }
+  std::vector<double> numbers(const ScalarName& type, std::uint64_t count) {
+    start_array(type, count, "values");
+    std::vector<double> result(count);
+    for (double& x : result) x = binary_ ? value<double>(type) : in_.any_real("value");
+    return result;
   }
 
   void field() {
@@ -356,6 +383,7 @@ class LegacyReader {
   }
 
   void warn_of_length(const std::string& name, std::uint64_t tuples) {
+    grid_.arrays.push_back({name, of_cells_, 1, {}, "it has " + grouped(tuples) + " values"});
     diagnostics_.warn(file_.name() + ": array " + in_quotes(name) + " has " + grouped(tuples) +
                       " values for " + grouped(tuples_) + (of_cells_ ? " cells" : " points") +
                       "; it is not read");
@@ -365,6 +393,8 @@ class LegacyReader {
   void stop_at(const std::string& name, std::string_view type) {
     constexpr std::array<std::string_view, 4> unread{"bit", "string", "utf8_string", "variant"};
     if (std::find(unread.begin(), unread.end(), lower(type)) == unread.end()) fail_type(type);
+    if (has_data_)
+      grid_.arrays.push_back({name, of_cells_, 1, {}, "its type is " + in_quotes(type)});
     const std::string what = "array " + in_quotes(name) + " has the type " + in_quotes(type);
     stop_ = has_points_ && has_cells_ && !grid_.types.empty();
     if (!stop_) in_.fail(what + ", which is not supported");
@@ -383,7 +413,8 @@ class LegacyReader {
     const std::string name = decoded(in_.word("name of an array"));
     if (keyword == "lookup_table") {
       const auto size = in_.integer<std::uint64_t>("size of a table");
-      return array(name, *find_scalar(binary_ ? "unsigned_char" : "float"), 4, size, false);
+      require_size(name, 4, size);
+      return skip_array(*find_scalar(binary_ ? "unsigned_char" : "float"), 4 * size);
     }
     if (keyword == "color_scalars") {
       const auto components = in_.integer<std::uint64_t>("number of components");
@@ -434,6 +465,7 @@ class LegacyReader {
   }
 
   const FileText& file_;
+  const WantsArray& wants_;
   Diagnostics& diagnostics_;
   TextCursor in_;
   VtkGrid grid_;
@@ -446,8 +478,8 @@ class LegacyReader {
 
 }  // namespace
 
-Mesh read_vtk_legacy(const FileText& file, Diagnostics& diagnostics) {
-  return LegacyReader(file, diagnostics).read();
+Mesh read_vtk_legacy(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics) {
+  return LegacyReader(file, wants, diagnostics).read();
 }
 
 }  // namespace suture

@@ -139,6 +139,19 @@ void add_labels(Mesh& mesh, VtkGrid::Labels& labels, const std::vector<Index>& c
   }
 }
 
+/// Flags are sets already.
+bool is_set(const Mesh& mesh, const MeshArray& array) {
+  const auto& sets = array.of_elements ? mesh.element_sets : mesh.point_sets;
+  return array.components == 1 && sets.contains(array.name);
+}
+
+void add_array(Mesh& mesh, MeshArray array, const std::vector<Index>& cells) {
+  if (is_set(mesh, array)) return;
+  for (std::size_t e = 0; e < cells.size(); ++e) array.move_element(cells[e], e);
+  array.keep_elements(cells.size());
+  mesh.arrays.push_back(std::move(array));
+}
+
 }  // namespace
 
 Mesh mesh_from_vtk(VtkGrid grid, const FileText& file, Diagnostics& diagnostics) {
@@ -171,6 +184,15 @@ Mesh mesh_from_vtk(VtkGrid grid, const FileText& file, Diagnostics& diagnostics)
                      " values for " + grouped(expected) + (labels.of_cells ? " cells" : " points"));
     }
     add_labels(mesh, labels, cells);
+  }
+  for (MeshArray& array : grid.arrays) {
+    const std::size_t expected = array.of_elements ? grid.types.size() : mesh.points.size();
+    if (!array.values.empty() && array.values.size() != array.components * expected) {
+      array.values.clear();
+      array.unreadable = "its number of values is not that of the " +
+                         std::string(array.of_elements ? "cells" : "points");
+    }
+    add_array(mesh, std::move(array), cells);
   }
   return mesh;
 }

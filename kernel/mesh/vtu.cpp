@@ -14,8 +14,9 @@ namespace {
 
 class VtuReader {
  public:
-  VtuReader(const FileText& file, Diagnostics& diagnostics)
+  VtuReader(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics)
       : file_(file),
+        wants_(wants),
         diagnostics_(diagnostics),
         xml_(file, "UnstructuredGrid", "an UnstructuredGrid with hexahedra") {}
 
@@ -24,6 +25,7 @@ class VtuReader {
       if (tag->name == "Piece" && !tag->closes) piece(*tag);
     xml_.finish();
     drop_incomplete_labels();
+    empty_incomplete_arrays();
     return mesh_from_vtk(std::move(grid_), file_, diagnostics_);
   }
 
@@ -51,9 +53,9 @@ class VtuReader {
         else if (section.name == "Cells" && name == "types")
           types = array;
         else if (section.name == "PointData")
-          label(section, array, false);
+          data(section, array, false);
         else if (section.name == "CellData")
-          label(section, array, true);
+          data(section, array, true);
       }
     }
     if (points_ > 0) add_points(xml_.required(points, tag, "Points"));
@@ -97,12 +99,16 @@ class VtuReader {
     }
   }
 
-  void label(const XmlTag& section, const VtuDataArray& array, bool of_cells) {
+  void data(const XmlTag& section, const VtuDataArray& array, bool of_cells) {
     vtu_check_type(file_, array);
-    if (!vtu_is_integer(array) || xml_.number(array.tag, "NumberOfComponents", 1) != 1) return;
     const std::string_view name = array.tag["Name"];
+    const std::uint64_t components = xml_.number(array.tag, "NumberOfComponents", 1);
     const bool global = !name.empty() && section["GlobalIds"] == name;
-    const std::string plain = unescaped(name);
+    if (vtu_is_integer(array) && components == 1) label(unescaped(name), array, of_cells, global);
+    if (!global) values(unescaped(name), array, of_cells, std::max<std::uint64_t>(components, 1));
+  }
+
+  void label(const std::string& plain, const VtuDataArray& array, bool of_cells, bool global) {
     auto found = std::find_if(
         grid_.labels.begin(), grid_.labels.end(),
         [&](const VtkGrid::Labels& l) { return l.name == plain && l.of_cells == of_cells; });
@@ -114,6 +120,37 @@ class VtuReader {
     const auto values = vtu_integers(file_, xml_.encoding(), array, of_cells ? cells_ : points_);
     if (found->values.size() != (of_cells ? first_cell_ : first_point_)) return;
     found->values.insert(found->values.end(), values.begin(), values.end());
+  }
+
+  void values(const std::string& plain, const VtuDataArray& array, bool of_cells,
+              std::uint64_t components) {
+    const bool wanted = wants_ && wants_(plain);
+    MeshArray* found = grid_.find_array(plain, of_cells);
+    if (!found) {
+      grid_.arrays.push_back({plain, of_cells, components, {}, {}});
+      found = &grid_.arrays.back();
+      if (vtu_bytes(array) == 0)
+        found->unreadable = "its type is " + in_quotes(array.tag["type"]) + ", not a number";
+      if (pieces_ > 1) found->unreadable = not_in_every_piece;
+    }
+    if (!found->unreadable.empty() || !wanted) return;
+    if (found->components != components)
+      found->unreadable = "its number of components differs between the pieces";
+    else if (found->values.size() != components * (of_cells ? first_cell_ : first_point_))
+      found->unreadable = not_in_every_piece;
+    if (!found->unreadable.empty()) return;
+    const auto more =
+        vtu_numbers(file_, xml_.encoding(), array, components * (of_cells ? cells_ : points_));
+    found->values.insert(found->values.end(), more.begin(), more.end());
+  }
+
+  void empty_incomplete_arrays() {
+    for (MeshArray& array : grid_.arrays) {
+      const std::size_t count = array.of_elements ? grid_.types.size() : grid_.points.size();
+      if (!array.values.empty() && array.values.size() != array.components * count)
+        array.unreadable = not_in_every_piece;
+      if (!array.unreadable.empty()) array.values.clear();
+    }
   }
 
   // Arrays that not all pieces have.
@@ -129,7 +166,11 @@ class VtuReader {
                       " does not appear exactly once in every piece; it is not read");
   }
 
+  static constexpr const char* not_in_every_piece =
+      "it does not appear exactly once in every piece of the file";
+
   const FileText& file_;
+  const WantsArray& wants_;
   Diagnostics& diagnostics_;
   VtkXml xml_;
   VtkGrid grid_;
@@ -139,8 +180,8 @@ class VtuReader {
 
 }  // namespace
 
-Mesh read_vtu(const FileText& file, Diagnostics& diagnostics) {
-  return VtuReader(file, diagnostics).read();
+Mesh read_vtu(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics) {
+  return VtuReader(file, wants, diagnostics).read();
 }
 
 }  // namespace suture

@@ -234,13 +234,16 @@ std::vector<To> converted(Bytes bytes, std::string_view type, bool swap) {
   return values;
 }
 
+enum class Numbers { finite, any };
+
 template <class To>
-std::vector<To> text_values(const FileText& file, const VtuDataArray& array) {
+std::vector<To> text_values(const FileText& file, const VtuDataArray& array, Numbers numbers) {
   TextCursor in(file, array.tag.end, array.text_end);
   std::vector<To> values;
   while (in.skip_space()) {
     if constexpr (std::is_same_v<To, double>)
-      values.push_back(in.real("number of an array"));
+      values.push_back(numbers == Numbers::any ? in.any_real("number of an array")
+                                               : in.real("number of an array"));
     else
       values.push_back(in.integer<To>("number of an array"));
   }
@@ -285,13 +288,13 @@ std::vector<To> encoded_values(const FileText& file, VtuEncoding& encoding,
 
 template <class To>
 std::vector<To> values_of(const FileText& file, VtuEncoding& encoding, const VtuDataArray& array,
-                          std::uint64_t count) {
+                          std::uint64_t count, Numbers numbers = Numbers::finite) {
   const std::string_view format = array.tag["format"];
   if (format == "binary" || format == "appended")
     return encoded_values<To>(file, encoding, array, count);
   if (format != "ascii")
     file.fail_at_line(array.tag.at, "format " + in_quotes(format) + " of an array is unknown");
-  std::vector<To> values = text_values<To>(file, array);
+  std::vector<To> values = text_values<To>(file, array, numbers);
   check_number(file, array, values.size(), count);
   return values;
 }
@@ -333,6 +336,12 @@ std::vector<double> vtu_reals(const FileText& file, VtuEncoding& encoding,
                               const VtuDataArray& array, std::uint64_t count) {
   if (!type_of(array)) fail_type(file, array);
   return values_of<double>(file, encoding, array, count);
+}
+
+std::vector<double> vtu_numbers(const FileText& file, VtuEncoding& encoding,
+                                const VtuDataArray& array, std::uint64_t count) {
+  if (!type_of(array)) fail_type(file, array);
+  return values_of<double>(file, encoding, array, count, Numbers::any);
 }
 
 }  // namespace suture

@@ -33,6 +33,9 @@ std::vector<std::int64_t> vtu_integers(const FileText& file, VtuEncoding& encodi
                                        const VtuDataArray& array, std::uint64_t count);
 std::vector<double> vtu_reals(const FileText& file, VtuEncoding& encoding,
                               const VtuDataArray& array, std::uint64_t count);
+/// The same for arrays of any type, with numbers that need not be finite.
+std::vector<double> vtu_numbers(const FileText& file, VtuEncoding& encoding,
+                                const VtuDataArray& array, std::uint64_t count);
 /// Fails for a type that VTK does not know.
 void vtu_check_type(const FileText& file, const VtuDataArray& array);
 /// Whether the array has an integer type; the bytes per number, 0 if unknown.

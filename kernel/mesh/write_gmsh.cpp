@@ -36,16 +36,20 @@ void write_groups(TextWriter& out, const Groups& groups) {
   for (const int group : groups) out << ' ' << group;
 }
 
+/// Fits between quotes on one line.
+std::string printable_name(std::string name) {
+  std::replace(name.begin(), name.end(), '"', '\'');
+  std::replace(name.begin(), name.end(), '\n', ' ');
+  return name;
+}
+
 void physical_names(TextWriter& out, const Mesh& mesh) {
   if (mesh.point_sets.empty() && mesh.element_sets.empty()) return;
   out << "$PhysicalNames\n" << mesh.point_sets.size() + mesh.element_sets.size() << '\n';
   const auto write = [&](int dimension, const auto& sets) {
     int number = 0;
     for (const auto& [name, members] : sets) {
-      std::string plain = name;
-      std::replace(plain.begin(), plain.end(), '"', '\'');
-      std::replace(plain.begin(), plain.end(), '\n', ' ');
-      out << dimension << ' ' << ++number << " \"" << plain << "\"\n";
+      out << dimension << ' ' << ++number << " \"" << printable_name(name) << "\"\n";
     }
   };
   write(0, mesh.point_sets);
@@ -120,6 +124,22 @@ void elements(TextWriter& out, const Mesh& mesh, const Entities& points, const E
   out << "$EndElements\n";
 }
 
+void data(TextWriter& out, const MeshArray& array, const std::vector<std::uint64_t>& tags) {
+  const std::string section = array.of_elements ? "ElementData" : "NodeData";
+  const std::size_t n = array.components;
+  // Gmsh has scalars, vectors and tensors; others are filled with zeros.
+  const std::size_t width = n == 1 ? 1 : (n <= 3 ? 3 : 9);
+  out << '$' << section << "\n1\n\"" << printable_name(array.name) << "\"\n1\n0\n3\n0\n"
+      << width << '\n'
+      << tags.size() << '\n';
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    out << tags[i];
+    for (std::size_t c = 0; c < width; ++c) out << ' ' << (c < n ? array.values[n * i + c] : 0.0);
+    out << '\n';
+  }
+  out << "$End" << section << '\n';
+}
+
 }  // namespace
 
 std::string gmsh_text(const Mesh& mesh) {
@@ -133,6 +153,9 @@ std::string gmsh_text(const Mesh& mesh) {
   write_entities(out, mesh, points, volumes);
   nodes(out, mesh, node_tags);
   elements(out, mesh, points, volumes, node_tags);
+  const std::vector<std::uint64_t> element_tags = tags_of(mesh.element_ids, mesh.hexahedra.size());
+  for (const MeshArray& array : mesh.arrays)
+    if (!array.values.empty()) data(out, array, array.of_elements ? element_tags : node_tags);
   return out.take();
 }
 

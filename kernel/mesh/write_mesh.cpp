@@ -31,6 +31,16 @@ class FlagArrays {
   std::vector<std::vector<std::uint8_t>> memory_;
 };
 
+void add_numbers(const Mesh& mesh, bool of_elements, std::vector<VtuArray>& arrays) {
+  for (const MeshArray& from : mesh.arrays) {
+    if (from.of_elements != of_elements || from.values.empty()) continue;
+    VtuArray& array = arrays.emplace_back();
+    array.name = from.name;
+    array.components = static_cast<int>(from.components);
+    array.values = from.values.data();
+  }
+}
+
 void add_ids(const std::vector<std::uint64_t>& ids, const char* name,
              std::vector<VtuArray>& arrays) {
   if (ids.empty()) return;
@@ -52,6 +62,8 @@ void write_vtu(const std::filesystem::path& path, const Mesh& mesh) {
   FlagArrays flags;
   flags.add(mesh.point_sets, mesh.points.size(), image.point_arrays);
   flags.add(mesh.element_sets, cells.size(), image.cell_arrays);
+  add_numbers(mesh, false, image.point_arrays);
+  add_numbers(mesh, true, image.cell_arrays);
   add_ids(mesh.point_ids, "point ids", image.point_arrays);
   add_ids(mesh.element_ids, "element ids", image.cell_arrays);
 

@@ -59,29 +59,50 @@ std::string encoded(const std::string& name) {
   return text.take();
 }
 
-void legacy_data(TextWriter& out, const char* keyword, const Sets& sets,
-                 const std::vector<std::uint64_t>& ids, const char* ids_name, std::size_t count) {
-  if (sets.empty() && ids.empty()) return;
-  out << keyword << ' ' << count << '\n';
+void legacy_array(TextWriter& out, const MeshArray& array) {
+  out << encoded(array.name) << ' ' << array.components << ' '
+      << array.values.size() / array.components << " double\n";
+  for (const double x : array.values) out.big_endian(x);
+  out << '\n';
+}
+
+void legacy_data(TextWriter& out, bool of_elements, const Mesh& mesh) {
+  const Sets& sets = of_elements ? mesh.element_sets : mesh.point_sets;
+  const auto& ids = of_elements ? mesh.element_ids : mesh.point_ids;
+  const std::size_t count = of_elements ? mesh.hexahedra.size() : mesh.points.size();
+  const auto written = [&](const MeshArray& a) {
+    return a.of_elements == of_elements && !a.values.empty();
+  };
+  const auto arrays = std::count_if(mesh.arrays.begin(), mesh.arrays.end(), written);
+  if (sets.empty() && ids.empty() && arrays == 0) return;
+  out << (of_elements ? "CELL_DATA " : "POINT_DATA ") << count << '\n';
   if (!ids.empty()) {
-    out << "GLOBAL_IDS " << ids_name << " vtktypeint64\n";
+    out << "GLOBAL_IDS " << (of_elements ? "element_ids" : "point_ids") << " vtktypeint64\n";
     for (const std::uint64_t id : ids) out.big_endian(id);
     out << '\n';
   }
-  if (sets.empty()) return;
-  out << "FIELD FieldData " << sets.size() << '\n';
+  if (sets.empty() && arrays == 0) return;
+  out << "FIELD FieldData " << sets.size() + static_cast<std::size_t>(arrays) << '\n';
   for (const auto& [name, members] : sets) {
     out << encoded(name) << " 1 " << count << " unsigned_char\n";
     std::string flags(count, '\0');
     for (const Index i : members) flags[i] = 1;
     out << flags << '\n';
   }
+  for (const MeshArray& array : mesh.arrays)
+    if (written(array)) legacy_array(out, array);
 }
 
 }  // namespace
 
 std::string medit_text(const Mesh& mesh, Diagnostics& diagnostics) {
   TextWriter out;
+  std::string arrays;
+  for (const MeshArray& array : mesh.arrays)
+    arrays += (arrays.empty() ? "" : ", ") + quote(array.name);
+  if (!arrays.empty())
+    diagnostics.warn("arrays are lost: " + arrays +
+                     "; Medit stores none, write .vtu, .vtk or .msh to keep them");
   out << "MeshVersionFormatted 2\n";
   const std::vector<int> point_refs =
       refs_of(mesh.point_sets, mesh.points.size(), "points", out, diagnostics);
@@ -118,9 +139,8 @@ std::string vtk_legacy_text(const Mesh& mesh) {
   out << "\nCELL_TYPES " << mesh.hexahedra.size() << '\n';
   for (std::size_t e = 0; e < mesh.hexahedra.size(); ++e) out.big_endian(std::int32_t{12});
   out << '\n';
-  legacy_data(out, "CELL_DATA", mesh.element_sets, mesh.element_ids, "element_ids",
-              mesh.hexahedra.size());
-  legacy_data(out, "POINT_DATA", mesh.point_sets, mesh.point_ids, "point_ids", mesh.points.size());
+  legacy_data(out, true, mesh);
+  legacy_data(out, false, mesh);
   return out.take();
 }
 

@@ -168,10 +168,12 @@ void remove(std::span<const Index> bad, Mesh& mesh) {
   for (Index e = 0, next = 0; e < is_bad.size(); ++e) {
     if (is_bad[e]) continue;
     mesh.hexahedra[next] = mesh.hexahedra[e];
+    for (MeshArray& array : mesh.arrays) array.move_element(e, next);
     ids.push_back(mesh.element_ids.empty() ? e : mesh.element_ids[e]);
     new_place[e] = next++;
   }
   mesh.hexahedra.resize(ids.size());
+  for (MeshArray& array : mesh.arrays) array.keep_elements(ids.size());
   mesh.element_ids = std::move(ids);
   for (auto& [name, members] : mesh.element_sets) {
     for (Index& member : members) member = new_place[member];

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "kernel/base/error.hpp"
 #include "kernel/mesh/mesh_file.hpp"
 #include "tests/mesh/damaged_files.hpp"
@@ -47,6 +49,39 @@ TEST(Gmsh, ReadsEveryFormatTheSame) {
 }
 
 std::string error_of(const std::string& text) { return read_error("m.msh", text); }
+
+/// The file with a section of values.
+std::string with_data(const std::string& section, const std::string& values) {
+  return read_text(data("two_msh41.msh")) + "$" + section +
+         "\n1\n\"modulus of E\"\n1\n0.5\n3\n0\n" + values + "\n$End" + section + "\n";
+}
+
+// Values of cells that are not read are left out; elements 4 and 5 are the hexahedra.
+TEST(Gmsh, ReadsDataOfNodesAndElements) {
+  const TemporaryFolder folder;
+  Diagnostics diagnostics;
+  const auto read = [&](const std::string& text) {
+    const Mesh mesh = read_mesh(folder.write("m.msh", text), 1, diagnostics, all_arrays);
+    return mesh.arrays.at(0);
+  };
+  const MeshArray both = read(with_data("ElementData", "1 3\n5 2e6\n2 7\n4 1e6"));
+  EXPECT_EQ(both.name, "modulus of E");
+  EXPECT_TRUE(both.of_elements);
+  EXPECT_EQ(both.values, (std::vector<double>{1e6, 2e6}));
+  const MeshArray one = read(with_data("ElementData", "1 1\n5 nan"));
+  EXPECT_TRUE(std::isnan(one.values[0]) && std::isnan(one.values[1]));
+  const MeshArray nodes = read(with_data("NodeData", "3 1\n12 1 2 3"));
+  EXPECT_FALSE(nodes.of_elements);
+  EXPECT_EQ(nodes.components, 3u);
+  ASSERT_EQ(nodes.values.size(), 36u);
+  EXPECT_EQ(nodes.values[35], 3);
+  const MeshArray inner = read(with_data("ElementNodeData", "1 1\n4 8 1 2 3 4 5 6 7 8"));
+  EXPECT_TRUE(inner.values.empty());
+  EXPECT_NE(inner.unreadable.find("the nodes of each element"), std::string::npos);
+  const std::string steps = with_data("ElementData", "1 1\n4 1");
+  EXPECT_NE(read(steps + steps.substr(steps.find("$ElementData"))).unreadable.find("time steps"),
+            std::string::npos);
+}
 
 std::string replaced(const std::string& file, const std::string& old_text,
                      const std::string& new_text) {

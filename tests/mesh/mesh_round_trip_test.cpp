@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <random>
 #include <set>
 #include <sstream>
@@ -25,7 +28,26 @@ Mesh random_mesh(std::mt19937_64& random) {
   }
   for (std::uint64_t i = 0; i < mesh.points.size(); ++i) mesh.point_ids.push_back(1000 + 3 * i);
   for (std::uint64_t e = 0; e < 60; ++e) mesh.element_ids.push_back(7'000'000'000 + e * e);
+  mesh.arrays = {
+      {"modulus", true, 1, {}, {}}, {"fibre 100 %", true, 3, {}, {}}, {"u", false, 3, {}, {}}};
+  for (MeshArray& array : mesh.arrays) {
+    array.values.resize(array.components * (array.of_elements ? 60 : mesh.points.size()));
+    for (double& x : array.values) x = normal(random) * 1e200;
+  }
   return mesh;
+}
+
+/// Name -> values, by the ids of points and elements.
+std::map<std::string, std::map<std::uint64_t, std::vector<double>>> arrays_of(const Mesh& mesh) {
+  std::map<std::string, std::map<std::uint64_t, std::vector<double>>> result;
+  for (const MeshArray& array : mesh.arrays) {
+    const auto& ids = array.of_elements ? mesh.element_ids : mesh.point_ids;
+    auto& values = result[(array.of_elements ? "elements " : "points ") + array.name];
+    for (std::size_t i = 0; i < array.values.size() / array.components; ++i)
+      values[ids[i]].assign(&array.values[array.components * i],
+                            &array.values[array.components * i] + array.components);
+  }
+  return result;
 }
 
 class RoundTrip : public testing::Test {
@@ -35,7 +57,7 @@ class RoundTrip : public testing::Test {
   }
   Mesh back(const std::string& name) {
     write_mesh(folder_ / name, mesh_, diagnostics_);
-    return read_mesh(folder_ / name, 1, diagnostics_);
+    return read_mesh(folder_ / name, 1, diagnostics_, all_arrays);
   }
   const unsigned seed_;
   std::mt19937_64 random_;
@@ -54,7 +76,28 @@ TEST_F(RoundTrip, VtkFormatsKeepEverything) {
     EXPECT_EQ(read.element_sets, mesh_.element_sets);
     EXPECT_EQ(read.point_ids, mesh_.point_ids);
     EXPECT_EQ(read.element_ids, mesh_.element_ids);
+    EXPECT_EQ(arrays_of(read), arrays_of(mesh_));
     EXPECT_TRUE(diagnostics_.warnings().empty());
+  }
+}
+
+// Frames of a run hold many, and nan.
+TEST_F(RoundTrip, ArraysAreListedAndReadOnlyIfWanted) {
+  mesh_.arrays[0].values[7] = std::numeric_limits<double>::quiet_NaN();
+  for (const char* name : {"m.vtu", "m.vtk", "m.msh"}) {
+    SCOPED_TRACE(name);
+    write_mesh(folder_ / name, mesh_, diagnostics_);
+    const Mesh read = read_mesh(folder_ / name, 1, diagnostics_,
+                                [](const std::string& array) { return array == "modulus"; });
+    ASSERT_EQ(read.arrays.size(), 3u);
+    for (const MeshArray& array : read.arrays) {
+      const bool wanted = array.name == "modulus";
+      EXPECT_EQ(array.values.size(), wanted ? 60u : 0u) << array.name;
+      EXPECT_EQ(array.components, wanted ? 1u : 3u) << array.name;
+      EXPECT_EQ(array.of_elements, array.name != "u");
+      EXPECT_EQ(std::ranges::count_if(array.values, [](double x) { return std::isnan(x); }),
+                wanted ? 1 : 0);
+    }
   }
 }
 
@@ -71,6 +114,7 @@ TEST_F(RoundTrip, GmshKeepsSetsAndIds) {
     found[read.element_ids[e]] = read.hexahedra[e];
   }
   EXPECT_EQ(found, expected);
+  EXPECT_EQ(arrays_of(read), arrays_of(mesh_));
   const auto ids_of = [](const Mesh& mesh, const std::string& set) {
     std::vector<std::uint64_t> ids;
     for (const Index e : mesh.element_sets.at(set)) ids.push_back(mesh.element_ids[e]);
@@ -117,8 +161,9 @@ TEST_F(RoundTrip, MeditKeepsOneSetEachAndWarns) {
   using Sets = std::map<std::string, std::vector<Index>>;
   EXPECT_EQ(read.point_sets, (Sets{{"ref 9", {0, 1}}, {"ref 1", {5}}}));
   EXPECT_EQ(read.element_sets, (Sets{{"ref 1", {0, 1, 2}}}));
-  ASSERT_EQ(diagnostics_.warnings().size(), 1u);
-  EXPECT_NE(diagnostics_.warnings()[0].find("'touches tip'"), std::string::npos);
+  ASSERT_EQ(diagnostics_.warnings().size(), 2u);
+  EXPECT_NE(diagnostics_.warnings()[0].find("'modulus', 'fibre 100 %', 'u'"), std::string::npos);
+  EXPECT_NE(diagnostics_.warnings()[1].find("'touches tip'"), std::string::npos);
 }
 
 TEST_F(RoundTrip, VtkReadsWhatWeWrite) {

@@ -44,6 +44,27 @@ std::string replaced(const std::string& old_text, const std::string& new_text) {
   return with_replaced(cube_text("3.0", cells_of_version_3), old_text, new_text);
 }
 
+TEST(VtkLegacy, ReadsArraysOfTheHexahedra) {
+  const TemporaryFolder folder;
+  Diagnostics diagnostics;
+  const auto read = [&](const std::string& text) {
+    return read_mesh(folder.write("m.vtk", text), 1, diagnostics, all_arrays).arrays;
+  };
+  const auto arrays = read(replaced("1 2 3 4 5 6 1 2", "1 2 3 4 5 6 nan 2"));
+  ASSERT_EQ(arrays.size(), 3u);  // flags are a set, ids are ids
+  EXPECT_EQ(arrays[0].name, "material");
+  EXPECT_EQ(arrays[0].values, (std::vector<double>{5, 7}));
+  EXPECT_EQ(arrays[1].name, "stress");
+  EXPECT_EQ(arrays[1].components, 6u);
+  EXPECT_EQ(arrays[1].values, (std::vector<double>{1, 2, 3, 4, 5, 6, 1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(arrays[2].name, "u");
+  EXPECT_FALSE(arrays[2].of_elements);
+  EXPECT_EQ(arrays[2].values.size(), 24u);
+
+  const auto twice = read(replaced("stress 6", "material 6"));
+  EXPECT_EQ(twice[0].unreadable, "the file has two arrays of this name");
+}
+
 TEST(VtkLegacy, ReadsHexahedraVoxelsAndLabels) {
   for (const std::string& text :
        {cube_text("3.0", cells_of_version_3), cube_text("5.1", cells_of_version_5)}) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstring>
 
 #include "kernel/base/error.hpp"
@@ -47,6 +48,34 @@ std::string replaced(const std::string& old_text, const std::string& new_text) {
 }
 
 std::string error_of(const std::string& text) { return read_error("m.vtu", text); }
+
+TEST(Vtu, ReadsArraysOfThePieces) {
+  const TemporaryFolder folder;
+  Diagnostics diagnostics;
+  const auto read = [&](const std::string& text) {
+    return read_mesh(folder.write("m.vtu", text), 1, diagnostics, all_arrays).arrays;
+  };
+  // Integers are numbers, too; ids are not listed, nor are values of skipped cells.
+  const auto arrays = read(replaced("1e5 2e5", "nan 2e5"));
+  ASSERT_EQ(arrays.size(), 2u);
+  EXPECT_EQ(arrays[0].name, "material <a>");
+  EXPECT_EQ(arrays[0].values, (std::vector<double>{4, 5}));
+  EXPECT_TRUE(arrays[0].of_elements);
+  EXPECT_EQ(arrays[1].name, "E");
+  ASSERT_EQ(arrays[1].values.size(), 2u);
+  EXPECT_TRUE(std::isnan(arrays[1].values[0]));
+  EXPECT_EQ(arrays[1].values[1], 1e5);
+
+  const auto partly = read(replaced("Name=\"E\"", "Name=\"F\""));
+  ASSERT_EQ(partly.size(), 3u);
+  for (const std::size_t i : {1, 2}) {
+    EXPECT_TRUE(partly[i].values.empty());
+    EXPECT_EQ(partly[i].unreadable, "it does not appear exactly once in every piece of the file");
+  }
+  EXPECT_EQ(
+      read(replaced("type=\"Float64\" Name=\"E\"", "type=\"String\" Name=\"E\""))[1].unreadable,
+      "its type is 'String', not a number");
+}
 
 TEST(Vtu, JoinsPieces) {
   const TemporaryFolder folder;

@@ -29,6 +29,8 @@ Mesh dented_row(int cubes, double dent) {
 TEST(BadElements, LeaveTheOthersTheirNumbersAndSets) {
   Mesh mesh = dented_row(4, 0.95);
   mesh.element_sets = {{"left", {0, 1}}, {"first", {0}}, {"right", {2, 3}}};
+  mesh.arrays = {{"fibre", true, 2, {0, 0, 1, 10, 2, 20, 3, 30}, {}},
+                 {"u", false, 1, std::vector<double>(mesh.points.size()), {}}};
   const Hexahedron first = mesh.hexahedra[0], last = mesh.hexahedra[3];
   const auto warnings = warnings_of_dropping(mesh);
   ASSERT_EQ(warnings.size(), 1u);
@@ -37,6 +39,8 @@ TEST(BadElements, LeaveTheOthersTheirNumbersAndSets) {
   EXPECT_EQ(mesh.element_ids, (std::vector<std::uint64_t>{1, 2, 3}));
   EXPECT_EQ(mesh.hexahedra.size(), 3u);
   EXPECT_EQ(mesh.hexahedra[2], last);
+  EXPECT_EQ(mesh.arrays[0].values, (std::vector<double>{1, 10, 2, 20, 3, 30}));
+  EXPECT_EQ(mesh.arrays[1].values.size(), mesh.points.size());
   EXPECT_EQ(mesh.element_sets["left"], std::vector<Index>{0});
   EXPECT_TRUE(mesh.element_sets["first"].empty());
   EXPECT_EQ(mesh.element_sets["right"], (std::vector<Index>{1, 2}));

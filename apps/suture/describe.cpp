@@ -33,6 +33,7 @@ std::string default_of(const suture_parameter& parameter) {
 
 std::string range_of(const suture_parameter& parameter) {
   if (parameter.type == SUTURE_BOOLEAN) return "true or false";
+  if (parameter.type == SUTURE_DIRECTION) return "direction [x, y, z]";
   if (parameter.type == SUTURE_CHOICE) {
     std::string choices;
     for (std::uint32_t i = 0; i < parameter.choice_count; ++i) {
@@ -58,7 +59,9 @@ void print_parameters(const suture_model& model, Console& console) {
   for (std::uint32_t i = 0; i < model.parameter_count; ++i) {
     const suture_parameter& parameter = model.parameters[i];
     console.print("  " + with_unit(parameter.name, parameter.unit) + ": " + parameter.doc);
-    console.print("      " + range_of(parameter) + "; " + default_of(parameter));
+    const bool varies = (parameter.flags & SUTURE_PER_ELEMENT) != 0;
+    console.print("      " + range_of(parameter) + "; " + default_of(parameter) +
+                  (varies ? "; may differ from element to element" : ""));
   }
 }
 
@@ -66,9 +69,13 @@ void print_attributes(const suture_model& model, Console& console) {
   constexpr const char* cells[] = {"vertices", "edges", "faces", "elements"};
   constexpr const char* policies[] = {"copied", "zero for a new cell", "shared by volume",
                                       "recomputed from the elements"};
-  if (model.attribute_count > 0) console.print("\nattributes");
+  constexpr std::uint32_t unlisted = SUTURE_INTERNAL | SUTURE_PARAMETER;
+  bool first = true;
   for (std::uint32_t i = 0; i < model.attribute_count; ++i) {
     const suture_attribute& attribute = model.attributes[i];
+    if ((attribute.flags & unlisted) != 0) continue;
+    if (first) console.print("\nattributes");
+    first = false;
     console.print("  " + with_unit(attribute.name, attribute.unit) + " on " +
                   cells[attribute.dimension] + ": " + attribute.doc);
     console.print(std::string("      when its cell splits: ") + policies[attribute.policy]);

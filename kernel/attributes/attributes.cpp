@@ -80,13 +80,17 @@ void Attributes::initialise(const CellComplex& complex, Diagnostics& diagnostics
       Column* own = instance->column(a);
       Column& column = own ? *own : *mass_;
       const CellSet& cells = own ? instance->table(dimension).cells : kernel(0).cells;
+      if (own && instance->skips() &&
+          fill_from_parameters(*instance, attribute, complex, rest, column))
+        continue;
       if (own) column.fill(0);
       std::vector<double> uniform;
       if (dimension < 3 && instance->skips())
         uniform = uniform_contribution(*instance, attribute, complex, rest, volume_tolerance);
       sum_contributions(*instance, attribute, complex, rest, cells, column,
                         sums_.keep_uniform(*instance, attribute, std::move(uniform)));
-      if (own && instance->skips()) column.compress(dimension == 3 ? volume_tolerance : 0);
+      const bool of_shape = dimension == 3 && (attribute.flags & SUTURE_FROM_PARAMETERS) == 0;
+      if (own && instance->skips()) column.compress(of_shape ? volume_tolerance : 0);
     }
   }
   for (const auto& instance : instances_)

@@ -138,6 +138,11 @@ void Column::fill(double value) {
   pad();
 }
 
+void Column::fill(std::span<const double> block) {
+  AlignedVector<double>(block.begin(), block.end()).swap(data_);
+  constant_ = true;
+}
+
 double* Column::block(Index b) {
   expand();
   return data_.data() + block_offset(b);

@@ -74,6 +74,8 @@ class Column {
   void mix_row(Index to, Index from, double weight);
   void add_row(Index to, Index from);  ///< row `to` += row `from`, also in the trial copy
   void fill(double value);             ///< every row and component; not the trial copy
+  /// Makes a column of cells of dimension 1..3 constant; `block` is as block(0).
+  void fill(std::span<const double> block);
 
   double* rows() { return data_.data(); }  ///< dimension 0, never constant
   const double* rows() const { return data_.data(); }

@@ -88,7 +88,27 @@ RestBatch::RestBatch(const RestPlaces& rest, std::span<const Index> user_element
   batch_.cell_ids = ids_.data();
 }
 
-const suture_batch& RestBatch::gather(std::span<const Index> elements) {
+/// Every component of every column is a row of lanes.
+void RestBatch::gather_parameters(const Instance& instance, std::span<const Index> elements) {
+  const auto columns = instance.parameter_columns();
+  parameters_.clear();
+  parameter_columns_.clear();
+  for (const Column* column : columns)
+    for (int c = 0; c < column->spec().components; ++c)
+      for (Index lane = 0; lane < lanes; ++lane) {
+        const Index e = elements[lane < elements.size() ? lane : elements.size() - 1];
+        parameters_.push_back(column->get(instance.table(3).cells.row(e), c));
+      }
+  const double* at = parameters_.data();
+  for (const Column* column : columns) {
+    parameter_columns_.push_back(at);
+    at += std::ptrdiff_t{column->spec().components} * lanes;
+  }
+  batch_.cell_columns = columns.empty() ? nullptr : parameter_columns_.data();
+}
+
+const suture_batch& RestBatch::gather(const Instance& instance, std::span<const Index> elements) {
+  gather_parameters(instance, elements);
   batch_.valid = static_cast<std::uint32_t>(elements.size());
   for (Index lane = 0; lane < lanes; ++lane) {
     const Index e = elements[lane < batch_.valid ? lane : batch_.valid - 1];
@@ -128,7 +148,7 @@ std::vector<double> uniform_contribution(Instance& instance, const suture_attrib
   const std::size_t count = contribution_cells[attribute.dimension] * attribute.components;
   for_each_batch(instance.table(3).cells, all_elements(complex),
                  [&](std::span<const Index> elements) {
-                   contribute(instance, attribute, rest.gather(elements), out.data());
+                   contribute(instance, attribute, rest.gather(instance, elements), out.data());
                    if (first.empty())
                      for (std::size_t i = 0; i < count; ++i) {
                        first.push_back(out[i * lanes]);
@@ -157,7 +177,7 @@ void sum_contributions(Instance& instance, const suture_attribute& attribute,
   for_each_batch(instance.table(3).cells, all_elements(complex),
                  [&](std::span<const Index> elements) {
                    if (uniform.empty())
-                     contribute(instance, attribute, rest.gather(elements), out.data());
+                     contribute(instance, attribute, rest.gather(instance, elements), out.data());
                    for (Index lane = 0; lane < elements.size(); ++lane) {
                      const Index* incident = cells_of(complex, attribute.dimension, elements[lane]);
                      const double* from = out.data() + lane;
@@ -170,6 +190,22 @@ void sum_contributions(Instance& instance, const suture_attribute& attribute,
                    return true;
                  });
   column.pad();
+}
+
+bool fill_from_parameters(Instance& instance, const suture_attribute& attribute,
+                          const CellComplex& complex, RestBatch& rest, Column& column) {
+  const auto is_uniform = [](const Column* c) { return c->is_constant(); };
+  if ((attribute.flags & SUTURE_FROM_PARAMETERS) == 0 ||
+      !std::ranges::all_of(instance.parameter_columns(), is_uniform))
+    return false;
+  Contributions out;
+  for_each_batch(
+      instance.table(3).cells, all_elements(complex), [&](std::span<const Index> elements) {
+        contribute(instance, attribute, rest.gather(instance, elements.first(1)), out.data());
+        return false;
+      });
+  column.fill({out.data(), std::size_t{attribute.components} * lanes});
+  return true;
 }
 
 // ------------------------------------------------------------- touched cells --
@@ -223,7 +259,7 @@ void TouchedSums::sum(Instance& instance, const CellComplex& complex, RestBatch&
   for (const auto& targets : targets_)
     for (const Target& target : targets) start(target, change);
   for_each_batch(instance.table(3).cells, change.elements, [&](std::span<const Index> elements) {
-    add_batch(instance, complex, rest.gather(elements), elements);
+    add_batch(instance, complex, rest.gather(instance, elements), elements);
     return true;
   });
   for (const auto& targets : targets_)

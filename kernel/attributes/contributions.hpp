@@ -15,20 +15,24 @@ namespace suture {
 inline constexpr std::array<int, 4> contribution_cells = {8, 12, 6, 1};
 
 /// The batch that a contribution functor reads: rest positions of up to eight
-/// elements, lane-fastest; lanes after the last element repeat it.
+/// elements and their parameters, lane-fastest; lanes after the last element repeat it.
 class RestBatch {
  public:
   /// `user_element`: numbers as messages show them, or empty.
   RestBatch(const RestPlaces& rest, std::span<const Index> user_element);
 
-  /// 1..8 elements.
-  const suture_batch& gather(std::span<const Index> elements);
+  /// 1..8 elements of the instance's region.
+  const suture_batch& gather(const Instance& instance, std::span<const Index> elements);
 
  private:
+  void gather_parameters(const Instance& instance, std::span<const Index> elements);
+
   RestPlaces rest_;
   std::span<const Index> user_element_;
   alignas(SUTURE_ALIGNMENT) std::array<double, 8 * 3 * SUTURE_LANES> positions_, zeros_{};
   std::array<std::uint32_t, SUTURE_LANES> ids_;
+  AlignedVector<double> parameters_;
+  std::vector<const double*> parameter_columns_;
   suture_batch batch_{};
 };
 
@@ -53,6 +57,11 @@ std::vector<double> uniform_contribution(Instance& instance, const suture_attrib
 void sum_contributions(Instance& instance, const suture_attribute& attribute,
                        const CellComplex& complex, RestBatch& rest, const CellSet& cells,
                        Column& column, std::span<const double> uniform);
+
+/// The same for an attribute of elements that depends only on parameters (SUTURE_FROM_PARAMETERS)
+/// if these are uniform: asks for one element, and the column is constant. Otherwise returns false.
+bool fill_from_parameters(Instance& instance, const suture_attribute& attribute,
+                          const CellComplex& complex, RestBatch& rest, Column& column);
 
 /// Repeats these sums at the cells that an operation touched. Its work space, a bit per
 /// vertex, edge and face, is kept between operations.

@@ -81,8 +81,12 @@ CellSet all_cells(const CellComplex& complex, int dimension) {
 }
 
 Instance::Instance(const suture_model& model, std::string name, std::vector<double> parameters,
-                   Diagnostics& diagnostics, bool skip)
-    : model_(model), name_(std::move(name)), parameters_(std::move(parameters)), skip_(skip) {
+                   Diagnostics& diagnostics, bool skip, std::vector<GivenColumn> given)
+    : model_(model),
+      name_(std::move(name)),
+      parameters_(std::move(parameters)),
+      given_(std::move(given)),
+      skip_(skip) {
   if (parameters_.size() != model_.parameter_count)
     throw PluginError(title() + ": declares " + std::to_string(model_.parameter_count) +
                       " parameters, but " + std::to_string(parameters_.size()) + " were given");
@@ -159,7 +163,7 @@ void Instance::choose_alternative(std::size_t number) {
 }
 
 void Instance::find_needed() {
-  constexpr std::uint32_t for_others = SUTURE_OUTPUT | SUTURE_SHARED_MASS;
+  constexpr std::uint32_t for_others = SUTURE_OUTPUT | SUTURE_SHARED_MASS | SUTURE_PARAMETER;
   needed_.clear();
   for (std::uint32_t a = 0; a < model_.attribute_count; ++a)
     needed_.push_back(!skip_ || (model_.attributes[a].flags & for_others) != 0 || is_read(a));
@@ -239,6 +243,37 @@ void Instance::build(CellComplex& complex, const RestPlaces& rest, std::vector<I
     const bool own = (a.flags & SUTURE_SHARED_MASS) == 0 && needs(i);
     columns_.push_back(own ? &table(static_cast<int>(a.dimension)).add(spec_of(a)) : nullptr);
   }
+  fill_columns();
+}
+
+/// Uniform parameters fill their columns, then comes what the scene gives.
+void Instance::fill_columns() {
+  parameter_columns_.clear();
+  const std::span parameters(model_.parameters, model_.parameter_count);
+  for (std::uint32_t i = 0; i < model_.attribute_count; ++i) {
+    if ((model_.attributes[i].flags & SUTURE_PARAMETER) == 0) continue;
+    const std::string_view name = model_.attributes[i].name;
+    const auto of =
+        std::ranges::find_if(parameters, [&](const suture_parameter& p) { return p.name == name; });
+    columns_[i]->fill(parameters_[static_cast<std::size_t>(of - parameters.begin())]);
+    parameter_columns_.push_back(columns_[i]);
+  }
+  for (const GivenColumn& given : given_)
+    if (columns_[given.attribute] != nullptr) fill(given);
+  given_.clear();
+}
+
+void Instance::fill(const GivenColumn& given) {
+  Column& column = *columns_[given.attribute];
+  const CellSet& cells = table(column.dimension()).cells;
+  const auto components = static_cast<std::size_t>(column.spec().components);
+  column.expand();
+  for (Index row = 0; row < cells.size(); ++row) {
+    const double* from = given.values.data() + (given.by_cell ? components * cells.cell(row) : 0);
+    for (std::size_t c = 0; c < components; ++c) column.set(row, static_cast<int>(c), from[c]);
+  }
+  if (skip_) column.compress(0);
+  if (given.by_cell) by_cell_.push_back(&column);
 }
 
 }  // namespace suture

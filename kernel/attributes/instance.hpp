@@ -20,6 +20,15 @@ namespace suture {
 /// if no cell was removed.
 CellSet all_cells(const CellComplex& complex, int dimension);
 
+/// Values that a scene gives to a column of a model.
+struct GivenColumn {
+  std::uint32_t attribute = 0;  ///< its place in the model's list
+  bool by_cell = false;
+  /// All components of cell 0 of the complex, then those of cell 1, ... (dimension 0 and 3); of
+  /// one that stands for all unless given by cell.
+  std::vector<double> values;
+};
+
 /// One use of a model in a scene, with its parameters, region and columns. A model
 /// that is used twice has two instances; an edge between them has a row in each,
 /// summed from the elements of each. Neither copied nor moved: contexts point into
@@ -29,9 +38,10 @@ class Instance {
   /// Runs the model's prepare(). Throws InputError with the errors that it reported,
   /// PluginError if it failed or takes another number of parameters. The tables are
   /// trusted: the plugin host checks them when it loads them. With `skip` false,
-  /// functors that add nothing are computed, too (suture run --no-skip).
+  /// functors that add nothing are computed, too (suture run --no-skip). A parameter that differs
+  /// from element to element is NaN in `parameters`, and its column is `given`.
   Instance(const suture_model& model, std::string name, std::vector<double> parameters,
-           Diagnostics& diagnostics, bool skip = true);
+           Diagnostics& diagnostics, bool skip = true, std::vector<GivenColumn> given = {});
   ~Instance();
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
@@ -72,6 +82,13 @@ class Instance {
   /// share of the kernel's mass (SUTURE_SHARED_MASS), and if it is not needed.
   Column* column(std::uint32_t attribute) const { return columns_[attribute]; }
 
+  /// The columns of parameters that may differ from element to element (SUTURE_PARAMETER), in the
+  /// order of the model's attributes.
+  std::span<const Column* const> parameter_columns() const { return parameter_columns_; }
+
+  /// The columns that were given cell by cell.
+  std::span<const Column* const> columns_given_by_cell() const { return by_cell_; }
+
   /// Builds cell sets and columns for `elements` (ascending; empty = all existing
   /// ones), and ids of edges and faces if the model uses them. Called by
   /// Attributes::add. O(elements of the complex).
@@ -104,9 +121,14 @@ class Instance {
   bool asks_for_shape() const;
   CellSet region(const RestPlaces& rest, std::vector<Index> elements);
 
+  void fill_columns();
+  void fill(const GivenColumn& given);
+
   const suture_model& model_;
   std::string name_;
   std::vector<double> parameters_;
+  std::vector<GivenColumn> given_;  ///< until build()
+  std::vector<const Column*> parameter_columns_, by_cell_;
   std::array<Table, 4> tables_;
   std::vector<Column*> columns_;
   std::vector<Enabled> enabled_;  ///< by position in model().functors

@@ -52,7 +52,8 @@ loops::Job single_job(const loops::Job& job, const suture_tangent_single_1& exte
   single.rest = reads & SUTURE_READ_REST ? attributes.rest().rows() : nullptr;
   single.position = reads & SUTURE_READ_POSITION ? attributes.position().rows() : nullptr;
   if ((reads & SUTURE_READ_VELOCITY) == 0) single.velocity = nullptr;
-  if (extension.columns == 0) single.cell_column_count = single.vertex_column_count = 0;
+  single.cell_column_count = std::min(job.cell_column_count, extension.columns);
+  if (extension.columns != UINT32_MAX) single.vertex_column_count = 0;
   return single;
 }
 

@@ -37,7 +37,9 @@ class ExtensionCheck {
                                                            std::to_string(SUTURE_SINGLE_LANES));
     entry.known_bits(table->reads, SUTURE_READ_REST | SUTURE_READ_POSITION | SUTURE_READ_VELOCITY,
                      "reads");
-    entry.known(table->columns, 1, "columns");
+    entry.require(table->columns <= functor_.cell_column_count || table->columns == UINT32_MAX,
+                  "columns is " + std::to_string(table->columns) + ", but the functor has " +
+                      std::to_string(functor_.cell_column_count) + " cell columns");
     entry.require(table->apply != nullptr, "its function is NULL");
   }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/plugin_host/table_check.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string_view>
 
 #include "kernel/base/host_extensions.hpp"
@@ -81,6 +83,31 @@ void check_default(const Entry& entry, const suture_parameter& p) {
       its + " is outside its range from " + number(p.minimum) + " to " + number(p.maximum));
 }
 
+bool holds_values_of(const suture_attribute& a, const suture_parameter& p) {
+  return (a.flags & SUTURE_PARAMETER) != 0 && a.name != nullptr && p.name != nullptr &&
+         std::string_view(a.name) == p.name;
+}
+
+void check_per_element(const Entry& entry, const suture_model& m, const suture_parameter& p) {
+  const bool is_direction = p.type == SUTURE_DIRECTION;
+  const bool varies = (p.flags & SUTURE_PER_ELEMENT) != 0;
+  entry.require(!is_direction || (varies && (p.flags & SUTURE_REQUIRED) != 0),
+                "has type SUTURE_DIRECTION, but not both flags SUTURE_PER_ELEMENT and "
+                "SUTURE_REQUIRED");
+  if (!varies) return;
+  entry.require(is_direction || p.type == SUTURE_NUMBER,
+                "has SUTURE_PER_ELEMENT, which only numbers and directions can have");
+  const std::uint32_t components = is_direction ? 3 : 1;
+  for (std::uint32_t i = 0; i < m.attribute_count; ++i) {
+    const suture_attribute& a = m.attributes[i];
+    if (holds_values_of(a, p) && a.dimension == 3 && a.components == components) return;
+  }
+  entry.require(false,
+                "has SUTURE_PER_ELEMENT, but the model has no attribute of this name with "
+                "SUTURE_PARAMETER, dimension 3 and components " +
+                    std::to_string(components));
+}
+
 void check_parameters(const Entry& model, const suture_model& m) {
   Names names;
   for (std::uint32_t i = 0; i < m.parameter_count; ++i) {
@@ -89,9 +116,12 @@ void check_parameters(const Entry& model, const suture_model& m) {
     names.check(entry, p.name);
     entry.text(p.unit, "unit");
     entry.text(p.doc, "doc");
-    entry.known(p.type, SUTURE_CHOICE, "type");
-    entry.known_bits(p.flags, SUTURE_REQUIRED | SUTURE_MINIMUM_EXCLUDED | SUTURE_MAXIMUM_EXCLUDED,
-                     "flags");
+    entry.known(p.type, SUTURE_DIRECTION, "type");
+    entry.known_bits(
+        p.flags,
+        SUTURE_REQUIRED | SUTURE_MINIMUM_EXCLUDED | SUTURE_MAXIMUM_EXCLUDED | SUTURE_PER_ELEMENT,
+        "flags");
+    check_per_element(entry, m, p);
     check_choices(entry, p);
     if (p.type == SUTURE_NUMBER || p.type == SUTURE_INTEGER) check_range(entry, p);
     check_default(entry, p);
@@ -130,6 +160,24 @@ void check_contributions(const Entry& entry, const suture_attribute& a) {
   }
 }
 
+void check_parameter_flags(const Entry& entry, const suture_model& m, const suture_attribute& a) {
+  if ((a.flags & SUTURE_PARAMETER) != 0) {
+    const std::span parameters(m.parameters, m.parameter_count);
+    entry.require(std::ranges::any_of(parameters,
+                                      [&](const suture_parameter& p) {
+                                        return holds_values_of(a, p) &&
+                                               (p.flags & SUTURE_PER_ELEMENT) != 0;
+                                      }),
+                  "has SUTURE_PARAMETER, but no parameter of this name has SUTURE_PER_ELEMENT");
+    entry.require(a.policy == SUTURE_COPY && (a.flags & SUTURE_TRIAL) == 0,
+                  "has SUTURE_PARAMETER: expected policy SUTURE_COPY and no trial copy");
+  }
+  if ((a.flags & SUTURE_FROM_PARAMETERS) != 0)
+    entry.require(a.dimension == 3 && a.policy == SUTURE_FROM_VOLUMES,
+                  "has SUTURE_FROM_PARAMETERS: expected dimension 3 and policy "
+                  "SUTURE_FROM_VOLUMES");
+}
+
 void check_attributes(const Entry& model, const suture_model& m) {
   Names names;
   for (std::uint32_t i = 0; i < m.attribute_count; ++i) {
@@ -141,7 +189,11 @@ void check_attributes(const Entry& model, const suture_model& m) {
     entry.known(a.dimension, 3, "dimension");
     entry.require(a.components >= 1 && a.components <= 9,
                   "has " + std::to_string(a.components) + " components, expected 1 to 9");
-    entry.known_bits(a.flags, SUTURE_OUTPUT | SUTURE_TRIAL | SUTURE_SHARED_MASS, "flags");
+    entry.known_bits(a.flags,
+                     SUTURE_OUTPUT | SUTURE_TRIAL | SUTURE_SHARED_MASS | SUTURE_PARAMETER |
+                         SUTURE_FROM_PARAMETERS | SUTURE_INTERNAL,
+                     "flags");
+    check_parameter_flags(entry, m, a);
     entry.require(std::isfinite(a.initial), "its initial value is not finite");
     check_policy(entry, a);
     check_contributions(entry, a);

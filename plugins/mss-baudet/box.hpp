@@ -19,18 +19,17 @@ using suture::vec3;
 enum NegativeStiffness { clamp, keep, refuse };
 
 /// The isotropic material that the springs stand for, from the parameters.
+template <class R>
 struct Material {
-  double E;       ///< Young's modulus, Pa
-  double nu;      ///< Poisson's ratio
-  double rho;     ///< density, kg/m^3
-  double lambda;  ///< E nu / ((1+nu)(1-2nu)), Pa
-  double mu;      ///< E / (2(1+nu)), Pa
+  R E;        ///< Young's modulus, Pa
+  double nu;  ///< Poisson's ratio
+  R lambda;   ///< E nu / ((1+nu)(1-2nu)), Pa
+  R mu;       ///< E / (2(1+nu)), Pa
   NegativeStiffness negative;
 
-  Material(double e, double n, double r, NegativeStiffness policy)
+  Material(const R& e, double n, NegativeStiffness policy)
       : E(e),
         nu(n),
-        rho(r),
         lambda(e * n / ((1 + n) * (1 - 2 * n))),
         mu(e / (2 * (1 + n))),
         negative(policy) {}
@@ -107,7 +106,7 @@ struct SpringConstants {
 ///   k_a  = b c / (4 a) (E + nu (G_ab + G_ac)) - k_d a^2 / d^2
 /// For a cube: k_d = 3 E l / (8 (1+nu)), k_a = E l (1+4nu) / (8 (1+nu)).
 template <class T>
-SpringConstants<T> springs_of_box(const Material& m, const vec3<T>& l) {
+SpringConstants<T> springs_of_box(const Material<T>& m, const vec3<T>& l) {
   const T d2 = dot(l, l), volume = l[0] * l[1] * l[2];
   SpringConstants<T> k;
   k.inner = m.mu * d2 / (4.0 * cbrt(volume));
@@ -122,7 +121,7 @@ SpringConstants<T> springs_of_box(const Material& m, const vec3<T>& l) {
 
 /// springs_of_box() with the scene's choice about negative constants applied.
 template <class T>
-SpringConstants<T> used_springs_of_box(const Material& m, const vec3<T>& l) {
+SpringConstants<T> used_springs_of_box(const Material<T>& m, const vec3<T>& l) {
   using suture::max;
   auto k = springs_of_box(m, l);
   if (m.negative == clamp)
@@ -138,7 +137,7 @@ SpringConstants<T> used_springs_of_box(const Material& m, const vec3<T>& l) {
 ///   B_ab = V D_ab / (4 a b)                                      (N/m)
 /// For a cube D_aa = (4nu-1) lambda and D_ab = lambda - mu.
 template <class T>
-suture::sym3<T> correction_of_box(const Material& m, const vec3<T>& l) {
+suture::sym3<T> correction_of_box(const Material<T>& m, const vec3<T>& l) {
   const auto k = used_springs_of_box(m, l);
   const T d2 = dot(l, l), volume = l[0] * l[1] * l[2];
   suture::sym3<T> B;
@@ -154,8 +153,8 @@ suture::sym3<T> correction_of_box(const Material& m, const vec3<T>& l) {
 
 /// What an uncorrected lattice of cubes shows instead of E and nu:
 ///   E_lat = 2 E (1+4nu) / (3+4nu),   nu_lat = 1 / (3+4nu)
-inline double lattice_young(const Material& m) { return 2 * m.E * (1 + 4 * m.nu) / (3 + 4 * m.nu); }
-inline double lattice_nu(const Material& m) { return 1 / (3 + 4 * m.nu); }
+inline double lattice_young(double E, double nu) { return 2 * E * (1 + 4 * nu) / (3 + 4 * nu); }
+inline double lattice_nu(double nu) { return 1 / (3 + 4 * nu); }
 
 }  // namespace mss_baudet
 

@@ -21,8 +21,10 @@ inline constexpr suture::column<6> rest_box{};
 
 inline constexpr const char* negative_words[] = {"clamp", "keep", "refuse"};
 
-inline Material material_of(const suture::values& p) {
-  return {p[p_young], p[p_nu], p[p_rho],
+template <class Cell>
+Material<typename Cell::real> material_of(const Cell& c) {
+  const suture::values p = c.uniform_parameters();
+  return {c.parameter(p_young), p[p_nu],
           static_cast<NegativeStiffness>(static_cast<int>(p[p_negative]))};
 }
 
@@ -49,7 +51,7 @@ struct StiffnessShare {
   static constexpr int components = 1;
   template <class Cell, class Out>
   static void compute(const Cell& c, Out out) {
-    const auto k = used_springs_of_box(material_of(c.parameters()), box_lengths(rest_of(c)));
+    const auto k = used_springs_of_box(material_of(c), box_lengths(rest_of(c)));
     for (int e = 0; e < 12; ++e) out.set(e, 0, k.edge[e / 4]);
   }
 };
@@ -60,7 +62,7 @@ struct RestTensionShare {
   static constexpr int components = 1;
   template <class Cell, class Out>
   static void compute(const Cell& c, Out out) {
-    const auto k = used_springs_of_box(material_of(c.parameters()), box_lengths(rest_of(c)));
+    const auto k = used_springs_of_box(material_of(c), box_lengths(rest_of(c)));
     for (int e = 0; e < 12; ++e) {
       const auto* ends = suture_hexahedron_edges[e];
       out.set(e, 0, k.edge[e / 4] * norm(c.rest(ends[1]) - c.rest(ends[0])));
@@ -72,7 +74,7 @@ struct InnerStiffness {
   static constexpr int components = 1;
   template <class Cell, class Out>
   static void compute(const Cell& c, Out out) {
-    out.set(0, 0, springs_of_box(material_of(c.parameters()), box_lengths(rest_of(c))).inner);
+    out.set(0, 0, springs_of_box(material_of(c), box_lengths(rest_of(c))).inner);
   }
 };
 
@@ -93,10 +95,10 @@ struct Correction {
   static void compute(const Cell& c, Out out) {
     using R = typename Cell::real;
     suture::sym3<R> B{R(0.0), R(0.0), R(0.0), R(0.0), R(0.0), R(0.0)};
-    if (c.parameter(p_correction) != 0) {
+    if (c.uniform_parameters()[p_correction] != 0) {
       auto l = box_lengths(rest_of(c));
       for (int a = 0; a < 3; ++a) l[a] = to_40_bits(l[a]);
-      B = correction_of_box(material_of(c.parameters()), l);
+      B = correction_of_box(material_of(c), l);
     }
     for (int i = 0; i < 6; ++i) out.set(0, i, B.c[i]);
   }
@@ -107,7 +109,7 @@ struct BoxLengths {
   template <class Cell, class Out>
   static void compute(const Cell& c, Out out) {
     const auto l = box_lengths(rest_of(c));
-    const double on = c.parameter(p_correction);
+    const double on = c.uniform_parameters()[p_correction];
     for (int a = 0; a < 3; ++a) out.set(0, a, on * l[a]);
   }
 };

@@ -122,6 +122,7 @@ struct InnerSprings : suture::on_volumes {
   static constexpr std::uint32_t reads =
       SUTURE_READ_POSITION | (with_viscosity ? SUTURE_READ_VELOCITY : 0);
   static constexpr std::uint32_t alternative = 2;
+  static constexpr bool element_parameters = true;  // in inspect()
   static constexpr auto cell_columns = [] {
     if constexpr (with_correction)
       return suture::columns(inner_stiffness, inner_length, correction_stiffness, rest_box);
@@ -240,11 +241,11 @@ struct MssBaudet : suture::model {
       "Mass-Spring System for Simulation, WSCG 2009; Golec, Coquet, Zara, Damiand, WSCG 2015";
 
   static constexpr suture::parameter parameters[] = {
-      suture::number("E", "Pa", "Young's modulus").above(0),
+      suture::number("E", "Pa", "Young's modulus").above(0).per_element(),
       suture::number("nu", "1", "Poisson's ratio; without correction the lattice has 1/(3+4nu)")
           .above(-0.25)
           .below(0.5),
-      suture::number("rho", "kg/m^3", "density").above(0),
+      suture::number("rho", "kg/m^3", "density").above(0).per_element(),
       suture::boolean("correction",
                       "forces that give a lattice of boxes exactly E and nu at small strain",
                       false),
@@ -287,13 +288,16 @@ struct MssBaudet : suture::model {
 
   /// Says what the lattice shows where that is 2 % or more from what was asked for.
   static void prepare(const suture::setup& p, suture::no_constants&) {
-    const Material m = material_of(p);
-    const double off = lattice_young(m) / m.E - 1;
-    if (p[p_correction] != 0 || std::fabs(off) < 0.02) return;
-    p.warn("lattice-moduli",
-           "without correction, a lattice of cubes has E = " + number(lattice_young(m)) +
-               " Pa and nu = " + number(lattice_nu(m)) + " instead of " + number(m.E) + " Pa and " +
-               number(m.nu) + " (they agree at nu = 0.25); set \"correction\": true");
+    const double ratio = lattice_young(1, p[p_nu]);
+    if (p[p_correction] != 0 || std::fabs(ratio - 1) < 0.02) return;
+    const double E = p[p_young];  // not a number if it differs from element to element
+    const std::string young = std::isfinite(E) ? "E = " + number(ratio * E) + " Pa"
+                                               : "E = " + number(ratio) + " times the value given";
+    p.warn("lattice-moduli", "without correction, a lattice of cubes has " + young +
+                                 " and nu = " + number(lattice_nu(p[p_nu])) + " instead of " +
+                                 (std::isfinite(E) ? number(E) + " Pa and " : "") +
+                                 number(p[p_nu]) +
+                                 " (they agree at nu = 0.25); set \"correction\": true");
   }
 };
 

@@ -34,8 +34,8 @@ SUTURE_INLINE T spring_energy(const T& length, const R& K, const R& rest_length)
 
 /// Viscosity of a spring, N s/m: `factor` 2 sqrt(k (m_0 + m_1) / 2), from the
 /// accumulated stiffness and masses: it is not additive, so it is never stored.
-template <class R>
-SUTURE_INLINE R viscosity(double factor, const R& K, const R& mass) {
+template <class F, class R>
+SUTURE_INLINE R viscosity(const F& factor, const R& K, const R& mass) {
   using suture::max;
   const R square = max(2.0 * K * mass, R(0.0));
   return factor * square * rsqrt(max(square, R(1e-200)));

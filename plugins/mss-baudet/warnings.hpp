@@ -67,7 +67,7 @@ void inspect_shape(const Cell& c) {
 template <class Cell>
 void inspect_stiffness(const Cell& c) {
   using suture::min;
-  const Material m = material_of(c.parameters());
+  const auto m = material_of(c);
   const auto k = springs_of_box(m, box_lengths(rest_of(c)));
   const auto least = min(min(k.edge[0], k.edge[1]), k.edge[2]);
   const auto negative = least < 0.0;

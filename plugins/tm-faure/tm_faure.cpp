@@ -19,11 +19,12 @@ struct TmFaure : suture::continuum<TmFaure> {
   static constexpr const char* quadratures[] = {"gauss2", "exact"};
   static constexpr const char* geometries[] = {"stored", "recomputed"};
   static constexpr suture::parameter parameters[] = {
-      suture::number("E", "Pa", "Young's modulus").above(0),
+      suture::number("E", "Pa", "Young's modulus").above(0).per_element(),
       suture::number("nu", "1", "Poisson's ratio; above 0.45 trilinear elements lock")
           .above(-1)
-          .below(0.5),
-      suture::number("rho", "kg/m^3", "Density of the rest shape").above(0),
+          .below(0.5)
+          .per_element(),
+      suture::number("rho", "kg/m^3", "Density of the rest shape").above(0).per_element(),
       suture::choice("quadrature",
                      "gauss2: 2x2x2 points; exact: 3x3x3 points, which on boxes equals the "
                      "symbolic integration of the paper, at 3 times the cost",
@@ -33,10 +34,11 @@ struct TmFaure : suture::continuum<TmFaure> {
                      "to a quarter faster, 640 B per element",
                      geometries)};
 
+  template <class R>
   struct Constants {
-    double lambda, mu;  // Lame's, Pa
+    R lambda, mu;  // Lame's, Pa
   };
-  static void prepare(const suture::setup& p, Constants& c) {
+  static void prepare(const suture::setup& p, Constants<double>& c) {
     c.lambda = p[young] * p[poisson] / ((1 + p[poisson]) * (1 - 2 * p[poisson]));
     c.mu = p[young] / (2 * (1 + p[poisson]));
     if (p[poisson] > 0.45 && element_of(p) == suture::element_type::trilinear)
@@ -46,24 +48,30 @@ struct TmFaure : suture::continuum<TmFaure> {
              "\"element\": \"mean-gradient\", which does not lock, or use nu <= 0.45");
   }
 
-  static double density(const suture::values& p) { return p[rho]; }
+  template <class P>
+  static auto density(const P& p) {
+    return p[rho];
+  }
   static int points(const suture::values& p) { return p[quadrature] == 1 ? 3 : 2; }
   static bool stores(const suture::values& p) { return p[geometry] == 0; }
 
   /// W = lambda/2 (tr E)^2 + mu tr(E^2)
-  template <class T>
-  static T energy(const suture::mat3<T>& F, const Constants& c) {
+  template <class T, class C>
+  static T energy(const suture::mat3<T>& F, const C& c) {
     const auto strain = green_strain(F);
     return 0.5 * c.lambda * trace(strain) * trace(strain) + c.mu * dot(strain, strain);
   }
 
   /// P = F S, S = lambda tr(E) I + 2 mu E
-  template <class T>
-  static suture::mat3<T> stress(const suture::mat3<T>& F, const Constants& c) {
+  template <class T, class C>
+  static suture::mat3<T> stress(const suture::mat3<T>& F, const C& c) {
     const auto strain2 = twice_green_strain(F);  // 2 E
     return F * add_diagonal(c.mu * strain2, (0.5 * c.lambda) * trace(strain2));
   }
-  static suture::lame isotropic(const Constants& c) { return {c.lambda, c.mu}; }
+  template <class R>
+  static suture::lame_of<R> isotropic(const Constants<R>& c) {
+    return {c.lambda, c.mu};
+  }
 };
 
 SUTURE_PLUGIN("tm-faure", "0.1.0", "MIT", "Tensor-mass model of Faure et al. on hexahedra", TmFaure)

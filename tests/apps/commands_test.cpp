@@ -95,6 +95,9 @@ TEST_F(Commands, ListsAndDescribesModels) {
                             "default false", "source: ", "MIT"}) {
     EXPECT_TRUE(model.says(words)) << words << model;
   }
+  const Outcome solid = suture({"describe", "tm-faure"});
+  EXPECT_TRUE(solid.says("number > 0; required; may differ from element to element")) << solid;
+  EXPECT_FALSE(solid.says("jacobian") || solid.says("constants")) << solid;
   const Outcome unknown = suture({"describe", "tm-fuare"});
   EXPECT_EQ(unknown.code, 4) << unknown;
   EXPECT_TRUE(unknown.says("tm-faure")) << unknown;

@@ -31,7 +31,7 @@ TEST(RestBatch, HoldsCornersLaneByLaneAndRepeatsTheLast) {
   Summed s(model, {3, 2, 1}, &random);
   const std::vector<Index> elements{4, 1, 2}, numbers{10, 11, 12, 13, 14, 15};
   RestBatch rest = s.batch(numbers);
-  const suture_batch& batch = rest.gather(elements);
+  const suture_batch& batch = rest.gather(*s.instance, elements);
   EXPECT_EQ(batch.valid, 3u);
   EXPECT_EQ(batch.nodes, 8u);
   for (Index lane = 0; lane < 8; ++lane) {
@@ -43,7 +43,7 @@ TEST(RestBatch, HoldsCornersLaneByLaneAndRepeatsTheLast) {
                   s.body.rest[s.body.complex.vertices_of(e)[n]][c]);
   }
   RestBatch plain = s.batch();
-  EXPECT_EQ(plain.gather(elements).cell_ids[1], 1u);
+  EXPECT_EQ(plain.gather(*s.instance, elements).cell_ids[1], 1u);
 }
 
 suture_status refuses(const suture_context* context, const suture_batch* batch, double*) {
@@ -61,7 +61,7 @@ TEST(Contribute, ARefusalNamesTheModelTheAttributeAndTheElement) {
   RestBatch rest = s.batch(numbers);
   std::vector<double> out(12 * 2 * 8);
   try {
-    contribute(*s.instance, bad, rest.gather(elements), out.data());
+    contribute(*s.instance, bad, rest.gather(*s.instance, elements), out.data());
     FAIL() << "no error";
   } catch (const InputError& error) {
     EXPECT_EQ(std::string(error.what()),
@@ -87,7 +87,7 @@ TEST(Contribute, ValuesThatAreNotFiniteAndNegativeMassesAreRefusedWithTheirEleme
   std::vector<double> out(8 * 8);
   const auto message = [&] {
     try {
-      contribute(*s.instance, mass, rest.gather(elements), out.data());
+      contribute(*s.instance, mass, rest.gather(*s.instance, elements), out.data());
       return std::string();
     } catch (const PluginError& error) {
       return std::string(error.what());

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 #include <thread>
 
 #include "kernel/attributes/attributes.hpp"
@@ -73,6 +75,56 @@ TEST(Instance, RefusesOtherThanTheDeclaredParameters) {
   Diagnostics diagnostics;
   const fake::Model model({});
   EXPECT_THROW(Instance(model.table, "a", {1, 2}, diagnostics), PluginError);
+}
+
+/// Gives each vertex the parameter of its element.
+suture_status give_parameter(const suture_context*, const suture_batch* batch, double* out) {
+  for (int k = 0; k < 8; ++k)
+    for (int lane = 0; lane < 8; ++lane) out[k * 8 + lane] = batch->cell_columns[0][lane];
+  return SUTURE_OK;
+}
+
+TEST(Instance, FillsColumnsWithWhatIsGivenAndHandsParametersToContributions) {
+  fake::Model model({fake::attribute("rho", 3, 1, nullptr, SUTURE_COPY, SUTURE_PARAMETER),
+                     fake::attribute("sum", 0, 1, &give_parameter),
+                     fake::attribute("pull", 0, 2, nullptr, SUTURE_COPY, 0, 3),
+                     fake::attribute("wear", 3, 1, nullptr, SUTURE_COPY, SUTURE_TRIAL)});
+  model.parameters.flags = SUTURE_PER_ELEMENT;
+  const double differs = std::numeric_limits<double>::quiet_NaN();
+  BoxOptions box;
+  box.cells = {3, 1, 1};
+  const Mesh mesh = make_box(box);
+  CellComplex complex(mesh.hexahedra, 16);
+  Attributes attributes(complex, mesh.points);
+  std::vector<double> pulls;
+  for (int v = 0; v < 32; ++v) pulls.push_back(v);
+  Diagnostics diagnostics;
+  // The region leaves out the first element.
+  const Instance& instance = attributes.add(
+      std::make_unique<Instance>(
+          model.table, "a", std::vector{differs}, diagnostics, true,
+          std::vector<GivenColumn>{{0, true, {-1, 10, 200}}, {2, true, pulls}, {3, false, {5}}}),
+      complex, {1, 2});
+  attributes.initialise(complex, diagnostics);
+  const auto row = [&](int dimension, Index cell) {
+    return instance.table(dimension).cells.row(cell);
+  };
+  EXPECT_EQ(instance.column(0)->get(row(3, 1), 0), 10);
+  EXPECT_EQ(instance.column(0)->get(row(3, 2), 0), 200);
+  EXPECT_EQ(instance.column(3)->get(row(3, 2), 0), 5);
+  for (const Index element : {1, 2})
+    for (const Index v : complex.vertices_of(element)) {
+      const bool first = std::ranges::count(complex.vertices_of(1), v) != 0;
+      const bool second = std::ranges::count(complex.vertices_of(2), v) != 0;
+      EXPECT_EQ(instance.column(1)->get(row(0, v), 0), 10 * first + 200 * second);
+      EXPECT_EQ(instance.column(2)->get(row(0, v), 1), 2 * v + 1);
+    }
+  EXPECT_EQ(instance.columns_given_by_cell().size(), 2u);
+
+  const Instance& uniform = attributes.add(
+      std::make_unique<Instance>(model.table, "b", std::vector{7.0}, diagnostics), complex, {});
+  EXPECT_TRUE(uniform.column(0)->is_constant());
+  EXPECT_EQ(uniform.column(0)->get(0, 0), 7);
 }
 
 TEST(Findings, AreSaidOncePerKeyWhateverTheThreadsDid) {

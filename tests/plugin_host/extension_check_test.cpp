@@ -118,7 +118,7 @@ const Case cases[] = {
     {"SingleReads", [](Offer& o) { o.single.reads = 8; },
      FIRST "'suture.tangent-single/1': reads has unknown bits"},
     {"SingleColumns", [](Offer& o) { o.single.columns = 2; },
-     FIRST "'suture.tangent-single/1': columns is 2, the last known value is 1"},
+     FIRST "'suture.tangent-single/1': columns is 2, but the functor has 0 cell columns"},
     {"Inspect", [](Offer& o) { o.inspect.inspect = nullptr; },
      FIRST "'suture.inspect/1': its function is NULL"},
     {"Size", [](Offer& o) { o.energy.size = 0; },

@@ -146,7 +146,7 @@ const Case parameter_cases[] = {
     {"NullUnit", [](Tables& t) { t.parameters[0].unit = nullptr; },
      MODEL ", parameter 'E': unit is NULL"},
     {"Type", [](Tables& t) { t.parameters[0].type = 9; },
-     MODEL ", parameter 'E': type is 9, the last known value is 3"},
+     MODEL ", parameter 'E': type is 9, the last known value is 4"},
     {"EmptyRange", [](Tables& t) { t.parameters[0].maximum = -1; },
      MODEL ", parameter 'E': its range from 0 to -1 is empty\n" MODEL
            ", parameter 'E': its default 100000 is outside its range from 0 to -1"},
@@ -180,6 +180,62 @@ const Case parameter_cases[] = {
      MODEL ", parameter 'mode': its default 2 is not an index into its choices"},
     {"ChoicesOfNumber", [](Tables& t) { t.parameters[1].type = SUTURE_BOOLEAN; },
      MODEL ", parameter 'mode': has choices, but its type is not SUTURE_CHOICE"},
+};
+
+/// E may differ from element to element; its values are in the third attribute.
+void vary(Tables& t) {
+  t.parameters[0].flags |= SUTURE_PER_ELEMENT;
+  t.attributes[2] = {sizeof(suture_attribute),
+                     3,
+                     1,
+                     SUTURE_COPY,
+                     SUTURE_PARAMETER,
+                     0,
+                     "E",
+                     "Pa",
+                     "E",
+                     1e5,
+                     nullptr};
+  t.functors[0].vertex_column_count = 0;
+}
+
+const Case per_element_cases[] = {
+    {"Sound", [](Tables& t) { vary(t); }, ""},
+    {"NoAttribute",
+     [](Tables& t) {
+       vary(t);
+       t.attributes[2].components = 3;
+     },
+     MODEL ", parameter 'E': has SUTURE_PER_ELEMENT, but the model has no attribute of this name "
+           "with SUTURE_PARAMETER, dimension 3 and components 1"},
+    {"NoParameter",
+     [](Tables& t) {
+       vary(t);
+       t.parameters[0].flags = 0;
+     },
+     MODEL ", attribute 'E': has SUTURE_PARAMETER, but no parameter of this name has "
+           "SUTURE_PER_ELEMENT"},
+    {"Choice", [](Tables& t) { t.parameters[1].flags |= SUTURE_PER_ELEMENT; },
+     MODEL ", parameter 'mode': has SUTURE_PER_ELEMENT, which only numbers and directions can "
+           "have\n" MODEL ", parameter 'mode': has SUTURE_PER_ELEMENT, but the model has no "
+           "attribute of this name with SUTURE_PARAMETER, dimension 3 and components 1"},
+    {"Direction",
+     [](Tables& t) {
+       vary(t);
+       t.parameters[0].type = SUTURE_DIRECTION;
+       t.attributes[2].components = 3;
+     },
+     MODEL ", parameter 'E': has type SUTURE_DIRECTION, but not both flags SUTURE_PER_ELEMENT and "
+           "SUTURE_REQUIRED"},
+    {"Trial",
+     [](Tables& t) {
+       vary(t);
+       t.attributes[2].flags |= SUTURE_TRIAL;
+     },
+     MODEL ", attribute 'E': has SUTURE_PARAMETER: expected policy SUTURE_COPY and no trial copy"},
+    {"FromParameters", [](Tables& t) { t.attributes[1].flags |= SUTURE_FROM_PARAMETERS; },
+     MODEL ", attribute 'k': has SUTURE_FROM_PARAMETERS: expected dimension 3 and policy "
+           "SUTURE_FROM_VOLUMES"},
 };
 
 const Case attribute_cases[] = {
@@ -255,6 +311,8 @@ const Case functor_cases[] = {
 
 const auto name_of = [](const auto& info) { return std::string(info.param.name); };
 INSTANTIATE_TEST_SUITE_P(Plugin, TableCheckCase, ::testing::ValuesIn(plugin_cases), name_of);
+INSTANTIATE_TEST_SUITE_P(PerElement, TableCheckCase, ::testing::ValuesIn(per_element_cases),
+                         name_of);
 INSTANTIATE_TEST_SUITE_P(Parameter, TableCheckCase, ::testing::ValuesIn(parameter_cases), name_of);
 INSTANTIATE_TEST_SUITE_P(Attribute, TableCheckCase, ::testing::ValuesIn(attribute_cases), name_of);
 INSTANTIATE_TEST_SUITE_P(Functor, TableCheckCase, ::testing::ValuesIn(functor_cases), name_of);

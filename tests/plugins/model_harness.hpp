@@ -14,6 +14,7 @@
 #include "kernel/base/aligned.hpp"
 #include "kernel/base/types.hpp"
 #include "suture/plugin.h"
+#include "tests/plugins/parameter_columns.hpp"
 
 namespace suture::testing {
 
@@ -87,6 +88,7 @@ class ModelHarness {
                 &error_,
                 &reports_};
     if (model.prepare != nullptr) check(model.prepare(&context_, instance_.data()));
+    uniform_ = std::make_unique<suture::test::ParameterColumns>(model, parameters_.data());
     find_edges();
     for (std::uint32_t a = 0; a < model.attribute_count; ++a) sum(a);
   }
@@ -293,12 +295,15 @@ class ModelHarness {
     auto& out = (attribute.flags & SUTURE_SHARED_MASS) != 0 ? mass_ : columns_.back();
     const std::size_t cells[] = {mesh_.vertices, edges_.size(), 0, mesh_.elements.size()};
     out.assign(cells[attribute.dimension] * n, 0.0);
+    if (const auto* given = uniform_->find(a)) out.assign(out.size(), given->front());
+    if (attribute.policy != SUTURE_FROM_VOLUMES) return;
     Nodes nodes;
     std::array<std::uint32_t, lanes> ids;
     for (std::size_t first = 0; first < mesh_.elements.size(); first += lanes) {
       suture_batch batch = batch_of(first, mesh_.elements.size(), 3, nodes, ids);
       const auto rest = gather(mesh_.points, nodes);
       batch.rest = rest.data();
+      batch.cell_columns = uniform_->all();
       AlignedVector<double> values(k * n * lanes);
       check(attribute.contributions[0].function(&context_, &batch, values.data()));
       for (std::size_t lane = 0; lane < batch.valid; ++lane)
@@ -369,6 +374,7 @@ class ModelHarness {
   std::vector<std::array<Index, 2>> edges_;  ///< two points of one element
   std::vector<Index> edge_of_;               ///< 12 per element
   std::vector<std::vector<double>> columns_;
+  std::unique_ptr<suture::test::ParameterColumns> uniform_;
   std::vector<double> mass_;
 };
 

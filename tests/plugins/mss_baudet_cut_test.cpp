@@ -161,7 +161,7 @@ TEST(MssBaudetCut, ElementsOfAGridShareTheirConstants) {
   Instance& instance = attributes.add(
       std::make_unique<Instance>(mss_baudet(), "beam", parameters, diagnostics), complex, {});
   attributes.initialise(complex, diagnostics);
-  EXPECT_EQ(instance.table(3).columns.size(), 4u);
+  EXPECT_EQ(instance.table(3).columns.size(), 6u);
   for (const Column& column : instance.table(3).columns)
     EXPECT_TRUE(column.is_constant()) << column.spec().name;
 }

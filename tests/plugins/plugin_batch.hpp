@@ -10,6 +10,7 @@
 
 #include "kernel/base/aligned.hpp"
 #include "suture/plugin.h"
+#include "tests/plugins/parameter_columns.hpp"
 
 /// What a test needs of the host: loads one file, makes an instance, and fills
 /// batches by hand, so that a failure here is the plugin's and nobody else's.
@@ -108,7 +109,9 @@ class HexahedronBatch {
  public:
   HexahedronBatch(ModelInstance& instance, const suture_functor& functor,
                   const std::array<Hexahedron, 8>& rest)
-      : instance_(instance), functor_(functor) {
+      : instance_(instance),
+        functor_(functor),
+        parameters_(instance.model(), instance.context()->parameters) {
     for (int lane = 0; lane < 8; ++lane) set(rest_, lane, rest[lane]);
     position_ = rest_;
     batch.size = sizeof batch;
@@ -117,10 +120,14 @@ class HexahedronBatch {
     batch.nodes = 8;
     batch.cell_ids = ids_.data();
     batch.rest = rest_.data();  // as contributions get it
+    batch.cell_columns = parameters_.all();
     for (std::uint32_t k = 0; k < functor.cell_column_count; ++k) {
       const suture_attribute& a = instance.model().attributes[functor.cell_columns[k]];
       columns_.emplace_back(a.components * 8);
-      check(a.contributions[0].function(instance.context(), &batch, columns_.back().data()));
+      if (const auto* given = parameters_.find(functor.cell_columns[k]))
+        columns_.back() = *given;
+      else
+        check(a.contributions[0].function(instance.context(), &batch, columns_.back().data()));
     }
     for (auto& c : columns_) pointers_.push_back(c.data());
     batch.cell_columns = pointers_.data();
@@ -156,6 +163,13 @@ class HexahedronBatch {
               .bounds(instance_.context(), &batch, k.data(), c.data()));
     return k;
   }
+  /// What the elements contribute to an attribute.
+  suture_status contribute(const suture_attribute& attribute, AlignedVector<double>& out) {
+    suture_batch rest = batch;
+    rest.rest = rest_.data();
+    rest.cell_columns = parameters_.all();
+    return attribute.contributions[0].function(instance_.context(), &rest, out.data());
+  }
   /// An output field: value[component*8 + lane].
   AlignedVector<double> field(const std::string& name) {
     const auto& table = ModelInstance::extension<suture_output_1>(functor_, SUTURE_OUTPUT_1);
@@ -183,6 +197,7 @@ class HexahedronBatch {
 
   ModelInstance& instance_;
   const suture_functor& functor_;
+  ParameterColumns parameters_;
   AlignedVector<double> rest_ = AlignedVector<double>(192), position_ = AlignedVector<double>(192),
                         force_ = AlignedVector<double>(192);
   std::array<std::uint32_t, 8> ids_{10, 11, 12, 13, 14, 15, 16, 17};

@@ -361,8 +361,7 @@ TEST_P(TmFaure, MassIsDensityTimesTheExactVolume) {
   HexahedronBatch batch(instance, instance.functor("general hexahedra"), rest);
   suture::AlignedVector<double> out(64);
   ASSERT_EQ(mass->contribution_count, 1u);
-  ASSERT_EQ(mass->contributions[0].function(instance.context(), &batch.batch, out.data()),
-            SUTURE_OK);
+  ASSERT_EQ(batch.contribute(*mass, out), SUTURE_OK);
   for (int lane = 0; lane < 8; ++lane) {
     const double volume = stvk_reference(rest[lane], rest[lane], Stvk(young, poisson), 4).volume;
     for (int n = 0; n < 8; ++n) EXPECT_NEAR(out[n * 8 + lane] / (density * volume / 8), 1, 1e-14);
@@ -408,9 +407,12 @@ TEST_P(TmFaure, LanesDoNotInfluenceEachOther) {
 }
 
 TEST_P(TmFaure, WarnsOfLocking) {
+  const auto rest = elements(box);
   ModelInstance soft(model(), parameters(gauss2, 0.45));
+  const HexahedronBatch of_soft(soft, soft.functor(functor_of(box)), rest);
   EXPECT_TRUE(soft.reports.empty());
   ModelInstance stiff(model(), parameters(gauss2, 0.499));
+  const HexahedronBatch of_stiff(stiff, stiff.functor(functor_of(box)), rest);
   ASSERT_EQ(stiff.reports.size(), 1u);
   EXPECT_EQ(stiff.reports[0].key, "volumetric-locking");
   EXPECT_EQ(stiff.reports[0].severity, SUTURE_WARNING);

@@ -18,6 +18,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "suture/detail/declared.hpp"
 #include "suture/tensor.hpp"
@@ -60,18 +61,51 @@ class values {
 /// ("unstable-ratio").
 class setup : public values {
  public:
-  using values::values;
+  /// `cell`: the element whose parameters these are, or UINT32_MAX.
+  explicit setup(const suture_context* context, std::uint32_t cell = UINT32_MAX)
+      : values(context), cell_(cell) {}
   /// Shows `text` to the user once; the run continues.
   void warn(const char* key, const std::string& text) const {
-    context()->host->report(context(), SUTURE_WARNING, UINT32_MAX, key, text.c_str());
+    context()->host->report(context(), SUTURE_WARNING, cell_, key, text.c_str());
   }
   /// Refuses the scene.
   void refuse(const char* key, const std::string& text) const {
-    context()->host->report(context(), SUTURE_ERROR, UINT32_MAX, key, text.c_str());
+    context()->host->report(context(), SUTURE_ERROR, cell_, key, text.c_str());
   }
+
+ private:
+  std::uint32_t cell_;
 };
 
-/// Model::Constants if the model has them, else an empty struct.
+/// The parameters in one cell or, with a pack R, in several side by side: some may differ from
+/// element to element. `Stride`: the lanes of the columns.
+template <class R, class Model, int Stride>
+class element_values {
+ public:
+  using element = element_of<R>;
+  element_values(const suture_context* context, const element* const* columns, int lane)
+      : context_(context), columns_(columns), lane_(lane) {}
+
+  SUTURE_INLINE R operator[](int i) const {
+    SUTURE_DETAIL_CHECK_INDEX(parameter, i, detail::parameter_count<Model>());
+    const int place = detail::element_places<Model>[i];
+    return place < 0 ? R(element(context_->parameters[i])) : load<R>(columns_[place] + lane_);
+  }
+  /// A parameter declared by direction().
+  SUTURE_INLINE vec3<R> direction(int i) const {
+    const element* const p = columns_[detail::element_places<Model>[i]] + lane_;
+    return {load<R>(p), load<R>(p + Stride), load<R>(p + 2 * Stride)};
+  }
+
+ private:
+  const suture_context* context_;
+  const element* const* columns_;
+  int lane_;
+};
+
+/// Model::Constants if the model has them, else an empty struct. A model with parameters that may
+/// differ from element to element declares `template <class R> struct Constants`, an aggregate of
+/// at most nine R; in a functor R is the cell's real, in prepare() double.
 struct no_constants {};
 template <class Model, class = void>
 struct constants_of_model {
@@ -80,6 +114,10 @@ struct constants_of_model {
 template <class Model>
 struct constants_of_model<Model, std::void_t<typename Model::Constants>> {
   using type = typename Model::Constants;
+};
+template <class Model>
+struct constants_of_model<Model, std::void_t<typename Model::template Constants<double>>> {
+  using type = typename Model::template Constants<double>;
 };
 template <class Model>
 using constants_of = typename constants_of_model<Model>::type;
@@ -193,23 +231,52 @@ class cell {
 
   // ---- parameters ----
 
-  /// Value of parameter `i` of the declared list; the same in all cells.
-  SUTURE_INLINE double parameter(int i) const {
+  /// Value of parameter `i` of the declared list: a double, or a real in a functor with
+  /// `element_parameters`.
+  SUTURE_INLINE auto parameter(int i) const {
     SUTURE_DETAIL_CHECK_INDEX(parameter, i, detail::parameter_count<Model>());
-    return context_->parameters[i];
+    if constexpr (detail::reads_element_parameters<Model, Functor>) {
+      return parameters()[i];
+    } else {
+      if (__builtin_constant_p(i) && detail::element_places<Model>[i] >= 0)
+        detail::parameter_differs_between_elements();
+      return context_->parameters[i];
+    }
   }
-  /// All parameters, for functions that take `values`.
-  suture::values parameters() const { return suture::values(context_); }
-  /// What Model::prepare stored: computed once, read by every cell.
-  SUTURE_INLINE const constants_of<Model>& constants() const {
+  /// All parameters, for functions that take `values` or, where they may differ from element to
+  /// element, anything with p[i] and p.direction(i).
+  SUTURE_INLINE auto parameters() const {
+    if constexpr (detail::reads_element_parameters<Model, Functor>)
+      return element_values<real, Model, stride>(context_, batch_->cell_columns, lane_);
+    else
+      return suture::values(context_);
+  }
+  /// Those that are the same in all cells.
+  suture::values uniform_parameters() const { return suture::values(context_); }
+  /// What Model::prepare derived from the parameters, once for the instance or once per element.
+  SUTURE_INLINE decltype(auto) constants() const {
     static_assert(detail::has_prepare<Model>,
                   "constants() is not available: give the model a struct Constants and a function "
                   "`static void prepare(const suture::setup&, Constants&)`");
-    return static_cast<const prepared<Model>*>(context_->instance)->constants;
+    if constexpr (detail::varies<Model>) {
+      static_assert(detail::reads_element_constants<Model, Functor>,
+                    "the parameters of this model may differ from element to element: declare "
+                    "`template <class R> struct Constants`, and in the functor, which must be on "
+                    "volumes, `static constexpr bool element_parameters = true`");
+      return from_column<typename Model::template Constants<real>>(0);
+    } else {
+      return static_cast<const constants_of<Model>&>(
+          static_cast<const prepared<Model>*>(context_->instance)->constants);
+    }
   }
   /// What the layer between the host and the model has derived from the parameters.
-  SUTURE_INLINE const auto& added_constants() const {
-    return static_cast<const prepared<Model>*>(context_->instance)->added;
+  SUTURE_INLINE decltype(auto) added_constants() const {
+    if constexpr (detail::varies<Model>)
+      return from_column<typename Model::template added_constants_of<real>>(
+          detail::leading_columns<Model, Functor> - 1);
+    else
+      return static_cast<const typename Model::added_constants&>(
+          static_cast<const prepared<Model>*>(context_->instance)->added);
   }
 
   // ---- results ----
@@ -267,7 +334,18 @@ class cell {
     static_assert(index >= 0,
                   "column() is not declared: name the column in the functor's "
                   "`cell_columns = suture::columns(...)`");
-    return index;
+    return detail::leading_columns<Model, Functor> + index;
+  }
+
+  /// An aggregate of reals from the components of a column.
+  template <class Struct>
+  SUTURE_INLINE Struct from_column(int which) const {
+    return from_column<Struct>(which, std::make_index_sequence<sizeof(Struct) / sizeof(real)>());
+  }
+  template <class Struct, std::size_t... I>
+  SUTURE_INLINE Struct from_column(int which, std::index_sequence<I...>) const {
+    const element* const p = batch_->cell_columns[which] + lane_;
+    return Struct{load<real>(p + I * stride)...};
   }
 
   template <class R>

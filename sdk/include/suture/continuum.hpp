@@ -35,7 +35,10 @@
 //   stress(F, p) -> mat3<T>  first Piola-Kirchhoff stress P = dW/dF, Pa
 // Without stress(), P is computed from energy() on dual numbers, at nine times the
 // cost; without energy(), no energies are offered. `p` is the model's Constants if
-// it declares them, else its parameters by index.
+// it declares them, else its parameters by index. Of parameters that may differ from
+// element to element (per_element(), direction()), a law receives those of its element:
+// p[i], p.direction(i), or `template <class R> struct Constants`; density() and isotropic()
+// are then templates, too.
 //
 // A model may also have
 //   static constexpr suture::element_type default_element
@@ -128,6 +131,7 @@ template <class M, class Shape>
 struct continuum_law : on_volumes {
   static_assert(check_law<M>());
   static constexpr const char* doc = "Nodal forces of the stress";
+  static constexpr bool element_parameters = varies<M>;
   static constexpr bool single_tangent = true;
 
   template <class Cell>
@@ -179,7 +183,7 @@ struct continuum_law : on_volumes {
   template <class Cell, class Work>
   static SUTURE_INLINE void points(const Cell& c, Work&& work) {
     if constexpr (has_points<M>)
-      if (M::points(c.parameters()) == 3) return work(std::integral_constant<int, 3>());
+      if (M::points(c.uniform_parameters()) == 3) return work(std::integral_constant<int, 3>());
     work(std::integral_constant<int, 2>());
   }
 
@@ -200,7 +204,7 @@ struct continuum_law : on_volumes {
   static SUTURE_INLINE void force_on(const Cell& c, const vec3<T> (&x)[8], const Geometry& g,
                                      vec3<T> (&f)[8]) {
     if constexpr (is_isotropic<M> && is_box<Geometry>) {
-      const lame constants = M::isotropic(material<M>(c));
+      const auto constants = M::isotropic(material<M>(c));
       isotropic_box_force<Q>(x, g, T(constants.lambda), T(constants.mu), f);
     } else {
       internal_force<Q>(
@@ -221,7 +225,7 @@ struct continuum_law : on_volumes {
       dx[i / 3][i % 3] = moving[i / 3][i % 3].derivative;
     }
     if constexpr (is_isotropic<M> && is_box<Geometry>) {
-      const lame constants = M::isotropic(material<M>(c));
+      const auto constants = M::isotropic(material<M>(c));
       isotropic_box_tangent<Q>(x, dx, g, R(constants.lambda), R(constants.mu), df);
     } else {
       internal_tangent<Q>(
@@ -295,7 +299,8 @@ struct general_hexahedra : continuum_functor<M, general_hexahedra<M>> {
 template <class M, int Point>
 constexpr attribute inverse_at(const char* name) {
   return volume_attribute(name, "1/m", "J^-1 of the rest shape at this Gauss point, row-major", 9)
-      .from_volumes(contribution<M, point_inverse<Point>>);
+      .from_volumes(contribution<M, point_inverse<Point>>)
+      .internal();
 }
 
 template <class M>
@@ -341,7 +346,8 @@ struct continuum : model {
   static constexpr std::uint32_t flags = SUTURE_CONTINUUM;
   static constexpr attribute attributes[11] = {
       volume_attribute("inverse_jacobian", "1/m", "J^-1 of the rest shape, row-major", 9)
-          .from_volumes(contribution<M, detail::inverse_jacobian>),
+          .from_volumes(contribution<M, detail::inverse_jacobian>)
+          .internal(),
       vertex_attribute("mass", "kg", "An eighth of the mass of every incident element")
           .from_volumes(contribution<M, detail::lumped_mass<M>>)
           .flag(SUTURE_SHARED_MASS),
@@ -354,7 +360,8 @@ struct continuum : model {
       detail::inverse_at<M, 6>("inverse_jacobian_6"),
       detail::inverse_at<M, 7>("inverse_jacobian_7"),
       volume_attribute("jacobians", "m^3", "det J at the 8 Gauss points, x fastest", 8)
-          .from_volumes(contribution<M, detail::point_measures>)};
+          .from_volumes(contribution<M, detail::point_measures>)
+          .internal()};
   using functors =
       list<detail::parallelepipeds<M>, detail::stored_hexahedra<M>, detail::general_hexahedra<M>,
            detail::mean_gradient_parallelepipeds<M>, detail::mean_gradient_hexahedra<M>>;
@@ -363,6 +370,8 @@ struct continuum : model {
   static element_type element_of(const values& p) { return detail::element_of<M>(p); }
 
   using added_constants = rest_moduli;
+  template <class R>
+  using added_constants_of = rest_moduli_of<R>;
   static constexpr std::array<parameter, 1> added_parameters() {
     return {choice("element",
                    "trilinear: the law at each Gauss point; mean-gradient: once per element, at "
@@ -370,8 +379,9 @@ struct continuum : model {
                    element_names)
                 .or_else(int(detail::default_element_of<M>()))};
   }
-  static void prepare_added(const setup& p, prepared<M>& memory) {
-    detail::prepare_element<M>(p, memory);
+  template <class Material>
+  static void prepare_added(const setup& p, const Material& material, rest_moduli& moduli) {
+    detail::prepare_element<M>(p, material, moduli);
   }
 };
 

@@ -28,6 +28,12 @@ struct parameter : suture_parameter {
     return with_range(minimum, x, SUTURE_MAXIMUM_EXCLUDED);
   }
   constexpr parameter at_most(double x) const { return with_range(minimum, x, 0); }
+  /// The scene may give every element its own value.
+  constexpr parameter per_element() const {
+    parameter p = *this;
+    p.flags |= SUTURE_PER_ELEMENT;
+    return p;
+  }
   constexpr parameter or_else(double x) const {
     parameter p = *this;
     p.default_value = x;
@@ -60,6 +66,11 @@ constexpr parameter make_parameter(suture_parameter_type type, const char* name,
 }
 constexpr parameter number(const char* name, const char* unit, const char* doc) {
   return make_parameter(SUTURE_NUMBER, name, unit, doc);
+}
+/// A unit vector, such as the direction of fibres in an element; the scene may give any length but
+/// zero.
+constexpr parameter direction(const char* name, const char* doc) {
+  return make_parameter(SUTURE_DIRECTION, name, "1", doc).per_element();
 }
 constexpr parameter integer(const char* name, const char* doc) {
   return make_parameter(SUTURE_INTEGER, name, "1", doc);
@@ -124,6 +135,8 @@ struct attribute : suture_attribute {
   }
   constexpr attribute output() const { return flag(SUTURE_OUTPUT); }
   constexpr attribute trial() const { return flag(SUTURE_TRIAL); }
+  /// Of no interest to users: `suture describe` does not list it.
+  constexpr attribute internal() const { return flag(SUTURE_INTERNAL); }
   constexpr attribute flag(std::uint32_t bits) const {
     attribute a = *this;
     a.flags |= bits;
@@ -186,6 +199,11 @@ struct functor_defaults {
   /// Whether the force depends on differences of positions and of rest positions only, so that a
   /// tangent in single precision can be offered (suture/single.h).
   static constexpr bool single_tangent = false;
+  static constexpr bool contributes = false;  ///< true for contributions, set by the layer
+  /// On volumes: whether parameters that differ from element to element are read.
+  static constexpr bool element_parameters = false;
+  /// The same for what the layer above derives from them (model::added_constants).
+  static constexpr bool added_element_constants = false;
   static constexpr column_list<> cell_columns{};
   static constexpr column_list<> vertex_columns{};
 };
@@ -245,7 +263,9 @@ struct list {};
 
 /// Base of a model: the defaults of its optional members, and what a layer above this one
 /// (continuum.hpp) adds to an author's model: parameters, which follow the author's, and
-/// constants derived from all of them by prepare_added(setup, prepared<M>&).
+/// constants derived from all of them by prepare_added(setup, parameters or Constants,
+/// added_constants&); where these may differ from element to element, they are an aggregate of at
+/// most nine numbers, added_constants_of<R>.
 struct model {
   static constexpr std::uint32_t flags = 0;
   using added_constants = no_constants;

@@ -87,11 +87,15 @@ SUTURE_INLINE void scatter(const nodal_modes<T>& m, vec3<T> (&f)[8]) {
 
 // -------------------------------------------------------------- stiffness --
 
-/// Isotropic moduli of a law at rest.
-struct rest_moduli {
-  double young, poisson;  ///< Pa, 1
-  double shear, plane;    ///< mu and E / (1 - nu^2), Pa
+/// Isotropic moduli of a law at rest, with the fractions that the hourglass stiffness consists of.
+template <class R>
+struct rest_moduli_of {
+  R poisson;
+  R shear, plane;                           ///< mu and E / (1 - nu^2), Pa
+  R young_ninth;                            ///< E / 9
+  R plane_third, cross_third, shear_third;  ///< plane / 3, plane nu / 3, mu / 3
 };
+using rest_moduli = rest_moduli_of<double>;
 
 /// Es(e) = e.K e / 2. Axis I gives the plane of the axes a and b that follow it the
 /// strains e_ba, e_ab and e_aa + e_bb, which vary with xi_I, and the strain e_4I, which
@@ -100,21 +104,23 @@ template <class R, bool Orthogonal>
 class hourglass_stiffness {
  public:
   /// Of a box: `h` holds 1 / (edge sum)^2.
-  SUTURE_INLINE hourglass_stiffness(const vec3<R>& h, const rest_moduli& m, const R& volume) {
+  template <class Moduli>
+  SUTURE_INLINE hourglass_stiffness(const vec3<R>& h, const Moduli& m, const R& volume) {
     static_assert(Orthogonal);
     for (int i = 0; i < 3; ++i) {
       const int a = (i + 1) % 3, b = (i + 2) % 3;
-      const R weight = volume * (m.plane / 3);
+      const R weight = volume * m.plane_third;
       plane_[i].aa = weight * h[a] * h[a];
       plane_[i].bb = weight * h[b] * h[b];
       const R both = h[a] * h[b] * volume;
-      plane_[i].ab = both * (m.plane * m.poisson / 3);
-      plane_[i].cc = both * (m.shear / 3);
-      twist_[i] = volume * (m.young / 9) * h[i] * h[i];
+      plane_[i].ab = both * m.cross_third;
+      plane_[i].cc = both * m.shear_third;
+      twist_[i] = volume * m.young_ninth * h[i] * h[i];
     }
   }
   /// Of a parallelepiped: `g` holds the products of its edge sums.
-  SUTURE_INLINE hourglass_stiffness(const sym3<R>& g, const rest_moduli& m, const R& volume) {
+  template <class Moduli>
+  SUTURE_INLINE hourglass_stiffness(const sym3<R>& g, const Moduli& m, const R& volume) {
     static_assert(!Orthogonal);
     for (int i = 0; i < 3; ++i) {
       const int a = (i + 1) % 3, b = (i + 2) % 3;
@@ -123,7 +129,7 @@ class hourglass_stiffness {
       // Stress s on ii, t on ab, such that the strain of ab is 0: t = -s skew / shear.
       const R skew = (1 + m.poisson) * (g(i, a) * g(i, b)) - m.poisson * (ab * g(i, i));
       const R shear = (1 + m.poisson) * (aa * bb) + (1 - m.poisson) * (ab * ab);
-      twist_[i] = volume * (m.young / 9) * shear *
+      twist_[i] = volume * m.young_ninth * shear *
                   reciprocal(g(i, i) * g(i, i) * shear - 2.0 * (skew * skew));
     }
   }
@@ -156,8 +162,9 @@ class hourglass_stiffness {
     R aa, bb, ab, cc, ac, bc;  // strains 11, 22 and twice 12; boxes have no ac, bc
   };
   /// Plane stress in the plane of two edges with the products aa, bb, ab.
-  static SUTURE_INLINE plane plane_stress(const R& aa, const R& bb, const R& ab,
-                                          const rest_moduli& m, const R& weight) {
+  template <class Moduli>
+  static SUTURE_INLINE plane plane_stress(const R& aa, const R& bb, const R& ab, const Moduli& m,
+                                          const R& weight) {
     const R inverse = reciprocal(aa * bb - ab * ab);
     const R h11 = bb * inverse, h22 = aa * inverse, h12 = -ab * inverse;
     const R normal = weight * m.plane, cross = weight * (m.plane * m.poisson),
@@ -190,7 +197,8 @@ struct box_rest {
   R volume;
   hourglass_stiffness<R, true> stiffness;
 
-  SUTURE_INLINE static box_rest of(const vec3<R>& inverse, const rest_moduli& m, double share) {
+  template <class Moduli>
+  SUTURE_INLINE static box_rest of(const vec3<R>& inverse, const Moduli& m, double share) {
     const vec3<R> sum{reciprocal(inverse[0]), reciprocal(inverse[1]), reciprocal(inverse[2])};
     const R volume = sum[0] * sum[1] * sum[2] * (1.0 / 64);
     return {inverse, squares(sum), volume, {squares(inverse), m, volume * share}};
@@ -229,8 +237,9 @@ struct parallelepiped_rest {
   hourglass_stiffness<R, false> stiffness;
 
   /// `edges` holds the edge sums E.
+  template <class Moduli>
   SUTURE_INLINE parallelepiped_rest(const mat3<R>& edges, const mat3<R>& inverse_edges, const R& v,
-                                    const rest_moduli& m, double share)
+                                    const Moduli& m, double share)
       : inverse(inverse_edges),
         volume(v),
         metric(squares(edges)),
@@ -276,8 +285,8 @@ template <class R>
 struct hexahedron_rest : parallelepiped_rest<R> {
   vec3<R> gamma[4], beta[3];
 
-  static SUTURE_INLINE hexahedron_rest of(const vec3<R> (&X)[8], const rest_moduli& m,
-                                          double share) {
+  template <class Moduli>
+  static SUTURE_INLINE hexahedron_rest of(const vec3<R> (&X)[8], const Moduli& m, double share) {
     const nodal_modes<R> rest = modes_of(X);
     const mat3<R> cof = cofactor(rest.edge);
     const R d = dot(rest.edge.column[0], cof.column[0]);
@@ -311,8 +320,9 @@ struct hexahedron_rest : parallelepiped_rest<R> {
   }
 
  private:
+  template <class Moduli>
   SUTURE_INLINE hexahedron_rest(const mat3<R>& edges, const mat3<R>& inverse_edges,
-                                const R& centre_volume, const vec3<R> (&g)[4], const rest_moduli& m,
+                                const R& centre_volume, const vec3<R> (&g)[4], const Moduli& m,
                                 double share)
       : parallelepiped_rest<R>(edges, inverse_edges, centre_volume * ratio(g), m, share),
         gamma{g[0], g[1], g[2], g[3]} {

@@ -30,7 +30,8 @@
 //     parameters[]                          suture::parameter
 //     attributes[]                          suture::attribute
 //     functors                              suture::list<...>
-//     Constants, prepare(setup, Constants&) what functors derive from parameters
+//     Constants, prepare(setup, Constants&) what functors derive from parameters; if these may
+//                                           differ from element to element, Constants<R>
 // Members of a functor, besides those of its base (on_vertices, on_edges, on_faces,
 // on_volumes):
 //   M force(Cell&)                          sets the force on every node
@@ -41,6 +42,8 @@
 //     fields[], output(const Cell&, results&)
 //     inspect(const Cell&)                  reports on rest shapes
 //     enabled(values, uint32_t& reads)   -> bool
+//     element_parameters                    bool: on volumes, parameters that may differ from
+//                                           element to element are read
 //     alternative                           number of a group of which only one runs
 // Members that are present are offered to the host; a function with one of these names
 // that cannot be called as shown is a compile-time error. The tangent is always offered,

@@ -77,16 +77,22 @@ typedef struct suture_error {
 /* ---------------------------------------------------------------- tables -- */
 
 enum suture_parameter_type {
-  SUTURE_NUMBER = 0,  /* any double in [minimum, maximum] */
-  SUTURE_INTEGER = 1, /* a double with an integral value */
-  SUTURE_BOOLEAN = 2, /* 0 or 1 */
-  SUTURE_CHOICE = 3   /* index into choices */
+  SUTURE_NUMBER = 0,   /* any double in [minimum, maximum] */
+  SUTURE_INTEGER = 1,  /* a double with an integral value */
+  SUTURE_BOOLEAN = 2,  /* 0 or 1 */
+  SUTURE_CHOICE = 3,   /* index into choices */
+  SUTURE_DIRECTION = 4 /* a unit vector, normalised by the host; always SUTURE_PER_ELEMENT */
 };
 
 enum suture_parameter_flag {
   SUTURE_REQUIRED = 1u << 0,         /* no default: the scene must set it */
   SUTURE_MINIMUM_EXCLUDED = 1u << 1, /* value > minimum, not >= */
-  SUTURE_MAXIMUM_EXCLUDED = 1u << 2
+  SUTURE_MAXIMUM_EXCLUDED = 1u << 2,
+  /* Numbers and directions only: the value may differ from element to element. The model
+   * has an attribute of dimension 3 with the same name, 1 component (a direction: 3) and
+   * the flag SUTURE_PARAMETER, whose column holds the values. Where they differ, and for
+   * directions, suture_context.parameters holds NaN. */
+  SUTURE_PER_ELEMENT = 1u << 3
 };
 
 /* One parameter of a model, as `suture describe` prints it. The host reads the
@@ -118,14 +124,20 @@ typedef struct suture_parameter {
 enum suture_policy { SUTURE_COPY = 0, SUTURE_ZERO = 1, SUTURE_SHARE = 2, SUTURE_FROM_VOLUMES = 3 };
 
 enum suture_attribute_flag {
-  SUTURE_OUTPUT = 1u << 0,     /* a scene may request it as a field of frames */
-  SUTURE_TRIAL = 1u << 1,      /* state: a pair (accepted, trial). Functors read
-                                  the first and write the second; the two are
-                                  swapped when the step is accepted, and the
-                                  second is discarded when it is rejected. Part
-                                  of every checkpoint */
-  SUTURE_SHARED_MASS = 1u << 2 /* not a separate column: the contributions are
-                                  summed into the kernel's vertex mass */
+  SUTURE_OUTPUT = 1u << 0,          /* a scene may request it as a field of frames */
+  SUTURE_TRIAL = 1u << 1,           /* state: a pair (accepted, trial). Functors read
+                                       the first and write the second; the two are
+                                       swapped when the step is accepted, and the
+                                       second is discarded when it is rejected. Part
+                                       of every checkpoint */
+  SUTURE_SHARED_MASS = 1u << 2,     /* not a separate column: the contributions are
+                                       summed into the kernel's vertex mass */
+  SUTURE_PARAMETER = 1u << 3,       /* the values of the parameter of this name, which is
+                                       SUTURE_PER_ELEMENT; policy COPY */
+  SUTURE_FROM_PARAMETERS = 1u << 4, /* dimension 3: the contribution depends on parameters
+                                       only, and is computed once if these are uniform */
+  SUTURE_INTERNAL = 1u << 5         /* of no interest to users: not listed, and a scene
+                                       cannot set it */
 };
 
 /* The types of cells for which functors and contributions are written. */
@@ -144,7 +156,8 @@ struct suture_batch;
  * runs over the 8 vertices X0..X7 (dimension 0), the 12 edges (dimension 1, order of
  * suture_hexahedron_edges), the 6 faces (dimension 2, order of
  * suture_hexahedron_faces) or the cell itself (dimension 3, k = 0).
- * The batch holds only rest positions and cell ids.
+ * The batch holds only rest positions, cell ids and, in cell_columns, the attributes
+ * with SUTURE_PARAMETER in the order of the model's list (NULL if there are none).
  * [worker] at the start and after each operation, for the cells that it touched. */
 typedef suture_status (*suture_contribution_fn)(const struct suture_context* context,
                                                 const struct suture_batch* batch, double* out);
@@ -225,7 +238,8 @@ typedef struct suture_host {
    * instance). The user sees it once per severity and `key`, with the number of
    * cells and the first of them; after an ERROR the scene is refused. `key` is a
    * short, stable word ("negative-stiffness"), `text` one sentence that includes
-   * the remedy. Allowed in prepare and suture_inspect_1 only. Any thread. */
+   * the remedy. Allowed in prepare, contributions with SUTURE_FROM_PARAMETERS and
+   * suture_inspect_1 only. Any thread. */
   void (*report)(const struct suture_context* context, int32_t severity, uint32_t cell,
                  const char* key, const char* text);
   /* True if the host supports the extension. Any thread. */
@@ -236,7 +250,7 @@ typedef struct suture_host {
 typedef struct suture_context {
   uint32_t size;
   uint32_t parameter_count;
-  const double* parameters; /* in declared order */
+  const double* parameters; /* in declared order; NaN: see SUTURE_PER_ELEMENT */
   const void* instance;     /* what prepare() stored, or NULL */
   const suture_host* host;
   suture_error* error; /* fill before returning a status != 0 */

@@ -45,7 +45,8 @@ typedef struct suture_tangent_single_1 {
   uint32_t size;
   uint32_t lanes;   /* SUTURE_SINGLE_LANES */
   uint32_t reads;   /* suture_read bits: what is gathered here, whatever the functor reads */
-  uint32_t columns; /* 1: the functor's columns are gathered, too; 0: the lists are NULL */
+  uint32_t columns; /* how many of the functor's cell columns are gathered, from the first;
+                       UINT32_MAX: all, and those of vertices. Lists of none are NULL */
   suture_status (*apply)(const suture_context* context, const suture_single_batch* batch,
                          const float* dx, const float* dv, float* df);
 } suture_tangent_single_1;

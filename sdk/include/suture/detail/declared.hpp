@@ -5,11 +5,13 @@
 #ifndef SUTURE_DETAIL_DECLARED_HPP
 #define SUTURE_DETAIL_DECLARED_HPP
 
+#include <array>
 #include <iterator>
 #include <string_view>
 #include <type_traits>
 
 #include "suture/columns.hpp"
+#include "suture/plugin.h"
 #include "suture/simd.hpp"
 
 #if defined(__has_attribute)
@@ -93,6 +95,65 @@ constexpr bool declares_parameter([[maybe_unused]] std::string_view name) {
       if (name == p.name) return true;
   return false;
 }
+// Parameters that may differ from element to element.
+template <class M>
+constexpr bool is_per_element([[maybe_unused]] std::size_t i) {
+  if constexpr (has_parameters<M>)
+    return i < parameter_count<M>() && (M::parameters[i].flags & SUTURE_PER_ELEMENT) != 0;
+  else
+    return false;
+}
+template <class M>
+constexpr std::size_t element_parameter_count() {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < parameter_count<M>(); ++i) count += is_per_element<M>(i) ? 1 : 0;
+  return count;
+}
+template <class M>
+inline constexpr bool varies = element_parameter_count<M>() != 0;
+
+/// Parameter -> its place among those that may differ, or -1.
+template <class M>
+constexpr auto make_element_places() {
+  std::array<int, parameter_count<M>() + 1> places{};
+  int next = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) places[i] = is_per_element<M>(i) ? next++ : -1;
+  return places;
+}
+template <class M>
+inline constexpr auto element_places = make_element_places<M>();
+
+template <class M, class = void>
+inline constexpr bool has_constants_template = false;
+template <class M>
+inline constexpr bool
+    has_constants_template<M, std::void_t<typename M::template Constants<double>>> = true;
+/// What prepare() derives from parameters that differ is itself stored per element.
+template <class M>
+inline constexpr bool has_element_constants = varies<M>&& has_constants_template<M>;
+
+/// Whether functor F reads the parameters of each element; otherwise, what prepare() derives.
+template <class M, class F>
+inline constexpr bool reads_element_parameters = varies<M>&& F::element_parameters &&
+                                                 (F::contributes || !has_element_constants<M>);
+template <class M, class F>
+inline constexpr bool reads_element_constants =
+    has_element_constants<M>&& F::element_parameters && !F::contributes;
+template <class M, class F>
+inline constexpr bool reads_added_constants = varies<M>&& F::added_element_constants;
+
+/// The columns that the layer puts before those that functor F declares.
+template <class M, class F>
+inline constexpr int leading_columns =
+    (reads_element_parameters<M, F> ? int(element_parameter_count<M>()) : 0) +
+    (reads_element_constants<M, F> ? 1 : 0) + (reads_added_constants<M, F> ? 1 : 0);
+
+SUTURE_COMPILE_ERROR(
+    "suture: this parameter may differ from element to element: on volumes, declare `static "
+    "constexpr bool element_parameters = true` in the functor (a model with Constants: read what "
+    "prepare() derives from it); on other cells, read a column that elements contribute to")
+void parameter_differs_between_elements();
+
 template <class M>
 constexpr std::size_t attribute_count() {
   if constexpr (has_attributes<M>)

@@ -5,6 +5,8 @@
 #ifndef SUTURE_DETAIL_FUNCTIONS_HPP
 #define SUTURE_DETAIL_FUNCTIONS_HPP
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <new>
@@ -171,6 +173,7 @@ std::int32_t enabled(const suture_context* context, std::uint32_t* reads) noexce
 /// A hexahedron as a contribution receives it.
 struct contributor : on_volumes {
   static constexpr std::uint32_t reads = SUTURE_READ_REST;
+  static constexpr bool contributes = true, element_parameters = true;
 };
 template <class M, class C>
 suture_status contribute(const suture_context* context, const suture_batch* batch,
@@ -184,12 +187,88 @@ suture_status contribute(const suture_context* context, const suture_batch* batc
 template <class M>
 inline constexpr bool adds_constants = !std::is_same_v<typename M::added_constants, no_constants>;
 
+/// What the layer above derives. `material`: what a law without Constants reads.
+template <class M, class Material>
+void prepare_added(const setup& p, const Material& material, prepared<M>& memory) {
+  if constexpr (std::is_same_v<constants_of<M>, no_constants>)
+    M::prepare_added(p, material, memory.added);
+  else
+    M::prepare_added(p, memory.constants, memory.added);
+}
+
 template <class M>
 suture_status prepare(const suture_context* context, void* instance) noexcept {
   return guarded<suture_batch>(context, nullptr, [&] {
     auto& memory = *new (instance) prepared<M>();
-    if constexpr (has_prepare<M>) M::prepare(setup(context), memory.constants);
-    if constexpr (adds_constants<M>) M::prepare_added(setup(context), memory);
+    const setup p(context);
+    if constexpr (has_prepare<M>) M::prepare(p, memory.constants);
+    if constexpr (adds_constants<M> && !varies<M>)
+      prepare_added<M>(p, static_cast<const values&>(p), memory);
+  });
+}
+
+/// The parameters of one element, as those of an instance. `reports`: whether findings are passed
+/// on.
+template <class M>
+struct element_context {
+  suture_context context;
+  suture_host host;
+  std::array<double, parameter_count<M>() + M::added_parameters().size()> numbers;
+
+  element_context(const suture_context& of_instance, const suture_batch& batch, int lane,
+                  bool reports)
+      : context(of_instance), host(*of_instance.host) {
+    for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = of_instance.parameters[i];
+    for (std::size_t i = 0; i < parameter_count<M>(); ++i)
+      if (is_per_element<M>(i) && M::parameters[i].type != SUTURE_DIRECTION)
+        numbers[i] = batch.cell_columns[element_places<M>[i]][lane];
+    context.parameters = numbers.data();
+    if (reports) return;
+    host.report = [](const suture_context*, std::int32_t, std::uint32_t, const char*, const char*) {
+    };
+    context.host = &host;
+  }
+  element_context(const element_context&) = delete;
+};
+
+/// Fills what element `lane` of the batch stores: Constants or, if `Added`, what is derived from
+/// them. Findings name the element only where the parameters differ.
+template <class M, bool Added>
+void derive_of_element(const suture_context* context, const suture_batch* batch, int lane,
+                       bool uniform, double* out) {
+  const std::uint32_t cell = uniform ? UINT32_MAX : batch->cell_ids[lane];
+  const element_context<M> element(*context, *batch, lane, true);
+  prepared<M> memory{};
+  if constexpr (has_element_constants<M>) {
+    const element_context<M> silent(*context, *batch, lane, false);  // said for Constants already
+    M::prepare(setup(Added ? &silent.context : &element.context, cell), memory.constants);
+  }
+  if constexpr (Added)
+    prepare_added<M>(
+        setup(&element.context, cell),
+        element_values<double, M, int(SUTURE_LANES)>(context, batch->cell_columns, lane), memory);
+  if constexpr (Added)
+    std::memcpy(out, &memory.added, sizeof memory.added);
+  else
+    std::memcpy(out, &memory.constants, sizeof memory.constants);
+}
+
+template <class M, bool Added>
+suture_status element_constants(const suture_context* context, const suture_batch* batch,
+                                double* out) noexcept {
+  return guarded(context, batch, [&] {
+    constexpr int lanes = SUTURE_LANES;
+    double row[9];
+    const std::size_t count =
+        (Added ? sizeof(prepared<M>::added) : sizeof(prepared<M>::constants)) / sizeof(double);
+    const double* const p = context->parameters;
+    const bool uniform =
+        std::none_of(p, p + context->parameter_count, [](double x) { return std::isnan(x); });
+    for (int lane = 0; lane < lanes; ++lane) {
+      if (lane == 0 || (!uniform && lane < int(batch->valid)))
+        derive_of_element<M, Added>(context, batch, lane, uniform, row);
+      for (std::size_t i = 0; i < count; ++i) out[i * lanes + std::size_t(lane)] = row[i];
+    }
   });
 }
 

@@ -12,9 +12,11 @@
 namespace suture {
 
 /// Lame's constants, Pa.
-struct lame {
-  double lambda, mu;
+template <class R>
+struct lame_of {
+  R lambda, mu;
 };
+using lame = lame_of<double>;
 
 /// The elements of continuum.hpp, and their names in a scene.
 enum class element_type { trilinear, mean_gradient };
@@ -24,8 +26,9 @@ namespace detail {
 
 /// What a law receives as `p`: the model's constants, or its parameters.
 template <class M>
-using material_of =
-    std::conditional_t<std::is_same_v<constants_of<M>, no_constants>, values, constants_of<M>>;
+using material_of = std::conditional_t<
+    !std::is_same_v<constants_of<M>, no_constants>, constants_of<M>,
+    std::conditional_t<varies<M>, element_values<native, M, int(SUTURE_LANES)>, values>>;
 template <class M, class Cell>
 SUTURE_INLINE decltype(auto) material(const Cell& c) {
   if constexpr (std::is_same_v<constants_of<M>, no_constants>)
@@ -126,7 +129,7 @@ SUTURE_INLINE mat3<T> law_stress(const mat3<T>& F, const Material& p) {
 template <class M, class T, class Material>
 SUTURE_INLINE mat3<T> law_tangent(const mat3<T>& F, const mat3<T>& dF, const Material& p) {
   if constexpr (is_isotropic<M>) {
-    const lame constants = M::isotropic(p);
+    const auto constants = M::isotropic(p);
     return isotropic_tangent(F, dF, T(constants.lambda), T(constants.mu));
   } else {
     mat3<dual<T>> G;
@@ -182,7 +185,8 @@ lame lame_at_rest(const Material& p) {
 
 inline rest_moduli moduli_of(const lame& c) {
   const double nu = c.lambda / (2 * (c.lambda + c.mu)), young = 2 * c.mu * (1 + nu);
-  return {young, nu, c.mu, young / (1 - nu * nu)};
+  const double plane = young / (1 - nu * nu);
+  return {nu, c.mu, plane, young / 9, plane / 3, plane * nu / 3, c.mu / 3};
 }
 
 /// False for NaN, too.

@@ -10,26 +10,23 @@
 namespace suture::detail {
 
 /// Derives the moduli of the hourglass energy, if the scene chooses this element.
-template <class M>
-void prepare_element(const setup& p, prepared<M>& memory) {
+template <class M, class Material>
+void prepare_element(const setup& p, const Material& material, rest_moduli& moduli) {
   if (is_trilinear<M>(p)) return;
-  lame constants{};
-  if constexpr (std::is_same_v<constants_of<M>, no_constants>)
-    constants = lame_at_rest<M>(static_cast<const values&>(p));
-  else
-    constants = lame_at_rest<M>(memory.constants);
+  const lame constants = lame_at_rest<M>(material);
   if (!is_stable(constants))
-    p.refuse("no-stiffness-at-rest",
-             "the law has no positive stiffness at F = I (lambda = " +
-                 std::to_string(constants.lambda) + " Pa, mu = " + std::to_string(constants.mu) +
-                 " Pa), by which mean-gradient elements resist hourglassing: check the "
-                 "parameters, or set \"element\": \"trilinear\"");
+    return p.refuse(
+        "no-stiffness-at-rest",
+        "the law has no positive stiffness at F = I (lambda = " + std::to_string(constants.lambda) +
+            " Pa, mu = " + std::to_string(constants.mu) +
+            " Pa), by which mean-gradient elements resist hourglassing: check the parameters, or "
+            "set \"element\": \"trilinear\"");
   if constexpr (has_points<M>)
     if (M::points(p) != 2)
       p.warn("points-not-used",
              "mean-gradient elements evaluate the law at one point: the number of Gauss points "
              "has no effect");
-  memory.added = moduli_of(constants);
+  moduli = moduli_of(constants);
 }
 
 /// What parallelepipeds and general hexahedra have in common. `Shape` provides
@@ -38,6 +35,7 @@ template <class M, class Shape>
 struct mean_gradient_law : on_volumes {
   static_assert(check_law<M>());
   static constexpr const char* doc = "Nodal forces of the stress at the mean gradient";
+  static constexpr bool element_parameters = varies<M>, added_element_constants = varies<M>;
   static constexpr bool both = has_both_halves<M>();
   static constexpr double share = hourglass_share<both>;
   static constexpr auto fields = fields_of_law<M>();
@@ -115,7 +113,7 @@ struct mean_gradient_parallelepipeds : mean_gradient_functor<M, mean_gradient_pa
   template <class Cell, class Work>
   static SUTURE_INLINE void with_rest(const Cell& c, Work&& work) {
     using R = typename Cell::real;
-    const rest_moduli& m = c.added_constants();
+    const auto& m = c.added_constants();
     mat3<R> inverse_j;  // of edges, a quarter of the edge sums
     R skew(0.0);
     for (int i = 0; i < 9; ++i) {

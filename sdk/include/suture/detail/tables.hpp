@@ -21,6 +21,19 @@ struct contribution_table {
                                            &contribute<M, C>};
 };
 
+/// What each element stores of what is derived from its parameters: Constants or, if `Added`, those
+/// of the layer above.
+template <class M, bool Added>
+struct element_constants_table {
+  using stored = std::conditional_t<Added, typename M::added_constants, constants_of<M>>;
+  static constexpr int components = int(sizeof(stored) / sizeof(double));
+  static_assert(components >= 1 && components <= 9 && components * sizeof(double) == sizeof(stored),
+                "Constants of a model with parameters that may differ from element to element must "
+                "be an aggregate of 1 to 9 numbers");
+  static constexpr suture_contribution row{sizeof(suture_contribution), SUTURE_HEXAHEDRON,
+                                           &element_constants<M, Added>};
+};
+
 /// The extension `id` of functor F, or NULL.
 template <class M, class F>
 const void* extension(const char* id) noexcept {
@@ -32,11 +45,13 @@ const void* extension(const char* id) noexcept {
   }
   if constexpr (F::single_tangent) {
     using Single = typename functor_in_single<F>::type;
-    constexpr bool has_columns =
-        Single::cell_columns.places.size() + Single::vertex_columns.places.size() != 0;
-    static constexpr suture_tangent_single_1 table{
-        sizeof(suture_tangent_single_1), SUTURE_SINGLE_LANES, Single::reads, has_columns ? 1u : 0u,
-        &single_tangent<M, Single>};
+    constexpr std::uint32_t columns =
+        Single::cell_columns.places.size() + Single::vertex_columns.places.size() != 0
+            ? UINT32_MAX
+            : std::uint32_t(leading_columns<M, Single>);
+    static constexpr suture_tangent_single_1 table{sizeof(suture_tangent_single_1),
+                                                   SUTURE_SINGLE_LANES, Single::reads, columns,
+                                                   &single_tangent<M, Single>};
     if (is(SUTURE_TANGENT_SINGLE_1)) return &table;
   }
   if constexpr (has_energy<F, Cell>) {
@@ -69,6 +84,30 @@ struct functors_of_model<M, std::void_t<typename M::functors>> {
   using type = typename M::functors;
 };
 
+// The attributes of the layer follow those of the author: parameters of each element, what
+// prepare() derives from them, and what the layer above derives.
+template <class M>
+inline constexpr std::size_t added_attribute_count = element_parameter_count<M>() +
+                                                     (has_element_constants<M> ? 1 : 0) +
+                                                     (varies<M> && adds_constants<M> ? 1 : 0);
+
+/// The columns of a functor: those of the layer, then those that it declares.
+template <class M, class F>
+constexpr auto make_functor_columns() {
+  constexpr auto& declared = F::cell_columns.places;
+  std::array<std::uint32_t, leading_columns<M, F> + declared.size()> all{};
+  std::size_t at = 0;
+  constexpr std::size_t first = attribute_count<M>(), count = element_parameter_count<M>();
+  if (reads_element_parameters<M, F>)
+    for (; at < count; ++at) all[at] = std::uint32_t(first + at);
+  if (reads_element_constants<M, F>) all[at++] = std::uint32_t(first + count);
+  if (reads_added_constants<M, F>) all[at++] = std::uint32_t(first + added_attribute_count<M> - 1);
+  for (const std::uint32_t place : declared) all[at++] = place;
+  return all;
+}
+template <class M, class F>
+inline constexpr auto functor_columns = make_functor_columns<M, F>();
+
 template <class M, class F>
 constexpr suture_functor functor_of() {
   check_functor<M, F>();
@@ -82,9 +121,9 @@ constexpr suture_functor functor_of() {
   f.scalar = 0;
   f.reads = F::reads;
   f.alternative = F::alternative;
-  f.cell_column_count = std::uint32_t(F::cell_columns.places.size());
+  f.cell_column_count = std::uint32_t(functor_columns<M, F>.size());
   f.vertex_column_count = std::uint32_t(F::vertex_columns.places.size());
-  f.cell_columns = F::cell_columns.places.data();
+  f.cell_columns = functor_columns<M, F>.data();
   f.vertex_columns = F::vertex_columns.places.data();
   if constexpr (has_name<F>)
     f.name = F::name;
@@ -104,13 +143,6 @@ struct functor_table<M, list<F...>> {
   static constexpr suture_functor rows[] = {functor_of<M, F>()...};
 };
 
-/// The author's array as one of the C structs.
-template <class C, class Author, std::size_t N>
-constexpr std::array<C, N> rows_of(const Author (&list)[N]) {
-  std::array<C, N> rows{};
-  for (std::size_t i = 0; i < N; ++i) rows[i] = list[i];
-  return rows;
-}
 /// The author's parameters and those that the layer adds.
 template <class M>
 constexpr auto parameter_rows() {
@@ -126,9 +158,41 @@ template <class M>
 struct parameter_table {
   static constexpr auto rows = parameter_rows<M>();
 };
+constexpr attribute attribute_of(const parameter& p) {
+  return volume_attribute(p.name, p.unit, p.doc, p.type == SUTURE_DIRECTION ? 3 : 1)
+      .starts_at(p.default_value)
+      .flag(SUTURE_PARAMETER);
+}
+template <class M, bool Added>
+constexpr attribute derived_attribute(const char* name) {
+  using table = element_constants_table<M, Added>;
+  attribute a =
+      volume_attribute(name, "1", "Derived from the parameters of the element", table::components)
+          .flag(SUTURE_FROM_PARAMETERS | SUTURE_INTERNAL);
+  a.policy = SUTURE_FROM_VOLUMES;
+  a.contribution_count = 1;
+  a.contributions = &table::row;
+  return a;
+}
+/// The author's attributes and those that the layer adds.
+template <class M>
+constexpr auto attribute_rows() {
+  constexpr std::size_t declared = attribute_count<M>();
+  std::array<suture_attribute, declared + added_attribute_count<M>> rows{};
+  if constexpr (has_attributes<M>)
+    for (std::size_t i = 0; i < declared; ++i) rows[i] = M::attributes[i];
+  std::size_t at = declared;
+  for (std::size_t i = 0; i < parameter_count<M>(); ++i)
+    if constexpr (varies<M>)
+      if (is_per_element<M>(i)) rows[at++] = attribute_of(M::parameters[i]);
+  if constexpr (has_element_constants<M>) rows[at++] = derived_attribute<M, false>("constants");
+  if constexpr (varies<M> && adds_constants<M>)
+    rows[at++] = derived_attribute<M, true>("added_constants");
+  return rows;
+}
 template <class M>
 struct attribute_table {
-  static constexpr auto rows = rows_of<suture_attribute>(M::attributes);
+  static constexpr auto rows = attribute_rows<M>();
 };
 
 template <class M>
@@ -150,11 +214,17 @@ constexpr suture_model model_of() {
   m.functors = functors::rows;
   m.parameter_count = std::uint32_t(parameter_table<M>::rows.size());
   m.parameters = parameter_table<M>::rows.data();
-  if constexpr (has_attributes<M>) {
+  if constexpr (attribute_count<M>() + added_attribute_count<M> != 0) {
     m.attribute_count = std::uint32_t(attribute_table<M>::rows.size());
     m.attributes = attribute_table<M>::rows.data();
   }
-  if constexpr (has_prepare<M> || adds_constants<M>) {
+  static_assert(
+      !varies<M> || std::is_same_v<constants_of<M>, no_constants> || has_element_constants<M>,
+      "parameters of this model may differ from element to element, so its Constants do, "
+      "too: declare `template <class R> struct Constants`, an aggregate of numbers R");
+  constexpr bool prepares_instance =
+      varies<M> ? has_prepare<M> && !has_element_constants<M> : has_prepare<M> || adds_constants<M>;
+  if constexpr (prepares_instance) {
     m.prepare = &prepare<M>;
     m.instance_bytes = sizeof(prepared<M>);
     static_assert(

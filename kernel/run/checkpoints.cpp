@@ -9,13 +9,23 @@
 namespace suture {
 namespace {
 
-/// Of the elements and where they are at rest.
+void add(const Column& column, Checksum& sum) {
+  for (Index row = 0; row < column.size(); ++row)
+    for (int c = 0; c < column.spec().components; ++c) {
+      const double value = column.get(row, c);
+      sum.add(std::as_bytes(std::span(&value, 1)));
+    }
+}
+
+/// Of the elements, where they are at rest, and what differs between them.
 std::string hash_of(Body& body) {
   Checksum sum;
   const auto elements = body.complex().vertices();
   sum.add(std::as_bytes(std::span(elements)));
   const Column& rest = body.attributes().rest();
   sum.add(std::as_bytes(std::span(rest.rows(), std::size_t{rest.size()} * 4)));
+  for (const auto& instance : body.attributes().instances())
+    for (const Column* column : instance->columns_given_by_cell()) add(*column, sum);
   return sum.text();
 }
 

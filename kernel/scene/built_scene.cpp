@@ -15,6 +15,7 @@
 #include "kernel/forces/pressures.hpp"
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/mesh/own_origin.hpp"
+#include "kernel/scene/cell_values.hpp"
 #include "kernel/scene/check_selections.hpp"
 #include "kernel/topology/bad_elements.hpp"
 
@@ -28,16 +29,19 @@ Imported import_and_trim(Mesh mesh, const Scene& scene, Diagnostics& diagnostics
   return imported;
 }
 
-Mesh make_mesh(const MeshSource& source, Diagnostics& diagnostics) {
+Mesh make_mesh(const MeshSource& source, const std::set<std::string>& arrays,
+               Diagnostics& diagnostics) {
   if (source.box) return make_local_box(*source.box);
   if (source.voxels) return make_local_voxels(*source.voxels);
-  Mesh mesh = read_mesh(source.file, source.scale, diagnostics);
+  Mesh mesh = read_mesh(source.file, source.scale, diagnostics,
+                        [&](const std::string& name) { return arrays.contains(name); });
   move_to_own_origin(mesh);
   return mesh;
 }
 
-Mesh load_mesh(const MeshSource& source, Diagnostics& diagnostics) {
-  Mesh mesh = make_mesh(source, diagnostics);
+Mesh load_mesh(const Scene& scene, Diagnostics& diagnostics) {
+  const MeshSource& source = scene.mesh;
+  Mesh mesh = make_mesh(source, arrays_of(scene), diagnostics);
   if (source.drop_bad_elements)
     drop_bad_elements(mesh, source.import.allow_inverted_rest, diagnostics);
   return mesh;
@@ -59,7 +63,7 @@ bool stops_on_inversion(const Scene& scene, const ModelUse& use) {
 }  // namespace
 
 BuiltScene::BuiltScene(const Scene& given, Diagnostics& diagnostics, bool skip)
-    : BuiltScene(given, load_mesh(given.mesh, diagnostics), diagnostics, skip) {}
+    : BuiltScene(given, load_mesh(given, diagnostics), diagnostics, skip) {}
 
 BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, bool skip)
     : skips_(skip),
@@ -102,15 +106,29 @@ void BuiltScene::add_models(Diagnostics& diagnostics) {
     complex.require_edges();
     complex.require_faces();
   }
-  for (const ModelUse& use : scene_.models) {
+  std::vector<std::vector<GivenColumn>> given = read_values();
+  for (std::size_t i = 0; i < scene_.models.size(); ++i) {
+    const ModelUse& use = scene_.models[i];
     std::vector<Index> region;
     if (!std::holds_alternative<Selection::All>(use.region.what))
       region = selector_.elements(use.region);
-    body_.attributes().add(
-        std::make_unique<Instance>(*use.model, use.name, use.parameters, diagnostics, skips_),
-        complex, std::move(region));
+    body_.attributes().add(std::make_unique<Instance>(*use.model, use.name, use.parameters,
+                                                      diagnostics, skips_, std::move(given[i])),
+                           complex, std::move(region));
   }
   body_.compile(diagnostics, scene_.solver.threads);
+}
+
+/// What the scene gives to columns of its models; the arrays of the mesh are not needed after that.
+std::vector<std::vector<GivenColumn>> BuiltScene::read_values() {
+  const Column& rest = body_.attributes().rest();
+  const auto place = [&](int dimension, Index cell) {
+    if (dimension == 3) return place_of(cell);
+    return place_text({rest.get(cell, 0), rest.get(cell, 1), rest.get(cell, 2)});
+  };
+  auto given = given_columns(scene_, selector_, body_, names_, place);
+  names_.arrays.clear();
+  return given;
 }
 
 void BuiltScene::add_constraints() {

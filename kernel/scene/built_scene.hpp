@@ -49,6 +49,7 @@ class BuiltScene {
   BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, bool skip);
   void name_elements();
   void add_models(Diagnostics& diagnostics);
+  std::vector<std::vector<GivenColumn>> read_values();
   void add_constraints();
   double shortest_edge(const std::vector<Index>& vertices);
   void add_terms();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
@@ -8,12 +9,6 @@
 
 namespace suture::scene_parts {
 namespace {
-
-Limits limits_of(const suture_parameter& parameter) {
-  return {parameter.unit, parameter.minimum, parameter.maximum,
-          (parameter.flags & SUTURE_MINIMUM_EXCLUDED) != 0,
-          (parameter.flags & SUTURE_MAXIMUM_EXCLUDED) != 0};
-}
 
 // "E (Pa): Young's modulus"
 std::string summary(const suture_parameter& parameter) {
@@ -55,7 +50,10 @@ void read_parameters(const JsonValue& value, const std::string& path, ModelUse& 
     const suture_parameter& parameter = use.model->parameters[i];
     if ((parameter.flags & SUTURE_REQUIRED) != 0)
       object.require(parameter.name, summary(parameter));
-    use.parameters.push_back(read_parameter(object, parameter).value_or(parameter.default_value));
+    if (read_parameter_values(object, parameter, use))
+      use.parameters.push_back(std::numeric_limits<double>::quiet_NaN());
+    else
+      use.parameters.push_back(read_parameter(object, parameter).value_or(parameter.default_value));
   }
   object.finish();
 }
@@ -115,6 +113,7 @@ void read_model(ObjectReader& object, Reading& reading) {
   if (use.model != nullptr) {
     read_parameters(parameters ? *parameters : defaults, object.path_of("parameters"), use,
                     reading.mistakes);
+    read_start(object, use);
   }
   reading.scene.models.push_back(std::move(use));
 }

@@ -34,10 +34,27 @@ struct MeshSource {
 /// What happens when an element inverts.
 enum class OnInversion { by_model, stop, warn };
 
+/// Values of a model's parameter or attribute that the scene does not give as one number: an array
+/// of the mesh, or a table over regions.
+struct CellValues {
+  struct Part {
+    Selection region;
+    std::vector<double> value;
+  };
+  std::uint32_t attribute = 0;                  ///< its place in the model's list
+  const suture_parameter* parameter = nullptr;  ///< whose values these are; else the start
+  std::string path;                             ///< of the value
+  std::string array;                            ///< name; empty: a table
+  double scale = 1;                             ///< factor of the array's values
+  std::vector<Part> parts;                      ///< the last one that contains a cell counts
+  std::vector<double> elsewhere;                ///< empty: the parts must contain all cells
+};
+
 struct ModelUse {
   std::string name;  ///< name of the instance; default: the id, id-2, ...
   const suture_model* model = nullptr;
-  std::vector<double> parameters;  ///< in declared order, defaults filled in
+  std::vector<double> parameters;  ///< in declared order, defaults filled in; NaN: in `values`
+  std::vector<CellValues> values;
   Selection region;
   OnInversion on_inversion = OnInversion::by_model;  ///< takes precedence over the solver's
   std::string path;

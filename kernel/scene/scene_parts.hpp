@@ -44,6 +44,13 @@ Selection::InBox read_box(ObjectReader box);
 /// Pairs of element numbers [[4, 5], ...].
 std::vector<std::array<std::uint64_t, 2>> read_pairs(const JsonValue& value,
                                                      const std::string& path, Mistakes& mistakes);
+/// The range of a parameter.
+Limits limits_of(const suture_parameter& parameter);
+/// Reads a parameter that is a direction or given by an array or a table; false if it is neither.
+bool read_parameter_values(ObjectReader& parameters, const suture_parameter& parameter,
+                           ModelUse& use);
+/// The start of the model's attributes, "start".
+void read_start(ObjectReader& model, ModelUse& use);
 /// Checks a name that becomes part of file and field names.
 bool is_good_name(std::string_view name);
 

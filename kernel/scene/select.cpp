@@ -93,8 +93,8 @@ Index position_of(std::uint64_t id, std::size_t count, const std::map<std::uint6
 }  // namespace
 
 MeshNames MeshNames::of(const Mesh& mesh) {
-  return {mesh.point_sets,  mesh.element_sets,  mesh.point_ids,
-          mesh.element_ids, mesh.points.size(), mesh.hexahedra.size()};
+  return {mesh.point_sets, mesh.element_sets,  mesh.point_ids,       mesh.element_ids,
+          mesh.arrays,     mesh.points.size(), mesh.hexahedra.size()};
 }
 
 Selector::Selector(const Imported& imported, const MeshNames& names, const Column& rest,

@@ -18,6 +18,7 @@ struct MeshNames {
   std::map<std::string, std::vector<Index>> element_sets;
   std::vector<std::uint64_t> point_ids;  ///< empty: 0, 1, 2, ...
   std::vector<std::uint64_t> element_ids;
+  std::vector<MeshArray> arrays;
   std::size_t point_count = 0, element_count = 0;
 
   static MeshNames of(const Mesh& mesh);

@@ -106,13 +106,18 @@ struct Translation {
     if (mesh.box) (*this)(mesh.box->origin);
     if (mesh.voxels) (*this)(mesh.voxels->origin);
   }
+  void operator()(ModelUse& use) const {
+    (*this)(use.region);
+    for (CellValues& values : use.values)
+      for (CellValues::Part& part : values.parts) (*this)(part.region);
+  }
   void operator()(Constraint& constraint) const {
     (*this)(constraint.where);
     if (constraint.angle != 0) (*this)(constraint.centre);  // else far away for nothing
   }
   void operator()(Scene& scene) const {
     (*this)(scene.mesh);
-    for (ModelUse& use : scene.models) (*this)(use.region);
+    for (ModelUse& use : scene.models) (*this)(use);
     for (Constraint& constraint : scene.constraints) (*this)(constraint);
     for (Load& load : scene.loads) (*this)(load.where);
     for (Event& event : scene.events) (*this)(event);

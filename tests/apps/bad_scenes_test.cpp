@@ -312,5 +312,31 @@ TEST_F(BadScenes, ModesThatDoNotExist) {
   }
 }
 
+// Values of parameters that are neither numbers nor fit.
+TEST_F(BadScenes, ValuesThatDifferFromElementToElement) {
+  struct Case {
+    const char *set, *where, *words;
+  };
+  const Case cases[] = {
+      {"/models/0/parameters/E={\"aray\": \"m\"}", "/models/0/parameters/E", "'array'"},
+      {"/models/0/parameters/E={\"array\": 3}", "/E/array", "must be a string"},
+      {"/models/0/parameters/E={\"array\": \"m\"}", "/E: ", "the mesh has no arrays"},
+      {"/models/0/parameters/E={\"regions\": []}", "/E/regions", "is empty"},
+      {"/models/0/parameters/E={\"regions\": [{\"region\": \"all\", \"value\": -1}]}",
+       "/E/regions/0/value", "must be > 0 Pa"},
+      {"/models/0/parameters/E={\"regions\": [{\"region\": {\"ids\": [0]}, \"value\": 1}]}",
+       "/E: ", "is in no region"},
+      {R"(/models/0={"model": "mss-baudet",
+        "parameters": {"E": 1e5, "rho": 1, "nu": {"array": "m"}}})",
+       "/models/0/parameters/nu", "must be the same in all elements"},
+      {"/models/0/parameters/quadrature={\"array\": \"m\"}", "/quadrature", "must be one of"},
+      {"/models/0/start={\"mas\": 3}", "/models/0/start", "no attribute that a scene sets"}};
+  for (const Case& bad : cases) {
+    const Outcome outcome = scene("check", "", {bad.set});
+    EXPECT_EQ(outcome.code, 3) << bad.set << '\n' << outcome;
+    EXPECT_TRUE(outcome.says(bad.where) && outcome.says(bad.words)) << bad.set << '\n' << outcome;
+  }
+}
+
 }  // namespace
 }  // namespace suture::testing

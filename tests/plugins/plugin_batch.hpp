@@ -70,6 +70,7 @@ class ModelInstance {
         throw std::runtime_error(error.text);
       context_.instance = memory_.data();
     }
+    derive();
   }
   ModelInstance(const ModelInstance&) = delete;
 
@@ -91,6 +92,21 @@ class ModelInstance {
   std::vector<Report> reports;
 
  private:
+  /// What is derived from parameters that may differ, for the sake of its reports.
+  void derive() {
+    const ParameterColumns uniform(model_, parameters_.data());
+    const std::array<std::uint32_t, SUTURE_LANES> ids{};
+    AlignedVector<double> out(std::size_t{9} * SUTURE_LANES);
+    suture_batch batch{};
+    batch.size = sizeof batch;
+    batch.lanes = batch.valid = SUTURE_LANES;
+    batch.nodes = 8;
+    batch.cell_ids = ids.data();
+    batch.cell_columns = uniform.all();
+    for (std::uint32_t a = 0; a < model_.attribute_count; ++a)
+      if ((model_.attributes[a].flags & SUTURE_FROM_PARAMETERS) != 0)
+        model_.attributes[a].contributions[0].function(&context_, &batch, out.data());
+  }
   static void keep(const suture_context* c, int32_t severity, uint32_t cell, const char* key,
                    const char* text) {
     static_cast<ModelInstance*>(c->host_data)->reports.push_back({severity, cell, key, text});

@@ -112,6 +112,23 @@ TEST_F(BadCheckpoint, OfAnotherKindOrVersionOrDamagedIsRefused) {
   expect_resumes();
 }
 
+// Values that the mesh gives are not in the checkpoint.
+TEST_F(BadCheckpoint, OfOtherArraysIsRefused) {
+  const auto mesh = [](const char* modulus) {
+    return "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 double\n"
+           "0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1\nCELLS 1 9\n8 0 1 2 3 4 5 6 7\n"
+           "CELL_TYPES 1\n12\nCELL_DATA 1\nSCALARS modulus double\nLOOKUP_TABLE default\n" +
+           std::string(modulus) + "\n";
+  };
+  write("m.vtk", mesh("1e5"));
+  run({R"(/mesh={"file": "m.vtk"})", R"(/models/0/parameters/E={"array": "modulus"})",
+       R"(/constraints=[{"fix": "xyz", "where": {"nearest": [0, 0, 0]}}])"});
+  write("m.vtk", mesh("1.0000001e5"));
+  expect_refused(file, 3, {file, "a different mesh", "m.vtk"});
+  write("m.vtk", mesh("1e5"));
+  expect_resumes();
+}
+
 TEST_F(BadCheckpoint, OfAnotherMeshIsRefused) {
   const auto mesh = [](const char* z) {
     return "MeshVersionFormatted 2\nDimension 3\nVertices 8\n0 0 0 0\n1 0 0 0\n1 1 0 0\n0 1 0 0\n"

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Cases for which the stability suite has no scenes.
+#include "kernel/mesh/box.hpp"
+#include "kernel/mesh/mesh_file.hpp"
+#include "tests/mesh/temporary_folder.hpp"
 #include "tests/resume/cases.hpp"
 
 namespace suture::test {
@@ -206,13 +209,43 @@ Case adaptive(Random& random, unsigned index, std::uint64_t seed) {
   return result;
 }
 
+/// Parameters from arrays of the mesh and from tables.
+Case varied(Random& random, unsigned index, std::uint64_t) {
+  Case result = bar("varied", random);
+  Mesh mesh = make_box({.size = {1, 0.25, 0.25}, .cells = {12, 3, 3}});
+  mesh.arrays = {{"modulus", true, 1, {}, {}}, {"density", false, 1, {}, {}}};
+  for (std::size_t e = 0; e < mesh.hexahedra.size(); ++e)
+    mesh.arrays[0].values.push_back(random.decades(3e4, 3e5));
+  for (std::size_t p = 0; p < mesh.points.size(); ++p)
+    mesh.arrays[1].values.push_back(random.between(500, 2000));
+  const TemporaryFolder folder;
+  Diagnostics diagnostics;
+  write_mesh(folder / "bar.vtk", mesh, diagnostics);
+  result.files["bar.vtk"] = read_text(folder / "bar.vtk");
+  Json& scene = result.scene;
+  scene["mesh"] = {{"file", "bar.vtk"}};
+  Json& parameters = scene["models"][0]["parameters"];
+  parameters["E"] = {{"array", "modulus"}};
+  parameters["rho"] = {{"array", "density"}};
+  if (index % 2 == 0)
+    scene["models"][0]["model"] = "mss-baudet";
+  else
+    parameters["nu"] = {{"regions", {{{"region", {{"ids", {1, 2, 3}}}}, {"value", 0.1}}}},
+                        {"elsewhere", 0.3}};
+  scene["events"] = {{{"at", random.between(0.1, 1)}, {"cut", across(0.5, random)}},
+                     {{"at", random.between(1, 1.5)},
+                      {"pierce", {{"path", {{0.3, -2, 0.1}, {0.3, 2, 0.1}}}, {"radius", 0.06}}}}};
+  add_output(scene, random);
+  return result;
+}
+
 }  // namespace
 
 std::vector<Kind> own_kinds() {
-  return {{"asleep", 2, 12, asleep},   {"kicked", 1, 8, kicked}, {"springs", 1, 8, springs},
-          {"when", 1, 8, when},        {"moody", 2, 16, moody},  {"memory", 1, 10, memory},
-          {"large", 1, 9, large},      {"dense", 1, 8, dense},   {"implicit", 3, 9, implicit},
-          {"adaptive", 2, 8, adaptive}};
+  return {{"asleep", 2, 12, asleep},    {"kicked", 1, 8, kicked}, {"springs", 1, 8, springs},
+          {"when", 1, 8, when},         {"moody", 2, 16, moody},  {"memory", 1, 10, memory},
+          {"large", 1, 9, large},       {"dense", 1, 8, dense},   {"implicit", 3, 9, implicit},
+          {"adaptive", 2, 8, adaptive}, {"varied", 2, 8, varied}};
 }
 
 }  // namespace suture::test

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "kernel/attributes/instance.hpp"
+#include "kernel/dynamics/body.hpp"
+#include "kernel/scene/scene.hpp"
+#include "kernel/scene/select.hpp"
+
+namespace suture {
+
+/// The names of the arrays that a scene reads.
+std::set<std::string> arrays_of(const Scene& scene);
+
+/// The values that the scene gives to the columns of each of its models, in their order, per
+/// element or vertex of the complex; values of points are averaged over the nodes of an element,
+/// and directions have length 1. `place_of`: where an element (3) or vertex (0) is, for messages.
+/// Throws InputError with one line per mistake, each with its JSON path: an array that the mesh
+/// does not have or that does not fit, a value that is missing, not finite or out of range, a
+/// direction of length zero.
+std::vector<std::vector<GivenColumn>> given_columns(
+    const Scene& scene, const Selector& selector, const Body& body, const MeshNames& names,
+    const std::function<std::string(int dimension, Index cell)>& place_of);
+
+}  // namespace suture

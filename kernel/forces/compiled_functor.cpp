@@ -308,6 +308,7 @@ const loops::Job& CompiledFunctor::job(Attributes& attributes, const CellComplex
 
 void CompiledFunctor::read_columns(Attributes& attributes) {
   job_.has_trial = 0;
+  varying_columns_.clear();
   for (std::size_t i = 0; i < cell_columns_.size(); ++i) {
     Column& column = *instance_.column(functor_.cell_columns[i]);
     const auto components = static_cast<std::uint32_t>(column.spec().components);
@@ -317,6 +318,7 @@ void CompiledFunctor::read_columns(Attributes& attributes) {
                         column.is_constant() ? 0 : std::uint64_t{components} * SUTURE_LANES,
                         components, stride};
     if (trial) job_.has_trial = 1;
+    if (trial || !column.is_constant()) varying_columns_.push_back(static_cast<std::uint32_t>(i));
   }
   const CellSet& vertices = instance_.table(0).cells;
   for (std::size_t i = 0; i < vertex_columns_.size(); ++i) {
@@ -329,6 +331,8 @@ void CompiledFunctor::read_columns(Attributes& attributes) {
   }
   job_.cell_column_count = static_cast<std::uint32_t>(cell_columns_.size());
   job_.vertex_column_count = static_cast<std::uint32_t>(vertex_columns_.size());
+  job_.varying_column_count = static_cast<std::uint32_t>(varying_columns_.size());
+  job_.varying_columns = varying_columns_.data();
   job_.cell_columns = cell_columns_.data();
   job_.vertex_columns = vertex_columns_.data();
 }

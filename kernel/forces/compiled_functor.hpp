@@ -112,6 +112,7 @@ class CompiledFunctor {
   Index rows_ = 0;  ///< of the table when the list was built or last appended to
   loops::Job job_{};
   std::vector<loops::CellColumn> cell_columns_;
+  std::vector<std::uint32_t> varying_columns_;
   std::vector<loops::VertexColumn> vertex_columns_;
 };
 

@@ -86,7 +86,8 @@ inline uint64_t place_in(const CellColumn& column, uint32_t row, uint32_t compon
 
 /// Otherwise the lanes are moved to the front, through scratch.
 void move_cell_columns(const Job& job, const Worker& worker, const BatchRows& rows, double* spare) {
-  for (uint32_t i = 0; i < job.cell_column_count; ++i) {
+  for (uint32_t v = 0; v < job.varying_column_count; ++v) {
+    const uint32_t i = job.varying_columns[v];
     const CellColumn& column = job.cell_columns[i];
     const uint32_t doubles = column.components * lanes;
     for (uint32_t k = 0; k < doubles; ++k)
@@ -99,7 +100,8 @@ void move_cell_columns(const Job& job, const Worker& worker, const BatchRows& ro
 
 void point_to_cell_columns(const Job& job, const Worker& worker, const BlockRows& rows, double*) {
   const uint64_t block = rows.first / lanes;
-  for (uint32_t i = 0; i < job.cell_column_count; ++i) {
+  for (uint32_t v = 0; v < job.varying_column_count; ++v) {
+    const uint32_t i = job.varying_columns[v];
     const CellColumn& column = job.cell_columns[i];
     worker.cell_columns[i] = column.data + block * column.block;
     worker.trial_columns[i] = column.trial ? column.trial + block * column.block : nullptr;
@@ -149,7 +151,7 @@ inline __attribute__((always_inline)) void gather_batch(const Job& job, const Wo
   if (job.velocity) gather_rows<N>(job.velocity, cells, buffers.velocity);
   double* spare = worker.scratch;
   if (job.vertex_column_count != 0) spare = gather_vertex_columns<N>(job, worker, cells);
-  if (job.cell_column_count != 0) point_to_cell_columns(job, worker, rows, spare);
+  if (job.varying_column_count != 0) point_to_cell_columns(job, worker, rows, spare);
   fill_ids(job, rows, buffers.ids);
   if (job.rest_slots && job.rest) take_own_rest(job, rows, buffers.rest);
   suture::reset(*worker.context->error);
@@ -158,7 +160,16 @@ inline __attribute__((always_inline)) void gather_batch(const Job& job, const Wo
 /// What stands where nothing is gathered.
 alignas(64) constexpr double zeros[8 * 3 * lanes] = {};
 
+/// Once for all batches: the other columns are pointed to in each of them.
+void point_to_equal_columns(const Job& job, const Worker& worker) {
+  for (uint32_t i = 0; i < job.cell_column_count; ++i) {
+    worker.cell_columns[i] = job.cell_columns[i].data;
+    worker.trial_columns[i] = nullptr;
+  }
+}
+
 void begin_batches(const Job& job, const Worker& worker, Buffers& buffers, suture_batch& batch) {
+  point_to_equal_columns(job, worker);
   batch.size = sizeof batch;
   batch.lanes = lanes;
   batch.valid = 0;

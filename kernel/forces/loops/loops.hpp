@@ -45,6 +45,8 @@ struct Job {
   uint32_t cell_column_count;
   uint32_t vertex_column_count;
   uint32_t has_trial;  ///< some cell column has a trial copy
+  uint32_t varying_column_count;
+  const uint32_t* varying_columns;  ///< places of the cell columns that differ from cell to cell
   const CellColumn* cell_columns;
   const VertexColumn* vertex_columns;
   const double* rest;  ///< rows; null: not gathered, the functor sees zeros

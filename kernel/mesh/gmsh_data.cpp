@@ -60,7 +60,7 @@ void read_gmsh_data(GmshScanner& in, GmshData& data) {
         in.binary ? in.int32("tag of a value") : in.text.integer<std::int64_t>("tag of a value");
     if (tag < 0) in.fail("a value has the tag " + std::to_string(tag));
     data.tags.push_back(static_cast<std::uint64_t>(tag));
-    for (std::size_t c = 0; c < n; ++c) data.array.values.push_back(in.any_real("value"));
+    for (std::size_t c = 0; c < n; ++c) data.array.values.push_back(in.any_real("a value"));
   }
 }
 

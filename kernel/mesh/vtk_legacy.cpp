@@ -359,7 +359,7 @@ class LegacyReader {
   std::vector<double> numbers(const ScalarName& type, std::uint64_t count) {
     start_array(type, count, "values");
     std::vector<double> result(count);
-    for (double& x : result) x = binary_ ? value<double>(type) : in_.any_real("value");
+    for (double& x : result) x = binary_ ? value<double>(type) : in_.any_real("a value");
     return result;
   }
 

@@ -7,6 +7,9 @@
 #include <sstream>
 #include <variant>
 
+#include "kernel/base/escape.hpp"
+#include "kernel/scene/cell_values.hpp"
+
 namespace suture {
 namespace {
 
@@ -57,6 +60,29 @@ void decide_cells(BuiltScene& built, std::vector<Decision>& list) {
   };
   ids("edge ids", 1, "edges");
   ids("face ids", 2, "faces");
+}
+
+/// JSON paths of the values that are read from an array of the mesh file.
+std::string readers_of(const MeshArray& array, const Scene& scene, const BuiltScene& built) {
+  std::string readers;
+  for (const ModelUse& use : scene.models)
+    for (const CellValues& values : use.values) {
+      const bool of_elements = use.model->attributes[values.attribute].dimension == 3;
+      if (!values.array.empty() && find_array(built.names().arrays, values, of_elements) == &array)
+        readers += (readers.empty() ? "" : ", ") + values.path;
+    }
+  return readers;
+}
+
+void decide_arrays(const Scene& scene, const BuiltScene& built, std::vector<Decision>& list) {
+  for (const MeshArray& array : built.names().arrays) {
+    const std::string readers = readers_of(array, scene, built);
+    list.push_back({"array " + quote(array.name) + " of " +
+                        (array.of_elements ? "elements" : "points") + " of the mesh",
+                    readers.empty(),
+                    readers.empty() ? "no value of the scene is read from it"
+                                    : "gives the values of " + readers});
+  }
 }
 
 void decide_column(const Instance& instance, std::uint32_t attribute, std::vector<Decision>& list) {
@@ -242,6 +268,7 @@ std::vector<Decision> decide(const Scene& scene, PluginHost& host, BuiltScene& b
   std::vector<Decision> list;
   decide_plugins(scene, host, list);
   decide_cells(built, list);
+  decide_arrays(scene, built, list);
   decide_columns(built, list);
   decide_functors(built, list);
   decide_integrator(scene, built, list);

@@ -119,7 +119,7 @@ void BuiltScene::add_models(Diagnostics& diagnostics) {
   body_.compile(diagnostics, scene_.solver.threads);
 }
 
-/// What the scene gives to columns of its models; the arrays of the mesh are not needed after that.
+/// What the scene gives to columns of its models; the values of arrays are not needed after that.
 std::vector<std::vector<GivenColumn>> BuiltScene::read_values() {
   const Column& rest = body_.attributes().rest();
   const auto place = [&](int dimension, Index cell) {
@@ -127,7 +127,7 @@ std::vector<std::vector<GivenColumn>> BuiltScene::read_values() {
     return place_text({rest.get(cell, 0), rest.get(cell, 1), rest.get(cell, 2)});
   };
   auto given = given_columns(scene_, selector_, body_, names_, place);
-  names_.arrays.clear();
+  for (MeshArray& array : names_.arrays) std::vector<double>().swap(array.values);
   return given;
 }
 

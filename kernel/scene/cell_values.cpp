@@ -62,7 +62,7 @@ class Resolved {
     if (given_.array.empty())
       fill_from_table();
     else
-      fill_from_array(find_array());
+      fill_from_array(require_array());
     for (const Index cell : cells()) check(cell);
     complain_of_bad();
     return {given_.attribute, true, std::move(values_)};
@@ -114,11 +114,8 @@ class Resolved {
 
   // ---- arrays ----
 
-  const MeshArray& find_array() const {
-    const MeshArray* found = nullptr;
-    for (const MeshArray& array : names_.arrays)
-      if (array.name == given_.array && (!found || array.of_elements == of_elements()))
-        found = &array;
+  const MeshArray& require_array() const {
+    const MeshArray* found = find_array(names_.arrays, given_, of_elements());
     if (!found) fail_unknown();
     const std::string name = "array " + quote(found->name);
     if (!found->unreadable.empty()) fail(name + " cannot be read: " + found->unreadable);
@@ -227,6 +224,14 @@ class Resolved {
 };
 
 }  // namespace
+
+const MeshArray* find_array(const std::vector<MeshArray>& arrays, const CellValues& values,
+                            bool of_elements) {
+  const MeshArray* found = nullptr;
+  for (const MeshArray& array : arrays)
+    if (array.name == values.array && (!found || array.of_elements == of_elements)) found = &array;
+  return found;
+}
 
 std::set<std::string> arrays_of(const Scene& scene) {
   std::set<std::string> names;

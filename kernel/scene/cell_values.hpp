@@ -13,6 +13,11 @@
 
 namespace suture {
 
+/// The array that `values` of elements or of nodes name: of two with this name, the one that
+/// belongs to the same kind of cell. Null if there is none.
+const MeshArray* find_array(const std::vector<MeshArray>& arrays, const CellValues& values,
+                            bool of_elements);
+
 /// The names of the arrays that a scene reads.
 std::set<std::string> arrays_of(const Scene& scene);
 

@@ -114,6 +114,8 @@ void read_model(ObjectReader& object, Reading& reading) {
     read_parameters(parameters ? *parameters : defaults, object.path_of("parameters"), use,
                     reading.mistakes);
     read_start(object, use);
+  } else {
+    object.find("start");  // a known key, whatever the model is
   }
   reading.scene.models.push_back(std::move(use));
 }

@@ -11,8 +11,8 @@ TEST_F(Commands, HelpAndVersionAreNoErrors) {
   for (const char* option : {"--help", "-h"}) {
     const Outcome help = suture({option});
     EXPECT_EQ(help.code, 0) << help;
-    for (const char* command :
-         {"run", "check", "explain", "modes", "replay", "models", "describe", "mesh"}) {
+    for (const char* command : {"run", "check", "explain", "modes", "replay", "models",
+                                "check-model", "describe", "mesh"}) {
       EXPECT_TRUE(help.out.find(command) != std::string::npos) << command << help;
     }
   }
@@ -210,6 +210,27 @@ TEST_F(Commands, ExplainReportsWhatIsSkippedAndCosts) {
   EXPECT_EQ(root.find("steps")->natural, 10u);
   EXPECT_GT(root.find("decisions")->items.size(), 3u);
   EXPECT_FALSE(std::filesystem::exists(folder() / "out"));
+}
+
+TEST_F(Commands, ArraysOfAMeshAreListedWithWhatReadsThem) {
+  write("m.vtk",
+        "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 double\n"
+        "0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1\nCELLS 1 9\n8 0 1 2 3 4 5 6 7\n"
+        "CELL_TYPES 1\n12\nCELL_DATA 1\nSCALARS modulus double\nLOOKUP_TABLE default\n1e5\n"
+        "SCALARS age double 2\nLOOKUP_TABLE default\n1 2\n");
+  const Outcome info = suture({"mesh", "info", "m.vtk"});
+  EXPECT_TRUE(info.says("array of elements \"modulus\": 1 component, 100000 to 100000")) << info;
+  EXPECT_TRUE(info.says("array of elements \"age\": 2 components, 1 to 2")) << info;
+  const Outcome explained =
+      scene("explain", "",
+            {R"(/mesh={"file": "m.vtk"})", R"(/models/0/parameters/E={"array": "modulus"})",
+             R"(/constraints=[{"fix": "xyz", "where": {"nearest": [0, 0, 0]}}])"});
+  EXPECT_TRUE(
+      explained.says("array 'modulus' of elements of the mesh: gives the values of "
+                     "/models/0/parameters/E"))
+      << explained;
+  EXPECT_TRUE(explained.says("array 'age' of elements of the mesh: no value of the scene is read"))
+      << explained;
 }
 
 // The text and the JSON of explain name the same decisions, each with a reason.

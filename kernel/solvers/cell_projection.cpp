@@ -13,24 +13,27 @@ constexpr std::size_t lanes = 8;
 /// The nodes with a weight in some of 8 cells; weights[node * lanes + lane].
 struct Weights {
   const double* values;
-  const Index* nodes;
+  Index nodes[8];
   std::size_t count;
 };
 
 /// half = K P for one coarse node: 9 numbers per node of the cells, of 8 cells at once. K is
 /// symmetric: its columns serve as its rows.
 SUTURE_CLONES
-void multiply_column(const double* matrix, const Weights& weights, std::size_t rows, double* half) {
-  for (std::size_t row = 0; row < rows; ++row) {
-    double sums[3][lanes] = {};
+void multiply_column(const double* matrix, const Weights& weights, std::size_t nodes,
+                     double* half) {
+  for (std::size_t n = 0; n < nodes; ++n) {
+    double sums[9][lanes] = {};
     for (std::size_t k = 0; k < weights.count; ++k) {
       const double* weight = weights.values + weights.nodes[k] * lanes;
-      const double* values = matrix + (row * rows + weights.nodes[k] * 3) * lanes;
-      for (std::size_t c = 0; c < 3; ++c)
-        for (std::size_t l = 0; l < lanes; ++l) sums[c][l] += weight[l] * values[c * lanes + l];
+      const double* values = matrix + (n * nodes * 9 + weights.nodes[k] * 3) * lanes;
+      for (std::size_t i = 0; i < 3; ++i, values += nodes * 3 * lanes)
+        for (std::size_t c = 0; c < 3; ++c)
+          for (std::size_t l = 0; l < lanes; ++l)
+            sums[i * 3 + c][l] += weight[l] * values[c * lanes + l];
     }
-    for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t l = 0; l < lanes; ++l) half[(row * 3 + c) * lanes + l] = sums[c][l];
+    for (std::size_t c = 0; c < 9; ++c)
+      for (std::size_t l = 0; l < lanes; ++l) half[(n * 9 + c) * lanes + l] = sums[c][l];
   }
 }
 
@@ -55,7 +58,7 @@ std::size_t upper(std::size_t a, std::size_t b) { return b * (b + 1) / 2 + a; }
 
 CellProjection::CellProjection(const Interpolation& interpolation,
                                const std::vector<std::uint8_t>& free, BlockRows<double>& sum)
-    : p_(interpolation), free_(free), sum_(sum) {}
+    : p_(interpolation), free_(free), sum_(sum), place_(sum.pattern().rows()) {}
 
 void CellProjection::subtract(const CellTangents& cells) {
   list_nodes(cells);
@@ -70,33 +73,40 @@ void CellProjection::subtract(const CellTangents& cells) {
 void CellProjection::list_nodes(const CellTangents& cells) {
   width_ = 0;
   for (std::size_t l = 0; l < cells.cells; ++l) {
-    std::vector<Index>& list = lists_[l];
-    list.clear();
-    for (Index n = 0; n < cells.nodes; ++n) {
-      const Index v = cells.vertices[l * cells.nodes + n];
-      for (Index i = p_.begin[v]; i < p_.begin[v + 1]; ++i)
-        if (std::find(list.begin(), list.end(), p_.node[i]) == list.end())
-          list.push_back(p_.node[i]);
-    }
-    std::ranges::sort(list);
-    width_ = std::max(width_, list.size());
+    list_nodes({cells.vertices + l * cells.nodes, cells.nodes}, lists_[l]);
+    width_ = std::max(width_, lists_[l].size());
   }
+}
+
+void CellProjection::list_nodes(std::span<const Index> vertices, std::vector<Index>& list) {
+  list.clear();
+  for (const Index v : vertices)
+    for (Index i = p_.begin[v]; i < p_.begin[v + 1]; ++i) {
+      const Index node = p_.node[i];
+      if (place_[node] < list.size() && list[place_[node]] == node) continue;
+      place_[node] = static_cast<Index>(list.size());
+      list.push_back(node);
+    }
+  std::ranges::sort(list);
 }
 
 void CellProjection::set_weights(const CellTangents& cells) {
   weights_.assign(width_ * cells.nodes * lanes, 0.0);
-  if (used_.size() < width_) used_.resize(width_);
-  for (std::vector<Index>& nodes : used_) nodes.clear();
-  for (Index n = 0; n < cells.nodes; ++n)
-    for (std::size_t l = 0; l < cells.cells; ++l) {
-      const Index v = cells.vertices[l * cells.nodes + n];
-      for (Index i = p_.begin[v]; i < p_.begin[v + 1]; ++i) {
-        const auto at = static_cast<std::size_t>(
-            std::find(lists_[l].begin(), lists_[l].end(), p_.node[i]) - lists_[l].begin());
-        weights_[(at * cells.nodes + n) * lanes + l] = double{p_.weight[i]};
-        if (used_[at].empty() || used_[at].back() != n) used_[at].push_back(n);
-      }
+  used_.assign(width_, 0);
+  for (std::size_t l = 0; l < cells.cells; ++l) set_weights(cells, l);
+}
+
+void CellProjection::set_weights(const CellTangents& cells, std::size_t lane) {
+  const std::vector<Index>& list = lists_[lane];
+  for (std::size_t at = 0; at < list.size(); ++at) place_[list[at]] = static_cast<Index>(at);
+  for (Index n = 0; n < cells.nodes; ++n) {
+    const Index v = cells.vertices[lane * cells.nodes + n];
+    for (Index i = p_.begin[v]; i < p_.begin[v + 1]; ++i) {
+      const std::size_t at = place_[p_.node[i]];
+      weights_[(at * cells.nodes + n) * lanes + lane] = double{p_.weight[i]};
+      used_[at] |= static_cast<std::uint8_t>(1u << n);
     }
+  }
 }
 
 /// The matrices without the rows and columns of components that are not free.
@@ -119,11 +129,13 @@ void CellProjection::project(const double* matrix, Index nodes) {
   half_.resize(std::size_t{nodes} * 9 * lanes);
   coarse_.resize(upper(0, width_) * 9 * lanes);
   const auto weights = [&](std::size_t place) {
-    return Weights{weights_.data() + place * nodes * lanes, used_[place].data(),
-                   used_[place].size()};
+    Weights result{weights_.data() + place * nodes * lanes, {}, 0};
+    for (Index n = 0; n < nodes; ++n)
+      if ((used_[place] >> n & 1) != 0) result.nodes[result.count++] = n;
+    return result;
   };
   for (std::size_t b = 0; b < width_; ++b) {
-    multiply_column(matrix, weights(b), std::size_t{nodes} * 3, half_.data());
+    multiply_column(matrix, weights(b), nodes, half_.data());
     for (std::size_t a = 0; a <= b; ++a)
       multiply_row(weights(a), half_.data(), coarse_.data() + upper(a, b) * 9 * lanes);
   }

@@ -27,7 +27,9 @@ class CellProjection {
   static constexpr std::size_t lanes = 8;
 
   void list_nodes(const CellTangents& cells);
+  void list_nodes(std::span<const Index> vertices, std::vector<Index>& list);
   void set_weights(const CellTangents& cells);
+  void set_weights(const CellTangents& cells, std::size_t lane);
   const double* free_part(const CellTangents& cells);
   void project(const double* matrix, Index nodes);
   void collect(std::size_t first, std::size_t end);
@@ -38,7 +40,8 @@ class CellProjection {
   std::array<std::vector<Index>, lanes> lists_;  ///< coarse nodes of every cell, ascending
   std::size_t width_ = 0;                        ///< of the longest list
   AlignedVector<double> matrix_, weights_, half_, coarse_;
-  std::vector<std::vector<Index>> used_;  ///< per place in the lists, nodes with a weight
+  std::vector<Index> place_;        ///< of a coarse node in the list at hand; of others anything
+  std::vector<std::uint8_t> used_;  ///< per place in the lists, a bit for each node with a weight
   std::vector<Index> pending_nodes_;
   std::vector<double> pending_;  ///< blocks of the upper triangle, column by column
 };

@@ -2,6 +2,7 @@
 #include "kernel/solvers/galerkin.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "kernel/solvers/cell_projection.hpp"
 
@@ -40,9 +41,9 @@ class ProjectedRow {
     nodes_.clear();
     const BlockPattern& pattern = a.pattern();
     for (const Index j : pattern.row(row))
-      nodes_.insert(nodes_.end(), p.node.begin() + p.begin[j], p.node.begin() + p.begin[j + 1]);
+      for (Index k = p.begin[j]; k < p.begin[j + 1]; ++k)
+        if (std::exchange(place_[p.node[k]], 0) == none) nodes_.push_back(p.node[k]);
     std::ranges::sort(nodes_);
-    nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
     for (std::size_t i = 0; i < nodes_.size(); ++i) place_[nodes_[i]] = static_cast<Index>(i);
     blocks_.assign(nodes_.size() * block_size, 0.0);
     for (Index i = pattern.begin[row]; i < pattern.begin[row + 1]; ++i)

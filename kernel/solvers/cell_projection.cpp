@@ -60,13 +60,13 @@ CellProjection::CellProjection(const Interpolation& interpolation,
                                const std::vector<std::uint8_t>& free, BlockRows<double>& sum)
     : p_(interpolation), free_(free), sum_(sum), place_(sum.pattern().rows()) {}
 
-void CellProjection::subtract(const CellTangents& cells) {
+void CellProjection::subtract(const CellTangents& cells, std::span<const float> weights) {
   list_nodes(cells);
   set_weights(cells);
   project(free_part(cells), cells.nodes);
   for (std::size_t first = 0, end = 0; first < cells.cells; first = end) {
     for (end = first + 1; end < cells.cells && lists_[end] == lists_[first];) ++end;
-    collect(first, end);
+    collect(first, end, weights);
   }
 }
 
@@ -142,16 +142,15 @@ void CellProjection::project(const double* matrix, Index nodes) {
 }
 
 /// Cells first .. end - 1 have the same coarse nodes.
-void CellProjection::collect(std::size_t first, std::size_t end) {
+void CellProjection::collect(std::size_t first, std::size_t end, std::span<const float> weights) {
   if (lists_[first] != pending_nodes_) {
     finish();
     pending_nodes_ = lists_[first];
     pending_.assign(upper(0, pending_nodes_.size()) * 9, 0.0);
   }
-  const double* lane = coarse_.data();
-  for (double& sum : pending_) {
-    for (std::size_t l = first; l < end; ++l) sum -= lane[l];
-    lane += lanes;
+  for (std::size_t l = first; l < end; ++l) {
+    const double weight = weights.empty() ? 1 : double{weights[l]}, *lane = coarse_.data() + l;
+    for (std::size_t i = 0; i < pending_.size(); ++i) pending_[i] -= weight * lane[i * lanes];
   }
 }
 

@@ -18,8 +18,8 @@ class CellProjection {
   CellProjection(const Interpolation& interpolation, const std::vector<std::uint8_t>& free,
                  BlockRows<double>& sum);
 
-  /// Subtracts, because cells come with the opposite sign.
-  void subtract(const CellTangents& cells);
+  /// Subtracts, because cells come with the opposite sign. `weights`: of the cells; 1 if empty.
+  void subtract(const CellTangents& cells, std::span<const float> weights = {});
   /// Adds what is still pending. To be called after the last cells.
   void finish();
 
@@ -32,7 +32,7 @@ class CellProjection {
   void set_weights(const CellTangents& cells, std::size_t lane);
   const double* free_part(const CellTangents& cells);
   void project(const double* matrix, Index nodes);
-  void collect(std::size_t first, std::size_t end);
+  void collect(std::size_t first, std::size_t end, std::span<const float> weights);
 
   const Interpolation& p_;
   const std::vector<std::uint8_t>& free_;

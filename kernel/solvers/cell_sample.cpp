@@ -4,24 +4,21 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "kernel/base/aligned.hpp"
-
 namespace suture {
 namespace {
-
-constexpr std::size_t lanes = 8;
 
 /// Nodes of the cells of a sample per coarse node: 8 hexahedra, 32 springs.
 constexpr Index sampled_nodes = 64;
 
-/// The coarse node with the largest share of the vertices of a cell; `none` if there is none.
+/// The coarse node with the largest share of the first and the last vertex of a cell, which are
+/// opposite each other; `none` if there is none.
 class Owner {
  public:
   explicit Owner(const Interpolation& p) : p_(p) {}
 
   Index operator()(std::span<const Index> vertices) {
     shares_.clear();
-    for (const Index v : vertices)
+    for (const Index v : {vertices.front(), vertices.back()})
       for (Index i = p_.begin[v]; i < p_.begin[v + 1]; ++i) add(p_.node[i], p_.weight[i]);
     const auto largest = std::ranges::max_element(shares_, {}, &Share::weight);
     return largest == shares_.end() ? none : largest->node;
@@ -109,21 +106,12 @@ void CellSample::choose(const Owners& owners, std::size_t functor) {
     }
 }
 
-void CellSample::for_each_cell(const TangentMatrix& a,
-                               const ForceTerm::VisitTangents& visit) const {
+void CellSample::for_each_cell(const TangentMatrix& a, const Visit& visit) const {
   std::size_t asked = 0, visited = 0;
-  AlignedVector<double> weighted;
   a.for_some_cells([&](const CellTangents&) { return is_chosen_[asked++]; },
                    [&](const CellTangents& cells) {
-                     const std::size_t size = std::size_t{cells.nodes} * cells.nodes * 9;
-                     weighted.resize(size * lanes);
-                     for (std::size_t l = 0; l < cells.cells; ++l, ++visited)
-                       for (std::size_t i = 0; i < size; ++i)
-                         weighted[i * lanes + l] =
-                             double{weights_[visited]} * cells.values[i * lanes + l];
-                     CellTangents copy = cells;
-                     copy.values = weighted.data();
-                     visit(copy);
+                     visit(cells, std::span(weights_).subspan(visited, cells.cells));
+                     visited += cells.cells;
                    });
 }
 

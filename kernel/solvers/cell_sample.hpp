@@ -19,8 +19,10 @@ class CellSample {
   /// `p`: from the coarse level to the vertices. O(cells); computes no tangents.
   CellSample(const TangentMatrix& a, const Interpolation& p);
 
-  /// Visits the matrices of the sample, with their weights: see TangentMatrix::for_each_cell.
-  void for_each_cell(const TangentMatrix& a, const ForceTerm::VisitTangents& visit) const;
+  /// Visits the matrices of the sample, with the weight of each cell: see
+  /// TangentMatrix::for_each_cell.
+  using Visit = std::function<void(const CellTangents&, std::span<const float> weights)>;
+  void for_each_cell(const TangentMatrix& a, const Visit& visit) const;
 
   std::size_t size() const { return weights_.size(); }
 

@@ -2,7 +2,6 @@
 #include "kernel/solvers/coarse_system.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "kernel/solvers/cell_projection.hpp"
@@ -14,10 +13,6 @@ namespace {
 
 constexpr unsigned smoothing = 2, max_iterations = 20;
 constexpr double tolerance = 0.1;
-
-/// Numbers per node: vectors in single precision have rows of 4 (single_vector.hpp).
-template <class Real>
-constexpr std::size_t row = sizeof(Real) == sizeof(float) ? 4 : 3;
 
 /// P = P1 P2 for the interpolations P1 and P2 to a level and from the next coarser one to it.
 Interpolation product(const Interpolation& finer, const Interpolation& coarser) {
@@ -53,12 +48,17 @@ CoarseSystem::CoarseSystem(const CoarseLevels& coarse, std::size_t level, const 
       coarsest_(*coarse.coarsest),
       level_(level),
       p_(to_vertices(levels_, level)),
-      sample_(a, p_) {}
+      sample_(a, p_),
+      image_(single_vector(levels_[0].nodes())) {
+  for (std::size_t l = 0; l < level; ++l) scratch_.push_back(single_vector(levels_[l].nodes()));
+}
 
 void CoarseSystem::build(const TangentMatrix& a) {
   BlockRows<double> rows(levels_[level_].pattern);
   CellProjection projection(p_, a.free(), rows);
-  sample_.for_each_cell(a, [&](const CellTangents& cells) { projection.subtract(cells); });
+  sample_.for_each_cell(a, [&](const CellTangents& cells, std::span<const float> weights) {
+    projection.subtract(cells, weights);
+  });
   projection.finish();
   mirror(rows);
   hold(rows, levels_[level_].held);
@@ -71,50 +71,50 @@ void CoarseSystem::build(const TangentMatrix& a) {
 }
 
 std::vector<double> CoarseSystem::restrict(std::span<const double> r) const {
-  std::vector<double> result(levels_[level_].held.size());
-  restrict_to(r.data(), result.data());
-  return result;
-}
-
-template <class Real>
-void CoarseSystem::restrict_to(const Real* r, Real* result) const {
   const Held& held = levels_[level_].held;
-  std::fill_n(result, nodes() * row<Real>, Real(0));
+  std::vector<double> result(held.size());
   for (std::size_t v = 0; v < p_.fine_nodes(); ++v)
     for (Index i = p_.begin[v]; i < p_.begin[v + 1]; ++i)
       for (std::size_t c = 0; c < 3; ++c)
-        result[p_.node[i] * row<Real> + c] +=
-            static_cast<Real>(p_.weight[i]) * r[v * row<Real> + c];
+        result[std::size_t{p_.node[i]} * 3 + c] += double{p_.weight[i]} * r[v * 3 + c];
   for (std::size_t i = 0; i < held.size(); ++i)
-    if (held[i]) result[i / 3 * row<Real> + i % 3] = 0;
+    if (held[i]) result[i] = 0;
+  return result;
 }
 
-template <class Real>
-void CoarseSystem::prolong(const float* q, double scale, Real* d) const {
-  const Held& held = levels_[0].held;
-  for (std::size_t v = 0; v < p_.fine_nodes(); ++v) {
-    std::array<float, 3> sum{};
-    for (Index i = p_.begin[v]; i < p_.begin[v + 1]; ++i)
-      for (std::size_t c = 0; c < 3; ++c)
-        sum[c] += p_.weight[i] * q[std::size_t{p_.node[i]} * 4 + c];
-    for (std::size_t c = 0; c < 3; ++c)
-      d[v * row<Real> + c] = held[v * 3 + c] ? Real(0) : static_cast<Real>(scale * double{sum[c]});
+/// The displacements of the vertices, scratch_[0].
+void CoarseSystem::prolong(const float* q) const {
+  for (std::size_t l = level_; l > 0; --l) {
+    interpolate(levels_[l].to_finer, q, scratch_[l - 1].data());
+    q = scratch_[l - 1].data();
   }
+  hold(levels_[0], scratch_[0].data());
+}
+
+/// P^T image_.
+void CoarseSystem::restrict_image(float* result) const {
+  const float* fine = image_.data();
+  for (std::size_t l = 1; l <= level_; ++l) {
+    float* const coarse = l == level_ ? result : scratch_[l].data();
+    suture::restrict(levels_[l].to_finer, fine, coarse, levels_[l].nodes());
+    fine = coarse;
+  }
+  hold(levels_[level_], result);
 }
 
 bool CoarseSystem::solve(const TangentMatrix& a, std::span<const double> right,
                          std::span<double> d) const {
-  SingleVector r = single_vector(nodes()), q, fine = single_vector(levels_[0].nodes()),
-               image = fine;
+  SingleVector r = single_vector(nodes()), q;
   const double scale = to_single(right.data(), r);
   const auto multiply = [&](const float* x, float* y) {
-    prolong(x, 1, fine.data());
-    a.apply(fine.data(), image.data());
-    restrict_to(image.data(), y);
+    prolong(x);
+    a.apply(scratch_[0].data(), image_.data());
+    restrict_image(y);
   };
   const bool converged = solve_on_level(levels_, VCycle(levels_, coarsest_, smoothing), level_,
                                         multiply, std::move(r), tolerance, max_iterations, q);
-  prolong(q.data(), scale, d.data());
+  prolong(q.data());
+  to_double(scratch_[0], scale, d.data());
   return converged;
 }
 

@@ -32,16 +32,16 @@ class CoarseSystem {
   std::size_t nodes() const { return levels_[level_].nodes(); }
 
  private:
-  template <class Real>
-  void restrict_to(const Real* r, Real* result) const;
-  template <class Real>
-  void prolong(const float* q, double scale, Real* d) const;
+  void prolong(const float* q) const;
+  void restrict_image(float* result) const;
 
   MultigridLevels& levels_;
   FactoredRows& coarsest_;
   std::size_t level_;
   Interpolation p_;
   CellSample sample_;
+  mutable std::vector<SingleVector> scratch_;  ///< P q on the finer levels
+  mutable SingleVector image_;                 ///< A P q
 };
 
 }  // namespace suture

@@ -50,10 +50,6 @@ std::vector<Index> places_of(const Held& held) {
   return places;
 }
 
-void hold(const MultigridLevel& level, SingleVector& v) {
-  for (const Index place : level.held_places) v[place] = 0;
-}
-
 SUTURE_CLONES
 void interpolate(const Index* begin, const Index* node, const float* weight, const SingleRow* from,
                  SingleRow* to, std::size_t rows) {
@@ -98,6 +94,23 @@ MultigridLevels make_levels(const NodeGraph& vertices, const std::vector<std::ui
   return levels;
 }
 
+void interpolate(const Interpolation& p, const float* coarse, float* fine) {
+  interpolate(p.begin.data(), p.node.data(), p.weight.data(),
+              reinterpret_cast<const SingleRow*>(coarse), reinterpret_cast<SingleRow*>(fine),
+              p.fine_nodes());
+}
+
+void restrict(const Interpolation& p, const float* fine, float* coarse, std::size_t coarse_nodes) {
+  std::fill_n(coarse, coarse_nodes * 4, 0.0f);
+  add_to_coarse(p.begin.data(), p.node.data(), p.weight.data(),
+                reinterpret_cast<const SingleRow*>(fine), reinterpret_cast<SingleRow*>(coarse),
+                p.fine_nodes());
+}
+
+void hold(const MultigridLevel& level, float* v) {
+  for (const Index place : level.held_places) v[place] = 0;
+}
+
 void set_smoother(MultigridLevel& level, DiagonalBlocks diagonal) {
   for (std::size_t v = 0; v < diagonal.size(); ++v) {
     const std::uint8_t* held = &level.held[v * 3];
@@ -132,22 +145,17 @@ void VCycle::solve_coarsest() const {
 
 void VCycle::restrict(std::size_t l) const {
   MultigridLevel &fine = levels_[l], &coarse = levels_[l + 1];
-  const Interpolation& p = coarse.to_finer;
-  hold(fine, fine.r);
-  std::ranges::fill(coarse.r, 0.0f);
-  add_to_coarse(p.begin.data(), p.node.data(), p.weight.data(), rows_of(fine.r), rows_of(coarse.r),
-                p.fine_nodes());
-  hold(coarse, coarse.r);
+  hold(fine, fine.r.data());
+  suture::restrict(coarse.to_finer, fine.r.data(), coarse.r.data(), coarse.nodes());
+  hold(coarse, coarse.r.data());
 }
 
 /// The correction by the next coarser level.
 void VCycle::prolong(std::size_t l) const {
   MultigridLevel& fine = levels_[l];
   const MultigridLevel& coarse = levels_[l + 1];
-  const Interpolation& p = coarse.to_finer;
-  interpolate(p.begin.data(), p.node.data(), p.weight.data(), rows_of(coarse.x),
-              rows_of(fine.correction), p.fine_nodes());
-  hold(fine, fine.correction);
+  interpolate(coarse.to_finer, coarse.x.data(), fine.correction.data());
+  hold(fine, fine.correction.data());
 }
 
 }  // namespace suture

@@ -31,6 +31,14 @@ using MultigridLevels = std::deque<MultigridLevel>;
 MultigridLevels make_levels(const NodeGraph& vertices, const std::vector<std::uint8_t>& free,
                             Index coarsest_nodes);
 
+// Between a level and the next finer one, in rows of 4:
+/// fine = P coarse.
+void interpolate(const Interpolation& p, const float* coarse, float* fine);
+/// coarse = P^T fine.
+void restrict(const Interpolation& p, const float* fine, float* coarse, std::size_t coarse_nodes);
+/// Sets the components that are held to 0.
+void hold(const MultigridLevel& level, float* v);
+
 /// Inverts the diagonal blocks of a level for its smoother, and estimates the spectrum.
 void set_smoother(MultigridLevel& level, DiagonalBlocks diagonal);
 

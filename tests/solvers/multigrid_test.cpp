@@ -365,11 +365,12 @@ Interpolation from_every_fourth(SolverBody& body) {
 }
 
 /// The sum of the diagonals of cell matrices.
-double trace(const CellTangents& cells) {
+double trace(const CellTangents& cells, std::span<const float> weights = {}) {
   double sum = 0;
   const std::size_t rows = std::size_t{cells.nodes} * 3;
   for (std::size_t i = 0; i < rows; ++i)
-    for (std::size_t l = 0; l < cells.cells; ++l) sum += cells.values[(i * rows + i) * 8 + l];
+    for (std::size_t l = 0; l < cells.cells; ++l)
+      sum += (weights.empty() ? 1 : weights[l]) * cells.values[(i * rows + i) * 8 + l];
   return sum;
 }
 
@@ -383,8 +384,8 @@ TEST(CellSample, StandsForAllCellsOfEveryFunctor) {
       all += trace(some);
       cells += some.cells;
     });
-    sample.for_each_cell(body.matrix(), [&](const CellTangents& some) {
-      sampled += trace(some);
+    sample.for_each_cell(body.matrix(), [&](const CellTangents& some, auto weights) {
+      sampled += trace(some, weights);
       visited += some.cells;
     });
     EXPECT_NEAR(sampled / all, 1, 0.02) << model;

@@ -28,14 +28,19 @@ class OneThread {
   int before_ = omp_get_max_active_levels();
 };
 
+/// Bodies are three-dimensional: for many unknowns, nested dissection fills less than AMD; for few,
+/// it takes longer than it saves.
+constexpr std::size_t least_dissected = 3000;
+
 class CholmodFactor final : public SparseFactor {
  public:
   CholmodFactor() {
     cholmod_start(&common_);
     common_.print = 0;
     common_.quick_return_if_not_posdef = 1;
-    // Bodies are three-dimensional: nested dissection fills least; AMD is faster for small ones.
-    common_.nmethods = 2;
+    // Calls of BLAS are too expensive for the small blocks of small systems (default: 40).
+    common_.supernodal_switch = 100;
+    common_.final_ll = 1;  // which does not exist where the matrix is not positive definite
     common_.method[0].ordering = CHOLMOD_AMD;
     common_.method[1].ordering = CHOLMOD_METIS;
   }
@@ -53,6 +58,7 @@ class CholmodFactor final : public SparseFactor {
     const OneThread one_thread;
     cholmod_free_factor(&factor_, &common_);
     cholmod_sparse matrix = view(a);
+    common_.nmethods = matrix.nrow < least_dissected ? 1 : 2;
     factor_ = cholmod_analyze(&matrix, &common_);
     if (factor_ == nullptr) throw std::bad_alloc();
     return common_.fl;

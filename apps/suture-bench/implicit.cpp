@@ -6,6 +6,7 @@
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/machine.hpp"
 #include "apps/suture-bench/timer.hpp"
+#include "kernel/dynamics/newton.hpp"
 
 namespace suture::bench {
 namespace {
@@ -58,6 +59,7 @@ Line measure(const std::string& integrator, const suture_model& model, const Can
       .add("us_per_element", 1e6 * seconds / body.element_count())
       .add("newton_steps", work.newton / options.steps)
       .add("krylov_iterations", work.krylov / options.steps)
+      .add("builds", static_cast<double>(body.dynamics().newton()->builds()) / options.steps)
       .add("relative_error", std::abs(tip_of(body, mesh.across) / reference_tip(mesh, options) - 1))
       .add("peak_mb", peak_bytes() / 1e6);
   return line;

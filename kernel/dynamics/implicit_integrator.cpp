@@ -36,6 +36,7 @@ void ImplicitIntegrator::set_equations(double dt) {
 }
 
 void ImplicitIntegrator::begin(double dt) {
+  newton_.begin_step();
   set_equations(dt);
   solve(equations_);
 }
@@ -61,6 +62,7 @@ void ImplicitIntegrator::reject() {
   Attributes& attributes = motion_.body().attributes();
   std::ranges::copy(position_, attributes.position().rows());
   std::ranges::copy(velocity_, attributes.velocity().rows());
+  newton_.reject_step();
   motion_.discard_forces();
 }
 

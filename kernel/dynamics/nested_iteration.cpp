@@ -38,12 +38,12 @@ bool Newton::start_from_coarse_levels(const StepEquations& equations) {
   if (!(norm(residual_) > far_residual * scale_)) return false;
   set_remaining(equations.time);
   if (is_moving_) return false;
-  set_matrix(equations);
-  const CoarseLevels coarse = choice_.preconditioner->coarse_levels(matrix_);
+  solver_.set_matrix(equations);
+  const CoarseLevels coarse = solver_.coarse_levels();
   if (!coarse.levels) return false;
   bool has_moved = false;
   for (std::size_t l = coarse.levels->size() - 1; l >= finest_level; --l) {
-    CoarseSystem system(coarse, l, matrix_);
+    CoarseSystem system(coarse, l, solver_.matrix());
     const std::vector<double> start = start_;
     if (!solve_on_level(equations, system)) {
       std::ranges::copy(start, motion_.body().attributes().position().rows());
@@ -64,8 +64,8 @@ bool Newton::solve_on_level(const StepEquations& equations, CoarseSystem& system
   for (unsigned i = 0; residual > reduction * first; ++i) {
     if (i == max_iterations) return false;
     try {
-      if (i % iterations_per_build == 0) system.build(matrix_);
-      system.solve(matrix_, right, direction_);
+      if (i % iterations_per_build == 0) system.build(solver_.matrix());
+      system.solve(solver_.matrix(), right, direction_);
     } catch (const NumericalError&) {
       return false;
     }

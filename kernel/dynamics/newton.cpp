@@ -20,79 +20,19 @@ constexpr unsigned max_iterations = 50, max_trials = 12;
 constexpr unsigned max_nested_iterations = 25;
 // Forcing terms of the linear solves.
 constexpr double first_forcing = 0.1, least_forcing = 1e-3;
-constexpr unsigned max_linear_iterations = 5000;
-// With the preconditioner of an earlier iteration, which may be useless after a large step.
-constexpr unsigned max_reused_iterations = 20;
 
 double norm(std::span<const double> v) { return std::sqrt(dot(v, v)); }
 
 }  // namespace
 
 Newton::Newton(Motion& motion, double tolerance, bool holds_free_pieces)
-    : motion_(motion),
-      tolerance_(tolerance),
-      matrix_(motion.body().attributes(), motion.body().terms()) {
+    : motion_(motion), tolerance_(tolerance), solver_(motion) {
   if (holds_free_pieces) relief_.emplace(motion.body());
 }
 
-/// Of the pieces that float free now. A preconditioner does not outlive its supports.
-void Newton::set_supports() {
-  if (!relief_) return;
-  forget();
-  relief_->find();
-  matrix_.support(relief_->supports());
-}
-
-/// The tangent at the current state, and a preconditioner for it.
-void Newton::set_matrix(const StepEquations& equations) {
-  matrix_.set({equations.time, equations.dt},
-              equations.acceleration + motion_.damping() * equations.rate, equations.rate,
-              equations.load);
-  if (matrix_.free() != free_) forget();
-  free_ = matrix_.free();
-  if (!is_chosen_) choose();
-}
-
-/// A preconditioner of the same kind stays.
-void Newton::choose() {
-  is_chosen_ = true;
-  Body& body = motion_.body();
-  PreconditionerChoice next =
-      choose_preconditioner(body.complex(), body.attributes(), matrix_, levels_);
-  if (next.kind != choice_.kind)
-    choice_ = std::move(next);
-  else
-    choice_.reason = next.reason;
-}
-
-void Newton::forget() {
-  choice_ = {};
-  levels_ = 0;
-  is_chosen_ = is_built_ = false;
-}
-
-/// A run that is resumed has no hierarchy yet and makes the same one again.
-void Newton::state(Archive& archive) {
-  if (!archive.has_cells()) return;
-  matrix_.set(motion_.time());  // what is free
-  if (!archive.loads() && matrix_.free() != free_) forget();
-  std::uint64_t levels = choice_.preconditioner ? choice_.preconditioner->levels() : 0;
-  if (levels == 0) levels = levels_;
-  archive("levels", levels);
-  if (!archive.loads()) return;
-  forget();
-  levels_ = static_cast<std::size_t>(levels);
-  free_ = matrix_.free();
-}
-
-std::string Newton::preconditioner() const {
-  const std::string name = choice_.preconditioner->name();
-  return choice_.preconditioner->shift() > 0 ? name + ", its diagonal raised" : name;
-}
-
 std::string Newton::describe_solver(const StepEquations& equations) {
-  set_matrix(equations);
-  return preconditioner() + ' ' + choice_.reason;
+  solver_.set_matrix(equations);
+  return preconditioner() + ' ' + solver_.reason();
 }
 
 // ----------------------------------------------------------------- residual --
@@ -105,7 +45,7 @@ double Newton::evaluate(const StepEquations& equations) {
   const double* x = attributes.position().rows();
   double* v = attributes.velocity().rows();
   for (std::size_t i = 0; i < std::size_t{vertices} * 4; ++i)
-    if (i % 4 != 3 && matrix_.free()[i / 4 * 3 + i % 4])
+    if (i % 4 != 3 && solver_.matrix().free()[i / 4 * 3 + i % 4])
       v[i] = equations.velocity[i] + equations.rate * (x[i] - equations.position[i]);
   forces_.assign(std::size_t{vertices} * 4, 0);
   load_.assign(std::size_t{vertices} * 4, 0);
@@ -121,7 +61,7 @@ double Newton::evaluate(const StepEquations& equations) {
       const std::size_t row = std::size_t{vertex} * 4 + c, i = std::size_t{vertex} * 3 + c;
       const double held_back = equations.held_back.empty() ? 0 : equations.held_back[i];
       const double given = equations.load * (load_[row] + mass * gravity[c]) - held_back;
-      if (!matrix_.free()[i] && !(relief_ && relief_->is_support(i))) {
+      if (!solver_.matrix().free()[i] && !(relief_ && relief_->is_support(i))) {
         residual_[i] = 0;
         reaction += (forces_[row] + given) * (forces_[row] + given);
         continue;
@@ -165,35 +105,19 @@ void Newton::set_remaining(double time) {
 
 /// Solves A d = r - A d_p with d = d_p on prescribed components.
 LinearSolve Newton::find_direction(const StepEquations& equations, double tolerance) {
-  set_matrix(equations);
-  if (choice_.kind != PreconditionerChoice::Kind::multigrid) levels_ = 0;
+  solver_.set_matrix(equations);
+  const TangentMatrix& matrix = solver_.matrix();
   std::vector<double> right = residual_;
-  matrix_.restrict(right);
+  matrix.restrict(right);
   if (is_moving_) {
-    matrix_.apply(remaining_.data(), right.data());
+    matrix.apply(remaining_.data(), right.data());
     for (std::size_t i = 0; i < right.size(); ++i) right[i] = residual_[i] - right[i];
-    matrix_.restrict(right);
+    matrix.restrict(right);
   }
-  LinearSolve solve;
-  solve.outcome = LinearSolve::Outcome::too_many;
-  if (is_built_) solve = solve_linear(right, tolerance, max_reused_iterations);
-  if (solve.outcome == LinearSolve::Outcome::too_many) {
-    choice_.preconditioner->build(matrix_);
-    solve = solve_linear(right, tolerance, max_linear_iterations);
-    built_iterations_ = solve.iterations;
-  }
-  // A preconditioner that has become twice as bad is built again.
-  is_built_ = solve.outcome == LinearSolve::Outcome::converged &&
-              solve.iterations <= 2 * built_iterations_ + 4;
+  const LinearSolve solve = solver_.solve(right, direction_, tolerance);
   for (std::size_t i = 0; i < remaining_.size(); ++i) direction_[i] += remaining_[i];
   if (relief_) relief_->remove_rigid_motion(direction_);
   return solve;
-}
-
-LinearSolve Newton::solve_linear(std::span<const double> right, double tolerance,
-                                 unsigned max_iterations) {
-  return linear_.solve(matrix_, *choice_.preconditioner, right, direction_, tolerance,
-                       max_iterations);
 }
 
 /// Moves by a step; the slope r . d there. False if the forces do not exist there.
@@ -240,11 +164,16 @@ double Newton::search(const StepEquations& equations) {
 
 // -------------------------------------------------------------------- solve --
 
+/// With inertia relief, of the pieces that float free now.
 void Newton::start(const StepEquations& equations) {
-  is_chosen_ = is_built_ = false;  // results do not depend on operators of earlier steps
-  set_supports();
-  matrix_.set(equations.time);  // what is free
-  for (auto* vector : {&residual_, &direction_, &remaining_}) vector->assign(matrix_.size(), 0);
+  if (relief_) {
+    relief_->find();
+    solver_.start(equations.time, relief_->supports());
+  } else {
+    solver_.start(equations.time);
+  }
+  for (auto* vector : {&residual_, &direction_, &remaining_})
+    vector->assign(solver_.matrix().size(), 0);
 }
 
 const std::vector<double>& Newton::residual(const StepEquations& equations) {
@@ -266,7 +195,7 @@ void Newton::solve(const StepEquations& equations) {
     } catch (const NumericalError&) {
       std::ranges::copy(before, x);
       evaluate(equations);
-      is_built_ = false;
+      solver_.discard();
     }
   }
   iterate(equations, max_iterations);
@@ -318,7 +247,7 @@ bool Newton::is_indefinite(double time) {
   start(equations);  // there may have been no solve: a run that is resumed at its end
   Random random;
   for (double& r : residual_) r = random();
-  matrix_.restrict(residual_);
+  solver_.matrix().restrict(residual_);
   is_moving_ = false;
   return find_direction(equations, 1e-6).outcome == LinearSolve::Outcome::indefinite;
 }
@@ -329,7 +258,7 @@ double Newton::noise(const StepEquations& equations) {
   const std::vector<double> residual = residual_;
   double* x = motion_.body().attributes().position().rows();
   for (std::size_t i = 0; i < start_.size(); ++i)
-    if (i % 4 != 3 && matrix_.free()[i / 4 * 3 + i % 4])
+    if (i % 4 != 3 && solver_.matrix().free()[i / 4 * 3 + i % 4])
       x[i] += (i % 2 == 0 ? 1 : -1) * std::numeric_limits<double>::epsilon() * std::abs(x[i]);
   evaluate(equations);
   double squared = 0;
@@ -342,6 +271,7 @@ double Newton::noise(const StepEquations& equations) {
 
 void Newton::refuse(const StepEquations& equations, const Progress& progress,
                     const std::string& reason) {
+  solver_.discard();
   const Body& body = motion_.body();
   const auto worst = std::ranges::max_element(
       residual_, [](double a, double b) { return std::abs(a) < std::abs(b) || std::isnan(b); });

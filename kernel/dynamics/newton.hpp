@@ -9,29 +9,11 @@
 
 #include "kernel/base/aligned.hpp"
 #include "kernel/dynamics/inertia_relief.hpp"
-#include "kernel/dynamics/motion.hpp"
-#include "kernel/solvers/choice.hpp"
-#include "kernel/solvers/conjugate_gradients.hpp"
+#include "kernel/dynamics/step_solver.hpp"
 
 namespace suture {
 
 class CoarseSystem;
-
-/// The equations of one implicit step for the positions x at its end, on the free components:
-///   f(x, v, time) + m g - m a - alpha m v = 0
-///   v = v* + rate (x - x*),   a = acceleration (x - x*)
-/// Static equilibrium: rate = acceleration = 0 and v* = 0. On the way to it (LoadSteps), loads and
-/// gravity can have a factor, and constant forces can be held back.
-struct StepEquations {
-  double time = 0;                         ///< at the end of the step, s
-  double dt = 0;                           ///< s
-  double rate = 0;                         ///< 1/s
-  double acceleration = 0;                 ///< 1/s^2
-  std::vector<double> position, velocity;  ///< x* and v*, 4 numbers per vertex
-  double motion_time = 0;                  ///< when prescribed motion has the positions at the end
-  double load = 1;                         ///< factor of all terms except the models
-  std::vector<double> held_back{};         ///< subtracted, N, 3 numbers per vertex; empty: none
-};
 
 /// Solves the equations of a step by Newton's method with inexact linear solves (Eisenstat and
 /// Walker, SIAM J. Sci. Comput. 17 (1996) 16) and a line search on the slope of the energy
@@ -41,9 +23,7 @@ struct StepEquations {
 /// equations with their displacement given, so that no layer of elements is crushed by a motion
 /// that the rest of the body does not follow.
 ///
-/// Every solve builds its own preconditioner, so results depend on the state. The hierarchy of a
-/// multigrid is kept as long as cells and free components stay; how many levels it has is part of
-/// state().
+/// Results depend on the state alone (StepSolver).
 class Newton {
  public:
   /// `tolerance`: of the residual, relative to the largest of the norms of external forces,
@@ -58,8 +38,11 @@ class Newton {
   void solve(const StepEquations& equations);
 
   /// To be called when cells have changed.
-  void forget();
-  void state(Archive& archive);
+  void forget() { solver_.forget(); }
+  /// To be called when a step begins, and when it is rejected.
+  void begin_step() { solver_.begin_step(); }
+  void reject_step() { solver_.reject_step(); }
+  void state(Archive& archive) { solver_.state(archive); }
 
   /// The forces that are not in balance at the current positions, 3 numbers per vertex; 0 on
   /// components that are not free.
@@ -92,7 +75,9 @@ class Newton {
   std::string describe_solver(const StepEquations& equations);
   /// The name of the current preconditioner, and whether it had to be changed to be positive
   /// definite.
-  std::string preconditioner() const;
+  std::string preconditioner() const { return solver_.preconditioner(); }
+  /// Preconditioners built so far.
+  unsigned builds() const { return solver_.builds(); }
 
  private:
   struct Progress {
@@ -100,9 +85,6 @@ class Newton {
     double residual = 0, last = 0;  ///< |r| over the free components now and before, N
   };
   void start(const StepEquations& equations);
-  void set_supports();
-  void set_matrix(const StepEquations& equations);
-  void choose();
   void iterate(const StepEquations& equations, unsigned allowed);
   bool start_from_coarse_levels(const StepEquations& equations);
   bool solve_on_level(const StepEquations& equations, CoarseSystem& system);
@@ -110,8 +92,6 @@ class Newton {
   void move(double step);
   void set_remaining(double time);
   LinearSolve find_direction(const StepEquations& equations, double tolerance);
-  LinearSolve solve_linear(std::span<const double> right, double tolerance,
-                           unsigned max_iterations);
   double search(const StepEquations& equations);
   bool is_solved(const StepEquations& equations, const Progress& progress);
   double forcing(const Progress& progress) const;
@@ -123,16 +103,9 @@ class Newton {
   Motion& motion_;
   double tolerance_;
   std::optional<InertiaRelief> relief_;  ///< of static equilibria that request it
-  TangentMatrix matrix_;
-  PreconditionerChoice choice_;     ///< none yet after forget()
-  std::vector<std::uint8_t> free_;  ///< what is free in the matrices that it belongs to
-  std::size_t levels_ = 0;          ///< that the next multigrid is known to have, or 0
-  ConjugateGradients linear_;
-  bool is_chosen_ = false;  ///< choice_ is that for this solve
-  bool is_built_ = false;
+  StepSolver solver_;
   bool is_moving_ = false;  ///< prescribed components have not arrived
   unsigned limited_steps_ = 0, iterations_ = 0;
-  unsigned built_iterations_ = 0;  ///< of the first solve after it was built
   double scale_ = 0;
   // 3 numbers per vertex:
   std::vector<double> residual_, direction_, remaining_;

@@ -306,6 +306,16 @@ const loops::Job& CompiledFunctor::job(Attributes& attributes, const CellComplex
   return job_;
 }
 
+bool CompiledFunctor::has_states() const {
+  const auto is_state = [&](std::uint32_t attribute) {
+    return attribute != UINT32_MAX && instance_.column(attribute)->has_trial();
+  };
+  return std::any_of(functor_.cell_columns, functor_.cell_columns + functor_.cell_column_count,
+                     is_state) ||
+         std::any_of(functor_.vertex_columns,
+                     functor_.vertex_columns + functor_.vertex_column_count, is_state);
+}
+
 void CompiledFunctor::read_columns(Attributes& attributes) {
   job_.has_trial = 0;
   varying_columns_.clear();

@@ -74,6 +74,8 @@ class CompiledFunctor {
   Instance& instance() const { return instance_; }
   const suture_functor& functor() const { return functor_; }
   std::uint32_t reads() const { return reads_; }
+  /// Whether it reads columns that steps change (SUTURE_TRIAL).
+  bool has_states() const;
   bool skipped() const { return !reason_.empty(); }
   const std::string& reason() const { return reason_; }
   const BatchList& list() const { return list_; }

@@ -98,6 +98,8 @@ class ForceLoop final : public ForceTerm {
   bool has_tangent() const override;    ///< every enabled functor has suture.tangent/1
   std::string without_tangent() const;  ///< the first functor without a tangent, or ""
   bool reads_velocity() const;          ///< whether an enabled functor does
+  /// Whether forces depend on nothing else that steps change: on no velocities and no states.
+  bool depends_on_positions_alone() const;
   /// Whether an enabled functor is on edges or faces, or reads columns of vertices: then an
   /// operation changes its bounds also at vertices that keep their elements.
   bool reads_summed_columns() const;

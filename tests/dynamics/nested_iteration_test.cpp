@@ -23,9 +23,9 @@ struct Iterations {
 
 /// The paper's cantilever along z, at rest, with its weight along -y.
 struct Beam : rig::Block {
-  Beam(const std::string& model, double gravity, const suture::TimeRamp& ramp = {})
+  Beam(const std::string& model, double weight, const suture::TimeRamp& ramp = {})
       : Block(model, {{"E", 4e5}, {"nu", 0.3}, {"rho", 1000}}, {across, across, 4 * across}, cell,
-              {.integrator = "static", .gravity = {0, -gravity, 0}, .gravity_ramp = ramp}) {
+              {.integrator = "static", .gravity = {0, -weight, 0}, .gravity_ramp = ramp}) {
     hold(vertices([](const Vec3& x) { return x[2] < 1e-9; }), 7);
     dynamics.newton()->on_iteration = [this](const Newton::Iteration& i) {
       ++(i.coarse_nodes > 0 ? iterations.coarse : iterations.fine);

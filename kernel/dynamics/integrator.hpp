@@ -62,6 +62,7 @@ struct IntegratorOptions {
   /// no solution. Empty: none.
   std::vector<bool> forbids_inversion{};
   bool holds_free_pieces = false;  ///< static equilibria: by inertia relief
+  bool follows_path = false;       ///< static equilibria: through limit points (ArcLength)
 };
 
 /// Creates an integrator by its name in scenes, for example "symplectic-euler". Throws InputError

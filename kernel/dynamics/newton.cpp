@@ -269,18 +269,22 @@ double Newton::noise(const StepEquations& equations) {
   return std::sqrt(squared);
 }
 
-void Newton::refuse(const StepEquations& equations, const Progress& progress,
-                    const std::string& reason) {
-  solver_.discard();
+std::uint64_t Newton::worst_element() const {
   const Body& body = motion_.body();
   const auto worst = std::ranges::max_element(
       residual_, [](double a, double b) { return std::abs(a) < std::abs(b) || std::isnan(b); });
   const auto vertex = static_cast<Index>((worst - residual_.begin()) / 3);
+  return body.user_element(body.complex().dart_of(0, vertex) / 24);
+}
+
+void Newton::refuse(const StepEquations& equations, const Progress& progress,
+                    const std::string& reason) {
+  solver_.discard();
   std::ostringstream text;
   text << "Newton's method found no solution at t = " << equations.time << " s: " << reason
        << " after " << progress.iterations << " iterations; the residual is "
        << progress.residual / scale_ << " of the forces, the tolerance " << tolerance_;
-  throw NumericalError(text.str(), body.user_element(body.complex().dart_of(0, vertex) / 24));
+  throw NumericalError(text.str(), worst_element());
 }
 
 }  // namespace suture

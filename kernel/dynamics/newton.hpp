@@ -47,6 +47,11 @@ class Newton {
   /// The forces that are not in balance at the current positions, 3 numbers per vertex; 0 on
   /// components that are not free.
   const std::vector<double>& residual(const StepEquations& equations);
+  /// What the tolerance refers to: the largest of the norms of external forces, reactions and
+  /// inertial forces at the last evaluation, N.
+  double scale() const { return scale_; }
+  /// The number, for users, of an element where the last residual is largest.
+  std::uint64_t worst_element() const;
 
   /// Iterations of the last solve that converged.
   unsigned iterations() const { return iterations_; }
@@ -70,6 +75,8 @@ class Newton {
   std::function<void(const Iteration&)> on_iteration;
   /// What else `suture run -v` prints: the load steps of a static step.
   std::function<void(const std::string&)> on_note;
+  /// What every run prints: the limit points of a path of equilibria.
+  std::function<void(const std::string&)> on_message;
 
   /// The preconditioner for these equations and why: "multigrid for 4000 elements".
   std::string describe_solver(const StepEquations& equations);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <optional>
 
+#include "kernel/dynamics/arc_length.hpp"
 #include "kernel/dynamics/implicit_integrator.hpp"
 #include "kernel/dynamics/integrators.hpp"
 #include "kernel/dynamics/load_steps.hpp"
@@ -13,15 +15,22 @@ namespace {
 class StaticEquilibrium final : public ImplicitIntegrator {
  public:
   StaticEquilibrium(Motion& motion, const IntegratorOptions& options)
-      : ImplicitIntegrator(motion, options),
-        load_steps_(motion, *newton(), options.forbids_inversion) {}
+      : ImplicitIntegrator(motion, options), path_(motion, *newton(), options.forbids_inversion) {
+    if (options.follows_path) arc_length_.emplace(path_);
+  }
   bool is_static() const override { return true; }
 
  private:
   void set(StepEquations& equations) override { std::ranges::fill(equations.velocity, 0.0); }
-  void solve(const StepEquations& equations) override { load_steps_.solve(equations); }
+  void solve(const StepEquations& equations) override {
+    if (arc_length_)
+      arc_length_->solve(equations);
+    else
+      LoadSteps(path_).solve(equations);
+  }
 
-  LoadSteps load_steps_;
+  LoadPath path_;
+  std::optional<ArcLength> arc_length_;
 };
 
 }  // namespace

@@ -161,6 +161,7 @@ void RunLoop::pass_details_to(Observer& observer) {
     observer.on_detail(describe(i, *newton));
   };
   newton->on_note = [&observer](const std::string& text) { observer.on_detail(text); };
+  newton->on_message = [&observer](const std::string& text) { observer.on_message(text); };
 }
 
 void RunLoop::loop(std::optional<double> until, Observer& observer) {

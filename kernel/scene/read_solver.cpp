@@ -34,6 +34,11 @@ void read_static(ObjectReader& object, const Scene& scene, SolverOptions& solver
   solver.step_tolerance = reader.number("tolerance", part).value_or(solver.step_tolerance);
   static const std::array<std::string, 2> choices{"refuse", "hold"};
   solver.hold_free_pieces = reader.choice("free_pieces", choices).value_or(0) == 1;
+  static const std::array<std::string, 2> paths{"load-steps", "arc-length"};
+  solver.follow_path = reader.choice("path", paths).value_or(0) == 1;
+  if (solver.hold_free_pieces && solver.follow_path)
+    reader.complain("path",
+                    "cannot be combined with \"free_pieces\": \"hold\"; remove one of them");
   reader.finish();
   solver.integrator = statics;
   solver.end = object.number("end", Limits::positive("s"));

@@ -95,6 +95,7 @@ struct SolverOptions {
   double tolerance = 1e-6;         ///< of the residual, for rest
   double step_tolerance = 1e-8;    ///< of the equations of a step, for implicit integrators
   bool hold_free_pieces = false;   ///< static equilibria: by inertia relief; false: refuse them
+  bool follow_path = false;        ///< static equilibria: through limit points
   double kick = 0;                 ///< m, along an unstable mode at rest; 0: none
   std::uint64_t max_steps = 0;     ///< 0: no limit, except for rest (10 million)
   double damping = 0;              ///< 1/s, mass-proportional: f = -damping m v

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "kernel/solvers/conjugate_gradients.hpp"
+
 namespace suture {
 
 TangentMatrix::TangentMatrix(Attributes& attributes,
@@ -13,6 +15,7 @@ void TangentMatrix::set(const TangentTime& at, double mass, double velocity, dou
   at_ = at;
   velocity_ = velocity;
   load_ = load;
+  stiffen({}, 0);
   const Column &masses = attributes_.mass(), &fixed = attributes_.fixed();
   const Index vertices = attributes_.vertex_count();
   free_.assign(std::size_t{vertices} * 3, 1);
@@ -29,6 +32,11 @@ void TangentMatrix::set(const TangentTime& at, double mass, double velocity, dou
   for (const Index i : held_) free_[i] = 0;
 }
 
+void TangentMatrix::stiffen(std::span<const double> direction, double stiffness) {
+  direction_ = direction;
+  stiffness_ = stiffness;
+}
+
 void TangentMatrix::restrict(std::span<double> x) const {
   for (const Index i : held_) x[i] = 0;
 }
@@ -40,6 +48,10 @@ void TangentMatrix::apply(const double* x, double* y) const {
   for (std::size_t t = 0; t < terms_.size(); ++t)
     if (terms_[t]->has_tangent())
       terms_[t]->add_tangent(x, -factor(t), -factor(t) * velocity_, at_, y);
+  if (!direction_.empty()) {
+    const double force = stiffness_ * dot(direction_, {x, direction_.size()});
+    for (std::size_t i = 0; i < direction_.size(); ++i) y[i] += force * direction_[i];
+  }
   restrict({y, free_.size()});
 }
 

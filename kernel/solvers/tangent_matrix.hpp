@@ -30,6 +30,10 @@ class TangentMatrix {
   /// Components that are held besides those that are constrained, from the next set() on.
   void support(std::vector<std::size_t> components) { supports_ = std::move(components); }
 
+  /// Adds stiffness n n^T to the matrix in double precision, until the next set(). A direction of
+  /// no size adds nothing.
+  void stiffen(std::span<const double> direction, double stiffness);
+
   std::size_t size() const { return free_.size(); }
   /// Whether each component is free.
   const std::vector<std::uint8_t>& free() const { return free_; }
@@ -62,6 +66,8 @@ class TangentMatrix {
   TangentTime at_ = 0;
   std::vector<std::size_t> supports_;  ///< components that are held, too
   double velocity_ = 0, load_ = 1;
+  std::span<const double> direction_;  ///< n of stiffen()
+  double stiffness_ = 0;
 };
 
 }  // namespace suture

@@ -187,6 +187,8 @@ Case implicit(Random& random, unsigned index, std::uint64_t) {
     if (index % 2 == 0) {
       scene["constraints"].erase(1);
       scene["solver"]["static"]["free_pieces"] = "hold";
+    } else {
+      scene["solver"]["static"]["path"] = "arc-length";
     }
   } else {
     scene["solver"]["integrator"] = index % 3 == 1 ? "newmark" : "implicit-euler";

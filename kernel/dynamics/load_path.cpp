@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/dynamics/load_path.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+#include "kernel/dynamics/distortion.hpp"
+#include "kernel/dynamics/inversion.hpp"
+
+namespace suture {
+
+void LoadPath::begin(const StepEquations& end) {
+  Body& body = motion_.body();
+  const double* x = body.attributes().position().rows();
+  position_.assign(x, x + std::size_t{body.attributes().vertex_count()} * 4);
+  inverted_ = find_inverted(body.complex(), body.attributes());
+  unbalanced_.clear();
+  end_ = end;
+}
+
+void LoadPath::hold_back() { unbalanced_ = newton_.residual(equations_at(0)); }
+
+StepEquations LoadPath::equations_at(double part) const {
+  StepEquations equations = end_;
+  const double start = motion_.time();
+  equations.motion_time = part == 1 ? end_.time : start + part * (end_.time - start);
+  if (motion_.last_step() == 0)
+    equations.load = part;
+  else
+    equations.time = equations.motion_time;
+  equations.held_back = unbalanced_;
+  for (double& force : equations.held_back) force *= 1 - part;
+  return equations;
+}
+
+bool LoadPath::try_at(double part) {
+  try {
+    newton_.solve(equations_at(part));
+    accept();
+    return true;
+  } catch (const StepRejected&) {
+    throw;
+  } catch (const NumericalError& error) {
+    return_from(error);
+    return false;
+  }
+}
+
+void LoadPath::accept() {
+  refuse_inversion();
+  const double* x = motion_.body().attributes().position().rows();
+  std::copy_n(x, position_.size(), position_.begin());
+}
+
+void LoadPath::return_from(const NumericalError& error) {
+  failure_ = {error.what(), error.element};
+  std::ranges::copy(position_, motion_.body().attributes().position().rows());
+}
+
+/// Laws that are finite beyond it have equilibria there, which no path leads to.
+void LoadPath::refuse_inversion() const {
+  Body& body = motion_.body();
+  const Index element = first_forbidden(body, find_inverted(body, inverted_), forbids_inversion_);
+  if (element == none) return;
+  const Index number = body.user_element(element);
+  throw NumericalError("the solution turns element " + std::to_string(number) + " inside out",
+                       number);
+}
+
+std::string LoadPath::interval() const {
+  std::ostringstream text;
+  text << "t = " << motion_.time() << " s to " << end_.time << " s";
+  return text.str();
+}
+
+void LoadPath::refuse(const std::string& what, const std::string& how) const {
+  std::ostringstream text;
+  text << "no equilibrium was found: " << what << " from " << interval() << ' ' << how << ", where "
+       << describe(measure_distortion(motion_.body()), motion_.body()) << "; beyond that, "
+       << failure_.reason;
+  throw NumericalError(text.str(), failure_.element);
+}
+
+std::string percent(double part) {
+  std::ostringstream text;
+  text << 100 * part << " %";
+  return text.str();
+}
+
+}  // namespace suture

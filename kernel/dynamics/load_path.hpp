@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kernel/dynamics/newton.hpp"
+
+namespace suture {
+
+/// The equations that lead from the state at the start of a static step to the equilibrium at its
+/// end, for the part s of the change from 0 to 1:
+///  - the time of ramps and prescribed motions goes from the start to the end of the step;
+///  - in the first step of a run, gravity and loads have the factor s and their values at the end;
+///  - forces that are not in balance at the start, as after a cut, are held back by the part 1 - s.
+/// So the state at the start is in equilibrium at s = 0.
+class LoadPath {
+ public:
+  /// `forbids_inversion`: by instance of the body, whether an equilibrium in which one of its
+  /// elements has become inverted is no solution.
+  LoadPath(Motion& motion, Newton& newton, std::vector<bool> forbids_inversion)
+      : motion_(motion), newton_(newton), forbids_inversion_(std::move(forbids_inversion)) {}
+
+  struct Failure {
+    std::string reason;
+    std::uint64_t element;
+  };
+
+  /// The path from the current state to the equations at the end of a step. One evaluation of the
+  /// forces with hold_back(), without which the unbalanced forces act at once.
+  void begin(const StepEquations& end);
+  void hold_back();
+  StepEquations equations_at(double part) const;
+
+  /// Moves the vertices to the equilibrium at a part of the change that Newton's method finds from
+  /// their current positions, or back to the last one: false. Passes on StepRejected.
+  bool try_at(double part);
+  /// The current positions are an equilibrium. Throws NumericalError if elements are inside out.
+  void accept();
+  /// Back to the last equilibrium; remembers why.
+  void return_from(const NumericalError& error);
+
+  const std::vector<double>& position() const { return position_; }  ///< of the last one, rows
+  const Failure& failure() const { return failure_; }                ///< the last one
+  std::string interval() const;  ///< of the step, for messages: "t = 0 s to 1 s"
+  /// Throws NumericalError: no equilibrium at the end, with the state at the last one. `what` was
+  /// followed and `how` it ended: "load steps", "end at 40 % of the change of loads and motions".
+  [[noreturn]] void refuse(const std::string& what, const std::string& how) const;
+
+  Motion& motion() const { return motion_; }
+  Newton& newton() const { return newton_; }
+
+ private:
+  void refuse_inversion() const;
+
+  Motion& motion_;
+  Newton& newton_;
+  std::vector<bool> forbids_inversion_;
+  StepEquations end_;               ///< of the step: s = 1
+  std::vector<double> unbalanced_;  ///< at s = 0, 3 numbers per vertex, N; empty: act at once
+  std::vector<double> position_;    ///< of the last equilibrium, 4 numbers per vertex
+  std::vector<Index> inverted_;     ///< elements, at the start
+  Failure failure_;
+};
+
+/// "40 %", for messages about a part of the change.
+std::string percent(double part);
+
+}  // namespace suture

@@ -110,7 +110,7 @@ LinearSolve Newton::find_direction(const StepEquations& equations, double tolera
   std::vector<double> right = residual_;
   matrix.restrict(right);
   if (is_moving_) {
-    matrix.apply(remaining_.data(), right.data());
+    matrix.apply_whole(remaining_.data(), right.data());
     for (std::size_t i = 0; i < right.size(); ++i) right[i] = residual_[i] - right[i];
     matrix.restrict(right);
   }
@@ -204,6 +204,7 @@ void Newton::solve(const StepEquations& equations) {
 /// From the current positions, where the residual is known.
 void Newton::iterate(const StepEquations& equations, unsigned allowed) {
   Progress progress;
+  solver_.set_symmetric(motion_.body().loads_are_conservative(equations.time));
   progress.residual = norm(residual_);
   for (;; ++progress.iterations) {
     if (!std::isfinite(progress.residual)) refuse(equations, progress, "the forces are not finite");
@@ -249,6 +250,7 @@ bool Newton::is_indefinite(double time) {
   for (double& r : residual_) r = random();
   solver_.matrix().restrict(residual_);
   is_moving_ = false;
+  solver_.set_symmetric(true);
   return find_direction(equations, 1e-6).outcome == LinearSolve::Outcome::indefinite;
 }
 

@@ -77,7 +77,9 @@ void StepSolver::choose() {
 LinearSolve StepSolver::solve(std::span<const double> b, std::span<double> x, double tolerance) {
   if (choice_.kind != PreconditionerChoice::Kind::multigrid) levels_ = 0;
   const auto solve_in = [&](unsigned iterations) {
-    return linear_.solve(matrix_, *choice_.preconditioner, b, x, tolerance, iterations);
+    const Preconditioner& preconditioner = *choice_.preconditioner;
+    return is_symmetric_ ? symmetric_.solve(matrix_, preconditioner, b, x, tolerance, iterations)
+                         : whole_.solve(matrix_, preconditioner, b, x, tolerance, iterations);
   };
   LinearSolve result;
   result.outcome = LinearSolve::Outcome::too_many;

@@ -9,7 +9,7 @@
 #include "kernel/dynamics/motion.hpp"
 #include "kernel/dynamics/step_equations.hpp"
 #include "kernel/solvers/choice.hpp"
-#include "kernel/solvers/conjugate_gradients.hpp"
+#include "kernel/solvers/gmres.hpp"
 
 namespace suture {
 
@@ -33,6 +33,8 @@ class StepSolver {
   /// The tangent at the current state.
   void set_matrix(const StepEquations& equations);
   const TangentMatrix& matrix() const { return matrix_; }
+  /// Whether it is symmetric: the choice between conjugate gradients and GMRES.
+  void set_symmetric(bool is_symmetric) { is_symmetric_ = is_symmetric; }
 
   /// Solves A x = b. Throws the errors of terms.
   LinearSolve solve(std::span<const double> b, std::span<double> x, double tolerance);
@@ -92,10 +94,12 @@ class StepSolver {
   PreconditionerChoice choice_;     ///< none yet after forget()
   std::vector<std::uint8_t> free_;  ///< what is free in the matrices that it belongs to
   std::size_t levels_ = 0;          ///< that the next multigrid is known to have, or 0
-  ConjugateGradients linear_;
+  ConjugateGradients symmetric_;
+  Gmres whole_;
   Built built_;
   Before before_;
   unsigned builds_ = 0;
+  bool is_symmetric_ = true;
   bool is_chosen_ = false;  ///< choice_ is that for this solve
   bool is_built_ = false;   ///< from built_
 };

@@ -77,8 +77,12 @@ class ForceTerm : public Follower {
   /// numbers per vertex.
   virtual void add_tangent(const double* /*d*/, double /*dx*/, double /*dv*/,
                            const TangentTime& /*at*/, double* /*out*/) {}
-  /// The same in single precision, for preconditioners: rows of 4 numbers per vertex, the fourth 0,
-  /// 16-byte aligned. False if it does not offer that.
+  /// out += what add_tangent() leaves out of the derivative in the direction dx d: the part that is
+  /// not symmetric.
+  virtual void add_skew_tangent(const double* /*d*/, double /*dx*/, const TangentTime& /*at*/,
+                                double* /*out*/) {}
+  /// The same as add_tangent() in single precision, for preconditioners: rows of 4 numbers per
+  /// vertex, the fourth 0, 16-byte aligned. False if it does not offer that.
   virtual bool add_tangent_in_single(const float* /*d*/, double /*dx*/, double /*dv*/,
                                      const TangentTime& /*at*/, float* /*out*/) {
     return false;

@@ -138,6 +138,10 @@ void Pressures::add_tangent(const double* d, double dx, double, const TangentTim
   multiply(d, dx, -1, at.time, out);
 }
 
+void Pressures::add_skew_tangent(const double* d, double dx, const TangentTime& at, double* out) {
+  multiply(d, dx, 1, at.time, out);
+}
+
 bool Pressures::add_tangent_in_single(const float* d, double dx, double, const TangentTime& at,
                                       float* out) {
   multiply(d, dx, -1, at.time, out);

@@ -16,7 +16,7 @@ namespace suture {
 /// Their tangent (Hibbitt, Int. J. Solids Struct. 15 (1979) 937) is
 ///   df_a = p  integral of N_a (dx/dr x du/ds - dx/ds x du/dr) dr ds
 /// It is symmetric where p is uniform up to edges that are held or absent; of other tangents, the
-/// symmetric part is used.
+/// symmetric part is used where a symmetric one is needed.
 /// Pressure on a removed element is removed with it; a face that is sewn permanently carries none.
 class Pressures final : public ForceTerm {
  public:
@@ -37,6 +37,7 @@ class Pressures final : public ForceTerm {
   bool is_stiff() const override { return !loads_.empty(); }
   void add_tangent(const double* d, double dx, double dv, const TangentTime& at,
                    double* out) override;
+  void add_skew_tangent(const double* d, double dx, const TangentTime& at, double* out) override;
   bool add_tangent_in_single(const float* d, double dx, double dv, const TangentTime& at,
                              float* out) override;
   void for_each_tangent(double dx, double dv, const TangentTime& at,

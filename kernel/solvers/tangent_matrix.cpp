@@ -55,6 +55,13 @@ void TangentMatrix::apply(const double* x, double* y) const {
   restrict({y, free_.size()});
 }
 
+void TangentMatrix::apply_whole(const double* x, double* y) const {
+  apply(x, y);
+  for (std::size_t t = 0; t < terms_.size(); ++t)
+    terms_[t]->add_skew_tangent(x, -factor(t), at_, y);
+  restrict({y, free_.size()});
+}
+
 void TangentMatrix::apply(const float* x, float* y) const {
   std::fill_n(y, free_.size() / 3 * 4, 0.0f);
   for (std::size_t v = 0; v < masses_.size(); ++v) {

@@ -39,8 +39,10 @@ class TangentMatrix {
   const std::vector<std::uint8_t>& free() const { return free_; }
   /// y = A x. About three evaluations of the forces. Throws the errors of terms.
   void apply(const double* x, double* y) const;
-  /// The same in single precision, in rows of 4 numbers, the fourth 0, 16-byte aligned; terms
-  /// without such a tangent are computed in double.
+  /// The same with the parts of tangents that are not symmetric.
+  void apply_whole(const double* x, double* y) const;
+  /// The same as apply() in single precision, in rows of 4 numbers, the fourth 0, 16-byte aligned;
+  /// terms without such a tangent are computed in double.
   void apply(const float* x, float* y) const;
   bool has_mass() const { return !masses_.empty(); }
   /// The diagonal of the mass term at a vertex, N/m.

@@ -155,6 +155,9 @@ TEST_F(Pressed, TheTangentUpToAFreeEdgeIsTheSymmetricPart) {
   ASSERT_GT(std::abs(ab - ba), 0.1);
   EXPECT_NEAR(dot_of(a, product(b)), (ab + ba) / 2, 1e-6);
   EXPECT_NEAR(dot_of(b, product(a)), (ab + ba) / 2, 1e-6);
+  std::vector<double> whole = product(b);
+  pressures.add_skew_tangent(b.data(), 1, 9, whole.data());
+  EXPECT_NEAR(dot_of(a, whole), ab, 1e-6);
   EXPECT_FALSE(pressures.is_conservative(0));
   std::vector<Index> edge;
   for (Index v = 0; v < body.attributes().vertex_count(); ++v)

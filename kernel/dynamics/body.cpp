@@ -46,9 +46,8 @@ bool Body::has_loads() const {
   return !std::ranges::all_of(loads(), [](const auto& term) { return term->adds_no_rows(); });
 }
 
-bool Body::loads_are_conservative(double time) const {
-  return std::ranges::all_of(loads(),
-                             [&](const auto& term) { return term->is_conservative(time); });
+bool Body::is_conservative(double time) const {
+  return std::ranges::all_of(terms_, [&](const auto& term) { return term->is_conservative(time); });
 }
 
 double Body::last_change() const {

@@ -72,9 +72,9 @@ class Body {
   double energy(double time) const;      ///< stored by all terms, J
   double potential(double time) const;   ///< of all terms, J
   // For the loads:
-  bool has_loads() const;                          ///< some term adds to rows
-  bool loads_are_conservative(double time) const;  ///< ForceTerm::is_conservative() of all
-  double last_change() const;                      ///< when the last ramp and motion ends, s
+  bool has_loads() const;                   ///< some term adds to rows
+  bool is_conservative(double time) const;  ///< ForceTerm::is_conservative() of all terms
+  double last_change() const;               ///< when the last ramp and motion ends, s
   /// Some component of some vertex with mass is not prescribed. O(vertices).
   bool has_free_vertices();
   /// out += K d with K = df/dx of all terms that have a tangent; 3 numbers per vertex.

@@ -204,7 +204,6 @@ void Newton::solve(const StepEquations& equations) {
 /// From the current positions, where the residual is known.
 void Newton::iterate(const StepEquations& equations, unsigned allowed) {
   Progress progress;
-  solver_.set_symmetric(motion_.body().loads_are_conservative(equations.time));
   progress.residual = norm(residual_);
   for (;; ++progress.iterations) {
     if (!std::isfinite(progress.residual)) refuse(equations, progress, "the forces are not finite");
@@ -212,6 +211,9 @@ void Newton::iterate(const StepEquations& equations, unsigned allowed) {
     if (is_solved(equations, progress)) return;
     if (progress.iterations == allowed)
       refuse(equations, progress, "the allowed number of iterations was not enough");
+    // A tangent that is not symmetric may be so at rest.
+    if (progress.iterations < 2)
+      solver_.set_symmetric(motion_.body().is_conservative(equations.time));
     const LinearSolve solve = find_direction(equations, forcing(progress));
     const double step = search(equations);
     if (step == 0) refuse(equations, progress, "no step along the direction of Newton helps");

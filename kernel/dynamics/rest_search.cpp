@@ -117,8 +117,9 @@ std::string RestSearch::explanation(Dynamics& dynamics) const {
            !inverted.empty())
     text << "inverted elements (" << inverted.size()
          << ") have no stable state: reduce the load or refine the mesh there";
-  else if (!dynamics.body().loads_are_conservative(dynamics.time()))
-    text << "a pressure that follows the surface can sustain a vibration: set /solver/end or "
+  else if (!dynamics.body().is_conservative(dynamics.time()))
+    text << "a pressure that follows the surface, or a model without an energy, can sustain a "
+            "vibration: set /solver/end or "
             "increase /solver/damping";
   else
     text << "there may be no equilibrium near this state, or a model sustains a vibration: reduce "

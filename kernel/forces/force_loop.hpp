@@ -95,6 +95,8 @@ class ForceLoop final : public ForceTerm {
                         const VisitTangents& visit) override;
   void for_some_tangents(double dx, double dv, const TangentTime& at, const SelectCell& select,
                          const VisitTangents& visit) override;
+  /// From the tangents of some cells of every functor; true if a functor has none.
+  bool is_conservative(double time) override;
   bool has_tangent() const override;    ///< every enabled functor has suture.tangent/1
   std::string without_tangent() const;  ///< the first functor without a tangent, or ""
   bool reads_velocity() const;          ///< whether an enabled functor does

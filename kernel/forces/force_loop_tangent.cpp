@@ -244,4 +244,38 @@ void ForceLoop::for_some_tangents(double dx, double dv, const TangentTime& at,
   impl_->raise_failures(at.time);
 }
 
+namespace {
+
+/// Whether the matrix of every cell is, but for rounding.
+bool is_symmetric(const CellTangents& cells) {
+  constexpr double rounding = 1e-6;  // of the largest entry
+  const std::size_t rows = std::size_t{cells.nodes} * 3;
+  for (std::size_t cell = 0; cell < cells.cells; ++cell) {
+    double largest = 0, difference = 0;
+    for (std::size_t i = 0; i < rows; ++i)
+      for (std::size_t j = 0; j < rows; ++j) {
+        const double value = cells.values[(j * rows + i) * 8 + cell];
+        largest = std::max(largest, std::abs(value));
+        difference =
+            std::max(difference, std::abs(value - cells.values[(i * rows + j) * 8 + cell]));
+      }
+    if (difference > rounding * largest) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool ForceLoop::is_conservative(double time) {
+  if (!has_tangent()) return true;
+  constexpr Index sample = 64;
+  const Index stride = impl_->complex->element_count() / sample + 1;
+  Index cells = 0;
+  bool result = true;
+  for_some_tangents(
+      1, 0, time, [&](const CellTangents&) { return cells++ % stride == 0; },
+      [&](const CellTangents& found) { result = result && is_symmetric(found); });
+  return result;
+}
+
 }  // namespace suture

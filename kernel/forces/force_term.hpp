@@ -70,11 +70,11 @@ class ForceTerm : public Follower {
   virtual bool is_stiff() const { return false; }
   /// True if add_tangent() is implemented.
   virtual bool has_tangent() const { return true; }
-  /// True if the whole tangent on the free components is symmetric; add_tangent() gives its
-  /// symmetric part. False for pressures up to a free edge.
-  virtual bool is_conservative(double /*time*/) const { return true; }
-  /// out += the derivative (its symmetric part) of its forces in the direction (dx d, dv d); 3
-  /// numbers per vertex.
+  /// True if the whole tangent on the free components is symmetric. False for pressures up to a
+  /// free edge, and for models whose forces have no energy.
+  virtual bool is_conservative(double /*time*/) { return true; }
+  /// out += the derivative of its forces in the direction (dx d, dv d), but for what
+  /// add_skew_tangent() adds; 3 numbers per vertex.
   virtual void add_tangent(const double* /*d*/, double /*dx*/, double /*dv*/,
                            const TangentTime& /*at*/, double* /*out*/) {}
   /// out += what add_tangent() leaves out of the derivative in the direction dx d: the part that is

@@ -42,7 +42,7 @@ class Pressures final : public ForceTerm {
                              float* out) override;
   void for_each_tangent(double dx, double dv, const TangentTime& at,
                         const VisitTangents& visit) override;
-  bool is_conservative(double time) const override;
+  bool is_conservative(double time) override;
   double work() const override { return work_; }
   void forget_last() override;
   void restart() override;

@@ -150,10 +150,11 @@ NaturalModes ModalRun::solve(Observer& observer) {
   bool is_reported = false;  // that the equilibrium is unstable
   if (statics_) {
     is_reported = statics_->run(observer).outcome == RunSummary::Outcome::unstable_equilibrium;
-    if (!built().body().loads_are_conservative(built().dynamics().time()))
+    if (!built().body().is_conservative(built().dynamics().time()))
       diagnostics_.warn(
-          "the pressures act up to a free edge, so their stiffness is not symmetric; the modes "
-          "include its symmetric part");
+          "the stiffness is not symmetric, because a pressure acts up to a free edge or a model "
+          "has "
+          "no energy; the modes are those of its symmetric part");
   }
   const auto report = [&](const ModalIteration& i) {
     std::ostringstream text;

@@ -57,7 +57,7 @@ Stability::Verdict Stability::examine(double unbalanced_force, std::uint64_t ste
   recorder_.mode(time, gravity, mode.shape);
   // A column under a load that follows it can be stable far above its Euler load (Beck), so a
   // negative eigenvalue of the symmetric part proves nothing.
-  const bool is_proof = built_.body().loads_are_conservative(time);
+  const bool is_proof = built_.body().is_conservative(time);
   std::string text = describe(mode, is_proof);
   if (scene_.solver.kick > 0 && kicks_ < max_kicks) {
     ++kicks_;
@@ -83,9 +83,11 @@ std::string Stability::describe(const LowestMode& mode, bool is_proof) const {
   const Column& x = built_.body().attributes().position();
   std::ostringstream text;
   if (!is_proof)
-    text << "the equilibrium may be unstable: the symmetric part of the tangent, which is not "
-            "symmetric for pressures up to a free edge, has the eigenvalue "
-         << mode.eigenvalue << " 1/s^2";
+    text << "the equilibrium may be unstable: the symmetric part of the tangent has the "
+            "eigenvalue "
+         << mode.eigenvalue
+         << " 1/s^2 (the whole is not symmetric: a pressure acts up to a free edge, or a model has "
+            "no energy)";
   else
     text << "the equilibrium is unstable: the lowest eigenvalue of the tangent is "
          << mode.eigenvalue << " 1/s^2, so a disturbance grows at " << std::sqrt(-mode.eigenvalue)

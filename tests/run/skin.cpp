@@ -50,4 +50,19 @@ struct VectorSkin : Skin {
     for (int i = 0; i < 3; ++i) out.set(0, i, 0.5 * a[i]);
   }
 };
-SUTURE_PLUGIN("skin", "1.0", "GPL-3.0-or-later", "Surface tension", Skin, VectorSkin)
+/// A force across the displacement, which has no energy and no symmetric tangent.
+struct Swirl : suture::model, suture::on_vertices {
+  static constexpr const char *id = "swirl", *doc = "A force across the displacement",
+                              *formula = "f = k z x (x - X)", *citation = "none";
+  enum { k };
+  static constexpr suture::parameter parameters[] = {
+      suture::number("k", "N/m", "stiffness").at_least(0)};
+  static constexpr auto reads = SUTURE_READ_REST | SUTURE_READ_POSITION;
+
+  template <class Cell>
+  static void force(const Cell& node) {
+    const auto u = node.position(0) - node.rest(0);
+    node.force(0, node.parameter(k) * cross(suture::vec3<double>{0, 0, 1}, u));
+  }
+};
+SUTURE_PLUGIN("skin", "1.0", "GPL-3.0-or-later", "Forces of tests", Skin, VectorSkin, Swirl)

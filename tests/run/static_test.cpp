@@ -271,6 +271,23 @@ TEST(Static, ACantileverUnderAPressureOnOneSideReachesTheEquilibriumOfARelaxatio
   for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], 1e-6);
 }
 
+// Forces across the displacement have no energy.
+TEST(Static, ModelsWithoutAnEnergyAreSolvedWithTheirWholeTangent) {
+  host().add_file(TEST_PLUGINS "/skin.so");
+  Scene scene = equilibrium(beam(host(), "tm-faure", 8, 2, 2));
+  ModelUse swirl;
+  swirl.name = "swirl";
+  swirl.model = &host().model("swirl");
+  swirl.parameters = parameters(*swirl.model, {{"k", 200}});
+  scene.models.push_back(swirl);
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Counted observer;
+  EXPECT_EQ(simulation.run(observer).outcome, RunSummary::Outcome::finished);
+  EXPECT_LE(observer.iterations, 8);
+  EXPECT_GT(simulation.mean_displacement(beam_tip(2))[0], 0.004) << "it was too weak to matter";
+}
+
 /// The right half is cut off under its weight, half-way through a run of two steps.
 Scene cut_in_two() {
   Scene scene = equilibrium(beam(host(), "tm-faure", 16, 3, 9.8), 2);

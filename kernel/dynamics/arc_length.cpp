@@ -74,6 +74,10 @@ bool ArcLength::advance() {
     throw;
   } catch (const NumericalError& error) {
     path_.return_from(error);
+    const auto& note = path_.newton().on_note;
+    if (note)
+      note("no equilibrium at a distance of " + std::to_string(step_) + " m along the path (" +
+           error.what() + "); continuing with half of it");
     shorten();
   }
   return false;
@@ -99,7 +103,7 @@ unsigned ArcLength::correct(double& part) {
 
 /// The current positions are the next equilibrium.
 void ArcLength::append(double part) {
-  const double* x = path_.motion().body().attributes().position().rows();
+  const double* x = position();
   std::vector<double> way(direction_.size());
   for (std::size_t i = 0; i < way.size(); ++i) {
     const std::size_t row = i / 3 * 4 + i % 3;
@@ -110,26 +114,33 @@ void ArcLength::append(double part) {
   for (double& d : way) d /= length;
   if (dot(way, direction_) < least_cosine)
     throw NumericalError("the path turns sharply, as where another one crosses it");
+  find_limit({length, (part - part_) / length});
   path_.accept();
-  note_limit({length, (part - part_) / length});
   direction_ = std::move(way);
   segment_ = {length, (part - part_) / length};
   part_ = part;
 }
 
-/// Where ds/dl changes its sign between the middles of the last segment and the next one, s has a
-/// limit point; a parabola through the three equilibria gives its value.
-void ArcLength::note_limit(const Segment& next) {
+/// Where ds/dl changes its sign between the middles of the last segment and the next one, a
+/// parabola through the three equilibria says how far the limit point of s is from the last one.
+/// The equilibrium there has its s but for an error of second order.
+void ArcLength::find_limit(const Segment& next) {
   if (segment_.length == 0 || segment_.rate * next.rate >= 0) return;
   const double curvature = 2 * (next.rate - segment_.rate) / (segment_.length + next.length);
   const double rate = segment_.rate + curvature * segment_.length / 2;
-  const std::string limit = percent(part_ - rate * rate / (2 * curvature));
-  limits_ += (limits_.empty() ? "" : ", ") + limit;
+  double limit = part_ - rate * rate / (2 * curvature);
+  std::vector<double> next_position = path_.position();
+  std::swap_ranges(next_position.begin(), next_position.end(), position());
+  move(direction_, -rate / curvature);
+  correct(limit);
+  std::ranges::copy(next_position, position());
+  limits_ += (limits_.empty() ? "" : ", ") + percent(limit);
   const auto& message = path_.newton().on_message;
   if (message)
-    message(
-        path_.interval() + ": the path of equilibria has a limit point, where the part of the " +
-        "change of loads and motions is " + (curvature < 0 ? "largest, " : "smallest, ") + limit);
+    message(path_.interval() +
+            ": the path of equilibria has a limit point, where the part of the " +
+            "change of loads and motions is " + (curvature < 0 ? "largest, " : "smallest, ") +
+            percent(limit));
 }
 
 void ArcLength::shorten() {
@@ -141,7 +152,7 @@ void ArcLength::shorten() {
 /// positions.
 bool ArcLength::arrive(double part) {
   const double weight = (1 - part_) / (part - part_);
-  double* x = path_.motion().body().attributes().position().rows();
+  double* x = position();
   for (std::size_t i = 0; i < path_.position().size(); ++i)
     x[i] = path_.position()[i] + weight * (x[i] - path_.position()[i]);
   if (path_.try_at(1)) return true;
@@ -164,9 +175,11 @@ void ArcLength::report(unsigned iterations) const {
 
 // -------------------------------------------------------------- equations --
 
+double* ArcLength::position() { return path_.motion().body().attributes().position().rows(); }
+
 /// Free components; the others follow s.
 void ArcLength::move(const std::vector<double>& direction, double length) {
-  double* x = path_.motion().body().attributes().position().rows();
+  double* x = position();
   for (std::size_t i = 0; i < direction.size(); ++i) x[i / 3 * 4 + i % 3] += length * direction[i];
 }
 
@@ -174,7 +187,7 @@ void ArcLength::move(const std::vector<double>& direction, double length) {
 const std::vector<double>& ArcLength::residual_at(double part) {
   const StepEquations equations = path_.equations_at(part);
   Body& body = path_.motion().body();
-  body.constraints().apply(body.attributes(), equations.motion_time);
+  body.constraints().apply(body.attributes(), equations.time);
   return path_.newton().residual(equations);
 }
 
@@ -189,7 +202,7 @@ std::vector<double> ArcLength::rate_at(double part) {
 /// A at the current positions, and a preconditioner for it.
 void ArcLength::set_matrix(double part) {
   const StepEquations equations = path_.equations_at(part);
-  matrix_.set({equations.time, equations.dt}, 0, 0, equations.load);
+  matrix_.set({equations.time, equations.dt}, 0, 0, equations.loads);
   if (!choice_.preconditioner) {
     Body& body = path_.motion().body();
     choice_ = choose_preconditioner(body.complex(), body.attributes(), matrix_);

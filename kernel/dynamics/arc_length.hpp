@@ -39,12 +39,13 @@ class ArcLength {
   bool advance();
   unsigned correct(double& part);
   void append(double part);
-  void note_limit(const Segment& next);
+  void find_limit(const Segment& next);
   void shorten();
   bool arrive(double part);
   [[noreturn]] void refuse(const std::string& how) const;
   void report(unsigned iterations) const;
 
+  double* position();
   void move(const std::vector<double>& direction, double length);
   const std::vector<double>& residual_at(double part);
   std::vector<double> rate_at(double part);

@@ -31,7 +31,7 @@ void ImplicitIntegrator::set_equations(double dt) {
   motion_.evaluate();
   copy_rows(attributes.force(), vertices, force_);
   const double end = motion_.time() + dt;
-  equations_ = {end, dt, 0, 0, position_, velocity_, end};
+  equations_ = {end, dt, 0, 0, position_, velocity_};
   set(equations_);
 }
 

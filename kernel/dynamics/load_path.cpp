@@ -22,12 +22,11 @@ void LoadPath::hold_back() { unbalanced_ = newton_.residual(equations_at(0)); }
 
 StepEquations LoadPath::equations_at(double part) const {
   StepEquations equations = end_;
+  if (part == 1) return equations;
   const double start = motion_.time();
-  equations.motion_time = part == 1 ? end_.time : start + part * (end_.time - start);
-  if (motion_.last_step() == 0)
-    equations.load = part;
-  else
-    equations.time = equations.motion_time;
+  equations.time = start + std::clamp(part, 0.0, 1.0) * (end_.time - start);
+  equations.loads = {{end_.time, part}};
+  if (motion_.last_step() > 0) equations.loads.push_back({start, 1 - part});
   equations.held_back = unbalanced_;
   for (double& force : equations.held_back) force *= 1 - part;
   return equations;

@@ -10,10 +10,12 @@ namespace suture {
 
 /// The equations that lead from the state at the start of a static step to the equilibrium at its
 /// end, for the part s of the change from 0 to 1:
-///  - the time of ramps and prescribed motions goes from the start to the end of the step;
-///  - in the first step of a run, gravity and loads have the factor s and their values at the end;
+///  - the time of models and prescribed motions goes from the start to the end of the step;
+///  - loads, gravity included, are 1 - s times those at the start and s times those at the end; in
+///    the first step of a run there are none at the start;
 ///  - forces that are not in balance at the start, as after a cut, are held back by the part 1 - s.
-/// So the state at the start is in equilibrium at s = 0.
+/// So the state at the start is in equilibrium at s = 0. Loads and forces that are held back go on
+/// in the same way for s below 0 and above 1, where the time stays.
 class LoadPath {
  public:
   /// `forbids_inversion`: by instance of the body, whether an equilibrium in which one of its

@@ -33,7 +33,7 @@ double norm(std::span<const double> v) { return std::sqrt(dot(v, v)); }
 /// coarsest one on, and updates the residual. False, and nothing moves, where that is not
 /// worthwhile or fails.
 bool Newton::start_from_coarse_levels(const StepEquations& equations) {
-  const bool is_part = equations.load != 1 || !equations.held_back.empty();  // of a path
+  const bool is_part = !equations.loads.empty() || !equations.held_back.empty();  // of a path
   if (equations.acceleration != 0 || relief_ || is_part) return false;
   if (!(norm(residual_) > far_residual * scale_)) return false;
   set_remaining(equations.time);

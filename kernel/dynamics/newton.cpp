@@ -48,11 +48,10 @@ double Newton::evaluate(const StepEquations& equations) {
     if (i % 4 != 3 && solver_.matrix().free()[i / 4 * 3 + i % 4])
       v[i] = equations.velocity[i] + equations.rate * (x[i] - equations.position[i]);
   forces_.assign(std::size_t{vertices} * 4, 0);
-  load_.assign(std::size_t{vertices} * 4, 0);
+  loads_.assign(std::size_t{vertices} * 4, 0);
   body.models().add_forces(equations.time, equations.dt, ForceLoop::Part::all, forces_.data());
-  for (const auto& term : body.loads())
-    term->add_forces(equations.time, attributes.kernel(0).cells.live(), load_.data());
-  const Vec3 gravity = body.acceleration(equations.time);
+  if (equations.loads.empty()) add_loads({equations.time, 1});
+  for (const LoadTime& load : equations.loads) add_loads(load);
   double external = 0, reaction = 0, inertia = 0;
   for (Index vertex = 0; vertex < vertices; ++vertex) {
     const double mass = attributes.mass().get(vertex, 0);
@@ -60,7 +59,7 @@ double Newton::evaluate(const StepEquations& equations) {
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t row = std::size_t{vertex} * 4 + c, i = std::size_t{vertex} * 3 + c;
       const double held_back = equations.held_back.empty() ? 0 : equations.held_back[i];
-      const double given = equations.load * (load_[row] + mass * gravity[c]) - held_back;
+      const double given = loads_[row] - held_back;
       if (!solver_.matrix().free()[i] && !(relief_ && relief_->is_support(i))) {
         residual_[i] = 0;
         reaction += (forces_[row] + given) * (forces_[row] + given);
@@ -76,6 +75,19 @@ double Newton::evaluate(const StepEquations& equations) {
   scale_ = std::sqrt(std::max({external, reaction, inertia}));
   if (relief_) relief_->balance(residual_);
   return norm(residual_);
+}
+
+/// All terms except the models, gravity included.
+void Newton::add_loads(const LoadTime& load) {
+  Body& body = motion_.body();
+  Attributes& attributes = body.attributes();
+  const Vec3 gravity = body.acceleration(load.time);
+  load_.assign(loads_.size(), 0);
+  for (const auto& term : body.loads())
+    term->add_forces(load.time, attributes.kernel(0).cells.live(), load_.data());
+  for (std::size_t i = 0; i < loads_.size(); ++i)
+    if (i % 4 != 3)
+      loads_[i] += load.factor * (load_[i] + attributes.mass().get(i / 4, 0) * gravity[i % 4]);
 }
 
 /// Positions: start + step * direction.
@@ -227,7 +239,7 @@ void Newton::iterate(const StepEquations& equations, unsigned allowed) {
 /// Also true if the residual no longer decreases for rounding. Updates what prescribed components
 /// still have to move.
 bool Newton::is_solved(const StepEquations& equations, const Progress& progress) {
-  set_remaining(equations.motion_time);
+  set_remaining(equations.time);
   if (is_moving_) return false;
   if (progress.residual <= tolerance_ * scale_) return true;
   const bool stalls = progress.iterations > 1 && progress.residual > 0.3 * progress.last;

@@ -96,6 +96,7 @@ class Newton {
   bool start_from_coarse_levels(const StepEquations& equations);
   bool solve_on_level(const StepEquations& equations, CoarseSystem& system);
   double evaluate(const StepEquations& equations);
+  void add_loads(const LoadTime& load);
   void move(double step);
   void set_remaining(double time);
   LinearSolve find_direction(const StepEquations& equations, double tolerance);
@@ -116,8 +117,9 @@ class Newton {
   double scale_ = 0;
   // 3 numbers per vertex:
   std::vector<double> residual_, direction_, remaining_;
-  std::vector<double> start_;            ///< positions, 4 numbers per vertex
-  AlignedVector<double> forces_, load_;  ///< of the models and the other terms, 4 per vertex
+  std::vector<double> start_;             ///< positions, 4 numbers per vertex
+  AlignedVector<double> forces_, loads_;  ///< of the models and the other terms, 4 per vertex
+  AlignedVector<double> load_;            ///< of the other terms at one time
 };
 
 }  // namespace suture

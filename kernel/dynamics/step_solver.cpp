@@ -44,7 +44,7 @@ void StepSolver::start(double time, std::vector<std::size_t> supports) {
 
 void StepSolver::set_matrix(const StepEquations& equations) {
   set({equations.time, equations.dt, equations.acceleration + motion_.damping() * equations.rate,
-       equations.rate, equations.load});
+       equations.rate, equations.loads});
   if (matrix_.free() != free_) forget();
   free_ = matrix_.free();
   if (!is_chosen_) choose();
@@ -54,7 +54,7 @@ void StepSolver::set_matrix(const StepEquations& equations) {
 
 void StepSolver::set(const Factors& factors) {
   factors_ = factors;
-  matrix_.set({factors.time, factors.dt}, factors.mass, factors.velocity, factors.load);
+  matrix_.set({factors.time, factors.dt}, factors.mass, factors.velocity, factors.loads);
 }
 
 /// A preconditioner of the same kind stays.
@@ -181,13 +181,22 @@ void StepSolver::reject_step() {
   is_built_ = false;
 }
 
+void StepSolver::Factors::state(Archive& archive) {
+  archive("time", time);
+  archive("dt", dt);
+  archive("mass", mass);
+  archive("velocity", velocity);
+  std::vector<double> numbers;  // time and factor in turn
+  for (const LoadTime& load : loads) numbers.insert(numbers.end(), {load.time, load.factor});
+  archive("loads", numbers);
+  loads.clear();
+  for (std::size_t i = 0; i + 1 < numbers.size(); i += 2)
+    loads.push_back({numbers[i], numbers[i + 1]});
+}
+
 void StepSolver::Built::state(Archive& archive) {
   archive("position", position);
-  archive("time", factors.time);
-  archive("dt", factors.dt);
-  archive("mass", factors.mass);
-  archive("velocity", factors.velocity);
-  archive("load", factors.load);
+  factors.state(archive);
   archive("decrease", decrease);
   archive("iterations", iterations);
   archive("excess", excess);

@@ -59,7 +59,10 @@ class StepSolver {
  private:
   /// Arguments of TangentMatrix::set().
   struct Factors {
-    double time = 0, dt = 0, mass = 0, velocity = 0, load = 1;
+    double time = 0, dt = 0, mass = 0, velocity = 0;
+    std::vector<LoadTime> loads;
+
+    void state(Archive& archive);
   };
   /// What a preconditioner was built from, and how well it works.
   struct Built {

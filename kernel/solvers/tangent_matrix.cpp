@@ -11,10 +11,12 @@ TangentMatrix::TangentMatrix(Attributes& attributes,
                              const std::vector<std::unique_ptr<ForceTerm>>& terms)
     : attributes_(attributes), terms_(terms) {}
 
-void TangentMatrix::set(const TangentTime& at, double mass, double velocity, double load) {
+void TangentMatrix::set(const TangentTime& at, double mass, double velocity,
+                        std::span<const LoadTime> loads) {
   at_ = at;
   velocity_ = velocity;
-  load_ = load;
+  loads_.assign(loads.begin(), loads.end());
+  if (loads.empty()) loads_ = {{at.time, 1}};
   stiffen({}, 0);
   const Column &masses = attributes_.mass(), &fixed = attributes_.fixed();
   const Index vertices = attributes_.vertex_count();
@@ -41,13 +43,22 @@ void TangentMatrix::restrict(std::span<double> x) const {
   for (const Index i : held_) x[i] = 0;
 }
 
+/// visit(term, factor, time): the models, and every load at each of its times.
+template <class Visit>
+void TangentMatrix::for_each_term(Visit visit) const {
+  if (!terms_.empty()) visit(*terms_[0], 1.0, at_);
+  for (std::size_t t = 1; t < terms_.size(); ++t)
+    for (const LoadTime& load : loads_)
+      visit(*terms_[t], load.factor, TangentTime{load.time, at_.dt});
+}
+
 void TangentMatrix::apply(const double* x, double* y) const {
   std::fill_n(y, free_.size(), 0.0);
   for (std::size_t v = 0; v < masses_.size(); ++v)
     for (std::size_t i = v * 3; i < v * 3 + 3; ++i) y[i] = masses_[v] * x[i];
-  for (std::size_t t = 0; t < terms_.size(); ++t)
-    if (terms_[t]->has_tangent())
-      terms_[t]->add_tangent(x, -factor(t), -factor(t) * velocity_, at_, y);
+  for_each_term([&](ForceTerm& term, double factor, const TangentTime& at) {
+    if (term.has_tangent()) term.add_tangent(x, -factor, -factor * velocity_, at, y);
+  });
   if (!direction_.empty()) {
     const double force = stiffness_ * dot(direction_, {x, direction_.size()});
     for (std::size_t i = 0; i < direction_.size(); ++i) y[i] += force * direction_[i];
@@ -57,8 +68,9 @@ void TangentMatrix::apply(const double* x, double* y) const {
 
 void TangentMatrix::apply_whole(const double* x, double* y) const {
   apply(x, y);
-  for (std::size_t t = 0; t < terms_.size(); ++t)
-    terms_[t]->add_skew_tangent(x, -factor(t), at_, y);
+  for_each_term([&](ForceTerm& term, double factor, const TangentTime& at) {
+    term.add_skew_tangent(x, -factor, at, y);
+  });
   restrict({y, free_.size()});
 }
 
@@ -68,32 +80,34 @@ void TangentMatrix::apply(const float* x, float* y) const {
     const auto mass = static_cast<float>(masses_[v]);
     for (std::size_t i = v * 4; i < v * 4 + 4; ++i) y[i] = mass * x[i];
   }
-  for (std::size_t t = 0; t < terms_.size(); ++t) {
-    ForceTerm& term = *terms_[t];
+  for_each_term([&](ForceTerm& term, double factor, const TangentTime& at) {
     if (term.is_stiff() && term.has_tangent() &&
-        !term.add_tangent_in_single(x, -factor(t), -factor(t) * velocity_, at_, y))
-      add_in_double(term, factor(t), x, y);
-  }
+        !term.add_tangent_in_single(x, -factor, -factor * velocity_, at, y))
+      add_in_double(term, factor, at, x, y);
+  });
   for (const Index i : held_) y[i / 3 * 4 + i % 3] = 0;
 }
 
-void TangentMatrix::add_in_double(ForceTerm& term, double factor, const float* x, float* y) const {
+void TangentMatrix::add_in_double(ForceTerm& term, double factor, const TangentTime& at,
+                                  const float* x, float* y) const {
   std::vector<double> wide(free_.size()), image(free_.size());
   for (std::size_t i = 0; i < wide.size(); ++i) wide[i] = x[i / 3 * 4 + i % 3];
-  term.add_tangent(wide.data(), -factor, -factor * velocity_, at_, image.data());
+  term.add_tangent(wide.data(), -factor, -factor * velocity_, at, image.data());
   for (std::size_t i = 0; i < image.size(); ++i)
     y[i / 3 * 4 + i % 3] += static_cast<float>(image[i]);
 }
 
 void TangentMatrix::for_each_cell(const ForceTerm::VisitTangents& visit) const {
-  for (std::size_t t = 0; t < terms_.size(); ++t)
-    terms_[t]->for_each_tangent(factor(t), factor(t) * velocity_, at_, visit);
+  for_each_term([&](ForceTerm& term, double factor, const TangentTime& at) {
+    term.for_each_tangent(factor, factor * velocity_, at, visit);
+  });
 }
 
 void TangentMatrix::for_some_cells(const ForceTerm::SelectCell& select,
                                    const ForceTerm::VisitTangents& visit) const {
-  for (std::size_t t = 0; t < terms_.size(); ++t)
-    terms_[t]->for_some_tangents(factor(t), factor(t) * velocity_, at_, select, visit);
+  for_each_term([&](ForceTerm& term, double factor, const TangentTime& at) {
+    term.for_some_tangents(factor, factor * velocity_, at, select, visit);
+  });
 }
 
 }  // namespace suture

@@ -12,9 +12,14 @@
 
 namespace suture {
 
+/// Loads at a time, with a factor.
+struct LoadTime {
+  double time, factor;
+};
+
 /// The symmetric matrix of a Newton step on the free components of a body, matrix-free:
 ///   A = mass M + K + velocity C,   K = -df/dx,   C = -df/dv   of all terms at (x, v, time)
-/// with a factor on all terms but the first, the models.
+/// where the loads, which are all terms but the first, can be a sum of those at several times.
 /// Static equilibrium: mass = velocity = 0. Implicit Euler: mass = 1/dt^2, velocity = 1/dt.
 ///
 /// Vectors have 3 numbers per vertex. Components that are constrained, and those of removed
@@ -24,8 +29,9 @@ class TangentMatrix {
   TangentMatrix(Attributes& attributes, const std::vector<std::unique_ptr<ForceTerm>>& terms);
 
   /// The matrix at the current state from now on. Call again after cells or constraints changed.
-  /// O(vertices).
-  void set(const TangentTime& at, double mass = 0, double velocity = 0, double load = 1);
+  /// O(vertices). `loads`: none stands for those at the same time.
+  void set(const TangentTime& at, double mass = 0, double velocity = 0,
+           std::span<const LoadTime> loads = {});
 
   /// Components that are held besides those that are constrained, from the next set() on.
   void support(std::vector<std::size_t> components) { supports_ = std::move(components); }
@@ -57,8 +63,10 @@ class TangentMatrix {
   void restrict(std::span<double> x) const;
 
  private:
-  void add_in_double(ForceTerm& term, double factor, const float* x, float* y) const;
-  double factor(std::size_t term) const { return term == 0 ? 1 : load_; }
+  void add_in_double(ForceTerm& term, double factor, const TangentTime& at, const float* x,
+                     float* y) const;
+  template <class Visit>
+  void for_each_term(Visit visit) const;
 
   Attributes& attributes_;
   const std::vector<std::unique_ptr<ForceTerm>>& terms_;
@@ -67,7 +75,8 @@ class TangentMatrix {
   std::vector<double> masses_;  ///< the diagonal of the mass term; empty if there is none
   TangentTime at_ = 0;
   std::vector<std::size_t> supports_;  ///< components that are held, too
-  double velocity_ = 0, load_ = 1;
+  double velocity_ = 0;
+  std::vector<LoadTime> loads_;
   std::span<const double> direction_;  ///< n of stiffen()
   double stiffness_ = 0;
 };

@@ -40,12 +40,12 @@ double number_after(const std::string& text, const std::string& words) {
   return std::stod(text.substr(at + words.size()));
 }
 
-// A column pressed beyond the limit of St Venant-Kirchhoff: the nominal stress E s (s^2 - 1) / 2 is
-// largest at the stretch s = 1/sqrt 3 and falls to 0 with the length of the column.
-TEST(Path, BeyondItsLimitAPressedColumnCarriesLess) {
+// A cube pressed beyond the limit of St Venant-Kirchhoff: the nominal stress E s (s^2 - 1) / 2 is
+// largest at the stretch s = 1/sqrt 3 and falls to 0 with the height of the cube.
+TEST(Path, BeyondItsLimitAPressedCubeCarriesLess) {
   const double young = 1e5, limit = young / std::sqrt(27.0), pressure = limit / 0.77;
-  Scene scene = block(host(), "tm-faure", {1, 0.25, 0.25}, {4, 1, 1},
-                      {{"E", young}, {"nu", 0.3}, {"rho", 1000}});
+  Scene scene =
+      block(host(), "tm-faure", {1, 1, 1}, {1, 1, 1}, {{"E", young}, {"nu", 0.3}, {"rho", 1000}});
   hold(scene, at({0, any, any}), 1);
   hold(scene, at({any, 0, any}), 2);
   hold(scene, at({any, any, 0}), 4);
@@ -57,8 +57,8 @@ TEST(Path, BeyondItsLimitAPressedColumnCarriesLess) {
     simulation.run(heard);
     FAIL() << "there is no equilibrium";
   } catch (const NumericalError& error) {
-    EXPECT_NEAR(number_after(error.what(), "after limit points at "), 77, 0.01) << error.what();
-    EXPECT_LT(number_after(error.what(), "ends at "), 10) << error.what();
+    EXPECT_NEAR(number_after(error.what(), "after limit points at "), 77, 0.03) << error.what();
+    EXPECT_LT(number_after(error.what(), "ends at "), 1) << error.what();
   }
   ASSERT_EQ(heard.messages.size(), 1u);
   EXPECT_THAT(heard.messages[0], HasSubstr("t = 0 s to 1 s: the path of equilibria has a limit"));
@@ -66,7 +66,7 @@ TEST(Path, BeyondItsLimitAPressedColumnCarriesLess) {
 
 // ------------------------------------------------------------ snap-through --
 
-constexpr double height = 0.02, up = 0.002, down = 0.4;
+constexpr double height = 0.02, shortening = 0.002, up = 0.02, down = 0.1;
 
 Selection mid_edge() { return at({0.5, height, any}); }
 
@@ -74,7 +74,7 @@ Selection mid_edge() { return at({0.5, height, any}); }
 Scene half_strip() {
   Scene scene = block(host(), "tm-faure", {0.5, height, 0.1}, {8, 1, 1},
                       {{"E", 1e5}, {"nu", 0.3}, {"rho", 1000}, {"element", 1}});
-  hold(scene, at({0, any, any}), 7, {0.01, 0, 0});
+  hold(scene, at({0, any, any}), 7, {shortening, 0, 0});
   hold(scene, at({0.5, any, any}), 1);
   return scene;
 }
@@ -122,7 +122,8 @@ TEST(Path, AStripThatSnapsThroughAgreesWithAPrescribedDisplacement) {
   EXPECT_THAT(heard.messages[0], HasSubstr("is largest"));
   EXPECT_THAT(heard.messages[1], HasSubstr("is smallest"));
   const double largest = number_after(heard.messages[0], "largest, ") / 100;
-  EXPECT_NEAR(up - largest * down, least_force(0.08, 0), 1e-3 * largest * down);
+  EXPECT_NEAR(up - largest * down, least_force(0.08, 0), 1e-3 * largest * down)
+      << heard.messages[0];
 }
 
 }  // namespace

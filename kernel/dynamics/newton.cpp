@@ -194,11 +194,29 @@ const std::vector<double>& Newton::residual(const StepEquations& equations) {
   return residual_;
 }
 
+/// Starts where nothing is accelerated, x*, if the residual is smaller there.
+void Newton::start_from_prediction(const StepEquations& equations) {
+  if (equations.acceleration == 0) return;
+  double* x = motion_.body().attributes().position().rows();
+  const std::vector<double> before(x, x + equations.position.size());
+  const double residual = norm(residual_);
+  for (std::size_t i = 0; i < solver_.matrix().size(); ++i)
+    if (solver_.matrix().free()[i]) x[i / 3 * 4 + i % 3] = equations.position[i / 3 * 4 + i % 3];
+  try {
+    if (evaluate(equations) < residual) return;
+  } catch (const NumericalError&) {
+    // The forces do not exist there.
+  }
+  std::ranges::copy(before, x);
+  evaluate(equations);
+}
+
 /// From the coarse levels where that is worthwhile; from the current positions otherwise, or if
 /// that leads nowhere.
 void Newton::solve(const StepEquations& equations) {
   start(equations);
   evaluate(equations);
+  start_from_prediction(equations);
   double* x = motion_.body().attributes().position().rows();
   const std::vector<double> before(x, x + equations.position.size());
   if (start_from_coarse_levels(equations)) {

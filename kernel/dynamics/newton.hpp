@@ -93,6 +93,7 @@ class Newton {
   };
   void start(const StepEquations& equations);
   void iterate(const StepEquations& equations, unsigned allowed);
+  void start_from_prediction(const StepEquations& equations);
   bool start_from_coarse_levels(const StepEquations& equations);
   bool solve_on_level(const StepEquations& equations, CoarseSystem& system);
   double evaluate(const StepEquations& equations);

@@ -18,7 +18,7 @@ constexpr double far_residual = 0.3;
 constexpr std::size_t finest_level = 2;
 
 // Of the residual of a level.
-constexpr double reduction = 0.1;
+constexpr double reduction = 0.3;
 constexpr unsigned max_iterations = 15;
 // After two iterations it still is a good preconditioner.
 constexpr unsigned iterations_per_build = 2;

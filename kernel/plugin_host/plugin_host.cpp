@@ -133,6 +133,16 @@ struct PluginHost::Impl {
                           "; " + plugin.best().file.filename().string() + " is used instead");
   }
 
+  /// The plugin to use for a model.
+  const Plugin& choose(std::string_view id) {
+    const auto found = with_model(id);
+    if (found.empty()) not_found(id);
+    warn_of_hidden(id, found);
+    require_trust(id, *found.front());
+    warn_of_damaged(*found.front());
+    return *found.front();
+  }
+
   /// Files that might have had a model that was not found.
   std::string refused() {
     std::string text;
@@ -195,12 +205,7 @@ const suture_model& PluginHost::model(std::string_view id) {
   for (const auto& known : impl_->loaded)
     if (known.model->id == id) return *known.model;
 
-  const auto found = impl_->with_model(id);
-  if (found.empty()) impl_->not_found(id);
-  impl_->warn_of_hidden(id, found);
-  impl_->require_trust(id, *found.front());
-  impl_->warn_of_damaged(*found.front());
-  const PluginFile& best = found.front()->best();
+  const PluginFile& best = impl_->choose(id).best();
   const suture_plugin& plugin = load_plugin(best.file, best.note);
   for (std::uint32_t i = 0; i < plugin.model_count; ++i)
     if (plugin.models[i].id == id) {
@@ -208,6 +213,22 @@ const suture_model& PluginHost::model(std::string_view id) {
       return plugin.models[i];
     }
   impl_->not_found(id);  // load_plugin has compared the note with the tables
+}
+
+std::vector<PluginFile> PluginHost::builds(std::string_view id) {
+  std::vector<PluginFile> usable;
+  for (const PluginFile& build : impl_->choose(id).builds)
+    if (build.note.problem.empty()) usable.push_back(build);
+  return usable;
+}
+
+std::vector<std::string> PluginHost::models_of_files() const {
+  std::vector<std::string> ids;
+  for (const Plugin& plugin : impl_->named) {
+    const auto& models = plugin.best().note.models;
+    ids.insert(ids.end(), models.begin(), models.end());
+  }
+  return ids;
 }
 
 const suture_plugin& PluginHost::plugin_of(const suture_model& model) const {

@@ -9,6 +9,7 @@
 
 #include "kernel/base/diagnostics.hpp"
 #include "kernel/base/isa.hpp"
+#include "kernel/plugin_host/plugin_search.hpp"
 #include "suture/plugin.h"
 
 namespace suture {
@@ -42,6 +43,9 @@ class PluginHost {
   /// Throws PluginError if there is no such file or it is refused by its note.
   void add_file(const std::filesystem::path& file);
 
+  /// The ids of the models in these files, by their notes.
+  std::vector<std::string> models_of_files() const;
+
   /// The model `id`; loads the one plugin that has it, once. The reference is
   /// valid as long as the program runs. Throws PluginError with the file and the
   /// loader's text or the problems of the tables; for a file that is not trusted; or,
@@ -49,6 +53,10 @@ class PluginHost {
   /// refused there and a hint.
   /// Cost: reads the notes of all files on the search path once (10 us per file).
   const suture_model& model(std::string_view id);
+
+  /// The builds that this processor runs of the plugin that model(id) would load, the best first;
+  /// loads none of them. Throws the same errors.
+  std::vector<PluginFile> builds(std::string_view id);
 
   /// The plugin of a model that model() returned.
   const suture_plugin& plugin_of(const suture_model& model) const;

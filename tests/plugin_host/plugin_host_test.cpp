@@ -80,6 +80,21 @@ TEST_F(PluginHostTest, LoadsAModelFromANamedFile) {
   EXPECT_THROW(host.plugin_of(stranger), PluginError);
 }
 
+// A damaged build of another instruction set, and one of another plugin, are not among them.
+TEST_F(PluginHostTest, NamesTheBuildsThatTheProcessorRunsAndLoadsNone) {
+  const fs::path base = put("good", "a", "mine.so");
+  std::ofstream(root / "a" / "mine.avx2.so") << "no plugin";
+  put("good", "b", "good.so");
+  PluginHost host;
+  host.add_file(base);
+  EXPECT_EQ(host.models_of_files(), std::vector<std::string>{"good"});
+  const std::vector<PluginFile> builds = host.builds("good");
+  ASSERT_EQ(builds.size(), 1u);
+  EXPECT_EQ(builds[0].file, base);
+  EXPECT_EQ(std::getenv("TEST_PLUGIN_LOADED"), nullptr);
+  EXPECT_THROW(host.builds("godo"), PluginError);
+}
+
 TEST_F(PluginHostTest, ModelsOutliveTheHostThatLoadedThem) {
   const suture_model* model = nullptr;
   {

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/model_check/gather_cells.hpp"
+
+#include <algorithm>
+
+#include "kernel/attributes/cell_nodes.hpp"
+
+namespace suture {
+namespace {
+
+constexpr std::size_t lanes = SUTURE_LANES;
+
+class Gathering {
+ public:
+  Gathering(Body& body, Instance& instance, const suture_functor& functor)
+      : body_(body),
+        instance_(instance),
+        functor_(functor),
+        dimension_(static_cast<int>(functor.dimension)),
+        places_(body.attributes().rest_places(body.complex())) {
+    batch.functor = &functor;
+    batch.dt = 0.01;
+    for (auto* vectors : {&batch.rest, &batch.position, &batch.velocity})
+      vectors->assign(batch.vector_size(), 0);
+    for (std::uint32_t i = 0; i < functor.cell_column_count; ++i)
+      batch.cell_columns.emplace_back(components_of(functor.cell_columns[i]) * lanes);
+    for (std::uint32_t i = 0; i < functor.vertex_column_count; ++i)
+      batch.vertex_columns.emplace_back(batch.nodes() * components_of(functor.vertex_columns[i]) *
+                                        lanes);
+  }
+
+  void add(std::size_t lane, Index cell) {
+    cell_nodes(body_.complex(), dimension_, cell, nodes_);
+    batch.ids[lane] = cell;
+    add_vectors(lane, cell);
+    for (std::size_t i = 0; i < batch.cell_columns.size(); ++i) add_cell_column(i, lane, cell);
+    for (std::size_t i = 0; i < batch.vertex_columns.size(); ++i) add_vertex_column(i, lane);
+  }
+
+  CellBatch batch;
+
+ private:
+  std::size_t components_of(std::uint32_t attribute) const {
+    return attribute == UINT32_MAX ? 1 : instance_.model().attributes[attribute].components;
+  }
+  bool reads_velocity() const {
+    const auto number = static_cast<std::size_t>(&functor_ - instance_.model().functors);
+    return (instance_.functor(number).reads & SUTURE_READ_VELOCITY) != 0;
+  }
+
+  void add_vectors(std::size_t lane, Index cell) {
+    hexahedron::Local corners[8];
+    const Index element = cell_corners(body_.complex(), dimension_, cell, corners);
+    Attributes& attributes = body_.attributes();
+    for (std::size_t n = 0; n < batch.nodes(); ++n)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t to = CellBatch::place(n, c, lane);
+        const int component = static_cast<int>(c);
+        batch.rest[to] = places_.corner(element, corners[n])[c];
+        batch.position[to] = attributes.position().get(nodes_[n], component);
+        if (reads_velocity()) batch.velocity[to] = attributes.velocity().get(nodes_[n], component);
+      }
+  }
+  void add_cell_column(std::size_t i, std::size_t lane, Index cell) {
+    const Column& column = *instance_.column(functor_.cell_columns[i]);
+    const Index row = instance_.table(dimension_).cells.row(cell);
+    for (int c = 0; c < column.spec().components; ++c)
+      batch.cell_columns[i][static_cast<std::size_t>(c) * lanes + lane] = column.get(row, c);
+  }
+  void add_vertex_column(std::size_t i, std::size_t lane) {
+    const std::uint32_t a = functor_.vertex_columns[i];
+    const bool is_mass = a == UINT32_MAX;
+    const Column& column = is_mass ? body_.attributes().mass() : *instance_.column(a);
+    const auto components = static_cast<std::size_t>(column.spec().components);
+    for (std::size_t n = 0; n < batch.nodes(); ++n) {
+      const Index row = is_mass ? nodes_[n] : instance_.table(0).cells.row(nodes_[n]);
+      for (std::size_t c = 0; c < components; ++c)
+        batch.vertex_columns[i][(n * components + c) * lanes + lane] =
+            column.get(row, static_cast<int>(c));
+    }
+  }
+
+  Body& body_;
+  Instance& instance_;
+  const suture_functor& functor_;
+  int dimension_;
+  RestPlaces places_;
+  Index nodes_[8]{};
+};
+
+}  // namespace
+
+CellBatch gather_cells(Body& body, Instance& instance, const suture_functor& functor,
+                       std::span<const Index> cells) {
+  Gathering gathering(body, instance, functor);
+  const std::size_t valid = std::min(lanes, cells.size());
+  gathering.batch.valid = static_cast<std::uint32_t>(valid);
+  for (std::size_t lane = 0; lane < lanes; ++lane)
+    gathering.add(lane, cells[std::min(lane, valid - 1)]);
+  return std::move(gathering.batch);
+}
+
+}  // namespace suture

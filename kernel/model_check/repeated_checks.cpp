@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Calls that are repeated: by several threads, in several steps, for a while.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <thread>
+
+#include "kernel/model_check/checks.hpp"
+
+namespace suture::checks {
+namespace {
+
+constexpr unsigned thread_count = 4;
+using Values = AlignedVector<double>;
+
+/// Another batch of the functor: the cells a little further deformed.
+CellBatch another(const CellBatch& batch, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  CellBatch out = batch;
+  for (double& x : out.position) x += between(random, -1e-3, 1e-3);
+  for (double& v : out.velocity) v *= 1.5;
+  return out;
+}
+
+bool same(const CellForces& a, const CellForces& b) {
+  return a.force == b.force && a.trial == b.trial;
+}
+
+/// Alternates between two batches; whether every result has the bits of the first one.
+bool repeats(BatchCaller caller, const CellBatch (&batches)[2], const CellForces (&expected)[2],
+             unsigned first) {
+  for (unsigned i = 0; i < 200; ++i) {
+    const unsigned which = (first + i) % 2;
+    if (!same(caller.force(batches[which]), expected[which])) return false;
+  }
+  return true;
+}
+
+/// The columns after `steps` steps that take 10 ms together.
+std::vector<Values> columns_after(BatchCaller& caller, CellBatch batch, int steps) {
+  batch.dt = 0.01 / steps;
+  for (int i = 0; i < steps; ++i) {
+    CellForces out = caller.force(batch);
+    for (std::size_t c = 0; c < out.trial.size(); ++c)
+      if (!out.trial[c].empty()) batch.cell_columns[c] = std::move(out.trial[c]);
+    batch.time += batch.dt;
+  }
+  return batch.cell_columns;
+}
+
+double largest_difference(const std::vector<Values>& a, const std::vector<Values>& b) {
+  double difference = 0;
+  for (std::size_t c = 0; c < a.size(); ++c)
+    for (std::size_t i = 0; i < a[c].size(); ++i)
+      difference = std::max(difference, std::abs(a[c][i] - b[c][i]));
+  return difference;
+}
+
+double largest_of(const std::vector<Values>& columns) {
+  double value = 0;
+  for (const Values& column : columns) value = std::max(value, largest(column));
+  return value;
+}
+
+}  // namespace
+
+Result repetition(const BatchCase& of) {
+  of.instance.set_workers(thread_count + 1);
+  BatchCaller caller(of.instance);
+  const CellBatch batches[2] = {of.batch, another(of.batch, of.seed)};
+  const CellForces expected[2] = {caller.force(batches[0]), caller.force(batches[1])};
+  if (!repeats(caller, batches, expected, 0))
+    throw BrokenLaw(
+        "the same batch gives another force in a later call; keep nothing between "
+        "calls");
+  bool good[thread_count] = {};
+  {
+    std::vector<std::jthread> threads;
+    for (unsigned t = 0; t < thread_count; ++t)
+      threads.emplace_back([&, t] {
+        try {
+          good[t] = repeats(BatchCaller(of.instance, t + 1), batches, expected, t);
+        } catch (const std::exception&) {  // the same states were accepted before
+          good[t] = false;
+        }
+      });
+  }
+  if (!std::ranges::all_of(good, [](bool g) { return g; }))
+    throw BrokenLaw(
+        "the same batch gives another force while other threads compute other "
+        "batches; use no static or global variables");
+  return Measured{};
+}
+
+// The state after a time must not depend on the number of steps: halved steps change it less and
+// less.
+Result state(const BatchCase& of) {
+  BatchCaller caller(of.instance);
+  const CellForces once = caller.force(of.batch);
+  if (std::ranges::all_of(once.trial, [](const Values& t) { return t.empty(); })) return {};
+  std::vector<Values> after[3];
+  for (int i = 0; i < 3; ++i) after[i] = columns_after(caller, of.batch, 8 << i);
+  const double coarse = largest_difference(after[0], after[1]),
+               fine = largest_difference(after[1], after[2]);
+  if (fine <= 1e-9 * largest_of(after[2])) return Measured{};
+  return Measured{fine / coarse,
+                  "halving the steps changes the state by this part of what the previous halving "
+                  "changed; a state that follows time gives 0.5 or less"};
+}
+
+Result speed(const BatchCase& of) {
+  BatchCaller caller(of.instance);
+  CellForces out = outputs_of(of.batch, of.instance.model(), 0);
+  BatchView view(of.batch);
+  view.write_to(out);
+  using Clock = std::chrono::steady_clock;
+  double best = 1e9;
+  for (int round = 0; round < 5; ++round) {
+    constexpr int calls = 2000;
+    const auto begin = Clock::now();
+    caller.call("force", of.batch, view.batch(),
+                [&](const suture_context* context, const suture_batch* batch) {
+                  suture_status status = SUTURE_OK;
+                  for (int i = 0; i < calls && status == SUTURE_OK; ++i)
+                    status = of.batch.functor->force(context, batch);
+                  return status;
+                });
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    best = std::min(best, 1e9 * seconds / (calls * SUTURE_LANES));
+  }
+  char text[64];
+  std::snprintf(text, sizeof text, "%.3g ns per cell", best);
+  return Measured{best, text};
+}
+
+}  // namespace suture::checks

@@ -93,6 +93,7 @@ struct Parser {
   CheckCommand check;
   ExplainCommand explain;
   ReplayCommand replay;
+  CheckModelCommand check_model;
   ModesCommand modes;
   DescribeCommand describe;
   MeshInfoCommand info;
@@ -156,8 +157,11 @@ struct Parser {
 
     auto* replay_app = app.add_subcommand(
         "replay",
-        "replay the operations of a journal on its mesh, checking the map after each one");
-    replay_app->add_option("journal", replay.journal, "journal file")->required();
+        "replay the operations of a journal on its mesh, checking the map after each one, or a "
+        "failed check of check-model");
+    replay_app->add_option("file", replay.journal, "journal, or file that check-model wrote")
+        ->required();
+    add_trust(*replay_app, replay.trust);
     replay_app->callback([this] { line.command = replay; });
   }
 
@@ -192,6 +196,41 @@ struct Parser {
         app.add_subcommand("describe", "show parameters, attributes and source of a model");
     describe_app->add_option("model", describe.model, "model id")->required();
     describe_app->callback([this] { line.command = describe; });
+    add_check_model(*app.add_subcommand("check-model", "check a model against laws of physics"));
+  }
+
+  void add_check_model(CLI::App& sub) {
+    auto* model = sub.add_option("model", check_model.model, "model id or plugin file");
+    sub.add_option("--only", check_model.only, "make these checks only")
+        ->delimiter(',')
+        ->type_name("CHECK,...");
+    sub.add_option_function<std::vector<std::string>>(
+           "--set",
+           [this](const auto& all) {
+             for (const auto& one : all) set_parameter(one);
+           },
+           "value of a parameter in all checks; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("NAME=VALUE");
+    sub.add_option("--seed", check_model.seed, "of what is chosen at random; default 1");
+    sub.add_option("--timeout", check_model.timeout, "of one check, in s; default 60")
+        ->check(CLI::PositiveNumber);
+    sub.add_option("-o,--output", check_model.output,
+                   "folder for the files of failed checks; default: the current one")
+        ->type_name("DIR");
+    sub.add_flag("--json", check_model.json, "print JSON");
+    sub.add_flag("--list", check_model.list, "list the checks");
+    sub.callback([this, model] {
+      if (!check_model.list && model->empty()) throw CLI::RequiredError("a model or plugin file,");
+      line.command = check_model;
+    });
+  }
+  /// Throws CLI::ConversionError.
+  void set_parameter(const std::string& text) {
+    const std::size_t equals = text.find('=');
+    if (equals == 0 || equals == text.npos)
+      throw CLI::ConversionError("--set must be NAME=VALUE, is " + quote(text));
+    check_model.sets[text.substr(0, equals)] = text.substr(equals + 1);
   }
 
   void add_mesh_commands() {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <variant>
 #include <vector>
@@ -27,7 +29,17 @@ struct ExplainCommand {
   bool json = false, skip = true, trust = false;
 };
 struct ReplayCommand {
-  std::filesystem::path journal;
+  std::filesystem::path journal;  ///< or a failed check
+  bool trust = false;
+};
+struct CheckModelCommand {
+  std::string model;  ///< its id, or a plugin file
+  std::vector<std::string> only;
+  std::map<std::string, std::string> sets;  ///< values of parameters
+  std::uint64_t seed = 1;
+  double timeout = 60;  ///< of one check, s
+  std::filesystem::path output = ".";
+  bool json = false, list = false;
 };
 struct ModesCommand {
   std::filesystem::path scene;
@@ -65,9 +77,9 @@ struct TextCommand {
 
 struct CommandLine {
   bool quiet = false, verbose = false;
-  std::variant<RunCommand, CheckCommand, ExplainCommand, ReplayCommand, ModesCommand, ModelsCommand,
-               DescribeCommand, MeshInfoCommand, MeshConvertCommand, MeshBoxCommand,
-               MeshVoxelizeCommand, TextCommand>
+  std::variant<RunCommand, CheckCommand, ExplainCommand, CheckModelCommand, ReplayCommand,
+               ModesCommand, ModelsCommand, DescribeCommand, MeshInfoCommand, MeshConvertCommand,
+               MeshBoxCommand, MeshVoxelizeCommand, TextCommand>
       command;
 };
 

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstdlib>
+
 #include "apps/suture/commands.hpp"
+#include "apps/suture/failed_check.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/topology/islands.hpp"
 #include "kernel/topology/journal.hpp"
@@ -49,9 +52,28 @@ std::string perform(const Request& request, CellComplex& complex, Islands& islan
          counts("removes", change.removed) + "; " + count(islands.existing(), "island");
 }
 
+// In this process: a debugger can follow.
+int replay_check(const ReplayCommand& command, Console& console) {
+  FailedCheck failed = read_failed_check(command.journal);
+  setenv("SUTURE_ISA", failed.isa.c_str(), 1);
+  PluginHost host(&console.diagnostics(), trust_of(command));
+  if (std::filesystem::exists(failed.plugin)) host.add_file(failed.plugin);
+  const suture_model& model = host.model(failed.model);
+  const ModelCheck& check = find_check(failed.check);
+  resolve(failed, model);
+  const suture_model* const builds[] = {&model};
+  const CheckOutcome outcome = repeat_check(check, builds, failed.sample, failed.batch);
+  const std::string what =
+      command.journal.string() + ", check " + failed.check + " of model '" + failed.model + "': ";
+  if (outcome.status == CheckOutcome::Status::failed) throw PluginError(what + outcome.text);
+  console.print(what + "passed");
+  return 0;
+}
+
 }  // namespace
 
 int replay(const ReplayCommand& command, Console& console) {
+  if (is_failed_check(command.journal)) return replay_check(command, console);
   const Journal journal = read_journal(command.journal);
   CellComplex complex(journal.mesh.hexahedra, static_cast<Index>(journal.mesh.points.size()));
   complex.require_edges();

@@ -6,6 +6,7 @@
 #   NAME.so         the baseline of the architecture, always
 #   NAME.avx2.so    x86-64-v3 (Haswell and later), on x86-64 only
 #   NAME.avx512.so  x86-64-v4 (Skylake-SP and later), on x86-64 only
+# In a project that has called enable_testing(), `suture check-model` is the test NAME.check-model.
 # They go into <build>/lib/suture/plugins and, on installation, into
 # <libdir>/suture/plugins; with FOLDER, into that folder only (plugins of tests). The
 # host loads the best one that the processor supports. The objects share no code: an
@@ -77,5 +78,9 @@ function(suture_add_plugin name)
     _suture_plugin_object(${name}.avx2 ${common} FLAGS -march=x86-64-v3 ${plain})
     _suture_plugin_object(${name}.avx512 ${common}
       FLAGS -march=x86-64-v4 -mprefer-vector-width=512 ${plain})
+  endif()
+  if(SUTURE_PROGRAM AND NOT ARG_FOLDER)
+    add_test(NAME ${name}.check-model COMMAND ${SUTURE_PROGRAM} check-model
+      --output ${CMAKE_CURRENT_BINARY_DIR} $<TARGET_FILE:${name}>)
   endif()
 endfunction()

@@ -50,6 +50,7 @@ TEST_F(Hints, NameOptionsThatTheParserKnows) {
                                              {"modes"},
                                              {"replay"},
                                              {"models"},
+                                             {"check-model"},
                                              {"describe"},
                                              {"mesh", "info"},
                                              {"mesh", "convert"},

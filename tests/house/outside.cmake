@@ -17,6 +17,8 @@ file(COPY ${CMAKE_CURRENT_LIST_DIR}/outside DESTINATION ${PREFIX})
 must(${CMAKE_COMMAND} -G Ninja -S ${PREFIX}/outside -B ${PREFIX}/outside/build
   -DCMAKE_PREFIX_PATH=${PREFIX}/usr -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS=${FLAGS}")
 must(${CMAKE_COMMAND} --build ${PREFIX}/outside/build)
+# suture_add_plugin() has made the checks of the model a test.
+must(${CMAKE_CTEST_COMMAND} --test-dir ${PREFIX}/outside/build --no-tests=error)
 must(${CMAKE_COMMAND} --install ${PREFIX}/outside/build --prefix ${PREFIX}/mine)
 
 # The installed program sees its own plugins and, when told where, the outsider.

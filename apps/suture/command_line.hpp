@@ -32,6 +32,10 @@ struct ReplayCommand {
   std::filesystem::path journal;  ///< or a failed check
   bool trust = false;
 };
+struct NewModelCommand {
+  std::string name, level = "law";
+  std::filesystem::path output;  ///< the folder around that of the model
+};
 struct CheckModelCommand {
   std::string model;  ///< its id, or a plugin file
   std::vector<std::string> only;
@@ -77,9 +81,9 @@ struct TextCommand {
 
 struct CommandLine {
   bool quiet = false, verbose = false;
-  std::variant<RunCommand, CheckCommand, ExplainCommand, CheckModelCommand, ReplayCommand,
-               ModesCommand, ModelsCommand, DescribeCommand, MeshInfoCommand, MeshConvertCommand,
-               MeshBoxCommand, MeshVoxelizeCommand, TextCommand>
+  std::variant<RunCommand, CheckCommand, ExplainCommand, CheckModelCommand, NewModelCommand,
+               ReplayCommand, ModesCommand, ModelsCommand, DescribeCommand, MeshInfoCommand,
+               MeshConvertCommand, MeshBoxCommand, MeshVoxelizeCommand, TextCommand>
       command;
 };
 

@@ -16,6 +16,7 @@ struct Dispatch {
   int operator()(const RunCommand& command) const { return run(command, console); }
   int operator()(const CheckCommand& command) const { return check(command, console); }
   int operator()(const ExplainCommand& command) const { return explain(command, console); }
+  int operator()(const NewModelCommand& command) const { return new_model(command, console); }
   int operator()(const CheckModelCommand& command) const { return check_model(command, console); }
   int operator()(const ReplayCommand& command) const { return replay(command, console); }
   int operator()(const ModesCommand& command) const { return modes(command, console); }

@@ -12,7 +12,7 @@ TEST_F(Commands, HelpAndVersionAreNoErrors) {
     const Outcome help = suture({option});
     EXPECT_EQ(help.code, 0) << help;
     for (const char* command : {"run", "check", "explain", "modes", "replay", "models",
-                                "check-model", "describe", "mesh"}) {
+                                "check-model", "new-model", "describe", "mesh"}) {
       EXPECT_TRUE(help.out.find(command) != std::string::npos) << command << help;
     }
   }

@@ -51,6 +51,7 @@ TEST_F(Hints, NameOptionsThatTheParserKnows) {
                                              {"replay"},
                                              {"models"},
                                              {"check-model"},
+                                             {"new-model"},
                                              {"describe"},
                                              {"mesh", "info"},
                                              {"mesh", "convert"},
@@ -62,7 +63,10 @@ TEST_F(Hints, NameOptionsThatTheParserKnows) {
   }
   std::set<std::string> known = found_in(help, option);
   EXPECT_GT(known.size(), 12u) << help;
-  known.insert("--args");  // of gdb
+  // Of gdb, cmake and ctest.
+  for (const char* other :
+       {"--args", "--build", "--install", "--prefix", "--test-dir", "--output-on-failure"})
+    known.insert(other);
   for (const std::string& named : found_in(literals_of({"kernel", "apps/suture"}), option))
     EXPECT_TRUE(known.contains(named)) << named << " is in a message, and no command has it";
 }

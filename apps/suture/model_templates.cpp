@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "apps/suture/model_templates.hpp"
+
+namespace suture {
+namespace {
+
+// Models for users, under the licence of the SDK.
+constexpr std::string_view law = R"model(// SPDX-License-Identifier: MIT
+#include "suture/continuum.hpp"
+
+struct @Struct@ : suture::continuum<@Struct@> {
+  static constexpr const char *id = "@id@", *doc = "Compressible neo-Hookean solid",
+                              *formula = "W = mu/2 (F:F - 3) - mu ln J + lambda/2 (ln J)^2",
+                              *citation = "Bonet, Wood: Nonlinear Continuum Mechanics, 2008, 6.27";
+  enum { mu, lambda, rho };
+  static constexpr suture::parameter parameters[] = {
+      suture::number("mu", "Pa", "Shear modulus").above(0),
+      suture::number("lambda", "Pa", "First Lame constant").at_least(0),
+      suture::number("rho", "kg/m^3", "Density").above(0)};
+  static double density(const suture::values& p) { return p[rho]; }
+
+  template <class T, class Parameters>
+  static T energy(const suture::mat3<T>& F, const Parameters& p) {
+    const T ln_j = log(det(F));
+    return 0.5 * p[mu] * (dot(F, F) - 3) - p[mu] * ln_j + 0.5 * p[lambda] * ln_j * ln_j;
+  }
+};
+SUTURE_PLUGIN("@id@", "1.0", "MIT", "Neo-Hookean solid", @Struct@)
+)model";
+
+constexpr std::string_view springs = R"model(// SPDX-License-Identifier: MIT
+#include "suture/model.hpp"
+
+/// Springs along the edges of the elements. What elements contribute to an edge is summed, at the
+/// start and after every cut.
+struct @Struct@ : suture::model, suture::on_edges {
+  static constexpr const char *id = "@id@", *doc = "Springs along edges",
+                              *formula = "f = k (l/L - 1) u, k = sum of E V / (4 L)",
+                              *citation = "textbook";
+  enum { young, rho };
+  static constexpr suture::parameter parameters[] = {
+      suture::number("E", "Pa", "Stiffness").above(0),
+      suture::number("rho", "kg/m^3", "Density").above(0)};
+
+  template <class Cell>
+  static auto volume(const Cell& c) {
+    return dot(c.rest(1) - c.rest(0), cross(c.rest(2) - c.rest(0), c.rest(4) - c.rest(0)));
+  }
+  struct MassOfNodes {
+    static constexpr int components = 1;
+    template <class Cell, class Out>
+    static void compute(const Cell& c, Out out) {
+      for (int n = 0; n < 8; ++n) out.set(n, 0, c.parameter(rho) * volume(c) / 8.0);
+    }
+  };
+  struct StiffnessOfEdges {
+    static constexpr int components = 1;
+    template <class Cell, class Out>
+    static void compute(const Cell& c, Out out) {
+      for (int e = 0; e < 12; ++e) {
+        const auto* ends = suture_hexahedron_edges[e];
+        const auto length = norm(c.rest(ends[1]) - c.rest(ends[0]));
+        out.set(e, 0, c.parameter(young) * volume(c) / (4.0 * length));
+      }
+    }
+  };
+  static constexpr suture::attribute attributes[] = {
+      suture::vertex_attribute("mass", "kg", "Mass of the nodes")
+          .from_volumes(suture::contribution<@Struct@, MassOfNodes>)
+          .flag(SUTURE_SHARED_MASS),
+      suture::edge_attribute("stiffness", "N", "Stiffness k of an edge")
+          .from_volumes(suture::contribution<@Struct@, StiffnessOfEdges>)};
+  static constexpr suture::column<1> stiffness{};
+  static constexpr auto cell_columns = suture::columns(stiffness);
+  static constexpr auto reads = SUTURE_READ_REST | SUTURE_READ_POSITION;
+
+  template <class Cell>
+  static void force(const Cell& c) {
+    const auto d = c.position(1) - c.position(0);
+    const auto length = norm(d), strain = length / norm(c.rest(1) - c.rest(0)) - 1.0;
+    const auto f = (c.column(stiffness) * strain / length) * d;
+    c.force(0, f);
+    c.force(1, -f);
+  }
+  template <class Cell>
+  static auto energy(const Cell& c) {
+    const auto rest = norm(c.rest(1) - c.rest(0));
+    const auto strain = norm(c.position(1) - c.position(0)) / rest - 1.0;
+    return 0.5 * c.column(stiffness) * rest * strain * strain;
+  }
+};
+SUTURE_PLUGIN("@id@", "1.0", "MIT", "Springs along edges", @Struct@)
+)model";
+
+constexpr std::string_view cmake = R"(cmake_minimum_required(VERSION 3.25)
+project(@id@ LANGUAGES C CXX)
+find_package(Suture REQUIRED)
+enable_testing()
+# With the test @id@.check-model, which compares the model with laws of physics.
+suture_add_plugin(@id@ SOURCES model.cpp)
+add_test(NAME @id@.run COMMAND ${SUTURE_PROGRAM} run ${CMAKE_CURRENT_SOURCE_DIR}/scene.json
+  --output ${CMAKE_CURRENT_BINARY_DIR}/out)
+)";
+
+constexpr std::string_view scene =
+    R"(// A bar is stretched by a quarter. Look at out/scene/run.pvd in ParaView.
+{
+  "suture": 1,
+  "plugins": ["build/lib/suture/plugins/@id@.so"],
+  "mesh": {"box": {"size": [0.4, 0.1, 0.1], "cells": [8, 2, 2]}},
+  "models": [{"model": "@id@", "parameters": @parameters@}],
+  "constraints": [
+    {"fix": "xyz", "where": {"set": "x0"}},
+    {"move": {"translation": [0.1, 0, 0]}, "ramp": 0.5, "where": {"set": "x1"}}
+  ],
+  "solver": {"dt": "auto", "end": 1, "damping": 2},
+  "output": {"every": 0.05, "fields": ["displacement", "velocity"]}
+}
+)";
+
+constexpr std::string_view readme = R"(# @id@
+
+A model for Suture. `model.cpp` is the model, `scene.json` a scene that uses it.
+
+    cmake -S . -B build && cmake --build build    # if Suture is elsewhere: -DCMAKE_PREFIX_PATH=...
+    ctest --test-dir build --output-on-failure    # laws of physics, and a run of the scene
+    suture run scene.json
+
+`suture describe @id@` shows the parameters once `SUTURE_PLUGIN_PATH` names `build/lib/suture/plugins`.
+)";
+
+}  // namespace
+
+std::span<const ModelLevel> model_levels() {
+  static constexpr ModelLevel levels[] = {
+      {"law", law, R"({"mu": 1e4, "lambda": 2e4, "rho": 1000})"},
+      {"springs", springs, R"({"E": 1e4, "rho": 1000})"}};
+  return levels;
+}
+
+std::vector<TemplateFile> files_of(const ModelLevel& level) {
+  return {{"CMakeLists.txt", cmake},
+          {"README.md", readme},
+          {"model.cpp", level.source},
+          {"scene.json", scene}};
+}
+
+}  // namespace suture

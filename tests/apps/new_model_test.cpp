@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// tests/house/outside.cmake builds, checks and runs the springs. The law is an example that other
+// tests use.
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <regex>
+
+#include "tests/apps/program.hpp"
+
+namespace suture::testing {
+namespace {
+
+using NewModel = Program;
+
+TEST_F(NewModel, WritesAFolderAndPrintsThreeCommands) {
+  const Outcome outcome = suture({"-q", "new-model", "my-own-law"});
+  EXPECT_EQ(outcome.code, 0) << outcome;
+  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 3) << outcome;
+  for (const char* command : {"cmake -S my-own-law -B my-own-law/build", "ctest --test-dir",
+                              "suture run my-own-law/scene.json"})
+    EXPECT_TRUE(outcome.says(command)) << outcome;
+  std::ifstream example(SUTURE_SOURCES "/tests/sdk/neo_hooke.cpp");
+  std::string law{std::istreambuf_iterator<char>(example), {}};
+  law = std::regex_replace(law, std::regex("NeoHooke"), "MyOwnLaw");
+  law = std::regex_replace(law, std::regex("neo-hooke"), "my-own-law");
+  EXPECT_EQ(read("my-own-law/model.cpp"), law);
+  for (const char* name : {"CMakeLists.txt", "README.md", "model.cpp", "scene.json"})
+    EXPECT_EQ(read(std::string("my-own-law/") + name).find('@'), std::string::npos) << name;
+  EXPECT_EQ(suture({"new-model", "s", "--level", "springs", "-o", "my-own-law"}).code, 0);
+  EXPECT_NE(read("my-own-law/s/model.cpp").find("on_edges"), std::string::npos);
+}
+
+TEST_F(NewModel, MistakesWriteNothing) {
+  struct Wrong {
+    std::vector<std::string> arguments;
+    int code;
+    const char* words;
+  };
+  std::filesystem::create_directory(folder() / "taken");
+  const Wrong wrong[] = {{{}, 2, "name"},
+                         {{"My model"}, 2, "is 'My model', try 'my-model'"},
+                         {{"a/b"}, 2, "try 'b'"},
+                         {{"../up"}, 2, "try 'up'"},
+                         {{"7"}, 2, "try 'my-model'"},
+                         {{std::string(64, 'a')}, 2, "at most 63"},
+                         {{"taken"}, 2, "taken exists already"},
+                         {{"tm-faure"}, 2, "there is a model 'tm-faure' already"},
+                         {{"x", "--level", "lwa"}, 2, "did you mean 'law'?"},
+                         {{"x", "-o", "missing"}, 6, "missing/x"}};
+  for (const Wrong& use : wrong) {
+    std::vector<std::string> arguments{"new-model"};
+    arguments.insert(arguments.end(), use.arguments.begin(), use.arguments.end());
+    const Outcome outcome = suture(arguments);
+    EXPECT_EQ(outcome.code, use.code) << use.words << outcome;
+    EXPECT_TRUE(outcome.says(use.words)) << use.words << outcome;
+    EXPECT_FALSE(std::filesystem::exists(folder() / "x"));
+  }
+}
+
+}  // namespace
+}  // namespace suture::testing

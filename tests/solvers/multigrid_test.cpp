@@ -412,10 +412,10 @@ double coarse_error(SolverBody& body) {
 
 // In at most 20 iterations, which a bad sample would exceed.
 TEST(CoarseSystem, IsSolvedWithAPreconditionerFromASample) {
-  SolverBody beam(unit_box({8, 8, 16})), cut(unit_box({8, 8, 16}), {.is_cut = slit}),
+  SolverBody bar(unit_box({8, 8, 16})), cut(unit_box({8, 8, 16}), {.is_cut = slit}),
       skew(distorted(unit_box({8, 8, 16}), 0.2), {.held = 0.3}),
       springs(unit_box({8, 8, 16}), {.model = "mss-baudet"});
-  EXPECT_LT(coarse_error(beam), 0.2);
+  EXPECT_LT(coarse_error(bar), 0.2);
   EXPECT_LT(coarse_error(cut), 0.2);
   EXPECT_LT(coarse_error(skew), 0.2);
   EXPECT_LT(coarse_error(springs), 0.2);

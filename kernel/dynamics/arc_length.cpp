@@ -3,13 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace suture {
 namespace {
 
 constexpr double first_part = 0.1;         // of the change, predicted for the first segment
 constexpr double least_step = 1.0 / 1024;  // of the first segment
-constexpr double overshoot = 1.1;          // of the predicted distance to the end
+constexpr double last_part = 0.02;         // of the change, for Newton's method alone
+constexpr double before_end = 0.9;         // of the way to the end, where it is longer
 constexpr double least_cosine = 0.7;       // between successive segments
 constexpr double tolerance = 1e-6;         // of equilibria before the last, relative to the forces
 constexpr double difference = 1e-6;        // of s, for g = dr/ds
@@ -31,20 +33,28 @@ void ArcLength::solve(const StepEquations& equations) {
   path_.hold_back();
   limits_.clear();
   part_ = 0;
-  const std::vector<double> rate = rate_at(0);
-  if (norm(rate) == 0) {  // nothing changes
-    if (!path_.try_at(1)) refuse("begins");
+  const std::vector<double> rate = rate_at(0, residual_at(0));
+  if (norm(rate) <= tolerance * path_.newton().scale()) {  // nothing changes
+    if (!path_.try_at(1)) refuse("cannot leave its start");
     return;
   }
-  begin(rate);
+  try {
+    begin(rate);
+  } catch (const StepRejected&) {
+    throw;
+  } catch (const NumericalError& error) {
+    path_.return_from(error);
+    refuse("cannot leave its start");
+  }
   for (unsigned points = 0; !advance(); ++points)
-    if (points == max_points) refuse("was followed for 1000 points");
+    if (points == max_points) refuse("has more than 1000 points; the last is");
 }
 
 /// The first direction is that of the linearised equations.
 void ArcLength::begin(const std::vector<double>& rate) {
   choice_ = {};
   direction_.clear();
+  stiffness_ = largest_stiffness_ = 0;
   set_matrix(0);
   direction_ = solve_linear(rate);
   const double length = norm(direction_);
@@ -59,13 +69,16 @@ void ArcLength::begin(const std::vector<double>& rate) {
 
 /// To the next equilibrium, or back to the last one with a shorter step. True at the end.
 bool ArcLength::advance() {
+  const double to_end = (1 - part_) / segment_.rate;
+  const bool is_rising = segment_.rate > 0;
+  const bool ends = is_rising && 1 - part_ <= last_part && to_end <= step_;
+  const double length = ends ? to_end : is_rising ? std::min(step_, before_end * to_end) : step_;
   try {
-    const double to_end = overshoot * (1 - part_) / segment_.rate;
-    const double length = segment_.rate > 0 ? std::min(step_, to_end) : step_;
-    double part = part_ + length * segment_.rate;
     move(direction_, length);
+    if (ends) return arrive(length);
+    double part = part_ + length * segment_.rate;
     const unsigned iterations = correct(part);
-    if (part >= 1) return arrive(part);
+    if (part >= 1) return arrive(length);
     append(part);
     step_ = length *
             std::clamp(std::sqrt(double{good_iterations} / std::max(iterations, 1u)), 0.5, 2.0);
@@ -74,13 +87,18 @@ bool ArcLength::advance() {
     throw;
   } catch (const NumericalError& error) {
     path_.return_from(error);
-    const auto& note = path_.newton().on_note;
-    if (note)
-      note("no equilibrium at a distance of " + std::to_string(step_) + " m along the path (" +
-           error.what() + "); continuing with half of it");
-    shorten();
+    shorten(length / 2);
   }
   return false;
+}
+
+/// From near it, to the equilibrium at the end of the change, at about this distance from the last
+/// one: a limit point before it would make Newton's method jump over the rest of the path.
+bool ArcLength::arrive(double length) {
+  path_.newton().solve(path_.equations_at(1));
+  if (norm(way()) > 2 * length) throw NumericalError("the path does not lead straight to the end");
+  path_.accept();
+  return true;
 }
 
 /// From a predicted point to an equilibrium at the same distance. Returns the iterations.
@@ -91,7 +109,7 @@ unsigned ArcLength::correct(double& part) {
     if (iteration == max_iterations)
       throw NumericalError("Newton's method along the path does not converge",
                            path_.newton().worst_element());
-    const std::vector<double> rate = rate_at(part);
+    const std::vector<double> rate = rate_at(part, residual);
     set_matrix(part);
     std::vector<double> a = solve_linear(residual), b = solve_linear(rate);
     const double change = -dot(direction_, a) / dot(direction_, b);
@@ -101,8 +119,8 @@ unsigned ArcLength::correct(double& part) {
   }
 }
 
-/// The current positions are the next equilibrium.
-void ArcLength::append(double part) {
+/// From the last equilibrium to the current positions, on the free components.
+std::vector<double> ArcLength::way() {
   const double* x = position();
   std::vector<double> way(direction_.size());
   for (std::size_t i = 0; i < way.size(); ++i) {
@@ -110,22 +128,30 @@ void ArcLength::append(double part) {
     way[i] = x[row] - path_.position()[row];
   }
   matrix_.restrict(way);
-  const double length = norm(way);
-  for (double& d : way) d /= length;
-  if (dot(way, direction_) < least_cosine)
+  if (!(dot(way, direction_) >= least_cosine * norm(way)))
     throw NumericalError("the path turns sharply, as where another one crosses it");
-  find_limit({length, (part - part_) / length});
+  return way;
+}
+
+/// The current positions are the next equilibrium.
+void ArcLength::append(double part) {
+  std::vector<double> next = way();
+  const double length = norm(next);
+  for (double& d : next) d /= length;
+  const Segment segment{length, (part - part_) / length};
+  const std::optional<double> limit = find_limit(segment);
   path_.accept();
-  direction_ = std::move(way);
-  segment_ = {length, (part - part_) / length};
+  if (limit) note(*limit, segment.rate < 0);
+  direction_ = std::move(next);
+  segment_ = segment;
   part_ = part;
 }
 
 /// Where ds/dl changes its sign between the middles of the last segment and the next one, a
 /// parabola through the three equilibria says how far the limit point of s is from the last one.
 /// The equilibrium there has its s but for an error of second order.
-void ArcLength::find_limit(const Segment& next) {
-  if (segment_.length == 0 || segment_.rate * next.rate >= 0) return;
+std::optional<double> ArcLength::find_limit(const Segment& next) {
+  if (segment_.length == 0 || segment_.rate * next.rate >= 0) return {};
   const double curvature = 2 * (next.rate - segment_.rate) / (segment_.length + next.length);
   const double rate = segment_.rate + curvature * segment_.length / 2;
   double limit = part_ - rate * rate / (2 * curvature);
@@ -134,30 +160,28 @@ void ArcLength::find_limit(const Segment& next) {
   move(direction_, -rate / curvature);
   correct(limit);
   std::ranges::copy(next_position, position());
+  return limit;
+}
+
+void ArcLength::note(double limit, bool is_largest) {
   limits_ += (limits_.empty() ? "" : ", ") + percent(limit);
   const auto& message = path_.newton().on_message;
   if (message)
     message(path_.interval() +
-            ": the path of equilibria has a limit point, where the part of the " +
-            "change of loads and motions is " + (curvature < 0 ? "largest, " : "smallest, ") +
-            percent(limit));
+            ": the path of equilibria has a limit point, where the part of the change of loads and "
+            "motions is " +
+            (is_largest ? "largest, " : "smallest, ") + percent(limit));
 }
 
-void ArcLength::shorten() {
-  step_ /= 2;
+void ArcLength::shorten(double step) {
+  step_ = step;
   if (step_ < least_step_) refuse("ends");
-}
-
-/// The path has crossed the end of the change between the last equilibrium and the current
-/// positions.
-bool ArcLength::arrive(double part) {
-  const double weight = (1 - part_) / (part - part_);
-  double* x = position();
-  for (std::size_t i = 0; i < path_.position().size(); ++i)
-    x[i] = path_.position()[i] + weight * (x[i] - path_.position()[i]);
-  if (path_.try_at(1)) return true;
-  shorten();
-  return false;
+  const auto& note = path_.newton().on_note;
+  if (!note) return;
+  std::ostringstream text;
+  text << "no equilibrium was found along the path (" << path_.failure().reason
+       << "); continuing with a step of " << step_ << " m";
+  note(text.str());
 }
 
 void ArcLength::refuse(const std::string& how) const {
@@ -184,17 +208,16 @@ void ArcLength::move(const std::vector<double>& direction, double length) {
 }
 
 /// r at the current positions and s, with prescribed components at their positions there.
-const std::vector<double>& ArcLength::residual_at(double part) {
+std::vector<double> ArcLength::residual_at(double part) {
   const StepEquations equations = path_.equations_at(part);
   Body& body = path_.motion().body();
   body.constraints().apply(body.attributes(), equations.time);
   return path_.newton().residual(equations);
 }
 
-/// g at the same positions, by a difference; prescribed components stay at those of s.
-std::vector<double> ArcLength::rate_at(double part) {
+/// g at the same positions, by a difference.
+std::vector<double> ArcLength::rate_at(double part, const std::vector<double>& residual) {
   std::vector<double> rate = residual_at(part + difference);
-  const std::vector<double>& residual = residual_at(part);
   for (std::size_t i = 0; i < rate.size(); ++i) rate[i] = (rate[i] - residual[i]) / difference;
   return rate;
 }

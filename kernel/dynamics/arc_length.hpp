@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,17 +39,19 @@ class ArcLength {
   void begin(const std::vector<double>& rate);
   bool advance();
   unsigned correct(double& part);
+  std::vector<double> way();
   void append(double part);
-  void find_limit(const Segment& next);
-  void shorten();
-  bool arrive(double part);
+  std::optional<double> find_limit(const Segment& next);
+  void note(double limit, bool is_largest);
+  void shorten(double step);
+  bool arrive(double length);
   [[noreturn]] void refuse(const std::string& how) const;
   void report(unsigned iterations) const;
 
   double* position();
   void move(const std::vector<double>& direction, double length);
-  const std::vector<double>& residual_at(double part);
-  std::vector<double> rate_at(double part);
+  std::vector<double> residual_at(double part);
+  std::vector<double> rate_at(double part, const std::vector<double>& residual);
   void set_matrix(double part);
   std::vector<double> solve_linear(std::span<const double> right);
 

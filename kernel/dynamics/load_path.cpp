@@ -15,6 +15,7 @@ void LoadPath::begin(const StepEquations& end) {
   position_.assign(x, x + std::size_t{body.attributes().vertex_count()} * 4);
   inverted_ = find_inverted(body.complex(), body.attributes());
   unbalanced_.clear();
+  failure_ = {};
   end_ = end;
 }
 
@@ -75,8 +76,8 @@ std::string LoadPath::interval() const {
 void LoadPath::refuse(const std::string& what, const std::string& how) const {
   std::ostringstream text;
   text << "no equilibrium was found: " << what << " from " << interval() << ' ' << how << ", where "
-       << describe(measure_distortion(motion_.body()), motion_.body()) << "; beyond that, "
-       << failure_.reason;
+       << describe(measure_distortion(motion_.body()), motion_.body());
+  if (!failure_.reason.empty()) text << "; beyond that, " << failure_.reason;
   throw NumericalError(text.str(), failure_.element);
 }
 

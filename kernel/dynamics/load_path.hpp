@@ -25,7 +25,7 @@ class LoadPath {
 
   struct Failure {
     std::string reason;
-    std::uint64_t element;
+    std::uint64_t element = NumericalError::nowhere;
   };
 
   /// The path from the current state to the equations at the end of a step. One evaluation of the

@@ -63,13 +63,11 @@ void StepSolver::choose() {
   Body& body = motion_.body();
   PreconditionerChoice next =
       choose_preconditioner(body.complex(), body.attributes(), matrix_, levels_);
-  if (next.kind == choice_.kind) {
+  if (next.kind != built_.kind) discard();
+  if (next.kind != choice_.kind)
+    choice_ = std::move(next);
+  else
     choice_.reason = next.reason;
-    return;
-  }
-  // One that is loaded is of the kind that was chosen when it was built.
-  if (choice_.kind != PreconditionerChoice::Kind::open) discard();
-  choice_ = std::move(next);
 }
 
 // ----------------------------------------------------------- preconditioner --
@@ -104,6 +102,7 @@ void StepSolver::build() {
   ++builds_;
   built_.position.assign(x, x + std::size_t{attributes.vertex_count()} * 4);
   built_.factors = factors_;
+  built_.kind = choice_.kind;
   is_built_ = true;
 }
 
@@ -170,6 +169,12 @@ std::size_t StepSolver::known_levels() const {
   return levels != 0 ? levels : levels_;
 }
 
+void StepSolver::begin_step() {
+  before_.built = built_;
+  before_.free = free_;
+  before_.levels = known_levels();
+}
+
 /// A hierarchy that the rejected step made goes with it.
 void StepSolver::reject_step() {
   if (free_ != before_.free || known_levels() != before_.levels) {
@@ -196,6 +201,9 @@ void StepSolver::Factors::state(Archive& archive) {
 
 void StepSolver::Built::state(Archive& archive) {
   archive("position", position);
+  auto number = static_cast<std::uint32_t>(kind);
+  archive("kind", number);
+  kind = static_cast<PreconditionerChoice::Kind>(number);
   factors.state(archive);
   archive("decrease", decrease);
   archive("iterations", iterations);

@@ -46,7 +46,7 @@ class StepSolver {
   /// To be called when cells have changed.
   void forget();
   /// A step begins. If it is rejected, the solver is as it was before.
-  void begin_step() { before_ = {built_, free_, known_levels()}; }
+  void begin_step();
   void reject_step();
   void state(Archive& archive);
 
@@ -67,6 +67,7 @@ class StepSolver {
   /// What a preconditioner was built from, and how well it works.
   struct Built {
     std::vector<double> position;  ///< 4 numbers per vertex; empty: there is none
+    PreconditionerChoice::Kind kind = PreconditionerChoice::Kind::open;
     Factors factors;
     bool is_new = true;  ///< in the solve of a step's equations for which it was built
     // While it is new: -ln of the factor by which residuals decreased; iterations, and those of the

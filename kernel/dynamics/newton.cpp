@@ -82,12 +82,24 @@ void Newton::add_loads(const LoadTime& load) {
   Body& body = motion_.body();
   Attributes& attributes = body.attributes();
   const Vec3 gravity = body.acceleration(load.time);
-  load_.assign(loads_.size(), 0);
+  const bool is_whole = load.factor == 1;
+  if (!is_whole) load_.assign(loads_.size(), 0);
   for (const auto& term : body.loads())
-    term->add_forces(load.time, attributes.kernel(0).cells.live(), load_.data());
-  for (std::size_t i = 0; i < loads_.size(); ++i)
-    if (i % 4 != 3)
-      loads_[i] += load.factor * (load_[i] + attributes.mass().get(i / 4, 0) * gravity[i % 4]);
+    term->add_forces(load.time, attributes.kernel(0).cells.live(),
+                     (is_whole ? loads_ : load_).data());
+  for (Index vertex = 0; vertex < attributes.vertex_count(); ++vertex)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t row = std::size_t{vertex} * 4 + c;
+      loads_[row] += load.factor * attributes.mass().get(vertex, 0) * gravity[c];
+      if (!is_whole) loads_[row] += load.factor * load_[row];
+    }
+}
+
+bool Newton::is_symmetric(const StepEquations& equations) const {
+  const Body& body = motion_.body();
+  if (equations.loads.empty()) return body.is_conservative(equations.time);
+  return std::ranges::all_of(equations.loads,
+                             [&](const LoadTime& load) { return body.is_conservative(load.time); });
 }
 
 /// Positions: start + step * direction.
@@ -242,8 +254,7 @@ void Newton::iterate(const StepEquations& equations, unsigned allowed) {
     if (progress.iterations == allowed)
       refuse(equations, progress, "the allowed number of iterations was not enough");
     // A tangent that is not symmetric may be so at rest.
-    if (progress.iterations < 2)
-      solver_.set_symmetric(motion_.body().is_conservative(equations.time));
+    if (progress.iterations < 2) solver_.set_symmetric(is_symmetric(equations));
     const LinearSolve solve = find_direction(equations, forcing(progress));
     const double step = search(equations);
     if (step == 0) refuse(equations, progress, "no step along the direction of Newton helps");

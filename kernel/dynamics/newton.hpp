@@ -98,6 +98,7 @@ class Newton {
   bool solve_on_level(const StepEquations& equations, CoarseSystem& system);
   double evaluate(const StepEquations& equations);
   void add_loads(const LoadTime& load);
+  bool is_symmetric(const StepEquations& equations) const;
   void move(double step);
   void set_remaining(double time);
   LinearSolve find_direction(const StepEquations& equations, double tolerance);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <utility>
+
 #include "kernel/forces/force_loop_impl.hpp"
 
 namespace suture {
@@ -270,11 +272,14 @@ bool ForceLoop::is_conservative(double time) {
   if (!has_tangent()) return true;
   constexpr Index sample = 64;
   const Index stride = impl_->complex->element_count() / sample + 1;
-  Index cells = 0;
+  Index cells = 0, functor = none;
   bool result = true;
-  for_some_tangents(
-      1, 0, time, [&](const CellTangents&) { return cells++ % stride == 0; },
-      [&](const CellTangents& found) { result = result && is_symmetric(found); });
+  const auto is_selected = [&](const CellTangents& cell) {
+    if (std::exchange(functor, cell.functor) != cell.functor) cells = 0;
+    return cells++ % stride == 0;
+  };
+  for_some_tangents(1, 0, time, is_selected,
+                    [&](const CellTangents& found) { result = result && is_symmetric(found); });
   return result;
 }
 

@@ -177,6 +177,7 @@ void Pressures::for_each_tangent(double dx, double, const TangentTime& at,
 
 /// What is left of the other part on the free components, for a vector without regularity.
 bool Pressures::is_conservative(double time) {
+  if (loads_.empty()) return true;
   const std::size_t size = std::size_t{attributes_.vertex_count()} * 3;
   std::vector<double> d(size), other(size), whole(size);
   std::minstd_rand random(1);

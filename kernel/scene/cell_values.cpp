@@ -189,6 +189,8 @@ class Resolved {
     if (std::ranges::any_of(v, [](double x) { return std::isnan(x); }))
       return given_.array.empty() ? "is in no region; add one, or give the value \"elsewhere\""
                                   : "has no value (nan); a finite number is expected";
+    if (std::ranges::any_of(v, [](double x) { return std::isinf(x); }))
+      return "has an infinite value; a finite number is expected";
     if (is_direction())
       return "has a direction of length 0; a vector of any other length is expected";
     text << "has the value " << v[0];
@@ -196,7 +198,7 @@ class Resolved {
     if (!unit.empty() && unit != "1") text << ' ' << unit;
     const std::string required =
         given_.parameter ? scene_parts::limits_of(*given_.parameter).requirement() : "";
-    return text.str() + "; it " + (std::isfinite(v[0]) ? required : "must be finite");
+    return text.str() + "; it " + required;
   }
   void complain_of_bad() {
     if (bad_ == 0) return;

@@ -31,6 +31,7 @@ LinearSolve Gmres::solve(const TangentMatrix& a, const Preconditioner& precondit
   LinearSolve result;
   for (;;) {
     const double residual = norm(r_);
+    if (!std::isfinite(residual)) throw NumericalError("the tangent is not finite");
     result.residual = scale > 0 ? residual / scale : 0;
     if (!(residual > target)) return result;
     if (result.iterations >= max_iterations) {
@@ -80,6 +81,7 @@ unsigned Gmres::cycle(const TangentMatrix& a, const Preconditioner& precondition
   for (unsigned i = 0; i < count; ++i) add(y[i], basis_[i], sum);
   preconditioner.apply(sum.data(), z_.data());
   add(1, z_, x);
+  basis_.clear();
   return count;
 }
 

@@ -8,7 +8,8 @@
 namespace suture {
 
 /// Preconditioned generalised minimal residuals (Saad and Schultz, SIAM J. Sci. Stat. Comput. 7
-/// (1986) 856), for tangents that are not symmetric. Restarted; keeps its vectors between solves.
+/// (1986) 856), for tangents that are not symmetric. Restarted after 40
+/// iterations; one vector per iteration.
 class Gmres {
  public:
   /// Solves A x = b with the whole tangent (TangentMatrix::apply_whole) from x = 0 until |r| <=

@@ -117,6 +117,10 @@ struct dual {
   friend SUTURE_INLINE dual max(const dual& a, const dual& b) { return select(a > b, a, b); }
   friend SUTURE_INLINE dual abs(const dual& a) { return select(a < dual(0.0), -a, a); }
 
+  friend SUTURE_INLINE dual reciprocal(const dual& a) {
+    const T r = reciprocal(a.value);
+    return {r, -(r * r) * a.derivative};
+  }
   friend SUTURE_INLINE dual sqrt(const dual& a) {
     const T root = sqrt(a.value);
     return {root, a.derivative / (2.0 * root)};

@@ -353,20 +353,11 @@ SUTURE_INLINE void stretched(const nodal_modes<T>& now, vec3<T> (&e)[4]) {
     for (int i = 0; i < 3; ++i) e[k][i] = dot(now.edge.column[i], now.hourglass[k]);
 }
 
-template <class T>
-SUTURE_INLINE T inverse_of(const T& a) {
-  return reciprocal(a);
-}
-template <class T>
-SUTURE_INLINE dual<T> inverse_of(const dual<T>& a) {
-  return 1.0 / a;
-}
-
 /// A^-T, and p_k = A^-1 g_k.
 template <class T>
 SUTURE_INLINE mat3<T> pulled_back(const nodal_modes<T>& now, vec3<T> (&p)[4]) {
   const mat3<T> cof = cofactor(now.edge);
-  const mat3<T> back = cof * inverse_of(dot(now.edge.column[0], cof.column[0]));
+  const mat3<T> back = cof * reciprocal(dot(now.edge.column[0], cof.column[0]));
   for (int k = 0; k < 4; ++k)
     for (int i = 0; i < 3; ++i) p[k][i] = dot(back.column[i], now.hourglass[k]);
   return back;

@@ -38,6 +38,11 @@
 #include "suture/single.h"
 
 #define SUTURE_INLINE inline __attribute__((always_inline))
+#if defined(__clang__)
+#define SUTURE_DETAIL_ROLLED _Pragma("nounroll")
+#else
+#define SUTURE_DETAIL_ROLLED _Pragma("GCC unroll 1")
+#endif
 
 namespace suture {
 

@@ -160,12 +160,22 @@ struct sym3 {
   SUTURE_INLINE vec3<T> column(int j) const {
     return {(*this)(0, j), (*this)(1, j), (*this)(2, j)};
   }
+  template <class U>
+  SUTURE_INLINE sym3& operator+=(const sym3<U>& b) {
+    return *this = *this + b;
+  }
+  static SUTURE_INLINE sym3 identity() { return {1.0, 1.0, 1.0, 0.0, 0.0, 0.0}; }
 };
 
 template <class A, class B>
 SUTURE_INLINE sym3<product<A, B>> operator+(const sym3<A>& a, const sym3<B>& b) {
   return {a.c[0] + b.c[0], a.c[1] + b.c[1], a.c[2] + b.c[2],
           a.c[3] + b.c[3], a.c[4] + b.c[4], a.c[5] + b.c[5]};
+}
+template <class A, class B>
+SUTURE_INLINE sym3<product<A, B>> operator-(const sym3<A>& a, const sym3<B>& b) {
+  return {a.c[0] - b.c[0], a.c[1] - b.c[1], a.c[2] - b.c[2],
+          a.c[3] - b.c[3], a.c[4] - b.c[4], a.c[5] - b.c[5]};
 }
 template <class A, class S, class = if_scalar<S>>
 SUTURE_INLINE sym3<product<A, S>> operator*(const sym3<A>& a, const S& s) {
@@ -179,9 +189,44 @@ template <class A, class B>
 SUTURE_INLINE mat3<product<A, B>> operator*(const mat3<A>& a, const sym3<B>& b) {
   return {{a * b.column(0), a * b.column(1), a * b.column(2)}};
 }
+template <class A, class B>
+SUTURE_INLINE vec3<product<A, B>> operator*(const sym3<A>& a, const vec3<B>& b) {
+  return a.column(0) * b[0] + a.column(1) * b[1] + a.column(2) * b[2];
+}
+template <class T>
+SUTURE_INLINE mat3<T> full(const sym3<T>& a) {
+  return {{a.column(0), a.column(1), a.column(2)}};
+}
+/// (A + A') / 2
+template <class T>
+SUTURE_INLINE sym3<T> symmetric(const mat3<T>& a) {
+  return {a(0, 0),
+          a(1, 1),
+          a(2, 2),
+          0.5 * (a(0, 1) + a(1, 0)),
+          0.5 * (a(1, 2) + a(2, 1)),
+          0.5 * (a(0, 2) + a(2, 0))};
+}
 template <class T>
 SUTURE_INLINE T trace(const sym3<T>& a) {
   return a.c[0] + a.c[1] + a.c[2];
+}
+/// det(A) A^-1
+template <class T>
+SUTURE_INLINE sym3<T> cofactor(const sym3<T>& a) {
+  const T(&c)[6] = a.c;
+  return {c[1] * c[2] - c[4] * c[4], c[0] * c[2] - c[5] * c[5], c[0] * c[1] - c[3] * c[3],
+          c[4] * c[5] - c[3] * c[2], c[3] * c[5] - c[4] * c[0], c[3] * c[4] - c[5] * c[1]};
+}
+template <class T>
+SUTURE_INLINE T det(const sym3<T>& a) {
+  const sym3<T> cof = cofactor(a);
+  return a.c[0] * cof.c[0] + a.c[3] * cof.c[3] + a.c[5] * cof.c[5];
+}
+template <class T>
+SUTURE_INLINE sym3<T> inverse(const sym3<T>& a) {
+  const sym3<T> cof = cofactor(a);
+  return cof * reciprocal(a.c[0] * cof.c[0] + a.c[3] * cof.c[3] + a.c[5] * cof.c[5]);
 }
 template <class A, class B>
 SUTURE_INLINE product<A, B> dot(const sym3<A>& a, const sym3<B>& b) {
@@ -209,6 +254,14 @@ SUTURE_INLINE sym3<T> twice_green_strain(const mat3<T>& F) {
 template <class T>
 SUTURE_INLINE sym3<T> green_strain(const mat3<T>& F) {
   return twice_green_strain(F) * 0.5;
+}
+
+/// Right Cauchy-Green tensor C = F'F.
+template <class T>
+SUTURE_INLINE sym3<T> right_cauchy_green(const mat3<T>& F) {
+  const auto& f = F.column;
+  return {dot(f[0], f[0]), dot(f[1], f[1]), dot(f[2], f[2]),
+          dot(f[0], f[1]), dot(f[1], f[2]), dot(f[0], f[2])};
 }
 
 /// Cauchy stress P F' / J of the first Piola-Kirchhoff stress P.

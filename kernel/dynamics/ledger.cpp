@@ -31,7 +31,7 @@ void Ledger::book(double time) {
 
 bool Ledger::needs_work() const {
   const ForceLoop& models = body_.models();
-  return models.is_viscoelastic() || !models.has(ForceLoop::Part::with_energy);
+  return models.dissipates() || !models.has(ForceLoop::Part::with_energy);
 }
 
 /// Work of prescribed motion in the half step that is not complete.
@@ -69,7 +69,7 @@ EnergyBalance Ledger::balance(const Now& now) {
     largest = std::max(largest, std::abs(work.value));
   }
   b.models = models.has(ForceLoop::Part::with_energy) ? models.work() : internal + stored;
-  if (models.is_viscoelastic()) b.dissipated -= internal - b.models + stored;
+  if (models.dissipates()) b.dissipated -= internal - b.models + stored;
   b.balance = balance - b.prescribed - b.models - b.events + b.dissipated;
   b.recoverable = now.leapfrog_part - account_.leapfrog_start;
   account_.exchanged = std::max({account_.exchanged, largest, std::abs(b.prescribed)});

@@ -27,8 +27,9 @@ struct EnergyBalance {
   double prescribed = 0;  ///< work of prescribed motion: reactions times displacements
   double models = 0;      ///< work of functors without an energy
   double events = 0;      ///< energy added (removed: negative) by operations and sleep
-  double dissipated = 0;  ///< energy dissipated by damping and functors that read velocities
-  double balance = 0;     ///< the unexplained remainder
+  double dissipated =
+      0;  ///< energy dissipated by damping and functors that read velocities or have a state
+  double balance = 0;  ///< the unexplained remainder
   /// The part of the balance that is recoverable at this step length: h^2/8 sum F^2/m, the current
   /// value minus that at the start.
   double recoverable = 0;

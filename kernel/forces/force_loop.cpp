@@ -26,6 +26,15 @@ bool reads_velocity_now(const CompiledFunctor& functor) {
   return !functor.skipped() && (functor.reads() & SUTURE_READ_VELOCITY) != 0;
 }
 
+bool keeps_state(const CompiledFunctor& functor) {
+  const suture_functor& f = functor.functor();
+  const suture_attribute* const attributes = functor.instance().model().attributes;
+  const std::span columns(f.cell_columns, f.cell_column_count);
+  return !functor.skipped() && std::ranges::any_of(columns, [&](std::uint32_t place) {
+    return (attributes[place].flags & SUTURE_TRIAL) != 0;
+  });
+}
+
 }  // namespace
 
 void ForceLoop::add_forces(double time, double dt, Part part, double* rows) {
@@ -91,9 +100,9 @@ bool ForceLoop::has(Part part) const {
       impl_->functors, [&](const CompiledFunctor& functor) { return belongs(functor, part); });
 }
 
-bool ForceLoop::is_viscoelastic() const {
+bool ForceLoop::dissipates() const {
   return std::ranges::any_of(impl_->functors, [](const CompiledFunctor& functor) {
-    return reads_velocity_now(functor) && has_energy(functor);
+    return (reads_velocity_now(functor) || keeps_state(functor)) && has_energy(functor);
   });
 }
 

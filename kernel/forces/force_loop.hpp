@@ -43,8 +43,9 @@ class ForceLoop final : public ForceTerm {
   /// of that energy, those without, or all.
   enum class Part { all, with_energy, without_energy };
   bool has(Part part) const;  ///< whether an enabled functor belongs to it
-  /// Whether an enabled functor with an energy also reads velocities: it then dissipates, too.
-  bool is_viscoelastic() const;
+  /// Whether an enabled functor with an energy also reads velocities or keeps a state: it then
+  /// dissipates, too.
+  bool dissipates() const;
   /// rows += sum of the functors (by default in the column `force`), at (position, velocity, time).
   /// Throws NumericalError with the lowest failing cell's message, StepRejected
   /// if a smaller step may help. `dt`: of the step in progress, 0 outside one.

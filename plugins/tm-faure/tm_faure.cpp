@@ -35,12 +35,9 @@ struct TmFaure : suture::continuum<TmFaure> {
                      geometries)};
 
   template <class R>
-  struct Constants {
-    R lambda, mu;  // Lame's, Pa
-  };
-  static void prepare(const suture::setup& p, Constants<double>& c) {
-    c.lambda = p[young] * p[poisson] / ((1 + p[poisson]) * (1 - 2 * p[poisson]));
-    c.mu = p[young] / (2 * (1 + p[poisson]));
+  using Constants = suture::lame_of<R>;
+  static void prepare(const suture::setup& p, suture::lame& c) {
+    c = suture::lame_constants(p[young], p[poisson]);
     if (p[poisson] > 0.45 && element_of(p) == suture::element_type::trilinear)
       p.warn("volumetric-locking",
              "nu > 0.45: trilinear hexahedra are far too stiff in bending (a cantilever of "
@@ -69,8 +66,8 @@ struct TmFaure : suture::continuum<TmFaure> {
     return F * add_diagonal(c.mu * strain2, (0.5 * c.lambda) * trace(strain2));
   }
   template <class R>
-  static suture::lame_of<R> isotropic(const Constants<R>& c) {
-    return {c.lambda, c.mu};
+  static suture::lame_of<R> isotropic(const suture::lame_of<R>& c) {
+    return c;
   }
 };
 

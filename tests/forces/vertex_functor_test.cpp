@@ -213,7 +213,7 @@ TEST(VertexFunctor, EnergyTangentAndBoundsAreExact) {
     EXPECT_LE(damping[v], body.c(v) * 1.03);
   }
   EXPECT_NEAR(body.models().energy(0), energy, 1e-13 * energy);
-  EXPECT_TRUE(body.models().is_viscoelastic());
+  EXPECT_TRUE(body.models().dissipates());
 }
 
 // Around some vertices: what add_forces_at() and energy_around() see.

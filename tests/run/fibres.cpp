@@ -19,7 +19,7 @@ struct Fibres : suture::continuum<Fibres> {
     return p[rho];
   }
   template <class T, class P>
-  static T energy(const suture::mat3<T>& F, const P& p) {
+  static SUTURE_INLINE T energy(const suture::mat3<T>& F, const P& p) {
     const auto a = F * p.direction(fibre);
     const T stretch = dot(a, a) - 1.0;
     return 0.5 * p[mu] * (dot(F, F) - 3) - p[mu] * log(det(F)) + 0.25 * p[k] * (stretch * stretch);

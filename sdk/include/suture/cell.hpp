@@ -116,7 +116,8 @@ struct constants_of_model<Model, std::void_t<typename Model::Constants>> {
   using type = typename Model::Constants;
 };
 template <class Model>
-struct constants_of_model<Model, std::void_t<typename Model::template Constants<double>>> {
+struct constants_of_model<
+    Model, std::enable_if_t<sizeof(typename Model::template Constants<double>) != 0>> {
   using type = typename Model::template Constants<double>;
 };
 template <class Model>
@@ -221,12 +222,18 @@ class cell {
   /// the step. Has an effect only in force(), and only if T is not a dual number.
   template <std::uint32_t Place>
   SUTURE_INLINE void trial(suture::column<Place>, int component, const T& value) const {
-    static_assert(detail::has_trial<Model, Place>(),
+    SUTURE_DETAIL_CHECK_INDEX(component, component, (detail::components_of<Model, Place>()));
+    trial(column_list<Place>(), 0, component, value);
+  }
+  /// The same for one of several columns, chosen at run time.
+  template <std::uint32_t... Places>
+  SUTURE_INLINE void trial(column_list<Places...>, int which, int component, const T& value) const {
+    static_assert((detail::has_trial<Model, Places>() && ...),
                   "trial() writes a column without a trial copy: declare its attribute with "
                   ".trial()");
-    SUTURE_DETAIL_CHECK_INDEX(component, component, (detail::components_of<Model, Place>()));
+    constexpr int index[] = {cell_column<Places>()...};
     if constexpr (!is_dual<T> && Purpose == purpose::force)
-      store(batch_->trial_columns[cell_column<Place>()] + component * stride + lane_, value);
+      store(batch_->trial_columns[index[which]] + component * stride + lane_, value);
   }
 
   // ---- parameters ----

@@ -45,6 +45,12 @@ constexpr column_list<Places...> columns(column<Places>...) {
   return {};
 }
 
+/// The columns of two lists, one list after the other.
+template <std::uint32_t... A, std::uint32_t... B>
+constexpr column_list<A..., B...> joined(column_list<A...>, column_list<B...>) {
+  return {};
+}
+
 }  // namespace suture
 
 #endif

@@ -15,7 +15,7 @@
 //         suture::number("rho", "kg/m^3", "density").above(0)};
 //     static double density(const suture::values& p) { return p[rho]; }
 //     template <class T, class P>
-//     static T energy(const suture::mat3<T>& F, const P& p) {
+//     static SUTURE_INLINE T energy(const suture::mat3<T>& F, const P& p) {
 //       const T ln_j = log(det(F));
 //       return 0.5 * p[mu] * (dot(F, F) - 3) - p[mu] * ln_j + 0.5 * p[lambda] * ln_j * ln_j;
 //     }
@@ -33,12 +33,24 @@
 // A law consists of one or both of these static function templates of the model:
 //   energy(F, p) -> T        energy density W per rest volume, J/m^3
 //   stress(F, p) -> mat3<T>  first Piola-Kirchhoff stress P = dW/dF, Pa
-// Without stress(), P is computed from energy() on dual numbers, at nine times the
-// cost; without energy(), no energies are offered. `p` is the model's Constants if
+// Without stress(), P is the gradient of energy() in one reverse pass (reverse.hpp), which costs
+// what stress() would if energy() is declared SUTURE_INLINE, and up to nine times as much if
+// not; without energy(), no energies are offered. `p` is the model's Constants if
 // it declares them, else its parameters by index. Of parameters that may differ from
 // element to element (per_element(), direction()), a law receives those of its element:
 // p[i], p.direction(i), or `template <class R> struct Constants`; density() and isotropic()
 // are then templates, too.
+//
+// A law with a memory has a state at each Gauss point:
+//   template <class T> struct State        an aggregate of numbers T, such as sym3<T> and T
+//   states[]                               suture::state(name, unit, doc, components): its parts
+//                                          in their order; each is an output field
+//   evolve(F, p, at)                       changes at.state from the beginning of the step to its
+//                                          end, where the gradient is F
+// evolve() is called before energy(F, p, at) and stress(F, p, at), which find the state of the end
+// of the step in at.state; P is dW/dF at constant state. `at` also has the time and dt, s; with
+// dt = 0 the state of a law that depends on rates must not change. The layer stores the state, and
+// accepts or drops it with the step.
 //
 // A model may also have
 //   static constexpr suture::element_type default_element
@@ -59,6 +71,8 @@
 #define SUTURE_CONTINUUM_HPP
 
 #include "suture/detail/mean_gradient_functors.hpp"
+#include "suture/kinematics.hpp"
+#include "suture/mass.hpp"
 
 namespace suture {
 
@@ -112,19 +126,6 @@ struct point_measures {
   }
 };
 
-/// An eighth of the element's mass for each node.
-template <class M>
-struct lumped_mass {
-  static constexpr int components = 1;
-  template <class Cell, class Out>
-  static void compute(const Cell& c, const Out& out) {
-    vec3<typename Cell::real> X[8];
-    for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
-    const auto share = volume(X) * (0.125 * M::density(c.parameters()));
-    for (int n = 0; n < 8; ++n) out.set(n, 0, share);
-  }
-};
-
 /// What parallelepipeds and general hexahedra have in common. `Shape` provides
 /// with_geometry<Q>(cell, work), which calls work(geometry).
 template <class M, class Shape>
@@ -153,17 +154,10 @@ struct continuum_law : on_volumes {
   template <class Cell, class Results>
   static void output(const Cell& c, const Results& out) {
     using T = typename Cell::scalar;
-    T rest_volume(0.0), stored(0.0);
-    sym3<T> sum{};
-    deformations(c, [&](const mat3<T>& F, const T& w) {
-      rest_volume += w;
-      sum = sum + cauchy(law_stress<M>(F, material<M>(c)), F) * w;
-      if constexpr (has_energy_density<M>) stored += w * M::energy(F, material<M>(c));
-    });
-    const sym3<T> stress = sum * (1.0 / rest_volume);
-    out.set(0, stress);
-    out.set(1, von_mises(stress));
-    if constexpr (has_energy_density<M>) out.set(2, stored / rest_volume);
+    mean_results<M, T> means;
+    deformations(
+        c, [&](const mat3<T>& F, const T& w, int point) { means.template add<8>(c, F, w, point); });
+    means.set(out);
   }
 
  protected:
@@ -179,6 +173,10 @@ struct continuum_law : on_volumes {
   }
 
  private:
+  /// Tangents of laws that are called gain nothing from it, and take the compiler seconds.
+  template <int Q, bool Tangent>
+  static constexpr bool unrolled = Q == 2 && !(is_called<M> && (Tangent || has_state<M>));
+
   /// Calls work(integral_constant) with the number of Gauss points per axis.
   template <class Cell, class Work>
   static SUTURE_INLINE void points(const Cell& c, Work&& work) {
@@ -207,10 +205,10 @@ struct continuum_law : on_volumes {
       const auto constants = M::isotropic(material<M>(c));
       isotropic_box_force<Q>(x, g, T(constants.lambda), T(constants.mu), f);
     } else {
-      internal_force<Q>(
+      internal_force<Q, unrolled<Q, false>>(
           x, g,
-          [&](const mat3<T>& F)
-              __attribute__((always_inline)) { return law_stress<M>(F, material<M>(c)); },
+          [&](const mat3<T>& F, int point)
+              __attribute__((always_inline)) { return stress_at<M, 8>(c, F, point); },
           f);
     }
   }
@@ -228,10 +226,10 @@ struct continuum_law : on_volumes {
       const auto constants = M::isotropic(material<M>(c));
       isotropic_box_tangent<Q>(x, dx, g, R(constants.lambda), R(constants.mu), df);
     } else {
-      internal_tangent<Q>(
+      internal_tangent<Q, unrolled<Q, true>>(
           x, dx, g,
-          [&](const mat3<R>& F, const mat3<R>& dF)
-              __attribute__((always_inline)) { return law_tangent<M>(F, dF, material<M>(c)); },
+          [&](const mat3<R>& F, const mat3<R>& dF, int point)
+              __attribute__((always_inline)) { return stress_tangent_at<M, 8>(c, F, dF, point); },
           df);
     }
     for (int i = 0; i < 24; ++i) f[i / 3][i % 3].derivative = df[i / 3][i % 3];
@@ -246,8 +244,9 @@ struct continuum_functor<M, Shape, true> : continuum_law<M, Shape> {
   template <class Cell>
   static typename Cell::scalar energy(const Cell& c) {
     typename Cell::scalar sum(0.0);
-    continuum_law<M, Shape>::deformations(
-        c, [&](const auto& F, const auto& w) { sum += w * M::energy(F, material<M>(c)); });
+    continuum_law<M, Shape>::deformations(c, [&](const auto& F, const auto& w, int point) {
+      sum += w * law_energy<M>(F, material<M>(c), instant_at<M, 8>(c, F, point));
+    });
     return sum;
   }
 };
@@ -257,7 +256,7 @@ struct parallelepipeds : continuum_functor<M, parallelepipeds<M>> {
   static constexpr const char* name = "parallelepipeds";
   static constexpr std::uint32_t shape = SUTURE_PARALLELEPIPED, alternative = 2;
   static constexpr column<0> jacobian{};
-  static constexpr auto cell_columns = columns(jacobian);
+  static constexpr auto cell_columns = joined(state_columns<M, 8>, columns(jacobian));
 
   static bool enabled(const values& p, std::uint32_t&) { return is_trilinear<M>(p); }
 
@@ -282,6 +281,7 @@ struct general_hexahedra : continuum_functor<M, general_hexahedra<M>> {
   static constexpr const char* name = "general hexahedra";
   static constexpr std::uint32_t shape = SUTURE_GENERAL, alternative = 1;
   static constexpr std::uint32_t reads = SUTURE_READ_REST | SUTURE_READ_POSITION;
+  static constexpr auto cell_columns = state_columns<M, 8>;
 
   static bool enabled(const values& p, std::uint32_t&) {
     return is_trilinear<M>(p) && !stores_geometry<M>(p);
@@ -309,7 +309,8 @@ struct stored_hexahedra : continuum_functor<M, stored_hexahedra<M>> {
   static constexpr std::uint32_t shape = SUTURE_GENERAL, alternative = 1;
   static constexpr column_list<2, 3, 4, 5, 6, 7, 8, 9> jacobians{};
   static constexpr column<10> measures{};
-  static constexpr column_list<2, 3, 4, 5, 6, 7, 8, 9, 10> cell_columns{};
+  static constexpr auto cell_columns =
+      joined(joined(state_columns<M, 8>, jacobians), columns(measures));
 
   static bool enabled(const values& p, std::uint32_t&) {
     return is_trilinear<M>(p) && stores_geometry<M>(p);
@@ -348,9 +349,7 @@ struct continuum : model {
       volume_attribute("inverse_jacobian", "1/m", "J^-1 of the rest shape, row-major", 9)
           .from_volumes(contribution<M, detail::inverse_jacobian>)
           .internal(),
-      vertex_attribute("mass", "kg", "An eighth of the mass of every incident element")
-          .from_volumes(contribution<M, detail::lumped_mass<M>>)
-          .flag(SUTURE_SHARED_MASS),
+      lumped_mass<M>(),
       detail::inverse_at<M, 0>("inverse_jacobian_0"),
       detail::inverse_at<M, 1>("inverse_jacobian_1"),
       detail::inverse_at<M, 2>("inverse_jacobian_2"),
@@ -379,6 +378,7 @@ struct continuum : model {
                    element_names)
                 .or_else(int(detail::default_element_of<M>()))};
   }
+  static constexpr auto added_attributes() { return detail::state_attributes<M>(); }
   template <class Material>
   static void prepare_added(const setup& p, const Material& material, rest_moduli& moduli) {
     detail::prepare_element<M>(p, material, moduli);

@@ -262,14 +262,15 @@ template <class... Functors>
 struct list {};
 
 /// Base of a model: the defaults of its optional members, and what a layer above this one
-/// (continuum.hpp) adds to an author's model: parameters, which follow the author's, and
-/// constants derived from all of them by prepare_added(setup, parameters or Constants,
-/// added_constants&); where these may differ from element to element, they are an aggregate of at
-/// most nine numbers, added_constants_of<R>.
+/// (continuum.hpp) adds to an author's model: parameters and attributes, which follow the
+/// author's, and constants derived from all of them by prepare_added(setup, parameters or
+/// Constants, added_constants&); where these may differ from element to element, they are an
+/// aggregate of at most nine numbers, added_constants_of<R>.
 struct model {
   static constexpr std::uint32_t flags = 0;
   using added_constants = no_constants;
   static constexpr std::array<parameter, 0> added_parameters() { return {}; }
+  static constexpr std::array<attribute, 0> added_attributes() { return {}; }
 };
 
 }  // namespace suture

@@ -300,31 +300,39 @@ stored_geometry<R, InverseColumn, MeasureColumn> make_stored_geometry(InverseCol
 
 // -------------------------------------------------------------- integrals --
 
-/// Calls visit(i, j, k) at every Gauss point. Unrolled as far as that keeps the
-/// intermediate values of neighbouring points in registers.
-template <int Q, class Visit>
+/// Calls visit(i, j, k) at every Gauss point. Unrolled, if that keeps the intermediate values of
+/// neighbouring points in registers.
+template <int Q, bool Unrolled = (Q == 2), class Visit>
 SUTURE_INLINE void for_each_point(Visit&& visit) {
-  if constexpr (Q == 2) {
+  if constexpr (Unrolled) {
+    static_assert(Q == 2);
     visit(0, 0, 0), visit(1, 0, 0), visit(0, 1, 0), visit(1, 1, 0);
     visit(0, 0, 1), visit(1, 0, 1), visit(0, 1, 1), visit(1, 1, 1);
   } else {
-    for (int k = 0; k < Q; ++k)
-      for (int j = 0; j < Q; ++j)
-        for (int i = 0; i < Q; ++i) visit(i, j, k);
+    SUTURE_DETAIL_ROLLED
+    for (int point = 0; point < Q * Q * Q; ++point)
+      visit(point % Q, point / Q % Q, point / (Q * Q));
   }
 }
 
-/// Nodal forces of a law that gives P for F (first Piola-Kirchhoff stress, Pa):
+/// The number of a Gauss point, x fastest.
+template <int Q>
+constexpr int point_number(int i, int j, int k) {
+  return i + Q * (j + Q * k);
+}
+
+/// Nodal forces of a law(F, number of the Gauss point) that gives P (first Piola-Kirchhoff
+/// stress, Pa):
 ///   f_n = - integral of P grad N_n dX.
-template <int Q, class T, class Geometry, class Law>
+template <int Q, bool Unrolled = (Q == 2), class T, class Geometry, class Law>
 SUTURE_INLINE void internal_force(const vec3<T> (&x)[8], const Geometry& geometry, Law&& law,
                                   vec3<T> (&f)[8]) {
   axis_values<T, Q> g = gradients<Q>(x);
   geometry.start(g);
   axis_values<T, Q> s{};
-  for_each_point<Q>([&](int i, int j, int k) __attribute__((always_inline)) {
+  for_each_point<Q, Unrolled>([&](int i, int j, int k) __attribute__((always_inline)) {
     const auto point = geometry.point(i, j, k);
-    const mat3<T> P = law(point.F(g.at(i, j, k)));
+    const mat3<T> P = law(point.F(g.at(i, j, k)), point_number<Q>(i, j, k));
     if constexpr (Q == 2)
       point.add_flux(P, s);
     else
@@ -407,15 +415,16 @@ SUTURE_INLINE void isotropic_box_force(const vec3<T> (&x)[8], const box_geometry
   scatter<Q>(s, f);
 }
 
-/// Calls visit(F, w det J) at every Gauss point, for integrals and averages.
+/// Calls visit(F, w det J, number) at every Gauss point, for integrals and averages.
 template <int Q, class T, class Geometry, class Visit>
 SUTURE_INLINE void for_deformations(const vec3<T> (&x)[8], const Geometry& geometry,
                                     Visit&& visit) {
   axis_values<T, Q> g = gradients<Q>(x);
   geometry.start(g);
-  for_each_point<Q>([&](int i, int j, int k) __attribute__((always_inline)) {
+  for_each_point<Q, false>([&](int i, int j, int k) __attribute__((always_inline)) {
     const auto point = geometry.point(i, j, k);
-    visit(point.F(g.at(i, j, k)), point.measure() * (common_weight<Q> * point_weight<Q>(i, j, k)));
+    visit(point.F(g.at(i, j, k)), point.measure() * (common_weight<Q> * point_weight<Q>(i, j, k)),
+          point_number<Q>(i, j, k));
   });
 }
 

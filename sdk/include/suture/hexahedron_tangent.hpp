@@ -13,17 +13,18 @@
 
 namespace suture {
 
-/// df of internal_force() for the direction dx. law(F, dF) gives dP.
-template <int Q, class T, class Geometry, class Law>
+/// df of internal_force() for the direction dx. law(F, dF, number of the Gauss point) gives dP.
+template <int Q, bool Unrolled = (Q == 2), class T, class Geometry, class Law>
 SUTURE_INLINE void internal_tangent(const vec3<T> (&x)[8], const vec3<T> (&dx)[8],
                                     const Geometry& geometry, Law&& law, vec3<T> (&df)[8]) {
   axis_values<T, Q> g = gradients<Q>(x), dg = gradients<Q>(dx);
   geometry.start(g);
   geometry.start(dg);
   axis_values<T, Q> s{};
-  for_each_point<Q>([&](int i, int j, int k) __attribute__((always_inline)) {
+  for_each_point<Q, Unrolled>([&](int i, int j, int k) __attribute__((always_inline)) {
     const auto point = geometry.point(i, j, k);
-    const mat3<T> dP = law(point.F(g.at(i, j, k)), point.F(dg.at(i, j, k)));
+    const mat3<T> dP =
+        law(point.F(g.at(i, j, k)), point.F(dg.at(i, j, k)), point_number<Q>(i, j, k));
     if constexpr (Q == 2)
       point.add_flux(dP, s);
     else

@@ -2,6 +2,11 @@
 //
 // A correct model, and common mistakes of authors: one per macro. CTest compiles the file once
 // per macro and looks for the message that the compiler must print (CMakeLists.txt).
+#if defined(MISTAKE_ENERGY_OF_LAW) || defined(MISTAKE_ELEMENT_PARAMETER) || \
+    defined(MISTAKE_NO_EVOLVE) || defined(MISTAKE_COMPONENTS_OF_STATE)
+#define MISTAKE_IN_LAW
+#endif
+
 #include "suture/continuum.hpp"
 
 namespace {
@@ -138,7 +143,7 @@ static void output(const Cell&, Results&) {}
 #endif
 };
 
-#if defined(MISTAKE_ENERGY_OF_LAW) || defined(MISTAKE_ELEMENT_PARAMETER)
+#ifdef MISTAKE_IN_LAW
 struct Solid : suture::continuum<Solid> {
   static constexpr const char *id = "solid", *doc = "Solid", *formula = "P = k F",
                               *citation = "textbook";
@@ -152,15 +157,25 @@ struct Solid : suture::continuum<Solid> {
   static T energy(const suture::mat3<T>& F) {
     return 0.5 * dot(F, F);
   }
-#else
+#elif defined(MISTAKE_ELEMENT_PARAMETER)
   static constexpr suture::parameter parameters[] = {suture::integer("element", "which one")};
+#else
+  template <class T>
+  struct State {
+    T strain, another;
+  };
+  static constexpr suture::attribute states[] = {suture::state("strain", "1", "largest")};
+#ifdef MISTAKE_COMPONENTS_OF_STATE
+  template <class T, class P, class At>
+  static void evolve(const suture::mat3<T>&, const P&, At&) {}
+#endif
 #endif
 };
 #endif
 
 }  // namespace
 
-#if defined(MISTAKE_ENERGY_OF_LAW) || defined(MISTAKE_ELEMENT_PARAMETER)
+#ifdef MISTAKE_IN_LAW
 SUTURE_PLUGIN("solid", "1.0", "MIT", "Solid", Solid)
 #elif defined(MISTAKE_NO_PLUGIN)
 const suture_model* springs();

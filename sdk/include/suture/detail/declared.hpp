@@ -43,6 +43,7 @@ SUTURE_DETAIL_HAS(attributes)
 SUTURE_DETAIL_HAS(name)
 SUTURE_DETAIL_HAS(default_element)
 SUTURE_DETAIL_HAS(survives_inversion)
+SUTURE_DETAIL_HAS(states)
 #undef SUTURE_DETAIL_HAS
 
 // An optional function is detected by a call with the expected arguments. A function that has its
@@ -50,7 +51,7 @@ SUTURE_DETAIL_HAS(survives_inversion)
 // names_energy<F> is true if F has any member called energy. Looking up the name in a struct that
 // inherits one from each of two bases is ambiguous, whatever its signature.
 struct optional_functions {
-  int energy, bounds, output, inspect, enabled, prepare, stress, isotropic, points, stores;
+  int energy, bounds, output, inspect, enabled, prepare, stress, isotropic, points, stores, evolve;
 };
 struct nothing {};
 template <class F>  // a final struct cannot be derived from and is not examined
@@ -78,6 +79,7 @@ SUTURE_DETAIL_NAMES(stress)
 SUTURE_DETAIL_NAMES(isotropic)
 SUTURE_DETAIL_NAMES(points)
 SUTURE_DETAIL_NAMES(stores)
+SUTURE_DETAIL_NAMES(evolve)
 #undef SUTURE_DETAIL_NAMES
 
 template <class M>
@@ -162,15 +164,35 @@ constexpr std::size_t attribute_count() {
     return 0;
 }
 
-/// The attribute at a place of the model's list; beyond its end the kernel's mass, which has one
-/// component and no flags.
+// The attributes of the layer follow those of the author: parameters of each element, what
+// prepare() derives from them, what the layer above derives, and what it adds.
+template <class M>
+inline constexpr bool adds_constants = !std::is_empty_v<typename M::added_constants>;
+template <class M>
+inline constexpr std::size_t derived_attribute_count = element_parameter_count<M>() +
+                                                       (has_element_constants<M> ? 1 : 0) +
+                                                       (varies<M> && adds_constants<M> ? 1 : 0);
+template <class M>
+inline constexpr std::size_t first_added_attribute =
+    attribute_count<M>() + derived_attribute_count<M>;
+
+/// The attribute at a place of the list, by the author or added. Otherwise, which includes the
+/// kernel's mass, one of size 0 with one component and no flags.
 template <class M>
 constexpr suture_attribute attribute_at([[maybe_unused]] std::uint32_t place) {
   if constexpr (has_attributes<M>)
     if (place < attribute_count<M>()) return M::attributes[place];
+  if constexpr (M::added_attributes().size() != 0)
+    if (place >= first_added_attribute<M> &&
+        place - first_added_attribute<M> < M::added_attributes().size())
+      return M::added_attributes()[place - first_added_attribute<M>];
   suture_attribute mass{};
   mass.components = 1;
   return mass;
+}
+template <class M>
+constexpr bool has_attribute(std::uint32_t place) {
+  return attribute_at<M>(place).size != 0;
 }
 template <class M, std::uint32_t Place>
 constexpr int components_of() {
@@ -186,13 +208,13 @@ constexpr bool has_trial() {
 template <class M, std::size_t N>
 constexpr bool are_places_of(const std::array<std::uint32_t, N>& places) {
   for (const std::uint32_t place : places)
-    if (place != vertex_mass.place && place >= attribute_count<M>()) return false;
+    if (place != vertex_mass.place && !has_attribute<M>(place)) return false;
   return true;
 }
 template <class M, std::size_t N>
 constexpr bool have_dimension(const std::array<std::uint32_t, N>& places, std::uint32_t dimension) {
   for (const std::uint32_t place : places)
-    if (place < attribute_count<M>() && attribute_at<M>(place).dimension != dimension) return false;
+    if (has_attribute<M>(place) && attribute_at<M>(place).dimension != dimension) return false;
   return true;
 }
 template <class M, std::size_t N>

@@ -184,9 +184,6 @@ suture_status contribute(const suture_context* context, const suture_batch* batc
   });
 }
 
-template <class M>
-inline constexpr bool adds_constants = !std::is_same_v<typename M::added_constants, no_constants>;
-
 /// What the layer above derives. `material`: what a law without Constants reads.
 template <class M, class Material>
 void prepare_added(const setup& p, const Material& material, prepared<M>& memory) {

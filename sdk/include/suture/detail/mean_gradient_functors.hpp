@@ -53,11 +53,10 @@ struct mean_gradient_law : on_volumes {
     using T = typename Cell::scalar;
     Shape::with_rest(c, [&](const auto& rest) {
       const nodal_modes<T> now = modes(c, rest);
-      const mat3<T> F = rest.F(now);
-      const sym3<T> stress = cauchy(law_stress<M>(F, material<M>(c)), F);
-      out.set(0, stress);
-      out.set(1, von_mises(stress));
-      if constexpr (has_energy_density<M>) out.set(2, stored(c, rest, now) / rest.volume);
+      mean_results<M, T> means;
+      means.template add<1>(c, rest.F(now), rest.volume, 0);
+      if constexpr (has_energy_density<M>) means.energy += hourglass_energy<both>(now, rest);
+      means.set(out);
     });
   }
 
@@ -70,7 +69,9 @@ struct mean_gradient_law : on_volumes {
   }
   template <class Cell, class Rest, class Modes>
   static typename Cell::scalar stored(const Cell& c, const Rest& rest, const Modes& now) {
-    return rest.volume * M::energy(rest.F(now), material<M>(c)) + hourglass_energy<both>(now, rest);
+    const auto F = rest.F(now);
+    return rest.volume * law_energy<M>(F, material<M>(c), instant_at<M, 1>(c, F, 0)) +
+           hourglass_energy<both>(now, rest);
   }
 
  private:
@@ -82,8 +83,7 @@ struct mean_gradient_law : on_volumes {
     for (int n = 0; n < 8; ++n) x[n] = c.position(n);
     mean_gradient_force<both>(
         x, rest,
-        [&](const mat3<T>& F)
-            __attribute__((always_inline)) { return law_stress<M>(F, material<M>(c)); },
+        [&](const mat3<T>& F) __attribute__((always_inline)) { return stress_at<M, 1>(c, F, 0); },
         f);
     for (int n = 0; n < 8; ++n) c.force(n, f[n]);
   }
@@ -108,7 +108,7 @@ struct mean_gradient_parallelepipeds : mean_gradient_functor<M, mean_gradient_pa
   static constexpr const char* name = "parallelepipeds, mean gradient";
   static constexpr std::uint32_t shape = SUTURE_PARALLELEPIPED, alternative = 2;
   static constexpr column<0> jacobian{};
-  static constexpr auto cell_columns = columns(jacobian);
+  static constexpr auto cell_columns = joined(state_columns<M, 1>, columns(jacobian));
 
   template <class Cell, class Work>
   static SUTURE_INLINE void with_rest(const Cell& c, Work&& work) {
@@ -134,6 +134,7 @@ struct mean_gradient_hexahedra : mean_gradient_functor<M, mean_gradient_hexahedr
   static constexpr const char* name = "general hexahedra, mean gradient";
   static constexpr std::uint32_t shape = SUTURE_GENERAL, alternative = 1;
   static constexpr std::uint32_t reads = SUTURE_READ_REST | SUTURE_READ_POSITION;
+  static constexpr auto cell_columns = state_columns<M, 1>;
 
   template <class Cell, class Work>
   static SUTURE_INLINE void with_rest(const Cell& c, Work&& work) {

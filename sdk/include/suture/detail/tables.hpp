@@ -46,9 +46,9 @@ const void* extension(const char* id) noexcept {
   if constexpr (F::single_tangent) {
     using Single = typename functor_in_single<F>::type;
     constexpr std::uint32_t columns =
-        Single::cell_columns.places.size() + Single::vertex_columns.places.size() != 0
+        Single::vertex_columns.places.size() != 0
             ? UINT32_MAX
-            : std::uint32_t(leading_columns<M, Single>);
+            : std::uint32_t(leading_columns<M, Single> + Single::cell_columns.places.size());
     static constexpr suture_tangent_single_1 table{sizeof(suture_tangent_single_1),
                                                    SUTURE_SINGLE_LANES, Single::reads, columns,
                                                    &single_tangent<M, Single>};
@@ -84,13 +84,6 @@ struct functors_of_model<M, std::void_t<typename M::functors>> {
   using type = typename M::functors;
 };
 
-// The attributes of the layer follow those of the author: parameters of each element, what
-// prepare() derives from them, and what the layer above derives.
-template <class M>
-inline constexpr std::size_t added_attribute_count = element_parameter_count<M>() +
-                                                     (has_element_constants<M> ? 1 : 0) +
-                                                     (varies<M> && adds_constants<M> ? 1 : 0);
-
 /// The columns of a functor: those of the layer, then those that it declares.
 template <class M, class F>
 constexpr auto make_functor_columns() {
@@ -101,7 +94,7 @@ constexpr auto make_functor_columns() {
   if (reads_element_parameters<M, F>)
     for (; at < count; ++at) all[at] = std::uint32_t(first + at);
   if (reads_element_constants<M, F>) all[at++] = std::uint32_t(first + count);
-  if (reads_added_constants<M, F>) all[at++] = std::uint32_t(first + added_attribute_count<M> - 1);
+  if (reads_added_constants<M, F>) all[at++] = std::uint32_t(first_added_attribute<M> - 1);
   for (const std::uint32_t place : declared) all[at++] = place;
   return all;
 }
@@ -178,7 +171,8 @@ constexpr attribute derived_attribute(const char* name) {
 template <class M>
 constexpr auto attribute_rows() {
   constexpr std::size_t declared = attribute_count<M>();
-  std::array<suture_attribute, declared + added_attribute_count<M>> rows{};
+  constexpr auto added = M::added_attributes();
+  std::array<suture_attribute, first_added_attribute<M> + added.size()> rows{};
   if constexpr (has_attributes<M>)
     for (std::size_t i = 0; i < declared; ++i) rows[i] = M::attributes[i];
   std::size_t at = declared;
@@ -188,6 +182,7 @@ constexpr auto attribute_rows() {
   if constexpr (has_element_constants<M>) rows[at++] = derived_attribute<M, false>("constants");
   if constexpr (varies<M> && adds_constants<M>)
     rows[at++] = derived_attribute<M, true>("added_constants");
+  for (const attribute& a : added) rows[at++] = a;
   return rows;
 }
 template <class M>
@@ -214,7 +209,7 @@ constexpr suture_model model_of() {
   m.functors = functors::rows;
   m.parameter_count = std::uint32_t(parameter_table<M>::rows.size());
   m.parameters = parameter_table<M>::rows.data();
-  if constexpr (attribute_count<M>() + added_attribute_count<M> != 0) {
+  if constexpr (attribute_table<M>::rows.size() != 0) {
     m.attribute_count = std::uint32_t(attribute_table<M>::rows.size());
     m.attributes = attribute_table<M>::rows.data();
   }

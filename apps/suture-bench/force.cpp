@@ -24,6 +24,15 @@ struct Case {
   double operations;
 };
 
+/// Moduli near those of the paper's material; fibres along the space diagonal.
+std::map<std::string, double> with_element(std::map<std::string, double> values, double element) {
+  values["element"] = element;
+  return values;
+}
+const std::map<std::string, double> of_mooney{{"C10", 5e4}, {"C01", 2.7e4}, {"K", 3.3e5}},
+    of_fibres{{"mu", 1.5e5}, {"lambda", 2.3e5}, {"k1", 1e5}, {"k2", 1}, {"fibre", 0.577}},
+    of_visco{{"K", 1e5}, {"n", 0.1}, {"lambda", 2.3e5}};
+
 const std::vector<Case>& cases() {
   static const std::vector<Case> list{
       {"TM boxes, gauss2", "tm-faure", {}, false, false, 1142},
@@ -32,9 +41,20 @@ const std::vector<Case>& cases() {
       {"TM general, gauss2", "tm-faure", {}, true, false, 0},
       {"TM general, gauss2, geometry recomputed", "tm-faure", {{"geometry", 1}}, true, false, 2504},
       {"TM general, mean gradient", "tm-faure", {{"element", 1}}, true, false, 0},
+      {"neo-Hookean boxes, gauss2", "neo-hookean", {{"element", 0}}, false, false, 0},
+      {"neo-Hookean boxes, mean gradient", "neo-hookean", {}, false, false, 0},
+      {"Mooney-Rivlin boxes, gauss2", "mooney-rivlin", with_element(of_mooney, 0), false, false, 0},
+      {"Mooney-Rivlin boxes, mean gradient", "mooney-rivlin", of_mooney, false, false, 0},
+      {"fibres, boxes, gauss2", "fibres", with_element(of_fibres, 0), false, false, 0},
+      {"fibres, boxes, mean gradient", "fibres", of_fibres, false, false, 0},
+      {"corotational boxes, gauss2", "corotational", {{"element", 0}}, false, false, 0},
+      {"corotational boxes, mean gradient", "corotational", {}, false, false, 0},
+      {"viscous boxes, gauss2", "visco", with_element(of_visco, 0), false, false, 0},
+      {"viscous boxes, mean gradient", "visco", of_visco, false, false, 0},
       {"MSS undamped", "mss-baudet", {}, false, true, 196},
       {"MSS, viscosity", "mss-baudet", {{"viscosity", 1}}, false, true, 0},
       {"MSS, correction", "mss-baudet", {{"correction", 1}}, false, true, 0},
+      {"MSS with face diagonals", "mss-golec", {}, false, false, 0},
   };
   return list;
 }

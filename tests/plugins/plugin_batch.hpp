@@ -139,14 +139,14 @@ class HexahedronBatch {
     batch.cell_columns = parameters_.all();
     for (std::uint32_t k = 0; k < functor.cell_column_count; ++k) {
       const suture_attribute& a = instance.model().attributes[functor.cell_columns[k]];
-      columns_.emplace_back(a.components * 8);
+      columns_.emplace_back(a.components * 8, a.initial);
+      trials_.emplace_back((a.flags & SUTURE_TRIAL) != 0 ? a.components * 8 : 0);
       if (const auto* given = parameters_.find(functor.cell_columns[k]))
         columns_.back() = *given;
-      else
+      else if (a.contribution_count != 0)
         check(a.contributions[0].function(instance.context(), &batch, columns_.back().data()));
     }
-    for (auto& c : columns_) pointers_.push_back(c.data());
-    batch.cell_columns = pointers_.data();
+    point_to_columns();
     batch.rest = functor.reads & SUTURE_READ_REST ? rest_.data() : nullptr;
     batch.position = functor.reads & SUTURE_READ_POSITION ? position_.data() : nullptr;
     batch.force = force_.data();
@@ -200,9 +200,26 @@ class HexahedronBatch {
     return values;
   }
 
+  /// The states that the last call of force() found become those from which the next one starts.
+  void accept() {
+    for (std::size_t k = 0; k < columns_.size(); ++k)
+      if (!trials_[k].empty()) columns_[k].swap(trials_[k]);
+    point_to_columns();
+  }
+  const std::vector<AlignedVector<double>>& columns() const { return columns_; }
+  const double* rest() const { return rest_.data(); }
+
   suture_batch batch{};
 
  private:
+  void point_to_columns() {
+    pointers_.clear();
+    trial_pointers_.clear();
+    for (auto& c : columns_) pointers_.push_back(c.data());
+    for (auto& t : trials_) trial_pointers_.push_back(t.empty() ? nullptr : t.data());
+    batch.cell_columns = pointers_.data();
+    batch.trial_columns = trial_pointers_.data();
+  }
   static void set(AlignedVector<double>& v, int lane, const Hexahedron& x) {
     for (int n = 0; n < 8; ++n)
       for (int c = 0; c < 3; ++c) v[(n * 3 + c) * 8 + lane] = x[n][c];
@@ -217,8 +234,9 @@ class HexahedronBatch {
   AlignedVector<double> rest_ = AlignedVector<double>(192), position_ = AlignedVector<double>(192),
                         force_ = AlignedVector<double>(192);
   std::array<std::uint32_t, 8> ids_{10, 11, 12, 13, 14, 15, 16, 17};
-  std::vector<AlignedVector<double>> columns_;
+  std::vector<AlignedVector<double>> columns_, trials_;
   std::vector<const double*> pointers_;
+  std::vector<double*> trial_pointers_;
 };
 
 }  // namespace suture::test

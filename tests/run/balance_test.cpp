@@ -74,6 +74,46 @@ Largest largest_balance(const Scene& scene, double safety) {
   return largest;
 }
 
+/// The same with a model that has a state, and loses a good part of the energy to it.
+Scene loaded_beam_with_state(const std::string& model, const Integrator& integrator) {
+  Scene scene = loaded_beam("tm-faure", integrator);
+  ModelUse& use = scene.models[0];
+  use.name = model;
+  use.model = &host().model(model);
+  const bool springs = model == "damage-springs";
+  use.parameters =
+      springs ? parameters(*use.model, {{"E", 4e5}, {"rho", 1000}, {"e0", 0.005}, {"e1", 0.3}})
+              : parameters(*use.model, {{"K", 2e5}, {"n", 0.3}, {"lambda", 2e5}, {"rho", 1000}});
+  return scene;
+}
+
+TEST(Balance, CountsWhatStatesTakeAsDissipated) {
+  for (const Integrator& integrator : integrators)
+    for (const char* model : {"visco", "damage-springs"}) {
+      const Scene scene = loaded_beam_with_state(model, integrator);
+      Diagnostics diagnostics;
+      BuiltScene built(scene, diagnostics);
+      Dynamics& dynamics = built.dynamics();
+      dynamics.start();
+      dynamics.balance();
+      const double dt = 0.4 * built.limits().stable_step(0);
+      Largest largest;
+      double dissipated = 0, returned = 0;
+      for (std::uint64_t i = 1; static_cast<double>(i) * dt < 0.4; ++i) {
+        dynamics.step(dt, static_cast<double>(i) * dt);
+        if (i % 16 != 0) continue;
+        const EnergyBalance b = dynamics.balance();
+        largest.balance = std::max(largest.balance, std::abs(b.balance));
+        largest.exchanged = b.exchanged;
+        returned = std::max(returned, dissipated - b.dissipated);
+        dissipated = b.dissipated;
+      }
+      EXPECT_LT(largest.balance, 1e-3 * largest.exchanged) << model << ", " << integrator;
+      EXPECT_LT(returned, 1e-3 * largest.exchanged) << model << ", " << integrator;
+      EXPECT_GT(dissipated, 0.05) << "J, " << model;
+    }
+}
+
 TEST(Balance, IsBelowAThousandthAndFallsWithTheSquareOfTheStep) {
   for (const Integrator& integrator : integrators) {
     const Scene scene = loaded_beam("tm-faure", integrator);

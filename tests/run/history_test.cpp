@@ -35,10 +35,22 @@ Scene relaxing_beam(const char* integrator) {
   return scene;
 }
 
+/// The same of a law with a state.
+Scene viscous_beam() {
+  Scene scene = relaxing_beam("static");
+  ModelUse& use = scene.models[0];
+  scene.models.pop_back();
+  use.name = "visco";
+  use.model = &host().model("visco");
+  use.parameters = parameters(
+      *use.model, {{"K", 1e5}, {"n", 0.3}, {"lambda", 2e5}, {"rho", 1000}, {"tau", tau}});
+  return scene;
+}
+
 class History : public testing::Test {
  protected:
-  explicit History(const char* integrator = "static")
-      : scene(relaxing_beam(integrator)), built(scene, diagnostics) {
+  explicit History(const Scene& beam = relaxing_beam("static"))
+      : scene(beam), built(scene, diagnostics) {
     built.dynamics().start();
   }
   Attributes& attributes() { return built.body().attributes(); }
@@ -70,6 +82,9 @@ class History : public testing::Test {
     for (std::size_t i = 0; i < d.size(); ++i) slope[i] = (slope[i] - before[i]) / (2 * h);
     return slope;
   }
+  void expect_tangents_of_the_step();
+  void expect_equilibria();
+
   Scene scene;
   Diagnostics diagnostics;
   BuiltScene built;
@@ -84,7 +99,7 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
   return largest / scale;
 }
 
-TEST_F(History, TangentsAreThoseOfTheStep) {
+void History::expect_tangents_of_the_step() {
   const std::vector<double> d = some_direction();
   EXPECT_GT(largest_difference(difference(0, d), difference(tau, d)), 1e-4) << "dt matters";
   for (const double dt : {0.0, tau}) {
@@ -107,8 +122,10 @@ TEST_F(History, TangentsAreThoseOfTheStep) {
   }
 }
 
+TEST_F(History, TangentsAreThoseOfTheStep) { expect_tangents_of_the_step(); }
+
 // A step that evaluated the forces at its end with dt once more would relax them twice.
-TEST_F(History, AnEquilibriumIsOneAfterTheStatesAreAccepted) {
+void History::expect_equilibria() {
   double unbalanced = 0, weight = 0;
   for (int step = 1; step <= 3; ++step) built.dynamics().step(tau, tau * step);
   built.dynamics().synchronise();
@@ -121,9 +138,19 @@ TEST_F(History, AnEquilibriumIsOneAfterTheStatesAreAccepted) {
   EXPECT_LT(unbalanced, 1e-6 * weight);
 }
 
+TEST_F(History, AnEquilibriumIsOneAfterTheStatesAreAccepted) { expect_equilibria(); }
+
+class ViscousHistory : public History {
+ protected:
+  ViscousHistory() : History(viscous_beam()) {}
+};
+
+TEST_F(ViscousHistory, TangentsAreThoseOfTheStep) { expect_tangents_of_the_step(); }
+TEST_F(ViscousHistory, AnEquilibriumIsOneAfterTheStatesAreAccepted) { expect_equilibria(); }
+
 class NewmarkHistory : public History {
  protected:
-  NewmarkHistory() : History("newmark") {}
+  NewmarkHistory() : History(relaxing_beam("newmark")) {}
   double acceleration(Index v) {
     return attributes().force().get(v, 1) / attributes().mass().get(v, 0) - 2.45;
   }

@@ -20,7 +20,7 @@ struct @Struct@ : suture::continuum<@Struct@> {
   static double density(const suture::values& p) { return p[rho]; }
 
   template <class T, class Parameters>
-  static T energy(const suture::mat3<T>& F, const Parameters& p) {
+  static SUTURE_INLINE T energy(const suture::mat3<T>& F, const Parameters& p) {
     const T ln_j = log(det(F));
     return 0.5 * p[mu] * (dot(F, F) - 3) - p[mu] * ln_j + 0.5 * p[lambda] * ln_j * ln_j;
   }

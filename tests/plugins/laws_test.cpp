@@ -152,9 +152,10 @@ TEST_P(Laws, HaveTheTangentsOfTheirForces) {
       for (int i = 0; i < 192; ++i) {
         EXPECT_NEAR(df[i], (up[i] - down[i]) / (2 * h), 2e-7 * scale)
             << law.model << " in " << functors[form];
-        if (!single.empty())
+        if (!single.empty()) {
           EXPECT_NEAR(single[i / 8 * 16 + i % 8], df[i], 2e-4 * scale)
               << law.model << " in " << functors[form];
+        }
       }
     }
 }

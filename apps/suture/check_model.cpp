@@ -151,7 +151,7 @@ void print(const ModelCheck& check, const Finding& found, const std::filesystem:
            Console& console) {
   const std::string name = padded(check.name, 16);
   if (found.status == Status::not_applicable) {
-    if (!console.quiet()) console.print("  not applicable  " + name + check.not_applicable);
+    if (!console.quiet()) console.print("  not applicable  " + name + found.text);
     return;
   }
   const bool passed = found.status == Status::passed;

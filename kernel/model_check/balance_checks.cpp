@@ -61,8 +61,10 @@ Values rotated_all(const std::array<Vec3, 3>& rotation, const Values& values) {
 
 }  // namespace
 
+// The torques of a linear model vanish at rest, where nothing is left to sum.
 Result balance(const BatchCase& of) {
   const CellBatch& batch = of.batch;
+  const bool has_torque = !is_linear(of.instance.model());
   if (may_act_from_outside(*batch.functor)) return {};
   const Values forces = BatchCaller(of.instance).force(batch).force;
   Measured worst;
@@ -73,7 +75,8 @@ Result balance(const BatchCase& of) {
     const double force = norm(sums.force) / sums.largest_force,
                  torque = norm(sums.torque) / sums.largest_torque;
     if (!(force <= worst.figure)) worst = {force, "the total force" + cell + " is not zero"};
-    if (!(torque <= worst.figure)) worst = {torque, "the total torque" + cell + " is not zero"};
+    if (has_torque && !(torque <= worst.figure))
+      worst = {torque, "the total torque" + cell + " is not zero"};
   }
   return worst;
 }

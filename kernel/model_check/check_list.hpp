@@ -46,6 +46,7 @@ struct ModelCheck {
   double limit;
   Result (*of_batch)(const BatchCase&);
   Result (*of_body)(const BodyCase&);  ///< exactly one of both is set
+  bool of_nonlinear = false;           ///< not of models that declare themselves SUTURE_LINEAR
 };
 
 /// All checks, in the order in which they are made.
@@ -74,6 +75,8 @@ CheckOutcome repeat_check(const ModelCheck& check, std::span<const suture_model*
 
 // ------------------------------------------------------------- for the checks --
 
+/// Whether a model declares that its forces are linear in displacements.
+inline bool is_linear(const suture_model& model) { return (model.flags & SUTURE_LINEAR) != 0; }
 /// The largest absolute value; NaN if one is not finite.
 double largest(std::span<const double> values);
 /// Largest difference over the largest value of both.

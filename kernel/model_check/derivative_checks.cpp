@@ -36,6 +36,19 @@ auto difference(double h, F f) {
   return near;
 }
 
+/// The best of measure(step) with steps that grow shorter: a law may have kinks, such as fibres
+/// that carry tension only, and differences across them are wrong. What is wrong stays wrong.
+template <class Measure>
+Measured without_kinks(Measure measure) {
+  Measured best = measure(1e-4);
+  for (const double step : {1e-5, 1e-6}) {
+    if (best.figure < 1e-7) break;
+    const Measured next = measure(step);
+    if (next.figure < best.figure) best = next;
+  }
+  return best;
+}
+
 /// -dE/dx by differences.
 Values minus_gradient(BatchCaller& caller, const CellBatch& batch, double step) {
   Values gradient(batch.vector_size());
@@ -59,8 +72,8 @@ Values random_direction(std::mt19937_64& random, std::size_t size, double amount
 
 /// df of the direction (dx, dv) by differences.
 Values force_difference(BatchCaller& caller, const CellBatch& batch, const Values& dx,
-                        const Values& dv) {
-  return difference(1e-4, [&](double h) {
+                        const Values& dv, double step) {
+  return difference(step, [&](double h) {
     CellBatch moved = batch;
     for (std::size_t i = 0; i < dx.size(); ++i) {
       moved.position[i] += h * dx[i];
@@ -74,11 +87,13 @@ Values force_difference(BatchCaller& caller, const CellBatch& batch, const Value
 Measured tangent_error(BatchCaller& caller, const CellBatch& batch, const Values& dx,
                        const Values& dv, const char* what) {
   const Values found = caller.tangent(batch, dx, dv);
-  const Values expected = force_difference(caller, batch, dx, dv);
-  // Rounding of forces that hardly change.
-  const double noise = 1e-10 * largest(caller.force(batch).force);
-  return compare(batch, found, expected, std::max({largest(found), largest(expected), noise}),
-                 what);
+  const double force = largest(caller.force(batch).force);
+  return without_kinks([&](double step) {
+    const Values expected = force_difference(caller, batch, dx, dv, step);
+    const double noise = 1e-14 / step * force;  // rounding of forces that hardly change
+    return compare(batch, found, expected, std::max({largest(found), largest(expected), noise}),
+                   what);
+  });
 }
 
 using Matrix = Eigen::MatrixXd;
@@ -137,8 +152,11 @@ Result gradient(const BatchCase& of) {
   std::ranges::fill(batch.velocity, 0);
   batch.dt = 0;
   const Values found = caller.force(batch).force;
-  const Values expected = minus_gradient(caller, batch, 1e-4 * size_of(batch));
-  return compare(batch, found, expected, std::max(largest(found), largest(expected)), "the force");
+  return without_kinks([&](double step) {
+    const Values expected = minus_gradient(caller, batch, step * size_of(batch));
+    return compare(batch, found, expected, std::max(largest(found), largest(expected)),
+                   "the force");
+  });
 }
 
 Result tangent(const BatchCase& of) {

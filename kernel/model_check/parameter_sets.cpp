@@ -32,13 +32,6 @@ double typical(std::string_view unit) {
   return 1;
 }
 
-bool admits(const suture_parameter& p, double x) {
-  const bool above = (p.flags & SUTURE_MINIMUM_EXCLUDED) != 0 ? x > p.minimum : x >= p.minimum;
-  const bool below = (p.flags & SUTURE_MAXIMUM_EXCLUDED) != 0 ? x < p.maximum : x <= p.maximum;
-  const bool is_whole = p.type == SUTURE_NUMBER || x == std::floor(x);
-  return above && below && is_whole;
-}
-
 /// A value in the range of the parameter, the typical one if that is.
 double value_in_range(const suture_parameter& p) {
   double x = typical(p.unit);
@@ -118,6 +111,13 @@ std::string assignment(const suture_parameter& p, double value) {
 }
 
 }  // namespace
+
+bool admits(const suture_parameter& p, double x) {
+  const bool above = (p.flags & SUTURE_MINIMUM_EXCLUDED) != 0 ? x > p.minimum : x >= p.minimum;
+  const bool below = (p.flags & SUTURE_MAXIMUM_EXCLUDED) != 0 ? x < p.maximum : x <= p.maximum;
+  const bool is_whole = p.type == SUTURE_NUMBER || x == std::floor(x);
+  return above && below && is_whole;
+}
 
 std::vector<ParameterSet> parameter_sets(const suture_model& model,
                                          const std::map<std::string, std::string>& given) {

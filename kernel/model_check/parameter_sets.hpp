@@ -28,6 +28,9 @@ std::vector<ParameterSet> parameter_sets(const suture_model& model,
 /// All numbers that are 0 by default take another value, so that what they switch on runs.
 ParameterSet with_everything_on(const suture_model& model, ParameterSet set);
 
+/// Whether the range of the parameter includes the number.
+bool admits(const suture_parameter& parameter, double value);
+
 /// "E = 1e+04 Pa, element = trilinear".
 std::string text_of(const suture_model& model, const ParameterSet& set);
 

@@ -149,6 +149,7 @@ void SampleBody::deform() {
       velocity[c] = between(random_, -1, 1) * edge;
     }
     x = rotated(options_.rotation, x);
+    for (double& c : x) c *= options_.stretch;
     velocity = rotated(options_.rotation, velocity);
     for (int c = 0; c < 3; ++c) {
       attributes.position().set(v, c, x[static_cast<std::size_t>(c)]);

@@ -23,6 +23,7 @@ struct SampleOptions {
   std::array<Vec3, 3> rotation{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< of rest shape and state
   double irregular = 0;  ///< how far one node is moved at rest, in edges
   double scale = 1;      ///< of the rest shape
+  double stretch = 1;    ///< of the state, in all directions
   bool halves = false;   ///< two instances, on the halves of the body
 };
 

@@ -10,6 +10,7 @@ struct Hooke : suture::continuum<Hooke> {
   static constexpr const char* citation =
       "S. P. Timoshenko, J. N. Goodier: Theory of Elasticity, 3rd edition, 1970, section 6";
   static constexpr bool survives_inversion = true;
+  static constexpr std::uint32_t flags = SUTURE_CONTINUUM | SUTURE_LINEAR;
 
   enum { young, poisson, rho };
   static constexpr suture::parameter parameters[] = {

@@ -100,16 +100,20 @@ TEST_P(PlantedFaults, IsFoundAgainWhereItWasFound) {
 
 class GoodModels : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(ModelCheck, GoodModels,
-                         testing::Values("none", "tm-faure", "mss-baudet", "neo-hooke"),
+                         testing::Values("none", "neo-hooke", "corotational", "damage-springs",
+                                         "fibres", "hooke", "mooney-rivlin", "mss-baudet",
+                                         "mss-golec", "neo-hookean", "tm-faure", "visco"),
                          [](const auto& test) {
                            std::string name = test.param;
                            std::erase(name, '-');
                            return name;
                          });
 
+// Seeds 1 and 3, of 1 to 20 in the full test: with both, eigenvalues of `mooney-rivlin` are so
+// close that power iteration misses the largest.
 TEST_P(GoodModels, BreakNoLaw) {
-  const std::uint64_t seeds = std::getenv("SUTURE_FULL") != nullptr ? 20 : 2;
-  for (std::uint64_t seed = 1; seed <= seeds; ++seed)
+  const bool full = std::getenv("SUTURE_FULL") != nullptr;
+  for (std::uint64_t seed = 1; seed <= (full ? 20 : 3); seed += full ? 1 : 2)
     EXPECT_EQ(broken_laws(GetParam(), seed), std::vector<std::string>{}) << "seed " << seed;
 }
 
@@ -120,6 +124,20 @@ TEST(ModelCheck, ChecksThatDoNotExistAreRefusedWithTheNearestName) {
   } catch (const UsageError& error) {
     EXPECT_NE(std::string(error.what()).find("did you mean 'gradient'"), std::string::npos);
   }
+}
+
+// Their torques vanish at rest only.
+TEST(ModelCheck, ModelsThatDeclareThemselvesLinearNeedNotBeObjective) {
+  const auto builds = builds_of("hooke");
+  const auto sets = parameter_sets(*builds.front(), {});
+  const CheckOutcome outcome = make_check(find_check("objectivity"), builds, sets, 1);
+  EXPECT_EQ(outcome.status, CheckOutcome::Status::not_applicable);
+  EXPECT_EQ(outcome.text, "declared linear");
+  suture_model undeclared = *builds.front();
+  undeclared.flags = SUTURE_CONTINUUM;
+  const suture_model* const only[] = {&undeclared};
+  for (const char* law : {"objectivity", "balance"})
+    EXPECT_EQ(make_check(find_check(law), only, sets, 1).status, CheckOutcome::Status::failed);
 }
 
 TEST(ModelCheck, ValuesOfParametersCanBeGiven) {

@@ -314,7 +314,9 @@ typedef struct suture_functor {
 } suture_functor;
 
 enum suture_model_flag {
-  SUTURE_CONTINUUM = 1u << 0 /* an inverted element is an error by default */
+  SUTURE_CONTINUUM = 1u << 0, /* an inverted element is an error by default */
+  SUTURE_LINEAR = 1u << 1     /* linear in displacements by design: for small rotations only,
+                                 so its forces need not turn with the body */
 };
 
 /* A physics model. Static const data; lives as long as the program. */

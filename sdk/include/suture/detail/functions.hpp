@@ -13,6 +13,7 @@
 
 #include "suture/detail/guarded.hpp"
 #include "suture/detail/optional_functions.hpp"
+#include "suture/detail/spectral_bound.hpp"
 
 namespace suture::detail {
 
@@ -89,43 +90,6 @@ suture_status energy(const suture_context* context, const suture_batch* batch,
   });
 }
 
-/// Upper bound of the spectral radius of K = -df/dx (or -df/dv) of each cell, by
-/// power iteration on the exact tangent. With the Rayleigh quotient q of the unit
-/// vector x and the residual r = |Kx - q x|, the eigenvalue to which x has converged
-/// lies in [q - r, q + r]; the iteration ends when r is below 3 % of q, and q + r is
-/// returned, which shortens the step by at most 1.5 %.
-template <class M, class F>
-native spectral_bound(const suture_context* context, const suture_batch* batch, int lane,
-                      bool of_velocity) {
-  constexpr int count = 3 * F::nodes, stride = SUTURE_LANES;
-  alignas(SUTURE_ALIGNMENT) double x[count * stride], y[count * stride], zero[count * stride] = {};
-  const auto at = [lane](double* v, int i) { return v + i * stride + lane; };
-  // Fractional parts of multiples of the golden ratio: no mode is orthogonal to them.
-  for (int i = 0; i < count; ++i) {
-    const double golden = 0.6180339887498949 * (i + 1);
-    store(at(x, i), native((golden - std::floor(golden) - 0.5) * std::sqrt(12.0 / count)));
-  }
-  native bound(0.0);
-  for (int iteration = 0; iteration < 100; ++iteration) {
-    tangent_pack<M, F>(context, batch, lane, y, of_velocity ? zero : x, of_velocity ? x : zero);
-    native xx(0.0), xy(0.0), yy(0.0);
-    for (int i = 0; i < count; ++i) {
-      const native a = native::load(at(x, i)), b = native::load(at(y, i));
-      xx += a * a;
-      xy += a * b;
-      yy += b * b;
-    }
-    const auto moves = yy > 0.0;
-    const native quotient = abs(xy) / xx;
-    const native residual = sqrt(max(yy / xx - quotient * quotient, native(0.0)));
-    bound = quotient + residual;
-    if (!any(moves & (residual > 0.03 * quotient))) break;
-    const native scale = select(moves, 1.0 / sqrt(select(moves, yy, native(1.0))), native(1.0));
-    for (int i = 0; i < count; ++i) store(at(x, i), native::load(at(y, i)) * scale);
-  }
-  return bound;
-}
-
 template <class M, class F>
 suture_status bounds(const suture_context* context, const suture_batch* batch, double* stiffness,
                      double* damping) noexcept {
@@ -138,10 +102,18 @@ suture_status bounds(const suture_context* context, const suture_batch* batch, d
       F::bounds(c, b);
     } else {
       const auto isotropic = [](native s) { return sym3<native>{s, s, s, 0.0, 0.0, 0.0}; };
-      const sym3<native> k = isotropic(spectral_bound<M, F>(context, batch, lane, false));
+      constexpr int count = 3 * F::nodes;
+      alignas(SUTURE_ALIGNMENT) static constexpr double zero[count * SUTURE_LANES] = {};
+      const sym3<native> k =
+          isotropic(largest_eigenvalue<count>(lane, [&](const double* x, double* df) {
+            tangent_pack<M, F>(context, batch, lane, df, x, zero);
+          }));
       for (int n = 0; n < F::nodes; ++n) b.stiffness(n, k);
       if constexpr ((F::reads & SUTURE_READ_VELOCITY) == 0) return;
-      const sym3<native> d = isotropic(spectral_bound<M, F>(context, batch, lane, true));
+      const sym3<native> d =
+          isotropic(largest_eigenvalue<count>(lane, [&](const double* v, double* df) {
+            tangent_pack<M, F>(context, batch, lane, df, zero, v);
+          }));
       for (int n = 0; n < F::nodes; ++n) b.damping(n, d);
     }
   });

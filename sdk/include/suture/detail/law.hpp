@@ -246,10 +246,10 @@ constexpr bool check_law() {
   return true;
 }
 
-/// Lame's constants of the isotropic tensor nearest to the tangent of the law at F = I
+/// Lame's constants of the isotropic tensor nearest to the tangent of the law at F = s I
 /// (Voigt's averages, which are exact for an isotropic law).
 template <class M, class Material>
-lame lame_at_rest(const Material& p) {
+lame lame_at(double s, const Material& p) {
   if constexpr (is_isotropic<M>) {
     return M::isotropic(p);
   } else {
@@ -257,7 +257,7 @@ lame lame_at_rest(const Material& p) {
     double bulk = 0, shear = 0;  // C_kkll, and C_klkl of the symmetric part
     for (int k = 0; k < 3; ++k)
       for (int l = 0; l < 3; ++l) {
-        mat3<T> F = mat3<T>::identity();
+        mat3<T> F = mat3<T>::identity() * T(s);
         F(k, l).derivative = 1;
         auto at = first_instant<M, T>();
         if constexpr (has_state<M>) M::evolve(F, p, at);
@@ -267,6 +267,15 @@ lame lame_at_rest(const Material& p) {
       }
     return {(2 * bulk - shear) / 15, (3 * shear - bulk) / 30};
   }
+}
+
+/// At F = I: the mean of both sides, as fibres that carry tension only have a tangent on each, and
+/// bending stretches one half of them. Rounding of |F a|^2 = 1 would choose one.
+template <class M, class Material>
+lame lame_at_rest(const Material& p) {
+  constexpr double step = 1e-7;
+  const lame taut = lame_at<M>(1 + step, p), slack = lame_at<M>(1 - step, p);
+  return {(taut.lambda + slack.lambda) / 2, (taut.mu + slack.mu) / 2};
 }
 
 inline rest_moduli moduli_of(const lame& c) {

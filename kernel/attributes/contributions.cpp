@@ -7,13 +7,12 @@
 #include <limits>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/lanes.hpp"
 #include "kernel/base/reset_error.hpp"
 #include "kernel/topology/incidence.hpp"
 
 namespace suture {
 namespace {
-
-constexpr Index lanes = SUTURE_LANES;
 
 /// What a contribution functor writes, at most.
 struct alignas(SUTURE_ALIGNMENT) Contributions : std::array<double, std::size_t{12} * 9 * lanes> {};

@@ -5,12 +5,12 @@
 
 #include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/lanes.hpp"
 #include "kernel/base/reset_error.hpp"
 
 namespace suture {
 namespace {
 
-constexpr Index lanes = SUTURE_LANES;
 using hexahedron::Local;
 
 /// A functor's batch at rest, gathered lane by lane: this runs once.

@@ -13,15 +13,13 @@ constexpr double least_step = 1.0 / 1024;  // of the first segment
 constexpr double last_part = 0.02;         // of the change, for Newton's method alone
 constexpr double before_end = 0.9;         // of the way to the end, where it is longer
 constexpr double least_cosine = 0.7;       // between successive segments
-constexpr double tolerance = 1e-6;         // of equilibria before the last, relative to the forces
+constexpr double point_tolerance = 1e-6;   // of equilibria before the last, relative to the forces
 constexpr double difference = 1e-6;        // of s, for g = dr/ds
 constexpr double forcing = 1e-3;           // of the linear solves
-constexpr unsigned max_points = 1000, max_iterations = 10, max_linear_iterations = 5000;
+constexpr unsigned max_points = 1000, max_corrections = 10, max_linear_iterations = 5000;
 constexpr unsigned good_iterations = 4;  // per point
 // k, by the stiffness of the body along the first direction.
 constexpr double first_stiffness = 10, stiffer = 10, largest_stiffness = 1e5;
-
-double norm(std::span<const double> v) { return std::sqrt(dot(v, v)); }
 
 }  // namespace
 
@@ -34,7 +32,7 @@ void ArcLength::solve(const StepEquations& equations) {
   limits_.clear();
   part_ = 0;
   const std::vector<double> rate = rate_at(0, residual_at(0));
-  if (norm(rate) <= tolerance * path_.newton().scale()) {  // nothing changes
+  if (norm(rate) <= point_tolerance * path_.newton().scale()) {  // nothing changes
     if (!path_.try_at(1)) refuse("cannot leave its start");
     return;
   }
@@ -105,8 +103,8 @@ bool ArcLength::arrive(double length) {
 unsigned ArcLength::correct(double& part) {
   for (unsigned iteration = 0;; ++iteration) {
     const std::vector<double> residual = residual_at(part);
-    if (norm(residual) <= tolerance * path_.newton().scale()) return iteration;
-    if (iteration == max_iterations)
+    if (norm(residual) <= point_tolerance * path_.newton().scale()) return iteration;
+    if (iteration == max_corrections)
       throw NumericalError("Newton's method along the path does not converge",
                            path_.newton().worst_element());
     const std::vector<double> rate = rate_at(part, residual);

@@ -25,8 +25,6 @@ constexpr unsigned iterations_per_build = 2;
 // A shorter step means that the body is about to collapse.
 constexpr double shortest_step = 1.0 / 64;
 
-double norm(std::span<const double> v) { return std::sqrt(dot(v, v)); }
-
 }  // namespace
 
 /// Moves the vertices to an approximate solution among the displacements of coarse levels, from the

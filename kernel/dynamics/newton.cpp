@@ -15,13 +15,11 @@ namespace {
 
 // Of the slope at the start that a step may leave, either way (Crisfield).
 constexpr double slope_left = 0.8;
-constexpr unsigned max_iterations = 50, max_trials = 12;
+constexpr unsigned max_newton_iterations = 50, max_trials = 12;
 // From a solution on coarse levels: one that takes longer was of little use.
 constexpr unsigned max_nested_iterations = 25;
 // Forcing terms of the linear solves.
 constexpr double first_forcing = 0.1, least_forcing = 1e-3;
-
-double norm(std::span<const double> v) { return std::sqrt(dot(v, v)); }
 
 }  // namespace
 
@@ -240,7 +238,7 @@ void Newton::solve(const StepEquations& equations) {
       solver_.discard();
     }
   }
-  iterate(equations, max_iterations);
+  iterate(equations, max_newton_iterations);
 }
 
 /// From the current positions, where the residual is known.

@@ -8,7 +8,7 @@
 namespace suture {
 namespace {
 
-constexpr unsigned max_iterations = 5000;
+constexpr unsigned max_krylov_iterations = 5000;
 
 // A preconditioner from elsewhere may be useless: this many iterations, and twice those of a new
 // one, are tried.
@@ -87,7 +87,7 @@ LinearSolve StepSolver::solve(std::span<const double> b, std::span<double> x, do
   }
   if (result.outcome != LinearSolve::Outcome::converged) {
     build();
-    result = solve_in(max_iterations);
+    result = solve_in(max_krylov_iterations);
   }
   if (!built_.note(result) || result.outcome != LinearSolve::Outcome::converged) discard();
   return result;

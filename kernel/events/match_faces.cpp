@@ -47,7 +47,7 @@ std::optional<Seam> same_points(const CellComplex& complex, Dart one, Dart other
 
 // ------------------------------------------------------ by place --
 
-struct Places {
+struct FacePlaces {
   const CellComplex& complex;
   const double* rows;
   std::size_t stride;
@@ -100,7 +100,7 @@ struct Pairing {
   double distance = infinite;  ///< m
 };
 
-Pairing nearest_turn(const Places& places, Dart one, Dart other) {
+Pairing nearest_turn(const FacePlaces& places, Dart one, Dart other) {
   Pairing best;
   for (Dart turn = 0; turn < 4; ++turn) {
     const Seam seam{one, partner(other, turn)};
@@ -156,7 +156,7 @@ class Grid {
 
 /// Of cubes in which centres within the gap are neighbours; a smaller gap than coordinates can
 /// resolve would give them numbers that no integer holds.
-double cube_edge(const Places& places, const std::vector<Dart>& faces, double gap) {
+double cube_edge(const FacePlaces& places, const std::vector<Dart>& faces, double gap) {
   double largest = 0;
   for (const Dart face : faces)
     for (const double x : places.centre(face)) largest = std::max(largest, std::abs(x));
@@ -165,7 +165,7 @@ double cube_edge(const Places& places, const std::vector<Dart>& faces, double ga
 
 /// All pairs of faces that face each other, whose centres are within the gap and whose
 /// elements have no face in common; nearest first.
-std::vector<Pairing> pairings(const Places& places, const std::vector<Dart>& a,
+std::vector<Pairing> pairings(const FacePlaces& places, const std::vector<Dart>& a,
                               const std::vector<Dart>& b, double gap) {
   Grid grid(std::max(cube_edge(places, a, gap), cube_edge(places, b, gap)));
   for (const Dart face : b) grid.add(places.centre(face), face);
@@ -246,7 +246,7 @@ MatchedSeams seams_of_cuts(const CellComplex& complex, std::span<const Index> po
 MatchedSeams seams_within_gap(const CellComplex& complex, const double* rows,
                               std::span<const Index> a, std::span<const Index> b, double gap,
                               const Naming& naming, std::size_t stride) {
-  const Places places{complex, rows, stride};
+  const FacePlaces places{complex, rows, stride};
   const std::vector<Dart> of_a = boundary_faces(complex, a), of_b = boundary_faces(complex, b);
   SeamBatch batch(complex);
   MatchedSeams result;
@@ -272,7 +272,7 @@ MatchedSeams seams_within_gap(const CellComplex& complex, const double* rows,
 namespace {
 
 /// The seam of one pair; nothing if there is none to make (`idle`).
-std::optional<Seam> seam_between(const Places& places, const std::string& path,
+std::optional<Seam> seam_between(const FacePlaces& places, const std::string& path,
                                  const ElementPair& pair,
                                  const std::function<Index(std::uint64_t)>& element_of,
                                  std::span<const Index> points) {

@@ -8,11 +8,11 @@
 
 #include "kernel/base/archive_lists.hpp"
 #include "kernel/base/bulk.hpp"
+#include "kernel/base/lanes.hpp"
 
 namespace suture {
 namespace {
 
-constexpr Index lanes = SUTURE_LANES;
 constexpr Index least_tail = 512;  // rows; a small tail is never worth colouring
 constexpr Index max_colours = 64;  // threads wait for each other between colours
 

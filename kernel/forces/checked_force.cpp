@@ -12,13 +12,13 @@
 
 #include "kernel/base/aligned.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/lanes.hpp"
 #include "kernel/base/plugin_call.hpp"
 #include "kernel/base/types.hpp"
 
 namespace suture {
 namespace {
 
-constexpr std::size_t lanes = SUTURE_LANES;
 constexpr std::size_t guard_size = 16 * lanes;
 
 // What outputs hold before a call: finite, or the C++ layer would take a value that was never set

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "kernel/attributes/cell_nodes.hpp"
+#include "kernel/base/lanes.hpp"
 #include "kernel/forces/compiled_functor.hpp"
 #include "kernel/forces/force_loop.hpp"
 #include "kernel/forces/local_rows.hpp"
@@ -18,8 +19,6 @@
 #include "kernel/forces/worker_memory.hpp"
 
 namespace suture {
-
-inline constexpr Index lanes = SUTURE_LANES;
 
 /// Number of gathered nodes below which one thread is faster than waking others: about
 /// 0.1 ms of work compared with a few microseconds per colour.

@@ -19,12 +19,12 @@ std::vector<int> read_tags(GmshScanner& in, const char* what) {
   return tags;
 }
 
-struct Block {
+struct EntityBlock {
   int dimension, tag;
   std::uint64_t count;
 };
 
-// Blocks that hold more or less than their section announces are damaged.
+// EntityBlocks that hold more or less than their section announces are damaged.
 void check_total(GmshScanner& in, std::uint64_t announced, std::uint64_t found, const char* what) {
   if (found != announced)
     in.fail(grouped(announced) + " " + what + " are declared, but the blocks contain " +
@@ -50,7 +50,7 @@ std::uint64_t read_node_block(GmshScanner& in, GmshMesh& mesh, std::vector<std::
   return count;
 }
 
-void read_hexahedra(GmshScanner& in, GmshMesh& mesh, const Block& block,
+void read_hexahedra(GmshScanner& in, GmshMesh& mesh, const EntityBlock& block,
                     std::span<const int> groups) {
   for (std::uint64_t i = 0; i < block.count; ++i) {
     const std::uint64_t tag = in.size("tag of an element");
@@ -60,7 +60,7 @@ void read_hexahedra(GmshScanner& in, GmshMesh& mesh, const Block& block,
   }
 }
 
-void read_others(GmshScanner& in, GmshMesh& mesh, const Block& block, const GmshType& type,
+void read_others(GmshScanner& in, GmshMesh& mesh, const EntityBlock& block, const GmshType& type,
                  std::span<const int> groups) {
   mesh.count_skipped(type, block.count);
   const bool keep = !groups.empty() && type.dimension < 3;
@@ -75,7 +75,7 @@ void read_others(GmshScanner& in, GmshMesh& mesh, const Block& block, const Gmsh
 
 std::uint64_t read_element_block(GmshScanner& in, const FileText& file,
                                  const GmshEntities& entities, GmshMesh& mesh) {
-  Block block{};
+  EntityBlock block{};
   block.dimension = in.int32("dimension of a block of elements");
   block.tag = in.int32("entity of a block of elements");
   const int number = in.int32("type of a block of elements");

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/mesh/vtk_order.hpp"
 
 namespace suture {
@@ -54,11 +55,6 @@ struct HashNodes {
     return hash ^ hash >> 32;
   }
 };
-
-void sort_unique(std::vector<Index>& values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-}
 
 }  // namespace
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/sort_unique.hpp"
 
 namespace suture {
 namespace {
@@ -70,11 +71,6 @@ void add_side_sets(Mesh& mesh) {
       }
     }
   }
-}
-
-void sort_unique(std::vector<Index>& set) {
-  std::sort(set.begin(), set.end());
-  set.erase(std::unique(set.begin(), set.end()), set.end());
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -39,5 +40,8 @@ class ConjugateGradients {
 
 /// The dot product in a fixed order, with errors that grow with the square root of the size.
 double dot(std::span<const double> a, std::span<const double> b);
+
+/// The Euclidean norm, with that product.
+inline double norm(std::span<const double> a) { return std::sqrt(dot(a, a)); }
 
 }  // namespace suture

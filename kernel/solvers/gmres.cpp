@@ -13,8 +13,6 @@ namespace {
 /// Vectors between restarts.
 constexpr unsigned cycle_length = 40;
 
-double norm(std::span<const double> v) { return std::sqrt(dot(v, v)); }
-
 void add(double factor, std::span<const double> from, std::span<double> to) {
   for (std::size_t i = 0; i < to.size(); ++i) to[i] += factor * from[i];
 }

@@ -7,6 +7,7 @@
 
 #include "kernel/base/archive.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/topology/disjoint_sets.hpp"
 
 namespace suture {
@@ -16,11 +17,6 @@ template <class Visit>
 void for_neighbours(const CellComplex& complex, Index element, const Visit& visit) {
   for (int f = 0; f < 6; ++f)
     if (const Index other = complex.neighbour(element, f); other != none) visit(other);
-}
-
-void sort_unique(std::vector<Index>& values) {
-  std::ranges::sort(values);
-  values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
 }  // namespace

@@ -10,11 +10,10 @@
 
 #include "kernel/mesh/box.hpp"
 #include "tests/run/differing_values.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() { return host_with_fibres(); }
 
 /// One entry with a table: the value on the right, another elsewhere.
 Scene with_table(Scene scene, const std::string& parameter, double right, double left) {

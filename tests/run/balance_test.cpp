@@ -7,14 +7,10 @@
 
 #include "kernel/scene/built_scene.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 using Integrator = std::string;
 const Integrator integrators[] = {"symplectic-euler", "velocity-verlet"};

@@ -10,14 +10,10 @@
 #include <span>
 
 #include "tests/reference/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 bool full_suite() { return std::getenv("SUTURE_FULL") != nullptr; }
 

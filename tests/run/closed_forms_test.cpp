@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "tests/run/equilibrium.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
@@ -19,13 +20,6 @@ using Eigen::Vector3d;
 constexpr double young = 400e3, poisson = 0.3;
 constexpr double mu = young / (2 * (1 + poisson));
 constexpr double lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
-
-PluginHost& host() {
-  static PluginHost plugins;
-  static const bool added = (plugins.add_file(SDK_PLUGINS "/neo-hooke.so"), true);
-  (void)added;
-  return plugins;
-}
 
 /// Solved as far as the closed forms are compared.
 Scene precise(Scene scene) {

@@ -8,14 +8,10 @@
 #include <cstring>
 
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 Event cut_at(double time, const Vec3& point, const Vec3& normal) {
   Event event;

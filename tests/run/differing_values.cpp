@@ -5,15 +5,9 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/mesh/box.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
-
-PluginHost& host_with_fibres() {
-  static PluginHost plugins;
-  static const bool added = (plugins.add_file(TEST_PLUGINS "/fibres-of-test.so"), true);
-  EXPECT_TRUE(added);
-  return plugins;
-}
 
 Selection right_half() {
   Selection half;
@@ -39,9 +33,9 @@ CellValues& vary(ModelUse& use, const std::string& parameter) {
 }
 
 Scene fibres(Index nx, Index n, double k, double element) {
-  Scene scene = beam(host_with_fibres(), "tm-faure", nx, n, 0);
+  Scene scene = beam(host(), "tm-faure", nx, n, 0);
   ModelUse& use = scene.models[0];
-  use.model = &host_with_fibres().model("fibres-of-test");
+  use.model = &host().model("fibres-of-test");
   use.parameters =
       parameters(*use.model, {{"mu", 1e5}, {"k", k}, {"rho", 1000}, {"element", element}});
   return scene;

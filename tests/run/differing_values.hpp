@@ -12,9 +12,6 @@
 
 namespace suture::test {
 
-/// Has the models of fibres.cpp, too.
-PluginHost& host_with_fibres();
-
 /// x >= 0.5.
 Selection right_half();
 /// The place of a parameter in the model's list.

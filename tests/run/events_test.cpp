@@ -8,14 +8,10 @@
 #include "kernel/base/error.hpp"
 #include "kernel/run/event_report.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 // What an observer hears.
 struct Listener : Observer {

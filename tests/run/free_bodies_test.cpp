@@ -10,14 +10,10 @@
 #include "kernel/base/error.hpp"
 #include "kernel/dynamics/free_motions.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 Constraint hold(const Selection& where, std::uint8_t components) {
   Constraint constraint;

@@ -9,14 +9,10 @@
 #include "kernel/run/evidence.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 /// A beam of two models, one on either half.
 Scene two_halves(OnInversion left, OnInversion right, OnInversion solver = OnInversion::by_model) {

@@ -8,16 +8,10 @@
 #include "kernel/base/aligned.hpp"
 #include "kernel/scene/built_scene.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  static const bool added = (plugins.add_file(TEST_PLUGINS "/maxwell.so"), true);
-  (void)added;
-  return plugins;
-}
 
 constexpr double tau = 0.1;
 

@@ -6,14 +6,10 @@
 #include <cmath>
 
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 Scene swinging(const char* integrator, double dt, double end) {
   Scene scene = beam(host(), "tm-faure", 8, 2, 2.45);

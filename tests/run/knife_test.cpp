@@ -14,14 +14,10 @@
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/scene/built_scene.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 /// A free block of cubes of 0.05 m under gravity.
 Scene block(const std::string& model, std::array<Index, 3> cells) {

@@ -13,14 +13,10 @@
 #include "kernel/dynamics/step_search.hpp"
 #include "kernel/scene/built_scene.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 struct Case {
   const char* name;

@@ -10,16 +10,10 @@
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/reference/blocks.hpp"
 #include "tests/run/equilibrium.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  static const bool added = (plugins.add_file(SDK_PLUGINS "/neo-hooke.so"), true);
-  (void)added;
-  return plugins;
-}
 
 enum Element { trilinear, mean_gradient };
 

@@ -16,14 +16,10 @@
 #include "kernel/scene/built_scene.hpp"
 #include "tests/reference/beam.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 LowestMode lowest_mode(BuiltScene& w, unsigned products = 600) {
   return find_lowest_mode(w.body(), w.dynamics().time(), products);

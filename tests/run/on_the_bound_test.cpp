@@ -11,6 +11,7 @@
 #include "kernel/events/plane_patch.hpp"
 #include "kernel/scene/built_scene.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 #include "tests/run/translation.hpp"
 
 namespace suture::test {
@@ -41,7 +42,7 @@ class OnTheBound : public testing::TestWithParam<int> {
   }
 
   const double k_ = GetParam(), x_ = 0.1 * k_;
-  Scene scene_ = beam(translation_host(), "tm-faure", 8, 2, 0);
+  Scene scene_ = beam(host(), "tm-faure", 8, 2, 0);
   Diagnostics diagnostics_;
   std::optional<BuiltScene> built_;
 };

@@ -12,14 +12,10 @@
 #include "kernel/base/error.hpp"
 #include "kernel/scene/built_scene.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 struct Listener : Observer {
   std::vector<std::string> lines;

@@ -9,16 +9,12 @@
 
 #include "kernel/base/error.hpp"
 #include "tests/run/equilibrium.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
 
 using testing::HasSubstr;
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 Scene along_the_path(Scene scene, double end, unsigned frames) {
   scene.solver.integrator = "static";

@@ -11,14 +11,10 @@
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/csv_table.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 Selection selection(decltype(Selection::what) what) {
   Selection result;

@@ -7,14 +7,10 @@
 
 #include "kernel/base/error.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 Scene until_rest(Scene scene, double tolerance = 1e-6) {
   scene.solver.until_rest = true;
@@ -24,23 +20,23 @@ Scene until_rest(Scene scene, double tolerance = 1e-6) {
   return scene;
 }
 
-struct Result {
+struct Rested {
   RunSummary summary;
   std::string warnings;
 };
 
-Result run(const Scene& scene) {
+Rested rested(const Scene& scene) {
   Diagnostics diagnostics;
   Simulation simulation(scene, host(), diagnostics);
   Observer nobody;
-  Result result{simulation.run(nobody), {}};
+  Rested result{simulation.run(nobody), {}};
   for (const auto& warning : diagnostics.warnings()) result.warnings += warning + "\n";
   return result;
 }
 
 TEST(Rest, BelowRoundingItEndsWithAWarning) {
   for (const char* model : {"tm-faure", "mss-baudet"}) {
-    const Result result = run(until_rest(beam(host(), model, 8, 2, 1), 1e-15));
+    const Rested result = rested(until_rest(beam(host(), model, 8, 2, 1), 1e-15));
     EXPECT_EQ(result.summary.outcome, RunSummary::Outcome::at_rest);
     EXPECT_NE(result.warnings.find("rounding of positions"), std::string::npos) << model;
     EXPECT_LT(result.summary.steps, 10'000u);
@@ -51,7 +47,7 @@ TEST(Rest, WithoutDampingItSaysWhatIsMissing) {
   Scene scene = until_rest(beam(host(), "tm-faure", 8, 2, 1));
   scene.solver.automatic_damping = false;
   try {
-    run(scene);
+    rested(scene);
     FAIL() << "it swings for ever";
   } catch (const NumericalError& error) {
     EXPECT_NE(std::string(error.what()).find("the motion is undamped"), std::string::npos)
@@ -67,7 +63,7 @@ TEST(Rest, NearlyIncompressibleTakesAtMostTwentyTimesTheSteps) {
         Scene scene = beam(host(), model, 8, 2, 1, {{"nu", nu}, {"E", stiffness}});
         if (scene.models[0].name == "mss-baudet")
           scene = beam(host(), model, 8, 2, 1, {{"nu", nu}, {"E", stiffness}, {"correction", 1}});
-        return run(until_rest(scene)).summary.steps;
+        return rested(until_rest(scene)).summary.steps;
       };
       const std::uint64_t smooth = steps(0.3);
       EXPECT_GT(smooth, 100u);
@@ -82,9 +78,9 @@ TEST(Rest, HourglassIsWarnedOf) {
     if (std::string(model) == "mss-baudet")
       scene = until_rest(beam(host(), model, 12, 3, gravity, {{"correction", 1}}), 1e-4);
     scene.gravity_ramp = {0, 2, true};
-    return run(scene);
+    return rested(scene);
   };
-  const Result springs = sag("mss-baudet", 9.8);
+  const Rested springs = sag("mss-baudet", 9.8);
   EXPECT_EQ(springs.summary.outcome, RunSummary::Outcome::at_rest);
   EXPECT_NE(springs.warnings.find("elements have hourglassed"), std::string::npos)
       << springs.warnings;

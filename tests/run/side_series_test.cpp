@@ -12,16 +12,10 @@
 #include "kernel/base/error.hpp"
 #include "kernel/output/frame_file.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  static const bool added = (plugins.add_file(TEST_PLUGINS "/skin.so"), true);
-  (void)added;
-  return plugins;
-}
 
 Event event_of(EventOperation what) {
   Event event;

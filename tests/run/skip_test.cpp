@@ -12,14 +12,10 @@
 #include <iterator>
 
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 struct Result {
   std::vector<double> position, velocity;

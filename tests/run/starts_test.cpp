@@ -9,11 +9,10 @@
 #include "kernel/base/error.hpp"
 #include "kernel/scene/scene_reader.hpp"
 #include "tests/run/differing_values.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() { return host_with_fibres(); }
 
 /// The bed of springs of fibres.cpp on the mesh of four elements, from the text of a scene.
 class Beds : public ColumnsOfMeshes {

@@ -12,14 +12,10 @@
 #include "kernel/dynamics/pieces.hpp"
 #include "tests/reference/beam.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 Scene equilibrium(Scene scene, unsigned frames = 1, double end = 1) {
   scene.solver.integrator = "static";
@@ -275,7 +271,6 @@ TEST(Static, ACantileverUnderAPressureOnOneSideReachesTheEquilibriumOfARelaxatio
 
 // Forces across the displacement have no energy.
 TEST(Static, ModelsWithoutAnEnergyAreSolvedWithTheirWholeTangent) {
-  host().add_file(TEST_PLUGINS "/skin.so");
   Scene scene = equilibrium(beam(host(), "tm-faure", 8, 2, 2));
   ModelUse swirl;
   swirl.name = "swirl";

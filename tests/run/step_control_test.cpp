@@ -17,16 +17,10 @@
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/csv_table.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  static const bool added = (plugins.add_file(TEST_PLUGINS "/moody.so"), true);
-  (void)added;
-  return plugins;
-}
 
 using Integrator = std::string;
 constexpr double never = 1e300;

@@ -9,14 +9,10 @@
 
 #include "kernel/scene/built_scene.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 class Watch : public testing::Test {
  protected:

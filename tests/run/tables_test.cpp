@@ -6,14 +6,10 @@
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/csv_table.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 /// Asks to stop once `steps` steps were made (and it was asked so often).
 struct Impatient : Observer {

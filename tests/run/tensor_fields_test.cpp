@@ -13,6 +13,7 @@
 #include "kernel/events/event_runner.hpp"
 #include "kernel/run/nodal_stress.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
@@ -20,11 +21,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Stress = Eigen::Matrix<double, 6, 1>;
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 /// A beam of 4 x 3 x 3 elements, 1 m x 0.25 m x 0.25 m, E = 400 kPa, nu = 0.3.
 class TensorFields : public testing::Test {

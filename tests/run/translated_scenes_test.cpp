@@ -9,6 +9,7 @@
 #include "kernel/scene/scene_reader.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/csv_table.hpp"
+#include "tests/run/host.hpp"
 #include "tests/run/translation.hpp"
 
 namespace suture::test {
@@ -83,7 +84,7 @@ TEST_P(ShippedScenes, HaveTheSameBitsFarAway) {
     const std::filesystem::path file =
         std::filesystem::path(SUTURE_SCENES) / (std::string(shipped.name) + ".json");
     Diagnostics diagnostics;
-    Scene scene = read_scene(file, sets, translation_host(), diagnostics);
+    Scene scene = read_scene(file, sets, host(), diagnostics);
     scene.output.every = 0;  // the first and the last frame will do
     return TranslatedRun(scene);
   };

@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <regex>
 
+#include "tests/run/host.hpp"
+
 namespace suture::test {
 namespace {
 
@@ -20,11 +22,6 @@ std::vector<std::string> without_places(std::vector<std::string> lines) {
 
 }  // namespace
 
-PluginHost& translation_host() {
-  static PluginHost plugins;
-  return plugins;
-}
-
 std::string at(const Vec3& point, const Vec3& shift) {
   char text[120];
   std::snprintf(text, sizeof text, "[%.17g, %.17g, %.17g]", point[0] + shift[0],
@@ -34,7 +31,7 @@ std::string at(const Vec3& point, const Vec3& shift) {
 
 TranslatedRun::TranslatedRun(const Scene& scene) {
   Diagnostics diagnostics;
-  Simulation simulation(scene, translation_host(), diagnostics);
+  Simulation simulation(scene, host(), diagnostics);
   MessageList heard;
   summary = simulation.run(heard);
   events = heard.lines;

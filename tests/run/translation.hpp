@@ -8,9 +8,6 @@
 
 namespace suture::test {
 
-/// Shared by the tests of this folder that translate scenes.
-PluginHost& translation_host();
-
 inline constexpr Vec3 far_away{1e7, -3e6, 1e5};
 /// Coordinates of multiples of 1/1024 m are exact here, too.
 inline constexpr Vec3 exact_shift{1 << 23, -(1 << 22), 1 << 17};

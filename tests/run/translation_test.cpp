@@ -16,6 +16,7 @@
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/csv_table.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
@@ -128,7 +129,7 @@ std::filesystem::path write_blade(const TemporaryFolder& folder) {
 
 TranslatedRun run_text(const std::string& text, const std::filesystem::path& output) {
   static const ModelLookup lookup{
-      [](std::string_view id) -> const suture_model& { return translation_host().model(id); },
+      [](std::string_view id) -> const suture_model& { return host().model(id); },
       [](const std::filesystem::path&) {}};
   Diagnostics diagnostics;
   const std::string directory = "/output/directory=\"" + output.string() + '"';
@@ -207,12 +208,12 @@ TEST(Translation, OfTheMagnitudeOfAPosition) {
 TEST(Translation, OfWhatAProgramAsks) {
   std::vector<Vec3> moved;
   for (const Vec3& shift : {Vec3{}, exact_shift}) {
-    Scene scene = beam(translation_host(), "tm-faure", 8, 2, 9.8);
+    Scene scene = beam(host(), "tm-faure", 8, 2, 9.8);
     scene.mesh.box->origin = shift;
     scene.solver.dt = 1e-3;
     scene.solver.end = 0.05;
     Diagnostics diagnostics;
-    Simulation simulation(scene, translation_host(), diagnostics);
+    Simulation simulation(scene, host(), diagnostics);
     MessageList heard;
     simulation.run_to(0.01, heard);
     Event cut;
@@ -234,13 +235,13 @@ TEST(Translation, OfWhatAProgramAsks) {
 
 // Messages show places as the scene has them, with digits that show the size.
 TEST(Translation, OfWhatMessagesShow) {
-  Scene scene = beam(translation_host(), "tm-faure", 8, 2, 9.8);
+  Scene scene = beam(host(), "tm-faure", 8, 2, 9.8);
   scene.mesh.box->origin = far_away;
   scene.constraints[0].where.what = Selection::Sphere{{0, 0, 0}, 1};
   scene.constraints[0].where.path = "/constraints/0/where";
   Diagnostics diagnostics;
   try {
-    Simulation simulation(scene, translation_host(), diagnostics);
+    Simulation simulation(scene, host(), diagnostics);
     ADD_FAILURE();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),

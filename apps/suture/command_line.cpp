@@ -197,14 +197,17 @@ struct Parser {
         app.add_subcommand("describe", "show parameters, attributes and source of a model");
     describe_app->add_option("model", describe.model, "model id")->required();
     describe_app->callback([this] { line.command = describe; });
+    app.add_subcommand("schema", "print a JSON schema of scenes with all models found, for editors")
+        ->callback([this] { line.command = SchemaCommand{}; });
     add_new_model(*app.add_subcommand("new-model", "write a model of your own to start from"));
     add_check_model(*app.add_subcommand("check-model", "check a model against laws of physics"));
   }
 
   void add_new_model(CLI::App& sub) {
     sub.add_option("name", new_model.name, "id of the model, and name of its folder")->required();
-    sub.add_option("--level", new_model.level,
-                   "law: a solid, from its energy density (default); springs: functions of cells")
+    sub.add_option(
+           "--level", new_model.level,
+           "law: a solid, from its energy density (default); springs: functions of cells")
         ->type_name("law|springs");
     sub.add_option("-o,--output", new_model.output,
                    "folder to put it into; default: the current one")

@@ -52,6 +52,7 @@ struct ModesCommand {
   bool at_equilibrium = false, names_folder = false;
 };
 struct ModelsCommand {};
+struct SchemaCommand {};
 struct DescribeCommand {
   std::string model;
 };
@@ -82,8 +83,9 @@ struct TextCommand {
 struct CommandLine {
   bool quiet = false, verbose = false;
   std::variant<RunCommand, CheckCommand, ExplainCommand, CheckModelCommand, NewModelCommand,
-               ReplayCommand, ModesCommand, ModelsCommand, DescribeCommand, MeshInfoCommand,
-               MeshConvertCommand, MeshBoxCommand, MeshVoxelizeCommand, TextCommand>
+               ReplayCommand, ModesCommand, ModelsCommand, DescribeCommand, SchemaCommand,
+               MeshInfoCommand, MeshConvertCommand, MeshBoxCommand, MeshVoxelizeCommand,
+               TextCommand>
       command;
 };
 

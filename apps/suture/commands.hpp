@@ -21,6 +21,7 @@ int check(const CheckCommand& command, Console& console);
 int explain(const ExplainCommand& command, Console& console);
 int modes(const ModesCommand& command, Console& console);
 int models(const ModelsCommand& command, Console& console);
+int schema(const SchemaCommand& command, Console& console);
 int new_model(const NewModelCommand& command, Console& console);
 int check_model(const CheckModelCommand& command, Console& console);
 int replay(const ReplayCommand& command, Console& console);

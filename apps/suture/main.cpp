@@ -22,6 +22,7 @@ struct Dispatch {
   int operator()(const ModesCommand& command) const { return modes(command, console); }
   int operator()(const ModelsCommand& command) const { return models(command, console); }
   int operator()(const DescribeCommand& command) const { return describe(command, console); }
+  int operator()(const SchemaCommand& command) const { return schema(command, console); }
   int operator()(const MeshInfoCommand& command) const { return mesh_info(command, console); }
   int operator()(const MeshConvertCommand& command) const { return mesh_convert(command, console); }
   int operator()(const MeshBoxCommand& command) const {

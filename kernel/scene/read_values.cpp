@@ -8,6 +8,7 @@
 #include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/scene/scene_parts.hpp"
+#include "kernel/scene/start_values.hpp"
 
 namespace suture::scene_parts {
 namespace {
@@ -93,12 +94,6 @@ void complain_uniform(ObjectReader& parameters, const suture_parameter& paramete
       parameter.name,
       "must be the same in all elements of a model, but is given by an object; give "
       "one value, or use one entry in /models per region");
-}
-
-/// Attributes that a scene may set.
-bool has_start(const suture_attribute& a) {
-  return a.policy != SUTURE_FROM_VOLUMES &&
-         (a.flags & (SUTURE_PARAMETER | SUTURE_INTERNAL | SUTURE_SHARED_MASS)) == 0;
 }
 
 void read_start_of(ObjectReader& start, const suture_attribute& attribute, std::uint32_t place,

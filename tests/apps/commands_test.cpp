@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <set>
+
 #include "kernel/scene/json_document.hpp"
 #include "tests/apps/program.hpp"
 
@@ -12,7 +15,7 @@ TEST_F(Commands, HelpAndVersionAreNoErrors) {
     const Outcome help = suture({option});
     EXPECT_EQ(help.code, 0) << help;
     for (const char* command : {"run", "check", "explain", "modes", "replay", "models",
-                                "check-model", "new-model", "describe", "mesh"}) {
+                                "check-model", "new-model", "describe", "schema", "mesh"}) {
       EXPECT_TRUE(help.out.find(command) != std::string::npos) << command << help;
     }
   }
@@ -101,6 +104,32 @@ TEST_F(Commands, ListsAndDescribesModels) {
   const Outcome unknown = suture({"describe", "tm-fuare"});
   EXPECT_EQ(unknown.code, 4) << unknown;
   EXPECT_TRUE(unknown.says("tm-faure")) << unknown;
+}
+
+// tests/house/schema.py compares it with scenes.
+TEST_F(Commands, PrintASchemaWithTheParametersOfAllModels) {
+  const Outcome outcome = suture({"schema"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const JsonValue schema = parse_json(outcome.out, "schema");
+  const auto at = [](const JsonValue& object, std::string_view key) -> const JsonValue& {
+    const auto found = std::ranges::find(object.members, key, &JsonMember::key);
+    return found == object.members.end() ? object : found->value;
+  };
+  const JsonValue& rules = at(at(at(schema, "$defs"), "model"), "allOf");
+  std::set<std::string> models;
+  for (const JsonValue& rule : rules.items) {
+    const JsonValue& when = at(at(at(at(rule, "if"), "properties"), "model"), "const");
+    models.insert(when.text);
+    if (when.text != "tm-faure") continue;
+    const JsonValue& parameters = at(at(at(rule, "then"), "properties"), "parameters");
+    EXPECT_EQ(at(parameters, "required").items.size(), 3u);
+    const JsonValue& young = at(at(parameters, "properties"), "E");
+    EXPECT_EQ(at(young, "description").text, "Young's modulus, Pa");
+    EXPECT_EQ(at(at(young, "anyOf").items.at(0), "exclusiveMinimum").number, 0);
+  }
+  EXPECT_TRUE(models.contains("tm-faure") && models.contains("mss-baudet"));
+  for (const char* internal : {"inverse_jacobian", "constants"})
+    EXPECT_EQ(outcome.out.find(internal), std::string::npos) << internal;
 }
 
 // A terminal obeys what a name holds: neither one of a file nor of a plugin reaches it raw.

@@ -332,6 +332,20 @@ void ForceLoop::check_plugins() {
   for (CompiledFunctor& functor : impl_->functors) functor.check_calls();
 }
 
+void ForceLoop::measure() { impl_->times.emplace(); }
+
+std::vector<FunctorCost> ForceLoop::costs() const {
+  std::vector<FunctorCost> costs;
+  if (!impl_->times) return costs;
+  for (const FunctorTimes::Entry& entry : impl_->times->entries()) {
+    const CompiledFunctor& functor = impl_->functors[entry.functor];
+    costs.push_back({functor.instance().name() + "/" + functor.functor().name,
+                     std::string(entry.function), entry.calls, entry.cells,
+                     std::chrono::duration<double>(entry.time).count()});
+  }
+  return costs;
+}
+
 const Workers& ForceLoop::workers() const { return impl_->threads; }
 
 unsigned ForceLoop::threads() const {

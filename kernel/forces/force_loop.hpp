@@ -13,6 +13,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/parallel.hpp"
 #include "kernel/forces/force_term.hpp"
+#include "kernel/forces/functor_times.hpp"
 
 namespace suture {
 
@@ -138,6 +139,11 @@ class ForceLoop final : public ForceTerm {
   /// and energies, bounds, tangents and fields must be finite. Small bodies run hundreds of times
   /// more slowly.
   void check_plugins();
+
+  /// From now on the loops over functors are timed: two readings of the clock each.
+  void measure();
+  /// What they took, in the order of their first calls; empty without measure().
+  std::vector<FunctorCost> costs() const;
 
   struct Summary {  ///< for `suture explain`
     std::string instance, functor;

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <optional>
 
 #include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/base/lanes.hpp"
@@ -83,6 +84,7 @@ struct ForceLoop::Impl {
     CompiledFunctor& functor = functors[number];
     const loops::Job& job = functor.job(attributes, *complex, live, time, dt, rows);
     const BatchList& list = functor.list();
+    const FunctorTimes::Scope timed(times ? &*times : nullptr, number, function, list.cell_count());
     const auto one = [&](std::size_t i, unsigned w) {
       const auto c = static_cast<Index>(i);
       const auto worker =
@@ -210,8 +212,9 @@ struct ForceLoop::Impl {
   LocalRows local;
   /// Rows that are neither dead nor asleep, per instance; empty if none is asleep.
   std::vector<std::array<LiveMask, 4>> awake_rows;
-  bool checks = false;      ///< check_plugins()
-  bool operated = false;    ///< follow() was called
+  bool checks = false;                ///< check_plugins()
+  std::optional<FunctorTimes> times;  ///< measure()
+  bool operated = false;              ///< follow() was called
   std::vector<bool> fixed;  ///< vertices held at their rest positions; empty: nothing is left out
   // Work of functors without an energy if others have one, and their forces at the last
   // evaluation, in rows of 4.

@@ -41,6 +41,10 @@ void Simulation::check_plugins() {
   }
 }
 
+void Simulation::measure() { run_->built().body().models().measure(); }
+
+std::vector<FunctorCost> Simulation::costs() const { return run_->built().body().models().costs(); }
+
 void Simulation::try_plugins() {
   ForceLoop& models = run_->built().body().models();
   AlignedVector<double> rows(std::size_t{attributes().vertex_count()} * 4);

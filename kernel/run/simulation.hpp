@@ -120,6 +120,9 @@ class Simulation {
   /// Checks every call of a plugin's force from now on (ForceLoop::check_plugins), and the bounds
   /// of the stable step at once.
   void check_plugins();
+  /// Times the functions of functors from now on; costs() says what they took.
+  void measure();
+  std::vector<FunctorCost> costs() const;
   /// Computes forces and energies of the current state, only to check them.
   void try_plugins();
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <csignal>
+#include <regex>
 
 #include "kernel/scene/scene_reader.hpp"
 #include "tests/apps/program.hpp"
@@ -29,6 +30,17 @@ TEST_F(Runs, WriteFramesTablesAndASummary) {
   const std::string energies = read("o/energies.csv"), probes = read("o/probes.csv");
   EXPECT_EQ(std::count(energies.begin(), energies.end(), '\n'), 12) << energies;
   EXPECT_EQ(std::count(probes.begin(), probes.end(), '\n'), 7) << probes;
+}
+
+TEST_F(Runs, SayWhatTheFunctorsCostIfAsked) {
+  const Outcome verbose = scene("run", "", {"/output=false"});
+  EXPECT_FALSE(verbose.says("ns per cell")) << verbose;
+  const Outcome run = suture({"run", "-v", "s.json", "--set", "/output=false"});
+  EXPECT_EQ(run.code, 0) << run;
+  const std::regex cost(
+      "tm-faure/parallelepipeds, force: [0-9]+ x 8 cells, [0-9.e+]+ ns per cell, "
+      "[0-9.e-]+ % of the run\n");
+  EXPECT_TRUE(std::regex_search(run.out, cost)) << run;
 }
 
 // Every name that the reader lets pass is one that the run can write.

@@ -207,8 +207,9 @@ struct Parser {
     sub.add_option("name", new_model.name, "id of the model, and name of its folder")->required();
     sub.add_option(
            "--level", new_model.level,
-           "law: a solid, from its energy density (default); springs: functions of cells")
-        ->type_name("law|springs");
+           "law: a solid, from its energy density (default); springs, nodes, faces: forces of "
+           "edges, nodes, faces; batches, c: eight cells at a time, in C++ or C")
+        ->type_name("law|springs|nodes|faces|batches|c");
     sub.add_option("-o,--output", new_model.output,
                    "folder to put it into; default: the current one")
         ->type_name("DIR");

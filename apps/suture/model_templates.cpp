@@ -97,30 +97,39 @@ project(@id@ LANGUAGES C CXX)
 find_package(Suture REQUIRED)
 enable_testing()
 # With the test @id@.check-model, which compares the model with laws of physics.
-suture_add_plugin(@id@ SOURCES model.cpp)
+suture_add_plugin(@id@ SOURCES @file@)
 add_test(NAME @id@.run COMMAND ${SUTURE_PROGRAM} run ${CMAKE_CURRENT_SOURCE_DIR}/scene.json
   --output ${CMAKE_CURRENT_BINARY_DIR}/out)
 )";
 
 constexpr std::string_view scene =
-    R"(// A bar is stretched by a quarter. Look at out/scene/run.pvd in ParaView.
+    R"(// A bar. Look at out/scene/run.pvd in ParaView.
 {
   "suture": 1,
   "plugins": ["build/lib/suture/plugins/@id@.so"],
   "mesh": {"box": {"size": [0.4, 0.1, 0.1], "cells": [8, 2, 2]}},
-  "models": [{"model": "@id@", "parameters": @parameters@}],
-  "constraints": [
-    {"fix": "xyz", "where": {"set": "x0"}},
-    {"move": {"translation": [0.1, 0, 0]}, "ramp": 0.5, "where": {"set": "x1"}}
+  "models": [
+    {"model": "@id@", "parameters": @parameters@}@solid@
   ],
+@motion@
   "solver": {"dt": "auto", "end": 1, "damping": 2},
   "output": {"every": 0.05, "fields": ["displacement", "velocity"]}
 }
 )";
 
+constexpr std::string_view solid = R"(,
+    {"model": "neo-hookean", "parameters": {"E": 1e4, "nu": 0.3, "rho": 1000}})";
+
+constexpr std::string_view stretched = R"(  "constraints": [
+    {"fix": "xyz", "where": {"set": "x0"}},
+    {"move": {"translation": [0.1, 0, 0]}, "ramp": 0.5, "where": {"set": "x1"}}
+  ],)";
+constexpr std::string_view held = R"(  "constraints": [{"fix": "xyz", "where": {"set": "x0"}}],)";
+constexpr std::string_view falling = R"(  "gravity": [0, 0, -9.81],)";
+
 constexpr std::string_view readme = R"(# @id@
 
-A model for Suture. `model.cpp` is the model, `scene.json` a scene that uses it.
+A model for Suture. `@file@` is the model, `scene.json` a scene that uses it.
 
     cmake -S . -B build && cmake --build build    # if Suture is elsewhere: -DCMAKE_PREFIX_PATH=...
     ctest --test-dir build --output-on-failure    # laws of physics, and a run of the scene
@@ -132,16 +141,21 @@ A model for Suture. `model.cpp` is the model, `scene.json` a scene that uses it.
 }  // namespace
 
 std::span<const ModelLevel> model_levels() {
-  static constexpr ModelLevel levels[] = {
-      {"law", law, R"({"mu": 1e4, "lambda": 2e4, "rho": 1000})"},
-      {"springs", springs, R"({"E": 1e4, "rho": 1000})"}};
+  static const ModelLevel levels[] = {
+      {"law", "model.cpp", law, R"({"mu": 1e4, "lambda": 2e4, "rho": 1000})", "", stretched},
+      {"springs", "model.cpp", springs, R"({"E": 1e4, "rho": 1000})", "", stretched},
+      {"nodes", "model.cpp", templates::nodes, R"({"k": 100, "gap": 0.01, "c": 1})", solid,
+       falling},
+      {"faces", "model.cpp", templates::faces, R"({"p": 1000, "ramp": 0.5})", solid, held},
+      {"batches", "model.cpp", templates::batches, R"({"c": 0.1})", solid, stretched},
+      {"c", "model.c", templates::plain_c, R"({"k": 10, "c": 0.01})", solid, stretched}};
   return levels;
 }
 
 std::vector<TemplateFile> files_of(const ModelLevel& level) {
   return {{"CMakeLists.txt", cmake},
           {"README.md", readme},
-          {"model.cpp", level.source},
+          {level.file, level.source},
           {"scene.json", scene}};
 }
 

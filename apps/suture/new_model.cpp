@@ -69,7 +69,8 @@ const ModelLevel& find_level(const std::string& name) {
     if (level.name == name) return level;
     names.emplace_back(level.name);
   }
-  throw UsageError("--level must be law or springs, is " + quote(name) + did_you_mean(name, names));
+  throw UsageError("--level must be law, springs, nodes, faces, batches or c, is " + quote(name) +
+                   did_you_mean(name, names));
 }
 
 std::string replaced(std::string text, const std::string& what, std::string_view by) {
@@ -84,9 +85,12 @@ void write_files(const fs::path& folder, const ModelLevel& level, const std::str
   if (!fs::create_directory(folder, error)) fail_io(folder, "created", error.value());
   try {
     for (const TemplateFile& file : files_of(level)) {
-      std::string text = replaced(std::string(file.text), "@id@", id);
+      std::string text = replaced(std::string(file.text), "@parameters@", level.parameters);
+      text = replaced(text, "@solid@", level.solid);
+      text = replaced(text, "@motion@", level.motion);
+      text = replaced(text, "@file@", level.file);
       text = replaced(text, "@Struct@", struct_name(id));
-      write_file(folder / file.name, replaced(text, "@parameters@", level.parameters));
+      write_file(folder / file.name, replaced(text, "@id@", id));
     }
   } catch (...) {
     fs::remove_all(folder, error);

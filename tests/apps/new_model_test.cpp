@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// tests/house/outside.cmake builds, checks and runs the springs. The law is an example that other
-// tests use.
+// tests/house/outside.cmake builds, checks and runs them. The law is an example that other tests
+// use.
 #include <algorithm>
 #include <fstream>
 #include <iterator>
@@ -28,8 +28,25 @@ TEST_F(NewModel, WritesAFolderAndPrintsThreeCommands) {
   EXPECT_EQ(read("my-own-law/model.cpp"), law);
   for (const char* name : {"CMakeLists.txt", "README.md", "model.cpp", "scene.json"})
     EXPECT_EQ(read(std::string("my-own-law/") + name).find('@'), std::string::npos) << name;
-  EXPECT_EQ(suture({"new-model", "s", "--level", "springs", "-o", "my-own-law"}).code, 0);
-  EXPECT_NE(read("my-own-law/s/model.cpp").find("on_edges"), std::string::npos);
+}
+
+TEST_F(NewModel, HasALevelForEveryKindOfCell) {
+  struct Level {
+    const char *name, *file, *words;
+  };
+  const Level levels[] = {{"springs", "model.cpp", "on_edges"},
+                          {"nodes", "model.cpp", "on_vertices"},
+                          {"faces", "model.cpp", "on_faces"},
+                          {"batches", "model.cpp", "SUTURE_EDGE"},
+                          {"c", "model.c", "SUTURE_VERTEX"}};
+  for (const auto& [name, file, words] : levels) {
+    const std::string folder = std::string("my-") + name + "/";
+    EXPECT_EQ(suture({"new-model", std::string("my-") + name, "--level", name}).code, 0) << name;
+    EXPECT_NE(read(folder + file).find(words), std::string::npos) << name;
+    EXPECT_NE(read(folder + "CMakeLists.txt").find(file), std::string::npos) << name;
+    for (const char* written : {"CMakeLists.txt", "README.md", "scene.json", file})
+      EXPECT_EQ(read(folder + written).find('@'), std::string::npos) << name << ", " << written;
+  }
 }
 
 TEST_F(NewModel, MistakesWriteNothing) {

@@ -19,16 +19,19 @@ must(${CMAKE_COMMAND} -G Ninja -S ${PREFIX}/outside -B ${PREFIX}/outside/build
 must(${CMAKE_COMMAND} --build ${PREFIX}/outside/build)
 # suture_add_plugin() has made the checks of the model a test.
 must(${CMAKE_CTEST_COMMAND} --test-dir ${PREFIX}/outside/build --no-tests=error)
-# So are those of a model that `suture new-model` writes, and a run of its scene.
-must(${PREFIX}/usr/bin/suture new-model my-springs --level springs -o ${PREFIX})
-if(NOT out MATCHES "-DCMAKE_PREFIX_PATH=${PREFIX}/usr")
-  message(FATAL_ERROR "suture new-model does not say where Suture is:\n${out}")
-endif()
-set(mine ${PREFIX}/my-springs)
-must(${CMAKE_COMMAND} -G Ninja -S ${mine} -B ${mine}/build -DCMAKE_PREFIX_PATH=${PREFIX}/usr
-  "-DCMAKE_CXX_FLAGS=${FLAGS}")
-must(${CMAKE_COMMAND} --build ${mine}/build)
-must(${CMAKE_CTEST_COMMAND} --test-dir ${mine}/build --no-tests=error --output-on-failure)
+# So are those of the models that `suture new-model` writes, and runs of their scenes. The law is
+# outside/ itself, and an example that other tests build.
+foreach(level springs nodes faces batches c)
+  must(${PREFIX}/usr/bin/suture new-model my-${level} --level ${level} -o ${PREFIX})
+  if(NOT out MATCHES "-DCMAKE_PREFIX_PATH=${PREFIX}/usr")
+    message(FATAL_ERROR "suture new-model does not say where Suture is:\n${out}")
+  endif()
+  set(mine ${PREFIX}/my-${level})
+  must(${CMAKE_COMMAND} -G Ninja -S ${mine} -B ${mine}/build -DCMAKE_PREFIX_PATH=${PREFIX}/usr
+    "-DCMAKE_CXX_FLAGS=${FLAGS}")
+  must(${CMAKE_COMMAND} --build ${mine}/build)
+  must(${CMAKE_CTEST_COMMAND} --test-dir ${mine}/build --no-tests=error --output-on-failure)
+endforeach()
 must(${CMAKE_COMMAND} --install ${PREFIX}/outside/build --prefix ${PREFIX}/mine)
 
 # The installed program sees its own plugins and, when told where, the outsider.

@@ -32,6 +32,10 @@ foreach(level springs nodes faces batches c)
   must(${CMAKE_COMMAND} --build ${mine}/build)
   must(${CMAKE_CTEST_COMMAND} --test-dir ${mine}/build --no-tests=error --output-on-failure)
 endforeach()
+# The page that leads from a formula to a plot is followed literally.
+cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH tests)
+must(${CMAKE_CURRENT_LIST_DIR}/follow.sh ${tests}/../docs/write_a_model.md ${PREFIX}/page
+  ${PREFIX}/usr)
 must(${CMAKE_COMMAND} --install ${PREFIX}/outside/build --prefix ${PREFIX}/mine)
 
 # The installed program sees its own plugins and, when told where, the outsider.

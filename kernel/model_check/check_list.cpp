@@ -61,6 +61,8 @@ constexpr ModelCheck all_checks[] = {
      nullptr},
     {"builds", "all instruction sets give the same forces", "there is one build only", 1e-9,
      nullptr, checks::builds},
+    {"allocations", "no function of a functor allocates memory", "", 0, checks::no_allocation,
+     nullptr},
     {"speed", "ns per cell", "", any, checks::speed, nullptr}};
 
 std::string text_of_sample(const SampleOptions& sample) {

@@ -10,6 +10,8 @@ Result gradient(const BatchCase&);
 Result tangent(const BatchCase&);
 Result single_tangent(const BatchCase&);
 Result step_bounds(const BatchCase&);
+// allocation_checks.cpp
+Result no_allocation(const BatchCase&);
 // output_checks.cpp
 Result outputs(const BatchCase&);
 Result lanes(const BatchCase&);

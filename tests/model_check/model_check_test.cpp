@@ -67,7 +67,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Planted{"state-unset", "outputs"}, Planted{"energy-unset", "outputs"},
                     Planted{"bounds-outside", "outputs"}, Planted{"field-unset", "outputs"},
                     Planted{"isa", "builds"}, Planted{"one-node-off", "gradient"},
-                    Planted{"velocity-drag", "balance"}),
+                    Planted{"velocity-drag", "balance"}, Planted{"allocates", "allocations"}),
     [](const auto& test) {
       std::string name = test.param.fault;
       std::erase(name, '-');

@@ -9,6 +9,7 @@
 #include <limits>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include "suture/model.hpp"
 #include "suture/single.h"
@@ -27,7 +28,8 @@ constexpr const char* faults[] = {
     "prestress",      "negative",      "mass-constant", "mass-negative",
     "copied",         "global",        "ignored",       "step-counter",
     "state-in-place", "state-unset",   "energy-unset",  "bounds-outside",
-    "field-unset",    "isa",           "one-node-off",  "velocity-drag"};
+    "field-unset",    "isa",           "one-node-off",  "velocity-drag",
+    "allocates"};
 constexpr std::size_t fault_count = std::size(faults);
 
 enum { p_young, p_rho, p_viscosity, p_rate, p_fault };
@@ -171,6 +173,10 @@ void spoil_forces(const suture_context* context, const suture_batch* batch) {
 
 /// Mistakes with the memory of calls.
 void remember(const suture_context* context, const suture_batch* batch) {
+  if (has(context, "allocates")) {
+    std::vector<double> copy(batch->force, batch->force + lanes);
+    std::memcpy(batch->force, copy.data(), sizeof(double) * lanes);
+  }
   static double calls = 0;
   if (has(context, "memory")) batch->force[0] += 1e-9 * calls++;
   if (!has(context, "race")) return;

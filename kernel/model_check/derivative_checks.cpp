@@ -49,6 +49,17 @@ Measured without_kinks(Measure measure) {
   return best;
 }
 
+/// Gives the batch the states that it has once it was stretched by half, so that small motions
+/// from here do not change those that follow the largest strain.
+void keep_state_of_stretch(BatchCaller& caller, CellBatch& batch) {
+  CellBatch stretched = batch;
+  for (double& x : stretched.position) x *= 1.5;
+  CellForces out;
+  if (caller.try_force(stretched, out) != SUTURE_OK) return;
+  for (std::size_t c = 0; c < out.trial.size(); ++c)
+    if (!out.trial[c].empty()) batch.cell_columns[c] = std::move(out.trial[c]);
+}
+
 /// -dE/dx by differences.
 Values minus_gradient(BatchCaller& caller, const CellBatch& batch, double step) {
   Values gradient(batch.vector_size());
@@ -145,12 +156,14 @@ double excess(const Matrix& matrix, const Matrix& bound) {
 
 }  // namespace
 
+// At constant state: the energy of a law that is damaged falls as the damage grows.
 Result gradient(const BatchCase& of) {
   if (extension_of<suture_energy_1>(*of.batch.functor, SUTURE_ENERGY_1) == nullptr) return {};
   BatchCaller caller(of.instance);
   CellBatch batch = of.batch;
   std::ranges::fill(batch.velocity, 0);
   batch.dt = 0;
+  keep_state_of_stretch(caller, batch);
   const Values found = caller.force(batch).force;
   return without_kinks([&](double step) {
     const Values expected = minus_gradient(caller, batch, step * size_of(batch));

@@ -100,9 +100,10 @@ TEST_P(PlantedFaults, IsFoundAgainWhereItWasFound) {
 
 class GoodModels : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(ModelCheck, GoodModels,
-                         testing::Values("none", "neo-hooke", "corotational", "damage-springs",
-                                         "fibres", "hooke", "mooney-rivlin", "mss-baudet",
-                                         "mss-golec", "neo-hookean", "tm-faure", "visco"),
+                         testing::Values("none", "neo-hooke", "corotational", "damage",
+                                         "damage-springs", "fibres", "hooke", "mooney-rivlin",
+                                         "mss-baudet", "mss-golec", "neo-hookean", "tm-faure",
+                                         "visco"),
                          [](const auto& test) {
                            std::string name = test.param;
                            std::erase(name, '-');

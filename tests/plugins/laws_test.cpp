@@ -308,4 +308,39 @@ TEST_P(Laws, DamageSpringsWeakenForGood) {
   EXPECT_GT(largest, 5 * e0);
 }
 
+// Uniaxial strain: the stress is that of the undamaged law times what is left.
+TEST_P(Laws, DamageWeakensASolidForGood) {
+  const double e0 = 0.05, e1 = 0.2;
+  ModelInstance model(load_plugin(SUTURE_PLUGIN_FOLDER, "damage", GetParam()).models[0],
+                      {law::mu, law::lambda, 1000, e0, e1});
+  std::array<Hexahedron, 8> cubes;
+  for (auto& X : cubes)
+    for (int n = 0; n < 8; ++n) X[n] = {double(n & 1), double(n >> 1 & 1), double(n >> 2)};
+  HexahedronBatch batch(model, model.functor("parallelepipeds, mean gradient"), cubes);
+  const auto pull = [&](double s) {
+    for (int lane = 0; lane < 8; ++lane)
+      for (int n = 0; n < 8; ++n) batch.position(lane, n, 0) = s * (n & 1);
+    EXPECT_EQ(batch.force(), SUTURE_OK);
+    double sum = 0;
+    for (const int n : {1, 3, 5, 7}) sum -= batch.force_at(3, n, 0);
+    return sum;
+  };
+  double largest = e0;
+  for (const double s : {1.01, 1.1, 1.3, 1.1, 0.9, 1.4}) {
+    const double untouched = pull(1.02);
+    pull(2);  // not accepted
+    EXPECT_EQ(pull(1.02), untouched);
+    Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
+    F(0, 0) = s;
+    const double intact = law::neo_hookean_energy(F, law::mu);
+    largest = std::max(largest, std::sqrt(2 * intact / law::mu));
+    const double left = e0 / largest * std::exp((e0 - largest) / e1);
+    EXPECT_NEAR(pull(s), left * law::neo_hookean(F, law::mu)(0, 0), 1e-10 * law::mu) << s;
+    EXPECT_NEAR(batch.energy()[0], left * intact, 1e-10 * law::mu);
+    EXPECT_NEAR(batch.field("largest")[0], largest, 1e-12);
+    batch.accept();
+  }
+  EXPECT_GT(largest, 5 * e0);
+}
+
 }  // namespace

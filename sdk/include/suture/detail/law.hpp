@@ -284,9 +284,10 @@ inline rest_moduli moduli_of(const lame& c) {
   return {nu, c.mu, plane, young / 9, plane / 3, plane * nu / 3, c.mu / 3};
 }
 
-/// False for NaN, too.
+/// False for NaN, too, and for what is left of 0 by rounding.
 inline bool is_stable(const lame& c) {
-  return std::isfinite(c.lambda) && c.mu > 0 && std::isfinite(c.mu) && 3 * c.lambda + 2 * c.mu > 0;
+  const double rounding = 1e-12 * (std::abs(c.lambda) + std::abs(c.mu));
+  return std::isfinite(rounding) && c.mu > rounding && 3 * c.lambda + 2 * c.mu > rounding;
 }
 
 /// Output fields of every element: means over its Gauss points.

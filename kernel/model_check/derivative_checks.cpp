@@ -41,7 +41,7 @@ auto difference(double h, F f) {
 template <class Measure>
 Measured without_kinks(Measure measure) {
   Measured best = measure(1e-4);
-  for (const double step : {1e-5, 1e-6}) {
+  for (const double step : {1e-5, 1e-6, 1e-7, 1e-8}) {
     if (best.figure < 1e-7) break;
     const Measured next = measure(step);
     if (next.figure < best.figure) best = next;

@@ -28,6 +28,18 @@ TEST_F(CheckModel, AModelOfTheTreePassesAllChecks) {
   EXPECT_FALSE(outcome.says("FAILED")) << outcome;
 }
 
+// Built from the headers of version 1.0 of the contract alone.
+TEST_F(CheckModel, APluginOfTheFirstContractWorks) {
+  const Outcome checks = suture({"check-model", ABI_PLUGIN});
+  EXPECT_EQ(checks.code, 0) << checks;
+  const Outcome run =
+      scene("run", R"(, "plugins": [")" ABI_PLUGIN R"("])",
+            {R"(/models=[{"model": "abi-damage", "parameters":
+                {"mu": 1e4, "lambda": 2e4, "rho": 1000, "e0": 0.1, "e1": 1}}])",
+             "/gravity=[0, -9.8, 0]", R"(/output={"fields": ["stress", "largest"]})"});
+  EXPECT_EQ(run.code, 0) << run;
+}
+
 TEST_F(CheckModel, ABrokenLawIsNamedAndItsCaseRepeated) {
   const Outcome outcome = planted("twice", {"--only", "gradient,mass"});
   EXPECT_EQ(outcome.code, 4) << outcome;

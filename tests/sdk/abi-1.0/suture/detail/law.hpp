@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: MIT
+//
+// suture/detail/law.hpp - what a law of continuum.hpp declares, its stress, and its
+// moduli at rest. Authors need not read it.
+#ifndef SUTURE_DETAIL_LAW_HPP
+#define SUTURE_DETAIL_LAW_HPP
+
+#include "suture/detail/state.hpp"
+#include "suture/hexahedron_tangent.hpp"
+#include "suture/lame.hpp"
+#include "suture/mean_gradient.hpp"
+#include "suture/reverse.hpp"
+
+namespace suture {
+
+/// The elements of continuum.hpp, and their names in a scene.
+enum class element_type { trilinear, mean_gradient };
+inline constexpr const char* element_names[] = {"trilinear", "mean-gradient"};
+
+namespace detail {
+
+/// What a law receives as `p`: the model's constants, or its parameters.
+template <class M>
+using material_of = std::conditional_t<
+    !std::is_same_v<constants_of<M>, no_constants>, constants_of<M>,
+    std::conditional_t<varies<M>, element_values<native, M, int(SUTURE_LANES)>, values>>;
+template <class M, class Cell>
+SUTURE_INLINE decltype(auto) material(const Cell& c) {
+  if constexpr (std::is_same_v<constants_of<M>, no_constants>)
+    return c.parameters();
+  else
+    return c.constants();
+}
+
+// A law is called with (F, p), or with (F, p, at).
+#define SUTURE_DETAIL_LAW(function, name)                                                          \
+  template <class M, class = void>                                                                 \
+  inline constexpr bool name##_alone = false;                                                      \
+  template <class M>                                                                               \
+  inline constexpr bool                                                                            \
+      name##_alone<M, std::void_t<decltype(M::function(std::declval<const mat3<native>&>(),        \
+                                                       std::declval<const material_of<M>&>()))>> = \
+          true;                                                                                    \
+  template <class M, class = void>                                                                 \
+  inline constexpr bool name = name##_alone<M>;                                                    \
+  template <class M>                                                                               \
+  inline constexpr bool                                                                            \
+      name<M, std::void_t<decltype(M::function(std::declval<const mat3<native>&>(),                \
+                                               std::declval<const material_of<M>&>(),              \
+                                               std::declval<instant_of<M, native>&>()))>> = true;
+SUTURE_DETAIL_LAW(stress, has_stress)
+SUTURE_DETAIL_LAW(energy, has_energy_density)
+SUTURE_DETAIL_LAW(evolve, has_evolve)
+#undef SUTURE_DETAIL_LAW
+template <class M, class = void>
+inline constexpr bool has_points = false;
+template <class M>
+inline constexpr bool has_points<M, std::void_t<decltype(&M::points)>> = true;
+
+template <class M, class = void>
+inline constexpr bool has_stores = false;
+template <class M>
+inline constexpr bool has_stores<M, std::void_t<decltype(&M::stores)>> = true;
+
+/// Whether columns hold the geometry of general hexahedra.
+template <class M>
+bool stores_geometry(const values& p) {
+  if constexpr (has_points<M>)
+    if (M::points(p) != 2) return false;
+  if constexpr (has_stores<M>) return M::stores(p);
+  return true;
+}
+
+template <class M, class = void>
+inline constexpr bool is_isotropic = false;
+template <class M>
+inline constexpr bool
+    is_isotropic<M, std::void_t<decltype(M::isotropic(std::declval<const material_of<M>&>()))>> =
+        true;
+
+/// The element of scenes that name none.
+template <class M>
+constexpr element_type default_element_of() {
+  if constexpr (has_default_element<M>)
+    return M::default_element;
+  else
+    return element_type::mean_gradient;
+}
+
+/// The parameter "element" follows those that the model declares.
+template <class M>
+element_type element_of(const values& p) {
+  return p[int(parameter_count<M>())] == 0 ? element_type::trilinear : element_type::mean_gradient;
+}
+
+template <class M>
+bool is_trilinear(const values& p) {
+  return element_of<M>(p) == element_type::trilinear;
+}
+
+/// Whether the hourglass energy has the half of F^-1, which is singular at det F = 0.
+template <class M>
+constexpr bool has_both_halves() {
+  if constexpr (has_survives_inversion<M>)
+    return !M::survives_inversion;
+  else
+    return !is_isotropic<M>;
+}
+
+/// W of the law.
+template <class M, class T, class Material, class At>
+SUTURE_INLINE T law_energy(const mat3<T>& F, const Material& p, [[maybe_unused]] const At& at) {
+  if constexpr (has_energy_density_alone<M>)
+    return M::energy(F, p);
+  else
+    return M::energy(F, p, at);
+}
+
+/// dW/dF. A function of its own: inlined at each Gauss point of each functor, a law would take
+/// the compiler half a minute.
+template <class M, class T, class Material, class At>
+[[gnu::noinline]] mat3<T> stress_of_energy(const mat3<T>& F, const Material& p, const At& at) {
+  const auto W = [&](const auto& G) __attribute__((always_inline)) {
+    return law_energy<M>(G, p, at);
+  };
+  if constexpr (is_pack<real_of<T>>)
+    return gradient(F, W);
+  else  // not worth a tape: a single number, for the moduli at rest
+    return gradient_by_duals(F, W);
+}
+
+/// Whether a law is evaluated in functions of its own.
+template <class M>
+inline constexpr bool is_called = !has_stress<M> || has_state<M>;
+
+/// P of the law: from stress(), or else dW/dF.
+template <class M, class T, class Material, class At>
+SUTURE_INLINE mat3<T> law_stress(const mat3<T>& F, const Material& p,
+                                 [[maybe_unused]] const At& at) {
+  if constexpr (has_stress_alone<M>)
+    return M::stress(F, p);
+  else if constexpr (has_stress<M>)
+    return M::stress(F, p, at);
+  else
+    return stress_of_energy<M>(F, p, at);
+}
+
+/// The state at the end of the step. A function of its own for the same reason.
+template <class M, class T, class Material, class At>
+[[gnu::noinline]] void evolve_state(const mat3<T>& F, const Material& p, At& at) {
+  M::evolve(F, p, at);
+}
+template <class M, int Points, class Cell, class T>
+SUTURE_INLINE instant_of<M, T> instant_at(const Cell& c, const mat3<T>& F, int point) {
+  auto at = accepted_instant<M, Points>(c, point);
+  if constexpr (has_state<M>) evolve_state<M>(F, material<M>(c), at);
+  return at;
+}
+
+/// P at Gauss point `point` of an element with `Points`; keeps the state.
+template <class M, int Points, class Cell, class T>
+SUTURE_INLINE mat3<T> stress_at(const Cell& c, const mat3<T>& F, int point) {
+  const auto at = instant_at<M, Points>(c, F, point);
+  keep_state<M, Points>(c, point, at);
+  return law_stress<M>(F, material<M>(c), at);
+}
+
+/// The derivative of stress_at() for dF; `c` is a cell of duals.
+template <class M, int Points, class Cell, class T>
+SUTURE_INLINE mat3<T> stress_tangent_at(const Cell& c, const mat3<T>& F, const mat3<T>& dF,
+                                        int point) {
+  if constexpr (is_isotropic<M>) {
+    const auto constants = M::isotropic(material<M>(c));
+    return isotropic_tangent(F, dF, T(constants.lambda), T(constants.mu));
+  } else {
+    mat3<dual<T>> G;
+    for (int i = 0; i < 9; ++i) G(i / 3, i % 3) = {F(i / 3, i % 3), dF(i / 3, i % 3)};
+    const mat3<dual<T>> P = stress_at<M, Points>(c, G, point);
+    mat3<T> dP;
+    for (int i = 0; i < 9; ++i) dP(i / 3, i % 3) = P(i / 3, i % 3).derivative;
+    return dP;
+  }
+}
+
+/// What the fields of an element are means of.
+template <class M, class T>
+struct mean_results {
+  T volume{0.0}, energy{0.0};
+  sym3<T> stress{};
+  state_of<M, T> state{};
+
+  template <int Points, class Cell>
+  void add(const Cell& c, const mat3<T>& F, const T& w, int point) {
+    const auto at = instant_at<M, Points>(c, F, point);
+    volume += w;
+    stress = stress + cauchy(law_stress<M>(F, material<M>(c), at), F) * w;
+    for (int i = 0; i < state_components<M>(); ++i)
+      numbers_of<T>(state)[i] += numbers_of<T>(at.state)[i] * w;
+    if constexpr (has_energy_density<M>) energy += law_energy<M>(F, material<M>(c), at) * w;
+  }
+  template <class Results>
+  void set(const Results& out) const {
+    const T share = 1.0 / volume;
+    const sym3<T> mean = stress * share;
+    out.set(0, mean);
+    out.set(1, von_mises(mean));
+    if constexpr (has_energy_density<M>) out.set(2, energy * share);
+    constexpr int first = has_energy_density<M> ? 3 : 2;
+    if constexpr (has_state<M>)
+      for_state<M>([&](int part, int i, int number) {
+        out.set(first + part, i, numbers_of<T>(state)[number] * share);
+      });
+  }
+};
+
+template <class M>
+constexpr bool check_law() {
+  static_assert(!names_energy<M> || has_energy_density<M>,
+                "energy() of this law is never called: declare it as `template <class T, class P> "
+                "static T energy(const suture::mat3<T>& F, const P& p)`, or with a third "
+                "parameter `const At& at`");
+  static_assert(!names_stress<M> || has_stress<M>,
+                "stress() of this law is never called: declare it as `template <class T, class P> "
+                "static suture::mat3<T> stress(const suture::mat3<T>& F, const P& p)`, or with a "
+                "third parameter `const At& at`");
+  static_assert(!names_isotropic<M> || is_isotropic<M>,
+                "isotropic() of this law is never called: declare it as `template <class P> static "
+                "suture::lame isotropic(const P& p)`");
+  static_assert((!names_points<M> || has_points<M>)&&(!names_stores<M> || has_stores<M>),
+                "points() or stores() of this law is never called: declare them as `static int "
+                "points(const suture::values&)`, `static bool stores(const suture::values&)`");
+  static_assert(
+      has_state<M> == has_states<M> && has_state<M> == names_evolve<M> &&
+          has_state<M> == has_evolve<M>,
+      "a law with a state has three members: `template <class T> struct State`, an "
+      "aggregate of numbers T; `static constexpr suture::attribute states[]`, which names "
+      "its parts; and `template <class T, class P, class At> static void evolve(const "
+      "suture::mat3<T>& F, const P& p, At& at)`");
+  static_assert(
+      !has_state<M> || sizeof(state_of<M, double>) / sizeof(double) == state_components<M>(),
+      "`states` of this law must have as many components in all as State<T> has numbers");
+  static_assert(!has_state<M> || !has_points<M>,
+                "a law with a state has 2 Gauss points per axis: leave out points()");
+  static_assert(
+      !declares_parameter<M>("element"),
+      "every continuum model has the parameter \"element\" already, which chooses between "
+      "trilinear and mean-gradient hexahedra: give this parameter another name");
+  return true;
+}
+
+/// Lame's constants of the isotropic tensor nearest to the tangent of the law at F = s I
+/// (Voigt's averages, which are exact for an isotropic law).
+template <class M, class Material>
+lame lame_at(double s, const Material& p) {
+  if constexpr (is_isotropic<M>) {
+    return M::isotropic(p);
+  } else {
+    using T = dual<double>;
+    double bulk = 0, shear = 0;  // C_kkll, and C_klkl of the symmetric part
+    for (int k = 0; k < 3; ++k)
+      for (int l = 0; l < 3; ++l) {
+        mat3<T> F = mat3<T>::identity() * T(s);
+        F(k, l).derivative = 1;
+        auto at = first_instant<M, T>();
+        if constexpr (has_state<M>) M::evolve(F, p, at);
+        const mat3<T> P = law_stress<M>(F, p, at);
+        if (k == l) bulk += trace(P).derivative;
+        shear += 0.5 * (P(k, l) + P(l, k)).derivative;
+      }
+    return {(2 * bulk - shear) / 15, (3 * shear - bulk) / 30};
+  }
+}
+
+/// At F = I: the mean of both sides, as fibres that carry tension only have a tangent on each, and
+/// bending stretches one half of them. Rounding of |F a|^2 = 1 would choose one.
+template <class M, class Material>
+lame lame_at_rest(const Material& p) {
+  constexpr double step = 1e-7;
+  const lame taut = lame_at<M>(1 + step, p), slack = lame_at<M>(1 - step, p);
+  return {(taut.lambda + slack.lambda) / 2, (taut.mu + slack.mu) / 2};
+}
+
+inline rest_moduli moduli_of(const lame& c) {
+  const double nu = c.lambda / (2 * (c.lambda + c.mu)), young = 2 * c.mu * (1 + nu);
+  const double plane = young / (1 - nu * nu);
+  return {nu, c.mu, plane, young / 9, plane / 3, plane * nu / 3, c.mu / 3};
+}
+
+/// False for NaN, too, and for what is left of 0 by rounding.
+inline bool is_stable(const lame& c) {
+  const double rounding = 1e-12 * (std::abs(c.lambda) + std::abs(c.mu));
+  return std::isfinite(rounding) && c.mu > rounding && 3 * c.lambda + 2 * c.mu > rounding;
+}
+
+/// Output fields of every element: means over its Gauss points.
+template <class M>
+constexpr auto fields_of_law() {
+  constexpr auto stress = field("stress", "Pa", "Cauchy stress, mean of the element", 6);
+  constexpr auto mises = field("von_mises", "Pa", "Equivalent stress of von Mises of it");
+  constexpr auto energy = field("energy_density", "J/m^3", "Stored energy per rest volume");
+  constexpr std::size_t first = has_energy_density<M> ? 3 : 2;
+  std::array<suture_field, first + state_count<M>()> fields{stress, mises};
+  if (has_energy_density<M>) fields[2] = energy;
+  if constexpr (has_state<M>)
+    for (std::size_t i = 0; i < state_count<M>(); ++i) {
+      const attribute& s = M::states[i];
+      fields[first + i] = field(s.name, s.unit, s.doc, int(s.components));
+    }
+  return fields;
+}
+
+}  // namespace detail
+}  // namespace suture
+
+#endif

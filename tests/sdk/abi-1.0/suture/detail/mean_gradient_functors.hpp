@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+//
+// suture/detail/mean_gradient_functors.hpp - the mean-gradient hexahedra of
+// continuum.hpp. Authors need not read it.
+#ifndef SUTURE_DETAIL_MEAN_GRADIENT_FUNCTORS_HPP
+#define SUTURE_DETAIL_MEAN_GRADIENT_FUNCTORS_HPP
+
+#include "suture/detail/law.hpp"
+
+namespace suture::detail {
+
+/// Derives the moduli of the hourglass energy, if the scene chooses this element.
+template <class M, class Material>
+void prepare_element(const setup& p, const Material& material, rest_moduli& moduli) {
+  if (is_trilinear<M>(p)) return;
+  const lame constants = lame_at_rest<M>(material);
+  if (!is_stable(constants))
+    return p.refuse(
+        "no-stiffness-at-rest",
+        "the law has no positive stiffness at F = I (lambda = " + std::to_string(constants.lambda) +
+            " Pa, mu = " + std::to_string(constants.mu) +
+            " Pa), by which mean-gradient elements resist hourglassing: check the parameters, or "
+            "set \"element\": \"trilinear\"");
+  if constexpr (has_points<M>)
+    if (M::points(p) != 2)
+      p.warn("points-not-used",
+             "mean-gradient elements evaluate the law at one point: the number of Gauss points "
+             "has no effect");
+  moduli = moduli_of(constants);
+}
+
+/// What parallelepipeds and general hexahedra have in common. `Shape` provides
+/// with_rest(cell, work), which calls work(rest shape).
+template <class M, class Shape>
+struct mean_gradient_law : on_volumes {
+  static_assert(check_law<M>());
+  static constexpr const char* doc = "Nodal forces of the stress at the mean gradient";
+  static constexpr bool element_parameters = varies<M>, added_element_constants = varies<M>;
+  static constexpr bool both = has_both_halves<M>();
+  static constexpr double share = hourglass_share<both>;
+  static constexpr auto fields = fields_of_law<M>();
+
+  static bool enabled(const values& p, std::uint32_t&) { return !is_trilinear<M>(p); }
+
+  template <class Cell>
+  static SUTURE_INLINE void force(const Cell& c) {
+    Shape::with_rest(
+        c, [&](const auto& rest) __attribute__((always_inline)) { force_on(c, rest); });
+  }
+
+  template <class Cell, class Results>
+  static void output(const Cell& c, const Results& out) {
+    using T = typename Cell::scalar;
+    Shape::with_rest(c, [&](const auto& rest) {
+      const nodal_modes<T> now = modes(c, rest);
+      mean_results<M, T> means;
+      means.template add<1>(c, rest.F(now), rest.volume, 0);
+      if constexpr (has_energy_density<M>) means.energy += hourglass_energy<both>(now, rest);
+      means.set(out);
+    });
+  }
+
+ protected:
+  template <class Cell, class Rest>
+  static nodal_modes<typename Cell::scalar> modes(const Cell& c, const Rest& rest) {
+    vec3<typename Cell::scalar> x[8];
+    for (int n = 0; n < 8; ++n) x[n] = c.position(n);
+    return separated_modes(x, rest);
+  }
+  template <class Cell, class Rest, class Modes>
+  static typename Cell::scalar stored(const Cell& c, const Rest& rest, const Modes& now) {
+    const auto F = rest.F(now);
+    return rest.volume * law_energy<M>(F, material<M>(c), instant_at<M, 1>(c, F, 0)) +
+           hourglass_energy<both>(now, rest);
+  }
+
+ private:
+  /// One function per rest shape: inlined into one, they would spill registers.
+  template <class Cell, class Rest>
+  static __attribute__((noinline)) void force_on(const Cell& c, const Rest& rest) {
+    using T = typename Cell::scalar;
+    vec3<T> x[8], f[8];
+    for (int n = 0; n < 8; ++n) x[n] = c.position(n);
+    mean_gradient_force<both>(
+        x, rest,
+        [&](const mat3<T>& F) __attribute__((always_inline)) { return stress_at<M, 1>(c, F, 0); },
+        f);
+    for (int n = 0; n < 8; ++n) c.force(n, f[n]);
+  }
+};
+
+/// Has an energy if the law has one.
+template <class M, class Shape, bool = has_energy_density<M>>
+struct mean_gradient_functor : mean_gradient_law<M, Shape> {};
+template <class M, class Shape>
+struct mean_gradient_functor<M, Shape, true> : mean_gradient_law<M, Shape> {
+  template <class Cell>
+  static typename Cell::scalar energy(const Cell& c) {
+    using law = mean_gradient_law<M, Shape>;
+    typename Cell::scalar sum(0.0);
+    Shape::with_rest(c, [&](const auto& rest) { sum = law::stored(c, rest, law::modes(c, rest)); });
+    return sum;
+  }
+};
+
+template <class M>
+struct mean_gradient_parallelepipeds : mean_gradient_functor<M, mean_gradient_parallelepipeds<M>> {
+  static constexpr const char* name = "parallelepipeds, mean gradient";
+  static constexpr std::uint32_t shape = SUTURE_PARALLELEPIPED, alternative = 2;
+  static constexpr column<0> jacobian{};
+  static constexpr auto cell_columns = joined(state_columns<M, 1>, columns(jacobian));
+
+  template <class Cell, class Work>
+  static SUTURE_INLINE void with_rest(const Cell& c, Work&& work) {
+    using R = typename Cell::real;
+    const auto& m = c.added_constants();
+    mat3<R> inverse_j;  // of edges, a quarter of the edge sums
+    R skew(0.0);
+    for (int i = 0; i < 9; ++i) {
+      inverse_j(i / 3, i % 3) = c.column(jacobian, i);
+      if (i % 4) skew = max(skew, abs(inverse_j(i / 3, i % 3)));
+    }
+    const mat3<R> sums = inverse_j * 0.25;
+    constexpr double share = mean_gradient_parallelepipeds::share;
+    if (all(skew == 0.0))
+      work(box_rest<R>::of({sums(0, 0), sums(1, 1), sums(2, 2)}, m, share));
+    else
+      work(parallelepiped_rest<R>(inverse(sums), sums, 1.0 / det(inverse_j), m, share));
+  }
+};
+
+template <class M>
+struct mean_gradient_hexahedra : mean_gradient_functor<M, mean_gradient_hexahedra<M>> {
+  static constexpr const char* name = "general hexahedra, mean gradient";
+  static constexpr std::uint32_t shape = SUTURE_GENERAL, alternative = 1;
+  static constexpr std::uint32_t reads = SUTURE_READ_REST | SUTURE_READ_POSITION;
+  static constexpr auto cell_columns = state_columns<M, 1>;
+
+  template <class Cell, class Work>
+  static SUTURE_INLINE void with_rest(const Cell& c, Work&& work) {
+    using R = typename Cell::real;
+    vec3<R> X[8];
+    for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
+    work(hexahedron_rest<R>::of(X, c.added_constants(), mean_gradient_hexahedra::share));
+  }
+};
+
+// The law contributes to the force on every node.
+template <class M>
+inline constexpr int nodes_to_check<mean_gradient_parallelepipeds<M>> = 1;
+template <class M>
+inline constexpr int nodes_to_check<mean_gradient_hexahedra<M>> = 1;
+
+}  // namespace suture::detail
+
+#endif

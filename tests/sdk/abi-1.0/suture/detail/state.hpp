@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+//
+// suture/detail/state.hpp - the state of a law at the Gauss points: its columns, and how it gets
+// from them to the law and back. Authors need not read it.
+#ifndef SUTURE_DETAIL_STATE_HPP
+#define SUTURE_DETAIL_STATE_HPP
+
+#include <utility>
+
+#include "suture/model.hpp"
+
+namespace suture {
+
+/// A part of the state of a law: `n` numbers per Gauss point, which start from 0 or starts_at().
+constexpr attribute state(const char* name, const char* unit, const char* doc, int n = 1) {
+  return volume_attribute(name, unit, doc, n).copy().trial().internal();
+}
+
+/// What a law receives besides F and p. `state`: the model's State<T>, at the end of the step
+/// (in evolve() at first: at its beginning). `time` and `dt`, s, as those of a cell.
+template <class State>
+struct instant {
+  State state;
+  double time, dt;
+};
+
+namespace detail {
+
+struct no_state {};
+template <class M, class T, class = void>
+struct state_of_model {
+  using type = no_state;
+};
+template <class M, class T>
+struct state_of_model<M, T, std::void_t<typename M::template State<T>>> {
+  using type = typename M::template State<T>;
+};
+template <class M, class T>
+using state_of = typename state_of_model<M, T>::type;
+template <class M>
+inline constexpr bool has_state = !std::is_same_v<state_of<M, double>, no_state>;
+template <class M, class T>
+using instant_of = instant<state_of<M, T>>;
+
+template <class M>
+constexpr std::size_t state_count() {
+  if constexpr (has_states<M>)
+    return std::size(M::states);
+  else
+    return 0;
+}
+/// The numbers in the first `parts` of a state.
+template <class M>
+constexpr int state_components([[maybe_unused]] std::size_t parts = state_count<M>()) {
+  std::uint32_t sum = 0;
+  if constexpr (has_states<M>)
+    for (std::size_t i = 0; i < parts; ++i) sum += M::states[i].components;
+  return int(sum);
+}
+
+/// "viscous_strain_3": part `State` at Gauss point `Point`.
+template <class M, std::size_t State, int Point>
+struct name_of_state {
+  static constexpr auto make() {
+    constexpr std::string_view name = M::states[State].name;
+    std::array<char, name.size() + 3> text{};
+    for (std::size_t i = 0; i < name.size(); ++i) text[i] = name[i];
+    text[name.size()] = '_';
+    text[name.size() + 1] = char('0' + Point);
+    return text;
+  }
+  static constexpr auto text = make();
+};
+
+template <class M, std::size_t I>
+constexpr attribute state_attribute() {
+  attribute a = M::states[I / 8];
+  a.name = name_of_state<M, I / 8, int(I % 8)>::text.data();
+  return a;
+}
+/// An attribute per part and Gauss point: 8 for each part.
+template <class M, std::size_t... I>
+constexpr std::array<attribute, sizeof...(I)> state_attributes(std::index_sequence<I...>) {
+  return {state_attribute<M, I>()...};
+}
+template <class M>
+constexpr auto state_attributes() {
+  return state_attributes<M>(std::make_index_sequence<state_count<M>() * 8>());
+}
+
+/// The columns of an element with 1 or 8 points: those of a part are neighbours.
+template <class M, int Points, std::size_t... I>
+constexpr auto state_columns_at(std::index_sequence<I...>)
+    -> column_list<std::uint32_t(first_added_attribute<M> + I / Points * 8 + I % Points)...> {
+  return {};
+}
+template <class M, int Points>
+inline constexpr auto state_columns =
+    state_columns_at<M, Points>(std::make_index_sequence<state_count<M>() * Points>());
+
+/// Calls visit(part, component, number) for each number of a state, without a loop over its parts:
+/// what depends on the part is constant.
+template <class M, std::size_t Part, class Visit>
+SUTURE_INLINE void for_part(Visit&& visit) {
+  constexpr int count = int(M::states[Part].components), first = state_components<M>(Part);
+  for (int i = 0; i < count; ++i) visit(int(Part), i, first + i);
+}
+template <class M, class Visit, std::size_t... Parts>
+SUTURE_INLINE void for_parts(Visit&& visit, std::index_sequence<Parts...>) {
+  (for_part<M, Parts>(visit), ...);
+}
+template <class M, class Visit>
+SUTURE_INLINE void for_state(Visit&& visit) {
+  for_parts<M>(visit, std::make_index_sequence<state_count<M>()>());
+}
+
+/// The numbers of a state, in the order of its parts: an aggregate of nothing else.
+template <class T, class State>
+SUTURE_INLINE T* numbers_of(State& state) {
+  return reinterpret_cast<T*>(&state);
+}
+template <class T, class State>
+SUTURE_INLINE const T* numbers_of(const State& state) {
+  return reinterpret_cast<const T*>(&state);
+}
+
+/// The state with which elements start.
+template <class M, class T>
+instant_of<M, T> first_instant() {
+  instant_of<M, T> at{};
+  if constexpr (has_state<M>)
+    for_state<M>([numbers = numbers_of<T>(at.state)](int part, int, int number) {
+      numbers[number] = M::states[part].initial;
+    });
+  return at;
+}
+
+/// The accepted state at a Gauss point of an element with `Points`.
+template <class M, int Points, class Cell>
+SUTURE_INLINE instant_of<M, typename Cell::scalar> accepted_instant(const Cell& c, int point) {
+  using T = typename Cell::scalar;
+  instant_of<M, T> at;
+  at.time = c.time();
+  at.dt = c.dt();
+  if constexpr (has_state<M>)
+    for_state<M>([&](int part, int i, int number) __attribute__((always_inline)) {
+      numbers_of<T>(at.state)[number] =
+          c.column(state_columns<M, Points>, part * Points + point, i);
+    });
+  return at;
+}
+
+/// Writes the trial copy of the state.
+template <class M, int Points, class Cell, class At>
+SUTURE_INLINE void keep_state([[maybe_unused]] const Cell& c, [[maybe_unused]] int point,
+                              [[maybe_unused]] const At& at) {
+  if constexpr (has_state<M>) {
+    for_state<M>([&](int part, int i, int number) __attribute__((always_inline)) {
+      c.trial(state_columns<M, Points>, part * Points + point, i,
+              numbers_of<typename Cell::scalar>(at.state)[number]);
+    });
+  }
+}
+
+}  // namespace detail
+}  // namespace suture
+
+#endif

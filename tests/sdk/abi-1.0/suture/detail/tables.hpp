@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: MIT
+//
+// suture/detail/tables.hpp - the tables of plugin.h, built from an author's structs. Authors need
+// not read it.
+#ifndef SUTURE_DETAIL_TABLES_HPP
+#define SUTURE_DETAIL_TABLES_HPP
+
+#include <array>
+#include <cstring>
+#include <iterator>
+
+#include "suture/detail/functions.hpp"
+#include "suture/detail/functor_checks.hpp"
+#include "suture/note.h"
+
+namespace suture::detail {
+
+template <class M, class C>
+struct contribution_table {
+  static constexpr suture_contribution row{sizeof(suture_contribution), SUTURE_HEXAHEDRON,
+                                           &contribute<M, C>};
+};
+
+/// What each element stores of what is derived from its parameters: Constants or, if `Added`, those
+/// of the layer above.
+template <class M, bool Added>
+struct element_constants_table {
+  using stored = std::conditional_t<Added, typename M::added_constants, constants_of<M>>;
+  static constexpr int components = int(sizeof(stored) / sizeof(double));
+  static_assert(components >= 1 && components <= 9 && components * sizeof(double) == sizeof(stored),
+                "Constants of a model with parameters that may differ from element to element must "
+                "be an aggregate of 1 to 9 numbers");
+  static constexpr suture_contribution row{sizeof(suture_contribution), SUTURE_HEXAHEDRON,
+                                           &element_constants<M, Added>};
+};
+
+/// The extension `id` of functor F, or NULL.
+template <class M, class F>
+const void* extension(const char* id) noexcept {
+  using Cell = cell<native, M, F>;
+  const auto is = [id](const char* name) { return std::strcmp(id, name) == 0; };
+  if (is(SUTURE_TANGENT_1)) {
+    static constexpr suture_tangent_1 table{sizeof(suture_tangent_1), 0, &tangent<M, F>};
+    return &table;
+  }
+  if constexpr (F::single_tangent) {
+    using Single = typename functor_in_single<F>::type;
+    constexpr std::uint32_t columns =
+        Single::vertex_columns.places.size() != 0
+            ? UINT32_MAX
+            : std::uint32_t(leading_columns<M, Single> + Single::cell_columns.places.size());
+    static constexpr suture_tangent_single_1 table{sizeof(suture_tangent_single_1),
+                                                   SUTURE_SINGLE_LANES, Single::reads, columns,
+                                                   &single_tangent<M, Single>};
+    if (is(SUTURE_TANGENT_SINGLE_1)) return &table;
+  }
+  if constexpr (has_energy<F, Cell>) {
+    static constexpr suture_energy_1 table{sizeof(suture_energy_1), 0, &energy<M, F>};
+    if (is(SUTURE_ENERGY_1)) return &table;
+  }
+  if (is(SUTURE_STABLE_DT_1)) {
+    static constexpr suture_stable_dt_1 table{sizeof(suture_stable_dt_1), 0, &bounds<M, F>};
+    return &table;
+  }
+  if constexpr (has_inspect<F, cell<native, M, F, purpose::inspection>>) {
+    static constexpr suture_inspect_1 table{sizeof(suture_inspect_1), 0, &inspect<M, F>};
+    if (is(SUTURE_INSPECT_1)) return &table;
+  }
+  if constexpr (has_fields<F>) {
+    static constexpr suture_output_1 table{sizeof(suture_output_1),
+                                           std::uint32_t(std::size(F::fields)),
+                                           std::data(F::fields), &output<M, F>};
+    if (is(SUTURE_OUTPUT_1)) return &table;
+  }
+  return nullptr;
+}
+
+template <class M, class = void>
+struct functors_of_model {
+  using type = list<M>;  // the model is its only functor
+};
+template <class M>
+struct functors_of_model<M, std::void_t<typename M::functors>> {
+  using type = typename M::functors;
+};
+
+/// The columns of a functor: those of the layer, then those that it declares.
+template <class M, class F>
+constexpr auto make_functor_columns() {
+  constexpr auto& declared = F::cell_columns.places;
+  std::array<std::uint32_t, leading_columns<M, F> + declared.size()> all{};
+  std::size_t at = 0;
+  constexpr std::size_t first = attribute_count<M>(), count = element_parameter_count<M>();
+  if (reads_element_parameters<M, F>)
+    for (; at < count; ++at) all[at] = std::uint32_t(first + at);
+  if (reads_element_constants<M, F>) all[at++] = std::uint32_t(first + count);
+  if (reads_added_constants<M, F>) all[at++] = std::uint32_t(first_added_attribute<M> - 1);
+  for (const std::uint32_t place : declared) all[at++] = place;
+  return all;
+}
+template <class M, class F>
+inline constexpr auto functor_columns = make_functor_columns<M, F>();
+
+template <class M, class F>
+constexpr suture_functor functor_of() {
+  check_functor<M, F>();
+  suture_functor f{};
+  f.size = sizeof(suture_functor);
+  f.dimension = F::dimension;
+  f.cell_type = F::cell_type;
+  f.shape = F::shape;
+  f.faces = F::faces;
+  f.lanes = SUTURE_LANES;
+  f.scalar = 0;
+  f.reads = F::reads;
+  f.alternative = F::alternative;
+  f.cell_column_count = std::uint32_t(functor_columns<M, F>.size());
+  f.vertex_column_count = std::uint32_t(F::vertex_columns.places.size());
+  f.cell_columns = functor_columns<M, F>.data();
+  f.vertex_columns = F::vertex_columns.places.data();
+  if constexpr (has_name<F>)
+    f.name = F::name;
+  else
+    f.name = F::id;
+  f.doc = F::doc;
+  f.force = &force<M, F>;
+  f.extension = &extension<M, F>;
+  if constexpr (has_enabled<F>) f.enabled = &enabled<M, F>;
+  return f;
+}
+
+template <class M, class Functors>
+struct functor_table;
+template <class M, class... F>
+struct functor_table<M, list<F...>> {
+  static constexpr suture_functor rows[] = {functor_of<M, F>()...};
+};
+
+/// The author's parameters and those that the layer adds.
+template <class M>
+constexpr auto parameter_rows() {
+  constexpr std::size_t declared = parameter_count<M>();
+  constexpr auto added = M::added_parameters();
+  std::array<suture_parameter, declared + added.size()> rows{};
+  if constexpr (has_parameters<M>)
+    for (std::size_t i = 0; i < declared; ++i) rows[i] = M::parameters[i];
+  for (std::size_t i = 0; i < added.size(); ++i) rows[declared + i] = added[i];
+  return rows;
+}
+template <class M>
+struct parameter_table {
+  static constexpr auto rows = parameter_rows<M>();
+};
+constexpr attribute attribute_of(const parameter& p) {
+  return volume_attribute(p.name, p.unit, p.doc, p.type == SUTURE_DIRECTION ? 3 : 1)
+      .starts_at(p.default_value)
+      .flag(SUTURE_PARAMETER);
+}
+template <class M, bool Added>
+constexpr attribute derived_attribute(const char* name) {
+  using table = element_constants_table<M, Added>;
+  attribute a =
+      volume_attribute(name, "1", "Derived from the parameters of the element", table::components)
+          .flag(SUTURE_FROM_PARAMETERS | SUTURE_INTERNAL);
+  a.policy = SUTURE_FROM_VOLUMES;
+  a.contribution_count = 1;
+  a.contributions = &table::row;
+  return a;
+}
+/// The author's attributes and those that the layer adds.
+template <class M>
+constexpr auto attribute_rows() {
+  constexpr std::size_t declared = attribute_count<M>();
+  constexpr auto added = M::added_attributes();
+  std::array<suture_attribute, first_added_attribute<M> + added.size()> rows{};
+  if constexpr (has_attributes<M>)
+    for (std::size_t i = 0; i < declared; ++i) rows[i] = M::attributes[i];
+  std::size_t at = declared;
+  for (std::size_t i = 0; i < parameter_count<M>(); ++i)
+    if constexpr (varies<M>)
+      if (is_per_element<M>(i)) rows[at++] = attribute_of(M::parameters[i]);
+  if constexpr (has_element_constants<M>) rows[at++] = derived_attribute<M, false>("constants");
+  if constexpr (varies<M> && adds_constants<M>)
+    rows[at++] = derived_attribute<M, true>("added_constants");
+  for (const attribute& a : added) rows[at++] = a;
+  return rows;
+}
+template <class M>
+struct attribute_table {
+  static constexpr auto rows = attribute_rows<M>();
+};
+
+template <class M>
+constexpr suture_model model_of() {
+  static_assert(has_id<M> && has_doc<M> && has_formula<M> && has_citation<M>,
+                "a model needs `static constexpr const char*` id, doc, formula and citation");
+  static_assert(!names_prepare<M> || has_prepare<M>,
+                "prepare() of this model is never called: declare it as a single function, not a "
+                "template: `static void prepare(const suture::setup&, Constants&)`");
+  using functors = functor_table<M, typename functors_of_model<M>::type>;
+  suture_model m{};
+  m.size = sizeof(suture_model);
+  m.flags = M::flags;
+  m.id = M::id;
+  m.doc = M::doc;
+  m.formula = M::formula;
+  m.citation = M::citation;
+  m.functor_count = std::uint32_t(std::size(functors::rows));
+  m.functors = functors::rows;
+  m.parameter_count = std::uint32_t(parameter_table<M>::rows.size());
+  m.parameters = parameter_table<M>::rows.data();
+  if constexpr (attribute_table<M>::rows.size() != 0) {
+    m.attribute_count = std::uint32_t(attribute_table<M>::rows.size());
+    m.attributes = attribute_table<M>::rows.data();
+  }
+  static_assert(
+      !varies<M> || std::is_same_v<constants_of<M>, no_constants> || has_element_constants<M>,
+      "parameters of this model may differ from element to element, so its Constants do, "
+      "too: declare `template <class R> struct Constants`, an aggregate of numbers R");
+  constexpr bool prepares_instance =
+      varies<M> ? has_prepare<M> && !has_element_constants<M> : has_prepare<M> || adds_constants<M>;
+  if constexpr (prepares_instance) {
+    m.prepare = &prepare<M>;
+    m.instance_bytes = sizeof(prepared<M>);
+    static_assert(
+        std::is_trivially_destructible_v<prepared<M>>,
+        "Constants must be trivially destructible: the host releases them without calling a "
+        "destructor");
+    static_assert(alignof(prepared<M>) <= SUTURE_ALIGNMENT,
+                  "Constants must not require a larger alignment than SUTURE_ALIGNMENT");
+  }
+  return m;
+}
+
+template <class... M>
+struct model_table {
+  static constexpr suture_model rows[] = {model_of<M>()...};
+};
+
+template <class... M>
+constexpr suture_plugin plugin_of(const char* id, const char* version, const char* license,
+                                  const char* description) {
+  suture_plugin p{};
+  p.size = sizeof(suture_plugin);
+  p.magic = SUTURE_MAGIC;
+  p.abi_major = SUTURE_ABI_MAJOR;
+  p.abi_minor = SUTURE_ABI_MINOR;
+  p.lanes = SUTURE_LANES;
+  p.model_count = sizeof...(M);
+  p.id = id;
+  p.version = version;
+  p.license = license;
+  p.description = description;
+  p.models = model_table<M...>::rows;
+  return p;
+}
+
+template <class... M>
+constexpr suture_note note_of(const char* plugin_id) {
+  return make_note(plugin_id, M::id...);
+}
+
+}  // namespace suture::detail
+
+#endif

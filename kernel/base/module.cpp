@@ -2,7 +2,10 @@
 #include "kernel/base/module.hpp"
 
 #include <dlfcn.h>
+#include <link.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <vector>
 
@@ -11,12 +14,25 @@
 namespace suture {
 namespace {
 
+std::array<std::filesystem::path, 2> folders_of(const std::filesystem::path& prefix) {
+  return {prefix / "lib" / "suture", prefix / SUTURE_INSTALL_LIBDIR / "suture"};
+}
+
+/// The file of the library that contains this code; "" if it is the program.
+std::filesystem::path own_library() {
+  static const char here = 0;
+  Dl_info info{};
+  link_map* map = nullptr;
+  void* into = &map;
+  if (dladdr1(&here, &info, static_cast<void**>(into), RTLD_DL_LINKMAP) == 0 || map == nullptr)
+    return {};
+  return map->l_name;
+}
+
 std::vector<std::filesystem::path> module_folders() {
   std::vector<std::filesystem::path> folders;
   if (const char* path = std::getenv("SUTURE_MODULE_PATH")) folders.emplace_back(path);
-  const std::filesystem::path base = executable_folder().parent_path();
-  folders.push_back(base / "lib" / "suture");
-  folders.push_back(base / SUTURE_INSTALL_LIBDIR / "suture");
+  for (auto& folder : folders_of(own_prefix())) folders.push_back(std::move(folder));
   folders.push_back(std::filesystem::path(SUTURE_INSTALL_PREFIX) / SUTURE_INSTALL_LIBDIR /
                     "suture");
   return folders;
@@ -24,10 +40,23 @@ std::vector<std::filesystem::path> module_folders() {
 
 }  // namespace
 
-std::filesystem::path executable_folder() {
+std::filesystem::path own_prefix() {
   std::error_code failed;
-  const auto file = std::filesystem::read_symlink("/proc/self/exe", failed);
-  return failed ? std::filesystem::current_path() : file.parent_path();
+  const std::filesystem::path library = own_library();
+  if (library.empty()) {
+    const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
+    return failed ? std::filesystem::current_path().parent_path()
+                  : program.parent_path().parent_path();
+  }
+  auto prefix = std::filesystem::weakly_canonical(library, failed).parent_path();
+  const auto has_modules = [&] {
+    return std::ranges::any_of(folders_of(prefix), [](const auto& folder) {
+      std::error_code ignored;
+      return std::filesystem::is_directory(folder, ignored);
+    });
+  };
+  while (prefix.has_relative_path() && !has_modules()) prefix = prefix.parent_path();
+  return prefix;
 }
 
 void* module_symbol(const std::string& file, const char* symbol) {

@@ -5,6 +5,9 @@
 #include <dlfcn.h>
 
 #include <boost/dll/shared_library.hpp>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <set>
 #include <string_view>
 
@@ -52,15 +55,20 @@ void require_none(const std::vector<std::string>& problems, const std::filesyste
   refuse(file, all);
 }
 
-/// Copies of the tables. Like the library, which is never unloaded, they outlive everything: also
-/// the handlers of exit() that name a plugin.
-const suture_plugin& usable_tables(const suture_plugin& plugin, const std::filesystem::path& file) {
-  static auto& all_tables = *new std::vector<std::unique_ptr<PluginTables>>;
+/// Checked copies of the tables, one per library. Like the library, which is never unloaded, they
+/// outlive everything: also the handlers of exit() that name a plugin.
+using AllTables = std::map<const suture_plugin*, std::unique_ptr<PluginTables>>;
+AllTables& all_tables() {
+  static auto& tables = *new AllTables;
+  return tables;
+}
+
+const suture_plugin& add_tables(const suture_plugin& plugin, const std::filesystem::path& file) {
   std::vector<std::string> problems;
   auto tables = copy_tables(plugin, problems);
   if (problems.empty()) problems = table_problems(tables->plugin);
   require_none(problems, file);
-  return all_tables.emplace_back(std::move(tables))->plugin;
+  return (all_tables()[&plugin] = std::move(tables))->plugin;
 }
 
 void check_against_note(const std::filesystem::path& file, const PluginNote& note,
@@ -78,6 +86,8 @@ void check_against_note(const std::filesystem::path& file, const PluginNote& not
 
 const suture_plugin& load_plugin(const std::filesystem::path& file, const PluginNote& note) {
   if (!note.problem.empty()) refuse(file, note.problem);
+  static std::mutex one_at_a_time;  // hosts on several threads
+  const std::lock_guard lock(one_at_a_time);
   boost::dll::shared_library library;
   std::error_code code;
   // Loading runs the constructors of the plugin's static data.
@@ -98,7 +108,11 @@ const suture_plugin& load_plugin(const std::filesystem::path& file, const Plugin
   const suture_plugin* plugin = call_plugin(call, function);
   if (plugin == nullptr) refuse(file, std::string(SUTURE_PLUGIN_SYMBOL) + " returned NULL");
 
-  const suture_plugin& tables = usable_tables(*plugin, file);
+  if (const auto known = all_tables().find(plugin); known != all_tables().end()) {
+    check_against_note(file, note, known->second->plugin);
+    return known->second->plugin;
+  }
+  const suture_plugin& tables = add_tables(*plugin, file);
   check_against_note(file, note, tables);
   register_plugin(tables, file);  // what fails from here on is named
   require_none(extension_problems(tables), file);

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "kernel/base/isa.hpp"
+#include "kernel/base/module.hpp"
 
 namespace suture {
 namespace {
@@ -57,13 +58,9 @@ std::vector<PluginFolder> plugin_folders() {
     begin = end + 1;
   }
   add(folders, user_folder(), "user folder");
-  std::error_code code;
-  const fs::path program = fs::read_symlink("/proc/self/exe", code);
-  if (!code) {
-    const fs::path prefix = program.parent_path().parent_path();
-    add(folders, prefix / SUTURE_INSTALL_LIBDIR / "suture" / "plugins", "beside the program");
-    add(folders, prefix / "lib" / "suture" / "plugins", "beside the program");
-  }
+  const fs::path prefix = own_prefix();
+  add(folders, prefix / SUTURE_INSTALL_LIBDIR / "suture" / "plugins", "beside the program");
+  add(folders, prefix / "lib" / "suture" / "plugins", "beside the program");
   return folders;
 }
 

@@ -7,6 +7,8 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <set>
+#include <thread>
 
 #include "kernel/base/error.hpp"
 
@@ -67,6 +69,20 @@ class PluginHostTest : public ::testing::Test {
 
   const fs::path root = fs::temp_directory_path() / ("suture-plugins-" + std::to_string(getpid()));
 };
+
+// A program that makes many simulations, on several threads.
+TEST_F(PluginHostTest, AllHostsShareTheTablesOfAPlugin) {
+  std::vector<const suture_model*> models(8);
+  std::vector<std::thread> threads;
+  for (const suture_model*& model : models)
+    threads.emplace_back([&] {
+      PluginHost host;
+      host.add_file(plugins / "good.so");
+      model = &host.model("good");
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(std::set(models.begin(), models.end()).size(), 1u);
+}
 
 TEST_F(PluginHostTest, LoadsAModelFromANamedFile) {
   PluginHost host;

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
+#include "kernel/scene/scene_error.hpp"
 
 namespace suture {
 namespace {
@@ -214,8 +214,7 @@ class TreeBuilder final : public nlohmann::json_sax<Json> {
   bool open(JsonValue::Kind kind) {
     JsonValue& value = place(kind);
     if (open_.size() == max_depth) {
-      throw InputError(prefix(value.at) + "nested more than " + std::to_string(max_depth) +
-                       " deep");
+      fail_at(value.at, "nested more than " + std::to_string(max_depth) + " deep");
     }
     open_.push_back(&value);
     return true;
@@ -226,8 +225,10 @@ class TreeBuilder final : public nlohmann::json_sax<Json> {
     return true;
   }
 
-  std::string prefix(JsonPosition at) const {
-    return name_ + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": ";
+  [[noreturn]] void fail_at(JsonPosition at, const std::string& reason) const {
+    throw SceneError(
+        name_ + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": " + reason,
+        {{"", at.line, "", reason}});
   }
   /// `read`: bytes consumed, the token at fault included.
   [[noreturn]] void fail(std::size_t read, const std::string& reason) {
@@ -236,9 +237,8 @@ class TreeBuilder final : public nlohmann::json_sax<Json> {
     const std::size_t line_start = start == 0 ? 0 : text_.rfind('\n', start - 1) + 1;
     std::string_view line = text_.substr(line_start, text_.find('\n', start) - line_start);
     if (line.ends_with('\r')) line.remove_suffix(1);
-    throw InputError(prefix(LineCounter(text_).at(start)) + reason +
-                     hint(reason, text_.substr(start, 20)) + "\n    " +
-                     std::string(line.substr(0, 100)));
+    fail_at(LineCounter(text_).at(start), reason + hint(reason, text_.substr(start, 20)) +
+                                              "\n    " + std::string(line.substr(0, 100)));
   }
 
   std::string_view text_;
@@ -337,7 +337,8 @@ std::string describe(const JsonValue& value) {
 
 JsonValue parse_json(std::string_view text, const std::string& name) {
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
-    throw InputError(name + ":1:1: the file is empty; a scene is one JSON object { ... }");
+    const std::string reason = "the file is empty; a scene is one JSON object { ... }";
+    throw SceneError(name + ":1:1: " + reason, {{"", 1, "", reason}});
   }
   TreeBuilder builder(text, name);
   Json::sax_parse(text.begin(), text.end(), &builder, Json::input_format_t::json, true, true);

@@ -44,7 +44,7 @@ struct JsonMember {
 std::string describe(const JsonValue& value);
 
 /// Reads one JSON text (RFC 8259, UTF-8, a byte order mark and comments // and /* */ allowed).
-/// Throws InputError at the first syntax error: "NAME:LINE:COLUMN: ..." with what was found, what
+/// Throws SceneError at the first syntax error: "NAME:LINE:COLUMN: ..." with what was found, what
 /// was expected and, for common mistakes, what to do. Linear in the length of the text.
 JsonValue parse_json(std::string_view text, const std::string& name);
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <tuple>
 
-#include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
+#include "kernel/scene/scene_error.hpp"
 
 namespace suture {
 
@@ -30,16 +30,20 @@ void Mistakes::throw_if_any() const {
   std::stable_sort(sorted.begin(), sorted.end(),
                    [&](const Mistake& a, const Mistake& b) { return key(a) < key(b); });
   std::string text;
+  std::vector<SceneMistake> list;
   bool only_plugins = true;
   for (const Mistake& mistake : sorted) {
     const std::string path = mistake.path.empty() ? "" : mistake.path + ": ";
     text += place(mistake.at) + ": " + path + mistake.text + "\n";
     only_plugins = only_plugins && mistake.plugin;
+    const bool in_file = mistake.at.set == 0;
+    list.push_back({mistake.path, in_file ? mistake.at.line : 0,
+                    in_file ? "" : sets_.at(mistake.at.set - 1), mistake.text});
   }
   text += sorted.size() == 1 ? "1 mistake" : std::to_string(sorted.size()) + " mistakes";
   text += " in " + file_;
   if (only_plugins) throw PluginError(text);
-  throw InputError(text);
+  throw SceneError(text, std::move(list));
 }
 
 std::string child_path(const std::string& path, std::string_view key) {

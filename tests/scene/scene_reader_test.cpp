@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <numbers>
 
+#include "kernel/scene/scene_error.hpp"
 #include "tests/scene/fake_model.hpp"
 
 namespace suture::testing {
@@ -232,6 +234,31 @@ INSTANTIATE_TEST_SUITE_P(
             "/output/probes/at/0/of", "must be one of 'mean', 'sum', 'min', 'max'"},
         Bad{R"(, "output": {"fields": ["position"]})", "/output/fields/0", "must be one of"},
         Bad{R"(, "output": true, "solve": 1)", "/solve", "did you mean 'solver'"}));
+
+// For programs that show mistakes themselves.
+TEST(SceneMistakeList, NamesPathLineAndSet) {
+  try {
+    read("{\"suture\": 1,\n\"solve\": 1}", {"/gravity=3"});
+    FAIL();
+  } catch (const SceneError& error) {
+    ASSERT_EQ(error.mistakes().size(), 5u) << error.what();
+    const auto has = [&](const char* path, std::uint32_t line, const char* set) {
+      return std::ranges::any_of(error.mistakes(), [&](const SceneMistake& m) {
+        return m.path == path && m.line == line && m.set == set && !m.text.empty();
+      });
+    };
+    EXPECT_TRUE(has("/solve", 2, ""));
+    EXPECT_TRUE(has("", 1, ""));
+    EXPECT_TRUE(has("/gravity", 0, "/gravity=3"));
+  }
+  try {
+    read("{\n \"suture\": }");
+    FAIL();
+  } catch (const SceneError& error) {
+    ASSERT_EQ(error.mistakes().size(), 1u);
+    EXPECT_EQ(error.mistakes()[0].line, 2u);
+  }
+}
 
 // The same for parts that the sound beginning has already: set to what is bad.
 struct BadSet {

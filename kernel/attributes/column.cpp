@@ -122,6 +122,13 @@ void Column::add_row(Index to, Index from) {
   if (to + 1 == size_) pad();
 }
 
+AlignedVector<double> Column::hand_over() {
+  AlignedVector<double> copy;
+  copy.reserve(data_.capacity());  // what is reserved for cuts
+  copy = data_;
+  return std::exchange(data_, std::move(copy));
+}
+
 void Column::hold_row(Index row) {
   for (int c = 0; c < spec_.components; ++c) trial_[stored(row, c)] = data_[stored(row, c)];
   if (row + 1 == size_) pad();

@@ -109,6 +109,9 @@ class Column {
   void accept() { data_.swap(trial_); }  ///< the trial values become the values
   /// The values; with cells, also the number of rows and the trial copy.
   void state(Archive& archive);
+  /// Returns the memory of the values and continues on a copy of it: pointers into it stay valid as
+  /// long as the caller keeps it, and show the values of now.
+  AlignedVector<double> hand_over();
   /// Sets the trial copy of a row that will not be visited for a while: the row keeps its
   /// values through all steps that are accepted meanwhile.
   void hold_row(Index row);

@@ -198,7 +198,7 @@ void StepSearch::add_other_terms(double stiffness, double damping, Vector& image
     direction_.resize(image.size());
     for (std::size_t i = 0; i < image.size(); ++i) direction_[i] = rows_[i / 3 * 4 + i % 3];
     image_.assign(image.size(), 0);
-    term->add_tangent(direction_.data(), stiffness, damping, time_, image_.data());
+    term->add_tangent_for_step(direction_.data(), stiffness, damping, time_, image_.data());
     for (std::size_t i = 0; i < image.size(); ++i) image[i] += static_cast<float>(image_[i]);
   }
 }

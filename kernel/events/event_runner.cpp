@@ -74,14 +74,16 @@ struct EventRunner::Call {
 
   EventOutcome opened(const std::vector<Dart>& faces) const {
     EventOutcome outcome;
-    if (!faces.empty()) outcome.faces_cut = cut_now(faces);
+    if (!faces.empty()) outcome.faces_cut = cut_now(faces, outcome);
     return outcome;
   }
-  Index cut_now(const std::vector<Dart>& faces) const {
-    if (runner.scene_.output.cuts)
-      for (const Dart side : faces)
-        for (const Dart d : {side, built.body().complex().beta3(side)})
-          runner.opened_.push_back({d, number, time});
+  Index cut_now(const std::vector<Dart>& faces, EventOutcome& outcome) const {
+    for (const Dart side : faces) {
+      const Dart other = built.body().complex().beta3(side);
+      outcome.faces.push_back({side / 24, other / 24});
+      if (!runner.scene_.output.cuts) continue;
+      for (const Dart d : {side, other}) runner.opened_.push_back({d, number, time});
+    }
     return built.body().cut(faces).faces_cut;
   }
   EventOutcome cut(const std::vector<Dart>& faces) const {
@@ -160,6 +162,7 @@ struct EventRunner::Call {
     }
     const TopologyChange change = built.body().sew(seams);
     outcome.faces_sewn = change.faces_sewn;
+    for (const Seam& seam : seams) outcome.faces.push_back({seam.one / 24, seam.other / 24});
     return outcome;
   }
 
@@ -177,7 +180,7 @@ struct EventRunner::Call {
     EventOutcome outcome;
     const std::vector<Dart> faces = state.tear->faces(built.body(), time);
     if (!faces.empty())
-      outcome.faces_torn = cut_now(faces);
+      outcome.faces_torn = cut_now(faces, outcome);
     else
       warn_once(" tore no face: the criterion is below its threshold everywhere");
     return outcome;
@@ -250,6 +253,7 @@ EventOutcome EventRunner::Call::remove(const std::vector<Index>& elements,
   runner.removals_.before(elements);
   const TopologyChange change = built.body().pierce(elements);
   outcome.elements_removed = static_cast<Index>(change.removed[3].size());
+  outcome.removed = change.removed[3];
   for (const std::string& loss : runner.removals_.after())
     warn(' ' + std::string(event.operation()) + ' ' + loss);
   return outcome;
@@ -276,7 +280,8 @@ EventRunner::State EventRunner::prepare(const Event& event) {
   }
   try {
     if (const auto* cut = std::get_if<CutSurface>(&event.what)) {
-      TriangleSurface surface = read_triangles(cut->file, cut->scale);
+      TriangleSurface surface =
+          cut->surface ? *cut->surface : read_triangles(cut->file, cut->scale);
       for (Vec3& p : surface.points)
         for (std::size_t c = 0; c < 3; ++c) p[c] += cut->translation[c];
       state.surface = std::make_unique<SurfaceBlade>(std::move(surface), diagnostics_);

@@ -33,6 +33,8 @@ class SurfaceBlade;
 /// The effect of an operation.
 struct EventOutcome {
   Index faces_cut = 0, faces_torn = 0, faces_sewn = 0, elements_removed = 0;
+  std::vector<std::array<Index, 2>> faces{};  ///< the elements on both sides of each face
+  std::vector<Index> removed{};               ///< elements
   bool changed() const { return faces_cut + faces_torn + faces_sewn + elements_removed > 0; }
   EventOutcome& operator+=(const EventOutcome& other);
   /// "cut 25 faces"; "" if nothing was changed.

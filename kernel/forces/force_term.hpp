@@ -77,6 +77,12 @@ class ForceTerm : public Follower {
   /// add_skew_tangent() adds; 3 numbers per vertex.
   virtual void add_tangent(const double* /*d*/, double /*dx*/, double /*dv*/,
                            const TangentTime& /*at*/, double* /*out*/) {}
+  /// The same for the search of the stable step: may be that of stiffer forces, where that is
+  /// cheaper.
+  virtual void add_tangent_for_step(const double* d, double dx, double dv, const TangentTime& at,
+                                    double* out) {
+    add_tangent(d, dx, dv, at, out);
+  }
   /// out += what add_tangent() leaves out of the derivative in the direction dx d: the part that is
   /// not symmetric.
   virtual void add_skew_tangent(const double* /*d*/, double /*dx*/, const TangentTime& /*at*/,

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/run/run_loop.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <exception>
+#include <new>
 #include <sstream>
 
 #include "kernel/base/error.hpp"
@@ -125,11 +128,69 @@ void RunLoop::report_sleep(Observer& observer) {
   observer.on_message(text.str());
 }
 
-void RunLoop::apply(const Event& event, Observer& observer) {
+EventOutcome RunLoop::apply(const Event& event, Observer& observer) {
   const EventOutcome outcome = events_.apply(in_frame(event, built_.frame()), clock_.time());
   take_over(outcome);
-  if (!outcome.changed()) return;
-  observer.on_message(event_line(outcome, clock_.time(), built_.body().islands().existing()));
+  if (outcome.changed())
+    observer.on_message(event_line(outcome, clock_.time(), built_.body().islands().existing()));
+  return outcome;
+}
+
+// -------------------------------------------------------- changes from outside --
+
+namespace {
+
+void require_finite(const Column& column, const char* what, const BuiltScene& built) {
+  for (Index v = 0; v < column.size(); ++v)
+    for (int c = 0; c < 3; ++c) {
+      if (std::isfinite(column.get(v, c))) continue;
+      throw InputError(std::string(what) + " of node " +
+                       std::to_string(built.names().point_id(built.body().user_vertex()[v])) +
+                       " is not finite; nothing was changed");
+    }
+}
+
+}  // namespace
+
+void RunLoop::change_motion(const std::function<void(Attributes&)>& change) {
+  Attributes& attributes = built_.body().attributes();
+  const Column position = attributes.position(), velocity = attributes.velocity();
+  const auto restore = [](Column& column, const Column& earlier) {
+    std::copy_n(earlier.rows(), std::size_t{earlier.size()} * 4, column.rows());
+  };
+  std::exception_ptr failure;
+  control_.commit();  // no rollback crosses it
+  built_.dynamics().jump([&] {
+    try {
+      change(attributes);
+      require_finite(attributes.position(), "the position", built_);
+      require_finite(attributes.velocity(), "the velocity", built_);
+      built_.body().constraints().apply(attributes, clock_.time());
+    } catch (...) {
+      failure = std::current_exception();
+      restore(attributes.position(), position);
+      restore(attributes.velocity(), velocity);
+    }
+  });
+  if (failure) std::rethrow_exception(failure);
+  control_.after_jump();
+}
+
+ForceTerm& RunLoop::add_term(std::unique_ptr<ForceTerm> term) {
+  if (recorder_.writes_energies())
+    throw InputError("energies.csv has no column for the work of '" + std::string(term->name()) +
+                     "'; remove /output/energies, or run without output");
+  if (built_.dynamics().is_implicit() && !term->has_tangent())
+    throw InputError("the integrator needs the derivatives of all forces, and '" +
+                     std::string(term->name()) + "' has none; use an explicit integrator");
+  Attributes& attributes = built_.body().attributes();
+  AlignedVector<double> rows(std::size_t{attributes.vertex_count()} * 4);
+  term->add_forces(clock_.time(), attributes.kernel(0).cells.live(), rows.data());  // may throw
+  term->energy(clock_.time());
+  ForceTerm* added = nullptr;
+  built_.dynamics().jump([&] { added = &built_.body().add(std::move(term)); });
+  control_.after_jump();
+  return *added;
 }
 
 // ----------------------------------------------------------------- the loop --
@@ -164,22 +225,39 @@ void RunLoop::pass_details_to(Observer& observer) {
   newton->on_message = [&observer](const std::string& text) { observer.on_message(text); };
 }
 
-void RunLoop::loop(std::optional<double> until, Observer& observer) {
+std::optional<RunSummary::Outcome> RunLoop::advance(const Pause& pause, Observer& observer) {
+  try {
+    return loop(pause, observer);
+  } catch (const IoError&) {
+    throw;  // what is held back would be written behind a gap
+  } catch (const Error&) {
+    close_failed(observer);
+    throw;
+  } catch (const std::bad_alloc&) {
+    close_failed(observer);
+    throw;
+  }
+}
+
+/// None if the run pauses.
+std::optional<RunSummary::Outcome> RunLoop::loop(const Pause& pause, Observer& observer) {
   pass_details_to(observer);
   const StepControl::Notify notify = notify_to(observer);
   const Wall::time_point start = Wall::now();
   Wall::time_point reported = start;
   const std::uint64_t first_step = clock_.step();
+  const auto pauses = [&] {
+    return (pause.time && clock_.reached(*pause.time)) ||
+           (pause.steps && clock_.step() >= first_step + *pause.steps);
+  };
+  std::optional<RunSummary::Outcome> outcome = RunSummary::Outcome::interrupted;
   while (!stops(observer)) {
     fire_events(observer);
     if (!record(notify)) continue;
-    const auto outcome = ending_.check(notify);
+    outcome = ending_.check(notify);
     records_.roll_back();
-    if (outcome) {
-      summary_.outcome = *outcome;
-      break;
-    }
-    if (until && clock_.reached(*until)) break;
+    if (outcome || pauses()) break;
+    outcome = RunSummary::Outcome::interrupted;
     control_.step(notify);
     records_.roll_back();
     report_sleep(observer);
@@ -189,6 +267,8 @@ void RunLoop::loop(std::optional<double> until, Observer& observer) {
     }
   }
   summary_.seconds += seconds_since(start);
+  if (outcome) summary_.outcome = *outcome;
+  return outcome;
 }
 
 /// Between two steps: writes a checkpoint that is due, or because the run is to stop.
@@ -196,7 +276,6 @@ bool RunLoop::stops(Observer& observer) {
   const bool stops = observer.stop_requested();
   if (checkpoints_.is_due(clock_) || (stops && checkpoints_.is_enabled()))
     checkpoints_.write(clock_, *this);
-  if (stops) summary_.outcome = RunSummary::Outcome::interrupted;
   return stops;
 }
 
@@ -253,18 +332,16 @@ void RunLoop::resume(const Checkpoint& checkpoint, const std::filesystem::path& 
   first_step_ = clock_.step();
 }
 
+/// Writes what stands: a step that failed has taken its own back.
+void RunLoop::close_failed(Observer& observer) {
+  report_events(event_report_.finish(), observer);
+  recorder_.release(clock_.step());
+  recorder_.finish();
+  checkpoints_.finish();
+}
+
 RunSummary RunLoop::run(Observer& observer) {
-  try {
-    loop(std::nullopt, observer);
-  } catch (const IoError&) {
-    throw;  // what is held back would be written behind a gap
-  } catch (...) {
-    report_events(event_report_.finish(), observer);
-    recorder_.release(clock_.step());  // what stands: a step that failed has taken its own back
-    recorder_.finish();
-    checkpoints_.finish();
-    throw;
-  }
+  advance({}, observer);
   finish(observer);
   summarise();
   return summary_;

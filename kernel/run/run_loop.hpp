@@ -22,13 +22,12 @@ class RunLoop {
   RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip,
           std::shared_ptr<OutputFolder> folder);
 
-  /// Runs until `until`, or to the end of the scene.
-  void require_held_bodies();
-  std::string rounding_warning();
-  void pass_details_to(Observer& observer);
-  void loop(std::optional<double> until, Observer& observer);
+  // The functions of Simulation with these names.
+  std::optional<RunSummary::Outcome> advance(const Pause& pause, Observer& observer);
   RunSummary run(Observer& observer);
-  void apply(const Event& event, Observer& observer);
+  EventOutcome apply(const Event& event, Observer& observer);
+  void change_motion(const std::function<void(Attributes&)>& change);
+  ForceTerm& add_term(std::unique_ptr<ForceTerm> term);
   /// Loads the state of the checkpoint from `file`. Call before any step.
   void resume(const Checkpoint& checkpoint, const std::filesystem::path& file);
   /// Makes a step for timing only, without events; returns false if it fails.
@@ -48,6 +47,11 @@ class RunLoop {
 
  private:
   using Wall = std::chrono::steady_clock;
+  void require_held_bodies();
+  std::string rounding_warning();
+  void pass_details_to(Observer& observer);
+  std::optional<RunSummary::Outcome> loop(const Pause& pause, Observer& observer);
+  void close_failed(Observer& observer);
   void fire_events(Observer& observer);
   void take_over(const EventOutcome& outcome);
   void report_sleep(Observer& observer);

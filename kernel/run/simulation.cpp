@@ -26,9 +26,29 @@ void Simulation::resume(const Checkpoint& checkpoint, const std::filesystem::pat
 
 RunSummary Simulation::run(Observer& observer) { return run_->run(observer); }
 
-void Simulation::run_to(double time, Observer& observer) { run_->loop(time, observer); }
+std::optional<RunSummary::Outcome> Simulation::advance(const Pause& pause, Observer& observer) {
+  return run_->advance(pause, observer);
+}
 
-void Simulation::apply(const Event& event, Observer& observer) { run_->apply(event, observer); }
+double Simulation::time() const { return run_->control().clock().time(); }
+
+std::uint64_t Simulation::step() const { return run_->control().clock().step(); }
+
+double Simulation::next_dt() { return run_->control().next_dt(); }
+
+EventOutcome Simulation::apply(const Event& event, Observer& observer) {
+  return run_->apply(event, observer);
+}
+
+void Simulation::change_motion(const std::function<void(Attributes&)>& change) {
+  run_->change_motion(change);
+}
+
+ForceTerm& Simulation::add_term(std::unique_ptr<ForceTerm> term) {
+  return run_->add_term(std::move(term));
+}
+
+BuiltScene& Simulation::built() { return run_->built(); }
 
 Energies Simulation::energies() { return suture::energies(run_->built().dynamics()); }
 

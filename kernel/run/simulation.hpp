@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/base/diagnostics.hpp"
 #include "kernel/dynamics/dynamics.hpp"
+#include "kernel/events/event_runner.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
 #include "kernel/scene/scene.hpp"
 
@@ -68,6 +70,12 @@ struct RunSummary {
   std::string pvd;  ///< file to open in ParaView, or ""
 };
 
+/// Where Simulation::advance() pauses; neither: at the end of the run.
+struct Pause {
+  std::optional<double> time{};          ///< s: before the first step that begins at or after it
+  std::optional<std::uint64_t> steps{};  ///< after this number of steps
+};
+
 /// The estimated cost of a run, from the compiled scene and a few timed steps.
 struct Estimate {
   std::uint64_t steps = 0;  ///< 0: unknown (until rest)
@@ -99,16 +107,33 @@ class Simulation {
   /// remain; no frame shows an invalid state) and IoError. If interrupted, finishes the step,
   /// writes a frame and returns.
   RunSummary run(Observer& observer);
-  /// The same up to `time`, for programs that inspect the state in between; run() or the next call
-  /// continues from there. Inspecting changes no bit of later results.
-  void run_to(double time, Observer& observer);
+  /// The same up to a pause, for programs that inspect the state in between; run() or the next call
+  /// continues from there. Inspecting changes no bit of later results. Returns how the run ended or
+  /// that it was interrupted, or none if it pauses; call run() at the end, which finishes the
+  /// tables. An Error ends the run as in run(). Any other exception, thrown by a term that was
+  /// added, leaves the run as it was before the step.
+  std::optional<RunSummary::Outcome> advance(const Pause& pause, Observer& observer);
+  void run_to(double time, Observer& observer) { advance({time, {}}, observer); }
+  double time() const;         ///< s
+  std::uint64_t step() const;  ///< number of steps made
+  double next_dt();            ///< s: the length of the next step
 
-  /// Applies an operation now, between two calls of run_to(); it is reported like an event of the
-  /// scene (its times are ignored). Throws the same errors as events; nothing has changed then.
-  void apply(const Event& event, Observer& observer);
+  // ---- between two calls of advance(), or from the observer ----
+
+  /// Applies an operation now; it is reported like an event of the scene (its times are ignored).
+  /// Throws the same errors as events; nothing has changed then.
+  EventOutcome apply(const Event& event, Observer& observer);
+  /// Moves vertices or changes their velocities, in `change`; the change of the energy is booked as
+  /// that of an event. Constrained vertices return to their prescribed positions. If a value is not
+  /// finite, throws InputError naming its node; nothing has changed then.
+  void change_motion(const std::function<void(Attributes&)>& change);
+  /// Adds a term, whose forces act from now on. Throws InputError if this run cannot take it.
+  ForceTerm& add_term(std::unique_ptr<ForceTerm> term);
 
   Energies energies();  ///< J; potentials are zero at rest positions
 
+  /// The body, its dynamics and the user's names for its cells.
+  BuiltScene& built();
   const CellComplex& complex() const;
   Attributes& attributes();
   /// The body's own origin in the scene, m. Positions in attributes() are relative to it; events

@@ -80,6 +80,11 @@ void StepControl::after_event() {
   watch_.after_event(clock_.step());
 }
 
+void StepControl::after_jump() {
+  commit();
+  watch_.after_jump(clock_.step());
+}
+
 void StepControl::commit() {
   recorder_.release(clock_.step());
   kept_.forget(clock_.step());
@@ -112,7 +117,14 @@ void StepControl::make_one_step() {
                          " s, so the run cannot continue");
   clock_.advance();
   last_dt_ = dt;  // and not the difference of two times: forces stay good while dt is the same
-  built_.dynamics().step(dt, clock_.time());
+  try {
+    built_.dynamics().step(dt, clock_.time());
+  } catch (const Error&) {
+    throw;         // roll_back() decides
+  } catch (...) {  // of a term from outside: the run may go on
+    if (built_.dynamics().time() < clock_.time()) clock_.undo_advance();
+    throw;
+  }
 }
 
 /// Repeats the step until its error is within the tolerance. Only the last attempt leaves a trace.

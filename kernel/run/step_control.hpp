@@ -72,6 +72,8 @@ class StepControl {
 
   /// Call after an operation has changed the cells. O(affected cells).
   void after_event();
+  /// Call after the motion or the forces were changed from outside.
+  void after_jump();
   /// Call after any other change that cannot be undone: recorded data become final.
   void commit();
 

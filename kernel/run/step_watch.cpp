@@ -48,6 +48,13 @@ void StepWatch::after_event(std::uint64_t step) {
   }
 }
 
+void StepWatch::after_jump(std::uint64_t step) {
+  if (is_implicit_) return;
+  alarms_ = 0;
+  interval_ = search_steps;
+  search(step, true);
+}
+
 void StepWatch::after_step(std::uint64_t step) {
   if (halvings_ > 0 && step >= clean_since_ + (is_implicit_ ? implicit_steps : search_steps)) {
     --halvings_;

@@ -47,6 +47,8 @@ class StepWatch {
   void start();
   /// Call after an event changed the cells at step `step`.
   void after_event(std::uint64_t step);
+  /// Call after the motion or the forces were changed from outside.
+  void after_jump(std::uint64_t step);
   void after_step(std::uint64_t step);
   /// Searches now, whatever dt is. `from_random`: overlooks no mode.
   void search(std::uint64_t step, bool from_random = false);

@@ -33,8 +33,10 @@ Mesh make_mesh(const MeshSource& source, const std::set<std::string>& arrays,
                Diagnostics& diagnostics) {
   if (source.box) return make_local_box(*source.box);
   if (source.voxels) return make_local_voxels(*source.voxels);
-  Mesh mesh = read_mesh(source.file, source.scale, diagnostics,
-                        [&](const std::string& name) { return arrays.contains(name); });
+  Mesh mesh = source.given
+                  ? *source.given
+                  : read_mesh(source.file, source.scale, diagnostics,
+                              [&](const std::string& name) { return arrays.contains(name); });
   move_to_own_origin(mesh);
   return mesh;
 }

@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "kernel/geometry/surface.hpp"
 #include "kernel/scene/selection.hpp"
 
 namespace suture {
@@ -26,9 +28,10 @@ struct CutPlane {
 
 /// Opens the faces that a triangulated surface separates.
 struct CutSurface {
-  std::filesystem::path file;  ///< absolute
-  double scale = 1;
-  Vec3 translation{};  ///< m, after scaling
+  std::filesystem::path file;                        ///< absolute
+  double scale = 1;                                  ///< of the coordinates in the file
+  std::shared_ptr<const TriangleSurface> surface{};  ///< instead of a file; an event from outside
+  Vec3 translation{};                                ///< m, after scaling
 };
 
 /// Opens the faces that a moving segment or polyline crosses; every point moves along a straight

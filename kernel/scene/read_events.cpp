@@ -90,12 +90,10 @@ bool has_shape(const EventOperation& what) {
          std::holds_alternative<Pierce>(what);
 }
 
-void read_event(ObjectReader& object, Reading& reading) {
-  Event event;
-  event.path = object.path();
+// The operation of an event, and the shape that it acts on.
+void read_what(ObjectReader& object, Event& event, Reading& reading) {
   const auto operation = read_operation(object, reading);
   if (operation) event.what = *operation;
-  read_schedule(object, event, reading.scene);
   static const std::array<std::string, 2> shapes{"deformed", "rest"};
   event.rest_shape = object.choice("shape", shapes) == 1u;
   if (operation && object.find("shape") != nullptr && !has_shape(*operation) &&
@@ -106,10 +104,25 @@ void read_event(ObjectReader& object, Reading& reading) {
                              ? " by a moving blade, which always acts on the deformed shape"
                              : ""));
   }
+}
+
+void read_event(ObjectReader& object, Reading& reading) {
+  Event event;
+  event.path = object.path();
+  read_what(object, event, reading);
+  read_schedule(object, event, reading.scene);
   reading.scene.events.push_back(std::move(event));
 }
 
 }  // namespace
+
+Event read_event_now(ObjectReader& object, Reading& reading) {
+  Event event;
+  event.path = "event";
+  read_what(object, event, reading);
+  object.finish();
+  return event;
+}
 
 void read_events(ObjectReader& top, Reading& reading) {
   for_each_object(top, "events", "events",

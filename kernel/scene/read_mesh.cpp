@@ -99,7 +99,11 @@ std::filesystem::path read_file(const JsonValue& value, const std::string& path,
 void read_mesh(const JsonValue& value, Reading& reading) {
   ObjectReader mesh(value, "/mesh", reading.mistakes);
   static const std::array<std::string, 3> sources{"box", "file", "voxels"};
-  const auto source = mesh.one_of(sources);
+  const bool given = reading.scene.mesh.given != nullptr;
+  for (const std::string& key : sources)
+    if (given && mesh.find(key) != nullptr)
+      mesh.complain(key, "is not allowed here: the program that runs the scene gives the mesh");
+  const auto source = given ? std::nullopt : mesh.one_of(sources);
   if (source) {
     const JsonValue& inner = *mesh.find(sources[*source]);
     const std::string path = mesh.path_of(sources[*source]);
@@ -109,9 +113,10 @@ void read_mesh(const JsonValue& value, Reading& reading) {
   }
 
   MeshSource& result = reading.scene.mesh;
-  if (mesh.find("scale") != nullptr && source && *source != 1) {
-    mesh.complain("scale", "is only allowed with 'file'; the size of a " + sources[*source] +
-                               " is given by its own keys");
+  if (mesh.find("scale") != nullptr && (given || (source && *source != 1))) {
+    mesh.complain("scale", given ? "is only allowed with 'file'"
+                                 : "is only allowed with 'file'; the size of a " +
+                                       sources[*source] + " is given by its own keys");
   }
   result.scale = mesh.number("scale", Limits::positive("1")).value_or(1);
   static const std::array<std::string, 2> treatments{"split", "refuse"};

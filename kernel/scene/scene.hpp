@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "kernel/base/types.hpp"
 #include "kernel/forces/time_ramp.hpp"
 #include "kernel/mesh/box.hpp"
+#include "kernel/mesh/mesh.hpp"
 #include "kernel/mesh/voxels.hpp"
 #include "kernel/scene/event.hpp"
 #include "kernel/scene/scene_places.hpp"
@@ -25,6 +27,7 @@ namespace suture {
 struct MeshSource {
   std::optional<BoxOptions> box;       ///< or
   std::optional<VoxelOptions> voxels;  ///< or
+  std::shared_ptr<const Mesh> given;   ///< by the program that runs the scene, or
   std::filesystem::path file;          ///< absolute
   double scale = 1;
   bool drop_bad_elements = false;

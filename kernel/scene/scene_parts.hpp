@@ -72,6 +72,8 @@ RemoveIslands read_remove_islands(ObjectReader remove);
 /// After read_solver and read_models: events must lie within the run, and may refer to fields that
 /// a model declares.
 void read_events(ObjectReader& top, Reading& reading);
+/// An event without a time.
+Event read_event_now(ObjectReader& object, Reading& reading);
 /// After read_models: models add their own fields.
 void read_output(const JsonValue* value, Reading& reading);
 /// After read_solver and read_output.

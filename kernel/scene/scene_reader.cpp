@@ -46,7 +46,8 @@ void read_top(const JsonValue& root, Reading& reading) {
   if (!top.is_object()) return;
   read_version(top);
   reading.scene.title = top.string("title").value_or("");
-  const JsonValue* mesh = top.require("mesh", "where the elements come from");
+  const char* source = "where the elements come from";
+  const JsonValue* mesh = reading.scene.mesh.given ? top.find("mesh") : top.require("mesh", source);
   if (mesh != nullptr) read_mesh(*mesh, reading);
   read_models(top, reading);
   read_gravity(top, reading);
@@ -88,10 +89,32 @@ JsonValue what_counts(JsonValue root) {
   return root;
 }
 
+/// What a mesh that is not in the scene adds to the hash of the scene.
+std::string bytes_of(const Mesh* mesh) {
+  if (mesh == nullptr) return {};
+  std::string bytes;
+  const auto add = [&](const auto& values) {
+    bytes.append(reinterpret_cast<const char*>(values.data()),  // NOLINT: bytes
+                 values.size() * sizeof values[0]);
+  };
+  add(mesh->points);
+  add(mesh->hexahedra);
+  for (const auto* sets : {&mesh->point_sets, &mesh->element_sets})
+    for (const auto& [name, cells] : *sets) {
+      bytes += name;
+      add(cells);
+    }
+  for (const MeshArray& array : mesh->arrays) {
+    bytes += array.name;
+    add(array.values);
+  }
+  return bytes;
+}
+
 /// The scene that `source` says; `shown` is the name of its text in messages.
 Scene read_source(const SceneSource& source, const std::string& shown,
                   const std::vector<std::string>& sets, const ModelLookup& lookup,
-                  Diagnostics& diagnostics) {
+                  Diagnostics& diagnostics, std::shared_ptr<const Mesh> mesh = {}) {
   JsonValue root = parse_json(source.text, shown);
   for (std::size_t i = 0; i < sets.size(); ++i) {
     apply_override(root, sets[i], static_cast<std::uint32_t>(i + 1));
@@ -100,7 +123,8 @@ Scene read_source(const SceneSource& source, const std::string& shown,
   scene.file = source.file;
   scene.source = {canonical_json(root), source.file, source.working_folder};
   scene.places = ScenePlaces(root, shown, sets);
-  scene.hash = fnv1a_hex(canonical_json(what_counts(root)));
+  scene.hash = fnv1a_hex(canonical_json(what_counts(root)) + bytes_of(mesh.get()));
+  scene.mesh.given = std::move(mesh);
   Mistakes mistakes(shown, sets);
   Reading reading{scene,
                   source.file.parent_path(),
@@ -115,24 +139,30 @@ Scene read_source(const SceneSource& source, const std::string& shown,
   return scene;
 }
 
+}  // namespace
+
 ModelLookup lookup_of(PluginHost& host) {
   return {[&](std::string_view id) -> const suture_model& { return host.model(id); },
           [&](const std::filesystem::path& plugin) { host.add_file(plugin); }};
 }
 
-}  // namespace
-
 Scene read_scene_text(std::string_view text, const std::filesystem::path& file,
                       const std::vector<std::string>& sets, const ModelLookup& lookup,
-                      Diagnostics& diagnostics) {
+                      Diagnostics& diagnostics, std::shared_ptr<const Mesh> mesh) {
   const SceneSource source{
       std::string(text), std::filesystem::absolute(file), std::filesystem::current_path(), {}};
-  return read_source(source, file.string(), sets, lookup, diagnostics);
+  return read_source(source, file.string(), sets, lookup, diagnostics, std::move(mesh));
+}
+
+Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& sets,
+                 const ModelLookup& lookup, Diagnostics& diagnostics,
+                 std::shared_ptr<const Mesh> mesh) {
+  return read_scene_text(read_text(file), file, sets, lookup, diagnostics, std::move(mesh));
 }
 
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& sets,
                  PluginHost& host, Diagnostics& diagnostics) {
-  return read_scene_text(read_text(file), file, sets, lookup_of(host), diagnostics);
+  return read_scene(file, sets, lookup_of(host), diagnostics, nullptr);
 }
 
 Scene read_scene_source(const SceneSource& source, const std::vector<std::string>& sets,
@@ -143,6 +173,21 @@ Scene read_scene_source(const SceneSource& source, const std::vector<std::string
 Scene read_scene_source(const SceneSource& source, const std::vector<std::string>& sets,
                         PluginHost& host, Diagnostics& diagnostics) {
   return read_scene_source(source, sets, lookup_of(host), diagnostics);
+}
+
+Event read_event(std::string_view text, const std::string& name, const Scene& scene,
+                 Diagnostics& diagnostics) {
+  const JsonValue root = parse_json(text, name);
+  Scene around;  // what events refer to
+  around.models = scene.models;
+  around.solver = scene.solver;
+  Mistakes mistakes(name, {});
+  Reading reading{
+      around, scene.file.parent_path(), scene.source.working_folder, {}, {}, mistakes, diagnostics};
+  ObjectReader object(root, "", mistakes);
+  Event event = read_event_now(object, reading);
+  mistakes.throw_if_any();
+  return event;
 }
 
 const std::vector<std::string>& standard_fields() {

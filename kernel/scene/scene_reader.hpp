@@ -23,17 +23,22 @@ struct ModelLookup {
 };
 
 /// Reads and checks a scene; nothing is built. `sets` are the texts of --set. Throws IoError if the
-/// file cannot be read, InputError at the first syntax error or with all other mistakes
+/// file cannot be read, SceneError at the first syntax error or with all other mistakes
 /// ("FILE:LINE:COLUMN: PATH: ..." each), PluginError if all mistakes are in plugins, UsageError for
 /// a --set with an invalid pointer. Warns of values that are legal but unusual.
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& sets,
                  PluginHost& host, Diagnostics& diagnostics);
 
 /// The same from a text; `file` is the name for messages, and mesh and plugin files are relative to
-/// its folder.
+/// its folder. `mesh`: the mesh, if the program has it; the scene then contains no source of one.
 Scene read_scene_text(std::string_view text, const std::filesystem::path& file,
                       const std::vector<std::string>& sets, const ModelLookup& lookup,
-                      Diagnostics& diagnostics);
+                      Diagnostics& diagnostics, std::shared_ptr<const Mesh> mesh = {});
+/// The same from a file.
+Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& sets,
+                 const ModelLookup& lookup, Diagnostics& diagnostics,
+                 std::shared_ptr<const Mesh> mesh);
+ModelLookup lookup_of(PluginHost& host);
 
 /// Reads the scene again from Scene::source, in any working folder and even if its file has
 /// changed: without `sets` it has the same hash. Mesh, blade and plugin files are read from their
@@ -42,6 +47,12 @@ Scene read_scene_source(const SceneSource& source, const std::vector<std::string
                         PluginHost& host, Diagnostics& diagnostics);
 Scene read_scene_source(const SceneSource& source, const std::vector<std::string>& sets,
                         const ModelLookup& lookup, Diagnostics& diagnostics);
+
+/// Reads an event without a time, such as {"cut": {"faces": [[4, 5]]}}, to apply to a run of
+/// `scene` at once. `name` is the name of the text in messages. Throws SceneError with all
+/// mistakes.
+Event read_event(std::string_view text, const std::string& name, const Scene& scene,
+                 Diagnostics& diagnostics);
 
 /// Names of the output fields available to every scene, independent of its models.
 const std::vector<std::string>& standard_fields();

@@ -177,6 +177,22 @@ TEST(Column, TrialValuesBecomeTheValuesWhenAccepted) {
   EXPECT_EQ(column.trial_block(1)[3], 1);  // the trial copy follows too
 }
 
+TEST(Column, HandsItsMemoryOverAndGoesOnWithACopy) {
+  Column column(spec(3), 0);
+  column.resize(5);
+  column.set(4, 2, 7);
+  const double* before = column.rows();
+  const auto kept = column.hand_over();
+  EXPECT_EQ(kept.data(), before);
+  EXPECT_NE(column.rows(), before);
+  column.set(4, 2, 8);
+  EXPECT_EQ(kept[4 * 4 + 2], 7);
+  EXPECT_EQ(column.get(4, 2), 8);
+  const double* after = column.rows();
+  column.resize(8);  // in the reserve
+  EXPECT_EQ(column.rows(), after);
+}
+
 TEST(CellSet, RowsOfARegionAppendAndRename) {
   CellSet set = CellSet::of({4, 2, 7}, 9);
   EXPECT_FALSE(set.is_all());

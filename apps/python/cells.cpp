@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "apps/python/cells.hpp"
+
+#include <algorithm>
+
+#include "kernel/forces/quad.hpp"
+#include "kernel/mesh/vtk_order.hpp"
+
+namespace suture::python {
+namespace {
+
+using Numbers = py::array_t<std::int64_t>;
+
+Numbers table(std::size_t rows, std::size_t columns) {
+  return Numbers({static_cast<py::ssize_t>(rows), static_cast<py::ssize_t>(columns)});
+}
+
+}  // namespace
+
+py::array point_ids(const BuiltScene& built) {
+  const auto& point = built.body().user_vertex();
+  Numbers ids(static_cast<py::ssize_t>(point.size()));
+  for (std::size_t v = 0; v < point.size(); ++v)
+    ids.mutable_data()[v] = static_cast<std::int64_t>(built.names().point_id(point[v]));
+  return ids;
+}
+
+py::array element_ids(const BuiltScene& built) {
+  const Index count = built.body().complex().element_count();
+  Numbers ids(static_cast<py::ssize_t>(count));
+  for (Index e = 0; e < count; ++e)
+    ids.mutable_data()[e] = static_cast<std::int64_t>(built.element_name(e));
+  return ids;
+}
+
+py::array exists(const BuiltScene& built, int dimension) {
+  const CellComplex& complex = built.body().complex();
+  py::array_t<bool> mask(static_cast<py::ssize_t>(complex.count(dimension)));
+  for (Index c = 0; c < complex.count(dimension); ++c)
+    mask.mutable_data()[c] = complex.exists(dimension, c);
+  return mask;
+}
+
+py::array hexahedra(const BuiltScene& built) {
+  const CellComplex& complex = built.body().complex();
+  Numbers rows = table(complex.existing(3), 8);
+  std::int64_t* to = rows.mutable_data();
+  for (Index e = 0; e < complex.element_count(); ++e) {
+    if (!complex.exists(3, e)) continue;
+    const Hexahedron nodes = swap_vtk_order(complex.vertices_of(e));
+    to = std::copy(nodes.begin(), nodes.end(), to);
+  }
+  return rows;
+}
+
+py::array boundary(const BuiltScene& built) {
+  const CellComplex& complex = built.body().complex();
+  std::vector<Dart> faces;
+  for (Index e = 0; e < complex.element_count(); ++e)
+    for (Dart face = 24 * e; complex.exists(3, e) && face < 24 * (e + 1); face += 4)
+      if (complex.beta3(face) == none) faces.push_back(face);
+  Numbers rows = table(faces.size(), 4);
+  std::int64_t* to = rows.mutable_data();
+  for (const Dart face : faces) {
+    const std::array<Index, 4> inward = face_nodes(complex, face);
+    to = std::copy(inward.rbegin(), inward.rend(), to);
+  }
+  return rows;
+}
+
+py::array named(const BuiltScene& built, const std::vector<std::array<Index, 2>>& pairs) {
+  Numbers rows = table(pairs.size(), 2);
+  std::int64_t* to = rows.mutable_data();
+  for (const auto& pair : pairs)
+    for (const Index e : pair) *to++ = static_cast<std::int64_t>(built.element_name(e));
+  return rows;
+}
+
+}  // namespace suture::python

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <pybind11/numpy.h>
+
+#include "kernel/scene/built_scene.hpp"
+
+namespace suture::python {
+
+namespace py = pybind11;
+
+// Numbers of cells as arrays. Rows of vertex columns are vertices, rows of element columns are
+// elements; both stay where they are, so removed ones leave holes.
+
+/// (vertices,) int64: the mesh point of each vertex, by the user's number.
+py::array point_ids(const BuiltScene& built);
+/// (elements,) int64: the user's number of each element.
+py::array element_ids(const BuiltScene& built);
+/// (cells,) bool: false where a vertex (0) or element (3) was removed.
+py::array exists(const BuiltScene& built, int dimension);
+/// (k, 8) int64: vertices of the existing elements, in VTK's order.
+py::array hexahedra(const BuiltScene& built);
+/// (k, 4) int64: vertices of the boundary faces, counterclockwise as seen from outside.
+py::array boundary(const BuiltScene& built);
+/// (k, 2) int64: pairs of elements by the user's numbers.
+py::array named(const BuiltScene& built, const std::vector<std::array<Index, 2>>& pairs);
+
+}  // namespace suture::python

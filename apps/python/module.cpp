@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The compiled half of the package `suture`: what __init__.py builds on.
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "apps/python/cells.hpp"
+#include "apps/python/errors.hpp"
+#include "apps/python/given_mesh.hpp"
+#include "apps/python/python_term.hpp"
+#include "apps/python/session.hpp"
+
+namespace suture::python {
+namespace {
+
+using namespace pybind11::literals;
+
+py::tuple result_of(Session& session, const EventOutcome& outcome) {
+  const BuiltScene& built = session.simulation().built();
+  py::array_t<std::int64_t> removed(static_cast<py::ssize_t>(outcome.removed.size()));
+  for (std::size_t i = 0; i < outcome.removed.size(); ++i)
+    removed.mutable_data()[i] = static_cast<std::int64_t>(built.element_name(outcome.removed[i]));
+  return py::make_tuple(outcome.faces_cut, outcome.faces_torn, outcome.faces_sewn,
+                        outcome.elements_removed, named(built, outcome.faces), removed);
+}
+
+py::dict energies(Session& session) {
+  Simulation& simulation = session.simulation();
+  const EnergyBalance balance = simulation.built().dynamics().balance();
+  py::dict result("kinetic"_a = balance.kinetic, "elastic"_a = balance.elastic,
+                  "potential"_a = suture::energies(simulation.built().dynamics()).external);
+  for (const EnergyBalance::Work& work : balance.works) result[work.term] = work.value;
+  result["prescribed"] = balance.prescribed;
+  result["models"] = balance.models;
+  result["events"] = balance.events;
+  result["dissipated"] = balance.dissipated;
+  result["balance"] = balance.balance;
+  return result;
+}
+
+py::dict explain(Session& session) {
+  Simulation& simulation = session.simulation();
+  py::list done, skipped;
+  for (const Decision& decision : simulation.decisions())
+    (decision.skipped ? skipped : done).append(py::make_tuple(decision.subject, decision.reason));
+  return py::dict("done"_a = done, "skipped"_a = skipped, "threads"_a = simulation.threads(),
+                  "isa"_a = std::string(simulation.isa()), "dt"_a = simulation.next_dt());
+}
+
+py::dict dict_of(const RunSummary& summary) {
+  return py::dict("steps"_a = summary.steps, "time"_a = summary.time, "dt"_a = summary.dt,
+                  "frames"_a = summary.frames, "faces_cut"_a = summary.faces_cut,
+                  "faces_torn"_a = summary.faces_torn, "faces_sewn"_a = summary.faces_sewn,
+                  "elements_removed"_a = summary.elements_removed,
+                  "inverted_elements"_a = summary.inverted_elements,
+                  "rollbacks"_a = summary.rollbacks, "balance"_a = summary.balance,
+                  "seconds"_a = summary.seconds, "threads"_a = summary.threads,
+                  "elements_per_second"_a = summary.elements_per_second, "pvd"_a = summary.pvd);
+}
+
+// ------------------------------------------------------------ columns of models --
+
+Instance& instance_named(Session& session, const std::string& name) {
+  std::string names;
+  for (const auto& instance : session.simulation().attributes().instances()) {
+    if (instance->name() == name) return *instance;
+    names += (names.empty() ? "" : ", ") + instance->name();
+  }
+  throw py::key_error("no model of this scene is named '" + name + "'; it has " + names);
+}
+
+py::list columns(Session& session) {
+  py::list list;
+  for (const auto& instance : session.simulation().attributes().instances())
+    for (const Table& table : instance->tables())
+      for (const Column& column : table.columns)
+        list.append(py::make_tuple(instance->name(), column.spec().name, table.dimension,
+                                   column.spec().components, column.spec().unit,
+                                   column.spec().doc));
+  return list;
+}
+
+py::array column(Session& session, const std::string& model, const std::string& name) {
+  Instance& instance = instance_named(session, model);
+  std::string names;
+  for (Table& table : instance.tables()) {
+    if (Column* found = table.find(name)) return session.views().of(*found);
+    for (const Column& other : table.columns)
+      names += (names.empty() ? "" : ", ") + other.spec().name;
+  }
+  throw py::key_error("model '" + model + "' has no column '" + name + "' in this run; it has " +
+                      (names.empty() ? "none" : names));
+}
+
+py::array column_cells(Session& session, const std::string& model, int dimension) {
+  if (dimension < 0 || dimension > 3)
+    throw py::value_error("dimension must be 0 (vertices), 1 (edges), 2 (faces) or 3 (elements)");
+  const CellSet& cells = instance_named(session, model).table(dimension).cells;
+  py::array_t<std::int64_t> numbers(static_cast<py::ssize_t>(cells.size()));
+  for (Index row = 0; row < cells.size(); ++row) numbers.mutable_data()[row] = cells.cell(row);
+  return numbers;
+}
+
+// --------------------------------------------------------------------- the class --
+
+template <Column& (Attributes::*column)()>
+py::array kernel_column(Session& session) {
+  return session.views().of((session.simulation().attributes().*column)());
+}
+
+py::array velocity(Session& session) {
+  session.simulation().built().dynamics().synchronise(false);
+  return kernel_column<&Attributes::velocity>(session);
+}
+
+py::array force(Session& session) {
+  session.simulation().built().dynamics().synchronise();
+  return kernel_column<&Attributes::force>(session);
+}
+
+TriangleSurface surface_of(const py::array_t<double, py::array::c_style>& points,
+                           const py::array_t<std::int64_t, py::array::c_style>& triangles) {
+  TriangleSurface surface;
+  surface.source = "the surface";
+  surface.points.resize(static_cast<std::size_t>(points.shape(0)));
+  for (std::size_t i = 0; i < surface.points.size(); ++i)
+    std::copy_n(points.data() + 3 * i, 3, surface.points[i].begin());
+  surface.triangles.resize(static_cast<std::size_t>(triangles.shape(0)));
+  for (std::size_t i = 0; i < surface.triangles.size(); ++i)
+    std::transform(triangles.data() + 3 * i, triangles.data() + 3 * i + 3,
+                   surface.triangles[i].begin(),
+                   [](std::int64_t number) { return static_cast<Index>(number); });
+  return surface;
+}
+
+/// Callbacks and force functions usually refer to the simulation that holds them.
+void collect_cycles(PyHeapTypeObject* heap_type) {
+  PyTypeObject& type = heap_type->ht_type;
+  type.tp_flags |= Py_TPFLAGS_HAVE_GC;
+  type.tp_traverse = [](PyObject* self, visitproc visit, void* arg) {
+    Py_VISIT(Py_TYPE(self));
+    // While the constructor runs there is nothing to visit.
+    auto* instance = reinterpret_cast<py::detail::instance*>(self);
+    if (instance->get_value_and_holder().holder_constructed())
+      if (const int stop = py::cast<Session&>(py::handle(self)).traverse(visit, arg)) return stop;
+    return 0;
+  };
+  type.tp_clear = [](PyObject* self) {
+    auto* instance = reinterpret_cast<py::detail::instance*>(self);
+    if (instance->get_value_and_holder().holder_constructed())
+      py::cast<Session&>(py::handle(self)).clear();
+    return 0;
+  };
+}
+
+std::unique_ptr<Session> make_session(const std::string& text, const std::filesystem::path& file,
+                                      bool is_text, const std::vector<std::string>& sets,
+                                      const py::object& mesh, bool output) {
+  return std::make_unique<Session>(
+      SessionOptions{text, file, is_text, sets, mesh_of(mesh), output});
+}
+
+/// Time and steps.
+template <class Class>
+void bind_steps(Class& session) {
+  session
+      .def("step", &Session::step, "count"_a = 1,
+           "Make up to `count` steps; return how many were made (fewer at the end of the run).")
+      .def("run_to", &Session::run_to, "time"_a,
+           "Run until the first step that begins at or after `time` (s). The lengths of steps do "
+           "not change, so the time reached may be later by less than a step.")
+      .def("_run", [](Session& s, py::object progress) { return dict_of(s.run(progress)); })
+      .def_property_readonly("time", &Session::time, "Time of the positions, s.")
+      .def_property_readonly("steps", &Session::steps, "Number of steps made.")
+      .def_property_readonly("dt", &Session::dt, "Length of the next step, s.")
+      .def_property_readonly("outcome", &Session::outcome,
+                             "How the run ended: 'finished', 'at rest' or 'unstable equilibrium'; "
+                             "None before its end.")
+      .def_property_readonly("messages", &Session::messages,
+                             "What happened so far, a list of lines: operations, rollbacks.");
+}
+
+/// Columns.
+template <class Class>
+void bind_columns(Class& session) {
+  session
+      .def_property("position", &kernel_column<&Attributes::position>, &Session::set_position,
+                    "(vertices, 3) current positions, m, relative to origin. Assigning an array "
+                    "moves the vertices; the change of energy is booked as that of an event.")
+      .def_property("velocity", &velocity, &Session::set_velocity,
+                    "(vertices, 3) velocities, m/s, at the time of the positions (with "
+                    "symplectic-euler, half a step before). Assigning an array sets them.")
+      .def_property_readonly("force", &force,
+                             "(vertices, 3) forces of models, loads and force terms at the current "
+                             "positions, N, without gravity. Costs one evaluation after a step.")
+      .def_property_readonly("rest", &kernel_column<&Attributes::rest>,
+                             "(vertices, 3) rest positions, m, relative to origin.")
+      .def_property_readonly("mass", &kernel_column<&Attributes::mass>,
+                             "(vertices,) masses, kg; 0 where a vertex was removed.")
+      .def_property_readonly("fixed", &kernel_column<&Attributes::fixed>,
+                             "(vertices,) constrained components: the sum of 1 (x), 2 (y), 4 (z).")
+      .def("columns", &columns,
+           "The columns of the models: a list of (model, name, dimension, components, unit, doc).")
+      .def("column", &column, "model"_a, "name"_a,
+           "The column of a model, by the model's name in the scene. (rows,) for one component; "
+           "(rows, components) on vertices; (blocks, 8, components) on edges, faces and elements, "
+           "row r at [r // 8, r % 8]. column_cells() says which cells the rows are. Columns with "
+           "a history, which change their memory in every step, are copies.")
+      .def("column_cells", &column_cells, "model"_a, "dimension"_a,
+           "(rows,) int64: the vertices (0), edges (1), faces (2) or elements (3) of the rows of a "
+           "model's columns.");
+}
+
+/// Cells and energies.
+template <class Class>
+void bind_cells(Class& session) {
+  session
+      .def_property_readonly(
+          "origin", [](Session& s) { return py::cast(s.simulation().origin()); },
+          "[x, y, z] of the body's own origin in the scene, m: add it to positions.")
+      .def_property_readonly(
+          "point_ids", [](Session& s) { return point_ids(s.simulation().built()); },
+          "(vertices,) int64: the mesh point of every vertex, by your number. After a cut, several "
+          "vertices have the same point.")
+      .def_property_readonly(
+          "element_ids", [](Session& s) { return element_ids(s.simulation().built()); },
+          "(elements,) int64: your number of every element.")
+      .def_property_readonly(
+          "vertex_exists", [](Session& s) { return exists(s.simulation().built(), 0); },
+          "(vertices,) bool: False where a vertex was removed or merged into another.")
+      .def_property_readonly(
+          "element_exists", [](Session& s) { return exists(s.simulation().built(), 3); },
+          "(elements,) bool: False where an element was removed.")
+      .def("_hexahedra", [](Session& s) { return hexahedra(s.simulation().built()); })
+      .def("_boundary", [](Session& s) { return boundary(s.simulation().built()); })
+      .def("energies", &energies,
+           "Energies now and works since the start, J: kinetic, elastic, potential (of gravity and "
+           "dead loads), the work of every term, prescribed (motions), models (functors without an "
+           "energy), events, dissipated, and balance, which nothing explains.")
+      .def("explain", &explain,
+           "What was built, computed and skipped, and why: a dict of done and skipped (lists of "
+           "(subject, reason)), threads, isa and dt (s).")
+      .def_property_readonly(
+          "title", [](Session& s) { return s.scene().title; }, "The title of the scene.")
+      .def_property_readonly(
+          "hash", [](Session& s) { return s.scene().hash; },
+          "Hash of what determines the results, 16 hexadecimal digits.");
+}
+
+/// What Simulation builds its events, callbacks and force terms on.
+template <class Class>
+void bind_operations(Class& session) {
+  session
+      .def("_apply", [](Session& s, const std::string& text,
+                        const std::string& name) { return result_of(s, s.apply(text, name)); })
+      .def("_cut_surface",
+           [](Session& s, const py::array_t<double, py::array::c_style>& points,
+              const py::array_t<std::int64_t, py::array::c_style>& triangles,
+              bool rest) { return result_of(s, s.cut(surface_of(points, triangles), rest)); })
+      .def("_every",
+           [](Session& s, std::uint64_t n, py::function f) { s.callbacks().add_every(n, f); })
+      .def("_at", [](Session& s, double t, py::function f) { s.callbacks().add_at(t, f); })
+      .def("_force_term", [](Session& s, const std::string& name, py::function force,
+                             std::optional<py::function> energy, std::optional<double> stiffness) {
+        return s
+            .add_term(std::make_unique<PythonTerm>(
+                PythonForce{name, std::move(force), std::move(energy), stiffness},
+                s.simulation().attributes()))
+            .report();
+      });
+}
+
+void bind_session(py::module_& module) {
+  py::class_<Session> session(module, "Simulation", py::custom_type_setup(collect_cycles));
+  session.def(py::init(&make_session), "text"_a, "file"_a, "is_text"_a, "sets"_a, "mesh"_a,
+              "output"_a);
+  bind_steps(session);
+  bind_columns(session);
+  bind_cells(session);
+  bind_operations(session);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_suture, module) {
+  add_errors(module);
+  bind_session(module);
+  py::class_<ForceReport, std::shared_ptr<ForceReport>>(
+      module, "ForceTerm", "What a force function in a simulation has cost and done.")
+      .def_readonly("name", &ForceReport::name)
+      .def_readonly("calls", &ForceReport::calls, "How often the function was called.")
+      .def_readonly("seconds", &ForceReport::seconds, "Wall-clock time spent in the function, s.")
+      .def_readonly("work", &ForceReport::work,
+                    "Work since the start, J; 0 for a force with an energy.");
+  module.attr("version") = SUTURE_VERSION;
+}
+
+}  // namespace suture::python

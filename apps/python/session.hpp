@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "apps/python/callbacks.hpp"
+#include "apps/python/views.hpp"
+#include "kernel/run/simulation.hpp"
+
+namespace suture::python {
+
+class PythonTerm;
+
+/// How a scene becomes a run.
+struct SessionOptions {
+  std::string text;            ///< of the scene, or
+  std::filesystem::path file;  ///< of the scene; for a text, its name in messages
+  bool is_text = false;
+  std::vector<std::string> sets;     ///< as --set
+  std::shared_ptr<const Mesh> mesh;  ///< that the scene does not contain; may be null
+  bool output = false;               ///< write what /output asks for
+};
+
+/// A simulation that Python holds, with everything it refers to. All functions are called with the
+/// GIL held; those that take time release it.
+///
+/// A session is used by one thread at a time and in the process that made it: other uses raise
+/// RuntimeError. An error of the run ends it: its columns can still be read.
+class Session {
+ public:
+  explicit Session(const SessionOptions& options);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  // ---- steps ----
+
+  std::uint64_t step(std::uint64_t count);
+  void run_to(double time);
+  /// Runs to the end; `progress` is called a few times a second with step, time and end.
+  RunSummary run(py::object progress);
+  double time() const { return simulation_->time(); }
+  std::uint64_t steps() const { return simulation_->step(); }
+  double dt();
+  /// How the run ended: "finished", "at rest", ...; none while it has not.
+  std::optional<std::string> outcome() const { return outcome_; }
+  const std::vector<std::string>& messages() const { return observer_.messages; }
+
+  // ---- between steps, and in callbacks ----
+
+  /// Applies the event of a JSON text, whose name in messages is `name`.
+  EventOutcome apply(const std::string& text, const std::string& name);
+  EventOutcome cut(TriangleSurface surface, bool rest_shape);
+  void set_position(const py::array& values);
+  void set_velocity(const py::array& values);
+  PythonTerm& add_term(std::unique_ptr<PythonTerm> term);
+  Callbacks& callbacks() { return observer_.callbacks; }
+  /// The simulation for reading; raises if another thread is running it.
+  Simulation& simulation();
+  Views& views() { return *views_; }
+  const Scene& scene() const { return scene_; }
+
+  int traverse(visitproc visit, void* argument);
+  void clear();
+
+ private:
+  class Running;
+  void require_steps();
+  template <class F>
+  void advance(F&& f);
+  EventOutcome apply(const Event& event);
+  void require_own_process() const;
+  void require_alive() const;
+  void warn_of_new();
+
+  unsigned forks_;  ///< of the process, when it was made
+  Diagnostics diagnostics_;
+  PluginHost host_{&diagnostics_};
+  Scene scene_;
+  std::unique_ptr<Simulation> simulation_;
+  std::unique_ptr<Views> views_;
+  Observing observer_{*this};
+  std::vector<PythonTerm*> terms_;
+  std::size_t warned_ = 0;
+  std::optional<std::string> outcome_, failure_;
+  std::optional<std::thread::id> runner_;
+};
+
+}  // namespace suture::python

@@ -1,0 +1,331 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The class Simulation: arguments, events and callbacks on top of the compiled half."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from . import _suture
+from ._scene import set_texts, source_of, to_json
+
+
+class Change(NamedTuple):
+    """What an operation changed. True if it changed anything."""
+
+    faces_cut: int
+    faces_torn: int
+    faces_sewn: int
+    elements_removed: int
+    faces: "numpy.ndarray"
+    """(k, 2) int64: the elements on both sides of every face, by the user's numbers."""
+    elements: "numpy.ndarray"
+    """(k,) int64: the elements that were removed, by the user's numbers."""
+
+    def __bool__(self):
+        return self.faces_cut + self.faces_torn + self.faces_sewn + self.elements_removed > 0
+
+
+def _without_none(**values):
+    return {key: value for key, value in values.items() if value is not None}
+
+
+def _one_of(**values):
+    given = _without_none(**values)
+    if len(given) != 1:
+        names = ", ".join(values)
+        raise TypeError(f"give exactly one of {names}; {len(given)} are given")
+    return given.popitem()
+
+
+def _surface_arrays(surface):
+    """(vertices, triangles) as checked arrays."""
+    import numpy
+
+    vertices, triangles = (numpy.asarray(part) for part in surface)
+    if vertices.ndim != 2 or vertices.shape[1] != 3:
+        raise ValueError(f"vertices must have the shape (n, 3); has {vertices.shape}")
+    if triangles.ndim != 2 or triangles.shape[1] != 3 or len(triangles) == 0:
+        raise ValueError(f"triangles must have the shape (k, 3), k > 0; has {triangles.shape}")
+    if not numpy.issubdtype(triangles.dtype, numpy.integer):
+        raise TypeError(f"triangles must be integers; their dtype is {triangles.dtype}")
+    if triangles.min() < 0 or triangles.max() >= len(vertices):
+        raise ValueError(
+            f"triangles name vertex {triangles.min() if triangles.min() < 0 else triangles.max()}; "
+            f"there are vertices 0 to {len(vertices) - 1}"
+        )
+    vertices = vertices.astype(float)
+    if not numpy.isfinite(vertices).all():
+        raise ValueError("vertices must be finite")
+    return vertices, triangles.astype(numpy.int64)
+
+
+def _take_mesh(scene, mesh):
+    """Takes a Mesh out of a dict."""
+    if isinstance(scene, Mapping) and hasattr(scene.get("mesh"), "hexahedra"):
+        if mesh is not None:
+            raise TypeError("the mesh is given twice: in the scene and as mesh=")
+        mesh = scene["mesh"]
+        scene = {key: value for key, value in scene.items() if key != "mesh"}
+    if mesh is not None and not hasattr(mesh, "element_sets"):
+        raise TypeError(f"mesh must be a suture.Mesh, is {type(mesh).__name__}; see "
+                        "Mesh(points, hexahedra) and Mesh.from_meshio()")
+    return scene, mesh
+
+
+class Surface(NamedTuple):
+    """The boundary of a body, with the lips of cuts."""
+
+    points: "numpy.ndarray"
+    """(n, 3) coordinates in the scene, m."""
+    quads: "numpy.ndarray"
+    """(k, 4) int64: numbers of points, counterclockwise as seen from outside."""
+    vertices: "numpy.ndarray"
+    """(n,) int64: the row of every point in the simulation's arrays."""
+
+
+class Simulation(_suture.Simulation):
+    """A scene that runs, step by step, under your control.
+
+    scene   path of a scene file, a dict, or a JSON text
+    set     values that replace those of the scene, as --set does: {"/solver/dt": 1e-4}
+    output  True: write the frames and tables that the scene's /output asks for, as the program
+            does; False: write nothing
+    folder  for a dict or a text: the folder that mesh, plugin and blade files are relative to
+            (default: the working folder)
+    mesh    a Mesh of arrays; the scene then has no source of a mesh. In a dict, the Mesh may also
+            be the value of "mesh"
+
+    Mistakes raise SceneError, whose attribute `mistakes` lists them all.
+
+    Arrays are views on the kernel's own memory: nothing is copied, and they follow the motion.
+    Vertex arrays have one row per vertex; an operation may append rows. An array taken before an
+    operation keeps the values of that moment; take it again from the simulation. All arrays are
+    read-only; assign to `position` or `velocity` to change the motion.
+    Positions are relative to `origin`, the lower corner of the mesh at rest.
+    """
+
+    def __init__(self, scene, set=None, *, output=False, folder=None, mesh=None):
+        scene, mesh = _take_mesh(scene, mesh)
+        text, file, is_text = source_of(scene, folder)
+        try:
+            super().__init__(text, file, is_text, set_texts(set), mesh, bool(output))
+        except _suture.SceneError as error:
+            if is_text and not isinstance(scene, str):  # a dict has no lines
+                error.mistakes = [(path, None, what) for path, _, what in error.mistakes]
+            raise
+        self._terms = []
+
+    def __repr__(self):
+        return (f"<suture.Simulation {self.title or self.hash!r}: step {self.steps}, "
+                f"t = {self.time:g} s, {len(self.element_ids)} elements>")
+
+    # ---- steps ----
+
+    def run(self, progress=False):
+        """Run to the end of the scene; return a dict that summarises the run.
+
+        progress  True: a bar of tqdm, where it is installed; or a function (step, time, end)
+
+        Ctrl-C, and an exception in a callback, stop the run between two steps; run() or step()
+        continues it.
+        """
+        if progress is not True:
+            return self._run(progress or None)
+        from ._progress import bar
+
+        with bar() as update:
+            return self._run(update)
+
+    # ---- events ----
+
+    def _operate(self, operation, what, shape=None):
+        event = {operation: what}
+        if shape is not None:
+            event["shape"] = shape
+        return Change(*self._apply(to_json(event), operation + "()"))
+
+    def cut(self, plane=None, *, surface=None, faces=None, shape=None):
+        """Cut now; return a Change.
+
+        plane    (point, normal), m, or a dict as in a scene: point, normal, radius, or polygon
+        surface  (vertices, triangles): arrays (n, 3) in m and (k, 3); or a dict as in a scene
+        faces    pairs of elements [(4, 5), ...] by the user's numbers
+        shape    "deformed" (default) or "rest": where plane and surface lie
+        """
+        kind, blade = _one_of(plane=plane, surface=surface, faces=faces)
+        if kind == "plane" and not isinstance(blade, dict):
+            point, normal = blade
+            blade = {"point": point, "normal": normal}
+        if kind == "surface" and not isinstance(blade, dict):
+            if shape not in (None, "deformed", "rest"):
+                raise ValueError(f"shape must be 'deformed' or 'rest', is {shape!r}")
+            return Change(*self._cut_surface(*_surface_arrays(blade), shape == "rest"))
+        return self._operate("cut", {kind: blade}, shape)
+
+    def pierce(self, path=None, radius=None, *, where=None, shape=None):
+        """Remove the elements around a path of points (n, 3), up to radius (m) from their
+        centroids, or those that a selection names (where); return a Change."""
+        return self._operate("pierce", _without_none(path=path, radius=radius, where=where), shape)
+
+    def tear(self, above, by="principal-strain", *, where=None, most=None):
+        """Open faces where a value exceeds a threshold; return a Change.
+
+        by  "principal-strain", "elongation" or {"model": ..., "field": ...}
+        """
+        return self._operate("tear", _without_none(by=by, above=above, where=where, most=most))
+
+    def suture(self, *, faces=None, between=None, gap=None, where=None):
+        """Sew boundary faces: pairs of elements (faces), what lies within gap (m) of each other
+        between two selections, or what was cut (where; default: everywhere); return a Change."""
+        return self._operate(
+            "suture", _without_none(faces=faces, between=between, gap=gap, where=where))
+
+    def remove_islands(self, below=None, *, outside=None):
+        """Remove whole pieces with fewer than `below` elements, or without a vertex in a box
+        ({"box": {"min", "max"}}); return a Change."""
+        return self._operate("remove_islands", _without_none(below=below, outside=outside))
+
+    # ---- callbacks ----
+
+    def every(self, steps):
+        """Decorator: call the function with the simulation after every `steps` steps.
+
+        It may read everything and apply events, not make steps. An exception stops the run
+        between two steps and reaches the caller; the simulation stays usable.
+        """
+        if int(steps) != steps or steps < 1:
+            raise ValueError(f"steps must be a whole number >= 1, is {steps!r}")
+
+        def add(function):
+            self._every(int(steps), function)
+            return function
+
+        return add
+
+    def at(self, time):
+        """Decorator: call the function once, before the first step that begins at or after
+        `time` (s). The lengths of steps do not change."""
+
+        def add(function):
+            self._at(float(time), function)
+            return function
+
+        return add
+
+    # ---- forces ----
+
+    def force_term(self, function=None, *, energy=None, stiffness=None, name=None):
+        """Decorator: a force on the vertices that the function computes.
+
+            @sim.force_term(energy=lambda x, t: 5 * (x[:, 1] ** 2).sum())
+            def pull(x, v, t, f):
+                f[:, 1] -= 10 * x[:, 1]
+
+        x, v       (n, 3) positions (m, relative to origin) and velocities (m/s)
+        t          time, s
+        f          (n, 3) forces in N, zero at first: add to it
+
+        energy     function (x, t) that returns its energy in J; the force is then taken to be
+                   conservative. Without it, its work is booked from the forces at both ends of
+                   every step, under its name in energies().
+        stiffness  bound on its stiffness per vertex, N/m, for the stable step; 0 for a force that
+                   does not depend on the positions. Without it, the kernel finds the stiffness by
+                   differences of the force: some 100 calls in every search of the stable step.
+        name       default: that of the function
+
+        The cost is one call per step, and two for each product with the tangent where the solver
+        is implicit; sim.force_terms says how much was spent. The function must give the same force
+        in the same state.
+        """
+        if stiffness is not None and not 0 <= stiffness < float("inf"):
+            raise ValueError(f"stiffness must be finite and >= 0 N/m, is {stiffness!r}")
+
+        def add(force):
+            title = name or getattr(force, "__name__", "force")
+            if title in self.energies():
+                raise ValueError(f"energies() already has an entry {title!r}; give another name")
+            self._terms.append(self._force_term(title, force, energy, stiffness))
+            return force
+
+        return add if function is None else add(function)
+
+    @property
+    def force_terms(self):
+        """The ForceTerm objects of the force functions, with name, calls, seconds and work."""
+        return tuple(self._terms)
+
+    # ---- the body as it is now ----
+
+    def mesh(self):
+        """The elements that exist, at their current positions in the scene, as a Mesh of copies.
+
+        point_arrays["vertex"] and element_arrays["element"] hold the rows in the simulation's
+        arrays; point_ids and element_ids there give your numbers.
+        """
+        import numpy
+
+        from ._mesh import Mesh, without_unused
+
+        points, cells, used = without_unused(self.position + self.origin, self._hexahedra())
+        return Mesh(points, cells, point_arrays={"vertex": used},
+                    element_arrays={"element": numpy.flatnonzero(self.element_exists)})
+
+    def surface(self):
+        """The boundary, cuts included, at the current positions: a Surface of copies."""
+        from ._mesh import without_unused
+
+        return Surface(*without_unused(self.position + self.origin, self._boundary()))
+
+    def _fields(self, rows, more):
+        fields = {"displacement": (self.position - self.rest)[rows],
+                  "velocity": self.velocity[rows]}
+        for name, values in (more or {}).items():
+            if len(values) != len(self.rest):
+                raise ValueError(f"{name!r} must have one row per vertex, {len(self.rest)}; has "
+                                 f"{len(values)}")
+            fields[name] = values[rows]
+        return fields
+
+    def to_vtk(self, fields=None):
+        """A vtkUnstructuredGrid of the elements that exist, with displacement and velocity.
+
+        fields  {name: values}, (vertices,) or (vertices, components), to add
+
+        The arrays of mesh() become VTK's without another copy. Needs python3-vtk9.
+        """
+        from ._vtk import unstructured_grid
+
+        mesh = self.mesh()
+        rows = mesh.point_arrays["vertex"].astype(int)
+        return unstructured_grid(
+            mesh.points, mesh.hexahedra, self._fields(rows, fields),
+            {"element_id": self.element_ids[mesh.element_arrays["element"].astype(int)]})
+
+    def picture(self, file, field="displacement", size=(800, 600), edges=True,
+                direction=(1, 0.7, 2)):
+        """Render the surface off screen into a PNG file, coloured by the magnitude of a field
+        ("displacement", "velocity", an array of one row per vertex, or None), as seen from
+        `direction`. Needs python3-vtk9 and an X display, which xvfb-run provides where there is
+        none."""
+        from ._vtk import picture, poly_data
+
+        surface = self.surface()
+        more = None
+        if not (field is None or isinstance(field, str)):
+            more, field = {"field": field}, "field"
+        fields = self._fields(surface.vertices, more)
+        if field is not None and field not in fields:
+            raise ValueError(f"field must be one of {', '.join(fields)}, an array or None; "
+                             f"is {field!r}")
+        picture(poly_data(surface.points, surface.quads, fields), file, size, field, edges,
+                direction)
+
+    def record(self, steps, energies=True, **functions):
+        """Record a row now and after every `steps` steps: energies(), and functions of the
+        simulation by name, such as tip=lambda sim: sim.position[12]. Returns the Record, which
+        has plot()."""
+        from ._record import Record
+
+        for name in functions:
+            if name == "time" or (energies and name in self.energies()):
+                raise ValueError(f"the record already has {name!r}; give another name")
+        return Record(self, steps, energies, functions)

@@ -1,0 +1,378 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Studies: many runs of one scene with other values, one process per run.
+
+    python3 -m suture._sweep STUDY.json      what `suture sweep` executes
+"""
+
+import argparse
+import csv
+import hashlib
+import io
+import itertools
+import json
+import math
+import multiprocessing
+import os
+import sys
+import time
+from multiprocessing import connection
+from pathlib import Path
+
+from ._scene import is_text, to_json
+
+
+def _require_pointers(parameters, where):
+    for pointer in parameters:
+        if not (isinstance(pointer, str) and pointer.startswith("/")):
+            raise ValueError(f"{where}: {pointer!r} must be a JSON pointer into the scene, such as "
+                             "'/models/0/parameters/E'")
+
+
+def grid(parameters):
+    """All combinations of {pointer: [values]}; the last parameter varies fastest."""
+    _require_pointers(parameters, "grid")
+    return [dict(zip(parameters, values)) for values in itertools.product(*parameters.values())]
+
+
+def latin_hypercube(ranges, runs, seed=0, log=()):
+    """`runs` points in {pointer: (low, high)}: each of `runs` equal parts of every range (of its
+    logarithm, for the pointers in `log`) is used once."""
+    import numpy
+
+    _require_pointers(ranges, "latin_hypercube")
+    unknown = set(log) - set(ranges)
+    if unknown:
+        raise ValueError(f"latin_hypercube: log names {sorted(unknown)}, which have no range")
+    random = numpy.random.default_rng(seed)
+    columns = {}
+    for pointer, (low, high) in ranges.items():
+        if not (math.isfinite(low) and math.isfinite(high) and low < high):
+            raise ValueError(f"latin_hypercube: the range of {pointer} must be two numbers, low < "
+                             f"high; is {[low, high]}")
+        if pointer in log and low <= 0:
+            raise ValueError(f"latin_hypercube: the logarithmic range of {pointer} must be > 0")
+        part = (random.permutation(runs) + random.random(runs)) / runs
+        if pointer in log:
+            columns[pointer] = low * (high / low) ** part
+        else:
+            columns[pointer] = low + (high - low) * part
+    return [{pointer: float(values[i]) for pointer, values in columns.items()}
+            for i in range(runs)]
+
+
+def _points(parameters):
+    """The list of values of each run: a dict is a grid, anything else a list of dicts."""
+    points = grid(parameters) if isinstance(parameters, dict) else [dict(p) for p in parameters]
+    if not points:
+        raise ValueError("the study has no run: give at least one value of every parameter")
+    for point in points:
+        _require_pointers(point, "parameters")
+    return points
+
+
+class Results:
+    """The table of a study.
+
+    results["tip"]   the values of a column, as an array (NaN where a run has none)
+    results.rows     a list of dicts, one per run
+    results.file     results.csv
+    """
+
+    def __init__(self, rows, file):
+        self.rows = rows
+        self.file = file
+
+    @property
+    def columns(self):
+        return list(dict.fromkeys(itertools.chain.from_iterable(self.rows)))
+
+    def __len__(self):
+        return len(self.rows)
+
+    def __getitem__(self, column):
+        import numpy
+
+        if column not in self.columns:
+            raise KeyError(f"no run has {column!r}; the columns are {', '.join(self.columns)}")
+        return numpy.array([row.get(column, math.nan) for row in self.rows])
+
+
+# -------------------------------------------------------------------- one run --
+
+
+def _write(file, text):
+    """The file appears complete or not at all."""
+    part = file.with_name(f".{file.name}.{os.getpid()}")
+    part.write_text(text)
+    part.replace(file)
+
+
+def _last_probes(folder):
+    """The last row of probes.csv, if the scene has probes."""
+    file = folder / "probes.csv"
+    if not file.exists():
+        return {}
+    with open(file, newline="") as table:
+        header, *_, last = csv.reader(table)
+    return {name: float(value) for name, value in list(zip(header, last))[2:]}
+
+
+class _Study:
+    def __init__(self, scene, points, sets, folder, measure, output):
+        self.points = points
+        self.folder = Path(folder)
+        self.measure = measure
+        self.output = output
+        # One thread per run: the runs are what is parallel.
+        self.sets = {"/solver/threads": 1, **(sets or {})}
+        _require_pointers(self.sets, "set")
+        is_file = not isinstance(scene, dict) and not is_text(scene)
+        self.scene = Path(scene).resolve() if is_file else scene
+        if is_file:
+            self.text = self.scene.read_text()
+        else:
+            self.text = scene if isinstance(scene, str) else to_json(scene)
+
+    def run_folder(self, number):
+        return self.folder / "runs" / f"{number:04d}"
+
+    def key(self, number):
+        """What determines the results of a run, except for the function that measures."""
+        from . import __version__
+
+        parts = [__version__, self.text, to_json(self.sets), to_json(self.points[number]),
+                 getattr(self.measure, "__qualname__", ""), str(self.output)]
+        return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:16]
+
+    def finished(self, number):
+        """The result of a run, or None."""
+        try:
+            result = json.loads((self.run_folder(number) / "result.json").read_text())
+        except (OSError, ValueError):
+            return None
+        return result if result.get("key") == self.key(number) else None
+
+    def run(self, number):
+        """Makes a run and writes its result. The working folder becomes that of the study."""
+        from . import Error, Simulation, __version__
+
+        folder = self.run_folder(number)
+        folder.mkdir(parents=True, exist_ok=True)
+        result = {"key": self.key(number), "suture": __version__}
+        start = time.monotonic()
+        try:
+            base = None if isinstance(self.scene, Path) else os.getcwd()
+            sets = {**self.sets, **self.points[number]}
+            os.chdir(self.folder)
+            if self.output:
+                sets["/output/directory"] = str(folder.relative_to(self.folder))
+            sim = Simulation(self.scene, sets, output=self.output, folder=base)
+            result["scene_hash"] = sim.hash
+            if self.measure is None:
+                sim.run()
+                values = sim.energies()
+            else:
+                values = dict(self.measure(sim))
+            values.update({} if not self.output else _last_probes(folder))
+            result.update(outcome=sim.outcome or "stopped", steps=sim.steps, time=sim.time,
+                          values=json.loads(to_json(values)))
+        except Error as error:
+            result.update(outcome="failed", error=str(error))
+        result["seconds"] = round(time.monotonic() - start, 3)
+        _write(folder / "result.json", to_json(result, indent=1))
+
+    def row(self, number):
+        result = self.finished(number) or {"outcome": "failed", "error": "the process ended early"}
+        values = result.pop("values", {})
+        result.pop("key", None)
+        return {"run": number, **self.points[number], **values, **result}
+
+
+def _run_in_child(study, number):
+    try:
+        study.run(number)
+    except KeyboardInterrupt:
+        os._exit(130)
+
+
+# ------------------------------------------------------------------ all runs --
+
+
+def _run_all(study, numbers, jobs, report):
+    """At most `jobs` processes at once; Ctrl-C ends them, and finished runs stay."""
+    # Forked, so that functions of a notebook need not be importable.
+    context = multiprocessing.get_context("fork")
+    waiting, running, done = list(reversed(numbers)), {}, 0
+    try:
+        while waiting or running:
+            while waiting and len(running) < jobs:
+                process = context.Process(target=_run_in_child, args=(study, waiting.pop()))
+                process.start()
+                running[process.sentinel] = process
+            for sentinel in connection.wait(list(running)):
+                running.pop(sentinel).join()
+                done += 1
+                report(done, len(numbers))
+    finally:
+        for process in running.values():
+            process.terminate()
+            process.join()
+
+
+def _write_tables(results):
+    text = io.StringIO()
+    table = csv.DictWriter(text, results.columns, lineterminator="\n")
+    table.writeheader()
+    table.writerows(results.rows)
+    _write(results.file, text.getvalue())
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        return
+    columns = {name: [row.get(name) for row in results.rows] for name in results.columns}
+    pyarrow.parquet.write_table(pyarrow.table(columns), results.file.with_suffix(".parquet"))
+
+
+def sweep(scene, parameters, jobs=None, *, measure=None, set=None, folder="sweep", output=False,
+          report=None):
+    """Run a scene once for every point of a study; return the Results.
+
+    scene       path, dict or JSON text
+    parameters  {pointer: [values]} for all combinations, or a list of {pointer: value}, such as
+                latin_hypercube() gives
+    jobs        processes at once (default: one per core); every run has one thread
+    measure     function of a Simulation that runs it and returns {name: value}; default: run to
+                the end and return energies()
+    set         values for all runs
+    folder      where the study is kept: results.csv, results.parquet (with pyarrow), and
+                runs/NNNN/result.json of every run. Runs that have a result are not repeated, unless
+                the scene, the values or the name of `measure` changed
+    output      True: each run writes its frames and tables to its folder, and the last row of
+                probes.csv is part of its results
+    report      function (done, all), called after every run
+    """
+    points = _points(parameters)
+    study = _Study(scene, points, set, Path(folder).resolve(), measure, output)
+    missing = [i for i in range(len(points)) if study.finished(i) is None]
+    _run_all(study, missing, jobs or os.cpu_count() or 1, report or (lambda done, every: None))
+    results = Results([study.row(i) for i in range(len(points))], study.folder / "results.csv")
+    study.folder.mkdir(parents=True, exist_ok=True)
+    _write_tables(results)
+    return results
+
+
+# ----------------------------------------------------------- the command line --
+
+_keys = {"scene", "set", "grid", "list", "latin_hypercube", "folder", "output", "jobs"}
+
+_job = """#!/bin/bash
+#SBATCH --job-name={name}
+#SBATCH --array=0-{last}
+#SBATCH --cpus-per-task=1
+# On a cluster: sbatch {script}
+# On one machine: seq 0 {last} | parallel bash {script}
+# Afterwards `suture sweep {study}` writes the table; it repeats nothing.
+exec {command} --run "${{SLURM_ARRAY_TASK_ID:-$1}}"
+"""
+
+
+def _read_study(file):
+    file = Path(file)
+    try:
+        study = json.loads(file.read_text())
+    except ValueError as error:
+        raise ValueError(f"{file}: {error}") from None
+    if not isinstance(study, dict):
+        raise ValueError(f"{file}: a study is one JSON object")
+    for key in sorted(set(study) - _keys):
+        raise ValueError(f"{file}: unknown key {key!r}; a study has {', '.join(sorted(_keys))}")
+    if "scene" not in study:
+        raise ValueError(f"{file}: 'scene' is missing: the path of the scene, relative to the study")
+    kinds = [key for key in ("grid", "list", "latin_hypercube") if key in study]
+    if len(kinds) != 1:
+        raise ValueError(f"{file}: give exactly one of 'grid', 'list' and 'latin_hypercube'")
+    values = study[kinds[0]]
+    try:
+        points = latin_hypercube(**values) if kinds[0] == "latin_hypercube" else _points(values)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{file}: /{kinds[0]}: {error}") from None
+    scene = study["scene"]
+    if isinstance(scene, str):
+        scene = file.parent / scene
+    return {"scene": scene, "parameters": points, "set": study.get("set"),
+            "folder": file.parent / study.get("folder", file.stem),
+            "output": study.get("output", True), "jobs": study.get("jobs")}
+
+
+def _show(done, every):
+    sys.stderr.write(f"\r{done} of {every} runs" if sys.stderr.isatty() else
+                     f"{done} of {every} runs\n" if done in (1, every) else "")
+    sys.stderr.flush()
+
+
+def _arguments(words):
+    parser = argparse.ArgumentParser("suture sweep", description="Run all runs of a study.")
+    parser.add_argument("study", help="JSON file: scene, set, one of grid, list and "
+                                      "latin_hypercube, folder, output, jobs")
+    parser.add_argument("--jobs", type=int, help="processes at once (default: one per core)")
+    parser.add_argument("--run", type=int, help="make this run only, from 0")
+    parser.add_argument("--slurm", metavar="FILE",
+                        help="write a job script for Slurm arrays and GNU parallel; run nothing")
+    return parser.parse_args(words)
+
+
+def _write_job(options, count, file):
+    command = f"{sys.executable} -m suture._sweep {Path(options.study).resolve()}"
+    path = os.environ.get("PYTHONPATH")
+    if path:
+        command = f"env PYTHONPATH={path} {command}"
+    _write(Path(file), _job.format(name=Path(options.study).stem, last=count - 1, script=file,
+                                   study=options.study, command=command))
+
+
+def main(words=None):
+    options = _arguments(words)
+    study = _read_study(options.study)
+    count = len(study["parameters"])
+    if options.slurm:
+        _write_job(options, count, options.slurm)
+        print(f"{count} runs; submit with: sbatch {options.slurm}")
+        return 0
+    if options.run is not None:
+        if not 0 <= options.run < count:
+            raise ValueError(f"--run {options.run}: the study has runs 0 to {count - 1}")
+        one = _Study(study["scene"], study["parameters"], study["set"], study["folder"].resolve(),
+                     None, study["output"])
+        if one.finished(options.run) is None:
+            one.run(options.run)
+        return 0
+    if options.jobs is not None and options.jobs < 1:
+        raise ValueError("--jobs must be at least 1")
+    study["jobs"] = options.jobs or study["jobs"]
+    results = sweep(**study, report=_show)
+    if sys.stderr.isatty():
+        sys.stderr.write("\r\033[K")
+    failed = [row for row in results.rows if row["outcome"] == "failed"]
+    plural = "" if len(results) == 1 else "s"
+    print(f"{len(results)} run{plural}, {len(failed)} failed; {results.file}")
+    for row in failed[:10]:
+        print(f"  run {row['run']}: {str(row['error']).splitlines()[0]}")
+    return 5 if failed else 0
+
+
+def _guarded():
+    from . import Error
+
+    try:
+        return main()
+    except KeyboardInterrupt:
+        print("suture: stopped; the same command continues the study", file=sys.stderr)
+        return 130
+    except (Error, OSError, ValueError) as error:
+        print(f"suture: error: {error}", file=sys.stderr)
+        return 6 if isinstance(error, OSError) else 3
+
+
+if __name__ == "__main__":
+    sys.exit(_guarded())

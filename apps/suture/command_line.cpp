@@ -96,6 +96,7 @@ struct Parser {
   CheckModelCommand check_model;
   NewModelCommand new_model;
   ModesCommand modes;
+  SweepCommand sweep;
   DescribeCommand describe;
   MeshInfoCommand info;
   MeshConvertCommand convert;
@@ -154,6 +155,7 @@ struct Parser {
     add_skip(*explain_app, explain.skip);
     explain_app->callback([this] { line.command = explain; });
 
+    add_sweep(*app.add_subcommand("sweep", "run a scene many times with other values"));
     add_modes(*app.add_subcommand("modes", "find natural frequencies and mode shapes"));
 
     auto* replay_app = app.add_subcommand(
@@ -166,6 +168,21 @@ struct Parser {
     replay_app->callback([this] { line.command = replay; });
   }
 
+  void add_sweep(CLI::App& sub) {
+    sub.add_option("study", sweep.study,
+                   "JSON file: scene, set, folder, output, jobs, and one of grid, list and "
+                   "latin_hypercube (docs/python.md)")
+        ->required();
+    sub.add_option_function<std::string>(
+           "--jobs",
+           [this](const std::string& n) { sweep.jobs = whole_number("--jobs", n, 1, 10000); },
+           "processes at once; default: one per core")
+        ->type_name("N");
+    sub.add_option("--slurm", sweep.slurm,
+                   "write a job script for Slurm arrays and GNU parallel; run nothing")
+        ->type_name("FILE");
+    sub.callback([this] { line.command = sweep; });
+  }
   void add_modes(CLI::App& sub) {
     add_scene(sub, modes.scene, modes.sets);
     sub.add_option_function<std::string>(

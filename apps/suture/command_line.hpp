@@ -51,6 +51,11 @@ struct ModesCommand {
   unsigned count = 10;
   bool at_equilibrium = false, names_folder = false;
 };
+struct SweepCommand {
+  std::filesystem::path study;
+  unsigned jobs = 0;            ///< 0: as the study says, or one per core
+  std::filesystem::path slurm;  ///< "": run
+};
 struct ModelsCommand {};
 struct SchemaCommand {};
 struct DescribeCommand {
@@ -83,9 +88,9 @@ struct TextCommand {
 struct CommandLine {
   bool quiet = false, verbose = false;
   std::variant<RunCommand, CheckCommand, ExplainCommand, CheckModelCommand, NewModelCommand,
-               ReplayCommand, ModesCommand, ModelsCommand, DescribeCommand, SchemaCommand,
-               MeshInfoCommand, MeshConvertCommand, MeshBoxCommand, MeshVoxelizeCommand,
-               TextCommand>
+               ReplayCommand, ModesCommand, SweepCommand, ModelsCommand, DescribeCommand,
+               SchemaCommand, MeshInfoCommand, MeshConvertCommand, MeshBoxCommand,
+               MeshVoxelizeCommand, TextCommand>
       command;
 };
 

@@ -20,6 +20,7 @@ struct Dispatch {
   int operator()(const CheckModelCommand& command) const { return check_model(command, console); }
   int operator()(const ReplayCommand& command) const { return replay(command, console); }
   int operator()(const ModesCommand& command) const { return modes(command, console); }
+  int operator()(const SweepCommand& command) const { return sweep(command, console); }
   int operator()(const ModelsCommand& command) const { return models(command, console); }
   int operator()(const DescribeCommand& command) const { return describe(command, console); }
   int operator()(const SchemaCommand& command) const { return schema(command, console); }

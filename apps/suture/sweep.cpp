@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Studies are run by the Python module, whose processes are the runs.
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <vector>
+
+#include "apps/suture/commands.hpp"
+#include "kernel/base/error.hpp"
+#include "kernel/base/module.hpp"
+
+namespace suture {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The folder that contains the package `suture`: in the build tree or in an installation.
+fs::path python_folder() {
+  const fs::path prefix = own_prefix();
+  for (const fs::path& folder : {prefix / "python", prefix / SUTURE_INSTALL_PYTHONDIR}) {
+    std::error_code failed;
+    if (fs::exists(folder / "suture" / "_sweep.py", failed)) return folder;
+  }
+  throw IoError("the Python module of Suture is missing below " + prefix.string() +
+                "; build Suture with python3-dev, python3-numpy and pybind11-dev");
+}
+
+void prepend_python_path(const fs::path& folder) {
+  const char* others = std::getenv("PYTHONPATH");
+  const std::string path = folder.string() + (others != nullptr ? ":" + std::string(others) : "");
+  ::setenv("PYTHONPATH", path.c_str(), 1);
+}
+
+}  // namespace
+
+int sweep(const SweepCommand& command, Console&) {
+  prepend_python_path(python_folder());
+  std::vector<std::string> words{SUTURE_PYTHON, "-m", "suture._sweep", command.study.string()};
+  if (command.jobs > 0) words.insert(words.end(), {"--jobs", std::to_string(command.jobs)});
+  if (!command.slurm.empty()) words.insert(words.end(), {"--slurm", command.slurm.string()});
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  ::execv(SUTURE_PYTHON, arguments.data());
+  throw IoError("cannot start " SUTURE_PYTHON ": " + std::string(std::strerror(errno)));
+}
+
+}  // namespace suture

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Studies: points, runs in processes, tables, and their continuation."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import suture
+from scenes import bar
+
+E = "/models/0/parameters/E"
+
+
+def tip(sim):
+    sim.run()
+    return {"tip": sim.position[:, 1].min()}
+
+
+class Points(unittest.TestCase):
+    def test_a_grid(self):
+        points = suture.grid({"/a": [1, 2], "/b": [3, 4, 5]})
+        self.assertEqual(points[:4], [{"/a": 1, "/b": 3}, {"/a": 1, "/b": 4}, {"/a": 1, "/b": 5},
+                                      {"/a": 2, "/b": 3}])
+
+    def test_a_latin_hypercube_uses_each_part_once(self):
+        points = suture.latin_hypercube({"/a": (10, 20), "/b": (1, 1e4)}, 50, seed=3, log=["/b"])
+        parts = np.array([[(p["/a"] - 10) / 10, np.log10(p["/b"]) / 4] for p in points]) * 50
+        for column in parts.T:
+            self.assertEqual(sorted(column.astype(int)), list(range(50)))
+        again = suture.latin_hypercube({"/a": (10, 20), "/b": (1, 1e4)}, 50, seed=3, log=["/b"])
+        self.assertEqual(points, again)
+
+    def test_bad_points(self):
+        for make, text in [
+            (lambda: suture.grid({"a": [1]}), "JSON pointer"),
+            (lambda: suture.latin_hypercube({"/a": (2, 1)}, 5), "low < high"),
+            (lambda: suture.latin_hypercube({"/a": (0, 1)}, 5, log=["/a"]), "> 0"),
+            (lambda: suture.latin_hypercube({"/a": (0, 1)}, 5, log=["/b"]), "no range"),
+            (lambda: suture.sweep(bar(), {"/a": []}), "no run"),
+        ]:
+            with self.assertRaisesRegex(ValueError, text):
+                make()
+
+
+class InFolder(unittest.TestCase):
+    def setUp(self):
+        self.before = os.getcwd()
+        self.folder = tempfile.TemporaryDirectory()
+        os.chdir(self.folder.name)
+
+    def tearDown(self):
+        os.chdir(self.before)
+        self.folder.cleanup()
+
+
+class Runs(InFolder):
+    def test_results_are_those_of_single_runs(self):
+        stiffness = [5e4, 1e5, 2e5, 4e5, 8e5]
+        results = suture.sweep(bar(), {E: stiffness}, 2, measure=tip, folder="study")
+        np.testing.assert_array_equal(results[E], stiffness)
+        alone = [tip(suture.Simulation(bar(), {E: e}))["tip"] for e in stiffness]
+        np.testing.assert_array_equal(results["tip"], alone)
+        with open("study/results.csv") as table:
+            rows = list(csv.DictReader(table))
+        self.assertEqual([float(row["tip"]) for row in rows], alone)
+        self.assertEqual({row["outcome"] for row in rows}, {"finished"})
+        self.assertEqual(len({row["scene_hash"] for row in rows}), 5)
+        self.assertEqual({row["suture"] for row in rows}, {suture.__version__})
+        with self.assertRaisesRegex(KeyError, "the columns are run, "):
+            results["top"]
+
+    def test_a_local_function_and_energies(self):
+        floor = -0.1
+        results = suture.sweep(bar(), [{E: 1e5}], measure=lambda sim: {"floor": floor})
+        self.assertEqual(results["floor"], [floor])
+        results = suture.sweep(bar(), [{E: 1e5}], folder="other")
+        self.assertGreater(results["gravity"][0], 0)
+
+    def test_finished_runs_are_not_repeated(self):
+        made = []
+
+        def report(done, every):
+            made.append((done, every))
+
+        suture.sweep(bar(), {E: [1e5, 2e5]}, 1, measure=tip, report=report)
+        suture.sweep(bar(), {E: [1e5, 2e5, 3e5]}, 1, measure=tip, report=report)
+        self.assertEqual(made, [(1, 2), (2, 2), (1, 1)])
+        suture.sweep(bar(end=0.01), {E: [1e5]}, 1, measure=tip, report=report)
+        self.assertEqual(made[3:], [(1, 1)])  # another scene
+
+    def test_failed_runs_are_rows_too(self):
+        results = suture.sweep(bar(), {"/solver/dt": [1e-4, -1, 1e-5]}, 2,
+                               measure=lambda sim: {"t": sim.step() and sim.time})
+        self.assertEqual([row["outcome"] for row in results.rows],
+                         ["stopped", "failed", "stopped"])
+        self.assertIn("must be > 0 s", results.rows[1]["error"])
+        np.testing.assert_allclose(results["t"][[0, 2]], [1e-4, 1e-5])
+
+    def test_a_process_that_dies_is_repeated_next_time(self):
+        def fragile(sim):
+            if not os.path.exists("../born"):
+                os._exit(9)
+            return {"x": 1}
+
+        results = suture.sweep(bar(), {E: [1e5]}, measure=fragile)
+        self.assertEqual(results.rows[0]["error"], "the process ended early")
+        Path("born").touch()
+        os.makedirs("sweep", exist_ok=True)
+        self.assertEqual(suture.sweep(bar(), {E: [1e5]}, measure=fragile)["x"], [1])
+
+
+class CommandLine(InFolder):
+    def sweep(self, *words, **options):
+        return subprocess.run([os.environ["SUTURE_PROGRAM"], "sweep", *words], text=True,
+                              capture_output=True, **options)
+
+    def study(self, **more):
+        scene = bar((2, 1, 1), output={"probes": {"every_steps": 50, "at": [
+            {"name": "tip", "point": [3, 1, 1], "fields": ["displacement"]}]}})
+        Path("bar.json").write_text(json.dumps(scene))
+        study = {"scene": "bar.json", "folder": "out", "grid": {E: [1e5, 2e5]}, **more}
+        Path("study.json").write_text(json.dumps(
+            {key: value for key, value in study.items() if value is not None}))
+
+    def test_a_study(self):
+        self.study()
+        done = self.sweep("study.json", "--jobs", "2")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("2 runs, 0 failed", done.stdout)
+        with open("out/results.csv") as table:
+            rows = list(csv.DictReader(table))
+        found = [float(row["tip displacement y [m]"]) for row in rows]
+        sims = [suture.Simulation("bar.json", {E: e}) for e in (1e5, 2e5)]
+        for sim, value in zip(sims, found):
+            sim.run()
+            corner = np.argmax(sim.rest.sum(axis=1))
+            self.assertEqual(value, (sim.position - sim.rest)[corner, 1])
+
+    def test_a_job_script_makes_the_same_study(self):
+        self.study()
+        done = self.sweep("study.json", "--slurm", "job.sh")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertFalse(os.path.exists("out"))
+        self.assertIn("--array=0-1", Path("job.sh").read_text())
+        for number in "01":
+            environment = {**os.environ, "SLURM_ARRAY_TASK_ID": number}
+            subprocess.run(["bash", "job.sh"], check=True, env=environment)
+        written = os.stat("out/runs/0001/result.json").st_mtime_ns
+        self.assertEqual(self.sweep("study.json").returncode, 0)
+        self.assertEqual(os.stat("out/runs/0001/result.json").st_mtime_ns, written)
+        self.assertTrue(os.path.exists("out/results.csv"))
+
+    def test_mistakes(self):
+        cases = [
+            (dict(gird={}), "unknown key 'gird'"),
+            (dict(grid=None), "exactly one of 'grid', 'list'"),
+            (dict(grid={"E": [1]}), "/grid: .*JSON pointer"),
+            (dict(grid=None, latin_hypercube={"ranges": {E: [1, 2]}}), "/latin_hypercube: .*runs"),
+            (dict(scene=None), "'scene' is missing"),
+            (dict(scene="nowhere.json"), "nowhere.json"),
+        ]
+        for more, text in cases:
+            with self.subTest(text):
+                self.study(**more)
+                done = self.sweep("study.json")
+                self.assertNotEqual(done.returncode, 0)
+                self.assertRegex(done.stderr, text)
+                self.assertNotIn("Traceback", done.stderr)
+        self.study(grid={E: [-1]})
+        done = self.sweep("study.json")
+        self.assertEqual(done.returncode, 5)
+        self.assertIn("1 run, 1 failed", done.stdout)
+
+    def test_control_c_and_on(self):
+        self.study(set={"/solver/dt": 1e-6, "/solver/end": 0.3, "/output": False}, output=False,
+                   grid={E: [1e5 + i for i in range(8)]})
+        process = subprocess.Popen([os.environ["SUTURE_PROGRAM"], "sweep", "study.json"],
+                                   stderr=subprocess.PIPE, text=True, start_new_session=True)
+        deadline = time.monotonic() + 20
+        while not list(Path(".").glob("out/runs/*/result.json")):
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.02)
+        os.killpg(process.pid, signal.SIGINT)
+        _, said = process.communicate()
+        self.assertEqual(process.returncode, 130, said)
+        self.assertIn("the same command continues", said)
+        self.assertLess(len(list(Path(".").glob("out/runs/*/result.json"))), 8)
+
+
+if __name__ == "__main__":
+    unittest.main()

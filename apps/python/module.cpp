@@ -25,7 +25,7 @@ py::tuple result_of(Session& session, const EventOutcome& outcome) {
 }
 
 py::dict energies(Session& session) {
-  Simulation& simulation = session.simulation();
+  Simulation& simulation = session.between_steps();
   const EnergyBalance balance = simulation.built().dynamics().balance();
   py::dict result("kinetic"_a = balance.kinetic, "elastic"_a = balance.elastic,
                   "potential"_a = suture::energies(simulation.built().dynamics()).external);
@@ -39,7 +39,7 @@ py::dict energies(Session& session) {
 }
 
 py::dict explain(Session& session) {
-  Simulation& simulation = session.simulation();
+  Simulation& simulation = session.between_steps();
   py::list done, skipped;
   for (const Decision& decision : simulation.decisions())
     (decision.skipped ? skipped : done).append(py::make_tuple(decision.subject, decision.reason));
@@ -109,12 +109,12 @@ py::array kernel_column(Session& session) {
 }
 
 py::array velocity(Session& session) {
-  session.simulation().built().dynamics().synchronise(false);
+  session.between_steps().built().dynamics().synchronise(false);
   return kernel_column<&Attributes::velocity>(session);
 }
 
 py::array force(Session& session) {
-  session.simulation().built().dynamics().synchronise();
+  session.between_steps().built().dynamics().synchronise();
   return kernel_column<&Attributes::force>(session);
 }
 

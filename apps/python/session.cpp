@@ -105,11 +105,26 @@ void Session::require_alive() const {
 }
 
 Simulation& Session::simulation() {
-  if (runner_ && (*runner_ != std::this_thread::get_id() || !observer_.in_callback))
+  // On the thread of the run, Python runs in callbacks and force functions only.
+  if (runner_ && *runner_ != std::this_thread::get_id())
     throw std::runtime_error(
         "this simulation is running in another thread; wait for it, or read it in a callback "
         "(Simulation.every)");
   return *simulation_;
+}
+
+Simulation& Session::between_steps() {
+  Simulation& checked = simulation();
+  if (runner_ && !observer_.in_callback)
+    throw std::runtime_error(
+        "not possible in a force function, which is called within a step; use its arguments x, v "
+        "and t, and a callback (Simulation.every) for operations");
+  return checked;
+}
+
+const std::vector<std::string>& Session::messages() {
+  simulation();
+  return observer_.messages;
 }
 
 /// Warnings of the kernel become those of Python, which may turn them into exceptions.
@@ -146,21 +161,21 @@ void Session::advance(F&& f) {
   warn_of_new();
 }
 
+void Session::pause_at(const Pause& pause) {
+  std::optional<RunSummary::Outcome> outcome;
+  advance([&] { outcome = simulation_->advance(pause, observer_); });
+  if (outcome) outcome_ = name_of(*outcome);
+}
+
 std::uint64_t Session::step(std::uint64_t count) {
   const std::uint64_t before = simulation_->step();
-  advance([&] {
-    const auto outcome = simulation_->advance({{}, count}, observer_);
-    if (outcome && !observer_.failure) outcome_ = name_of(*outcome);
-  });
+  pause_at({{}, count});
   return simulation_->step() - before;
 }
 
 void Session::run_to(double time) {
   if (std::isnan(time)) throw py::value_error("run_to() needs a time in s; it is NaN");
-  advance([&] {
-    const auto outcome = simulation_->advance({time, {}}, observer_);
-    if (outcome && !observer_.failure) outcome_ = name_of(*outcome);
-  });
+  pause_at({time, {}});
 }
 
 RunSummary Session::run(py::object progress) {
@@ -171,17 +186,13 @@ RunSummary Session::run(py::object progress) {
     ~Shown() { progress = py::object(); }
   } shown{observer_.progress};
   if (!progress.is_none()) observer_.progress = std::move(progress);
-  advance([&] {
-    // Only a run that has ended closes its tables: after an exception it can go on.
-    const auto outcome = simulation_->advance({}, observer_);
-    if (observer_.failure) return;
-    outcome_ = name_of(outcome.value());
-    summary = simulation_->run(observer_);
-  });
+  pause_at({});
+  // Only a run that has ended closes its tables: after an exception it can go on.
+  advance([&] { summary = simulation_->run(observer_); });
   return summary;
 }
 
-double Session::dt() { return simulation().next_dt(); }
+double Session::dt() { return between_steps().next_dt(); }
 
 // ------------------------------------------------------------------ between --
 
@@ -198,7 +209,7 @@ EventOutcome Session::cut(TriangleSurface surface, bool rest_shape) {
 }
 
 EventOutcome Session::apply(const Event& event) {
-  Simulation& now = simulation();
+  Simulation& now = between_steps();
   require_own_process();
   require_alive();
   const EventOutcome outcome = now.apply(event, observer_);
@@ -207,20 +218,20 @@ EventOutcome Session::apply(const Event& event) {
 }
 
 void Session::set_position(const py::array& values) {
-  const auto rows = checked(values, simulation().attributes().vertex_count(), "position");
+  const auto rows = checked(values, between_steps().attributes().vertex_count(), "position");
   require_alive();
   simulation().change_motion([&](Attributes& a) { copy_to(a.position(), rows); });
 }
 
 void Session::set_velocity(const py::array& values) {
-  const auto rows = checked(values, simulation().attributes().vertex_count(), "velocity");
+  const auto rows = checked(values, between_steps().attributes().vertex_count(), "velocity");
   require_alive();
   simulation().change_motion([&](Attributes& a) { copy_to(a.velocity(), rows); });
 }
 
 PythonTerm& Session::add_term(std::unique_ptr<PythonTerm> term) {
   require_alive();
-  auto& added = static_cast<PythonTerm&>(simulation().add_term(std::move(term)));
+  auto& added = static_cast<PythonTerm&>(between_steps().add_term(std::move(term)));
   terms_.push_back(&added);
   return added;
 }

@@ -48,7 +48,7 @@ class Session {
   double dt();
   /// How the run ended: "finished", "at rest", ...; none while it has not.
   std::optional<std::string> outcome() const { return outcome_; }
-  const std::vector<std::string>& messages() const { return observer_.messages; }
+  const std::vector<std::string>& messages();
 
   // ---- between steps, and in callbacks ----
 
@@ -61,6 +61,8 @@ class Session {
   Callbacks& callbacks() { return observer_.callbacks; }
   /// The simulation for reading; raises if another thread is running it.
   Simulation& simulation();
+  /// The same, where no step is in progress: raises in a force function.
+  Simulation& between_steps();
   Views& views() { return *views_; }
   const Scene& scene() const { return scene_; }
 
@@ -72,6 +74,7 @@ class Session {
   void require_steps();
   template <class F>
   void advance(F&& f);
+  void pause_at(const Pause& pause);
   EventOutcome apply(const Event& event);
   void require_own_process() const;
   void require_alive() const;

@@ -9,7 +9,9 @@ import sys
 import textwrap
 import time
 import traceback
+import types
 import unittest
+import unittest.mock
 import weakref
 
 import numpy as np
@@ -160,6 +162,34 @@ class Callbacks(unittest.TestCase):
             sim.run(progress)
         self.assertEqual([end for *_, end in seen], [0.02, 0.02])
         self.assertLess(seen[0][0], seen[1][0])
+
+
+    def test_progress_is_a_bar_where_tqdm_is(self):
+        class Bar:
+            def __init__(self, **options):
+                bars.append(self)
+                self.n = 0.0
+
+            def __enter__(self):
+                return self
+
+            def __exit__(self, *unused):
+                self.closed = True
+
+            def update(self, change):
+                self.n += change
+
+        bars = []
+        module = types.ModuleType("tqdm.auto")
+        module.tqdm = Bar
+        with unittest.mock.patch.dict(sys.modules, {"tqdm": types.ModuleType("tqdm"),
+                                                    "tqdm.auto": module}):
+            summary = suture.Simulation(bar((20, 10, 10), dt=1e-5, end=0.03)).run(progress=True)
+        self.assertEqual(summary["steps"], 3000)
+        self.assertTrue(bars[0].closed)
+        self.assertTrue(0 < bars[0].n <= 0.03)
+        with unittest.mock.patch.dict(sys.modules, {"tqdm.auto": None}):
+            suture.Simulation(bar()).run(progress=True)
 
 
 class Interruptions(unittest.TestCase):

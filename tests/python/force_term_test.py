@@ -107,6 +107,24 @@ class Forces(unittest.TestCase):
         self.assertGreater(moved, 1e-3)
         np.testing.assert_allclose(sim.position, explicit.position, atol=0.1 * moved)
 
+    def test_an_equilibrium(self):
+        scene = bar(gravity={"value": [0, -1, 0], "ramp": 1}, solver={"static": {"frames": 3}})
+        sim, free = suture.Simulation(scene), suture.Simulation(scene)
+        rest = sim.rest.copy()
+
+        @sim.force_term(energy=lambda x, t: 50 * ((x - rest) ** 2).sum())
+        def foundation(x, v, t, f):
+            f -= 100 * (x - rest)
+
+        sim.run(), free.run()
+        lifted = 100 * (rest - sim.position)[:, 1].sum()
+        held = sim.fixed == 0
+        # What the springs carry, the clamp does not.
+        self.assertGreater(lifted, 100)
+        residual = sim.force[held] + sim.mass[held, None] * [0, -1, 0]
+        self.assertLess(np.abs(residual).max(), 1e-4)
+        self.assertLess(np.abs(sim.position - rest).max(), 0.9 * np.abs(free.position - rest).max())
+
     def test_it_goes_on_after_a_cut(self):
         sim = suture.Simulation(bar())
         sizes = []
@@ -208,6 +226,32 @@ class Mistakes(unittest.TestCase):
                     sim.force_term(lambda x, v, t, f: None, name="mine")
             finally:
                 os.chdir(before)
+
+    def test_a_force_function_may_read_columns_and_nothing_else(self):
+        sim = suture.Simulation(bar())
+        tried = []
+
+        @sim.force_term(stiffness=0)
+        def lift(x, v, t, f):
+            f[:, 1] += sim.mass * (sim.rest[:, 0] > 1)
+            np.testing.assert_array_equal(sim.position, x)
+            for forbidden in tried:
+                forbidden()
+
+        sim.step(2)
+        for forbidden, text in [
+            (lambda: sim.cut(plane=([1.5, 0, 0], [1, 0, 0])), "within a step"),
+            (lambda: sim.force, "within a step"),
+            (lambda: sim.energies(), "within a step"),
+            (lambda: setattr(sim, "velocity", sim.rest), "within a step"),
+            (lambda: sim.step(), "cannot make steps of its own run"),
+        ]:
+            tried[:] = [forbidden]
+            with self.assertRaisesRegex(RuntimeError, text):
+                sim.step()
+        tried.clear()
+        sim.run()
+        self.assertEqual(sim.outcome, "finished")
 
     def test_arguments_that_are_kept_stay_as_they_were(self):
         sim = suture.Simulation(bar())

@@ -154,6 +154,19 @@ class Shown(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "already has 'kinetic'"):
             sim.record(1, kinetic=lambda s: 0)
 
+    def test_records_of_steps_that_were_rolled_back_are_replaced(self):
+        sim = suture.Simulation(bar(dt="auto", end=5, gravity=[0, -0.5, 0]))
+        record = sim.record(1, energies=False, fast=lambda s: abs(s.velocity).max())
+
+        @sim.force_term(stiffness=0)  # which is wrong: the step is unstable
+        def stiff(x, v, t, f):
+            f[:, 1] -= 8e4 * (x - sim.rest)[:, 1]
+
+        sim.run()
+        self.assertIn("rolled back", sim.messages[0])
+        self.assertTrue((np.diff(record.time) > 0).all())
+        self.assertEqual(record.time[-1], sim.time)
+
     def test_plots(self):
         try:
             import matplotlib

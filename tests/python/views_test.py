@@ -35,6 +35,10 @@ class Columns(unittest.TestCase):
                 array[0] = 1
         with self.assertRaises(ValueError):
             sim.position[2:4] += 1
+        with self.assertRaises(ValueError):
+            sim.position.flags.writeable = True
+        with self.assertRaises(ValueError):
+            sim.position[2:4].setflags(write=True)
 
     def test_numbers_are_those_of_the_user(self):
         sim = suture.Simulation(bar())

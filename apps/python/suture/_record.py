@@ -24,6 +24,8 @@ class Record:
             row.update(simulation.energies())
         for name, function in self._functions.items():
             row[name] = numpy.array(function(simulation), float)
+        while self._rows and self._rows[-1]["time"] >= row["time"]:
+            self._rows.pop()  # of steps that were rolled back
         self._rows.append(row)
 
     def __len__(self):

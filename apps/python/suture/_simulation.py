@@ -190,7 +190,8 @@ class Simulation(_suture.Simulation):
         """Decorator: call the function with the simulation after every `steps` steps.
 
         It may read everything and apply events, not make steps. An exception stops the run
-        between two steps and reaches the caller; the simulation stays usable.
+        between two steps and reaches the caller; the simulation stays usable. Where the run rolls
+        back to an earlier step, the function is called for the repeated steps, too.
         """
         if int(steps) != steps or steps < 1:
             raise ValueError(f"steps must be a whole number >= 1, is {steps!r}")

@@ -14,7 +14,7 @@ TEST_F(Commands, HelpAndVersionAreNoErrors) {
   for (const char* option : {"--help", "-h"}) {
     const Outcome help = suture({option});
     EXPECT_EQ(help.code, 0) << help;
-    for (const char* command : {"run", "check", "explain", "modes", "replay", "models",
+    for (const char* command : {"run", "check", "explain", "modes", "sweep", "replay", "models",
                                 "check-model", "new-model", "describe", "schema", "mesh"}) {
       EXPECT_TRUE(help.out.find(command) != std::string::npos) << command << help;
     }
@@ -50,6 +50,8 @@ TEST_F(Commands, WrongUsageNamesWhatWasMeant) {
       {{"modes", "s.json", "--count", "ten"}, "is 'ten'"},
       {{"modes", "s.json", "--at", "equilibrum"}, "did you mean 'equilibrium'"},
       {{"modes"}, "scene"},
+      {{"sweep"}, "study"},
+      {{"sweep", "s.json", "--jobs", "0"}, "--jobs must be a whole number from 1 to 10000"},
       {{"mesh"}, "subcommand"},
       {{"mesh", "inof", "a.vtu"}, "did you mean 'info'"},
       {{"mesh", "generate", "box", "a.vtu", "--size", "1", "1", "--cells", "1", "1", "1"},

@@ -48,6 +48,7 @@ TEST_F(Hints, NameOptionsThatTheParserKnows) {
                                              {"check"},
                                              {"explain"},
                                              {"modes"},
+                                             {"sweep"},
                                              {"replay"},
                                              {"models"},
                                              {"check-model"},

@@ -221,6 +221,25 @@ class Threads(unittest.TestCase):
         for sim in sims:
             np.testing.assert_array_equal(sim.position, alone.position)
 
+    def test_simulations_are_made_in_threads(self):
+        ends = [None] * 8
+
+        def make(i):
+            sim = suture.Simulation(bar(model=("tm-faure", "mss-baudet")[i % 2]))
+            sim.cut(plane=([1.5, 0, 0], [1, 0, 0]))
+            sim.run()
+            ends[i] = sim.position
+
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            threads = [threading.Thread(target=make, args=(i,)) for i in range(8)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+        for i in range(2, 8):
+            np.testing.assert_array_equal(ends[i], ends[i % 2])
+
     def test_another_thread_may_not_read_a_run(self):
         sim = suture.Simulation(bar((20, 10, 10), dt=1e-5, end=1))
         started = threading.Event()

@@ -91,7 +91,7 @@ class Simulation(_suture.Simulation):
             does; False: write nothing
     folder  for a dict or a text: the folder that mesh, plugin and blade files are relative to
             (default: the working folder)
-    mesh    a Mesh of arrays; the scene then has no source of a mesh. In a dict, the Mesh may also
+    mesh    a Mesh of arrays, in place of the one of the scene. In a dict, the Mesh may also
             be the value of "mesh"
 
     Mistakes raise SceneError, whose attribute `mistakes` lists them all.

@@ -95,6 +95,10 @@ class Runs(InFolder):
         self.assertEqual(made, [(1, 2), (2, 2), (1, 1)])
         suture.sweep(bar(end=0.01), {E: [1e5]}, 1, measure=tip, report=report)
         self.assertEqual(made[3:], [(1, 1)])  # another scene
+        suture.sweep(bar(end=0.01), {E: [1e5]}, 1, measure=lambda sim: tip(sim), report=report)
+        self.assertEqual(made[4:], [(1, 1)])  # another function
+        suture.sweep(bar(end=0.01), {E: [1e5]}, 1, measure=lambda sim: tip(sim), report=report)
+        self.assertEqual(made[5:], [])
 
     def test_failed_runs_are_rows_too(self):
         results = suture.sweep(bar(), {"/solver/dt": [1e-4, -1, 1e-5]}, 2,
@@ -103,6 +107,28 @@ class Runs(InFolder):
                          ["stopped", "failed", "stopped"])
         self.assertIn("must be > 0 s", results.rows[1]["error"])
         np.testing.assert_allclose(results["t"][[0, 2]], [1e-4, 1e-5])
+
+    def test_a_function_that_fails_is_called_again(self):
+        def measure(sim):
+            if sim.position[:, 0].max() > 2:
+                raise KeyError("mine")
+            return {}
+
+        with open(os.devnull, "w") as nowhere:  # the traceback of the process
+            saved = os.dup(2)
+            os.dup2(nowhere.fileno(), 2)
+            try:
+                results = suture.sweep(bar(), [{E: 1e5}], measure=measure)
+            finally:
+                os.dup2(saved, 2)
+                os.close(saved)
+        self.assertEqual(results.rows[0]["error"], "KeyError: 'mine'")
+        self.assertNotIn("again", results.columns)
+
+        def measure(sim):  # noqa: F811: mended
+            return {"x": 5}
+
+        self.assertEqual(suture.sweep(bar(), [{E: 1e5}], measure=measure)["x"], [5])
 
     def test_a_process_that_dies_is_repeated_next_time(self):
         def fragile(sim):

@@ -15,6 +15,7 @@ import multiprocessing
 import os
 import sys
 import time
+import traceback
 from multiprocessing import connection
 from pathlib import Path
 
@@ -117,6 +118,12 @@ def _last_probes(folder):
     return {name: float(value) for name, value in list(zip(header, last))[2:]}
 
 
+def _text_of_code(code):
+    """What a function does, wherever it stands in its file."""
+    constants = [_text_of_code(c) if hasattr(c, "co_code") else repr(c) for c in code.co_consts]
+    return " ".join([code.co_code.hex(), *code.co_names, *constants])
+
+
 class _Study:
     def __init__(self, scene, points, sets, folder, measure, output):
         self.points = points
@@ -137,20 +144,26 @@ class _Study:
         return self.folder / "runs" / f"{number:04d}"
 
     def key(self, number):
-        """What determines the results of a run, except for the function that measures."""
+        """What determines the results of a run, except for functions that `measure` calls."""
         from . import __version__
 
         parts = [__version__, self.text, to_json(self.sets), to_json(self.points[number]),
-                 getattr(self.measure, "__qualname__", ""), str(self.output)]
+                 _text_of_code(self.measure.__code__) if hasattr(self.measure, "__code__") else "",
+                 str(self.output)]
         return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:16]
 
-    def finished(self, number):
+    def result(self, number):
         """The result of a run, or None."""
         try:
             result = json.loads((self.run_folder(number) / "result.json").read_text())
         except (OSError, ValueError):
             return None
         return result if result.get("key") == self.key(number) else None
+
+    def is_finished(self, number):
+        """True unless the run has to be made, as a function that failed may have been mended."""
+        result = self.result(number)
+        return result is not None and not result.get("again")
 
     def run(self, number):
         """Makes a run and writes its result. The working folder becomes that of the study."""
@@ -178,13 +191,17 @@ class _Study:
                           values=json.loads(to_json(values)))
         except Error as error:
             result.update(outcome="failed", error=str(error))
+        except Exception as error:  # of the function that measures
+            traceback.print_exc()
+            result.update(outcome="failed", error=f"{type(error).__name__}: {error}", again=True)
         result["seconds"] = round(time.monotonic() - start, 3)
         _write(folder / "result.json", to_json(result, indent=1))
 
     def row(self, number):
-        result = self.finished(number) or {"outcome": "failed", "error": "the process ended early"}
+        result = self.result(number) or {"outcome": "failed", "error": "the process ended early"}
         values = result.pop("values", {})
-        result.pop("key", None)
+        for internal in ("key", "again"):
+            result.pop(internal, None)
         return {"run": number, **self.points[number], **values, **result}
 
 
@@ -247,14 +264,14 @@ def sweep(scene, parameters, jobs=None, *, measure=None, set=None, folder="sweep
     set         values for all runs
     folder      where the study is kept: results.csv, results.parquet (with pyarrow), and
                 runs/NNNN/result.json of every run. Runs that have a result are not repeated, unless
-                the scene, the values or the name of `measure` changed
+                the scene, the values or the code of `measure` changed, or `measure` failed
     output      True: each run writes its frames and tables to its folder, and the last row of
                 probes.csv is part of its results
     report      function (done, all), called after every run
     """
     points = _points(parameters)
     study = _Study(scene, points, set, Path(folder).resolve(), measure, output)
-    missing = [i for i in range(len(points)) if study.finished(i) is None]
+    missing = [i for i in range(len(points)) if not study.is_finished(i)]
     _run_all(study, missing, jobs or os.cpu_count() or 1, report or (lambda done, every: None))
     results = Results([study.row(i) for i in range(len(points))], study.folder / "results.csv")
     study.folder.mkdir(parents=True, exist_ok=True)
@@ -344,7 +361,7 @@ def main(words=None):
             raise ValueError(f"--run {options.run}: the study has runs 0 to {count - 1}")
         one = _Study(study["scene"], study["parameters"], study["set"], study["folder"].resolve(),
                      None, study["output"])
-        if one.finished(options.run) is None:
+        if not one.is_finished(options.run):
             one.run(options.run)
         return 0
     if options.jobs is not None and options.jobs < 1:

@@ -46,7 +46,7 @@ include_direction() {
   offences '#include [<"](apps|plugins|tests)/' \
     'the kernel knows neither the program nor the plugins' '^kernel/.*'"$sources" || bad=1
   # Stages in the order of the flow: each may include itself and earlier ones.
-  local stages=(base vtk hdf5 mesh topology geometry attributes forces solvers dynamics plugin_host model_check scene events output run)
+  local stages=(base vtk hdf5 mesh topology geometry attributes forces solvers contact dynamics plugin_host model_check scene events output run)
   local i later
   for i in "${!stages[@]}"; do
     later=$(IFS='|'; echo "${stages[*]:i+1}")
@@ -56,7 +56,7 @@ include_direction() {
   done
   # Leaves, so that their heavy or delicate dependencies stay alone.
   for leaf in output plugin_host; do
-    offences "#include \"kernel/(topology|attributes|forces|dynamics|solvers|scene|events)/" \
+    offences "#include \"kernel/(topology|attributes|forces|contact|dynamics|solvers|scene|events)/" \
       "kernel/$leaf may include base and mesh only" "^kernel/$leaf/.*$sources" || bad=1
   done
   # Threads in one place, so that ThreadSanitizer sees what TBB orders.

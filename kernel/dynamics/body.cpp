@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "kernel/contact/contact.hpp"
+
 namespace suture {
 
 Body::Body(Imported imported)
@@ -12,11 +14,18 @@ Body::Body(Imported imported)
   attributes_.user_element = imported_.user_element.list();
 }
 
+Body::~Body() = default;
+
 void Body::compile(Diagnostics& diagnostics, unsigned threads) {
   attributes_.initialise(complex(), diagnostics);
   auto models = std::make_unique<ForceLoop>(attributes_, complex(), threads);
   models_ = models.get();
   terms_.insert(terms_.begin(), std::move(models));  // whatever was added before
+}
+
+Contact& Body::add_obstacles(std::vector<Obstacle> obstacles, double thickness) {
+  contact_ = std::make_unique<Contact>(complex(), attributes_, std::move(obstacles), thickness);
+  return *contact_;
 }
 
 // -------------------------------------------------------------------- terms --
@@ -52,6 +61,7 @@ bool Body::is_conservative(double time) const {
 
 double Body::last_change() const {
   double last = constraints_.last_change();
+  if (contact_) last = std::max(last, contact_->last_change());
   for (const auto& term : terms_) last = std::max(last, term->last_change());
   return last;
 }
@@ -104,6 +114,7 @@ void Body::follow(const TopologyChange& change) {
   attributes_.apply(complex(), change);
   for (const auto& term : terms_) term->follow(complex(), change);
   constraints_.update(change, attributes_);
+  if (contact_) contact_->follow(complex(), change);
   if (islands_) islands_->update(complex(), change);
   for (Follower* follower : followers_) follower->follow(complex(), change);
 }
@@ -149,6 +160,7 @@ void Body::state(Archive& archive) {
   }
   archive("attributes", attributes_);
   archive("constraints", constraints_);
+  if (contact_) archive("contact", *contact_);
   archive.group("terms", [&] {
     for (const auto& term : terms_) archive(term->name(), *term);
   });

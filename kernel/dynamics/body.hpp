@@ -15,6 +15,9 @@
 
 namespace suture {
 
+class Contact;
+struct Obstacle;
+
 /// A soft body: its cells, their attributes, its force terms and its constraints, and the only list
 /// of objects that follow an operation on it. Independent of scenes.
 ///
@@ -30,6 +33,7 @@ class Body {
   explicit Body(Imported imported);
   Body(const Body&) = delete;
   Body& operator=(const Body&) = delete;
+  ~Body();
 
   /// Call once all instances have been added: sums their columns and compiles their functors.
   /// `threads`: 0 = as many as are useful. Throws InputError and PluginError.
@@ -67,6 +71,12 @@ class Body {
   const std::vector<std::unique_ptr<ForceTerm>>& terms() const { return terms_; }
   /// All terms other than the models.
   std::span<const std::unique_ptr<ForceTerm>> loads() const { return std::span(terms_).subspan(1); }
+
+  /// Adds obstacles, which the body does not enter from now on (Contact); call it once.
+  Contact& add_obstacles(std::vector<Obstacle> obstacles, double thickness);
+  /// Null without obstacles.
+  Contact* contact() { return contact_.get(); }
+  const Contact* contact() const { return contact_.get(); }
 
   Vec3 acceleration(double time) const;  ///< sum over all terms, m/s^2
   double energy(double time) const;      ///< stored by all terms, J
@@ -120,6 +130,7 @@ class Body {
   std::vector<std::unique_ptr<ForceTerm>> terms_;
   ForceLoop* models_ = nullptr;
   Constraints constraints_;
+  std::unique_ptr<Contact> contact_;
   std::optional<Islands> islands_;
   std::vector<Follower*> followers_;
   VertexSelection selection_;

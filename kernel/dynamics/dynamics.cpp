@@ -4,6 +4,8 @@
 #include <algorithm>
 
 #include "kernel/base/error.hpp"
+#include "kernel/contact/contact.hpp"
+#include "kernel/dynamics/contact_forces.hpp"
 #include "kernel/dynamics/rounding.hpp"
 
 namespace suture {
@@ -36,6 +38,7 @@ void Dynamics::start(double time) {
   ledger_.restart();
   motion_.sums().restart();
   for (const auto& term : body().terms()) term->restart();
+  if (body().contact()) body().contact()->restart();
   forget_last();
 }
 
@@ -46,9 +49,11 @@ void Dynamics::step(double dt, double end) {
     integrator_->reject();
     throw;
   }
-  if (integrator_->is_other_step(dt))
+  if (integrator_->is_other_step(dt)) {
+    const WithContactForces with_contact(body());
     ledger_.change_step(motion_.leapfrog_part(dt, {}) -
                         motion_.leapfrog_part(motion_.last_step(), {}));
+  }
   integrator_->accept(end);
 }
 
@@ -62,6 +67,7 @@ void Dynamics::synchronise(bool with_forces) {
 
 double Dynamics::kinetic() {
   motion_.evaluate();
+  const WithContactForces with_contact(body());
   return motion_.kinetic(integrator_->lacking());
 }
 
@@ -74,10 +80,13 @@ double Dynamics::unseen_work() {
 Ledger::Now Dynamics::now() {
   Ledger::Now n;
   n.kinetic = kinetic();  // evaluates the forces
-  if (!is_implicit())
-    n.leapfrog_part = motion_.leapfrog_part(motion_.last_step(), integrator_->lacking());
   n.time = time();
   n.half_step = integrator_->is_lagging() ? motion_.last_step() : 0;
+  if (!is_implicit()) {
+    const WithContactForces with_contact(body());
+    n.leapfrog_part = motion_.leapfrog_part(motion_.last_step(), integrator_->lacking());
+  }
+  if (body().contact()) n.contact = n.half_step * body().contact()->power() / 2;
   if (ledger_.needs_work()) n.work = unseen_work();
   return n;
 }

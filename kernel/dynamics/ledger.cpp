@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string_view>
 
+#include "kernel/contact/contact.hpp"
+
 namespace suture {
 
 double EnergyBalance::work(std::string_view term) const {
@@ -63,8 +65,12 @@ EnergyBalance Ledger::balance(const Now& now) {
   double internal = sums_.work() + now.work + account_.pending_work;
   double balance = b.kinetic + b.elastic - account_.start;
   double largest = std::max(sums_.largest_kinetic(), b.kinetic + std::abs(stored));
+  for (const EnergyBalance::Work& work : b.works) internal -= work.value;
+  if (const Contact* contact = body_.contact()) {  // impulses are not in the sums of forces
+    b.works.push_back({"contact", contact->work() + now.contact});
+    b.works.push_back({"friction", contact->friction_work()});
+  }
   for (const EnergyBalance::Work& work : b.works) {
-    internal -= work.value;
     balance -= work.value;
     largest = std::max(largest, std::abs(work.value));
   }

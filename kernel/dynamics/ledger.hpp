@@ -22,6 +22,7 @@ struct EnergyBalance {
     const char* term;
     double value;
   };
+  /// With obstacles, also "contact", the work of their forces without friction, and "friction".
   std::vector<Work> works;
   double work(std::string_view term) const;  ///< 0 if there is no such term
   double prescribed = 0;  ///< work of prescribed motion: reactions times displacements
@@ -58,6 +59,7 @@ class Ledger {
     double kinetic = 0;        ///< at the time of the positions, J
     double leapfrog_part = 0;  ///< h^2/8 sum F^2/m, J
     double half_step = 0;      ///< h- if velocities lag the positions by half a step, otherwise 0
+    double contact = 0;        ///< work of contact in that half step, J
     double work = 0;  ///< h- A_n / 2: work of all forces in the half step not yet covered by a pass
   };
   /// The first call defines the start. Costs an evaluation of energies.

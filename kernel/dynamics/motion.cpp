@@ -5,6 +5,7 @@
 #include <atomic>
 #include <string>
 
+#include "kernel/contact/contact.hpp"
 #include "kernel/forces/loops/dispatch.hpp"
 
 namespace suture {
@@ -128,6 +129,30 @@ bool Motion::for_each_chunk(Chunk chunk) const {
   return good;
 }
 
+ContactStep Motion::contact_step(std::span<const Kick> kicks, double dt, double end) const {
+  ContactStep step;
+  step.time = time_;
+  step.end = end;
+  step.dt = dt;
+  for (const Kick& kick : kicks) {
+    step.decay *= kick.decay;
+    step.gain = step.gain * kick.decay + kick.gain;
+  }
+  const Kick whole(damping_, (last_ + dt) / 2);
+  step.whole_decay = last_ != 0 ? whole.decay : step.decay;
+  step.whole_gain = last_ != 0 ? whole.gain : step.gain;
+  step.acceleration = body_.acceleration(time_);
+  step.moving = &moving();
+  return step;
+}
+
+/// Returns its work in this step.
+double Motion::resolve_contact(const ContactStep& step) {
+  for (const Contact::Correction& c : body_.contact()->resolve(step))
+    sums_.correct_after(c.vertex, c.after, c.inertia);
+  return body_.contact()->step_work();
+}
+
 void Motion::kick_and_drift(std::span<const Kick> kicks, double dt, double end, double unseen) {
   loops::Motion m = pass(kicks);
   m.drift = dt;
@@ -135,6 +160,8 @@ void Motion::kick_and_drift(std::span<const Kick> kicks, double dt, double end, 
   const Vec3 g = body_.acceleration(time_);
   Attributes& attributes = body_.attributes();
   Constraints& constraints = body_.constraints();
+  const ContactStep step = body_.contact() ? contact_step(kicks, dt, end) : ContactStep{};
+  if (body_.contact()) body_.contact()->predict(step);
   evaluated_ = false;
   const bool good = for_each_chunk([&](std::size_t part, Index first, Index last) {
     loops::PassSums sums;
@@ -147,7 +174,8 @@ void Motion::kick_and_drift(std::span<const Kick> kicks, double dt, double end, 
     return true;
   });
   if (!good) refuse_not_finite();
-  sums_.finish_step(last_ != 0 ? last_ : dt, dt, damping_ != 0);
+  const double contact = body_.contact() ? resolve_contact(step) : 0;
+  sums_.finish_step(last_ != 0 ? last_ : dt, dt, damping_ != 0, contact);
   time_ = end;
   last_ = end_dt_ = dt;
   for (const auto& term : body_.terms()) term->accept();

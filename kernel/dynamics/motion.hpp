@@ -13,6 +13,8 @@
 
 namespace suture {
 
+struct ContactStep;
+
 /// A velocity or an energy is not finite.
 class NotFinite : public NumericalError {
  public:
@@ -61,7 +63,8 @@ class Motion {
   std::uint64_t jumps() const { return jumps_; }
 
   /// Applies one or two successive kicks with the evaluated forces, then drifts over dt and moves
-  /// constrained vertices to their positions at `end`. `unseen`: the length of the previous step if
+  /// constrained vertices to their positions at `end`, and vertices in obstacles out of them.
+  /// `unseen`: the length of the previous step if
   /// no pass has used the forces at its end yet, otherwise 0. Throws NotFinite, naming the vertex.
   void kick_and_drift(std::span<const Kick> kicks, double dt, double end, double unseen);
   /// One kick of the moving vertices, at the end of the last step.
@@ -89,6 +92,8 @@ class Motion {
 
  private:
   loops::Motion pass(std::span<const Kick> kicks) const;
+  ContactStep contact_step(std::span<const Kick> kicks, double dt, double end) const;
+  double resolve_contact(const ContactStep& step);
   template <class Chunk>
   bool for_each_chunk(Chunk chunk) const;
   const LiveMask& moving() const;

@@ -33,7 +33,7 @@ double MotionSums::squared_frequency(double before, double last_after, double la
   return -(before - last_after) * h / last_inertia;
 }
 
-void MotionSums::finish_step(double before, double now, bool damps) {
+void MotionSums::finish_step(double before, double now, bool damps, double contact) {
   Chunk sum;
   double largest = 0;
   fastest_ = none;
@@ -62,7 +62,8 @@ void MotionSums::finish_step(double before, double now, bool damps) {
   largest_kinetic_ = std::max(largest_kinetic_, sum.inertia / 2);
   driven_ += sum.driven.work;
   if (damps && has_last_)
-    damped_ += work + sum.driven.work + sum.driven.inertia - (sum.inertia - sum.last_inertia) / 2;
+    damped_ += work + contact + sum.driven.work + sum.driven.inertia -
+               (sum.inertia - sum.last_inertia) / 2;
   has_last_ = true;
   whole_body_only_ = false;
 }

@@ -48,6 +48,11 @@ class MotionSums {
     chunks_[part].inertia = sums.inertia;
     chunks_[part].driven = driven;
   }
+  /// Adds to the sums of a vertex's chunk: its velocity changed after the pass.
+  void correct_after(Index vertex, double after, double inertia) {
+    chunks_[vertex / chunk].after += after;
+    chunks_[vertex / chunk].inertia += inertia;
+  }
   /// A_n and the work of driven vertices noted for the next step; 0 if there are none.
   double noted_before() const;
   double noted_driven() const;
@@ -56,8 +61,8 @@ class MotionSums {
   /// Resets all sums to zero; call resize() next.
   void restart();
   /// Call when the step is complete: `before` and `now` are the lengths h- and h+, s; `damps`: mass
-  /// damping was active.
-  void finish_step(double before, double now, bool damps);
+  /// damping was active; `contact`: the work of contact in it, which is not in the sums, J.
+  void finish_step(double before, double now, bool damps, double contact = 0);
   /// Adds a step that no pass has made.
   void add_step(const StepSums& sums);
   /// Call when cells were removed or joined, or vertices fell asleep: the sums of the previous step

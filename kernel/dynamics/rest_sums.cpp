@@ -3,13 +3,14 @@
 
 #include <algorithm>
 
+#include "kernel/dynamics/contact_forces.hpp"
 #include "kernel/forces/loops/dispatch.hpp"
 
 namespace suture {
-
 loops::RestSums RestSums::evaluate(Motion& motion) {
   constexpr Index part = 4096;
   motion.evaluate();
+  const WithContactForces with_contact(motion.body());
   Body& body = motion.body();
   Attributes& attributes = body.attributes();
   const std::size_t size = std::size_t{attributes.vertex_count()} * 4;

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "kernel/base/escape.hpp"
+#include "kernel/contact/contact.hpp"
 #include "kernel/scene/cell_values.hpp"
 
 namespace suture {
@@ -175,6 +176,23 @@ void decide_physics(const Scene& scene, BuiltScene& built, std::vector<Decision>
                             " vertices; one pass over their list"});
 }
 
+void decide_contact(BuiltScene& built, std::vector<Decision>& list) {
+  const Contact* contact = built.body().contact();
+  if (!contact) return list.push_back({"contact", true, "the scene has no obstacles"});
+  const BoundarySurface& surface = contact->surface();
+  list.push_back({"contact", false,
+                  count_text(contact->obstacles().size(), "obstacle") + " against " +
+                      std::to_string(surface.vertices().size()) + " vertices of " +
+                      std::to_string(surface.faces().size()) + " boundary faces, in every step"});
+  for (const Obstacle& obstacle : contact->obstacles()) {
+    std::ostringstream text;
+    text << name_of(obstacle.shape) << ", friction " << obstacle.friction
+         << (obstacle.motion.moves() ? ", moves along a path" : ", does not move");
+    list.push_back({"obstacle " + obstacle.name, false, text.str()});
+  }
+  list.push_back({"contact between pieces", true, "not modelled: they pass through each other"});
+}
+
 void decide_events(const Scene& scene, std::vector<Decision>& list) {
   const bool sleeps = scene.solver.sleep_acceleration > 0;
   list.push_back({"sleep", !sleeps,
@@ -219,12 +237,16 @@ void decide_output(const Scene& scene, const BuiltScene& built, const Recorder& 
                       ? "every " + count_text(scene.output.probes_every, "step") + ", with " +
                             names(recorder.probe_table()->fields())
                       : "not requested"});
+  list.push_back({"tools.csv", !recorder.writes_tools(),
+                  recorder.writes_tools() ? "every " + count_text(scene.output.tools_every, "step")
+                                          : "not requested"});
   const auto series = [&](const char* name, bool wanted) {
     list.push_back({name, !wanted, wanted ? "one more file per frame" : "not requested"});
   };
   series("springs", scene.output.springs);
   series("faces", scene.output.faces);
   series("cuts", scene.output.cuts);
+  series("obstacles", scene.output.obstacles);
 }
 
 bool only_cuts(const std::vector<Event>& events) {
@@ -274,6 +296,7 @@ std::vector<Decision> decide(const Scene& scene, PluginHost& host, BuiltScene& b
   decide_integrator(scene, built, list);
   decide_step(scene, list);
   decide_physics(scene, built, list);
+  decide_contact(built, list);
   decide_events(scene, list);
   decide_output(scene, built, recorder, list);
   return list;

@@ -8,6 +8,7 @@
 #include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/base/output_fields.hpp"
+#include "kernel/contact/contact.hpp"
 #include "kernel/dynamics/hourglass.hpp"
 #include "kernel/run/tensor_fields.hpp"
 
@@ -121,6 +122,19 @@ void hourglass(BuiltScene& built, const Vec3&, double, FrameField& field) {
   field.values.resize(built.body().complex().element_count());
   for (Index e = 0; e < built.body().complex().element_count(); ++e)
     field.values[e] = found.content(e);
+}
+
+// Of the last step.
+void contact_force(BuiltScene& built, const Vec3&, double, FrameField& field) {
+  field.components = 3;
+  field.values.assign(std::size_t{3} * built.body().complex().count(0), 0);
+  for (const Contact::Touch& touch : built.body().contact()->touches())
+    std::ranges::copy(touch.force, field.values.begin() + std::ptrdiff_t{3} * touch.vertex);
+}
+
+void gap(BuiltScene& built, const Vec3&, double time, FrameField& field) {
+  field.components = 1;
+  field.values = built.body().contact()->gaps(time);
 }
 
 void model(BuiltScene& built, const Vec3&, double, FrameField& field) {
@@ -298,8 +312,15 @@ std::vector<FieldChoice> model_fields(BuiltScene& built) {
   return fields;
 }
 
+std::vector<FieldChoice> fields_of_contact() {
+  return {{"contact_force", On::points, false, contact_force, false, 3, false, "N"},
+          {"gap", On::points, false, gap, false, 1, false, "m"}};
+}
+
 std::vector<FieldChoice> all_fields(BuiltScene& built) {
   std::vector<FieldChoice> all = kernel_fields();
+  if (built.body().contact())
+    for (FieldChoice& field : fields_of_contact()) all.push_back(std::move(field));
   const std::vector<FieldChoice> models = model_fields(built);
   all.insert(all.end(), models.begin(), models.end());
   for (const std::vector<FieldChoice>& tensors : {strain_fields(), fields_of_stress(models)}) {

@@ -45,8 +45,12 @@ const std::vector<FieldChoice>& kernel_fields();
 /// several instances is one array, NaN where no model provides it.
 std::vector<FieldChoice> model_fields(BuiltScene& built);
 
-/// The fields of every run, followed by those of its models and the strains and stresses of
-/// tensor_fields.hpp; where a model has a field of the same name as one of these, only the model's.
+/// With obstacles: contact_force, gap (points).
+std::vector<FieldChoice> fields_of_contact();
+
+/// The fields of every run, followed by those of contact, those of its models and the strains and
+/// stresses of tensor_fields.hpp; where a model has a field of the same name as one of these, only
+/// the model's.
 std::vector<FieldChoice> all_fields(BuiltScene& built);
 
 /// Whether frames and probes can show it: it lies on points or elements.

@@ -58,6 +58,7 @@ void check_free_bodies(const Scene& scene, BuiltScene& built, Diagnostics& diagn
   const std::vector<FreePiece> pieces = free_pieces(scene, built);
   for (const FreePiece& piece : pieces) {
     if (!piece.is_pushed() || scene.solver.end || !scene.events.empty()) continue;
+    if (built.body().contact()) continue;  // an obstacle may hold it
     if (!models_allow_motion(built, piece)) continue;
     throw InputError(
         "/constraints: " + describe(piece) + ", and " + resultant_text(piece) +
@@ -90,6 +91,7 @@ std::vector<std::string> HeldPieces::added(BuiltScene& built) {
 void HeldPieces::state(Archive& archive) { archive("known", known_); }
 
 std::string describe_falling_body(const Scene& scene, BuiltScene& built) {
+  if (built.body().contact()) return "";  // onto an obstacle, perhaps
   for (const Event& event : scene.events)
     if (event.finish() > built.dynamics().time()) return "";
   for (const FreePiece& piece : free_pieces(scene, built))

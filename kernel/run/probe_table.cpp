@@ -25,7 +25,8 @@ FieldChoice position() {
 }
 
 Probe::Of usual(const std::string& field) {
-  const bool adds_up = field == "force" || field == "reaction" || field == "reaction_moment";
+  const bool adds_up = field == "force" || field == "reaction" || field == "reaction_moment" ||
+                       field == "contact_force";
   return adds_up ? Probe::Of::sum : Probe::Of::mean;
 }
 

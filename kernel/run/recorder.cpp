@@ -3,10 +3,23 @@
 
 #include <algorithm>
 
+#include "kernel/contact/contact.hpp"
 #include "kernel/run/frame_parts.hpp"
 #include "kernel/vtk/vtk_module.hpp"
 
 namespace suture {
+namespace {
+
+std::vector<std::string> tool_columns(const ContactOptions& contact) {
+  std::vector<std::string> columns{"time [s]"};
+  for (const Obstacle& obstacle : contact.obstacles)
+    for (const auto& [quantity, unit] : {std::pair{" force ", " [N]"}, {" torque ", " [N m]"}})
+      for (const char axis : {'x', 'y', 'z'})
+        columns.push_back(obstacle.name + quantity + axis + unit);
+  return columns;
+}
+
+}  // namespace
 
 Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& events,
                    std::string provenance, std::shared_ptr<OutputFolder> folder)
@@ -32,6 +45,7 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& eve
     std::vector<std::string> columns{"time [s]", "dt [s]", "kinetic [J]", "elastic [J]"};
     for (const auto& term : built.body().loads())
       columns.push_back(std::string(term->name()) + " [J]");
+    if (built.body().contact()) columns.insert(columns.end(), {"contact [J]", "friction [J]"});
     columns.insert(columns.end(),
                    {"prescribed [J]", "models [J]", "events [J]", "dissipated [J]", "balance [J]"});
     energies_ = std::make_unique<CsvWriter>(folder_, "energies.csv", columns);
@@ -40,6 +54,8 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& eve
     probe_table_.emplace(options, built);
     probes_ = std::make_unique<CsvWriter>(folder_, "probes.csv", probe_table_->columns());
   }
+  if (options.tools_every > 0)
+    tools_ = std::make_unique<CsvWriter>(folder_, "tools.csv", tool_columns(scene.contact));
 }
 
 void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity,
@@ -91,6 +107,9 @@ void Recorder::write(PendingRecord& record) {
       break;
     case PendingRecord::Kind::probes:
       probes_->row(record.step, record.row);
+      break;
+    case PendingRecord::Kind::tools:
+      tools_->row(record.step, record.row);
       break;
   }
 }
@@ -153,6 +172,15 @@ void Recorder::probes(std::uint64_t step, double time, const Vec3& gravity) {
       {step, PendingRecord::Kind::probes, nullptr, probe_table_->row(time, gravity)});
 }
 
+void Recorder::tools(std::uint64_t step, double time) {
+  std::vector<double> values{time};
+  for (const Contact::Load& load : built_.body().contact()->loads()) {
+    values.insert(values.end(), load.force.begin(), load.force.end());
+    values.insert(values.end(), load.torque.begin(), load.torque.end());
+  }
+  pending_.push_back({step, PendingRecord::Kind::tools, nullptr, std::move(values)});
+}
+
 bool Recorder::probes_need(bool FieldChoice::*what) const {
   return probe_table_ && probe_table_->needs(what);
 }
@@ -163,6 +191,7 @@ void Recorder::finish() {
   if (modes_) modes_->finish();
   if (energies_) energies_->finish();
   if (probes_) probes_->finish();
+  if (tools_) tools_->finish();
 }
 
 std::string Recorder::mode_collection() const {
@@ -194,6 +223,7 @@ void Recorder::state(Archive& archive) {
   writer("modes", modes_);
   writer("energies", energies_);
   writer("probes", probes_);
+  writer("tools", tools_);
 }
 
 }  // namespace suture

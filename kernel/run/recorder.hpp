@@ -16,9 +16,9 @@
 
 namespace suture {
 
-/// Writes the results of a run: frames and side series, energies.csv, probes.csv. Records are held
-/// back until release(), because their step may still be rejected. Nothing is created on disk
-/// before the first record is released.
+/// Writes the results of a run: frames and side series, energies.csv, probes.csv, tools.csv.
+/// Records are held back until release(), because their step may still be rejected. Nothing is
+/// created on disk before the first record is released.
 class Recorder {
  public:
   /// Throws InputError for fields or probes that the scene cannot provide.
@@ -28,6 +28,7 @@ class Recorder {
   bool writes_frames() const { return frames_ != nullptr; }
   bool writes_energies() const { return energies_ != nullptr; }
   bool writes_probes() const { return probes_ != nullptr; }
+  bool writes_tools() const { return tools_ != nullptr; }
   const std::shared_ptr<OutputFolder>& folder() const { return folder_; }
   /// True if frames contain forces, which must match the current positions.
   bool frames_need_force() const { return frames_need_force_; }
@@ -43,6 +44,7 @@ class Recorder {
   void frame(std::uint64_t step, double time, const Vec3& gravity);
   void energies(std::uint64_t step, double time, double dt, const EnergyBalance& row);
   void probes(std::uint64_t step, double time, const Vec3& gravity);
+  void tools(std::uint64_t step, double time);
   /// Writes a separate file, mode_0000.vtu, listed in mode.pvd: the state with the fields of
   /// frames, and `shape` (per vertex) as the point field "unstable_mode".
   void mode(double time, const Vec3& gravity, const std::vector<Vec3>& shape);
@@ -76,7 +78,7 @@ class Recorder {
   /// A record that may still be dropped.
   struct PendingRecord {
     std::uint64_t step = 0;
-    enum class Kind { frame, side, energies, probes } kind = Kind::frame;
+    enum class Kind { frame, side, energies, probes, tools } kind = Kind::frame;
     std::unique_ptr<Frame> frame;  ///< for the first two kinds
     std::vector<double> row;       ///< for the others
     std::size_t side = 0;          ///< the series
@@ -96,7 +98,7 @@ class Recorder {
   std::vector<SideSeries> sides_;
   FrameWriterOptions mode_options_;
   std::size_t modes_written_ = 0;
-  std::unique_ptr<CsvWriter> energies_, probes_;
+  std::unique_ptr<CsvWriter> energies_, probes_, tools_;
 };
 
 }  // namespace suture

@@ -40,6 +40,8 @@ void Records::record_tables(double last_dt, bool last) {
     built_.dynamics().synchronise(recorder_.probes_need(&FieldChoice::needs_force));
     recorder_.probes(clock_.step(), clock_.time(), gravity());
   }
+  if (recorder_.writes_tools() && due(output.tools_every, last_tools_))
+    recorder_.tools(clock_.step(), clock_.time());
 }
 
 void Records::finish(double last_dt) {
@@ -50,7 +52,7 @@ void Records::finish(double last_dt) {
 }
 
 void Records::roll_back() {
-  for (std::uint64_t* mark : {&last_frame_, &last_energies_, &last_probes_})
+  for (std::uint64_t* mark : {&last_frame_, &last_energies_, &last_probes_, &last_tools_})
     if (*mark > clock_.step()) *mark = never;
   if (recorded_ != never) recorded_ = std::min(recorded_, clock_.step());
 }
@@ -60,6 +62,7 @@ void Records::state(Archive& archive) {
   archive("last frame", last_frame_);
   archive("last energies", last_energies_);
   archive("last probes", last_probes_);
+  archive("last tools", last_tools_);
 }
 
 }  // namespace suture

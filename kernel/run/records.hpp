@@ -36,7 +36,7 @@ class Records {
   const Clock& clock_;
   static constexpr std::uint64_t never = ~std::uint64_t{0};
   std::uint64_t recorded_ = never, last_frame_ = never, last_energies_ = never,
-                last_probes_ = never;  ///< steps
+                last_probes_ = never, last_tools_ = never;  ///< steps
 };
 
 }  // namespace suture

@@ -9,6 +9,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/heap.hpp"
+#include "kernel/contact/contact.hpp"
 #include "kernel/dynamics/newton.hpp"
 #include "kernel/run/frame_parts.hpp"
 #include "kernel/run/free_bodies.hpp"
@@ -30,6 +31,8 @@ std::vector<double> stops_of(const Scene& scene) {
     for (const double time : {event.start(), event.finish()})
       if (std::isfinite(time)) stops.push_back(time);
   }
+  for (const Obstacle& obstacle : scene.contact.obstacles)
+    for (const RigidPath::Station& station : obstacle.motion.stations) stops.push_back(station.at);
   const auto add = [&](const TimeRamp& ramp) { stops.insert(stops.end(), {ramp.from, ramp.to}); };
   for (const Constraint& constraint : scene.constraints) add(constraint.ramp);
   for (const Load& load : scene.loads) add(load.ramp);

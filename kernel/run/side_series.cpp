@@ -6,6 +6,8 @@
 #include <span>
 
 #include "kernel/attributes/inspection.hpp"
+#include "kernel/contact/contact.hpp"
+#include "kernel/contact/shape_mesh.hpp"
 #include "kernel/run/displayed_ids.hpp"
 
 namespace suture {
@@ -104,6 +106,30 @@ void fill_cuts(Frame& frame, double time, BuiltScene& built, const EventRunner& 
   frame.cell_fields = {std::move(fields.event), std::move(fields.blade), std::move(fields.opened)};
 }
 
+void fill_obstacles(Frame& frame, double time, const Contact& contact, BuiltScene& built) {
+  FrameField numbers{.name = "obstacle"};
+  frame.points.clear();
+  frame.cells.clear();
+  Vec3 middle;
+  for (std::size_t c = 0; c < 3; ++c)
+    middle[c] = (contact.box().low[c] + contact.box().high[c]) / 2;
+  for (std::size_t i = 0; i < contact.obstacles().size(); ++i) {
+    const Obstacle& obstacle = contact.obstacles()[i];
+    const Pose pose = obstacle.motion.pose(time);
+    const auto first = static_cast<Index>(frame.points.size());
+    const ShapeMesh mesh = mesh_of(obstacle.shape, middle, contact.size());
+    for (const Vec3& point : mesh.points)
+      frame.points.push_back(built.frame().in_scene(pose.place(point)));
+    for (SmallCell cell : mesh.faces) {
+      for (Index& corner : cell)
+        if (corner != none) corner += first;
+      frame.cells.push_back(cell);
+      numbers.ids.push_back(static_cast<std::int64_t>(i));
+    }
+  }
+  frame.cell_fields = {std::move(numbers)};
+}
+
 }  // namespace
 
 std::vector<SideSeries> side_series(const OutputOptions& options,
@@ -123,6 +149,12 @@ std::vector<SideSeries> side_series(const OutputOptions& options,
   const auto cuts = [&built, &events](Frame& frame, double time, const Vec3&) {
     fill_cuts(frame, time, built, events);
   };
+  if (options.obstacles) {
+    const auto obstacles = [&built](Frame& frame, double time, const Vec3&) {
+      fill_obstacles(frame, time, *built.body().contact(), built);
+    };
+    series.push_back({"obstacles", obstacles, nullptr});
+  }
   if (options.cuts) series.push_back({"cuts", cuts, nullptr});
   return series;
 }

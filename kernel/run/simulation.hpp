@@ -20,6 +20,7 @@
 namespace suture {
 
 class OutputFolder;
+class Contact;
 class RunLoop;
 struct Checkpoint;
 
@@ -136,6 +137,8 @@ class Simulation {
   BuiltScene& built();
   const CellComplex& complex() const;
   Attributes& attributes();
+  /// The obstacles and the forces on them in the last step; null without obstacles.
+  const Contact* contact() const;
   /// The body's own origin in the scene, m. Positions in attributes() are relative to it; events
   /// and selections passed by a caller use coordinates of the scene.
   Vec3 origin() const;

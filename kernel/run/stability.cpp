@@ -41,6 +41,13 @@ Stability::Verdict Stability::examine(double unbalanced_force, std::uint64_t ste
     lowest_.reset();
     return Verdict::stable;
   }
+  if (built_.body().contact()) {
+    lowest_.reset();
+    diagnostics_.warn(
+        "the stability of the equilibrium was not checked: the tangent does not "
+        "include contact");
+    return Verdict::unknown;
+  }
   const ForceLoop& forces = built_.body().models();
   if (!forces.has_tangent()) {
     lowest_.reset();

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "kernel/base/error.hpp"
+#include "kernel/contact/contact.hpp"
 
 namespace suture {
 namespace {
@@ -160,7 +161,10 @@ void StepWatch::roll_back(std::uint64_t step, unsigned halvings) {
 
 double StepWatch::wanted() const {
   const double dt = std::ldexp(safety_ * stable_, -static_cast<int>(halvings_));
-  return std::min(dt, built_.body().constraints().longest_step(built_.dynamics().time()));
+  const double time = built_.dynamics().time();
+  const Contact* contact = built_.body().contact();
+  const double longest = contact ? contact->longest_step(time) : dt;
+  return std::min({dt, built_.body().constraints().longest_step(time), longest});
 }
 
 bool StepWatch::lower_safety() {

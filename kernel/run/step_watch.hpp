@@ -69,7 +69,7 @@ class StepWatch {
   /// Infinite where every vertex is prescribed, and for implicit integrators.
   double stable() const { return stable_; }
   /// The step chosen by "auto", s: with safety and halvings, and such that prescribed motion moves
-  /// no vertex by more than a tenth of an element.
+  /// no vertex, and no obstacle, by more than a tenth of an element.
   double wanted() const;
   /// Limits the step to half the stable step from now on. Returns false if it is already that low.
   bool lower_safety();

@@ -10,12 +10,14 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/heap.hpp"
 #include "kernel/base/vec3.hpp"
+#include "kernel/contact/contact.hpp"
 #include "kernel/forces/dead_loads.hpp"
 #include "kernel/forces/gravity.hpp"
 #include "kernel/forces/pressures.hpp"
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/mesh/own_origin.hpp"
 #include "kernel/scene/cell_values.hpp"
+#include "kernel/scene/check_obstacles.hpp"
 #include "kernel/scene/check_selections.hpp"
 #include "kernel/topology/bad_elements.hpp"
 
@@ -86,6 +88,7 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
   limits_ = std::make_unique<StepLimits>(body_);
   add_constraints();
   add_terms();
+  add_obstacles(diagnostics);
 }
 
 std::vector<bool> BuiltScene::stops_on_inversion() const {
@@ -188,6 +191,13 @@ void BuiltScene::add_terms() {
         break;
     }
   }
+}
+
+void BuiltScene::add_obstacles(Diagnostics& diagnostics) {
+  const ContactOptions& options = scene_.contact;
+  if (options.obstacles.empty()) return;
+  const Contact& contact = body_.add_obstacles(options.obstacles, options.thickness);
+  check_obstacles(*this, contact, diagnostics);
 }
 
 std::string BuiltScene::place_of(Index e) {

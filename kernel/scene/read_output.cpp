@@ -53,6 +53,8 @@ bool has_stress(const Scene& scene) {
 std::vector<std::string> known_fields(const Scene& scene) {
   std::vector<std::string> names = standard_fields();
   if (has_stress(scene)) names.insert(names.end(), stress_fields().begin(), stress_fields().end());
+  if (!scene.contact.obstacles.empty())
+    names.insert(names.end(), contact_fields().begin(), contact_fields().end());
   for (std::string& name : model_fields(scene).of_cells) {
     if (!contains(names, name)) names.push_back(std::move(name));
   }
@@ -84,7 +86,7 @@ bool read_series(ObjectReader& object, const char* key, std::uint32_t dimension,
 }
 
 /// Why a name that exists elsewhere is not a field of frames and probes of this scene: it belongs
-/// to a separate series, or no model provides the stress that it is computed from. Otherwise "".
+/// to a separate series, or the scene lacks what it is computed from. Otherwise "".
 std::string other_place(const ModelFields& fields, const std::string& name) {
   if (contains(fields.of_springs, name))
     return " is a value on springs, not on nodes or elements; set \"springs\": true in /output to "
@@ -95,6 +97,9 @@ std::string other_place(const ModelFields& fields, const std::string& name) {
   if (contains(stress_fields(), name))
     return " is computed from the element field 'stress', which no model of this scene provides; "
            "use a model that does, such as tm-faure, or remove this name";
+  if (contains(contact_fields(), name))
+    return " is a value of contact, and the scene has no obstacles; add /contact, or remove this "
+           "name";
   return "";
 }
 
@@ -198,12 +203,25 @@ Probe read_probe(ObjectReader& object, Reading& reading) {
   return probe;
 }
 
+void require_obstacles(ObjectReader& object, const char* key, const Reading& reading) {
+  if (reading.scene.contact.obstacles.empty())
+    object.complain(key,
+                    "needs obstacles, and the scene has none; add /contact, or remove this "
+                    "key");
+}
+
 void read_tables(ObjectReader& object, Reading& reading) {
   OutputOptions& output = reading.scene.output;
   if (const JsonValue* value = object.find("energies")) {
     ObjectReader energies(*value, object.path_of("energies"), object.mistakes());
     output.energies_every = energies.natural("every_steps", 1).value_or(1);
     energies.finish();
+  }
+  if (const JsonValue* value = object.find("tools")) {
+    ObjectReader tools(*value, object.path_of("tools"), object.mistakes());
+    output.tools_every = tools.natural("every_steps", 1).value_or(1);
+    tools.finish();
+    require_obstacles(object, "tools", reading);
   }
   if (const JsonValue* value = object.find("probes")) {
     ObjectReader probes(*value, object.path_of("probes"), object.mistakes());
@@ -264,6 +282,8 @@ void read_output(const JsonValue* value, Reading& reading) {
   output.springs = read_series(object, "springs", 1, "springs (functors on edges)", reading);
   output.faces = read_series(object, "faces", 2, "functors on faces", reading);
   output.cuts = object.boolean("cuts").value_or(false);
+  output.obstacles = object.boolean("obstacles").value_or(false);
+  if (output.obstacles) require_obstacles(object, "obstacles", reading);
   object.finish();
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kernel/base/types.hpp"
+#include "kernel/contact/obstacle.hpp"
 #include "kernel/forces/time_ramp.hpp"
 #include "kernel/mesh/box.hpp"
 #include "kernel/mesh/mesh.hpp"
@@ -87,6 +88,12 @@ struct Load {
   TimeRamp ramp;
 };
 
+/// What bodies touch.
+struct ContactOptions {
+  std::vector<Obstacle> obstacles;
+  double thickness = 0;  ///< m: the distance that the body keeps from them
+};
+
 struct SolverOptions {
   std::string integrator = "symplectic-euler";
   std::optional<double> dt;  ///< s; none: "auto"
@@ -132,9 +139,11 @@ struct OutputOptions {
   std::uint64_t energies_every = 0;  ///< steps; 0: no energies.csv
   std::uint64_t probes_every = 0;
   std::vector<Probe> probes;
-  bool springs = false;  ///< springs_NNNN.vtu: edges with the fields of models
-  bool faces = false;    ///< faces_NNNN.vtu: faces with the fields of models
-  bool cuts = false;     ///< cuts_NNNN.vtu: faces that cuts and tears opened, and blades
+  bool springs = false;           ///< springs_NNNN.vtu: edges with the fields of models
+  bool faces = false;             ///< faces_NNNN.vtu: faces with the fields of models
+  std::uint64_t tools_every = 0;  ///< steps; 0: no tools.csv
+  bool obstacles = false;         ///< obstacles_NNNN.vtu: the obstacles at the time of a frame
+  bool cuts = false;              ///< cuts_NNNN.vtu: faces that cuts and tears opened, and blades
 };
 
 /// When checkpoints are written, in addition to that of an interrupted run.
@@ -165,6 +174,7 @@ struct Scene {
   TimeRamp gravity_ramp;
   std::vector<Constraint> constraints;
   std::vector<Load> loads;
+  ContactOptions contact;
   std::vector<Event> events;  ///< by time (Event::start)
   SolverOptions solver;
   OutputOptions output;

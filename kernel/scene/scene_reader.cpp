@@ -55,6 +55,7 @@ void read_top(const JsonValue& root, Reading& reading) {
   read_loads(top, reading);
   const JsonValue* solver = top.require("solver", "how to run, and for how long");
   if (solver != nullptr) read_solver(*solver, reading);
+  read_contact(top, reading);
   read_events(top, reading);
   read_output(top.find("output"), reading);
   read_checkpoint(top.find("checkpoint"), reading);
@@ -201,6 +202,11 @@ const std::vector<std::string>& standard_fields() {
 const std::vector<std::string>& stress_fields() {
   static const std::vector<std::string> fields{"principal_stress", "nodal_stress",
                                                "nodal_von_mises"};
+  return fields;
+}
+
+const std::vector<std::string>& contact_fields() {
+  static const std::vector<std::string> fields{"contact_force", "gap"};
   return fields;
 }
 

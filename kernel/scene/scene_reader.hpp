@@ -58,5 +58,7 @@ Event read_event(std::string_view text, const std::string& name, const Scene& sc
 const std::vector<std::string>& standard_fields();
 /// Names of those available if a model provides the element field "stress" (6 components).
 const std::vector<std::string>& stress_fields();
+/// Names of those available if the scene has obstacles.
+const std::vector<std::string>& contact_fields();
 
 }  // namespace suture

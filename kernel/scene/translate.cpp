@@ -115,11 +115,16 @@ struct Translation {
     (*this)(constraint.where);
     if (constraint.angle != 0) (*this)(constraint.centre);  // else far away for nothing
   }
+  void operator()(Obstacle& obstacle) const {
+    translate(obstacle.shape, minus(Vec3{}, frame.origin));
+    (*this)(obstacle.motion.centre);
+  }
   void operator()(Scene& scene) const {
     (*this)(scene.mesh);
     for (ModelUse& use : scene.models) (*this)(use);
     for (Constraint& constraint : scene.constraints) (*this)(constraint);
     for (Load& load : scene.loads) (*this)(load.where);
+    for (Obstacle& obstacle : scene.contact.obstacles) (*this)(obstacle);
     for (Event& event : scene.events) (*this)(event);
     for (Probe& probe : scene.output.probes) (*this)(probe.where);
   }

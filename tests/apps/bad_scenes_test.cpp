@@ -341,5 +341,69 @@ TEST_F(BadScenes, ValuesThatDifferFromElementToElement) {
   }
 }
 
+// The block of the scene reaches from 0 to 1 m.
+TEST_F(BadScenes, Obstacles) {
+  struct Case {
+    std::string set, where, words;
+  };
+  const std::string at = "/contact={\"obstacles\": [{\"name\": \"o\", ";
+  const std::string floor = R"("half_space": {"point": [0, 0, 0], "normal": [0, 0, 1]})";
+  const std::string ball = R"("sphere": {"centre": [0.5, 0.5, 1.5], "radius": 0.5})";
+  const auto one = [&](const std::string& members) { return at + members + "}]}"; };
+  const Case cases[] = {
+      {"/contact={}", "/contact", "'obstacles' is missing"},
+      {"/contact={\"obstacles\": []}", "/contact/obstacles", "at least one"},
+      {"/contact={\"friktion\": 1, \"obstacles\": []}", "/contact/friktion", "'friction'"},
+      {one(floor + ", \"friction\": -0.1"), "/obstacles/0/friction", "must be >= 0"},
+      {one(R"("sphere": {"centre": [0, 0, 3], "radius": 0})"), "/sphere/radius", "must be > 0 m"},
+      {one(R"("half_space": {"point": [0, 0, 0], "normal": [0, 0, 0]})"), "/half_space/normal",
+       "must not be [0, 0, 0]"},
+      {one(R"("capsule": {"from": [0, 0, 3], "to": [0, 0, 3], "radius": 1})"), "/capsule/to",
+       "is the same point as 'from'"},
+      {one(R"("box": {"min": [0, 0, 2], "max": [1, 1, 2]})"), "/box", "has no volume"},
+      {one("\"friction\": 1"), "/contact/obstacles/0", "half_space"},
+      {one(floor + ", " + ball), "/contact/obstacles/0", "sphere"},
+      {one(ball + ", \"path\": [{\"at\": 0}, {\"at\": 0}]"), "/path/1/at", "must be later"},
+      {one(ball + ", \"path\": [{\"at\": 0, \"angle\": 9}]"), "/path/0/angle", "needs an axis"},
+      {at + floor + "}, {\"name\": \"o\", " + ball + "}]}", "/obstacles/1/name", "must be unique"},
+      {one(R"("half_space": {"point": [0, 0, 0.125], "normal": [0, 0, 1]})"),
+       "/contact/obstacles/0", "the deepest by 0.125 m"},
+      {one(R"("sphere": {"centre": [0.25, 0.25, 0.25], "radius": 0.1})"), "/contact/obstacles/0",
+       "lies inside the body: (0.25, 0.25, 0.25) m"},
+      {one(ball + R"(, "path": [{"at": 0}, {"at": 1e-6, "translation": [0, 0, 1]}])"),
+       "/contact/obstacles/0", "jump over the surface"},
+      {"/output={\"tools\": {}}", "/output/tools", "needs obstacles"},
+      {"/output={\"obstacles\": true}", "/output/obstacles", "needs obstacles"},
+      {"/output={\"fields\": [\"gap\"]}", "/output/fields/0", "the scene has no obstacles"}};
+  for (const Case& bad : cases) {
+    const Outcome outcome = scene("check", "", {bad.set});
+    EXPECT_EQ(outcome.code, 3) << bad.set << '\n' << outcome;
+    EXPECT_TRUE(outcome.says(bad.where) && outcome.says(bad.words)) << bad.set << '\n' << outcome;
+  }
+}
+
+TEST_F(BadScenes, ObstaclesThatASolverDoesNotSee) {
+  const std::string floor =
+      "/contact={\"obstacles\": [{\"name\": \"o\", \"half_space\": "
+      "{\"point\": [0, 0, 0], \"normal\": [0, 0, 1]}}]}";
+  for (const char* solver :
+       {R"({"static": {}})", R"({"integrator": "newmark", "end": 1, "dt": 0.1})",
+        R"({"end": 1, "sleep": {"acceleration": 1, "velocity": 1}})",
+        R"({"integrator": "velocity-verlet", "end": 1, "step_error": 1e-3})"}) {
+    const Outcome outcome = scene("check", "", {floor, std::string("/solver=") + solver});
+    EXPECT_EQ(outcome.code, 3) << outcome;
+    EXPECT_TRUE(outcome.says("/contact") && outcome.says("cannot be combined")) << outcome;
+  }
+  scene("check", "", {});
+  const Outcome modes = suture({"modes", "s.json", "--set", floor});
+  EXPECT_EQ(modes.code, 3) << modes;
+  EXPECT_TRUE(modes.says("modes do not include contact")) << modes;
+  const Outcome far = scene("check", "",
+                            {"/contact={\"obstacles\": [{\"name\": \"o\", \"sphere\": "
+                             "{\"centre\": [0, 0, 900], \"radius\": 1}}]}"});
+  EXPECT_EQ(far.code, 0) << far;
+  EXPECT_TRUE(far.says("warning") && far.says("m away from the body")) << far;
+}
+
 }  // namespace
 }  // namespace suture::testing

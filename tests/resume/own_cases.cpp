@@ -241,13 +241,36 @@ Case varied(Random& random, unsigned index, std::uint64_t) {
   return result;
 }
 
+/// A slab that falls onto a table, is pushed by a ball, and is cut there.
+Case obstacles(Random& random, unsigned, std::uint64_t) {
+  Case result = bar("obstacles", random);
+  Json& scene = result.scene;
+  scene.erase("constraints");
+  scene["gravity"] = {1, 0, -9.81};
+  scene["contact"] = {
+      {"friction", random.between(0, 0.5)},
+      {"obstacles",
+       {{{"name", "table"}, {"half_space", {{"point", {0, 0, -0.01}}, {"normal", {0, 0, 1}}}}},
+        {{"name", "ball"},
+         {"sphere", {{"centre", {0.5, 0.1, 0.36}}, {"radius", 0.1}}},
+         {"path",
+          {{{"at", 0.1}}, {{"at", random.between(0.3, 1)}, {"translation", {0.1, 0, -0.08}}}}}}}}};
+  scene["events"] = {{{"at", random.between(0.1, 1)}, {"cut", across(0.5, random)}},
+                     {{"at", random.between(1, 1.5)},
+                      {"pierce", {{"path", {{0.3, 0.1, -2}, {0.3, 0.1, 2}}}, {"radius", 0.06}}}}};
+  add_output(scene, random);
+  scene["output"]["tools"]["every_steps"] = 1 + static_cast<int>(random.decades(1, 30));
+  scene["output"]["fields"].push_back("contact_force");
+  return result;
+}
+
 }  // namespace
 
 std::vector<Kind> own_kinds() {
   return {{"asleep", 2, 12, asleep},    {"kicked", 1, 8, kicked}, {"springs", 1, 8, springs},
           {"when", 1, 8, when},         {"moody", 2, 16, moody},  {"memory", 1, 10, memory},
           {"large", 1, 9, large},       {"dense", 1, 8, dense},   {"implicit", 3, 9, implicit},
-          {"adaptive", 2, 8, adaptive}, {"varied", 2, 8, varied}};
+          {"adaptive", 2, 8, adaptive}, {"varied", 2, 8, varied}, {"obstacles", 2, 8, obstacles}};
 }
 
 }  // namespace suture::test

@@ -12,17 +12,13 @@
 #include "kernel/scene/scene_error.hpp"
 #include "kernel/scene/scene_reader.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
 
 /// Stops the run before step `last`.
 struct Watcher : Observer {

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernel/attributes/attributes.hpp"
+#include "kernel/contact/boundary_surface.hpp"
+#include "kernel/contact/placed_obstacle.hpp"
+#include "kernel/forces/follower.hpp"
+
+namespace suture {
+
+/// A step as an explicit scheme makes it without contact: v' = decay v + gain a, x' = x + dt v'.
+struct ContactStep {
+  double time = 0, end = 0, dt = 0;  ///< s
+  double decay = 1, gain = 0;        ///< of the kicks still to be made
+  /// From one velocity to the next, including kicks already made: impulse = whole_gain * force.
+  double whole_decay = 1, whole_gain = 0;
+  Vec3 acceleration{};               ///< uniform, in addition to the forces
+  const LiveMask* moving = nullptr;  ///< vertices
+};
+
+/// Contact of a body with obstacles. It changes velocities rather than adding forces: after a step
+/// without contact, every vertex of the boundary that ended inside an obstacle is moved to its
+/// surface, by the impulse that would have taken it there (PlacedObstacle::push). So nothing
+/// penetrates, whatever the step, no stiffness has to be chosen, and the stable step is that of
+/// the body alone. Impacts are inelastic.
+///
+/// Only vertices touch: of an obstacle smaller than a face, the face does not notice.
+///
+/// Cost: a pass over the vertices of the boundary in each step.
+class Contact final : public Follower {
+ public:
+  /// `thickness`: the distance from obstacles at which vertices touch them, m.
+  Contact(const CellComplex& complex, Attributes& attributes, std::vector<Obstacle> obstacles,
+          double thickness);
+
+  const std::vector<Obstacle>& obstacles() const { return obstacles_; }
+  const BoundarySurface& surface() const { return surface_; }
+  double thickness() const { return thickness_; }
+  /// Of the elements at the boundary, at rest, m.
+  double shortest_edge() const { return shortest_edge_; }
+  /// Around the body at rest, and its diagonal, m.
+  const Box& box() const { return box_; }
+  double size() const { return size_; }
+
+  /// Call before the pass that kicks and drifts: finds the vertices that may touch an obstacle.
+  void predict(const ContactStep& step);
+  /// What MotionSums does not know of a vertex that was pushed: the work rate of its other forces
+  /// at its new velocity, W, and twice its kinetic energy, J, less those without contact.
+  struct Correction {
+    Index vertex;
+    double after, inertia;
+  };
+  /// Call after that pass: pushes them out. Throws nothing; the result is valid until the next
+  /// call.
+  std::span<const Correction> resolve(const ContactStep& step);
+
+  /// A vertex that an obstacle pushed in the last step.
+  struct Touch {
+    Index vertex;
+    Vec3 force;  ///< on the vertex, N, mean of the step
+  };
+  std::span<const Touch> touches() const { return touches_; }
+  /// On the obstacles in the last step; torques about PlacedObstacle::centre().
+  struct Load {
+    Vec3 force{}, torque{};  ///< N, N m
+  };
+  const std::vector<Load>& loads() const { return loads_; }
+  /// The distance of each vertex of the boundary from the nearest obstacle at `time`, less the
+  /// thickness; NaN for other vertices. m
+  std::vector<double> gaps(double time) const;
+
+  /// Of contact without friction, on the body, and of friction (negative: it dissipates), J.
+  double work() const { return work_; }
+  double friction_work() const { return friction_work_; }
+  /// Of both, in the last step.
+  double step_work() const { return step_work_; }
+  /// Of the forces of the last step at the current velocities, W.
+  double power() const;
+  void restart();
+
+  /// The longest step in which no obstacle moves by more than a tenth of an element, s.
+  double longest_step(double time) const;
+  /// A bound on the speed of the points of an obstacle near the body, m/s.
+  double top_speed(const Obstacle& obstacle, double time) const;
+  /// When the last obstacle stops, s.
+  double last_change() const;
+
+  void follow(const CellComplex& complex, const TopologyChange& change) override;
+  void state(Archive& archive);
+
+ private:
+  struct Near {
+    Index vertex;
+    Vec3 force;  ///< without contact, N
+  };
+  void resolve(const Near& near, const ContactStep& step);
+  bool push_out(VertexPath& path, std::vector<Push>& pushes) const;
+  void book(const Near& near, const std::vector<Push>& pushes, const Vec3& free_velocity,
+            const Vec3& velocity, const ContactStep& step);
+
+  Attributes& attributes_;
+  std::vector<Obstacle> obstacles_;
+  double thickness_;
+  BoundarySurface surface_;
+  Box box_ = no_box;
+  double shortest_edge_ = 0, size_ = 0;  ///< m
+  // Of the step in progress.
+  std::vector<PlacedObstacle> placed_;
+  std::vector<Near> near_;
+  std::vector<Correction> corrections_;
+  std::vector<Push> pushes_;  ///< by obstacle
+  // Of the last step.
+  std::vector<Touch> touches_;
+  std::vector<Load> loads_;
+  double work_ = 0, friction_work_ = 0, step_work_ = 0;
+};
+
+}  // namespace suture

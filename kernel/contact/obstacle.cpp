@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/contact/obstacle.hpp"
+
+#include <algorithm>
+
+#include "kernel/contact/vectors.hpp"
+
+namespace suture {
+namespace {
+
+/// Rodrigues' formula.
+std::array<Vec3, 3> rotation(const Vec3& axis, double angle) {
+  const Vec3 a = scaled(1 / norm(axis), axis);
+  const double s = std::sin(angle), c = std::cos(angle);
+  std::array<Vec3, 3> turn;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+    turn[i][i] = c + (1 - c) * a[i] * a[i];
+    turn[i][j] = (1 - c) * a[i] * a[j] - s * a[k];
+    turn[i][k] = (1 - c) * a[i] * a[k] + s * a[j];
+  }
+  return turn;
+}
+
+}  // namespace
+
+Vec3 Pose::direction(const Vec3& given) const {
+  return {dot(turn[0], given), dot(turn[1], given), dot(turn[2], given)};
+}
+
+Vec3 Pose::place(const Vec3& given) const {
+  return plus(plus(centre, translation), direction(minus(given, centre)));
+}
+
+Vec3 Pose::given(const Vec3& place) const {
+  const Vec3 moved = minus(minus(place, centre), translation);
+  Vec3 back = centre;
+  for (std::size_t i = 0; i < 3; ++i) back = plus(back, scaled(moved[i], turn[i]));
+  return back;
+}
+
+Pose RigidPath::pose(double time) const {
+  Pose pose;
+  pose.centre = centre;
+  if (stations.empty()) return pose;
+  const auto next = std::ranges::upper_bound(stations, time, {}, &Station::at);
+  const Station& from = next == stations.begin() ? *next : next[-1];
+  const Station& to = next == stations.end() ? from : *next;
+  const double part = to.at > from.at ? (time - from.at) / (to.at - from.at) : 0;
+  pose.translation = plus(from.translation, scaled(part, minus(to.translation, from.translation)));
+  const double angle = from.angle + part * (to.angle - from.angle);
+  if (angle != 0) pose.turn = rotation(axis, angle);
+  return pose;
+}
+
+double RigidPath::top_speed(double time, double reach) const {
+  double speed = 0;
+  for (std::size_t i = 1; i < stations.size(); ++i) {
+    const Station &from = stations[i - 1], &to = stations[i];
+    if (to.at <= time) continue;
+    const double turning = to.angle == from.angle ? 0 : std::abs(to.angle - from.angle) * reach;
+    const double path = norm(minus(to.translation, from.translation)) + turning;
+    speed = std::max(speed, path / (to.at - from.at));
+  }
+  return speed;
+}
+
+double Obstacle::reach() const {
+  const Ball ball = ball_around(shape);
+  return norm(minus(ball.centre, motion.centre)) + ball.radius;
+}
+
+}  // namespace suture

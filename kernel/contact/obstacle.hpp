@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "kernel/contact/shape.hpp"
+
+namespace suture {
+
+/// Where a rigid body is: x = c + R (X - c) + t for its points X as given in the scene.
+struct Pose {
+  std::array<Vec3, 3> turn{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< the rows of R
+  Vec3 centre{}, translation{};
+
+  Vec3 place(const Vec3& given) const;
+  Vec3 given(const Vec3& place) const;  ///< the inverse of place()
+  Vec3 direction(const Vec3& given) const;
+};
+
+/// The motion of a rigid body: linear in time between stations, and at rest before the first and
+/// after the last.
+struct RigidPath {
+  struct Station {
+    double at = 0;       ///< s
+    Vec3 translation{};  ///< m
+    double angle = 0;    ///< rad, about `axis` through `centre`
+  };
+  std::vector<Station> stations;  ///< by time; empty: it stays as given
+  Vec3 axis{0, 0, 1}, centre{};
+
+  bool moves() const { return stations.size() > 1; }
+  Pose pose(double time) const;
+  /// A bound on the speed of its points within `reach` of `centre` from `time` on, m/s.
+  double top_speed(double time, double reach) const;
+  double last_change() const { return moves() ? stations.back().at : 0; }
+};
+
+/// A rigid solid that no body enters.
+struct Obstacle {
+  std::string name;
+  std::string path;  ///< JSON path, for messages
+  Shape shape;
+  RigidPath motion{};
+  double friction = 0;    ///< Coulomb's coefficient
+  bool push_out = false;  ///< moves what is inside at the start out slowly, instead of an error
+  /// Of all points from the centre of the motion, m.
+  double reach() const;
+};
+
+}  // namespace suture

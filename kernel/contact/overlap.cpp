@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/contact/overlap.hpp"
+
+#include <numbers>
+
+namespace suture {
+namespace {
+
+// Of the size of the body: coordinates of files may be in single precision.
+constexpr double tolerance = 1e-6;
+
+/// The solid angle of a triangle seen from the origin, positive from behind (Van Oosterom and
+/// Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125).
+double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double la = norm(a), lb = norm(b), lc = norm(c);
+  return 2 * std::atan2(dot(a, cross(b, c)),
+                        la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+}
+
+bool is_inside(const BoundarySurface& surface, const double* positions, const Vec3& place) {
+  double angle = 0;
+  for (const BoundarySurface::Corners& corners : surface.corners()) {
+    Vec3 p[4];
+    for (std::size_t i = 0; i < 4; ++i) p[i] = minus(row(positions, corners[i]), place);
+    angle += solid_angle(p[0], p[1], p[2]) + solid_angle(p[0], p[2], p[3]);
+  }
+  return angle > 2 * std::numbers::pi;
+}
+
+Overlap deepest(const PlacedObstacle& obstacle, const CellComplex& complex, const double* positions,
+                double margin) {
+  Overlap overlap{};
+  for (Index v = 0; v < complex.count(0); ++v) {
+    if (!complex.exists(0, v)) continue;
+    const Vec3 place = row(positions, v);
+    if (!obstacle.may_touch(place, 0)) continue;
+    const double depth = -obstacle.gap(place).distance;
+    if (depth <= margin) continue;
+    ++overlap.vertices;
+    if (depth > overlap.depth) {
+      overlap.depth = depth;
+      overlap.place = place;
+    }
+  }
+  return overlap;
+}
+
+}  // namespace
+
+std::vector<Overlap> find_overlaps(const Contact& contact, const CellComplex& complex,
+                                   Attributes& attributes, double time) {
+  std::vector<Overlap> overlaps;
+  const double* positions = attributes.position().rows();
+  for (std::size_t i = 0; i < contact.obstacles().size(); ++i) {
+    const Obstacle& obstacle = contact.obstacles()[i];
+    const PlacedObstacle placed(obstacle, contact.thickness(), time, time);
+    Overlap overlap = deepest(placed, complex, positions, tolerance * contact.size());
+    overlap.obstacle = i;
+    if (overlap.vertices > 0) {
+      overlaps.push_back(overlap);
+      continue;
+    }
+    for (const Vec3& given : points_inside(obstacle.shape)) {
+      overlap.place = obstacle.motion.pose(time).place(given);
+      if (!is_inside(contact.surface(), positions, overlap.place)) continue;
+      overlaps.push_back(overlap);
+      break;
+    }
+  }
+  return overlaps;
+}
+
+}  // namespace suture

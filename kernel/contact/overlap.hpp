@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "kernel/contact/contact.hpp"
+
+namespace suture {
+
+/// An obstacle that lies partly or wholly inside a body.
+struct Overlap {
+  std::size_t obstacle;  ///< by place in Contact::obstacles()
+  Index vertices = 0;    ///< of the body inside the obstacle; 0: the obstacle lies inside the body
+  double depth = 0;      ///< of the deepest one, m
+  Vec3 place{};          ///< its position, or a point of the obstacle
+};
+
+/// Of all obstacles at `time`; contacts to within rounding do not count. O(obstacles times
+/// vertices).
+std::vector<Overlap> find_overlaps(const Contact& contact, const CellComplex& complex,
+                                   Attributes& attributes, double time);
+
+}  // namespace suture

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/contact/placed_obstacle.hpp"
+
+#include <algorithm>
+
+namespace suture {
+namespace {
+
+// Of its depth, by which a vertex that began inside moves out in a step.
+constexpr double recovery = 0.02;
+// Below, all directions of the normal are held by constraints.
+constexpr double least_free_part = 1e-6;
+
+}  // namespace
+
+PlacedObstacle::PlacedObstacle(const Obstacle& obstacle, double thickness, double start, double end)
+    : obstacle_(obstacle),
+      offset_(thickness),
+      start_(obstacle.motion.pose(start)),
+      end_(obstacle.motion.pose(end)),
+      ball_(ball_around(obstacle.shape)),
+      is_half_space_(std::holds_alternative<HalfSpace>(obstacle.shape)) {
+  ball_.centre = end_.place(ball_.centre);
+  if (is_half_space_) normal_ = end_.direction(std::get<HalfSpace>(obstacle.shape).normal);
+}
+
+Nearest PlacedObstacle::gap(const Pose& pose, const Vec3& place) const {
+  Nearest found = nearest(obstacle_.shape, pose.given(place));
+  found.distance -= offset_;
+  found.normal = pose.direction(found.normal);
+  return found;
+}
+
+Vec3 PlacedObstacle::displacement(const Vec3& place_at_end) const {
+  if (!obstacle_.motion.moves()) return {};
+  return minus(place_at_end, start_.place(end_.given(place_at_end)));
+}
+
+double PlacedObstacle::target(const VertexPath& path, double fastest) const {
+  const double before = gap(start_, path.start).distance;
+  return before < 0 ? before + std::min(-recovery * before, fastest) : 0;
+}
+
+bool PlacedObstacle::push(VertexPath& path, double fastest, Push& push) const {
+  const Nearest found = gap(path.end);
+  if (!(found.distance < 0)) return false;
+  const double lacking = target(path, fastest) - found.distance;
+  const Vec3 way = path.free_part(found.normal);
+  const double free = dot(found.normal, way);
+  if (!(lacking > 0) || free < least_free_part) return false;
+  const double normal = lacking / (path.dt * free);
+  push.normal = scaled(normal, found.normal);
+  push.tangential = {};
+  path.end = plus(path.end, scaled(path.dt * normal, way));
+
+  const Vec3 moved = displacement(minus(path.end, scaled(offset_, found.normal)));
+  push.obstacle_velocity = scaled(1 / path.dt, moved);
+  const Vec3 relative = scaled(1 / path.dt, minus(minus(path.end, path.start), moved));
+  const Vec3 sliding =
+      path.free_part(minus(relative, scaled(dot(relative, found.normal), found.normal)));
+  const double speed = norm(sliding);
+  if (!(obstacle_.friction > 0) || !(speed > 0)) return true;
+  push.tangential = scaled(-std::min(1.0, obstacle_.friction * normal / speed), sliding);
+  path.end = plus(path.end, scaled(path.dt, push.tangential));
+  return true;
+}
+
+}  // namespace suture

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "kernel/contact/obstacle.hpp"
+#include "kernel/contact/vectors.hpp"
+
+namespace suture {
+
+/// The way of a vertex in a step, which contact changes.
+struct VertexPath {
+  Vec3 start, end;
+  unsigned fixed = 0;  ///< bits of components that contact must not change
+  double dt = 0;
+
+  /// The part of a vector in free components.
+  Vec3 free_part(Vec3 a) const {
+    for (std::size_t c = 0; c < 3; ++c)
+      if (fixed >> c & 1) a[c] = 0;
+    return a;
+  }
+};
+
+/// What an obstacle did to a vertex: changes of velocity, m/s.
+struct Push {
+  Vec3 normal{}, tangential{};  ///< of the vertex, if it were free
+  Vec3 obstacle_velocity{};     ///< of the point that it touches, mean of the step
+};
+
+/// An obstacle during one step.
+class PlacedObstacle {
+ public:
+  /// `thickness`: how far from the obstacle the surface of the body stays, m.
+  PlacedObstacle(const Obstacle& obstacle, double thickness, double start, double end);
+
+  /// False if a place is farther than `margin` from touching at the end of the step.
+  bool may_touch(const Vec3& place, double margin) const {
+    if (is_half_space_) return dot(minus(place, ball_.centre), normal_) < offset_ + margin;
+    const Vec3 away = minus(place, ball_.centre);
+    const double reach = ball_.radius + offset_ + margin;
+    return dot(away, away) < reach * reach;
+  }
+  /// From the surface of the obstacle at the end of the step, less the thickness; negative inside.
+  Nearest gap(const Vec3& place) const { return gap(end_, place); }
+
+  /// Moves the end of a path out of the obstacle, with Coulomb friction against sliding. False if
+  /// it is not inside.
+  ///   dv_n = (target - gap) / dt,   dv_t = - u_t min(1, mu dv_n / |u_t|)
+  /// u_t is the rest of the tangential velocity relative to the obstacle. The target is 0, so that
+  /// a vertex ends the step on the surface; one that was inside before approaches it slowly
+  /// (`fastest` m per step), or pushing out would act like an explosion.
+  bool push(VertexPath& path, double fastest, Push& push) const;
+
+  /// A point that turns with the obstacle, about which torques are taken.
+  Vec3 centre() const { return ball_.centre; }
+
+ private:
+  Nearest gap(const Pose& pose, const Vec3& place) const;
+  Vec3 displacement(const Vec3& place_at_end) const;
+  double target(const VertexPath& path, double fastest) const;
+
+  const Obstacle& obstacle_;
+  double offset_;
+  Pose start_, end_;
+  Ball ball_;
+  Vec3 normal_{};  ///< of a half-space
+  bool is_half_space_;
+};
+
+}  // namespace suture

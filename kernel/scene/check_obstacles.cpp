@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/scene/check_obstacles.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+#include "kernel/base/error.hpp"
+#include "kernel/contact/overlap.hpp"
+
+namespace suture {
+namespace {
+
+// Of the size of the body: obstacles that stay farther away are probably in other units.
+constexpr double far_away = 100;
+
+std::string describe(const Overlap& overlap, const BuiltScene& built, double depth_unit) {
+  std::ostringstream text;
+  if (overlap.vertices == 0) {
+    text << "lies inside the body: " << built.place_text(overlap.place)
+         << " is a point of both; move it out of the body";
+    return text.str();
+  }
+  text << "overlaps the body at the start: " << overlap.vertices
+       << (overlap.vertices == 1 ? " node is" : " nodes are") << " inside, the deepest by "
+       << overlap.depth << " m (" << overlap.depth / depth_unit << " of the shortest edge) at "
+       << built.place_text(overlap.place)
+       << "; move it by that much, or set \"push_out\": true to push the body out slowly";
+  return text.str();
+}
+
+/// The smallest distance between the balls around the obstacle, at its stations, and the body.
+double closest(const Obstacle& obstacle, const Vec3& middle, double size) {
+  std::vector<double> times{0};
+  for (const RigidPath::Station& station : obstacle.motion.stations) times.push_back(station.at);
+  double distance = std::numeric_limits<double>::infinity();
+  for (const double time : times)
+    distance =
+        std::min(distance, PlacedObstacle(obstacle, 0, time, time).gap(middle).distance - size / 2);
+  return distance;
+}
+
+void warn_of_far_obstacle(const Obstacle& obstacle, const Contact& contact, const Vec3& middle,
+                          Diagnostics& diagnostics) {
+  const double distance = closest(obstacle, middle, contact.size());
+  if (!(distance > far_away * contact.size())) return;
+  std::ostringstream text;
+  text << obstacle.path << ": stays at least " << distance
+       << " m away from the body, whose size is " << contact.size()
+       << " m; check its place and units";
+  diagnostics.warn(text.str());
+}
+
+std::string too_fast(const Obstacle& obstacle, const Contact& contact, double dt) {
+  const double way = contact.top_speed(obstacle, 0) * dt;
+  if (!(way > contact.shortest_edge())) return "";
+  std::ostringstream text;
+  text << "moves by up to " << way << " m in a step of /solver/dt, more than an element (the "
+       << "shortest edge at the boundary is " << contact.shortest_edge()
+       << " m), so it could jump over the surface; move it more slowly, reduce /solver/dt, or set "
+          "it to \"auto\", which follows the obstacle";
+  return text.str();
+}
+
+}  // namespace
+
+void check_obstacles(BuiltScene& built, const Contact& contact, Diagnostics& diagnostics) {
+  Body& body = built.body();
+  std::string mistakes;
+  const auto complain = [&](const Obstacle& obstacle, const std::string& text) {
+    if (text.empty()) return;
+    mistakes += (mistakes.empty() ? "" : "\n") + obstacle.path + ": " + text;
+  };
+  for (const Overlap& overlap : find_overlaps(contact, body.complex(), body.attributes(), 0)) {
+    const Obstacle& obstacle = contact.obstacles()[overlap.obstacle];
+    if (overlap.vertices == 0 || !obstacle.push_out)
+      complain(obstacle, describe(overlap, built, contact.shortest_edge()));
+  }
+  const Box box = contact.box();
+  const Vec3 middle{(box.low[0] + box.high[0]) / 2, (box.low[1] + box.high[1]) / 2,
+                    (box.low[2] + box.high[2]) / 2};
+  for (const Obstacle& obstacle : contact.obstacles()) {
+    if (built.scene().solver.dt)
+      complain(obstacle, too_fast(obstacle, contact, *built.scene().solver.dt));
+    warn_of_far_obstacle(obstacle, contact, middle, diagnostics);
+  }
+  if (!mistakes.empty()) throw InputError(mistakes);
+}
+
+}  // namespace suture

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "kernel/base/diagnostics.hpp"
+#include "kernel/contact/contact.hpp"
+#include "kernel/scene/built_scene.hpp"
+
+namespace suture {
+
+/// Checks what depends on the mesh: obstacles that start inside the body, that move too fast for a
+/// fixed dt, or that are far from the body (a warning). Throws one InputError with a line
+/// "PATH: TEXT" for each mistake.
+void check_obstacles(BuiltScene& built, const Contact& contact, Diagnostics& diagnostics);
+
+}  // namespace suture

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Obstacles and how bodies touch them.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "kernel/base/vec3.hpp"
+#include "kernel/dynamics/integrator.hpp"
+#include "kernel/scene/scene_parts.hpp"
+
+namespace suture::scene_parts {
+namespace {
+
+const std::array<std::string, 5> shapes{"half_space", "sphere", "capsule", "box", "cylinder"};
+
+double read_radius(ObjectReader& object) {
+  object.require("radius", "in m");
+  return object.number("radius", Limits::positive("m")).value_or(1);
+}
+
+HalfSpace read_half_space(ObjectReader& object) {
+  HalfSpace half;
+  half.point = require_vector(object, "point", "m", "a point of the plane [x, y, z] in m");
+  object.require("normal", "the direction out of the obstacle [x, y, z]");
+  half.normal = read_direction(object, "normal").value_or(half.normal);
+  const double length = std::sqrt(dot(half.normal, half.normal));
+  for (double& component : half.normal) component /= length;
+  return half;
+}
+
+Sphere read_sphere(ObjectReader& object) {
+  Sphere sphere;
+  sphere.centre = require_vector(object, "centre", "m", "[x, y, z] in m");
+  sphere.radius = read_radius(object);
+  return sphere;
+}
+
+template <class WithAxis>
+WithAxis read_with_axis(ObjectReader& object) {
+  WithAxis shape;
+  shape.from = require_vector(object, "from", "m", "one end of the axis [x, y, z] in m");
+  shape.to = require_vector(object, "to", "m", "the other end of the axis [x, y, z] in m");
+  shape.radius = read_radius(object);
+  if (object.find("from") && object.find("to") && shape.from == shape.to)
+    object.complain("to", "is the same point as 'from', so the axis has no direction" +
+                              std::string(std::is_same_v<WithAxis, Capsule>
+                                              ? "; use a {\"sphere\"}, or move one end"
+                                              : "; move one end"));
+  return shape;
+}
+
+Shape read_shape(ObjectReader object, std::size_t kind) {
+  Shape shape;
+  if (kind == 0) shape = read_half_space(object);
+  if (kind == 1) shape = read_sphere(object);
+  if (kind == 2) shape = read_with_axis<Capsule>(object);
+  if (kind == 3) {
+    const Selection::InBox box = read_box(object);  // reports unknown keys, too
+    for (std::size_t c = 0; c < 3; ++c)
+      if (box.min[c] == box.max[c] && object.find("min") && object.find("max"))
+        object.complain(std::string("has no volume: 'min' equals 'max' along ") + "xyz"[c]);
+    return Box{box.min, box.max};
+  }
+  if (kind == 4) shape = read_with_axis<Cylinder>(object);
+  object.finish();
+  return shape;
+}
+
+RigidPath::Station read_station(ObjectReader& object, const Scene& scene) {
+  RigidPath::Station station;
+  object.require("at", "the time of the station, in s");
+  station.at = object.number("at", Limits::not_negative("s")).value_or(0);
+  if (scene.solver.end && station.at > *scene.solver.end)
+    object.complain("at", "is after the end of the run (/solver/end)");
+  station.translation = object.vector("translation", Limits::any("m")).value_or(Vec3{});
+  station.angle =
+      object.number("angle", Limits::any("degrees")).value_or(0) * std::numbers::pi / 180;
+  return station;
+}
+
+void read_motion(ObjectReader& object, const Scene& scene, Obstacle& obstacle) {
+  RigidPath& motion = obstacle.motion;
+  motion.centre = ball_around(obstacle.shape).centre;
+  motion.centre = object.vector("centre", Limits::any("m")).value_or(motion.centre);
+  for_each_object(object, "path", "stations", [&](ObjectReader& reader) {
+    RigidPath::Station station = read_station(reader, scene);
+    if (!motion.stations.empty() && station.at <= motion.stations.back().at)
+      reader.complain("at", "must be later than the previous station");
+    if (station.angle != 0 && object.find("axis") == nullptr)
+      reader.complain("angle", "needs an axis: give \"axis\": [x, y, z] beside the path");
+    motion.stations.push_back(station);
+  });
+  if (object.find("path") != nullptr && motion.stations.empty())
+    object.complain("path", "is empty; give at least one station, or remove it");
+  if (object.find("axis") != nullptr)
+    motion.axis = read_direction(object, "axis").value_or(motion.axis);
+}
+
+void read_name(ObjectReader& object, const std::vector<Obstacle>& earlier, Obstacle& obstacle) {
+  object.require("name", "the name of the columns in tools.csv");
+  obstacle.name = object.string("name").value_or("");
+  if (object.find("name") != nullptr && !is_good_name(obstacle.name))
+    object.complain("name", "must consist of letters, digits, '_', '-' and '.'");
+  if (std::ranges::find(earlier, obstacle.name, &Obstacle::name) != earlier.end())
+    object.complain("name", "'" + obstacle.name +
+                                "' is already the name of an earlier obstacle; names must be "
+                                "unique");
+}
+
+Obstacle read_obstacle(ObjectReader& object, const Scene& scene, double friction) {
+  Obstacle obstacle;
+  obstacle.path = object.path();
+  read_name(object, scene.contact.obstacles, obstacle);
+  if (const auto kind = object.one_of(shapes)) {
+    const std::string& key = shapes[*kind];
+    obstacle.shape = read_shape({*object.find(key), object.path_of(key), object.mistakes()}, *kind);
+  }
+  read_motion(object, scene, obstacle);
+  obstacle.friction = object.number("friction", Limits::not_negative("1")).value_or(friction);
+  obstacle.push_out = object.boolean("push_out").value_or(false);
+  return obstacle;
+}
+
+/// Contact that is ignored would be worse than none.
+void refuse_solvers_without_contact(ObjectReader& contact, const SolverOptions& solver) {
+  const auto refuse = [&](const std::string& what, const std::string& remedy) {
+    contact.complain("cannot be combined with " + what + "; " + remedy + ", or remove /contact");
+  };
+  if (solver.integrator == "static")
+    refuse("\"static\" in /solver: equilibria do not include contact",
+           "use \"until\": \"rest\" with an explicit integrator");
+  else if (is_implicit(solver.integrator))
+    refuse("the integrator '" + solver.integrator + "': only explicit steps include contact",
+           "use \"symplectic-euler\" or \"velocity-verlet\"");
+  if (solver.sleep_acceleration > 0)
+    refuse("\"sleep\" in /solver: an island would not wake when it is touched", "remove \"sleep\"");
+  if (solver.step_error)
+    refuse("\"step_error\" in /solver: its estimate does not include impacts",
+           "remove \"step_error\"");
+}
+
+}  // namespace
+
+void read_contact(ObjectReader& top, Reading& reading) {
+  const JsonValue* value = top.find("contact");
+  if (value == nullptr) return;
+  ContactOptions& contact = reading.scene.contact;
+  ObjectReader object(*value, "/contact", reading.mistakes);
+  const double friction = object.number("friction", Limits::not_negative("1")).value_or(0);
+  contact.thickness = object.number("thickness", Limits::not_negative("m")).value_or(0);
+  object.require("obstacles", "an array of solids that the body does not enter");
+  for_each_object(object, "obstacles", "obstacles", [&](ObjectReader& reader) {
+    contact.obstacles.push_back(read_obstacle(reader, reading.scene, friction));
+  });
+  if (contact.obstacles.empty() && object.find("obstacles") != nullptr)
+    object.complain("obstacles", "is empty; give at least one obstacle, or remove /contact");
+  if (object.is_object()) refuse_solvers_without_contact(object, reading.scene.solver);
+  object.finish();
+}
+
+}  // namespace suture::scene_parts

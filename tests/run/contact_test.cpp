@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Scenes with obstacles: Coulomb's law on a slope, Hertz's law, rest, threads, tables.
+#include "kernel/contact/contact.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/mesh/temporary_folder.hpp"
+#include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
+#include "tests/run/csv_table.hpp"
+
+namespace suture::test {
+namespace {
+
+Obstacle floor_at(double height, double friction) {
+  return {"floor", "/contact/obstacles/0", HalfSpace{{0, 0, height}, {0, 0, 1}}, {}, friction};
+}
+
+/// A block of 0.4 x 0.4 x 0.2 m on a floor.
+Scene block_on_floor(Index n, const Vec3& gravity, double friction) {
+  Scene scene = beam(host(), "tm-faure", 1, 1, 0, {{"E", 1e5}});
+  scene.mesh.box = BoxOptions{{0, 0, 0}, {0.4, 0.4, 0.2}, {2 * n, 2 * n, n}, {1, 1, 1}};
+  scene.constraints.clear();
+  scene.gravity = gravity;
+  scene.contact.obstacles = {floor_at(0, friction)};
+  return scene;
+}
+
+/// Gravity on a slope of `part` of the angle of friction, in coordinates of the slope.
+Vec3 on_slope(double friction, double part) {
+  const double angle = part * std::atan(friction);
+  return {9.81 * std::sin(angle), 0, -9.81 * std::cos(angle)};
+}
+
+double mean_x(Simulation& simulation) {
+  Attributes& a = simulation.attributes();
+  double sum = 0;
+  for (Index v = 0; v < a.vertex_count(); ++v) sum += a.position().get(v, 0) - a.rest().get(v, 0);
+  return sum / a.vertex_count();
+}
+
+TEST(ContactScenes, ABlockHoldsJustBelowTheAngleOfFrictionAndDoesNotCreep) {
+  Scene scene = block_on_floor(2, on_slope(0.3, 0.98), 0.3);
+  scene.gravity_ramp = {0, 0.5, true};
+  scene.solver.damping = 2;
+  scene.solver.end = 120;
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Observer nobody;
+  simulation.run_to(20, nobody);
+  const double held = mean_x(simulation);
+  simulation.run_to(120, nobody);
+  EXPECT_LT(held, 0.02);
+  EXPECT_LT(std::abs(mean_x(simulation) - held), 100 * 1e-6 * 0.4);
+}
+
+TEST(ContactScenes, ABlockSlidesJustAboveTheAngleOfFriction) {
+  Scene scene = block_on_floor(2, on_slope(0.3, 1.02), 0.3);
+  scene.gravity_ramp = {0, 0.5, true};
+  scene.solver.damping = 2;
+  scene.solver.end = 20;
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Observer nobody;
+  simulation.run_to(10, nobody);
+  const double before = mean_x(simulation);
+  simulation.run_to(20, nobody);
+  // The speed of a rigid block with this damping; a soft one is not slower.
+  const double speed =
+      9.81 * (std::sin(1.02 * std::atan(0.3)) - 0.3 * std::cos(1.02 * std::atan(0.3))) / 2;
+  EXPECT_GT(mean_x(simulation) - before, 0.9 * 10 * speed);
+}
+
+TEST(ContactScenes, ABlockFallsAndComesToRestOnTheFloor) {
+  Scene scene = block_on_floor(2, {0, 0, -9.81}, 0.5);
+  scene.mesh.box->origin[2] = 0.05;
+  scene.solver.until_rest = scene.solver.automatic_damping = true;
+  scene.solver.tolerance = 1e-6;
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Observer nobody;
+  const RunSummary summary = simulation.run(nobody);
+  EXPECT_EQ(summary.outcome, RunSummary::Outcome::at_rest);
+  const double weight = 1000 * 0.4 * 0.4 * 0.2 * 9.81;
+  EXPECT_NEAR(simulation.contact()->loads()[0].force[2], -weight, 1e-5 * weight);
+  ASSERT_EQ(diagnostics.warnings().size(), 2u) << "that nothing else holds it, and stability";
+  EXPECT_NE(diagnostics.warnings()[1].find("contact"), std::string::npos);
+  for (const double gap : simulation.contact()->gaps(summary.time))
+    if (!std::isnan(gap)) {
+      EXPECT_GT(gap, -1e-12);
+    }
+}
+
+/// A quarter of a block of 8 contact radii, into which a sphere of radius 1 m is pressed by 1 cm:
+/// the force over that of Hertz. `n`: elements per contact radius.
+double over_hertz(Index n) {
+  const double radius = 0.1, E = 1e5, nu = 0.3, depth = 0.01;
+  Scene scene = beam(host(), "tm-faure", 1, 1, 0, {{"E", E}, {"nu", nu}});
+  scene.mesh.box = BoxOptions{
+      {0, 0, -8 * radius}, {4 * radius, 4 * radius, 8 * radius}, {4 * n, 4 * n, 8 * n}, {1, 1, 1}};
+  scene.constraints.clear();
+  for (const auto& [side, bits] : {std::pair{"x0", 1}, {"y0", 2}, {"z0", 4}}) {
+    Constraint& fix = scene.constraints.emplace_back();
+    fix.where.what = Selection::Named{side};
+    fix.components = static_cast<std::uint8_t>(bits);
+  }
+  Obstacle ball{"ball", "/contact/obstacles/0", Sphere{{0, 0, 1}, 1}};
+  ball.motion.stations = {{0, {}, 0}, {0.2, {0, 0, -depth}, 0}};
+  scene.contact.obstacles = {ball};
+  scene.solver.until_rest = scene.solver.automatic_damping = true;
+  scene.solver.tolerance = 1e-3;
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Observer nobody;
+  simulation.run(nobody);
+  const double hertz = 4. / 3 * E / (1 - nu * nu) * std::pow(depth, 1.5);
+  return 4 * simulation.contact()->loads()[0].force[2] / hertz;
+}
+
+TEST(ContactScenes, ASphereInABlockFollowsHertz) {
+  const double coarse = over_hertz(2);
+  EXPECT_NEAR(coarse, 1, 0.15);
+  EXPECT_NEAR(over_hertz(4), 1, 0.08);
+}
+
+TEST(ContactScenes, HaveTheSameBitsForAnyNumberOfThreads) {
+  std::vector<double> first;
+  for (const unsigned threads : {1u, 2u, 3u, 8u}) {
+    Scene scene = block_on_floor(14, {2, 0, -9.81}, 0.3);
+    Obstacle ball{"ball", "/contact/obstacles/1", Sphere{{0.2, 0.2, 0.301}, 0.1}, {}, 0.2};
+    ball.motion.stations = {{0, {}, 0}, {0.1, {0.02, 0, -0.02}, 0}};
+    scene.contact.obstacles.push_back(ball);
+    scene.solver.threads = threads;
+    scene.solver.end = 0.05;
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    Observer nobody;
+    simulation.run(nobody);
+    const Column& x = simulation.attributes().position();
+    std::vector<double> all(x.rows(), x.rows() + 4 * std::size_t{x.size()});
+    for (const Contact::Load& load : simulation.contact()->loads())
+      all.insert(all.end(), load.force.begin(), load.force.end());
+    EXPECT_GT(std::abs(all.back()), 0) << "both touch";
+    if (threads == 1) first = all;
+    EXPECT_EQ(all, first) << threads << " threads";
+  }
+}
+
+TEST(ContactScenes, WriteForcesAndEnergies) {
+  TemporaryFolder folder;
+  Scene scene = block_on_floor(2, {1, 0, -9.81}, 0.3);
+  scene.contact.obstacles.push_back(
+      {"wall", "/contact/obstacles/1", Box{{0.45, -1, -1}, {1, 2, 2}}, {}, 0});
+  scene.solver.end = 1;
+  scene.solver.damping = 1;
+  scene.output.enabled = true;
+  scene.output.directory = folder.path() / "out";
+  scene.output.fields = {"displacement", "contact_force", "gap"};
+  scene.output.energies_every = scene.output.tools_every = 1;
+  scene.output.obstacles = true;
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Observer nobody;
+  simulation.run(nobody);
+
+  const CsvTable tools(folder.path() / "out" / "tools.csv");
+  ASSERT_EQ(tools.columns.size(), 2u + 2 * 6);
+  EXPECT_EQ(tools.columns[2], "floor force x [N]");
+  EXPECT_EQ(tools.columns.back(), "wall torque z [N m]");
+  const Contact::Load& floor = simulation.contact()->loads()[0];
+  EXPECT_EQ(tools.last("floor force z [N]"), floor.force[2]);
+  EXPECT_LT(floor.force[2], -100);
+
+  const CsvTable table(folder.path() / "out" / "energies.csv");
+  EXPECT_LT(table.last("friction [J]"), 0);
+  const auto column = [&](const char* name) { return table.column(std::string(name) + " [J]"); };
+  const std::vector<double> kinetic = column("kinetic"), elastic = column("elastic");
+  double sum = table.last("balance [J]") - table.last("dissipated [J]") + kinetic[0] + elastic[0];
+  for (const char* work :
+       {"gravity", "loads", "pressure", "contact", "friction", "prescribed", "models", "events"})
+    sum += column(work).back();
+  EXPECT_NEAR(kinetic.back() + elastic.back(), sum, 1e-9 * table.last("gravity [J]"));
+  EXPECT_LT(std::abs(table.last("balance [J]")), 0.02 * table.last("gravity [J]"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "out" / "obstacles_0000.vtu"));
+}
+
+}  // namespace
+}  // namespace suture::test

@@ -142,11 +142,10 @@ struct continuum_law : on_volumes {
 
   template <class Cell>
   static SUTURE_INLINE void force(const Cell& c) {
-    points(
-        c, [&](auto q) __attribute__((always_inline)) {
-          Shape::template with_geometry<q()>(
-              c, [&](const auto& g) __attribute__((always_inline)) { force_with<q()>(c, g); });
-        });
+    points(c, [&](auto q) SUTURE_DETAIL_INLINED {
+      Shape::template with_geometry<q()>(
+          c, [&](const auto& g) SUTURE_DETAIL_INLINED { force_with<q()>(c, g); });
+    });
   }
 
   static constexpr auto fields = fields_of_law<M>();
@@ -208,7 +207,7 @@ struct continuum_law : on_volumes {
       internal_force<Q, unrolled<Q, false>>(
           x, g,
           [&](const mat3<T>& F, int point)
-              __attribute__((always_inline)) { return stress_at<M, 8>(c, F, point); },
+              SUTURE_DETAIL_INLINED { return stress_at<M, 8>(c, F, point); },
           f);
     }
   }
@@ -229,7 +228,7 @@ struct continuum_law : on_volumes {
       internal_tangent<Q, unrolled<Q, true>>(
           x, dx, g,
           [&](const mat3<R>& F, const mat3<R>& dF, int point)
-              __attribute__((always_inline)) { return stress_tangent_at<M, 8>(c, F, dF, point); },
+              SUTURE_DETAIL_INLINED { return stress_tangent_at<M, 8>(c, F, dF, point); },
           df);
     }
     for (int i = 0; i < 24; ++i) f[i / 3][i % 3].derivative = df[i / 3][i % 3];

@@ -204,8 +204,7 @@ SUTURE_INLINE pack<N> cbrt(pack<N> x) {
 }
 template <int N>
 SUTURE_INLINE pack<N, float> cbrt(pack<N, float> x) {
-  return detail::in_double(
-      x, [](auto a) __attribute__((always_inline)) { return cbrt(a); });
+  return detail::in_double(x, [](auto a) SUTURE_DETAIL_INLINED { return cbrt(a); });
 }
 
 /// Near zero x + x^3 Q(x^2), elsewhere 1 - 2 / (e^2x + 1).
@@ -224,8 +223,7 @@ SUTURE_INLINE pack<N> tanh(pack<N> x) {
 }
 template <int N>
 SUTURE_INLINE pack<N, float> tanh(pack<N, float> x) {
-  return detail::in_double(
-      x, [](auto a) __attribute__((always_inline)) { return tanh(a); });
+  return detail::in_double(x, [](auto a) SUTURE_DETAIL_INLINED { return tanh(a); });
 }
 
 // -------------------------------------------------------------- sine, cosine --
@@ -246,7 +244,7 @@ SUTURE_INLINE pack<N> sine(pack<N> x) {
   const P shifted = shifted_integer(x * 0.63661977236758134308);
   const P k = shifted - ieee<double>::to_integer;
   P high = x - k * 0x1.921fb544p0, low(0.0);
-  const auto subtract = [&](P part) __attribute__((always_inline)) {
+  const auto subtract = [&](P part) SUTURE_DETAIL_INLINED {
     const P difference = high - part, back = difference - high;
     low += (high - (difference - back)) - (part + back);
     high = difference;
@@ -281,13 +279,11 @@ SUTURE_INLINE pack<N> cos(pack<N> x) {
 }
 template <int N>
 SUTURE_INLINE pack<N, float> sin(pack<N, float> x) {
-  return detail::in_double(
-      x, [](auto a) __attribute__((always_inline)) { return sin(a); });
+  return detail::in_double(x, [](auto a) SUTURE_DETAIL_INLINED { return sin(a); });
 }
 template <int N>
 SUTURE_INLINE pack<N, float> cos(pack<N, float> x) {
-  return detail::in_double(
-      x, [](auto a) __attribute__((always_inline)) { return cos(a); });
+  return detail::in_double(x, [](auto a) SUTURE_DETAIL_INLINED { return cos(a); });
 }
 
 // --------------------------------------------------------------------- power --
@@ -388,10 +384,9 @@ SUTURE_INLINE pack<N> pow(pack<N> x, double y) {
 }
 template <int N>
 SUTURE_INLINE pack<N, float> pow(pack<N, float> x, double y) {
-  return detail::in_double(
-      x, [y](auto a) __attribute__((always_inline)) {
-        return detail::or_library_power(exp(y * log(a)), a, y);
-      });
+  return detail::in_double(x, [y](auto a) SUTURE_DETAIL_INLINED {
+    return detail::or_library_power(exp(y * log(a)), a, y);
+  });
 }
 
 // The same functions for one double.

@@ -330,7 +330,7 @@ SUTURE_INLINE void internal_force(const vec3<T> (&x)[8], const Geometry& geometr
   axis_values<T, Q> g = gradients<Q>(x);
   geometry.start(g);
   axis_values<T, Q> s{};
-  for_each_point<Q, Unrolled>([&](int i, int j, int k) __attribute__((always_inline)) {
+  for_each_point<Q, Unrolled>([&](int i, int j, int k) SUTURE_DETAIL_INLINED {
     const auto point = geometry.point(i, j, k);
     const mat3<T> P = law(point.F(g.at(i, j, k)), point_number<Q>(i, j, k));
     if constexpr (Q == 2)
@@ -380,9 +380,8 @@ struct isotropic_box {
     const auto &c = G.column, &d = dG.column;
     vec3<T> strain2;
     for (int a = 0; a < 3; ++a) strain2[a] = (2.0 * square[a]) * dot(c[a], d[a]);
-    const auto both = [&](int a, int b) __attribute__((always_inline)) {
-      return dot(c[a], d[b]) + dot(d[a], c[b]);
-    };
+    const auto both = [&](int a, int b)
+                          SUTURE_DETAIL_INLINED { return dot(c[a], d[b]) + dot(d[a], c[b]); };
     return sum(strain2, both(0, 1), both(1, 2), both(0, 2), point);
   }
 
@@ -408,7 +407,7 @@ SUTURE_INLINE void isotropic_box_force(const vec3<T> (&x)[8], const box_geometry
   const axis_values<T, Q> g = gradients<Q>(x);
   const isotropic_box<R, Q> constants(box, lambda, mu);
   axis_values<T, Q> s{};
-  for_each_point<Q>([&](int i, int j, int k) __attribute__((always_inline)) {
+  for_each_point<Q>([&](int i, int j, int k) SUTURE_DETAIL_INLINED {
     const mat3<T> G = g.at(i, j, k);
     s.add_product(i, j, k, G, constants.flux(G, point_weight<Q>(i, j, k)));
   });
@@ -421,7 +420,7 @@ SUTURE_INLINE void for_deformations(const vec3<T> (&x)[8], const Geometry& geome
                                     Visit&& visit) {
   axis_values<T, Q> g = gradients<Q>(x);
   geometry.start(g);
-  for_each_point<Q, false>([&](int i, int j, int k) __attribute__((always_inline)) {
+  for_each_point<Q, false>([&](int i, int j, int k) SUTURE_DETAIL_INLINED {
     const auto point = geometry.point(i, j, k);
     visit(point.F(g.at(i, j, k)), point.measure() * (common_weight<Q> * point_weight<Q>(i, j, k)),
           point_number<Q>(i, j, k));

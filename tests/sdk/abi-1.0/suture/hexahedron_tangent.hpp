@@ -21,7 +21,7 @@ SUTURE_INLINE void internal_tangent(const vec3<T> (&x)[8], const vec3<T> (&dx)[8
   geometry.start(g);
   geometry.start(dg);
   axis_values<T, Q> s{};
-  for_each_point<Q, Unrolled>([&](int i, int j, int k) __attribute__((always_inline)) {
+  for_each_point<Q, Unrolled>([&](int i, int j, int k) SUTURE_DETAIL_INLINED {
     const auto point = geometry.point(i, j, k);
     const mat3<T> dP =
         law(point.F(g.at(i, j, k)), point.F(dg.at(i, j, k)), point_number<Q>(i, j, k));
@@ -38,9 +38,8 @@ SUTURE_INLINE void internal_tangent(const vec3<T> (&x)[8], const vec3<T> (&dx)[8
 template <class T>
 SUTURE_INLINE sym3<T> twice_green_strain_tangent(const mat3<T>& F, const mat3<T>& dF) {
   const auto &f = F.column, &d = dF.column;
-  const auto both = [&](int a, int b) __attribute__((always_inline)) {
-    return dot(f[a], d[b]) + dot(d[a], f[b]);
-  };
+  const auto both = [&](int a, int b)
+                        SUTURE_DETAIL_INLINED { return dot(f[a], d[b]) + dot(d[a], f[b]); };
   return {2.0 * dot(f[0], d[0]),
           2.0 * dot(f[1], d[1]),
           2.0 * dot(f[2], d[2]),
@@ -53,7 +52,7 @@ SUTURE_INLINE sym3<T> twice_green_strain_tangent(const mat3<T>& F, const mat3<T>
 template <class T, class R>
 SUTURE_INLINE mat3<T> isotropic_tangent(const mat3<T>& F, const mat3<T>& dF, const R& lambda,
                                         const R& mu) {
-  const auto stress = [&](const sym3<T>& strain2) __attribute__((always_inline)) {
+  const auto stress = [&](const sym3<T>& strain2) SUTURE_DETAIL_INLINED {
     return add_diagonal(mu * strain2, (0.5 * lambda) * trace(strain2));
   };
   const sym3<T> S = stress(twice_green_strain(F)), dS = stress(twice_green_strain_tangent(F, dF));
@@ -68,7 +67,7 @@ SUTURE_INLINE void isotropic_box_tangent(const vec3<T> (&x)[8], const vec3<T> (&
   const axis_values<T, Q> g = gradients<Q>(x), dg = gradients<Q>(dx);
   const isotropic_box<R, Q> constants(box, lambda, mu);
   axis_values<T, Q> s{};
-  for_each_point<Q>([&](int i, int j, int k) __attribute__((always_inline)) {
+  for_each_point<Q>([&](int i, int j, int k) SUTURE_DETAIL_INLINED {
     const mat3<T> G = g.at(i, j, k), dG = dg.at(i, j, k);
     const double weight = point_weight<Q>(i, j, k);
     s.add_product(i, j, k, dG, constants.flux(G, weight));

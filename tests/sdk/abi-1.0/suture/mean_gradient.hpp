@@ -263,7 +263,7 @@ struct parallelepiped_rest {
   }
   template <class T>
   SUTURE_INLINE vec3<T> lower(const vec3<T>& v) const {
-    const auto row = [&](int i) __attribute__((always_inline)) {
+    const auto row = [&](int i) SUTURE_DETAIL_INLINED {
       return metric(i, 0) * v[0] + metric(i, 1) * v[1] + metric(i, 2) * v[2];
     };
     return {row(0), row(1), row(2)};

@@ -224,7 +224,7 @@ namespace detail {
 template <class T>
 SUTURE_INLINE mat3<variable<T>> inputs_of(tape<T>& notes, const mat3<T>& F) {
   notes.size = 9;
-  const auto input = [&](int i, int j) __attribute__((always_inline))->variable<T> {
+  const auto input = [&](int i, int j) SUTURE_DETAIL_INLINED -> variable<T> {
     return {F(i, j), &notes, i + 3 * j};
   };
   return {{{input(0, 0), input(1, 0), input(2, 0)},
@@ -239,7 +239,7 @@ SUTURE_INLINE mat3<T> gradient_of(const tape<T>& notes, const variable<T>& resul
   adjoint.clear(std::make_integer_sequence<int, tape<T>::capacity>());
   if (result.notes) adjoint.add(result.place, T(1.0), 0);
   adjoint.read_backwards(notes, std::make_integer_sequence<int, tape<T>::capacity - 9>());
-  const auto output = [&](int i) __attribute__((always_inline)) {
+  const auto output = [&](int i) SUTURE_DETAIL_INLINED {
     return adjoint.state[i] ? adjoint.value[i] : T(0.0);
   };
   return {{{output(0), output(1), output(2)},

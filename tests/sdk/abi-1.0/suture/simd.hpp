@@ -37,7 +37,22 @@
 #include "suture/plugin.h"
 #include "suture/single.h"
 
-#define SUTURE_INLINE inline __attribute__((always_inline))
+// Sanitizers multiply the statements of whatever is inlined by force: a law would take ten
+// minutes to compile.
+#if defined(__has_feature)
+#define SUTURE_DETAIL_FEATURE(name) __has_feature(name)
+#else
+#define SUTURE_DETAIL_FEATURE(name) 0
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || \
+    SUTURE_DETAIL_FEATURE(address_sanitizer) || SUTURE_DETAIL_FEATURE(thread_sanitizer)
+#define SUTURE_DETAIL_INLINED
+#define SUTURE_DETAIL_FLATTENED
+#else
+#define SUTURE_DETAIL_INLINED __attribute__((always_inline))
+#define SUTURE_DETAIL_FLATTENED __attribute__((flatten))
+#endif
+#define SUTURE_INLINE inline SUTURE_DETAIL_INLINED
 #if defined(__clang__)
 #define SUTURE_DETAIL_ROLLED _Pragma("nounroll")
 #else

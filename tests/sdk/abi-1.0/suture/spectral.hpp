@@ -27,7 +27,7 @@ SUTURE_INLINE void turn(mat3<T>& A, mat3<T>& V, int p, int q) {
   const T tangent = select(
       size > 0.0, select(difference < 0.0, -off, off) / select(size > 0.0, size, T(1.0)), T(0.0));
   const T cosine = 1.0 / sqrt(tangent * tangent + 1.0), sine = tangent * cosine;
-  const auto mix = [&](T & a, T & b) __attribute__((always_inline)) {
+  const auto mix = [&](T& a, T& b) SUTURE_DETAIL_INLINED {
     const T kept = a;
     a = cosine * kept - sine * b;
     b = sine * kept + cosine * b;

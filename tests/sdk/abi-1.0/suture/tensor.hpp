@@ -244,7 +244,7 @@ SUTURE_INLINE sym3<product<A, S>> add_diagonal(const sym3<A>& a, const S& s) {
 template <class T>
 SUTURE_INLINE sym3<T> twice_green_strain(const mat3<T>& F) {
   const auto& f = F.column;
-  const auto square = [](const vec3<T>& a) __attribute__((always_inline)) {
+  const auto square = [](const vec3<T>& a) SUTURE_DETAIL_INLINED {
     return ((a[0] * a[0] - 1.0) + a[1] * a[1]) + a[2] * a[2];
   };
   return {square(f[0]),    square(f[1]),    square(f[2]),

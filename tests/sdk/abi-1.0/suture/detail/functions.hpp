@@ -25,8 +25,8 @@ inline constexpr int nodes_to_check = F::nodes;
 /// x - x is 0 for a finite number and NaN for infinities and NaNs. One sum per coordinate: a
 /// single sum would be a chain of additions, each of which waits for the one before.
 template <class M, class F>
-[[gnu::flatten]] void force_pack(const suture_context* context, const suture_batch* batch,
-                                 int lane) {
+SUTURE_DETAIL_FLATTENED void force_pack(const suture_context* context, const suture_batch* batch,
+                                        int lane) {
   cell<native, M, F, purpose::force> c(context, batch, lane, batch->force);
   F::force(c);
   const auto force = [&](int i) {

@@ -120,9 +120,7 @@ SUTURE_INLINE T law_energy(const mat3<T>& F, const Material& p, [[maybe_unused]]
 /// the compiler half a minute.
 template <class M, class T, class Material, class At>
 [[gnu::noinline]] mat3<T> stress_of_energy(const mat3<T>& F, const Material& p, const At& at) {
-  const auto W = [&](const auto& G) __attribute__((always_inline)) {
-    return law_energy<M>(G, p, at);
-  };
+  const auto W = [&](const auto& G) SUTURE_DETAIL_INLINED { return law_energy<M>(G, p, at); };
   if constexpr (is_pack<real_of<T>>)
     return gradient(F, W);
   else  // not worth a tape: a single number, for the moduli at rest

@@ -44,8 +44,7 @@ struct mean_gradient_law : on_volumes {
 
   template <class Cell>
   static SUTURE_INLINE void force(const Cell& c) {
-    Shape::with_rest(
-        c, [&](const auto& rest) __attribute__((always_inline)) { force_on(c, rest); });
+    Shape::with_rest(c, [&](const auto& rest) SUTURE_DETAIL_INLINED { force_on(c, rest); });
   }
 
   template <class Cell, class Results>
@@ -82,8 +81,7 @@ struct mean_gradient_law : on_volumes {
     vec3<T> x[8], f[8];
     for (int n = 0; n < 8; ++n) x[n] = c.position(n);
     mean_gradient_force<both>(
-        x, rest,
-        [&](const mat3<T>& F) __attribute__((always_inline)) { return stress_at<M, 1>(c, F, 0); },
+        x, rest, [&](const mat3<T>& F) SUTURE_DETAIL_INLINED { return stress_at<M, 1>(c, F, 0); },
         f);
     for (int n = 0; n < 8; ++n) c.force(n, f[n]);
   }

@@ -143,7 +143,7 @@ SUTURE_INLINE instant_of<M, typename Cell::scalar> accepted_instant(const Cell& 
   at.time = c.time();
   at.dt = c.dt();
   if constexpr (has_state<M>)
-    for_state<M>([&](int part, int i, int number) __attribute__((always_inline)) {
+    for_state<M>([&](int part, int i, int number) SUTURE_DETAIL_INLINED {
       numbers_of<T>(at.state)[number] =
           c.column(state_columns<M, Points>, part * Points + point, i);
     });
@@ -155,7 +155,7 @@ template <class M, int Points, class Cell, class At>
 SUTURE_INLINE void keep_state([[maybe_unused]] const Cell& c, [[maybe_unused]] int point,
                               [[maybe_unused]] const At& at) {
   if constexpr (has_state<M>) {
-    for_state<M>([&](int part, int i, int number) __attribute__((always_inline)) {
+    for_state<M>([&](int part, int i, int number) SUTURE_DETAIL_INLINED {
       c.trial(state_columns<M, Points>, part * Points + point, i,
               numbers_of<typename Cell::scalar>(at.state)[number]);
     });

@@ -204,7 +204,7 @@ EventOutcome Session::cut(TriangleSurface surface, bool rest_shape) {
   Event event;
   event.path = "event";
   event.rest_shape = rest_shape;
-  event.what = CutSurface{{}, 1, std::make_shared<const TriangleSurface>(std::move(surface))};
+  event.what = CutSurface{{}, 1, {}, std::make_shared<const TriangleSurface>(std::move(surface))};
   return apply(event);
 }
 

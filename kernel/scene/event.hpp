@@ -30,8 +30,8 @@ struct CutPlane {
 struct CutSurface {
   std::filesystem::path file;                        ///< absolute
   double scale = 1;                                  ///< of the coordinates in the file
-  std::shared_ptr<const TriangleSurface> surface{};  ///< instead of a file; an event from outside
   Vec3 translation{};                                ///< m, after scaling
+  std::shared_ptr<const TriangleSurface> surface{};  ///< instead of a file; an event from outside
 };
 
 /// Opens the faces that a moving segment or polyline crosses; every point moves along a straight

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What `suture schema` prints is a JSON schema that the scenes of docs/scenes satisfy, that mistakes
 do not, and that knows every key which the reader of scenes reads.

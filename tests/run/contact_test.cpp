@@ -10,8 +10,8 @@
 
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
-#include "tests/run/host.hpp"
 #include "tests/run/csv_table.hpp"
+#include "tests/run/host.hpp"
 
 namespace suture::test {
 namespace {

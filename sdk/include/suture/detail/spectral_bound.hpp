@@ -75,7 +75,7 @@ native largest_eigenvalue(int lane, Multiply&& multiply) {
     const double golden = 0.6180339887498949 * (i + 1);
     now.set(i, native(golden - std::floor(golden) - 0.5));
   }
-  native length = sqrt(now.dot(now)), link(0.0);
+  native length = sqrt(now.dot(now)), link(0.0), largest(0.0);
   for (int k = 0; k < steps; ++k) {
     const native scale = select(length > 0.0, 1.0 / max(length, native(1e-300)), native(0.0));
     for (int i = 0; i < Count; ++i) now.set(i, now.at(i) * scale);
@@ -83,7 +83,12 @@ native largest_eigenvalue(int lane, Multiply&& multiply) {
     t.diagonal[k] = -now.dot(next);
     for (int i = 0; i < Count; ++i)
       next.set(i, -next.at(i) - t.diagonal[k] * now.at(i) - link * before.at(i));
-    t.beside[k] = link = length = sqrt(next.dot(next));
+    length = sqrt(next.dot(next));
+    // All eigenvectors in the first vector are found: what is left is rounding.
+    largest = max(largest, abs(t.diagonal[k]) + length);
+    const auto ends = length < 1e-6 * largest;
+    t.diagonal[k] += select(ends, length, native(0.0));
+    t.beside[k] = link = length = select(ends, native(0.0), length);
     std::swap(before, now);
     std::swap(now, next);
   }

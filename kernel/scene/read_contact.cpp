@@ -68,7 +68,7 @@ Shape read_shape(ObjectReader object, std::size_t kind) {
   return shape;
 }
 
-RigidPath::Station read_station(ObjectReader& object, const Scene& scene) {
+RigidPath::Station read_pose(ObjectReader& object, const Scene& scene) {
   RigidPath::Station station;
   object.require("at", "the time of the station, in s");
   station.at = object.number("at", Limits::not_negative("s")).value_or(0);
@@ -85,7 +85,7 @@ void read_motion(ObjectReader& object, const Scene& scene, Obstacle& obstacle) {
   motion.centre = ball_around(obstacle.shape).centre;
   motion.centre = object.vector("centre", Limits::any("m")).value_or(motion.centre);
   for_each_object(object, "path", "stations", [&](ObjectReader& reader) {
-    RigidPath::Station station = read_station(reader, scene);
+    RigidPath::Station station = read_pose(reader, scene);
     if (!motion.stations.empty() && station.at <= motion.stations.back().at)
       reader.complain("at", "must be later than the previous station");
     if (station.angle != 0 && object.find("axis") == nullptr)

@@ -20,7 +20,7 @@ namespace suture::test {
 namespace {
 
 /// A free block of cubes of 0.05 m under gravity.
-Scene block(const std::string& model, std::array<Index, 3> cells) {
+Scene free_block(const std::string& model, std::array<Index, 3> cells) {
   Scene scene = beam(host(), model, cells[0], cells[1], 10);
   scene.mesh.box =
       BoxOptions{{0, 0, 0}, {0.05 * cells[0], 0.05 * cells[1], 0.05 * cells[2]}, cells, {1, 1, 1}};
@@ -97,7 +97,7 @@ struct Piece {
 };
 
 TEST_P(Knife, AThousandCutsLeaveSingleElementsThatFallFreely) {
-  auto w = built(block(GetParam(), {20, 20, 20}));
+  auto w = built(free_block(GetParam(), {20, 20, 20}));
   std::vector<Dart> faces;
   for (Dart d = 0; d < 24 * w->body().complex().element_count(); d += 4)
     if (w->body().complex().beta3(d) != none && w->body().complex().beta3(d) > d)
@@ -154,7 +154,7 @@ TEST_P(Knife, AThousandCutsLeaveSingleElementsThatFallFreely) {
 }
 
 TEST_P(Knife, RemovalTakesTheMomentumOfTheElementsAndSewingKeepsAll) {
-  auto w = built(block(GetParam(), {6, 4, 4}));
+  auto w = built(free_block(GetParam(), {6, 4, 4}));
   std::vector<Dart> faces;
   for (Dart d = 0; d < 24 * w->body().complex().element_count(); d += 4)
     if (w->body().complex().can_cut(d) && random() % 3 == 0) faces.push_back(d);
@@ -238,7 +238,7 @@ Scene with_mesh(Scene scene, const Mesh& mesh, const std::string& name) {
 }
 
 TEST_P(Knife, WhatIsLeftIsAsAFreshWorldOfIt) {
-  const Scene scene = block(GetParam(), {7, 5, 4});
+  const Scene scene = free_block(GetParam(), {7, 5, 4});
   auto w = built(scene);
   w->dynamics().step(1e-5, 1e-5);
   shake(*w, 1e-3, 1);
@@ -279,7 +279,7 @@ TEST_P(Knife, WhatIsLeftIsAsAFreshWorldOfIt) {
 }
 
 TEST_P(Knife, ACutThatIsSewnAgainGivesTheSameBits) {
-  auto w = built(block(GetParam(), {8, 4, 4}));
+  auto w = built(free_block(GetParam(), {8, 4, 4}));
   shake(*w, 1e-3, 1);
   w->dynamics().synchronise();
   const Column& force = w->body().attributes().force();
@@ -321,7 +321,7 @@ struct Motion {
 /// stressed, and deformed they are the block that never was two.
 TEST_P(Knife, SeamsBetweenBodiesThatDoNotMatchAtRestStressNothing) {
   const Index n = 3;
-  const Scene scene = block(GetParam(), {2 * n, n, n});
+  const Scene scene = free_block(GetParam(), {2 * n, n, n});
   const Mesh whole = make_box(*scene.mesh.box);
   const Motion motion{0.5, {0.3, -0.2, 0.1}};
   Mesh apart;  // the right half has points of its own

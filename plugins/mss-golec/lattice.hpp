@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The springs of a box between all 28 pairs of its nodes: 12 edges, 12 face diagonals, 4 inner
-// diagonals, and a term of its volume. Springs of a pair are alike if the same axes separate its
+// diagonals, and a term of its volume. Springs are of one kind if the same axes separate their
 // nodes: m = i ^ j has a bit per axis.
 #ifndef SUTURE_PLUGINS_LATTICE_HPP
 #define SUTURE_PLUGINS_LATTICE_HPP

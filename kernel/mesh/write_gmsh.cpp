@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "kernel/base/escape.hpp"
 #include "kernel/mesh/vtk_order.hpp"
 #include "kernel/mesh/writers.hpp"
 
@@ -124,11 +125,13 @@ void elements(TextWriter& out, const Mesh& mesh, const Entities& points, const E
   out << "$EndElements\n";
 }
 
+// Gmsh has scalars, vectors and tensors; arrays between them are filled with zeros.
+constexpr std::size_t most_components = 9;
+
 void data(TextWriter& out, const MeshArray& array, const std::vector<std::uint64_t>& tags) {
   const std::string section = array.of_elements ? "ElementData" : "NodeData";
   const std::size_t n = array.components;
-  // Gmsh has scalars, vectors and tensors; others are filled with zeros.
-  const std::size_t width = n == 1 ? 1 : (n <= 3 ? 3 : 9);
+  const std::size_t width = n == 1 ? 1 : (n <= 3 ? 3 : most_components);
   out << '$' << section << "\n1\n\"" << printable_name(array.name) << "\"\n1\n0\n3\n0\n"
       << width << '\n'
       << tags.size() << '\n';
@@ -142,7 +145,7 @@ void data(TextWriter& out, const MeshArray& array, const std::vector<std::uint64
 
 }  // namespace
 
-std::string gmsh_text(const Mesh& mesh) {
+std::string gmsh_text(const Mesh& mesh, Diagnostics& diagnostics) {
   const Entities volumes = entities_of(mesh.element_sets, mesh.hexahedra.size());
   Entities points = entities_of(mesh.point_sets, mesh.points.size());
   points.erase(Groups{});  // points of no set need no cell
@@ -154,8 +157,15 @@ std::string gmsh_text(const Mesh& mesh) {
   nodes(out, mesh, node_tags);
   elements(out, mesh, points, volumes, node_tags);
   const std::vector<std::uint64_t> element_tags = tags_of(mesh.element_ids, mesh.hexahedra.size());
-  for (const MeshArray& array : mesh.arrays)
-    if (!array.values.empty()) data(out, array, array.of_elements ? element_tags : node_tags);
+  for (const MeshArray& array : mesh.arrays) {
+    if (array.values.empty()) continue;
+    if (array.components <= most_components)
+      data(out, array, array.of_elements ? element_tags : node_tags);
+    else
+      diagnostics.warn("array " + quote(array.name) + " is lost: it has " +
+                       std::to_string(array.components) + " components, and Gmsh stores at most " +
+                       std::to_string(most_components) + "; write .vtu or .vtk to keep it");
+  }
   return out.take();
 }
 

@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/escape.hpp"
 #include "kernel/base/file.hpp"
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/mesh/vtk_order.hpp"
@@ -78,6 +79,10 @@ void write_vtu(const std::filesystem::path& path, const Mesh& mesh) {
 }  // namespace
 
 void write_mesh(const std::filesystem::path& path, const Mesh& mesh, Diagnostics& diagnostics) {
+  for (const MeshArray& array : mesh.arrays)
+    if (!array.unreadable.empty())
+      diagnostics.warn("array " + quote(array.name) + " is lost: it cannot be read from " +
+                       mesh.source + ": " + array.unreadable);
   const std::string extension = path.extension().string();
   if (extension == ".vtu") {
     write_vtu(path, mesh);
@@ -86,7 +91,7 @@ void write_mesh(const std::filesystem::path& path, const Mesh& mesh, Diagnostics
   } else if (extension == ".mesh") {
     write_file(path, medit_text(mesh, diagnostics));
   } else if (extension == ".msh") {
-    write_file(path, gmsh_text(mesh));
+    write_file(path, gmsh_text(mesh, diagnostics));
   } else {
     throw UsageError(path.string() +
                      ": cannot write this mesh format; expected .vtu, .vtk, .mesh or .msh, not '" +

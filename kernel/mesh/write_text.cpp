@@ -99,7 +99,7 @@ std::string medit_text(const Mesh& mesh, Diagnostics& diagnostics) {
   TextWriter out;
   std::string arrays;
   for (const MeshArray& array : mesh.arrays)
-    arrays += (arrays.empty() ? "" : ", ") + quote(array.name);
+    if (array.unreadable.empty()) arrays += (arrays.empty() ? "" : ", ") + quote(array.name);
   if (!arrays.empty())
     diagnostics.warn("arrays are lost: " + arrays +
                      "; Medit stores none, write .vtu, .vtk or .msh to keep them");

@@ -14,7 +14,7 @@
 namespace suture {
 
 std::string medit_text(const Mesh& mesh, Diagnostics& diagnostics);
-std::string gmsh_text(const Mesh& mesh);
+std::string gmsh_text(const Mesh& mesh, Diagnostics& diagnostics);
 std::string vtk_legacy_text(const Mesh& mesh);
 
 /// The numbers of points or elements in a file: those of the source if they are positive and

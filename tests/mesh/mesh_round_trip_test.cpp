@@ -166,6 +166,21 @@ TEST_F(RoundTrip, MeditKeepsOneSetEachAndWarns) {
   EXPECT_NE(diagnostics_.warnings()[1].find("'touches tip'"), std::string::npos);
 }
 
+TEST_F(RoundTrip, ArraysThatAreLostAreNamed) {
+  mesh_.arrays[0].components = 10;
+  mesh_.arrays[0].values.resize(mesh_.points.size() * 100);
+  mesh_.arrays[1].values.clear();
+  mesh_.arrays[1].unreadable = "it is damaged";
+  write_mesh(folder_ / "m.msh", mesh_, diagnostics_);
+  EXPECT_EQ(diagnostics_.warnings(),
+            (std::vector<std::string>{"array '" + mesh_.arrays[1].name +
+                                          "' is lost: it cannot be read from " + mesh_.source +
+                                          ": it is damaged",
+                                      "array '" + mesh_.arrays[0].name +
+                                          "' is lost: it has 10 components, and Gmsh stores at "
+                                          "most 9; write .vtu or .vtk to keep it"}));
+}
+
 TEST_F(RoundTrip, VtkReadsWhatWeWrite) {
   for (const char* name : {"m.vtu", "m.vtk"}) {
     SCOPED_TRACE(std::string(name) + ", seed " + std::to_string(seed_));

@@ -251,18 +251,20 @@ namespace {
 /// Whether the matrix of every cell is, but for rounding.
 bool is_symmetric(const CellTangents& cells) {
   constexpr double rounding = 1e-6;  // of the largest entry
+  constexpr std::size_t lanes = 8;
   const std::size_t rows = std::size_t{cells.nodes} * 3;
-  for (std::size_t cell = 0; cell < cells.cells; ++cell) {
-    double largest = 0, difference = 0;
-    for (std::size_t i = 0; i < rows; ++i)
-      for (std::size_t j = 0; j < rows; ++j) {
-        const double value = cells.values[(j * rows + i) * 8 + cell];
-        largest = std::max(largest, std::abs(value));
-        difference =
-            std::max(difference, std::abs(value - cells.values[(i * rows + j) * 8 + cell]));
+  double largest[lanes] = {}, difference[lanes] = {};
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t j = 0; j <= i; ++j) {
+      const double* const below = cells.values + (j * rows + i) * lanes;
+      const double* const above = cells.values + (i * rows + j) * lanes;
+      for (std::size_t l = 0; l < lanes; ++l) {
+        largest[l] = std::max({largest[l], std::abs(below[l]), std::abs(above[l])});
+        difference[l] = std::max(difference[l], std::abs(below[l] - above[l]));
       }
-    if (difference > rounding * largest) return false;
-  }
+    }
+  for (std::size_t cell = 0; cell < cells.cells; ++cell)
+    if (difference[cell] > rounding * largest[cell]) return false;
   return true;
 }
 

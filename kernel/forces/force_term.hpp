@@ -71,7 +71,8 @@ class ForceTerm : public Follower {
   /// True if add_tangent() is implemented.
   virtual bool has_tangent() const { return true; }
   /// True if the whole tangent on the free components is symmetric. False for pressures up to a
-  /// free edge, and for models whose forces have no energy.
+  /// free edge, and for models whose forces have no energy: the matrices of a sample of 64 cells
+  /// per functor are computed at the current state.
   virtual bool is_conservative(double /*time*/) { return true; }
   /// out += the derivative of its forces in the direction (dx d, dv d), but for what
   /// add_skew_tangent() adds; 3 numbers per vertex.

@@ -17,8 +17,10 @@ struct LoadTime {
   double time, factor;
 };
 
-/// The symmetric matrix of a Newton step on the free components of a body, matrix-free:
+/// The matrix of a Newton step on the free components of a body, matrix-free:
 ///   A = mass M + K + velocity C,   K = -df/dx,   C = -df/dv   of all terms at (x, v, time)
+/// without what ForceTerm::add_skew_tangent() adds, which only apply_whole() includes. Symmetric if
+/// all terms are conservative.
 /// where the loads, which are all terms but the first, can be a sum of those at several times.
 /// Static equilibrium: mass = velocity = 0. Implicit Euler: mass = 1/dt^2, velocity = 1/dt.
 ///
@@ -45,7 +47,7 @@ class TangentMatrix {
   const std::vector<std::uint8_t>& free() const { return free_; }
   /// y = A x. About three evaluations of the forces. Throws the errors of terms.
   void apply(const double* x, double* y) const;
-  /// The same with the parts of tangents that are not symmetric.
+  /// The same with all parts of tangents.
   void apply_whole(const double* x, double* y) const;
   /// The same as apply() in single precision, in rows of 4 numbers, the fourth 0, 16-byte aligned;
   /// terms without such a tangent are computed in double.

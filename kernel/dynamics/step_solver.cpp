@@ -14,6 +14,11 @@ constexpr unsigned max_krylov_iterations = 5000;
 // one, are tried.
 constexpr unsigned tried_iterations = 10;
 
+// A new multigrid is slow that needs more iterations than these, and this many for each decrease of
+// the residual by e.
+constexpr unsigned unconcerned = 4;
+constexpr double slow = 2;
+
 // Building a multigrid takes as long as about this many iterations.
 constexpr double iterations_per_build = 8;
 
@@ -57,12 +62,16 @@ void StepSolver::set(const Factors& factors) {
   matrix_.set({factors.time, factors.dt}, factors.mass, factors.velocity, factors.loads);
 }
 
+PreconditionerChoice StepSolver::new_choice() const {
+  Body& body = motion_.body();
+  return choose_preconditioner(body.complex(), body.attributes(), matrix_,
+                               {.levels = levels_, .finds_end = finds_end_});
+}
+
 /// A preconditioner of the same kind stays.
 void StepSolver::choose() {
   is_chosen_ = true;
-  Body& body = motion_.body();
-  PreconditionerChoice next =
-      choose_preconditioner(body.complex(), body.attributes(), matrix_, levels_);
+  PreconditionerChoice next = new_choice();
   if (next.kind != built_.kind) discard();
   if (next.kind != choice_.kind)
     choice_ = std::move(next);
@@ -89,8 +98,24 @@ LinearSolve StepSolver::solve(std::span<const double> b, std::span<double> x, do
     build();
     result = solve_in(max_krylov_iterations);
   }
+  const bool was_new = built_.decrease == 0;
   if (!built_.note(result) || result.outcome != LinearSolve::Outcome::converged) discard();
+  if (was_new && is_slow(result)) find_end();
   return result;
+}
+
+/// A multigrid that is new, and may have been coarsened too far.
+bool StepSolver::is_slow(const LinearSolve& solve) const {
+  return choice_.kind == PreconditionerChoice::Kind::multigrid && !finds_end_ &&
+         solve.iterations > unconcerned + slow * decrease_to(solve.residual);
+}
+
+/// From the next hierarchy on, which replaces this one.
+void StepSolver::find_end() {
+  finds_end_ = true;
+  levels_ = 0;
+  choice_ = new_choice();
+  discard();
 }
 
 /// For the current state.
@@ -157,10 +182,12 @@ std::string StepSolver::preconditioner() const {
 
 // -------------------------------------------------------------------- state --
 
+/// The next hierarchy begins with as many levels, which is where coarsening ended.
 void StepSolver::forget() {
   discard();
+  levels_ = known_levels();
+  finds_end_ = false;
   choice_ = {};
-  levels_ = 0;
   is_chosen_ = false;
 }
 
@@ -173,14 +200,17 @@ void StepSolver::begin_step() {
   before_.built = built_;
   before_.free = free_;
   before_.levels = known_levels();
+  before_.finds_end = finds_end_;
 }
 
 /// A hierarchy that the rejected step made goes with it.
 void StepSolver::reject_step() {
-  if (free_ != before_.free || known_levels() != before_.levels) {
+  if (free_ != before_.free || known_levels() != before_.levels ||
+      finds_end_ != before_.finds_end) {
     forget();
     free_ = before_.free;
     levels_ = before_.levels;
+    finds_end_ = before_.finds_end;
   }
   built_ = before_.built;
   is_built_ = false;
@@ -223,6 +253,7 @@ void StepSolver::state(Archive& archive) {
       free_ = matrix_.free();
     }
   }
+  archive("finds_end", finds_end_);
   archive("built", built_);
   if (!archive.loads()) return;
   const std::size_t size = std::size_t{motion_.body().attributes().vertex_count()} * 4;

@@ -19,8 +19,9 @@ namespace suture {
 ///
 /// Results depend on the state alone: the positions from which the preconditioner was built belong
 /// to it. Where tangents depend on more than positions, every solve builds its own. The hierarchy
-/// of a multigrid is kept as long as cells and free components stay; how many levels it has is part
-/// of the state, too.
+/// of a multigrid is kept as long as cells and free components stay; the next one has as many
+/// levels. Where coarsening ends is found only if a hierarchy is slow. How many levels there are is
+/// part of the state, too.
 class StepSolver {
  public:
   explicit StepSolver(Motion& motion);
@@ -84,10 +85,14 @@ class StepSolver {
     Built built;
     std::vector<std::uint8_t> free;
     std::size_t levels = 0;
+    bool finds_end = false;
   };
 
   void set(const Factors& factors);
+  PreconditionerChoice new_choice() const;
   void choose();
+  bool is_slow(const LinearSolve& solve) const;
+  void find_end();
   void build();
   bool is_ready();
   std::size_t known_levels() const;
@@ -98,6 +103,7 @@ class StepSolver {
   PreconditionerChoice choice_;     ///< none yet after forget()
   std::vector<std::uint8_t> free_;  ///< what is free in the matrices that it belongs to
   std::size_t levels_ = 0;          ///< that the next multigrid is known to have, or 0
+  bool finds_end_ = false;          ///< MultigridOptions::finds_end
   ConjugateGradients symmetric_;
   Gmres whole_;
   Built built_;

@@ -6,7 +6,6 @@
 #include "kernel/solvers/block_jacobi.hpp"
 #include "kernel/solvers/conjugate_gradients.hpp"
 #include "kernel/solvers/direct.hpp"
-#include "kernel/solvers/multigrid.hpp"
 
 namespace suture {
 namespace {
@@ -37,7 +36,8 @@ double stiffness_over_mass(const TangentMatrix& a) {
 }  // namespace
 
 PreconditionerChoice choose_preconditioner(const CellComplex& complex, Attributes& attributes,
-                                           const TangentMatrix& a, std::size_t levels) {
+                                           const TangentMatrix& a,
+                                           const MultigridOptions& options) {
   using Kind = PreconditionerChoice::Kind;
   if (stiffness_over_mass(a) < max_stiffness)
     return {Kind::block_jacobi, make_block_jacobi(), "because the mass term dominates the matrix"};
@@ -46,7 +46,7 @@ PreconditionerChoice choose_preconditioner(const CellComplex& complex, Attribute
   if (elements <= max_direct_elements)
     return {Kind::direct, make_direct(complex, attributes),
             "because a body of " + count + " is small"};
-  return {Kind::multigrid, make_multigrid(complex, attributes, {.levels = levels}), "for " + count};
+  return {Kind::multigrid, make_multigrid(complex, attributes, options), "for " + count};
 }
 
 }  // namespace suture

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "kernel/solvers/preconditioner.hpp"
+#include "kernel/solvers/multigrid.hpp"
 
 namespace suture {
 
@@ -17,9 +17,9 @@ struct PreconditionerChoice {
 
 /// The fastest preconditioner for a matrix: block Jacobi if the mass term dominates, the direct
 /// solver for bodies of few elements, the multigrid otherwise. The choice holds as long as the
-/// number of elements and the mass term do not change much. One product with the matrix. `levels`:
-/// MultigridOptions::levels.
+/// number of elements and the mass term do not change much. One product with the matrix.
 PreconditionerChoice choose_preconditioner(const CellComplex& complex, Attributes& attributes,
-                                           const TangentMatrix& a, std::size_t levels = 0);
+                                           const TangentMatrix& a,
+                                           const MultigridOptions& options = {});
 
 }  // namespace suture

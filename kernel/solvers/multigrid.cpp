@@ -47,8 +47,9 @@ class Multigrid final : public Preconditioner {
     const NodeGraph vertices = vertex_graph(complex_, attributes_);
     on_grid_ = vertices.is_grid;
     levels_ = make_levels(vertices, free, options_.coarsest_nodes);
-    end_is_found_ = options_.levels > 1 && options_.levels <= levels_.size();
-    if (end_is_found_) levels_.resize(options_.levels);
+    const bool is_known = options_.levels > 1 && options_.levels <= levels_.size();
+    if (is_known) levels_.resize(options_.levels);
+    end_is_found_ = is_known || !options_.finds_end;
     if (levels_.size() == 1)
       direct_ = make_direct(complex_, attributes_);
     else

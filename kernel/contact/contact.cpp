@@ -12,6 +12,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double rounding = 1e-9;
 // Between two obstacles that a vertex touches at once.
 constexpr int max_sweeps = 16;
+// Over all contacts between pieces.
+constexpr int max_piece_sweeps = 32;
 // Of an element: how far an obstacle moves in a step, and how far a vertex is pushed out of one.
 constexpr double max_motion = 0.1, max_push = 0.01;
 constexpr int held = 7;  // all components are prescribed
@@ -20,7 +22,8 @@ constexpr int held = 7;  // all components are prescribed
 
 Contact::Contact(const CellComplex& complex, Attributes& attributes,
                  std::vector<Obstacle> obstacles, double thickness)
-    : attributes_(attributes),
+    : complex_(complex),
+      attributes_(attributes),
       obstacles_(std::move(obstacles)),
       thickness_(thickness),
       surface_(complex),
@@ -30,7 +33,9 @@ Contact::Contact(const CellComplex& complex, Attributes& attributes,
   for (const BoundarySurface::Corners& corners : surface_.corners())
     for (std::size_t i = 0; i < 4; ++i) {
       const Vec3 a = row(rest, corners[i]), b = row(rest, corners[(i + 1) % 4]);
-      shortest_edge_ = std::min(shortest_edge_, norm(minus(a, b)));
+      const double edge = norm(minus(a, b));
+      shortest_edge_ = std::min(shortest_edge_, edge);
+      mean_edge_ += edge / (4 * static_cast<double>(surface_.corners().size()));
       include(box_, a);
     }
   size_ = norm(minus(box_.high, box_.low));
@@ -38,58 +43,86 @@ Contact::Contact(const CellComplex& complex, Attributes& attributes,
 
 // --------------------------------------------------------------------- a step --
 
+void Contact::touch_pieces(double friction) {
+  pieces_ = std::make_unique<PieceContact>(complex_, surface_, attributes_, friction, mean_edge_);
+}
+
+Vec3 Contact::free_force(Index vertex, const ContactStep& step) const {
+  return plus(row(attributes_.force().rows(), vertex),
+              scaled(attributes_.mass().rows()[vertex], step.acceleration));
+}
+
 void Contact::predict(const ContactStep& step) {
   placed_.clear();
   for (const Obstacle& obstacle : obstacles_)
     placed_.emplace_back(obstacle, thickness_, step.time, step.end);
   near_.clear();
+  if (pieces_) ends_.resize(4 * std::size_t{attributes_.vertex_count()});
   const double *x = attributes_.position().rows(), *v = attributes_.velocity().rows(),
-               *f = attributes_.force().rows(), *mass = attributes_.mass().rows(),
-               *fixed = attributes_.fixed().rows();
+               *mass = attributes_.mass().rows(), *fixed = attributes_.fixed().rows();
   for (const Index vertex : surface_.vertices()) {
     const int components = static_cast<int>(fixed[vertex]);
-    if (components == held || !(*step.moving)[vertex]) continue;
-    const Vec3 force = plus(row(f, vertex), scaled(mass[vertex], step.acceleration));
+    const bool moves = components != held && (*step.moving)[vertex];
+    const Vec3 force = free_force(vertex, step);
     const Vec3 velocity =
         plus(scaled(step.decay, row(v, vertex)), scaled(step.gain / mass[vertex], force));
-    const Vec3 end = plus(row(x, vertex), scaled(step.dt, velocity));
+    const Vec3 end = plus(row(x, vertex), scaled(moves ? step.dt : 0, velocity));
+    if (pieces_) std::ranges::copy(end, ends_.begin() + std::ptrdiff_t{4} * vertex);
     // Prescribed components go elsewhere.
     const double margin = components == 0 ? rounding * size_ : size_;
-    for (const PlacedObstacle& obstacle : placed_)
-      if (obstacle.may_touch(end, margin)) {
-        near_.push_back({vertex, force});
-        break;
-      }
+    if (moves && std::ranges::any_of(placed_, [&](const PlacedObstacle& obstacle) {
+          return obstacle.may_touch(end, margin);
+        }))
+      near_.push_back({vertex, force, {}, {}});
+  }
+  if (pieces_) add_near_pieces(step);
+}
+
+void Contact::add_near_pieces(const ContactStep& step) {
+  pieces_->update(ends_.data());
+  if (pieces_->vertices().empty()) return;
+  near_place_.assign(attributes_.vertex_count(), none);
+  for (Index i = 0; i < near_.size(); ++i) near_place_[near_[i].vertex] = i;
+  for (const Index v : pieces_->vertices()) {
+    if (near_place_[v] != none) continue;
+    near_place_[v] = static_cast<Index>(near_.size());
+    near_.push_back({v, free_force(v, step), {}, {}});
   }
 }
 
+/// Obstacles have the last word in each sweep: nothing is left inside them.
 std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   corrections_.clear();
   touches_.clear();
   std::ranges::fill(loads_, Load{});
   step_work_ = 0;
-  for (const Near& near : near_) resolve(near, step);
+  for (Near& near : near_) near.free_velocity = row(attributes_.velocity().rows(), near.vertex);
+  if (pieces_) pieces_->begin(step.dt);
+  const bool meet = pieces_ && !pieces_->touches().empty();
+  const std::size_t width = placed_.size();
+  pushes_.assign(near_.size() * width, {});
+  const auto pushes_of = [&](std::size_t i) {
+    return std::span(pushes_).subspan(i * width, width);
+  };
+  bool changes = true;
+  for (int sweep = 0; changes && sweep < max_piece_sweeps; ++sweep) {
+    changes = meet && pieces_->sweep();
+    for (std::size_t i = 0; i < near_.size(); ++i) push_out(near_[i], pushes_of(i), step.dt);
+  }
+  for (std::size_t i = 0; i < near_.size(); ++i) book(near_[i], pushes_of(i), step);
+  if (meet) book_friction_of_pieces();
   return corrections_;
 }
 
-void Contact::resolve(const Near& near, const ContactStep& step) {
-  double *x = attributes_.position().rows(), *v = attributes_.velocity().rows();
-  const Vec3 end = row(x, near.vertex), free_velocity = row(v, near.vertex);
+/// Out of one obstacle after the other, until it is in none.
+void Contact::push_out(const Near& near, std::span<Push> pushes, double dt) {
+  double* x = attributes_.position().rows() + 4 * std::size_t{near.vertex};
+  double* v = attributes_.velocity().rows() + 4 * std::size_t{near.vertex};
+  const Vec3 end{x[0], x[1], x[2]}, velocity{v[0], v[1], v[2]};
   const auto fixed = static_cast<unsigned>(attributes_.fixed().rows()[near.vertex]);
-  VertexPath path{minus(end, scaled(step.dt, free_velocity)), end, fixed, step.dt};
-  pushes_.assign(placed_.size(), {});
-  if (!push_out(path, pushes_)) return;
+  VertexPath path{minus(end, scaled(dt, velocity)), end, fixed, dt};
   Vec3 change{};
-  for (const Push& push : pushes_)
-    change = plus(change, path.free_part(plus(push.normal, push.tangential)));
-  for (std::size_t c = 0; c < 3; ++c) x[4 * std::size_t{near.vertex} + c] = path.end[c];
-  add_to_row(v, near.vertex, change);
-  book(near, pushes_, free_velocity, plus(free_velocity, change), step);
-}
-
-/// Out of one obstacle after the other, until it is in none; false if it was in none.
-bool Contact::push_out(VertexPath& path, std::vector<Push>& pushes) const {
-  bool any = false, moved = true;
+  bool moved = true;
   for (int sweep = 0; sweep < max_sweeps && moved; ++sweep) {
     moved = false;
     for (std::size_t i = 0; i < placed_.size(); ++i) {
@@ -98,40 +131,56 @@ bool Contact::push_out(VertexPath& path, std::vector<Push>& pushes) const {
       pushes[i].normal = plus(pushes[i].normal, push.normal);
       pushes[i].tangential = plus(pushes[i].tangential, push.tangential);
       pushes[i].obstacle_velocity = push.obstacle_velocity;
-      moved = any = true;
+      change = plus(change, path.free_part(plus(push.normal, push.tangential)));
+      moved = true;
     }
-    if (placed_.size() == 1) break;  // once is enough
+    if (placed_.size() <= 1) break;  // once is enough
   }
-  return any;
+  if (change == Vec3{}) return;
+  for (std::size_t c = 0; c < 3; ++c) {
+    x[c] = path.end[c];
+    v[c] += change[c];
+  }
 }
 
 /// An impulse J does the work J . (v- + v+)/2, exactly what it changes in the kinetic energy, and
 /// friction as much relative to the obstacle.
-void Contact::book(const Near& near, const std::vector<Push>& pushes, const Vec3& free_velocity,
-                   const Vec3& velocity, const ContactStep& step) {
+void Contact::book(Near& near, std::span<const Push> pushes, const ContactStep& step) {
   const double mass = attributes_.mass().rows()[near.vertex];
+  const Vec3 velocity = row(attributes_.velocity().rows(), near.vertex);
   const Vec3 kick = scaled(step.whole_gain / mass, near.force);
-  const Vec3 before = scaled(1 / step.whole_decay, minus(free_velocity, kick));
-  const Vec3 mean = scaled(0.5, plus(before, velocity)), change = minus(velocity, free_velocity);
-  Vec3 total{};
-  double heat = 0;
+  const Vec3 before = scaled(1 / step.whole_decay, minus(near.free_velocity, kick));
+  const Vec3 change = minus(velocity, near.free_velocity);
+  near.mean = scaled(0.5, plus(before, velocity));
+  if (change == Vec3{}) return;
   const Vec3 place = row(attributes_.position().rows(), near.vertex);
+  double heat = 0;
   for (std::size_t i = 0; i < pushes.size(); ++i) {
-    const Vec3 impulse = scaled(mass, plus(pushes[i].normal, pushes[i].tangential));
-    if (impulse == Vec3{}) continue;
-    heat -= mass * dot(pushes[i].tangential, minus(mean, pushes[i].obstacle_velocity));
-    const Vec3 force = scaled(1 / step.whole_gain, impulse);
-    total = plus(total, force);
+    const Vec3 force = scaled(mass / step.whole_gain, plus(pushes[i].normal, pushes[i].tangential));
+    heat -= mass * dot(pushes[i].tangential, minus(near.mean, pushes[i].obstacle_velocity));
     loads_[i].force = minus(loads_[i].force, force);
     loads_[i].torque = minus(loads_[i].torque, cross(minus(place, placed_[i].centre()), force));
   }
-  touches_.push_back({near.vertex, total});
-  const double work = mass * dot(change, mean);
+  touches_.push_back({near.vertex, scaled(mass / step.whole_gain, change)});
+  const double work = mass * dot(change, near.mean);
   step_work_ += work;
   work_ += work + heat;
   friction_work_ -= heat;
-  corrections_.push_back({near.vertex, dot(near.force, change),
-                          mass * (dot(velocity, velocity) - dot(free_velocity, free_velocity))});
+  corrections_.push_back(
+      {near.vertex, dot(near.force, change),
+       mass * (dot(velocity, velocity) - dot(near.free_velocity, near.free_velocity))});
+}
+
+/// As for obstacles, with the mean sliding of the vertex over the face.
+void Contact::book_friction_of_pieces() {
+  for (const PieceContact::Touch& touch : pieces_->touches()) {
+    Vec3 sliding{};
+    for (std::size_t i = 0; i < 5; ++i)
+      sliding = plus(sliding, scaled(touch.weights[i], near_[near_place_[touch.vertices[i]]].mean));
+    const double heat = -dot(touch.friction, sliding);
+    work_ += heat;
+    friction_work_ -= heat;
+  }
 }
 
 // -------------------------------------------------------------------- queries --
@@ -193,11 +242,13 @@ double Contact::last_change() const {
 
 void Contact::follow(const CellComplex& complex, const TopologyChange& change) {
   surface_.follow(complex, change);
+  if (pieces_) pieces_->follow(change);
   std::erase_if(touches_, [&](const Touch& t) { return !complex.exists(0, t.vertex); });
 }
 
 void Contact::state(Archive& archive) {
   if (archive.has_cells()) archive("surface", surface_);
+  if (pieces_) archive("pieces", *pieces_);
   archive.member("touching", touches_, &Touch::vertex);
   archive.member("forces", touches_, &Touch::force);
   archive.rows<double>("loads", loads_);

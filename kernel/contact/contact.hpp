@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/contact/boundary_surface.hpp"
+#include "kernel/contact/piece_contact.hpp"
 #include "kernel/contact/placed_obstacle.hpp"
 #include "kernel/forces/follower.hpp"
 
@@ -22,11 +24,11 @@ struct ContactStep {
   const LiveMask* moving = nullptr;  ///< vertices
 };
 
-/// Contact of a body with obstacles. It changes velocities rather than adding forces: after a step
-/// without contact, every vertex of the boundary that ended inside an obstacle is moved to its
-/// surface, by the impulse that would have taken it there (PlacedObstacle::push). So nothing
-/// penetrates, whatever the step, no stiffness has to be chosen, and the stable step is that of
-/// the body alone. Impacts are inelastic.
+/// Contact of a body with obstacles and, if wanted, between its separate pieces. It changes
+/// velocities rather than adding forces: after a step without contact, every vertex of the boundary
+/// that ended inside an obstacle is moved to its surface, by the impulse that would have taken it
+/// there (PlacedObstacle::push). So nothing penetrates, whatever the step, no stiffness has to be
+/// chosen, and the stable step is that of the body alone. Impacts are inelastic.
 ///
 /// Only vertices touch: of an obstacle smaller than a face, the face does not notice.
 ///
@@ -36,6 +38,10 @@ class Contact final : public Follower {
   /// `thickness`: the distance from obstacles at which vertices touch them, m.
   Contact(const CellComplex& complex, Attributes& attributes, std::vector<Obstacle> obstacles,
           double thickness);
+
+  /// Lets separate pieces touch each other (PieceContact).
+  void touch_pieces(double friction);
+  bool has_pieces() const { return pieces_ != nullptr; }
 
   const std::vector<Obstacle>& obstacles() const { return obstacles_; }
   const BoundarySurface& surface() const { return surface_; }
@@ -58,7 +64,7 @@ class Contact final : public Follower {
   /// call.
   std::span<const Correction> resolve(const ContactStep& step);
 
-  /// A vertex that an obstacle pushed in the last step.
+  /// A vertex that an obstacle or another piece pushed in the last step.
   struct Touch {
     Index vertex;
     Vec3 force;  ///< on the vertex, N, mean of the step
@@ -93,26 +99,33 @@ class Contact final : public Follower {
   void state(Archive& archive);
 
  private:
+  /// A vertex that the step may push.
   struct Near {
     Index vertex;
-    Vec3 force;  ///< without contact, N
+    Vec3 force;                ///< without contact, N
+    Vec3 free_velocity, mean;  ///< after the step without contact; mean of before and after it, m/s
   };
-  void resolve(const Near& near, const ContactStep& step);
-  bool push_out(VertexPath& path, std::vector<Push>& pushes) const;
-  void book(const Near& near, const std::vector<Push>& pushes, const Vec3& free_velocity,
-            const Vec3& velocity, const ContactStep& step);
+  Vec3 free_force(Index vertex, const ContactStep& step) const;
+  void add_near_pieces(const ContactStep& step);
+  void push_out(const Near& near, std::span<Push> pushes, double dt);
+  void book(Near& near, std::span<const Push> pushes, const ContactStep& step);
+  void book_friction_of_pieces();
 
+  const CellComplex& complex_;
   Attributes& attributes_;
   std::vector<Obstacle> obstacles_;
   double thickness_;
   BoundarySurface surface_;
   Box box_ = no_box;
-  double shortest_edge_ = 0, size_ = 0;  ///< m
+  double shortest_edge_ = 0, mean_edge_ = 0, size_ = 0;  ///< m
   // Of the step in progress.
   std::vector<PlacedObstacle> placed_;
   std::vector<Near> near_;
   std::vector<Correction> corrections_;
-  std::vector<Push> pushes_;  ///< by obstacle
+  std::vector<Push> pushes_;  ///< of near vertices: by obstacle
+  std::unique_ptr<PieceContact> pieces_;
+  std::vector<double> ends_;       ///< rows of 4, of boundary vertices
+  std::vector<Index> near_place_;  ///< by vertex: its place in near_, or none
   // Of the last step.
   std::vector<Touch> touches_;
   std::vector<Load> loads_;

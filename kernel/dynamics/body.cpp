@@ -23,7 +23,7 @@ void Body::compile(Diagnostics& diagnostics, unsigned threads) {
   terms_.insert(terms_.begin(), std::move(models));  // whatever was added before
 }
 
-Contact& Body::add_obstacles(std::vector<Obstacle> obstacles, double thickness) {
+Contact& Body::add_contact(std::vector<Obstacle> obstacles, double thickness) {
   contact_ = std::make_unique<Contact>(complex(), attributes_, std::move(obstacles), thickness);
   return *contact_;
 }

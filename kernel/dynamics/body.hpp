@@ -72,9 +72,9 @@ class Body {
   /// All terms other than the models.
   std::span<const std::unique_ptr<ForceTerm>> loads() const { return std::span(terms_).subspan(1); }
 
-  /// Adds obstacles, which the body does not enter from now on (Contact); call it once.
-  Contact& add_obstacles(std::vector<Obstacle> obstacles, double thickness);
-  /// Null without obstacles.
+  /// Adds contact with obstacles, which the body does not enter from now on; call it once.
+  Contact& add_contact(std::vector<Obstacle> obstacles, double thickness);
+  /// Null without contact.
   Contact* contact() { return contact_.get(); }
   const Contact* contact() const { return contact_.get(); }
 

@@ -178,7 +178,7 @@ void decide_physics(const Scene& scene, BuiltScene& built, std::vector<Decision>
 
 void decide_contact(BuiltScene& built, std::vector<Decision>& list) {
   const Contact* contact = built.body().contact();
-  if (!contact) return list.push_back({"contact", true, "the scene has no obstacles"});
+  if (!contact) return list.push_back({"contact", true, "the scene has none"});
   const BoundarySurface& surface = contact->surface();
   list.push_back({"contact", false,
                   count_text(contact->obstacles().size(), "obstacle") + " against " +
@@ -190,7 +190,10 @@ void decide_contact(BuiltScene& built, std::vector<Decision>& list) {
          << (obstacle.motion.moves() ? ", moves along a path" : ", does not move");
     list.push_back({"obstacle " + obstacle.name, false, text.str()});
   }
-  list.push_back({"contact between pieces", true, "not modelled: they pass through each other"});
+  list.push_back({"contact between pieces", !contact->has_pieces(),
+                  contact->has_pieces()
+                      ? "vertices of one near faces of another, sought again as they move"
+                      : "not requested: they pass through each other"});
 }
 
 void decide_events(const Scene& scene, std::vector<Decision>& list) {

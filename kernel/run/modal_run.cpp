@@ -49,8 +49,8 @@ Scene static_scene(const Scene& given, double last_change) {
   return scene;
 }
 
-void require_no_obstacles(const Scene& scene) {
-  if (!scene.contact.obstacles.empty())
+void require_no_contact(const Scene& scene) {
+  if (scene.contact.is_wanted())
     throw InputError(
         "/contact: modes do not include contact; remove /contact to compute those of "
         "the body alone");
@@ -139,7 +139,7 @@ void ModalRun::build() {
   Diagnostics ignored;  // what building the static run reports again
   rest_ = std::make_unique<BuiltScene>(scene_, options_.at_equilibrium ? ignored : diagnostics_);
   rest_->dynamics().start();
-  require_no_obstacles(scene_);
+  require_no_contact(scene_);
   require_tangent(*rest_);
   require_modes(rest_->body(), options_.count);
   if (!options_.at_equilibrium) return;

@@ -88,7 +88,7 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
   limits_ = std::make_unique<StepLimits>(body_);
   add_constraints();
   add_terms();
-  add_obstacles(diagnostics);
+  add_contact(diagnostics);
 }
 
 std::vector<bool> BuiltScene::stops_on_inversion() const {
@@ -193,10 +193,11 @@ void BuiltScene::add_terms() {
   }
 }
 
-void BuiltScene::add_obstacles(Diagnostics& diagnostics) {
+void BuiltScene::add_contact(Diagnostics& diagnostics) {
   const ContactOptions& options = scene_.contact;
-  if (options.obstacles.empty()) return;
-  const Contact& contact = body_.add_obstacles(options.obstacles, options.thickness);
+  if (!options.is_wanted()) return;
+  Contact& contact = body_.add_contact(options.obstacles, options.thickness);
+  if (options.pieces) contact.touch_pieces(options.friction);
   check_obstacles(*this, contact, diagnostics);
 }
 

@@ -53,7 +53,7 @@ class BuiltScene {
   void add_constraints();
   double shortest_edge(const std::vector<Index>& vertices);
   void add_terms();
-  void add_obstacles(Diagnostics& diagnostics);
+  void add_contact(Diagnostics& diagnostics);
 
   bool skips_;
   BodyFrame frame_;

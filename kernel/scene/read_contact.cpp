@@ -148,14 +148,15 @@ void read_contact(ObjectReader& top, Reading& reading) {
   if (value == nullptr) return;
   ContactOptions& contact = reading.scene.contact;
   ObjectReader object(*value, "/contact", reading.mistakes);
-  const double friction = object.number("friction", Limits::not_negative("1")).value_or(0);
+  contact.friction = object.number("friction", Limits::not_negative("1")).value_or(0);
+  contact.pieces = object.boolean("pieces").value_or(false);
   contact.thickness = object.number("thickness", Limits::not_negative("m")).value_or(0);
-  object.require("obstacles", "an array of solids that the body does not enter");
   for_each_object(object, "obstacles", "obstacles", [&](ObjectReader& reader) {
-    contact.obstacles.push_back(read_obstacle(reader, reading.scene, friction));
+    contact.obstacles.push_back(read_obstacle(reader, reading.scene, contact.friction));
   });
-  if (contact.obstacles.empty() && object.find("obstacles") != nullptr)
-    object.complain("obstacles", "is empty; give at least one obstacle, or remove /contact");
+  if (contact.obstacles.empty() && !contact.pieces && object.is_object())
+    object.complain(
+        "touches nothing: give \"obstacles\", set \"pieces\": true, or remove /contact");
   if (object.is_object()) refuse_solvers_without_contact(object, reading.scene.solver);
   object.finish();
 }

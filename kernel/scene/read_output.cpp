@@ -53,7 +53,7 @@ bool has_stress(const Scene& scene) {
 std::vector<std::string> known_fields(const Scene& scene) {
   std::vector<std::string> names = standard_fields();
   if (has_stress(scene)) names.insert(names.end(), stress_fields().begin(), stress_fields().end());
-  if (!scene.contact.obstacles.empty())
+  if (scene.contact.is_wanted())
     names.insert(names.end(), contact_fields().begin(), contact_fields().end());
   for (std::string& name : model_fields(scene).of_cells) {
     if (!contains(names, name)) names.push_back(std::move(name));
@@ -98,7 +98,7 @@ std::string other_place(const ModelFields& fields, const std::string& name) {
     return " is computed from the element field 'stress', which no model of this scene provides; "
            "use a model that does, such as tm-faure, or remove this name";
   if (contains(contact_fields(), name))
-    return " is a value of contact, and the scene has no obstacles; add /contact, or remove this "
+    return " is a value of contact, and the scene has none; add /contact, or remove this "
            "name";
   return "";
 }

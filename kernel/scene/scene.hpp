@@ -91,6 +91,9 @@ struct Load {
 /// What bodies touch.
 struct ContactOptions {
   std::vector<Obstacle> obstacles;
+  bool pieces = false;  ///< separate pieces touch each other, too
+  double friction = 0;  ///< between pieces
+  bool is_wanted() const { return pieces || !obstacles.empty(); }
   double thickness = 0;  ///< m: the distance that the body keeps from them
 };
 

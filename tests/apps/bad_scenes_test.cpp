@@ -351,8 +351,8 @@ TEST_F(BadScenes, Obstacles) {
   const std::string ball = R"("sphere": {"centre": [0.5, 0.5, 1.5], "radius": 0.5})";
   const auto one = [&](const std::string& members) { return at + members + "}]}"; };
   const Case cases[] = {
-      {"/contact={}", "/contact", "'obstacles' is missing"},
-      {"/contact={\"obstacles\": []}", "/contact/obstacles", "at least one"},
+      {"/contact={}", "/contact", "touches nothing"},
+      {"/contact={\"obstacles\": []}", "/contact", "touches nothing"},
       {"/contact={\"friktion\": 1, \"obstacles\": []}", "/contact/friktion", "'friction'"},
       {one(floor + ", \"friction\": -0.1"), "/obstacles/0/friction", "must be >= 0"},
       {one(R"("sphere": {"centre": [0, 0, 3], "radius": 0})"), "/sphere/radius", "must be > 0 m"},
@@ -374,7 +374,7 @@ TEST_F(BadScenes, Obstacles) {
        "/contact/obstacles/0", "jump over the surface"},
       {"/output={\"tools\": {}}", "/output/tools", "needs obstacles"},
       {"/output={\"obstacles\": true}", "/output/obstacles", "needs obstacles"},
-      {"/output={\"fields\": [\"gap\"]}", "/output/fields/0", "the scene has no obstacles"}};
+      {"/output={\"fields\": [\"gap\"]}", "/output/fields/0", "and the scene has none"}};
   for (const Case& bad : cases) {
     const Outcome outcome = scene("check", "", {bad.set});
     EXPECT_EQ(outcome.code, 3) << bad.set << '\n' << outcome;

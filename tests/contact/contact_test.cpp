@@ -21,7 +21,7 @@ struct Falling : rig::Block {
                    const Vec3& weight = {0, 0, -10})
       : Block("tm-faure", {{"E", 4e5}, {"nu", 0.3}, {"rho", 1000}}, {3, 3, 3}, 1. / 3,
               {scheme, 0, weight, {}}),
-        contact(body.add_obstacles(std::move(obstacles), thickness)) {}
+        contact(body.add_contact(std::move(obstacles), thickness)) {}
   std::vector<Index> at(int axis, double where) {
     return vertices(
         [&](const Vec3& x) { return std::abs(x[static_cast<std::size_t>(axis)] - where) < 1e-9; });

@@ -255,6 +255,7 @@ Case obstacles(Random& random, unsigned, std::uint64_t) {
   scene["gravity"] = {1, 0, -9.81};
   scene["contact"] = {
       {"friction", random.between(0, 0.5)},
+      {"pieces", random.chance(0.7)},
       {"obstacles",
        {{{"name", "table"}, {"half_space", {{"point", {0, 0, -0.01}}, {"normal", {0, 0, 1}}}}},
         {{"name", "ball"},

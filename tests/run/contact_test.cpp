@@ -127,6 +127,35 @@ TEST(ContactScenes, ASphereInABlockFollowsHertz) {
   EXPECT_NEAR(over_hertz(4), 1, 0.08);
 }
 
+TEST(ContactScenes, TheUpperHalfOfACutBlockRestsOnTheLower) {
+  double lowest[2];
+  for (const bool pieces : {false, true}) {
+    Scene scene = block_on_floor(4, {0, 0, -9.81}, 0.5);
+    scene.contact.pieces = pieces;
+    scene.contact.friction = 0.5;
+    scene.solver.damping = 2;
+    scene.solver.end = 1;
+    Event cut;
+    cut.at = 0.1;
+    cut.what = CutPlane{{0, 0, 0.101}, {0, 0, 1}};
+    cut.path = "/events/0";
+    cut.rest_shape = true;
+    scene.events = {cut};
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    Observer nobody;
+    EXPECT_EQ(simulation.run(nobody).faces_cut, 64u);
+    Attributes& a = simulation.attributes();
+    double low = 1;
+    for (Index v = 0; v < a.vertex_count(); ++v)
+      if (simulation.complex().dart_of(0, v) / 24 / 64 >= 2)
+        low = std::min(low, a.position().get(v, 2));
+    lowest[pieces] = low;
+  }
+  EXPECT_LT(lowest[0], 0.01) << "it falls through to the floor";
+  EXPECT_GT(lowest[1], 0.09);
+}
+
 TEST(ContactScenes, HaveTheSameBitsForAnyNumberOfThreads) {
   std::vector<double> first;
   for (const unsigned threads : {1u, 2u, 3u, 8u}) {

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/contact/patch.hpp"
+
+#include <algorithm>
+
+#include "kernel/contact/vectors.hpp"
+
+namespace suture {
+namespace {
+
+constexpr int iterations = 3;
+
+std::array<double, 4> weights_at(double r, double s) {
+  return {(1 - r) * (1 - s), r * (1 - s), r * s, (1 - r) * s};
+}
+
+Vec3 sum(const std::array<double, 4>& weights, const std::array<Vec3, 4>& points) {
+  Vec3 total{};
+  for (std::size_t i = 0; i < 4; ++i) total = plus(total, scaled(weights[i], points[i]));
+  return total;
+}
+
+/// Towards the minimum of |offset - a dr - b ds| within the square. On a side, the other coordinate
+/// has a minimum of its own.
+void improve(double& r, double& s, const Vec3& a, const Vec3& b, const Vec3& offset) {
+  const double aa = dot(a, a), ab = dot(a, b), bb = dot(b, b);
+  const double fa = dot(a, offset), fb = dot(b, offset), det = aa * bb - ab * ab;
+  if (!(det > 0)) return;
+  const double free_r = r + (bb * fa - ab * fb) / det, free_s = s + (aa * fb - ab * fa) / det;
+  double to_r = std::clamp(free_r, 0.0, 1.0), to_s = std::clamp(free_s, 0.0, 1.0);
+  if (to_r != free_r)
+    to_s = std::clamp(s + (fb - ab * (to_r - r)) / bb, 0.0, 1.0);
+  else if (to_s != free_s)
+    to_r = std::clamp(r + (fa - ab * (to_s - s)) / aa, 0.0, 1.0);
+  r = to_r;
+  s = to_s;
+}
+
+}  // namespace
+
+Patch::Foot Patch::foot(const Vec3& place) const {
+  double r = 0.5, s = 0.5;
+  Foot foot{};
+  Vec3 a{}, b{};
+  for (int i = 0; i <= iterations; ++i) {
+    foot.weights = weights_at(r, s);
+    foot.offset = minus(place, sum(foot.weights, corners));
+    a = sum({-(1 - s), 1 - s, s, -s}, corners);
+    b = sum({-(1 - r), -r, r, 1 - r}, corners);
+    if (i < iterations) improve(r, s, a, b, foot.offset);
+  }
+  const Vec3 normal = cross(a, b);
+  const double length = norm(normal);
+  foot.normal = length > 0 ? scaled(1 / length, normal) : Vec3{0, 0, 1};
+  return foot;
+}
+
+}  // namespace suture

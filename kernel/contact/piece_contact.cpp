@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/contact/piece_contact.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "kernel/contact/patch.hpp"
+#include "kernel/contact/placed_obstacle.hpp"
+#include "kernel/contact/vectors.hpp"
+
+namespace suture {
+namespace {
+
+// In typical edges: how deep a vertex may be inside a face, how far it may be in front of one that
+// it may yet be pushed into, and how far beside its rim; how far things move before near pairs are
+// sought again.
+constexpr double max_depth = 0.3, margin = 0.1, beside = 0.05, skin = 0.25;
+constexpr double precision = 1e-3;  // of gaps, in typical edges
+constexpr double same_side = 0.2;   // n_v . n_f
+// Of a depth that was there before the step, at most `max_push` edges per step.
+constexpr double recovery = 0.2, max_push = 0.01;
+
+Patch patch_of(const BoundarySurface::Corners& corners, const double* positions) {
+  Patch patch;
+  for (std::size_t i = 0; i < 4; ++i) patch.corners[i] = row(positions, corners[i]);
+  return patch;
+}
+
+}  // namespace
+
+PieceContact::PieceContact(const CellComplex& complex, const BoundarySurface& surface,
+                           Attributes& attributes, double friction, double edge)
+    : complex_(complex),
+      surface_(surface),
+      attributes_(attributes),
+      friction_(friction),
+      edge_(edge),
+      islands_(complex) {}
+
+// ----------------------------------------------------------------- near pairs --
+
+void PieceContact::update(const double* ends) {
+  if (islands_.existing() < 2) {
+    pairs_.clear();
+    vertices_.clear();
+    is_stale_ = true;
+    return;
+  }
+  if (is_stale_ || has_moved(ends)) rebuild(ends);
+}
+
+bool PieceContact::has_moved(const double* ends) const {
+  const double limit = edge_ * skin / 2;
+  for (std::size_t i = 0; i < built_at_.size(); ++i) {
+    const Vec3 way = minus(row(ends, surface_.vertices()[i]), built_at_[i]);
+    if (dot(way, way) > limit * limit) return true;
+  }
+  return false;
+}
+
+void PieceContact::rebuild(const double* ends) {
+  is_stale_ = false;
+  built_at_.clear();
+  piece_of_.resize(attributes_.vertex_count(), none);
+  for (const Index v : surface_.vertices()) {
+    built_at_.push_back(row(ends, v));
+    piece_of_[v] = islands_.of(complex_.dart_of(0, v) / 24);
+  }
+  pairs_ = near_pairs(surface_, piece_of_, ends, (max_depth + skin) * edge_);
+  vertices_.clear();
+  for (const NearPair& pair : pairs_) {
+    vertices_.push_back(pair.vertex);
+    const auto& corners = surface_.corners()[pair.face];
+    vertices_.insert(vertices_.end(), corners.begin(), corners.end());
+  }
+  std::ranges::sort(vertices_);
+  vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+  normals_.resize(attributes_.vertex_count());
+  near_faces_.clear();
+  for (Index face = 0; face < surface_.corners().size(); ++face)
+    if (std::ranges::any_of(surface_.corners()[face],
+                            [&](Index v) { return std::ranges::binary_search(vertices_, v); }))
+      near_faces_.push_back(face);
+}
+
+// ------------------------------------------------------------------- contacts --
+
+/// Sums of the area vectors around the vertices of near pairs.
+void PieceContact::find_normals(const double* positions) {
+  for (const Index face : near_faces_)
+    for (const Index v : surface_.corners()[face]) normals_[v] = {};
+  for (const Index face : near_faces_) {
+    const BoundarySurface::Corners& c = surface_.corners()[face];
+    const Vec3 area = cross(minus(row(positions, c[2]), row(positions, c[0])),
+                            minus(row(positions, c[3]), row(positions, c[1])));
+    for (const Index v : c) normals_[v] = plus(normals_[v], area);
+  }
+}
+
+void PieceContact::begin(double dt) {
+  dt_ = dt;
+  touches_.clear();
+  if (pairs_.empty()) return;
+  find_normals(attributes_.position().rows());
+  for (auto first = pairs_.begin(); first != pairs_.end();) {
+    const auto last = std::find_if(first, pairs_.end(),
+                                   [&](const NearPair& p) { return p.vertex != first->vertex; });
+    add_nearest({first, last});
+    first = last;
+  }
+}
+
+/// The contacts of one vertex: with the nearest face of each piece.
+void PieceContact::add_nearest(std::span<const NearPair> pairs_of_vertex) {
+  struct Found {
+    Index piece;
+    double distance;
+    Index face;
+    Patch::Foot foot;
+  };
+  std::vector<Found> nearest;
+  const double* x = attributes_.position().rows();
+  const Index vertex = pairs_of_vertex.front().vertex;
+  const Vec3 place = row(x, vertex), normal = normals_[vertex];
+  for (const NearPair& pair : pairs_of_vertex) {
+    const auto& corners = surface_.corners()[pair.face];
+    const Patch::Foot foot = patch_of(corners, x).foot(place);
+    const double gap = dot(foot.offset, foot.normal), distance = norm(foot.offset);
+    const double off = norm(minus(foot.offset, scaled(gap, foot.normal)));
+    if (off > beside * edge_ || distance > max_depth * edge_) continue;
+    if (dot(normal, foot.normal) > same_side * norm(normal)) continue;
+    const Index piece = piece_of_[corners[0]];
+    const auto known = std::ranges::find(nearest, piece, &Found::piece);
+    if (known == nearest.end())
+      nearest.push_back({piece, distance, pair.face, foot});
+    else if (distance < known->distance)
+      *known = {piece, distance, pair.face, foot};
+  }
+  for (const Found& found : nearest)
+    if (dot(found.foot.offset, found.foot.normal) < margin * edge_)
+      touches_.push_back(
+          touch_of(vertex, surface_.corners()[found.face], found.foot.weights, found.foot.normal));
+}
+
+PieceContact::Touch PieceContact::touch_of(Index vertex, const BoundarySurface::Corners& corners,
+                                           const std::array<double, 4>& weights,
+                                           const Vec3& normal) const {
+  Touch touch{};
+  touch.vertices[0] = vertex;
+  touch.weights[0] = 1;
+  for (std::size_t i = 0; i < 4; ++i) {
+    touch.vertices[i + 1] = corners[i];
+    touch.weights[i + 1] = -weights[i];
+  }
+  touch.normal = normal;
+  double inverse = 0;
+  for (std::size_t i = 0; i < 5; ++i) {
+    const Index v = touch.vertices[i];
+    const VertexPath path{{}, {}, static_cast<unsigned>(attributes_.fixed().rows()[v]), dt_};
+    inverse += touch.weights[i] * touch.weights[i] * dot(normal, path.free_part(normal)) /
+               attributes_.mass().rows()[v];
+  }
+  touch.mass = inverse > 0 ? 1 / inverse : 0;
+  const double now = dot(normal, sum(touch, attributes_.position().rows()));
+  const double before = now - dt_ * dot(normal, sum(touch, attributes_.velocity().rows()));
+  touch.target = before < 0 ? before + std::min(-recovery * before, max_push * edge_) : 0;
+  return touch;
+}
+
+Vec3 PieceContact::sum(const Touch& touch, const double* rows) const {
+  Vec3 total{};
+  for (std::size_t i = 0; i < 5; ++i)
+    total = plus(total, scaled(touch.weights[i], row(rows, touch.vertices[i])));
+  return total;
+}
+
+bool PieceContact::sweep() {
+  double largest = 0;
+  for (Touch& touch : touches_) largest = std::max(largest, improve(touch));
+  return largest > precision * edge_;
+}
+
+/// The normal impulse that takes the gap to its target, never a pull; then that of friction, at
+/// most its coefficient times the normal one. Returns the change of the gap by the first, m.
+double PieceContact::improve(Touch& touch) {
+  if (touch.mass == 0) return 0;
+  const double lacking =
+      touch.target - dot(touch.normal, sum(touch, attributes_.position().rows()));
+  const double impulse = std::max(0.0, touch.impulse + touch.mass * lacking / dt_);
+  apply(touch, scaled(impulse - touch.impulse, touch.normal));
+  const double change = std::abs(impulse - touch.impulse) * dt_ / touch.mass;
+  touch.impulse = impulse;
+  if (!(friction_ > 0)) return change;
+  const Vec3 relative = sum(touch, attributes_.velocity().rows());
+  const Vec3 sliding = minus(relative, scaled(dot(relative, touch.normal), touch.normal));
+  Vec3 friction = minus(touch.friction, scaled(touch.mass, sliding));
+  const double size = norm(friction), most = friction_ * touch.impulse;
+  if (size > most) friction = scaled(most / size, friction);
+  apply(touch, minus(friction, touch.friction));
+  touch.friction = friction;
+  return change;
+}
+
+void PieceContact::apply(const Touch& touch, const Vec3& impulse) {
+  for (std::size_t i = 0; i < 5; ++i) {
+    const Index v = touch.vertices[i];
+    const VertexPath path{{}, {}, static_cast<unsigned>(attributes_.fixed().rows()[v]), dt_};
+    const Vec3 change =
+        path.free_part(scaled(touch.weights[i] / attributes_.mass().rows()[v], impulse));
+    add_to_row(attributes_.velocity().rows(), v, change);
+    add_to_row(attributes_.position().rows(), v, scaled(dt_, change));
+  }
+}
+
+// ---------------------------------------------------------- operations and state --
+
+void PieceContact::follow(const TopologyChange& change) {
+  islands_.update(complex_, change);
+  is_stale_ = true;
+}
+
+void PieceContact::state(Archive& archive) {
+  if (archive.has_cells()) archive("islands", islands_);
+  if (archive.loads()) is_stale_ = true;
+}
+
+}  // namespace suture

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Contact between pieces: the nearest point of a patch, near pairs against a search of all pairs,
+// and pieces that meet.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "kernel/contact/contact.hpp"
+#include "kernel/contact/near_pairs.hpp"
+#include "kernel/contact/patch.hpp"
+#include "tests/dynamics/model_block.hpp"
+#include "tests/topology/operations.hpp"
+
+namespace suture {
+namespace {
+
+// --------------------------------------------------------------------- patches --
+
+Vec3 foot_of(const Patch& patch, const Patch::Foot& foot) {
+  Vec3 place{};
+  for (std::size_t i = 0; i < 4; ++i)
+    place = plus(place, scaled(foot.weights[i], patch.corners[i]));
+  return place;
+}
+
+/// Of a fine grid of points on the patch.
+double distance_by_samples(const Patch& patch, const Vec3& place) {
+  constexpr int n = 200;
+  double least = 1e9;
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n; ++j) {
+      const double r = double(i) / n, s = double(j) / n;
+      const Patch::Foot at{{(1 - r) * (1 - s), r * (1 - s), r * s, (1 - r) * s}, {}, {}};
+      least = std::min(least, norm(minus(place, foot_of(patch, at))));
+    }
+  return least;
+}
+
+TEST(Patch, FindsTheNearestPointOfWarpedFaces) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> warp(-0.15, 0.15), beside(-0.3, 1.3), off(-0.3, 0.3);
+  for (int i = 0; i < 100; ++i) {
+    Patch patch{{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
+    for (Vec3& corner : patch.corners)
+      for (double& c : corner) c += warp(random);
+    const Vec3 place{beside(random), beside(random), off(random)};
+    const Patch::Foot foot = patch.foot(place);
+    EXPECT_NEAR(foot.weights[0] + foot.weights[1] + foot.weights[2] + foot.weights[3], 1, 1e-14);
+    EXPECT_LT(norm(minus(plus(foot_of(patch, foot), foot.offset), place)), 1e-14);
+    const double found = norm(foot.offset);
+    EXPECT_LT(found, distance_by_samples(patch, place) + 0.01);
+    EXPECT_GT(foot.normal[2], 0.7);
+  }
+}
+
+TEST(Patch, IsExactOnFlatFaces) {
+  const Patch patch{{{{0, 0, 1}, {2, 0, 1}, {2, 1, 1}, {0, 1, 1}}}};
+  const Patch::Foot inside = patch.foot({0.5, 0.25, 0.9});
+  EXPECT_LT(norm(minus(inside.offset, {0, 0, -0.1})), 1e-15);
+  EXPECT_NEAR(inside.weights[0], 0.75 * 0.75, 1e-15);
+  const Patch::Foot beside = patch.foot({3, 0.25, 1});
+  EXPECT_LT(norm(minus(beside.offset, {1, 0, 0})), 1e-15);
+}
+
+// ------------------------------------------------------------------- near pairs --
+
+/// A block that falls apart at random faces, with its points scattered.
+struct Soup {
+  CellComplex complex;
+  std::vector<double> positions;
+  std::vector<Index> piece_of;
+
+  explicit Soup(unsigned seed) {
+    std::mt19937 random(seed);
+    Mesh mesh = make_box({.size = {5, 5, 5}, .cells = {5, 5, 5}});
+    complex = CellComplex(mesh.hexahedra, static_cast<Index>(mesh.points.size()));
+    std::vector<Dart> faces;
+    for (Dart d = 0; d < 24 * complex.element_count(); d += 4)
+      if (complex.can_cut(d) && random() % 4 != 0) faces.push_back(d);
+    complex.cut(faces);
+    std::uniform_real_distribution<double> scatter(-0.4, 0.4);
+    positions.resize(4 * std::size_t{complex.count(0)});
+    piece_of.resize(complex.count(0), none);
+    const std::vector<Index> islands = complex.islands();
+    for (Index e = 0; e < complex.element_count(); ++e)
+      for (std::size_t i = 0; i < 8; ++i) {
+        const Index v = complex.vertices_of(e)[i];
+        piece_of[v] = islands[e];
+        for (std::size_t c = 0; c < 3; ++c)
+          positions[4 * std::size_t{v} + c] = mesh.points[mesh.hexahedra[e][i]][c];
+      }
+    for (double& c : positions) c += scatter(random);
+  }
+};
+
+std::vector<NearPair> pairs_by_search_of_all(const Soup& soup, const BoundarySurface& surface,
+                                             double reach) {
+  std::vector<NearPair> pairs;
+  for (Index face = 0; face < surface.corners().size(); ++face)
+    for (const Index v : surface.vertices()) {
+      const auto& corners = surface.corners()[face];
+      if (soup.piece_of[v] == soup.piece_of[corners[0]]) continue;
+      bool inside = true;
+      for (std::size_t c = 0; c < 3; ++c) {
+        double low = 1e9, high = -1e9;
+        for (const Index corner : corners) {
+          low = std::min(low, row(soup.positions.data(), corner)[c]);
+          high = std::max(high, row(soup.positions.data(), corner)[c]);
+        }
+        const double x = row(soup.positions.data(), v)[c];
+        inside &= x >= low - reach && x <= high + reach;
+      }
+      if (inside) pairs.push_back({v, face});
+    }
+  std::ranges::sort(pairs);
+  return pairs;
+}
+
+TEST(NearPairs, EqualThoseOfASearchOfAllPairs) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const Soup soup(seed);
+    const BoundarySurface surface(soup.complex);
+    const double reach = 0.05 * seed;
+    const auto expected = pairs_by_search_of_all(soup, surface, reach);
+    EXPECT_GT(expected.size(), 1000u);
+    EXPECT_EQ(near_pairs(surface, soup.piece_of, soup.positions.data(), reach), expected)
+        << "seed " << seed;
+  }
+}
+
+// ------------------------------------------------------------------ pieces that meet --
+
+/// A column of blocks, stiff enough not to buckle, each of 3 x 3 x 2 elements of 0.1 m, one on the
+/// other.
+struct Column : rig::Block {
+  explicit Column(Index blocks, double friction, std::vector<Obstacle> obstacles = {},
+                  const Vec3& weight = {})
+      : Block("tm-faure", {{"E", 1e6}, {"nu", 0.3}, {"rho", 1000}}, {3, 3, 2 * blocks}, 0.1,
+              {rig::euler, 2, weight, {0, 0.5}}),
+        contact(body.add_contact(std::move(obstacles), 0)) {
+    contact.touch_pieces(friction);
+    const CellComplex& complex = body.complex();
+    std::vector<Dart> faces;
+    const auto block_of = [](Dart d) { return d / 24 / 18; };
+    for (Dart d = 0; d < 24 * complex.element_count(); d += 4)
+      if (complex.can_cut(d) && block_of(d) != block_of(complex.beta3(d))) faces.push_back(d);
+    body.cut(faces);
+    start();
+    dt = 0.7 * stable_step();
+  }
+  Index block(Index v) const { return body.complex().dart_of(0, v) / 24 / 18; }
+  Vec3 momentum() {
+    Vec3 sum{};
+    for (Index v = 0; v < body.attributes().vertex_count(); ++v)
+      sum = plus(sum, scaled(body.attributes().mass().get(v, 0),
+                             row(body.attributes().velocity().rows(), v)));
+    return sum;
+  }
+  void move(Index which, const Vec3& by, const Vec3& velocity) {
+    for (Index v = 0; v < body.attributes().vertex_count(); ++v) {
+      if (block(v) != which) continue;
+      add_to_row(body.attributes().position().rows(), v, by);
+      add_to_row(body.attributes().velocity().rows(), v, velocity);
+    }
+  }
+  /// How far the top of a block is above the bottom of the next; the least over their nodes. m
+  double gap(Index lower) {
+    double top = -1e9, bottom = 1e9;
+    for (Index v = 0; v < body.attributes().vertex_count(); ++v) {
+      const double height = rest(v)[2];
+      if (block(v) == lower && height > 0.2 * (lower + 1) - 1e-9) top = std::max(top, x(v, 2));
+      if (block(v) == lower + 1 && height < 0.2 * (lower + 1) + 1e-9)
+        bottom = std::min(bottom, x(v, 2));
+    }
+    return bottom - top;
+  }
+  /// How deep a node is behind the nearest face of the next block that faces it; the largest. m
+  double penetration() {
+    double deepest = 0;
+    const double* positions = body.attributes().position().rows();
+    for (const Index v : contact.surface().vertices()) {
+      Patch::Foot nearest{};
+      double least = 0.05;
+      for (std::size_t i = 0; i < contact.surface().faces().size(); ++i) {
+        const auto& c = contact.surface().corners()[i];
+        const bool is_level = contact.surface().faces()[i] % 6 >= 4;  // across z
+        if (block(c[0]) == block(v) || !is_level) continue;
+        const Patch patch{{row(positions, c[0]), row(positions, c[1]), row(positions, c[2]),
+                           row(positions, c[3])}};
+        const Patch::Foot foot = patch.foot(row(positions, v));
+        if (norm(foot.offset) >= least) continue;
+        least = norm(foot.offset);
+        nearest = foot;
+      }
+      const double gap = dot(nearest.offset, nearest.normal);
+      const bool is_beside = norm(minus(nearest.offset, scaled(gap, nearest.normal))) > 1e-4;
+      if (!is_beside) deepest = std::max(deepest, -gap);
+    }
+    return deepest;
+  }
+  Contact& contact;
+  double dt = 0;
+};
+
+Obstacle floor_with(double friction) {
+  return {"floor", "", HalfSpace{{0, 0, 0}, {0, 0, 1}}, {}, friction};
+}
+
+TEST(Pieces, ThatCollideKeepTheirMomentumAndDoNotPenetrate) {
+  Column pair(2, 0.3);
+  const double wave = std::sqrt(1.35e6 / 1000);
+  pair.move(1, {0.013, 0.021, 0.02}, {0.05 * wave, 0, -0.1 * wave});
+  pair.dynamics.start();
+  const Vec3 before = pair.momentum();
+  double deepest = 0;
+  bool met = false;
+  pair.dynamics.motion().set_damping(0);
+  for (int i = 0; i < 300; ++i) {
+    pair.run(pair.dt, 1);
+    deepest = std::max(deepest, pair.penetration());
+    met |= !pair.contact.touches().empty();
+  }
+  EXPECT_TRUE(met);
+  EXPECT_LT(deepest, 0.1 * 0.1) << "10 % of an element";
+  EXPECT_LT(norm(minus(pair.momentum(), before)), 1e-12 * norm(before));
+  EXPECT_GT(pair.gap(0), 0) << "they part again";
+}
+
+TEST(Pieces, OfAStackComeToRestOnEachOther) {
+  Column stack(5, 0.5, {floor_with(0.5)}, {0, 0, -9.81});
+  stack.run(stack.dt, static_cast<int>(6 / stack.dt));
+  std::vector<double> settled;
+  for (Index i = 0; i < 4; ++i) settled.push_back(stack.gap(i));
+  const double drift = stack.shift(0, 0);
+  stack.run(stack.dt, static_cast<int>(4 / stack.dt));
+  for (Index i = 0; i < 4; ++i) {
+    EXPECT_GT(stack.gap(i), -1e-3 * 0.1) << "0.1 % of an element, block " << i;
+    EXPECT_LT(stack.gap(i), 1e-3);
+    EXPECT_NEAR(stack.gap(i), settled[i], 1e-6);
+  }
+  EXPECT_NEAR(stack.shift(0, 0), drift, 1e-6);
+  EXPECT_NEAR(stack.contact.loads()[0].force[2], -9.81 * stack.mass(), 1e-3 * 9.81 * stack.mass());
+}
+
+TEST(Pieces, SlideOrHoldByTheirFriction) {
+  double slid[2];
+  for (const double friction : {0.1, 0.6}) {
+    Column pair(2, friction, {floor_with(10)}, {3, 0, -9.81});  // the slope is 0.3
+    pair.run(pair.dt, static_cast<int>(1.5 / pair.dt));
+    double upper = 0, count = 0;
+    for (Index v = 0; v < pair.body.attributes().vertex_count(); ++v)
+      if (pair.block(v) == 1) {
+        upper += pair.shift(v, 0);
+        ++count;
+      }
+    slid[friction > 0.3] = upper / count;
+  }
+  EXPECT_GT(slid[0], 0.1);
+  EXPECT_LT(slid[1], 0.03);
+}
+
+TEST(Pieces, TheLedgerClosesWhenTheyRubAndCollide) {
+  Column pair(2, 0.3, {floor_with(0.5)}, {0, 0, -9.81});
+  pair.move(1, {0.01, 0, 0.05}, {0.5, 0, 0});
+  pair.start();
+  pair.run(pair.dt, 600);
+  const EnergyBalance books = pair.dynamics.balance();
+  EXPECT_LT(books.work("friction"), -0.001 * books.exchanged);
+  EXPECT_LT(std::abs(books.balance - books.recoverable), 0.02 * books.exchanged);
+}
+
+TEST(Pieces, ARollbackRepeatsTheSameBits) {
+  Column pair(2, 0.3, {floor_with(0.5)}, {1, 0, -9.81});
+  pair.run(pair.dt, 200);
+  StateBuffer kept;
+  kept.save(pair.dynamics);
+  const double time = pair.dynamics.time();
+  const auto finish = [&] {
+    for (int i = 1; i <= 100; ++i) pair.dynamics.step(pair.dt, time + i * pair.dt);
+    return pair.Rig::state();
+  };
+  const std::vector<double> first = finish();
+  kept.load(pair.dynamics);
+  EXPECT_EQ(finish(), first);
+}
+
+}  // namespace
+}  // namespace suture

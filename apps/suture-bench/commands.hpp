@@ -66,6 +66,9 @@ void add_quasi_static(CLI::App& app, std::vector<Command>& commands);
 /// Natural modes: time, iterations and residuals.
 void add_modes(CLI::App& app, std::vector<Command>& commands);
 
+/// Near pairs, and what contact adds to a step.
+void add_contact(CLI::App& app, std::vector<Command>& commands);
+
 /// The bodies that are cut, written as surfaces.
 void add_bodies(CLI::App& app, std::vector<Command>& commands);
 

@@ -43,8 +43,8 @@ Contact::Contact(const CellComplex& complex, Attributes& attributes,
 
 // --------------------------------------------------------------------- a step --
 
-void Contact::touch_pieces(double friction) {
-  pieces_ = std::make_unique<PieceContact>(complex_, surface_, attributes_, friction, mean_edge_);
+void Contact::touch_pieces(const PieceContact::Options& options) {
+  pieces_ = std::make_unique<PieceContact>(complex_, surface_, attributes_, options, mean_edge_);
 }
 
 Vec3 Contact::free_force(Index vertex, const ContactStep& step) const {

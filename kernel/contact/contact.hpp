@@ -39,9 +39,11 @@ class Contact final : public Follower {
   Contact(const CellComplex& complex, Attributes& attributes, std::vector<Obstacle> obstacles,
           double thickness);
 
-  /// Lets separate pieces touch each other (PieceContact).
-  void touch_pieces(double friction);
-  bool has_pieces() const { return pieces_ != nullptr; }
+  /// Lets pieces and the lips of cuts touch each other (PieceContact); call it before any
+  /// operation.
+  void touch_pieces(const PieceContact::Options& options);
+  /// Null without them.
+  const PieceContact* pieces() const { return pieces_.get(); }
 
   const std::vector<Obstacle>& obstacles() const { return obstacles_; }
   const BoundarySurface& surface() const { return surface_; }

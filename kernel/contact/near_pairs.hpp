@@ -15,10 +15,18 @@ struct NearPair {
   auto operator<=>(const NearPair&) const = default;
 };
 
-/// The pairs of a vertex and a face of different pieces where the vertex lies in the box around the
-/// face, enlarged by `reach` on all sides, sorted. `piece_of`: by vertex. By a hash grid of the
-/// vertices: O(vertices + faces + pairs) for faces of similar size.
-std::vector<NearPair> near_pairs(const BoundarySurface& surface, std::span<const Index> piece_of,
+/// What may touch what: different pieces; and within a piece, the vertices with the faces of which
+/// both may touch their own piece, except those of which the vertex is a corner.
+struct Meeting {
+  std::vector<Index> piece_of;              ///< by vertex
+  std::vector<char> vertex_meets_own = {};  ///< by vertex
+  std::vector<char> face_meets_own = {};    ///< by place in BoundarySurface::corners()
+};
+
+/// The pairs that may touch where the vertex lies in the box around the face, enlarged by `reach`
+/// on all sides, sorted. By a hash grid of the vertices: O(vertices + faces + pairs) for faces of
+/// similar size, and never more than O(vertices) for a face.
+std::vector<NearPair> near_pairs(const BoundarySurface& surface, const Meeting& meeting,
                                  const double* positions, double reach);
 
 }  // namespace suture

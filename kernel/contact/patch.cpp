@@ -38,6 +38,17 @@ void improve(double& r, double& s, const Vec3& a, const Vec3& b, const Vec3& off
 
 }  // namespace
 
+Vec3 Patch::centre() const { return sum({0.25, 0.25, 0.25, 0.25}, corners); }
+
+bool Patch::may_be_within(double distance, const Vec3& place) const {
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto [low, high] =
+        std::minmax({corners[0][c], corners[1][c], corners[2][c], corners[3][c]});
+    if (place[c] < low - distance || place[c] > high + distance) return false;
+  }
+  return true;
+}
+
 Patch::Foot Patch::foot(const Vec3& place) const {
   double r = 0.5, s = 0.5;
   Foot foot{};

@@ -19,6 +19,9 @@ struct Patch {
     Vec3 normal;                    ///< of the surface there, outward, of length 1
     Vec3 offset;                    ///< from the foot to the place
   };
+  Vec3 centre() const;
+  /// False only if the place is farther away than `distance`.
+  bool may_be_within(double distance, const Vec3& place) const;
   /// By Gauss-Newton steps from the middle, which are exact where the face is flat.
   Foot foot(const Vec3& place) const;
 };

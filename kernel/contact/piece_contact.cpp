@@ -2,9 +2,7 @@
 #include "kernel/contact/piece_contact.hpp"
 
 #include <algorithm>
-#include <limits>
 
-#include "kernel/contact/patch.hpp"
 #include "kernel/contact/placed_obstacle.hpp"
 #include "kernel/contact/vectors.hpp"
 
@@ -16,7 +14,11 @@ namespace {
 // sought again.
 constexpr double max_depth = 0.3, margin = 0.1, beside = 0.05, skin = 0.25;
 constexpr double precision = 1e-3;  // of gaps, in typical edges
-constexpr double same_side = 0.2;   // n_v . n_f
+constexpr double same_side = 0.2;   // cosine of an angle at which surfaces look the same way
+// What is less far behind a face at rest belongs to the same sheet; in typical edges.
+constexpr double thin = 0.5;
+// Relative to that without constraints; what hardly yields would need impulses without bound.
+constexpr double least_mobility = 1e-3;
 // Of a depth that was there before the step, at most `max_push` edges per step.
 constexpr double recovery = 0.2, max_push = 0.01;
 
@@ -29,24 +31,39 @@ Patch patch_of(const BoundarySurface::Corners& corners, const double* positions)
 }  // namespace
 
 PieceContact::PieceContact(const CellComplex& complex, const BoundarySurface& surface,
-                           Attributes& attributes, double friction, double edge)
+                           Attributes& attributes, const Options& options, double edge)
     : complex_(complex),
       surface_(surface),
       attributes_(attributes),
-      friction_(friction),
+      options_(options),
       edge_(edge),
-      islands_(complex) {}
+      islands_(complex),
+      was_outside_(6 * std::size_t{complex.element_count()}) {
+  for (const Index face : surface.faces()) was_outside_[face] = true;
+}
 
 // ----------------------------------------------------------------- near pairs --
 
 void PieceContact::update(const double* ends) {
-  if (islands_.existing() < 2) {
-    pairs_.clear();
-    vertices_.clear();
-    is_stale_ = true;
-    return;
+  if (is_stale_) may_meet_ = find_what_may_meet();
+  if (is_stale_ || (may_meet_ && has_moved(ends))) rebuild(ends);
+  is_stale_ = false;
+}
+
+/// False if nothing may.
+bool PieceContact::find_what_may_meet() {
+  meeting_.piece_of.assign(attributes_.vertex_count(), none);
+  for (const Index v : surface_.vertices())
+    meeting_.piece_of[v] = islands_.of(complex_.dart_of(0, v) / 24);
+  meeting_.vertex_meets_own.assign(attributes_.vertex_count(), options_.self);
+  meeting_.face_meets_own.assign(surface_.faces().size(), options_.self);
+  bool has_lips = false;
+  for (Index i = 0; i < surface_.faces().size(); ++i) {
+    if (was_outside_[surface_.faces()[i]]) continue;
+    has_lips = meeting_.face_meets_own[i] = true;
+    for (const Index v : surface_.corners()[i]) meeting_.vertex_meets_own[v] = true;
   }
-  if (is_stale_ || has_moved(ends)) rebuild(ends);
+  return has_lips || options_.self || islands_.existing() > 1;
 }
 
 bool PieceContact::has_moved(const double* ends) const {
@@ -59,28 +76,42 @@ bool PieceContact::has_moved(const double* ends) const {
 }
 
 void PieceContact::rebuild(const double* ends) {
-  is_stale_ = false;
   built_at_.clear();
-  piece_of_.resize(attributes_.vertex_count(), none);
-  for (const Index v : surface_.vertices()) {
-    built_at_.push_back(row(ends, v));
-    piece_of_[v] = islands_.of(complex_.dart_of(0, v) / 24);
+  pairs_.clear();
+  if (may_meet_) {
+    for (const Index v : surface_.vertices()) built_at_.push_back(row(ends, v));
+    pairs_ = near_pairs(surface_, meeting_, ends, (max_depth + skin) * edge_);
+    std::erase_if(pairs_, [&](const NearPair& pair) { return is_behind_at_rest(pair); });
   }
-  pairs_ = near_pairs(surface_, piece_of_, ends, (max_depth + skin) * edge_);
-  vertices_.clear();
+  find_vertices();
+}
+
+/// Within a piece: only material is between the vertex and the face, as across a thin sheet.
+bool PieceContact::is_behind_at_rest(const NearPair& pair) const {
+  const BoundarySurface::Corners& corners = surface_.corners()[pair.face];
+  if (meeting_.piece_of[pair.vertex] != meeting_.piece_of[corners[0]]) return false;
+  const auto& of_element = complex_.vertices_of(surface_.faces()[pair.face] / 6);
+  if (std::ranges::find(of_element, pair.vertex) != of_element.end()) return true;
+  const double* rest = attributes_.rest().rows();
+  const Patch::Foot foot = patch_of(corners, rest).foot(row(rest, pair.vertex));
+  return norm(foot.offset) < thin * edge_ && dot(foot.offset, foot.normal) < -precision * edge_;
+}
+
+/// The vertices of near pairs, ascending, and the faces around them.
+void PieceContact::find_vertices() {
+  std::vector<bool> is_near(attributes_.vertex_count());
   for (const NearPair& pair : pairs_) {
-    vertices_.push_back(pair.vertex);
-    const auto& corners = surface_.corners()[pair.face];
-    vertices_.insert(vertices_.end(), corners.begin(), corners.end());
+    is_near[pair.vertex] = true;
+    for (const Index v : surface_.corners()[pair.face]) is_near[v] = true;
   }
-  std::ranges::sort(vertices_);
-  vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
-  normals_.resize(attributes_.vertex_count());
+  vertices_.clear();
+  for (Index v = 0; v < is_near.size(); ++v)
+    if (is_near[v]) vertices_.push_back(v);
   near_faces_.clear();
   for (Index face = 0; face < surface_.corners().size(); ++face)
-    if (std::ranges::any_of(surface_.corners()[face],
-                            [&](Index v) { return std::ranges::binary_search(vertices_, v); }))
+    if (std::ranges::any_of(surface_.corners()[face], [&](Index v) { return is_near[v]; }))
       near_faces_.push_back(face);
+  normals_.resize(attributes_.vertex_count());
 }
 
 // ------------------------------------------------------------------- contacts --
@@ -110,36 +141,47 @@ void PieceContact::begin(double dt) {
   }
 }
 
-/// The contacts of one vertex: with the nearest face of each piece.
-void PieceContact::add_nearest(std::span<const NearPair> pairs_of_vertex) {
-  struct Found {
-    Index piece;
-    double distance;
-    Index face;
-    Patch::Foot foot;
-  };
-  std::vector<Found> nearest;
+/// Of the faces that look at the vertex.
+void PieceContact::find_nearest(std::span<const NearPair> pairs_of_vertex) {
+  nearest_.clear();
   const double* x = attributes_.position().rows();
   const Index vertex = pairs_of_vertex.front().vertex;
   const Vec3 place = row(x, vertex), normal = normals_[vertex];
   for (const NearPair& pair : pairs_of_vertex) {
-    const auto& corners = surface_.corners()[pair.face];
-    const Patch::Foot foot = patch_of(corners, x).foot(place);
+    const Patch patch = patch_of(surface_.corners()[pair.face], x);
+    if (!patch.may_be_within(max_depth * edge_, place)) continue;
+    const Patch::Foot foot = patch.foot(place);
     const double gap = dot(foot.offset, foot.normal), distance = norm(foot.offset);
     const double off = norm(minus(foot.offset, scaled(gap, foot.normal)));
     if (off > beside * edge_ || distance > max_depth * edge_) continue;
     if (dot(normal, foot.normal) > same_side * norm(normal)) continue;
-    const Index piece = piece_of_[corners[0]];
-    const auto known = std::ranges::find(nearest, piece, &Found::piece);
-    if (known == nearest.end())
-      nearest.push_back({piece, distance, pair.face, foot});
-    else if (distance < known->distance)
-      *known = {piece, distance, pair.face, foot};
+    const Index piece = meeting_.piece_of[surface_.corners()[pair.face][0]];
+    add({piece, pair.face, distance, foot, patch.centre()});
   }
-  for (const Found& found : nearest)
+}
+
+bool PieceContact::Found::faces(const Found& other) const {
+  const Vec3 way = minus(other.centre, centre);
+  const double least = same_side * norm(way);
+  return dot(foot.normal, way) > least && dot(other.foot.normal, way) < -least;
+}
+
+void PieceContact::add(const Found& found) {
+  const auto known = std::ranges::find_if(nearest_, [&](const Found& other) {
+    return other.piece == found.piece && !other.faces(found);
+  });
+  if (known == nearest_.end())
+    nearest_.push_back(found);
+  else if (found.distance < known->distance)
+    *known = found;
+}
+
+void PieceContact::add_nearest(std::span<const NearPair> pairs_of_vertex) {
+  find_nearest(pairs_of_vertex);
+  for (const Found& found : nearest_)
     if (dot(found.foot.offset, found.foot.normal) < margin * edge_)
-      touches_.push_back(
-          touch_of(vertex, surface_.corners()[found.face], found.foot.weights, found.foot.normal));
+      touches_.push_back(touch_of(pairs_of_vertex.front().vertex, surface_.corners()[found.face],
+                                  found.foot.weights, found.foot.normal));
 }
 
 PieceContact::Touch PieceContact::touch_of(Index vertex, const BoundarySurface::Corners& corners,
@@ -153,14 +195,15 @@ PieceContact::Touch PieceContact::touch_of(Index vertex, const BoundarySurface::
     touch.weights[i + 1] = -weights[i];
   }
   touch.normal = normal;
-  double inverse = 0;
+  double mobility = 0, unconstrained = 0;
   for (std::size_t i = 0; i < 5; ++i) {
     const Index v = touch.vertices[i];
     const VertexPath path{{}, {}, static_cast<unsigned>(attributes_.fixed().rows()[v]), dt_};
-    inverse += touch.weights[i] * touch.weights[i] * dot(normal, path.free_part(normal)) /
-               attributes_.mass().rows()[v];
+    const double part = touch.weights[i] * touch.weights[i] / attributes_.mass().rows()[v];
+    mobility += part * dot(normal, path.free_part(normal));
+    unconstrained += part;
   }
-  touch.mass = inverse > 0 ? 1 / inverse : 0;
+  touch.mass = mobility > least_mobility * unconstrained ? 1 / mobility : 0;
   const double now = dot(normal, sum(touch, attributes_.position().rows()));
   const double before = now - dt_ * dot(normal, sum(touch, attributes_.velocity().rows()));
   touch.target = before < 0 ? before + std::min(-recovery * before, max_push * edge_) : 0;
@@ -190,11 +233,11 @@ double PieceContact::improve(Touch& touch) {
   apply(touch, scaled(impulse - touch.impulse, touch.normal));
   const double change = std::abs(impulse - touch.impulse) * dt_ / touch.mass;
   touch.impulse = impulse;
-  if (!(friction_ > 0)) return change;
+  if (!(options_.friction > 0)) return change;
   const Vec3 relative = sum(touch, attributes_.velocity().rows());
   const Vec3 sliding = minus(relative, scaled(dot(relative, touch.normal), touch.normal));
   Vec3 friction = minus(touch.friction, scaled(touch.mass, sliding));
-  const double size = norm(friction), most = friction_ * touch.impulse;
+  const double size = norm(friction), most = options_.friction * touch.impulse;
   if (size > most) friction = scaled(most / size, friction);
   apply(touch, minus(friction, touch.friction));
   touch.friction = friction;

@@ -7,13 +7,18 @@
 
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/contact/near_pairs.hpp"
+#include "kernel/contact/patch.hpp"
 #include "kernel/topology/islands.hpp"
 
 namespace suture {
 
-/// Contact between separate pieces: vertices of one with faces of another. In every step a vertex
-/// touches at most one face of each other piece, the nearest; impulses along its normal, with
-/// friction, by Gauss-Seidel sweeps over all contacts.
+/// Contact between pieces and between the lips of cuts: vertices of one with faces of another. In
+/// every step a vertex touches the nearest face of each piece, and in an inner corner the nearest
+/// ones of its sides; impulses along their normals, with friction, by Gauss-Seidel sweeps over all
+/// contacts.
+///
+/// Lips are the faces that were inside when the object was made. They coincide when they are made:
+/// their gap is 0, so they do not repel. With itself a piece touches only there, unless `self`.
 ///
 /// Two rules keep flush surfaces apart that meet at edges: a vertex whose own surface looks the
 /// same way as a face (n_v . n_f > 0.2) is on the far side of that face and does not touch it; nor
@@ -22,9 +27,14 @@ namespace suture {
 /// Contacts depend on positions alone, not on when the list of near pairs was made.
 class PieceContact {
  public:
+  struct Options {
+    double friction = 0;
+    bool self = false;  ///< all of a piece touches all of it
+  };
   /// `edge`: a typical edge of the surface, m.
   PieceContact(const CellComplex& complex, const BoundarySurface& surface, Attributes& attributes,
-               double friction, double edge);
+               const Options& options, double edge);
+  bool touches_self() const { return options_.self; }
 
   /// Makes the list of near pairs again if anything has moved by half of the skin. `ends`: rows of
   /// 4, where vertices will be at the end of the free step, at which contacts are found.
@@ -53,9 +63,23 @@ class PieceContact {
   void state(Archive& archive);
 
  private:
+  /// A face of a piece, and the place on it that is nearest to a vertex.
+  struct Found {
+    Index piece, face;
+    double distance;
+    Patch::Foot foot;
+    Vec3 centre;  ///< of the face
+    /// The faces form an inner corner, so that a vertex in it touches both.
+    bool faces(const Found& other) const;
+  };
+  void add(const Found& found);
+  bool find_what_may_meet();
+  bool is_behind_at_rest(const NearPair& pair) const;
   bool has_moved(const double* ends) const;
   void rebuild(const double* ends);
+  void find_vertices();
   void find_normals(const double* positions);
+  void find_nearest(std::span<const NearPair> pairs_of_vertex);
   void add_nearest(std::span<const NearPair> pairs_of_vertex);
   Touch touch_of(Index vertex, const BoundarySurface::Corners& corners,
                  const std::array<double, 4>& weights, const Vec3& normal) const;
@@ -66,11 +90,15 @@ class PieceContact {
   const CellComplex& complex_;
   const BoundarySurface& surface_;
   Attributes& attributes_;
-  double friction_, edge_, dt_ = 0;
+  Options options_;
+  double edge_, dt_ = 0;
   Islands islands_;
-  bool is_stale_ = true;
+  std::vector<bool> was_outside_;  ///< by face, as in BoundarySurface::faces(): at the beginning
+  bool is_stale_ = true;           ///< an operation came after the last rebuild
+  // Since the last operation.
+  Meeting meeting_;
+  bool may_meet_ = false;
   // Of the last rebuild.
-  std::vector<Index> piece_of_;  ///< by vertex
   std::vector<NearPair> pairs_;
   std::vector<Index> vertices_;
   std::vector<Index> near_faces_;  ///< that have one of these vertices
@@ -78,6 +106,7 @@ class PieceContact {
   std::vector<Vec3> normals_;      ///< by vertex
   // Of the step in progress.
   std::vector<Touch> touches_;
+  std::vector<Found> nearest_;  ///< to one vertex
 };
 
 }  // namespace suture

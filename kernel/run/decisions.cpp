@@ -190,10 +190,15 @@ void decide_contact(BuiltScene& built, std::vector<Decision>& list) {
          << (obstacle.motion.moves() ? ", moves along a path" : ", does not move");
     list.push_back({"obstacle " + obstacle.name, false, text.str()});
   }
-  list.push_back({"contact between pieces", !contact->has_pieces(),
-                  contact->has_pieces()
-                      ? "vertices of one near faces of another, sought again as they move"
-                      : "not requested: they pass through each other"});
+  const PieceContact* pieces = contact->pieces();
+  list.push_back({"contact between pieces", !pieces,
+                  pieces ? "nodes of one near faces of another, sought again as they move; "
+                           "the lips of cuts, too"
+                         : "not requested: they pass through each other"});
+  list.push_back({"contact of a piece with itself", !pieces || !pieces->touches_self(),
+                  pieces && pieces->touches_self() ? "nodes near faces that look at them"
+                  : pieces                         ? "not requested: only the lips of cuts touch"
+                                                   : "not requested"});
 }
 
 void decide_events(const Scene& scene, std::vector<Decision>& list) {

@@ -197,7 +197,7 @@ void BuiltScene::add_contact(Diagnostics& diagnostics) {
   const ContactOptions& options = scene_.contact;
   if (!options.is_wanted()) return;
   Contact& contact = body_.add_contact(options.obstacles, options.thickness);
-  if (options.pieces) contact.touch_pieces(options.friction);
+  if (options.pieces) contact.touch_pieces({options.friction, options.self});
   check_obstacles(*this, contact, diagnostics);
 }
 

@@ -149,7 +149,12 @@ void read_contact(ObjectReader& top, Reading& reading) {
   ContactOptions& contact = reading.scene.contact;
   ObjectReader object(*value, "/contact", reading.mistakes);
   contact.friction = object.number("friction", Limits::not_negative("1")).value_or(0);
-  contact.pieces = object.boolean("pieces").value_or(false);
+  contact.self = object.boolean("self").value_or(false);
+  contact.pieces = object.boolean("pieces").value_or(contact.self);
+  if (contact.self && !contact.pieces)
+    object.complain("pieces",
+                    "is false, but a body that touches itself touches its pieces, too; "
+                    "remove this key, or set \"self\": false");
   contact.thickness = object.number("thickness", Limits::not_negative("m")).value_or(0);
   for_each_object(object, "obstacles", "obstacles", [&](ObjectReader& reader) {
     contact.obstacles.push_back(read_obstacle(reader, reading.scene, contact.friction));

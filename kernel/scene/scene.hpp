@@ -91,7 +91,8 @@ struct Load {
 /// What bodies touch.
 struct ContactOptions {
   std::vector<Obstacle> obstacles;
-  bool pieces = false;  ///< separate pieces touch each other, too
+  bool pieces = false;  ///< separate pieces and the lips of cuts touch each other, too
+  bool self = false;    ///< everything does
   double friction = 0;  ///< between pieces
   bool is_wanted() const { return pieces || !obstacles.empty(); }
   double thickness = 0;  ///< m: the distance that the body keeps from them

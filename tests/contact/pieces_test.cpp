@@ -94,16 +94,35 @@ struct Soup {
   }
 };
 
+/// Some vertices and faces may touch their own piece.
+Meeting meeting_of(const Soup& soup, const BoundarySurface& surface, unsigned seed) {
+  std::mt19937 random(seed);
+  Meeting meeting{soup.piece_of};
+  if (seed % 2 == 0) return meeting;
+  for (std::size_t v = 0; v < soup.piece_of.size(); ++v)
+    meeting.vertex_meets_own.push_back(random() % 2 == 0);
+  for (std::size_t face = 0; face < surface.corners().size(); ++face)
+    meeting.face_meets_own.push_back(random() % 2 == 0);
+  return meeting;
+}
+
+bool may_meet(const Meeting& meeting, const BoundarySurface& surface, Index v, Index face) {
+  const auto& corners = surface.corners()[face];
+  if (meeting.piece_of[v] != meeting.piece_of[corners[0]]) return true;
+  return !meeting.face_meets_own.empty() && meeting.face_meets_own[face] &&
+         meeting.vertex_meets_own[v] && std::ranges::find(corners, v) == corners.end();
+}
+
 std::vector<NearPair> pairs_by_search_of_all(const Soup& soup, const BoundarySurface& surface,
-                                             double reach) {
+                                             const Meeting& meeting, double reach) {
   std::vector<NearPair> pairs;
   for (Index face = 0; face < surface.corners().size(); ++face)
     for (const Index v : surface.vertices()) {
       const auto& corners = surface.corners()[face];
-      if (soup.piece_of[v] == soup.piece_of[corners[0]]) continue;
+      if (!may_meet(meeting, surface, v, face)) continue;
       bool inside = true;
       for (std::size_t c = 0; c < 3; ++c) {
-        double low = 1e9, high = -1e9;
+        double low = 1e30, high = -1e30;
         for (const Index corner : corners) {
           low = std::min(low, row(soup.positions.data(), corner)[c]);
           high = std::max(high, row(soup.positions.data(), corner)[c]);
@@ -122,11 +141,24 @@ TEST(NearPairs, EqualThoseOfASearchOfAllPairs) {
     const Soup soup(seed);
     const BoundarySurface surface(soup.complex);
     const double reach = 0.05 * seed;
-    const auto expected = pairs_by_search_of_all(soup, surface, reach);
+    const Meeting meeting = meeting_of(soup, surface, seed);
+    const auto expected = pairs_by_search_of_all(soup, surface, meeting, reach);
     EXPECT_GT(expected.size(), 1000u);
-    EXPECT_EQ(near_pairs(surface, soup.piece_of, soup.positions.data(), reach), expected)
+    EXPECT_EQ(near_pairs(surface, meeting, soup.positions.data(), reach), expected)
         << "seed " << seed;
   }
+}
+
+TEST(NearPairs, AreFoundForFacesOfAnySize) {
+  Soup soup(1);
+  const BoundarySurface surface(soup.complex);
+  for (std::size_t i = 0; i < 4; ++i) {  // one face is far larger than the others
+    soup.positions[4 * std::size_t{surface.corners()[0][i]}] *= 1e6;
+    soup.positions[4 * std::size_t{surface.corners()[0][i]} + 2] *= -1e9;
+  }
+  const Meeting meeting{soup.piece_of};
+  EXPECT_EQ(near_pairs(surface, meeting, soup.positions.data(), 0.1),
+            pairs_by_search_of_all(soup, surface, meeting, 0.1));
 }
 
 // ------------------------------------------------------------------ pieces that meet --
@@ -139,7 +171,7 @@ struct Column : rig::Block {
       : Block("tm-faure", {{"E", 1e6}, {"nu", 0.3}, {"rho", 1000}}, {3, 3, 2 * blocks}, 0.1,
               {rig::euler, 2, weight, {0, 0.5}}),
         contact(body.add_contact(std::move(obstacles), 0)) {
-    contact.touch_pieces(friction);
+    contact.touch_pieces({friction});
     const CellComplex& complex = body.complex();
     std::vector<Dart> faces;
     const auto block_of = [](Dart d) { return d / 24 / 18; };
@@ -268,6 +300,18 @@ TEST(Pieces, TheLedgerClosesWhenTheyRubAndCollide) {
   const EnergyBalance books = pair.dynamics.balance();
   EXPECT_LT(books.work("friction"), -0.001 * books.exchanged);
   EXPECT_LT(std::abs(books.balance - books.recoverable), 0.02 * books.exchanged);
+}
+
+TEST(Pieces, MayMeetWhereTheyAreHeld) {
+  Column pair(2, 0.3, {}, {2, 0, -9.81});
+  pair.hold(pair.vertices([](const Vec3& x) { return x[0] < 1e-9; }), 7);
+  pair.start();
+  pair.run(pair.dt, 1000);
+  double farthest = 0;
+  for (Index v = 0; v < pair.body.attributes().vertex_count(); ++v)
+    farthest = std::max(farthest, norm({pair.shift(v, 0), pair.shift(v, 1), pair.shift(v, 2)}));
+  EXPECT_LT(farthest, 0.02);
+  EXPECT_GT(farthest, 1e-4);
 }
 
 TEST(Pieces, ARollbackRepeatsTheSameBits) {

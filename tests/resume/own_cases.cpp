@@ -265,6 +265,7 @@ Case obstacles(Random& random, unsigned, std::uint64_t) {
   scene["events"] = {{{"at", random.between(0.1, 1)}, {"cut", across(0.5, random)}},
                      {{"at", random.between(1, 1.5)},
                       {"pierce", {{"path", {{0.3, 0.1, -2}, {0.3, 0.1, 2}}}, {"radius", 0.06}}}}};
+  if (scene["contact"]["pieces"]) scene["contact"]["self"] = random.chance(0.5);
   add_output(scene, random);
   scene["output"]["tools"]["every_steps"] = 1 + static_cast<int>(random.decades(1, 30));
   scene["output"]["fields"].push_back("contact_force");

@@ -179,6 +179,42 @@ TEST(ContactScenes, HaveTheSameBitsForAnyNumberOfThreads) {
   }
 }
 
+/// A block on a floor that two cuts open, one through it and one that ends inside.
+Scene cut_block() {
+  Scene scene = block_on_floor(6, {3, 0, -9.81}, 0.3);
+  scene.contact.pieces = true;
+  scene.contact.friction = 0.2;
+  scene.solver.end = 0.1;
+  const auto cut = [&](double at, const CutPlane& plane) {
+    Event event;
+    event.at = at;
+    event.what = plane;
+    event.path = "/events/" + std::to_string(scene.events.size());
+    event.rest_shape = true;
+    scene.events.push_back(event);
+  };
+  cut(0.02, {{0, 0, 0.101}, {0.1, 0, 1}});
+  cut(0.04, {{0.201, 0, 0}, {1, 0.2, 0}});
+  return scene;
+}
+
+TEST(ContactScenes, PiecesAndLipsHaveTheSameBitsForAnyNumberOfThreads) {
+  std::vector<double> first;
+  for (const unsigned threads : {1u, 2u, 3u, 8u}) {
+    Scene scene = cut_block();
+    scene.solver.threads = threads;
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    Observer nobody;
+    simulation.run(nobody);
+    const Column& x = simulation.attributes().position();
+    const std::vector<double> all(x.rows(), x.rows() + 4 * std::size_t{x.size()});
+    EXPECT_GT(simulation.contact()->touches().size(), 100u);
+    if (threads == 1) first = all;
+    EXPECT_EQ(all, first) << threads << " threads";
+  }
+}
+
 TEST(ContactScenes, WriteForcesAndEnergies) {
   TemporaryFolder folder;
   Scene scene = block_on_floor(2, {1, 0, -9.81}, 0.3);

@@ -16,6 +16,8 @@ constexpr int max_sweeps = 16;
 constexpr int max_piece_sweeps = 32;
 // Of an element: how far an obstacle moves in a step, and how far a vertex is pushed out of one.
 constexpr double max_motion = 0.1, max_push = 0.01;
+// How far other pieces may push a vertex in a step; of an element.
+constexpr double pushed = 0.5;
 constexpr int held = 7;  // all components are prescribed
 
 }  // namespace
@@ -68,13 +70,16 @@ void Contact::predict(const ContactStep& step) {
         plus(scaled(step.decay, row(v, vertex)), scaled(step.gain / mass[vertex], force));
     const Vec3 end = plus(row(x, vertex), scaled(moves ? step.dt : 0, velocity));
     if (pieces_) std::ranges::copy(end, ends_.begin() + std::ptrdiff_t{4} * vertex);
-    // Prescribed components go elsewhere.
-    const double margin = components == 0 ? rounding * size_ : size_;
+    // Prescribed components go elsewhere, and pieces push each other.
+    const double margin = components != 0 ? size_
+                          : pieces_       ? pushed * mean_edge_
+                                          : rounding * size_;
     if (moves && std::ranges::any_of(placed_, [&](const PlacedObstacle& obstacle) {
           return obstacle.may_touch(end, margin);
         }))
-      near_.push_back({vertex, force, {}, {}});
+      near_.push_back({vertex, force});
   }
+  near_obstacles_ = near_.size();
   if (pieces_) add_near_pieces(step);
 }
 
@@ -86,32 +91,48 @@ void Contact::add_near_pieces(const ContactStep& step) {
   for (const Index v : pieces_->vertices()) {
     if (near_place_[v] != none) continue;
     near_place_[v] = static_cast<Index>(near_.size());
-    near_.push_back({v, free_force(v, step), {}, {}});
+    near_.push_back({v, free_force(v, step)});
   }
 }
 
-/// Obstacles have the last word in each sweep: nothing is left inside them.
 std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   corrections_.clear();
   touches_.clear();
   std::ranges::fill(loads_, Load{});
   step_work_ = 0;
-  for (Near& near : near_) near.free_velocity = row(attributes_.velocity().rows(), near.vertex);
+  for (Near& near : near_) {
+    near.free_end = row(attributes_.position().rows(), near.vertex);
+    near.free_velocity = row(attributes_.velocity().rows(), near.vertex);
+  }
   if (pieces_) pieces_->begin(step.dt);
+  pushes_.assign(near_.size() * placed_.size(), {});
+  push(step.dt);
+  for (std::size_t i = 0; i < near_.size(); ++i)
+    book(near_[i], std::span(pushes_).subspan(i * placed_.size(), placed_.size()), step);
+  if (pieces_) book_friction_of_pieces();
+  return corrections_;
+}
+
+/// Obstacles have the last word in each sweep: nothing is left inside them.
+void Contact::push(double dt) {
   const bool meet = pieces_ && !pieces_->touches().empty();
-  const std::size_t width = placed_.size();
-  pushes_.assign(near_.size() * width, {});
-  const auto pushes_of = [&](std::size_t i) {
-    return std::span(pushes_).subspan(i * width, width);
-  };
   bool changes = true;
   for (int sweep = 0; changes && sweep < max_piece_sweeps; ++sweep) {
     changes = meet && pieces_->sweep();
-    for (std::size_t i = 0; i < near_.size(); ++i) push_out(near_[i], pushes_of(i), step.dt);
+    for (std::size_t i = 0; i < near_obstacles_; ++i) {
+      if (meet) move(near_[i], dt);
+      push_out(near_[i], std::span(pushes_).subspan(i * placed_.size(), placed_.size()), dt);
+    }
   }
-  for (std::size_t i = 0; i < near_.size(); ++i) book(near_[i], pushes_of(i), step);
-  if (meet) book_friction_of_pieces();
-  return corrections_;
+  if (meet)
+    for (const Near& near : std::span(near_).subspan(near_obstacles_)) move(near, dt);
+}
+
+/// To where the changed velocity takes it.
+void Contact::move(const Near& near, double dt) {
+  const Vec3 change = minus(row(attributes_.velocity().rows(), near.vertex), near.free_velocity);
+  const Vec3 end = plus(near.free_end, scaled(dt, change));
+  std::ranges::copy(end, attributes_.position().rows() + 4 * std::size_t{near.vertex});
 }
 
 /// Out of one obstacle after the other, until it is in none.

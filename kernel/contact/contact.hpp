@@ -104,11 +104,14 @@ class Contact final : public Follower {
   /// A vertex that the step may push.
   struct Near {
     Index vertex;
-    Vec3 force;                ///< without contact, N
-    Vec3 free_velocity, mean;  ///< after the step without contact; mean of before and after it, m/s
+    Vec3 force;                        ///< without contact, N
+    Vec3 free_end{}, free_velocity{};  ///< after the step without contact
+    Vec3 mean{};                       ///< of the velocities before and after the step, m/s
   };
   Vec3 free_force(Index vertex, const ContactStep& step) const;
   void add_near_pieces(const ContactStep& step);
+  void push(double dt);
+  void move(const Near& near, double dt);
   void push_out(const Near& near, std::span<Push> pushes, double dt);
   void book(Near& near, std::span<const Push> pushes, const ContactStep& step);
   void book_friction_of_pieces();
@@ -122,7 +125,8 @@ class Contact final : public Follower {
   double shortest_edge_ = 0, mean_edge_ = 0, size_ = 0;  ///< m
   // Of the step in progress.
   std::vector<PlacedObstacle> placed_;
-  std::vector<Near> near_;
+  std::vector<Near> near_;          ///< first those near obstacles
+  std::size_t near_obstacles_ = 0;  ///< how many
   std::vector<Correction> corrections_;
   std::vector<Push> pushes_;  ///< of near vertices: by obstacle
   std::unique_ptr<PieceContact> pieces_;

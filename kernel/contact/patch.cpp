@@ -8,7 +8,7 @@
 namespace suture {
 namespace {
 
-constexpr int iterations = 3;
+constexpr int iterations = 2;
 
 std::array<double, 4> weights_at(double r, double s) {
   return {(1 - r) * (1 - s), r * (1 - s), r * s, (1 - r) * s};
@@ -49,17 +49,25 @@ bool Patch::may_be_within(double distance, const Vec3& place) const {
   return true;
 }
 
+bool Patch::is_in_front(const Vec3& place, const Vec3& normal, double distance) const {
+  return std::ranges::all_of(
+      corners, [&](const Vec3& corner) { return dot(normal, minus(place, corner)) > distance; });
+}
+
+/// x(r, s) = p0 + r e + s f + r s w.
 Patch::Foot Patch::foot(const Vec3& place) const {
+  const Vec3 e = minus(corners[1], corners[0]), f = minus(corners[3], corners[0]);
+  const Vec3 w = minus(minus(corners[2], corners[1]), f), from_first = minus(place, corners[0]);
   double r = 0.5, s = 0.5;
   Foot foot{};
   Vec3 a{}, b{};
   for (int i = 0; i <= iterations; ++i) {
-    foot.weights = weights_at(r, s);
-    foot.offset = minus(place, sum(foot.weights, corners));
-    a = sum({-(1 - s), 1 - s, s, -s}, corners);
-    b = sum({-(1 - r), -r, r, 1 - r}, corners);
+    a = plus(e, scaled(s, w));
+    b = plus(f, scaled(r, w));
+    foot.offset = minus(minus(from_first, scaled(r, a)), scaled(s, f));
     if (i < iterations) improve(r, s, a, b, foot.offset);
   }
+  foot.weights = weights_at(r, s);
   const Vec3 normal = cross(a, b);
   const double length = norm(normal);
   foot.normal = length > 0 ? scaled(1 / length, normal) : Vec3{0, 0, 1};

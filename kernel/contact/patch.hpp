@@ -22,6 +22,8 @@ struct Patch {
   Vec3 centre() const;
   /// False only if the place is farther away than `distance`.
   bool may_be_within(double distance, const Vec3& place) const;
+  /// The place is farther than `distance` from all corners along the mean normal.
+  bool is_in_front(const Vec3& place, const Vec3& normal, double distance) const;
   /// By Gauss-Newton steps from the middle, which are exact where the face is flat.
   Foot foot(const Vec3& place) const;
 };

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "kernel/contact/placed_obstacle.hpp"
 #include "kernel/contact/vectors.hpp"
 
 namespace suture {
@@ -17,10 +16,26 @@ constexpr double precision = 1e-3;  // of gaps, in typical edges
 constexpr double same_side = 0.2;   // cosine of an angle at which surfaces look the same way
 // What is less far behind a face at rest belongs to the same sheet; in typical edges.
 constexpr double thin = 0.5;
+// A distance in typical edges, and the cosine of an angle between faces.
+constexpr double near_enough = 0.02, alike = 0.95;
 // Relative to that without constraints; what hardly yields would need impulses without bound.
 constexpr double least_mobility = 1e-3;
 // Of a depth that was there before the step, at most `max_push` edges per step.
 constexpr double recovery = 0.2, max_push = 0.01;
+
+Vec3 free_part(Vec3 a, char fixed) {
+  if (fixed == 0) return a;
+  for (int c = 0; c < 3; ++c)
+    if (fixed >> c & 1) a[static_cast<std::size_t>(c)] = 0;
+  return a;
+}
+
+Vec3 sum(const PieceContact::Touch& touch, const double* rows) {
+  Vec3 total{};
+  for (std::size_t i = 0; i < 5; ++i)
+    total = plus(total, scaled(touch.weights[i], row(rows, touch.vertices[i])));
+  return total;
+}
 
 Patch patch_of(const BoundarySurface::Corners& corners, const double* positions) {
   Patch patch;
@@ -60,7 +75,8 @@ bool PieceContact::find_what_may_meet() {
   bool has_lips = false;
   for (Index i = 0; i < surface_.faces().size(); ++i) {
     if (was_outside_[surface_.faces()[i]]) continue;
-    has_lips = meeting_.face_meets_own[i] = true;
+    has_lips = true;
+    meeting_.face_meets_own[i] = true;
     for (const Index v : surface_.corners()[i]) meeting_.vertex_meets_own[v] = true;
   }
   return has_lips || options_.self || islands_.existing() > 1;
@@ -112,6 +128,7 @@ void PieceContact::find_vertices() {
     if (std::ranges::any_of(surface_.corners()[face], [&](Index v) { return is_near[v]; }))
       near_faces_.push_back(face);
   normals_.resize(attributes_.vertex_count());
+  face_normals_.resize(surface_.corners().size());
 }
 
 // ------------------------------------------------------------------- contacts --
@@ -125,6 +142,8 @@ void PieceContact::find_normals(const double* positions) {
     const Vec3 area = cross(minus(row(positions, c[2]), row(positions, c[0])),
                             minus(row(positions, c[3]), row(positions, c[1])));
     for (const Index v : c) normals_[v] = plus(normals_[v], area);
+    const double length = norm(area);
+    face_normals_[face] = length > 0 ? scaled(1 / length, area) : Vec3{};
   }
 }
 
@@ -147,17 +166,28 @@ void PieceContact::find_nearest(std::span<const NearPair> pairs_of_vertex) {
   const double* x = attributes_.position().rows();
   const Index vertex = pairs_of_vertex.front().vertex;
   const Vec3 place = row(x, vertex), normal = normals_[vertex];
+  const double same = same_side * norm(normal);
   for (const NearPair& pair : pairs_of_vertex) {
+    if (dot(normal, face_normals_[pair.face]) > same) continue;
+    const Index piece = meeting_.piece_of[surface_.corners()[pair.face][0]];
+    if (is_settled(piece, face_normals_[pair.face])) continue;
     const Patch patch = patch_of(surface_.corners()[pair.face], x);
     if (!patch.may_be_within(max_depth * edge_, place)) continue;
+    if (patch.is_in_front(place, face_normals_[pair.face], margin * edge_)) continue;
     const Patch::Foot foot = patch.foot(place);
     const double gap = dot(foot.offset, foot.normal), distance = norm(foot.offset);
     const double off = norm(minus(foot.offset, scaled(gap, foot.normal)));
     if (off > beside * edge_ || distance > max_depth * edge_) continue;
-    if (dot(normal, foot.normal) > same_side * norm(normal)) continue;
-    const Index piece = meeting_.piece_of[surface_.corners()[pair.face][0]];
     add({piece, pair.face, distance, foot, patch.centre()});
   }
+}
+
+/// The vertex is so near to a face that others like it make no difference.
+bool PieceContact::is_settled(Index piece, const Vec3& face_normal) const {
+  return std::ranges::any_of(nearest_, [&](const Found& found) {
+    return found.piece == piece && found.distance < near_enough * edge_ &&
+           dot(found.foot.normal, face_normal) > alike;
+  });
 }
 
 bool PieceContact::Found::faces(const Found& other) const {
@@ -188,33 +218,24 @@ PieceContact::Touch PieceContact::touch_of(Index vertex, const BoundarySurface::
                                            const std::array<double, 4>& weights,
                                            const Vec3& normal) const {
   Touch touch{};
-  touch.vertices[0] = vertex;
-  touch.weights[0] = 1;
-  for (std::size_t i = 0; i < 4; ++i) {
-    touch.vertices[i + 1] = corners[i];
-    touch.weights[i + 1] = -weights[i];
-  }
   touch.normal = normal;
   double mobility = 0, unconstrained = 0;
   for (std::size_t i = 0; i < 5; ++i) {
-    const Index v = touch.vertices[i];
-    const VertexPath path{{}, {}, static_cast<unsigned>(attributes_.fixed().rows()[v]), dt_};
-    const double part = touch.weights[i] * touch.weights[i] / attributes_.mass().rows()[v];
-    mobility += part * dot(normal, path.free_part(normal));
+    const Index v = touch.vertices[i] = i == 0 ? vertex : corners[i - 1];
+    touch.weights[i] = i == 0 ? 1 : -weights[i - 1];
+    touch.response[i] = touch.weights[i] / attributes_.mass().rows()[v];
+    touch.fixed[i] = static_cast<char>(attributes_.fixed().rows()[v]);
+    const double part = touch.weights[i] * touch.response[i];
+    mobility += part * dot(normal, free_part(normal, touch.fixed[i]));
     unconstrained += part;
   }
   touch.mass = mobility > least_mobility * unconstrained ? 1 / mobility : 0;
-  const double now = dot(normal, sum(touch, attributes_.position().rows()));
-  const double before = now - dt_ * dot(normal, sum(touch, attributes_.velocity().rows()));
-  touch.target = before < 0 ? before + std::min(-recovery * before, max_push * edge_) : 0;
+  const double end = dot(normal, sum(touch, attributes_.position().rows()));
+  const double speed = dot(normal, sum(touch, attributes_.velocity().rows()));
+  const double before = end - dt_ * speed;
+  const double target = before < 0 ? before + std::min(-recovery * before, max_push * edge_) : 0;
+  touch.speed = speed + (target - end) / dt_;
   return touch;
-}
-
-Vec3 PieceContact::sum(const Touch& touch, const double* rows) const {
-  Vec3 total{};
-  for (std::size_t i = 0; i < 5; ++i)
-    total = plus(total, scaled(touch.weights[i], row(rows, touch.vertices[i])));
-  return total;
 }
 
 bool PieceContact::sweep() {
@@ -223,36 +244,29 @@ bool PieceContact::sweep() {
   return largest > precision * edge_;
 }
 
-/// The normal impulse that takes the gap to its target, never a pull; then that of friction, at
-/// most its coefficient times the normal one. Returns the change of the gap by the first, m.
+/// The normal impulse that takes the gap to its target, never a pull, and that of friction, at most
+/// its coefficient times the normal one. Returns the change of the gap by the first, m.
 double PieceContact::improve(Touch& touch) {
-  if (touch.mass == 0) return 0;
-  const double lacking =
-      touch.target - dot(touch.normal, sum(touch, attributes_.position().rows()));
-  const double impulse = std::max(0.0, touch.impulse + touch.mass * lacking / dt_);
-  apply(touch, scaled(impulse - touch.impulse, touch.normal));
-  const double change = std::abs(impulse - touch.impulse) * dt_ / touch.mass;
-  touch.impulse = impulse;
-  if (!(options_.friction > 0)) return change;
   const Vec3 relative = sum(touch, attributes_.velocity().rows());
-  const Vec3 sliding = minus(relative, scaled(dot(relative, touch.normal), touch.normal));
-  Vec3 friction = minus(touch.friction, scaled(touch.mass, sliding));
-  const double size = norm(friction), most = options_.friction * touch.impulse;
-  if (size > most) friction = scaled(most / size, friction);
-  apply(touch, minus(friction, touch.friction));
-  touch.friction = friction;
-  return change;
-}
-
-void PieceContact::apply(const Touch& touch, const Vec3& impulse) {
-  for (std::size_t i = 0; i < 5; ++i) {
-    const Index v = touch.vertices[i];
-    const VertexPath path{{}, {}, static_cast<unsigned>(attributes_.fixed().rows()[v]), dt_};
-    const Vec3 change =
-        path.free_part(scaled(touch.weights[i] / attributes_.mass().rows()[v], impulse));
-    add_to_row(attributes_.velocity().rows(), v, change);
-    add_to_row(attributes_.position().rows(), v, scaled(dt_, change));
+  const double along = dot(relative, touch.normal);
+  const double impulse = std::max(0.0, touch.impulse + touch.mass * (touch.speed - along));
+  if (impulse == 0 && touch.impulse == 0) return 0;
+  const double change = impulse - touch.impulse;
+  Vec3 kick = scaled(change, touch.normal);
+  touch.impulse = impulse;
+  if (options_.friction > 0) {
+    const Vec3 sliding = minus(relative, scaled(along, touch.normal));
+    Vec3 friction = minus(touch.friction, scaled(touch.mass, sliding));
+    const double size = norm(friction), most = options_.friction * impulse;
+    if (size > most) friction = scaled(most / size, friction);
+    kick = plus(kick, minus(friction, touch.friction));
+    touch.friction = friction;
   }
+  double* velocities = attributes_.velocity().rows();
+  for (std::size_t i = 0; i < 5; ++i)
+    add_to_row(velocities, touch.vertices[i],
+               free_part(scaled(touch.response[i], kick), touch.fixed[i]));
+  return std::abs(change) * dt_ / touch.mass;
 }
 
 // ---------------------------------------------------------- operations and state --

@@ -44,19 +44,21 @@ class PieceContact {
 
   /// A vertex and a face, with the impulse between them.
   struct Touch {
-    std::array<Index, 5> vertices;  ///< the vertex, and the corners of the face
-    std::array<double, 5> weights;  ///< 1, and minus those of the nearest point of the face
-    Vec3 normal;                    ///< out of the face
-    double target;                  ///< of the gap at the end of the step, m
-    double mass;                    ///< that an impulse along the normal moves, kg
-    double impulse = 0;             ///< on the vertex, N s
+    std::array<Index, 5> vertices;   ///< the vertex, and the corners of the face
+    std::array<double, 5> weights;   ///< 1, and minus those of the nearest point of the face
+    std::array<double, 5> response;  ///< of velocities to an impulse: weight over mass, 1/kg
+    std::array<char, 5> fixed;       ///< components that do not respond
+    Vec3 normal;                     ///< out of the face
+    double speed;                    ///< along the normal that the end of the step needs, m/s
+    double mass;                     ///< that an impulse along the normal moves, kg
+    double impulse = 0;              ///< on the vertex, N s
     Vec3 friction{};
   };
   /// Finds the contacts at the end of a free step, without impulses.
   void begin(double dt);
   std::span<const Touch> touches() const { return touches_; }
-  /// Improves the impulses, and changes positions and velocities by them. True if some gap changed
-  /// by more than a thousandth of an edge.
+  /// Improves the impulses, and changes velocities by them; positions are up to the caller. True if
+  /// some gap changed by more than a thousandth of an edge.
   bool sweep();
 
   void follow(const TopologyChange& change);
@@ -72,6 +74,7 @@ class PieceContact {
     /// The faces form an inner corner, so that a vertex in it touches both.
     bool faces(const Found& other) const;
   };
+  bool is_settled(Index piece, const Vec3& face_normal) const;
   void add(const Found& found);
   bool find_what_may_meet();
   bool is_behind_at_rest(const NearPair& pair) const;
@@ -83,9 +86,7 @@ class PieceContact {
   void add_nearest(std::span<const NearPair> pairs_of_vertex);
   Touch touch_of(Index vertex, const BoundarySurface::Corners& corners,
                  const std::array<double, 4>& weights, const Vec3& normal) const;
-  Vec3 sum(const Touch& touch, const double* rows) const;
   double improve(Touch& touch);
-  void apply(const Touch& touch, const Vec3& impulse);
 
   const CellComplex& complex_;
   const BoundarySurface& surface_;
@@ -103,8 +104,9 @@ class PieceContact {
   std::vector<Index> vertices_;
   std::vector<Index> near_faces_;  ///< that have one of these vertices
   std::vector<Vec3> built_at_;     ///< in the order of the vertices of the surface
-  std::vector<Vec3> normals_;      ///< by vertex
   // Of the step in progress.
+  std::vector<Vec3> normals_;       ///< by vertex: sums of area vectors
+  std::vector<Vec3> face_normals_;  ///< by place: of near faces, of length 1
   std::vector<Touch> touches_;
   std::vector<Found> nearest_;  ///< to one vertex
 };

@@ -37,6 +37,7 @@ Contact::Contact(const CellComplex& complex, Attributes& attributes,
       const Vec3 a = row(rest, corners[i]), b = row(rest, corners[(i + 1) % 4]);
       const double edge = norm(minus(a, b));
       shortest_edge_ = std::min(shortest_edge_, edge);
+      longest_edge_ = std::max(longest_edge_, edge);
       mean_edge_ += edge / (4 * static_cast<double>(surface_.corners().size()));
       include(box_, a);
     }

@@ -50,6 +50,8 @@ class Contact final : public Follower {
   double thickness() const { return thickness_; }
   /// Of the elements at the boundary, at rest, m.
   double shortest_edge() const { return shortest_edge_; }
+  double mean_edge() const { return mean_edge_; }
+  double longest_edge() const { return longest_edge_; }
   /// Around the body at rest, and its diagonal, m.
   const Box& box() const { return box_; }
   double size() const { return size_; }
@@ -122,7 +124,7 @@ class Contact final : public Follower {
   double thickness_;
   BoundarySurface surface_;
   Box box_ = no_box;
-  double shortest_edge_ = 0, mean_edge_ = 0, size_ = 0;  ///< m
+  double shortest_edge_ = 0, mean_edge_ = 0, longest_edge_ = 0, size_ = 0;  ///< m
   // Of the step in progress.
   std::vector<PlacedObstacle> placed_;
   std::vector<Near> near_;          ///< first those near obstacles

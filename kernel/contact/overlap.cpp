@@ -17,16 +17,6 @@ double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
                         la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
 }
 
-bool is_inside(const BoundarySurface& surface, const double* positions, const Vec3& place) {
-  double angle = 0;
-  for (const BoundarySurface::Corners& corners : surface.corners()) {
-    Vec3 p[4];
-    for (std::size_t i = 0; i < 4; ++i) p[i] = minus(row(positions, corners[i]), place);
-    angle += solid_angle(p[0], p[1], p[2]) + solid_angle(p[0], p[2], p[3]);
-  }
-  return angle > 2 * std::numbers::pi;
-}
-
 Overlap deepest(const PlacedObstacle& obstacle, const CellComplex& complex, const double* positions,
                 double margin) {
   Overlap overlap{};
@@ -47,6 +37,17 @@ Overlap deepest(const PlacedObstacle& obstacle, const CellComplex& complex, cons
 
 }  // namespace
 
+bool is_inside(std::span<const BoundarySurface::Corners> surface, const double* positions,
+               const Vec3& place) {
+  double angle = 0;
+  for (const BoundarySurface::Corners& corners : surface) {
+    Vec3 p[4];
+    for (std::size_t i = 0; i < 4; ++i) p[i] = minus(row(positions, corners[i]), place);
+    angle += solid_angle(p[0], p[1], p[2]) + solid_angle(p[0], p[2], p[3]);
+  }
+  return angle > 2 * std::numbers::pi;
+}
+
 std::vector<Overlap> find_overlaps(const Contact& contact, const CellComplex& complex,
                                    Attributes& attributes, double time) {
   std::vector<Overlap> overlaps;
@@ -62,7 +63,7 @@ std::vector<Overlap> find_overlaps(const Contact& contact, const CellComplex& co
     }
     for (const Vec3& given : points_inside(obstacle.shape)) {
       overlap.place = obstacle.motion.pose(time).place(given);
-      if (!is_inside(contact.surface(), positions, overlap.place)) continue;
+      if (!is_inside(contact.surface().corners(), positions, overlap.place)) continue;
       overlaps.push_back(overlap);
       break;
     }

@@ -20,4 +20,8 @@ struct Overlap {
 std::vector<Overlap> find_overlaps(const Contact& contact, const CellComplex& complex,
                                    Attributes& attributes, double time);
 
+/// Whether a place is inside a closed surface. O(faces).
+bool is_inside(std::span<const BoundarySurface::Corners> surface, const double* positions,
+               const Vec3& place);
+
 }  // namespace suture

@@ -8,10 +8,9 @@
 namespace suture {
 namespace {
 
-// In typical edges: how deep a vertex may be inside a face, how far it may be in front of one that
-// it may yet be pushed into, and how far beside its rim; how far things move before near pairs are
-// sought again.
-constexpr double max_depth = 0.3, margin = 0.1, beside = 0.05, skin = 0.25;
+// In typical edges: how far a vertex may be in front of a face that it may yet be pushed into, and
+// how far beside its rim; how far things move before near pairs are sought again.
+constexpr double margin = 0.1, beside = 0.05, skin = 0.25;
 constexpr double precision = 1e-3;  // of gaps, in typical edges
 constexpr double same_side = 0.2;   // cosine of an angle at which surfaces look the same way
 // What is less far behind a face at rest belongs to the same sheet; in typical edges.

@@ -35,6 +35,8 @@ class PieceContact {
   PieceContact(const CellComplex& complex, const BoundarySurface& surface, Attributes& attributes,
                const Options& options, double edge);
   bool touches_self() const { return options_.self; }
+  /// A vertex that is deeper inside another piece does not touch it; of a typical edge.
+  static constexpr double max_depth = 0.3;
 
   /// Makes the list of near pairs again if anything has moved by half of the skin. `ends`: rows of
   /// 4, where vertices will be at the end of the free step, at which contacts are found.

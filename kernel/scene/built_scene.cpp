@@ -199,6 +199,7 @@ void BuiltScene::add_contact(Diagnostics& diagnostics) {
   Contact& contact = body_.add_contact(options.obstacles, options.thickness);
   if (options.pieces) contact.touch_pieces({options.friction, options.self});
   check_obstacles(*this, contact, diagnostics);
+  check_pieces(*this, contact, diagnostics);
 }
 
 std::string BuiltScene::place_of(Index e) {

@@ -6,6 +6,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/contact/overlap.hpp"
+#include "kernel/contact/piece_overlap.hpp"
 
 namespace suture {
 namespace {
@@ -61,7 +62,36 @@ std::string too_fast(const Obstacle& obstacle, const Contact& contact, double dt
   return text.str();
 }
 
+std::string describe_pieces(const PieceOverlap& overlap, const BuiltScene& built, Body& body,
+                            double edge) {
+  std::ostringstream text;
+  text << "the piece of element " << body.user_element(overlap.elements[0])
+       << " and that of element " << body.user_element(overlap.elements[1])
+       << " overlap at the start: " << overlap.vertices
+       << (overlap.vertices == 1 ? " node is" : " nodes are")
+       << " inside the other, the deepest by " << overlap.depth << " m (" << overlap.depth / edge
+       << " of a typical edge) at " << built.place_text(overlap.place);
+  return text.str();
+}
+
 }  // namespace
+
+void check_pieces(BuiltScene& built, const Contact& contact, Diagnostics& diagnostics) {
+  if (!contact.pieces()) return;
+  Body& body = built.body();
+  const double edge = contact.mean_edge();
+  std::string mistakes;
+  for (const PieceOverlap& overlap :
+       find_piece_overlaps(contact, body.complex(), body.attributes())) {
+    const std::string text = "/contact: " + describe_pieces(overlap, built, body, edge);
+    if (overlap.depth < PieceContact::max_depth * edge)
+      diagnostics.warn(text + "; contact pushes them apart slowly, or move one by that much");
+    else
+      mistakes += (mistakes.empty() ? "" : "\n") + text +
+                  "; too deep to be pushed apart, so move one of them by that much";
+  }
+  if (!mistakes.empty()) throw InputError(mistakes);
+}
 
 void check_obstacles(BuiltScene& built, const Contact& contact, Diagnostics& diagnostics) {
   Body& body = built.body();

@@ -12,4 +12,8 @@ namespace suture {
 /// "PATH: TEXT" for each mistake.
 void check_obstacles(BuiltScene& built, const Contact& contact, Diagnostics& diagnostics);
 
+/// Checks that pieces which touch each other do not overlap: a warning where contact pushes them
+/// apart, an InputError where they are too deep for it.
+void check_pieces(BuiltScene& built, const Contact& contact, Diagnostics& diagnostics);
+
 }  // namespace suture

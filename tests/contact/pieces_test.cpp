@@ -9,6 +9,7 @@
 #include "kernel/contact/contact.hpp"
 #include "kernel/contact/near_pairs.hpp"
 #include "kernel/contact/patch.hpp"
+#include "kernel/contact/piece_overlap.hpp"
 #include "tests/dynamics/model_block.hpp"
 #include "tests/topology/operations.hpp"
 
@@ -312,6 +313,38 @@ TEST(Pieces, MayMeetWhereTheyAreHeld) {
     farthest = std::max(farthest, norm({pair.shift(v, 0), pair.shift(v, 1), pair.shift(v, 2)}));
   EXPECT_LT(farthest, 0.02);
   EXPECT_GT(farthest, 1e-4);
+}
+
+std::vector<PieceOverlap> overlaps_of(Column& column) {
+  return find_piece_overlaps(column.contact, column.body.complex(), column.body.attributes());
+}
+
+TEST(PieceOverlaps, AreFoundWithTheirDepth) {
+  Column stack(3, 0);
+  EXPECT_TRUE(overlaps_of(stack).empty()) << "they touch";
+  stack.move(2, {0.11, 0.07, -0.05}, {});
+  const auto slight = overlaps_of(stack);
+  ASSERT_EQ(slight.size(), 1u);
+  EXPECT_EQ(slight[0].elements, (std::array<Index, 2>{18, 36}));
+  EXPECT_NEAR(slight[0].depth, 0.05, 1e-12);
+  EXPECT_NEAR(slight[0].place[2], 0.375, 0.026);
+  stack.move(2, {0, 0, -0.07}, {});
+  const auto deep = overlaps_of(stack);
+  ASSERT_EQ(deep.size(), 1u);
+  EXPECT_GT(deep[0].depth, 0.07);
+}
+
+TEST(PieceOverlaps, APieceInsideAnElementIsFound) {
+  Column pair(2, 0);
+  double* x = pair.body.attributes().position().rows();
+  for (Index v = 0; v < pair.body.attributes().vertex_count(); ++v)
+    if (pair.block(v) == 1)
+      for (std::size_t c = 0; c < 3; ++c)
+        x[4 * std::size_t{v} + c] = 0.14 + 0.05 * x[4 * std::size_t{v} + c];
+  const auto found = overlaps_of(pair);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_GT(found[0].depth, 0.03);
+  EXPECT_GE(found[0].vertices, 40u);
 }
 
 TEST(Pieces, ARollbackRepeatsTheSameBits) {

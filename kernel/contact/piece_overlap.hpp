@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "kernel/contact/contact.hpp"
+
+namespace suture {
+
+/// Two pieces that are partly or wholly in the same place.
+struct PieceOverlap {
+  std::array<Index, 2> elements;  ///< the first of each piece
+  Index vertices = 0;             ///< of one inside the other
+  double depth = 0;               ///< of the deepest one, m
+  Vec3 place{};                   ///< its position
+};
+
+/// Of all pieces at their current positions; less than a thousandth of a typical edge does not
+/// count. O(surface) where none do, O(surfaces squared) for two that do.
+std::vector<PieceOverlap> find_piece_overlaps(const Contact& contact, const CellComplex& complex,
+                                              Attributes& attributes);
+
+}  // namespace suture

@@ -102,17 +102,22 @@ struct inverse_jacobian {
   }
 };
 
-/// J^-1 at Gauss point `Point` (two per axis, x fastest); point_measures gives det J at
+/// J^-1 at a Gauss point. Not a template of the point: eight copies take the compiler a second.
+template <class Cell, class Out>
+[[gnu::noinline]] void set_point_inverse(const Cell& c, const Out& out, int point) {
+  vec3<typename Cell::real> X[8];
+  for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
+  const auto inverse_j = inverse(gradients<2>(X).at(point & 1, (point >> 1) & 1, point >> 2));
+  for (int i = 0; i < 9; ++i) out.set(0, i, inverse_j(i / 3, i % 3));
+}
+/// The same as a contribution (two points per axis, x fastest); point_measures gives det J at
 /// all eight.
 template <int Point>
 struct point_inverse {
   static constexpr int components = 9;
   template <class Cell, class Out>
   static void compute(const Cell& c, const Out& out) {
-    vec3<typename Cell::real> X[8];
-    for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
-    const auto inverse_j = inverse(gradients<2>(X).at(Point & 1, (Point >> 1) & 1, Point >> 2));
-    for (int i = 0; i < 9; ++i) out.set(0, i, inverse_j(i / 3, i % 3));
+    set_point_inverse(c, out, Point);
   }
 };
 struct point_measures {
@@ -143,8 +148,12 @@ struct continuum_law : on_volumes {
   template <class Cell>
   static SUTURE_INLINE void force(const Cell& c) {
     points(c, [&](auto q) SUTURE_DETAIL_INLINED {
-      Shape::template with_geometry<q()>(
-          c, [&](const auto& g) SUTURE_DETAIL_INLINED { force_with<q()>(c, g); });
+      Shape::template with_geometry<q()>(c, [&](const auto& g) SUTURE_DETAIL_INLINED {
+        if constexpr (is_dual<typename Cell::scalar>)
+          tangent_with<q()>(c, g);
+        else
+          force_with<q()>(c, g);
+      });
     });
   }
 
@@ -184,22 +193,13 @@ struct continuum_law : on_volumes {
     work(std::integral_constant<int, 2>());
   }
 
-  /// One function per rule and geometry: inlined into one, they would spill registers.
+  // One function per rule and geometry: inlined into one, they would spill registers.
+
   template <int Q, class Cell, class Geometry>
   static __attribute__((noinline)) void force_with(const Cell& c, const Geometry& g) {
     using T = typename Cell::scalar;
     vec3<T> x[8], f[8];
     positions(c, x);
-    if constexpr (is_dual<T>)
-      tangent_on<Q>(c, x, g, f);
-    else
-      force_on<Q>(c, x, g, f);
-    for (int n = 0; n < 8; ++n) c.force(n, f[n]);
-  }
-
-  template <int Q, class Cell, class Geometry, class T>
-  static SUTURE_INLINE void force_on(const Cell& c, const vec3<T> (&x)[8], const Geometry& g,
-                                     vec3<T> (&f)[8]) {
     if constexpr (is_isotropic<M> && is_box<Geometry>) {
       const auto constants = M::isotropic(material<M>(c));
       isotropic_box_force<Q>(x, g, T(constants.lambda), T(constants.mu), f);
@@ -210,13 +210,16 @@ struct continuum_law : on_volumes {
               SUTURE_DETAIL_INLINED { return stress_at<M, 8>(c, F, point); },
           f);
     }
+    for (int n = 0; n < 8; ++n) c.force(n, f[n]);
   }
 
   /// Sets the derivatives alone: c.force() takes no more.
-  template <int Q, class Cell, class Geometry, class R>
-  static SUTURE_INLINE void tangent_on(const Cell& c, const vec3<dual<R>> (&moving)[8],
-                                       const Geometry& g, vec3<dual<R>> (&f)[8]) {
+  template <int Q, class Cell, class Geometry>
+  static __attribute__((noinline)) void tangent_with(const Cell& c, const Geometry& g) {
+    using R = typename Cell::real;
+    vec3<dual<R>> moving[8], f[8];
     vec3<R> x[8], dx[8], df[8];
+    positions(c, moving);
     for (int i = 0; i < 24; ++i) {
       x[i / 3][i % 3] = moving[i / 3][i % 3].value;
       dx[i / 3][i % 3] = moving[i / 3][i % 3].derivative;
@@ -232,6 +235,7 @@ struct continuum_law : on_volumes {
           df);
     }
     for (int i = 0; i < 24; ++i) f[i / 3][i % 3].derivative = df[i / 3][i % 3];
+    for (int n = 0; n < 8; ++n) c.force(n, f[n]);
   }
 };
 
@@ -244,7 +248,7 @@ struct continuum_functor<M, Shape, true> : continuum_law<M, Shape> {
   static typename Cell::scalar energy(const Cell& c) {
     typename Cell::scalar sum(0.0);
     continuum_law<M, Shape>::deformations(c, [&](const auto& F, const auto& w, int point) {
-      sum += w * law_energy<M>(F, material<M>(c), instant_at<M, 8>(c, F, point));
+      sum += w * called_energy<M>(F, material<M>(c), instant_at<M, 8>(c, F, point));
     });
     return sum;
   }

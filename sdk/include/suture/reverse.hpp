@@ -232,13 +232,14 @@ SUTURE_INLINE mat3<variable<T>> inputs_of(tape<T>& notes, const mat3<T>& F) {
            {input(0, 2), input(1, 2), input(2, 2)}}};
 }
 
-/// The derivatives of a result by the inputs.
-template <class T>
-SUTURE_INLINE mat3<T> gradient_of(const tape<T>& notes, const variable<T>& result) {
+/// The derivatives of a result by the inputs. Each function around this one is a copy that the
+/// compiler takes as long to work through.
+template <class T, int... Places>
+SUTURE_INLINE mat3<T> gradient_of(const tape<T>& notes, const variable<T>& result,
+                                  std::integer_sequence<int, Places...>) {
   adjoints<T> adjoint;
-  adjoint.clear(std::make_integer_sequence<int, tape<T>::capacity>());
   if (result.notes) adjoint.add(result.place, T(1.0), 0);
-  adjoint.read_backwards(notes, std::make_integer_sequence<int, tape<T>::capacity - 9>());
+  (adjoint.pass_on(tape<T>::capacity - 1 - Places, notes), ...);
   const auto output = [&](int i) SUTURE_DETAIL_INLINED {
     return adjoint.state[i] ? adjoint.value[i] : T(0.0);
   };
@@ -249,9 +250,10 @@ SUTURE_INLINE mat3<T> gradient_of(const tape<T>& notes, const variable<T>& resul
 
 }  // namespace detail
 
-/// dW/dF of W(F). W is called with matrices of other scalar types; declare it always_inline.
+/// dW/dF of W(F). W is called with matrices of other scalar types; declare it always_inline. Not
+/// inlined itself: at each Gauss point of each functor it would take the compiler half a minute.
 template <class T, class Function>
-SUTURE_INLINE mat3<T> gradient(const mat3<T>& F, Function&& W) {
+[[gnu::noinline]] mat3<T> gradient(const mat3<T>& F, Function&& W) {
 #if defined(__clang__)  // which leaves the tape in memory
   return detail::gradient_by_duals(F, W);
 #else
@@ -260,7 +262,8 @@ SUTURE_INLINE mat3<T> gradient(const mat3<T>& F, Function&& W) {
   // Constant if the whole tape is.
   if (!__builtin_constant_p(notes.size) || notes.size > detail::tape<T>::capacity)
     return detail::gradient_by_duals(F, W);
-  return detail::gradient_of(notes, result);
+  return detail::gradient_of(notes, result,
+                             std::make_integer_sequence<int, detail::tape<T>::capacity - 9>());
 #endif
 }
 

@@ -116,10 +116,15 @@ SUTURE_INLINE T law_energy(const mat3<T>& F, const Material& p, [[maybe_unused]]
     return M::energy(F, p, at);
 }
 
-/// dW/dF. A function of its own: inlined at each Gauss point of each functor, a law would take
-/// the compiler half a minute.
+/// The same as a function of its own, for what is not computed in every step.
 template <class M, class T, class Material, class At>
-[[gnu::noinline]] mat3<T> stress_of_energy(const mat3<T>& F, const Material& p, const At& at) {
+[[gnu::noinline]] T called_energy(const mat3<T>& F, const Material& p, const At& at) {
+  return law_energy<M>(F, p, at);
+}
+
+/// dW/dF.
+template <class M, class T, class Material, class At>
+SUTURE_INLINE mat3<T> stress_of_energy(const mat3<T>& F, const Material& p, const At& at) {
   const auto W = [&](const auto& G) SUTURE_DETAIL_INLINED { return law_energy<M>(G, p, at); };
   if constexpr (is_pack<real_of<T>>)
     return gradient(F, W);
@@ -143,7 +148,7 @@ SUTURE_INLINE mat3<T> law_stress(const mat3<T>& F, const Material& p,
     return stress_of_energy<M>(F, p, at);
 }
 
-/// The state at the end of the step. A function of its own for the same reason.
+/// The state at the end of the step. A function of its own, as gradient() is.
 template <class M, class T, class Material, class At>
 [[gnu::noinline]] void evolve_state(const mat3<T>& F, const Material& p, At& at) {
   M::evolve(F, p, at);
@@ -189,12 +194,16 @@ struct mean_results {
 
   template <int Points, class Cell>
   void add(const Cell& c, const mat3<T>& F, const T& w, int point) {
-    const auto at = instant_at<M, Points>(c, F, point);
+    add(F, w, material<M>(c), instant_at<M, Points>(c, F, point));
+  }
+  /// One function for all shapes.
+  template <class Material, class At>
+  [[gnu::noinline]] void add(const mat3<T>& F, const T& w, const Material& p, const At& at) {
     volume += w;
-    stress = stress + cauchy(law_stress<M>(F, material<M>(c), at), F) * w;
+    stress = stress + cauchy(law_stress<M>(F, p, at), F) * w;
     for (int i = 0; i < state_components<M>(); ++i)
       numbers_of<T>(state)[i] += numbers_of<T>(at.state)[i] * w;
-    if constexpr (has_energy_density<M>) energy += law_energy<M>(F, material<M>(c), at) * w;
+    if constexpr (has_energy_density<M>) energy += called_energy<M>(F, p, at) * w;
   }
   template <class Results>
   void set(const Results& out) const {

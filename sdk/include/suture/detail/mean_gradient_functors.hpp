@@ -69,7 +69,7 @@ struct mean_gradient_law : on_volumes {
   template <class Cell, class Rest, class Modes>
   static typename Cell::scalar stored(const Cell& c, const Rest& rest, const Modes& now) {
     const auto F = rest.F(now);
-    return rest.volume * law_energy<M>(F, material<M>(c), instant_at<M, 1>(c, F, 0)) +
+    return rest.volume * called_energy<M>(F, material<M>(c), instant_at<M, 1>(c, F, 0)) +
            hourglass_energy<both>(now, rest);
   }
 

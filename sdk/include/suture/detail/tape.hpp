@@ -71,7 +71,7 @@ SUTURE_INLINE auto vanishes(const dual<T>& a) {
 template <class T>
 struct adjoints {
   T value[tape<T>::capacity];
-  int state[tape<T>::capacity];  ///< 0: none; 1, or 2 and 3 if something was selected
+  int state[tape<T>::capacity] = {};  ///< 0: none; 1, or 2 and 3 if something was selected
 
   SUTURE_INLINE void add(int place, const T& a, int is_selected) {
     value[place] = state[place] ? value[place] + a : a;
@@ -82,31 +82,25 @@ struct adjoints {
     if (code == 0) return;
     const T &a = value[place], &weight = notes.weight[n][place];
     const int is_selected = (state[place] & 2) | (2 * (code & 1));
-    if (kind == int(influence::same))
-      add(to, a, is_selected);
-    else if (kind == int(influence::opposite))
-      add(to, -a, is_selected);
-    else if (kind == int(influence::scaled))
-      add(to, a * real(weight), is_selected);
-    else if (kind == int(influence::squared))  // a + a is the same for all terms of a sum
-      add(to, (a + a) * weight, is_selected);
-    else if (kind == int(influence::weighted) || !is_selected)
-      add(to, a * weight, is_selected);
-    else  // what select() did not take may have an infinite derivative, such as that of log(0)
-      add(to, select(vanishes(a), T(0.0), a * weight), is_selected);
+    add(to, share(a, weight, kind, is_selected), is_selected);
+  }
+  /// What an operand receives of the adjoint `a` of a result. add() is called once for all kinds:
+  /// it is inlined 300 times before the compiler knows which kind is which.
+  static SUTURE_INLINE T share(const T& a, const T& weight, int kind, int is_selected) {
+    if (kind == int(influence::same)) return a;
+    if (kind == int(influence::opposite)) return -a;
+    if (kind == int(influence::scaled)) return a * real(weight);
+    // a + a is the same for all terms of a sum.
+    if (kind == int(influence::squared)) return (a + a) * weight;
+    const T product = a * weight;
+    if (kind == int(influence::weighted) || !is_selected) return product;
+    // What select() did not take may have an infinite derivative, such as that of log(0).
+    return select(vanishes(a), T(0.0), product);
   }
   SUTURE_INLINE void pass_on(int place, const tape<T>& notes) {
     if (place >= notes.size || state[place] == 0) return;
     pass_on(place, notes, 0);
     pass_on(place, notes, 1);
-  }
-  template <int... Places>
-  SUTURE_INLINE void clear(std::integer_sequence<int, Places...>) {
-    ((state[Places] = 0), ...);
-  }
-  template <int... Places>
-  SUTURE_INLINE void read_backwards(const tape<T>& notes, std::integer_sequence<int, Places...>) {
-    (pass_on(tape<T>::capacity - 1 - Places, notes), ...);
   }
 };
 

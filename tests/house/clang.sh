@@ -7,14 +7,15 @@ set -euo pipefail
 suture=${1:?} sources=${2:?} folder=${3:?}
 command -v clang >/dev/null && command -v clang++ >/dev/null || { echo "no clang here"; exit 77; }
 flags=(-I"$sources/sdk/include" -Wall -Wextra -Wpedantic -Werror -fsyntax-only)
-for header in plugin.h note.h single.h; do
-  echo "#include \"suture/$header\"" | clang -std=c11 "${flags[@]}" -x c -
-done
-for standard in 17 20; do
-  for header in plugin.h note.h single.h model.hpp continuum.hpp; do
-    echo "#include \"suture/$header\"" | clang++ -std=c++$standard "${flags[@]}" -x c++ -
+# alone LANGUAGE STANDARD HEADER...
+alone() {
+  for header in "${@:3}"; do
+    echo "#include \"suture/${header##*/}\"" | clang -std="$2" "${flags[@]}" -x "$1" -
   done
-done
+}
+headers=("$sources"/sdk/include/suture/*.h) layers=("$sources"/sdk/include/suture/*.hpp)
+alone c c11 "${headers[@]}"
+for standard in c++17 c++20; do alone c++ $standard "${headers[@]}" "${layers[@]}"; done
 march=$([ "$(uname -m)" = x86_64 ] && echo -march=x86-64-v2 || true)
 rm -rf "$folder" && mkdir -p "$folder"
 clang++ -std=c++17 -O2 -fPIC -shared -fvisibility=hidden $march -I"$sources/sdk/include" \

@@ -29,13 +29,19 @@ TEST_F(CheckModel, AModelOfTheTreePassesAllChecks) {
 }
 
 // Built from the headers of version 1.0 of the contract alone.
-TEST_F(CheckModel, APluginOfTheFirstContractWorks) {
-  const Outcome checks = suture({"check-model", ABI_PLUGIN});
-  EXPECT_EQ(checks.code, 0) << checks;
+TEST_F(CheckModel, PluginsOfTheFirstContractWork) {
+  for (const char* plugin : {ABI_LAW, ABI_CELLS}) {
+    const Outcome checks = suture({"check-model", plugin});
+    EXPECT_EQ(checks.code, 0) << checks;
+  }
   const Outcome run =
-      scene("run", R"(, "plugins": [")" ABI_PLUGIN R"("])",
-            {R"(/models=[{"model": "abi-damage", "parameters":
-                {"mu": 1e4, "lambda": 2e4, "rho": 1000, "e0": 0.1, "e1": 1}}])",
+      scene("run", R"(, "plugins": [")" ABI_LAW R"(", ")" ABI_CELLS R"("])",
+            {R"(/models=[
+          {"model": "abi-damage", "parameters":
+            {"mu": 1e4, "lambda": 2e4, "rho": 1000, "e0": 0.1, "e1": 1}},
+          {"model": "abi-springs", "parameters": {"k": 10}},
+          {"model": "abi-skin", "parameters": {"gamma": 1}},
+          {"model": "abi-drag", "parameters": {"c": 0.1}}])",
              "/gravity=[0, -9.8, 0]", R"(/output={"fields": ["stress", "largest"]})"});
   EXPECT_EQ(run.code, 0) << run;
 }

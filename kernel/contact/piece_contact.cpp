@@ -19,8 +19,8 @@ constexpr double thin = 0.5;
 constexpr double near_enough = 0.02, alike = 0.95;
 // Relative to that without constraints; what hardly yields would need impulses without bound.
 constexpr double least_mobility = 1e-3;
-// Of a depth that was there before the step, at most `max_push` edges per step.
-constexpr double recovery = 0.2, max_push = 0.01;
+// Of a depth that was there before the step, at most `max_recovery` edges per step.
+constexpr double recovery = 0.2, max_recovery = 0.01;
 
 Vec3 free_part(Vec3 a, char fixed) {
   if (fixed == 0) return a;
@@ -232,7 +232,8 @@ PieceContact::Touch PieceContact::touch_of(Index vertex, const BoundarySurface::
   const double end = dot(normal, sum(touch, attributes_.position().rows()));
   const double speed = dot(normal, sum(touch, attributes_.velocity().rows()));
   const double before = end - dt_ * speed;
-  const double target = before < 0 ? before + std::min(-recovery * before, max_push * edge_) : 0;
+  const double target =
+      before < 0 ? before + std::min(-recovery * before, max_recovery * edge_) : 0;
   touch.speed = speed + (target - end) / dt_;
   return touch;
 }

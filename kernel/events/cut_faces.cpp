@@ -10,10 +10,10 @@
 namespace suture {
 namespace {
 
-double dot(const Vec3& a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double product(const Vec3& a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/// The sum of the magnitudes that dot() adds up: its rounding is relative to that.
-double magnitude_of_dot(const Vec3& a, const double* b) {
+/// The sum of the magnitudes that product() adds up: its rounding is relative to that.
+double magnitude_of_product(const Vec3& a, const double* b) {
   return std::abs(a[0] * b[0]) + std::abs(a[1] * b[1]) + std::abs(a[2] * b[2]);
 }
 
@@ -43,17 +43,17 @@ std::vector<Dart> faces_across_plane(const CellComplex& complex, const double* r
   if (!std::isfinite(point[0] + point[1] + point[2]) || !std::isfinite(size) || size == 0)
     throw InputError("a plane needs a finite point and a finite normal that is not zero");
   const Vec3 n{normal[0] / size, normal[1] / size, normal[2] / size};
-  const double offset = dot(n, point.data());
+  const double offset = product(n, point.data());
 
   std::vector<double> height(complex.count(0));
   double magnitude = 0;
   for (Index v = 0; v < height.size(); ++v) {
     if (!complex.exists(0, v)) continue;  // its place may be anything
-    height[v] = dot(n, rows + stride * v) - offset;
-    magnitude = std::max(magnitude, magnitude_of_dot(n, rows + stride * v));
+    height[v] = product(n, rows + stride * v) - offset;
+    magnitude = std::max(magnitude, magnitude_of_product(n, rows + stride * v));
   }
-  const double rounding =
-      32 * std::numeric_limits<double>::epsilon() * (magnitude + magnitude_of_dot(n, point.data()));
+  const double rounding = 32 * std::numeric_limits<double>::epsilon() *
+                          (magnitude + magnitude_of_product(n, point.data()));
   std::vector<char> positive(complex.element_count());
   for (Index e = 0; e < complex.element_count(); ++e) {
     if (!complex.exists(3, e)) continue;

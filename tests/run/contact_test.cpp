@@ -7,7 +7,10 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
+#include "kernel/contact/piece_overlap.hpp"
+#include "kernel/mesh/mesh_file.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/csv_table.hpp"
@@ -198,6 +201,73 @@ Scene cut_block() {
   return scene;
 }
 
+/// Letters that fall into a trough, each run a little different, and are cut there.
+Scene falling_letters(std::mt19937& random) {
+  std::uniform_real_distribution<double> jitter(-1, 1);
+  Scene scene = beam(host(), "tm-faure", 1, 1, 0, {{"E", 1e6}, {"rho", 200}});
+  scene.mesh.box.reset();
+  scene.mesh.voxels =
+      VoxelOptions{.size = 0.05,
+                   .layers = 2,
+                   .rows = {"TTTTT.LL...", "TTTTT.LL...", "..T...LL..A", "..T...LLLLA",
+                            "..T...LLLLA", "...........", "..CCCC..III", "..CC....III",
+                            "..CC.....I.", "..CCCC..III", "..CCCC..III"}};
+  scene.constraints.clear();
+  scene.gravity = {jitter(random), -9.81, 0.1 * jitter(random)};
+  scene.solver.damping = 2;
+  scene.solver.end = 2;
+  scene.contact.pieces = true;
+  scene.contact.friction = 0.3 + 0.2 * jitter(random);
+  const double slope = 0.4 + 0.2 * jitter(random), middle = 0.28 + 0.05 * jitter(random);
+  const auto wall = [&](const char* name, const Vec3& point, const Vec3& direction) {
+    const Vec3 normal = scaled(1 / norm(direction), direction);
+    scene.contact.obstacles.push_back({name, "", HalfSpace{point, normal}, {}, 0.3});
+  };
+  wall("left", {middle, -0.3, 0}, {slope, 1, 0});
+  wall("right", {middle, -0.3, 0}, {-slope, 1, 0});
+  wall("back", {0, 0, -0.01}, {0, 0, 1});
+  wall("front", {0, 0, 0.11}, {0, 0, -1});
+  Event cut;
+  cut.at = 0.3;
+  cut.what = CutPlane{{0.28, 0.1, 0}, {jitter(random), 1, 0}};
+  cut.path = "/events/0";
+  scene.events = {cut};
+  return scene;
+}
+
+/// How deep pieces are in each other and in obstacles, in elements.
+double deepest(Simulation& simulation, double edge) {
+  const Contact& contact = *simulation.contact();
+  double depth = 0;
+  for (const PieceOverlap& overlap :
+       find_piece_overlaps(contact, simulation.complex(), simulation.attributes()))
+    depth = std::max(depth, overlap.depth);
+  for (const double gap : contact.gaps(simulation.time()))
+    if (gap < 0) depth = std::max(depth, -gap);
+  return depth / edge;
+}
+
+TEST(ContactScenes, LettersComeToRestInAPileWithoutEnteringEachOther) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    std::mt19937 random(seed);
+    Diagnostics diagnostics;
+    Simulation simulation(falling_letters(random), host(), diagnostics);
+    Observer nobody;
+    for (int frame = 1; frame <= 40; ++frame) {
+      simulation.run_to(0.05 * frame, nobody);
+      EXPECT_LT(deepest(simulation, 0.05), 0.1) << "seed " << seed << ", frame " << frame;
+    }
+    double kinetic = 0;  // relative to a fall of one letter
+    Attributes& a = simulation.attributes();
+    for (Index v = 0; v < a.vertex_count(); ++v) {
+      const Vec3 velocity = row(a.velocity().rows(), v);
+      kinetic += a.mass().get(v, 0) * dot(velocity, velocity) / 2 / (200 * 0.02 * 9.81 * 0.25);
+    }
+    EXPECT_LT(kinetic, 0.01) << "seed " << seed;
+    EXPECT_GT(simulation.contact()->touches().size(), 20u);
+  }
+}
+
 TEST(ContactScenes, PiecesAndLipsHaveTheSameBitsForAnyNumberOfThreads) {
   std::vector<double> first;
   for (const unsigned threads : {1u, 2u, 3u, 8u}) {
@@ -213,6 +283,40 @@ TEST(ContactScenes, PiecesAndLipsHaveTheSameBitsForAnyNumberOfThreads) {
     if (threads == 1) first = all;
     EXPECT_EQ(all, first) << threads << " threads";
   }
+}
+
+TEST(ContactScenes, PiecesThatOverlapAtTheStartAreReported) {
+  TemporaryFolder folder;
+  const auto message = [&](double shift) {
+    Mesh mesh = make_box({.size = {1, 1, 1}, .cells = {2, 2, 2}});
+    const Mesh second = mesh;
+    for (const Vec3& point : second.points)
+      mesh.points.push_back({point[0] + 0.3, point[1] + 0.2, point[2] + shift});
+    for (Hexahedron hexahedron : second.hexahedra) {
+      for (Index& node : hexahedron) node += static_cast<Index>(second.points.size());
+      mesh.hexahedra.push_back(hexahedron);
+    }
+    Diagnostics diagnostics;
+    write_mesh(folder.path() / "two.vtk", mesh, diagnostics);
+    Scene scene = block_on_floor(1, {}, 0);
+    scene.mesh.box.reset();
+    scene.mesh.file = folder.path() / "two.vtk";
+    scene.contact.obstacles.clear();
+    scene.contact.pieces = true;
+    try {
+      const Simulation simulation(scene, host(), diagnostics);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return diagnostics.warnings().empty() ? "" : diagnostics.warnings().front();
+  };
+  EXPECT_EQ(message(1), "");
+  const std::string slight = message(0.9);
+  EXPECT_NE(slight.find("elem"), std::string::npos) << slight;
+  EXPECT_NE(slight.find("pushes them apart slowly"), std::string::npos) << slight;
+  const std::string deep = message(0.5);
+  EXPECT_NE(deep.find("the piece of element 0 and that of element 8"), std::string::npos) << deep;
+  EXPECT_NE(deep.find("too deep"), std::string::npos) << deep;
 }
 
 TEST(ContactScenes, WriteForcesAndEnergies) {

@@ -37,6 +37,8 @@ struct Pressed : rig::Block {
       if (complex.can_cut(d) && d / 24 % 6 >= from && complex.beta3(d) / 24 % 6 >= from &&
           side(d / 24) && !side(complex.beta3(d) / 24))
         faces.push_back(d);
+    seams.clear();
+    for (const Dart d : faces) seams.push_back({d, complex.beta3(d)});
     body.cut(faces);
   }
   /// The force of the block on the plate that stays, after it has come to rest. N
@@ -62,6 +64,7 @@ struct Pressed : rig::Block {
   }
   Contact& contact;
   std::vector<Index> plate;
+  std::vector<Seam> seams;  ///< that would undo the last cut
 };
 
 bool plane(Index, Index z) { return z >= 3; }
@@ -102,6 +105,36 @@ TEST(Lips, DoNotRepelWhenTheyAreMade) {
   block.run(0.7 * block.stable_step(), 50);
   for (Index v = 0; v < block.body.attributes().vertex_count(); ++v)
     EXPECT_LT(norm({block.shift(v, 0), block.shift(v, 1), block.shift(v, 2)}), 1e-15);
+}
+
+TEST(Lips, FollowOperationsWhileTheyTouch) {
+  Pressed block({0, 0, -0.012}, 0.3);
+  const double whole = Pressed({0, 0, -0.012}, 0.3).carried()[2];
+  block.start();
+  const double dt = 0.7 * block.stable_step();
+  const auto run = [&](double seconds) { block.run(dt, static_cast<int>(seconds / dt)); };
+  run(0.6);
+  block.cut(plane, 2);  // under pressure
+  run(0.2);
+  const std::size_t touching = block.contact.touches().size();
+  EXPECT_GT(touching, 20u);
+  std::vector<Index> hole;  // between the lips
+  for (const Index z : {2u, 3u})
+    for (const Index y : {2u, 3u})
+      for (const Index x : {3u, 4u}) hole.push_back(x + 6 * (y + 6 * z));
+  block.body.pierce(hole);
+  run(0.2);
+  EXPECT_LT(block.contact.touches().size(), touching);
+  EXPECT_GT(block.contact.touches().size(), 10u);
+  const CellComplex& complex = block.body.complex();
+  std::erase_if(block.seams, [&](const Seam& s) { return !complex.exists(3, s.one / 24); });
+  block.body.sew(block.seams);
+  run(0.5);
+  EXPECT_EQ(block.contact.touches().size(), 0u);
+  Vec3 carried{};
+  for (const Vec3& force : block.body.forces_at(block.plate, block.dynamics.time()))
+    carried = plus(carried, force);
+  EXPECT_NEAR(carried[2] / whole, 0.92, 0.07) << "less the hole";
 }
 
 TEST(Lips, WithoutContactTheyCross) {

@@ -20,7 +20,7 @@ constexpr double near_enough = 0.02, alike = 0.95;
 // Relative to that without constraints; what hardly yields would need impulses without bound.
 constexpr double least_mobility = 1e-3;
 // Of a depth that was there before the step, at most `max_recovery` edges per step.
-constexpr double recovery = 0.2, max_recovery = 0.01;
+constexpr double recovered = 0.2, max_recovery = 0.01;
 
 Vec3 free_part(Vec3 a, char fixed) {
   if (fixed == 0) return a;
@@ -29,7 +29,7 @@ Vec3 free_part(Vec3 a, char fixed) {
   return a;
 }
 
-Vec3 sum(const PieceContact::Touch& touch, const double* rows) {
+Vec3 sum_over(const PieceContact::Touch& touch, const double* rows) {
   Vec3 total{};
   for (std::size_t i = 0; i < 5; ++i)
     total = plus(total, scaled(touch.weights[i], row(rows, touch.vertices[i])));
@@ -229,11 +229,11 @@ PieceContact::Touch PieceContact::touch_of(Index vertex, const BoundarySurface::
     unconstrained += part;
   }
   touch.mass = mobility > least_mobility * unconstrained ? 1 / mobility : 0;
-  const double end = dot(normal, sum(touch, attributes_.position().rows()));
-  const double speed = dot(normal, sum(touch, attributes_.velocity().rows()));
+  const double end = dot(normal, sum_over(touch, attributes_.position().rows()));
+  const double speed = dot(normal, sum_over(touch, attributes_.velocity().rows()));
   const double before = end - dt_ * speed;
   const double target =
-      before < 0 ? before + std::min(-recovery * before, max_recovery * edge_) : 0;
+      before < 0 ? before + std::min(-recovered * before, max_recovery * edge_) : 0;
   touch.speed = speed + (target - end) / dt_;
   return touch;
 }
@@ -247,7 +247,7 @@ bool PieceContact::sweep() {
 /// The normal impulse that takes the gap to its target, never a pull, and that of friction, at most
 /// its coefficient times the normal one. Returns the change of the gap by the first, m.
 double PieceContact::improve(Touch& touch) {
-  const Vec3 relative = sum(touch, attributes_.velocity().rows());
+  const Vec3 relative = sum_over(touch, attributes_.velocity().rows());
   const double along = dot(relative, touch.normal);
   const double impulse = std::max(0.0, touch.impulse + touch.mass * (touch.speed - along));
   if (impulse == 0 && touch.impulse == 0) return 0;

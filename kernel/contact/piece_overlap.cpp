@@ -11,7 +11,7 @@
 namespace suture {
 namespace {
 
-constexpr double tolerance = 1e-3;  // of a typical edge
+constexpr double ignored_depth = 1e-3;  // of a typical edge
 
 bool is_within(const Box& inner, const Box& outer) {
   for (std::size_t c = 0; c < 3; ++c)
@@ -53,7 +53,7 @@ class OverlapSearch {
     std::vector<PieceOverlap> overlaps;
     for (const auto& [a, b] : found_) {
       const PieceOverlap overlap = measure(a, b);
-      if (overlap.depth > tolerance * contact_.mean_edge()) overlaps.push_back(overlap);
+      if (overlap.depth > ignored_depth * contact_.mean_edge()) overlaps.push_back(overlap);
     }
     return overlaps;
   }
@@ -78,7 +78,7 @@ class OverlapSearch {
       const Patch::Foot foot = patch(corners).foot(place);
       const double gap = dot(foot.offset, foot.normal);
       const bool is_beside = norm(foot.offset) > 1.01 * std::abs(gap);
-      if (gap > -tolerance * contact_.mean_edge() || is_beside) continue;
+      if (gap > -ignored_depth * contact_.mean_edge() || is_beside) continue;
       if (is_inside(pieces_[b].faces, positions_, place)) found_.insert(ordered(a, b));
     }
   }
@@ -106,7 +106,7 @@ class OverlapSearch {
       double depth = std::numeric_limits<double>::infinity();
       for (const BoundarySurface::Corners& corners : inside.faces)
         depth = std::min(depth, norm(patch(corners).foot(place).offset));
-      if (depth <= tolerance * contact_.mean_edge()) continue;
+      if (depth <= ignored_depth * contact_.mean_edge()) continue;
       ++overlap.vertices;
       if (depth <= overlap.depth) continue;
       overlap.depth = depth;

@@ -98,6 +98,23 @@ TEST(ContactScenes, ABlockFallsAndComesToRestOnTheFloor) {
     }
 }
 
+TEST(ContactScenes, AStackOfTwoPiecesComesToRest) {
+  Scene scene = block_on_floor(2, {0, 0, -9.81}, 0.5);
+  scene.contact.pieces = true;
+  scene.contact.friction = 0.5;
+  scene.solver.until_rest = scene.solver.automatic_damping = true;
+  Event cut;
+  cut.what = CutPlane{{0, 0, 0.1}, {0, 0, 1}};
+  cut.path = "/events/0";
+  scene.events = {cut};
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Observer nobody;
+  const RunSummary summary = simulation.run(nobody);
+  EXPECT_EQ(summary.outcome, RunSummary::Outcome::at_rest);
+  EXPECT_EQ(summary.faces_cut, 16u);
+}
+
 /// A quarter of a block of 8 contact radii, into which a sphere of radius 1 m is pressed by 1 cm:
 /// the force over that of Hertz. `n`: elements per contact radius.
 double over_hertz(Index n) {

@@ -159,7 +159,7 @@ void read_contact(ObjectReader& top, Reading& reading) {
   for_each_object(object, "obstacles", "obstacles", [&](ObjectReader& reader) {
     contact.obstacles.push_back(read_obstacle(reader, reading.scene, contact.friction));
   });
-  if (contact.obstacles.empty() && !contact.pieces && object.is_object())
+  if (contact.obstacles.empty() && !contact.pieces && !contact.self && object.is_object())
     object.complain(
         "touches nothing: give \"obstacles\", set \"pieces\": true, or remove /contact");
   if (object.is_object()) refuse_solvers_without_contact(object, reading.scene.solver);

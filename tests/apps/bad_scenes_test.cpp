@@ -353,6 +353,7 @@ TEST_F(BadScenes, Obstacles) {
   const Case cases[] = {
       {"/contact={}", "/contact", "touches nothing"},
       {"/contact={\"obstacles\": []}", "/contact", "touches nothing"},
+      {"/contact={\"self\": true, \"pieces\": false}", "/contact/pieces", "touches itself"},
       {"/contact={\"friktion\": 1, \"obstacles\": []}", "/contact/friktion", "'friction'"},
       {one(floor + ", \"friction\": -0.1"), "/obstacles/0/friction", "must be >= 0"},
       {one(R"("sphere": {"centre": [0, 0, 3], "radius": 0})"), "/sphere/radius", "must be > 0 m"},

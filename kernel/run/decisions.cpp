@@ -224,10 +224,10 @@ std::string names(const std::vector<FieldChoice>& fields) {
   return text.empty() ? "no fields" : text;
 }
 
-void decide_output(const Scene& scene, const BuiltScene& built, const Recorder& recorder,
+void decide_frames(const Scene& scene, const BuiltScene& built, const Recorder& recorder,
                    std::vector<Decision>& list) {
   if (!recorder.writes_frames()) {
-    list.push_back({"writer", true, "the scene requests no output"});
+    list.push_back({"frames", true, "the scene requests tables only"});
     return;
   }
   list.push_back({"frames", false,
@@ -236,6 +236,15 @@ void decide_output(const Scene& scene, const BuiltScene& built, const Recorder& 
   list.push_back({"other fields", built.skips(),
                   others + ": " +
                       (built.skips() ? "not requested" : std::string(no_skip) + ", then dropped")});
+}
+
+void decide_output(const Scene& scene, const BuiltScene& built, const Recorder& recorder,
+                   std::vector<Decision>& list) {
+  if (!recorder.writes()) {
+    list.push_back({"writer", true, "the scene requests no output"});
+    return;
+  }
+  decide_frames(scene, built, recorder, list);
   list.push_back({"energies.csv", !recorder.writes_energies(),
                   recorder.writes_energies()
                       ? "every " + count_text(scene.output.energies_every, "step")

@@ -25,14 +25,13 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& eve
                    std::string provenance, std::shared_ptr<OutputFolder> folder)
     : built_(built), provenance_(std::move(provenance)), folder_(std::move(folder)) {
   const OutputOptions& options = scene.output;
-  if (!options.enabled) return;
+  writes_ = options.enabled;
+  if (!writes_) return;
   fields_ = choose_fields(built, options);
-  frames_need_force_ =
-      std::any_of(fields_.begin(), fields_.end(), [](const auto& f) { return f.needs_force; });
-  frames_run_functors_ =
-      std::any_of(fields_.begin(), fields_.end(), [](const auto& f) { return f.runs_functors; });
+  frames_need_force_ = std::ranges::any_of(fields_, &FieldChoice::needs_force);
+  frames_run_functors_ = std::ranges::any_of(fields_, &FieldChoice::runs_functors);
   other_fields_ = fields_besides(built, fields_);
-  frames_ = std::make_unique<FrameWriter>(frame_options(options, folder_));
+  if (options.frames) frames_ = std::make_unique<FrameWriter>(frame_options(options, folder_));
   mode_options_ = frame_options(options, folder_);
   mode_options_.prefix = mode_options_.collection = "mode";
   sides_ = side_series(options, fields_, built, events);
@@ -86,7 +85,7 @@ void Recorder::frame(std::uint64_t step, double time, const Vec3& gravity) {
 }
 
 void Recorder::mode(double time, const Vec3& gravity, const std::vector<Vec3>& shape) {
-  if (!frames_) return;
+  if (!writes_) return;
   if (!modes_) modes_ = std::make_unique<FrameWriter>(mode_options_);
   Frame frame = modes_->take_frame();
   fill_frame(frame, time, gravity, &shape);

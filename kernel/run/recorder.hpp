@@ -25,6 +25,7 @@ class Recorder {
   Recorder(const Scene& scene, BuiltScene& built, const EventRunner& events, std::string provenance,
            std::shared_ptr<OutputFolder> folder);
 
+  bool writes() const { return writes_; }
   bool writes_frames() const { return frames_ != nullptr; }
   bool writes_energies() const { return energies_ != nullptr; }
   bool writes_probes() const { return probes_ != nullptr; }
@@ -90,7 +91,7 @@ class Recorder {
   std::string provenance_;
   std::shared_ptr<OutputFolder> folder_;
   std::vector<FieldChoice> fields_, other_fields_;
-  bool frames_need_force_ = false, frames_run_functors_ = false;
+  bool writes_ = false, frames_need_force_ = false, frames_run_functors_ = false;
   std::size_t frame_number_ = 0;
   std::deque<PendingRecord> pending_;
   std::optional<ProbeTable> probe_table_;

@@ -261,6 +261,16 @@ void read_directory(ObjectReader& object, Reading& reading) {
                                      output.directory.string() + "'");
 }
 
+/// A run that writes tables only has no use for what frames contain.
+void read_frames(ObjectReader& object, OutputOptions& output) {
+  output.frames = object.boolean("frames").value_or(true);
+  if (output.frames) return;
+  for (const char* key :
+       {"every", "every_steps", "fields", "compression", "springs", "faces", "cuts", "obstacles"})
+    if (object.find(key) != nullptr)
+      object.complain(key, "is about frames, but \"frames\" is false; remove one of the two");
+}
+
 }  // namespace
 
 void read_output(const JsonValue* value, Reading& reading) {
@@ -272,6 +282,7 @@ void read_output(const JsonValue* value, Reading& reading) {
   const bool is_flag = value != nullptr && value->kind == JsonValue::Kind::boolean;
   ObjectReader object(value == nullptr || is_flag ? defaults : *value, "/output", reading.mistakes);
   read_directory(object, reading);
+  read_frames(object, output);
   read_rhythm(object, reading);
   read_fields(object, reading);
   static const std::array<std::string, 3> compressions{"none", "lz4", "zlib"};

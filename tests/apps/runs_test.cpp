@@ -32,6 +32,19 @@ TEST_F(Runs, WriteFramesTablesAndASummary) {
   EXPECT_EQ(std::count(probes.begin(), probes.end(), '\n'), 7) << probes;
 }
 
+TEST_F(Runs, WriteTablesWithoutFrames) {
+  const Outcome run = scene("run", R"(, "output": {"directory": "o", "frames": false,
+    "probes": {"at": [{"name": "top", "point": [0, 1, 0]}]}})");
+  EXPECT_EQ(run.code, 0) << run;
+  EXPECT_FALSE(run.says(".pvd")) << run;
+  EXPECT_EQ(frames_in(folder() / "o"), 0u);
+  const std::string probes = read("o/probes.csv");
+  EXPECT_EQ(std::count(probes.begin(), probes.end(), '\n'), 12) << probes;
+  const Outcome both = suture({"check", "s.json", "--set", "/output/fields=[]"});
+  EXPECT_EQ(both.code, 3) << both;
+  EXPECT_TRUE(both.says("/output/fields: is about frames, but \"frames\" is false")) << both;
+}
+
 TEST_F(Runs, SayWhatTheFunctorsCostIfAsked) {
   const Outcome verbose = scene("run", "", {"/output=false"});
   EXPECT_FALSE(verbose.says("ns per cell")) << verbose;

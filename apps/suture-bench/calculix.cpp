@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "apps/suture-bench/calculix.hpp"
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,7 +11,9 @@
 #include <vector>
 
 #include "apps/suture-bench/machine.hpp"
+#include "apps/suture-bench/process.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/mesh/box.hpp"
 
 namespace suture::bench {
 namespace {
@@ -84,16 +81,27 @@ std::vector<std::pair<std::size_t, double>> tip_nodes(const Grid& grid) {
   return nodes;
 }
 
+/// Coordinates along the beam of the planes of nodes, at half the spacing of the elements.
+std::vector<double> stations(const CalculixJob& job) {
+  const Index n = job.cells[0];
+  const Mesh line = make_box({{0, 0, 0}, {1, 1, 1}, {n, 1, 1}, {job.grading, 1, 1}});
+  std::vector<double> x;
+  for (Index i = 0; i <= 2 * n; ++i)
+    x.push_back((line.points[i / 2][0] + line.points[(i + 1) / 2][0]) / 2);
+  return x;
+}
+
 void write_deck(const fs::path& file, const Cantilever& what, const Grid& grid,
-                const std::string& element) {
+                const CalculixJob& job) {
   std::ofstream out(file);
   out.precision(17);
   const double half = 0.125 / grid.cells[1];
+  const std::vector<double> x = stations(job);
   out << "*NODE, NSET=ALL\n";
   grid.for_each_node([&](const Grid::Place& p) {
-    out << grid.id(p) << ", " << half * p[0] << ", " << half * p[1] << ", " << half * p[2] << '\n';
+    out << grid.id(p) << ", " << x[p[0]] << ", " << half * p[1] << ", " << half * p[2] << '\n';
   });
-  out << "*ELEMENT, TYPE=" << element << ", ELSET=BODY\n";
+  out << "*ELEMENT, TYPE=" << job.element << ", ELSET=BODY\n";
   write_elements(out, grid);
   out << "*NSET, NSET=ROOT\n";
   grid.for_each_node([&](const Grid::Place& p) {
@@ -103,49 +111,13 @@ void write_deck(const fs::path& file, const Cantilever& what, const Grid& grid,
   for (const auto& [node, weight] : tip_nodes(grid)) out << node << ",\n";
   out << "*MATERIAL, NAME=SOLID\n*ELASTIC\n400000., " << what.nu << "\n*DENSITY\n1000.\n"
       << "*SOLID SECTION, ELSET=BODY, MATERIAL=SOLID\n*BOUNDARY\nROOT, 1, 3\n"
-      << "*STEP, NLGEOM, INC=1000\n*STATIC, SOLVER=SPOOLES\n1., 1.\n"
+      << "*STEP, NLGEOM, INC=1000\n*STATIC, SOLVER=" << job.solver << "\n1., 1.\n"
       << "*DLOAD\nBODY, GRAV, " << what.gravity << ", 0., -1., 0.\n"
       << "*NODE PRINT, NSET=TIP\nU\n*END STEP\n";
   if (!out.flush()) throw IoError("cannot write " + file.string());
 }
 
-// ------------------------------------------------------------------ process --
-
-/// A folder that is removed at the end.
-struct WorkingFolder {
-  fs::path path;
-  WorkingFolder() {
-    std::string pattern = (fs::temp_directory_path() / "suture-bench-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) throw IoError("cannot create " + pattern);
-    path = pattern;
-  }
-  ~WorkingFolder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-};
-
-/// Runs `ccx -i job` in a folder. Returns the resources that it used, or nothing if it failed.
-std::optional<rusage> run_ccx(const fs::path& folder) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
-  std::string name = "ccx", option = "-i", job = "job";
-  char* arguments[] = {name.data(), option.data(), job.data(), nullptr};
-  ::setenv("OMP_NUM_THREADS", "1", 1);
-  pid_t child = 0;
-  const int failure = ::posix_spawnp(&child, "ccx", &actions, nullptr, arguments, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  int status = 0;
-  rusage used{};
-  if (failure != 0 || ::wait4(child, &status, 0, &used) != child || status != 0) return {};
-  return used;
-}
-
-double seconds(const timeval& t) {
-  return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-}
+// ----------------------------------------------------------------- results --
 
 /// Rows of numbers after a header, as ccx writes them; other lines are skipped.
 std::vector<std::vector<double>> rows_of(const fs::path& file) {
@@ -182,23 +154,25 @@ bool has_calculix() {
   return false;
 }
 
-CalculixRun run_calculix(const Cantilever& what, Index across, const std::string& element) {
+CalculixRun run_calculix(const Cantilever& what, const CalculixJob& job) {
   const std::vector<std::string> known{"C3D8", "C3D8I", "C3D20R"};
-  if (std::ranges::count(known, element) == 0)
-    throw UsageError("CalculiX element '" + element + "' must be one of C3D8, C3D8I, C3D20R");
-  const Grid grid{{4 * across, across, across}, element == "C3D20R"};
+  if (std::ranges::count(known, job.element) == 0)
+    throw UsageError("CalculiX element '" + job.element + "' must be one of C3D8, C3D8I, C3D20R");
+  const Grid grid{job.cells, job.element == "C3D20R"};
   const WorkingFolder folder;
-  write_deck(folder.path / "job.inp", what, grid, element);
-  const std::optional<rusage> used = run_ccx(folder.path);
-  if (!used)
-    throw IoError("ccx failed on a cantilever of " + std::to_string(across) + " " + element);
+  write_deck(folder.path() / "job.inp", what, grid, job);
+  ::setenv("OMP_NUM_THREADS", "1", 1);
+  const ProcessUse use = run_process({"ccx", "-i", "job"}, folder.path());
+  if (use.code != 0)
+    throw IoError("ccx failed on a cantilever of " + std::to_string(job.cells[1]) + " " +
+                  job.element + ": exit code " + std::to_string(use.code));
   // The child begins with the peak of the process that spawned it.
-  const double peak = 1024.0 * static_cast<double>(used->ru_maxrss);
-  return {.elements = 4.0 * across * across * across,
-          .seconds = seconds(used->ru_utime) + seconds(used->ru_stime),
-          .iterations = static_cast<double>(rows_of(folder.path / "job.cvg").size()),
-          .tip = tip_of(folder.path / "job.dat", grid),
-          .peak_bytes = peak > 1.01 * peak_bytes() ? peak : std::nan("")};
+  return {.elements = 1.0 * job.cells[0] * job.cells[1] * job.cells[2],
+          .seconds = use.cpu,
+          .wall = use.wall,
+          .iterations = static_cast<double>(rows_of(folder.path() / "job.cvg").size()),
+          .tip = tip_of(folder.path() / "job.dat", grid),
+          .peak_bytes = use.peak_bytes > 1.01 * peak_bytes() ? use.peak_bytes : std::nan("")};
 }
 
 }  // namespace suture::bench

@@ -69,6 +69,9 @@ void add_modes(CLI::App& app, std::vector<Command>& commands);
 /// Near pairs, and what contact adds to a step.
 void add_contact(CLI::App& app, std::vector<Command>& commands);
 
+/// Error against run time of whole processes.
+void add_work_precision(CLI::App& app, std::vector<Command>& commands);
+
 /// The bodies that are cut, written as surfaces.
 void add_bodies(CLI::App& app, std::vector<Command>& commands);
 

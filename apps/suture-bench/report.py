@@ -194,6 +194,14 @@ def commit(folder):
         return None
 
 
+def machine_of(data):
+    """The machine of a file, with the commit that was measured."""
+    machine = dict(data["machine"])
+    if at := commit(pathlib.Path(__file__).parent):
+        machine["suture"] = f"{machine.get('suture', '')} (commit {at})".strip()
+    return machine
+
+
 def machine_text(machine):
     names = {"processor": "Processor", "cores": "Cores", "memory_GB": "Memory, GB",
              "isa": "Instruction set of the loops", "compiler": "Compiler", "suture": "Suture",
@@ -210,7 +218,7 @@ def main():
         if not file.exists():
             continue
         data = json.loads(file.read_text())
-        machine.update(data["machine"])
+        machine.update(machine_of(data))
         parts.append(f"## {title}\n\n{text}\n")
         if plot:
             picture = plot(data["tables"], docs)
@@ -218,12 +226,13 @@ def main():
                 parts.append(f"![{title}]({picture})\n")
         for table_name, table in data["tables"].items():
             parts.append(f"**{table_name}**: {table['note']}\n\n{table_text(table)}\n")
-    if at := commit(pathlib.Path(__file__).parent):
-        machine["suture"] = f"{machine.get('suture', '')} (commit {at})".strip()
+    if not parts:
+        return
     head = ("# Benchmarks\n\nWritten by `./dev bench`. The figures are from one machine, which other "
             "processes may use at the same time.\n\n" + machine_text(machine) + "\n")
     (docs / "benchmarks.md").write_text("\n".join([head, *parts]))
     print(f"wrote {docs / 'benchmarks.md'}")
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -17,6 +17,7 @@
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/machine.hpp"
+#include "apps/suture-bench/process.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/run/simulation.hpp"
 #include "kernel/scene/scene_reader.hpp"
@@ -106,16 +107,12 @@ class Scenes {
       std::filesystem::temp_directory_path() / ("suture-bench-" + std::to_string(getpid()));
 };
 
-std::filesystem::path program() {
-  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "suture";
-}
-
 constexpr double one_step = 1e-9;  // s: below any "auto"
 constexpr const char* no_output = "/output=false";
 
 /// Seconds of `suture run` on a scene file, start to exit.
 double run_program(const std::filesystem::path& scene, bool frames) {
-  const std::string path = program().string(), file = scene.string(),
+  const std::string path = suture_program().string(), file = scene.string(),
                     out = (scene.parent_path() / "out").string();
   std::vector<const char*> arguments{path.c_str(), "run", "-q", file.c_str()};
   if (frames)

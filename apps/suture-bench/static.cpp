@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <optional>
 
 #include "apps/suture-bench/calculix.hpp"
 #include "apps/suture-bench/cantilever.hpp"
@@ -170,7 +169,7 @@ class Bench {
     if (!options_.beside || !has_calculix()) return;
     for (const std::string& element : options_.calculix_elements)
       for (const Index n : options_.calculix) {
-        const CalculixRun found = run_calculix(what, n, element);
+        const CalculixRun found = run_calculix(what, {.element = element, .cells = {4 * n, n, n}});
         Row row{.name = what.name, .model = "CalculiX", .element = element};
         row.elements = found.elements;
         row.solution = {.seconds = found.seconds, .newton = found.iterations, .krylov = unknown};

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "apps/suture-bench/work_cases.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "apps/suture-bench/cantilever.hpp"
+
+namespace suture::bench {
+namespace {
+
+using Json = nlohmann::json;
+
+// ------------------------------------------------------------------- meshes --
+
+WorkMesh beam_mesh(Index n) { return {{4 * n, n, n}}; }
+
+std::vector<WorkMesh> beam_meshes(std::initializer_list<Index> sections) {
+  std::vector<WorkMesh> meshes;
+  for (const Index n : sections) meshes.push_back(beam_mesh(n));
+  return meshes;
+}
+
+/// Cells that grow from the clamp to the tip, where little happens.
+std::vector<WorkMesh> graded_meshes() {
+  return {{{9, 3, 3}, 8},     {{12, 4, 4}, 8},    {{16, 4, 4}, 16},   {{24, 6, 6}, 16},
+          {{24, 8, 8}, 8},    {{36, 12, 12}, 8},  {{48, 16, 16}, 16}, {{60, 20, 20}, 16},
+          {{60, 24, 24}, 24}, {{72, 24, 24}, 16}, {{84, 28, 28}, 16}};
+}
+
+// ------------------------------------------------------------------ methods --
+
+const char* const static_solver = R"({"static": {"frames": 1}, "threads": 1})";
+const char* const relaxation = R"({"until": "rest", "threads": 1})";
+const char* const loose_relaxation = R"({"until": "rest", "tolerance": 1e-4, "threads": 1})";
+
+WorkMethod static_method(const std::string& model, const std::string& element,
+                         std::vector<WorkMesh> meshes) {
+  const std::string parameters = element.empty() ? "{}" : R"({"element": ")" + element + R"("})";
+  return {model + (element.empty() ? "" : " " + element) + ", static", model, parameters,
+          static_solver, std::move(meshes)};
+}
+
+/// The rows of the front of 2026-11-21: relaxation by explicit steps.
+std::vector<WorkMethod> relaxed_methods(bool largest) {
+  std::vector<WorkMesh> meshes = beam_meshes({3, 5, 8, 10, 14});
+  if (largest) meshes.push_back(beam_mesh(20));
+  const std::string gauss = R"({"element": "trilinear"})";
+  return {
+      {"tm-faure gauss2, explicit", "tm-faure", gauss, relaxation, meshes},
+      {"tm-faure gauss2, explicit to 1e-4", "tm-faure", gauss, loose_relaxation, meshes},
+      {"tm-faure exact, explicit", "tm-faure", R"({"quadrature": "exact"})", relaxation, meshes},
+      {"mss-baudet, explicit", "mss-baudet", "{}", relaxation, meshes},
+      {"mss-baudet corrected, explicit", "mss-baudet", R"({"correction": true})", relaxation,
+       meshes}};
+}
+
+// -------------------------------------------------------------------- scenes --
+
+Json scene_of(const WorkMesh& mesh, const std::array<double, 3>& size, const WorkMethod& method,
+              const Json& material) {
+  Json parameters = Json::parse(method.parameters);
+  parameters.update(material);
+  Json box = {{"size", size}, {"cells", mesh.cells}};
+  if (mesh.grading != 1) box["grading"] = {mesh.grading, 1, 1};
+  return {{"suture", 1},
+          {"mesh", {{"box", box}}},
+          {"models", {{{"model", method.model}, {"parameters", parameters}}}},
+          {"solver", Json::parse(method.solver)}};
+}
+
+/// Tables only, with rows at the beginning and at the end.
+Json tables(const Json& probe) {
+  return {{"frames", false}, {"probes", {{"every_steps", 1000000000}, {"at", {probe}}}}};
+}
+
+/// The centre of the end face: one node, or the mean of four.
+Json tip_probe(const WorkMesh& mesh) {
+  const double reach = 0.6 * 0.25 / mesh.cells[1];
+  return {{"name", "tip"},
+          {"fields", {"displacement"}},
+          {"where",
+           {{"box",
+             {{"min", {1 - 1e-6, 0.125 - reach, 0.125 - reach}},
+              {"max", {1 + 1e-6, 0.125 + reach, 0.125 + reach}}}}}}};
+}
+
+Json beam_scene(const WorkMesh& mesh, const WorkMethod& method, double gravity, double nu) {
+  Json scene = scene_of(mesh, {1, 0.25, 0.25}, method, {{"E", 4e5}, {"nu", nu}, {"rho", 1000}});
+  scene["gravity"] = {0, -gravity, 0};
+  scene["constraints"] = {{{"fix", "xyz"}, {"where", {{"set", "x0"}}}}};
+  scene["output"] = tables(tip_probe(mesh));
+  return scene;
+}
+
+constexpr double shear_height = 0.01, shear_plate = 3e-4;  // m, m^2
+
+Json shear_scene(const WorkMesh& mesh, const WorkMethod& method) {
+  constexpr double shear = 0.01;
+  Json scene = scene_of(mesh, {0.03, shear_height, 0.01}, method,
+                        {{"E", 1000}, {"nu", 0.499}, {"rho", 1000}});
+  scene["constraints"] = {{{"fix", "xyz"}, {"where", {{"set", "y0"}}}},
+                          {{"move", {{"translation", {shear * shear_height, 0, 0}}}},
+                           {"ramp", 1},
+                           {"where", {{"set", "y1"}}}}};
+  scene["output"] =
+      tables({{"name", "plate"}, {"fields", {"reaction"}}, {"where", {{"set", "y1"}}}});
+  return scene;
+}
+
+// --------------------------------------------------------------------- cases --
+
+WorkCase beam_case(const std::string& name, double reference, const std::string& source) {
+  const Cantilever& what = cantilever(name);
+  const auto scene = [&what](const WorkMesh& mesh, const WorkMethod& method) {
+    return beam_scene(mesh, method, what.gravity, what.nu);
+  };
+  return {"cantilever " + name, reference, source, scene, "tip displacement y [m]", 1, {}, name};
+}
+
+/// Methods whose limit is that of St Venant and Kirchhoff's law at finite strain.
+std::vector<WorkMethod> solid_methods(bool largest) {
+  std::vector<WorkMesh> meshes = beam_meshes({1, 2, 3, 4, 5, 8, 10, 14, 20});
+  if (largest) meshes.push_back(beam_mesh(28));
+  std::vector<WorkMethod> methods{static_method("tm-faure", "mean-gradient", meshes),
+                                  static_method("tm-faure", "mean-gradient", graded_meshes()),
+                                  static_method("tm-faure", "trilinear", meshes)};
+  methods[1].name += ", graded";
+  return methods;
+}
+
+const char* const dolfinx = "DOLFINx on graded quadratic meshes, extrapolated; FreeFem++ agrees";
+
+WorkCase quarter_load(bool largest) {
+  WorkCase what = beam_case("A0.25", cantilever("A0.25").converged, dolfinx);
+  what.methods = solid_methods(largest);
+  for (WorkMethod& method : relaxed_methods(largest)) what.methods.push_back(std::move(method));
+  what.methods.push_back(static_method("mss-golec", "", beam_meshes({3, 5, 8, 10, 14})));
+  return what;
+}
+
+/// So small that all laws agree.
+WorkCase small_load(bool largest) {
+  WorkCase what = beam_case("B", cantilever("B").converged, dolfinx);
+  what.methods = solid_methods(largest);
+  for (const char* model : {"hooke", "corotational", "neo-hookean"})
+    what.methods.push_back(static_method(model, "mean-gradient", beam_meshes({3, 5, 10, 20})));
+  for (WorkMethod& method : relaxed_methods(largest)) what.methods.push_back(std::move(method));
+  what.methods.push_back(static_method("mss-golec", "", beam_meshes({3, 5, 8, 10, 14})));
+  return what;
+}
+
+WorkCase full_load() {
+  WorkCase what = beam_case("A", -0.513,
+                            "extrapolated along the smooth branch, +-0.0015 m: meshes do not "
+                            "converge at this load, so errors below 0.3 % mean nothing");
+  what.methods = {static_method("tm-faure", "mean-gradient", beam_meshes({1, 2, 3, 5, 8, 10})),
+                  static_method("tm-faure", "trilinear", beam_meshes({3, 5, 8, 10, 20}))};
+  return what;
+}
+
+WorkCase incompressible() {
+  WorkCase what = beam_case("H0.499", cantilever("H0.499").converged,
+                            "DOLFINx, Taylor-Hood elements on graded meshes, extrapolated");
+  what.methods = {
+      static_method("tm-faure", "mean-gradient", beam_meshes({1, 2, 3, 5, 8, 10, 14, 20})),
+      static_method("tm-faure", "trilinear", beam_meshes({3, 5, 10, 20}))};
+  return what;
+}
+
+WorkCase shear() {
+  const std::vector<WorkMesh> meshes{{{6, 2, 2}},    {{12, 4, 4}},   {{18, 6, 6}},
+                                     {{30, 10, 10}}, {{45, 15, 15}}, {{60, 20, 20}}};
+  return {"shear of liver",
+          3.048694,
+          "DOLFINx, Taylor-Hood elements on graded meshes, extrapolated; FreeFem++ agrees",
+          shear_scene,
+          "plate reaction x [N]",
+          1 / shear_plate,
+          {static_method("tm-faure", "mean-gradient", meshes),
+           static_method("tm-faure", "trilinear", meshes)}};
+}
+
+WorkMethod stepped(const std::string& name, const std::string& members) {
+  return {name,
+          "tm-faure",
+          R"({"element": "trilinear"})",
+          R"({"end": 0.5, "threads": 1, )" + members + "}",
+          {beam_mesh(5)}};
+}
+
+/// The integrators on one mesh, at half a second of its fall.
+WorkCase dynamic() {
+  WorkCase what = beam_case("A0.25", -0.2651348699,
+                            "two other programs on the same mesh with 1e-5 s steps: the error is "
+                            "that of the integrator");
+  what.name = "cantilever A0.25, dynamic";
+  what.cantilever.clear();
+  what.methods = {stepped("symplectic-euler, auto", R"("integrator": "symplectic-euler")"),
+                  stepped("velocity-verlet, auto", R"("integrator": "velocity-verlet")")};
+  for (const char* dt : {"1e-3", "3e-4", "1e-4"})
+    for (const std::string name : {"symplectic-euler", "velocity-verlet"})
+      what.methods.push_back(
+          stepped(name + " " + dt + " s", R"("integrator": ")" + name + R"(", "dt": )" + dt));
+  for (const char* dt : {"0.05", "0.02", "0.01", "0.005", "0.002"})
+    for (const std::string name : {"implicit-euler", "newmark"})
+      what.methods.push_back(
+          stepped(name + " " + dt + " s", R"("integrator": ")" + name + R"(", "dt": )" + dt));
+  for (const char* error : {"1e-2", "1e-3", "1e-4"})
+    what.methods.push_back(
+        stepped(std::string("newmark, step error ") + error,
+                R"("integrator": "newmark", "dt": "auto", "step_error": )" + std::string(error)));
+  return what;
+}
+
+}  // namespace
+
+double WorkMesh::dofs() const { return 3.0 * (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1); }
+
+std::string WorkMesh::name() const {
+  std::string text =
+      std::to_string(cells[0]) + "x" + std::to_string(cells[1]) + "x" + std::to_string(cells[2]);
+  if (grading != 1) text += " graded " + std::to_string(static_cast<int>(grading));
+  return text;
+}
+
+std::vector<WorkCase> work_cases(bool largest) {
+  return {quarter_load(largest),
+          small_load(largest),
+          full_load(),
+          incompressible(),
+          shear(),
+          dynamic()};
+}
+
+}  // namespace suture::bench

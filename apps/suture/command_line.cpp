@@ -97,6 +97,7 @@ struct Parser {
   NewModelCommand new_model;
   ModesCommand modes;
   SweepCommand sweep;
+  CompareCommand compare;
   DescribeCommand describe;
   MeshInfoCommand info;
   MeshConvertCommand convert;
@@ -158,6 +159,8 @@ struct Parser {
     add_sweep(*app.add_subcommand("sweep", "run a scene many times with other values"));
     add_modes(*app.add_subcommand("modes", "find natural frequencies and mode shapes"));
 
+    add_compare(*app.add_subcommand("compare", "show how the results of two runs differ"));
+
     auto* replay_app = app.add_subcommand(
         "replay",
         "replay the operations of a journal on its mesh, checking the map after each one, or a "
@@ -182,6 +185,11 @@ struct Parser {
                    "write a job script for Slurm arrays and GNU parallel; run nothing")
         ->type_name("FILE");
     sub.callback([this] { line.command = sweep; });
+  }
+  void add_compare(CLI::App& sub) {
+    sub.add_option("a", compare.a, "output folder of a run, or its run.pvd")->required();
+    sub.add_option("b", compare.b, "output folder of another run")->required();
+    sub.callback([this] { line.command = compare; });
   }
   void add_modes(CLI::App& sub) {
     add_scene(sub, modes.scene, modes.sets);

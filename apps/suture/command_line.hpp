@@ -56,6 +56,9 @@ struct SweepCommand {
   unsigned jobs = 0;            ///< 0: as the study says, or one per core
   std::filesystem::path slurm;  ///< "": run
 };
+struct CompareCommand {
+  std::filesystem::path a, b;  ///< output folders
+};
 struct ModelsCommand {};
 struct SchemaCommand {};
 struct DescribeCommand {
@@ -88,8 +91,8 @@ struct TextCommand {
 struct CommandLine {
   bool quiet = false, verbose = false;
   std::variant<RunCommand, CheckCommand, ExplainCommand, CheckModelCommand, NewModelCommand,
-               ReplayCommand, ModesCommand, SweepCommand, ModelsCommand, DescribeCommand,
-               SchemaCommand, MeshInfoCommand, MeshConvertCommand, MeshBoxCommand,
+               ReplayCommand, ModesCommand, SweepCommand, CompareCommand, ModelsCommand,
+               DescribeCommand, SchemaCommand, MeshInfoCommand, MeshConvertCommand, MeshBoxCommand,
                MeshVoxelizeCommand, TextCommand>
       command;
 };

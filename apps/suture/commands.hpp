@@ -21,6 +21,7 @@ int check(const CheckCommand& command, Console& console);
 int explain(const ExplainCommand& command, Console& console);
 int modes(const ModesCommand& command, Console& console);
 int sweep(const SweepCommand& command, Console& console);
+int compare(const CompareCommand& command, Console& console);
 int models(const ModelsCommand& command, Console& console);
 int schema(const SchemaCommand& command, Console& console);
 int new_model(const NewModelCommand& command, Console& console);

@@ -51,6 +51,7 @@ TEST_F(Commands, WrongUsageNamesWhatWasMeant) {
       {{"modes", "s.json", "--at", "equilibrum"}, "did you mean 'equilibrium'"},
       {{"modes"}, "scene"},
       {{"sweep"}, "study"},
+      {{"compare", "a"}, "b is required"},
       {{"sweep", "s.json", "--jobs", "0"}, "--jobs must be a whole number from 1 to 10000"},
       {{"mesh"}, "subcommand"},
       {{"mesh", "inof", "a.vtu"}, "did you mean 'info'"},

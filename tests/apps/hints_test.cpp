@@ -49,6 +49,7 @@ TEST_F(Hints, NameOptionsThatTheParserKnows) {
                                              {"explain"},
                                              {"modes"},
                                              {"sweep"},
+                                             {"compare"},
                                              {"replay"},
                                              {"models"},
                                              {"check-model"},

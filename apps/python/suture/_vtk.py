@@ -57,6 +57,25 @@ def poly_data(points, quads, point_fields):
     return surface
 
 
+def read_grid(file):
+    """{"points", "cells", "fields"} of a frame: numpy arrays, fields by name."""
+    *_, support = _require()
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+
+    reader = vtkXMLUnstructuredGridReader()
+    if not reader.CanReadFile(str(file)):
+        raise OSError(f"{file}: is missing, or is not a frame of a run (.vtu)")
+    reader.SetFileName(str(file))
+    reader.Update()
+    grid = reader.GetOutput()
+    fields = {data.GetArrayName(i): support.vtk_to_numpy(data.GetArray(i))
+              for data in (grid.GetPointData(), grid.GetCellData())
+              for i in range(data.GetNumberOfArrays())}
+    cells = support.vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 8)
+    points = support.vtk_to_numpy(grid.GetPoints().GetData())
+    return {"points": points, "cells": cells, "fields": fields}
+
+
 def _require_display():
     """Without an X display, VTK would end the process."""
     import ctypes

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Studies are run by the Python module, whose processes are the runs.
+// Commands of the Python module: studies, whose processes are the runs, and comparisons.
 #include <unistd.h>
 
 #include <cerrno>
@@ -34,18 +34,29 @@ void prepend_python_path(const fs::path& folder) {
   ::setenv("PYTHONPATH", path.c_str(), 1);
 }
 
+/// Becomes `python3 -m MODULE ARGUMENTS...`.
+int become_python(const std::string& module, const std::vector<std::string>& arguments) {
+  prepend_python_path(python_folder());
+  std::vector<std::string> words{SUTURE_PYTHON, "-m", module};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  ::execv(SUTURE_PYTHON, pointers.data());
+  throw IoError("cannot start " SUTURE_PYTHON ": " + std::string(std::strerror(errno)));
+}
+
 }  // namespace
 
 int sweep(const SweepCommand& command, Console&) {
-  prepend_python_path(python_folder());
-  std::vector<std::string> words{SUTURE_PYTHON, "-m", "suture._sweep", command.study.string()};
+  std::vector<std::string> words{command.study.string()};
   if (command.jobs > 0) words.insert(words.end(), {"--jobs", std::to_string(command.jobs)});
   if (!command.slurm.empty()) words.insert(words.end(), {"--slurm", command.slurm.string()});
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  ::execv(SUTURE_PYTHON, arguments.data());
-  throw IoError("cannot start " SUTURE_PYTHON ": " + std::string(std::strerror(errno)));
+  return become_python("suture._sweep", words);
+}
+
+int compare(const CompareCommand& command, Console&) {
+  return become_python("suture._compare", {command.a.string(), command.b.string()});
 }
 
 }  // namespace suture

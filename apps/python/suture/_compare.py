@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Differences between two runs, field by field and time by time.
+
+    python3 -m suture._compare A B      what `suture compare` executes
+"""
+
+import csv
+import sys
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import numpy
+
+from ._vtk import read_grid
+
+TABLES = ("energies.csv", "probes.csv", "tools.csv")
+SAME_TIME = 1e-9  # of the last time
+
+
+def folder_of(run):
+    """The folder of a run, which may be given by its run.pvd."""
+    folder = Path(run)
+    if folder.suffix == ".pvd":
+        folder = folder.parent
+    if not folder.is_dir():
+        raise OSError(f"{run}: no such folder; name the output folder of a run, or its run.pvd")
+    return folder
+
+
+def frames_of(folder):
+    """[(time, file)] of run.pvd; none if the run wrote no frames."""
+    collection = folder / "run.pvd"
+    if not collection.exists():
+        return []
+    try:
+        sets = ElementTree.parse(collection).getroot().iter("DataSet")
+        return [(float(s.get("timestep")), folder / s.get("file")) for s in sets]
+    except (ElementTree.ParseError, TypeError, ValueError) as error:
+        raise ValueError(f"{collection}: is not a list of frames ({error}); run the scene "
+                         "again") from error
+
+
+def table_of(file):
+    """(names, rows): a table of a run as numbers."""
+    with open(file, newline="", encoding="utf-8") as stream:
+        names, *rows = csv.reader(stream)
+    try:
+        return names, numpy.array(rows, float).reshape(-1, len(names))
+    except ValueError as error:
+        raise ValueError(f"{file}: must contain numbers only, as many per row as there are "
+                         f"columns ({error})") from error
+
+
+def _require_same_times(a, b, times):
+    here, there = times
+    span = max(here, default=0) or 1
+    same = len(here) == len(there) and all(
+        abs(s - t) <= SAME_TIME * span for s, t in zip(here, there))
+    if not same:
+        raise ValueError(
+            f"the frames are of other times: {a} has {len(here)} from {min(here):g} to "
+            f"{max(here):g} s, {b} has {len(there)} from {min(there):g} to {max(there):g} s; give "
+            "both scenes the same output 'every'")
+
+
+def _require_same_mesh(a, b, grids):
+    (points, cells), (others, their_cells) = ((g["points"], g["cells"]) for g in grids)
+    if points.shape != others.shape or not numpy.array_equal(cells, their_cells):
+        raise ValueError(
+            f"the meshes differ: {a} has {len(points)} nodes and {len(cells)} elements, {b} has "
+            f"{len(others)} and {len(their_cells)}, or the same in another order; compare runs of "
+            "one mesh, or probes of both")
+
+
+def difference(first, second):
+    """Root mean square and maximum of |first - second|, and the first relative to `first`."""
+    gap = numpy.linalg.norm((first - second).reshape(len(first), -1), axis=1)
+    size = numpy.linalg.norm(first.reshape(len(first), -1), axis=1)
+    rms, scale = (numpy.sqrt(numpy.mean(v * v)) if v.size else 0.0 for v in (gap, size))
+    relative = rms / scale if scale > 0 else (0.0 if rms == 0 else numpy.inf)
+    return rms, gap.max(initial=0.0), relative
+
+
+def compare_frames(a, b):
+    """Rows (field, time, rms, max, relative), and the fields that only one run has."""
+    frames, others = frames_of(a), frames_of(b)
+    if not frames or not others:
+        return [], set()
+    _require_same_times(a, b, [[t for t, _ in f] for f in (frames, others)])
+    rows, lonely = [], set()
+    for (time, file), (_, other) in zip(frames, others):
+        grids = read_grid(file), read_grid(other)
+        _require_same_mesh(file, other, grids)
+        fields, their_fields = (g["fields"] for g in grids)
+        lonely |= set(fields) ^ set(their_fields)
+        for name in [n for n in fields if n in their_fields]:
+            rows.append((name, time, *difference(fields[name], their_fields[name])))
+    return rows, lonely
+
+
+def _at_times(times, own_times, values):
+    """Each column of values at other times; the order of equal times is kept."""
+    return numpy.array([numpy.interp(times, own_times, column) for column in values.T]).T
+
+
+def compare_tables(file, other):
+    """Rows (column, time of the largest difference, rms, max, relative) and those of one run."""
+    names, rows = table_of(file)
+    their_names, their_rows = table_of(other)
+    common = [n for n in names if n in their_names and n not in ("step", "time [s]", "dt [s]")]
+    time, their_time = (r[:, n.index("time [s]")] for n, r in ((names, rows), (their_names, their_rows)))
+    inside = (time >= their_time.min(initial=0)) & (time <= their_time.max(initial=0))
+    theirs = _at_times(time[inside], their_time, their_rows)
+    result = []
+    for name in common:
+        first = rows[inside, names.index(name)]
+        second = theirs[:, their_names.index(name)]
+        if first.size:
+            worst = time[inside][numpy.argmax(numpy.abs(first - second))]
+            result.append((name, worst, *difference(first, second)))
+    return result, set(names) ^ set(their_names)
+
+
+def _print(title, time_title, rows):
+    width = max(len(row[0]) for row in rows)
+    print(f"{title}\n{'':{width}}  {time_title:>12} {'rms':>12} {'largest':>12} {'relative':>12}")
+    for name, *values in rows:
+        print(f"{name:{width}}  " + " ".join(f"{value:12.5g}" for value in values))
+
+
+def compare(a, b):
+    """Prints the differences between two runs. Raises ValueError if they have nothing in common."""
+    a, b = folder_of(a), folder_of(b)
+    parts = [("frames", "time [s]", *compare_frames(a, b))]
+    for name in TABLES:
+        if (a / name).exists() and (b / name).exists():
+            parts.append((name, "worst at [s]", *compare_tables(a / name, b / name)))
+    if not any(rows for _, _, rows, _ in parts):
+        raise ValueError(f"{a} and {b} have no frames or tables with a common field; give both "
+                         "scenes the same fields, energies or probes")
+    for title, time_title, rows, lonely in parts:
+        if rows:
+            _print(title, time_title, rows)
+        if lonely:
+            print(f"{title}: only one of the runs has {', '.join(sorted(lonely))}", file=sys.stderr)
+    print("rms: root mean square over nodes, elements or rows; relative: to that of the first run")
+
+
+def main():
+    from . import Error
+
+    try:
+        compare(*sys.argv[1:3])
+        return 0
+    except (Error, OSError, ValueError, ImportError) as error:
+        print(f"suture: error: {error}", file=sys.stderr)
+        return 6 if isinstance(error, OSError) else 3
+
+
+if __name__ == "__main__":
+    sys.exit(main())

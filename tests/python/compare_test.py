@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Differences between runs: values that are known, and runs that cannot be compared."""
+
+import contextlib
+import io
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+from scenes import bar
+from suture import _compare
+
+
+def run(folder, gravity=-1.0, cells=(2, 1, 1), every=5):
+    """A run of 10 steps; returns its output folder."""
+    scene = bar(cells, end=1e-3, gravity=[0, gravity, 0],
+                output={"every_steps": every, "energies": {}})
+    file = folder.with_suffix(".json")
+    file.write_text(json.dumps(scene), encoding="utf-8")
+    subprocess.run([os.environ["SUTURE_PROGRAM"], "run", "-q", file, "--output", folder],
+                   check=True)
+    return folder
+
+
+class Compare(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp())
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def test_the_difference_of_known_values(self):
+        rms, largest, relative = _compare.difference(
+            np.array([[3.0, 0], [0, 4]]), np.array([[3.0, 0], [0, 0]]))
+        self.assertAlmostEqual(rms, 8 ** 0.5)
+        self.assertAlmostEqual(largest, 4)
+        self.assertAlmostEqual(relative, 0.8)
+
+    def test_a_run_equals_itself_and_twice_the_load_moves_it_twice_as_far(self):
+        one, two = run(self.folder / "1"), run(self.folder / "2", -2.0)
+        rows, lonely = _compare.compare_frames(one, one)
+        self.assertEqual({row[2] for row in rows}, {0.0})
+        self.assertEqual(lonely, set())
+        rows, _ = _compare.compare_frames(one, two)
+        last = [row for row in rows if row[0] == "displacement"][-1]
+        self.assertAlmostEqual(last[1], 1e-3)
+        self.assertAlmostEqual(last[4], 1, places=4)  # |u - 2 u| / |u|
+        rows, _ = _compare.compare_tables(one / "energies.csv", two / "energies.csv")
+        work = {row[0]: row[4] for row in rows}["gravity [J]"]
+        self.assertAlmostEqual(work, 3, places=3)  # |w - 4 w| / |w|
+
+    def test_runs_that_cannot_be_compared(self):
+        one = run(self.folder / "1")
+        with self.assertRaisesRegex(ValueError, "meshes differ.*12 nodes and 2.*16 and 3"):
+            _compare.compare(one, run(self.folder / "2", cells=(3, 1, 1)))
+        with self.assertRaisesRegex(ValueError, "other times.*has 3 .* has 2"):
+            _compare.compare(one, run(self.folder / "3", every=10))
+        with self.assertRaisesRegex(OSError, "no such folder"):
+            _compare.compare(one, self.folder / "4")
+        (self.folder / "5").mkdir()
+        with self.assertRaisesRegex(ValueError, "no frames or tables"):
+            _compare.compare(one, self.folder / "5")
+
+    def test_the_table(self):
+        one = run(self.folder / "1")
+        text = io.StringIO()
+        with contextlib.redirect_stdout(text):
+            _compare.compare(one, one / "run.pvd")
+        self.assertRegex(text.getvalue(), r"displacement +0.001 +0 +0 +0")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -33,8 +33,9 @@ TAIL = """
 - Models have different laws. At the full load and at a quarter of it (`A`, `A0.25`) the reference is the solution of
   St Venant and Kirchhoff's law, which is that of `tm-faure` and of CalculiX's `*ELASTIC`; springs follow another law
   at finite strain. At a thousandth of the load (`B`) all laws agree.
-- `mss-baudet` does not converge to the right value, with or without its correction: its lattice has motions that cost no
-  energy and hourglasses under refinement. `mss-golec` has none of them; its law, too, is another one at finite strain.
+- At a quarter of the load, `mss-baudet` does not converge, with or without its correction: its lattice has motions that
+  cost no energy and hourglasses under refinement. At a thousandth it does, without the correction to a wrong value.
+  `mss-golec` has no such motions; its law, too, is another one at finite strain.
 - The reference of `A` is an extrapolation, and no limit of meshes is known there.
 - Graded meshes have cells that grow from the clamp to the tip by the factor named; CalculiX solves the same meshes.
 - The errors of one to three elements over the height are not those of a series that converges: with the mean gradient,

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws frames of a run, two in a row, as they are deformed, coloured by von Mises stress.
+"""Draws frames of a run, two in a row, as they are deformed, coloured by a field of the elements.
 
-usage: xvfb-run -a docs/images/render.py RUN.pvd PICTURE.png [TIME ...]
+usage: xvfb-run -a docs/images/render.py [--field NAME] RUN.pvd PICTURE.png [TIME ...]
 
-Without times: the first frame, two between and the last. Debian packages:
-python3-vtk9 xvfb libgl1-mesa-dri.
+Without a field: von_mises. Without times: the first frame, two between and the last. Debian
+packages: python3-vtk9 xvfb libgl1-mesa-dri.
 """
+import argparse
 import os
-import sys
 import xml.etree.ElementTree as ElementTree
 
 import vtk
@@ -85,24 +85,29 @@ def common_camera(grids):
     side = 1 if longest == 2 else 2  # look across the long axis
     size = [box.GetLength(i) for i in range(3)]
     eye = list(centre)
+    upwards = 3 - longest - side
     up = [0.0, 0.0, 0.0]
-    up[3 - longest - side] = 1.0
+    up[upwards] = 1.0
     eye[side] += 2.0 * size[longest]
-    eye[3 - longest - side] += 0.55 * size[longest]
+    eye[upwards] += 0.55 * size[longest]
     eye[longest] += 0.45 * size[longest]
     camera.SetPosition(*eye)
     camera.SetViewUp(*up)
     camera.ParallelProjectionOn()
-    camera.SetParallelScale(0.31 * size[longest])
+    camera.SetParallelScale(max(0.31 * size[longest], 0.56 * size[upwards]))
     return camera
 
 
 def main():
-    if len(sys.argv) < 3:
-        sys.exit(__doc__)
-    picked = chosen(frames(sys.argv[1]), [float(t) for t in sys.argv[3:]])
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--field", default="von_mises")
+    parser.add_argument("run", help="RUN.pvd")
+    parser.add_argument("picture", help="PICTURE.png")
+    parser.add_argument("times", nargs="*", type=float)
+    options = parser.parse_args()
+    field = options.field
+    picked = chosen(frames(options.run), options.times)
     grids = [read(path) for _, path in picked]
-    field = "von_mises"
     value_range = scalar_range(grids, field)
     colours = vtk.vtkColorTransferFunction()
     colours.SetColorSpaceToDiverging()
@@ -124,7 +129,7 @@ def main():
     image = vtk.vtkWindowToImageFilter()
     image.SetInput(window)
     writer = vtk.vtkPNGWriter()
-    writer.SetFileName(sys.argv[2])
+    writer.SetFileName(options.picture)
     writer.SetInputConnection(image.GetOutputPort())
     writer.Write()
 

@@ -16,7 +16,7 @@ namespace suture {
 namespace {
 
 TEST(Attributes, MassOfABoxIsDensityTimesVolumeSharedByEighths) {
-  Body body({3, 4, 5});
+  FakeBody body({3, 4, 5});
   const fake::Model model(
       {fake::attribute("mass", 0, 1, &fake::box_mass, SUTURE_FROM_VOLUMES, SUTURE_SHARED_MASS)});
   Attributes attributes(body.complex, body.rest);
@@ -39,7 +39,7 @@ TEST(Attributes, SumsAfterRandomCutsHaveTheBitsOfAFreshStart) {
     Random random;
     // Elements of any shape, or identical except for rounding: then one stands for all.
     const double distortion = round % 2 == 0 ? 0.2 : 4e-15;
-    Body body({2 + static_cast<Index>(random() % 5), 3, 4}, &random, distortion);
+    FakeBody body({2 + static_cast<Index>(random() % 5), 3, 4}, &random, distortion);
     const Index count = body.complex.element_count();
     // None, one or several regions, overlapping or not, in any order.
     std::vector<std::vector<Index>> regions(1 + random() % 3);
@@ -67,7 +67,7 @@ TEST(Attributes, CutsConserveMassMomentumLoadsAndTheCornersOfElements) {
   const fake::Model model(fake::everything());
   for (const bool halved : {false, true}) {
     Random random;
-    Body body({5, 4, 3}, &random);
+    FakeBody body({5, 4, 3}, &random);
     std::vector<Index> half(halved ? body.complex.element_count() / 2 : 0);
     std::iota(half.begin(), half.end(), Index{0});
     Attributes attributes(body.complex, body.rest);
@@ -122,7 +122,7 @@ TEST(Attributes, CutsConserveMassMomentumLoadsAndTheCornersOfElements) {
 
 TEST(Attributes, SharesAreInProportionToTheIncidentVolumes) {
   // 1 | 3: two boxes of volumes 1 and 3 side by side, cut apart.
-  Body body({2, 1, 1});
+  FakeBody body({2, 1, 1});
   for (Vec3& p : body.rest)
     if (p[0] == 2) p[0] = 4;
   Attributes attributes(body.complex, body.rest);
@@ -144,7 +144,7 @@ TEST(Attributes, SharesAreInProportionToTheIncidentVolumes) {
 TEST(Attributes, TwoInstancesOfABlockAddUpToOne) {
   const fake::Model model(fake::everything());
   Random random;
-  Body body({4, 4, 4}, &random);
+  FakeBody body({4, 4, 4}, &random);
   std::vector<Index> halves[2];
   for (Index e = 0; e < 64; ++e) halves[random() % 2].push_back(e);
   Attributes one(body.complex, body.rest), two(body.complex, body.rest);
@@ -177,7 +177,7 @@ TEST(Attributes, RowsExistWhereElementsOfTheRegionAre) {
   const fake::Model model(fake::everything());
   for (int round = 0; round < 10; ++round) {
     Random random;
-    Body body({3, 3, 3});
+    FakeBody body({3, 3, 3});
     std::vector<Index> region;
     for (Index e = 0; e < 27; ++e)
       if (random() % 2 == 0 || e == 5) region.push_back(e);
@@ -204,7 +204,7 @@ TEST(Attributes, RowsExistWhereElementsOfTheRegionAre) {
 
 TEST(Attributes, ZeroLeavesTheValueWithThePartThatKeepsTheNumber) {
   const fake::Model model(fake::everything());
-  Body body({2, 1, 1});
+  FakeBody body({2, 1, 1});
   Attributes attributes(body.complex, body.rest);
   Column& memory = *add(attributes, body.complex, model.table).column(fake::memory);
   initialise(attributes, body.complex);
@@ -217,7 +217,7 @@ TEST(Attributes, ZeroLeavesTheValueWithThePartThatKeepsTheNumber) {
 }
 
 TEST(Attributes, ACallbackReplacesThePolicyOfAKernelColumn) {
-  Body body({2, 1, 1});
+  FakeBody body({2, 1, 1});
   Attributes attributes(body.complex, body.rest);
   ColumnSpec spec;
   spec.name = "generation";
@@ -243,7 +243,7 @@ TEST(Attributes, ColumnsOfCongruentElementsAreStoredOnce) {
         for (std::size_t lane = 0; lane < 8; ++lane) out[lane] = 8 * eighths[lane];
         return status;
       })});
-  Body body({7, 3, 3});
+  FakeBody body({7, 3, 3});
   for (Vec3& p : body.rest)
     for (double& x : p) x *= 0.1;  // edges that differ in their last bits
   Attributes attributes(body.complex, body.rest);
@@ -254,7 +254,7 @@ TEST(Attributes, ColumnsOfCongruentElementsAreStoredOnce) {
 }
 
 TEST(Attributes, RestPositionsMustBeOnePerVertex) {
-  Body body({1, 1, 1});
+  FakeBody body({1, 1, 1});
   body.rest.pop_back();
   EXPECT_THROW(Attributes(body.complex, body.rest), InputError);
 }

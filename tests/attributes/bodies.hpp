@@ -21,11 +21,11 @@ struct Random : std::mt19937_64 {
 };
 
 /// A box of nx x ny x nz unit cells, its vertices moved at random by `distortion`.
-struct Body {
+struct FakeBody {
   CellComplex complex;
   std::vector<Vec3> rest;
 
-  explicit Body(std::array<Index, 3> cells, Random* random = nullptr, double distortion = 0.2) {
+  explicit FakeBody(std::array<Index, 3> cells, Random* random = nullptr, double distortion = 0.2) {
     BoxOptions box;
     box.cells = cells;
     box.size = {double(cells[0]), double(cells[1]), double(cells[2])};

@@ -20,7 +20,7 @@ struct Summed {
   RestBatch batch(std::span<const Index> numbers = {}) {
     return RestBatch(attributes.rest_places(body.complex), numbers);
   }
-  Body body;
+  FakeBody body;
   Attributes attributes;
   Instance* instance = nullptr;
 };
@@ -113,7 +113,7 @@ TEST(UniformContribution, OneElementSpeaksForAllThatGiveTheSame) {
   const auto uniform = uniform_contribution(*cubes.instance, mass, cubes.body.complex, rest, 1e-12);
   EXPECT_EQ(uniform, std::vector<double>(8, 3.0 / 8));
   // One vertex moved by a thousandth, in the last of all elements.
-  Body other({5, 3, 2});
+  FakeBody other({5, 3, 2});
   other.rest[other.complex.vertices_of(29)[1]][0] += 1e-3;
   Attributes attributes(other.complex, other.rest);
   Instance& instance = add(attributes, other.complex, model.table, {}, 3);

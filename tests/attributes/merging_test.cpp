@@ -37,7 +37,7 @@ std::vector<Index> random_elements(const CellComplex& complex, Random& random, d
 
 /// Cuts, removes and sews at random, the change handed to `follow` each time.
 struct Surgeon {
-  Body& body;
+  FakeBody& body;
   Random& random;
   std::vector<Seam> open{};  // what was cut and not sewn
 
@@ -83,7 +83,7 @@ TEST(Merging, SumsAfterAnyOperationsHaveTheBitsOfAFreshStart) {
   const fake::Model model(fake::everything());
   for (int round = 0; round < 20; ++round) {
     Random random;
-    Body body({2 + static_cast<Index>(random() % 4), 3, 4}, &random);
+    FakeBody body({2 + static_cast<Index>(random() % 4), 3, 4}, &random);
     const Index count = body.complex.element_count();
     std::vector<std::vector<Index>> regions(1 + random() % 3);
     for (auto& region : regions)
@@ -112,7 +112,7 @@ TEST(Merging, RowsLiveWhereElementsOfTheRegionAre) {
   const fake::Model model(fake::everything());
   for (int round = 0; round < 10; ++round) {
     Random random;
-    Body body({3, 3, 3});
+    FakeBody body({3, 3, 3});
     std::vector<Index> region;
     for (Index e = 0; e < 27; ++e)
       if (random() % 2 == 0 || e == 5) region.push_back(e);
@@ -156,7 +156,7 @@ TEST(Merging, SharesBelongToTheVolumesThatAreThere) {
                            fake::attribute("f", 2, 3, nullptr, SUTURE_SHARE)});
   for (int round = 0; round < 12; ++round) {
     Random random;
-    Body body({3, 3, 2 + static_cast<Index>(random() % 3)}, &random);
+    FakeBody body({3, 3, 2 + static_cast<Index>(random() % 3)}, &random);
     std::vector<Index> region;
     for (Index e = 0; e < body.complex.element_count() && round % 2 == 1; ++e)
       if (random() % 3 != 0) region.push_back(e);
@@ -204,7 +204,7 @@ TEST(Merging, SewingKeepsTheIntegralsOfCopiesAndTheSumsOfAmounts) {
   const fake::Model model(attributes_of_model);
   for (int round = 0; round < 12; ++round) {
     Random random;
-    Body body({3, 4, 3}, &random);
+    FakeBody body({3, 4, 3}, &random);
     std::vector<Index> region;
     for (Index e = 0; e < body.complex.element_count() && round % 2 == 1; ++e)
       if (random() % 3 != 0) region.push_back(e);
@@ -260,8 +260,8 @@ TEST(Merging, SewingKeepsTheIntegralsOfCopiesAndTheSumsOfAmounts) {
 }
 
 /// Two halves of a box, drawn apart at rest by `gap` and moved together again.
-struct Halves : Body {
-  Halves(Index n, Random* random, const Vec3& gap) : Body({2 * n, n, n}, random, 0.1) {
+struct Halves : FakeBody {
+  Halves(Index n, Random* random, const Vec3& gap) : FakeBody({2 * n, n, n}, random, 0.1) {
     std::vector<Dart> faces;
     for (Index e = 0; e < complex.element_count(); ++e)
       if (e % (2 * n) == n - 1) faces.push_back(24 * e + 8);  // x = 1 of the left half
@@ -351,7 +351,7 @@ TEST(Merging, SewingKeepsMomentumCentreOfMassAndTheRestShapeOfEveryElement) {
 TEST(Merging, RestShapesStayHoweverManySeamsMeet) {
   for (int round = 0; round < 10; ++round) {
     Random random;
-    Body body({3, 3, 3}, &random, 0.1);
+    FakeBody body({3, 3, 3}, &random, 0.1);
     const auto faces = random_faces(body.complex, random, 1);
     auto seams = seams_of(body.complex, faces);
     const TopologyChange cut = body.complex.cut(faces);
@@ -420,7 +420,7 @@ TEST(Merging, FixedVerticesKeepTheirPlace) {
 TEST(Merging, RemovalTakesExactlyTheMassOfTheElement) {
   const fake::Model model(
       {fake::attribute("mass", 0, 1, &fake::box_mass, SUTURE_FROM_VOLUMES, SUTURE_SHARED_MASS)});
-  Body body({3, 3, 3});
+  FakeBody body({3, 3, 3});
   Attributes attributes(body.complex, body.rest);
   add(attributes, body.complex, model.table, {}, 8);
   initialise(attributes, body.complex);

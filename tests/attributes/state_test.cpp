@@ -16,7 +16,7 @@ struct Simulated {
   CellComplex complex;
   Attributes attributes;
 
-  Simulated(const fake::Model& m, const Body& body, const Regions& regions)
+  Simulated(const fake::Model& m, const FakeBody& body, const Regions& regions)
       : model(m), complex(body.complex), attributes(complex, body.rest) {
     for (std::size_t i = 0; i < regions.size(); ++i)
       add(attributes, complex, model.table, regions[i], 2 + static_cast<double>(i));
@@ -64,7 +64,7 @@ struct Simulated {
   }
 };
 
-Regions random_regions(const Body& body, Random& random) {
+Regions random_regions(const FakeBody& body, Random& random) {
   Regions regions(1 + random() % 3);
   for (auto& region : regions)
     for (Index e = 0; e < body.complex.element_count() && regions.size() > 1; ++e)
@@ -114,8 +114,8 @@ TEST(State, AttributesThatAreLoadedGoOnAsThoseThatWereSaved) {
   int strangers = 0;
   for (int round = 0; round < 60; ++round) {
     Random random;
-    const Body body({3 + static_cast<Index>(random() % 3), 3, 4}, &random,
-                    round % 2 == 0 ? 0.2 : 4e-15);
+    const FakeBody body({3 + static_cast<Index>(random() % 3), 3, 4}, &random,
+                        round % 2 == 0 ? 0.2 : 4e-15);
     const Regions regions = random_regions(body, random);
     Simulated one(model, body, regions), twin(model, body, regions);
     const std::uint64_t seed = random();
@@ -154,7 +154,7 @@ TEST(State, AttributesThatAreLoadedGoOnAsThoseThatWereSaved) {
 // Of element columns nothing is saved that operations do not change.
 TEST(State, OfAnotherRegionIsRefused) {
   const fake::Model model(fake::everything());
-  const Body body({3, 3, 3});
+  const FakeBody body({3, 3, 3});
   Simulated one(model, body, {{0, 1, 2}}), other(model, body, {{0, 1, 2, 3}});
   one.apply({Operation::Kind::pierce, {}, {20}, {}});
   EXPECT_EQ(refusal_of(state_of(one.attributes), other.attributes),
@@ -205,7 +205,7 @@ std::vector<double> states_of(const Attributes& attributes) {
 TEST(State, AStateToGoBackToHasTheMotionAndTheStatesOfModels) {
   const fake::Model model(fake::everything());
   Random random;
-  const Body body({12, 16, 20}, &random);  // more than one part
+  const FakeBody body({12, 16, 20}, &random);  // more than one part
   Simulated one(model, body, {{}});
   one.apply({Operation::Kind::pierce, {}, {3, 7}, {}});
   one.move(3);
@@ -236,7 +236,7 @@ TEST(State, AStateToGoBackToHasTheMotionAndTheStatesOfModels) {
 
 TEST(State, OfABodyWithoutOperationsLeavesOutWhatIsBuiltAgain) {
   const fake::Model model(fake::everything());
-  const Body body({6, 6, 6});
+  const FakeBody body({6, 6, 6});
   Simulated one(model, body, {{}});
   const std::size_t vertices = body.rest.size();
   const Column& memory = one.attributes.instances()[0]->table(2).columns.back();
@@ -253,7 +253,7 @@ TEST(State, OfOtherModelsOrMeshesIsRefused) {
   const fake::Model without(fewer), narrow(other);
   fake::Model fresh(fake::everything());
   fresh.table.id = "foreign";
-  const Body body({3, 3, 3});
+  const FakeBody body({3, 3, 3});
   Simulated one(model, body, {{}});
   for (const bool operated : {false, true}) {
     if (operated) one.apply({Operation::Kind::pierce, {}, {3}, {}});
@@ -265,7 +265,7 @@ TEST(State, OfOtherModelsOrMeshesIsRefused) {
     EXPECT_EQ(refusal_of(tree, smaller.attributes),
               "/instances/0/tables/1: model 'body' (fake) had other columns of dimension 1: edge "
               "(2), plain (1); now: edge (1), plain (1)");
-    Simulated larger(model, Body({3, 3, 4}), {{}}), line(model, Body({9, 3, 1}), {{}}),
+    Simulated larger(model, FakeBody({3, 3, 4}), {{}}), line(model, FakeBody({9, 3, 1}), {{}}),
         two(model, body, {{}, {}}), part(model, body, {{0, 1, 2}});
     if (!operated) {  // afterwards the map reports it
       EXPECT_EQ(refusal_of(tree, larger.attributes), "/: the number of vertices differs");

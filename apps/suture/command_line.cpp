@@ -98,6 +98,7 @@ struct Parser {
   ModesCommand modes;
   SweepCommand sweep;
   CompareCommand compare;
+  PlotCommand plot;
   DescribeCommand describe;
   MeshInfoCommand info;
   MeshConvertCommand convert;
@@ -160,6 +161,7 @@ struct Parser {
     add_modes(*app.add_subcommand("modes", "find natural frequencies and mode shapes"));
 
     add_compare(*app.add_subcommand("compare", "show how the results of two runs differ"));
+    add_plot(*app.add_subcommand("plot", "draw the results of a run as a picture"));
 
     auto* replay_app = app.add_subcommand(
         "replay",
@@ -190,6 +192,13 @@ struct Parser {
     sub.add_option("a", compare.a, "output folder of a run, or its run.pvd")->required();
     sub.add_option("b", compare.b, "output folder of another run")->required();
     sub.callback([this] { line.command = compare; });
+  }
+  void add_plot(CLI::App& sub) {
+    sub.add_option("run", plot.run, "output folder of a run, or its run.pvd")->required();
+    sub.add_option("-o,--output", plot.picture,
+                   "picture to write, .png, .pdf or .svg (default: plot.png in the folder)")
+        ->type_name("FILE");
+    sub.callback([this] { line.command = plot; });
   }
   void add_modes(CLI::App& sub) {
     add_scene(sub, modes.scene, modes.sets);

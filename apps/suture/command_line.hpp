@@ -59,6 +59,9 @@ struct SweepCommand {
 struct CompareCommand {
   std::filesystem::path a, b;  ///< output folders
 };
+struct PlotCommand {
+  std::filesystem::path run, picture;  ///< output folder; "": plot.png in it
+};
 struct ModelsCommand {};
 struct SchemaCommand {};
 struct DescribeCommand {
@@ -91,9 +94,9 @@ struct TextCommand {
 struct CommandLine {
   bool quiet = false, verbose = false;
   std::variant<RunCommand, CheckCommand, ExplainCommand, CheckModelCommand, NewModelCommand,
-               ReplayCommand, ModesCommand, SweepCommand, CompareCommand, ModelsCommand,
-               DescribeCommand, SchemaCommand, MeshInfoCommand, MeshConvertCommand, MeshBoxCommand,
-               MeshVoxelizeCommand, TextCommand>
+               ReplayCommand, ModesCommand, SweepCommand, CompareCommand, PlotCommand,
+               ModelsCommand, DescribeCommand, SchemaCommand, MeshInfoCommand, MeshConvertCommand,
+               MeshBoxCommand, MeshVoxelizeCommand, TextCommand>
       command;
 };
 

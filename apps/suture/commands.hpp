@@ -22,6 +22,7 @@ int explain(const ExplainCommand& command, Console& console);
 int modes(const ModesCommand& command, Console& console);
 int sweep(const SweepCommand& command, Console& console);
 int compare(const CompareCommand& command, Console& console);
+int plot(const PlotCommand& command, Console& console);
 int models(const ModelsCommand& command, Console& console);
 int schema(const SchemaCommand& command, Console& console);
 int new_model(const NewModelCommand& command, Console& console);

@@ -22,6 +22,7 @@ struct Dispatch {
   int operator()(const ModesCommand& command) const { return modes(command, console); }
   int operator()(const SweepCommand& command) const { return sweep(command, console); }
   int operator()(const CompareCommand& command) const { return compare(command, console); }
+  int operator()(const PlotCommand& command) const { return plot(command, console); }
   int operator()(const ModelsCommand& command) const { return models(command, console); }
   int operator()(const DescribeCommand& command) const { return describe(command, console); }
   int operator()(const SchemaCommand& command) const { return schema(command, console); }

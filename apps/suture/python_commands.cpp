@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Commands of the Python module: studies, whose processes are the runs, and comparisons.
+// Commands of the Python module: studies, whose processes are the runs, comparisons and pictures.
 #include <unistd.h>
 
 #include <cerrno>
@@ -57,6 +57,10 @@ int sweep(const SweepCommand& command, Console&) {
 
 int compare(const CompareCommand& command, Console&) {
   return become_python("suture._compare", {command.a.string(), command.b.string()});
+}
+
+int plot(const PlotCommand& command, Console&) {
+  return become_python("suture._plot", {command.run.string(), command.picture.string()});
 }
 
 }  // namespace suture

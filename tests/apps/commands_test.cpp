@@ -52,6 +52,7 @@ TEST_F(Commands, WrongUsageNamesWhatWasMeant) {
       {{"modes"}, "scene"},
       {{"sweep"}, "study"},
       {{"compare", "a"}, "b is required"},
+      {{"plot"}, "run"},
       {{"sweep", "s.json", "--jobs", "0"}, "--jobs must be a whole number from 1 to 10000"},
       {{"mesh"}, "subcommand"},
       {{"mesh", "inof", "a.vtu"}, "did you mean 'info'"},

@@ -50,6 +50,7 @@ TEST_F(Hints, NameOptionsThatTheParserKnows) {
                                              {"modes"},
                                              {"sweep"},
                                              {"compare"},
+                                             {"plot"},
                                              {"replay"},
                                              {"models"},
                                              {"check-model"},

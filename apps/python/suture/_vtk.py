@@ -57,9 +57,7 @@ def poly_data(points, quads, point_fields):
     return surface
 
 
-def read_grid(file):
-    """{"points", "cells", "fields"} of a frame: numpy arrays, fields by name."""
-    *_, support = _require()
+def _read(file):
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
     reader = vtkXMLUnstructuredGridReader()
@@ -67,10 +65,35 @@ def read_grid(file):
         raise OSError(f"{file}: is missing, or is not a frame of a run (.vtu)")
     reader.SetFileName(str(file))
     reader.Update()
-    grid = reader.GetOutput()
-    fields = {data.GetArrayName(i): support.vtk_to_numpy(data.GetArray(i))
-              for data in (grid.GetPointData(), grid.GetCellData())
-              for i in range(data.GetNumberOfArrays())}
+    return reader.GetOutput()
+
+
+def _arrays(support, data):
+    return {data.GetArrayName(i): support.vtk_to_numpy(data.GetArray(i))
+            for i in range(data.GetNumberOfArrays())}
+
+
+def read_quads(file):
+    """{"corners", "fields"} of the surface of a frame: 4 points per face, and values per face."""
+    *_, support = _require()
+    from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
+
+    surface = vtkDataSetSurfaceFilter()
+    surface.SetInputData(_read(file))
+    surface.Update()
+    data = surface.GetOutput()
+    quads = support.vtk_to_numpy(data.GetPolys().GetConnectivityArray()).reshape(-1, 4)
+    fields = {name: values[quads].mean(axis=1)
+              for name, values in _arrays(support, data.GetPointData()).items()}
+    fields.update(_arrays(support, data.GetCellData()))
+    return {"corners": support.vtk_to_numpy(data.GetPoints().GetData())[quads], "fields": fields}
+
+
+def read_grid(file):
+    """{"points", "cells", "fields"} of a frame: numpy arrays, fields by name."""
+    *_, support = _require()
+    grid = _read(file)
+    fields = {**_arrays(support, grid.GetPointData()), **_arrays(support, grid.GetCellData())}
     cells = support.vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 8)
     points = support.vtk_to_numpy(grid.GetPoints().GetData())
     return {"points": points, "cells": cells, "fields": fields}

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The files in the output folder of a run."""
+
+import csv
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import numpy
+
+TABLES = ("energies.csv", "probes.csv", "tools.csv")
+
+
+def folder_of(run):
+    """The folder of a run, which may be given by its run.pvd."""
+    folder = Path(run)
+    if folder.suffix == ".pvd":
+        folder = folder.parent
+    if not folder.is_dir():
+        raise OSError(f"{run}: no such folder; name the output folder of a run, or its run.pvd")
+    return folder
+
+
+def frames_of(folder):
+    """[(time, file)] of run.pvd; none if the run wrote no frames."""
+    collection = folder / "run.pvd"
+    if not collection.exists():
+        return []
+    try:
+        sets = ElementTree.parse(collection).getroot().iter("DataSet")
+        return [(float(s.get("timestep")), folder / s.get("file")) for s in sets]
+    except (ElementTree.ParseError, TypeError, ValueError) as error:
+        raise ValueError(f"{collection}: is not a list of frames ({error}); run the scene "
+                         "again") from error
+
+
+def table_of(file):
+    """(names, rows): a table of a run as numbers."""
+    with open(file, newline="", encoding="utf-8") as stream:
+        names, *rows = csv.reader(stream)
+    try:
+        return names, numpy.array(rows, float).reshape(-1, len(names))
+    except ValueError as error:
+        raise ValueError(f"{file}: must contain numbers only, as many per row as there are "
+                         f"columns ({error})") from error

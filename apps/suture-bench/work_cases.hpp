@@ -39,7 +39,7 @@ struct WorkCase {
   std::string cantilever{};  ///< what CalculiX solves beside it, "" for nothing
 };
 
-/// Built anew on each call; `largest`: with the meshes that take longer than 5 s.
+/// Made again by each call; `largest`: with the meshes that take longer than 5 s.
 std::vector<WorkCase> work_cases(bool largest);
 
 }  // namespace suture::bench

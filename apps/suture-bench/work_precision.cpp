@@ -120,9 +120,8 @@ WorkRow run_ccx(const WorkOptions& options, const WorkCase& what, const Calculix
   const WorkMesh mesh{job.cells, job.grading};
   WorkRow row{what.name, "CalculiX", job.element + " " + job.solver, mesh.name(), mesh.dofs()};
   if (job.element == "C3D20R") {
-    const auto [x, y, z] = job.cells;  // and the middles of edges
-    row.dofs += 3.0 * (double{1} * x * (y + 1) * (z + 1) + double{1} * (x + 1) * y * (z + 1) +
-                       double{1} * (x + 1) * (y + 1) * z);
+    const double x = job.cells[0], y = job.cells[1], z = job.cells[2];  // and the middles of edges
+    row.dofs += 3 * (x * (y + 1) * (z + 1) + (x + 1) * y * (z + 1) + (x + 1) * (y + 1) * z);
   }
   try {
     repeat(options, row, [&] {

@@ -14,6 +14,7 @@
 #include "kernel/run/frame_parts.hpp"
 #include "kernel/run/free_bodies.hpp"
 #include "kernel/run/hourglass_watch.hpp"
+#include "kernel/scene/check_obstacles.hpp"
 
 namespace suture {
 namespace {
@@ -377,6 +378,9 @@ void RunLoop::finish(Observer& observer) {
   }
   if (const std::string text = control_.balance_warning(); !text.empty()) diagnostics_.warn(text);
   if (const std::string text = rounding_warning(); !text.empty()) diagnostics_.warn(text);
+  if (const Contact* contact = built_.body().contact())
+    if (const std::string text = deep_overlaps(built_, *contact); !text.empty())
+      diagnostics_.warn(text);
   checkpoints_.finish();
   if (summary_.outcome == RunSummary::Outcome::interrupted && checkpoints_.is_enabled())
     observer.on_message("resume with: suture run --resume " + checkpoints_.newest());

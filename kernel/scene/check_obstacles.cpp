@@ -63,12 +63,11 @@ std::string too_fast(const Obstacle& obstacle, const Contact& contact, double dt
 }
 
 std::string describe_pieces(const PieceOverlap& overlap, const BuiltScene& built, Body& body,
-                            double edge) {
+                            double edge, const char* when) {
   std::ostringstream text;
-  text << "the piece of element " << body.user_element(overlap.elements[0])
-       << " and that of element " << body.user_element(overlap.elements[1])
-       << " overlap at the start: " << overlap.vertices
-       << (overlap.vertices == 1 ? " node is" : " nodes are")
+  text << "/contact: the piece of element " << body.user_element(overlap.elements[0])
+       << " and that of element " << body.user_element(overlap.elements[1]) << " overlap at the "
+       << when << ": " << overlap.vertices << (overlap.vertices == 1 ? " node is" : " nodes are")
        << " inside the other, the deepest by " << overlap.depth << " m (" << overlap.depth / edge
        << " of a typical edge) at " << built.place_text(overlap.place);
   return text.str();
@@ -83,7 +82,7 @@ void check_pieces(BuiltScene& built, const Contact& contact, Diagnostics& diagno
   std::string mistakes;
   for (const PieceOverlap& overlap :
        find_piece_overlaps(contact, body.complex(), body.attributes())) {
-    const std::string text = "/contact: " + describe_pieces(overlap, built, body, edge);
+    const std::string text = describe_pieces(overlap, built, body, edge, "start");
     if (overlap.depth < PieceContact::max_depth * edge)
       diagnostics.warn(text + "; contact pushes them apart slowly, or move one by that much");
     else
@@ -91,6 +90,20 @@ void check_pieces(BuiltScene& built, const Contact& contact, Diagnostics& diagno
                   "; too deep to be pushed apart, so move one of them by that much";
   }
   if (!mistakes.empty()) throw InputError(mistakes);
+}
+
+std::string deep_overlaps(BuiltScene& built, const Contact& contact) {
+  if (!contact.pieces()) return "";
+  Body& body = built.body();
+  const double edge = contact.mean_edge();
+  std::string lines;
+  for (const PieceOverlap& overlap :
+       find_piece_overlaps(contact, body.complex(), body.attributes()))
+    if (overlap.depth >= PieceContact::max_depth * edge)
+      lines += (lines.empty() ? "" : "\n") + describe_pieces(overlap, built, body, edge, "end") +
+               "; they met too fast for contact to keep them apart, so give /solver/dt a smaller "
+               "value";
+  return lines;
 }
 
 void check_obstacles(BuiltScene& built, const Contact& contact, Diagnostics& diagnostics) {

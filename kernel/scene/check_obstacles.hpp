@@ -16,4 +16,8 @@ void check_obstacles(BuiltScene& built, const Contact& contact, Diagnostics& dia
 /// apart, an InputError where they are too deep for it.
 void check_pieces(BuiltScene& built, const Contact& contact, Diagnostics& diagnostics);
 
+/// Names pieces that are in each other more deeply than contact acts, one per line: they met too
+/// fast. Empty if there are none. For the end of a run.
+std::string deep_overlaps(BuiltScene& built, const Contact& contact);
+
 }  // namespace suture

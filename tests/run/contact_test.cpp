@@ -342,26 +342,32 @@ TEST(ContactScenes, ABodyTouchesItselfOnRequest) {
   EXPECT_NEAR(slot_of_a_bent_u(true), 0, 0.1 * 0.05);
 }
 
+/// Two cubes of 2 x 2 x 2 elements that touch each other, the second one `shift` above the first.
+Scene two_cubes(const TemporaryFolder& folder, double shift) {
+  Mesh mesh = make_box({.size = {1, 1, 1}, .cells = {2, 2, 2}});
+  const Mesh second = mesh;
+  for (const Vec3& point : second.points)
+    mesh.points.push_back({point[0] + 0.3, point[1] + 0.2, point[2] + shift});
+  for (Hexahedron hexahedron : second.hexahedra) {
+    for (Index& node : hexahedron) node += static_cast<Index>(second.points.size());
+    mesh.hexahedra.push_back(hexahedron);
+  }
+  Diagnostics diagnostics;
+  write_mesh(folder.path() / "two.vtk", mesh, diagnostics);
+  Scene scene = block_on_floor(1, {}, 0);
+  scene.mesh.box.reset();
+  scene.mesh.file = folder.path() / "two.vtk";
+  scene.contact.obstacles.clear();
+  scene.contact.pieces = true;
+  return scene;
+}
+
 TEST(ContactScenes, PiecesThatOverlapAtTheStartAreReported) {
   TemporaryFolder folder;
   const auto message = [&](double shift) {
-    Mesh mesh = make_box({.size = {1, 1, 1}, .cells = {2, 2, 2}});
-    const Mesh second = mesh;
-    for (const Vec3& point : second.points)
-      mesh.points.push_back({point[0] + 0.3, point[1] + 0.2, point[2] + shift});
-    for (Hexahedron hexahedron : second.hexahedra) {
-      for (Index& node : hexahedron) node += static_cast<Index>(second.points.size());
-      mesh.hexahedra.push_back(hexahedron);
-    }
     Diagnostics diagnostics;
-    write_mesh(folder.path() / "two.vtk", mesh, diagnostics);
-    Scene scene = block_on_floor(1, {}, 0);
-    scene.mesh.box.reset();
-    scene.mesh.file = folder.path() / "two.vtk";
-    scene.contact.obstacles.clear();
-    scene.contact.pieces = true;
     try {
-      const Simulation simulation(scene, host(), diagnostics);
+      const Simulation simulation(two_cubes(folder, shift), host(), diagnostics);
     } catch (const InputError& error) {
       return std::string(error.what());
     }
@@ -374,6 +380,32 @@ TEST(ContactScenes, PiecesThatOverlapAtTheStartAreReported) {
   const std::string deep = message(0.5);
   EXPECT_NE(deep.find("the piece of element 0 and that of element 8"), std::string::npos) << deep;
   EXPECT_NE(deep.find("too deep"), std::string::npos) << deep;
+}
+
+/// Two that met too fast are inside each other, where contact leaves them.
+TEST(ContactScenes, PiecesThatOverlapAtTheEndAreReported) {
+  TemporaryFolder folder;
+  Scene scene = two_cubes(folder, 1.1);
+  scene.solver.dt = 1e-4;
+  scene.solver.end = 1e-2;
+  const auto warnings = [&](double jump) {
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    Observer nobody;
+    simulation.run_to(5e-3, nobody);
+    for (Index v = 27; v < 54; ++v)
+      simulation.attributes().position().set(v, 2,
+                                             simulation.attributes().position().get(v, 2) - jump);
+    simulation.run(nobody);
+    return diagnostics.warnings();
+  };
+  EXPECT_TRUE(warnings(0.05).empty());
+  const std::vector<std::string> found = warnings(0.5);
+  ASSERT_FALSE(found.empty());
+  EXPECT_NE(found.back().find("/contact: the piece of element 0 and that of element 8 overlap at "
+                              "the end: "),
+            std::string::npos)
+      << found.back();
 }
 
 TEST(ContactScenes, WriteForcesAndEnergies) {

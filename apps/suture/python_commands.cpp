@@ -17,15 +17,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The folder that contains the package `suture`: in the build tree or in an installation.
+/// Whether the package `suture` is in this folder with its compiled part, which is built later.
+bool has_module(const fs::path& folder) {
+  std::error_code failed;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder / "suture", failed))
+    if (entry.path().filename().string().starts_with("_suture.")) return true;
+  return false;
+}
+
+/// The folder that contains the package: in the build tree or in an installation.
 fs::path python_folder() {
   const fs::path prefix = own_prefix();
-  for (const fs::path& folder : {prefix / "python", prefix / SUTURE_INSTALL_PYTHONDIR}) {
-    std::error_code failed;
-    if (fs::exists(folder / "suture" / "_sweep.py", failed)) return folder;
-  }
+  for (const fs::path& folder : {prefix / "python", prefix / SUTURE_INSTALL_PYTHONDIR})
+    if (has_module(folder)) return folder;
   throw IoError("the Python module of Suture is missing below " + prefix.string() +
-                "; build Suture with python3-dev, python3-numpy and pybind11-dev");
+                "; build all of Suture ('./dev build' or 'cmake --build build') with python3-dev, "
+                "python3-numpy and pybind11-dev");
 }
 
 void prepend_python_path(const fs::path& folder) {

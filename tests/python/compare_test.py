@@ -72,6 +72,16 @@ class Compare(unittest.TestCase):
             _compare.compare(one, one / "run.pvd")
         self.assertRegex(text.getvalue(), r"displacement +0.001 +0 +0 +0")
 
+    def test_a_module_that_is_not_built_is_missed(self):
+        program = self.folder / "bin" / "suture"
+        program.parent.mkdir()
+        shutil.copy(os.environ["SUTURE_PROGRAM"], program)
+        shutil.copytree(Path(_compare.__file__).parent, self.folder / "python" / "suture",
+                        ignore=shutil.ignore_patterns("*.so"))
+        missed = subprocess.run([program, "compare", "a", "b"], capture_output=True, text=True)
+        self.assertEqual(missed.returncode, 6)
+        self.assertIn("the Python module of Suture is missing", missed.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <set>
+#include <span>
 
 #include "kernel/contact/overlap.hpp"
 #include "kernel/contact/patch.hpp"
@@ -28,8 +29,11 @@ struct Piece {
 
 class OverlapSearch {
  public:
-  OverlapSearch(const Contact& contact, const CellComplex& complex, Attributes& attributes)
-      : contact_(contact), positions_(attributes.position().rows()) {
+  OverlapSearch(const Contact& contact, const CellComplex& complex, Attributes& attributes,
+                double least)
+      : contact_(contact),
+        positions_(attributes.position().rows()),
+        least_(least * contact.mean_edge()) {
     const std::vector<Index> islands = complex.islands();
     meeting_.piece_of.assign(attributes.vertex_count(), none);
     for (const Index v : contact.surface().vertices()) {
@@ -53,7 +57,7 @@ class OverlapSearch {
     std::vector<PieceOverlap> overlaps;
     for (const auto& [a, b] : found_) {
       const PieceOverlap overlap = measure(a, b);
-      if (overlap.depth > ignored_depth * contact_.mean_edge()) overlaps.push_back(overlap);
+      if (overlap.depth > least_) overlaps.push_back(overlap);
     }
     return overlaps;
   }
@@ -67,20 +71,36 @@ class OverlapSearch {
              row(positions_, corners[3])}};
   }
 
-  /// Where surfaces cross, a vertex within an edge of the other surface is behind it.
+  /// Where surfaces cross that deeply, a vertex is behind the other one by at most an edge more.
   void find_crossing() {
-    const double reach = contact_.longest_edge();
-    for (const NearPair& pair : near_pairs(contact_.surface(), meeting_, positions_, reach)) {
-      const auto& corners = contact_.surface().corners()[pair.face];
-      const Index a = meeting_.piece_of[pair.vertex], b = meeting_.piece_of[corners[0]];
-      if (found_.contains(ordered(a, b))) continue;
-      const Vec3 place = row(positions_, pair.vertex);
-      const Patch::Foot foot = patch(corners).foot(place);
-      const double gap = dot(foot.offset, foot.normal);
-      const bool is_beside = norm(foot.offset) > 1.01 * std::abs(gap);
-      if (gap > -ignored_depth * contact_.mean_edge() || is_beside) continue;
-      if (is_inside(pieces_[b].faces, positions_, place)) found_.insert(ordered(a, b));
+    const double reach = contact_.longest_edge() + least_;
+    const auto pairs = near_pairs(contact_.surface(), meeting_, positions_, reach);
+    for (auto first = pairs.begin(); first != pairs.end();) {
+      const auto last = std::find_if(first, pairs.end(),
+                                     [&](const NearPair& p) { return p.vertex != first->vertex; });
+      for (const NearPair& pair : std::span(first, last)) find_crossing(pair, {first, last});
+      first = last;
     }
+  }
+  /// Of a vertex with a face; `all`: those of the vertex.
+  void find_crossing(const NearPair& pair, std::span<const NearPair> all) {
+    const Index a = meeting_.piece_of[pair.vertex], b = piece_of(pair);
+    if (found_.contains(ordered(a, b))) return;
+    const Patch::Foot foot = foot_of(pair);
+    const double gap = dot(foot.offset, foot.normal);
+    const bool is_beside = norm(foot.offset) > 1.01 * std::abs(gap);
+    if (gap > -least_ || is_beside) return;
+    const bool is_shallow = std::ranges::any_of(all, [&](const NearPair& other) {
+      return piece_of(other) == b && norm(foot_of(other).offset) <= least_;
+    });
+    if (!is_shallow && is_inside(pieces_[b].faces, positions_, row(positions_, pair.vertex)))
+      found_.insert(ordered(a, b));
+  }
+  Index piece_of(const NearPair& pair) const {
+    return meeting_.piece_of[contact_.surface().corners()[pair.face][0]];
+  }
+  Patch::Foot foot_of(const NearPair& pair) const {
+    return patch(contact_.surface().corners()[pair.face]).foot(row(positions_, pair.vertex));
   }
 
   void find_nested() {
@@ -116,6 +136,7 @@ class OverlapSearch {
 
   const Contact& contact_;
   const double* positions_;
+  double least_;  ///< depth, m
   Meeting meeting_;
   std::vector<Piece> pieces_;
   std::set<Pair> found_;
@@ -124,8 +145,8 @@ class OverlapSearch {
 }  // namespace
 
 std::vector<PieceOverlap> find_piece_overlaps(const Contact& contact, const CellComplex& complex,
-                                              Attributes& attributes) {
-  return OverlapSearch(contact, complex, attributes).search();
+                                              Attributes& attributes, double least) {
+  return OverlapSearch(contact, complex, attributes, least).search();
 }
 
 }  // namespace suture

@@ -15,9 +15,9 @@ struct PieceOverlap {
   Vec3 place{};                   ///< its position
 };
 
-/// Of all pieces at their current positions; less than a thousandth of a typical edge does not
-/// count. O(surface) where none do, O(surfaces squared) for two that do.
+/// Of all pieces at their current positions, those that are deeper in each other than this part of
+/// a typical edge. O(surface) where none are, O(surfaces squared) for two that are.
 std::vector<PieceOverlap> find_piece_overlaps(const Contact& contact, const CellComplex& complex,
-                                              Attributes& attributes);
+                                              Attributes& attributes, double least = 1e-3);
 
 }  // namespace suture

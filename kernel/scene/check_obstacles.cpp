@@ -98,11 +98,10 @@ std::string deep_overlaps(BuiltScene& built, const Contact& contact) {
   const double edge = contact.mean_edge();
   std::string lines;
   for (const PieceOverlap& overlap :
-       find_piece_overlaps(contact, body.complex(), body.attributes()))
-    if (overlap.depth >= PieceContact::max_depth * edge)
-      lines += (lines.empty() ? "" : "\n") + describe_pieces(overlap, built, body, edge, "end") +
-               "; they met too fast for contact to keep them apart, so give /solver/dt a smaller "
-               "value";
+       find_piece_overlaps(contact, body.complex(), body.attributes(), PieceContact::max_depth))
+    lines += (lines.empty() ? "" : "\n") + describe_pieces(overlap, built, body, edge, "end") +
+             "; they met too fast for contact to keep them apart, so give /solver/dt a smaller "
+             "value";
   return lines;
 }
 

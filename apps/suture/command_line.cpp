@@ -191,6 +191,12 @@ struct Parser {
   void add_compare(CLI::App& sub) {
     sub.add_option("a", compare.a, "output folder of a run, or its run.pvd")->required();
     sub.add_option("b", compare.b, "output folder of another run")->required();
+    sub.add_flag("--common", compare.common,
+                 "compare the frames of common times, where there are others");
+    sub.add_option("--tolerance", compare.tolerance,
+                   "end with exit code 1 if a relative difference is larger")
+        ->check(CLI::NonNegativeNumber)
+        ->type_name("T");
     sub.callback([this] { line.command = compare; });
   }
   void add_plot(CLI::App& sub) {

@@ -58,6 +58,8 @@ struct SweepCommand {
 };
 struct CompareCommand {
   std::filesystem::path a, b;  ///< output folders
+  bool common = false;         ///< only frames of common times
+  std::string tolerance{};     ///< of relative differences; "": none
 };
 struct PlotCommand {
   std::filesystem::path run, picture;  ///< output folder; "": plot.png in it

@@ -63,7 +63,10 @@ int sweep(const SweepCommand& command, Console&) {
 }
 
 int compare(const CompareCommand& command, Console&) {
-  return become_python("suture._compare", {command.a.string(), command.b.string()});
+  std::vector<std::string> words{command.a.string(), command.b.string()};
+  if (command.common) words.emplace_back("--common");
+  if (!command.tolerance.empty()) words.insert(words.end(), {"--tolerance", command.tolerance});
+  return become_python("suture._compare", words);
 }
 
 int plot(const PlotCommand& command, Console&) {

@@ -34,11 +34,32 @@ class Compare(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder)
 
     def test_the_difference_of_known_values(self):
-        rms, largest, relative = _compare.difference(
+        rms, largest, scale = _compare.difference(
             np.array([[3.0, 0], [0, 4]]), np.array([[3.0, 0], [0, 0]]))
         self.assertAlmostEqual(rms, 8 ** 0.5)
         self.assertAlmostEqual(largest, 4)
-        self.assertAlmostEqual(relative, 0.8)
+        self.assertAlmostEqual(scale, 12.5 ** 0.5)
+
+    def test_undefined_values(self):
+        nan = np.nan
+        self.assertEqual(_compare.difference(np.array([nan, 2.0]), np.array([nan, 1.0]))[1], 1)
+        self.assertEqual(_compare.difference(np.array([nan, 2.0]), np.array([0.0, 2.0]))[1], np.inf)
+        self.assertEqual(_compare.difference(np.array([1.0]), np.array([nan]))[0], np.inf)
+
+    def test_common_times(self):
+        one, two = run(self.folder / "1"), run(self.folder / "2", every=10)
+        rows, _ = _compare.compare_frames(one, two, common=True)
+        self.assertEqual({row[1] for row in rows}, {0, 1e-3})
+        self.assertEqual({row[2] for row in rows}, {0.0})
+
+    def test_a_tolerance(self):
+        one, two = run(self.folder / "1"), run(self.folder / "2", -1.01)
+        program = [os.environ["SUTURE_PROGRAM"], "compare", one, two, "--tolerance"]
+        self.assertEqual(subprocess.run([*program, "0.03"], stdout=subprocess.PIPE).returncode, 0)
+        beyond = subprocess.run([*program, "0.005"], capture_output=True, text=True)
+        self.assertEqual(beyond.returncode, 1)
+        self.assertRegex(beyond.stdout, "beyond 0.005: .*displacement \\(frames\\)")
+        self.assertEqual(subprocess.run([*program, "-1"], capture_output=True).returncode, 2)
 
     def test_a_run_equals_itself_and_twice_the_load_moves_it_twice_as_far(self):
         one, two = run(self.folder / "1"), run(self.folder / "2", -2.0)
@@ -57,7 +78,7 @@ class Compare(unittest.TestCase):
         one = run(self.folder / "1")
         with self.assertRaisesRegex(ValueError, "meshes differ.*12 nodes and 2.*16 and 3"):
             _compare.compare(one, run(self.folder / "2", cells=(3, 1, 1)))
-        with self.assertRaisesRegex(ValueError, "other times.*has 3 .* has 2"):
+        with self.assertRaisesRegex(ValueError, "other times.*has 3 .* has 2 .*--common"):
             _compare.compare(one, run(self.folder / "3", every=10))
         with self.assertRaisesRegex(OSError, "no such folder"):
             _compare.compare(one, self.folder / "4")

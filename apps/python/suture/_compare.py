@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Differences between two runs, field by field and time by time.
 
-    python3 -m suture._compare A B      what `suture compare` executes
+    python3 -m suture._compare A B [--common] [--tolerance T]      what `suture compare` executes
 """
 
+import argparse
 import sys
 
 import numpy
@@ -14,16 +15,21 @@ from ._vtk import read_grid
 SAME_TIME = 1e-9  # of the last time
 
 
-def _require_same_times(a, b, times):
-    here, there = times
-    span = max(here, default=0) or 1
-    same = len(here) == len(there) and all(
-        abs(s - t) <= SAME_TIME * span for s, t in zip(here, there))
-    if not same:
+def _pairs(a, b, common):
+    """The frames of the same times, (time, file of a, file of b). `common`: others are skipped."""
+    frames, others = frames_of(a), frames_of(b)
+    if not frames or not others:
+        return []
+    near = SAME_TIME * (max(time for time, _ in frames) or 1)
+    pairs = [(time, file, other) for time, file in frames for their_time, other in others
+             if abs(time - their_time) <= near]
+    if not pairs or not (common or len(frames) == len(pairs) == len(others)):
         raise ValueError(
-            f"the frames are of other times: {a} has {len(here)} from {min(here):g} to "
-            f"{max(here):g} s, {b} has {len(there)} from {min(there):g} to {max(there):g} s; give "
-            "both scenes the same output 'every'")
+            f"the frames are of other times: {a} has {len(frames)} from {frames[0][0]:g} to "
+            f"{frames[-1][0]:g} s, {b} has {len(others)} from {others[0][0]:g} to "
+            f"{others[-1][0]:g} s; give both scenes the same output 'every'"
+            + (", or compare those of common times (--common)" if pairs else ""))
+    return pairs
 
 
 def _require_same_mesh(a, b, grids):
@@ -36,29 +42,42 @@ def _require_same_mesh(a, b, grids):
 
 
 def difference(first, second):
-    """Root mean square and maximum of |first - second|, and the first relative to `first`."""
-    gap = numpy.linalg.norm((first - second).reshape(len(first), -1), axis=1)
-    size = numpy.linalg.norm(first.reshape(len(first), -1), axis=1)
+    """Root mean square and maximum of |first - second|, and the first of |first|.
+
+    What is undefined (nan) in both is equal; in one of them, it is an infinite difference.
+    """
+    known = numpy.isfinite(first) & numpy.isfinite(second)
+    equal = (first == second) | (numpy.isnan(first) & numpy.isnan(second))
+    gap = numpy.where(equal, 0.0, numpy.inf)
+    gap[known] = numpy.abs(first - second)[known]
+    gap, size = (numpy.linalg.norm(v.reshape(len(first), -1), axis=1)
+                 for v in (gap, numpy.where(numpy.isfinite(first), first, 0.0)))
     rms, scale = (numpy.sqrt(numpy.mean(v * v)) if v.size else 0.0 for v in (gap, size))
-    relative = rms / scale if scale > 0 else (0.0 if rms == 0 else numpy.inf)
-    return rms, gap.max(initial=0.0), relative
+    return rms, gap.max(initial=0.0), scale
 
 
-def compare_frames(a, b):
+def _relative(rows):
+    """Rows (name, time, rms, max, scale) with, instead of the scale, the rms relative to the
+    largest scale of that name: a field that starts from zero has no other measure."""
+    scales = {}
+    for name, _, _, _, scale in rows:
+        scales[name] = max(scale, scales.get(name, 0.0))
+    return [(name, time, rms, largest,
+             0.0 if rms == 0 else rms / scales[name] if scales[name] > 0 else numpy.inf)
+            for name, time, rms, largest, _ in rows]
+
+
+def compare_frames(a, b, common=False):
     """Rows (field, time, rms, max, relative), and the fields that only one run has."""
-    frames, others = frames_of(a), frames_of(b)
-    if not frames or not others:
-        return [], set()
-    _require_same_times(a, b, [[t for t, _ in f] for f in (frames, others)])
     rows, lonely = [], set()
-    for (time, file), (_, other) in zip(frames, others):
+    for time, file, other in _pairs(a, b, common):
         grids = read_grid(file), read_grid(other)
         _require_same_mesh(file, other, grids)
         fields, their_fields = (g["fields"] for g in grids)
         lonely |= set(fields) ^ set(their_fields)
         for name in [n for n in fields if n in their_fields]:
             rows.append((name, time, *difference(fields[name], their_fields[name])))
-    return rows, lonely
+    return _relative(rows), lonely
 
 
 def _at_times(times, own_times, values):
@@ -81,7 +100,7 @@ def compare_tables(file, other):
         if first.size:
             worst = time[inside][numpy.argmax(numpy.abs(first - second))]
             result.append((name, worst, *difference(first, second)))
-    return result, set(names) ^ set(their_names)
+    return _relative(result), set(names) ^ set(their_names)
 
 
 def _print(title, time_title, rows):
@@ -91,10 +110,11 @@ def _print(title, time_title, rows):
         print(f"{name:{width}}  " + " ".join(f"{value:12.5g}" for value in values))
 
 
-def compare(a, b):
-    """Prints the differences between two runs. Raises ValueError if they have nothing in common."""
+def compare(a, b, common=False, tolerance=None):
+    """Prints the differences between two runs; False if one exceeds the tolerance. Raises
+    ValueError if they have nothing in common."""
     a, b = folder_of(a), folder_of(b)
-    parts = [("frames", "time [s]", *compare_frames(a, b))]
+    parts = [("frames", "time [s]", *compare_frames(a, b, common))]
     for name in TABLES:
         if (a / name).exists() and (b / name).exists():
             parts.append((name, "worst at [s]", *compare_tables(a / name, b / name)))
@@ -106,15 +126,27 @@ def compare(a, b):
             _print(title, time_title, rows)
         if lonely:
             print(f"{title}: only one of the runs has {', '.join(sorted(lonely))}", file=sys.stderr)
-    print("rms: root mean square over nodes, elements or rows; relative: to that of the first run")
+    print("rms: root mean square over nodes, elements or rows; relative: to the largest of the "
+          "first run")
+    if tolerance is None:
+        return True
+    beyond = sorted({f"{name} ({title})" for title, _, rows, _ in parts
+                     for name, *_, relative in rows if not relative <= tolerance})
+    if beyond:
+        print(f"beyond {tolerance:g}: {', '.join(beyond)}")
+    return not beyond
 
 
 def main():
     from . import Error
 
+    parser = argparse.ArgumentParser(prog="suture compare")
+    parser.add_argument("runs", nargs=2)
+    parser.add_argument("--common", action="store_true")
+    parser.add_argument("--tolerance", type=float)
+    options = parser.parse_args()
     try:
-        compare(*sys.argv[1:3])
-        return 0
+        return 0 if compare(*options.runs, options.common, options.tolerance) else 1
     except (Error, OSError, ValueError, ImportError) as error:
         print(f"suture: error: {error}", file=sys.stderr)
         return 6 if isinstance(error, OSError) else 3

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "kernel/contact/vectors.hpp"
+#include "kernel/base/vec3.hpp"
 
 namespace suture {
 namespace {

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cmath>
-
 #include "kernel/base/vec3.hpp"
 
 namespace suture {
 
-inline Vec3 plus(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-inline Vec3 scaled(double s, const Vec3& a) { return {s * a[0], s * a[1], s * a[2]}; }
-inline double norm(const Vec3& a) { return std::sqrt(dot(a, a)); }
 /// A vector of a row of four.
 inline Vec3 row(const double* rows, Index i) {
   const double* r = rows + 4 * std::size_t{i};

@@ -25,8 +25,6 @@ Vec3 vector_at(const Values& values, std::size_t node, std::size_t lane) {
           values[CellBatch::place(node, 2, lane)]};
 }
 
-double norm(const Vec3& v) { return std::sqrt(dot(v, v)); }
-
 /// Sums over the nodes of a cell; `largest...` of the sizes of what is summed.
 struct Sums {
   Vec3 force{}, torque{};

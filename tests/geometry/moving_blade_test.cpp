@@ -10,6 +10,7 @@
 #include <random>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/vec3.hpp"
 #include "kernel/geometry/surface_blade.hpp"
 #include "tests/base/same_state.hpp"
 #include "tests/geometry/dyadic.hpp"
@@ -21,8 +22,6 @@ namespace {
 using namespace test;
 
 using Polyline = std::vector<Vec3>;
-
-Vec3 plus(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 
 Polyline moved(Polyline line, const Vec3& by) {
   for (Vec3& p : line) p = plus(p, by);

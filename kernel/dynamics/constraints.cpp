@@ -379,6 +379,15 @@ double Constraints::longest_step(double time) const {
   return step;
 }
 
+double Constraints::largest_turn(double from, double to) const {
+  double largest = 0;
+  for (const Group& group : groups_) {
+    const TimeRamp& ramp = group.motion.ramp;
+    largest = std::max(largest, std::abs(group.motion.angle * (ramp.value(to) - ramp.value(from))));
+  }
+  return largest;
+}
+
 double Constraints::last_change() const {
   double time = 0;
   for (const Group& group : groups_)

@@ -76,6 +76,9 @@ class Constraints {
   /// nothing moves.
   double longest_step(double time) const;
 
+  /// The largest angle by which a motion turns its vertices between two times, rad.
+  double largest_turn(double from, double to) const;
+
   bool empty() const { return groups_.empty(); }
   Index vertex_count() const;  ///< constrained, counted once per group
   double last_change() const;  ///< end of the last motion, s

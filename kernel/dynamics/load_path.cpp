@@ -33,6 +33,11 @@ StepEquations LoadPath::equations_at(double part) const {
   return equations;
 }
 
+double LoadPath::turn(double from, double to) const {
+  const double start = motion_.time(), length = end_.time - start;
+  return motion_.body().constraints().largest_turn(start + from * length, start + to * length);
+}
+
 bool LoadPath::try_at(double part) {
   try {
     newton_.solve(equations_at(part));

@@ -34,6 +34,9 @@ class LoadPath {
   void hold_back();
   StepEquations equations_at(double part) const;
 
+  /// The largest angle by which a prescribed motion turns between two parts of the change, rad.
+  double turn(double from, double to) const;
+
   /// Moves the vertices to the equilibrium at a part of the change that Newton's method finds from
   /// their current positions, or back to the last one: false. Passes on StepRejected.
   bool try_at(double part);

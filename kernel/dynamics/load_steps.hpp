@@ -5,9 +5,9 @@
 
 namespace suture {
 
-/// Finds the equilibrium at the end of a static step: at once if Newton's method converges, and
-/// otherwise along a LoadPath, with a step that is halved where Newton's method fails and doubled
-/// where it converges quickly twice in a row.
+/// Finds the equilibrium at the end of a static step: at once if Newton's method converges and
+/// nothing is turned by more than 45 degrees, and otherwise along a LoadPath, with a step that is
+/// halved where Newton's method fails and doubled where it converges quickly twice in a row.
 class LoadSteps {
  public:
   explicit LoadSteps(LoadPath& path) : path_(path) {}

@@ -135,9 +135,7 @@ std::vector<std::string> all_bodies() {
 
 Draft::Draft(const Family& family, unsigned i, std::uint64_t seed)
     : index(i), random(seed, family.name, i) {
-  char number[8];
-  std::snprintf(number, sizeof number, "-%03u", i);
-  trial.name = family.name + number;
+  trial.name = trial_name(family, i);
 }
 
 void Draft::choose(const std::vector<std::string>& bodies) { choose(bodies, all_nus); }
@@ -181,9 +179,26 @@ void Draft::choose_material(const std::vector<double>& nus, bool continuum_only)
   trial.title = text;
 }
 
+double period_of(const Body& body, double young, double density) {
+  return body.length() * std::sqrt(density / young);
+}
+
+void Draft::start(const Body& given, const Material& material, double end) {
+  body = given;
+  young = material.young;
+  poisson = material.poisson;
+  density = material.density;
+  period_ = period_of(body, young, density);
+  end_ = end * period_;
+  trial.scene["suture"] = 1;
+  trial.scene["mesh"] = body.mesh;
+  trial.scene["models"] = {model_entry(material)};
+  trial.scene["output"] = false;
+}
+
 void Draft::find_stable_step() {
   trial.stable = stable_step_of(trial);
-  period_ = body.length() * std::sqrt(density / young);
+  period_ = period_of(body, young, density);
   Json& solver = trial.scene["solver"];
   const bool verlet = index % 2 == 1, fixed = random.chance(0.25);
   solver["integrator"] = verlet ? "velocity-verlet" : "symplectic-euler";

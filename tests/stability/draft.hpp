@@ -5,6 +5,7 @@
 #include <array>
 #include <string>
 
+#include "tests/stability/materials.hpp"
 #include "tests/stability/trial.hpp"
 
 namespace suture::test {
@@ -27,6 +28,9 @@ struct Body {
 /// The named body, `scale` m times as large as where its shortest cube has an edge of 1.
 Body make_body(const std::string& name, double scale, Random& random);
 
+/// The period of a body, s: L sqrt(rho / E).
+double period_of(const Body& body, double young, double density);
+
 /// A trial in the making. Lengths are those of the body, times are counted in its own period
 /// L / c with c = sqrt(E / rho), loads in E.
 class Draft {
@@ -37,6 +41,8 @@ class Draft {
   void choose(const std::vector<std::string>& bodies = {});
   void choose(const std::vector<std::string>& bodies, const std::vector<double>& nus,
               bool continuum_only = false);
+  /// A given body and material instead; `end`: in periods.
+  void start(const Body& given, const Material& material, double end);
   /// Once more where the material is another: the run's step and its length.
   void find_stable_step();
 

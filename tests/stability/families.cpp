@@ -5,8 +5,10 @@
 // outcome is known for every size and stiffness.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "tests/stability/draft.hpp"
+#include "tests/stability/stresses.hpp"
 
 namespace suture::test {
 
@@ -454,14 +456,24 @@ const std::vector<Family>& families() {
                              {"coarse", 80, coarse},
                              {"overload", 60, overload}};
     for (const Family& family : trial_families()) list.push_back(family);
+    for (const Family& family : stress_families()) list.push_back(family);
     return list;
   }();
   return all;
 }
 
+std::string trial_name(const Family& family, unsigned index) {
+  if (family.is_stress()) return stress_trial_name(family.name, index);
+  char number[8];
+  std::snprintf(number, sizeof number, "-%03u", index);
+  return family.name + number;
+}
+
 Trial make_trial(const Family& family, unsigned index, std::uint64_t seed) {
   Draft draft(family, index, seed);
   family.make(draft);
+  draft.trial.law = family.law;
+  if (family.is_stress() && draft.trial.title.empty()) draft.trial.title = family.what;
   return draft.trial;
 }
 

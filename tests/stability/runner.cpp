@@ -11,6 +11,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/run/simulation.hpp"
 #include "kernel/scene/scene_reader.hpp"
+#include "tests/stability/stress_check.hpp"
 
 namespace suture::test {
 namespace {
@@ -228,17 +229,21 @@ void judge(const Trial& trial, const Scene& scene, Result& result) {
   }
 }
 
-void run(const Trial& trial, const Scene& scene, Result& result) {
+/// Returns what the trial's check measures.
+Values run(const Trial& trial, const Scene& scene, Result& result) {
+  Values values;
   Diagnostics diagnostics;
   diagnostics.on_warning = [&](const std::string& text) { result.messages.push_back(text); };
   Listener listener(result.messages);
   try {
     Simulation simulation(scene, host(), diagnostics);
+    if (trial.begin) trial.begin(simulation);
     std::optional<Growth> growth;
     const bool looks_in = trial.expected == Expected::right && trial.is_conservative &&
                           !scene.solver.until_rest && scene.solver.damping == 0;
     if (looks_in) growth = follow_energy(trial, simulation, listener);
-    const RunSummary summary = simulation.run(listener);
+    RunSummary summary;
+    values = run_and_measure(trial.check, simulation, listener, summary);
     result.outcome = outcome_name(summary.outcome);
     result.steps = summary.steps;
     result.rollbacks = summary.rollbacks;
@@ -254,6 +259,43 @@ void run(const Trial& trial, const Scene& scene, Result& result) {
     result.outcome = kind_of(error);
     result.error = error.what();
   }
+  return values;
+}
+
+/// What the check expects: by its law, or of another run.
+Values expected_of(const Check& check, const std::filesystem::path& folder) {
+  if (!check.reference) return check.expected;
+  Result result;
+  const Values values = run(*check.reference, read_trial(*check.reference, folder), result);
+  if (!result.error.empty()) throw NumericalError("the reference: " + result.error);
+  return values;
+}
+
+void run_stress(const Trial& trial, const std::filesystem::path& folder, Result& result) {
+  Values values;
+  try {
+    values = run(trial, read_trial(trial, folder), result);
+  } catch (const InputError& error) {
+    result.outcome = kind_of(error);
+    result.error = error.what();
+  }
+  if (result.error.empty() && trial.check.measure)
+    result.difference = difference_to(trial.check, expected_of(trial.check, folder), values);
+  judge_stress(trial, result);
+}
+
+void run_load(const Trial& trial, const std::filesystem::path& folder, bool compares,
+              Result& result) {
+  const Scene scene = read_trial(trial, folder);
+  run(trial, scene, result);
+  if (result.outcome == "InputError" || result.outcome == "PluginError") {
+    result.verdict = Verdict::not_run;
+    result.reason = result.error;
+    return;
+  }
+  if (compares && trial.compare > 0 && result.error.empty())
+    result.difference = difference_to_quarter_step(trial, scene);
+  judge(trial, scene, result);
 }
 
 }  // namespace
@@ -268,6 +310,14 @@ const char* name_of(Verdict verdict) {
       return "held";
     case Verdict::beyond_law:
       return "beyond the law";
+    case Verdict::refused:
+      return "refused";
+    case Verdict::ended:
+      return "stopped";
+    case Verdict::warned:
+      return "warned";
+    case Verdict::absent:
+      return "-";
     case Verdict::stopped:
       return "STOPPED";
     case Verdict::grew:
@@ -297,15 +347,12 @@ Result run_trial(const Trial& trial, const std::filesystem::path& folder, bool c
   const auto start = std::chrono::steady_clock::now();
   Result result;
   try {
-    const Scene scene = read_trial(trial, folder);
-    run(trial, scene, result);
-    if (result.outcome == "InputError" || result.outcome == "PluginError") {
-      result.verdict = Verdict::not_run;
-      result.reason = result.error;
+    if (trial.scene.is_null()) {
+      result.verdict = Verdict::absent;
+    } else if (!trial.model.empty()) {
+      run_stress(trial, folder, result);
     } else {
-      if (compares && trial.compare > 0 && result.error.empty())
-        result.difference = difference_to_quarter_step(trial, scene);
-      judge(trial, scene, result);
+      run_load(trial, folder, compares, result);
     }
   } catch (const Error& error) {
     result.verdict = Verdict::not_run;

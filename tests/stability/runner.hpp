@@ -15,6 +15,10 @@ enum class Verdict {
   reported,        ///< right, and its energy grew by more than 2 %, which was reported
   held,            ///< growth was reported or undone, and over the run there is none
   beyond_law,      ///< stopped, and a run at a tenth of the step stops, too
+  refused,         ///< a scene that may be refused, with a message
+  ended,           ///< a run that may or must be stopped, with its reason
+  warned,          ///< not as asked for, which a warning says
+  absent,          ///< the stress does not apply to the model or the solver
   stopped,         ///< a right run was stopped
   grew,            ///< energy grew by more than 2 % per 10,000 steps without a word
   inaccurate,      ///< far from a run at a quarter of the step, or a balance that is too large
@@ -23,7 +27,7 @@ enum class Verdict {
   not_run,         ///< the scene was refused
 };
 const char* name_of(Verdict verdict);
-inline bool is_good(Verdict v) { return v <= Verdict::beyond_law; }
+inline bool is_good(Verdict v) { return v <= Verdict::absent; }
 
 /// The result of a trial.
 struct Result {

@@ -3,14 +3,32 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
+namespace suture {
+class Simulation;
+}
+
 namespace suture::test {
 
 using Json = nlohmann::ordered_json;
+
+struct Trial;
+using Values = std::vector<double>;
+
+/// What a trial is measured by, without units.
+struct Check {
+  std::function<Values(Simulation&)> measure;  ///< at the end
+  Values expected;                             ///< by a law, or
+  std::shared_ptr<const Trial> reference{};    ///< what this trial gives
+  double tolerance = 0;  ///< of the largest difference relative to the largest value expected
+  unsigned looks = 0;    ///< > 0: so often, and the largest may be at most that expected
+};
 
 /// What is known of a trial before it runs.
 enum class Expected {
@@ -35,6 +53,13 @@ struct Trial {
   bool is_conservative = true;  ///< once settled: no viscosity and no pressure
   bool is_smooth = false;       ///< loads grow over several periods: the balance is held to less
   std::array<double, 3> probe{};  ///< m: the node that is nearest is compared
+
+  // Cells of the table, model x solver x stress:
+  std::string model, solver, law;
+  Check check;
+  std::function<void(Simulation&)> begin{};  ///< changes the motion at the start
+  std::string excuse;            ///< why the run may be refused, be stopped or warn; or none
+  double allowed_growth = 0.02;  ///< of energy, per 10,000 steps
 };
 
 /// Uniform numbers that are the same on every machine.
@@ -55,14 +80,20 @@ class Random {
   std::uint64_t state_;
 };
 
-/// A family of trials: one load on many bodies.
+/// A family of trials: one load on many bodies, or one stress on every model with every solver.
 struct Family {
   std::string name;
   unsigned size = 0;
-  void (*make)(class Draft&) = nullptr;
+  std::function<void(class Draft&)> make;
+  std::string law{};     ///< of a stress: what its results are compared with
+  std::string what{};    ///< of a stress
+  bool is_long = false;  ///< not in a sample
+  bool is_stress() const { return !law.empty(); }
 };
 
 const std::vector<Family>& families();
+/// "twist-017", "twist-360.neo-hookean.newmark"
+std::string trial_name(const Family& family, unsigned index);
 Trial make_trial(const Family& family, unsigned index, std::uint64_t seed);
 
 }  // namespace suture::test

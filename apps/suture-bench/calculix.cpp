@@ -7,113 +7,155 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 #include <vector>
 
 #include "apps/suture-bench/machine.hpp"
 #include "apps/suture-bench/process.hpp"
+#include "apps/suture-bench/solid_mesh.hpp"
 #include "kernel/base/error.hpp"
-#include "kernel/mesh/box.hpp"
+#include "kernel/base/vec3.hpp"
 
 namespace suture::bench {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+// ------------------------------------------------------------------- selections --
+
+/// Nodes that a selection of the scene contains; a node between two corners is in a set if both
+/// are.
+class Nodes {
+ public:
+  Nodes(const Mesh& mesh, const SolidMesh& solid) : mesh_(mesh), solid_(solid) {}
+
+  std::vector<Index> in(const Json& where) const {
+    std::vector<Index> found;
+    const std::vector<char> in_set =
+        where.contains("set") ? marks(where["set"]) : std::vector<char>{};
+    for (Index n = 0; n < solid_.nodes.size(); ++n) {
+      const SolidMesh::Node& node = solid_.nodes[n];
+      if (in_set.empty() ? is_in_box(where, solid_.points[n])
+                         : in_set[node.first] && in_set[node.second])
+        found.push_back(n);
+    }
+    if (found.empty()) throw UsageError("no node of the mesh is in " + where.dump());
+    return found;
+  }
+
+ private:
+  std::vector<char> marks(const std::string& set) const {
+    std::vector<char> result(mesh_.points.size());
+    for (const Index v : mesh_.point_sets.at(set)) result[v] = 1;
+    return result;
+  }
+  static bool is_in_box(const Json& where, const Vec3& p) {
+    if (!where.contains("box")) throw UsageError("CalculiX cannot select " + where.dump());
+    const Vec3 low = where["box"]["min"], high = where["box"]["max"];
+    for (std::size_t c = 0; c < 3; ++c)
+      if (p[c] < low[c] || p[c] > high[c]) return false;
+    return true;
+  }
+
+  const Mesh& mesh_;
+  const SolidMesh& solid_;
+};
 
 // --------------------------------------------------------------------- deck --
 
-/// Nodes of a grid at half the spacing of the elements: corners have even coordinates, the middles
-/// of edges one odd coordinate.
-struct Grid {
-  std::array<Index, 3> cells;  ///< x along the beam
-  bool quadratic;
-
-  using Place = std::array<Index, 3>;
-  std::size_t id(const Place& p) const {
-    return 1 + p[0] + (2 * cells[0] + 1) * (p[1] + std::size_t{2 * cells[1] + 1} * p[2]);
-  }
-  bool is_node(const Place& p) const {
-    return p[0] % 2 + p[1] % 2 + p[2] % 2 <= (quadratic ? 1u : 0u);
-  }
-  template <class Visit>
-  void for_each_node(Visit visit) const {
-    for (Index z = 0; z <= 2 * cells[2]; ++z)
-      for (Index y = 0; y <= 2 * cells[1]; ++y)
-        for (Index x = 0; x <= 2 * cells[0]; ++x)
-          if (is_node({x, y, z})) visit(Place{x, y, z});
-  }
-};
-
-/// The nodes of an element in the order of the manual: corners, then the middles of the edges
-/// below, above and between.
-constexpr Grid::Place node_order[] = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {0, 0, 2},
-                                      {2, 0, 2}, {2, 2, 2}, {0, 2, 2}, {1, 0, 0}, {2, 1, 0},
-                                      {1, 2, 0}, {0, 1, 0}, {1, 0, 2}, {2, 1, 2}, {1, 2, 2},
-                                      {0, 1, 2}, {0, 0, 1}, {2, 0, 1}, {2, 2, 1}, {0, 2, 1}};
-
-void write_elements(std::ostream& out, const Grid& grid) {
-  const std::size_t count = grid.quadratic ? 20 : 8;
-  std::size_t element = 0;
-  for (Index z = 0; z < grid.cells[2]; ++z)
-    for (Index y = 0; y < grid.cells[1]; ++y)
-      for (Index x = 0; x < grid.cells[0]; ++x) {
-        out << ++element;
-        for (std::size_t i = 0; i < count; ++i) {
-          const Grid::Place& p = node_order[i];
-          out << (i == 10 ? ",\n" : ", ") << grid.id({2 * x + p[0], 2 * y + p[1], 2 * z + p[2]});
-        }
-        out << '\n';
-      }
+/// Where a part of a prescribed motion takes a point: c + R(angle) (X - c) + t.
+Vec3 displacement_of(const Json& move, const Vec3& point, double part) {
+  Vec3 u = move.value("translation", Vec3{});
+  for (double& x : u) x *= part;
+  if (!move.contains("rotation")) return u;
+  const Json& rotation = move["rotation"];
+  const Vec3 axis = rotation["axis"], r = minus(point, rotation.value("centre", Vec3{}));
+  const double length = std::sqrt(dot(axis, axis));
+  const double angle = part * rotation["angle"].get<double>() * std::numbers::pi / 180;
+  const Vec3 n{axis[0] / length, axis[1] / length, axis[2] / length}, side = cross(n, r);
+  // Rodrigues: R r - r = sin a (n x r) + (1 - cos a) (n (n . r) - r)
+  for (std::size_t c = 0; c < 3; ++c)
+    u[c] += std::sin(angle) * side[c] + (1 - std::cos(angle)) * (n[c] * dot(n, r) - r[c]);
+  return u;
 }
 
-/// Nodes whose weighted sum is the value at the centre of the end face.
-std::vector<std::pair<std::size_t, double>> tip_nodes(const Grid& grid) {
-  const Index n = grid.cells[1], x = 2 * grid.cells[0];
-  if (n % 2 == 0) return {{grid.id({x, n, n}), 1}};
-  std::vector<std::pair<std::size_t, double>> nodes;
-  const double corner = grid.quadratic ? -0.25 : 0.25;
-  for (const Index y : {n - 1, n + 1})
-    for (const Index z : {n - 1, n + 1}) nodes.emplace_back(grid.id({x, y, z}), corner);
-  if (!grid.quadratic) return nodes;
-  for (const Grid::Place& p :
-       {Grid::Place{x, n - 1, n}, {x, n + 1, n}, {x, n, n - 1}, {x, n, n + 1}})
-    nodes.emplace_back(grid.id(p), 0.5);
-  return nodes;
+void write_constraints(std::ostream& out, const Json& scene, const Nodes& nodes,
+                       const SolidMesh& solid, double part) {
+  out << "*BOUNDARY\n";
+  for (const Json& constraint : scene.value("constraints", Json::array()))
+    for (const Index n : nodes.in(constraint["where"])) {
+      const Vec3 u = constraint.contains("move")
+                         ? displacement_of(constraint["move"], solid.points[n], part)
+                         : Vec3{};
+      for (const char c : constraint.value("fix", std::string("xyz")))
+        out << n + 1 << ", " << c - 'w' << ", " << c - 'w' << ", "
+            << u[static_cast<std::size_t>(c - 'x')] << '\n';
+    }
 }
 
-/// Coordinates along the beam of the planes of nodes, at half the spacing of the elements.
-std::vector<double> stations(const CalculixJob& job) {
-  const Index n = job.cells[0];
-  const Mesh line = make_box({{0, 0, 0}, {1, 1, 1}, {n, 1, 1}, {job.grading, 1, 1}});
-  std::vector<double> x;
-  for (Index i = 0; i <= 2 * n; ++i)
-    x.push_back((line.points[i / 2][0] + line.points[(i + 1) / 2][0]) / 2);
-  return x;
+void write_loads(std::ostream& out, const Json& scene, const Nodes& nodes, const SolidMesh& solid) {
+  const Vec3 g = scene.value("gravity", Vec3{});
+  const double size = std::sqrt(dot(g, g));
+  if (size > 0)
+    out << "*DLOAD\nBODY, GRAV, " << size << ", " << g[0] / size << ", " << g[1] / size << ", "
+        << g[2] / size << '\n';
+  for (const Json& load : scene.value("loads", Json::array())) {
+    const Vec3 traction = load.at("traction");
+    std::vector<char> is_selected(solid.nodes.size());
+    for (const Index n : nodes.in(load["where"])) is_selected[n] = 1;
+    out << "*CLOAD\n";
+    for (const auto& [n, area] : loaded_nodes(solid, [&](Index v) { return is_selected[v]; }))
+      for (std::size_t c = 0; c < 3; ++c)
+        out << n + 1 << ", " << c + 1 << ", " << area * traction[c] << '\n';
+  }
 }
 
-void write_deck(const fs::path& file, const Cantilever& what, const Grid& grid,
-                const CalculixJob& job) {
-  std::ofstream out(file);
-  out.precision(17);
-  const double half = 0.125 / grid.cells[1];
-  const std::vector<double> x = stations(job);
+void write_mesh(std::ostream& out, const SolidMesh& solid, const std::string& element) {
   out << "*NODE, NSET=ALL\n";
-  grid.for_each_node([&](const Grid::Place& p) {
-    out << grid.id(p) << ", " << x[p[0]] << ", " << half * p[1] << ", " << half * p[2] << '\n';
-  });
-  out << "*ELEMENT, TYPE=" << job.element << ", ELSET=BODY\n";
-  write_elements(out, grid);
-  out << "*NSET, NSET=ROOT\n";
-  grid.for_each_node([&](const Grid::Place& p) {
-    if (p[0] == 0) out << grid.id(p) << ",\n";
-  });
-  out << "*NSET, NSET=TIP\n";
-  for (const auto& [node, weight] : tip_nodes(grid)) out << node << ",\n";
-  out << "*MATERIAL, NAME=SOLID\n*ELASTIC\n400000., " << what.nu << "\n*DENSITY\n1000.\n"
-      << "*SOLID SECTION, ELSET=BODY, MATERIAL=SOLID\n*BOUNDARY\nROOT, 1, 3\n"
-      << "*STEP, NLGEOM, INC=1000\n*STATIC, SOLVER=" << job.solver << "\n1., 1.\n"
-      << "*DLOAD\nBODY, GRAV, " << what.gravity << ", 0., -1., 0.\n"
-      << "*NODE PRINT, NSET=TIP\nU\n*END STEP\n";
+  for (Index n = 0; n < solid.nodes.size(); ++n) {
+    const Vec3& p = solid.points[n];
+    out << n + 1 << ", " << p[0] << ", " << p[1] << ", " << p[2] << '\n';
+  }
+  out << "*ELEMENT, TYPE=" << element << ", ELSET=BODY\n";
+  for (std::size_t e = 0; e < solid.elements.size(); ++e) {
+    out << e + 1;
+    for (std::size_t i = 0; i < solid.elements[e].size(); ++i)
+      out << (i == 10 ? ",\n" : ", ") << solid.elements[e][i] + 1;
+    out << '\n';
+  }
+}
+
+/// ccx moves nodes along straight lines: it takes a rotation in steps of at most 15 degrees.
+int step_count(const Json& scene) {
+  double angle = 0;
+  for (const Json& constraint : scene.value("constraints", Json::array()))
+    if (constraint.contains("move") && constraint["move"].contains("rotation"))
+      angle = std::max(angle, std::abs(constraint["move"]["rotation"]["angle"].get<double>()));
+  return std::max(1, static_cast<int>(std::ceil(angle / 15)));
+}
+
+void write_deck(const fs::path& file, const Json& scene, const Nodes& nodes, const SolidMesh& solid,
+                const std::vector<Index>& probe, const CalculixJob& job) {
+  const Json& material = scene["models"][0]["parameters"];
+  std::ofstream out(file);
+  out.precision(13);  // ccx reads at most 20 characters of a number
+  write_mesh(out, solid, job.element);
+  out << "*NSET, NSET=PROBE\n";
+  for (const Index n : probe) out << n + 1 << ",\n";
+  out << "*MATERIAL, NAME=SOLID\n*ELASTIC\n"
+      << material["E"].get<double>() << ", " << material["nu"].get<double>() << "\n*DENSITY\n"
+      << material["rho"].get<double>() << "\n*SOLID SECTION, ELSET=BODY, MATERIAL=SOLID\n";
+  const int steps = step_count(scene);
+  for (int step = 1; step <= steps; ++step) {
+    out << "*STEP, NLGEOM, INC=1000\n*STATIC, SOLVER=" << job.solver << "\n1., 1.\n";
+    if (job.precise) out << "*CONTROLS, PARAMETERS=FIELD\n1e-9, 1e-9\n";
+    write_constraints(out, scene, nodes, solid, 1.0 * step / steps);
+    write_loads(out, scene, nodes, solid);
+    out << "*NODE PRINT, NSET=PROBE\nU\n*NODE PRINT, NSET=PROBE\nRF\n*END STEP\n";
+  }
   if (!out.flush()) throw IoError("cannot write " + file.string());
 }
 
@@ -132,16 +174,66 @@ std::vector<std::vector<double>> rows_of(const fs::path& file) {
   return rows;
 }
 
-double tip_of(const fs::path& file, const Grid& grid) {
-  const auto rows = rows_of(file);
-  double tip = 0;
-  for (const auto& [node, weight] : tip_nodes(grid)) {
-    const auto row = std::ranges::find_if(
-        rows, [id = static_cast<double>(node)](const auto& r) { return r[0] == id; });
-    if (row == rows.end()) throw IoError(file.string() + ": no displacement of the tip");
-    tip += weight * (*row)[2];
+/// Displacement and reaction of the nodes of the probe, at the end of the last increment.
+struct Printed {
+  std::vector<Vec3> displacements, reactions;
+
+  Printed(const fs::path& file, std::size_t count) {
+    const auto rows = rows_of(file);
+    if (rows.size() < 2 * count) throw IoError(file.string() + ": no values of the probe");
+    for (std::size_t i = rows.size() - 2 * count; i < rows.size(); ++i)
+      (displacements.size() < count ? displacements : reactions)
+          .push_back({rows[i][1], rows[i][2], rows[i][3]});
   }
-  return tip;
+};
+
+/// One node, or the centre of a square of four: of quadratic elements, whose corners count -1/4 and
+/// whose nodes between them 1/2 each.
+Vec3 mean_displacement(const std::vector<Vec3>& u, const std::vector<Index>& probe,
+                       const SolidMesh& solid) {
+  Vec3 sum{};
+  for (std::size_t i = 0; i < probe.size(); ++i) {
+    double weight = 1.0 / static_cast<double>(probe.size());
+    if (solid.quadratic && probe.size() == 8)
+      weight = solid.nodes[probe[i]].is_corner() ? -0.25 : 0.5;
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * u[i][c];
+  }
+  return sum;
+}
+
+Vec3 value_of(const std::string& field, const Printed& printed, const std::vector<Index>& probe,
+              const SolidMesh& solid) {
+  if (field == "displacement") return mean_displacement(printed.displacements, probe, solid);
+  Vec3 sum{};
+  for (std::size_t i = 0; i < probe.size(); ++i) {
+    const Vec3 force = printed.reactions[i];
+    Vec3 place = solid.points[probe[i]];
+    for (std::size_t c = 0; c < 3; ++c) place[c] += printed.displacements[i][c];
+    const Vec3 part = field == "reaction_moment" ? cross(place, force) : force;
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += part[c];
+  }
+  return sum;
+}
+
+/// The node in the middle of the probe's box, if there is one, else all nodes in it.
+std::vector<Index> nodes_of_probe(const Json& where, const Nodes& nodes, const SolidMesh& solid) {
+  std::vector<Index> found = nodes.in(where);
+  if (!where.contains("box")) return found;
+  const Vec3 low = where["box"]["min"], high = where["box"]["max"];
+  for (const Index n : found) {
+    double off = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+      off = std::max(off, std::abs(solid.points[n][c] - (low[c] + high[c]) / 2));
+    if (off < 1e-9) return {n};
+  }
+  return found;
+}
+
+std::vector<std::pair<Index, Index>> cut_faces(const Json& scene) {
+  std::vector<std::pair<Index, Index>> faces;
+  for (const Json& event : scene.value("events", Json::array()))
+    for (const Json& pair : event.at("cut").at("faces")) faces.emplace_back(pair[0], pair[1]);
+  return faces;
 }
 
 }  // namespace
@@ -154,24 +246,30 @@ bool has_calculix() {
   return false;
 }
 
-CalculixRun run_calculix(const Cantilever& what, const CalculixJob& job) {
-  const std::vector<std::string> known{"C3D8", "C3D8I", "C3D20R"};
+CalculixRun run_calculix(const Json& scene, const Mesh& mesh, const CalculixJob& job) {
+  const std::vector<std::string> known{"C3D8", "C3D8I", "C3D20", "C3D20R"};
   if (std::ranges::count(known, job.element) == 0)
-    throw UsageError("CalculiX element '" + job.element + "' must be one of C3D8, C3D8I, C3D20R");
-  const Grid grid{job.cells, job.element == "C3D20R"};
+    throw UsageError("CalculiX element '" + job.element +
+                     "' must be one of C3D8, C3D8I, C3D20, C3D20R");
+  const Mesh cut = with_slit(mesh, cut_faces(scene));
+  const SolidMesh solid = solid_mesh(cut, job.element.starts_with("C3D20"));
+  const Nodes nodes(cut, solid);
+  const Json& asked = scene["output"]["probes"]["at"][0];
+  const std::vector<Index> probe = nodes_of_probe(asked["where"], nodes, solid);
   const WorkingFolder folder;
-  write_deck(folder.path() / "job.inp", what, grid, job);
+  write_deck(folder.path() / "job.inp", scene, nodes, solid, probe, job);
   ::setenv("OMP_NUM_THREADS", "1", 1);
   const ProcessUse use = run_process({"ccx", "-i", "job"}, folder.path());
   if (use.code != 0)
-    throw IoError("ccx failed on a cantilever of " + std::to_string(job.cells[1]) + " " +
-                  job.element + ": exit code " + std::to_string(use.code));
+    throw IoError("ccx failed on " + std::to_string(solid.elements.size()) + " " + job.element +
+                  ": exit code " + std::to_string(use.code));
+  const Printed printed(folder.path() / "job.dat", probe.size());
   // The child begins with the peak of the process that spawned it.
-  return {.elements = 1.0 * job.cells[0] * job.cells[1] * job.cells[2],
+  return {.dofs = 3.0 * static_cast<double>(solid.nodes.size()),
           .seconds = use.cpu,
           .wall = use.wall,
           .iterations = static_cast<double>(rows_of(folder.path() / "job.cvg").size()),
-          .tip = tip_of(folder.path() / "job.dat", grid),
+          .probe = value_of(asked["fields"][0], printed, probe, solid),
           .peak_bytes = use.peak_bytes > 1.01 * peak_bytes() ? use.peak_bytes : std::nan("")};
 }
 

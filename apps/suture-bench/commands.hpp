@@ -72,6 +72,9 @@ void add_contact(CLI::App& app, std::vector<Command>& commands);
 /// Error against run time of whole processes.
 void add_work_precision(CLI::App& app, std::vector<Command>& commands);
 
+/// The paper's experiments beside formulas, laws and references.
+void add_paper(CLI::App& app, std::vector<Command>& commands);
+
 /// The bodies that are cut, written as surfaces.
 void add_bodies(CLI::App& app, std::vector<Command>& commands);
 

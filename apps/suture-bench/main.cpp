@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   suture::bench::add_modes(app, commands);
   suture::bench::add_contact(app, commands);
   suture::bench::add_work_precision(app, commands);
+  suture::bench::add_paper(app, commands);
   suture::bench::add_bodies(app, commands);
   CLI11_PARSE(app, argc, argv);
   try {

@@ -16,6 +16,7 @@
 #include "apps/suture-bench/machine.hpp"
 #include "apps/suture-bench/solve_case.hpp"
 #include "apps/suture-bench/timer.hpp"
+#include "apps/suture-bench/work_scene.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/forces/gravity.hpp"
 
@@ -169,11 +170,13 @@ class Bench {
     if (!options_.beside || !has_calculix()) return;
     for (const std::string& element : options_.calculix_elements)
       for (const Index n : options_.calculix) {
-        const CalculixRun found = run_calculix(what, {.element = element, .cells = {4 * n, n, n}});
+        const auto scene =
+            cantilever_scene(what, {{4 * n, n, n}}, static_method("tm-faure", "", {}));
+        const CalculixRun found = run_calculix(scene, box_of(scene), {.element = element});
         Row row{.name = what.name, .model = "CalculiX", .element = element};
-        row.elements = found.elements;
+        row.elements = 4.0 * n * n * n;
         row.solution = {.seconds = found.seconds, .newton = found.iterations, .krylov = unknown};
-        row.tip = found.tip;
+        row.tip = found.probe[1];
         row.converged = what.converged;
         row.whole_seconds = found.seconds;
         row.peak = found.peak_bytes;

@@ -1,29 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <functional>
-#include <nlohmann/json_fwd.hpp>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "kernel/base/types.hpp"
+#include "apps/suture-bench/work_scene.hpp"
 
 namespace suture::bench {
 
-/// Cells of a box and their grading along the first axis (last cell / first).
-struct WorkMesh {
-  std::array<Index, 3> cells;
-  double grading = 1;
-
-  double dofs() const;
-  std::string name() const;  ///< "40x10x10", "36x12x12 graded 8"
-};
-
-/// A model with its parameters, and how the scene is solved, as members of a scene.
-struct WorkMethod {
-  std::string name, model, parameters, solver;
+/// What CalculiX solves beside Suture: the same scenes with its own elements.
+struct CalculixMethod {
+  std::string element, solver;
   std::vector<WorkMesh> meshes;
 };
 
@@ -36,7 +24,11 @@ struct WorkCase {
   std::string column;  ///< of probes.csv, whose last value is compared
   double scale;        ///< of that value
   std::vector<WorkMethod> methods;
-  std::string cantilever{};  ///< what CalculiX solves beside it, "" for nothing
+  std::vector<CalculixMethod> beside{};
+  /// Of scenes that name the file `mesh_file`; none: of scenes that name a box.
+  std::function<Mesh(const WorkMesh&)> mesh{};
+  CalculixMethod finest{};  ///< on three meshes, from which the reference is extrapolated
+  static constexpr const char* mesh_file = "mesh.msh";
 };
 
 /// Made again by each call; `largest`: with the meshes that take longer than 5 s.

@@ -4,6 +4,7 @@
 // installed, compared with solutions of other programs.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -16,6 +17,7 @@
 #include "apps/suture-bench/process.hpp"
 #include "apps/suture-bench/work_cases.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/mesh/mesh_file.hpp"
 
 namespace suture::bench {
 namespace {
@@ -24,7 +26,7 @@ constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 struct WorkOptions {
   std::vector<std::string> cases;  ///< none: all
-  bool largest = false, beside = true;
+  bool largest = false, beside = true, references = false;
   int rounds = 5;
   double most_dofs = std::numeric_limits<double>::infinity();
   double budget = 1;  ///< CPU s after which a row is not repeated
@@ -96,11 +98,30 @@ void repeat(const WorkOptions& options, WorkRow& row, Run run) {
   row.wall = median(wall);
 }
 
+/// Any of a case's methods: CalculiX needs the mesh, the material and the loads only.
+nlohmann::json scene_for_calculix(const WorkCase& what, const WorkMesh& mesh) {
+  return what.scene(mesh, what.methods.front());
+}
+
+Mesh mesh_of(const WorkCase& what, const WorkMesh& mesh) {
+  return what.mesh ? what.mesh(mesh) : box_of(scene_for_calculix(what, mesh));
+}
+
+double dofs_of(const Mesh& mesh) { return 3.0 * static_cast<double>(mesh.points.size()); }
+
+/// What `suture run` reads.
+void write_scene(const std::filesystem::path& folder, const WorkCase& what,
+                 const WorkMethod& method, const WorkMesh& work_mesh, const Mesh& mesh) {
+  std::ofstream(folder / "scene.json") << what.scene(work_mesh, method).dump(1) << '\n';
+  Diagnostics ignored;
+  if (what.mesh) write_mesh(folder / WorkCase::mesh_file, mesh, ignored);
+}
+
 WorkRow run_suture(const WorkOptions& options, const WorkCase& what, const WorkMethod& method,
-                   const WorkMesh& mesh) {
+                   const WorkMesh& work_mesh, const Mesh& mesh) {
   const WorkingFolder folder;
-  std::ofstream(folder.path() / "scene.json") << what.scene(mesh, method).dump(1) << '\n';
-  WorkRow row{what.name, "Suture", method.name, mesh.name(), mesh.dofs()};
+  write_scene(folder.path(), what, method, work_mesh, mesh);
+  WorkRow row{what.name, "Suture", method.name, work_mesh.name(), dofs_of(mesh)};
   int code = 0;
   repeat(options, row, [&] {
     const ProcessUse use = run_process(
@@ -116,17 +137,22 @@ WorkRow run_suture(const WorkOptions& options, const WorkCase& what, const WorkM
   return row;
 }
 
-WorkRow run_ccx(const WorkOptions& options, const WorkCase& what, const CalculixJob& job) {
-  const WorkMesh mesh{job.cells, job.grading};
-  WorkRow row{what.name, "CalculiX", job.element + " " + job.solver, mesh.name(), mesh.dofs()};
-  if (job.element == "C3D20R") {
-    const double x = job.cells[0], y = job.cells[1], z = job.cells[2];  // and the middles of edges
-    row.dofs += 3 * (x * (y + 1) * (z + 1) + (x + 1) * y * (z + 1) + (x + 1) * (y + 1) * z);
-  }
+/// The value that a column "tip displacement y [m]" shows, scaled.
+double value_of(const WorkCase& what, const CalculixRun& found) {
+  const char component = what.column[what.column.find(" [") - 1];
+  return what.scale * found.probe[static_cast<std::size_t>(component - 'x')];
+}
+
+WorkRow run_ccx(const WorkOptions& options, const WorkCase& what, const CalculixMethod& method,
+                const WorkMesh& work_mesh, const Mesh& mesh) {
+  WorkRow row{what.name, "CalculiX", method.element + " " + method.solver, work_mesh.name(),
+              dofs_of(mesh)};
   try {
     repeat(options, row, [&] {
-      const CalculixRun found = run_calculix(cantilever(what.cantilever), job);
-      row.error = found.tip / what.reference - 1;
+      const CalculixRun found =
+          run_calculix(scene_for_calculix(what, work_mesh), mesh, {method.element, method.solver});
+      row.dofs = found.dofs;
+      row.error = value_of(what, found) / what.reference - 1;
       return std::pair{found.seconds, found.wall};
     });
   } catch (const IoError& error) {
@@ -135,49 +161,66 @@ WorkRow run_ccx(const WorkOptions& options, const WorkCase& what, const Calculix
   return row;
 }
 
-/// The elements and solvers of the front of 2026-11-21, and the graded meshes of Suture.
-std::vector<CalculixJob> calculix_jobs(bool largest) {
-  std::vector<CalculixJob> jobs;
-  const auto add = [&](const char* element, const char* solver, std::vector<Index> sections) {
-    for (const Index n : sections) jobs.push_back({element, {4 * n, n, n}, 1, solver});
-  };
-  add("C3D8", "SPOOLES", {3, 5, 8, 10});
-  add("C3D8I", "SPOOLES", {1, 2, 3, 5, 8, 10});
-  add("C3D20R", "SPOOLES", {1, 2, 3, 4, 5, 6});
-  add("C3D8", "ITERATIVE CHOLESKY", {10, 14});
-  add("C3D8I", "ITERATIVE CHOLESKY", {10});
-  add("C3D20R", "ITERATIVE CHOLESKY", {5});
-  if (largest) {
-    add("C3D8", "ITERATIVE CHOLESKY", {20});
-    add("C3D8I", "ITERATIVE CHOLESKY", {14, 20});
-    add("C3D20R", "ITERATIVE CHOLESKY", {6, 8});
-  }
-  for (const char* element : {"C3D8I", "C3D20R"}) {
-    jobs.push_back({element, {9, 3, 3}, 8});
-    jobs.push_back({element, {12, 4, 4}, 8});
-    jobs.push_back({element, {24, 6, 6}, 16});
-  }
-  return jobs;
-}
-
 void run_case(const WorkOptions& options, const WorkCase& what, Report& report) {
-  report.begin(what.name, "relative to " + std::to_string(what.reference) + ": " + what.source);
+  char reference[32];
+  std::snprintf(reference, sizeof reference, "%.6g", what.reference);
+  report.begin(what.name, std::string("relative to ") + reference + ": " + what.source);
   std::vector<WorkRow> rows;
   const auto show = [](const WorkRow& row) {
     std::printf("%s, %s, %s: %.4g s, %.3g %%  %s\n", row.program.c_str(), row.method.c_str(),
                 row.mesh.c_str(), row.cpu, 100 * row.error, row.note.c_str());
     std::fflush(stdout);
   };
-  for (const WorkMethod& method : what.methods)
-    for (const WorkMesh& mesh : method.meshes)
-      if (mesh.dofs() <= options.most_dofs)
-        show(rows.emplace_back(run_suture(options, what, method, mesh)));
-  if (options.beside && has_calculix() && !what.cantilever.empty())
-    for (const CalculixJob& job : calculix_jobs(options.largest))
-      if (WorkMesh{job.cells}.dofs() <= options.most_dofs)
-        show(rows.emplace_back(run_ccx(options, what, job)));
+  const auto run_all = [&](const auto& methods, auto run) {
+    for (const auto& method : methods)
+      for (const WorkMesh& work_mesh : method.meshes) {
+        const Mesh mesh = mesh_of(what, work_mesh);
+        if (dofs_of(mesh) <= options.most_dofs)
+          show(rows.emplace_back(run(options, what, method, work_mesh, mesh)));
+      }
+  };
+  run_all(what.methods, run_suture);
+  if (options.beside && has_calculix()) run_all(what.beside, run_ccx);
   mark_front(rows);
   for (const WorkRow& row : rows) report.add(row.line());
+}
+
+// --------------------------------------------------------------- references --
+
+/// The limit for h -> 0 of values c + a h^p on three meshes, and p.
+std::pair<double, double> extrapolated(const std::array<double, 3>& h,
+                                       const std::array<double, 3>& value) {
+  const double ratio = (value[0] - value[1]) / (value[1] - value[2]);
+  double low = 0.01, high = 20;
+  for (int i = 0; i < 100; ++i) {
+    const double p = (low + high) / 2;
+    const double found =
+        (std::pow(h[0], p) - std::pow(h[1], p)) / (std::pow(h[1], p) - std::pow(h[2], p));
+    (found < ratio ? low : high) = p;
+  }
+  const double part = std::pow(h[2], low) / (std::pow(h[1], low) - std::pow(h[2], low));
+  return {value[2] - part * (value[1] - value[2]), low};
+}
+
+/// CalculiX's own values on the finest meshes that it solves, with the limit that they approach.
+void run_reference(const WorkCase& what, Report& report) {
+  const CalculixMethod& finest = what.finest;
+  if (finest.meshes.empty()) return;
+  report.begin("reference: " + what.name,
+               "CalculiX, " + finest.element + ", Newton's method to 1e-9");
+  std::array<double, 3> h{}, values{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const WorkMesh& mesh = finest.meshes[i];
+    const CalculixRun found = run_calculix(scene_for_calculix(what, mesh), mesh_of(what, mesh),
+                                           {finest.element, finest.solver, true});
+    h[i] = 1.0 / mesh.cells[0];
+    values[i] = value_of(what, found);
+    report.add(Line().add("mesh", mesh.name()).add("dofs", found.dofs).add("value", values[i]));
+  }
+  const auto [limit, order] = extrapolated(h, values);
+  report.add(
+      Line().add("limit", limit).add("order", order).add("finest_is_off", values[2] / limit - 1));
+  std::printf("%.8g %.8g %.8g: limit %.8g\n", values[0], values[1], values[2], limit);
 }
 
 void run_work(const WorkOptions& options, Report& report) {
@@ -185,7 +228,7 @@ void run_work(const WorkOptions& options, Report& report) {
     std::printf("CalculiX (ccx) is not installed: its rows are left out\n");
   for (const WorkCase& what : work_cases(options.largest))
     if (options.cases.empty() || std::ranges::count(options.cases, what.name) > 0)
-      run_case(options, what, report);
+      options.references ? run_reference(what, report) : run_case(options, what, report);
 }
 
 }  // namespace
@@ -199,6 +242,8 @@ void add_work_precision(CLI::App& app, std::vector<Command>& commands) {
       ->check(CLI::IsMember(names));
   command->add_flag("--largest", options->largest, "With meshes that take longer than 5 s");
   command->add_flag("!--no-calculix", options->beside, "Leave out CalculiX");
+  command->add_flag("--references", options->references,
+                    "Only CalculiX's values that references are extrapolated from");
   command->add_option("--dofs", options->most_dofs, "Largest number of unknowns of a mesh")
       ->check(CLI::PositiveNumber);
   command->add_option("--rounds", options->rounds, "Repetitions")->check(CLI::PositiveNumber);

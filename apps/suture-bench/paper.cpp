@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The paper's experiments (Golec, Coquet, Zara, Damiand, WSCG 2015), Fig. 6 and 14, by whole runs
+// of `suture run`: beside the formula or law that the paper compares with, and references of other
+// programs.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "apps/suture-bench/commands.hpp"
+#include "apps/suture-bench/process.hpp"
+#include "apps/suture-bench/work_scene.hpp"
+#include "kernel/base/error.hpp"
+
+namespace suture::bench {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+struct PaperOptions {
+  std::vector<Index> across{5, 10};        ///< elements over the beam's height
+  std::array<Index, 3> block{30, 10, 10};  ///< of liver
+  Index frames = 20;                       ///< equilibria until 2 s
+};
+
+/// The columns of probes.csv, by name.
+struct ProbeTable {
+  int code = 0;  ///< exit code of the run
+  std::map<std::string, std::vector<double>> columns{};
+
+  explicit ProbeTable(const Json& scene) {
+    const WorkingFolder folder;
+    std::ofstream(folder.path() / "scene.json") << scene.dump(1) << '\n';
+    code =
+        run_process({suture_program(), "run", "-q", "scene.json", "--output", "out"}, folder.path())
+            .code;
+    std::ifstream table(folder.path() / "out/probes.csv");
+    std::vector<std::string> names;
+    for (std::string line, cell; std::getline(table, line);) {
+      std::istringstream cells(line);
+      const bool is_head = names.empty();
+      for (std::size_t i = 0; std::getline(cells, cell, ','); ++i)
+        if (is_head)
+          names.push_back(cell);
+        else
+          columns[names[i]].push_back(std::stod(cell));
+    }
+  }
+  double last(const std::string& column) const {
+    const auto found = columns.find(column);
+    return found == columns.end() ? unknown : found->second.back();
+  }
+  /// The value at a time, NaN if the run has no row there.
+  double at(double time, const std::string& column) const {
+    const auto times = columns.find("time [s]");
+    if (times == columns.end()) return unknown;
+    for (std::size_t i = 0; i < times->second.size(); ++i)
+      if (std::abs(times->second[i] - time) < 1e-9 * time) return columns.at(column)[i];
+    return unknown;
+  }
+};
+
+std::string note_of(int code) {
+  if (code == 0) return "";
+  if (code == 5) return "no stable equilibrium (exit code 5)";
+  return "exit code " + std::to_string(code);
+}
+
+// -------------------------------------------------------------------- Fig. 6 --
+
+constexpr double stations[] = {0.25, 0.5, 0.75, 1};  // m
+
+/// The paper's beam at one load, with a reference in three dimensions.
+struct BeamLoad {
+  const char* name;
+  const char* cantilever;
+  double reference[4];  ///< uy at the stations, m
+  const char* source;
+};
+
+constexpr BeamLoad beam_loads[] = {
+    {"full",
+     "A",
+     {-0.0701141807, -0.2018940808, -0.3553193745, -0.5119929186},
+     "DOLFINx, 10x10x40 quadratic"},
+    {"1/1000",
+     "B",
+     {-7.545390421e-5, -2.301885932e-4, -4.186071992e-4, -6.131836275e-4},
+     "DOLFINx, 12x12x36 quadratic, graded"}};
+
+/// y = rho g l h / (24 E I) (4 L x^3 - 6 L^2 x^2 - x^4), I = l h^3 / 12.
+double beam_formula(double gravity, double x) {
+  constexpr double rho = 1000, young = 4e5, h = 0.25, length = 1;
+  return rho * gravity / (2 * young * h * h) *
+         (4 * length * std::pow(x, 3) - 6 * length * length * x * x - std::pow(x, 4));
+}
+
+std::string station_name(double x) { return "y" + std::to_string(static_cast<int>(100 * x)); }
+
+/// The mean displacement of the nodes nearest to the axis of the beam, at each station.
+Json beam_probes(Index n) {
+  const double reach = 0.6 * 0.25 / n;
+  Json probes = Json::array();
+  for (const double x : stations)
+    probes.push_back({{"name", station_name(x)},
+                      {"fields", {"displacement"}},
+                      {"where",
+                       {{"box",
+                         {{"min", {x - 1e-6, 0.125 - reach, 0.125 - reach}},
+                          {"max", {x + 1e-6, 0.125 + reach, 0.125 + reach}}}}}}});
+  return probes;
+}
+
+struct BeamModel {
+  const char *name, *model, *parameters, *solver;
+};
+
+constexpr const char* relaxed = R"({"until": "rest", "on_inversion": "warn"})";
+constexpr const char* balanced = R"({"static": {}})";
+const BeamModel beam_models[] = {
+    {"MSS", "mss-baudet", "{}", relaxed},
+    {"MSS, corrected", "mss-baudet", R"({"correction": true})", relaxed},
+    {"MSS with volume (mss-golec)", "mss-golec", "{}", balanced},
+    {"TM", "tm-faure", "{}", balanced},
+    {"TM, mean gradient", "tm-faure", R"({"element": "mean-gradient"})", balanced}};
+
+Line beam_line(const BeamLoad& load, const std::string& model, const std::string& mesh,
+               const std::array<double, 4>& y, const std::string& note) {
+  const double formula = beam_formula(cantilever(load.cantilever).gravity, 1);
+  Line line;
+  line.add("load", load.name).add("model", model).add("mesh", mesh);
+  for (std::size_t i = 0; i < 4; ++i)
+    line.add("y at " + std::to_string(25 * (i + 1)) + " cm, m", y[i]);
+  line.add("tip / formula - 1", y[3] / formula - 1)
+      .add("tip / 3D reference - 1", y[3] / load.reference[3] - 1)
+      .add("note", note);
+  return line;
+}
+
+void run_beam(const BeamLoad& load, const BeamModel& model, Index n, Report& report) {
+  const WorkMethod method{model.name, model.model, model.parameters, model.solver, {}};
+  Json scene = cantilever_scene(cantilever(load.cantilever), {{4 * n, n, n}}, method);
+  scene["output"]["probes"]["at"] = beam_probes(n);
+  const ProbeTable found(scene);
+  std::array<double, 4> y{};
+  for (std::size_t i = 0; i < 4; ++i)
+    y[i] = found.last(station_name(stations[i]) + " displacement y [m]");
+  const std::string mesh =
+      std::to_string(n) + "x" + std::to_string(n) + "x" + std::to_string(4 * n);
+  report.add(beam_line(load, model.name, mesh, y, note_of(found.code)));
+}
+
+void run_beams(const PaperOptions& options, Report& report) {
+  report.begin("Fig. 6", "the cantilever at rest, deflection of its axis");
+  for (const BeamLoad& load : beam_loads) {
+    std::array<double, 4> y{};
+    for (std::size_t i = 0; i < 4; ++i)
+      y[i] = beam_formula(cantilever(load.cantilever).gravity, stations[i]);
+    report.add(beam_line(load, "beam formula", "", y, "of small deflections, without shear"));
+    std::ranges::copy(load.reference, y.begin());
+    report.add(beam_line(load, "3D reference", "", y, load.source));
+    for (const BeamModel& model : beam_models)
+      for (const Index n : options.across) run_beam(load, model, n, report);
+  }
+}
+
+// ------------------------------------------------------------------- Fig. 14 --
+
+constexpr double consistency = 861, exponent = 0.1138;  // Pa s^n, -
+constexpr double rates[] = {0.0151, 0.133, 0.67};       // 1/s
+
+/// sigma = K r t^(1-n) / Gamma(2-n)
+double measured_law(double rate, double time) {
+  return consistency * rate * std::pow(time, 1 - exponent) / std::tgamma(2 - exponent);
+}
+
+/// A block between two plates, one of which moves at a constant rate of shear until `end`. One
+/// element is in ideal simple shear.
+Json shear_scene(const std::array<Index, 3>& cells, const WorkMethod& method, const Json& material,
+                 double rate, double end, Index frames) {
+  const double side = 1e-3;
+  const Vec3 size{side * cells[0], side * cells[1], side * cells[2]};
+  Json scene = box_scene({cells}, size, method, material);
+  scene["solver"] = {{"static", {{"frames", frames}}}, {"end", end}, {"on_inversion", "warn"}};
+  scene["constraints"] = {held("y0"),
+                          {{"move", {{"translation", {rate * end * size[1], 0, 0}}}},
+                           {"ramp", end},
+                           {"where", {{"set", "y1"}}}}};
+  scene["output"] =
+      tables({{"name", "plate"}, {"fields", {"reaction"}}, {"where", {{"set", "y1"}}}});
+  scene["output"]["probes"]["every_steps"] = 1;
+  return scene;
+}
+
+/// Mean shear stress on the moved plate at a time, Pa.
+double stress_at(const ProbeTable& table, double time, const std::array<Index, 3>& cells) {
+  return table.at(time, "plate reaction x [N]") / (1e-6 * cells[0] * cells[2]);
+}
+
+struct LiverModel {
+  const char* name;
+  WorkMethod method;
+  Json material;
+};
+
+Json power_law_material(double tau) {
+  return {{"K", consistency}, {"n", exponent}, {"lambda", 166444.3}, {"rho", 1000}, {"tau", tau}};
+}
+
+std::vector<LiverModel> liver_models() {
+  const Json elastic{{"E", 1000}, {"nu", 0.499}, {"rho", 1000}};
+  return {{"MSS", static_method("mss-baudet", "", {}), elastic},
+          {"TM", static_method("tm-faure", "trilinear", {}), elastic},
+          {"TM, mean gradient", static_method("tm-faure", "mean-gradient", {}), elastic},
+          {"visco", static_method("visco", "", {}), power_law_material(1e-3)}};
+}
+
+void run_liver(const PaperOptions& options, Report& report) {
+  constexpr double end = 2;
+  report.begin("Fig. 14",
+               "shear of a block of liver at three rates, quasi-static: stress on the plate, Pa, "
+               "and the law that was measured, K r t^(1-n) / Gamma(2-n)");
+  for (const double rate : rates) {
+    std::vector<ProbeTable> found;
+    const std::vector<LiverModel> models = liver_models();
+    for (const LiverModel& model : models)
+      found.emplace_back(
+          shear_scene(options.block, model.method, model.material, rate, end, options.frames));
+    for (Index i = 1; i <= options.frames; ++i) {
+      const double time = end * i / options.frames;
+      Line line;
+      line.add("rate, 1/s", rate).add("t, s", time).add("shear", rate * time);
+      line.add("measured law", measured_law(rate, time));
+      for (std::size_t m = 0; m < models.size(); ++m)
+        line.add(models[m].name, stress_at(found[m], time, options.block));
+      report.add(std::move(line));
+    }
+  }
+}
+
+/// One element at rates so small that the law is linear.
+void run_small_rates(Report& report) {
+  report.begin("power law, one element",
+               "ideal simple shear at the paper's rates times 1e-4, 1,000 equilibria until the "
+               "time of the row: stress of visco / law - 1");
+  const WorkMethod visco = static_method("visco", "", {});
+  for (const double time : {0.1, 0.3, 1.0, 3.0, 10.0}) {
+    Line line;
+    line.add("t, s", time);
+    for (const double rate : rates) {
+      const ProbeTable found(
+          shear_scene({1, 1, 1}, visco, power_law_material(1e-3), 1e-4 * rate, time, 1000));
+      char name[40];
+      std::snprintf(name, sizeof name, "rate %g 1/s", 1e-4 * rate);
+      line.add(name, stress_at(found, time, {1, 1, 1}) / measured_law(1e-4 * rate, time) - 1);
+    }
+    report.add(std::move(line));
+  }
+}
+
+/// Sides that are free make the block softer than a plate without end: 0.914 times as stiff.
+void run_linear_range(const PaperOptions& options, Report& report) {
+  constexpr double of_free_sides = 0.913770;  // DOLFINx, linear, nu = 0.499
+  constexpr Index frames = 40;
+  report.begin("power law, block",
+               "the block at the paper's rates, visco with tau a hundredth of the time to a shear "
+               "of 0.01, 40 equilibria to a shear of 0.01 and 40 to 0.1: stress / (0.914 times the "
+               "law) - 1");
+  const WorkMethod visco = static_method("visco", "", {});
+  for (const double most : {0.01, 0.1}) {
+    std::vector<ProbeTable> found;
+    for (const double rate : rates)
+      found.emplace_back(shear_scene(options.block, visco, power_law_material(1e-4 / rate), rate,
+                                     most / rate, frames));
+    for (const Index i : {frames / 4, frames / 2, frames}) {
+      Line line;
+      line.add("shear", most * i / frames);
+      for (std::size_t r = 0; r < found.size(); ++r) {
+        const double time = most * i / frames / rates[r];
+        char name[40];
+        std::snprintf(name, sizeof name, "rate %g 1/s", rates[r]);
+        line.add(name, stress_at(found[r], time, options.block) /
+                               (of_free_sides * measured_law(rates[r], time)) -
+                           1);
+      }
+      report.add(std::move(line));
+    }
+  }
+}
+
+void run_paper(const PaperOptions& options, Report& report) {
+  run_beams(options, report);
+  run_small_rates(report);
+  run_linear_range(options, report);
+  run_liver(options, report);
+}
+
+}  // namespace
+
+void add_paper(CLI::App& app, std::vector<Command>& commands) {
+  auto* command = app.add_subcommand("paper", "The paper's experiments beside their references");
+  auto options = std::make_shared<PaperOptions>();
+  command->add_option("--across", options->across, "Elements over the height of the beam");
+  command->add_option("--block", options->block, "Elements of the block of liver");
+  command->add_option("--frames", options->frames, "Equilibria of the shear of liver")
+      ->check(CLI::PositiveNumber);
+  commands.push_back({command, [options](Report& report) { run_paper(*options, report); }});
+}
+
+}  // namespace suture::bench

@@ -19,7 +19,8 @@ PlacedObstacle::PlacedObstacle(const Obstacle& obstacle, double thickness, doubl
       start_(obstacle.motion.pose(start)),
       end_(obstacle.motion.pose(end)),
       ball_(ball_around(obstacle.shape)),
-      is_half_space_(std::holds_alternative<HalfSpace>(obstacle.shape)) {
+      is_half_space_(std::holds_alternative<HalfSpace>(obstacle.shape)),
+      is_triangulated_(std::holds_alternative<Triangulated>(obstacle.shape)) {
   ball_.centre = end_.place(ball_.centre);
   if (is_half_space_) normal_ = end_.direction(std::get<HalfSpace>(obstacle.shape).normal);
 }
@@ -42,6 +43,7 @@ double PlacedObstacle::target(const VertexPath& path, double fastest) const {
 }
 
 bool PlacedObstacle::push(VertexPath& path, double fastest, Push& push) const {
+  if (is_triangulated_ && !may_touch(path.end, 0)) return false;  // cheaper
   const Nearest found = gap(path.end);
   if (!(found.distance < 0)) return false;
   const double lacking = target(path, fastest) - found.distance;

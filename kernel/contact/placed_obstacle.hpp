@@ -37,7 +37,8 @@ class PlacedObstacle {
     if (is_half_space_) return dot(minus(place, ball_.centre), normal_) < offset_ + margin;
     const Vec3 away = minus(place, ball_.centre);
     const double reach = ball_.radius + offset_ + margin;
-    return dot(away, away) < reach * reach;
+    return dot(away, away) < reach * reach &&
+           (!is_triangulated_ || surface_may_touch(place, margin));
   }
   /// From the surface of the obstacle at the end of the step, less the thickness; negative inside.
   Nearest gap(const Vec3& place) const { return gap(end_, place); }
@@ -54,6 +55,9 @@ class PlacedObstacle {
   Vec3 centre() const { return ball_.centre; }
 
  private:
+  bool surface_may_touch(const Vec3& place, double margin) const {
+    return may_be_within(obstacle_.shape, end_.given(place), offset_ + margin);
+  }
   Nearest gap(const Pose& pose, const Vec3& place) const;
   Vec3 displacement(const Vec3& place_at_end) const;
   double target(const VertexPath& path, double fastest) const;
@@ -63,7 +67,7 @@ class PlacedObstacle {
   Pose start_, end_;
   Ball ball_;
   Vec3 normal_{};  ///< of a half-space
-  bool is_half_space_;
+  bool is_half_space_, is_triangulated_;
 };
 
 }  // namespace suture

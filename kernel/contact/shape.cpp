@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "kernel/contact/solid_surface.hpp"
 #include "kernel/contact/vectors.hpp"
 
 namespace suture {
@@ -72,6 +73,9 @@ struct NearestTo {
     return from_sides<2>({side.distance, (is_low ? -part : part - 1) * length},
                          {side.normal, scaled((is_low ? -1 : 1) / length, axis)});
   }
+  Nearest operator()(const Triangulated& s) const {
+    return s.surface->nearest(minus(place, s.middle));
+  }
 };
 
 struct BallAround {
@@ -88,6 +92,7 @@ struct BallAround {
   Ball operator()(const Cylinder& s) const {
     return {between(s.from, s.to, 0.5), std::hypot(norm(minus(s.to, s.from)) / 2, s.radius)};
   }
+  Ball operator()(const Triangulated& s) const { return {s.middle, s.surface->radius()}; }
 };
 
 struct PointsInside {
@@ -102,6 +107,11 @@ struct PointsInside {
       for (std::size_t c = 0; c < 3; ++c) p[c] = corner >> c & 1 ? s.high[c] : s.low[c];
       points.push_back(p);
     }
+    return points;
+  }
+  std::vector<Vec3> operator()(const Triangulated& s) const {
+    std::vector<Vec3> points = s.surface->points_inside();
+    for (Vec3& p : points) p = plus(p, s.middle);
     return points;
   }
   static std::vector<Vec3> along_axis(const Vec3& from, const Vec3& to) {
@@ -120,6 +130,7 @@ struct Translate {
     s.low = plus(s.low, by);
     s.high = plus(s.high, by);
   }
+  void operator()(Triangulated& s) const { s.middle = plus(s.middle, by); }
   template <class WithAxis>
   void operator()(WithAxis& s) const {
     s.from = plus(s.from, by);
@@ -132,12 +143,17 @@ struct Translate {
 Nearest nearest(const Shape& shape, const Vec3& place) {
   return std::visit(NearestTo{place}, shape);
 }
+bool may_be_within(const Shape& shape, const Vec3& place, double distance) {
+  const auto* s = std::get_if<Triangulated>(&shape);
+  return s == nullptr || s->surface->may_be_within(minus(place, s->middle), distance);
+}
 Ball ball_around(const Shape& shape) { return std::visit(BallAround{}, shape); }
 std::vector<Vec3> points_inside(const Shape& shape) { return std::visit(PointsInside{}, shape); }
 void translate(Shape& shape, const Vec3& by) { std::visit(Translate{by}, shape); }
 
 const char* name_of(const Shape& shape) {
-  static constexpr const char* names[] = {"half_space", "sphere", "capsule", "box", "cylinder"};
+  static constexpr const char* names[] = {"half_space", "sphere",   "capsule",
+                                          "box",        "cylinder", "surface"};
   static_assert(std::size(names) == std::variant_size_v<Shape>);
   return names[shape.index()];
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -10,7 +11,9 @@
 
 namespace suture {
 
-// Solids in closed form, in m.
+class SolidSurface;
+
+// Solids, in m.
 
 /// Everything behind a plane: its normal points out of the solid.
 struct HalfSpace {
@@ -31,7 +34,13 @@ struct Cylinder {
   double radius = 0;
 };
 
-using Shape = std::variant<HalfSpace, Sphere, Capsule, Box, Cylinder>;
+/// What a closed surface of triangles encloses.
+struct Triangulated {
+  std::shared_ptr<const SolidSurface> surface;
+  Vec3 middle{};  ///< where the origin of `surface` lies
+};
+
+using Shape = std::variant<HalfSpace, Sphere, Capsule, Box, Cylinder, Triangulated>;
 
 /// The point of a surface that is nearest to some place.
 struct Nearest {
@@ -40,6 +49,8 @@ struct Nearest {
 };
 
 Nearest nearest(const Shape& shape, const Vec3& place);
+/// False only if the distance of the place is larger. Cheap where nearest() is not.
+bool may_be_within(const Shape& shape, const Vec3& place, double distance);
 
 /// A ball that contains the shape; infinite for a half-space.
 struct Ball {

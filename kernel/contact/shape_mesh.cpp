@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "kernel/contact/solid_surface.hpp"
 #include "kernel/contact/vectors.hpp"
 
 namespace suture {
@@ -89,6 +90,13 @@ struct MeshOf {
     }
     mesh.faces = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
                   {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    return mesh;
+  }
+  ShapeMesh operator()(const Triangulated& s) const {
+    ShapeMesh mesh;
+    for (const Vec3& p : s.surface->surface().points) mesh.points.push_back(plus(p, s.middle));
+    for (const Triangle& t : s.surface->surface().triangles)
+      mesh.faces.push_back({t[0], t[1], t[2], none});
     return mesh;
   }
 };

@@ -147,6 +147,20 @@ std::string list_of_holes(const std::vector<Hole>& holes) {
 
 }  // namespace
 
+TriangleSurface read_solid(const std::filesystem::path& path, double scale) {
+  Closing closing = geometry_module().close(read_soup(path, scale), false);
+  if (!closing.surface.triangles.empty()) return std::move(closing.surface);
+  if (closing.crossings != 0)
+    throw InputError(path.string() + ": the surface intersects itself (" +
+                     plural(closing.crossings, "pair of triangles", "pairs of triangles") +
+                     "), so what lies inside is not certain; separate or join the parts");
+  if (closing.border_edges == 0)
+    throw InputError(path.string() + ": the surface encloses no volume, so it has no inside");
+  throw InputError(path.string() + ": the surface is open, so it has no inside: " +
+                   plural(closing.border_edges, "edge has", "edges have") +
+                   " a face on one side only; close it" + list_of_holes(closing.holes));
+}
+
 std::string hole_text(const Hole& hole) {
   char text[200];
   std::snprintf(text, sizeof text, "a hole of %zu edges, %.4g m around, at [%.6g, %.6g, %.6g] m",

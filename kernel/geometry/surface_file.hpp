@@ -32,6 +32,10 @@ void write_surface(const std::filesystem::path& path, const TriangleSurface& sur
 /// is inside. About 5 us per triangle.
 TriangleSurface close_surface(const PolygonSoup& soup, bool repair, Diagnostics& diagnostics);
 
+/// The surface of a solid: read_soup(), closed and oriented outward as by close_surface() without
+/// repair. The same errors, as they concern a solid that must have an inside.
+TriangleSurface read_solid(const std::filesystem::path& path, double scale = 1);
+
 /// Whether a file has the extension of a surface that read_soup() reads.
 bool is_surface_file(const std::filesystem::path& path);
 /// "a hole of 12 edges, 0.3 m around, at [0, 0.1, 0.2] m".

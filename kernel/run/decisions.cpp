@@ -9,6 +9,7 @@
 
 #include "kernel/base/escape.hpp"
 #include "kernel/contact/contact.hpp"
+#include "kernel/contact/solid_surface.hpp"
 #include "kernel/scene/cell_values.hpp"
 
 namespace suture {
@@ -186,7 +187,10 @@ void decide_contact(BuiltScene& built, std::vector<Decision>& list) {
                       std::to_string(surface.faces().size()) + " boundary faces, in every step"});
   for (const Obstacle& obstacle : contact->obstacles()) {
     std::ostringstream text;
-    text << name_of(obstacle.shape) << ", friction " << obstacle.friction
+    text << name_of(obstacle.shape);
+    if (const auto* solid = std::get_if<Triangulated>(&obstacle.shape))
+      text << " of " << count_text(solid->surface->surface().triangles.size(), "triangle");
+    text << ", friction " << obstacle.friction
          << (obstacle.motion.moves() ? ", moves along a path" : ", does not move");
     list.push_back({"obstacle " + obstacle.name, false, text.str()});
   }
@@ -207,6 +211,9 @@ void decide_events(const Scene& scene, std::vector<Decision>& list) {
                   sleeps ? "islands at rest are not computed until an operation wakes them"
                          : "not requested"});
   if (scene.events.empty()) list.push_back({"events", true, "the scene has none"});
+  const bool solids = std::ranges::any_of(scene.contact.obstacles, [](const Obstacle& obstacle) {
+    return std::holds_alternative<Triangulated>(obstacle.shape);
+  });
   bool blades = false;
   for (const Event& event : scene.events) {
     list.push_back({"event " + event.path, false, event.summary()});
@@ -214,8 +221,10 @@ void decide_events(const Scene& scene, std::vector<Decision>& list) {
               std::holds_alternative<CutBlade>(event.what);
   }
   list.push_back(
-      {"geometry module", !blades,
-       blades ? "exact predicates for blades" : "no event uses a surface or a moving blade"});
+      {"geometry module", !blades && !solids,
+       blades   ? "exact predicates for blades"
+       : solids ? "distances from obstacles of triangles"
+                : "no event uses a surface or a moving blade, and no obstacle has triangles"});
 }
 
 std::string names(const std::vector<FieldChoice>& fields) {

@@ -6,14 +6,18 @@
 #include <cmath>
 #include <numbers>
 
+#include "kernel/base/error.hpp"
 #include "kernel/base/vec3.hpp"
+#include "kernel/contact/solid_surface.hpp"
 #include "kernel/dynamics/integrator.hpp"
+#include "kernel/geometry/surface_file.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
 namespace suture::scene_parts {
 namespace {
 
-const std::array<std::string, 5> shapes{"half_space", "sphere", "capsule", "box", "cylinder"};
+const std::array<std::string, 6> shapes{"half_space", "sphere",   "capsule",
+                                        "box",        "cylinder", "surface"};
 
 double read_radius(ObjectReader& object) {
   object.require("radius", "in m");
@@ -51,7 +55,25 @@ WithAxis read_with_axis(ObjectReader& object) {
   return shape;
 }
 
-Shape read_shape(ObjectReader object, std::size_t kind) {
+/// A sphere stands for a surface that cannot be used.
+Shape read_surface_shape(ObjectReader& object, Reading& reading) {
+  const SurfaceFile from = read_surface_file(object, reading);
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(from.file, ignored)) return Sphere{{}, 1};
+  try {
+    const TriangleSurface surface = read_solid(from.file, from.scale);
+    const Box box = box_of(surface.points);
+    Vec3 middle;
+    for (std::size_t c = 0; c < 3; ++c)
+      middle[c] = (box.low[c] + box.high[c]) / 2 + from.translation[c];
+    return Triangulated{std::make_shared<SolidSurface>(surface), middle};
+  } catch (const InputError& error) {
+    object.complain("file", error.what());
+  }
+  return Sphere{{}, 1};
+}
+
+Shape read_shape(ObjectReader object, std::size_t kind, Reading& reading) {
   Shape shape;
   if (kind == 0) shape = read_half_space(object);
   if (kind == 1) shape = read_sphere(object);
@@ -64,6 +86,7 @@ Shape read_shape(ObjectReader object, std::size_t kind) {
     return Box{box.min, box.max};
   }
   if (kind == 4) shape = read_with_axis<Cylinder>(object);
+  if (kind == 5) shape = read_surface_shape(object, reading);
   object.finish();
   return shape;
 }
@@ -109,13 +132,15 @@ void read_name(ObjectReader& object, const std::vector<Obstacle>& earlier, Obsta
                                 "unique");
 }
 
-Obstacle read_obstacle(ObjectReader& object, const Scene& scene, double friction) {
+Obstacle read_obstacle(ObjectReader& object, Reading& reading, double friction) {
+  const Scene& scene = reading.scene;
   Obstacle obstacle;
   obstacle.path = object.path();
   read_name(object, scene.contact.obstacles, obstacle);
   if (const auto kind = object.one_of(shapes)) {
     const std::string& key = shapes[*kind];
-    obstacle.shape = read_shape({*object.find(key), object.path_of(key), object.mistakes()}, *kind);
+    obstacle.shape =
+        read_shape({*object.find(key), object.path_of(key), object.mistakes()}, *kind, reading);
   }
   read_motion(object, scene, obstacle);
   obstacle.friction = object.number("friction", Limits::not_negative("1")).value_or(friction);
@@ -157,7 +182,7 @@ void read_contact(ObjectReader& top, Reading& reading) {
                     "remove this key, or set \"self\": false");
   contact.thickness = object.number("thickness", Limits::not_negative("m")).value_or(0);
   for_each_object(object, "obstacles", "obstacles", [&](ObjectReader& reader) {
-    contact.obstacles.push_back(read_obstacle(reader, reading.scene, contact.friction));
+    contact.obstacles.push_back(read_obstacle(reader, reading, contact.friction));
   });
   if (contact.obstacles.empty() && !contact.pieces && !contact.self && object.is_object())
     object.complain(

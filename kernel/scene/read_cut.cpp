@@ -91,7 +91,7 @@ void read_polygon(ObjectReader& plane, CutPlane& cut) {
   if (!has_area) cut.normal = {1, 0, 0};
 }
 
-CutPlane read_plane(ObjectReader plane) {
+CutPlane read_cut_plane(ObjectReader plane) {
   CutPlane cut;
   if (plane.find("polygon") != nullptr) {
     for (const char* key : {"point", "normal", "radius"}) {
@@ -110,14 +110,9 @@ CutPlane read_plane(ObjectReader plane) {
 }
 
 CutSurface read_surface(ObjectReader surface, Reading& reading) {
-  CutSurface cut;
-  if (const JsonValue* file =
-          surface.require("file", "a file of triangles (.obj, .off, .stl, .ply or .vtp)"))
-    cut.file = read_file(*file, surface.path_of("file"), reading);
-  cut.scale = surface.number("scale", Limits::positive("1")).value_or(1);
-  cut.translation = surface.vector("translation", Limits::any("m")).value_or(Vec3{});
+  const SurfaceFile from = read_surface_file(surface, reading);
   surface.finish();
-  return cut;
+  return {from.file, from.scale, from.translation};
 }
 
 CutBlade::Station read_station(ObjectReader& object, const Scene& scene) {
@@ -157,6 +152,16 @@ CutBlade read_blade(ObjectReader blade, Reading& reading) {
 
 }  // namespace
 
+SurfaceFile read_surface_file(ObjectReader& surface, Reading& reading) {
+  SurfaceFile from;
+  if (const JsonValue* file =
+          surface.require("file", "a file of triangles (.obj, .off, .stl, .ply or .vtp)"))
+    from.file = read_file(*file, surface.path_of("file"), reading);
+  from.scale = surface.number("scale", Limits::positive("1")).value_or(1);
+  from.translation = surface.vector("translation", Limits::any("m")).value_or(Vec3{});
+  return from;
+}
+
 std::vector<std::array<std::uint64_t, 2>> read_pairs(const JsonValue& value,
                                                      const std::string& path, Mistakes& mistakes) {
   std::vector<std::array<std::uint64_t, 2>> pairs;
@@ -192,7 +197,7 @@ EventOperation read_cut(ObjectReader cut, Reading& reading) {
   if (kind) {
     const JsonValue& inner = *cut.find(kinds[*kind]);
     const std::string path = cut.path_of(kinds[*kind]);
-    if (*kind == 0) result = read_plane({inner, path, cut.mistakes()});
+    if (*kind == 0) result = read_cut_plane({inner, path, cut.mistakes()});
     if (*kind == 1) result = read_surface({inner, path, cut.mistakes()}, reading);
     if (*kind == 2) result = read_blade({inner, path, cut.mistakes()}, reading);
     if (*kind == 3) result = CutFaces{read_pairs(inner, path, cut.mistakes())};

@@ -36,6 +36,13 @@ void for_each_object(ObjectReader& parent, const std::string& key, const std::st
                      const std::function<void(ObjectReader&)>& read);
 /// A file that must exist, relative to the scene's folder, as an absolute path.
 std::filesystem::path read_file(const JsonValue& value, const std::string& path, Reading& reading);
+/// The keys "file", "scale" and "translation" of a surface.
+struct SurfaceFile {
+  std::filesystem::path file{};
+  double scale = 1;
+  Vec3 translation{};  ///< m, after scaling
+};
+SurfaceFile read_surface_file(ObjectReader& surface, Reading& reading);
 /// Points [[x, y, z], ...] in m, at least `least` of them.
 std::vector<Vec3> read_points(const JsonValue& value, const std::string& path, std::size_t least,
                               Mistakes& mistakes);

@@ -383,6 +383,38 @@ TEST_F(BadScenes, Obstacles) {
   }
 }
 
+TEST_F(BadScenes, ObstaclesOfTriangles) {
+  // A tetrahedron, without its last face, and through another.
+  const std::string points = "v 0 0 2\nv 1 0 2\nv 0 1 2\nv 0 0 3\n";
+  const std::string faces = "f 1 3 2\nf 1 2 4\nf 1 4 3\n", last = "f 2 3 4\n";
+  write("open.obj", points + faces);
+  write("flat.obj", points + "f 1 2 3\nf 1 3 2\n");
+  write("crossing.obj", points + faces + last +
+                            "v 0.1 0.1 1.5\nv 0.3 0.1 1.5\nv 0.1 0.3 1.5\nv 0.2 0.2 2.5\n"
+                            "f 5 7 6\nf 5 6 8\nf 5 8 7\nf 6 7 8\n");
+  write("solid.obj", points + faces + last);
+  struct Case {
+    std::string surface, where, words;
+  };
+  const Case cases[] = {
+      {R"({"scale": 1})", "/contact/obstacles/0/surface", "'file' is missing"},
+      {R"({"file": "sold.obj"})", "/surface/file", "solid.obj"},
+      {R"({"file": "solid.obj", "scale": 0})", "/surface/scale", "must be > 0"},
+      {R"({"file": "open.obj"})", "/surface/file", "so it has no inside: 3 edges"},
+      {R"({"file": "crossing.obj"})", "/surface/file", "the surface intersects itself"},
+      {R"({"file": "flat.obj"})", "/surface/file", "so it has no inside"},
+      {R"({"file": "solid.obj", "translation": [0, 0, -1.5]})", "/contact/obstacles/0",
+       "lies inside the body"}};
+  for (const Case& bad : cases) {
+    const Outcome outcome =
+        scene("check", "",
+              {"/contact={\"obstacles\": [{\"name\": \"o\", \"surface\": " + bad.surface + "}]}"});
+    EXPECT_EQ(outcome.code, 3) << bad.surface << '\n' << outcome;
+    EXPECT_TRUE(outcome.says(bad.where) && outcome.says(bad.words)) << bad.surface << '\n'
+                                                                    << outcome;
+  }
+}
+
 TEST_F(BadScenes, ObstaclesThatASolverDoesNotSee) {
   const std::string floor =
       "/contact={\"obstacles\": [{\"name\": \"o\", \"half_space\": "

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Distances and normals of the shapes in closed form, and where a path takes them.
+// Distances and normals of the shapes, and where a path takes them.
 #include "kernel/contact/shape.hpp"
 
 #include <gtest/gtest.h>
@@ -10,16 +10,22 @@
 
 #include "kernel/contact/obstacle.hpp"
 #include "kernel/contact/shape_mesh.hpp"
+#include "kernel/contact/solid_surface.hpp"
 #include "kernel/contact/vectors.hpp"
+#include "tests/geometry/surfaces.hpp"
 
 namespace suture {
 namespace {
 
 const std::vector<Shape>& shapes() {
-  static const std::vector<Shape> all{
-      HalfSpace{{0.1, 0.2, -0.3}, {0.6, 0, 0.8}}, Sphere{{0.1, -0.2, 0.3}, 0.7},
-      Capsule{{-0.4, 0, 0.1}, {0.5, 0.3, -0.2}, 0.35}, Box{{-0.5, -0.4, -0.3}, {0.6, 0.2, 0.4}},
-      Cylinder{{-0.4, 0.1, 0}, {0.5, -0.3, 0.2}, 0.4}};
+  static const std::vector<Shape> all{HalfSpace{{0.1, 0.2, -0.3}, {0.6, 0, 0.8}},
+                                      Sphere{{0.1, -0.2, 0.3}, 0.7},
+                                      Capsule{{-0.4, 0, 0.1}, {0.5, 0.3, -0.2}, 0.35},
+                                      Box{{-0.5, -0.4, -0.3}, {0.6, 0.2, 0.4}},
+                                      Cylinder{{-0.4, 0.1, 0}, {0.5, -0.3, 0.2}, 0.4},
+                                      Triangulated{std::make_shared<SolidSurface>(test::box_surface(
+                                                       {-0.5, -0.4, -0.3}, {0.6, 0.2, 0.4})),
+                                                   {0.1, 0, 0.2}}};
   return all;
 }
 

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/contact/solid_surface.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "kernel/base/error.hpp"
+#include "kernel/contact/vectors.hpp"
+#include "kernel/geometry/geometry_module.hpp"
+
+namespace suture {
+namespace {
+
+// Of the radius: nearer to the surface, the direction of the offset is rounding.
+constexpr double on_surface = 1e-10;
+// Of the radius: distances of cells are stored in single precision.
+constexpr double rounding_of_cells = 1e-6;
+// Of the grid: the number that is sought for each triangle, the least and the largest, and the
+// largest along an axis.
+constexpr double cells_per_triangle = 8, least_cells = 8192, most_cells = 65536, most_along = 256;
+
+Vec3 area_vector(const TriangleSurface& s, const Triangle& t) {
+  const Vec3& a = s.points[t[0]];
+  return cross(minus(s.points[t[1]], a), minus(s.points[t[2]], a));
+}
+
+double angle_between(const Vec3& a, const Vec3& b) {
+  return std::atan2(norm(cross(a, b)), dot(a, b));
+}
+
+/// A place as the weights of the corners of a triangle, if it is the nearest of its points.
+struct Weights {
+  double a, b, c;
+};
+
+/// Ericson, Real-Time Collision Detection (2005), 5.1.5: by the regions of corners, edges and face.
+Weights nearest_in(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
+  const Vec3 ab = minus(b, a), ac = minus(c, a);
+  const double ab_a = dot(ab, minus(p, a)), ac_a = dot(ac, minus(p, a));
+  if (ab_a <= 0 && ac_a <= 0) return {1, 0, 0};
+  const double ab_b = dot(ab, minus(p, b)), ac_b = dot(ac, minus(p, b));
+  if (ab_b >= 0 && ac_b <= ab_b) return {0, 1, 0};
+  const double of_c = ab_a * ac_b - ab_b * ac_a;
+  if (of_c <= 0 && ab_a >= 0 && ab_b <= 0) {
+    const double part = ab_a / (ab_a - ab_b);
+    return {1 - part, part, 0};
+  }
+  const double ab_c = dot(ab, minus(p, c)), ac_c = dot(ac, minus(p, c));
+  if (ac_c >= 0 && ab_c <= ac_c) return {0, 0, 1};
+  const double of_b = ab_c * ac_a - ab_a * ac_c;
+  if (of_b <= 0 && ac_a >= 0 && ac_c <= 0) {
+    const double part = ac_a / (ac_a - ac_c);
+    return {1 - part, 0, part};
+  }
+  const double of_a = ab_b * ac_c - ab_c * ac_b;
+  if (of_a <= 0 && ac_b >= ab_b && ab_c >= ac_c) {
+    const double part = (ac_b - ab_b) / ((ac_b - ab_b) + (ab_c - ac_c));
+    return {0, 1 - part, part};
+  }
+  const double sum = of_a + of_b + of_c;
+  return {of_a / sum, of_b / sum, of_c / sum};
+}
+
+}  // namespace
+
+SolidSurface::SolidSurface(TriangleSurface surface) : surface_(std::move(surface)) {
+  std::erase_if(surface_.triangles,
+                [&](const Triangle& t) { return !(norm(area_vector(surface_, t)) > 0); });
+  if (surface_.triangles.empty())
+    throw InputError(surface_.source + ": the surface has no triangle with an area");
+  const Box given = box_of(surface_.points);
+  const Vec3 middle = scaled(0.5, plus(given.low, given.high));
+  for (Vec3& p : surface_.points) {
+    p = minus(p, middle);
+    radius_ = std::max(radius_, norm(p));
+  }
+  box_ = box_of(surface_.points);
+  make_normals();
+  tree_ = geometry_module().tree(surface_);
+  make_grid();
+}
+SolidSurface::~SolidSurface() = default;
+
+void SolidSurface::make_normals() {
+  std::map<std::array<Index, 2>, Vec3> at_edges;
+  const auto edge_of = [](const Triangle& t, std::size_t i) {
+    return std::array{std::min(t[i], t[(i + 1) % 3]), std::max(t[i], t[(i + 1) % 3])};
+  };
+  vertex_normals_.resize(surface_.points.size());
+  for (const Triangle& t : surface_.triangles) {
+    const Vec3 area = area_vector(surface_, t), normal = scaled(1 / norm(area), area);
+    face_normals_.push_back(normal);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3& corner = surface_.points[t[i]];
+      const double angle = angle_between(minus(surface_.points[t[(i + 1) % 3]], corner),
+                                         minus(surface_.points[t[(i + 2) % 3]], corner));
+      vertex_normals_[t[i]] = plus(vertex_normals_[t[i]], scaled(angle, normal));
+      Vec3& at_edge = at_edges[edge_of(t, i)];
+      at_edge = plus(at_edge, normal);
+    }
+  }
+  for (const Triangle& t : surface_.triangles)
+    edge_normals_.push_back(
+        {at_edges[edge_of(t, 0)], at_edges[edge_of(t, 1)], at_edges[edge_of(t, 2)]});
+}
+
+// -------------------------------------------------------------------- the grid --
+
+void SolidSurface::make_grid() {
+  const double longest = std::max({box_.length(0), box_.length(1), box_.length(2)});
+  const double volume = box_.length(0) * box_.length(1) * box_.length(2);
+  const double wanted = std::clamp(
+      cells_per_triangle * static_cast<double>(surface_.triangles.size()), least_cells, most_cells);
+  edge_ = std::max(std::cbrt(volume / wanted), longest / most_along);
+  std::size_t cells = 1;
+  for (std::size_t c = 0; c < 3; ++c) {
+    count_[c] = static_cast<std::size_t>(std::ceil(box_.length(c) / edge_)) + 2;  // a cell around
+    low_[c] = (box_.low[c] + box_.high[c] - edge_ * static_cast<double>(count_[c])) / 2;
+    cells *= count_[c];
+  }
+  cells_.resize(cells);
+  Index last = 0;
+  for (std::size_t i = 0; i < cells; ++i) {
+    cells_[i].distance = static_cast<float>(nearest(centre(i), last, cells_[i].nearest).distance);
+    last = cells_[i].nearest;
+  }
+}
+
+/// The cell of a place, or the nearest.
+std::size_t SolidSurface::cell_at(const Vec3& place) const {
+  std::size_t cell = 0;
+  for (std::size_t c = 3; c-- > 0;) {
+    const double along = (place[c] - low_[c]) / edge_;
+    const double last = static_cast<double>(count_[c] - 1);
+    cell = cell * count_[c] + static_cast<std::size_t>(std::min(std::max(along, 0.0), last));
+  }
+  return cell;
+}
+
+Vec3 SolidSurface::centre(std::size_t cell) const {
+  const std::array<std::size_t, 3> at{cell % count_[0], cell / count_[0] % count_[1],
+                                      cell / count_[0] / count_[1]};
+  Vec3 centre;
+  for (std::size_t c = 0; c < 3; ++c)
+    centre[c] = low_[c] + edge_ * (static_cast<double>(at[c]) + 0.5);
+  return centre;
+}
+
+/// A lower bound of the distance of a place.
+double SolidSurface::least_distance(const Vec3& place) const {
+  const std::size_t cell = cell_at(place);
+  const double by_cell = cells_[cell].distance - norm(minus(place, centre(cell)));
+  Vec3 outside;
+  for (std::size_t c = 0; c < 3; ++c)
+    outside[c] = std::max({box_.low[c] - place[c], place[c] - box_.high[c], 0.0});
+  const double by_box = norm(outside);
+  return (by_box > 0 ? std::max(by_box, by_cell) : by_cell) - rounding_of_cells * radius_;
+}
+
+std::vector<Vec3> SolidSurface::points_inside() const {
+  std::vector<Vec3> points;
+  const auto deepest = std::ranges::min_element(cells_, {}, &Cell::distance);
+  if (deepest->distance < 0)
+    points.push_back(centre(static_cast<std::size_t>(deepest - cells_.begin())));
+  for (int axis = 14; axis < 27; ++axis) {  // half of the directions to the neighbours of a cube
+    const Vec3 along{double(axis % 3 - 1), double(axis / 3 % 3 - 1), double(axis / 9 - 1)};
+    const auto [low, high] = std::ranges::minmax_element(
+        surface_.points, {}, [&](const Vec3& p) { return dot(p, along); });
+    points.insert(points.end(), {*low, *high});
+  }
+  return points;
+}
+
+// ----------------------------------------------------------------- the distance --
+
+SolidSurface::Foot SolidSurface::foot(Index triangle, const Vec3& place) const {
+  const Triangle& t = surface_.triangles[triangle];
+  const Vec3 &a = surface_.points[t[0]], &b = surface_.points[t[1]], &c = surface_.points[t[2]];
+  const Weights w = nearest_in(a, b, c, place);
+  const Vec3 point = plus(a, plus(scaled(w.b, minus(b, a)), scaled(w.c, minus(c, a))));
+  const int zeros = (w.a == 0) + (w.b == 0) + (w.c == 0);
+  if (zeros == 2) {
+    const Index corner = w.a != 0 ? t[0] : w.b != 0 ? t[1] : t[2];
+    return {surface_.points[corner], vertex_normals_[corner]};
+  }
+  if (zeros == 0) return {point, face_normals_[triangle]};
+  const std::size_t edge = w.c == 0 ? 0 : w.a == 0 ? 1 : 2;
+  return {point, edge_normals_[triangle][edge]};
+}
+
+Nearest SolidSurface::nearest(const Vec3& place, Index start, Index& triangle) const {
+  triangle = static_cast<Index>(tree_->nearest(place, start));
+  const Foot found = foot(triangle, place);
+  const Vec3 away = minus(place, found.point);
+  const double distance = norm(away), height = dot(away, found.normal);
+  if (distance <= on_surface * radius_) {
+    const double length = norm(found.normal);
+    return {height / length, scaled(1 / length, found.normal)};
+  }
+  const double side = height < 0 ? -1 : 1;
+  return {side * distance, scaled(side / distance, away)};
+}
+
+Nearest SolidSurface::nearest(const Vec3& place) const {
+  Index unused;
+  return nearest(place, cells_[cell_at(place)].nearest, unused);
+}
+
+}  // namespace suture

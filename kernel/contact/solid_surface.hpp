@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "kernel/contact/shape.hpp"
+#include "kernel/geometry/surface.hpp"
+
+namespace suture {
+
+class TriangleTree;
+
+/// A closed surface of triangles as the boundary of a solid, about the middle of its box.
+///
+/// The nearest triangle is found in CGAL's tree. The distance is negative inside: behind the plane
+/// through the foot whose normal is the pseudonormal there, the normal of the face, the sum of the
+/// normals of both faces at an edge, or the sum of the normals around a vertex, weighted with the
+/// angles of the faces. This is exact for closed surfaces that do not intersect themselves
+/// (Baerentzen and Aanaes, IEEE Trans. Vis. Comput. Graph. 11 (2005) 243).
+///
+/// A grid of about 65,000 cells stores the distance of each centre and the triangle that is nearest
+/// to it. The first rules out most far places in 10 ns, because a distance changes
+/// no faster than the place; from the second the search in the tree begins.
+class SolidSurface {
+ public:
+  /// `surface`: closed, oriented outward, without self-intersections (read_solid). Triangles
+  /// without area are dropped. Throws IoError if the geometry module cannot be loaded, InputError
+  /// if no triangle is left. Cost: 1 us per cell, about 0.1 s, and 1 us per triangle.
+  explicit SolidSurface(TriangleSurface surface);
+  ~SolidSurface();
+
+  /// About 1 us.
+  Nearest nearest(const Vec3& place) const;
+  /// False only if the distance of the place is larger than this.
+  bool may_be_within(const Vec3& place, double distance) const {
+    return least_distance(place) <= distance;
+  }
+  /// The surface, with the middle of its box at the origin.
+  const TriangleSurface& surface() const { return surface_; }
+  double radius() const { return radius_; }  ///< of the ball around the origin that contains it, m
+  /// The middle of the cell that is deepest inside, if one is inside, and the points of the surface
+  /// that are extreme along 13 axes.
+  std::vector<Vec3> points_inside() const;
+
+ private:
+  /// The point of a triangle that is nearest to a place, and the pseudonormal there.
+  struct Foot {
+    Vec3 point, normal;
+  };
+  struct Cell {
+    float distance = 0;  ///< of its centre
+    Index nearest = 0;   ///< triangle
+  };
+  void make_normals();
+  void make_grid();
+  Foot foot(Index triangle, const Vec3& place) const;
+  Nearest nearest(const Vec3& place, Index start, Index& triangle) const;
+  std::size_t cell_at(const Vec3& place) const;
+  Vec3 centre(std::size_t cell) const;
+  double least_distance(const Vec3& place) const;
+
+  TriangleSurface surface_;
+  Box box_ = no_box;
+  double radius_ = 0;
+  std::vector<Vec3> face_normals_;                 ///< of length 1
+  std::vector<std::array<Vec3, 3>> edge_normals_;  ///< of the edges 01, 12, 20; of any length
+  std::vector<Vec3> vertex_normals_;
+  std::unique_ptr<TriangleTree> tree_;
+  Vec3 low_{};
+  double edge_ = 1;
+  std::array<std::size_t, 3> count_{};
+  std::vector<Cell> cells_;  ///< along x, then y, then z
+};
+
+}  // namespace suture

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "kernel/base/error.hpp"
+#include "kernel/contact/contact.hpp"
 #include "kernel/events/cut_faces.hpp"
 #include "kernel/events/islands.hpp"
 #include "kernel/events/match_faces.hpp"
@@ -112,7 +113,8 @@ struct EventRunner::Call {
     return opened(faces);
   }
 
-  EventOutcome operator()(const CutBlade&) const {
+  EventOutcome operator()(const CutBlade& cut) const {
+    if (cut.carried) state.blade->carry_to(time, runner.points_of(*cut.carried, time));
     return opened(state.blade->advance(built.body().complex(),
                                        Places{built.body().attributes().position().rows()}, time,
                                        workers()));
@@ -286,15 +288,27 @@ EventRunner::State EventRunner::prepare(const Event& event) {
         for (std::size_t c = 0; c < 3; ++c) p[c] += cut->translation[c];
       state.surface = std::make_unique<SurfaceBlade>(std::move(surface), diagnostics_);
     } else if (const auto* blade = std::get_if<CutBlade>(&event.what)) {
-      std::vector<BladeKey> keys;
-      for (const CutBlade::Station& station : blade->stations)
-        keys.push_back({station.at, station.points});
-      state.blade = std::make_unique<MovingBlade>(std::move(keys));
+      state.blade = std::make_unique<MovingBlade>(blade_of(*blade));
     }
   } catch (const InputError& error) {
     throw InputError(event.path + "/cut: " + error.what());
   }
   return state;
+}
+
+MovingBlade EventRunner::blade_of(const CutBlade& cut) const {
+  if (cut.carried) return MovingBlade::carried(points_of(*cut.carried, 0));
+  std::vector<BladeKey> keys;
+  for (const CutBlade::Station& station : cut.stations)
+    keys.push_back({station.at, station.points});
+  return MovingBlade(std::move(keys));
+}
+
+std::vector<Vec3> EventRunner::points_of(const CutBlade::Carried& carried, double time) const {
+  const Pose pose = built_.body().contact()->obstacles()[carried.obstacle].motion.pose(time);
+  std::vector<Vec3> points = carried.points;
+  for (Vec3& point : points) point = pose.place(point);
+  return points;
 }
 
 // Lists and sets that the mesh does not have are mistakes in the scene, reported before
@@ -360,9 +374,12 @@ EventOutcome EventRunner::apply(const Event& event, double time) {
 // A blade knows where the tissue was at its last step.
 void EventRunner::roll_back(double time) {
   const Places places{built_.body().attributes().position().rows()};
-  for (State& state : states_) {
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    State& state = states_[i];
     if (!state.blade || !state.has_fired) continue;
     state.blade->reset();
+    const auto* cut = std::get_if<CutBlade>(&scene_.events[i].what);
+    if (cut->carried) state.blade->carry_to(time, points_of(*cut->carried, time));
     state.blade->advance(built_.body().complex(), places, time);
   }
 }

@@ -80,6 +80,8 @@ class EventRunner : private Follower {
   };
 
   State prepare(const Event& event);
+  MovingBlade blade_of(const CutBlade& cut) const;
+  std::vector<Vec3> points_of(const CutBlade::Carried& carried, double time) const;
   void check(const Event& event);
   void check_pairs(const Event& event, const SewFaces& sew) const;
   /// Updates the stored positions of the tissue.

@@ -141,6 +141,12 @@ MovingBlade::MovingBlade(std::vector<BladeKey> keys, Scope scope)
   for (std::size_t i = 0; i < keys_.size(); ++i) check_key(keys_, i);
 }
 
+MovingBlade MovingBlade::carried(std::vector<Vec3> points, Scope scope) {
+  MovingBlade blade({{0, std::move(points)}}, scope);
+  blade.is_carried_ = true;
+  return blade;
+}
+
 double MovingBlade::end() const {
   return keys_.size() == 1 ? std::numeric_limits<double>::infinity() : keys_.back().time;
 }
@@ -158,9 +164,17 @@ std::vector<Vec3> MovingBlade::at(double time) const {
 }
 
 Box MovingBlade::box() const {
-  Box box = no_box;
+  Box box = swept_;
   for (const BladeKey& key : keys_) add(box, key.points);
   return box;
+}
+
+void MovingBlade::carry_to(double time, std::vector<Vec3> points) {
+  swept_ = box();
+  if (started_ && time > time_)
+    keys_ = {{time_, std::move(keys_.back().points)}, {time, std::move(points)}};
+  else
+    keys_ = {{time, std::move(points)}};
 }
 
 void MovingBlade::reset() {
@@ -173,6 +187,10 @@ void MovingBlade::state(Archive& archive) {
   if (!archive.has_cells()) return;
   archive("started", started_);
   archive("time", time_);
+  if (is_carried_) {
+    archive.rows<double>("points", keys_.back().points);
+    if (archive.loads()) keys_ = {{time_, std::move(keys_.back().points)}};
+  }
   archive("tissue", tissue_);
   archive("step", step_);
   archive.rows<std::uint64_t>("clearances", clearances_);  // bits

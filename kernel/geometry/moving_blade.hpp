@@ -13,7 +13,8 @@ struct BladeKey {
 };
 
 /// A segment or polyline that moves along straight lines from key to key. It exists from the first
-/// key to the last; with a single key it is stationary from that time on.
+/// key to the last; with a single key it is stationary from that time on. A carried blade has no
+/// keys: something else moves it.
 ///
 /// A step cuts what the blade sweeps relative to the tissue. Each link near the blade sees it in
 /// its own frame: let a, b be the link at the end of the step and a0, b0 at its start, d = b - a
@@ -45,6 +46,8 @@ class MovingBlade {
   /// points coincide. Scope::all checks all elements in every step, as a reference.
   enum class Scope { near, all };
   explicit MovingBlade(std::vector<BladeKey> keys, Scope scope = Scope::near);
+  /// A blade that carry_to() moves, at these points at time 0. The same errors.
+  static MovingBlade carried(std::vector<Vec3> points, Scope scope = Scope::near);
 
   double begin() const { return keys_.front().time; }
   double end() const;  ///< s; infinite for one key
@@ -53,6 +56,9 @@ class MovingBlade {
   /// The bounding box of everything that the blade sweeps.
   Box box() const;
 
+  /// Call before advance() with the same time: the points of a carried blade have moved there along
+  /// straight lines.
+  void carry_to(double time, std::vector<Vec3> points);
   /// The faces cut since the last call, in the form of SurfaceBlade::faces_cut. The first call, and
   /// the first after reset(), only stores the positions of the tissue: make it at the start of a
   /// run. Throws InputError if `time` is earlier than in the last call. Stores the positions of all
@@ -97,6 +103,8 @@ class MovingBlade {
   void record(Index element, const CheckResult& found);
 
   std::vector<BladeKey> keys_;
+  bool is_carried_ = false;  ///< keys_: its places in the last step
+  Box swept_ = no_box;       ///< by a carried blade, in earlier steps
   Scope scope_;
   bool started_ = false;
   double time_ = 0;

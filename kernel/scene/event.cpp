@@ -19,6 +19,8 @@ struct What {
     return "the faces that the triangles of " + cut.file.filename().string() + " separate";
   }
   std::string operator()(const CutBlade& cut) const {
+    if (cut.carried)
+      return "the faces that the blade of obstacle '" + cut.carried->name + "' crosses";
     return "the faces that a blade of " + std::to_string(cut.stations.front().points.size()) +
            " points crosses as it moves through the tissue";
   }
@@ -74,7 +76,8 @@ const char* Event::operation() const {
 }
 
 double Event::start() const {
-  if (const auto* blade = std::get_if<CutBlade>(&what)) return blade->stations.front().at;
+  if (const auto* blade = std::get_if<CutBlade>(&what))
+    return blade->carried ? 0 : blade->stations.front().at;
   return every > 0 ? from : when ? 0 : at;
 }
 

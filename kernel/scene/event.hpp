@@ -35,13 +35,20 @@ struct CutSurface {
 };
 
 /// Opens the faces that a moving segment or polyline crosses; every point moves along a straight
-/// line between stations. One station: a blade that is stationary from then on.
+/// line between stations. One station: a blade that is stationary from then on. Or it is fixed to
+/// an obstacle.
 struct CutBlade {
   struct Station {
     double at = 0;               ///< s
     std::vector<Vec3> points{};  ///< m, the same number at every station
   };
-  std::vector<Station> stations;
+  std::vector<Station> stations{};  ///< or
+  struct Carried {
+    std::size_t obstacle = 0;    ///< by place in /contact/obstacles
+    std::string name{};          ///< of the obstacle
+    std::vector<Vec3> points{};  ///< m, where they are relative to its shape as given
+  };
+  std::optional<Carried> carried{};
 };
 
 /// Opens listed faces.

@@ -126,9 +126,30 @@ CutBlade::Station read_station(ObjectReader& object, const Scene& scene) {
   return station;
 }
 
+/// A blade that an obstacle carries.
+CutBlade::Carried read_carried(ObjectReader& blade, const std::vector<Obstacle>& obstacles) {
+  CutBlade::Carried carried;
+  std::vector<std::string> names;
+  for (const Obstacle& obstacle : obstacles) names.push_back(obstacle.name);
+  if (names.empty())
+    blade.complain("obstacle", "needs obstacles, and the scene has none; add /contact");
+  else if (const auto obstacle = blade.choice("obstacle", names))
+    carried = {*obstacle, names[*obstacle]};
+  if (const JsonValue* points = blade.require("points", "a segment or polyline [[x, y, z], ...]"))
+    carried.points = read_points(*points, blade.path_of("points"), 2, blade.mistakes());
+  blade.finish();
+  return carried;
+}
+
 CutBlade read_blade(ObjectReader blade, Reading& reading) {
   CutBlade cut;
-  blade.require("path", "the stations of the blade [{\"at\", \"points\"}]");
+  static const std::array<std::string, 2> kinds{"path", "obstacle"};
+  const auto kind = blade.one_of(kinds);
+  if (kind == 1u) cut.carried = read_carried(blade, reading.scene.contact.obstacles);
+  if (!kind || cut.carried) {
+    cut.stations.resize(1);
+    return cut;
+  }
   for_each_object(blade, "path", "stations", [&](ObjectReader& object) {
     CutBlade::Station station = read_station(object, reading.scene);
     if (!cut.stations.empty()) {

@@ -73,6 +73,7 @@ struct Translation {
   void operator()(CutSurface& cut) const { (*this)(cut.translation); }
   void operator()(CutBlade& cut) const {
     for (CutBlade::Station& station : cut.stations) (*this)(station.points);
+    if (cut.carried) (*this)(cut.carried->points);
   }
   void operator()(CutFaces&) const {}
   void operator()(Pierce& pierce) const {

@@ -383,6 +383,36 @@ TEST_F(BadScenes, Obstacles) {
   }
 }
 
+TEST_F(BadScenes, BladesThatObstaclesCarry) {
+  const std::string ball =
+      "/contact={\"obstacles\": [{\"name\": \"knife\", \"sphere\": "
+      "{\"centre\": [0.5, 0.5, 1.5], \"radius\": 0.5}}]}";
+  const auto blade = [](const std::string& members) {
+    return "/events=[{\"cut\": {\"blade\": {" + members + "}}}]";
+  };
+  const std::string points = R"("points": [[0, 0, 1], [1, 0, 1]])";
+  struct Case {
+    std::vector<std::string> sets;
+    std::string where, words;
+  };
+  const Case cases[] = {
+      {{blade("\"obstacle\": \"knife\", " + points)}, "/blade/obstacle", "needs obstacles"},
+      {{ball, blade("\"obstacle\": \"knive\", " + points)}, "/blade/obstacle", "'knife'"},
+      {{ball, blade("\"obstacle\": \"knife\"")}, "/cut/blade", "'points' is missing"},
+      {{ball, blade(R"("obstacle": "knife", "points": [[0, 0, 1]])")}, "/blade/points", "2"},
+      {{ball, blade(points)}, "/cut/blade", "obstacle"},
+      {{ball, blade(R"("obstacle": "knife", "path": [], )" + points)}, "/cut/blade", "path"},
+      {{ball, blade(R"("obstacle": "knife", "points": [[0, 0, 1], [0, 0, 1]])")},
+       "/events/0",
+       "coincident points"}};
+  for (const Case& bad : cases) {
+    const Outcome outcome = scene("check", "", bad.sets);
+    EXPECT_EQ(outcome.code, 3) << bad.sets.back() << '\n' << outcome;
+    EXPECT_TRUE(outcome.says(bad.where) && outcome.says(bad.words)) << bad.sets.back() << '\n'
+                                                                    << outcome;
+  }
+}
+
 TEST_F(BadScenes, ObstaclesOfTriangles) {
   // A tetrahedron, without its last face, and through another.
   const std::string points = "v 0 0 2\nv 1 0 2\nv 0 1 2\nv 0 0 3\n";

@@ -247,7 +247,7 @@ Case varied(Random& random, unsigned index, std::uint64_t) {
   return result;
 }
 
-/// A slab that falls onto a table, is pushed by a ball, and is cut there.
+/// A slab that falls onto a table, is pushed by a ball, which may carry a blade, and is cut there.
 Case obstacles(Random& random, unsigned, std::uint64_t) {
   Case result = bar("obstacles", random);
   Json& scene = result.scene;
@@ -266,6 +266,10 @@ Case obstacles(Random& random, unsigned, std::uint64_t) {
                      {{"at", random.between(1, 1.5)},
                       {"pierce", {{"path", {{0.3, 0.1, -2}, {0.3, 0.1, 2}}}, {"radius", 0.06}}}}};
   if (scene["contact"]["pieces"]) scene["contact"]["self"] = random.chance(0.5);
+  if (random.chance(0.5))
+    scene["events"].push_back(
+        {{"cut",
+          {{"blade", {{"obstacle", "ball"}, {"points", {{0.47, -1, 0.2}, {0.47, 1, 0.2}}}}}}}});
   add_output(scene, random);
   scene["output"]["tools"]["every_steps"] = 1 + static_cast<int>(random.decades(1, 30));
   scene["output"]["fields"].push_back("contact_force");

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Tools in complete runs: blades that obstacles carry.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
+
+namespace suture::test {
+namespace {
+
+constexpr double dt = 1e-3;
+
+/// A block of 0.8 x 0.4 x 0.4 m, held at the bottom, cut for 0.2 s by what `blade` says, while an
+/// obstacle moves far above it.
+Scene cut_block(CutBlade blade, const RigidPath& motion) {
+  Scene scene = beam(host(), "tm-faure", 1, 1, 0, {{"E", 1e5}});
+  scene.mesh.box = BoxOptions{{0, 0, 0}, {0.8, 0.4, 0.4}, {8, 4, 4}, {1, 1, 1}};
+  scene.constraints[0].where.what = Selection::Named{"z0"};
+  Obstacle obstacle{"knife", "/contact/obstacles/0", Sphere{{0, 0.2, 3}, 0.1}, motion};
+  scene.contact.obstacles = {obstacle};
+  scene.solver.dt = dt;
+  scene.solver.end = 0.2;
+  Event event;
+  event.path = "/events/0";
+  event.what = std::move(blade);
+  scene.events = {event};
+  return scene;
+}
+
+struct Result {
+  std::uint64_t faces = 0;
+  std::vector<double> state;
+};
+
+Result run(const Scene& scene) {
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Observer nobody;
+  const RunSummary summary = simulation.run(nobody);
+  const Column& x = simulation.attributes().position();
+  return {summary.faces_cut, {x.rows(), x.rows() + 4 * std::size_t{x.size()}}};
+}
+
+CutBlade carried(const std::vector<Vec3>& points) {
+  CutBlade blade;
+  blade.carried = CutBlade::Carried{0, "knife", points};
+  return blade;
+}
+
+TEST(Tools, ACarriedBladeCutsAsOneWithTheSamePath) {
+  const std::vector<Vec3> points{{-0.1, 0.21, 0.22}, {-0.1, 0.21, 0.6}};
+  RigidPath motion;
+  motion.stations = {{0.05, {}, 0}, {0.2, {0.6, -0.02, 0.01}, 0}};
+  CutBlade path;
+  path.stations = {{0, points}, {0.05, points}, {0.2, points}};
+  for (Vec3& p : path.stations.back().points) {
+    p[0] += 0.6;
+    p[1] -= 0.02;
+    p[2] += 0.01;
+  }
+  const Result own = run(cut_block(path, motion)), with = run(cut_block(carried(points), motion));
+  EXPECT_EQ(own.faces, 2u * 5);
+  EXPECT_EQ(with.faces, own.faces);
+  EXPECT_EQ(with.state, own.state) << "the same faces in the same steps";
+}
+
+// A blade that turns about an axis along y cuts an arc, as a path with a station in every step.
+TEST(Tools, ACarriedBladeTurnsWithItsObstacle) {
+  const std::vector<Vec3> points{{0.02, 0.21, 0.95}, {0.32, 0.21, 0.95}};
+  RigidPath motion;
+  motion.stations = {{0, {}, 0}, {0.2, {}, 1.2}};
+  motion.axis = {0, 1, 0};
+  motion.centre = {0, 0.2, 0.95};
+  CutBlade path;
+  for (int i = 0; i <= 200; ++i) {
+    const Pose pose = motion.pose(i * dt);
+    path.stations.push_back({i * dt, {pose.place(points[0]), pose.place(points[1])}});
+  }
+  const Result own = run(cut_block(path, motion)), with = run(cut_block(carried(points), motion));
+  EXPECT_EQ(own.faces, 0u) << "still above the block";
+  EXPECT_EQ(with.faces, 0u);
+  std::vector<Vec3> longer{{0.02, 0.21, 0.95}, {0.82, 0.21, 0.95}};
+  for (int i = 0; i <= 200; ++i) path.stations[i].points[1] = motion.pose(i * dt).place(longer[1]);
+  const Result deep = run(cut_block(path, motion)),
+               turned = run(cut_block(carried(longer), motion));
+  EXPECT_GT(deep.faces, 3u);
+  EXPECT_EQ(turned.faces, deep.faces);
+}
+
+}  // namespace
+}  // namespace suture::test

@@ -576,9 +576,9 @@ std::vector<Family> stress_families() {
   add("denormal-size", denormal_size, "elements of 1e-104 m", homogeneous);
   constexpr const char* scaling = "the unit scene, scaled";
   add(
-      "1um", [](Draft& d) { scaled(d, 1e-6, 1); }, "a body of 1 um", scaling);
+      "1um", [](Draft& d) { scaled(d, 4e-6, 1); }, "elements of 1 um", scaling);
   add(
-      "1km", [](Draft& d) { scaled(d, 1e3, 1); }, "a body of 1 km", scaling);
+      "1km", [](Draft& d) { scaled(d, 4e3, 1); }, "elements of 1 km", scaling);
   add(
       "E-1e-3", [](Draft& d) { scaled(d, 1, 1e-3); }, "Young's modulus", scaling);
   add(

@@ -40,6 +40,8 @@ class BoundarySurface {
   std::span<const Index> faces() const { return faces_.items(); }
   /// In the order of faces().
   std::span<const Corners> corners() const { return corners_; }
+  /// Where a face of the boundary is in faces().
+  Index place(Index face) const { return faces_.place(face); }
   std::span<const Index> vertices() const { return vertices_.items(); }
   bool has_vertex(Index vertex) const { return vertices_.contains(vertex); }
   /// Every edge of the boundary is in two of its darts: the other one.

@@ -16,8 +16,8 @@ constexpr int max_sweeps = 16;
 constexpr int max_piece_sweeps = 32;
 // Of an element: how far an obstacle moves in a step, and how far a vertex is pushed out of one.
 constexpr double max_motion = 0.1, max_push = 0.01;
-// How far other pieces may push a vertex in a step; of an element.
-constexpr double pushed = 0.5;
+// How far other pieces may push a vertex in a step, and how far they may approach; of an element.
+constexpr double pushed = 0.5, max_approach = 0.1;
 constexpr int held = 7;  // all components are prescribed
 
 }  // namespace
@@ -63,6 +63,7 @@ void Contact::predict(const ContactStep& step) {
   if (pieces_) ends_.resize(4 * std::size_t{attributes_.vertex_count()});
   const double *x = attributes_.position().rows(), *v = attributes_.velocity().rows(),
                *mass = attributes_.mass().rows(), *fixed = attributes_.fixed().rows();
+  Box velocities = no_box;
   for (const Index vertex : surface_.vertices()) {
     const int components = static_cast<int>(fixed[vertex]);
     const bool moves = components != held && (*step.moving)[vertex];
@@ -70,7 +71,10 @@ void Contact::predict(const ContactStep& step) {
     const Vec3 velocity =
         plus(scaled(step.decay, row(v, vertex)), scaled(step.gain / mass[vertex], force));
     const Vec3 end = plus(row(x, vertex), scaled(moves ? step.dt : 0, velocity));
-    if (pieces_) std::ranges::copy(end, ends_.begin() + std::ptrdiff_t{4} * vertex);
+    if (pieces_) {
+      std::ranges::copy(end, ends_.begin() + std::ptrdiff_t{4} * vertex);
+      include(velocities, velocity);
+    }
     // Prescribed components go elsewhere, and pieces push each other.
     const double margin = components != 0 ? size_
                           : pieces_       ? pushed * mean_edge_
@@ -81,7 +85,9 @@ void Contact::predict(const ContactStep& step) {
       near_.push_back({vertex, force});
   }
   near_obstacles_ = near_.size();
-  if (pieces_) add_near_pieces(step);
+  if (!pieces_) return;
+  add_near_pieces(step);
+  closing_speed_ = pieces_->may_meet() ? norm(minus(velocities.high, velocities.low)) : 0;
 }
 
 void Contact::add_near_pieces(const ContactStep& step) {
@@ -136,11 +142,15 @@ void Contact::move(const Near& near, double dt) {
   std::ranges::copy(end, attributes_.position().rows() + 4 * std::size_t{near.vertex});
 }
 
-/// Out of one obstacle after the other, until it is in none.
-void Contact::push_out(const Near& near, std::span<Push> pushes, double dt) {
+/// Out of one obstacle after the other, until it is in none. What an earlier sweep did is taken
+/// back before: other pieces may hold the vertex now.
+void Contact::push_out(Near& near, std::span<Push> pushes, double dt) {
   double* x = attributes_.position().rows() + 4 * std::size_t{near.vertex};
   double* v = attributes_.velocity().rows() + 4 * std::size_t{near.vertex};
-  const Vec3 end{x[0], x[1], x[2]}, velocity{v[0], v[1], v[2]};
+  const Vec3 last = near.pushed;
+  const Vec3 end = minus({x[0], x[1], x[2]}, scaled(dt, last));
+  const Vec3 velocity = minus({v[0], v[1], v[2]}, last);
+  std::ranges::fill(pushes, Push{});
   const auto fixed = static_cast<unsigned>(attributes_.fixed().rows()[near.vertex]);
   VertexPath path{minus(end, scaled(dt, velocity)), end, fixed, dt};
   Vec3 change{};
@@ -158,10 +168,11 @@ void Contact::push_out(const Near& near, std::span<Push> pushes, double dt) {
     }
     if (placed_.size() <= 1) break;  // once is enough
   }
-  if (change == Vec3{}) return;
+  near.pushed = change;
+  if (change == Vec3{} && last == Vec3{}) return;
   for (std::size_t c = 0; c < 3; ++c) {
     x[c] = path.end[c];
-    v[c] += change[c];
+    v[c] = velocity[c] + change[c];
   }
 }
 
@@ -228,7 +239,7 @@ double Contact::power() const {
 void Contact::restart() {
   touches_.clear();
   std::ranges::fill(loads_, Load{});
-  work_ = friction_work_ = step_work_ = 0;
+  work_ = friction_work_ = step_work_ = closing_speed_ = 0;
 }
 
 /// Of a half-space that turns, what is as far as the body counts.
@@ -246,12 +257,19 @@ double Contact::top_speed(const Obstacle& obstacle, double time) const {
 
 double Contact::longest_step(double time) const {
   double step = infinity;
+  if (closing_speed_ > 0) step = max_approach * mean_edge_ / closing_speed_;
   for (const Obstacle& obstacle : obstacles_) {
     if (time >= obstacle.motion.last_change()) continue;
     const double speed = top_speed(obstacle, time);
     if (speed > 0) step = std::min(step, max_motion * shortest_edge_ / speed);
   }
   return step;
+}
+
+std::optional<Contact::Failure> Contact::failure() const {
+  const PieceContact::Touch* touch = pieces_ ? pieces_->too_deep() : nullptr;
+  if (!touch) return {};
+  return Failure{{touch->vertices[0], touch->vertices[3]}, pieces_->depth(*touch)};
 }
 
 double Contact::last_change() const {
@@ -276,6 +294,7 @@ void Contact::state(Archive& archive) {
   archive.rows<double>("loads", loads_);
   archive("work", work_);
   archive("friction work", friction_work_);
+  archive("closing speed", closing_speed_);
 }
 
 }  // namespace suture

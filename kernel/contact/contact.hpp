@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -92,7 +93,16 @@ class Contact final : public Follower {
   double power() const;
   void restart();
 
-  /// The longest step in which no obstacle moves by more than a tenth of an element, s.
+  /// Two pieces that entered each other in the last step although they touch, because they met too
+  /// fast or are pressed together too hard.
+  struct Failure {
+    std::array<Index, 2> vertices;  ///< one of each
+    double depth;                   ///< m
+  };
+  std::optional<Failure> failure() const;
+
+  /// The longest step in which no obstacle moves by more than a tenth of an element, and no pieces
+  /// approach each other by more than a tenth of an edge, s.
   double longest_step(double time) const;
   /// A bound on the speed of the points of an obstacle near the body, m/s.
   double top_speed(const Obstacle& obstacle, double time) const;
@@ -109,12 +119,13 @@ class Contact final : public Follower {
     Vec3 force;                        ///< without contact, N
     Vec3 free_end{}, free_velocity{};  ///< after the step without contact
     Vec3 mean{};                       ///< of the velocities before and after the step, m/s
+    Vec3 pushed{};                     ///< what obstacles have changed in the velocity, m/s
   };
   Vec3 free_force(Index vertex, const ContactStep& step) const;
   void add_near_pieces(const ContactStep& step);
   void push(double dt);
   void move(const Near& near, double dt);
-  void push_out(const Near& near, std::span<Push> pushes, double dt);
+  void push_out(Near& near, std::span<Push> pushes, double dt);
   void book(Near& near, std::span<const Push> pushes, const ContactStep& step);
   void book_friction_of_pieces();
 
@@ -138,6 +149,7 @@ class Contact final : public Follower {
   std::vector<Touch> touches_;
   std::vector<Load> loads_;
   double work_ = 0, friction_work_ = 0, step_work_ = 0;
+  double closing_speed_ = 0;  ///< of pieces that may meet, at most, m/s
 };
 
 }  // namespace suture

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "kernel/contact/place_grid.hpp"
 #include "kernel/contact/vectors.hpp"
 
 namespace suture {
@@ -11,16 +12,21 @@ namespace {
 // In typical edges: how far a vertex may be in front of a face that it may yet be pushed into, and
 // how far beside its rim; how far things move before near pairs are sought again.
 constexpr double margin = 0.1, beside = 0.05, skin = 0.25;
-constexpr double precision = 1e-3;  // of gaps, in typical edges
-constexpr double same_side = 0.2;   // cosine of an angle at which surfaces look the same way
+constexpr double reach = PieceContact::max_depth + skin;  // of near pairs
+constexpr double precision = 1e-3;                        // of gaps, in typical edges
+constexpr double same_side = 0.2;  // cosine of an angle at which surfaces look the same way
 // What is less far behind a face at rest belongs to the same sheet; in typical edges.
 constexpr double thin = 0.5;
 // A distance in typical edges, and the cosine of an angle between faces.
 constexpr double near_enough = 0.02, alike = 0.95;
+// Sine of an angle by which the direction in which edges touch may lean towards one of their faces.
+constexpr double leaning = 0.1;
 // Relative to that without constraints; what hardly yields would need impulses without bound.
 constexpr double least_mobility = 1e-3;
 // Of a depth that was there before the step, at most `max_recovery` edges per step.
-constexpr double recovered = 0.2, max_recovery = 0.01;
+constexpr double recovered = 0.2, max_recovery = 0.02;
+// Contact has failed where things are in each other by so much; of an edge.
+constexpr double alarming = 0.08;
 
 Vec3 free_part(Vec3 a, char fixed) {
   if (fixed == 0) return a;
@@ -34,6 +40,18 @@ Vec3 sum_over(const PieceContact::Touch& touch, const double* rows) {
   for (std::size_t i = 0; i < 5; ++i)
     total = plus(total, scaled(touch.weights[i], row(rows, touch.vertices[i])));
   return total;
+}
+
+/// In the order in which they are found: edges after vertices and faces.
+bool is_before(const PieceContact::Touch& a, const PieceContact::Touch& b) {
+  const bool a_is_edge = a.vertices[3] == a.vertices[4], b_is_edge = b.vertices[3] == b.vertices[4];
+  return a_is_edge != b_is_edge ? b_is_edge : a.vertices[0] < b.vertices[0];
+}
+
+Box box_of(const FeatureEdge& edge, const double* positions) {
+  Box box = no_box;
+  for (const Index v : edge.ends) include(box, row(positions, v));
+  return box;
 }
 
 Patch patch_of(const BoundarySurface::Corners& corners, const double* positions) {
@@ -78,6 +96,7 @@ bool PieceContact::find_what_may_meet() {
     meeting_.face_meets_own[i] = true;
     for (const Index v : surface_.corners()[i]) meeting_.vertex_meets_own[v] = true;
   }
+  edges_ = feature_edges(complex_, surface_, attributes_.rest().rows());
   return has_lips || options_.self || islands_.existing() > 1;
 }
 
@@ -93,10 +112,12 @@ bool PieceContact::has_moved(const double* ends) const {
 void PieceContact::rebuild(const double* ends) {
   built_at_.clear();
   pairs_.clear();
+  near_edges_.clear();
   if (may_meet_) {
     for (const Index v : surface_.vertices()) built_at_.push_back(row(ends, v));
-    pairs_ = near_pairs(surface_, meeting_, ends, (max_depth + skin) * edge_);
+    pairs_ = near_pairs(surface_, meeting_, ends, reach * edge_);
     std::erase_if(pairs_, [&](const NearPair& pair) { return is_behind_at_rest(pair); });
+    find_near_edges(ends);
   }
   find_vertices();
 }
@@ -112,6 +133,19 @@ bool PieceContact::is_behind_at_rest(const NearPair& pair) const {
   return norm(foot.offset) < thin * edge_ && dot(foot.offset, foot.normal) < -precision * edge_;
 }
 
+void PieceContact::find_near_edges(const double* ends) {
+  near_edges_ = near_edges(edges_, meeting_.piece_of, options_.self, ends, reach * edge_);
+  std::erase_if(near_edges_, [&](const NearEdges& pair) { return are_near_at_rest(pair); });
+}
+
+/// Within a piece: as edges on both sides of a thin sheet.
+bool PieceContact::are_near_at_rest(const NearEdges& pair) const {
+  const FeatureEdge &a = edges_[pair.first], &b = edges_[pair.second];
+  if (meeting_.piece_of[a.ends[0]] != meeting_.piece_of[b.ends[0]]) return false;
+  const double* rest = attributes_.rest().rows();
+  return overlap(enlarged(box_of(a, rest), thin * edge_), box_of(b, rest));
+}
+
 /// The vertices of near pairs, ascending, and the faces around them.
 void PieceContact::find_vertices() {
   std::vector<bool> is_near(attributes_.vertex_count());
@@ -119,6 +153,9 @@ void PieceContact::find_vertices() {
     is_near[pair.vertex] = true;
     for (const Index v : surface_.corners()[pair.face]) is_near[v] = true;
   }
+  for (const NearEdges& pair : near_edges_)
+    for (const Index edge : {pair.first, pair.second})
+      for (const Index v : edges_[edge].ends) is_near[v] = true;
   vertices_.clear();
   for (Index v = 0; v < is_near.size(); ++v)
     if (is_near[v]) vertices_.push_back(v);
@@ -147,15 +184,35 @@ void PieceContact::find_normals(const double* positions) {
 }
 
 void PieceContact::begin(double dt) {
+  const double ratio = dt_ > 0 ? dt / dt_ : 0;
   dt_ = dt;
+  std::swap(touches_, last_);
   touches_.clear();
-  if (pairs_.empty()) return;
+  if (vertices_.empty()) return;
   find_normals(attributes_.position().rows());
   for (auto first = pairs_.begin(); first != pairs_.end();) {
     const auto last = std::find_if(first, pairs_.end(),
                                    [&](const NearPair& p) { return p.vertex != first->vertex; });
     add_nearest({first, last});
     first = last;
+  }
+  for (const NearEdges& pair : near_edges_) add_crossing(pair);
+  begin_with_last_forces(ratio);
+}
+
+void PieceContact::begin_with_last_forces(double ratio) {
+  std::size_t candidate = 0;
+  for (Touch& touch : touches_) {
+    while (candidate < last_.size() && is_before(last_[candidate], touch)) ++candidate;
+    for (std::size_t i = candidate; i < last_.size() && !is_before(touch, last_[i]); ++i) {
+      if (last_[i].impulse == 0 || dot(last_[i].normal, touch.normal) < alike) continue;
+      touch.impulse = ratio * last_[i].impulse;
+      const Vec3 friction = scaled(ratio, last_[i].friction);
+      touch.friction = minus(friction, scaled(dot(friction, touch.normal), touch.normal));
+      apply(touch, plus(scaled(touch.impulse, touch.normal), touch.friction));
+      last_[i].impulse = 0;
+      break;
+    }
   }
 }
 
@@ -207,31 +264,66 @@ void PieceContact::add(const Found& found) {
 
 void PieceContact::add_nearest(std::span<const NearPair> pairs_of_vertex) {
   find_nearest(pairs_of_vertex);
-  for (const Found& found : nearest_)
-    if (dot(found.foot.offset, found.foot.normal) < margin * edge_)
-      touches_.push_back(touch_of(pairs_of_vertex.front().vertex, surface_.corners()[found.face],
-                                  found.foot.weights, found.foot.normal));
+  for (const Found& found : nearest_) {
+    if (dot(found.foot.offset, found.foot.normal) >= margin * edge_) continue;
+    const BoundarySurface::Corners& c = surface_.corners()[found.face];
+    const std::array<double, 4>& w = found.foot.weights;
+    touches_.push_back(touch_of({pairs_of_vertex.front().vertex, c[0], c[1], c[2], c[3]},
+                                {1, -w[0], -w[1], -w[2], -w[3]}, found.foot.normal));
+  }
 }
 
-PieceContact::Touch PieceContact::touch_of(Index vertex, const BoundarySurface::Corners& corners,
-                                           const std::array<double, 4>& weights,
+/// Edges touch in the direction n at right angles to both if it leads out of the second one and
+/// into the first one between their faces. Where it leads along a face, too: edges of blocks that
+/// lie across each other are parallel to the faces beside them.
+void PieceContact::add_crossing(const NearEdges& pair) {
+  const FeatureEdge &a = edges_[pair.first], &b = edges_[pair.second];
+  const double* x = attributes_.position().rows();
+  Crossing crossing;
+  if (!find_crossing({row(x, a.ends[0]), row(x, a.ends[1])}, {row(x, b.ends[0]), row(x, b.ends[1])},
+                     crossing))
+    return;
+  const double s = crossing.first, t = crossing.second;
+  if (std::min({s, t, 1 - s, 1 - t}) < -beside) return;
+  const Vec3 outward = plus(face_normals_[b.faces[0]], face_normals_[b.faces[1]]);
+  const Vec3 normal = scaled(dot(crossing.across, outward) < 0 ? -1 : 1, crossing.across);
+  const double gap = dot(crossing.offset, normal);
+  if (gap >= margin * edge_ || gap < -max_depth * edge_) return;
+  if (!may_leave(b, normal) || !may_leave(a, scaled(-1, normal))) return;
+  touches_.push_back(touch_of({a.ends[0], a.ends[1], b.ends[0], b.ends[1], b.ends[1]},
+                              {1 - s, s, t - 1, -t, 0}, normal));
+}
+
+/// A direction at right angles to an edge points into none of its faces.
+bool PieceContact::may_leave(const FeatureEdge& edge, const Vec3& direction) const {
+  const double* x = attributes_.position().rows();
+  const Vec3 along = minus(row(x, edge.ends[1]), row(x, edge.ends[0]));
+  const double most = leaning * norm(along);
+  const Vec3 into_first = cross(face_normals_[edge.faces[0]], along);
+  const Vec3 into_second = cross(along, face_normals_[edge.faces[1]]);
+  return dot(direction, into_first) < most && dot(direction, into_second) < most;
+}
+
+PieceContact::Touch PieceContact::touch_of(const std::array<Index, 5>& vertices,
+                                           const std::array<double, 5>& weights,
                                            const Vec3& normal) const {
   Touch touch{};
+  touch.vertices = vertices;
+  touch.weights = weights;
   touch.normal = normal;
   double mobility = 0, unconstrained = 0;
   for (std::size_t i = 0; i < 5; ++i) {
-    const Index v = touch.vertices[i] = i == 0 ? vertex : corners[i - 1];
-    touch.weights[i] = i == 0 ? 1 : -weights[i - 1];
-    touch.response[i] = touch.weights[i] / attributes_.mass().rows()[v];
+    const Index v = vertices[i];
+    touch.response[i] = weights[i] / attributes_.mass().rows()[v];
     touch.fixed[i] = static_cast<char>(attributes_.fixed().rows()[v]);
-    const double part = touch.weights[i] * touch.response[i];
+    const double part = weights[i] * touch.response[i];
     mobility += part * dot(normal, free_part(normal, touch.fixed[i]));
     unconstrained += part;
   }
   touch.mass = mobility > least_mobility * unconstrained ? 1 / mobility : 0;
   const double end = dot(normal, sum_over(touch, attributes_.position().rows()));
   const double speed = dot(normal, sum_over(touch, attributes_.velocity().rows()));
-  const double before = end - dt_ * speed;
+  const double before = touch.before = end - dt_ * speed;
   const double target =
       before < 0 ? before + std::min(-recovered * before, max_recovery * edge_) : 0;
   touch.speed = speed + (target - end) / dt_;
@@ -242,6 +334,22 @@ bool PieceContact::sweep() {
   double largest = 0;
   for (Touch& touch : touches_) largest = std::max(largest, improve(touch));
   return largest > precision * edge_;
+}
+
+double PieceContact::depth(const Touch& touch) const {
+  return -dot(touch.normal, sum_over(touch, attributes_.position().rows()));
+}
+
+const PieceContact::Touch* PieceContact::too_deep() const {
+  const Touch* deepest = nullptr;
+  double most = alarming * edge_;
+  for (const Touch& touch : touches_) {
+    const double here = depth(touch);
+    if (here <= most || here <= -touch.before) continue;
+    most = here;
+    deepest = &touch;
+  }
+  return deepest;
 }
 
 /// The normal impulse that takes the gap to its target, never a pull, and that of friction, at most
@@ -262,11 +370,15 @@ double PieceContact::improve(Touch& touch) {
     kick = plus(kick, minus(friction, touch.friction));
     touch.friction = friction;
   }
+  apply(touch, kick);
+  return std::abs(change) * dt_ / touch.mass;
+}
+
+void PieceContact::apply(const Touch& touch, const Vec3& impulse) {
   double* velocities = attributes_.velocity().rows();
   for (std::size_t i = 0; i < 5; ++i)
     add_to_row(velocities, touch.vertices[i],
-               free_part(scaled(touch.response[i], kick), touch.fixed[i]));
-  return std::abs(change) * dt_ / touch.mass;
+               free_part(scaled(touch.response[i], impulse), touch.fixed[i]));
 }
 
 // ---------------------------------------------------------- operations and state --
@@ -278,6 +390,12 @@ void PieceContact::follow(const TopologyChange& change) {
 
 void PieceContact::state(Archive& archive) {
   if (archive.has_cells()) archive("islands", islands_);
+  archive("dt", dt_);
+  archive.member("touching", touches_, &Touch::vertices);
+  archive.member("weights", touches_, &Touch::weights);
+  archive.member("normals", touches_, &Touch::normal);
+  archive.member("impulses", touches_, &Touch::impulse);
+  archive.member("frictions", touches_, &Touch::friction);
   if (archive.loads()) is_stale_ = true;
 }
 

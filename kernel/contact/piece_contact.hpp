@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
-#include "kernel/contact/near_pairs.hpp"
+#include "kernel/contact/near_edges.hpp"
 #include "kernel/contact/patch.hpp"
 #include "kernel/topology/islands.hpp"
 
@@ -15,7 +15,7 @@ namespace suture {
 /// Contact between pieces and between the lips of cuts: vertices of one with faces of another. In
 /// every step a vertex touches the nearest face of each piece, and in an inner corner the nearest
 /// ones of its sides; impulses along their normals, with friction, by Gauss-Seidel sweeps over all
-/// contacts.
+/// contacts. Where edges cross at which the surface bends outward, these touch each other, too.
 ///
 /// Lips are the faces that were inside when the object was made. They coincide when they are made:
 /// their gap is 0, so they do not repel. With itself a piece touches only there, unless `self`.
@@ -24,7 +24,8 @@ namespace suture {
 /// same way as a face (n_v . n_f > 0.2) is on the far side of that face and does not touch it; nor
 /// does a vertex beside a face, where another face is nearer or none is.
 ///
-/// Contacts depend on positions alone, not on when the list of near pairs was made.
+/// Contacts depend on positions alone, not on when the list of near pairs was made; their impulses
+/// also on those of the last step, from which the sweeps begin.
 class PieceContact {
  public:
   struct Options {
@@ -37,6 +38,8 @@ class PieceContact {
   bool touches_self() const { return options_.self; }
   /// A vertex that is deeper inside another piece does not touch it; of a typical edge.
   static constexpr double max_depth = 0.3;
+  /// False if there is only one piece, without lips, that does not touch itself.
+  bool may_meet() const { return may_meet_; }
 
   /// Makes the list of near pairs again if anything has moved by half of the skin. `ends`: rows of
   /// 4, where vertices will be at the end of the free step, at which contacts are found.
@@ -44,24 +47,30 @@ class PieceContact {
   /// The vertices of near pairs: no others are changed in the step.
   std::span<const Index> vertices() const { return vertices_; }
 
-  /// A vertex and a face, with the impulse between them.
+  /// A vertex and a face, or two edges, with the impulse between them.
   struct Touch {
-    std::array<Index, 5> vertices;   ///< the vertex, and the corners of the face
-    std::array<double, 5> weights;   ///< 1, and minus those of the nearest point of the face
+    std::array<Index, 5> vertices;   ///< the vertex, and the corners of the face; or the ends of
+                                     ///< the edges, the last one twice
+    std::array<double, 5> weights;   ///< of the one point, and minus those of the other one
     std::array<double, 5> response;  ///< of velocities to an impulse: weight over mass, 1/kg
     std::array<char, 5> fixed;       ///< components that do not respond
-    Vec3 normal;                     ///< out of the face
+    Vec3 normal;                     ///< out of the face or the second edge
+    double before;                   ///< the gap before the step, m
     double speed;                    ///< along the normal that the end of the step needs, m/s
     double mass;                     ///< that an impulse along the normal moves, kg
-    double impulse = 0;              ///< on the vertex, N s
+    double impulse = 0;              ///< on the vertex or the first edge, N s
     Vec3 friction{};
   };
-  /// Finds the contacts at the end of a free step, without impulses.
+  /// Finds the contacts at the end of a free step. They begin with the forces of the last step.
   void begin(double dt);
   std::span<const Touch> touches() const { return touches_; }
   /// Improves the impulses, and changes velocities by them; positions are up to the caller. True if
   /// some gap changed by more than a thousandth of an edge.
   bool sweep();
+  /// After the sweeps: the touch that has become deepest in the step, if its depth is more than
+  /// 0.08 of a typical edge; null otherwise.
+  const Touch* too_deep() const;
+  double depth(const Touch& touch) const;  ///< at the current positions, m
 
   void follow(const TopologyChange& change);
   void state(Archive& archive);
@@ -86,8 +95,14 @@ class PieceContact {
   void find_normals(const double* positions);
   void find_nearest(std::span<const NearPair> pairs_of_vertex);
   void add_nearest(std::span<const NearPair> pairs_of_vertex);
-  Touch touch_of(Index vertex, const BoundarySurface::Corners& corners,
-                 const std::array<double, 4>& weights, const Vec3& normal) const;
+  void find_near_edges(const double* ends);
+  bool are_near_at_rest(const NearEdges& pair) const;
+  void add_crossing(const NearEdges& pair);
+  bool may_leave(const FeatureEdge& edge, const Vec3& direction) const;
+  Touch touch_of(const std::array<Index, 5>& vertices, const std::array<double, 5>& weights,
+                 const Vec3& normal) const;
+  void begin_with_last_forces(double ratio);
+  void apply(const Touch& touch, const Vec3& impulse);
   double improve(Touch& touch);
 
   const CellComplex& complex_;
@@ -101,15 +116,17 @@ class PieceContact {
   // Since the last operation.
   Meeting meeting_;
   bool may_meet_ = false;
+  std::vector<FeatureEdge> edges_;
   // Of the last rebuild.
   std::vector<NearPair> pairs_;
+  std::vector<NearEdges> near_edges_;
   std::vector<Index> vertices_;
   std::vector<Index> near_faces_;  ///< that have one of these vertices
   std::vector<Vec3> built_at_;     ///< in the order of the vertices of the surface
   // Of the step in progress.
   std::vector<Vec3> normals_;       ///< by vertex: sums of area vectors
   std::vector<Vec3> face_normals_;  ///< by place: of near faces, of length 1
-  std::vector<Touch> touches_;
+  std::vector<Touch> touches_, last_;
   std::vector<Found> nearest_;  ///< to one vertex
 };
 

@@ -9,6 +9,7 @@
 #include "kernel/base/box.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/saturate.hpp"
+#include "kernel/contact/contact.hpp"
 #include "kernel/dynamics/motion.hpp"
 #include "kernel/run/evidence.hpp"
 
@@ -177,7 +178,22 @@ void StepControl::refuse_step(const StepError& step) {
   throw InaccurateStep(text.str());
 }
 
+void StepControl::check_contact() const {
+  const Contact* contact = built_.body().contact();
+  const std::optional<Contact::Failure> failure = contact ? contact->failure() : std::nullopt;
+  if (!failure) return;
+  const auto element = [&](Index vertex) {
+    return built_.element_name(built_.body().complex().dart_of(0, vertex) / 24);
+  };
+  std::ostringstream text;
+  text << "contact did not hold: the pieces of elements " << element(failure->vertices[0])
+       << " and " << element(failure->vertices[1]) << " are " << failure->depth
+       << " m in each other (" << failure->depth / contact->mean_edge() << " of a typical edge)";
+  throw UnstableStep(text.str());
+}
+
 void StepControl::check_step(const Notify& notify) {
+  check_contact();
   if (watch_.is_alarming(clock_.step()) && watch_.is_unstable(clock_.step(), last_dt_)) {
     const Index vertex = built_.dynamics().motion().fastest_vertex();
     const Index element = built_.body().complex().dart_of(0, vertex) / 24;

@@ -87,6 +87,7 @@ class StepControl {
   bool try_accurate_step();
   void tell_step(double start, const std::string& judgement) const;
   [[noreturn]] void refuse_step(const StepError& step);
+  void check_contact() const;
   void check_step(const Notify& notify);
   void check_state(const Notify& notify);
   bool should_retry_smaller();

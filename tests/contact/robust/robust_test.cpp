@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Scenes with contact from jittered starts: nothing enters anything, no energy from nowhere, and
+// what touched goes on touching.
+//   SUTURE_FULL=1  ten starts of each scene; otherwise one or two
+//   SUTURE_CASE    part of the name of a scene; only those run, with all starts
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <cstring>
+
+#include "kernel/base/error.hpp"
+#include "kernel/contact/contact.hpp"
+#include "kernel/run/simulation.hpp"
+#include "kernel/scene/built_scene.hpp"
+#include "tests/contact/robust/robust_scenes.hpp"
+#include "tests/contact/robust/separation.hpp"
+
+namespace suture::test {
+namespace {
+
+// Of nodes, and of points on edges between them; in elements.
+constexpr double most_of_nodes = 0.1, most_of_edges = 0.25;
+constexpr double most_growth = 0.15;  // of the energy that was exchanged
+constexpr double rounding = 1e-6;     // J
+constexpr int checks = 40;            // of a run
+
+PluginHost& plugins() {
+  static PluginHost host;
+  return host;
+}
+
+/// "" if all is well.
+std::string wrong_energy(Simulation& simulation) {
+  const EnergyBalance books = simulation.built().dynamics().balance();
+  double tools = 0;
+  for (const Obstacle& obstacle : simulation.contact()->obstacles())
+    if (obstacle.motion.moves()) tools = 1;
+  const double growth = std::max(books.balance - books.recoverable, 0.0) + books.work("friction") +
+                        (1 - tools) * books.work("contact");
+  if (!std::isfinite(books.kinetic + books.elastic)) return "energies are not finite";
+  if (growth <= most_growth * books.exchanged + rounding) return "";
+  return "energy grew by " + std::to_string(100 * growth / books.exchanged) +
+         " % of what was exchanged";
+}
+
+std::string run(const RobustCase& of, unsigned seed) {
+  std::mt19937 random(seed);
+  const RobustScene made = of.make(plugins(), random);
+  Diagnostics diagnostics;
+  Simulation simulation(made.scene, plugins(), diagnostics);
+  if (made.start) made.start(simulation);
+  Observer nobody;
+  bool touched = false;
+  double deepest = 0;
+  for (int check = 1; check <= checks; ++check) {
+    const double time = *made.scene.solver.end * check / checks;
+    try {
+      simulation.run_to(time, nobody);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    touched |= !simulation.contact()->touches().empty();
+    const Intrusion found =
+        deepest_intrusion(simulation.complex(), simulation.attributes(),
+                          simulation.contact()->obstacles(), simulation.time(), robust_edge);
+    deepest = std::max(deepest, found.depth / robust_edge);
+    const double most = *found.what == 'a' && found.what[2] == 'n' ? most_of_nodes : most_of_edges;
+    if (found.depth > most * robust_edge)
+      return "t = " + std::to_string(time) + " s: " + found.what + " is " +
+             std::to_string(found.depth / robust_edge) + " of an element inside " + found.into +
+             " at " + std::to_string(found.place[0]) + ", " + std::to_string(found.place[1]) +
+             ", " + std::to_string(found.place[2]);
+    if (const std::string text = wrong_energy(simulation); !text.empty())
+      return "t = " + std::to_string(time) + " s: " + text;
+  }
+  ::testing::Test::RecordProperty("deepest", std::to_string(deepest));
+  return touched ? "" : "nothing touched";
+}
+
+class RobustContact : public ::testing::TestWithParam<std::size_t> {};
+
+TEST_P(RobustContact, KeepsSurfacesApart) {
+  const RobustCase& of = robust_cases()[GetParam()];
+  const char* wanted = std::getenv("SUTURE_CASE");
+  if (wanted && !std::strstr(of.name, wanted)) GTEST_SKIP() << "SUTURE_CASE";
+  const unsigned seeds = wanted || std::getenv("SUTURE_FULL") ? 10 : 1;
+  for (unsigned seed = 1; seed <= seeds; ++seed)
+    EXPECT_EQ(run(of, seed), "") << of.name << ", seed " << seed;
+}
+
+std::string name_of(const ::testing::TestParamInfo<std::size_t>& info) {
+  std::string name = robust_cases()[info.param].name;
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, RobustContact,
+                         ::testing::Range<std::size_t>(0, robust_cases().size()), name_of);
+
+/// The check itself.
+TEST(Separation, IsMeasuredWithoutTheCodeOfContact) {
+  std::mt19937 random(1);
+  RobustScene made = robust_cases()[1].make(plugins(), random);
+  Diagnostics diagnostics;
+  Simulation simulation(made.scene, plugins(), diagnostics);
+  const auto deepest = [&] {
+    return deepest_intrusion(simulation.complex(), simulation.attributes(),
+                             simulation.contact()->obstacles(), 0, robust_edge)
+        .depth;
+  };
+  EXPECT_EQ(deepest(), 0);
+  Attributes& a = simulation.attributes();
+  const auto lift = [&](double low, double by) {
+    for (Index v = 0; v < a.vertex_count(); ++v)
+      if (a.rest().get(v, 2) + simulation.origin()[2] > low)
+        a.position().set(v, 2, a.position().get(v, 2) + by);
+  };
+  lift(0.65, -0.035);
+  EXPECT_NEAR(deepest(), 0.02, 1e-9);
+  lift(0.65, 0.035);
+  lift(-1, -0.04);
+  EXPECT_NEAR(deepest(), 0.03, 1e-9) << "in the floor";
+}
+
+}  // namespace
+}  // namespace suture::test

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "kernel/attributes/attributes.hpp"
+#include "kernel/contact/obstacle.hpp"
+
+namespace suture::test {
+
+/// A point of a surface on the wrong side of another one.
+struct Intrusion {
+  double depth = 0;  ///< m
+  Vec3 place{};
+  const char* what = "";  ///< "a node", "an edge"
+  const char* into = "";  ///< "a piece", "its own piece", "an obstacle"
+};
+
+/// The deepest intrusion of nodes and of points on edges of the boundary, by a search of all faces
+/// that uses no code of contact: the winding number says what is inside. `edge`: of elements, m.
+/// Obstacles: half-spaces, spheres.
+Intrusion deepest_intrusion(const CellComplex& complex, Attributes& attributes,
+                            const std::vector<Obstacle>& obstacles, double time, double edge);
+
+}  // namespace suture::test

@@ -48,7 +48,7 @@ bool is_chosen(const Family& family, unsigned number, unsigned index) {
     return only == trial_name(family, index);
   if (!is_slow && !environment("SUTURE_FULL").empty()) return true;
   if (family.is_stress()) return !family.is_long && (index + number) % (4 * sample) == 0;
-  return index % sample == family.size % sample;
+  return index % sample == family.name.size() % sample;
 }
 
 std::string csv_text(std::string text) {
@@ -65,8 +65,7 @@ class Report {
     std::filesystem::create_directories(folder_);
     csv_.open(folder_ / (family + ".csv"));
     csv_ << "case,verdict,limit,outcome,steps,back,balance,growth,difference,s,model,solver,law,"
-            "title,"
-            "reason,messages\n";
+            "title,reason,messages\n";
   }
 
   void add(const Trial& trial, const Result& result, const char* limit) {

@@ -10,8 +10,8 @@ namespace suture::test {
 Values run_and_measure(const Check& check, Simulation& simulation, Observer& observer,
                        RunSummary& summary);
 
-/// Largest difference relative to the largest value expected; infinite where a value is not finite.
-/// How far values exceed them, for a check that looks on the way.
+/// Largest difference (of a check that looks on the way: excess) relative to the largest value
+/// expected; infinite where a value is not finite.
 double difference_to(const Check& check, const Values& expected, const Values& values);
 
 /// Of a model and a solver under a stress: right, refused, stopped or warned of, and nothing else.

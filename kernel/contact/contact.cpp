@@ -14,9 +14,14 @@ constexpr double rounding = 1e-9;
 constexpr int max_sweeps = 16;
 // Over all contacts between pieces.
 constexpr int max_piece_sweeps = 32;
+// Of a tool and the vertices that it pushes, until it moves by less than this, of an element; less
+// exactly where pieces meet, whose sweeps end sooner.
+constexpr int max_tool_rounds = 20;
+constexpr double tool_tolerance = 1e-9, tool_tolerance_among_pieces = 1e-3;
 // Of an element: how far an obstacle moves in a step, and how far a vertex is pushed out of one.
 constexpr double max_motion = 0.1, max_push = 0.01;
-// How far other pieces may push a vertex in a step, and how far they may approach; of an element.
+// How far other pieces may push a vertex in a step, or vertices a tool, and how far pieces may
+// approach; of an element.
 constexpr double pushed = 0.5, max_approach = 0.1;
 constexpr int held = 7;  // all components are prescribed
 
@@ -42,6 +47,11 @@ Contact::Contact(const CellComplex& complex, Attributes& attributes,
       include(box_, a);
     }
   size_ = norm(minus(box_.high, box_.low));
+  for (const Obstacle& obstacle : obstacles_) {
+    std::optional<Tool>& tool = tools_.emplace_back();
+    if (obstacle.coupling) tool.emplace(obstacle);
+    has_tools_ = has_tools_ || tool;
+  }
 }
 
 // --------------------------------------------------------------------- a step --
@@ -57,8 +67,14 @@ Vec3 Contact::free_force(Index vertex, const ContactStep& step) const {
 
 void Contact::predict(const ContactStep& step) {
   placed_.clear();
-  for (const Obstacle& obstacle : obstacles_)
-    placed_.emplace_back(obstacle, thickness_, step.time, step.end);
+  for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+    if (tools_[i]) {
+      tools_[i]->begin(obstacles_[i].motion, step.time, step.end, step.dt, step.whole_gain);
+      placed_.emplace_back(obstacles_[i], thickness_, tools_[i]->pose(), tools_[i]->end());
+    } else {
+      placed_.emplace_back(obstacles_[i], thickness_, step.time, step.end);
+    }
+  }
   near_.clear();
   if (pieces_) ends_.resize(4 * std::size_t{attributes_.vertex_count()});
   const double *x = attributes_.position().rows(), *v = attributes_.velocity().rows(),
@@ -76,9 +92,9 @@ void Contact::predict(const ContactStep& step) {
       include(velocities, velocity);
     }
     // Prescribed components go elsewhere, and pieces push each other.
-    const double margin = components != 0 ? size_
-                          : pieces_       ? pushed * mean_edge_
-                                          : rounding * size_;
+    const double margin = components != 0         ? size_
+                          : pieces_ || has_tools_ ? pushed * mean_edge_
+                                                  : rounding * size_;
     if (moves && std::ranges::any_of(placed_, [&](const PlacedObstacle& obstacle) {
           return obstacle.may_touch(end, margin);
         }))
@@ -114,6 +130,7 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   if (pieces_) pieces_->begin(step.dt);
   pushes_.assign(near_.size() * placed_.size(), {});
   push(step.dt);
+  if (has_tools_) settle_tools(step);
   for (std::size_t i = 0; i < near_.size(); ++i)
     book(near_[i], std::span(pushes_).subspan(i * placed_.size(), placed_.size()), step);
   if (pieces_) book_friction_of_pieces();
@@ -133,6 +150,67 @@ void Contact::push(double dt) {
   }
   if (meet)
     for (const Near& near : std::span(near_).subspan(near_obstacles_)) move(near, dt);
+}
+
+/// Until each tool moves as the vertices that it pushes make it move (tool.hpp).
+void Contact::settle_tools(const ContactStep& step) {
+  const double tolerance =
+      pieces_ && !pieces_->touches().empty() ? tool_tolerance_among_pieces : tool_tolerance;
+  bool agree = false;
+  for (int round = 0; round < max_tool_rounds; ++round) {
+    double change = 0;
+    for (std::size_t i = 0; i < tools_.size(); ++i)
+      if (tools_[i]) change = std::max(change, tools_[i]->improve(answer_to(i), pushed_by(i)));
+    agree = change <= tool_tolerance * shortest_edge_;
+    if (change <= tolerance * shortest_edge_) break;
+    for (std::size_t i = 0; i < tools_.size(); ++i)
+      if (tools_[i]) placed_[i].move_end(tools_[i]->end());
+    release(step.dt);
+    push(step.dt);
+  }
+  for (std::size_t i = 0; i < tools_.size(); ++i)
+    if (tools_[i]) tools_[i]->finish(answer_to(i), agree);
+}
+
+/// Back to the step without contact.
+void Contact::release(double dt) {
+  for (Near& near : near_) {
+    const std::size_t at = 4 * std::size_t{near.vertex};
+    std::ranges::copy(near.free_end, attributes_.position().rows() + at);
+    std::ranges::copy(near.free_velocity, attributes_.velocity().rows() + at);
+    near.pushed = {};
+  }
+  if (pieces_) pieces_->begin(dt);
+  std::ranges::fill(pushes_, Push{});
+}
+
+Tool::Impulse Contact::answer_to(std::size_t obstacle) const {
+  Tool::Impulse answer;
+  const Pose& end = tools_[obstacle]->end();
+  const Vec3 centre = plus(end.centre, end.translation);
+  for (std::size_t i = 0; i < near_obstacles_; ++i) {
+    const Push& push = pushes_[i * placed_.size() + obstacle];
+    if (push.normal == Vec3{}) continue;
+    const Index vertex = near_[i].vertex;
+    const double mass = attributes_.mass().rows()[vertex];
+    const Vec3 impulse = scaled(-mass, plus(push.normal, push.tangential));
+    const Vec3 arm = minus(row(attributes_.position().rows(), vertex), centre);
+    answer.linear = plus(answer.linear, impulse);
+    answer.angular = plus(answer.angular, cross(arm, impulse));
+  }
+  return answer;
+}
+
+std::vector<Tool::Pushed> Contact::pushed_by(std::size_t obstacle) const {
+  std::vector<Tool::Pushed> pushed;
+  for (std::size_t i = 0; i < near_obstacles_; ++i) {
+    const Push& push = pushes_[i * placed_.size() + obstacle];
+    if (push.normal == Vec3{}) continue;
+    const Index vertex = near_[i].vertex;
+    pushed.push_back({row(attributes_.position().rows(), vertex), attributes_.mass().rows()[vertex],
+                      push, obstacles_[obstacle].friction});
+  }
+  return pushed;
 }
 
 /// To where the changed velocity takes it.
@@ -163,6 +241,7 @@ void Contact::push_out(Near& near, std::span<Push> pushes, double dt) {
       pushes[i].normal = plus(pushes[i].normal, push.normal);
       pushes[i].tangential = plus(pushes[i].tangential, push.tangential);
       pushes[i].obstacle_velocity = push.obstacle_velocity;
+      pushes[i].sliding = std::max(pushes[i].sliding, push.sliding);
       change = plus(change, path.free_part(plus(push.normal, push.tangential)));
       moved = true;
     }
@@ -221,12 +300,16 @@ void Contact::book_friction_of_pieces() {
 std::vector<double> Contact::gaps(double time) const {
   std::vector<double> gaps(attributes_.vertex_count(), std::numeric_limits<double>::quiet_NaN());
   for (const Index v : surface_.vertices()) gaps[v] = infinity;
-  for (const Obstacle& obstacle : obstacles_) {
-    const PlacedObstacle placed(obstacle, thickness_, time, time);
+  for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+    const PlacedObstacle placed(obstacles_[i], thickness_, pose(i, time), pose(i, time));
     for (const Index v : surface_.vertices())
       gaps[v] = std::min(gaps[v], placed.gap(row(attributes_.position().rows(), v)).distance);
   }
   return gaps;
+}
+
+Pose Contact::pose(std::size_t obstacle, double time) const {
+  return tools_[obstacle] ? tools_[obstacle]->pose() : obstacles_[obstacle].motion.pose(time);
 }
 
 double Contact::power() const {
@@ -258,9 +341,10 @@ double Contact::top_speed(const Obstacle& obstacle, double time) const {
 double Contact::longest_step(double time) const {
   double step = infinity;
   if (closing_speed_ > 0) step = max_approach * mean_edge_ / closing_speed_;
-  for (const Obstacle& obstacle : obstacles_) {
-    if (time >= obstacle.motion.last_change()) continue;
-    const double speed = top_speed(obstacle, time);
+  for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+    const bool stands = time >= obstacles_[i].motion.last_change();
+    double speed = stands ? 0 : top_speed(obstacles_[i], time);
+    if (tools_[i]) speed = std::max(speed, tools_[i]->top_speed());
     if (speed > 0) step = std::min(step, max_motion * shortest_edge_ / speed);
   }
   return step;
@@ -292,6 +376,8 @@ void Contact::state(Archive& archive) {
   archive.member("touching", touches_, &Touch::vertex);
   archive.member("forces", touches_, &Touch::force);
   archive.rows<double>("loads", loads_);
+  for (std::size_t i = 0; i < tools_.size(); ++i)
+    if (tools_[i]) archive(("tool " + obstacles_[i].name).c_str(), *tools_[i]);
   archive("work", work_);
   archive("friction work", friction_work_);
   archive("closing speed", closing_speed_);

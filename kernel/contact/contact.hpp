@@ -11,6 +11,7 @@
 #include "kernel/contact/boundary_surface.hpp"
 #include "kernel/contact/piece_contact.hpp"
 #include "kernel/contact/placed_obstacle.hpp"
+#include "kernel/contact/tool.hpp"
 #include "kernel/forces/follower.hpp"
 
 namespace suture {
@@ -80,6 +81,12 @@ class Contact final : public Follower {
     Vec3 force{}, torque{};  ///< N, N m
   };
   const std::vector<Load>& loads() const { return loads_; }
+  /// The motion of a compliant obstacle, null of others.
+  const Tool* tool(std::size_t obstacle) const {
+    return tools_[obstacle] ? &*tools_[obstacle] : nullptr;
+  }
+  /// Where an obstacle is: by its path at `time`, or a compliant one now.
+  Pose pose(std::size_t obstacle, double time) const;
   /// The distance of each vertex of the boundary from the nearest obstacle at `time`, less the
   /// thickness; NaN for other vertices. m
   std::vector<double> gaps(double time) const;
@@ -124,6 +131,10 @@ class Contact final : public Follower {
   Vec3 free_force(Index vertex, const ContactStep& step) const;
   void add_near_pieces(const ContactStep& step);
   void push(double dt);
+  void settle_tools(const ContactStep& step);
+  void release(double dt);
+  Tool::Impulse answer_to(std::size_t obstacle) const;
+  std::vector<Tool::Pushed> pushed_by(std::size_t obstacle) const;
   void move(const Near& near, double dt);
   void push_out(Near& near, std::span<Push> pushes, double dt);
   void book(Near& near, std::span<const Push> pushes, const ContactStep& step);
@@ -136,6 +147,8 @@ class Contact final : public Follower {
   BoundarySurface surface_;
   Box box_ = no_box;
   double shortest_edge_ = 0, mean_edge_ = 0, longest_edge_ = 0, size_ = 0;  ///< m
+  std::vector<std::optional<Tool>> tools_;                                  ///< by obstacle
+  bool has_tools_ = false;
   // Of the step in progress.
   std::vector<PlacedObstacle> placed_;
   std::vector<Near> near_;          ///< first those near obstacles

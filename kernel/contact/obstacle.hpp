@@ -3,6 +3,7 @@
 
 #include <array>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,12 @@ struct RigidPath {
   double last_change() const { return moves() ? stations.back().at : 0; }
 };
 
+/// How a tool hangs on the hand that moves it (tool.hpp).
+struct Coupling {
+  double mass = 0, stiffness = 0, damping = 0;                     ///< kg, N/m, N s/m
+  double inertia = 0, turning_stiffness = 0, turning_damping = 0;  ///< kg m^2, N m/rad, N m s/rad
+};
+
 /// A rigid solid that no body enters.
 struct Obstacle {
   std::string name;
@@ -46,6 +53,7 @@ struct Obstacle {
   RigidPath motion{};
   double friction = 0;    ///< Coulomb's coefficient
   bool push_out = false;  ///< moves what is inside at the start out slowly, instead of an error
+  std::optional<Coupling> coupling{};  ///< compliant: `motion` is that of the hand
   /// Of all points from the centre of the motion, m.
   double reach() const;
 };

@@ -13,16 +13,21 @@ constexpr double least_free_part = 1e-6;
 
 }  // namespace
 
-PlacedObstacle::PlacedObstacle(const Obstacle& obstacle, double thickness, double start, double end)
+PlacedObstacle::PlacedObstacle(const Obstacle& obstacle, double thickness, const Pose& start,
+                               const Pose& end)
     : obstacle_(obstacle),
       offset_(thickness),
-      start_(obstacle.motion.pose(start)),
-      end_(obstacle.motion.pose(end)),
+      start_(start),
       ball_(ball_around(obstacle.shape)),
       is_half_space_(std::holds_alternative<HalfSpace>(obstacle.shape)),
       is_triangulated_(std::holds_alternative<Triangulated>(obstacle.shape)) {
-  ball_.centre = end_.place(ball_.centre);
-  if (is_half_space_) normal_ = end_.direction(std::get<HalfSpace>(obstacle.shape).normal);
+  move_end(end);
+}
+
+void PlacedObstacle::move_end(const Pose& end) {
+  end_ = end;
+  ball_.centre = end.place(ball_around(obstacle_.shape).centre);
+  if (is_half_space_) normal_ = end.direction(std::get<HalfSpace>(obstacle_.shape).normal);
 }
 
 Nearest PlacedObstacle::gap(const Pose& pose, const Vec3& place) const {
@@ -33,7 +38,7 @@ Nearest PlacedObstacle::gap(const Pose& pose, const Vec3& place) const {
 }
 
 Vec3 PlacedObstacle::displacement(const Vec3& place_at_end) const {
-  if (!obstacle_.motion.moves()) return {};
+  if (!obstacle_.motion.moves() && !obstacle_.coupling) return {};
   return minus(place_at_end, start_.place(end_.given(place_at_end)));
 }
 
@@ -61,6 +66,7 @@ bool PlacedObstacle::push(VertexPath& path, double fastest, Push& push) const {
   const Vec3 sliding =
       path.free_part(minus(relative, scaled(dot(relative, found.normal), found.normal)));
   const double speed = norm(sliding);
+  push.sliding = speed;
   if (!(obstacle_.friction > 0) || !(speed > 0)) return true;
   push.tangential = scaled(-std::min(1.0, obstacle_.friction * normal / speed), sliding);
   path.end = plus(path.end, scaled(path.dt, push.tangential));

@@ -24,13 +24,19 @@ struct VertexPath {
 struct Push {
   Vec3 normal{}, tangential{};  ///< of the vertex, if it were free
   Vec3 obstacle_velocity{};     ///< of the point that it touches, mean of the step
+  double sliding = 0;           ///< its speed along the surface without friction, m/s
 };
 
 /// An obstacle during one step.
 class PlacedObstacle {
  public:
   /// `thickness`: how far from the obstacle the surface of the body stays, m.
-  PlacedObstacle(const Obstacle& obstacle, double thickness, double start, double end);
+  PlacedObstacle(const Obstacle& obstacle, double thickness, const Pose& start, const Pose& end);
+  /// Along its path, from one time to another.
+  PlacedObstacle(const Obstacle& obstacle, double thickness, double start, double end)
+      : PlacedObstacle(obstacle, thickness, obstacle.motion.pose(start),
+                       obstacle.motion.pose(end)) {}
+  void move_end(const Pose& end);
 
   /// False if a place is farther than `margin` from touching at the end of the step.
   bool may_touch(const Vec3& place, double margin) const {

@@ -305,7 +305,7 @@ MovingBlade EventRunner::blade_of(const CutBlade& cut) const {
 }
 
 std::vector<Vec3> EventRunner::points_of(const CutBlade::Carried& carried, double time) const {
-  const Pose pose = built_.body().contact()->obstacles()[carried.obstacle].motion.pose(time);
+  const Pose pose = built_.body().contact()->pose(carried.obstacle, time);
   std::vector<Vec3> points = carried.points;
   for (Vec3& point : points) point = pose.place(point);
   return points;

@@ -192,6 +192,9 @@ void decide_contact(BuiltScene& built, std::vector<Decision>& list) {
       text << " of " << count_text(solid->surface->surface().triangles.size(), "triangle");
     text << ", friction " << obstacle.friction
          << (obstacle.motion.moves() ? ", moves along a path" : ", does not move");
+    if (obstacle.coupling)
+      text << ", compliant (" << obstacle.coupling->mass << " kg, " << obstacle.coupling->stiffness
+           << " N/m)";
     list.push_back({"obstacle " + obstacle.name, false, text.str()});
   }
   const PieceContact* pieces = contact->pieces();

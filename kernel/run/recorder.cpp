@@ -11,11 +11,21 @@ namespace suture {
 namespace {
 
 std::vector<std::string> tool_columns(const ContactOptions& contact) {
+  using Quantities = std::vector<std::pair<const char*, const char*>>;
+  const Quantities of_all{{" force ", " [N]"}, {" torque ", " [N m]"}};
+  const Quantities of_compliant{{" hand force ", " [N]"},
+                                {" hand torque ", " [N m]"},
+                                {" position ", " [m]"},
+                                {" rotation ", " [rad]"}};
   std::vector<std::string> columns{"time [s]"};
-  for (const Obstacle& obstacle : contact.obstacles)
-    for (const auto& [quantity, unit] : {std::pair{" force ", " [N]"}, {" torque ", " [N m]"}})
-      for (const char axis : {'x', 'y', 'z'})
-        columns.push_back(obstacle.name + quantity + axis + unit);
+  const auto add = [&](const std::string& name, const Quantities& quantities) {
+    for (const auto& [quantity, unit] : quantities)
+      for (const char axis : {'x', 'y', 'z'}) columns.push_back(name + quantity + axis + unit);
+  };
+  for (const Obstacle& obstacle : contact.obstacles) {
+    add(obstacle.name, of_all);
+    if (obstacle.coupling) add(obstacle.name, of_compliant);
+  }
   return columns;
 }
 
@@ -173,9 +183,17 @@ void Recorder::probes(std::uint64_t step, double time, const Vec3& gravity) {
 
 void Recorder::tools(std::uint64_t step, double time) {
   std::vector<double> values{time};
-  for (const Contact::Load& load : built_.body().contact()->loads()) {
-    values.insert(values.end(), load.force.begin(), load.force.end());
-    values.insert(values.end(), load.torque.begin(), load.torque.end());
+  const Contact& contact = *built_.body().contact();
+  const auto add = [&](const Vec3& a) { values.insert(values.end(), a.begin(), a.end()); };
+  for (std::size_t i = 0; i < contact.obstacles().size(); ++i) {
+    add(contact.loads()[i].force);
+    add(contact.loads()[i].torque);
+    const Tool* tool = contact.tool(i);
+    if (tool == nullptr) continue;
+    add(tool->hand_force());
+    add(tool->hand_torque());
+    add(built_.frame().in_scene(tool->pose().place(tool->pose().centre)));
+    add(rotation_vector(tool->pose()));
   }
   pending_.push_back({step, PendingRecord::Kind::tools, nullptr, std::move(values)});
 }

@@ -115,7 +115,7 @@ void fill_obstacles(Frame& frame, double time, const Contact& contact, BuiltScen
     middle[c] = (contact.box().low[c] + contact.box().high[c]) / 2;
   for (std::size_t i = 0; i < contact.obstacles().size(); ++i) {
     const Obstacle& obstacle = contact.obstacles()[i];
-    const Pose pose = obstacle.motion.pose(time);
+    const Pose pose = contact.pose(i, time);
     const auto first = static_cast<Index>(frame.points.size());
     const ShapeMesh mesh = mesh_of(obstacle.shape, middle, contact.size());
     for (const Vec3& point : mesh.points)

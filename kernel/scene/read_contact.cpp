@@ -121,6 +121,30 @@ void read_motion(ObjectReader& object, const Scene& scene, Obstacle& obstacle) {
     motion.axis = read_direction(object, "axis").value_or(motion.axis);
 }
 
+/// By default as a ball of the obstacle's size that swings without overshooting, equally fast in
+/// translation and rotation.
+void read_coupling(ObjectReader coupling, Obstacle& obstacle) {
+  Coupling c;
+  coupling.require("mass", "of the tool, in kg");
+  coupling.require("stiffness", "of the spring between hand and tool, in N/m");
+  c.mass = coupling.number("mass", Limits::positive("kg")).value_or(1);
+  c.stiffness = coupling.number("stiffness", Limits::positive("N/m")).value_or(1);
+  c.damping = coupling.number("damping", Limits::not_negative("N s/m"))
+                  .value_or(2 * std::sqrt(c.stiffness * c.mass));
+  const double reach = obstacle.reach();
+  c.inertia =
+      coupling.number("inertia", Limits::positive("kg m^2")).value_or(0.4 * c.mass * reach * reach);
+  const double ratio = c.inertia / c.mass;
+  c.turning_stiffness = coupling.number("turning_stiffness", Limits::positive("N m/rad"))
+                            .value_or(ratio * c.stiffness);
+  c.turning_damping = coupling.number("turning_damping", Limits::not_negative("N m s/rad"))
+                          .value_or(ratio * c.damping);
+  if (std::holds_alternative<HalfSpace>(obstacle.shape))
+    coupling.complain("is not possible for a half_space, which has no size; use a {\"box\"}");
+  coupling.finish();
+  obstacle.coupling = c;
+}
+
 void read_name(ObjectReader& object, const std::vector<Obstacle>& earlier, Obstacle& obstacle) {
   object.require("name", "the name of the columns in tools.csv");
   obstacle.name = object.string("name").value_or("");
@@ -145,6 +169,8 @@ Obstacle read_obstacle(ObjectReader& object, Reading& reading, double friction) 
   read_motion(object, scene, obstacle);
   obstacle.friction = object.number("friction", Limits::not_negative("1")).value_or(friction);
   obstacle.push_out = object.boolean("push_out").value_or(false);
+  if (const JsonValue* coupling = object.find("coupling"))
+    read_coupling({*coupling, object.path_of("coupling"), object.mistakes()}, obstacle);
   return obstacle;
 }
 

@@ -247,7 +247,8 @@ Case varied(Random& random, unsigned index, std::uint64_t) {
   return result;
 }
 
-/// A slab that falls onto a table, is pushed by a ball, which may carry a blade, and is cut there.
+/// A slab that falls onto a table, is pushed by a ball, which may be compliant and carry a blade,
+/// and is cut there.
 Case obstacles(Random& random, unsigned, std::uint64_t) {
   Case result = bar("obstacles", random);
   Json& scene = result.scene;
@@ -266,6 +267,9 @@ Case obstacles(Random& random, unsigned, std::uint64_t) {
                      {{"at", random.between(1, 1.5)},
                       {"pierce", {{"path", {{0.3, 0.1, -2}, {0.3, 0.1, 2}}}, {"radius", 0.06}}}}};
   if (scene["contact"]["pieces"]) scene["contact"]["self"] = random.chance(0.5);
+  if (random.chance(0.5))
+    scene["contact"]["obstacles"][1]["coupling"] = {{"mass", random.decades(0.1, 100)},
+                                                    {"stiffness", random.decades(1e3, 1e5)}};
   if (random.chance(0.5))
     scene["events"].push_back(
         {{"cut",

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Tools in complete runs: blades that obstacles carry.
+// Tools in complete runs: blades that obstacles carry, compliant tools, obstacles of triangles.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <memory>
 #include <numbers>
 
+#include "kernel/contact/contact.hpp"
+#include "kernel/contact/solid_surface.hpp"
+#include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/csv_table.hpp"
 #include "tests/run/host.hpp"
 
 namespace suture::test {
@@ -90,6 +94,66 @@ TEST(Tools, ACarriedBladeTurnsWithItsObstacle) {
                turned = run(cut_block(carried(longer), motion));
   EXPECT_GT(deep.faces, 3u);
   EXPECT_EQ(turned.faces, deep.faces);
+}
+
+/// The block of cut_block, with a compliant ball that presses it and a carried blade.
+Scene pressed_block() {
+  Scene scene = cut_block(carried({{-0.1, 0.21, 0.22}, {-0.1, 0.21, 0.6}}), {});
+  Obstacle& ball = scene.contact.obstacles[0];
+  ball.shape = Sphere{{0.2, 0.2, 0.51}, 0.1};
+  ball.friction = 0.2;
+  ball.motion.centre = {0.2, 0.2, 0.51};
+  ball.motion.stations = {{0, {}, 0}, {0.2, {0.5, 0, -0.06}, 0.3}};
+  ball.coupling = Coupling{2, 2e4, 200, 0.01, 100, 1};
+  scene.contact.pieces = true;
+  return scene;
+}
+
+TEST(Tools, WriteWhatTheHandFeelsAndWhereTheToolIs) {
+  const TemporaryFolder folder;
+  Scene scene = pressed_block();
+  scene.output.enabled = true;
+  scene.output.directory = folder.path() / "out";
+  scene.output.frames = false;
+  scene.output.tools_every = 1;
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Observer nobody;
+  simulation.run(nobody);
+  const CsvTable tools(folder.path() / "out" / "tools.csv");
+  ASSERT_EQ(tools.columns.size(), 2u + 6 * 3);
+  const Tool& tool = *simulation.contact()->tool(0);
+  EXPECT_EQ(tools.last("knife force z [N]"), simulation.contact()->loads()[0].force[2]);
+  EXPECT_EQ(tools.last("knife hand force z [N]"), tool.hand_force()[2]);
+  EXPECT_EQ(tools.last("knife hand torque y [N m]"), tool.hand_torque()[1]);
+  EXPECT_NEAR(tools.last("knife position x [m]"), 0.2 + tool.pose().translation[0], 1e-15);
+  EXPECT_GT(tools.last("knife position x [m]"), 0.5);
+  EXPECT_EQ(tools.last("knife rotation z [rad]"), rotation_vector(tool.pose())[2]);
+  EXPECT_GT(tools.last("knife force z [N]"), 1);
+}
+
+TEST(Tools, HaveTheSameBitsForAnyNumberOfThreads) {
+  std::vector<double> first;
+  for (const unsigned threads : {1u, 2u, 3u, 8u}) {
+    Scene scene = pressed_block();
+    scene.mesh.box->cells = {24, 18, 18};  // enough vertices for parallel passes
+    scene.solver.dt = {};
+    scene.solver.end = 0.1;
+    scene.contact.obstacles[0].motion.stations.back() = {0.1, {0.22, 0, -0.03}, 0.1};
+    scene.solver.threads = threads;
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    Observer nobody;
+    const RunSummary summary = simulation.run(nobody);
+    EXPECT_GT(summary.faces_cut, 0u);
+    const Column& x = simulation.attributes().position();
+    std::vector<double> all(x.rows(), x.rows() + 4 * std::size_t{x.size()});
+    const Vec3& force = simulation.contact()->tool(0)->hand_force();
+    all.insert(all.end(), force.begin(), force.end());
+    EXPECT_NE(all.back(), 0);
+    if (threads == 1) first = all;
+    EXPECT_EQ(all, first) << threads << " threads";
+  }
 }
 
 }  // namespace

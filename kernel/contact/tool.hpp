@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+
+#include "kernel/base/archive.hpp"
+#include "kernel/contact/placed_obstacle.hpp"
+
+namespace suture {
+
+/// The motion of a compliant obstacle: a rigid body with mass, tied by a spring and a damper to the
+/// pose that its path prescribes, the hand: the virtual coupling of Colgate, Stanley and Brown
+/// (Issues in the haptic display of tool use, IROS 1995). With x the centre, theta the rotation
+/// vector from tool to hand, h the kick and dt the drift of a step,
+///
+///   m (v' - v) / h = k (x_hand - x - dt v') + b (v_hand - v') + F            x' = x + dt v'
+///   I (w' - w) / h = k_r (theta - dt w') + b_r (w_hand - w') + T             R' = exp(dt w') R
+///
+/// The coupling acts as it is at the end of the step, so it is stable and passive for any
+/// stiffness. F and T are those of the vertices that the tool pushes. They depend on v' and w',
+/// since pushed vertices end the step on the surface of the tool where it ends: Contact repeats the
+/// step of the vertices, and calls improve(), until both agree.
+class Tool {
+ public:
+  /// A vertex that the tool pushes.
+  struct Pushed {
+    Vec3 place;  ///< m
+    double mass;
+    Push push;
+    double friction;
+  };
+  /// On the tool, N s, and about its centre where the step ends, N m s.
+  struct Impulse {
+    Vec3 linear{}, angular{};
+  };
+
+  /// At rest where the path begins.
+  explicit Tool(const Obstacle& obstacle);
+
+  /// Begins a step; end() is that without contact.
+  void begin(const RigidPath& hand, double time, double end, double dt, double gain);
+  /// The vertices answered the motion to end() with `answer`. Changes end() towards the motion that
+  /// agrees with its answer, by a step of Newton's method in which `pushed` stay pushed, sliding or
+  /// sticking; takes three quarters of the last step back if that led further away. Returns a bound
+  /// on the change of the place of any point of the tool, m.
+  double improve(const Impulse& answer, std::span<const Pushed> pushed);
+  /// Ends the step with the motion that the impulse causes, or, if both do not agree, with that to
+  /// end(): of a tool much lighter than what it pushes, the impulse would be mostly error.
+  void finish(const Impulse& impulse, bool agree = true);
+
+  const Pose& pose() const { return pose_; }  ///< at the start of the step in progress, or now
+  const Pose& end() const { return end_; }
+  /// Force of the tool on the hand in the last step, and torque about the centre, N, N m.
+  const Vec3& hand_force() const { return state_.hand_force; }
+  const Vec3& hand_torque() const { return state_.hand_torque; }
+  const Vec3& velocity() const { return state_.velocity; }  ///< of the centre, m/s
+  const Vec3& spin() const { return state_.spin; }          ///< rad/s
+  double top_speed() const;                                 ///< of its points, m/s
+
+  void state(Archive& archive);
+
+ private:
+  struct State {
+    Vec3 velocity{}, spin{}, hand_force{}, hand_torque{};
+  };
+  struct Motion {
+    Vec3 velocity{}, spin{};
+  };
+  void move_end();
+
+  Coupling coupling_;
+  double reach_;  ///< of its points from the centre, m
+  Pose pose_, end_;
+  State state_;
+  // Of the step in progress.
+  double dt_ = 0, gain_ = 0;
+  double mass_ = 0, inertia_ = 0;  ///< including what the coupling resists
+  Motion free_, now_;              ///< without contact, and to end()
+  Motion base_, step_;             ///< of Newton's method; now_ = base_ + part_ * step_
+  double part_ = 1;
+  double misfit_ = 0;  ///< of the impulses at base_, in sqrt(J)
+};
+
+/// The rotation vector of a pose: turns by its length, in rad, about its direction.
+Vec3 rotation_vector(const Pose& pose);
+
+}  // namespace suture

@@ -52,6 +52,9 @@ void add_frame(CLI::App& app, std::vector<Command>& commands);
 /// The largest block that moves in real time.
 void add_realtime(CLI::App& app, std::vector<Command>& commands);
 
+/// How fast a haptic device gets its force.
+void add_haptic(CLI::App& app, std::vector<Command>& commands);
+
 /// Time until the paper's cantilever is at rest.
 void add_rest(CLI::App& app, std::vector<Command>& commands);
 

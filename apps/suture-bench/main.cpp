@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
   suture::bench::add_frame(app, commands);
   suture::bench::add_count(app, commands);
   suture::bench::add_realtime(app, commands);
+  suture::bench::add_haptic(app, commands);
   suture::bench::add_rest(app, commands);
   suture::bench::add_solve(app, commands);
   suture::bench::add_static(app, commands);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // How much liver moves in real time: the largest block that advances 1 s in 1 s, and
-// that shows every frame of 1/30 s in time while it is cut every 0.1 s.
+// that shows every frame of 1/30 s in time while it is cut every 0.1 s, without and with
+// a tool that moves over it.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -10,6 +11,7 @@
 
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
+#include "kernel/contact/contact.hpp"
 
 namespace suture::bench {
 namespace {
@@ -36,6 +38,25 @@ BodyOptions liver(const Options& options, Index layers, unsigned threads) {
           .gravity = {0, 0, -9.8}};
 }
 
+constexpr double lead = 0.1;  // s before the first frame
+
+/// A sphere of ten elements that is pressed in by two and moves along the block in 1 s.
+void add_tool(BenchBody& body, const BodyOptions& liver) {
+  const double radius = 5 * liver.cell, height = liver.cell * liver.cells[2];
+  const double length = liver.cell * liver.cells[0];
+  Obstacle tool{"tool",
+                "",
+                Sphere{{2 * radius, liver.cell * liver.cells[1] / 2, height + radius}, radius},
+                {},
+                0.2};
+  const double depth = -2 * liver.cell;
+  tool.motion.stations = {{0, {}, 0},
+                          {lead, {0, 0, depth}, 0},
+                          {lead + 1, {std::max(0.0, length - 4 * radius), 0, depth}, 0}};
+  body.body().add_contact({tool}, 0);
+  body.dynamics().start();
+}
+
 /// Seconds to advance `time`.
 double advance(BenchBody& body, double time) {
   const double start = wall();
@@ -49,7 +70,7 @@ Index largest_block(const Options& options, unsigned threads, PluginHost& host, 
   Index layers = 50;
   for (int correction = 0; correction < 3; ++correction) {
     BenchBody body(host, liver(options, layers, threads));
-    advance(body, 0.1);
+    advance(body, lead);
     const double seconds = std::min({advance(body, 1), advance(body, 1), advance(body, 1)});
     report.add(Line()
                    .add("threads", static_cast<double>(threads))
@@ -93,11 +114,12 @@ Frames show(BenchBody& body, const Options& options) {
 }
 
 /// Fewer layers until no frame is late.
-void largest_shown(const Options& options, Index layers, unsigned threads, PluginHost& host,
-                   Report& report) {
+void largest_shown(const Options& options, Index layers, unsigned threads, bool with_tool,
+                   PluginHost& host, Report& report) {
   for (; layers > 0; layers = std::min(layers - 1, layers * 96 / 100)) {
     BenchBody body(host, liver(options, layers, threads));
-    advance(body, 0.1);
+    if (with_tool) add_tool(body, liver(options, layers, threads));
+    advance(body, lead);
     const Frames frames = show(body, options);
     report.add(Line()
                    .add("threads", static_cast<double>(threads))
@@ -123,8 +145,15 @@ void run(const Options& options, Report& report) {
   report.begin("realtime, cut",
                "the same while a tenth of the middle plane is cut every 0.1 s: with fewer "
                "elements, until every frame of 1/30 s is on time");
-  for (std::size_t i = 0; i < layers.size(); ++i)
-    largest_shown(options, layers[i], options.threads[i], host, report);
+  const auto shown = [&](bool with_tool) {
+    for (std::size_t i = 0; i < layers.size(); ++i)
+      largest_shown(options, layers[i], options.threads[i], with_tool, host, report);
+  };
+  shown(false);
+  report.begin("realtime, cut and tool",
+               "the same with a sphere of ten elements that is pressed in by two and moves along "
+               "the block, friction 0.2");
+  shown(true);
 }
 
 }  // namespace

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// How fast a haptic device gets its force: a compliant knife cuts a block of liver, and after
+// every millisecond the force on the hand is read.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "apps/suture-bench/body.hpp"
+#include "apps/suture-bench/commands.hpp"
+#include "apps/suture-bench/timer.hpp"
+#include "kernel/contact/contact.hpp"
+#include "kernel/run/simulation.hpp"
+
+namespace suture::bench {
+namespace {
+
+struct Options {
+  std::array<Index, 3> cells{20, 10, 10};
+  double edge = 0.005, tick = 1e-3, seconds = 5, dt = 5e-4;
+};
+
+/// A block of liver on a plate.
+Scene block(PluginHost& host, const Options& options) {
+  const auto& n = options.cells;
+  Scene scene;
+  scene.mesh.box = BoxOptions{
+      {0, 0, 0}, {options.edge * n[0], options.edge * n[1], options.edge * n[2]}, n, {1, 1, 1}};
+  ModelUse use;
+  use.name = "tm-faure";
+  use.model = &host.model(use.name);
+  use.parameters = parameters_of(*use.model, {{"E", 10e3}, {"nu", 0.45}, {"rho", 1000}});
+  scene.models.push_back(use);
+  Constraint plate;
+  plate.where.what = Selection::Named{"z0"};
+  scene.constraints.push_back(plate);
+  scene.solver.damping = 5;
+  scene.solver.end = options.seconds;
+  scene.solver.threads = 1;
+  scene.output.enabled = false;
+  return scene;
+}
+
+/// A rod of half an element that goes through the upper half along x, behind a blade.
+void add_knife(Scene& scene, const Options& options) {
+  const auto& n = options.cells;
+  const double e = options.edge, length = e * n[0], middle = e * (n[1] / 2 + 0.05);
+  const double low = e * (n[2] / 2 + 0.05), high = e * (n[2] + 2);
+  const Capsule rod{{-2 * e, middle, low + e / 4}, {-2 * e, middle, high}, e / 4};
+  Obstacle knife{"knife", "/contact/obstacles/0", rod, {}, 0.2};
+  knife.motion.centre = {-2 * e, middle, (low + high) / 2};
+  knife.motion.stations = {{0, {}, 0}, {options.seconds, {length, 0, 0}, 0}};
+  const double inertia = 1e-5;
+  knife.coupling = Coupling{0.05, 500, 10, inertia, 0.1, 2e-3};
+  scene.contact.obstacles.push_back(knife);
+  Event cut;
+  cut.path = "/events/0";
+  CutBlade blade;
+  blade.carried =
+      CutBlade::Carried{0, "knife", {{-1.2 * e, middle, low - 0.1 * e}, {-1.2 * e, middle, high}}};
+  cut.what = blade;
+  scene.events.push_back(cut);
+}
+
+double wall() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// What a part of the values does not exceed.
+double percentile(std::vector<double>& values, double part) {
+  std::ranges::sort(values);
+  const auto last = static_cast<double>(values.size() - 1);
+  return values[static_cast<std::size_t>(std::lround(part * last))];
+}
+
+void measure_ticks(bool lips, std::optional<double> dt, const Options& options, PluginHost& host,
+                   Report& report) {
+  Scene scene = block(host, options);
+  add_knife(scene, options);
+  scene.contact.pieces = lips;
+  scene.solver.dt = dt;
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host, diagnostics);
+  Observer nobody;
+  std::vector<double> walls, processor;
+  double largest = 0;
+  const auto ticks = static_cast<std::uint64_t>(options.seconds / options.tick);
+  for (std::uint64_t i = 1; i < ticks; ++i) {
+    const double start = wall(), own = now(1);
+    simulation.run_to(static_cast<double>(i) * options.tick, nobody);
+    const Vec3 force = simulation.contact()->tool(0)->hand_force();
+    walls.push_back(wall() - start);
+    processor.push_back(now(1) - own);
+    largest = std::max(largest, std::sqrt(dot(force, force)));
+  }
+  const auto on_time = [&](const std::vector<double>& times) {
+    return 100 *
+           static_cast<double>(
+               std::ranges::count_if(times, [&](double t) { return t <= options.tick; })) /
+           static_cast<double>(times.size());
+  };
+  double busy = 0;
+  for (const double t : walls) busy += t;
+  const RunSummary end = simulation.run(nobody);
+  report.add(Line()
+                 .add("lips touch", lips ? "yes" : "no")
+                 .add("elements", static_cast<double>(simulation.complex().element_count()))
+                 .add("faces cut", static_cast<double>(end.faces_cut))
+                 .add("dt", dt ? "fixed" : "auto")
+                 .add("dt s", end.dt)
+                 .add("largest force N", largest)
+                 .add("forces per s", static_cast<double>(walls.size()) / busy)
+                 .add("on time %", on_time(walls))
+                 .add("of processor time %", on_time(processor))
+                 .add("median ms", 1e3 * percentile(processor, 0.5))
+                 .add("99 % ms", 1e3 * percentile(processor, 0.99))
+                 .add("99.9 % ms", 1e3 * percentile(processor, 0.999))
+                 .add("worst ms", 1e3 * percentile(processor, 1)));
+}
+
+void run(const Options& options, Report& report) {
+  PluginHost host;
+  report.begin("haptic",
+               "liver (tm-faure, E 10 kPa, nu 0.45, elements of 5 mm) cut by a compliant knife "
+               "(0.05 kg, 500 N/m, friction 0.2) that goes through it in " +
+                   std::to_string(static_cast<int>(options.seconds)) +
+                   " s; one thread; a force on the hand after every 1 ms; percentiles of "
+                   "processor time");
+  for (const bool lips : {false, true})
+    for (const std::optional<double> dt : {std::optional<double>(), std::optional(options.dt)})
+      measure_ticks(lips, dt, options, host, report);
+}
+
+}  // namespace
+
+void add_haptic(CLI::App& app, std::vector<Command>& commands) {
+  auto* command = app.add_subcommand("haptic", "How fast a haptic device gets its force");
+  auto options = std::make_shared<Options>();
+  command->add_option("--cells", options->cells, "Elements along each axis");
+  command->add_option("--seconds", options->seconds, "Of the cut")->check(CLI::PositiveNumber);
+  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+}
+
+}  // namespace suture::bench

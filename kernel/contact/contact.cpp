@@ -319,6 +319,12 @@ double Contact::power() const {
   return power;
 }
 
+void Contact::record(std::vector<Touch> touches, std::vector<Load> loads, double heat) {
+  touches_ = std::move(touches);
+  loads_ = std::move(loads);
+  friction_work_ -= heat;
+}
+
 void Contact::restart() {
   touches_.clear();
   std::ranges::fill(loads_, Load{});

@@ -87,6 +87,11 @@ class Contact final : public Follower {
   }
   /// Where an obstacle is: by its path at `time`, or a compliant one now.
   Pose pose(std::size_t obstacle, double time) const;
+  /// Its forces are a term of the body (ObstacleForces), which says what they are.
+  void use_forces() { is_term_ = true; }
+  bool is_term() const { return is_term_; }
+  /// What touches at the end of a step of that term, and what friction has dissipated in it, J.
+  void record(std::vector<Touch> touches, std::vector<Load> loads, double heat);
   /// The distance of each vertex of the boundary from the nearest obstacle at `time`, less the
   /// thickness; NaN for other vertices. m
   std::vector<double> gaps(double time) const;
@@ -162,6 +167,7 @@ class Contact final : public Follower {
   std::vector<Touch> touches_;
   std::vector<Load> loads_;
   double work_ = 0, friction_work_ = 0, step_work_ = 0;
+  bool is_term_ = false;
   double closing_speed_ = 0;  ///< of pieces that may meet, at most, m/s
 };
 

@@ -57,6 +57,9 @@ class PlacedObstacle {
   /// (`fastest` m per step), or pushing out would act like an explosion.
   bool push(VertexPath& path, double fastest, Push& push) const;
 
+  /// Of the point of the obstacle that is there at the end, in the step.
+  Vec3 displacement(const Vec3& place_at_end) const;
+
   /// A point that turns with the obstacle, about which torques are taken.
   Vec3 centre() const { return ball_.centre; }
 
@@ -65,7 +68,6 @@ class PlacedObstacle {
     return may_be_within(obstacle_.shape, end_.given(place), offset_ + margin);
   }
   Nearest gap(const Pose& pose, const Vec3& place) const;
-  Vec3 displacement(const Vec3& place_at_end) const;
   double target(const VertexPath& path, double fastest) const;
 
   const Obstacle& obstacle_;

@@ -9,12 +9,12 @@
 
 namespace suture {
 
-/// During its life, the column `force` contains the forces of contact in the last step: what is
-/// held by an obstacle is in balance with them.
+/// During its life, the column `force` contains the forces of contact in the last step, unless they
+/// are a term: what is held by an obstacle is in balance with them.
 class WithContactForces {
  public:
   explicit WithContactForces(Body& body) : rows_(body.attributes().force().rows()) {
-    if (!body.contact()) return;
+    if (!body.contact() || body.contact()->is_term()) return;
     for (const Contact::Touch& touch : body.contact()->touches()) {
       saved_.push_back({touch.vertex, row(rows_, touch.vertex)});
       add_to_row(rows_, touch.vertex, touch.force);

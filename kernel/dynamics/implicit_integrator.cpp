@@ -36,6 +36,7 @@ void ImplicitIntegrator::set_equations(double dt) {
 }
 
 void ImplicitIntegrator::begin(double dt) {
+  for (const auto& term : motion_.body().terms()) term->begin_step(motion_.time());
   newton_.begin_step();
   set_equations(dt);
   solve(equations_);

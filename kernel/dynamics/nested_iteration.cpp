@@ -32,7 +32,8 @@ constexpr double shortest_step = 1.0 / 64;
 /// worthwhile or fails.
 bool Newton::start_from_coarse_levels(const StepEquations& equations) {
   const bool is_part = !equations.loads.empty() || !equations.held_back.empty();  // of a path
-  if (equations.acceleration != 0 || relief_ || is_part) return false;
+  const bool touches = motion_.body().contact() != nullptr;  // not the points of coarse levels
+  if (equations.acceleration != 0 || relief_ || is_part || touches) return false;
   if (!(norm(residual_) > far_residual * scale_)) return false;
   set_remaining(equations.time);
   if (is_moving_) return false;

@@ -18,6 +18,7 @@ constexpr double slope_left = 0.8;
 constexpr unsigned max_newton_iterations = 50, max_trials = 12;
 // From a solution on coarse levels: one that takes longer was of little use.
 constexpr unsigned max_nested_iterations = 25;
+constexpr unsigned max_updates = 50;  // of constraints
 // Forcing terms of the linear solves.
 constexpr double first_forcing = 0.1, least_forcing = 1e-3;
 
@@ -50,6 +51,9 @@ double Newton::evaluate(const StepEquations& equations) {
   body.models().add_forces(equations.time, equations.dt, ForceLoop::Part::all, forces_.data());
   if (equations.loads.empty()) add_loads({equations.time, 1});
   for (const LoadTime& load : equations.loads) add_loads(load);
+  for (const auto& term : body.loads())
+    if (term->is_constraint())
+      term->add_forces(equations.time, attributes.kernel(0).cells.live(), loads_.data());
   double external = 0, reaction = 0, inertia = 0;
   for (Index vertex = 0; vertex < vertices; ++vertex) {
     const double mass = attributes.mass().get(vertex, 0);
@@ -75,7 +79,7 @@ double Newton::evaluate(const StepEquations& equations) {
   return norm(residual_);
 }
 
-/// All terms except the models, gravity included.
+/// All terms except the models and constraints, gravity included.
 void Newton::add_loads(const LoadTime& load) {
   Body& body = motion_.body();
   Attributes& attributes = body.attributes();
@@ -83,8 +87,9 @@ void Newton::add_loads(const LoadTime& load) {
   const bool is_whole = load.factor == 1;
   if (!is_whole) load_.assign(loads_.size(), 0);
   for (const auto& term : body.loads())
-    term->add_forces(load.time, attributes.kernel(0).cells.live(),
-                     (is_whole ? loads_ : load_).data());
+    if (!term->is_constraint())
+      term->add_forces(load.time, attributes.kernel(0).cells.live(),
+                       (is_whole ? loads_ : load_).data());
   for (Index vertex = 0; vertex < attributes.vertex_count(); ++vertex)
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t row = std::size_t{vertex} * 4 + c;
@@ -224,6 +229,25 @@ void Newton::start_from_prediction(const StepEquations& equations) {
 /// From the coarse levels where that is worthwhile; from the current positions otherwise, or if
 /// that leads nowhere.
 void Newton::solve(const StepEquations& equations) {
+  find_solution(equations);
+  for (unsigned updates = 0; update_constraints(equations.time); ++updates) {
+    if (updates == max_updates)
+      throw NumericalError("contact does not settle at t = " + std::to_string(equations.time) +
+                               " s: after " + std::to_string(updates) +
+                               " updates of its forces, gaps are above the tolerance",
+                           worst_element());
+    evaluate(equations);
+    iterate(equations, max_newton_iterations);
+  }
+}
+
+bool Newton::update_constraints(double time) {
+  bool has_changed = false;
+  for (const auto& term : motion_.body().loads()) has_changed |= term->update(time);
+  return has_changed;
+}
+
+void Newton::find_solution(const StepEquations& equations) {
   start(equations);
   evaluate(equations);
   start_from_prediction(equations);

@@ -92,6 +92,8 @@ class Newton {
     double residual = 0, last = 0;  ///< |r| over the free components now and before, N
   };
   void start(const StepEquations& equations);
+  void find_solution(const StepEquations& equations);
+  bool update_constraints(double time);
   void iterate(const StepEquations& equations, unsigned allowed);
   void start_from_prediction(const StepEquations& equations);
   bool start_from_coarse_levels(const StepEquations& equations);

@@ -137,6 +137,14 @@ class ForceTerm : public Follower {
   /// Resets the work to zero.
   virtual void restart() {}
 
+  /// True for forces by which a constraint holds, with multipliers that converge to them. On the
+  /// way to an equilibrium they are not a sum of those at several times.
+  virtual bool is_constraint() const { return false; }
+  /// An implicit step begins: multipliers are those that were accepted last.
+  virtual void begin_step(double /*time*/) {}
+  /// Called when the equations of such a step are solved: improves the multipliers. True if the
+  /// constraint does not hold to its tolerance yet, so that they have to be solved again.
+  virtual bool update(double /*time*/) { return false; }
   /// Called when a step was accepted: trial states become final.
   virtual void accept() {}
   void follow(const CellComplex&, const TopologyChange&) override {}

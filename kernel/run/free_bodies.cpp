@@ -73,6 +73,7 @@ void check_free_bodies(const Scene& scene, BuiltScene& built, Diagnostics& diagn
 }
 
 std::string describe_unheld_body(BuiltScene& built) {
+  if (built.body().contact()) return "";  // an obstacle may hold it
   const std::vector<FreePiece> pieces = find_unheld_pieces(built.body());
   return pieces.empty() ? "" : describe(pieces.front());
 }

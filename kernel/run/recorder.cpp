@@ -54,7 +54,9 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& eve
     std::vector<std::string> columns{"time [s]", "dt [s]", "kinetic [J]", "elastic [J]"};
     for (const auto& term : built.body().loads())
       columns.push_back(std::string(term->name()) + " [J]");
-    if (built.body().contact()) columns.insert(columns.end(), {"contact [J]", "friction [J]"});
+    const Contact* contact = built.body().contact();
+    if (contact && !contact->is_term()) columns.push_back("contact [J]");
+    if (contact) columns.push_back("friction [J]");
     columns.insert(columns.end(),
                    {"prescribed [J]", "models [J]", "events [J]", "dissipated [J]", "balance [J]"});
     energies_ = std::make_unique<CsvWriter>(folder_, "energies.csv", columns);

@@ -11,6 +11,7 @@
 #include "kernel/base/heap.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/contact/contact.hpp"
+#include "kernel/contact/obstacle_forces.hpp"
 #include "kernel/forces/dead_loads.hpp"
 #include "kernel/forces/gravity.hpp"
 #include "kernel/forces/pressures.hpp"
@@ -198,6 +199,9 @@ void BuiltScene::add_contact(Diagnostics& diagnostics) {
   if (!options.is_wanted()) return;
   Contact& contact = body_.add_contact(options.obstacles, options.thickness);
   if (options.pieces) contact.touch_pieces({options.friction, options.self});
+  if (dynamics_->is_implicit())
+    body_.add(std::make_unique<ObstacleForces>(contact, body_.attributes(), body_.models(),
+                                               dynamics_->is_static()));
   check_obstacles(*this, contact, diagnostics);
   check_pieces(*this, contact, diagnostics);
 }

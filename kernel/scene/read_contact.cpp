@@ -175,15 +175,26 @@ Obstacle read_obstacle(ObjectReader& object, Reading& reading, double friction) 
 }
 
 /// Contact that is ignored would be worse than none.
-void refuse_solvers_without_contact(ObjectReader& contact, const SolverOptions& solver) {
+void refuse_solvers_without_contact(ObjectReader& contact, const ContactOptions& options,
+                                    const SolverOptions& solver) {
   const auto refuse = [&](const std::string& what, const std::string& remedy) {
     contact.complain("cannot be combined with " + what + "; " + remedy + ", or remove /contact");
   };
-  if (solver.integrator == "static")
-    refuse("\"static\" in /solver: equilibria do not include contact",
+  if (solver.integrator == "newmark")
+    refuse("the integrator 'newmark': forces of contact would feed its oscillations",
+           "use \"implicit-euler\"");
+  const bool meets_pieces = options.pieces || options.self;
+  if (meets_pieces && solver.integrator == "static")
+    refuse("\"pieces\" and \"static\" in /solver: equilibria include obstacles only",
            "use \"until\": \"rest\" with an explicit integrator");
-  else if (is_implicit(solver.integrator))
-    refuse("the integrator '" + solver.integrator + "': only explicit steps include contact",
+  else if (meets_pieces && solver.integrator == "implicit-euler")
+    refuse("\"pieces\" and the integrator '" + solver.integrator +
+               "': its steps include obstacles only",
+           "use \"symplectic-euler\" or \"velocity-verlet\"");
+  if (is_implicit(solver.integrator) &&
+      std::ranges::any_of(options.obstacles, [](const Obstacle& o) { return o.coupling; }))
+    refuse("\"coupling\" of an obstacle and the integrator '" + solver.integrator +
+               "': a tool that gives way moves with explicit steps",
            "use \"symplectic-euler\" or \"velocity-verlet\"");
   if (solver.sleep_acceleration > 0)
     refuse("\"sleep\" in /solver: an island would not wake when it is touched", "remove \"sleep\"");
@@ -213,7 +224,7 @@ void read_contact(ObjectReader& top, Reading& reading) {
   if (contact.obstacles.empty() && !contact.pieces && !contact.self && object.is_object())
     object.complain(
         "touches nothing: give \"obstacles\", set \"pieces\": true, or remove /contact");
-  if (object.is_object()) refuse_solvers_without_contact(object, reading.scene.solver);
+  if (object.is_object()) refuse_solvers_without_contact(object, contact, reading.scene.solver);
   object.finish();
 }
 

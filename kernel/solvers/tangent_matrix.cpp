@@ -43,13 +43,16 @@ void TangentMatrix::restrict(std::span<double> x) const {
   for (const Index i : held_) x[i] = 0;
 }
 
-/// visit(term, factor, time): the models, and every load at each of its times.
+/// visit(term, factor, time): the models and constraints, and every load at each of its times.
 template <class Visit>
 void TangentMatrix::for_each_term(Visit visit) const {
   if (!terms_.empty()) visit(*terms_[0], 1.0, at_);
-  for (std::size_t t = 1; t < terms_.size(); ++t)
+  for (std::size_t t = 1; t < terms_.size(); ++t) {
+    if (terms_[t]->is_constraint()) visit(*terms_[t], 1.0, at_);
     for (const LoadTime& load : loads_)
-      visit(*terms_[t], load.factor, TangentTime{load.time, at_.dt});
+      if (!terms_[t]->is_constraint())
+        visit(*terms_[t], load.factor, TangentTime{load.time, at_.dt});
+  }
 }
 
 void TangentMatrix::apply(const double* x, double* y) const {

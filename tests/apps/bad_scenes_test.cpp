@@ -457,7 +457,7 @@ TEST_F(BadScenes, ObstaclesOfTriangles) {
 
 TEST_F(BadScenes, ObstaclesThatASolverDoesNotSee) {
   const std::string floor =
-      "/contact={\"obstacles\": [{\"name\": \"o\", \"half_space\": "
+      "/contact={\"pieces\": true, \"obstacles\": [{\"name\": \"o\", \"half_space\": "
       "{\"point\": [0, 0, 0], \"normal\": [0, 0, 1]}}]}";
   for (const char* solver :
        {R"({"static": {}})", R"({"integrator": "newmark", "end": 1, "dt": 0.1})",

@@ -6,9 +6,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 #include <random>
 
+#include "kernel/base/archive.hpp"
 #include "kernel/contact/piece_overlap.hpp"
 #include "kernel/mesh/mesh_file.hpp"
 #include "tests/mesh/temporary_folder.hpp"
@@ -117,7 +119,7 @@ TEST(ContactScenes, AStackOfTwoPiecesComesToRest) {
 
 /// A quarter of a block of 8 contact radii, into which a sphere of radius 1 m is pressed by 1 cm:
 /// the force over that of Hertz. `n`: elements per contact radius.
-double over_hertz(Index n) {
+Scene hertz(Index n) {
   const double radius = 0.1, E = 1e5, nu = 0.3, depth = 0.01;
   Scene scene = beam(host(), "tm-faure", 1, 1, 0, {{"E", E}, {"nu", nu}});
   scene.mesh.box = BoxOptions{
@@ -131,20 +133,161 @@ double over_hertz(Index n) {
   Obstacle ball{"ball", "/contact/obstacles/0", Sphere{{0, 0, 1}, 1}};
   ball.motion.stations = {{0, {}, 0}, {0.2, {0, 0, -depth}, 0}};
   scene.contact.obstacles = {ball};
-  scene.solver.until_rest = scene.solver.automatic_damping = true;
-  scene.solver.tolerance = 1e-3;
+  return scene;
+}
+
+double over_hertz(const Scene& scene) {
   Diagnostics diagnostics;
   Simulation simulation(scene, host(), diagnostics);
   Observer nobody;
   simulation.run(nobody);
-  const double hertz = 4. / 3 * E / (1 - nu * nu) * std::pow(depth, 1.5);
+  const double hertz = 4. / 3 * 1e5 / (1 - 0.3 * 0.3) * std::pow(0.01, 1.5);
   return 4 * simulation.contact()->loads()[0].force[2] / hertz;
 }
 
+double moving_over_hertz(Index n) {
+  Scene scene = hertz(n);
+  scene.solver.until_rest = scene.solver.automatic_damping = true;
+  scene.solver.tolerance = 1e-3;
+  return over_hertz(scene);
+}
+
+double static_over_hertz(Index n) {
+  Scene scene = hertz(n);
+  scene.solver.integrator = "static";
+  scene.solver.dt = 0.05;
+  scene.solver.end = 0.2;
+  return over_hertz(scene);
+}
+
 TEST(ContactScenes, ASphereInABlockFollowsHertz) {
-  const double coarse = over_hertz(2);
+  const double coarse = moving_over_hertz(2);
   EXPECT_NEAR(coarse, 1, 0.15);
-  EXPECT_NEAR(over_hertz(4), 1, 0.08);
+  EXPECT_NEAR(moving_over_hertz(4), 1, 0.08);
+}
+
+TEST(StaticContact, ASphereInABlockFollowsHertz) {
+  const double coarse = std::abs(static_over_hertz(2) - 1),
+               medium = std::abs(static_over_hertz(4) - 1);
+  EXPECT_LT(medium, 0.08);
+  EXPECT_LT(medium, coarse);
+  if (std::getenv("SUTURE_FULL")) {
+    EXPECT_LT(std::abs(static_over_hertz(10) - 1), 0.03);
+  }
+}
+
+/// A block on a floor, which its sides hold against sliding.
+Scene guided_block() {
+  Scene scene = block_on_floor(2, {0, 0, -50}, 0);
+  scene.gravity_ramp = {0, 0.5, true};
+  for (const auto& [side, bits] : {std::pair{"x0", 1}, {"y0", 2}}) {
+    Constraint& fix = scene.constraints.emplace_back();
+    fix.where.what = Selection::Named{side};
+    fix.components = static_cast<std::uint8_t>(bits);
+  }
+  return scene;
+}
+
+TEST(StaticContact, ABlockOnAFloorIsThatWhichCameToRest) {
+  std::vector<Vec3> places[2];
+  for (const bool is_static : {false, true}) {
+    Scene scene = guided_block();
+    if (is_static) {
+      scene.solver.integrator = "static";
+      scene.solver.dt = scene.solver.end = 1;
+    } else {
+      scene.solver.until_rest = scene.solver.automatic_damping = true;
+      scene.solver.tolerance = 1e-8;
+    }
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    Observer nobody;
+    simulation.run(nobody);
+    Attributes& a = simulation.attributes();
+    for (Index v = 0; v < a.vertex_count(); ++v)
+      places[is_static].push_back(row(a.position().rows(), v));
+    const double weight = 1000 * 0.4 * 0.4 * 0.2 * 50;
+    EXPECT_NEAR(simulation.contact()->loads()[0].force[2], -weight, 1e-5 * weight);
+  }
+  double sunk = 0, apart = 0;
+  for (std::size_t v = 0; v < places[0].size(); ++v) {
+    sunk = std::max(sunk, 0.2 - places[0][v][2]);
+    apart = std::max(apart, norm(minus(places[0][v], places[1][v])));
+  }
+  EXPECT_GT(sunk, 0.005);
+  EXPECT_LT(apart, 2e-4 * 0.1) << "of an edge; gaps are below 1e-4";
+}
+
+TEST(ImplicitContact, ABlockFallsOntoAFloorAndStays) {
+  Scene scene = block_on_floor(2, {0, 0, -9.81}, 0.5);
+  scene.mesh.box->origin[2] = 0.05;
+  scene.solver.integrator = "implicit-euler";
+  scene.solver.dt = 5e-3;
+  scene.solver.end = 1;
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Observer nobody;
+  for (int i = 1; i <= 40; ++i) {
+    simulation.run_to(0.025 * i, nobody);
+    for (const double gap : simulation.contact()->gaps(simulation.time()))
+      if (!std::isnan(gap)) {
+        EXPECT_GT(gap, -1e-4 * 0.1) << "t = " << simulation.time();
+      }
+  }
+  const EnergyBalance books = simulation.built().dynamics().balance();
+  EXPECT_LT(books.kinetic, 1e-3 * books.work("gravity"));
+  EXPECT_LT(books.work("contact"), -0.1 * books.work("gravity")) << "the impact";
+  EXPECT_LT(books.balance, 0.02 * books.exchanged);
+}
+
+TEST(ImplicitContact, ARollbackRepeatsTheSameBits) {
+  Scene scene = block_on_floor(2, on_slope(0.3, 1.5), 0.3);
+  scene.solver.integrator = "implicit-euler";
+  scene.solver.dt = 0.02;
+  scene.solver.end = 1;
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Observer nobody;
+  simulation.run_to(0.2, nobody);
+  Dynamics& dynamics = simulation.built().dynamics();
+  StateBuffer kept;
+  kept.save(dynamics);
+  const double time = dynamics.time();
+  const auto finish = [&] {
+    for (int i = 1; i <= 10; ++i) dynamics.step(0.02, time + 0.02 * i);
+    const Column& x = simulation.attributes().position();
+    std::vector<double> all(x.rows(), x.rows() + 4 * std::size_t{x.size()});
+    all.push_back(simulation.contact()->friction_work());
+    all.push_back(dynamics.balance().work("contact"));
+    return all;
+  };
+  const std::vector<double> first = finish();
+  EXPECT_LT(first[first.size() - 2], 0);
+  kept.load(dynamics);
+  EXPECT_EQ(finish(), first);
+}
+
+TEST(ImplicitContact, FrictionHoldsOrSlidesByItsCoefficient) {
+  double moved[2];
+  for (const double part : {0.98, 1.02}) {
+    Scene scene = block_on_floor(2, on_slope(0.3, part), 0.3);
+    scene.solver.integrator = "implicit-euler";
+    scene.gravity_ramp = {0, 0.5, true};
+    scene.solver.dt = 0.05;
+    scene.solver.end = 6;
+    scene.solver.damping = 2;
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    Observer nobody;
+    simulation.run_to(3, nobody);
+    const double before = mean_x(simulation);
+    simulation.run_to(6, nobody);
+    moved[part > 1] = mean_x(simulation) - before;
+  }
+  EXPECT_LT(std::abs(moved[0]), 3 * 1e-6 * 0.4);
+  const double rigid =
+      9.81 * (std::sin(1.02 * std::atan(0.3)) - 0.3 * std::cos(1.02 * std::atan(0.3))) / 2;
+  EXPECT_GT(moved[1], 0.9 * 3 * rigid);
 }
 
 TEST(ContactScenes, TheUpperHalfOfACutBlockRestsOnTheLower) {
@@ -406,6 +549,34 @@ TEST(ContactScenes, PiecesThatOverlapAtTheEndAreReported) {
                               "the end: "),
             std::string::npos)
       << found.back();
+}
+
+/// Where constraints leave no freedom, contact cannot hold.
+TEST(ContactScenes, AFixedStepInWhichContactFailsStopsTheRun) {
+  TemporaryFolder folder;
+  Scene scene = two_cubes(folder, 1.05);
+  for (const double height : {1., 1.05}) {
+    Constraint& held = scene.constraints.emplace_back();
+    held.where.what = Selection::Plane{{0, 0, height}, {0, 0, 1}, 1e-6};
+    held.where.path = "/constraints";
+  }
+  scene.constraints[1].translation = {0, 0, -0.2};
+  scene.constraints[1].ramp = {0, 0.1, true};
+  scene.constraints[1].moves = true;
+  scene.solver.dt = 1e-3;
+  scene.solver.end = 0.1;
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Observer nobody;
+  std::string text;
+  try {
+    simulation.run(nobody);
+  } catch (const NumericalError& error) {
+    text = error.what();
+  }
+  EXPECT_NE(text.find("contact did not hold: the pieces of elements "), std::string::npos) << text;
+  EXPECT_NE(text.find("\"auto\""), std::string::npos) << text;
+  EXPECT_LT(simulation.time(), 0.06);
 }
 
 TEST(ContactScenes, WriteForcesAndEnergies) {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The paper's experiments (Golec, Coquet, Zara, Damiand, WSCG 2015), Fig. 6 and 14, by whole runs
-// of `suture run`: beside the formula or law that the paper compares with, and references of other
-// programs.
+// The paper's experiments (Golec, Coquet, Zara, Damiand, WSCG 2015), Fig. 6, 7 and 14, by whole
+// runs of `suture run`: beside the formula or law that the paper compares with, and references of
+// other programs.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <memory>
@@ -27,6 +29,7 @@ struct PaperOptions {
   std::vector<Index> across{5, 10};        ///< elements over the beam's height
   std::array<Index, 3> block{30, 10, 10};  ///< of liver
   Index frames = 20;                       ///< equilibria until 2 s
+  std::filesystem::path pictures{};        ///< where the runs of Fig. 7 go; empty: not run
 };
 
 /// The columns of probes.csv, by name.
@@ -170,6 +173,20 @@ void run_beams(const PaperOptions& options, Report& report) {
   }
 }
 
+/// Fig. 7: the equilibria of MSS and TM as frames, in the folders MSS and TM.
+void write_equilibria(const std::filesystem::path& folder) {
+  for (const BeamModel& model : beam_models) {
+    const std::string name = model.name;
+    if (name != "MSS" && name != "TM") continue;
+    const WorkMethod method{name, model.model, model.parameters, model.solver, {}};
+    Json scene = cantilever_scene(cantilever("A"), {{40, 10, 10}}, method);
+    scene["output"] = {{"fields", {"displacement", "principal_strain"}}};
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / (name + ".json")) << scene.dump(1) << '\n';
+    run_process({suture_program(), "run", "-q", name + ".json", "--output", name}, folder);
+  }
+}
+
 // ------------------------------------------------------------------- Fig. 14 --
 
 constexpr double consistency = 861, exponent = 0.1138;  // Pa s^n, -
@@ -299,6 +316,7 @@ void run_paper(const PaperOptions& options, Report& report) {
   run_small_rates(report);
   run_linear_range(options, report);
   run_liver(options, report);
+  if (!options.pictures.empty()) write_equilibria(options.pictures);
 }
 
 }  // namespace
@@ -310,6 +328,8 @@ void add_paper(CLI::App& app, std::vector<Command>& commands) {
   command->add_option("--block", options->block, "Elements of the block of liver");
   command->add_option("--frames", options->frames, "Equilibria of the shear of liver")
       ->check(CLI::PositiveNumber);
+  command->add_option("--pictures", options->pictures,
+                      "Folder for the frames of Fig. 7, for docs/images/render.py --beside");
   commands.push_back({command, [options](Report& report) { run_paper(*options, report); }});
 }
 

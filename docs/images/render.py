@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws frames of a run, two in a row, as they are deformed, coloured by a field of the elements.
 
-usage: xvfb-run -a docs/images/render.py [--field NAME] RUN.pvd PICTURE.png [TIME ...]
+usage: xvfb-run -a docs/images/render.py [--field NAME] [--beside OTHER.pvd] RUN.pvd PICTURE.png [TIME ...]
 
-Without a field: von_mises. Without times: the first frame, two between and the last. Debian
-packages: python3-vtk9 xvfb libgl1-mesa-dri.
+Without a field: von_mises. Without times: the first frame, two between and the last. With --beside:
+the last frames of the two runs, with the names of their folders. Debian packages: python3-vtk9 xvfb libgl1-mesa-dri.
 """
 import argparse
 import os
@@ -28,6 +28,14 @@ def chosen(all_frames, times):
         return [min(all_frames, key=lambda f: abs(f[0] - t)) for t in times]
     last = len(all_frames) - 1
     return [all_frames[round(last * k / 3)] for k in range(4)]
+
+
+def picked(options):
+    """[(label, path)] of the frames to draw."""
+    if options.beside:
+        runs = [options.run, options.beside]
+        return [(os.path.basename(os.path.dirname(os.path.abspath(run))), frames(run)[-1][1]) for run in runs]
+    return [(f"t = {time:.3g} s", path) for time, path in chosen(frames(options.run), options.times)]
 
 
 def read(path):
@@ -101,13 +109,14 @@ def common_camera(grids):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--field", default="von_mises")
+    parser.add_argument("--beside", help="OTHER.pvd")
     parser.add_argument("run", help="RUN.pvd")
     parser.add_argument("picture", help="PICTURE.png")
     parser.add_argument("times", nargs="*", type=float)
     options = parser.parse_args()
     field = options.field
-    picked = chosen(frames(options.run), options.times)
-    grids = [read(path) for _, path in picked]
+    shown = picked(options)
+    grids = [read(path) for _, path in shown]
     value_range = scalar_range(grids, field)
     colours = vtk.vtkColorTransferFunction()
     colours.SetColorSpaceToDiverging()
@@ -119,11 +128,11 @@ def main():
     window.SetMultiSamples(8)
     rows = (len(grids) + 1) // 2
     window.SetSize(2 * WIDTH, HEIGHT * rows)
-    for i, (grid, (time, _)) in enumerate(zip(grids, picked)):
+    for i, (grid, (text, _)) in enumerate(zip(grids, shown)):
         renderer = renderer_of(grid, field, value_range, colours, camera)
         row, left = i // 2, 0.5 * (i % 2)
         renderer.SetViewport(left, 1 - (row + 1) / rows, left + 0.5, 1 - row / rows)
-        label(renderer, f"t = {time:.3g} s")
+        label(renderer, text)
         window.AddRenderer(renderer)
     window.Render()
     image = vtk.vtkWindowToImageFilter()

@@ -13,7 +13,7 @@ namespace {
 // how far beside its rim; how far things move before near pairs are sought again.
 constexpr double margin = 0.1, beside = 0.05, skin = 0.25;
 constexpr double reach = PieceContact::max_depth + skin;  // of near pairs
-constexpr double precision = 1e-3;                        // of gaps, in typical edges
+constexpr double precision = 1e-4;                        // of gaps, in typical edges
 constexpr double same_side = 0.2;  // cosine of an angle at which surfaces look the same way
 // What is less far behind a face at rest belongs to the same sheet; in typical edges.
 constexpr double thin = 0.5;

@@ -65,7 +65,7 @@ class PieceContact {
   void begin(double dt);
   std::span<const Touch> touches() const { return touches_; }
   /// Improves the impulses, and changes velocities by them; positions are up to the caller. True if
-  /// some gap changed by more than a thousandth of an edge.
+  /// some gap changed by more than 1e-4 of an edge.
   bool sweep();
   /// After the sweeps: the touch that has become deepest in the step, if its depth is more than
   /// 0.08 of a typical edge; null otherwise.

@@ -118,19 +118,19 @@ void note(Intrusion& deepest, const Intrusion& found) {
   if (found.depth > deepest.depth) deepest = found;
 }
 
-void check(const Vec3& place, const char* what, const Body& other, Intrusion& deepest) {
+void check(const Vec3& place, bool is_on_edge, const Body& other, Intrusion& deepest) {
   if (!is_in(other.box, place) || winding(other, place) < 0.5) return;
-  note(deepest, {distance(other, place), place, what, "a piece"});
+  note(deepest, {distance(other, place), place, is_on_edge, "a piece"});
 }
 
 /// Edges at their middles; each is an edge of two faces.
 void check_pieces(const Body& body, const Body& other, Attributes& attributes, Intrusion& deepest) {
-  for (const Index v : body.vertices) check(place_of(attributes, v), "a node", other, deepest);
+  for (const Index v : body.vertices) check(place_of(attributes, v), false, other, deepest);
   for (const Face& face : body.faces)
     for (std::size_t i = 0; i < 4; ++i) {
       const std::size_t next = (i + 1) % 4;
       if (face.corners[i] > face.corners[next]) continue;
-      check(scaled(0.5, plus(face.places[i], face.places[next])), "an edge", other, deepest);
+      check(scaled(0.5, plus(face.places[i], face.places[next])), true, other, deepest);
     }
 }
 
@@ -157,7 +157,7 @@ void check_own(const Body& body, Attributes& attributes, double edge, Intrusion&
     const Vec3 out = scaled(outward * edge / norm(area), area);
     const Vec3 place = plus(place_of(attributes, v), out);
     if (winding(body, place) < 0.5) continue;
-    note(deepest, {distance(body, place, v) - outward * edge, place, "a node", "its own piece"});
+    note(deepest, {distance(body, place, v) - outward * edge, place, false, "its own piece"});
   }
 }
 
@@ -183,7 +183,7 @@ Intrusion deepest_intrusion(const CellComplex& complex, Attributes& attributes,
     for (const Index v : body.vertices)
       for (const Obstacle& obstacle : obstacles)
         note(deepest, {depth_in(obstacle, time, place_of(attributes, v)), place_of(attributes, v),
-                       "a node", "an obstacle"});
+                       false, "an obstacle"});
   }
   return deepest;
 }

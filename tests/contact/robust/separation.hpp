@@ -10,11 +10,11 @@ namespace suture::test {
 struct Intrusion {
   double depth = 0;  ///< m
   Vec3 place{};
-  const char* what = "";  ///< "a node", "an edge"
-  const char* into = "";  ///< "a piece", "its own piece", "an obstacle"
+  bool is_on_edge = false;  ///< the middle of an edge; else a node
+  const char* into = "";    ///< "a piece", "its own piece", "an obstacle"
 };
 
-/// The deepest intrusion of nodes and of points on edges of the boundary, by a search of all faces
+/// The deepest intrusion of nodes and of middles of edges of the boundary, by a search of all faces
 /// that uses no code of contact: the winding number says what is inside. `edge`: of elements, m.
 /// Obstacles: half-spaces, spheres.
 Intrusion deepest_intrusion(const CellComplex& complex, Attributes& attributes,

@@ -12,8 +12,8 @@ namespace {
 // In typical edges: how far a vertex may be in front of a face that it may yet be pushed into, and
 // how far beside its rim; how far things move before near pairs are sought again.
 constexpr double margin = 0.1, beside = 0.05, skin = 0.25;
-constexpr double reach = PieceContact::max_depth + skin;  // of near pairs
-constexpr double precision = 1e-4;                        // of gaps, in typical edges
+constexpr double list_reach = PieceContact::max_depth + skin;  // of near pairs
+constexpr double precision = 1e-4;                             // of gaps, in typical edges
 constexpr double same_side = 0.2;  // cosine of an angle at which surfaces look the same way
 // What is less far behind a face at rest belongs to the same sheet; in typical edges.
 constexpr double thin = 0.5;
@@ -115,7 +115,7 @@ void PieceContact::rebuild(const double* ends) {
   near_edges_.clear();
   if (may_meet_) {
     for (const Index v : surface_.vertices()) built_at_.push_back(row(ends, v));
-    pairs_ = near_pairs(surface_, meeting_, ends, reach * edge_);
+    pairs_ = near_pairs(surface_, meeting_, ends, list_reach * edge_);
     std::erase_if(pairs_, [&](const NearPair& pair) { return is_behind_at_rest(pair); });
     find_near_edges(ends);
   }
@@ -134,7 +134,7 @@ bool PieceContact::is_behind_at_rest(const NearPair& pair) const {
 }
 
 void PieceContact::find_near_edges(const double* ends) {
-  near_edges_ = near_edges(edges_, meeting_.piece_of, options_.self, ends, reach * edge_);
+  near_edges_ = near_edges(edges_, meeting_.piece_of, options_.self, ends, list_reach * edge_);
   std::erase_if(near_edges_, [&](const NearEdges& pair) { return are_near_at_rest(pair); });
 }
 

@@ -192,7 +192,8 @@ void refuse_solvers_without_contact(ObjectReader& contact, const ContactOptions&
                "': its steps include obstacles only",
            "use \"symplectic-euler\" or \"velocity-verlet\"");
   if (is_implicit(solver.integrator) &&
-      std::ranges::any_of(options.obstacles, [](const Obstacle& o) { return o.coupling; }))
+      std::ranges::any_of(options.obstacles,
+                          [](const Obstacle& o) { return o.coupling.has_value(); }))
     refuse("\"coupling\" of an obstacle and the integrator '" + solver.integrator +
                "': a tool that gives way moves with explicit steps",
            "use \"symplectic-euler\" or \"velocity-verlet\"");

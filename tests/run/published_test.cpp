@@ -20,7 +20,7 @@ double limit_of(double coarse, double fine, double order) {
   return fine + (fine - coarse) / (std::pow(2, order) - 1);
 }
 
-constexpr double mean_gradient = 1;
+constexpr double second_element = 1;  // mean-gradient
 
 // Cook's membrane in plane strain: corners (0, 0), (48, 44), (48, 60), (0, 44) mm, E = 70 MPa,
 // nu = 1/3, a shear traction of 6.25 MPa; here a hundred-thousandth of it, which is linear. uy of
@@ -33,7 +33,7 @@ double membrane_tip(Index n) {
     p = {48 * p[0], low + (high - low) * p[1], p[2]};
   }
   Scene scene = block(host(), "tm-faure", {1, 1, 1}, {1, 1, 1},
-                      {{"E", 70e6}, {"nu", 1.0 / 3}, {"rho", 1000}, {"element", mean_gradient}});
+                      {{"E", 70e6}, {"nu", 1.0 / 3}, {"rho", 1000}, {"element", second_element}});
   scene.mesh.box.reset();
   scene.mesh.given = std::make_shared<Mesh>(std::move(mesh));
   hold(scene, at({any, any, any}), 4);
@@ -54,9 +54,9 @@ TEST(CooksMembrane, InPlaneStrainApproachesWhatThreeOtherProgramsFind) {
 
 // A bar of 1 m x (0.25 m)^2 between grips, one of which is turned by 90 degrees: the torque about
 // its axis. Quadratic elements of CalculiX, extrapolated: 135.254 N m, the finest being 0.04 % off.
-double torque(Index n) {
+double twisting_torque(Index n) {
   Scene scene = block(host(), "tm-faure", {1, 0.25, 0.25}, {4 * n, n, n},
-                      {{"E", 4e5}, {"nu", 0.3}, {"rho", 1000}, {"element", mean_gradient}});
+                      {{"E", 4e5}, {"nu", 0.3}, {"rho", 1000}, {"element", second_element}});
   hold(scene, at({0, any, any}), 7);
   Constraint& turned = hold(scene, at({1, any, any}), 7);
   turned.axis = {1, 0, 0};
@@ -71,7 +71,7 @@ double torque(Index n) {
 
 // The section's warping is smooth: order 2, as of Saint-Venant's torsion. The next order is 4.
 TEST(Twist, By90DegreesHasTheTorqueThatAnotherProgramFinds) {
-  const double coarse = torque(5), fine = torque(10), expected = 135.254;
+  const double coarse = twisting_torque(5), fine = twisting_torque(10), expected = 135.254;
   EXPECT_NEAR(std::log2((coarse - expected) / (fine - expected)), 2, 0.2);
   EXPECT_NEAR(limit_of(coarse, fine, 2), expected, 0.002 * expected);
 }

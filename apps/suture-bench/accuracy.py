@@ -42,8 +42,8 @@ TAIL = """
 - References of CalculiX are extrapolated from its own finest quadratic meshes (`suture-bench work-precision
   --references`). Rows within the stated distance of the finest one say little; errors of CalculiX's quadratic elements
   have the sign that the extrapolation gives them.
-- CalculiX takes a rotation in steps of 15 degrees, because it moves nodes along straight lines; Suture finds the
-  equilibrium at 90 degrees at once.
+- CalculiX takes a rotation in steps of 15 degrees, because it moves nodes along straight lines; Suture in steps of
+  at most 45.
 - The organ is the same body for all meshes: its 300 voxels are divided. The staircase of the voxels is part of it.
 - Cook's membrane is the linear problem in plane strain with nu = 1/3; other versions of it in the literature (plane
   stress: 23.96 times the load over E; nu close to 1/2; finite strain) have other values.

@@ -71,7 +71,7 @@ struct ProbeTable {
 
 std::string note_of(int code) {
   if (code == 0) return "";
-  if (code == 5) return "no stable equilibrium (exit code 5)";
+  if (code == 5) return "no equilibrium was found (exit code 5)";
   return "exit code " + std::to_string(code);
 }
 

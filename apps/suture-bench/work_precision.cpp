@@ -130,7 +130,7 @@ WorkRow run_suture(const WorkOptions& options, const WorkCase& what, const WorkM
     return std::pair{use.cpu, use.wall};
   });
   if (code != 0) row.note = "stopped, exit code " + std::to_string(code);
-  if (code == 5) row.note = "no stable equilibrium (exit code 5)";
+  if (code == 5) row.note = "no equilibrium was found (exit code 5)";
   if (code == 0)
     row.error =
         what.scale * last_value(folder.path() / "out/probes.csv", what.column) / what.reference - 1;

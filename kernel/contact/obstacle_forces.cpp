@@ -259,6 +259,7 @@ void ObstacleForces::follow(const CellComplex&, const TopologyChange&) {
 }
 
 void ObstacleForces::state(Archive& archive) {
+  if (archive.has_cells()) archive("stiffness", stiffness_);
   for (std::size_t i = 0; i < multipliers_.size(); ++i) {
     archive.member(("pressures " + std::to_string(i)).c_str(), accepted_[i], &Multiplier::normal);
     archive.member(("friction " + std::to_string(i)).c_str(), accepted_[i],

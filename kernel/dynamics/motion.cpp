@@ -160,8 +160,9 @@ void Motion::kick_and_drift(std::span<const Kick> kicks, double dt, double end, 
   const Vec3 g = body_.acceleration(time_);
   Attributes& attributes = body_.attributes();
   Constraints& constraints = body_.constraints();
-  const ContactStep step = body_.contact() ? contact_step(kicks, dt, end) : ContactStep{};
-  if (body_.contact()) body_.contact()->predict(step);
+  const bool has_impulses = body_.contact() && !body_.contact()->is_term();
+  const ContactStep step = has_impulses ? contact_step(kicks, dt, end) : ContactStep{};
+  if (has_impulses) body_.contact()->predict(step);
   evaluated_ = false;
   const bool good = for_each_chunk([&](std::size_t part, Index first, Index last) {
     loops::PassSums sums;
@@ -174,7 +175,7 @@ void Motion::kick_and_drift(std::span<const Kick> kicks, double dt, double end, 
     return true;
   });
   if (!good) refuse_not_finite();
-  const double contact = body_.contact() ? resolve_contact(step) : 0;
+  const double contact = has_impulses ? resolve_contact(step) : 0;
   sums_.finish_step(last_ != 0 ? last_ : dt, dt, damping_ != 0, contact);
   time_ = end;
   last_ = end_dt_ = dt;

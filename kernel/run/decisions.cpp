@@ -184,7 +184,8 @@ void decide_contact(BuiltScene& built, std::vector<Decision>& list) {
   list.push_back({"contact", false,
                   count_text(contact->obstacles().size(), "obstacle") + " against " +
                       std::to_string(surface.vertices().size()) + " vertices of " +
-                      std::to_string(surface.faces().size()) + " boundary faces, in every step"});
+                      std::to_string(surface.faces().size()) + " boundary faces, in every step" +
+                      (built.scene().contact.penalty ? ", with springs" : "")});
   for (const Obstacle& obstacle : contact->obstacles()) {
     std::ostringstream text;
     text << name_of(obstacle.shape);

@@ -12,6 +12,7 @@
 #include "kernel/base/vec3.hpp"
 #include "kernel/contact/contact.hpp"
 #include "kernel/contact/obstacle_forces.hpp"
+#include "kernel/contact/penalty_forces.hpp"
 #include "kernel/forces/dead_loads.hpp"
 #include "kernel/forces/gravity.hpp"
 #include "kernel/forces/pressures.hpp"
@@ -202,6 +203,8 @@ void BuiltScene::add_contact(Diagnostics& diagnostics) {
   if (dynamics_->is_implicit())
     body_.add(std::make_unique<ObstacleForces>(contact, body_.attributes(), body_.models(),
                                                dynamics_->is_static()));
+  else if (options.penalty)
+    body_.add(std::make_unique<PenaltyForces>(contact, body_.attributes(), body_.models()));
   check_obstacles(*this, contact, diagnostics);
   check_pieces(*this, contact, diagnostics);
 }

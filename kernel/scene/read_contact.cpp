@@ -19,6 +19,8 @@ namespace {
 const std::array<std::string, 6> shapes{"half_space", "sphere",   "capsule",
                                         "box",        "cylinder", "surface"};
 
+const std::array<std::string, 2> laws{"impulses", "penalty"};
+
 double read_radius(ObjectReader& object) {
   object.require("radius", "in m");
   return object.number("radius", Limits::positive("m")).value_or(1);
@@ -174,6 +176,23 @@ Obstacle read_obstacle(ObjectReader& object, Reading& reading, double friction) 
   return obstacle;
 }
 
+/// Springs keep energy, friction does not; and what starts inside an obstacle would be thrown out.
+void refuse_with_penalty(ObjectReader& contact, const ContactOptions& options,
+                         const SolverOptions& solver) {
+  const auto refuse = [&](const std::string& what) {
+    contact.complain("law", "\"penalty\" cannot be combined with " + what + "; remove one of them");
+  };
+  const auto any = [&](auto has) { return std::ranges::any_of(options.obstacles, has); };
+  if (options.pieces) refuse("\"pieces\" and \"self\": only obstacles push with springs");
+  if (any([](const Obstacle& o) { return o.friction > 0; }))
+    refuse("\"friction\", which loses energy");
+  if (any([](const Obstacle& o) { return o.coupling.has_value(); })) refuse("\"coupling\"");
+  if (any([](const Obstacle& o) { return o.push_out; }))
+    refuse("\"push_out\": springs would throw the body out");
+  if (is_implicit(solver.integrator))
+    refuse("the integrator '" + solver.integrator + "', which has a law of its own");
+}
+
 /// Contact that is ignored would be worse than none.
 void refuse_solvers_without_contact(ObjectReader& contact, const ContactOptions& options,
                                     const SolverOptions& solver) {
@@ -225,7 +244,9 @@ void read_contact(ObjectReader& top, Reading& reading) {
   if (contact.obstacles.empty() && !contact.pieces && !contact.self && object.is_object())
     object.complain(
         "touches nothing: give \"obstacles\", set \"pieces\": true, or remove /contact");
+  contact.penalty = object.choice("law", laws) == 1u;
   if (object.is_object()) refuse_solvers_without_contact(object, contact, reading.scene.solver);
+  if (contact.penalty) refuse_with_penalty(object, contact, reading.scene.solver);
   object.finish();
 }
 

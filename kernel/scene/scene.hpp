@@ -96,6 +96,7 @@ struct ContactOptions {
   double friction = 0;  ///< between pieces
   bool is_wanted() const { return pieces || !obstacles.empty(); }
   double thickness = 0;  ///< m: the distance that the body keeps from them
+  bool penalty = false;  ///< obstacles push with springs (PenaltyForces), not with impulses
 };
 
 struct SolverOptions {

@@ -373,6 +373,11 @@ TEST_F(BadScenes, Obstacles) {
        "lies inside the body: (0.25, 0.25, 0.25) m"},
       {one(ball + R"(, "path": [{"at": 0}, {"at": 1e-6, "translation": [0, 0, 1]}])"),
        "/contact/obstacles/0", "jump over the surface"},
+      {"/contact={\"law\": \"penalti\", \"obstacles\": []}", "/contact/law", "'penalty'"},
+      {"/contact={\"law\": \"penalty\", \"pieces\": true}", "/contact/law", "only obstacles"},
+      {"/contact={\"law\": \"penalty\", \"friction\": 0.1, \"obstacles\": [{\"name\": \"o\", " +
+           floor + "}]}",
+       "/contact/law", "loses energy"},
       {one(ball + R"(, "coupling": {"mass": 1})"), "/contact/obstacles/0/coupling",
        "'stiffness' is missing"},
       {one(ball + R"(, "coupling": {"mass": 0, "stiffness": 1})"), "/coupling/mass",

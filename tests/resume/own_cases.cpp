@@ -274,6 +274,11 @@ Case obstacles(Random& random, unsigned, std::uint64_t) {
     scene["events"].push_back(
         {{"cut",
           {{"blade", {{"obstacle", "ball"}, {"points", {{0.47, -1, 0.2}, {0.47, 1, 0.2}}}}}}}});
+  if (random.chance(0.2)) {
+    scene["contact"].update({{"law", "penalty"}, {"friction", 0}, {"pieces", false}});
+    scene["contact"].erase("self");
+    scene["contact"]["obstacles"][1].erase("coupling");
+  }
   add_output(scene, random);
   scene["output"]["tools"]["every_steps"] = 1 + static_cast<int>(random.decades(1, 30));
   scene["output"]["fields"].push_back("contact_force");

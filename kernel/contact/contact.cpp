@@ -20,6 +20,8 @@ constexpr int max_tool_rounds = 20;
 constexpr double tool_tolerance = 1e-9, tool_tolerance_among_pieces = 1e-3;
 // Of an element: how far an obstacle moves in a step, and how far a vertex is pushed out of one.
 constexpr double max_motion = 0.1, max_push = 0.01;
+// Of an element: a push by less is rounding, and no reason for another sweep.
+constexpr double least_push = 1e-9;
 // How far other pieces may push a vertex in a step, or vertices a tool, and how far pieces may
 // approach; of an element.
 constexpr double pushed = 0.5, max_approach = 0.1;
@@ -243,7 +245,7 @@ void Contact::push_out(Near& near, std::span<Push> pushes, double dt) {
       pushes[i].obstacle_velocity = push.obstacle_velocity;
       pushes[i].sliding = std::max(pushes[i].sliding, push.sliding);
       change = plus(change, path.free_part(plus(push.normal, push.tangential)));
-      moved = true;
+      moved = moved || dt * norm(push.normal) > least_push * shortest_edge_;
     }
     if (placed_.size() <= 1) break;  // once is enough
   }

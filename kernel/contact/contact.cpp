@@ -146,8 +146,12 @@ void Contact::push(double dt) {
   for (int sweep = 0; changes && sweep < max_piece_sweeps; ++sweep) {
     changes = meet && pieces_->sweep();
     for (std::size_t i = 0; i < near_obstacles_; ++i) {
-      if (meet) move(near_[i], dt);
-      push_out(near_[i], std::span(pushes_).subspan(i * placed_.size(), placed_.size()), dt);
+      Near& near = near_[i];
+      const Vec3 velocity = row(attributes_.velocity().rows(), near.vertex);
+      if (sweep > 0 && velocity == near.settled) continue;  // pieces left it where it was
+      if (meet) move(near, dt);
+      push_out(near, std::span(pushes_).subspan(i * placed_.size(), placed_.size()), dt);
+      near.settled = row(attributes_.velocity().rows(), near.vertex);
     }
   }
   if (meet)

@@ -132,6 +132,7 @@ class Contact final : public Follower {
     Vec3 free_end{}, free_velocity{};  ///< after the step without contact
     Vec3 mean{};                       ///< of the velocities before and after the step, m/s
     Vec3 pushed{};                     ///< what obstacles have changed in the velocity, m/s
+    Vec3 settled{};                    ///< the velocity after they did, m/s
   };
   Vec3 free_force(Index vertex, const ContactStep& step) const;
   void add_near_pieces(const ContactStep& step);

@@ -82,9 +82,8 @@ void PenaltyForces::record(const std::vector<Push>& pushes, double time) {
   std::vector<Contact::Load> loads(contact_.obstacles().size());
   for (const Push& push : pushes) {
     touches.push_back({push.vertex, push.force});
-    const Pose pose = contact_.pose(push.obstacle, time);
-    const Vec3 centre = plus(pose.centre, pose.translation);
-    const Vec3 arm = minus(row(attributes_.position().rows(), push.vertex), centre);
+    const PlacedObstacle placed(contact_.obstacles()[push.obstacle], 0, time, time);
+    const Vec3 arm = minus(row(attributes_.position().rows(), push.vertex), placed.centre());
     Contact::Load& load = loads[push.obstacle];
     load.force = minus(load.force, push.force);
     load.torque = minus(load.torque, cross(arm, push.force));

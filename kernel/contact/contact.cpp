@@ -325,9 +325,16 @@ double Contact::power() const {
   return power;
 }
 
-void Contact::record(std::vector<Touch> touches, std::vector<Load> loads, double heat) {
-  touches_ = std::move(touches);
-  loads_ = std::move(loads);
+void Contact::record(std::span<const Force> forces, double time, double heat) {
+  touches_.clear();
+  std::ranges::fill(loads_, Load{});
+  for (const auto& [vertex, force, obstacle] : forces) {
+    touches_.push_back({vertex, force});
+    const PlacedObstacle placed(obstacles_[obstacle], 0, time, time);
+    const Vec3 arm = minus(row(attributes_.position().rows(), vertex), placed.centre());
+    loads_[obstacle].force = minus(loads_[obstacle].force, force);
+    loads_[obstacle].torque = minus(loads_[obstacle].torque, cross(arm, force));
+  }
   friction_work_ -= heat;
 }
 

@@ -87,11 +87,17 @@ class Contact final : public Follower {
   }
   /// Where an obstacle is: by its path at `time`, or a compliant one now.
   Pose pose(std::size_t obstacle, double time) const;
-  /// Its forces are a term of the body (ObstacleForces), which says what they are.
+  /// Its forces are a term of the body (ContactTerm), which says what they are.
   void use_forces() { is_term_ = true; }
   bool is_term() const { return is_term_; }
-  /// What touches at the end of a step of that term, and what friction has dissipated in it, J.
-  void record(std::vector<Touch> touches, std::vector<Load> loads, double heat);
+  /// On a vertex, by an obstacle.
+  struct Force {
+    Index vertex;
+    Vec3 force;  ///< N
+    std::size_t obstacle;
+  };
+  /// The forces of that term at the end of a step, and what friction has dissipated in it, J.
+  void record(std::span<const Force> forces, double time, double heat);
   /// The distance of each vertex of the boundary from the nearest obstacle at `time`, less the
   /// thickness; NaN for other vertices. m
   std::vector<double> gaps(double time) const;

@@ -22,8 +22,7 @@ Vec3 along_surface(const Vec3& a, const Vec3& normal) {
 
 ObstacleForces::ObstacleForces(Contact& contact, Attributes& attributes, ForceTerm& models,
                                bool is_static)
-    : contact_(contact), attributes_(attributes), models_(models), is_static_(is_static) {
-  contact_.use_forces();
+    : ContactTerm(contact, attributes, models, stiffening), is_static_(is_static) {
   resize();
 }
 
@@ -33,14 +32,6 @@ void ObstacleForces::resize() {
     for (std::vector<Multiplier>& of : *all) of.resize(attributes_.vertex_count());
   }
   stiffness_.clear();
-}
-
-void ObstacleForces::find_stiffness(double time) {
-  if (!stiffness_.empty()) return;
-  stiffness_.assign(attributes_.vertex_count(), 0);
-  models_.add_bounds(time, [&](Index v, const double* stiffness, const double*) {
-    stiffness_[v] += stiffening * std::max({stiffness[0], stiffness[1], stiffness[2]});
-  });
 }
 
 // ------------------------------------------------------------------- forces --
@@ -88,10 +79,15 @@ ObstacleForces::Push ObstacleForces::push_of(const PlacedObstacle& placed, std::
   return push;
 }
 
-void ObstacleForces::add_forces(double time, const LiveMask& live, double* rows) {
+/// Those at a surface carry nothing.
+std::vector<Contact::Force> ObstacleForces::forces_at(double time) {
+  std::vector<Contact::Force> forces;
   for_each_push(time, [&](const Push& push) {
-    add_row(rows, live, push.vertex, 1, plus(scaled(push.pressure, push.normal), push.friction));
+    if (push.pressure > 0)
+      forces.push_back(
+          {push.vertex, plus(scaled(push.pressure, push.normal), push.friction), push.obstacle});
   });
+  return forces;
 }
 
 /// At the end of a step, and where a run begins.
@@ -99,7 +95,7 @@ void ObstacleForces::add_forces_in_step(const StepTimes& step, const LiveMask& l
   std::vector<double> forces(std::size_t{attributes_.vertex_count()} * 4);
   add_forces(step.time, live, forces.data());
   for (std::size_t i = 0; i < forces.size(); ++i) rows[i] += forces[i];
-  record(step.time);
+  contact_.record(forces_at(step.time), step.time, has_step_ ? heat(step.time) : 0);
   if (!last_force_.empty()) book(forces, step.last);
   const double *x = attributes_.position().rows(), *v = attributes_.velocity().rows();
   last_position_.assign(x, x + forces.size());
@@ -118,32 +114,11 @@ void ObstacleForces::book(const std::vector<double>& forces, double dt) {
                          : 0;
 }
 
-void ObstacleForces::add_forces_at(const VertexSelection& selection, std::span<const Index>,
-                                   double time, std::vector<Vec3>& forces) {
-  for_each_push(time, [&](const Push& push) {
-    if (!selection.contains(push.vertex)) return;
-    Vec3& force = forces[selection.slot(push.vertex)];
-    force = plus(force, plus(scaled(push.pressure, push.normal), push.friction));
-  });
-}
-
-/// For the tables and fields of contact.
-void ObstacleForces::record(double time) {
-  std::vector<Contact::Touch> touches;
-  std::vector<Contact::Load> loads(contact_.obstacles().size());
+/// What friction has dissipated since the start of the step, J.
+double ObstacleForces::heat(double time) {
   double heat = 0;
-  for_each_push(time, [&](const Push& push) {
-    const Vec3 force = plus(scaled(push.pressure, push.normal), push.friction);
-    if (push.pressure > 0) touches.push_back({push.vertex, force});
-    const PlacedObstacle placed(contact_.obstacles()[push.obstacle], 0, time, time);
-    const Vec3 arm = minus(row(attributes_.position().rows(), push.vertex), placed.centre());
-    Contact::Load& load = loads[push.obstacle];
-    load.force = minus(load.force, force);
-    load.torque = minus(load.torque, cross(arm, force));
-    heat -= dot(push.friction, push.sliding);
-  });
-  if (!has_step_) heat = 0;
-  contact_.record(std::move(touches), std::move(loads), heat);
+  for_each_push(time, [&](const Push& push) { heat -= dot(push.friction, push.sliding); });
+  return heat;
 }
 
 // ------------------------------------------------------------------ tangents --

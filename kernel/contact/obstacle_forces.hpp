@@ -3,8 +3,7 @@
 
 #include <vector>
 
-#include "kernel/contact/contact.hpp"
-#include "kernel/forces/force_term.hpp"
+#include "kernel/contact/contact_term.hpp"
 
 namespace suture {
 
@@ -16,21 +15,15 @@ namespace suture {
 /// When the equations are solved, update() sets l = p and t = q, and they are solved again, until
 /// gaps and sliding where it holds are below `tolerance` of an edge. So the stiffness k, a multiple
 /// of a bound on that of the body at the vertex, affects the cost but not the result.
-class ObstacleForces final : public ForceTerm {
+class ObstacleForces final : public ContactTerm {
  public:
   /// Of gaps, in typical edges.
   static constexpr double tolerance = 1e-4;
 
-  /// `models`: the term whose bounds give the stiffness. `contact` outlives the term. `is_static`:
-  /// nothing has a velocity.
+  /// `is_static`: nothing has a velocity.
   ObstacleForces(Contact& contact, Attributes& attributes, ForceTerm& models, bool is_static);
 
-  const char* name() const override { return "contact"; }
-  void add_forces(double time, const LiveMask& live, double* rows) override;
   void add_forces_in_step(const StepTimes& step, const LiveMask& live, double* rows) override;
-  void add_forces_at(const VertexSelection& selection, std::span<const Index> vertices, double time,
-                     std::vector<Vec3>& forces) override;
-  bool is_stiff() const override { return true; }
   bool is_constraint() const override { return true; }
   bool is_conservative(double time) override;
   void add_tangent(const double* d, double dx, double dv, const TangentTime& at,
@@ -66,6 +59,7 @@ class ObstacleForces final : public ForceTerm {
     double holding;          ///< q / its free value: 1 where friction holds
     Vec3 direction;          ///< of friction that slides
   };
+  std::vector<Contact::Force> forces_at(double time) override;
   template <class Visit>
   void for_each_push(double time, Visit visit);
   Push push_of(const PlacedObstacle& placed, std::size_t obstacle, Index vertex,
@@ -74,17 +68,12 @@ class ObstacleForces final : public ForceTerm {
   Vec3 apply_skew(const Push& push, const Vec3& d) const;
   Multiplier& multiplier(std::size_t obstacle, Index vertex);
   void resize();
-  void find_stiffness(double time);
   void book(const std::vector<double>& forces, double dt);
-  void record(double time);
+  double heat(double time);
 
-  Contact& contact_;
-  Attributes& attributes_;
-  ForceTerm& models_;
   bool is_static_;
   std::vector<std::vector<Multiplier>> multipliers_, accepted_;  ///< by obstacle and vertex
-  std::vector<double> stiffness_;  ///< by vertex, N/m; empty: to be found
-  std::vector<double> start_;      ///< positions at the start of the step, rows of 4
+  std::vector<double> start_;  ///< positions at the start of the step, rows of 4
   double start_time_ = 0;
   double work_ = 0;
   bool has_step_ = false;  ///< whose friction is not booked yet

@@ -3,8 +3,7 @@
 
 #include <vector>
 
-#include "kernel/contact/contact.hpp"
-#include "kernel/forces/force_term.hpp"
+#include "kernel/contact/contact_term.hpp"
 
 namespace suture {
 
@@ -16,20 +15,15 @@ namespace suture {
 /// by a few elements times p / M, M its P-wave modulus.
 ///
 /// Cost: a pass over the vertices of the boundary in each step.
-class PenaltyForces final : public ForceTerm {
+class PenaltyForces final : public ContactTerm {
  public:
   /// Of the bound on the stiffness of the body.
   static constexpr double stiffening = 0.1;
 
-  /// `models`: the term whose bounds give the stiffness. `contact` outlives the term.
-  PenaltyForces(Contact& contact, Attributes& attributes, ForceTerm& models);
+  PenaltyForces(Contact& contact, Attributes& attributes, ForceTerm& models)
+      : ContactTerm(contact, attributes, models, stiffening) {}
 
-  const char* name() const override { return "contact"; }
-  void add_forces(double time, const LiveMask& live, double* rows) override;
   void add_forces_in_step(const StepTimes& step, const LiveMask& live, double* rows) override;
-  void add_forces_at(const VertexSelection& selection, std::span<const Index> vertices, double time,
-                     std::vector<Vec3>& forces) override;
-  bool is_stiff() const override { return true; }
   void add_tangent(const double* d, double dx, double dv, const TangentTime& at,
                    double* out) override;
   void add_bounds(double time, const AddBounds& sums) override;
@@ -42,25 +36,15 @@ class PenaltyForces final : public ForceTerm {
   void state(Archive& archive) override;
 
  private:
-  /// A vertex that an obstacle pushes.
-  struct Push {
-    std::size_t obstacle;
-    Index vertex;
-    Vec3 normal, force;  ///< force: N
-  };
+  using Forces = std::vector<Contact::Force>;
+  Forces forces_at(double time) override;
   template <class Visit>
   void for_each_push(double time, Visit visit);
-  void find_stiffness(double time);
-  void record(const std::vector<Push>& pushes, double time);
-  double work_since_last(const std::vector<Push>& pushes) const;
+  double work_since_last(const Forces& forces) const;
 
-  Contact& contact_;
-  Attributes& attributes_;
-  ForceTerm& models_;
-  std::vector<double> stiffness_;  ///< by vertex, N/m; empty: to be found
   double work_ = 0;
   // At the end of the last step, for its work. Rows of 4.
-  std::vector<Push> pushes_;
+  Forces forces_;
   std::vector<double> last_;  ///< positions; empty: no step yet
 };
 

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "kernel/contact/contact.hpp"
+#include "kernel/run/simulation.hpp"
+#include "kernel/scene/scene.hpp"
+#include "tests/mesh/temporary_folder.hpp"
+
+namespace suture::test {
+
+Obstacle floor_at(double height, double friction);
+
+/// A block of 0.4 x 0.4 x 0.2 m on a floor.
+Scene block_on_floor(Index n, const Vec3& gravity, double friction, double young = 1e5);
+
+/// Gravity on a slope of `part` of the angle of friction, in coordinates of the slope.
+Vec3 on_slope(double friction, double part);
+
+double mean_x(Simulation& simulation);
+
+/// Replaces the mesh by separate boxes, in a file of the folder.
+void use_boxes(Scene& scene, const TemporaryFolder& folder, const std::vector<BoxOptions>& boxes);
+
+/// A quarter of a block of 8 contact radii, into which a sphere of radius 1 m is pressed by 1 cm.
+/// `n`: elements per contact radius.
+Scene hertz(Index n);
+/// The force over that of Hertz, at the end of a run.
+double over_hertz(const Scene& scene);
+
+}  // namespace suture::test

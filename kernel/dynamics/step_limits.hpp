@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
+
 #include "kernel/dynamics/changed_vertices.hpp"
 #include "kernel/dynamics/step_bounds.hpp"
 #include "kernel/dynamics/step_search.hpp"
@@ -29,13 +31,33 @@ class StepLimits : private Follower {
   /// it is below both the previous stable step and this bound. O(cells changed).
   StepBounds bounds_of_changes(double time);
 
+  /// A computation of the limits that is spread over the steps of a run, so that no step takes much
+  /// longer than the others: begin(), then advance() after each step.
+  enum class Aim { stable_step, bound, both };
+  struct Found {
+    double stable;  ///< s; the bound where only that was asked for, or only that is known
+    double bound;   ///< s; infinite if it was not asked for, or a functor offers none
+  };
+  /// Replaces one that is under way. stable_step() ends it.
+  void begin(Aim aim);
+  bool is_under_way() const { return is_searching_ || is_bounding_; }
+  /// A portion of the work, in the present state: a directional derivative for the search, or the
+  /// bounds of a 32nd of the vertices, each about as much as three evaluations of the forces. The
+  /// limits when all is done, after 5 to 100 calls, else none. Vertices that changed in the
+  /// meantime are among those of bounds_of_changes() as well. Throws NoStepBound.
+  std::optional<Found> advance(double time);
+
   void state(Archive& archive);
 
  private:
   void follow(const CellComplex& complex, const TopologyChange& change) override;
+  bool bound_next_vertices(double time);
 
   Body& body_;
   StepSearch search_;
+  bool is_searching_ = false, is_bounding_ = false;
+  Found found_{};
+  Index next_vertex_ = 0;
   ChangedVertices changed_;  ///< since bounds_of_changes()
   VertexSelection selection_;
 };

@@ -21,6 +21,7 @@ constexpr int max_iterations = 80;
 /// operations on small bodies 10 gave a step more than 3 % longer than one from random, 11 %
 /// at most; 83 did without this.
 constexpr int local_iterations = 8;
+constexpr int max_rounds = 4;  // with damping
 
 /// Iterations from a random vector of n components after which the quotient is within
 /// `tolerance` of the largest eigenvalue but for one start in 10,000, whatever the other
@@ -48,28 +49,170 @@ void combine(double s, Vector& a, double t, const Vector& b) {
 
 }  // namespace
 
-struct StepSearch::Direction {
-  Vector v, image;
+void StepSearch::Direction::scale(double s) {
+  combine(s, v, 0, v);
+  combine(s, image, 0, image);
+}
 
-  void scale(double s) {
-    combine(s, v, 0, v);
-    combine(s, image, 0, image);
-  }
-  void add(double t, const Direction& other) {
-    combine(1, v, t, other.v);
-    combine(1, image, t, other.image);
-  }
-};
+void StepSearch::Direction::add(double t, const Direction& other) {
+  combine(1, v, t, other.v);
+  combine(1, image, t, other.image);
+}
 
-/// Replaces x by the vector of largest Rayleigh quotient in the space of x, the residual
-/// and the last direction, which becomes the difference to the old x.
-void StepSearch::step_to_best(Direction& x, Direction& residual, Direction& last) {
-  std::vector<Direction*> basis{&x, &residual};
-  if (!last.v.empty()) {
-    last.scale(1 / length(last.v));
-    for (const Direction* other : {&x, &residual}) last.add(-dot(last.v, other->v), *other);
+/// The new vertex moves as the one that it separated from.
+void StepSearch::Direction::follow(const Split& split) {
+  for (Vector* values : {&v, &image}) {
+    if (values->empty()) continue;
+    values->resize(std::max(values->size(), 3 * (std::size_t{split.new_cell} + 1)));
+    for (std::size_t c = 0; c < 3; ++c)
+      (*values)[3 * std::size_t{split.new_cell} + c] =
+          (*values)[3 * std::size_t{split.old_cell} + c];
+  }
+}
+
+// ------------------------------------------------------------------ the search --
+
+double StepSearch::largest(double time) {
+  begin();
+  time_ = time;
+  set_scales();
+  while (!iterate()) continue;
+  return result_;
+}
+
+void StepSearch::begin() {
+  stage_ = Stage::begun;
+  difference_ = {};
+}
+
+bool StepSearch::advance(double time) {
+  time_ = time;
+  set_scales();
+  ++image_age_;
+  return iterate();
+}
+
+/// True if the search is over. One directional derivative, or those that take_eigenvalue() needs.
+bool StepSearch::iterate() {
+  if (std::ranges::none_of(scale_, [](float scale) { return scale > 0; }))
+    return finish(std::numeric_limits<double>::infinity());  // nothing is free
+  if (stage_ == Stage::begun) start();
+  mode_.scale(1 / length(mode_.v));
+  if (mode_.image.empty()) {
+    apply(mode_.v, stiffness_, damping_, mode_.image);
+    image_age_ = 0;
+    return false;
+  }
+  find_residual();
+  const bool is_enough = is_good_enough();
+  if (is_enough && image_age_ <= 1) return take_eigenvalue();
+  if (!is_enough) step_to_best();
+  if (is_enough || ++iteration_ % 8 == 0) mode_.image.clear();  // sums lose digits
+  return false;
+}
+
+void StepSearch::start() {
+  const bool from_random = searches_++ % 16 == 0 || mode_.v.empty();
+  least_of_search_ = from_random        ? iterations_from_random(scale_.size())
+                     : changed_.empty() ? 0
+                                        : local_iterations;
+  if (from_random)
+    start_at_random();
+  else
+    start_at_last();
+  changed_.clear();
+  const bool damped = body_.models().reads_velocity();
+  stage_ = !damped || from_random ? Stage::undamped : Stage::damped;
+  round_ = 0;
+  if (stage_ == Stage::undamped)
+    begin_eigenvalue(1, 0, damped ? 0 : least_of_search_);
+  else
+    begin_damped(result_, least_of_search_);
+}
+
+void StepSearch::begin_eigenvalue(double stiffness, double damping, int least) {
+  stiffness_ = stiffness;
+  damping_ = damping;
+  least_ = least;
+  iteration_ = 0;
+  mode_.image.clear();
+  difference_ = {};
+}
+
+void StepSearch::begin_damped(double dt, int least) {
+  dt_ = std::isfinite(dt) ? dt : 1;
+  begin_eigenvalue(dt_ * dt_ / 4, dt_ / 2, least);
+}
+
+/// Damping shortens the step. At the mode that limits it, k and c give the step at which this mode
+/// reaches 1; another mode may take over there, so repeat. True if the search is over.
+bool StepSearch::take_eigenvalue() {
+  if (stage_ == Stage::undamped) {
+    const double dt = stable_step(found_.upper, 0);
+    if (!body_.models().reads_velocity()) return finish(dt);
+    stage_ = Stage::approach;
+    begin_damped(dt, 0);
+    return false;
+  }
+  const double before = dt_;
+  bool settled = !(found_.value > 0);
+  if (!settled) {
+    const double margin = found_.upper / found_.value;
+    dt_ = stable_step(margin * quotient(1, 0), margin * quotient(0, 1));
+    settled = std::abs(dt_ - before) < 0.01 * before;
+  }
+  if (!settled && ++round_ < max_rounds) {
+    begin_damped(dt_, 0);
+    return false;
+  }
+  if (stage_ == Stage::damped) return finish(dt_);
+  stage_ = Stage::damped;
+  round_ = 0;
+  start_at_random();  // the mode of another dt is near to the wrong ones of this
+  begin_damped(dt_, least_of_search_);
+  return false;
+}
+
+bool StepSearch::finish(double dt) {
+  result_ = dt;
+  stage_ = Stage::begun;
+  // Gives the memory back, which = {} would not.
+  for (Vector* values :
+       {&mode_.image, &residual_.v, &residual_.image, &difference_.v, &difference_.image, &scale_})
+    *values = Vector();
+  rows_ = image_rows_ = AlignedVector<float>();
+  return true;
+}
+
+// --------------------------------------------------------------- one iteration --
+
+/// Of the mode, and its Rayleigh quotient.
+void StepSearch::find_residual() {
+  found_.value = dot(mode_.v, mode_.image);
+  residual_.v = mode_.image;
+  combine(1, residual_.v, -found_.value, mode_.v);
+  found_.upper = found_.value + length(residual_.v);
+}
+
+bool StepSearch::is_good_enough() const {
+  const double wanted = iteration_ < least_ ? exact : tolerance;
+  const double error = found_.upper - found_.value;
+  return !(error > wanted * std::abs(found_.value)) || iteration_ >= max_iterations;
+}
+
+/// Replaces the mode by the vector of largest Rayleigh quotient in the space of the mode, its
+/// residual and the last difference, which becomes the difference to the old mode.
+void StepSearch::step_to_best() {
+  // Before it is multiplied: its image may be beyond a float.
+  combine(1 / length(residual_.v), residual_.v, 0, residual_.v);
+  apply(residual_.v, stiffness_, damping_, residual_.image);
+  std::vector<Direction*> basis{&mode_, &residual_};
+  if (!difference_.v.empty()) {
+    difference_.scale(1 / length(difference_.v));
+    for (const Direction* other : {&mode_, &residual_})
+      difference_.add(-dot(difference_.v, other->v), *other);
     // What little is left of a direction that the others span is rounding.
-    if (length(last.v) > 0.01) basis.push_back(&last);
+    if (length(difference_.v) > 0.01) basis.push_back(&difference_);
   }
   const auto size = static_cast<Eigen::Index>(basis.size());
   Eigen::MatrixXd gram(size, size), ritz(size, size);
@@ -80,59 +223,14 @@ void StepSearch::step_to_best(Direction& x, Direction& residual, Direction& last
     }
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(ritz, gram);
   const Eigen::VectorXd best = solver.eigenvectors().col(size - 1);
-  residual.scale(best[1]);
-  if (size == 3) residual.add(best[2], last);
-  std::swap(last, residual);
-  x.scale(best[0]);
-  x.add(1, last);
+  residual_.scale(best[1]);
+  if (size == 3) residual_.add(best[2], difference_);
+  std::swap(difference_, residual_);
+  mode_.scale(best[0]);
+  mode_.add(1, difference_);
 }
 
-double StepSearch::largest(double time) {
-  time_ = time;
-  set_scales();
-  if (std::ranges::none_of(scale_, [](float scale) { return scale > 0; }))
-    return last_ = std::numeric_limits<double>::infinity();  // nothing is free
-  const bool from_random = searches_++ % 16 == 0 || mode_.empty();
-  const int least = from_random        ? iterations_from_random(scale_.size())
-                    : changed_.empty() ? 0
-                                       : local_iterations;
-  if (from_random)
-    start_at_random();
-  else
-    start_at_last();
-  changed_.clear();
-  if (!body_.models().reads_velocity()) {
-    last_ = stable_step(largest_eigenvalue(1, 0, least).upper, 0);
-  } else if (from_random) {
-    const double undamped = stable_step(largest_eigenvalue(1, 0, 0).upper, 0);
-    last_ = damped(undamped, 0);
-    start_at_random();  // the mode of another dt is near to the wrong ones of this
-    last_ = damped(last_, least);
-  } else {
-    last_ = damped(last_, least);
-  }
-  scale_ = Vector();  // gives its memory back, which = {} would not
-  rows_ = image_rows_ = AlignedVector<float>();
-  return last_;
-}
-
-/// Damping shortens the step. At the mode that limits it, k and c give the step at
-/// which this mode reaches 1; another mode may take over there, so repeat.
-double StepSearch::damped(double dt, int least) {
-  for (int round = 0; round < 4; ++round) {
-    if (!std::isfinite(dt)) dt = 1;
-    const Eigenvalue both = largest_eigenvalue(dt * dt / 4, dt / 2, round == 0 ? least : 0);
-    if (!(both.value > 0)) break;
-    const double margin = both.upper / both.value;
-    const double next = stable_step(margin * quotient(1, 0), margin * quotient(0, 1));
-    const bool settled = std::abs(next - dt) < 0.01 * dt;
-    dt = next;
-    if (settled) break;
-  }
-  return dt;
-}
-
-/// 1/sqrt(m) from masses and fixed components.
+/// 1/sqrt(m) from masses and fixed components. Nothing moves where it is 0.
 void StepSearch::set_scales() {
   const std::size_t vertices = body_.attributes().vertex_count();
   const double* mass = body_.attributes().mass().rows();
@@ -142,6 +240,12 @@ void StepSearch::set_scales() {
     const int bits = mass[v] > 0 ? static_cast<int>(fixed[v]) : 7;
     for (std::size_t c = 0; c < 3; ++c)
       scale_[3 * v + c] = bits >> c & 1 ? 0 : static_cast<float>(1 / std::sqrt(mass[v]));
+  }
+  for (Vector* values : {&mode_.v, &mode_.image, &difference_.v, &difference_.image}) {
+    if (values->empty()) continue;
+    values->resize(scale_.size());
+    for (std::size_t i = 0; i < values->size(); ++i)
+      if (scale_[i] == 0) (*values)[i] = 0;
   }
 }
 
@@ -153,28 +257,24 @@ float StepSearch::random_number(std::size_t i) {
 
 void StepSearch::start_at_random() {
   random_.seed();
-  mode_.resize(scale_.size());
-  for (std::size_t i = 0; i < mode_.size(); ++i) mode_[i] = random_number(i);
+  mode_.v.resize(scale_.size());
+  for (std::size_t i = 0; i < mode_.v.size(); ++i) mode_.v[i] = random_number(i);
 }
 
 /// As large at the vertices that changed as the mode is in all.
 void StepSearch::start_at_last() {
-  mode_.resize(scale_.size());
-  for (std::size_t i = 0; i < mode_.size(); ++i)
-    if (scale_[i] == 0) mode_[i] = 0;
-  const double size = length(mode_) / std::sqrt(static_cast<double>(changed_.size()) + 1) * 2;
+  const double size = length(mode_.v) / std::sqrt(static_cast<double>(changed_.size()) + 1) * 2;
   for (const Index v : changed_)
     for (std::size_t i = 3 * std::size_t{v}; i < 3 * std::size_t{v} + 3; ++i)
-      mode_[i] += static_cast<float>(size * static_cast<double>(random_number(i)));
-  if (!(length(mode_) > 0)) start_at_random();
+      mode_.v[i] += static_cast<float>(size * static_cast<double>(random_number(i)));
+  if (!(length(mode_.v) > 0)) start_at_random();
 }
 
 void StepSearch::follow(const TopologyChange& change) {
-  if (mode_.empty()) return;
+  if (mode_.v.empty()) return;
   for (const Split& split : change.splits[0]) {
-    mode_.resize(std::max(mode_.size(), 3 * (std::size_t{split.new_cell} + 1)));
-    for (std::size_t c = 0; c < 3; ++c)
-      mode_[3 * std::size_t{split.new_cell} + c] = mode_[3 * std::size_t{split.old_cell} + c];
+    mode_.follow(split);
+    difference_.follow(split);
   }
   changed_.insert(changed_.end(), change.stars[0].cells.begin(), change.stars[0].cells.end());
 }
@@ -205,36 +305,27 @@ void StepSearch::add_other_terms(double stiffness, double damping, Vector& image
 
 double StepSearch::quotient(double stiffness, double damping) {
   Vector image;
-  apply(mode_, stiffness, damping, image);
-  return std::max(dot(mode_, image), 0.0);
-}
-
-StepSearch::Eigenvalue StepSearch::largest_eigenvalue(double stiffness, double damping, int least) {
-  Direction x{std::move(mode_), {}}, residual, last;
-  Eigenvalue found{};
-  for (int iteration = 0;; ++iteration) {
-    x.scale(1 / length(x.v));
-    if (iteration % 8 == 0) apply(x.v, stiffness, damping, x.image);  // sums lose digits
-    found.value = dot(x.v, x.image);
-    residual.v = x.image;
-    combine(1, residual.v, -found.value, x.v);
-    const double error = length(residual.v);
-    found.upper = found.value + error;
-    const double wanted = iteration < least ? exact : tolerance;
-    if (!(error > wanted * std::abs(found.value)) || iteration == max_iterations) break;
-    combine(1 / error, residual.v, 0, residual.v);  // before: its image may be beyond a float
-    apply(residual.v, stiffness, damping, residual.image);
-    step_to_best(x, residual, last);
-  }
-  mode_ = std::move(x.v);
-  return found;
+  apply(mode_.v, stiffness, damping, image);
+  return std::max(dot(mode_.v, image), 0.0);
 }
 
 void StepSearch::state(Archive& archive) {
   archive("searches", searches_);
-  archive("last", last_);
-  archive("mode", mode_);
+  archive("last", result_);
+  archive("mode", mode_.v);
   archive("changed", changed_);
+  archive("stage", stage_);
+  archive("stiffness", stiffness_);
+  archive("damping", damping_);
+  archive("least", least_);
+  archive("least of search", least_of_search_);
+  archive("iteration", iteration_);
+  archive("round", round_);
+  archive("dt", dt_);
+  archive("image", mode_.image);
+  archive("image age", image_age_);
+  archive("difference", difference_.v);
+  archive("image of difference", difference_.image);
   std::ostringstream text;
   text << random_;
   std::string engine = text.str();

@@ -21,6 +21,11 @@ namespace suture {
 /// carry a new mode: the next search also starts with random numbers there. Every 16th search
 /// starts from a random vector, so as not to overlook a mode that grew in the meantime.
 ///
+/// A search can be spread over the steps of a run: begin(), then advance() after each step until it
+/// returns true. The body may move and be cut in between: the vectors follow, and images that are a
+/// little old only make the next direction a little worse. The result belongs to the state of the
+/// last call but one, as the Rayleigh quotient and the residual that decide are computed there.
+///
 /// Memory while it runs: 96 B per vertex; between searches 12 B.
 class StepSearch {
  public:
@@ -32,39 +37,70 @@ class StepSearch {
   /// body.models().has_tangent().
   double largest(double time);
 
+  /// Begins a search that advance() continues, in place of one that is under way.
+  void begin();
+  /// One directional derivative in the present state, or three with damping at the end. True once
+  /// result() is that of this search.
+  bool advance(double time);
+  double result() const { return result_; }  ///< of the last search, s
+
   /// Follows a change of the cells: new vertices start with the motion of those that they separated
   /// from. O(change).
   void follow(const TopologyChange& change);
   /// The next search starts from a random vector, so that no mode is overlooked.
-  void forget() { mode_.clear(); }
+  void forget() { mode_.v.clear(); }
   void state(Archive& archive);
 
  private:
   using Vector = std::vector<float>;  // 3 per vertex; seven digits for three
-  struct Direction;                   ///< a vector and its image under the operator
+  struct Direction {
+    Vector v, image;  // under the operator
+    void scale(double s);
+    void add(double t, const Direction& other);
+    void follow(const Split& split);
+  };
   struct Eigenvalue {
     double value, upper;  ///< Rayleigh quotient, and the quotient plus its residual
   };
+  /// What the eigenvalue under way is for. With damping, a search from random begins with the mode
+  /// of K, then takes C into account, and then starts from random once more.
+  enum class Stage { begun, undamped, approach, damped };
 
+  void start();
   void set_scales();
   void start_at_random();
   void start_at_last();
   float random_number(std::size_t i);
-  double damped(double dt, int least);
+  bool iterate();
+  bool take_eigenvalue();
+  bool finish(double dt);
+  void begin_eigenvalue(double stiffness, double damping, int least);
+  void begin_damped(double dt, int least);
   void apply(const Vector& x, double stiffness, double damping, Vector& image);
   void add_other_terms(double stiffness, double damping, Vector& image);
-  static void step_to_best(Direction& x, Direction& residual, Direction& last);
-  Eigenvalue largest_eigenvalue(double stiffness, double damping, int least);
+  void find_residual();
+  bool is_good_enough() const;
+  void step_to_best();
   double quotient(double stiffness, double damping);
 
   Body& body_;
   double time_ = 0;
   unsigned searches_ = 0;
-  double last_ = 0;             // result of the last search, s
+  double result_ = 0;
   std::mt19937 random_;         // the same numbers on every machine
-  Vector mode_;                 // unit vector, in coordinates sqrt(m) x
+  Direction mode_;              // in coordinates sqrt(m) x; its image only while a search runs
   std::vector<Index> changed_;  // vertices changed since the last search; may contain duplicates
-  Vector scale_;                // 1/sqrt(m), 0 where fixed
+  // Of the search under way:
+  Stage stage_ = Stage::begun;
+  double stiffness_ = 0, damping_ = 0;  // of the operator
+  int least_ = 0;                       // iterations, of the eigenvalue under way
+  int least_of_search_ = 0;             // of the one that counts
+  int iteration_ = 0, round_ = 0;
+  double dt_ = 0;                    // found so far, s
+  int image_age_ = 0;                // calls of advance() since mode_.image was computed
+  Direction residual_, difference_;  // the second one of the last two modes
+  Eigenvalue found_{};
+  Vector scale_;                            // 1/sqrt(m), 0 where fixed
   AlignedVector<float> rows_, image_rows_;  // a direction and its image, 4 per vertex
   std::vector<double> direction_, image_;   // for terms other than the models
 };

@@ -17,6 +17,8 @@ constexpr double alarming = 1.8;
 constexpr unsigned alarms_needed = 2;
 constexpr double low_safety = 0.5;
 constexpr double max_over_bound = 1.4;
+/// A search from random then ends within 250 steps.
+constexpr std::uint64_t steps_per_portion = 4;
 
 }  // namespace
 
@@ -43,8 +45,11 @@ void StepWatch::after_event(std::uint64_t step) {
     if (!local || *scene_.solver.dt > *local) due_ = std::max(step, searched_ + search_steps);
   } else if (!local) {
     search(step);
-  } else if (limit_over_bound_ * *local < stable_) {
-    stable_ = limit_over_bound_ * *local;
+  } else {
+    const double changed = limit_over_bound_ * *local;
+    lowest_change_ = std::min(lowest_change_, changed);
+    if (!(changed < stable_)) return;
+    stable_ = changed;
     lowered_ = step;
   }
 }
@@ -61,22 +66,57 @@ void StepWatch::after_step(std::uint64_t step) {
     --halvings_;
     clean_since_ = step;
   }
-  if (step < due_) return;
+  if (!built_.limits().is_under_way() && step >= due_) begin(step);
+  if (built_.limits().is_under_way() && step % steps_per_portion == 0) advance(step);
+}
+
+/// While events keep lowering the step, the bound takes the place of a search.
+void StepWatch::begin(std::uint64_t step) {
+  const bool is_auto = !scene_.solver.dt;
   const bool events_go_on = lowered_ > searched_ && step < lowered_ + search_steps;
-  if (!scene_.solver.dt && events_go_on && step < searched_ + max_event_steps) {
-    stable_ = limit_over_bound_ * bound(&StepLimits::bounds).value();  // lowered_ by such a bound
-    due_ = step + search_steps;
-    return;
+  if (is_auto && events_go_on && step < searched_ + max_event_steps)
+    aim_ = StepLimits::Aim::bound;
+  else if (is_auto && !scene_.events.empty())
+    aim_ = StepLimits::Aim::both;
+  else
+    aim_ = StepLimits::Aim::stable_step;
+  found_before_ = searched_ >= lowered_ ? stable_ : 0;
+  lowest_change_ = std::numeric_limits<double>::infinity();
+  if (aim_ != StepLimits::Aim::bound) searched_ = step;
+  if (!is_auto) due_ = never;  // until an event; else it begins again if is_unstable() ends it
+  built_.limits().begin(aim_);
+}
+
+void StepWatch::advance(std::uint64_t step) {
+  try {
+    const std::optional<StepLimits::Found> found =
+        built_.limits().advance(built_.dynamics().time());
+    if (found) take(*found, step);
+  } catch (const NoStepBound&) {
+    if (!scene_.solver.dt) throw;  // a model without a bound runs with the user's dt
   }
-  const double before = stable_;
-  const bool comparable = searched_ >= lowered_;
-  search(step);
-  if (scene_.solver.dt) return;
-  const bool same = comparable && std::abs(stable_ - before) < 0.02 * before;
-  interval_ = halvings_ > 0 ? reduced_search_steps
-              : same        ? std::min(2 * interval_, max_search_steps)
-                            : search_steps;
-  due_ = step + interval_;
+}
+
+void StepWatch::take(const StepLimits::Found& found, std::uint64_t step) {
+  if (scene_.solver.dt) {
+    stable_ = found.stable;
+    compare();
+  } else if (aim_ == StepLimits::Aim::bound) {
+    stable_ = std::min(limit_over_bound_ * found.bound, lowest_change_);
+    due_ = step + search_steps;
+  } else {
+    const bool same = std::abs(found.stable - found_before_) < 0.02 * found_before_;
+    if (aim_ == StepLimits::Aim::both) keep_ratio(found.stable / found.bound);
+    stable_ = std::min(found.stable, lowest_change_);
+    interval_ = halvings_ > 0 ? reduced_search_steps
+                : same        ? std::min(2 * interval_, max_search_steps)
+                              : search_steps;
+    due_ = step + interval_;
+  }
+}
+
+void StepWatch::keep_ratio(double limit_over_bound) {
+  limit_over_bound_ = std::clamp(limit_over_bound, 1.0, max_over_bound);
 }
 
 /// None if a model gives no bounds.
@@ -99,8 +139,7 @@ void StepWatch::search(std::uint64_t step, bool from_random) {
     return;  // a model without a bound runs with the user's dt
   }
   if (!scene_.solver.dt && !scene_.events.empty()) {
-    const double limit = stable_ / bound(&StepLimits::bounds).value_or(stable_);
-    limit_over_bound_ = std::clamp(limit, 1.0, max_over_bound);
+    keep_ratio(stable_ / bound(&StepLimits::bounds).value_or(stable_));
   }
   compare();
 }
@@ -178,6 +217,9 @@ void StepWatch::state(Archive& archive) {
   archive("stable", stable_);
   archive("halvings", halvings_);
   archive("searched", searched_);
+  archive("aim", aim_);
+  archive("found before", found_before_);
+  archive("lowest change", lowest_change_);
   archive("due", due_);
   archive("interval", interval_);
   archive("limit over bound", limit_over_bound_);

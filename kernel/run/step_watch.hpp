@@ -28,6 +28,10 @@ namespace suture {
 ///    search is made once 512 steps have passed without such an event, and at the latest 4096 steps
 ///    after the previous one (4 %). So a blade that cuts in every step costs a shorter step, but
 ///    neither a search for each cut nor a run without any.
+///  - A search or a bound of all vertices that falls due is spread over the following steps: after
+///    every fourth step one product with the tangent, or the bounds of a 32nd of the vertices. So
+///    no step takes long (a haptic device waits for it). Events in the meantime lower the result as
+///    they lower the step. The first search and those after alarms and rollbacks are made at once.
 ///  - The frequency of the motion reveals what the search does not find in time (is_alarming());
 ///    the step is then halved, searched every 64 steps, and doubled after 512 without an alarm.
 /// An implicit integrator needs none of this: its steps are stable, and are halved only where their
@@ -81,6 +85,10 @@ class StepWatch {
                                  implicit_steps = 4, never = ~std::uint64_t{0};
 
   std::optional<double> bound(StepBounds (StepLimits::*which)(double));
+  void begin(std::uint64_t step);
+  void advance(std::uint64_t step);
+  void take(const StepLimits::Found& found, std::uint64_t step);
+  void keep_ratio(double limit_over_bound);
   void compare();
 
   const Scene& scene_;
@@ -90,7 +98,11 @@ class StepWatch {
   double safety_;
   double stable_;
   unsigned halvings_ = 0;
-  std::uint64_t searched_ = 0, due_ = never, interval_ = search_steps;
+  std::uint64_t searched_ = 0;  ///< the step at which the last search began
+  std::uint64_t due_ = never, interval_ = search_steps;
+  StepLimits::Aim aim_{};          ///< of what is under way
+  double found_before_ = 0;        ///< s: stable_ when it began; 0 if events had lowered it
+  double lowest_change_ = 0;       ///< s: the bound around changes since then, as used for stable_
   double limit_over_bound_ = 1;    ///< at the last search, between 1 and max_over_bound
   std::uint64_t lowered_ = 0;      ///< the step at which an event last lowered stable_
   std::uint64_t clean_since_ = 0;  ///< the last alarm or undone halving

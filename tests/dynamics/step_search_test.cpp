@@ -95,11 +95,22 @@ class Search : public testing::TestWithParam<Case> {
     block.hold(block.vertices([](const Vec3& x) { return x[1] < 1e-9; }), 2);
   }
   double number() { return std::uniform_real_distribution<double>(-1, 1)(random_); }
-  void shake() {
+  void shake(double amplitude = 5e-4) {
     Column& position = block.attributes().position();
     for (Index v = 0; v < block.attributes().vertex_count(); ++v)
       for (int c = 0; c < 3 && block.complex().exists(0, v); ++c)
-        position.set(v, c, position.get(v, c) + 5e-4 * number());
+        position.set(v, c, position.get(v, c) + amplitude * number());
+  }
+  /// Calls between() between two portions.
+  template <class Between>
+  StepLimits::Found spread(StepLimits::Aim aim, Between between) {
+    block.limits.begin(aim);
+    for (int call = 0; call < 400; ++call) {
+      if (const auto found = block.limits.advance(0)) return *found;
+      between(call);
+    }
+    ADD_FAILURE() << "does not end";
+    return {};
   }
   void operate(int round) {
     CellComplex& complex = block.complex();
@@ -157,6 +168,63 @@ TEST_P(Search, GoesOnThroughOperations) {
     EXPECT_GT(found, 0.96 * exact) << round;
     EXPECT_LT(found, 1.12 * exact) << round;
   }
+}
+
+// Which moves between two portions.
+TEST_P(Search, SpreadOverStepsIsThatOfTheStateAtItsEnd) {
+  const double band = GetParam().viscosity > 0 ? 0.035 : 0.0175;
+  shake();
+  for (int round = 0; round < 3; ++round) {
+    operate(round);
+    block.limits.bounds_of_changes(0);
+    const double fresh = StepSearch(block).largest(0);
+    const double found = spread(StepLimits::Aim::stable_step, [&](int) { shake(2e-6); }).stable;
+    const double exact = exact_step(block);
+    ASSERT_NE(found, fresh) << "it has not moved";
+    EXPECT_GT(found, (1 - band) * exact) << round;
+    EXPECT_LT(found, (round == 0 ? 1.035 : 1.12) * exact) << round;
+  }
+  const StepLimits::Found both = spread(StepLimits::Aim::both, [](int) {});
+  EXPECT_GT(both.stable, both.bound);
+  EXPECT_NEAR(both.bound, block.limits.bounds(0).dt, 1e-12 * both.bound);
+  EXPECT_EQ(spread(StepLimits::Aim::bound, [](int) {}).stable, both.bound);
+}
+
+// What is cut under way may carry a mode that the search does not begin with: the caller takes the
+// bound of the changed vertices.
+TEST_P(Search, SpreadOverStepsGoesOnThroughOperations) {
+  shake();
+  for (int round = 0; round < 3; ++round) {
+    double changed = 1;
+    const double found = spread(StepLimits::Aim::stable_step, [&](int call) {
+                           if (call != 3) return;
+                           operate(round);
+                           changed = block.limits.bounds_of_changes(0).dt;
+                         }).stable;
+    const double exact = exact_step(block);
+    EXPECT_GT(found, 0.96 * exact) << round;
+    EXPECT_LT(std::min(found, changed), 1.12 * exact) << round;
+  }
+}
+
+TEST_P(Search, SpreadOverStepsGoesOnFromItsState) {
+  StepSearch search(block), twin(block);
+  search.begin();
+  for (int call = 0; call < 5; ++call) {
+    shake(2e-6);
+    ASSERT_FALSE(search.advance(0));
+  }
+  StateTree tree;
+  save_state(tree, search);
+  load_state(tree, twin);
+  bool ends = false;
+  while (!ends) {
+    shake(2e-6);
+    ends = search.advance(0);
+    ASSERT_EQ(twin.advance(0), ends);
+  }
+  EXPECT_EQ(search.result(), twin.result());
+  EXPECT_EQ(search.largest(0), twin.largest(0));
 }
 
 TEST_P(Search, SeesOtherTermsThanTheModels) {

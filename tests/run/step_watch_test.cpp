@@ -31,6 +31,13 @@ class Watch : public testing::Test {
     bound = built.limits().bounds(0).dt;
     return built.limits().bounds_at(vertices, 0).dt;
   }
+  /// A step, and those after it until what it began is done.
+  void work(StepWatch& watch, std::uint64_t step) {
+    watch.after_step(step);
+    for (int more = 1; more < 1000 && built.limits().is_under_way(); ++more)
+      watch.after_step(step + more);
+    ASSERT_FALSE(built.limits().is_under_way());
+  }
   Scene scene;
   Diagnostics diagnostics;
   BuiltScene built;
@@ -49,9 +56,10 @@ TEST_F(Watch, AnEventLowersAutoToTheBoundAroundItUntilEventsAreOver) {
   const double lower = std::min(first, cut());
   watch.after_event(300);
   EXPECT_NEAR(watch.stable(), lower, 1e-12 * stable);
-  watch.after_step(512);
-  EXPECT_EQ(watch.stable(), bound) << "an event 212 steps ago: no search, but all vertices";
-  watch.after_step(1024);
+  work(watch, 512);
+  EXPECT_NEAR(watch.stable(), bound, 1e-12 * bound)
+      << "an event 212 steps ago: no search, but all vertices";
+  work(watch, 1200);
   EXPECT_NEAR(watch.stable(), built.limits().stable_step(built.dynamics().time()), 0.02 * stable);
 }
 
@@ -62,8 +70,32 @@ TEST_F(Watch, AnEventThatChangesNoVertexLeavesTheStepAlone) {
   built.limits().bounds_of_changes(0);
   watch.after_event(500);
   EXPECT_EQ(watch.stable(), before);
-  watch.after_step(512);
+  work(watch, 512);
   EXPECT_NEAR(watch.stable(), stable, 0.02 * stable) << "searched: no event lowered the step";
+}
+
+TEST_F(Watch, AnEventDuringASearchLowersItsResult) {
+  StepWatch watch(scene, built, diagnostics);
+  watch.start();
+  watch.after_step(512);
+  ASSERT_TRUE(built.limits().is_under_way());
+  const double around = cut();
+  watch.after_event(513);
+  ASSERT_NEAR(watch.stable(), around, 1e-12 * stable);
+  work(watch, 513);
+  EXPECT_NEAR(watch.stable(), around, 1e-12 * stable);
+  EXPECT_LT(watch.stable(), 0.95 * built.limits().stable_step(0, true));
+}
+
+TEST_F(Watch, AnAlarmDuringASearchEndsItAndAnotherBegins) {
+  StepWatch watch(scene, built, diagnostics);
+  watch.start();
+  watch.after_step(512);
+  ASSERT_TRUE(built.limits().is_under_way());
+  EXPECT_FALSE(watch.is_unstable(512, 0.5 * stable));
+  EXPECT_FALSE(built.limits().is_under_way());
+  watch.after_step(513);
+  EXPECT_TRUE(built.limits().is_under_way());
 }
 
 TEST_F(Watch, EventsInEveryStepDoNotKeepASearchAwayForever) {
@@ -79,9 +111,9 @@ TEST_F(Watch, EventsInEveryStepDoNotKeepASearchAwayForever) {
   };
   ASSERT_TRUE(lower(1));
   double searched = 0;
-  for (std::uint64_t step = 512; step <= 4096; step += 512) {
-    watch.after_step(step);
-    if (step < 4096) {
+  for (std::uint64_t step = 512; step <= 4600; step += 800) {
+    work(watch, step);
+    if (step < 4100) {
       EXPECT_NEAR(watch.stable(), built.limits().bounds(0).dt, 1e-12 * stable) << step;
       Column& x =
           built.body().attributes().position();  // so that the next cut lowers the step again
@@ -129,7 +161,7 @@ TEST_F(Watch, AFixedStepThatAnEventMakesTooLongIsWarnedOfOnce) {
   EXPECT_TRUE(diagnostics.warnings().empty()) << "searched 101 steps ago";
   for (const std::uint64_t step : {512, 1024, 2048}) {
     watch.after_event(step);
-    watch.after_step(step);
+    work(watch, step);
   }
   ASSERT_EQ(diagnostics.warnings().size(), 1u);
   EXPECT_NE(diagnostics.warnings()[0].find("/solver/dt"), std::string::npos);

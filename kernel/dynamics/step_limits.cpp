@@ -10,7 +10,7 @@ namespace suture {
 
 namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr Index bound_portions = 32;
+constexpr Index bound_portions = 64;
 }  // namespace
 
 StepLimits::StepLimits(Body& body) : body_(body), search_(body) { body.add_follower(*this); }

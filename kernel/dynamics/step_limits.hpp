@@ -42,8 +42,8 @@ class StepLimits : private Follower {
   void begin(Aim aim);
   bool is_under_way() const { return is_searching_ || is_bounding_; }
   /// A portion of the work, in the present state: a directional derivative for the search, or the
-  /// bounds of a 32nd of the vertices, each about as much as three evaluations of the forces. The
-  /// limits when all is done, after 5 to 100 calls, else none. Vertices that changed in the
+  /// bounds of a 64th of the vertices, each about as much as three evaluations of the forces. The
+  /// limits when all is done, after 5 to 130 calls, else none. Vertices that changed in the
   /// meantime are among those of bounds_of_changes() as well. Throws NoStepBound.
   std::optional<Found> advance(double time);
 

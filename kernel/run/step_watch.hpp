@@ -29,7 +29,7 @@ namespace suture {
 ///    after the previous one (4 %). So a blade that cuts in every step costs a shorter step, but
 ///    neither a search for each cut nor a run without any.
 ///  - A search or a bound of all vertices that falls due is spread over the following steps: after
-///    every fourth step one product with the tangent, or the bounds of a 32nd of the vertices. So
+///    every fourth step one product with the tangent, or the bounds of a 64th of the vertices. So
 ///    no step takes long (a haptic device waits for it). Events in the meantime lower the result as
 ///    they lower the step. The first search and those after alarms and rollbacks are made at once.
 ///  - The frequency of the motion reveals what the search does not find in time (is_alarming());

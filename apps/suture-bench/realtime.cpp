@@ -11,6 +11,7 @@
 
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
+#include "apps/suture-bench/timer.hpp"
 #include "kernel/contact/contact.hpp"
 
 namespace suture::bench {
@@ -84,52 +85,94 @@ Index largest_block(const Options& options, unsigned threads, PluginHost& host, 
   return layers;
 }
 
-struct Frames {
-  double worst = 0;  ///< s
-  int missed = 0, cuts = 0;
-  Index faces = 0;
+/// A block that is shown in frames while it is cut: every 0.1 s another tenth of a plane through
+/// the middle. The step is a number, as in a scene that says so: it is not estimated again.
+class Shown {
+ public:
+  Shown(const Options& options, Index layers, unsigned threads, bool with_tool, PluginHost& host)
+      : options_(options), threads_(threads), body_(host, liver(options, layers, threads)) {
+    if (with_tool) add_tool(body_, liver(options, layers, threads));
+    advance(body_, lead);
+  }
+  bool is_over() const { return time_ >= 1; }
+  void show_frame() {
+    const double start = wall(), own = now(threads_);
+    const double end = options_.frame * static_cast<double>(walls_.size() + 1);
+    while (time_ + body_.dt() < end && !is_over()) {
+      cut_if_due();
+      body_.step();
+      time_ += body_.dt();
+    }
+    walls_.push_back(wall() - start);
+    processor_.push_back(now(threads_) - own);
+  }
+  double worst() const { return *std::ranges::max_element(walls_); }
+  auto missed() const {
+    return std::ranges::count_if(walls_, [&](double t) { return t > options_.frame; });
+  }
+  /// Of one thread the processor's, else the wall clock's.
+  double median() const {
+    std::vector<double> times = processor_;
+    std::ranges::nth_element(times, times.begin() + std::ssize(times) / 2);
+    return times[times.size() / 2];
+  }
+  Line line() const {
+    return Line()
+        .add("threads", static_cast<double>(threads_))
+        .add("elements", static_cast<double>(body_.element_count()))
+        .add("cuts", static_cast<double>(cuts_))
+        .add("faces cut", static_cast<double>(faces_))
+        .add("worst frame ms", 1e3 * worst())
+        .add("median frame ms (processor)", 1e3 * median())
+        .add("frames missed", static_cast<double>(missed()));
+  }
+
+ private:
+  void cut_if_due() {
+    if (time_ < options_.cut_every * (cuts_ + 0.5)) return;
+    const auto faces = body_.strip(cuts_++, static_cast<int>(1 / options_.cut_every));
+    faces_ += faces.size();
+    body_.cut(faces);
+  }
+
+  const Options& options_;
+  unsigned threads_;
+  BenchBody body_;
+  double time_ = 0;
+  int cuts_ = 0;
+  std::size_t faces_ = 0;
+  std::vector<double> walls_, processor_;  ///< s, by frame
 };
 
-/// One second in frames. Every 0.1 s another tenth of a plane through the middle is
-/// cut. The step is a number, as in a scene that says so: it is not estimated again.
-Frames show(BenchBody& body, const Options& options) {
-  Frames result;
-  double next_frame = options.frame, next_cut = options.cut_every / 2, start = wall();
-  for (double t = 0; t < 1; t += body.dt()) {
-    if (t >= next_cut) {
-      const auto faces = body.strip(result.cuts++, static_cast<int>(1 / options.cut_every));
-      result.faces += static_cast<Index>(faces.size());
-      body.cut(faces);
-      next_cut += options.cut_every;
-    }
-    body.step();
-    if (t + body.dt() < next_frame) continue;
-    const double spent = wall() - start;
-    result.worst = std::max(result.worst, spent);
-    result.missed += spent > options.frame;
-    next_frame += options.frame;
-    start = wall();
+/// Fewer layers until no frame is late. Returns how many.
+Index largest_shown(const Options& options, Index layers, unsigned threads, PluginHost& host,
+                    Report& report) {
+  for (;; layers = std::max<Index>(1, std::min(layers - 1, layers * 96 / 100))) {
+    Shown shown(options, layers, threads, false, host);
+    while (!shown.is_over()) shown.show_frame();
+    report.add(shown.line());
+    if (shown.missed() == 0 || layers == 1) return layers;
   }
-  return result;
 }
 
-/// Fewer layers until no frame is late.
-void largest_shown(const Options& options, Index layers, unsigned threads, bool with_tool,
-                   PluginHost& host, Report& report) {
-  for (; layers > 0; layers = std::min(layers - 1, layers * 96 / 100)) {
-    BenchBody body(host, liver(options, layers, threads));
-    if (with_tool) add_tool(body, liver(options, layers, threads));
-    advance(body, lead);
-    const Frames frames = show(body, options);
-    report.add(Line()
-                   .add("threads", static_cast<double>(threads))
-                   .add("elements", static_cast<double>(body.element_count()))
-                   .add("cuts", static_cast<double>(frames.cuts))
-                   .add("faces cut", static_cast<double>(frames.faces))
-                   .add("worst frame ms", 1e3 * frames.worst)
-                   .add("frames missed", static_cast<double>(frames.missed)));
-    if (frames.missed == 0) return;
-  }
+/// The block without the tool, with it, and with it in a smaller block, frame by frame in turn, so
+/// that what else the machine does falls on all of them. By how the time of a frame with the tool
+/// grows with the block, the part of the elements whose frames take as long as those without it.
+void compare_tool(const Options& options, Index layers, unsigned threads, PluginHost& host,
+                  Report& report) {
+  const Index fewer = layers * 4 / 5;
+  Shown plain(options, layers, threads, false, host),
+      with_tool(options, layers, threads, true, host), smaller(options, fewer, threads, true, host);
+  while (!plain.is_over())
+    for (Shown* shown : {&plain, &with_tool, &smaller}) shown->show_frame();
+  const double slope = (with_tool.median() - smaller.median()) / (layers - fewer);
+  const double equal = layers - (with_tool.median() - plain.median()) / slope;
+  const auto add = [&](const Shown& shown, const char* tool) {
+    report.add(shown.line().add("tool", tool).add("elements with tool %", 100 * equal / layers));
+  };
+  add(plain, "no");
+  add(with_tool, "yes");
+  add(smaller, "yes");
 }
 
 void run(const Options& options, Report& report) {
@@ -145,15 +188,14 @@ void run(const Options& options, Report& report) {
   report.begin("realtime, cut",
                "the same while a tenth of the middle plane is cut every 0.1 s: with fewer "
                "elements, until every frame of 1/30 s is on time");
-  const auto shown = [&](bool with_tool) {
-    for (std::size_t i = 0; i < layers.size(); ++i)
-      largest_shown(options, layers[i], options.threads[i], with_tool, host, report);
-  };
-  shown(false);
+  for (std::size_t i = 0; i < layers.size(); ++i)
+    layers[i] = largest_shown(options, layers[i], options.threads[i], host, report);
   report.begin("realtime, cut and tool",
-               "the same with a sphere of ten elements that is pressed in by two and moves along "
-               "the block, friction 0.2");
-  shown(true);
+               "the last of these blocks without and with a sphere of ten elements that is pressed "
+               "in by two and moves along the block, friction 0.2; and four fifths of the block "
+               "with it; frame by frame in turn");
+  for (std::size_t i = 0; i < layers.size(); ++i)
+    compare_tool(options, layers[i], options.threads[i], host, report);
 }
 
 }  // namespace

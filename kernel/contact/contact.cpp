@@ -129,7 +129,7 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
     near.free_end = row(attributes_.position().rows(), near.vertex);
     near.free_velocity = row(attributes_.velocity().rows(), near.vertex);
   }
-  if (pieces_) pieces_->begin(step.dt);
+  if (pieces_) pieces_->begin(step.dt, step.whole_gain);
   pushes_.assign(near_.size() * placed_.size(), {});
   push(step.dt);
   if (has_tools_) settle_tools(step);
@@ -171,7 +171,7 @@ void Contact::settle_tools(const ContactStep& step) {
     if (change <= tolerance * shortest_edge_) break;
     for (std::size_t i = 0; i < tools_.size(); ++i)
       if (tools_[i]) placed_[i].move_end(tools_[i]->end());
-    release(step.dt);
+    release(step);
     push(step.dt);
   }
   for (std::size_t i = 0; i < tools_.size(); ++i)
@@ -179,14 +179,14 @@ void Contact::settle_tools(const ContactStep& step) {
 }
 
 /// Back to the step without contact.
-void Contact::release(double dt) {
+void Contact::release(const ContactStep& step) {
   for (Near& near : near_) {
     const std::size_t at = 4 * std::size_t{near.vertex};
     std::ranges::copy(near.free_end, attributes_.position().rows() + at);
     std::ranges::copy(near.free_velocity, attributes_.velocity().rows() + at);
     near.pushed = {};
   }
-  if (pieces_) pieces_->begin(dt);
+  if (pieces_) pieces_->begin(step.dt, step.whole_gain);
   std::ranges::fill(pushes_, Push{});
 }
 

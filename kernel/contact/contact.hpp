@@ -144,7 +144,7 @@ class Contact final : public Follower {
   void add_near_pieces(const ContactStep& step);
   void push(double dt);
   void settle_tools(const ContactStep& step);
-  void release(double dt);
+  void release(const ContactStep& step);
   Tool::Impulse answer_to(std::size_t obstacle) const;
   std::vector<Tool::Pushed> pushed_by(std::size_t obstacle) const;
   void move(const Near& near, double dt);

@@ -13,7 +13,11 @@ namespace {
 // how far beside its rim; how far things move before near pairs are sought again.
 constexpr double margin = 0.1, beside = 0.05, skin = 0.25;
 constexpr double list_reach = PieceContact::max_depth + skin;  // of near pairs
-constexpr double precision = 1e-4;                             // of gaps, in typical edges
+// Of gaps, in typical edges; the second one also of those that do not move.
+constexpr double precision = 1e-4, rounding_of_gaps = 1e-9;
+// Of the change of gaps in the first sweep. Forces that lag behind the motion by a step feed its
+// fast modes, and a pile would never come to rest.
+constexpr double lag = 0.3;
 constexpr double same_side = 0.2;  // cosine of an angle at which surfaces look the same way
 // What is less far behind a face at rest belongs to the same sheet; in typical edges.
 constexpr double thin = 0.5;
@@ -183,12 +187,49 @@ void PieceContact::find_normals(const double* positions) {
   }
 }
 
-void PieceContact::begin(double dt) {
-  const double ratio = dt_ > 0 ? dt / dt_ : 0;
+void PieceContact::begin(double dt, double gain) {
+  const double ratio = gain_ > 0 ? gain / gain_ : 0;
   dt_ = dt;
+  gain_ = gain;
+  first_change_ = 0;
   std::swap(touches_, last_);
   touches_.clear();
   if (vertices_.empty()) return;
+  apply_last_forces(ratio);
+  find_touches();
+  take_back();
+  begin_with_last_forces(ratio);
+}
+
+/// Moves the ends of the step to where the forces of the last one take them: at rest, to where the
+/// step ends. Where it ends without them depends on the step and its damping.
+void PieceContact::apply_last_forces(double ratio) {
+  double *x = attributes_.position().rows(), *v = attributes_.velocity().rows();
+  for (const Touch& touch : last_) {
+    const Vec3 impulse = scaled(ratio, plus(scaled(touch.impulse, touch.normal), touch.friction));
+    for (std::size_t i = 0; i < 5; ++i) {
+      const Index vertex = touch.vertices[i];
+      const double response = touch.weights[i] / attributes_.mass().rows()[vertex];
+      const auto fixed = static_cast<char>(attributes_.fixed().rows()[vertex]);
+      const Vec3 kick = free_part(scaled(response, impulse), fixed);
+      free_.push_back({vertex, row(x, vertex), row(v, vertex)});
+      add_to_row(v, vertex, kick);
+      add_to_row(x, vertex, scaled(dt_, kick));
+    }
+  }
+}
+
+/// To the bit.
+void PieceContact::take_back() {
+  for (; !free_.empty(); free_.pop_back()) {
+    const FreeEnd& end = free_.back();
+    const std::size_t at = 4 * std::size_t{end.vertex};
+    std::ranges::copy(end.position, attributes_.position().rows() + at);
+    std::ranges::copy(end.velocity, attributes_.velocity().rows() + at);
+  }
+}
+
+void PieceContact::find_touches() {
   find_normals(attributes_.position().rows());
   for (auto first = pairs_.begin(); first != pairs_.end();) {
     const auto last = std::find_if(first, pairs_.end(),
@@ -197,7 +238,6 @@ void PieceContact::begin(double dt) {
     first = last;
   }
   for (const NearEdges& pair : near_edges_) add_crossing(pair);
-  begin_with_last_forces(ratio);
 }
 
 void PieceContact::begin_with_last_forces(double ratio) {
@@ -333,7 +373,9 @@ PieceContact::Touch PieceContact::touch_of(const std::array<Index, 5>& vertices,
 bool PieceContact::sweep() {
   double largest = 0;
   for (Touch& touch : touches_) largest = std::max(largest, improve(touch));
-  return largest > precision * edge_;
+  if (first_change_ == 0) first_change_ = largest;
+  return largest >
+         std::max(rounding_of_gaps * edge_, std::min(precision * edge_, lag * first_change_));
 }
 
 double PieceContact::depth(const Touch& touch) const {
@@ -386,11 +428,14 @@ void PieceContact::apply(const Touch& touch, const Vec3& impulse) {
 void PieceContact::follow(const TopologyChange& change) {
   islands_.update(complex_, change);
   is_stale_ = true;
+  std::erase_if(touches_, [&](const Touch& touch) {
+    return !std::ranges::all_of(touch.vertices, [&](Index v) { return complex_.exists(0, v); });
+  });
 }
 
 void PieceContact::state(Archive& archive) {
   if (archive.has_cells()) archive("islands", islands_);
-  archive("dt", dt_);
+  archive("gain", gain_);
   archive.member("touching", touches_, &Touch::vertices);
   archive.member("weights", touches_, &Touch::weights);
   archive.member("normals", touches_, &Touch::normal);

@@ -24,8 +24,8 @@ namespace suture {
 /// same way as a face (n_v . n_f > 0.2) is on the far side of that face and does not touch it; nor
 /// does a vertex beside a face, where another face is nearer or none is.
 ///
-/// Contacts depend on positions alone, not on when the list of near pairs was made; their impulses
-/// also on those of the last step, from which the sweeps begin.
+/// Contacts are found where the step would end with the impulses of the last one, from which the
+/// sweeps begin. They do not depend on when the list of near pairs was made.
 class PieceContact {
  public:
   struct Options {
@@ -61,11 +61,13 @@ class PieceContact {
     double impulse = 0;              ///< on the vertex or the first edge, N s
     Vec3 friction{};
   };
-  /// Finds the contacts at the end of a free step. They begin with the forces of the last step.
-  void begin(double dt);
+  /// Finds the contacts where a free step and the forces of the last one lead, and begins with
+  /// these forces. In the step, dv = gain * force / mass.
+  void begin(double dt, double gain);
   std::span<const Touch> touches() const { return touches_; }
   /// Improves the impulses, and changes velocities by them; positions are up to the caller. True if
-  /// some gap changed by more than 1e-4 of an edge.
+  /// some gap changed by more than 1e-4 of an edge, or by more than 0.3 of the change in the first
+  /// sweep.
   bool sweep();
   /// After the sweeps: the touch that has become deepest in the step, if its depth is more than
   /// 0.08 of a typical edge; null otherwise.
@@ -85,6 +87,10 @@ class PieceContact {
     /// The faces form an inner corner, so that a vertex in it touches both.
     bool faces(const Found& other) const;
   };
+  struct FreeEnd {
+    Index vertex;
+    Vec3 position, velocity;
+  };
   bool is_settled(Index piece, const Vec3& face_normal) const;
   void add(const Found& found);
   bool find_what_may_meet();
@@ -101,6 +107,9 @@ class PieceContact {
   bool may_leave(const FeatureEdge& edge, const Vec3& direction) const;
   Touch touch_of(const std::array<Index, 5>& vertices, const std::array<double, 5>& weights,
                  const Vec3& normal) const;
+  void apply_last_forces(double ratio);
+  void find_touches();
+  void take_back();
   void begin_with_last_forces(double ratio);
   void apply(const Touch& touch, const Vec3& impulse);
   double improve(Touch& touch);
@@ -109,7 +118,7 @@ class PieceContact {
   const BoundarySurface& surface_;
   Attributes& attributes_;
   Options options_;
-  double edge_, dt_ = 0;
+  double edge_, dt_ = 0, gain_ = 0;
   Islands islands_;
   std::vector<bool> was_outside_;  ///< by face, as in BoundarySurface::faces(): at the beginning
   bool is_stale_ = true;           ///< an operation came after the last rebuild
@@ -127,6 +136,8 @@ class PieceContact {
   std::vector<Vec3> normals_;       ///< by vertex: sums of area vectors
   std::vector<Vec3> face_normals_;  ///< by place: of near faces, of length 1
   std::vector<Touch> touches_, last_;
+  double first_change_ = 0;     ///< of a gap, in the first sweep, m
+  std::vector<FreeEnd> free_;   ///< changed by apply_last_forces()
   std::vector<Found> nearest_;  ///< to one vertex
 };
 

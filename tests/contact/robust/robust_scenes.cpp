@@ -367,14 +367,14 @@ RobustScene removal_under_a_tool(PluginHost& host, std::mt19937& random) {
 
 const std::vector<RobustCase>& robust_cases() {
   static const std::vector<RobustCase> cases{
-      {"pile of letters", pile_of_letters},
-      {"stack", stack},
+      {"pile of letters", pile_of_letters, true},
+      {"stack", stack, true},
       {"slope", slope},
       {"impact at 0.2 of the wave speed", impact},
       {"crossed bars", crossed_bars},
-      {"wedge between blocks", wedge_between_blocks},
+      {"wedge between blocks", wedge_between_blocks, true},
       {"squeezed stack", squeezed_stack},
-      {"piece into a hole", piece_into_a_hole},
+      {"piece into a hole", piece_into_a_hole, true},
       {"lips under load", lips_under_load},
       {"closing a wound", closing_a_wound},
       {"sphere through a slit", sphere_through_a_slit},

@@ -24,6 +24,7 @@ struct RobustScene {
 struct RobustCase {
   const char* name;
   RobustScene (*make)(PluginHost& host, std::mt19937& random);
+  bool comes_to_rest = false;  ///< until nothing moves, if the run has no end
 };
 const std::vector<RobustCase>& robust_cases();
 

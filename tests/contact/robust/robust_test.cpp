@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <iostream>
 
 #include "kernel/base/error.hpp"
 #include "kernel/contact/contact.hpp"
@@ -94,6 +95,32 @@ std::string name_of(const ::testing::TestParamInfo<std::size_t>& info) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, RobustContact,
                          ::testing::Range<std::size_t>(0, robust_cases().size()), name_of);
+
+/// Loose pieces are damped as "auto" does, which changes the step's gain all the time.
+TEST(Rest, IsFoundForPilesAndWedges) {
+  const unsigned seeds = std::getenv("SUTURE_FULL") ? 10 : 1;
+  unsigned searches = 0, found = 0;
+  for (const RobustCase& of : robust_cases()) {
+    if (!of.comes_to_rest) continue;
+    for (unsigned seed = 1; seed <= seeds; ++seed, ++searches) {
+      std::mt19937 random(seed);
+      RobustScene made = of.make(plugins(), random);
+      made.scene.solver.end.reset();
+      made.scene.solver.until_rest = made.scene.solver.automatic_damping = true;
+      made.scene.solver.tolerance = 1e-4;
+      Diagnostics diagnostics;
+      Simulation simulation(made.scene, plugins(), diagnostics);
+      Observer nobody;
+      try {
+        simulation.run(nobody);
+        ++found;
+      } catch (const Error& error) {
+        std::cout << of.name << ", seed " << seed << ": " << error.what() << "\n";
+      }
+    }
+  }
+  EXPECT_GE(found, (9 * searches + 9) / 10) << "of " << searches;
+}
 
 /// The check itself.
 TEST(Separation, IsMeasuredWithoutTheCodeOfContact) {

@@ -152,6 +152,7 @@ void Contact::push(double dt) {
       if (meet) move(near, dt);
       push_out(near, std::span(pushes_).subspan(i * placed_.size(), placed_.size()), dt);
       near.settled = row(attributes_.velocity().rows(), near.vertex);
+      if (meet) pieces_->disturb(near.vertex, dt * norm(minus(near.settled, velocity)));
     }
   }
   if (meet)

@@ -18,6 +18,8 @@ constexpr double precision = 1e-4, rounding_of_gaps = 1e-9;
 // Of the change of gaps in the first sweep. Forces that lag behind the motion by a step feed its
 // fast modes, and a pile would never come to rest.
 constexpr double lag = 0.3;
+// Of the precision: the way of a vertex that is no reason to look again at its contacts.
+constexpr double negligible = 0.1;
 constexpr double same_side = 0.2;  // cosine of an angle at which surfaces look the same way
 // What is less far behind a face at rest belongs to the same sheet; in typical edges.
 constexpr double thin = 0.5;
@@ -191,10 +193,11 @@ void PieceContact::begin(double dt, double gain) {
   const double ratio = gain_ > 0 ? gain / gain_ : 0;
   dt_ = dt;
   gain_ = gain;
-  first_change_ = 0;
+  precision_ = 0;
   std::swap(touches_, last_);
   touches_.clear();
   if (vertices_.empty()) return;
+  sweeps_.begin(vertices_, attributes_.vertex_count());
   apply_last_forces(ratio);
   find_touches();
   take_back();
@@ -249,7 +252,8 @@ void PieceContact::begin_with_last_forces(double ratio) {
       touch.impulse = ratio * last_[i].impulse;
       const Vec3 friction = scaled(ratio, last_[i].friction);
       touch.friction = minus(friction, scaled(dot(friction, touch.normal), touch.normal));
-      apply(touch, plus(scaled(touch.impulse, touch.normal), touch.friction));
+      sweeps_.apply(touch, plus(scaled(touch.impulse, touch.normal), touch.friction),
+                    attributes_.velocity().rows());
       last_[i].impulse = 0;
       break;
     }
@@ -371,11 +375,11 @@ PieceContact::Touch PieceContact::touch_of(const std::array<Index, 5>& vertices,
 }
 
 bool PieceContact::sweep() {
-  double largest = 0;
-  for (Touch& touch : touches_) largest = std::max(largest, improve(touch));
-  if (first_change_ == 0) first_change_ = largest;
-  return largest >
-         std::max(rounding_of_gaps * edge_, std::min(precision * edge_, lag * first_change_));
+  const double change = sweeps_.sweep(touches_, attributes_.velocity().rows(), options_.friction,
+                                      dt_, negligible * precision_);
+  if (precision_ == 0)
+    precision_ = std::max(rounding_of_gaps * edge_, std::min(precision * edge_, lag * change));
+  return change > precision_;
 }
 
 double PieceContact::depth(const Touch& touch) const {
@@ -392,35 +396,6 @@ const PieceContact::Touch* PieceContact::too_deep() const {
     deepest = &touch;
   }
   return deepest;
-}
-
-/// The normal impulse that takes the gap to its target, never a pull, and that of friction, at most
-/// its coefficient times the normal one. Returns the change of the gap by the first, m.
-double PieceContact::improve(Touch& touch) {
-  const Vec3 relative = sum_over(touch, attributes_.velocity().rows());
-  const double along = dot(relative, touch.normal);
-  const double impulse = std::max(0.0, touch.impulse + touch.mass * (touch.speed - along));
-  if (impulse == 0 && touch.impulse == 0) return 0;
-  const double change = impulse - touch.impulse;
-  Vec3 kick = scaled(change, touch.normal);
-  touch.impulse = impulse;
-  if (options_.friction > 0) {
-    const Vec3 sliding = minus(relative, scaled(along, touch.normal));
-    Vec3 friction = minus(touch.friction, scaled(touch.mass, sliding));
-    const double size = norm(friction), most = options_.friction * impulse;
-    if (size > most) friction = scaled(most / size, friction);
-    kick = plus(kick, minus(friction, touch.friction));
-    touch.friction = friction;
-  }
-  apply(touch, kick);
-  return std::abs(change) * dt_ / touch.mass;
-}
-
-void PieceContact::apply(const Touch& touch, const Vec3& impulse) {
-  double* velocities = attributes_.velocity().rows();
-  for (std::size_t i = 0; i < 5; ++i)
-    add_to_row(velocities, touch.vertices[i],
-               free_part(scaled(touch.response[i], impulse), touch.fixed[i]));
 }
 
 // ---------------------------------------------------------- operations and state --

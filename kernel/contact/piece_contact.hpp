@@ -8,6 +8,7 @@
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/contact/near_edges.hpp"
 #include "kernel/contact/patch.hpp"
+#include "kernel/contact/touch_sweeps.hpp"
 #include "kernel/topology/islands.hpp"
 
 namespace suture {
@@ -47,20 +48,7 @@ class PieceContact {
   /// The vertices of near pairs: no others are changed in the step.
   std::span<const Index> vertices() const { return vertices_; }
 
-  /// A vertex and a face, or two edges, with the impulse between them.
-  struct Touch {
-    std::array<Index, 5> vertices;   ///< the vertex, and the corners of the face; or the ends of
-                                     ///< the edges, the last one twice
-    std::array<double, 5> weights;   ///< of the one point, and minus those of the other one
-    std::array<double, 5> response;  ///< of velocities to an impulse: weight over mass, 1/kg
-    std::array<char, 5> fixed;       ///< components that do not respond
-    Vec3 normal;                     ///< out of the face or the second edge
-    double before;                   ///< the gap before the step, m
-    double speed;                    ///< along the normal that the end of the step needs, m/s
-    double mass;                     ///< that an impulse along the normal moves, kg
-    double impulse = 0;              ///< on the vertex or the first edge, N s
-    Vec3 friction{};
-  };
+  using Touch = PieceTouch;
   /// Finds the contacts where a free step and the forces of the last one lead, and begins with
   /// these forces. In the step, dv = gain * force / mass.
   void begin(double dt, double gain);
@@ -69,6 +57,8 @@ class PieceContact {
   /// some gap changed by more than 1e-4 of an edge, or by more than 0.3 of the change in the first
   /// sweep.
   bool sweep();
+  /// An obstacle has moved a vertex in a sweep, m.
+  void disturb(Index vertex, double way) { sweeps_.disturb(vertex, way); }
   /// After the sweeps: the touch that has become deepest in the step, if its depth is more than
   /// 0.08 of a typical edge; null otherwise.
   const Touch* too_deep() const;
@@ -111,8 +101,6 @@ class PieceContact {
   void find_touches();
   void take_back();
   void begin_with_last_forces(double ratio);
-  void apply(const Touch& touch, const Vec3& impulse);
-  double improve(Touch& touch);
 
   const CellComplex& complex_;
   const BoundarySurface& surface_;
@@ -136,8 +124,9 @@ class PieceContact {
   std::vector<Vec3> normals_;       ///< by vertex: sums of area vectors
   std::vector<Vec3> face_normals_;  ///< by place: of near faces, of length 1
   std::vector<Touch> touches_, last_;
-  double first_change_ = 0;     ///< of a gap, in the first sweep, m
-  std::vector<FreeEnd> free_;   ///< changed by apply_last_forces()
+  double precision_ = 0;        ///< of gaps, m; 0: before the first sweep
+  std::vector<FreeEnd> free_;  ///< changed by apply_last_forces()
+  TouchSweeps sweeps_;
   std::vector<Found> nearest_;  ///< to one vertex
 };
 

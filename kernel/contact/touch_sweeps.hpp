@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernel/base/types.hpp"
+
+namespace suture {
+
+/// A vertex and a face that touch, or two edges, with the impulse between them.
+struct PieceTouch {
+  std::array<Index, 5> vertices;   ///< the vertex, and the corners of the face; or the ends of
+                                   ///< the edges, the last one twice
+  std::array<double, 5> weights;   ///< of the one point, and minus those of the other one
+  std::array<double, 5> response;  ///< of velocities to an impulse: weight over mass, 1/kg
+  std::array<char, 5> fixed;       ///< components that do not respond
+  Vec3 normal;                     ///< out of the face or the second edge
+  double before;                   ///< the gap before the step, m
+  double speed;                    ///< along the normal that the end of the step needs, m/s
+  double mass;                     ///< that an impulse along the normal moves, kg
+  double impulse = 0;              ///< on the vertex or the first edge, N s
+  Vec3 friction{};
+};
+
+/// Projected Gauss-Seidel over the contacts of a step. A sweep skips contacts none of whose
+/// vertices has moved by more than `negligible` since they were last improved; what it skips adds
+/// up per vertex, so that nothing is lost however many sweeps there are.
+class TouchSweeps {
+ public:
+  /// Call when a step begins. `vertices`: of all contacts, of `count` in all.
+  void begin(std::span<const Index> vertices, std::size_t count);
+
+  /// Changes impulses, and velocities (rows of 4) by them. `negligible`: m. Returns the largest
+  /// change of a gap, m.
+  double sweep(std::span<PieceTouch> touches, double* velocities, double friction, double dt,
+               double negligible);
+  /// Applies an impulse that contacts begin with.
+  void apply(const PieceTouch& touch, const Vec3& impulse, double* velocities) const;
+  /// Something else has moved a vertex, m.
+  void disturb(Index vertex, double way);
+
+ private:
+  double negligible_ = 0;
+  std::uint16_t sweep_ = 0;
+  // By vertex.
+  std::vector<double> unseen_;           ///< the way since `moved_in_`, m
+  std::vector<std::uint16_t> moved_in_;  ///< the last sweep in which it moved
+};
+
+}  // namespace suture

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "kernel/contact/row_lanes.hpp"
+
 namespace suture {
 namespace {
 
@@ -80,32 +82,34 @@ void Contact::predict(const ContactStep& step) {
   near_.clear();
   if (pieces_) ends_.resize(4 * std::size_t{attributes_.vertex_count()});
   const double *x = attributes_.position().rows(), *v = attributes_.velocity().rows(),
-               *mass = attributes_.mass().rows(), *fixed = attributes_.fixed().rows();
-  Box velocities = no_box;
+               *f = attributes_.force().rows(), *mass = attributes_.mass().rows(),
+               *fixed = attributes_.fixed().rows();
+  const RowLanes acceleration = lanes_of(step.acceleration);
+  RowLanes low = lanes_of(no_box.low), high = lanes_of(no_box.high);  // of velocities
   for (const Index vertex : surface_.vertices()) {
     const int components = static_cast<int>(fixed[vertex]);
     const bool moves = components != held && (*step.moving)[vertex];
-    const Vec3 force = free_force(vertex, step);
-    const Vec3 velocity =
-        plus(scaled(step.decay, row(v, vertex)), scaled(step.gain / mass[vertex], force));
-    const Vec3 end = plus(row(x, vertex), scaled(moves ? step.dt : 0, velocity));
+    const RowLanes force = row_at(f, vertex) + mass[vertex] * acceleration;
+    const RowLanes velocity = step.decay * row_at(v, vertex) + step.gain / mass[vertex] * force;
+    const RowLanes end = row_at(x, vertex) + (moves ? step.dt : 0) * velocity;
     if (pieces_) {
-      std::ranges::copy(end, ends_.begin() + std::ptrdiff_t{4} * vertex);
-      include(velocities, velocity);
+      row_at(ends_.data(), vertex) = end;
+      low = velocity < low ? velocity : low;
+      high = velocity > high ? velocity : high;
     }
     // Prescribed components go elsewhere, and pieces push each other.
     const double margin = components != 0         ? size_
                           : pieces_ || has_tools_ ? pushed * mean_edge_
                                                   : rounding * size_;
     if (moves && std::ranges::any_of(placed_, [&](const PlacedObstacle& obstacle) {
-          return obstacle.may_touch(end, margin);
+          return obstacle.may_touch(vec_of(end), margin);
         }))
-      near_.push_back({vertex, force});
+      near_.push_back({vertex, vec_of(force)});
   }
   near_obstacles_ = near_.size();
   if (!pieces_) return;
   add_near_pieces(step);
-  closing_speed_ = pieces_->may_meet() ? norm(minus(velocities.high, velocities.low)) : 0;
+  closing_speed_ = pieces_->may_meet() ? norm(vec_of(high - low)) : 0;
 }
 
 void Contact::add_near_pieces(const ContactStep& step) {
@@ -243,6 +247,7 @@ void Contact::push_out(Near& near, std::span<Push> pushes, double dt) {
   for (int sweep = 0; sweep < max_sweeps && moved; ++sweep) {
     moved = false;
     for (std::size_t i = 0; i < placed_.size(); ++i) {
+      if (sweep > 0 && !placed_[i].may_touch(path.end, -least_push * shortest_edge_)) continue;
       Push push;
       if (!placed_[i].push(path, max_push * shortest_edge_, push)) continue;
       pushes[i].normal = plus(pushes[i].normal, push.normal);
@@ -293,6 +298,7 @@ void Contact::book(Near& near, std::span<const Push> pushes, const ContactStep& 
 /// As for obstacles, with the mean sliding of the vertex over the face.
 void Contact::book_friction_of_pieces() {
   for (const PieceContact::Touch& touch : pieces_->touches()) {
+    if (touch.friction == Vec3{}) continue;
     Vec3 sliding{};
     for (std::size_t i = 0; i < 5; ++i)
       sliding = plus(sliding, scaled(touch.weights[i], near_[near_place_[touch.vertices[i]]].mean));

@@ -2,76 +2,157 @@
 #include "kernel/contact/patch.hpp"
 
 #include <algorithm>
+#include <cmath>
 
-#include "kernel/base/vec3.hpp"
+#include "kernel/contact/row_lanes.hpp"
+#include "kernel/contact/vectors.hpp"
+#include "kernel/solvers/clones.hpp"
 
 namespace suture {
 namespace {
 
 constexpr int iterations = 2;
+constexpr std::size_t lanes = 8;
+typedef double Eight __attribute__((vector_size(64)));
 
-std::array<double, 4> weights_at(double r, double s) {
-  return {(1 - r) * (1 - s), r * (1 - s), r * s, (1 - r) * s};
+/// A vector in space, or eight: T is double or Eight.
+template <class T>
+struct Space {
+  T x, y, z;
+};
+template <class T>
+SUTURE_INLINE Space<T> operator+(const Space<T>& a, const Space<T>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
-
-Vec3 sum(const std::array<double, 4>& weights, const std::array<Vec3, 4>& points) {
-  Vec3 total{};
-  for (std::size_t i = 0; i < 4; ++i) total = plus(total, scaled(weights[i], points[i]));
-  return total;
+template <class T>
+SUTURE_INLINE Space<T> operator-(const Space<T>& a, const Space<T>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class T>
+SUTURE_INLINE Space<T> operator*(const T& s, const Space<T>& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+template <class T>
+SUTURE_INLINE T dot(const Space<T>& a, const Space<T>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class T>
+SUTURE_INLINE Space<T> cross(const Space<T>& a, const Space<T>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+template <class T>
+SUTURE_INLINE T clamped(const T& a) {
+  const T zero{}, one = zero + 1;
+  const T above = a > zero ? a : zero;
+  return above < one ? above : one;
+}
+SUTURE_INLINE double root(double a) { return std::sqrt(a); }
+SUTURE_INLINE Eight root(const Eight& a) {
+  Eight roots;
+  for (std::size_t l = 0; l < lanes; ++l) roots[l] = std::sqrt(a[l]);
+  return roots;
 }
 
 /// Towards the minimum of |offset - a dr - b ds| within the square. On a side, the other coordinate
 /// has a minimum of its own.
-void improve(double& r, double& s, const Vec3& a, const Vec3& b, const Vec3& offset) {
-  const double aa = dot(a, a), ab = dot(a, b), bb = dot(b, b);
-  const double fa = dot(a, offset), fb = dot(b, offset), det = aa * bb - ab * ab;
-  if (!(det > 0)) return;
-  const double free_r = r + (bb * fa - ab * fb) / det, free_s = s + (aa * fb - ab * fa) / det;
-  double to_r = std::clamp(free_r, 0.0, 1.0), to_s = std::clamp(free_s, 0.0, 1.0);
-  if (to_r != free_r)
-    to_s = std::clamp(s + (fb - ab * (to_r - r)) / bb, 0.0, 1.0);
-  else if (to_s != free_s)
-    to_r = std::clamp(r + (fa - ab * (to_s - s)) / aa, 0.0, 1.0);
-  r = to_r;
-  s = to_s;
+template <class T>
+SUTURE_INLINE void improve(T& r, T& s, const Space<T>& a, const Space<T>& b,
+                           const Space<T>& offset) {
+  const T aa = dot(a, a), ab = dot(a, b), bb = dot(b, b);
+  const T fa = dot(a, offset), fb = dot(b, offset), det = aa * bb - ab * ab, zero{};
+  const T free_r = r + (bb * fa - ab * fb) / det, free_s = s + (aa * fb - ab * fa) / det;
+  const T near_r = clamped(free_r), near_s = clamped(free_s);
+  const T side_s = clamped(s + (fb - ab * (near_r - r)) / bb);
+  const T side_r = clamped(r + (fa - ab * (near_s - s)) / aa);
+  const T to_s = near_r != free_r ? side_s : near_s;
+  const T to_r = near_r != free_r ? near_r : (near_s != free_s ? side_r : near_r);
+  r = det > zero ? to_r : r;
+  s = det > zero ? to_s : s;
+}
+
+template <class T>
+struct FootOf {
+  T r, s;
+  Space<T> normal, offset;
+};
+
+/// x(r, s) = p0 + r e + s f + r s w.
+template <class T>
+SUTURE_INLINE FootOf<T> foot_on(const std::array<Space<T>, 4>& corners, const Space<T>& place) {
+  const Space<T> e = corners[1] - corners[0], f = corners[3] - corners[0];
+  const Space<T> w = corners[2] - corners[1] - f, from_first = place - corners[0];
+  const T zero{}, one = zero + 1;
+  FootOf<T> foot{zero + 0.5, zero + 0.5, {}, {}};
+  Space<T> a{}, b{};
+  for (int i = 0; i <= iterations; ++i) {
+    a = e + foot.s * w;
+    b = f + foot.r * w;
+    foot.offset = from_first - foot.r * a - foot.s * f;
+    if (i < iterations) improve(foot.r, foot.s, a, b, foot.offset);
+  }
+  const Space<T> normal = cross(a, b);
+  const T length = root(dot(normal, normal));
+  const T factor = length > zero ? one / length : zero;
+  foot.normal = {factor * normal.x, factor * normal.y, length > zero ? factor * normal.z : one};
+  return foot;
+}
+
+Space<double> space(const Vec3& a) { return {a[0], a[1], a[2]}; }
+Vec3 vec(const Space<double>& a) { return {a.x, a.y, a.z}; }
+
+SUTURE_INLINE void load(Space<Eight>& to, std::size_t lane, const double* row) {
+  to.x[lane] = row[0];
+  to.y[lane] = row[1];
+  to.z[lane] = row[2];
+}
+
+/// Eight feet; the last ones again if there are fewer pairs.
+SUTURE_INLINE void find_eight(const double* positions, const BoundarySurface::Corners* corners,
+                              const NearPair* pairs, std::size_t count, FaceFoot* feet) {
+  std::array<Space<Eight>, 4> of_face;
+  Space<Eight> place;
+  for (std::size_t l = 0; l < lanes; ++l) {
+    const NearPair pair = pairs[l < count ? l : count - 1];
+    load(place, l, positions + 4 * std::size_t{pair.vertex});
+    for (std::size_t i = 0; i < 4; ++i)
+      load(of_face[i], l, positions + 4 * std::size_t{corners[pair.face][i]});
+  }
+  const FootOf<Eight> foot = foot_on(of_face, place);
+  const Eight gap = dot(foot.offset, foot.normal);
+  const Space<Eight> beside = foot.offset - gap * foot.normal;
+  const Eight distance = root(dot(foot.offset, foot.offset)), off = root(dot(beside, beside));
+  for (std::size_t l = 0; l < count; ++l)
+    feet[l] = {foot.r[l], foot.s[l],   {foot.normal.x[l], foot.normal.y[l], foot.normal.z[l]},
+               gap[l],    distance[l], off[l]};
+}
+
+SUTURE_CLONES
+void find_all(const double* positions, const BoundarySurface::Corners* corners,
+              const NearPair* pairs, std::size_t count, FaceFoot* feet) {
+  for (std::size_t i = 0; i < count; i += lanes)
+    find_eight(positions, corners, pairs + i, count - i < lanes ? count - i : lanes, feet + i);
 }
 
 }  // namespace
 
-Vec3 Patch::centre() const { return sum({0.25, 0.25, 0.25, 0.25}, corners); }
-
-bool Patch::may_be_within(double distance, const Vec3& place) const {
-  for (std::size_t c = 0; c < 3; ++c) {
-    const auto [low, high] =
-        std::minmax({corners[0][c], corners[1][c], corners[2][c], corners[3][c]});
-    if (place[c] < low - distance || place[c] > high + distance) return false;
-  }
-  return true;
+std::array<double, 4> Patch::weights_at(double r, double s) {
+  return {(1 - r) * (1 - s), r * (1 - s), r * s, (1 - r) * s};
 }
 
-bool Patch::is_in_front(const Vec3& place, const Vec3& normal, double distance) const {
-  return std::ranges::all_of(
-      corners, [&](const Vec3& corner) { return dot(normal, minus(place, corner)) > distance; });
+Vec3 Patch::centre() const {
+  return scaled(0.25, plus(plus(corners[0], corners[1]), plus(corners[2], corners[3])));
 }
 
-/// x(r, s) = p0 + r e + s f + r s w.
 Patch::Foot Patch::foot(const Vec3& place) const {
-  const Vec3 e = minus(corners[1], corners[0]), f = minus(corners[3], corners[0]);
-  const Vec3 w = minus(minus(corners[2], corners[1]), f), from_first = minus(place, corners[0]);
-  double r = 0.5, s = 0.5;
-  Foot foot{};
-  Vec3 a{}, b{};
-  for (int i = 0; i <= iterations; ++i) {
-    a = plus(e, scaled(s, w));
-    b = plus(f, scaled(r, w));
-    foot.offset = minus(minus(from_first, scaled(r, a)), scaled(s, f));
-    if (i < iterations) improve(r, s, a, b, foot.offset);
-  }
-  foot.weights = weights_at(r, s);
-  const Vec3 normal = cross(a, b);
-  const double length = norm(normal);
-  foot.normal = length > 0 ? scaled(1 / length, normal) : Vec3{0, 0, 1};
-  return foot;
+  const FootOf<double> foot = foot_on<double>(
+      {space(corners[0]), space(corners[1]), space(corners[2]), space(corners[3])}, space(place));
+  return {weights_at(foot.r, foot.s), vec(foot.normal), vec(foot.offset)};
+}
+
+void find_feet(const double* positions, std::span<const BoundarySurface::Corners> corners,
+               std::span<const NearPair> pairs, std::vector<FaceFoot>& feet) {
+  feet.resize(pairs.size());
+  find_all(positions, corners.data(), pairs.data(), pairs.size(), feet.data());
 }
 
 }  // namespace suture

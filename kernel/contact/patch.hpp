@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <span>
+#include <vector>
 
-#include "kernel/base/types.hpp"
+#include "kernel/contact/near_pairs.hpp"
 
 namespace suture {
 
@@ -20,12 +22,22 @@ struct Patch {
     Vec3 offset;                    ///< from the foot to the place
   };
   Vec3 centre() const;
-  /// False only if the place is farther away than `distance`.
-  bool may_be_within(double distance, const Vec3& place) const;
-  /// The place is farther than `distance` from all corners along the mean normal.
-  bool is_in_front(const Vec3& place, const Vec3& normal, double distance) const;
   /// By Gauss-Newton steps from the middle, which are exact where the face is flat.
   Foot foot(const Vec3& place) const;
+  static std::array<double, 4> weights_at(double r, double s);
 };
+
+/// The foot of a vertex on a face.
+struct FaceFoot {
+  double r, s;
+  Vec3 normal;      ///< of the surface there, outward, of length 1
+  double gap;       ///< along the normal, m
+  double distance;  ///< m
+  double beside;    ///< the part of the distance at right angles to the normal, m
+};
+
+/// By Patch::foot, eight at once: some 6 ns each. `positions`: rows of 4.
+void find_feet(const double* positions, std::span<const BoundarySurface::Corners> corners,
+               std::span<const NearPair> pairs, std::vector<FaceFoot>& feet);
 
 }  // namespace suture

@@ -170,23 +170,59 @@ void PieceContact::find_vertices() {
     if (std::ranges::any_of(surface_.corners()[face], [&](Index v) { return is_near[v]; }))
       near_faces_.push_back(face);
   normals_.resize(attributes_.vertex_count());
-  face_normals_.resize(surface_.corners().size());
+  faces_.resize(surface_.corners().size());
 }
 
 // ------------------------------------------------------------------- contacts --
 
-/// Sums of the area vectors around the vertices of near pairs.
-void PieceContact::find_normals(const double* positions) {
+/// Near faces, and the sums of their area vectors around the vertices of near pairs.
+void PieceContact::find_faces(const double* positions) {
   for (const Index face : near_faces_)
     for (const Index v : surface_.corners()[face]) normals_[v] = {};
   for (const Index face : near_faces_) {
-    const BoundarySurface::Corners& c = surface_.corners()[face];
-    const Vec3 area = cross(minus(row(positions, c[2]), row(positions, c[0])),
-                            minus(row(positions, c[3]), row(positions, c[1])));
-    for (const Index v : c) normals_[v] = plus(normals_[v], area);
+    const BoundarySurface::Corners& corners = surface_.corners()[face];
+    const Patch patch = patch_of(corners, positions);
+    const Vec3 diagonal = minus(patch.corners[2], patch.corners[0]);
+    const Vec3 area = cross(diagonal, minus(patch.corners[3], patch.corners[1]));
+    for (const Index v : corners) normals_[v] = plus(normals_[v], area);
     const double length = norm(area);
-    face_normals_[face] = length > 0 ? scaled(1 / length, area) : Vec3{};
+    NearFace& near = faces_[face];
+    near.normal = length > 0 ? scaled(1 / length, area) : Vec3{};
+    near.centre = patch.centre();
+    near.height = std::abs(dot(near.normal, minus(patch.corners[0], near.centre)));
+    double radius = 0;
+    for (const Vec3& corner : patch.corners) {
+      const Vec3 arm = minus(corner, near.centre);
+      radius = std::max(radius, dot(arm, arm));
+    }
+    near.reach = std::pow(std::sqrt(radius) + max_depth * edge_, 2);
   }
+}
+
+/// The near pairs that may touch: the face looks at the vertex, which is neither too far in front
+/// of it nor too far away.
+void PieceContact::find_candidates(const double* positions) {
+  candidates_.resize(pairs_.size());
+  std::size_t count = 0;
+  Index vertex = none;
+  Vec3 place{}, normal{};
+  double same = 0;
+  for (const NearPair& pair : pairs_) {
+    if (pair.vertex != vertex) {
+      vertex = pair.vertex;
+      place = row(positions, vertex);
+      normal = normals_[vertex];
+      same = same_side * norm(normal);
+    }
+    const NearFace& face = faces_[pair.face];
+    const Vec3 arm = minus(place, face.centre);
+    const bool looks_at = dot(normal, face.normal) <= same;
+    const bool is_low = dot(arm, face.normal) <= face.height + margin * edge_;
+    const bool is_within = dot(arm, arm) <= face.reach;
+    candidates_[count] = pair;
+    count += looks_at & is_low & is_within;
+  }
+  candidates_.resize(count);
 }
 
 void PieceContact::begin(double dt, double gain) {
@@ -233,11 +269,16 @@ void PieceContact::take_back() {
 }
 
 void PieceContact::find_touches() {
-  find_normals(attributes_.position().rows());
-  for (auto first = pairs_.begin(); first != pairs_.end();) {
-    const auto last = std::find_if(first, pairs_.end(),
-                                   [&](const NearPair& p) { return p.vertex != first->vertex; });
-    add_nearest({first, last});
+  const double* positions = attributes_.position().rows();
+  find_faces(positions);
+  find_candidates(positions);
+  find_feet(positions, surface_.corners(), candidates_, feet_);
+  for (std::size_t first = 0; first < candidates_.size();) {
+    std::size_t last = first + 1;
+    while (last < candidates_.size() && candidates_[last].vertex == candidates_[first].vertex)
+      ++last;
+    add_nearest(std::span(candidates_).subspan(first, last - first),
+                std::span(feet_).subspan(first, last - first));
     first = last;
   }
   for (const NearEdges& pair : near_edges_) add_crossing(pair);
@@ -260,32 +301,21 @@ void PieceContact::begin_with_last_forces(double ratio) {
   }
 }
 
-/// Of the faces that look at the vertex.
-void PieceContact::find_nearest(std::span<const NearPair> pairs_of_vertex) {
+void PieceContact::find_nearest(std::span<const NearPair> of_vertex,
+                                std::span<const FaceFoot> feet) {
   nearest_.clear();
-  const double* x = attributes_.position().rows();
-  const Index vertex = pairs_of_vertex.front().vertex;
-  const Vec3 place = row(x, vertex), normal = normals_[vertex];
-  const double same = same_side * norm(normal);
-  for (const NearPair& pair : pairs_of_vertex) {
-    if (dot(normal, face_normals_[pair.face]) > same) continue;
-    const Index piece = meeting_.piece_of[surface_.corners()[pair.face][0]];
-    if (is_settled(piece, face_normals_[pair.face])) continue;
-    const Patch patch = patch_of(surface_.corners()[pair.face], x);
-    if (!patch.may_be_within(max_depth * edge_, place)) continue;
-    if (patch.is_in_front(place, face_normals_[pair.face], margin * edge_)) continue;
-    const Patch::Foot foot = patch.foot(place);
-    const double gap = dot(foot.offset, foot.normal), distance = norm(foot.offset);
-    const double off = norm(minus(foot.offset, scaled(gap, foot.normal)));
-    if (off > beside * edge_ || distance > max_depth * edge_) continue;
-    add({piece, pair.face, distance, foot, patch.centre()});
+  for (std::size_t i = 0; i < feet.size(); ++i) {
+    if (feet[i].beside > beside * edge_ || feet[i].distance > max_depth * edge_) continue;
+    const Index face = of_vertex[i].face;
+    const Index piece = meeting_.piece_of[surface_.corners()[face][0]];
+    if (!is_settled(piece, faces_[face].normal)) add({piece, face, feet[i], faces_[face].centre});
   }
 }
 
 /// The vertex is so near to a face that others like it make no difference.
 bool PieceContact::is_settled(Index piece, const Vec3& face_normal) const {
   return std::ranges::any_of(nearest_, [&](const Found& found) {
-    return found.piece == piece && found.distance < near_enough * edge_ &&
+    return found.piece == piece && found.foot.distance < near_enough * edge_ &&
            dot(found.foot.normal, face_normal) > alike;
   });
 }
@@ -302,18 +332,20 @@ void PieceContact::add(const Found& found) {
   });
   if (known == nearest_.end())
     nearest_.push_back(found);
-  else if (found.distance < known->distance)
+  else if (found.foot.distance < known->foot.distance)
     *known = found;
 }
 
-void PieceContact::add_nearest(std::span<const NearPair> pairs_of_vertex) {
-  find_nearest(pairs_of_vertex);
+void PieceContact::add_nearest(std::span<const NearPair> of_vertex,
+                               std::span<const FaceFoot> feet) {
+  find_nearest(of_vertex, feet);
   for (const Found& found : nearest_) {
-    if (dot(found.foot.offset, found.foot.normal) >= margin * edge_) continue;
+    if (found.foot.gap >= margin * edge_) continue;
     const BoundarySurface::Corners& c = surface_.corners()[found.face];
-    const std::array<double, 4>& w = found.foot.weights;
-    touches_.push_back(touch_of({pairs_of_vertex.front().vertex, c[0], c[1], c[2], c[3]},
-                                {1, -w[0], -w[1], -w[2], -w[3]}, found.foot.normal));
+    const std::array<double, 4> w = Patch::weights_at(found.foot.r, found.foot.s);
+    touches_.push_back(touch_of({of_vertex.front().vertex, c[0], c[1], c[2], c[3]},
+                                {1, -w[0], -w[1], -w[2], -w[3]}, found.foot.normal,
+                                found.foot.gap));
   }
 }
 
@@ -329,13 +361,13 @@ void PieceContact::add_crossing(const NearEdges& pair) {
     return;
   const double s = crossing.first, t = crossing.second;
   if (std::min({s, t, 1 - s, 1 - t}) < -beside) return;
-  const Vec3 outward = plus(face_normals_[b.faces[0]], face_normals_[b.faces[1]]);
+  const Vec3 outward = plus(faces_[b.faces[0]].normal, faces_[b.faces[1]].normal);
   const Vec3 normal = scaled(dot(crossing.across, outward) < 0 ? -1 : 1, crossing.across);
   const double gap = dot(crossing.offset, normal);
   if (gap >= margin * edge_ || gap < -max_depth * edge_) return;
   if (!may_leave(b, normal) || !may_leave(a, scaled(-1, normal))) return;
   touches_.push_back(touch_of({a.ends[0], a.ends[1], b.ends[0], b.ends[1], b.ends[1]},
-                              {1 - s, s, t - 1, -t, 0}, normal));
+                              {1 - s, s, t - 1, -t, 0}, normal, gap));
 }
 
 /// A direction at right angles to an edge points into none of its faces.
@@ -343,14 +375,14 @@ bool PieceContact::may_leave(const FeatureEdge& edge, const Vec3& direction) con
   const double* x = attributes_.position().rows();
   const Vec3 along = minus(row(x, edge.ends[1]), row(x, edge.ends[0]));
   const double most = leaning * norm(along);
-  const Vec3 into_first = cross(face_normals_[edge.faces[0]], along);
-  const Vec3 into_second = cross(along, face_normals_[edge.faces[1]]);
+  const Vec3 into_first = cross(faces_[edge.faces[0]].normal, along);
+  const Vec3 into_second = cross(along, faces_[edge.faces[1]].normal);
   return dot(direction, into_first) < most && dot(direction, into_second) < most;
 }
 
 PieceContact::Touch PieceContact::touch_of(const std::array<Index, 5>& vertices,
-                                           const std::array<double, 5>& weights,
-                                           const Vec3& normal) const {
+                                           const std::array<double, 5>& weights, const Vec3& normal,
+                                           double end) const {
   Touch touch{};
   touch.vertices = vertices;
   touch.weights = weights;
@@ -365,7 +397,6 @@ PieceContact::Touch PieceContact::touch_of(const std::array<Index, 5>& vertices,
     unconstrained += part;
   }
   touch.mass = mobility > least_mobility * unconstrained ? 1 / mobility : 0;
-  const double end = dot(normal, sum_over(touch, attributes_.position().rows()));
   const double speed = dot(normal, sum_over(touch, attributes_.velocity().rows()));
   const double before = touch.before = end - dt_ * speed;
   const double target =

@@ -68,11 +68,17 @@ class PieceContact {
   void state(Archive& archive);
 
  private:
-  /// A face of a piece, and the place on it that is nearest to a vertex.
+  /// A face during a step.
+  struct NearFace {
+    Vec3 normal;    ///< mean, of length 1
+    double height;  ///< of the corners above or below the centre, m
+    Vec3 centre;
+    double reach;  ///< squared: no farther from the centre is anything that touches the face, m^2
+  };
+  /// The foot of a vertex on a face of a piece.
   struct Found {
     Index piece, face;
-    double distance;
-    Patch::Foot foot;
+    FaceFoot foot;
     Vec3 centre;  ///< of the face
     /// The faces form an inner corner, so that a vertex in it touches both.
     bool faces(const Found& other) const;
@@ -88,15 +94,16 @@ class PieceContact {
   bool has_moved(const double* ends) const;
   void rebuild(const double* ends);
   void find_vertices();
-  void find_normals(const double* positions);
-  void find_nearest(std::span<const NearPair> pairs_of_vertex);
-  void add_nearest(std::span<const NearPair> pairs_of_vertex);
+  void find_faces(const double* positions);
+  void find_candidates(const double* positions);
+  void find_nearest(std::span<const NearPair> of_vertex, std::span<const FaceFoot> feet);
+  void add_nearest(std::span<const NearPair> of_vertex, std::span<const FaceFoot> feet);
   void find_near_edges(const double* ends);
   bool are_near_at_rest(const NearEdges& pair) const;
   void add_crossing(const NearEdges& pair);
   bool may_leave(const FeatureEdge& edge, const Vec3& direction) const;
   Touch touch_of(const std::array<Index, 5>& vertices, const std::array<double, 5>& weights,
-                 const Vec3& normal) const;
+                 const Vec3& normal, double end) const;
   void apply_last_forces(double ratio);
   void find_touches();
   void take_back();
@@ -121,8 +128,10 @@ class PieceContact {
   std::vector<Index> near_faces_;  ///< that have one of these vertices
   std::vector<Vec3> built_at_;     ///< in the order of the vertices of the surface
   // Of the step in progress.
-  std::vector<Vec3> normals_;       ///< by vertex: sums of area vectors
-  std::vector<Vec3> face_normals_;  ///< by place: of near faces, of length 1
+  std::vector<Vec3> normals_;    ///< by vertex: sums of area vectors
+  std::vector<NearFace> faces_;  ///< by place
+  std::vector<NearPair> candidates_;
+  std::vector<FaceFoot> feet_;  ///< of candidates
   std::vector<Touch> touches_, last_;
   double precision_ = 0;        ///< of gaps, m; 0: before the first sweep
   std::vector<FreeEnd> free_;  ///< changed by apply_last_forces()

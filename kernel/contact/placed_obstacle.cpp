@@ -48,7 +48,7 @@ double PlacedObstacle::target(const VertexPath& path, double fastest) const {
 }
 
 bool PlacedObstacle::push(VertexPath& path, double fastest, Push& push) const {
-  if (is_triangulated_ && !may_touch(path.end, 0)) return false;  // cheaper
+  if (!may_touch(path.end, 0)) return false;  // cheaper
   const Nearest found = gap(path.end);
   if (!(found.distance < 0)) return false;
   const double lacking = target(path, fastest) - found.distance;

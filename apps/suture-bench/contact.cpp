@@ -10,6 +10,7 @@
 
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
+#include "apps/suture-bench/contact_letters.hpp"
 #include "apps/suture-bench/timer.hpp"
 
 namespace suture::bench {
@@ -146,6 +147,11 @@ void run(const Options& options, Report& report) {
       {"20 blocks in a pile on a plate, layers turned", blocks, 10, true, add_plate_and_pieces},
       {"20 blocks packed face to face on a plate", blocks, 10, false, add_plate_and_pieces}};
   for (const Case& of : cases) compare_steps(of, options, host, report);
+  report.begin(
+      "contact of letters",
+      "20 letters of 1,000 elements fall into a box and lie in a pile: a step with contact "
+      "beside one of the same letters without, in turn, one thread");
+  measure_letters(host, report);
 }
 
 }  // namespace

@@ -245,6 +245,7 @@ void PieceContact::begin(double dt, double gain) {
 void PieceContact::apply_last_forces(double ratio) {
   double *x = attributes_.position().rows(), *v = attributes_.velocity().rows();
   for (const Touch& touch : last_) {
+    if (touch.impulse == 0) continue;
     const Vec3 impulse = scaled(ratio, plus(scaled(touch.impulse, touch.normal), touch.friction));
     for (std::size_t i = 0; i < 5; ++i) {
       const Index vertex = touch.vertices[i];

@@ -337,11 +337,20 @@ void Contact::record(std::span<const Force> forces, double time, double heat) {
   std::ranges::fill(loads_, Load{});
   for (const auto& [vertex, force, obstacle] : forces) {
     touches_.push_back({vertex, force});
+    if (obstacle == between_pieces) continue;
     const PlacedObstacle placed(obstacles_[obstacle], 0, time, time);
     const Vec3 arm = minus(row(attributes_.position().rows(), vertex), placed.centre());
     loads_[obstacle].force = minus(loads_[obstacle].force, force);
     loads_[obstacle].torque = minus(loads_[obstacle].torque, cross(arm, force));
   }
+  std::ranges::stable_sort(touches_, {}, &Touch::vertex);
+  std::size_t last = 0;  // one for each vertex
+  for (std::size_t i = 1; i < touches_.size(); ++i)
+    if (touches_[i].vertex == touches_[last].vertex)
+      touches_[last].force = plus(touches_[last].force, touches_[i].force);
+    else
+      touches_[++last] = touches_[i];
+  if (!touches_.empty()) touches_.resize(last + 1);
   friction_work_ -= heat;
 }
 

@@ -46,6 +46,7 @@ class Contact final : public Follower {
   void touch_pieces(const PieceContact::Options& options);
   /// Null without them.
   const PieceContact* pieces() const { return pieces_.get(); }
+  PieceContact* pieces() { return pieces_.get(); }
 
   const std::vector<Obstacle>& obstacles() const { return obstacles_; }
   const BoundarySurface& surface() const { return surface_; }
@@ -90,12 +91,13 @@ class Contact final : public Follower {
   /// Its forces are a term of the body (ContactTerm), which says what they are.
   void use_forces() { is_term_ = true; }
   bool is_term() const { return is_term_; }
-  /// On a vertex, by an obstacle.
+  /// On a vertex, by an obstacle or by another piece.
   struct Force {
     Index vertex;
-    Vec3 force;  ///< N
-    std::size_t obstacle;
+    Vec3 force;            ///< N
+    std::size_t obstacle;  ///< `between_pieces`: none
   };
+  static constexpr std::size_t between_pieces = std::size_t(-1);
   /// The forces of that term at the end of a step, and what friction has dissipated in it, J.
   void record(std::span<const Force> forces, double time, double heat);
   /// The distance of each vertex of the boundary from the nearest obstacle at `time`, less the

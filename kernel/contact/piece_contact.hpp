@@ -37,6 +37,7 @@ class PieceContact {
   PieceContact(const CellComplex& complex, const BoundarySurface& surface, Attributes& attributes,
                const Options& options, double edge);
   bool touches_self() const { return options_.self; }
+  double friction() const { return options_.friction; }
   /// A vertex that is deeper inside another piece does not touch it; of a typical edge.
   static constexpr double max_depth = 0.3;
   /// False if there is only one piece, without lips, that does not touch itself.

@@ -36,6 +36,7 @@ void ImplicitIntegrator::set_equations(double dt) {
 }
 
 void ImplicitIntegrator::begin(double dt) {
+  motion_.evaluate();
   for (const auto& term : motion_.body().terms()) term->begin_step(motion_.time());
   newton_.begin_step();
   set_equations(dt);
@@ -63,6 +64,7 @@ void ImplicitIntegrator::reject() {
   Attributes& attributes = motion_.body().attributes();
   std::ranges::copy(position_, attributes.position().rows());
   std::ranges::copy(velocity_, attributes.velocity().rows());
+  for (const auto& term : motion_.body().terms()) term->begin_step(motion_.time());
   newton_.reject_step();
   motion_.discard_forces();
 }

@@ -60,6 +60,7 @@ void LoadPath::accept() {
 void LoadPath::return_from(const NumericalError& error) {
   failure_ = {error.what(), error.element};
   std::ranges::copy(position_, motion_.body().attributes().position().rows());
+  for (const auto& term : motion_.body().terms()) term->begin_step(motion_.time());
 }
 
 /// Laws that are finite beyond it have equilibria there, which no path leads to.

@@ -185,7 +185,9 @@ void decide_contact(BuiltScene& built, std::vector<Decision>& list) {
                   count_text(contact->obstacles().size(), "obstacle") + " against " +
                       std::to_string(surface.vertices().size()) + " vertices of " +
                       std::to_string(surface.faces().size()) + " boundary faces, in every step" +
-                      (built.scene().contact.penalty ? ", with springs" : "")});
+                      (built.scene().contact.penalty ? ", with springs"
+                       : contact->is_term()          ? ", as forces in its equations"
+                                                     : "")});
   for (const Obstacle& obstacle : contact->obstacles()) {
     std::ostringstream text;
     text << name_of(obstacle.shape);

@@ -73,7 +73,10 @@ void check_free_bodies(const Scene& scene, BuiltScene& built, Diagnostics& diagn
 }
 
 std::string describe_unheld_body(BuiltScene& built) {
-  if (built.body().contact()) return "";  // an obstacle may hold it
+  return built.body().contact() ? "" : describe_body_without_constraints(built);
+}
+
+std::string describe_body_without_constraints(BuiltScene& built) {
   const std::vector<FreePiece> pieces = find_unheld_pieces(built.body());
   return pieces.empty() ? "" : describe(pieces.front());
 }

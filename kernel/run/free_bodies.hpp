@@ -23,6 +23,9 @@ std::string describe_falling_body(const Scene& scene, BuiltScene& built);
 /// element 3) is free to move along x", or returns "".
 std::string describe_unheld_body(BuiltScene& built);
 
+/// The same, even if contact may hold it.
+std::string describe_body_without_constraints(BuiltScene& built);
+
 /// The pieces that inertia relief holds, so that each is reported once: by their first element.
 class HeldPieces {
  public:

@@ -12,6 +12,7 @@
 #include "kernel/contact/contact.hpp"
 #include "kernel/dynamics/motion.hpp"
 #include "kernel/run/evidence.hpp"
+#include "kernel/run/free_bodies.hpp"
 
 namespace suture {
 namespace {
@@ -370,6 +371,13 @@ void StepControl::state(Archive& archive) {
 
 /// What fits the scene, and is not in it yet.
 std::string StepControl::advice(const NumericalError& error) const {
+  const bool may_be_loose = built_.dynamics().is_static() && built_.body().contact();
+  const std::string loose = may_be_loose ? describe_body_without_constraints(built_) : "";
+  if (!loose.empty())
+    return "Constraints do not hold all pieces: " + loose +
+           ", unless contact holds it; let it touch what holds it from the start, with friction "
+           "or constraints against motions that are left, or replace /solver/static by an "
+           "integrator";
   if (built_.dynamics().is_static())
     return "Reduce the loads or motions, refine the mesh there, or choose another law: some have "
            "no equilibrium beyond a limit (St Venant-Kirchhoff softens below a stretch of 0.58)";

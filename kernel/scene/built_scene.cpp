@@ -11,7 +11,7 @@
 #include "kernel/base/heap.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/contact/contact.hpp"
-#include "kernel/contact/obstacle_forces.hpp"
+#include "kernel/contact/multiplier_forces.hpp"
 #include "kernel/contact/penalty_forces.hpp"
 #include "kernel/forces/dead_loads.hpp"
 #include "kernel/forces/gravity.hpp"
@@ -201,8 +201,8 @@ void BuiltScene::add_contact(Diagnostics& diagnostics) {
   Contact& contact = body_.add_contact(options.obstacles, options.thickness);
   if (options.pieces) contact.touch_pieces({options.friction, options.self});
   if (dynamics_->is_implicit())
-    body_.add(std::make_unique<ObstacleForces>(contact, body_.attributes(), body_.models(),
-                                               dynamics_->is_static()));
+    body_.add(std::make_unique<MultiplierForces>(contact, body_.attributes(), body_.models(),
+                                                 dynamics_->is_static()));
   else if (options.penalty)
     body_.add(std::make_unique<PenaltyForces>(contact, body_.attributes(), body_.models()));
   check_obstacles(*this, contact, diagnostics);

@@ -202,14 +202,6 @@ void refuse_solvers_without_contact(ObjectReader& contact, const ContactOptions&
   if (solver.integrator == "newmark")
     refuse("the integrator 'newmark': forces of contact would feed its oscillations",
            "use \"implicit-euler\"");
-  const bool meets_pieces = options.pieces || options.self;
-  if (meets_pieces && solver.integrator == "static")
-    refuse("\"pieces\" and \"static\" in /solver: equilibria include obstacles only",
-           "use \"until\": \"rest\" with an explicit integrator");
-  else if (meets_pieces && solver.integrator == "implicit-euler")
-    refuse("\"pieces\" and the integrator '" + solver.integrator +
-               "': its steps include obstacles only",
-           "use \"symplectic-euler\" or \"velocity-verlet\"");
   if (is_implicit(solver.integrator) &&
       std::ranges::any_of(options.obstacles,
                           [](const Obstacle& o) { return o.coupling.has_value(); }))

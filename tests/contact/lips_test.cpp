@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "kernel/contact/contact.hpp"
+#include "kernel/contact/multiplier_forces.hpp"
 #include "tests/dynamics/model_block.hpp"
 
 namespace suture {
@@ -14,11 +14,14 @@ namespace {
 /// A block of 6 x 6 x 6 elements of 0.1 m between two plates that it sticks to, one of which moves.
 struct Pressed : rig::Block {
   /// `friction` < 0: no contact.
-  Pressed(const Vec3& translation, double friction)
+  Pressed(const Vec3& translation, double friction, const std::string& integrator = rig::euler)
       : Block("tm-faure", {{"E", 1e5}, {"nu", 0.3}, {"rho", 1000}}, {6, 6, 6}, 0.1,
-              {rig::euler, 20, {}, {}}),
+              {integrator, 20, {}, {}}),
         contact(body.add_contact({}, 0)) {
     if (friction >= 0) contact.touch_pieces({friction});
+    if (dynamics.is_implicit())
+      body.add(std::make_unique<MultiplierForces>(contact, body.attributes(), body.models(),
+                                                  dynamics.is_static()));
     const auto bottom = vertices([](const Vec3& x) { return x[2] < 1e-9; });
     const auto top = vertices([](const Vec3& x) { return x[2] > 0.6 - 1e-9; });
     hold(bottom, 7);
@@ -44,8 +47,8 @@ struct Pressed : rig::Block {
   /// The force of the block on the plate that stays, after it has come to rest. N
   Vec3 carried() {
     start();
-    const double dt = 0.7 * stable_step();
-    run(dt, static_cast<int>(1.5 / dt));
+    const double dt = dynamics.is_static() ? 0.5 : 0.7 * stable_step();
+    run(dt, dynamics.is_static() ? 1 : static_cast<int>(1.5 / dt));
     Vec3 sum{};
     for (const Vec3& force : body.forces_at(plate, dynamics.time())) sum = plus(sum, force);
     return sum;
@@ -96,6 +99,31 @@ TEST(Lips, SlideFreelyWithoutFriction) {
     if (squeeze == 0) continue;
     EXPECT_GT(rough.carried()[0] / expected, 0.9);
   }
+}
+
+TEST(Lips, CarryThePressureOfTheUncutBlockInEquilibrium) {
+  const Vec3 squeeze{0, 0, -0.012};  // 2 %
+  Pressed whole(squeeze, 0, "static");
+  const double expected = whole.carried()[2];
+  EXPECT_LT(expected, -100);
+  for (const auto& cut : {plane, stairs})
+    for (const Index from : {0u, 2u}) {
+      Pressed block(squeeze, 0, "static");
+      block.cut(cut, from);
+      EXPECT_NEAR(block.carried()[2] / expected, 1, 0.01)
+          << (cut == plane ? "plane" : "stairs") << (from == 0 ? "" : ", which ends inside");
+      EXPECT_GT(block.contact.touches().size(), 20u);
+    }
+}
+
+TEST(Lips, SlideFreelyWithoutFrictionInEquilibrium) {
+  const Vec3 shear{0.012, 0, -0.012};
+  Pressed whole(shear, 0, "static"), open(shear, 0, "static"), rough(shear, 10, "static");
+  const double expected = whole.carried()[0];
+  open.cut(plane);
+  rough.cut(plane);
+  EXPECT_LT(std::abs(open.carried()[0] / expected), 0.02);
+  EXPECT_GT(rough.carried()[0] / expected, 0.9);
 }
 
 TEST(Lips, DoNotRepelWhenTheyAreMade) {

@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "kernel/base/archive.hpp"
+#include "kernel/contact/piece_overlap.hpp"
 #include "tests/run/contact_scenes.hpp"
 #include "tests/run/host.hpp"
 
@@ -143,6 +144,236 @@ TEST(ImplicitContact, FrictionHoldsOrSlidesByItsCoefficient) {
   const double rigid =
       9.81 * (std::sin(1.02 * std::atan(0.3)) - 0.3 * std::cos(1.02 * std::atan(0.3))) / 2;
   EXPECT_GT(moved[1], 0.9 * 3 * rigid);
+}
+
+/// Holds the component along an axis of the nodes of a plane at right angles to it.
+Constraint& hold(Scene& scene, std::size_t axis, double at) {
+  Constraint& fix = scene.constraints.emplace_back();
+  Selection::Plane plane{{}, {}, 1e-6};
+  plane.point[axis] = at;
+  plane.normal[axis] = 1;
+  fix.where.what = plane;
+  fix.where.path = "/constraints";
+  fix.components = static_cast<std::uint8_t>(1u << axis);
+  return fix;
+}
+
+/// Blocks whose meshes do not match.
+std::vector<BoxOptions> stack(std::initializer_list<Index> cells) {
+  std::vector<BoxOptions> boxes;
+  for (const Index n : cells)
+    boxes.push_back({.origin = {0, 0, 0.2 * static_cast<double>(boxes.size())},
+                     .size = {0.4, 0.4, 0.2},
+                     .cells = {2 * n, 2 * n, n}});
+  return boxes;
+}
+
+/// The largest distance by which pieces are in each other, of an edge.
+double overlap_of_pieces(Simulation& simulation) {
+  double depth = 0;
+  for (const PieceOverlap& overlap :
+       find_piece_overlaps(*simulation.contact(), simulation.complex(), simulation.attributes(), 0))
+    depth = std::max(depth, overlap.depth);
+  return depth / simulation.contact()->mean_edge();
+}
+
+TEST(StaticPieces, AStackCarriesItsWeight) {
+  for (const double friction : {0.5, 0.0}) {
+    TemporaryFolder folder;
+    Scene scene = block_on_floor(1, {0, 0, -9.81}, friction);
+    use_boxes(scene, folder, stack({2, 3, 2}));
+    scene.contact.pieces = true;
+    scene.contact.friction = friction;
+    if (friction == 0) {
+      hold(scene, 0, 0);
+      hold(scene, 1, 0);
+    }
+    scene.solver.integrator = "static";
+    scene.solver.dt = scene.solver.end = 1;
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    Observer nobody;
+    simulation.run(nobody);
+    const double weight = 3 * 1000 * 0.4 * 0.4 * 0.2 * 9.81;
+    EXPECT_NEAR(simulation.contact()->loads()[0].force[2], -weight, 1e-6 * weight);
+    EXPECT_LT(overlap_of_pieces(simulation), 1e-4);
+  }
+}
+
+/// Strains along z of all elements, of two blocks pressed together.
+TEST(StaticPieces, MeshesThatDoNotMatchCarryAUniformPressure) {
+  for (const auto& cells : {std::array<Index, 2>{2, 3}, {3, 2}}) {
+    TemporaryFolder folder;
+    Scene scene = block_on_floor(1, {}, 0);
+    scene.contact.obstacles.clear();
+    use_boxes(scene, folder, stack({cells[0], cells[1]}));
+    for (const std::size_t axis : {0, 1, 2}) hold(scene, axis, 0);
+    Constraint& pressed = hold(scene, 2, 0.4);
+    pressed.translation = {0, 0, -0.008};
+    pressed.ramp = {0, 1, true};
+    pressed.moves = true;
+    scene.contact.pieces = true;
+    scene.solver.integrator = "static";
+    scene.solver.dt = scene.solver.end = 1;
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    Observer nobody;
+    simulation.run(nobody);
+    Attributes& a = simulation.attributes();
+    double worst = 0;
+    for (Index v = 0; v < a.vertex_count(); ++v) {
+      const double expected = -0.02 * a.rest().get(v, 2);
+      worst =
+          std::max(worst, std::abs(a.position().get(v, 2) - a.rest().get(v, 2) - expected) / 0.008);
+    }
+    EXPECT_LT(worst, 1e-3);
+  }
+}
+
+TEST(ImplicitPieces, FrictionHoldsOrSlidesByItsCoefficient) {
+  double moved[2];
+  for (const double part : {0.98, 1.02}) {
+    TemporaryFolder folder;
+    Scene scene = block_on_floor(1, on_slope(0.3, part), 0.3, 1e6);
+    scene.contact.obstacles.clear();
+    use_boxes(scene, folder,
+              {{.origin = {0, -0.2, 0}, .size = {1.2, 0.8, 0.2}, .cells = {2, 1, 1}},
+               {.origin = {0.62, 0, 0.2}, .size = {0.4, 0.4, 0.2}, .cells = {3, 3, 2}}});
+    hold(scene, 2, 0).components = 7;
+    scene.contact.pieces = true;
+    scene.contact.friction = 0.3;
+    scene.gravity_ramp = {0, 0.5, true};
+    scene.solver.integrator = "implicit-euler";
+    scene.solver.dt = 0.05;
+    scene.solver.end = 4;
+    scene.solver.damping = 2;
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    Observer nobody;
+    simulation.run_to(2, nobody);
+    const double before = mean_x(simulation);
+    simulation.run_to(4, nobody);
+    moved[part > 1] = (mean_x(simulation) - before) * 60 / 48;  // of the nodes of both
+    EXPECT_LT(overlap_of_pieces(simulation), 1e-4);
+  }
+  EXPECT_LT(std::abs(moved[0]), 2 * 1e-6 * 0.4);
+  const double rigid =
+      9.81 * (std::sin(1.02 * std::atan(0.3)) - 0.3 * std::cos(1.02 * std::atan(0.3))) / 2;
+  EXPECT_NEAR(moved[1], 2 * rigid, 0.1 * 2 * rigid);
+}
+
+/// A block that sticks to a plate below and to one that moves by `shear` along x while it presses
+/// it by 2 %, with a cut like stairs.
+Scene pressed_lips(double friction, double shear) {
+  Scene scene = block_on_floor(3, {}, 0);
+  scene.contact.obstacles.clear();
+  scene.contact.pieces = true;
+  scene.contact.friction = friction;
+  hold(scene, 2, 0).components = 7;
+  Constraint& moved = hold(scene, 2, 0.2);
+  moved.components = 7;
+  moved.translation = {shear, 0, -0.004};
+  moved.ramp = {0, 0.5, true};
+  moved.moves = true;
+  Event cut;
+  cut.what = CutPlane{{0, 0, 0.13}, {0.3, 0, 1}};
+  cut.path = "/events/0";
+  cut.rest_shape = true;
+  scene.events = {cut};
+  return scene;
+}
+
+std::vector<double> positions(Simulation& simulation) {
+  const Column& x = simulation.attributes().position();
+  return {x.rows(), x.rows() + 4 * std::size_t{x.size()}};
+}
+
+TEST(StaticPieces, LipsAreWhereTheyComeToRest) {
+  std::vector<double> places[2];
+  for (const bool is_static : {false, true}) {
+    Scene scene = pressed_lips(0, 0);
+    if (is_static) {
+      scene.solver.integrator = "static";
+      scene.solver.dt = scene.solver.end = 0.5;
+    } else {
+      scene.solver.until_rest = scene.solver.automatic_damping = true;
+      scene.solver.tolerance = 1e-4;
+    }
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    Observer nobody;
+    EXPECT_EQ(simulation.run(nobody).faces_cut, 42u);
+    EXPECT_GT(simulation.contact()->touches().size(), 20u);
+    places[is_static] = positions(simulation);
+  }
+  double apart = 0;
+  for (std::size_t i = 0; i < places[0].size(); ++i)
+    apart = std::max(apart, std::abs(places[0][i] - places[1][i]));
+  EXPECT_LT(apart, 1e-3 * 0.0667) << "of an edge; gaps are below 1e-4, and forces rest at 1e-4";
+}
+
+TEST(ImplicitPieces, HaveTheSameBitsForAnyNumberOfThreadsAndAfterARollback) {
+  std::vector<double> first;
+  for (const unsigned threads : {1u, 2u, 8u}) {
+    Scene scene = pressed_lips(0.2, 0.006);
+    scene.solver.integrator = "implicit-euler";
+    scene.solver.dt = 0.05;
+    scene.solver.end = 0.5;
+    scene.solver.threads = threads;
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    Observer nobody;
+    simulation.run_to(0.25, nobody);
+    Dynamics& dynamics = simulation.built().dynamics();
+    StateBuffer kept;
+    kept.save(dynamics);
+    const double time = dynamics.time();
+    const auto finish = [&] {
+      for (int i = 1; i <= 4; ++i) dynamics.step(0.05, time + 0.05 * i);
+      std::vector<double> all = positions(simulation);
+      all.push_back(simulation.contact()->friction_work());
+      all.push_back(dynamics.balance().work("contact"));
+      return all;
+    };
+    const std::vector<double> once = finish();
+    EXPECT_LT(once[once.size() - 2], 0) << "friction";
+    kept.load(dynamics);
+    EXPECT_EQ(finish(), once);
+    if (threads == 1) first = once;
+    EXPECT_EQ(once, first) << threads << " threads";
+  }
+}
+
+/// The upper half of a block that is cut while it lies on a floor, in 0.3 s.
+TEST(ImplicitPieces, LipsOfACutTouchFromTheNextStepOn) {
+  double lowest[2];
+  for (const bool pieces : {false, true}) {
+    Scene scene = block_on_floor(2, {0, 0, -9.81}, 0.5);
+    scene.contact.pieces = pieces;
+    scene.contact.friction = 0.5;
+    scene.solver.integrator = "implicit-euler";
+    scene.solver.dt = 0.01;
+    scene.solver.end = 0.3;
+    Event cut;
+    cut.at = 0.1;
+    cut.what = CutPlane{{0, 0, 0.1}, {0, 0, 1}};
+    cut.path = "/events/0";
+    scene.events = {cut};
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    Observer nobody;
+    EXPECT_EQ(simulation.run(nobody).faces_cut, 16u);
+    if (pieces) {
+      EXPECT_LT(overlap_of_pieces(simulation), 1e-4);
+    }
+    Attributes& a = simulation.attributes();
+    lowest[pieces] = 1;
+    for (Index v = 0; v < a.vertex_count(); ++v)
+      if (simulation.complex().dart_of(0, v) / 24 >= 16)
+        lowest[pieces] = std::min(lowest[pieces], a.position().get(v, 2));
+  }
+  EXPECT_LT(lowest[0], 0.05);
+  EXPECT_GT(lowest[1], 0.09);
 }
 
 }  // namespace

@@ -1,0 +1,420 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/contact/multiplier_forces.hpp"
+
+#include <algorithm>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "kernel/base/error.hpp"
+#include "kernel/contact/missed_approach.hpp"
+
+namespace suture {
+namespace {
+
+// Of the bound on the stiffness of the body at a vertex: with less, more updates are needed, with
+// more, more iterations of linear solvers.
+constexpr double stiffening = 4;
+constexpr int all_held = 7;
+// Cosine of an angle between the normals of a contact before and after an update.
+constexpr double same_direction = 0.95;
+
+Vec3 along_surface(const Vec3& a, const Vec3& normal) {
+  return minus(a, scaled(dot(a, normal), normal));
+}
+
+}  // namespace
+
+MultiplierForces::MultiplierForces(Contact& contact, Attributes& attributes, ForceTerm& models,
+                                   bool is_static)
+    : ContactTerm(contact, attributes, models, stiffening), is_static_(is_static) {
+  resize();
+}
+
+void MultiplierForces::resize() {
+  for (auto* all : {&of_obstacles_, &accepted_of_obstacles_}) {
+    all->resize(contact_.obstacles().size());
+    for (std::vector<Multiplier>& of : *all) of.resize(attributes_.vertex_count());
+  }
+  stiffness_.clear();
+}
+
+// ------------------------------------------------------------------- pushes --
+
+template <class Number>
+Vec3 MultiplierForces::Push::sum(const Number* rows, std::size_t width) const {
+  Vec3 total{};
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c)
+      total[c] += weights[i] * double{rows[width * vertices[i] + c]};
+  return total;
+}
+
+template <class Number>
+void MultiplierForces::Push::add(const Vec3& force, Number* rows, std::size_t width) const {
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c)
+      rows[width * vertices[i] + c] += static_cast<Number>(weights[i] * force[c]);
+}
+
+/// visit(push) for everything that is pushed, and for what touches without a force: its tangent
+/// holds a body that lies there. Between pieces only until it moves away: Newton's method is slow
+/// with the tangent of a force that is not there, and lips often touch without one.
+template <class Visit>
+void MultiplierForces::for_each_push(double time, Visit visit) {
+  find_stiffness(time);
+  for_each_push_of_obstacles(time, visit);
+  for (Pair& pair : pairs_) {
+    Push push{
+        &pair, Contact::between_pieces, pair.vertices, pair.weights, pair.normal, pair.stiffness, 0,
+        0};
+    const Vec3 offset = push.sum(attributes_.position().rows(), 4);
+    push.gap = dot(pair.normal, offset);
+    push.pressure = std::max(0.0, pair.pressure - pair.stiffness * push.gap);
+    if (push.pressure == 0 && (pair.pressure != 0 || push.gap > pair.start)) continue;
+    if (!start_.empty())
+      add_friction(push, contact_.pieces()->friction(), minus(offset, push.sum(start_.data(), 4)));
+    visit(push);
+  }
+}
+
+template <class Visit>
+void MultiplierForces::for_each_push_of_obstacles(double time, Visit visit) {
+  static constexpr double one = 1;
+  const double *x = attributes_.position().rows(), *fixed = attributes_.fixed().rows();
+  const double touching = tolerance * contact_.mean_edge();
+  for (std::size_t i = 0; i < contact_.obstacles().size(); ++i) {
+    const Obstacle& obstacle = contact_.obstacles()[i];
+    const PlacedObstacle placed(obstacle, contact_.thickness(), start_.empty() ? time : start_time_,
+                                time);
+    for (const Index& v : contact_.surface().vertices()) {
+      Multiplier& last = of_obstacles_[i][v];
+      const Vec3 place = row(x, v);
+      if (static_cast<int>(fixed[v]) == all_held ||
+          (last.pressure == 0 && !placed.may_touch(place, touching)))
+        continue;
+      const Nearest nearest = placed.gap(place);
+      const double pressure = std::max(0.0, last.pressure - stiffness_[v] * nearest.distance);
+      if (pressure == 0 && (last.pressure != 0 || nearest.distance >= touching)) continue;
+      Push push{&last,   i, {&v, 1}, {&one, 1}, nearest.normal, stiffness_[v], nearest.distance,
+                pressure};
+      if (!start_.empty())
+        add_friction(push, obstacle.friction,
+                     minus(minus(place, row(start_.data(), v)), placed.displacement(place)));
+      visit(push);
+    }
+  }
+}
+
+/// Against the way of the point since the start of the step, relative to what it touches.
+void MultiplierForces::add_friction(Push& push, double coefficient, const Vec3& way) const {
+  if (!(coefficient > 0)) return;
+  push.coefficient = coefficient;
+  push.sliding = along_surface(way, push.normal);
+  push.friction =
+      minus(along_surface(push.last->friction, push.normal), scaled(push.stiffness, push.sliding));
+  const double size = norm(push.friction), most = coefficient * push.pressure;
+  if (size <= most) return;
+  push.direction = scaled(1 / size, push.friction);
+  push.friction = scaled(most, push.direction);
+  push.holding = most / size;
+}
+
+// ------------------------------------------------------------------- forces --
+
+/// Those that touch without a force carry nothing.
+std::vector<Contact::Force> MultiplierForces::forces_at(double time) {
+  std::vector<Contact::Force> forces;
+  for_each_push(time, [&](const Push& push) {
+    if (push.pressure == 0) return;
+    const Vec3 force = plus(scaled(push.pressure, push.normal), push.friction);
+    for (std::size_t i = 0; i < push.vertices.size(); ++i)
+      forces.push_back({push.vertices[i], scaled(push.weights[i], force), push.obstacle});
+  });
+  return forces;
+}
+
+/// At the end of a step, and where a run begins.
+void MultiplierForces::add_forces_in_step(const StepTimes& step, const LiveMask& live,
+                                          double* rows) {
+  std::vector<double> forces(std::size_t{attributes_.vertex_count()} * 4);
+  add_forces(step.time, live, forces.data());
+  for (std::size_t i = 0; i < forces.size(); ++i) rows[i] += forces[i];
+  contact_.record(forces_at(step.time), step.time, has_step_ ? heat(step.time) : 0);
+  if (!last_force_.empty()) book_work(forces, step.last);
+  const double *x = attributes_.position().rows(), *v = attributes_.velocity().rows();
+  last_position_.assign(x, x + forces.size());
+  last_velocity_.assign(v, v + forces.size());
+  last_force_ = std::move(forces);
+  has_step_ = false;
+}
+
+/// In a motion, the impulse of the step does the work f h . (v- + v+) / 2, exactly what it changes
+/// in the kinetic energy; between equilibria, forces do that of their mean.
+void MultiplierForces::book_work(const std::vector<double>& forces, double dt) {
+  const double *x = attributes_.position().rows(), *v = attributes_.velocity().rows();
+  for (std::size_t i = 0; i < forces.size(); ++i)
+    work_ += is_static_  ? (last_force_[i] + forces[i]) / 2 * (x[i] - last_position_[i])
+             : has_step_ ? forces[i] * dt * (last_velocity_[i] + v[i]) / 2
+                         : 0;
+}
+
+/// What friction has dissipated since the start of the step, J.
+double MultiplierForces::heat(double time) {
+  double heat = 0;
+  for_each_push(time, [&](const Push& push) { heat -= dot(push.friction, push.sliding); });
+  return heat;
+}
+
+// ------------------------------------------------------------------ tangents --
+
+/// With p' = -k n and, where it slides, q' = mu p' t + holding (-k) (1 - n n^T - t t^T), t the
+/// direction of friction. Without the derivatives of the normal n of an obstacle, which are smaller
+/// by the penetration over its radius; and without that by the pressure, which is not symmetric.
+Vec3 MultiplierForces::Push::tangent(const Vec3& d) const {
+  const Vec3 along_normal = scaled(-stiffness * dot(normal, d), normal);
+  if (coefficient == 0) return along_normal;
+  const Vec3 along = along_surface(d, normal);
+  const Vec3 turning = minus(along, scaled(dot(direction, along), direction));
+  return plus(along_normal, scaled(-stiffness * holding, turning));
+}
+
+Vec3 MultiplierForces::Push::skew_tangent(const Vec3& d) const {
+  return scaled(-stiffness * coefficient * dot(normal, d), direction);
+}
+
+bool MultiplierForces::is_conservative(double) {
+  return !(contact_.pieces() && contact_.pieces()->friction() > 0) &&
+         std::ranges::all_of(contact_.obstacles(),
+                             [](const Obstacle& obstacle) { return obstacle.friction == 0; });
+}
+
+void MultiplierForces::add_tangent(const double* d, double dx, double, const TangentTime& at,
+                                   double* out) {
+  for_each_push(at.time, [&](const Push& push) {
+    push.add(scaled(dx, push.tangent(push.sum(d, 3))), out, 3);
+  });
+}
+
+void MultiplierForces::add_skew_tangent(const double* d, double dx, const TangentTime& at,
+                                        double* out) {
+  for_each_push(at.time, [&](const Push& push) {
+    push.add(scaled(dx, push.skew_tangent(push.sum(d, 3))), out, 3);
+  });
+}
+
+bool MultiplierForces::add_tangent_in_single(const float* d, double dx, double,
+                                             const TangentTime& at, float* out) {
+  for_each_push(at.time, [&](const Push& push) {
+    push.add(scaled(dx, push.tangent(push.sum(d, 4))), out, 4);
+  });
+  return true;
+}
+
+/// The nodes of two pieces belong to no common cell of a multigrid: each side as if the other one
+/// did not move.
+void MultiplierForces::for_each_tangent(double dx, double, const TangentTime& at,
+                                        const VisitTangents& visit) {
+  const auto visit_side = [&](const Push& push, std::size_t first, std::size_t nodes) {
+    std::vector<double> values(9 * nodes * nodes * 8);  // one of 8 cells
+    for (std::size_t column = 0; column < 3 * nodes; ++column) {
+      Vec3 d{};
+      d[column % 3] = dx * push.weights[first + column / 3];
+      const Vec3 f = push.tangent(d);
+      for (std::size_t r = 0; r < 3 * nodes; ++r)
+        values[(column * 3 * nodes + r) * 8] = push.weights[first + r / 3] * f[r % 3];
+    }
+    visit({1, static_cast<Index>(nodes), push.vertices.data() + first, values.data()});
+  };
+  for_each_push(at.time, [&](const Push& push) {
+    const bool is_vertex = push.weights[0] == 1;
+    visit_side(push, 0, is_vertex ? 1 : 2);
+    if (push.obstacle == Contact::between_pieces)
+      is_vertex ? visit_side(push, 1, 4) : visit_side(push, 2, 2);
+  });
+}
+
+// --------------------------------------------------------------------- pairs --
+
+/// Of springs in series: 1 / k = sum w^2 / k_v over the vertices that move.
+double MultiplierForces::stiffness_of(const std::array<Index, 5>& vertices,
+                                      const std::array<double, 5>& weights) const {
+  double compliance = 0;
+  for (std::size_t i = 0; i < 5; ++i)
+    if (static_cast<int>(attributes_.fixed().rows()[vertices[i]]) != all_held)
+      compliance += weights[i] * weights[i] / stiffness_[vertices[i]];
+  return 1 / compliance;
+}
+
+/// At the current positions. None where constraints hold both sides.
+MultiplierForces::Pairs MultiplierForces::find_pairs(double time) {
+  Pairs pairs;
+  PieceContact* pieces = contact_.pieces();
+  if (!pieces) return pairs;
+  find_stiffness(time);
+  const double* x = attributes_.position().rows();
+  found_at_.assign(x, x + std::size_t{attributes_.vertex_count()} * 4);
+  pieces->update(x);
+  pieces->begin(1, 1);
+  for (const PieceContact::Touch& touch : pieces->touches())
+    if (touch.mass > 0)
+      pairs.push_back({{},
+                       touch.vertices,
+                       touch.weights,
+                       touch.normal,
+                       stiffness_of(touch.vertices, touch.weights)});
+  return pairs;
+}
+
+/// Of the vertex from the face, or of the first edge from the second one.
+Vec3 MultiplierForces::offset_of(const Pair& pair) const {
+  Vec3 sum{};
+  for (std::size_t i = 0; i < 5; ++i)
+    sum = plus(sum, scaled(pair.weights[i], row(attributes_.position().rows(), pair.vertices[i])));
+  return sum;
+}
+
+/// Replaces the pairs; those of the same vertex or edge in about the same direction pass their
+/// multipliers on. Returns by how much contacts change, m: gaps, the way of the point where they
+/// act, and what the force of those that end pushed in.
+double MultiplierForces::take_over(Pairs found) {
+  const auto is_before = [](const Pair& a, const Pair& b) {  // in the order of PieceContact
+    return a.is_of_edges() != b.is_of_edges() ? b.is_of_edges() : a.vertices[0] < b.vertices[0];
+  };
+  double largest = 0;
+  std::size_t first = 0;
+  for (Pair& pair : found) {
+    while (first < pairs_.size() && is_before(pairs_[first], pair)) ++first;
+    const Vec3 offset = offset_of(pair);
+    const double gap = dot(pair.normal, offset);
+    largest = std::max(largest, -gap);
+    for (std::size_t i = first; i < pairs_.size() && !is_before(pair, pairs_[i]); ++i) {
+      Pair& before = pairs_[i];
+      if (before.pressure == 0 || dot(before.normal, pair.normal) < same_direction) continue;
+      static_cast<Multiplier&>(pair) = std::exchange(static_cast<Multiplier&>(before), {});
+      largest = std::max({largest, gap, norm(minus(offset, offset_of(before)))});
+      break;
+    }
+  }
+  for (const Pair& before : pairs_) largest = std::max(largest, before.pressure / before.stiffness);
+  pairs_ = std::move(found);
+  return largest;
+}
+
+/// Nothing may pass another piece between two searches for contacts.
+void MultiplierForces::refuse_long_ways(double time) const {
+  if (!contact_.pieces()) return;
+  const auto missed =
+      find_missed_approach(contact_.surface(), found_at_.data(), attributes_.position().rows(),
+                           contact_.mean_edge(), PieceContact::max_depth * contact_.mean_edge());
+  if (!missed) return;
+  std::ostringstream text;
+  text << "pieces or lips may have passed through each other at t = " << time
+       << " s: in one step, places of the surface within " << missed->distance
+       << " m of each other move by up to " << missed->way
+       << " m relative to each other, and contact is found up to " << missed->allowed << " m";
+  throw NumericalError(text.str());
+}
+
+// --------------------------------------------------------------------- steps --
+
+/// l = p, t = q.
+void MultiplierForces::improve(double time) {
+  std::vector<std::pair<Multiplier*, Multiplier>> next;
+  for_each_push(time, [&](const Push& push) {
+    next.push_back({push.last, {push.pressure, push.friction}});
+  });
+  for (std::vector<Multiplier>& of : of_obstacles_) std::ranges::fill(of, Multiplier{});
+  for (Multiplier& of : pairs_) of = {};
+  for (const auto& [multiplier, value] : next) *multiplier = value;
+}
+
+/// Again at the same time, if equations of the step had no solution: with the multipliers and the
+/// positions at its start.
+void MultiplierForces::begin_step(double time) {
+  of_obstacles_ = accepted_of_obstacles_;
+  pairs_ = accepted_pairs_;
+  improve(time);
+  if (start_.empty() || time != start_time_) {
+    const double* x = attributes_.position().rows();
+    start_.assign(x, x + std::size_t{attributes_.vertex_count()} * 4);
+    start_time_ = time;
+  }
+  take_over(find_pairs(time));
+  for (Pair& pair : pairs_) {
+    const double gap = dot(pair.normal, offset_of(pair));
+    if (gap < tolerance * contact_.mean_edge()) pair.start = gap;
+  }
+}
+
+/// True if the equations have to be solved again. Otherwise nothing changes: the forces are those
+/// that are in balance.
+bool MultiplierForces::update(double time) {
+  refuse_long_ways(time);
+  double largest = 0;
+  for_each_push(time, [&](const Push& push) {
+    const double change = norm(minus(push.friction, push.last->friction)) / push.stiffness;
+    largest = std::max({largest, std::abs(push.gap), push.holding < 1 ? 0 : change});
+  });
+  const OfObstacles of_obstacles = of_obstacles_;
+  const Pairs pairs = pairs_;
+  improve(time);
+  largest = std::max(largest, take_over(find_pairs(time)));
+  if (largest > tolerance * contact_.mean_edge()) return true;
+  of_obstacles_ = of_obstacles;
+  pairs_ = pairs;
+  return false;
+}
+
+void MultiplierForces::accept() {
+  accepted_of_obstacles_ = of_obstacles_;
+  accepted_pairs_ = pairs_;
+  has_step_ = true;
+}
+
+void MultiplierForces::forget_last() {
+  last_force_.clear();
+  has_step_ = false;
+}
+
+void MultiplierForces::restart() {
+  work_ = 0;
+  forget_last();
+}
+
+void MultiplierForces::follow(const CellComplex& complex, const TopologyChange&) {
+  resize();
+  for (Pairs* pairs : {&pairs_, &accepted_pairs_})
+    std::erase_if(*pairs, [&](const Pair& pair) {
+      return std::ranges::any_of(pair.vertices, [&](Index v) { return !complex.exists(0, v); });
+    });
+  start_.clear();
+  forget_last();
+}
+
+void MultiplierForces::state(Archive& archive) {
+  if (archive.has_cells()) archive("stiffness", stiffness_);
+  for (std::size_t i = 0; i < accepted_of_obstacles_.size(); ++i) {
+    std::vector<Multiplier>& of = accepted_of_obstacles_[i];
+    archive.member(("pressures " + std::to_string(i)).c_str(), of, &Multiplier::pressure);
+    archive.member(("friction " + std::to_string(i)).c_str(), of, &Multiplier::friction);
+  }
+  archive.member("touching", accepted_pairs_, &Pair::vertices);
+  archive.member("weights", accepted_pairs_, &Pair::weights);
+  archive.member("normals", accepted_pairs_, &Pair::normal);
+  archive.member("stiffnesses", accepted_pairs_, &Pair::stiffness);
+  archive.member("pressures", accepted_pairs_, &Pair::pressure);
+  archive.member("friction", accepted_pairs_, &Pair::friction);
+  archive("start", start_);
+  archive("start time", start_time_);
+  archive("work", work_);
+  archive("has step", has_step_);
+  archive("last force", last_force_);
+  archive("last position", last_position_);
+  archive("last velocity", last_velocity_);
+  if (!archive.loads()) return;
+  of_obstacles_ = accepted_of_obstacles_;
+  pairs_ = accepted_pairs_;
+}
+
+}  // namespace suture

@@ -248,7 +248,7 @@ Case varied(Random& random, unsigned index, std::uint64_t) {
 }
 
 /// A slab that falls onto a table, is pushed by a ball, which may be compliant and carry a blade,
-/// and is cut there.
+/// and is cut there; sometimes in implicit steps.
 Case obstacles(Random& random, unsigned, std::uint64_t) {
   Case result = bar("obstacles", random);
   Json& scene = result.scene;
@@ -278,6 +278,12 @@ Case obstacles(Random& random, unsigned, std::uint64_t) {
     scene["contact"].update({{"law", "penalty"}, {"friction", 0}, {"pieces", false}});
     scene["contact"].erase("self");
     scene["contact"]["obstacles"][1].erase("coupling");
+  }
+  if (random.chance(0.2)) {
+    scene["contact"].erase("law");
+    scene["contact"]["obstacles"][1].erase("coupling");
+    scene["solver"]["integrator"] = "implicit-euler";
+    scene["solver"]["dt"] = random.between(0.01, 0.03);
   }
   add_output(scene, random);
   scene["output"]["tools"]["every_steps"] = 1 + static_cast<int>(random.decades(1, 30));

@@ -21,6 +21,11 @@ double mean_x(Simulation& simulation);
 /// Replaces the mesh by separate boxes, in a file of the folder.
 void use_boxes(Scene& scene, const TemporaryFolder& folder, const std::vector<BoxOptions>& boxes);
 
+/// A U that is pressed by 1.5 times its slot.
+Scene bent_u(bool self);
+/// The end of the upper arm of a U above that of the lower arm at the end of a run, m.
+double slot_of(const Scene& scene);
+
 /// A quarter of a block of 8 contact radii, into which a sphere of radius 1 m is pressed by 1 cm.
 /// `n`: elements per contact radius.
 Scene hertz(Index n);

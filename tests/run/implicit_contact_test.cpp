@@ -312,6 +312,34 @@ TEST(StaticPieces, LipsAreWhereTheyComeToRest) {
   EXPECT_LT(apart, 1e-3 * 0.0667) << "of an edge; gaps are below 1e-4, and forces rest at 1e-4";
 }
 
+TEST(StaticPieces, ABodyTouchesItself) {
+  Scene scene = bent_u(true);
+  scene.solver.integrator = "static";
+  scene.solver.dt = scene.solver.end = 0.5;
+  EXPECT_NEAR(slot_of(scene), 0, 0.05 * 0.05);
+}
+
+TEST(StaticPieces, WhatNothingTouchesIsNamed) {
+  Scene scene = block_on_floor(1, {0, 0, -9.81}, 0.5);
+  scene.mesh.box->origin[2] = 0.05;
+  scene.contact.pieces = true;
+  scene.solver.integrator = "static";
+  scene.solver.dt = scene.solver.end = 1;
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Observer nobody;
+  std::string text;
+  try {
+    simulation.run(nobody);
+  } catch (const NumericalError& error) {
+    text = error.what();
+  }
+  EXPECT_NE(text.find("a piece of 4 elements (the first: element 0) is free to move and turn in "
+                      "every direction, unless contact holds it"),
+            std::string::npos)
+      << text;
+}
+
 TEST(ImplicitPieces, HaveTheSameBitsForAnyNumberOfThreadsAndAfterARollback) {
   std::vector<double> first;
   for (const unsigned threads : {1u, 2u, 8u}) {

@@ -164,44 +164,9 @@ TEST(ContactScenes, PiecesAndLipsHaveTheSameBitsForAnyNumberOfThreads) {
   }
 }
 
-/// The end of the upper arm of a U above that of the lower arm after it was pressed by 1.5 times
-/// the slot, m.
-double slot_of_a_bent_u(bool self) {
-  Scene scene = beam(host(), "tm-faure", 1, 1, 0, {{"E", 1e5}});
-  scene.mesh.box.reset();
-  scene.mesh.voxels =
-      VoxelOptions{.size = 0.05,
-                   .layers = 2,
-                   .rows = {"########", "########", "##......", "########", "########"}};
-  Constraint pressed;
-  pressed.where.what = Selection::InBox{{0.39, 0.24, -1}, {0.41, 0.26, 1}};
-  pressed.components = 2;
-  pressed.translation = {0, -0.075, 0};
-  pressed.ramp = {0, 0.5, true};
-  pressed.moves = true;
-  scene.constraints.push_back(pressed);
-  scene.contact.pieces = scene.contact.self = self;
-  scene.contact.obstacles.push_back(floor_at(-10, 0));
-  scene.solver.damping = 5;
-  scene.solver.end = 0.8;
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  simulation.run(nobody);
-  double upper = 1, lower = -1;
-  Attributes& a = simulation.attributes();
-  for (Index v = 0; v < a.vertex_count(); ++v) {
-    if (a.rest().get(v, 0) < 0.4 - 1e-9) continue;
-    const double height = a.rest().get(v, 1);
-    if (std::abs(height - 0.15) < 1e-9) upper = std::min(upper, a.position().get(v, 1));
-    if (std::abs(height - 0.1) < 1e-9) lower = std::max(lower, a.position().get(v, 1));
-  }
-  return upper - lower;
-}
-
 TEST(ContactScenes, ABodyTouchesItselfOnRequest) {
-  EXPECT_LT(slot_of_a_bent_u(false), -0.01) << "the arms cross";
-  EXPECT_NEAR(slot_of_a_bent_u(true), 0, 0.1 * 0.05);
+  EXPECT_LT(slot_of(bent_u(false)), -0.01) << "the arms cross";
+  EXPECT_NEAR(slot_of(bent_u(true)), 0, 0.1 * 0.05);
 }
 
 /// Two cubes of 2 x 2 x 2 elements that touch each other, the second one `shift` above the first.

@@ -8,6 +8,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/contact/missed_approach.hpp"
+#include "kernel/solvers/links.hpp"
 
 namespace suture {
 namespace {
@@ -211,26 +212,24 @@ bool MultiplierForces::add_tangent_in_single(const float* d, double dx, double,
   return true;
 }
 
-/// The nodes of two pieces belong to no common cell of a multigrid: each side as if the other one
-/// did not move.
+/// Between pieces as links: cells of 8 nodes, the last of which do not count.
 void MultiplierForces::for_each_tangent(double dx, double, const TangentTime& at,
                                         const VisitTangents& visit) {
-  const auto visit_side = [&](const Push& push, std::size_t first, std::size_t nodes) {
-    std::vector<double> values(9 * nodes * nodes * 8);  // one of 8 cells
-    for (std::size_t column = 0; column < 3 * nodes; ++column) {
-      Vec3 d{};
-      d[column % 3] = dx * push.weights[first + column / 3];
-      const Vec3 f = push.tangent(d);
-      for (std::size_t r = 0; r < 3 * nodes; ++r)
-        values[(column * 3 * nodes + r) * 8] = push.weights[first + r / 3] * f[r % 3];
-    }
-    visit({1, static_cast<Index>(nodes), push.vertices.data() + first, values.data()});
-  };
   for_each_push(at.time, [&](const Push& push) {
-    const bool is_vertex = push.weights[0] == 1;
-    visit_side(push, 0, is_vertex ? 1 : 2);
-    if (push.obstacle == Contact::between_pieces)
-      is_vertex ? visit_side(push, 1, 4) : visit_side(push, 2, 2);
+    const bool is_link = push.obstacle == Contact::between_pieces;
+    const std::size_t used = push.vertices.size(), nodes = is_link ? 8 : 1;
+    std::vector<Index> vertices(nodes, push.vertices.back());
+    std::ranges::copy(push.vertices, vertices.begin());
+    std::vector<double> values(9 * nodes * nodes * 8);  // one of 8 cells
+    for (std::size_t column = 0; column < 3 * used; ++column) {
+      Vec3 d{};
+      d[column % 3] = dx * push.weights[column / 3];
+      const Vec3 f = push.tangent(d);
+      for (std::size_t r = 0; r < 3 * used; ++r)
+        values[(column * 3 * nodes + r) * 8] = push.weights[r / 3] * f[r % 3];
+    }
+    visit(
+        {1, static_cast<Index>(nodes), vertices.data(), values.data(), is_link ? link_functor : 0});
   });
 }
 

@@ -56,18 +56,26 @@ void multiply(const Index* begin, const Index* column, const float* block, const
 }  // namespace
 
 BlockPattern pattern_of(const NodeGraph& graph) {
-  const CellsOfNodes around(graph);
-  BlockPattern pattern;
-  pattern.begin.push_back(0);
-  std::vector<Index> row_of(graph.nodes(), none);
-  for (Index node = 0; node < graph.nodes(); ++node) {
+  return extended({std::vector<Index>(graph.nodes() + 1), {}}, graph);
+}
+
+BlockPattern extended(const BlockPattern& pattern, const NodeGraph& cells) {
+  const CellsOfNodes around(cells);
+  BlockPattern result;
+  result.begin.push_back(0);
+  std::vector<Index> row_of(cells.nodes(), none);
+  for (Index node = 0; node < cells.nodes(); ++node) {
+    const auto add = [&](std::span<const Index> others) {
+      for (const Index other : others)
+        if (std::exchange(row_of[other], node) != node) result.column.push_back(other);
+    };
+    add(pattern.row(node));
     for (Index i = around.begin[node]; i < around.begin[node + 1]; ++i)
-      for (const Index other : graph.cell(around.cells[i]))
-        if (std::exchange(row_of[other], node) != node) pattern.column.push_back(other);
-    std::sort(pattern.column.begin() + pattern.begin.back(), pattern.column.end());
-    pattern.begin.push_back(static_cast<Index>(pattern.column.size()));
+      add(cells.cell(around.cells[i]));
+    std::sort(result.column.begin() + result.begin.back(), result.column.end());
+    result.begin.push_back(static_cast<Index>(result.column.size()));
   }
-  return pattern;
+  return result;
 }
 
 void mirror(BlockRows<double>& a) {

@@ -23,6 +23,8 @@ struct BlockPattern {
   }
 };
 BlockPattern pattern_of(const NodeGraph& graph);
+/// The pattern with more cells.
+BlockPattern extended(const BlockPattern& pattern, const NodeGraph& cells);
 
 /// The blocks of a pattern, column by column: block[3 j + i] is row i, column j.
 template <class Real>

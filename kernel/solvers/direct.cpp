@@ -5,6 +5,7 @@
 
 #include "kernel/solvers/factored_rows.hpp"
 #include "kernel/solvers/galerkin.hpp"
+#include "kernel/solvers/links.hpp"
 
 namespace suture {
 namespace {
@@ -19,7 +20,8 @@ class Direct final : public Preconditioner {
   double shift() const override { return factor_.shift(); }
 
   void build(const TangentMatrix& a) override {
-    if (pattern_.begin.empty()) analyse(a);
+    if (elements_.begin.empty()) analyse(a);
+    add_links(a);
     factor_.factor(project(a, vertices_, pattern_), held_, a.has_mass() ? no_nodes_ : loose_);
   }
 
@@ -35,14 +37,23 @@ class Direct final : public Preconditioner {
     std::ranges::transform(a.free(), held_.begin(), [](auto free) { return !free; });
     loose_ = loose_nodes(graph, held_);
     vertices_ = identity(graph);
-    pattern_ = pattern_of(graph);
+    elements_ = pattern_of(graph);
+  }
+
+  /// Which may be different ones each time.
+  void add_links(const TangentMatrix& a) {
+    const NodeGraph links = links_of(a);
+    if (links.cells() == 0 && !pattern_.begin.empty() && !has_links_) return;
+    has_links_ = links.cells() != 0;
+    pattern_ = extended(elements_, links);
     factor_.analyse(pattern_);
   }
 
   const CellComplex& complex_;
   Attributes& attributes_;
   Interpolation vertices_;
-  BlockPattern pattern_;
+  BlockPattern elements_, pattern_;  ///< without and with links
+  bool has_links_ = false;
   Held held_;
   std::vector<bool> loose_, no_nodes_;
   FactoredRows factor_;

@@ -3,6 +3,7 @@
 
 #include "kernel/solvers/direct.hpp"
 #include "kernel/solvers/galerkin.hpp"
+#include "kernel/solvers/links.hpp"
 #include "kernel/solvers/multigrid_levels.hpp"
 #include "kernel/solvers/stop_test.hpp"
 
@@ -23,6 +24,7 @@ class Multigrid final : public Preconditioner {
   void build(const TangentMatrix& a) override {
     if (levels_.empty()) make(a.free());
     if (direct_) return direct_->build(a);
+    add_links(a);
     if (!end_is_found_) return find_end(a);
     factor(a, make_operators(a, false).back());
   }
@@ -47,6 +49,7 @@ class Multigrid final : public Preconditioner {
     const NodeGraph vertices = vertex_graph(complex_, attributes_);
     on_grid_ = vertices.is_grid;
     levels_ = make_levels(vertices, free, options_.coarsest_nodes);
+    patterns_.clear();
     const bool is_known = options_.levels > 1 && options_.levels <= levels_.size();
     if (is_known) levels_.resize(options_.levels);
     end_is_found_ = is_known || !options_.finds_end;
@@ -54,6 +57,19 @@ class Multigrid final : public Preconditioner {
       direct_ = make_direct(complex_, attributes_);
     else
       coarsest_.analyse(levels_.back().pattern);
+  }
+
+  /// Makes room for the blocks of links, which may be different ones each time.
+  void add_links(const TangentMatrix& a) {
+    NodeGraph links = links_of(a);
+    if (links.cells() == 0 && patterns_.empty()) return;
+    if (patterns_.empty())
+      for (const MultigridLevel& level : levels_) patterns_.push_back(level.pattern);
+    for (std::size_t l = 1; l < levels_.size(); ++l) {
+      links = coarser_links(links, levels_[l].to_finer, patterns_[l].rows());
+      levels_[l].pattern = extended(patterns_[l], links);
+    }
+    coarsest_.analyse(levels_.back().pattern);
   }
 
   /// Builds everything, and finds where coarsening ends. A failure leaves no hierarchy.
@@ -97,7 +113,8 @@ class Multigrid final : public Preconditioner {
   const CellComplex& complex_;
   Attributes& attributes_;
   MultigridOptions options_;
-  mutable MultigridLevels levels_;  ///< with scratch vectors
+  mutable MultigridLevels levels_;      ///< with scratch vectors
+  std::vector<BlockPattern> patterns_;  ///< of the levels without links; empty if there are none
   bool on_grid_ = false;
   bool end_is_found_ = false;  ///< of coarsening
   FactoredRows coarsest_;

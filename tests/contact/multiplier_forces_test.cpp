@@ -7,6 +7,7 @@
 
 #include <random>
 
+#include "kernel/dynamics/newton.hpp"
 #include "tests/dynamics/model_block.hpp"
 
 namespace suture {
@@ -32,6 +33,9 @@ struct Halves : rig::Block {
     motion.translation = {0.02, 0.03, -0.008};
     motion.ramp = {0, 1, true};
     hold(vertices([](const Vec3& x) { return x[2] > 0.4 - 1e-9; }), 7, motion);
+    dynamics.newton()->on_iteration = [this](const Newton::Iteration& iteration) {
+      linear_iterations.push_back(iteration.linear_iterations);
+    };
     start();
     step(1);
   }
@@ -55,6 +59,7 @@ struct Halves : rig::Block {
   }
   Contact& contact;
   MultiplierForces* forces;
+  std::vector<unsigned> linear_iterations;  ///< of each iteration of Newton's method
 };
 
 double product(const std::vector<double>& a, const std::vector<double>& b) {
@@ -98,6 +103,14 @@ TEST(MultiplierForces, HaveASymmetricTangent) {
     EXPECT_NEAR(one, other, 1e-12 * std::abs(product(a, halves.tangent(a))));
     EXPECT_EQ(halves.forces->is_conservative(0), friction == 0);
   }
+}
+
+/// The factor of so small a body is that of its matrix, with what joins the pieces.
+TEST(MultiplierForces, ArePartOfPreconditioners) {
+  Halves halves(0);
+  unsigned sum = 0;
+  for (const unsigned iterations : halves.linear_iterations) sum += iterations;
+  EXPECT_LE(sum, 3 * halves.linear_iterations.size());
 }
 
 /// Moments: except for gaps that are left and the way since contacts were found, 1e-4 of an edge.

@@ -69,6 +69,12 @@ Vec3 Contact::free_force(Index vertex, const ContactStep& step) const {
               scaled(attributes_.mass().rows()[vertex], step.acceleration));
 }
 
+/// In their order, rows of attributes are in the cache before they are needed.
+void Contact::sort_vertices() {
+  for (Index v = 0; v < attributes_.vertex_count(); ++v)
+    if (surface_.has_vertex(v)) vertices_.push_back(v);
+}
+
 void Contact::predict(const ContactStep& step) {
   placed_.clear();
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {
@@ -80,13 +86,14 @@ void Contact::predict(const ContactStep& step) {
     }
   }
   near_.clear();
+  if (vertices_.empty()) sort_vertices();
   if (pieces_) ends_.resize(4 * std::size_t{attributes_.vertex_count()});
   const double *x = attributes_.position().rows(), *v = attributes_.velocity().rows(),
                *f = attributes_.force().rows(), *mass = attributes_.mass().rows(),
                *fixed = attributes_.fixed().rows();
   const RowLanes acceleration = lanes_of(step.acceleration);
   RowLanes low = lanes_of(no_box.low), high = lanes_of(no_box.high);  // of velocities
-  for (const Index vertex : surface_.vertices()) {
+  for (const Index vertex : vertices_) {
     const int components = static_cast<int>(fixed[vertex]);
     const bool moves = components != held && (*step.moving)[vertex];
     const RowLanes force = row_at(f, vertex) + mass[vertex] * acceleration;
@@ -401,12 +408,14 @@ double Contact::last_change() const {
 
 void Contact::follow(const CellComplex& complex, const TopologyChange& change) {
   surface_.follow(complex, change);
+  vertices_.clear();
   if (pieces_) pieces_->follow(change);
   std::erase_if(touches_, [&](const Touch& t) { return !complex.exists(0, t.vertex); });
 }
 
 void Contact::state(Archive& archive) {
   if (archive.has_cells()) archive("surface", surface_);
+  if (archive.loads()) vertices_.clear();
   if (pieces_) archive("pieces", *pieces_);
   archive.member("touching", touches_, &Touch::vertex);
   archive.member("forces", touches_, &Touch::force);

@@ -143,6 +143,7 @@ class Contact final : public Follower {
     Vec3 settled{};                    ///< the velocity after they did, m/s
   };
   Vec3 free_force(Index vertex, const ContactStep& step) const;
+  void sort_vertices();
   void add_near_pieces(const ContactStep& step);
   void push(double dt);
   void settle_tools(const ContactStep& step);
@@ -159,6 +160,7 @@ class Contact final : public Follower {
   std::vector<Obstacle> obstacles_;
   double thickness_;
   BoundarySurface surface_;
+  std::vector<Index> vertices_;  ///< of the surface, ascending; empty: not known
   Box box_ = no_box;
   double shortest_edge_ = 0, mean_edge_ = 0, longest_edge_ = 0, size_ = 0;  ///< m
   std::vector<std::optional<Tool>> tools_;                                  ///< by obstacle

@@ -18,8 +18,8 @@ constexpr double precision = 1e-4, rounding_of_gaps = 1e-9;
 // Of the change of gaps in the first sweep. Forces that lag behind the motion by a step feed its
 // fast modes, and a pile would never come to rest.
 constexpr double lag = 0.3;
-// Of the precision: the way of a vertex that is no reason to look again at its contacts.
-constexpr double negligible = 0.1;
+// Of the precision: what a sweep leaves as it is.
+constexpr double negligible = 0.2;
 constexpr double same_side = 0.2;  // cosine of an angle at which surfaces look the same way
 // What is less far behind a face at rest belongs to the same sheet; in typical edges.
 constexpr double thin = 0.5;
@@ -91,8 +91,10 @@ void PieceContact::update(const double* ends) {
 /// False if nothing may.
 bool PieceContact::find_what_may_meet() {
   meeting_.piece_of.assign(attributes_.vertex_count(), none);
-  for (const Index v : surface_.vertices())
-    meeting_.piece_of[v] = islands_.of(complex_.dart_of(0, v) / 24);
+  ascending_.clear();
+  for (Index v = 0; v < attributes_.vertex_count(); ++v)
+    if (surface_.has_vertex(v)) ascending_.push_back(v);
+  for (const Index v : ascending_) meeting_.piece_of[v] = islands_.of(complex_.dart_of(0, v) / 24);
   meeting_.vertex_meets_own.assign(attributes_.vertex_count(), options_.self);
   meeting_.face_meets_own.assign(surface_.faces().size(), options_.self);
   bool has_lips = false;
@@ -109,7 +111,7 @@ bool PieceContact::find_what_may_meet() {
 bool PieceContact::has_moved(const double* ends) const {
   const double limit = edge_ * skin / 2;
   for (std::size_t i = 0; i < built_at_.size(); ++i) {
-    const Vec3 way = minus(row(ends, surface_.vertices()[i]), built_at_[i]);
+    const Vec3 way = minus(row(ends, ascending_[i]), built_at_[i]);
     if (dot(way, way) > limit * limit) return true;
   }
   return false;
@@ -120,7 +122,7 @@ void PieceContact::rebuild(const double* ends) {
   pairs_.clear();
   near_edges_.clear();
   if (may_meet_) {
-    for (const Index v : surface_.vertices()) built_at_.push_back(row(ends, v));
+    for (const Index v : ascending_) built_at_.push_back(row(ends, v));
     pairs_ = near_pairs(surface_, meeting_, ends, list_reach * edge_);
     std::erase_if(pairs_, [&](const NearPair& pair) { return is_behind_at_rest(pair); });
     find_near_edges(ends);
@@ -169,6 +171,7 @@ void PieceContact::find_vertices() {
   for (Index face = 0; face < surface_.corners().size(); ++face)
     if (std::ranges::any_of(surface_.corners()[face], [&](Index v) { return is_near[v]; }))
       near_faces_.push_back(face);
+  std::ranges::sort(near_faces_, {}, [&](Index face) { return surface_.corners()[face]; });
   normals_.resize(attributes_.vertex_count());
   faces_.resize(surface_.corners().size());
 }

@@ -119,6 +119,7 @@ class PieceContact {
   std::vector<bool> was_outside_;  ///< by face, as in BoundarySurface::faces(): at the beginning
   bool is_stale_ = true;           ///< an operation came after the last rebuild
   // Since the last operation.
+  std::vector<Index> ascending_;  ///< vertices of the surface, for fast access to their rows
   Meeting meeting_;
   bool may_meet_ = false;
   std::vector<FeatureEdge> edges_;
@@ -126,8 +127,8 @@ class PieceContact {
   std::vector<NearPair> pairs_;
   std::vector<NearEdges> near_edges_;
   std::vector<Index> vertices_;
-  std::vector<Index> near_faces_;  ///< that have one of these vertices
-  std::vector<Vec3> built_at_;     ///< in the order of the vertices of the surface
+  std::vector<Index> near_faces_;  ///< that have one of these vertices, by their corners
+  std::vector<Vec3> built_at_;     ///< in the order of `ascending_`
   // Of the step in progress.
   std::vector<Vec3> normals_;    ///< by vertex: sums of area vectors
   std::vector<NearFace> faces_;  ///< by place

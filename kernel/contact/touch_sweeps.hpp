@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -23,11 +22,12 @@ struct PieceTouch {
   double mass;                     ///< that an impulse along the normal moves, kg
   double impulse = 0;              ///< on the vertex or the first edge, N s
   Vec3 friction{};
+  double seen = -1;  ///< what the ways of its vertices were when it was last improved, m
 };
 
-/// Projected Gauss-Seidel over the contacts of a step. A sweep skips contacts none of whose
-/// vertices has moved by more than `negligible` since they were last improved; what it skips adds
-/// up per vertex, so that nothing is lost however many sweeps there are.
+/// Projected Gauss-Seidel over the contacts of a step. Every vertex counts how far impulses have
+/// taken it; a sweep skips contacts whose gap others cannot have changed by more than `negligible`
+/// since they were last improved.
 class TouchSweeps {
  public:
   /// Call when a step begins. `vertices`: of all contacts, of `count` in all.
@@ -40,14 +40,10 @@ class TouchSweeps {
   /// Applies an impulse that contacts begin with.
   void apply(const PieceTouch& touch, const Vec3& impulse, double* velocities) const;
   /// Something else has moved a vertex, m.
-  void disturb(Index vertex, double way);
+  void disturb(Index vertex, double way) { ways_[vertex] += way; }
 
  private:
-  double negligible_ = 0;
-  std::uint16_t sweep_ = 0;
-  // By vertex.
-  std::vector<double> unseen_;           ///< the way since `moved_in_`, m
-  std::vector<std::uint16_t> moved_in_;  ///< the last sweep in which it moved
+  std::vector<double> ways_;  ///< by vertex, m
 };
 
 }  // namespace suture

@@ -36,7 +36,7 @@ struct FaceFoot {
   double beside;    ///< the part of the distance at right angles to the normal, m
 };
 
-/// By Patch::foot, eight at once: some 6 ns each. `positions`: rows of 4.
+/// By Patch::foot, eight at once, with the same bits. `positions`: rows of 4.
 void find_feet(const double* positions, std::span<const BoundarySurface::Corners> corners,
                std::span<const NearPair> pairs, std::vector<FaceFoot>& feet);
 

@@ -64,6 +64,59 @@ TEST(Patch, IsExactOnFlatFaces) {
   EXPECT_LT(norm(minus(beside.offset, {1, 0, 0})), 1e-15);
 }
 
+/// Eleven faces with a vertex each: a batch of eight, and three.
+TEST(Patch, FindsFeetInBatchesAsOneByOne) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> coordinate(-1, 1);
+  std::vector<double> positions(4 * 55);
+  for (double& c : positions) c = coordinate(random);
+  std::vector<BoundarySurface::Corners> corners;
+  std::vector<NearPair> pairs;
+  for (Index face = 0; face < 11; ++face) {
+    corners.push_back({5 * face, 5 * face + 1, 5 * face + 2, 5 * face + 3});
+    pairs.push_back({5 * face + 4, face});
+  }
+  std::vector<FaceFoot> feet;
+  find_feet(positions.data(), corners, pairs, feet);
+  ASSERT_EQ(feet.size(), 11u);
+  for (Index i = 0; i < 11; ++i) {
+    Patch patch;
+    for (std::size_t c = 0; c < 4; ++c) patch.corners[c] = row(positions.data(), corners[i][c]);
+    const Patch::Foot foot = patch.foot(row(positions.data(), pairs[i].vertex));
+    EXPECT_EQ(Patch::weights_at(feet[i].r, feet[i].s), foot.weights) << i;
+    EXPECT_EQ(feet[i].normal, foot.normal) << i;
+    EXPECT_EQ(feet[i].gap, dot(foot.offset, foot.normal)) << i;
+    EXPECT_EQ(feet[i].distance, norm(foot.offset)) << i;
+  }
+}
+
+// ----------------------------------------------------------------------- sweeps --
+
+/// A vertex of 1 kg that approaches a held face at 1 m/s.
+TEST(TouchSweeps, ImproveWhatOthersHaveMoved) {
+  std::vector<double> velocities(4 * 5);
+  velocities[2] = -1;
+  PieceTouch touch{};
+  touch.vertices = {0, 1, 2, 3, 4};
+  touch.weights = {1, -0.25, -0.25, -0.25, -0.25};
+  touch.response = {1, 0, 0, 0, 0};
+  touch.normal = {0, 0, 1};
+  touch.mass = 1;
+  const double dt = 0.1;
+  TouchSweeps sweeps;
+  sweeps.begin(touch.vertices, 5);
+  const auto sweep = [&] { return sweeps.sweep({&touch, 1}, velocities.data(), 0, dt, 0.01); };
+  EXPECT_EQ(sweep(), dt);
+  EXPECT_EQ(velocities[2], 0);
+  velocities[2] = -0.5;
+  sweeps.disturb(0, 0.006);
+  EXPECT_EQ(sweep(), 0) << "less than is worth a look";
+  sweeps.disturb(0, 0.006);
+  EXPECT_EQ(sweep(), 0.5 * dt) << "both add up";
+  EXPECT_EQ(velocities[2], 0);
+  EXPECT_EQ(touch.impulse, 1.5);
+}
+
 // ------------------------------------------------------------------- near pairs --
 
 /// A block that falls apart at random faces, with its points scattered.

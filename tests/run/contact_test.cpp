@@ -70,6 +70,7 @@ Scene bouncing_block(bool penalty) {
   Scene scene = block_on_floor(2, {0, 0, -9.81}, 0, 1e6);
   scene.mesh.box->origin[2] = 0.05;
   scene.contact.penalty = penalty;
+  scene.solver.safety = 0.4;  // at 0.8, another last digit of dt makes 4 % of ten bounces
   scene.solver.end = 10;
   return scene;
 }

@@ -95,9 +95,10 @@ void Contact::predict(const ContactStep& step) {
   RowLanes low = lanes_of(no_box.low), high = lanes_of(no_box.high);  // of velocities
   for (const Index vertex : vertices_) {
     const int components = static_cast<int>(fixed[vertex]);
-    const bool moves = components != held && (*step.moving)[vertex];
+    const bool sleeps = !(*step.moving)[vertex], moves = components != held && !sleeps;
     const RowLanes force = row_at(f, vertex) + mass[vertex] * acceleration;
-    const RowLanes velocity = step.decay * row_at(v, vertex) + step.gain / mass[vertex] * force;
+    const RowLanes velocity =
+        sleeps ? RowLanes{} : step.decay * row_at(v, vertex) + step.gain / mass[vertex] * force;
     const RowLanes end = row_at(x, vertex) + (moves ? step.dt : 0) * velocity;
     if (pieces_) {
       row_at(ends_.data(), vertex) = end;
@@ -120,21 +121,22 @@ void Contact::predict(const ContactStep& step) {
 }
 
 void Contact::add_near_pieces(const ContactStep& step) {
-  pieces_->update(ends_.data());
+  pieces_->update(ends_.data(), *step.moving);
   if (pieces_->vertices().empty()) return;
   near_place_.assign(attributes_.vertex_count(), none);
   for (Index i = 0; i < near_.size(); ++i) near_place_[near_[i].vertex] = i;
   for (const Index v : pieces_->vertices()) {
     if (near_place_[v] != none) continue;
     near_place_[v] = static_cast<Index>(near_.size());
-    near_.push_back({v, free_force(v, step)});
+    near_.push_back({v, (*step.moving)[v] ? free_force(v, step) : Vec3{}});
   }
 }
 
 std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   corrections_.clear();
-  touches_.clear();
-  std::ranges::fill(loads_, Load{});
+  const auto moves = [&](const auto& known) { return (*step.moving)[known.vertex]; };
+  std::erase_if(touches_, moves);  // the forces on sleepers stay
+  std::erase_if(obstacle_forces_, moves);
   step_work_ = 0;
   for (Near& near : near_) {
     near.free_end = row(attributes_.position().rows(), near.vertex);
@@ -146,6 +148,7 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   if (has_tools_) settle_tools(step);
   for (std::size_t i = 0; i < near_.size(); ++i)
     book(near_[i], std::span(pushes_).subspan(i * placed_.size(), placed_.size()), step);
+  sum_loads();
   if (pieces_) book_friction_of_pieces();
   return corrections_;
 }
@@ -284,13 +287,12 @@ void Contact::book(Near& near, std::span<const Push> pushes, const ContactStep& 
   const Vec3 change = minus(velocity, near.free_velocity);
   near.mean = scaled(0.5, plus(before, velocity));
   if (change == Vec3{}) return;
-  const Vec3 place = row(attributes_.position().rows(), near.vertex);
   double heat = 0;
   for (std::size_t i = 0; i < pushes.size(); ++i) {
+    if (pushes[i].normal == Vec3{}) continue;
     const Vec3 force = scaled(mass / step.whole_gain, plus(pushes[i].normal, pushes[i].tangential));
     heat -= mass * dot(pushes[i].tangential, minus(near.mean, pushes[i].obstacle_velocity));
-    loads_[i].force = minus(loads_[i].force, force);
-    loads_[i].torque = minus(loads_[i].torque, cross(minus(place, placed_[i].centre()), force));
+    obstacle_forces_.push_back({near.vertex, static_cast<Index>(i), force});
   }
   touches_.push_back({near.vertex, scaled(mass / step.whole_gain, change)});
   const double work = mass * dot(change, near.mean);
@@ -300,6 +302,17 @@ void Contact::book(Near& near, std::span<const Push> pushes, const ContactStep& 
   corrections_.push_back(
       {near.vertex, dot(near.force, change),
        mass * (dot(velocity, velocity) - dot(near.free_velocity, near.free_velocity))});
+}
+
+void Contact::sum_loads() {
+  std::ranges::fill(loads_, Load{});
+  for (const ObstacleForce& on : obstacle_forces_) {
+    Load& load = loads_[on.obstacle];
+    const Vec3 place = row(attributes_.position().rows(), on.vertex);
+    const Vec3 arm = minus(place, placed_[on.obstacle].centre());
+    load.force = minus(load.force, on.force);
+    load.torque = minus(load.torque, cross(arm, on.force));
+  }
 }
 
 /// As for obstacles, with the mean sliding of the vertex over the face.
@@ -313,6 +326,26 @@ void Contact::book_friction_of_pieces() {
     work_ += heat;
     friction_work_ -= heat;
   }
+}
+
+// ------------------------------------------------------------------- sleepers --
+
+void Contact::change_sleepers(const LiveMask& moving) {
+  if (pieces_) pieces_->change_sleepers(moving);
+}
+
+std::vector<Index> Contact::near_moving_obstacles(double time, double dt) const {
+  std::vector<Index> found;
+  for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+    const Pose start = pose(i, time), end = tools_[i] ? start : pose(i, time + dt);
+    const bool stands = start.turn == end.turn && start.translation == end.translation;
+    if (!tools_[i] && stands) continue;
+    const PlacedObstacle placed(obstacles_[i], thickness_, start, end);
+    for (const Index v : surface_.vertices())
+      if (placed.may_touch(row(attributes_.position().rows(), v), longest_edge_))
+        found.push_back(v);
+  }
+  return found;
 }
 
 // -------------------------------------------------------------------- queries --
@@ -363,6 +396,7 @@ void Contact::record(std::span<const Force> forces, double time, double heat) {
 
 void Contact::restart() {
   touches_.clear();
+  obstacle_forces_.clear();
   std::ranges::fill(loads_, Load{});
   work_ = friction_work_ = step_work_ = closing_speed_ = 0;
 }
@@ -410,7 +444,9 @@ void Contact::follow(const CellComplex& complex, const TopologyChange& change) {
   surface_.follow(complex, change);
   vertices_.clear();
   if (pieces_) pieces_->follow(change);
-  std::erase_if(touches_, [&](const Touch& t) { return !complex.exists(0, t.vertex); });
+  const auto is_gone = [&](const auto& known) { return !complex.exists(0, known.vertex); };
+  std::erase_if(touches_, is_gone);
+  std::erase_if(obstacle_forces_, is_gone);
 }
 
 void Contact::state(Archive& archive) {
@@ -419,6 +455,9 @@ void Contact::state(Archive& archive) {
   if (pieces_) archive("pieces", *pieces_);
   archive.member("touching", touches_, &Touch::vertex);
   archive.member("forces", touches_, &Touch::force);
+  archive.member("pushed", obstacle_forces_, &ObstacleForce::vertex);
+  archive.member("pushed by", obstacle_forces_, &ObstacleForce::obstacle);
+  archive.member("pushes", obstacle_forces_, &ObstacleForce::force);
   archive.rows<double>("loads", loads_);
   for (std::size_t i = 0; i < tools_.size(); ++i)
     if (tools_[i]) archive(("tool " + obstacles_[i].name).c_str(), *tools_[i]);

@@ -121,6 +121,12 @@ class Contact final : public Follower {
   };
   std::optional<Failure> failure() const;
 
+  /// Call when pieces fell asleep or woke: what sleeps is not pushed, and the forces on it stay.
+  void change_sleepers(const LiveMask& moving);
+  /// Boundary vertices within an edge of an obstacle that moves in the step of length dt from
+  /// `time` on, or of a compliant one. O(boundary), if there are such obstacles.
+  std::vector<Index> near_moving_obstacles(double time, double dt) const;
+
   /// The longest step in which no obstacle moves by more than a tenth of an element, and no pieces
   /// approach each other by more than a tenth of an edge, s.
   double longest_step(double time) const;
@@ -154,6 +160,7 @@ class Contact final : public Follower {
   void push_out(Near& near, std::span<Push> pushes, double dt);
   void book(Near& near, std::span<const Push> pushes, const ContactStep& step);
   void book_friction_of_pieces();
+  void sum_loads();
 
   const CellComplex& complex_;
   Attributes& attributes_;
@@ -180,6 +187,12 @@ class Contact final : public Follower {
   double work_ = 0, friction_work_ = 0, step_work_ = 0;
   bool is_term_ = false;
   double closing_speed_ = 0;  ///< of pieces that may meet, at most, m/s
+  /// Of an obstacle on a vertex, in the last step, N.
+  struct ObstacleForce {
+    Index vertex, obstacle;
+    Vec3 force;
+  };
+  std::vector<ObstacleForce> obstacle_forces_;
 };
 
 }  // namespace suture

@@ -2,6 +2,8 @@
 #include "kernel/contact/piece_contact.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
 
 #include "kernel/contact/place_grid.hpp"
 #include "kernel/contact/vectors.hpp"
@@ -33,6 +35,8 @@ constexpr double least_mobility = 1e-3;
 constexpr double recovered = 0.2, max_recovery = 0.02;
 // Contact has failed where things are in each other by so much; of an edge.
 constexpr double alarming = 0.08;
+
+constexpr char held = 7;  // all components
 
 Vec3 free_part(Vec3 a, char fixed) {
   if (fixed == 0) return a;
@@ -82,7 +86,8 @@ PieceContact::PieceContact(const CellComplex& complex, const BoundarySurface& su
 
 // ----------------------------------------------------------------- near pairs --
 
-void PieceContact::update(const double* ends) {
+void PieceContact::update(const double* ends, const LiveMask& moving) {
+  moving_ = &moving;
   if (is_stale_) may_meet_ = find_what_may_meet();
   if (is_stale_ || (may_meet_ && has_moved(ends))) rebuild(ends);
   is_stale_ = false;
@@ -124,8 +129,15 @@ void PieceContact::rebuild(const double* ends) {
   if (may_meet_) {
     for (const Index v : ascending_) built_at_.push_back(row(ends, v));
     pairs_ = near_pairs(surface_, meeting_, ends, list_reach * edge_);
-    std::erase_if(pairs_, [&](const NearPair& pair) { return is_behind_at_rest(pair); });
+    const auto sleeps = [&](Index vertex) { return !(*moving_)[vertex]; };
+    std::erase_if(pairs_, [&](const NearPair& pair) {
+      const bool both_sleep = sleeps(pair.vertex) && sleeps(surface_.corners()[pair.face][0]);
+      return both_sleep || is_behind_at_rest(pair);
+    });
     find_near_edges(ends);
+    std::erase_if(near_edges_, [&](const NearEdges& pair) {
+      return sleeps(edges_[pair.first].ends[0]) && sleeps(edges_[pair.second].ends[0]);
+    });
   }
   find_vertices();
 }
@@ -253,8 +265,7 @@ void PieceContact::apply_last_forces(double ratio) {
     for (std::size_t i = 0; i < 5; ++i) {
       const Index vertex = touch.vertices[i];
       const double response = touch.weights[i] / attributes_.mass().rows()[vertex];
-      const auto fixed = static_cast<char>(attributes_.fixed().rows()[vertex]);
-      const Vec3 kick = free_part(scaled(response, impulse), fixed);
+      const Vec3 kick = free_part(scaled(response, impulse), fixed_components(vertex));
       free_.push_back({vertex, row(x, vertex), row(v, vertex)});
       add_to_row(v, vertex, kick);
       add_to_row(x, vertex, scaled(dt_, kick));
@@ -395,7 +406,7 @@ PieceContact::Touch PieceContact::touch_of(const std::array<Index, 5>& vertices,
   for (std::size_t i = 0; i < 5; ++i) {
     const Index v = vertices[i];
     touch.response[i] = weights[i] / attributes_.mass().rows()[v];
-    touch.fixed[i] = static_cast<char>(attributes_.fixed().rows()[v]);
+    touch.fixed[i] = fixed_components(v);
     const double part = weights[i] * touch.response[i];
     mobility += part * dot(normal, free_part(normal, touch.fixed[i]));
     unconstrained += part;
@@ -433,9 +444,54 @@ const PieceContact::Touch* PieceContact::too_deep() const {
   return deepest;
 }
 
+// ------------------------------------------------------------------- sleepers --
+
+void PieceContact::change_sleepers(const LiveMask& moving) {
+  moving_ = &moving;
+  is_stale_ = true;
+  const auto sleeps = [&](const Touch& touch) {
+    return !moving[touch.vertices[0]] && !moving[touch.vertices[4]];
+  };
+  std::vector<Touch> woken;
+  std::ranges::copy_if(asleep_, std::back_inserter(woken), std::not_fn(sleeps));
+  std::erase_if(asleep_, std::not_fn(sleeps));
+  for (Touch touch : touches_) {
+    if (!sleeps(touch) || touch.impulse == 0) continue;
+    touch.impulse /= gain_;
+    touch.friction = scaled(1 / gain_, touch.friction);
+    asleep_.push_back(touch);
+  }
+  std::erase_if(touches_, sleeps);
+  wake(woken);
+}
+
+/// In the order in which contacts are found, as the next step expects those of the last.
+void PieceContact::wake(std::vector<Touch>& woken) {
+  for (Touch& touch : woken) {
+    touch.impulse *= gain_;
+    touch.friction = scaled(gain_, touch.friction);
+    touches_.push_back(touch);
+  }
+  std::ranges::stable_sort(touches_, is_before);
+}
+
+/// All of a sleeper.
+char PieceContact::fixed_components(Index vertex) const {
+  return (*moving_)[vertex] ? static_cast<char>(attributes_.fixed().rows()[vertex]) : held;
+}
+
+double PieceContact::coming_impulse(const Touch& touch) const {
+  const double gap = -depth(touch);
+  const double speed = dot(touch.normal, sum_over(touch, attributes_.velocity().rows()));
+  return touch.impulse + touch.mass * std::max(0.0, -gap / dt_ - speed);
+}
+
 // ---------------------------------------------------------- operations and state --
 
+/// Everything is awake now.
 void PieceContact::follow(const TopologyChange& change) {
+  wake(asleep_);
+  asleep_.clear();
   islands_.update(complex_, change);
   is_stale_ = true;
   std::erase_if(touches_, [&](const Touch& touch) {
@@ -451,6 +507,11 @@ void PieceContact::state(Archive& archive) {
   archive.member("normals", touches_, &Touch::normal);
   archive.member("impulses", touches_, &Touch::impulse);
   archive.member("frictions", touches_, &Touch::friction);
+  archive.member("touching asleep", asleep_, &Touch::vertices);
+  archive.member("weights asleep", asleep_, &Touch::weights);
+  archive.member("normals asleep", asleep_, &Touch::normal);
+  archive.member("forces asleep", asleep_, &Touch::impulse);
+  archive.member("frictions asleep", asleep_, &Touch::friction);
   if (archive.loads()) is_stale_ = true;
 }
 

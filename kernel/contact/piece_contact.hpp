@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -44,8 +45,9 @@ class PieceContact {
   bool may_meet() const { return may_meet_; }
 
   /// Makes the list of near pairs again if anything has moved by half of the skin. `ends`: rows of
-  /// 4, where vertices will be at the end of the free step, at which contacts are found.
-  void update(const double* ends);
+  /// 4, where vertices will be at the end of the free step, at which contacts are found. `moving`:
+  /// vertices; what sleeps does not yield, and pairs of two sleepers are left out.
+  void update(const double* ends, const LiveMask& moving);
   /// The vertices of near pairs: no others are changed in the step.
   std::span<const Index> vertices() const { return vertices_; }
 
@@ -64,6 +66,22 @@ class PieceContact {
   /// 0.08 of a typical edge; null otherwise.
   const Touch* too_deep() const;
   double depth(const Touch& touch) const;  ///< at the current positions, m
+
+  /// Call when pieces fell asleep or woke. The forces between sleepers stay as they are until one
+  /// of them wakes.
+  void change_sleepers(const LiveMask& moving);
+  /// Between two sleepers, with forces (N) in place of impulses.
+  std::span<const Touch> asleep() const { return asleep_; }
+  /// Calls visit(vertex, acceleration) for the vertices of sleepers that others touch: what the
+  /// impulse of the last step, and that of the next one where a gap is about to close, would give
+  /// it, m/s^2.
+  template <class Visit>
+  void for_each_pushed_sleeper(Visit visit) const {
+    for (const Touch& touch : touches_)
+      for (std::size_t i = 0; i < 5; ++i)
+        if (touch.weights[i] != 0 && !(*moving_)[touch.vertices[i]])
+          visit(touch.vertices[i], std::abs(touch.response[i]) * coming_impulse(touch) / gain_);
+  }
 
   void follow(const TopologyChange& change);
   void state(Archive& archive);
@@ -90,6 +108,9 @@ class PieceContact {
   };
   bool is_settled(Index piece, const Vec3& face_normal) const;
   void add(const Found& found);
+  char fixed_components(Index vertex) const;
+  double coming_impulse(const Touch& touch) const;
+  void wake(std::vector<Touch>& woken);
   bool find_what_may_meet();
   bool is_behind_at_rest(const NearPair& pair) const;
   bool has_moved(const double* ends) const;
@@ -139,6 +160,8 @@ class PieceContact {
   std::vector<FreeEnd> free_;  ///< changed by apply_last_forces()
   TouchSweeps sweeps_;
   std::vector<Found> nearest_;  ///< to one vertex
+  const LiveMask* moving_ = nullptr;
+  std::vector<Touch> asleep_;
 };
 
 }  // namespace suture

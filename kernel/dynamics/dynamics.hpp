@@ -58,6 +58,8 @@ class Dynamics : private Follower {
   /// step do not depend on this call. The velocities alone cost nothing with symplectic Euler.
   void synchronise(bool with_forces = true);
 
+  /// The kick from the velocities to those at the time of the positions.
+  Kick lacking() const { return integrator_->lacking(); }
   /// sum m v^2 / 2 with the velocities at the time of the positions, J; changes no bit of later
   /// steps.
   double kinetic();

@@ -93,6 +93,12 @@ void Motion::thaw() {
   evaluated_ = false;
 }
 
+void Motion::thaw_except(std::span<const Index> vertices) {
+  evaluate();
+  frozen_ = false;
+  if (!vertices.empty()) freeze(vertices);
+}
+
 // ------------------------------------------------------------------- passes --
 
 loops::Motion Motion::pass(std::span<const Kick> kicks) const {

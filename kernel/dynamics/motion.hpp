@@ -84,7 +84,11 @@ class Motion {
   /// Stops the vertices and sets their velocities to zero; the evaluated forces remain valid.
   void freeze(std::span<const Index> vertices);
   void thaw();
+  /// Leaves only these vertices frozen, which are so already. The others begin with velocity zero
+  /// and the forces that they have kept.
+  void thaw_except(std::span<const Index> vertices);
   bool is_frozen() const { return frozen_; }
+  const LiveMask& moving() const;  ///< vertices that exist and are not frozen
 
   /// The vertex with the largest kinetic energy in the chunk with the largest apparent frequency.
   Index fastest_vertex() const;
@@ -96,7 +100,6 @@ class Motion {
   double resolve_contact(const ContactStep& step);
   template <class Chunk>
   bool for_each_chunk(Chunk chunk) const;
-  const LiveMask& moving() const;
   void clear_forces();
   [[noreturn]] void refuse_not_finite() const;
 

@@ -6,6 +6,9 @@
 #include <string>
 
 #include "kernel/base/error.hpp"
+#include "kernel/contact/contact.hpp"
+#include "kernel/contact/vectors.hpp"
+#include "kernel/dynamics/contact_forces.hpp"
 
 namespace suture {
 namespace {
@@ -54,19 +57,21 @@ Vec3 total_force(Attributes& attributes, const Vec3& gravity, Index vertex) {
 }  // namespace
 
 Stillness stillness(Dynamics& dynamics, std::span<const Index> elements) {
-  dynamics.synchronise();
+  dynamics.motion().evaluate();
+  const WithContactForces with_contact(dynamics.body());
+  const Kick lacking = dynamics.lacking();
   Attributes& attributes = dynamics.body().attributes();
   const Vec3 gravity = dynamics.body().acceleration(dynamics.time());
   Stillness result;
   double squares = 0;
   for (const Index v : vertices_of(dynamics.body().complex(), elements)) {
     const Vec3 f = total_force(attributes, gravity, v);
-    const double force = std::hypot(f[0], f[1], f[2]);
+    const double force = norm(f), mass = attributes.mass().get(v, 0);
+    const Vec3 velocity = plus(scaled(lacking.decay, row(attributes.velocity().rows(), v)),
+                               scaled(lacking.gain / mass, f));
     squares += force * force;
-    const Column& velocity = attributes.velocity();
-    const double speed = std::hypot(velocity.get(v, 0), velocity.get(v, 1), velocity.get(v, 2));
-    result.acceleration = std::max(result.acceleration, force / attributes.mass().get(v, 0));
-    result.velocity = std::max(result.velocity, speed);
+    result.acceleration = std::max(result.acceleration, force / mass);
+    result.velocity = std::max(result.velocity, norm(velocity));
   }
   result.residual = std::sqrt(squares);
   return result;
@@ -81,11 +86,26 @@ void put_to_sleep(Dynamics& dynamics, std::span<const Index> elements) {
       [&] {
         body.models().sleep(elements);
         dynamics.motion().freeze(vertices_of(body.complex(), elements));
+        if (body.contact()) body.contact()->change_sleepers(dynamics.motion().moving());
       },
       true);
 }
 
-void wake_all(Dynamics& dynamics) { dynamics.motion().thaw(); }
+void wake_all(Dynamics& dynamics) { wake_except(dynamics, {}); }
+
+void wake_except(Dynamics& dynamics, std::span<const Index> asleep) {
+  Body& body = dynamics.body();
+  dynamics.synchronise();
+  dynamics.jump(
+      [&] {
+        body.models().wake_all();
+        if (!asleep.empty()) body.models().sleep(asleep);
+        dynamics.motion().thaw_except(vertices_of(body.complex(), asleep));
+        if (body.contact()) body.contact()->change_sleepers(dynamics.motion().moving());
+      },
+      true);
+}
+
 bool sleeps(const Dynamics& dynamics) { return dynamics.motion().is_frozen(); }
 
 }  // namespace suture

@@ -8,13 +8,13 @@
 namespace suture {
 
 /// The distance of a set of elements from rest, over its vertices and free components, with all
-/// forces, loads and gravity.
+/// forces, loads, gravity and contact.
 struct Stillness {
   double residual = 0;      ///< sqrt(sum |f|^2), N
   double acceleration = 0;  ///< largest |f| / m, m/s^2
   double velocity = 0;      ///< largest, m/s
 };
-/// Synchronises the velocities. O(elements).
+/// Changes no bit of later steps. O(elements).
 Stillness stillness(Dynamics& dynamics, std::span<const Index> elements);
 
 /// Islands at rest can be put to sleep: their vertices are frozen with velocity zero, and their
@@ -30,6 +30,8 @@ Stillness stillness(Dynamics& dynamics, std::span<const Index> elements);
 /// the first bound holds).
 void put_to_sleep(Dynamics& dynamics, std::span<const Index> elements);
 void wake_all(Dynamics& dynamics);
+/// Wakes all but these elements, whole islands that sleep. O(elements).
+void wake_except(Dynamics& dynamics, std::span<const Index> asleep);
 bool sleeps(const Dynamics& dynamics);
 
 }  // namespace suture

@@ -214,8 +214,9 @@ void decide_contact(BuiltScene& built, std::vector<Decision>& list) {
 void decide_events(const Scene& scene, std::vector<Decision>& list) {
   const bool sleeps = scene.solver.sleep_acceleration > 0;
   list.push_back({"sleep", !sleeps,
-                  sleeps ? "islands at rest are not computed until an operation wakes them"
-                         : "not requested"});
+                  sleeps
+                      ? "islands at rest are not computed until an operation or contact wakes them"
+                      : "not requested"});
   if (scene.events.empty()) list.push_back({"events", true, "the scene has none"});
   const bool solids = std::ranges::any_of(scene.contact.obstacles, [](const Obstacle& obstacle) {
     return std::holds_alternative<Triangulated>(obstacle.shape);

@@ -124,7 +124,7 @@ void RunLoop::take_over(const EventOutcome& outcome) {
 }
 
 void RunLoop::report_sleep(Observer& observer) {
-  if (sleeper_.check(clock_.step()) == 0) return;
+  if (!sleeper_.check(clock_.step())) return;
   control_.commit();
   std::ostringstream text;
   text << "t = " << clock_.time() << " s: " << sleeper_.sleeping() << " of "
@@ -163,6 +163,7 @@ void RunLoop::change_motion(const std::function<void(Attributes&)>& change) {
     std::copy_n(earlier.rows(), std::size_t{earlier.size()} * 4, column.rows());
   };
   std::exception_ptr failure;
+  sleeper_.wake_all();
   control_.commit();  // no rollback crosses it
   built_.dynamics().jump([&] {
     try {
@@ -192,6 +193,7 @@ ForceTerm& RunLoop::add_term(std::unique_ptr<ForceTerm> term) {
   term->add_forces(clock_.time(), attributes.kernel(0).cells.live(), rows.data());  // may throw
   term->energy(clock_.time());
   ForceTerm* added = nullptr;
+  sleeper_.wake_all();
   built_.dynamics().jump([&] { added = &built_.body().add(std::move(term)); });
   control_.after_jump();
   return *added;

@@ -2,7 +2,9 @@
 #include "kernel/run/sleeper.hpp"
 
 #include <algorithm>
+#include <numeric>
 
+#include "kernel/contact/contact.hpp"
 #include "kernel/dynamics/sleep.hpp"
 
 namespace suture {
@@ -31,33 +33,140 @@ bool Sleeper::is_still(std::span<const Index> elements) const {
   return found.acceleration <= acceleration_ && found.velocity <= velocity_;
 }
 
-Index Sleeper::check(std::uint64_t step) {
-  if (!is_enabled() || step % steps_between_checks != 0) return 0;
-  if (built_.dynamics().time() < built_.body().last_change()) return 0;
-  const Islands& islands = built_.body().islands();
-  still_checks_.resize(islands.count());
-  Index fallen_asleep = 0;
-  const auto lists = elements_by_island(islands, built_.body().complex().element_count());
-  for (Index island = 0; island < islands.count(); ++island) {
-    unsigned& checks = still_checks_[island];
-    if (lists[island].empty() || checks >= checks_needed) continue;
-    checks = is_still(lists[island]) ? checks + 1 : 0;
-    if (checks < checks_needed) continue;
-    put_to_sleep(built_.dynamics(), lists[island]);
-    ++fallen_asleep;
+Index Sleeper::island_of(Index vertex) const {
+  Body& body = built_.body();
+  return body.islands().of(body.complex().dart_of(0, vertex) / 24);
+}
+
+/// Of loads and constraints; what moves as an obstacle matters only to what it comes near.
+double Sleeper::last_change() const {
+  double last = built_.body().constraints().last_change();
+  for (const auto& term : built_.body().terms()) last = std::max(last, term->last_change());
+  return last;
+}
+
+bool Sleeper::check(std::uint64_t step) {
+  if (!is_enabled()) return false;
+  still_checks_.resize(built_.body().islands().count());
+  asleep_.resize(still_checks_.size());
+  if (wake_disturbed()) return true;
+  if (step % steps_between_checks != 0 || built_.dynamics().time() < last_change()) return false;
+  return put_still_to_sleep();
+}
+
+// ------------------------------------------------------------------------ wake --
+
+bool Sleeper::wake_disturbed() {
+  if (!built_.body().contact() || sleeping() == 0) return false;
+  const std::vector<bool> islands = disturbed();
+  if (std::ranges::find(islands, true) == islands.end()) return false;
+  wake(islands);
+  return true;
+}
+
+void Sleeper::wake_all() {
+  if (sleeping() == 0) return;
+  wake(std::vector<bool>(asleep_.size(), true));
+}
+
+/// Islands that something wakes, with all that they touch.
+std::vector<bool> Sleeper::disturbed() {
+  const Contact& contact = *built_.body().contact();
+  std::vector<bool> found(asleep_.size());
+  const auto disturb = [&](Index vertex) {
+    const Index island = island_of(vertex);
+    if (asleep_[island]) found[island] = true;
+  };
+  const Motion& motion = built_.dynamics().motion();
+  for (const Index v : contact.near_moving_obstacles(motion.time(), motion.last_step())) disturb(v);
+  if (!contact.pieces()) return found;
+  contact.pieces()->for_each_pushed_sleeper([&](Index vertex, double acceleration) {
+    if (acceleration > acceleration_) disturb(vertex);
+  });
+  const std::vector<Index> group = groups();
+  std::vector<bool> wakes(found.size());
+  for (Index i = 0; i < found.size(); ++i)
+    if (found[i]) wakes[group[i]] = true;
+  for (Index i = 0; i < found.size(); ++i) found[i] = asleep_[i] && wakes[group[i]];
+  return found;
+}
+
+void Sleeper::wake(const std::vector<bool>& islands) {
+  const auto elements =
+      elements_by_island(built_.body().islands(), built_.body().complex().element_count());
+  std::vector<Index> asleep;
+  for (Index i = 0; i < islands.size(); ++i) {
+    if (islands[i]) asleep_[i] = still_checks_[i] = 0;
+    if (asleep_[i]) asleep.insert(asleep.end(), elements[i].begin(), elements[i].end());
   }
-  return fallen_asleep;
+  wake_except(built_.dynamics(), asleep);
+}
+
+// ----------------------------------------------------------------------- sleep --
+
+/// By island: the smallest one of those that press on each other, directly or through others.
+std::vector<Index> Sleeper::groups() const {
+  std::vector<Index> parent(asleep_.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](Index i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  const Contact* contact = built_.body().contact();
+  const auto join = [&](std::span<const PieceContact::Touch> touches) {
+    for (const PieceContact::Touch& touch : touches) {
+      if (touch.impulse == 0) continue;
+      const Index a = root(island_of(touch.vertices[0])), b = root(island_of(touch.vertices[4]));
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  };
+  if (contact && contact->pieces()) {
+    join(contact->pieces()->touches());
+    join(contact->pieces()->asleep());
+  }
+  for (Index i = 0; i < parent.size(); ++i) parent[i] = root(i);
+  return parent;
+}
+
+void Sleeper::count_still_checks(const std::vector<std::vector<Index>>& elements) {
+  for (Index i = 0; i < asleep_.size(); ++i)
+    if (!elements[i].empty() && !asleep_[i])
+      still_checks_[i] = is_still(elements[i]) ? std::min(still_checks_[i] + 1, checks_needed) : 0;
+  const Contact* contact = built_.body().contact();
+  if (!contact) return;
+  const Motion& motion = built_.dynamics().motion();
+  for (const Index v : contact->near_moving_obstacles(motion.time(), motion.last_step()))
+    still_checks_[island_of(v)] = 0;
+}
+
+bool Sleeper::put_still_to_sleep() {
+  const auto elements =
+      elements_by_island(built_.body().islands(), built_.body().complex().element_count());
+  count_still_checks(elements);
+  const std::vector<Index> group = groups();
+  std::vector<bool> waits(group.size());
+  for (Index i = 0; i < group.size(); ++i)
+    if (still_checks_[i] < checks_needed && !elements[i].empty()) waits[group[i]] = true;
+  std::vector<Index> still;
+  for (Index i = 0; i < group.size(); ++i) {
+    if (asleep_[i] || elements[i].empty() || waits[group[i]]) continue;
+    asleep_[i] = 1;
+    still.insert(still.end(), elements[i].begin(), elements[i].end());
+  }
+  put_to_sleep(built_.dynamics(), still);
+  return !still.empty();
 }
 
 void Sleeper::follow(const CellComplex&, const TopologyChange&) {
   std::ranges::fill(still_checks_, 0u);
+  std::ranges::fill(asleep_, std::uint8_t{0});
 }
 
-void Sleeper::state(Archive& archive) { archive("still looks", still_checks_); }
-
-Index Sleeper::sleeping() const {
-  return static_cast<Index>(std::ranges::count_if(
-      still_checks_, [](unsigned checks) { return checks >= checks_needed; }));
+void Sleeper::state(Archive& archive) {
+  archive("still looks", still_checks_);
+  archive("asleep", asleep_);
 }
+
+Index Sleeper::sleeping() const { return static_cast<Index>(std::ranges::count(asleep_, 1)); }
 
 }  // namespace suture

@@ -10,8 +10,16 @@ namespace suture {
 
 /// Puts islands to sleep that have come to rest (solver option "sleep"): islands whose nodes all
 /// stayed below an acceleration and a velocity in four consecutive checks, 64 steps apart, after
-/// the last ramp and motion. A sleeping island is frozen and costs nothing until an operation wakes
-/// all islands.
+/// the last ramp and motion of loads and constraints. Islands that press on each other fall asleep
+/// together, and none does within an edge of an obstacle that moves or is compliant. A sleeping
+/// island is frozen and costs nothing until an operation wakes all islands.
+///
+/// With contact, a sleeper and all sleepers that touch it, or those, wake when
+///  - an obstacle that moves or is compliant comes within an edge of it;
+///  - an awake island pushes one of its nodes, or is about to, so that it would accelerate by more
+///    than the threshold of sleep, m/s^2: what a push below it would do is within the error of
+///    sleep. Until then the sleeper is held.
+/// The forces between sleepers, and of obstacles on them, stay as they were.
 ///
 /// Error: with acceleration a and velocity v when an island fell asleep, the motion omitted in a
 /// time T is at most v T + a T^2 / 2 (put_to_sleep() also gives a bound that does not grow with T).
@@ -20,9 +28,12 @@ class Sleeper : private Follower {
   Sleeper(const SolverOptions& options, BuiltScene& built);
 
   bool is_enabled() const { return acceleration_ > 0; }
-  /// Call after every step. Returns the number of islands that fell asleep now. A check costs a
-  /// pass over the awake elements, every 64 steps.
-  Index check(std::uint64_t step);
+  /// Call after every step. True if some island fell asleep or woke. A check costs a pass over the
+  /// awake elements, every 64 steps; and while something sleeps, a pass over the boundary in every
+  /// step in which an obstacle moves.
+  bool check(std::uint64_t step);
+  /// Call before motion or forces are changed from outside.
+  void wake_all();
   /// The number of sleeping islands.
   Index sleeping() const;
   void state(Archive& archive);
@@ -31,10 +42,19 @@ class Sleeper : private Follower {
   /// Dynamics has woken all islands.
   void follow(const CellComplex& complex, const TopologyChange& change) override;
   bool is_still(std::span<const Index> elements) const;
+  bool wake_disturbed();
+  std::vector<bool> disturbed();
+  void wake(const std::vector<bool>& islands);
+  bool put_still_to_sleep();
+  void count_still_checks(const std::vector<std::vector<Index>>& elements);
+  std::vector<Index> groups() const;
+  Index island_of(Index vertex) const;
+  double last_change() const;
 
   BuiltScene& built_;
   double acceleration_, velocity_;      ///< m/s^2, m/s
   std::vector<unsigned> still_checks_;  ///< by island
+  std::vector<std::uint8_t> asleep_;    ///< by island
 };
 
 }  // namespace suture

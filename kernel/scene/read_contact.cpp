@@ -208,8 +208,12 @@ void refuse_solvers_without_contact(ObjectReader& contact, const ContactOptions&
     refuse("\"coupling\" of an obstacle and the integrator '" + solver.integrator +
                "': a tool that gives way moves with explicit steps",
            "use \"symplectic-euler\" or \"velocity-verlet\"");
-  if (solver.sleep_acceleration > 0)
-    refuse("\"sleep\" in /solver: an island would not wake when it is touched", "remove \"sleep\"");
+  if (solver.sleep_acceleration > 0 && (options.penalty || is_implicit(solver.integrator)))
+    refuse("\"sleep\" in /solver and " +
+               (options.penalty ? "\"law\": \"penalty\""
+                                : "the integrator '" + solver.integrator + "'") +
+               ": an island would not wake when it is touched",
+           "remove \"sleep\"");
   if (solver.step_error)
     refuse("\"step_error\" in /solver: its estimate does not include impacts",
            "remove \"step_error\"");

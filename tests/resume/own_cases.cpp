@@ -40,6 +40,16 @@ Case asleep(Random& random, unsigned, std::uint64_t) {
     scene["events"].push_back(
         {{"at", random.between(0.2, 2.9)}, {"cut", across(random.between(0.2, 0.8), random)}});
   if (random.chance(0.3)) scene["events"].push_back({{"at", 2.5}, {"suture", Json::object()}});
+  if (random.chance(0.5)) {  // a floor that may rise
+    scene["contact"] = {
+        {"pieces", random.chance(0.7)},
+        {"obstacles",
+         {{{"name", "floor"},
+           {"half_space", {{"point", {0, -0.001, 0}}, {"normal", {0, 1, 0}}}},
+           {"path",
+            {{{"at", random.between(1, 2.5)}},
+             {{"at", 2.6}, {"translation", {0, random.between(-0.05, 0.05), 0}}}}}}}}};
+  }
   add_output(scene, random);
   return result;
 }

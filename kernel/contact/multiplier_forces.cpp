@@ -58,6 +58,13 @@ void MultiplierForces::Push::add(const Vec3& force, Number* rows, std::size_t wi
       rows[width * vertices[i] + c] += static_cast<Number>(weights[i] * force[c]);
 }
 
+/// What inertia adds to the stiffness of the equations of a step: multipliers would converge slowly
+/// without it.
+double MultiplierForces::stiffness_per_mass(double time) const {
+  const double dt = time - start_time_;
+  return is_static_ || start_.empty() || !(dt > 0) ? 0 : stiffening / (dt * dt);
+}
+
 /// visit(push) for everything that is pushed, and for what touches without a force: its tangent
 /// holds a body that lies there. Between pieces only until it moves away: Newton's method is slow
 /// with the tangent of a force that is not there, and lips often touch without one.
@@ -65,14 +72,15 @@ template <class Visit>
 void MultiplierForces::for_each_push(double time, Visit visit) {
   find_stiffness(time);
   for_each_push_of_obstacles(time, visit);
+  const double per_mass = stiffness_per_mass(time);
   for (Pair& pair : pairs_) {
+    const double stiffness = pair.stiffness + per_mass * pair.mass;
     Push push{
-        &pair, Contact::between_pieces, pair.vertices, pair.weights, pair.normal, pair.stiffness, 0,
-        0};
+        &pair, Contact::between_pieces, pair.vertices, pair.weights, pair.normal, stiffness, 0, 0};
     const Vec3 offset = push.sum(attributes_.position().rows(), 4);
     push.gap = dot(pair.normal, offset);
-    push.pressure = std::max(0.0, pair.pressure - pair.stiffness * push.gap);
-    if (push.pressure == 0 && (pair.pressure != 0 || push.gap > pair.start)) continue;
+    push.pressure = std::max(0.0, pair.pressure - stiffness * push.gap);
+    if (push.pressure == 0 && (pair.pressure != 0 || push.gap > pair.first_gap)) continue;
     if (!start_.empty())
       add_friction(push, contact_.pieces()->friction(), minus(offset, push.sum(start_.data(), 4)));
     visit(push);
@@ -82,7 +90,9 @@ void MultiplierForces::for_each_push(double time, Visit visit) {
 template <class Visit>
 void MultiplierForces::for_each_push_of_obstacles(double time, Visit visit) {
   static constexpr double one = 1;
-  const double *x = attributes_.position().rows(), *fixed = attributes_.fixed().rows();
+  const double *x = attributes_.position().rows(), *fixed = attributes_.fixed().rows(),
+               *mass = attributes_.mass().rows();
+  const double per_mass = stiffness_per_mass(time);
   const double touching = tolerance * contact_.mean_edge();
   for (std::size_t i = 0; i < contact_.obstacles().size(); ++i) {
     const Obstacle& obstacle = contact_.obstacles()[i];
@@ -95,10 +105,11 @@ void MultiplierForces::for_each_push_of_obstacles(double time, Visit visit) {
           (last.pressure == 0 && !placed.may_touch(place, touching)))
         continue;
       const Nearest nearest = placed.gap(place);
-      const double pressure = std::max(0.0, last.pressure - stiffness_[v] * nearest.distance);
+      const double stiffness = stiffness_[v] + per_mass * mass[v];
+      const double pressure = std::max(0.0, last.pressure - stiffness * nearest.distance);
       if (pressure == 0 && (last.pressure != 0 || nearest.distance >= touching)) continue;
-      Push push{&last,   i, {&v, 1}, {&one, 1}, nearest.normal, stiffness_[v], nearest.distance,
-                pressure};
+      Push push{&last,          i,         {&v, 1},          {&one, 1},
+                nearest.normal, stiffness, nearest.distance, pressure};
       if (!start_.empty())
         add_friction(push, obstacle.friction,
                      minus(minus(place, row(start_.data(), v)), placed.displacement(place)));
@@ -261,7 +272,8 @@ MultiplierForces::Pairs MultiplierForces::find_pairs(double time) {
                        touch.vertices,
                        touch.weights,
                        touch.normal,
-                       stiffness_of(touch.vertices, touch.weights)});
+                       stiffness_of(touch.vertices, touch.weights),
+                       touch.mass});
   return pairs;
 }
 
@@ -342,7 +354,7 @@ void MultiplierForces::begin_step(double time) {
   take_over(find_pairs(time));
   for (Pair& pair : pairs_) {
     const double gap = dot(pair.normal, offset_of(pair));
-    if (gap < tolerance * contact_.mean_edge()) pair.start = gap;
+    if (gap < tolerance * contact_.mean_edge()) pair.first_gap = gap;
   }
 }
 
@@ -402,6 +414,7 @@ void MultiplierForces::state(Archive& archive) {
   archive.member("weights", accepted_pairs_, &Pair::weights);
   archive.member("normals", accepted_pairs_, &Pair::normal);
   archive.member("stiffnesses", accepted_pairs_, &Pair::stiffness);
+  archive.member("masses", accepted_pairs_, &Pair::mass);
   archive.member("pressures", accepted_pairs_, &Pair::pressure);
   archive.member("friction", accepted_pairs_, &Pair::friction);
   archive("start", start_);
@@ -412,6 +425,9 @@ void MultiplierForces::state(Archive& archive) {
   archive("last position", last_position_);
   archive("last velocity", last_velocity_);
   if (!archive.loads()) return;
+  for (const Pair& pair : accepted_pairs_)
+    for (const Index v : pair.vertices)
+      archive.require(v < attributes_.vertex_count(), "contact is that of another body");
   of_obstacles_ = accepted_of_obstacles_;
   pairs_ = accepted_pairs_;
 }

@@ -15,7 +15,7 @@ namespace suture {
 ///   p = max(0, l - k g),   q = t - k s,   |q| <= mu p,   f = p n + q
 /// When the equations are solved, update() sets l = p and t = q, and they are solved again, until
 /// gaps and sliding where it holds are below `tolerance` of an edge. So the stiffness k, a multiple
-/// of a bound on that of the body there, affects the cost but not the result.
+/// of a bound on that of the body there and of mass / dt^2, affects the cost but not the result.
 ///
 /// Contacts between pieces are found before the equations are solved and again in update(); in
 /// between, their vertices, weights and normals do not change, so that Newton's method has a fixed
@@ -60,8 +60,9 @@ class MultiplierForces final : public ContactTerm {
     std::array<Index, 5> vertices{};
     std::array<double, 5> weights{};
     Vec3 normal{};
-    double stiffness = 0;  ///< N/m
-    double start = -1;     ///< its gap if it touches at the start of the step, m
+    double stiffness = 0;   ///< of the body, N/m
+    double mass = 0;        ///< that an impulse along the normal moves, kg
+    double first_gap = -1;  ///< at the start of the step, if it touches then, m
     bool is_of_edges() const { return vertices[3] == vertices[4]; }
   };
   using Pairs = std::vector<Pair>;
@@ -89,6 +90,7 @@ class MultiplierForces final : public ContactTerm {
     Vec3 skew_tangent(const Vec3& d) const;
   };
   std::vector<Contact::Force> forces_at(double time) override;
+  double stiffness_per_mass(double time) const;
   template <class Visit>
   void for_each_push(double time, Visit visit);
   template <class Visit>

@@ -373,6 +373,29 @@ TEST(ImplicitPieces, HaveTheSameBitsForAnyNumberOfThreadsAndAfterARollback) {
   }
 }
 
+/// One that falls by up to three of its edges in a step: rejected steps keep it from passing.
+TEST(ImplicitPieces, FastOnesDoNotPassThroughEachOther) {
+  TemporaryFolder folder;
+  Scene scene = block_on_floor(1, {0, 0, -100}, 0, 1e6);
+  scene.contact.obstacles.clear();
+  use_boxes(scene, folder,
+            {{.origin = {0, 0, 0}, .size = {0.4, 0.4, 0.1}, .cells = {4, 4, 1}},
+             {.origin = {0.03, 0.04, 0.4}, .size = {0.3, 0.3, 0.1}, .cells = {3, 3, 1}}});
+  hold(scene, 2, 0).components = 7;
+  scene.contact.pieces = true;
+  scene.contact.friction = 0.3;
+  scene.solver.integrator = "implicit-euler";
+  scene.solver.dt = 0.04;
+  scene.solver.end = 0.4;
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Observer nobody;
+  simulation.run(nobody);
+  EXPECT_LT(overlap_of_pieces(simulation), 1e-4);
+  Attributes& a = simulation.attributes();
+  for (Index v = 50; v < a.vertex_count(); ++v) EXPECT_GT(a.position().get(v, 2), 0.05);
+}
+
 /// The upper half of a block that is cut while it lies on a floor, in 0.3 s.
 TEST(ImplicitPieces, LipsOfACutTouchFromTheNextStepOn) {
   double lowest[2];

@@ -64,7 +64,8 @@ void ImplicitIntegrator::reject() {
   Attributes& attributes = motion_.body().attributes();
   std::ranges::copy(position_, attributes.position().rows());
   std::ranges::copy(velocity_, attributes.velocity().rows());
-  for (const auto& term : motion_.body().terms()) term->begin_step(motion_.time());
+  for (const auto& term : motion_.body().terms())  // multipliers of the attempt go
+    term->begin_step(motion_.time());
   newton_.reject_step();
   motion_.discard_forces();
 }

@@ -42,7 +42,7 @@ class LoadPath {
   bool try_at(double part);
   /// The current positions are an equilibrium. Throws NumericalError if elements are inside out.
   void accept();
-  /// Back to the last equilibrium; remembers why.
+  /// Back to the last equilibrium, and to the multipliers at the start of the step; remembers why.
   void return_from(const NumericalError& error);
 
   const std::vector<double>& position() const { return position_; }  ///< of the last one, rows

@@ -320,7 +320,7 @@ TEST(StaticPieces, ABodyTouchesItself) {
 }
 
 TEST(StaticPieces, WhatNothingTouchesIsNamed) {
-  Scene scene = block_on_floor(1, {0, 0, -9.81}, 0.5);
+  Scene scene = block_on_floor(1, {0, 0, -9.81}, 0);
   scene.mesh.box->origin[2] = 0.05;
   scene.mesh.box->cells = {1, 1, 1};
   scene.contact.pieces = true;

@@ -9,6 +9,9 @@
 namespace suture {
 namespace {
 
+// Where pieces are packed; memory for more is found when it is needed.
+constexpr std::size_t pairs_per_face = 8;
+
 Box box_around(const BoundarySurface::Corners& corners, const double* positions, double reach) {
   Box box = no_box;
   for (const Index corner : corners) include(box, row(positions, corner));
@@ -41,6 +44,7 @@ std::vector<NearPair> near_pairs(const BoundarySurface& surface, const Meeting& 
                                  const double* positions, double reach) {
   const PlaceGrid grid = grid_of(surface, meeting, positions, reach);
   std::vector<NearPair> pairs;
+  pairs.reserve(pairs_per_face * surface.corners().size());
   for (Index face = 0; face < surface.corners().size(); ++face) {
     const BoundarySurface::Corners& corners = surface.corners()[face];
     const Index piece = meeting.piece_of[corners[0]];

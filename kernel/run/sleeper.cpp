@@ -83,6 +83,7 @@ std::vector<bool> Sleeper::disturbed() {
   contact.pieces()->for_each_pushed_sleeper([&](Index vertex, double acceleration) {
     if (acceleration > acceleration_) disturb(vertex);
   });
+  if (std::ranges::find(found, true) == found.end()) return found;
   const std::vector<Index> group = groups();
   std::vector<bool> wakes(found.size());
   for (Index i = 0; i < found.size(); ++i)

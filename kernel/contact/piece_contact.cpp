@@ -13,7 +13,7 @@ namespace {
 
 // In typical edges: how far a vertex may be in front of a face that it may yet be pushed into, and
 // how far beside its rim; how far things move before near pairs are sought again.
-constexpr double margin = 0.1, beside = 0.05, skin = 0.25;
+constexpr double margin = 0.1, beside = 0.05, skin = 0.5;
 constexpr double list_reach = PieceContact::max_depth + skin;  // of near pairs
 // Of gaps, in typical edges; the second one also of those that do not move.
 constexpr double precision = 1e-4, rounding_of_gaps = 1e-9;
@@ -21,7 +21,7 @@ constexpr double precision = 1e-4, rounding_of_gaps = 1e-9;
 // fast modes, and a pile would never come to rest.
 constexpr double lag = 0.3;
 // Of the precision: what a sweep leaves as it is.
-constexpr double negligible = 0.2;
+constexpr double negligible = 0.1;
 constexpr double same_side = 0.2;  // cosine of an angle at which surfaces look the same way
 // What is less far behind a face at rest belongs to the same sheet; in typical edges.
 constexpr double thin = 0.5;

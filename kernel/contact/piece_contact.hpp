@@ -156,7 +156,7 @@ class PieceContact {
   std::vector<NearPair> candidates_;
   std::vector<FaceFoot> feet_;  ///< of candidates
   std::vector<Touch> touches_, last_;
-  double precision_ = 0;        ///< of gaps, m; 0: before the first sweep
+  double precision_ = 0;       ///< of gaps, m; 0: before the first sweep
   std::vector<FreeEnd> free_;  ///< changed by apply_last_forces()
   TouchSweeps sweeps_;
   std::vector<Found> nearest_;  ///< to one vertex

@@ -45,8 +45,8 @@ class PieceContact {
   bool may_meet() const { return may_meet_; }
 
   /// Makes the list of near pairs again if anything has moved by half of the skin. `ends`: rows of
-  /// 4, where vertices will be at the end of the free step, at which contacts are found. `moving`:
-  /// vertices; what sleeps does not yield, and pairs of two sleepers are left out.
+  /// 4, where vertices will be at the end of the free step. `moving`: vertices; what sleeps does
+  /// not yield, and pairs of two sleepers are left out.
   void update(const double* ends, const LiveMask& moving);
   /// The vertices of near pairs: no others are changed in the step.
   std::span<const Index> vertices() const { return vertices_; }

@@ -147,7 +147,7 @@ TEST(ImplicitContact, FrictionHoldsOrSlidesByItsCoefficient) {
 }
 
 /// Holds the component along an axis of the nodes of a plane at right angles to it.
-Constraint& hold(Scene& scene, std::size_t axis, double at) {
+Constraint& hold_face(Scene& scene, std::size_t axis, double at) {
   Constraint& fix = scene.constraints.emplace_back();
   Selection::Plane plane{{}, {}, 1e-6};
   plane.point[axis] = at;
@@ -185,8 +185,8 @@ TEST(StaticPieces, AStackCarriesItsWeight) {
     scene.contact.pieces = true;
     scene.contact.friction = friction;
     if (friction == 0) {
-      hold(scene, 0, 0);
-      hold(scene, 1, 0);
+      hold_face(scene, 0, 0);
+      hold_face(scene, 1, 0);
     }
     scene.solver.integrator = "static";
     scene.solver.dt = scene.solver.end = 1;
@@ -207,8 +207,8 @@ TEST(StaticPieces, MeshesThatDoNotMatchCarryAUniformPressure) {
     Scene scene = block_on_floor(1, {}, 0);
     scene.contact.obstacles.clear();
     use_boxes(scene, folder, stack({cells[0], cells[1]}));
-    for (const std::size_t axis : {0, 1, 2}) hold(scene, axis, 0);
-    Constraint& pressed = hold(scene, 2, 0.4);
+    for (const std::size_t axis : {0, 1, 2}) hold_face(scene, axis, 0);
+    Constraint& pressed = hold_face(scene, 2, 0.4);
     pressed.translation = {0, 0, -0.008};
     pressed.ramp = {0, 1, true};
     pressed.moves = true;
@@ -239,7 +239,7 @@ TEST(ImplicitPieces, FrictionHoldsOrSlidesByItsCoefficient) {
     use_boxes(scene, folder,
               {{.origin = {0, -0.2, 0}, .size = {1.2, 0.8, 0.2}, .cells = {2, 1, 1}},
                {.origin = {0.62, 0, 0.2}, .size = {0.4, 0.4, 0.2}, .cells = {3, 3, 2}}});
-    hold(scene, 2, 0).components = 7;
+    hold_face(scene, 2, 0).components = 7;
     scene.contact.pieces = true;
     scene.contact.friction = 0.3;
     scene.gravity_ramp = {0, 0.5, true};
@@ -269,8 +269,8 @@ Scene pressed_lips(Index n, double friction, double shear) {
   scene.contact.obstacles.clear();
   scene.contact.pieces = true;
   scene.contact.friction = friction;
-  hold(scene, 2, 0).components = 7;
-  Constraint& moved = hold(scene, 2, 0.2);
+  hold_face(scene, 2, 0).components = 7;
+  Constraint& moved = hold_face(scene, 2, 0.2);
   moved.components = 7;
   moved.translation = {shear, 0, -0.004};
   moved.ramp = {0, 0.5, true};
@@ -381,7 +381,7 @@ TEST(ImplicitPieces, FastOnesDoNotPassThroughEachOther) {
   use_boxes(scene, folder,
             {{.origin = {0, 0, 0}, .size = {0.4, 0.4, 0.1}, .cells = {4, 4, 1}},
              {.origin = {0.03, 0.04, 0.4}, .size = {0.3, 0.3, 0.1}, .cells = {3, 3, 1}}});
-  hold(scene, 2, 0).components = 7;
+  hold_face(scene, 2, 0).components = 7;
   scene.contact.pieces = true;
   scene.contact.friction = 0.3;
   scene.solver.integrator = "implicit-euler";

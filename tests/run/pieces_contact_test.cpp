@@ -230,9 +230,9 @@ TEST(ContactScenes, PiecesThatOverlapAtTheEndAreReported) {
 TEST(ContactScenes, AFixedStepInWhichContactFailsStopsTheRun) {
   TemporaryFolder folder;
   Scene scene = two_cubes(folder, 1.05);
-  for (const double height : {1., 1.05}) {
+  for (const double z : {1., 1.05}) {
     Constraint& held = scene.constraints.emplace_back();
-    held.where.what = Selection::Plane{{0, 0, height}, {0, 0, 1}, 1e-6};
+    held.where.what = Selection::Plane{{0, 0, z}, {0, 0, 1}, 1e-6};
     held.where.path = "/constraints";
   }
   scene.constraints[1].translation = {0, 0, -0.2};

@@ -49,6 +49,13 @@ Dart BoundarySurface::across(const CellComplex& complex, Dart dart) {
   return other;
 }
 
+std::vector<Index> BoundarySurface::ascending_vertices() const {
+  std::vector<Index> ascending;
+  for (Index v = 0; v < uses_.size(); ++v)
+    if (has_vertex(v)) ascending.push_back(v);
+  return ascending;
+}
+
 void BoundarySurface::follow(const CellComplex& complex, const TopologyChange& change) {
   for (const Index element : change.removed[3]) update(complex, element);
   for (const Index element : change.elements) update(complex, element);

@@ -43,6 +43,8 @@ class BoundarySurface {
   /// Where a face of the boundary is in faces().
   Index place(Index face) const { return faces_.place(face); }
   std::span<const Index> vertices() const { return vertices_.items(); }
+  /// The same in ascending order, in which their rows are fast to visit. O(highest vertex).
+  std::vector<Index> ascending_vertices() const;
   bool has_vertex(Index vertex) const { return vertices_.contains(vertex); }
   /// Every edge of the boundary is in two of its darts: the other one.
   static Dart across(const CellComplex& complex, Dart dart);

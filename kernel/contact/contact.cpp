@@ -69,12 +69,6 @@ Vec3 Contact::free_force(Index vertex, const ContactStep& step) const {
               scaled(attributes_.mass().rows()[vertex], step.acceleration));
 }
 
-/// In their order, rows of attributes are in the cache before they are needed.
-void Contact::sort_vertices() {
-  for (Index v = 0; v < attributes_.vertex_count(); ++v)
-    if (surface_.has_vertex(v)) vertices_.push_back(v);
-}
-
 void Contact::predict(const ContactStep& step) {
   placed_.clear();
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {
@@ -86,7 +80,7 @@ void Contact::predict(const ContactStep& step) {
     }
   }
   near_.clear();
-  if (vertices_.empty()) sort_vertices();
+  if (vertices_.empty()) vertices_ = surface_.ascending_vertices();
   if (pieces_) ends_.resize(4 * std::size_t{attributes_.vertex_count()});
   const double *x = attributes_.position().rows(), *v = attributes_.velocity().rows(),
                *f = attributes_.force().rows(), *mass = attributes_.mass().rows(),

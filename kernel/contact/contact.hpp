@@ -149,7 +149,6 @@ class Contact final : public Follower {
     Vec3 settled{};                    ///< the velocity after they did, m/s
   };
   Vec3 free_force(Index vertex, const ContactStep& step) const;
-  void sort_vertices();
   void add_near_pieces(const ContactStep& step);
   void push(double dt);
   void settle_tools(const ContactStep& step);

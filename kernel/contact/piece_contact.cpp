@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <functional>
 #include <iterator>
+#include <string>
+#include <utility>
 
 #include "kernel/contact/place_grid.hpp"
 #include "kernel/contact/vectors.hpp"
@@ -96,9 +98,7 @@ void PieceContact::update(const double* ends, const LiveMask& moving) {
 /// False if nothing may.
 bool PieceContact::find_what_may_meet() {
   meeting_.piece_of.assign(attributes_.vertex_count(), none);
-  ascending_.clear();
-  for (Index v = 0; v < attributes_.vertex_count(); ++v)
-    if (surface_.has_vertex(v)) ascending_.push_back(v);
+  ascending_ = surface_.ascending_vertices();
   for (const Index v : ascending_) meeting_.piece_of[v] = islands_.of(complex_.dart_of(0, v) / 24);
   meeting_.vertex_meets_own.assign(attributes_.vertex_count(), options_.self);
   meeting_.face_meets_own.assign(surface_.faces().size(), options_.self);
@@ -502,16 +502,16 @@ void PieceContact::follow(const TopologyChange& change) {
 void PieceContact::state(Archive& archive) {
   if (archive.has_cells()) archive("islands", islands_);
   archive("gain", gain_);
-  archive.member("touching", touches_, &Touch::vertices);
-  archive.member("weights", touches_, &Touch::weights);
-  archive.member("normals", touches_, &Touch::normal);
-  archive.member("impulses", touches_, &Touch::impulse);
-  archive.member("frictions", touches_, &Touch::friction);
-  archive.member("touching asleep", asleep_, &Touch::vertices);
-  archive.member("weights asleep", asleep_, &Touch::weights);
-  archive.member("normals asleep", asleep_, &Touch::normal);
-  archive.member("forces asleep", asleep_, &Touch::impulse);
-  archive.member("frictions asleep", asleep_, &Touch::friction);
+  for (const auto& [which, touches] : {std::pair{"", &touches_}, {" asleep", &asleep_}}) {
+    const auto member = [&](const char* name, auto of_touch) {
+      archive.member((std::string(name) + which).c_str(), *touches, of_touch);
+    };
+    member("touching", &Touch::vertices);
+    member("weights", &Touch::weights);
+    member("normals", &Touch::normal);
+    member("impulses", &Touch::impulse);
+    member("frictions", &Touch::friction);
+  }
   if (archive.loads()) is_stale_ = true;
 }
 

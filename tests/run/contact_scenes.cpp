@@ -3,7 +3,9 @@
 
 #include <cmath>
 
+#include "kernel/base/error.hpp"
 #include "kernel/mesh/mesh_file.hpp"
+#include "kernel/scene/built_scene.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
 
@@ -27,11 +29,46 @@ Vec3 on_slope(double friction, double part) {
   return {9.81 * std::sin(angle), 0, -9.81 * std::cos(angle)};
 }
 
+double sliding_speed(double friction, double part, double damping) {
+  const double angle = part * std::atan(friction);
+  return 9.81 * (std::sin(angle) - friction * std::cos(angle)) / damping;
+}
+
 double mean_x(Simulation& simulation) {
   Attributes& a = simulation.attributes();
   double sum = 0;
   for (Index v = 0; v < a.vertex_count(); ++v) sum += a.position().get(v, 0) - a.rest().get(v, 0);
   return sum / a.vertex_count();
+}
+
+void find_equilibrium(Scene& scene, double end) {
+  scene.solver.integrator = "static";
+  scene.solver.dt = scene.solver.end = end;
+}
+
+std::string error_of(Simulation& simulation) {
+  Observer nobody;
+  try {
+    simulation.run(nobody);
+  } catch (const NumericalError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::vector<double> position_rows(Simulation& simulation) {
+  const Column& x = simulation.attributes().position();
+  return {x.rows(), x.rows() + 4 * std::size_t{x.size()}};
+}
+
+std::vector<double> after_steps(Simulation& simulation, int steps, double dt) {
+  Dynamics& dynamics = simulation.built().dynamics();
+  const double time = dynamics.time();
+  for (int i = 1; i <= steps; ++i) dynamics.step(dt, time + dt * i);
+  std::vector<double> all = position_rows(simulation);
+  all.push_back(simulation.contact()->friction_work());
+  all.push_back(dynamics.balance().work("contact"));
+  return all;
 }
 
 void use_boxes(Scene& scene, const TemporaryFolder& folder, const std::vector<BoxOptions>& boxes) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "kernel/contact/contact.hpp"
 #include "kernel/run/simulation.hpp"
 #include "kernel/scene/scene.hpp"
@@ -16,7 +19,22 @@ Scene block_on_floor(Index n, const Vec3& gravity, double friction, double young
 /// Gravity on a slope of `part` of the angle of friction, in coordinates of the slope.
 Vec3 on_slope(double friction, double part);
 
+/// The speed at which a rigid block slides down that slope at last, with a mass-proportional
+/// `damping`, m/s.
+double sliding_speed(double friction, double part, double damping);
+
 double mean_x(Simulation& simulation);
+
+/// One static step to `end`, s.
+void find_equilibrium(Scene& scene, double end);
+
+/// Runs to the end; the text of the NumericalError that it throws, or "".
+std::string error_of(Simulation& simulation);
+
+/// Rows of 4.
+std::vector<double> position_rows(Simulation& simulation);
+/// Positions, the work of friction and that of contact after some steps of the dynamics.
+std::vector<double> after_steps(Simulation& simulation, int steps, double dt);
 
 /// Replaces the mesh by separate boxes, in a file of the folder.
 void use_boxes(Scene& scene, const TemporaryFolder& folder, const std::vector<BoxOptions>& boxes);

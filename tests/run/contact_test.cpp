@@ -40,8 +40,7 @@ TEST(ContactScenes, ABlockSlidesJustAboveTheAngleOfFriction) {
   const double before = mean_x(simulation);
   simulation.run_to(20, nobody);
   // The speed of a rigid block with this damping; a soft one is not slower.
-  const double speed =
-      9.81 * (std::sin(1.02 * std::atan(0.3)) - 0.3 * std::cos(1.02 * std::atan(0.3))) / 2;
+  const double speed = sliding_speed(0.3, 1.02, 2);
   EXPECT_GT(mean_x(simulation) - before, 0.9 * 10 * speed);
 }
 

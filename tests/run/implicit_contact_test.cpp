@@ -49,8 +49,7 @@ TEST(StaticContact, ABlockOnAFloorIsThatWhichCameToRest) {
   for (const bool is_static : {false, true}) {
     Scene scene = guided_block();
     if (is_static) {
-      scene.solver.integrator = "static";
-      scene.solver.dt = scene.solver.end = 1;
+      find_equilibrium(scene, 1);
     } else {
       scene.solver.until_rest = scene.solver.automatic_damping = true;
       scene.solver.tolerance = 1e-8;
@@ -108,19 +107,10 @@ TEST(ImplicitContact, ARollbackRepeatsTheSameBits) {
   Dynamics& dynamics = simulation.built().dynamics();
   StateBuffer kept;
   kept.save(dynamics);
-  const double time = dynamics.time();
-  const auto finish = [&] {
-    for (int i = 1; i <= 10; ++i) dynamics.step(0.02, time + 0.02 * i);
-    const Column& x = simulation.attributes().position();
-    std::vector<double> all(x.rows(), x.rows() + 4 * std::size_t{x.size()});
-    all.push_back(simulation.contact()->friction_work());
-    all.push_back(dynamics.balance().work("contact"));
-    return all;
-  };
-  const std::vector<double> first = finish();
+  const std::vector<double> first = after_steps(simulation, 10, 0.02);
   EXPECT_LT(first[first.size() - 2], 0);
   kept.load(dynamics);
-  EXPECT_EQ(finish(), first);
+  EXPECT_EQ(after_steps(simulation, 10, 0.02), first);
 }
 
 TEST(ImplicitContact, FrictionHoldsOrSlidesByItsCoefficient) {
@@ -141,8 +131,7 @@ TEST(ImplicitContact, FrictionHoldsOrSlidesByItsCoefficient) {
     moved[part > 1] = mean_x(simulation) - before;
   }
   EXPECT_LT(std::abs(moved[0]), 3 * 1e-6 * 0.4);
-  const double rigid =
-      9.81 * (std::sin(1.02 * std::atan(0.3)) - 0.3 * std::cos(1.02 * std::atan(0.3))) / 2;
+  const double rigid = sliding_speed(0.3, 1.02, 2);
   EXPECT_GT(moved[1], 0.9 * 3 * rigid);
 }
 
@@ -188,8 +177,7 @@ TEST(StaticPieces, AStackCarriesItsWeight) {
       hold_face(scene, 0, 0);
       hold_face(scene, 1, 0);
     }
-    scene.solver.integrator = "static";
-    scene.solver.dt = scene.solver.end = 1;
+    find_equilibrium(scene, 1);
     Diagnostics diagnostics;
     Simulation simulation(scene, host(), diagnostics);
     Observer nobody;
@@ -213,8 +201,7 @@ TEST(StaticPieces, MeshesThatDoNotMatchCarryAUniformPressure) {
     pressed.ramp = {0, 1, true};
     pressed.moves = true;
     scene.contact.pieces = true;
-    scene.solver.integrator = "static";
-    scene.solver.dt = scene.solver.end = 1;
+    find_equilibrium(scene, 1);
     Diagnostics diagnostics;
     Simulation simulation(scene, host(), diagnostics);
     Observer nobody;
@@ -257,8 +244,7 @@ TEST(ImplicitPieces, FrictionHoldsOrSlidesByItsCoefficient) {
     EXPECT_LT(overlap_of_pieces(simulation), 1e-4);
   }
   EXPECT_LT(std::abs(moved[0]), 2 * 1e-6 * 0.4);
-  const double rigid =
-      9.81 * (std::sin(1.02 * std::atan(0.3)) - 0.3 * std::cos(1.02 * std::atan(0.3))) / 2;
+  const double rigid = sliding_speed(0.3, 1.02, 2);
   EXPECT_NEAR(moved[1], 2 * rigid, 0.1 * 2 * rigid);
 }
 
@@ -283,18 +269,12 @@ Scene pressed_lips(Index n, double friction, double shear) {
   return scene;
 }
 
-std::vector<double> positions(Simulation& simulation) {
-  const Column& x = simulation.attributes().position();
-  return {x.rows(), x.rows() + 4 * std::size_t{x.size()}};
-}
-
 TEST(StaticPieces, LipsAreWhereTheyComeToRest) {
   std::vector<double> places[2];
   for (const bool is_static : {false, true}) {
     Scene scene = pressed_lips(3, 0, 0);
     if (is_static) {
-      scene.solver.integrator = "static";
-      scene.solver.dt = scene.solver.end = 0.5;
+      find_equilibrium(scene, 0.5);
     } else {
       scene.solver.until_rest = scene.solver.automatic_damping = true;
       scene.solver.tolerance = 1e-4;
@@ -304,7 +284,7 @@ TEST(StaticPieces, LipsAreWhereTheyComeToRest) {
     Observer nobody;
     EXPECT_EQ(simulation.run(nobody).faces_cut, 42u);
     EXPECT_GT(simulation.contact()->touches().size(), 20u);
-    places[is_static] = positions(simulation);
+    places[is_static] = position_rows(simulation);
   }
   double apart = 0;
   for (std::size_t i = 0; i < places[0].size(); ++i)
@@ -314,8 +294,7 @@ TEST(StaticPieces, LipsAreWhereTheyComeToRest) {
 
 TEST(StaticPieces, ABodyTouchesItself) {
   Scene scene = bent_u(true);
-  scene.solver.integrator = "static";
-  scene.solver.dt = scene.solver.end = 0.5;
+  find_equilibrium(scene, 0.5);
   EXPECT_NEAR(slot_of(scene), 0, 0.05 * 0.05);
 }
 
@@ -324,17 +303,10 @@ TEST(StaticPieces, WhatNothingTouchesIsNamed) {
   scene.mesh.box->origin[2] = 0.05;
   scene.mesh.box->cells = {1, 1, 1};
   scene.contact.pieces = true;
-  scene.solver.integrator = "static";
-  scene.solver.dt = scene.solver.end = 1;
+  find_equilibrium(scene, 1);
   Diagnostics diagnostics;
   Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  std::string text;
-  try {
-    simulation.run(nobody);
-  } catch (const NumericalError& error) {
-    text = error.what();
-  }
+  const std::string text = error_of(simulation);
   EXPECT_NE(text.find("a piece of 1 element (the first: element 0) is free to move and turn in "
                       "every direction, unless contact holds it"),
             std::string::npos)
@@ -356,18 +328,10 @@ TEST(ImplicitPieces, HaveTheSameBitsForAnyNumberOfThreadsAndAfterARollback) {
     Dynamics& dynamics = simulation.built().dynamics();
     StateBuffer kept;
     kept.save(dynamics);
-    const double time = dynamics.time();
-    const auto finish = [&] {
-      for (int i = 1; i <= 4; ++i) dynamics.step(0.05, time + 0.05 * i);
-      std::vector<double> all = positions(simulation);
-      all.push_back(simulation.contact()->friction_work());
-      all.push_back(dynamics.balance().work("contact"));
-      return all;
-    };
-    const std::vector<double> once = finish();
+    const std::vector<double> once = after_steps(simulation, 4, 0.05);
     EXPECT_LT(once[once.size() - 2], 0) << "friction";
     kept.load(dynamics);
-    EXPECT_EQ(finish(), once);
+    EXPECT_EQ(after_steps(simulation, 4, 0.05), once);
     if (threads == 1) first = once;
     EXPECT_EQ(once, first) << threads << " threads";
   }

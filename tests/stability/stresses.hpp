@@ -8,9 +8,6 @@
 
 namespace suture::test {
 
-/// Ways to run a scene: four integrators, one equilibrium, several of them, and a search for rest.
-const std::vector<std::string>& solver_names();
-
 /// One family per stress, with a trial per model and solver. A trial whose scene is null does not
 /// apply; its title says why.
 std::vector<Family> stress_families();

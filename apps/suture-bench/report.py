@@ -182,6 +182,10 @@ SECTIONS = [
     ("quasi-static", "Quasi-static runs at frame rate", "An equilibrium for every frame while the "
      "body is pulled and cut.", plot_quasi_static),
     ("modes", "Natural modes", "By LOBPCG with the multigrid as preconditioner.", None),
+    ("contact", "Contact", "Near pairs of packed blocks, and steps with contact beside steps of the "
+     "same bodies without.", None),
+    ("haptic", "Haptic rate", "The force on the hand that holds a knife, after every millisecond of a "
+     "cut.", None),
 ]
 
 

@@ -70,10 +70,10 @@ void PenaltyForces::add_tangent(const double* d, double dx, double, const Tangen
 /// Of all vertices of the boundary: any may touch in the next step.
 void PenaltyForces::add_bounds(double time, const AddBounds& sums) {
   find_stiffness(time);
-  const double none[6]{};
+  const double no_coupling[6]{};
   for (const Index v : contact_.surface().vertices()) {
     const double k = stiffness_[v], bound[6]{k, k, k, 0, 0, 0};
-    sums(v, bound, none);
+    sums(v, bound, no_coupling);
   }
 }
 

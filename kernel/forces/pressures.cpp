@@ -150,9 +150,9 @@ bool Pressures::add_tangent_in_single(const float* d, double dx, double, const T
 
 void Pressures::for_each_tangent(double dx, double, const TangentTime& at,
                                  const VisitTangents& visit) {
-  constexpr std::size_t lanes = 8, rows = 12;
-  AlignedVector<double> values(rows * rows * lanes);
-  std::array<Corners, lanes> vertices{};
+  constexpr std::size_t width = 8, rows = 12;
+  AlignedVector<double> values(rows * rows * width);
+  std::array<Corners, width> vertices{};
   Index count = 0;
   const auto flush = [&] {
     if (count > 0) visit({count, 4, vertices[0].data(), values.data()});
@@ -166,11 +166,11 @@ void Pressures::for_each_tangent(double dx, double, const TangentTime& at,
         const Vec3 arm = part_of(w, a, b, -1);
         for (std::size_t c = 0; c < 3; ++c) {  // [w] x has -w_c at (c + 1, c + 2)
           const std::size_t up = (c + 1) % 3, down = (c + 2) % 3;
-          values[((b * 3 + down) * rows + a * 3 + up) * lanes + count] = -dx * p * arm[c];
-          values[((b * 3 + up) * rows + a * 3 + down) * lanes + count] = dx * p * arm[c];
+          values[((b * 3 + down) * rows + a * 3 + up) * width + count] = -dx * p * arm[c];
+          values[((b * 3 + up) * rows + a * 3 + down) * width + count] = dx * p * arm[c];
         }
       }
-    if (++count == lanes) flush();
+    if (++count == width) flush();
   });
   flush();
 }

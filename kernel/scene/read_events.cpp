@@ -94,8 +94,8 @@ bool has_shape(const EventOperation& what) {
 void read_what(ObjectReader& object, Event& event, Reading& reading) {
   const auto operation = read_operation(object, reading);
   if (operation) event.what = *operation;
-  static const std::array<std::string, 2> shapes{"deformed", "rest"};
-  event.rest_shape = object.choice("shape", shapes) == 1u;
+  static const std::array<std::string, 2> body_shapes{"deformed", "rest"};
+  event.rest_shape = object.choice("shape", body_shapes) == 1u;
   if (operation && object.find("shape") != nullptr && !has_shape(*operation) &&
       !std::holds_alternative<CutFaces>(*operation)) {
     object.complain("shape",

@@ -14,7 +14,7 @@ using namespace suture;
 using namespace spring_model;
 using spring_model::Body;
 
-constexpr double h = 0.1;  // of box()
+constexpr double edge = 0.1;  // of box()
 
 /// Displaces every vertex by u(rest position).
 template <class Displacement>
@@ -32,7 +32,7 @@ Hourglass measured(Body& body, Displacement u) {
 
 double largest(const std::vector<double>& values) { return *std::ranges::max_element(values); }
 
-double sign(double x) { return std::lround(x / h) % 2 == 0 ? 1 : -1; }
+double sign(double x) { return std::lround(x / edge) % 2 == 0 ? 1 : -1; }
 
 class Block : public testing::Test {
  protected:
@@ -52,16 +52,16 @@ TEST_F(Block, AConstantStrainAndARotationHaveNone) {
   EXPECT_EQ(found.content(0), 0) << "noise";
 }
 
-// u_x = A (-1)^(j+k): the residuals are A, so a = 2 A / h, but for what comes from the edges
+// u_x = A (-1)^(j+k): the residuals are A, so a = 2 A / edge, but for what comes from the edges
 // of the body, where w is 0.
 TEST_F(Block, OfACheckerboardItIsTheAmplitude) {
   const double a = 1e-3;
   const Hourglass found = measured(body, [&](const Vec3& x) {
     return Vec3{a * sign(x[1]) * sign(x[2]), 0, 0};
   });
-  EXPECT_LT(found.mean_strain, 1e-3 * a / h) << "no strain";
-  EXPECT_NEAR(largest(found.amplitude), 2 * a / h, 0.1 * a / h);
-  EXPECT_GT(*std::ranges::min_element(found.amplitude), 0.4 * a / h);
+  EXPECT_LT(found.mean_strain, 1e-3 * a / edge) << "no strain";
+  EXPECT_NEAR(largest(found.amplitude), 2 * a / edge, 0.1 * a / edge);
+  EXPECT_GT(*std::ranges::min_element(found.amplitude), 0.4 * a / edge);
   EXPECT_GT(found.content(0), 100);
 }
 
@@ -82,7 +82,7 @@ TEST_F(Block, SmoothBendingAndTorsionHaveNone) {
 
 TEST_F(Block, AWaveOfSixElementsIsNoCheckerboard) {
   const Hourglass found = measured(body, [](const Vec3& x) {
-    const double phase = 2 * 3.14159265358979 / (6 * h);
+    const double phase = 2 * 3.14159265358979 / (6 * edge);
     return Vec3{0, 1e-3 * std::sin(phase * x[0]) * std::sin(phase * x[2]), 0};
   });
   for (Index e = 0; e < found.amplitude.size(); ++e) EXPECT_LT(found.content(e), 0.2);

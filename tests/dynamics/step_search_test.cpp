@@ -16,7 +16,7 @@ namespace {
 using namespace suture;
 using namespace rig;
 
-struct Case {
+struct Subject {
   const char* name;
   const char* model;
   double viscosity;
@@ -43,7 +43,7 @@ class Ties final : public ForceTerm {
 };
 
 /// M^-1/2 (stiffness K + damping C) M^-1/2 on the free components, column by column.
-Eigen::MatrixXd matrix_of(Body& body, double stiffness, double damping) {
+Eigen::MatrixXd matrix_of(suture::Body& body, double stiffness, double damping) {
   Attributes& attributes = body.attributes();
   const std::size_t size = 3 * std::size_t{attributes.vertex_count()};
   std::vector<double> direction(size), image(size), roots(size);
@@ -74,7 +74,7 @@ double largest_eigenvalue(const Eigen::MatrixXd& matrix) {
 }
 
 /// The step at which the largest eigenvalue of dt^2/4 K + dt/2 C is 1, by bisection.
-double exact_step(Body& body) {
+double exact_step(suture::Body& body) {
   const Eigen::MatrixXd k = matrix_of(body, 1, 0);
   const double undamped = 2 / std::sqrt(largest_eigenvalue(k));
   if (!body.models().reads_velocity()) return undamped;
@@ -87,7 +87,7 @@ double exact_step(Body& body) {
   return low;
 }
 
-class Search : public testing::TestWithParam<Case> {
+class Search : public testing::TestWithParam<Subject> {
  protected:
   Search() : trace_(__FILE__, __LINE__, "seed " + std::to_string(seed_)) { hold(); }
   void hold() {
@@ -141,8 +141,9 @@ class Search : public testing::TestWithParam<Case> {
   std::vector<Seam> cut_;
 };
 INSTANTIATE_TEST_SUITE_P(Models, Search,
-                         testing::Values(Case{"tm", "tm-faure", 0}, Case{"ms", "mss-baudet", 0},
-                                         Case{"viscous", "mss-baudet", 1}),
+                         testing::Values(Subject{"tm", "tm-faure", 0},
+                                         Subject{"ms", "mss-baudet", 0},
+                                         Subject{"viscous", "mss-baudet", 1}),
                          [](const auto& one) { return std::string(one.param.name); });
 
 // 1.5 % too short at most, 3 % where C limits it. Of 2,400 searches one came out 2.0 % too long.

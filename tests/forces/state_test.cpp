@@ -17,6 +17,7 @@ namespace suture {
 namespace {
 
 using Body = spring_model::Body;
+using spring_model::box;
 
 /// Pulls the nodes of cells to where they were: forces that depend on which cells are
 /// visited, in which order.
@@ -157,13 +158,6 @@ void go_on_alike(const BoxOptions& box, unsigned variant, unsigned threads, std:
     ASSERT_EQ(one.loop->energy(0), twin.loop->energy(0));
     ASSERT_EQ(difference_of_states(one, twin), "") << "operation " << after;
   }
-}
-
-BoxOptions box(Index x, Index y, Index z) {
-  BoxOptions options;
-  options.cells = {x, y, z};
-  options.size = {0.1 * x, 0.1 * y, 0.1 * z};
-  return options;
 }
 
 class StateOn : public testing::TestWithParam<unsigned> {};

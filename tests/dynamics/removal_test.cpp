@@ -184,11 +184,11 @@ TEST(Removal, SameBitsForAnyNumberOfThreads) {
     ForceLoop loop(body.attributes(), body.complex(), threads);
     body.add_follower(loop);
     shake(body, 0.01, 3);
-    pierce_random(body, 900, 5);
+    pierce_random(body, 300, 5);
     std::vector<Seam> left = seams;
     std::erase_if(left, [&](const Seam& s) { return !body.complex().can_sew(s.one, s.other); });
     body.sew(left);
-    body.cut_random(300, 7);
+    body.cut_random(100, 7);
     EXPECT_EQ(loop.threads(), threads);
     const auto forces = forces_of(body, loop);
     if (threads == 1) {

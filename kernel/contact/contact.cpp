@@ -432,6 +432,13 @@ double Contact::last_change() const {
   return last;
 }
 
+double Contact::next_change(double time) const {
+  double next = infinity;
+  for (const Obstacle& obstacle : obstacles_)
+    next = std::min(next, obstacle.motion.next_change(time));
+  return next;
+}
+
 // ---------------------------------------------------------- operations and state --
 
 void Contact::follow(const CellComplex& complex, const TopologyChange& change) {
@@ -444,7 +451,11 @@ void Contact::follow(const CellComplex& complex, const TopologyChange& change) {
 }
 
 void Contact::state(Archive& archive) {
-  if (archive.has_cells()) archive("surface", surface_);
+  if (archive.has_cells()) {
+    archive("surface", surface_);
+    for (Obstacle& obstacle : obstacles_)
+      archive(("path of " + obstacle.name).c_str(), obstacle.motion);
+  }
   if (archive.loads()) vertices_.clear();
   if (pieces_) archive("pieces", *pieces_);
   archive.member("touching", touches_, &Touch::vertex);

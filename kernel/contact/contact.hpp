@@ -49,6 +49,11 @@ class Contact final : public Follower {
   PieceContact* pieces() { return pieces_.get(); }
 
   const std::vector<Obstacle>& obstacles() const { return obstacles_; }
+  /// From now on an obstacle, or the hand of a compliant one, moves along another path, which
+  /// begins where it is. Call between steps.
+  void set_path(std::size_t obstacle, RigidPath path) {
+    obstacles_[obstacle].motion = std::move(path);
+  }
   const BoundarySurface& surface() const { return surface_; }
   double thickness() const { return thickness_; }
   /// Of the elements at the boundary, at rest, m.
@@ -134,6 +139,8 @@ class Contact final : public Follower {
   double top_speed(const Obstacle& obstacle, double time) const;
   /// When the last obstacle stops, s.
   double last_change() const;
+  /// The time of the first station of a path after `time`, s; infinite without one.
+  double next_change(double time) const;
 
   void follow(const CellComplex& complex, const TopologyChange& change) override;
   void state(Archive& archive);

@@ -2,28 +2,12 @@
 #include "kernel/contact/obstacle.hpp"
 
 #include <algorithm>
+#include <limits>
 
+#include "kernel/base/archive.hpp"
 #include "kernel/contact/vectors.hpp"
 
 namespace suture {
-namespace {
-
-/// Rodrigues' formula.
-std::array<Vec3, 3> rotation(const Vec3& axis, double angle) {
-  const Vec3 a = scaled(1 / norm(axis), axis);
-  const double s = std::sin(angle), c = std::cos(angle);
-  std::array<Vec3, 3> turn;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-    turn[i][i] = c + (1 - c) * a[i] * a[i];
-    turn[i][j] = (1 - c) * a[i] * a[j] - s * a[k];
-    turn[i][k] = (1 - c) * a[i] * a[k] + s * a[j];
-  }
-  return turn;
-}
-
-}  // namespace
-
 Vec3 Pose::direction(const Vec3& given) const {
   return {dot(turn[0], given), dot(turn[1], given), dot(turn[2], given)};
 }
@@ -49,8 +33,32 @@ Pose RigidPath::pose(double time) const {
   const double part = to.at > from.at ? (time - from.at) / (to.at - from.at) : 0;
   pose.translation = plus(from.translation, scaled(part, minus(to.translation, from.translation)));
   const double angle = from.angle + part * (to.angle - from.angle);
-  if (angle != 0) pose.turn = rotation(axis, angle);
+  pose.turn = turned(scaled(angle / norm(axis), axis), turn);
   return pose;
+}
+
+double RigidPath::next_change(double time) const {
+  const auto next = std::ranges::upper_bound(stations, time, {}, &Station::at);
+  return next == stations.end() ? std::numeric_limits<double>::infinity() : next->at;
+}
+
+RigidPath RigidPath::steered(double time, const PoseTarget& target) const {
+  const Pose now = pose(time);
+  RigidPath path{{{time, now.translation, 0}}, axis, centre, now.turn};
+  const Vec3 translation = target.translation.value_or(now.translation);
+  const Vec3 rotation =
+      target.rotation ? rotation_between(now.turn, turned(*target.rotation, no_rotation)) : Vec3{};
+  const double angle = norm(rotation);
+  if (angle > 0) path.axis = rotation;
+  if (angle > 0 || translation != now.translation)
+    path.stations.push_back({target.at, translation, angle});
+  return path;
+}
+
+void RigidPath::state(Archive& archive) {
+  archive.rows<double>("stations", stations);
+  archive("axis", axis);
+  archive("turn", turn);
 }
 
 double RigidPath::top_speed(double time, double reach) const {

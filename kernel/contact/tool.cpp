@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/contact/tool.hpp"
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <limits>
 
@@ -14,33 +13,9 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
-using Turn = std::array<Vec3, 3>;
 
 Vector3d eigen(const Vec3& a) { return {a[0], a[1], a[2]}; }
 Vec3 vec3(const Vector3d& a) { return {a[0], a[1], a[2]}; }
-
-Matrix3d eigen(const Turn& turn) {
-  Matrix3d m;
-  for (Eigen::Index i = 0; i < 3; ++i) m.row(i) = eigen(turn[static_cast<std::size_t>(i)]);
-  return m;
-}
-
-Vec3 rotation_vector_of(const Matrix3d& turn) {
-  const Eigen::AngleAxisd rotation(turn);
-  return vec3(rotation.angle() * rotation.axis());
-}
-
-/// exp(rotation) R; quaternions, so that many products stay rotations.
-Turn turned(const Vec3& rotation, const Turn& turn) {
-  const double angle = norm(rotation);
-  if (angle == 0) return turn;
-  const Eigen::AngleAxisd by(angle, eigen(scaled(1 / angle, rotation)));
-  const Matrix3d m =
-      (Eigen::Quaterniond(by) * Eigen::Quaterniond(eigen(turn))).normalized().toRotationMatrix();
-  Turn result;
-  for (std::size_t i = 0; i < 3; ++i) result[i] = vec3(m.row(static_cast<Eigen::Index>(i)));
-  return result;
-}
 
 /// The matrix of r x.
 Matrix3d cross_matrix(const Vec3& r) {
@@ -74,8 +49,6 @@ Matrix6d added_inertia(const Tool::Pushed& pushed, const Vec3& centre) {
 
 }  // namespace
 
-Vec3 rotation_vector(const Pose& pose) { return rotation_vector_of(eigen(pose.turn)); }
-
 Tool::Tool(const Obstacle& obstacle)
     : coupling_(*obstacle.coupling),
       reach_(obstacle.reach()),
@@ -86,11 +59,10 @@ void Tool::begin(const RigidPath& hand, double time, double end, double dt, doub
   dt_ = dt;
   gain_ = gain;
   const Pose from = hand.pose(time), to = hand.pose(end);
-  const Matrix3d turn = eigen(to.turn);
   const Vec3 stretch = minus(to.translation, pose_.translation);
   const Vec3 hand_velocity = scaled(1 / dt, minus(to.translation, from.translation));
-  const Vec3 twist = rotation_vector_of(turn * eigen(pose_.turn).transpose());
-  const Vec3 hand_spin = scaled(1 / dt, rotation_vector_of(turn * eigen(from.turn).transpose()));
+  const Vec3 twist = rotation_between(pose_.turn, to.turn);
+  const Vec3 hand_spin = scaled(1 / dt, rotation_between(from.turn, to.turn));
   const Coupling& c = coupling_;
   mass_ = c.mass + gain * (c.damping + dt * c.stiffness);
   inertia_ = c.inertia + gain * (c.turning_damping + dt * c.turning_stiffness);

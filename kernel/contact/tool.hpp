@@ -81,7 +81,4 @@ class Tool {
   double misfit_ = 0;  ///< of the impulses at base_, in sqrt(J)
 };
 
-/// The rotation vector of a pose: turns by its length, in rad, about its direction.
-Vec3 rotation_vector(const Pose& pose);
-
 }  // namespace suture

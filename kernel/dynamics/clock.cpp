@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "kernel/base/saturate.hpp"
 
@@ -27,6 +28,8 @@ Clock::Clock(std::optional<double> fixed_dt, std::vector<double> stops, double p
   std::sort(stops_.begin(), stops_.end());
 }
 
+double Clock::reached_until() const { return time_ + same * std::max(1.0, std::abs(time_)); }
+
 double Clock::tolerance() const {
   return fixed_dt_ ? *fixed_dt_ / static_cast<double>(2 * parts_)
                    : same * std::max(1.0, std::abs(time_));
@@ -37,17 +40,18 @@ bool Clock::reached(double t) const { return t <= time_ + tolerance(); }
 bool Clock::passed(double t) const { return t < time_ - tolerance(); }
 
 double Clock::next_stop() const {
-  const double after = time_ + same * std::max(1.0, std::abs(time_));
+  const double after = reached_until();
   const auto listed = std::upper_bound(stops_.begin(), stops_.end(), after);
-  double stop = listed == stops_.end() ? std::numeric_limits<double>::infinity() : *listed;
+  double stop = listed == stops_.end() ? stop_ : std::min(stop_, *listed);
   if (period_ > 0) stop = std::min(stop, period_ * (std::floor(after / period_) + 1));
   return stop;
 }
 
-double Clock::next_dt(double stable) {
+double Clock::next_dt(double stable, double stop) {
   if (fixed_dt_) return *fixed_dt_ / static_cast<double>(parts_);
+  const bool is_new = std::exchange(stop_, stop) != stop;
   if (std::isinf(stable) && std::isinf(next_stop())) stable = unlimited;
-  if (done_ == steps_ || stable != stable_) {
+  if (done_ == steps_ || stable != stable_ || is_new) {
     const double steps = std::ceil((next_stop() - time_) / stable * (1 - same));
     start_ = time_;
     stable_ = stable;
@@ -100,6 +104,7 @@ void Clock::state(Archive& archive) {
   archive("start", start_);
   archive("length", length_);
   archive("stable", stable_);
+  archive("stop", stop_);
   archive("steps", steps_);
   archive("done", done_);
   archive("whole", whole_);

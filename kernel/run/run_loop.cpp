@@ -14,6 +14,7 @@
 #include "kernel/run/frame_parts.hpp"
 #include "kernel/run/free_bodies.hpp"
 #include "kernel/run/hourglass_watch.hpp"
+#include "kernel/run/steering.hpp"
 #include "kernel/scene/check_obstacles.hpp"
 
 namespace suture {
@@ -25,15 +26,13 @@ double seconds_since(Wall::time_point start) {
   return std::chrono::duration<double>(Wall::now() - start).count();
 }
 
-/// Times that an automatic dt must hit.
+/// Times that an automatic dt must hit, besides the corners of paths.
 std::vector<double> stops_of(const Scene& scene) {
   std::vector<double> stops{scene.gravity_ramp.from, scene.gravity_ramp.to};
   for (const Event& event : scene.events) {
     for (const double time : {event.start(), event.finish()})
       if (std::isfinite(time)) stops.push_back(time);
   }
-  for (const Obstacle& obstacle : scene.contact.obstacles)
-    for (const RigidPath::Station& station : obstacle.motion.stations) stops.push_back(station.at);
   const auto add = [&](const TimeRamp& ramp) { stops.insert(stops.end(), {ramp.from, ramp.to}); };
   for (const Constraint& constraint : scene.constraints) add(constraint.ramp);
   for (const Load& load : scene.loads) add(load.ramp);
@@ -179,6 +178,15 @@ void RunLoop::change_motion(const std::function<void(Attributes&)>& change) {
   });
   if (failure) std::rethrow_exception(failure);
   control_.after_jump();
+}
+
+/// No rollback crosses it: the program that steers would not steer again.
+void RunLoop::steer(const std::string& obstacle, const PoseTarget& target) {
+  Contact* contact = built_.body().contact();
+  Steering steering = steering_to(target, obstacle, contact, clock_.time(), scene_.solver.dt);
+  contact->set_path(steering.obstacle, std::move(steering.path));
+  sleeper_.wake_disturbed();
+  control_.commit();
 }
 
 ForceTerm& RunLoop::add_term(std::unique_ptr<ForceTerm> term) {

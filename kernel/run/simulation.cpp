@@ -44,6 +44,10 @@ void Simulation::change_motion(const std::function<void(Attributes&)>& change) {
   run_->change_motion(change);
 }
 
+void Simulation::steer(const std::string& obstacle, const PoseTarget& target) {
+  run_->steer(obstacle, target);
+}
+
 ForceTerm& Simulation::add_term(std::unique_ptr<ForceTerm> term) {
   return run_->add_term(std::move(term));
 }

@@ -128,6 +128,13 @@ class Simulation {
   /// that of an event. Constrained vertices return to their prescribed positions. If a value is not
   /// finite, throws InputError naming its node; nothing has changed then.
   void change_motion(const std::function<void(Attributes&)>& change);
+  /// Moves an obstacle, or the hand of a compliant tool, from where it is now to the target, where
+  /// it stays: at a constant velocity and spin. This replaces the rest of its path, or of an
+  /// earlier call. An automatic dt follows it; a blade that the obstacle carries moves along.
+  /// Throws InputError if there is no such obstacle, if the target is not finite or not in the
+  /// future, or if the motion is too fast for a fixed dt; nothing has changed then. O(boundary)
+  /// while islands sleep or if a half-space turns, else O(1).
+  void steer(const std::string& obstacle, const PoseTarget& target);
   /// Adds a term, whose forces act from now on. Throws InputError if this run cannot take it.
   ForceTerm& add_term(std::unique_ptr<ForceTerm> term);
 

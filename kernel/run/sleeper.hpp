@@ -34,6 +34,8 @@ class Sleeper : private Follower {
   bool check(std::uint64_t step);
   /// Call before motion or forces are changed from outside.
   void wake_all();
+  /// check() does this; call it when an obstacle begins to move from outside. True if some woke.
+  bool wake_disturbed();
   /// The number of sleeping islands.
   Index sleeping() const;
   void state(Archive& archive);
@@ -42,7 +44,6 @@ class Sleeper : private Follower {
   /// Dynamics has woken all islands.
   void follow(const CellComplex& complex, const TopologyChange& change) override;
   bool is_still(std::span<const Index> elements) const;
-  bool wake_disturbed();
   std::vector<bool> disturbed();
   void wake(const std::vector<bool>& islands);
   bool put_still_to_sleep();

@@ -74,7 +74,10 @@ void StepControl::start() {
 double StepControl::next_dt() {
   clock_.divide(watch_.halvings());
   const double accurate = accuracy_ ? accuracy_->wanted() : watch_.wanted();
-  return clock_.next_dt(std::min(watch_.wanted(), accurate));
+  const double stable = std::min(watch_.wanted(), accurate);
+  const Contact* contact = built_.body().contact();
+  return contact ? clock_.next_dt(stable, contact->next_change(clock_.reached_until()))
+                 : clock_.next_dt(stable);
 }
 
 void StepControl::after_event() {

@@ -51,17 +51,6 @@ void warn_of_far_obstacle(const Obstacle& obstacle, const Contact& contact, cons
   diagnostics.warn(text.str());
 }
 
-std::string too_fast(const Obstacle& obstacle, const Contact& contact, double dt) {
-  const double way = contact.top_speed(obstacle, 0) * dt;
-  if (!(way > contact.shortest_edge())) return "";
-  std::ostringstream text;
-  text << "moves by up to " << way << " m in a step of /solver/dt, more than an element (the "
-       << "shortest edge at the boundary is " << contact.shortest_edge()
-       << " m), so it could jump over the surface; move it more slowly, reduce /solver/dt, or set "
-          "it to \"auto\", which follows the obstacle";
-  return text.str();
-}
-
 std::string describe_pieces(const PieceOverlap& overlap, const BuiltScene& built, Body& body,
                             double edge, const char* when) {
   std::ostringstream text;
@@ -74,6 +63,17 @@ std::string describe_pieces(const PieceOverlap& overlap, const BuiltScene& built
 }
 
 }  // namespace
+
+std::string too_fast(const Obstacle& obstacle, const Contact& contact, double time, double dt) {
+  const double way = contact.top_speed(obstacle, time) * dt;
+  if (!(way > contact.shortest_edge())) return "";
+  std::ostringstream text;
+  text << "moves by up to " << way << " m in a step of /solver/dt, more than an element (the "
+       << "shortest edge at the boundary is " << contact.shortest_edge()
+       << " m), so it could jump over the surface; move it more slowly, reduce /solver/dt, or set "
+          "it to \"auto\", which follows the obstacle";
+  return text.str();
+}
 
 void check_pieces(BuiltScene& built, const Contact& contact, Diagnostics& diagnostics) {
   if (!contact.pieces()) return;
@@ -122,7 +122,7 @@ void check_obstacles(BuiltScene& built, const Contact& contact, Diagnostics& dia
                     (box.low[2] + box.high[2]) / 2};
   for (const Obstacle& obstacle : contact.obstacles()) {
     if (built.scene().solver.dt)
-      complain(obstacle, too_fast(obstacle, contact, *built.scene().solver.dt));
+      complain(obstacle, too_fast(obstacle, contact, 0, *built.scene().solver.dt));
     warn_of_far_obstacle(obstacle, contact, middle, diagnostics);
   }
   if (!mistakes.empty()) throw InputError(mistakes);

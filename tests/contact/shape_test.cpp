@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -86,6 +87,39 @@ TEST(RigidPath, IsLinearBetweenStationsAndRestsOutside) {
   EXPECT_NEAR(path.top_speed(0, 1), 1 + std::numbers::pi / 2, 1e-14);
   EXPECT_NEAR(path.top_speed(2, 1), 1 + std::numbers::pi / 4, 1e-14);
   EXPECT_EQ(path.top_speed(4, 1), 0);
+  EXPECT_EQ(path.next_change(0), 1);
+  EXPECT_EQ(path.next_change(2), 4);
+  EXPECT_EQ(path.next_change(4), std::numeric_limits<double>::infinity());
+}
+
+TEST(RigidPath, IsSteeredFromWhereItIs) {
+  RigidPath path;
+  path.stations = {{0, {}, 0}, {2, {1, 0, 0}, 1}};
+  path.axis = {1, 2, -1};
+  path.centre = {1, 1, 0};
+  const Pose before = path.pose(1);
+  const Vec3 rotation{-1, 2, 0.5};
+  const RigidPath steered = path.steered(1, {3, Vec3{0, 1, 0}, rotation});
+  EXPECT_EQ(steered.pose(1).turn, before.turn);
+  EXPECT_EQ(steered.pose(1).translation, before.translation);
+  EXPECT_LT(norm(minus(rotation_vector(steered.pose(3)), rotation)), 1e-14);
+  EXPECT_EQ(steered.pose(4).translation, (Vec3{0, 1, 0}));
+  // A constant spin: half of it takes half the time.
+  const Vec3 half = rotation_between(before.turn, steered.pose(2).turn);
+  const Vec3 rest = rotation_between(steered.pose(2).turn, steered.pose(3).turn);
+  EXPECT_GT(norm(half), 0.5);
+  EXPECT_LT(norm(minus(half, rest)), 1e-14);
+  EXPECT_EQ(steered.last_change(), 3);
+
+  RigidPath turning;
+  for (int i = 1; i <= 1000; ++i)  // to and fro between two orientations
+    turning = turning.steered(i, {i + 0.7, Vec3{}, i % 2 ? rotation : Vec3{0, 0, 3}});
+  const Pose last = turning.pose(1000.9);
+  EXPECT_LT(norm(minus(rotation_vector(last), Vec3{0, 0, 3})), 1e-13);
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) EXPECT_NEAR(dot(last.turn[i], last.turn[j]), i == j, 1e-15);
+
+  EXPECT_FALSE(path.steered(3, {4, {}, {}}).moves()) << "it stays";
 }
 
 }  // namespace

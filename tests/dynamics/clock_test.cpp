@@ -50,6 +50,18 @@ TEST(Clock, ANewBoundRedividesTheIntervalInProgress) {
   EXPECT_DOUBLE_EQ(clock.next_dt(0.1), 0.75 / 8);
 }
 
+TEST(Clock, OneMoreStopRedividesTheIntervalAndIsHit) {
+  Clock clock(std::nullopt, {}, 0, 1.0);
+  EXPECT_DOUBLE_EQ(clock.next_dt(0.25), 0.25);
+  clock.advance();
+  EXPECT_DOUBLE_EQ(clock.next_dt(0.25, 0.55), 0.15);
+  clock.advance();
+  EXPECT_DOUBLE_EQ(clock.next_dt(0.25, 0.55), 0.15);
+  clock.advance();
+  EXPECT_GE(clock.reached_until(), 0.55);
+  EXPECT_DOUBLE_EQ(clock.next_dt(0.25), 0.225);
+}
+
 TEST(Clock, ARunUntilRestHasNoEnd) {
   Clock clock(std::nullopt, {}, 0, std::nullopt);
   for (int i = 0; i < 3000; ++i) {

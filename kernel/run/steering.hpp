@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "kernel/contact/contact.hpp"
+
+namespace suture {
+
+/// An obstacle, by place, and its path from now on.
+struct Steering {
+  std::size_t obstacle;
+  RigidPath path;
+};
+
+/// The path to a target, from `now` on. Throws the errors of Simulation::steer(). `contact`: null
+/// without obstacles.
+Steering steering_to(const PoseTarget& target, const std::string& obstacle, const Contact* contact,
+                     double now, std::optional<double> fixed_dt);
+
+}  // namespace suture

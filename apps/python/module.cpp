@@ -5,6 +5,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "apps/python/cells.hpp"
+#include "apps/python/contact.hpp"
 #include "apps/python/errors.hpp"
 #include "apps/python/given_mesh.hpp"
 #include "apps/python/python_term.hpp"
@@ -247,6 +248,25 @@ void bind_cells(Class& session) {
           "Hash of what determines the results, 16 hexadecimal digits.");
 }
 
+template <class Class>
+void bind_contact(Class& session) {
+  session
+      .def_property_readonly(
+          "contact_force", [](Session& s) { return contact_force(s.between_steps()); },
+          "(vertices, 3) forces of obstacles and other pieces in the last step, N; a copy.")
+      .def_property_readonly(
+          "gap", [](Session& s) { return gap(s.between_steps()); },
+          "(vertices,) distance of surface vertices from the nearest obstacle, less the thickness, "
+          "m; NaN inside the body. Computed now; a copy.")
+      .def("_tool_names", [](Session& s) { return tool_names(s.simulation()); })
+      .def("_tool_state",
+           [](Session& s, std::size_t place) { return tool_state(s.between_steps(), place); })
+      .def("_steer", [](Session& s, const std::string& name, std::optional<Vec3> translation,
+                        std::optional<Vec3> rotation, double at) {
+        s.steer(name, {at, translation, rotation});
+      });
+}
+
 /// What Simulation builds its events, callbacks and force terms on.
 template <class Class>
 void bind_operations(Class& session) {
@@ -277,6 +297,7 @@ void bind_session(py::module_& module) {
   bind_steps(session);
   bind_columns(session);
   bind_cells(session);
+  bind_contact(session);
   bind_operations(session);
 }
 

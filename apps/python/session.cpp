@@ -229,6 +229,12 @@ void Session::set_velocity(const py::array& values) {
   simulation().change_motion([&](Attributes& a) { copy_to(a.velocity(), rows); });
 }
 
+void Session::steer(const std::string& obstacle, const PoseTarget& target) {
+  Simulation& now = between_steps();
+  require_alive();
+  now.steer(obstacle, target);
+}
+
 PythonTerm& Session::add_term(std::unique_ptr<PythonTerm> term) {
   require_alive();
   auto& added = static_cast<PythonTerm&>(between_steps().add_term(std::move(term)));

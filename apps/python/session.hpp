@@ -57,6 +57,8 @@ class Session {
   EventOutcome cut(TriangleSurface surface, bool rest_shape);
   void set_position(const py::array& values);
   void set_velocity(const py::array& values);
+  /// Simulation::steer().
+  void steer(const std::string& obstacle, const PoseTarget& target);
   PythonTerm& add_term(std::unique_ptr<PythonTerm> term);
   Callbacks& callbacks() { return observer_.callbacks; }
   /// The simulation for reading; raises if another thread is running it.

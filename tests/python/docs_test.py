@@ -29,8 +29,8 @@ def sections():
 
 
 class Documentation(unittest.TestCase):
-    def test_there_are_five_examples(self):
-        self.assertEqual(sum(heading.startswith("Example") for heading in sections()), 5)
+    def test_there_are_six_examples(self):
+        self.assertEqual(sum(heading.startswith("Example") for heading in sections()), 6)
 
     def run_section(self, heading):
         before = os.getcwd()

@@ -36,6 +36,10 @@ def __getattr__(name):
         from . import _sweep
 
         return getattr(_sweep, name)
+    if name == "Tool":
+        from ._tools import Tool
+
+        return Tool
     raise AttributeError(f"module 'suture' has no attribute {name!r}")
 
 
@@ -51,6 +55,7 @@ __all__ = [
     "SceneError",
     "Simulation",
     "Surface",
+    "Tool",
     "grid",
     "latin_hypercube",
     "sweep",

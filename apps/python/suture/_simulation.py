@@ -184,6 +184,16 @@ class Simulation(_suture.Simulation):
         ({"box": {"min", "max"}}); return a Change."""
         return self._operate("remove_islands", _without_none(below=below, outside=outside))
 
+    # ---- tools ----
+
+    @property
+    def tools(self):
+        """The obstacles of the scene by name, each a Tool with its force, its pose and
+        move_to()."""
+        from ._tools import Tools
+
+        return Tools(self)
+
     # ---- callbacks ----
 
     def every(self, steps):

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/contact/penalty_forces.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "kernel/forces/quad.hpp"
@@ -28,8 +29,11 @@ void PenaltyForces::for_each_push(double time, Visit visit) {
 
 PenaltyForces::Forces PenaltyForces::forces_at(double time) {
   Forces forces;
+  const double e = onset * contact_.mean_edge();
   for_each_push(time, [&](std::size_t obstacle, Index v, const Nearest& nearest) {
-    forces.push_back({v, scaled(-stiffness_[v] * nearest.distance, nearest.normal), obstacle});
+    const double depth = -nearest.distance, within = std::min(depth, e);
+    const double force = stiffness_[v] * (within * within / (2 * e) + depth - within);
+    forces.push_back({v, scaled(force, nearest.normal), obstacle});
   });
   return forces;
 }
@@ -56,13 +60,16 @@ double PenaltyForces::work_since_last(const Forces& forces) const {
 
 // ------------------------------------------------------------------ tangents --
 
-/// -k n n^T, without the derivatives of n, which are smaller by the depth over the radius.
+/// -k min(1, d / e) n n^T, without the derivatives of n, which are smaller by the depth over the
+/// radius.
 void PenaltyForces::add_tangent(const double* d, double dx, double, const TangentTime& at,
                                 double* out) {
+  const double e = onset * contact_.mean_edge();
   for_each_push(at.time, [&](std::size_t, Index v, const Nearest& nearest) {
     const std::size_t i = std::size_t{v} * 3;
     const double along = dot(nearest.normal, {d[i], d[i + 1], d[i + 2]});
-    const double factor = -dx * stiffness_[v] * along;
+    const double k = stiffness_[v] * std::min(1., -nearest.distance / e);
+    const double factor = -dx * k * along;
     for (std::size_t c = 0; c < 3; ++c) out[i + c] += factor * nearest.normal[c];
   });
 }

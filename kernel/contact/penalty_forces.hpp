@@ -8,17 +8,20 @@
 namespace suture {
 
 /// Contact with obstacles as springs, without friction, for explicit runs that must keep energy:
-///   f = k max(0, -g) n
-/// at each vertex of the boundary, with the gap g and the normal n of the obstacle. The stiffness k
-/// is a tenth of a bound on that of the body at the vertex, at the start and after operations: with
-/// more, the stable step would be shorter by more than 5 %. So a body under a pressure p sinks in
-/// by a few elements times p / M, M its P-wave modulus.
+///   f = k d^2 / (2 e) n   to the depth d = e,   f = k (d - e / 2) n   beyond it,
+/// at each vertex of the boundary, with the depth d = -g of its gap g, the normal n of the obstacle
+/// and the onset e. A stiffness that jumped at the surface would change the energy by up to
+/// k (v dt)^2 / 8 at each touch, by where in a step it falls. The stiffness k is 0.04 of a bound on
+/// that of the body at the vertex, at the start and after operations: the error grows with it, too.
+/// So a body under a pressure p sinks in by e / 2 and 7 elements times p / M, M its P-wave modulus.
 ///
 /// Cost: a pass over the vertices of the boundary in each step.
 class PenaltyForces final : public ContactTerm {
  public:
   /// Of the bound on the stiffness of the body.
-  static constexpr double stiffening = 0.1;
+  static constexpr double stiffening = 0.04;
+  /// Of a typical edge of the surface.
+  static constexpr double onset = 0.1;
 
   PenaltyForces(Contact& contact, Attributes& attributes, ForceTerm& models)
       : ContactTerm(contact, attributes, models, stiffening) {}

@@ -64,45 +64,52 @@ TEST(ContactScenes, ABlockFallsAndComesToRestOnTheFloor) {
     }
 }
 
-/// A block that falls by 0.05 m onto a floor.
-Scene bouncing_block(bool penalty) {
-  Scene scene = block_on_floor(2, {0, 0, -9.81}, 0, 1e6);
-  scene.mesh.box->origin[2] = 0.05;
+/// A block that falls onto a floor.
+Scene bouncing_block(bool penalty, double height, double young) {
+  Scene scene = block_on_floor(2, {0, 0, -9.81}, 0, young);
+  scene.mesh.box->origin[2] = height;
   scene.contact.penalty = penalty;
-  scene.solver.safety = 0.4;  // at 0.8, another last digit of dt makes 4 % of ten bounces
-  scene.solver.end = 10;
   return scene;
 }
 
-/// Motion and strain after ten bounces, of what gravity has put in, and the energy that falls.
-double kept_after_ten_bounces(bool penalty) {
+double momentum(Attributes& a) {
+  double sum = 0;
+  for (Index v = 0; v < a.vertex_count(); ++v) sum += a.mass().get(v, 0) * a.velocity().get(v, 2);
+  return sum;
+}
+
+/// Motion and strain where the centre is highest after ten bounces, of what gravity has put in, and
+/// the energy that falls.
+double kept_after_ten_bounces(bool penalty, double height, double young) {
   Diagnostics diagnostics;
-  Simulation simulation(bouncing_block(penalty), host(), diagnostics);
+  Simulation simulation(bouncing_block(penalty, height, young), host(), diagnostics);
   Observer nobody;
-  int bounces = 0;
-  bool touched = false;
-  for (double time = 0; bounces < 10 && time < 10; time += 1e-3) {
+  int tops = 0;
+  bool rose = false;
+  for (double time = 1e-3; tops < 10 && time < 10; time += 1e-3) {
     simulation.run_to(time, nobody);
-    const bool touches = !simulation.contact()->touches().empty();
-    if (touched && !touches) ++bounces;
-    touched = touches;
+    const bool rises = momentum(simulation.attributes()) > 0;
+    if (rose && !rises) ++tops;
+    rose = rises;
   }
-  EXPECT_EQ(bounces, 10);
+  EXPECT_EQ(tops, 10);
   const EnergyBalance energies = simulation.built().dynamics().balance();
-  const double fall = 1000 * 0.4 * 0.4 * 0.2 * 9.81 * 0.05;
+  const double fall = 1000 * 0.4 * 0.4 * 0.2 * 9.81 * height;
   return 1 + (energies.kinetic + energies.elastic - energies.work("gravity")) / fall;
 }
 
-// Measured by others for penalties: +1 to +2 % in ten bounces; impulses lose 40 %.
+// The last digits of dt decide where the surface lies in a step, so each case counts as a sample.
 TEST(ContactScenes, BouncesConserveEnergyWithSpringsAndLoseItWithImpulses) {
-  EXPECT_NEAR(kept_after_ten_bounces(true), 1, 0.03);
-  EXPECT_LT(kept_after_ten_bounces(false), 0.9);
+  for (const double height : {0.01, 0.011, 0.05, 0.051, 0.2, 0.21})
+    for (const double young : {1e5, 1e6, 1e7})
+      EXPECT_NEAR(kept_after_ten_bounces(true, height, young), 1, 0.03)
+          << height << " m, " << young << " Pa";
+  EXPECT_LT(kept_after_ten_bounces(false, 0.05, 1e6), 0.9);
 }
 
 // The springs carry the weight: the block sinks in by weight / stiffness, and no friction holds it.
 TEST(ContactScenes, ABlockRestsOnSprings) {
-  Scene scene = bouncing_block(true);
-  scene.mesh.box->origin[2] = 0;
+  Scene scene = bouncing_block(true, 0, 1e6);
   scene.solver.until_rest = scene.solver.automatic_damping = true;
   scene.solver.tolerance = 1e-6;
   Diagnostics diagnostics;
@@ -111,11 +118,11 @@ TEST(ContactScenes, ABlockRestsOnSprings) {
   EXPECT_EQ(simulation.run(nobody).outcome, RunSummary::Outcome::at_rest);
   const double weight = 1000 * 0.4 * 0.4 * 0.2 * 9.81;
   EXPECT_NEAR(simulation.contact()->loads()[0].force[2], -weight, 1e-5 * weight);
-  double work = 0;  // stored by springs that began without a force: half of force times depth
+  double work = 0;  // stored by springs that stiffen from 0 in proportion to the depth: f d / 3
   for (const Contact::Touch& touch : simulation.contact()->touches())
-    work += touch.force[2] * simulation.attributes().position().get(touch.vertex, 2) / 2;
+    work += touch.force[2] * simulation.attributes().position().get(touch.vertex, 2) / 3;
   EXPECT_LT(work, 0);
-  EXPECT_NEAR(simulation.built().dynamics().balance().work("contact"), work, 1e-3 * std::abs(work));
+  EXPECT_NEAR(simulation.built().dynamics().balance().work("contact"), work, 1e-2 * std::abs(work));
 }
 
 double moving_over_hertz(Index n) {

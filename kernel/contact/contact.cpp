@@ -143,7 +143,7 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   for (std::size_t i = 0; i < near_.size(); ++i)
     book(near_[i], std::span(pushes_).subspan(i * placed_.size(), placed_.size()), step);
   sum_loads();
-  if (pieces_) book_friction_of_pieces();
+  if (pieces_) book_friction_of_pieces(step);
   return corrections_;
 }
 
@@ -271,8 +271,8 @@ void Contact::push_out(Near& near, std::span<Push> pushes, double dt) {
   }
 }
 
-/// An impulse J does the work J . (v- + v+)/2, exactly what it changes in the kinetic energy, and
-/// friction as much relative to the obstacle.
+/// An impulse J does the work J . (v- + v+)/2 (with damping, times work_gain), exactly what it
+/// changes in the kinetic energy, and friction as much relative to the obstacle.
 void Contact::book(Near& near, std::span<const Push> pushes, const ContactStep& step) {
   const double mass = attributes_.mass().rows()[near.vertex];
   const Vec3 velocity = row(attributes_.velocity().rows(), near.vertex);
@@ -285,11 +285,12 @@ void Contact::book(Near& near, std::span<const Push> pushes, const ContactStep& 
   for (std::size_t i = 0; i < pushes.size(); ++i) {
     if (pushes[i].normal == Vec3{}) continue;
     const Vec3 force = scaled(mass / step.whole_gain, plus(pushes[i].normal, pushes[i].tangential));
-    heat -= mass * dot(pushes[i].tangential, minus(near.mean, pushes[i].obstacle_velocity));
+    heat -= mass * step.work_gain *
+            dot(pushes[i].tangential, minus(near.mean, pushes[i].obstacle_velocity));
     obstacle_forces_.push_back({near.vertex, static_cast<Index>(i), force});
   }
   touches_.push_back({near.vertex, scaled(mass / step.whole_gain, change)});
-  const double work = mass * dot(change, near.mean);
+  const double work = mass * step.work_gain * dot(change, near.mean);
   step_work_ += work;
   work_ += work + heat;
   friction_work_ -= heat;
@@ -310,13 +311,13 @@ void Contact::sum_loads() {
 }
 
 /// As for obstacles, with the mean sliding of the vertex over the face.
-void Contact::book_friction_of_pieces() {
+void Contact::book_friction_of_pieces(const ContactStep& step) {
   for (const PieceContact::Touch& touch : pieces_->touches()) {
     if (touch.friction == Vec3{}) continue;
     Vec3 sliding{};
     for (std::size_t i = 0; i < 5; ++i)
       sliding = plus(sliding, scaled(touch.weights[i], near_[near_place_[touch.vertices[i]]].mean));
-    const double heat = -dot(touch.friction, sliding);
+    const double heat = -step.work_gain * dot(touch.friction, sliding);
     work_ += heat;
     friction_work_ -= heat;
   }

@@ -22,6 +22,9 @@ struct ContactStep {
   double decay = 1, gain = 0;        ///< of the kicks still to be made
   /// From one velocity to the next, including kicks already made: impulse = whole_gain * force.
   double whole_decay = 1, whole_gain = 0;
+  /// The work of an impulse J in them is J . (v- + v+)/2 times this: their length over whole_gain,
+  /// as damping takes a part of the impulse.
+  double work_gain = 1;
   Vec3 acceleration{};               ///< uniform, in addition to the forces
   const LiveMask* moving = nullptr;  ///< vertices
 };
@@ -165,7 +168,7 @@ class Contact final : public Follower {
   void move(const Near& near, double dt);
   void push_out(Near& near, std::span<Push> pushes, double dt);
   void book(Near& near, std::span<const Push> pushes, const ContactStep& step);
-  void book_friction_of_pieces();
+  void book_friction_of_pieces(const ContactStep& step);
   void sum_loads();
 
   const CellComplex& complex_;

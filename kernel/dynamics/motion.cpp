@@ -147,6 +147,7 @@ ContactStep Motion::contact_step(std::span<const Kick> kicks, double dt, double 
   const Kick whole(damping_, (last_ + dt) / 2);
   step.whole_decay = last_ != 0 ? whole.decay : step.decay;
   step.whole_gain = last_ != 0 ? whole.gain : step.gain;
+  if (last_ != 0) step.work_gain = (last_ + dt) / 2 / whole.gain;
   step.acceleration = body_.acceleration(time_);
   step.moving = &moving();
   return step;

@@ -125,6 +125,24 @@ TEST(ContactScenes, ABlockRestsOnSprings) {
   EXPECT_NEAR(simulation.built().dynamics().balance().work("contact"), work, 1e-2 * std::abs(work));
 }
 
+double dissipated_by_pressing(double safety) {
+  Scene scene = hertz(2);
+  scene.solver.damping = 20;
+  scene.solver.safety = safety;
+  scene.solver.end = 0.3;
+  Diagnostics diagnostics;
+  Simulation simulation(scene, host(), diagnostics);
+  Observer nobody;
+  simulation.run(nobody);
+  return simulation.built().dynamics().balance().dissipated;
+}
+
+// What damping takes from impulses within a step counts as their work.
+TEST(ContactScenes, DampingDissipatesTheSameWithAnyStep) {
+  const double fine = dissipated_by_pressing(0.1);
+  EXPECT_NEAR(dissipated_by_pressing(0.8), fine, 0.02 * fine);
+}
+
 double moving_over_hertz(Index n) {
   Scene scene = hertz(n);
   scene.solver.until_rest = scene.solver.automatic_damping = true;

@@ -226,12 +226,14 @@ bool MultiplierForces::add_tangent_in_single(const float* d, double dx, double,
 /// Between pieces as links: cells of 8 nodes, the last of which do not count.
 void MultiplierForces::for_each_tangent(double dx, double, const TangentTime& at,
                                         const VisitTangents& visit) {
+  std::vector<Index> vertices;
+  std::vector<double> values;
   for_each_push(at.time, [&](const Push& push) {
     const bool is_link = push.obstacle == Contact::between_pieces;
     const std::size_t used = push.vertices.size(), nodes = is_link ? 8 : 1;
-    std::vector<Index> vertices(nodes, push.vertices.back());
+    vertices.assign(nodes, push.vertices.back());
     std::ranges::copy(push.vertices, vertices.begin());
-    std::vector<double> values(9 * nodes * nodes * 8);  // one of 8 cells
+    values.assign(9 * nodes * nodes * 8, 0);  // one of 8 cells
     for (std::size_t column = 0; column < 3 * used; ++column) {
       Vec3 d{};
       d[column % 3] = dx * push.weights[column / 3];

@@ -140,7 +140,8 @@ class ForceTerm : public Follower {
   /// True for forces by which a constraint holds, with multipliers that converge to them. On the
   /// way to an equilibrium they are not a sum of those at several times.
   virtual bool is_constraint() const { return false; }
-  /// An implicit step begins: multipliers are those that were accepted last.
+  /// An implicit step begins, or begins again after an attempt failed: multipliers are those that
+  /// were accepted last.
   virtual void begin_step(double /*time*/) {}
   /// Called when the equations of such a step are solved: improves the multipliers. True if the
   /// constraint does not hold to its tolerance yet, so that they have to be solved again.

@@ -135,6 +135,12 @@ void find_all(const double* positions, const BoundarySurface::Corners* corners,
 
 }  // namespace
 
+Patch patch_of(const BoundarySurface::Corners& corners, const double* positions) {
+  Patch patch;
+  for (std::size_t i = 0; i < 4; ++i) patch.corners[i] = row(positions, corners[i]);
+  return patch;
+}
+
 std::array<double, 4> Patch::weights_at(double r, double s) {
   return {(1 - r) * (1 - s), r * (1 - s), r * s, (1 - r) * s};
 }

@@ -27,6 +27,9 @@ struct Patch {
   static std::array<double, 4> weights_at(double r, double s);
 };
 
+/// `positions`: rows of 4.
+Patch patch_of(const BoundarySurface::Corners& corners, const double* positions);
+
 /// The foot of a vertex on a face.
 struct FaceFoot {
   double r, s;

@@ -7,16 +7,14 @@
 #include <string>
 #include <utility>
 
-#include "kernel/contact/place_grid.hpp"
 #include "kernel/contact/vectors.hpp"
 
 namespace suture {
 namespace {
 
 // In typical edges: how far a vertex may be in front of a face that it may yet be pushed into, and
-// how far beside its rim; how far things move before near pairs are sought again.
-constexpr double margin = 0.1, beside = 0.05, skin = 0.5;
-constexpr double list_reach = PieceContact::max_depth + skin;  // of near pairs
+// how far beside its rim.
+constexpr double margin = 0.1, beside = 0.05;
 // Of gaps, in typical edges; the second one also of those that do not move.
 constexpr double precision = 1e-4, rounding_of_gaps = 1e-9;
 // Of the change of gaps in the first sweep. Forces that lag behind the motion by a step feed its
@@ -25,8 +23,6 @@ constexpr double lag = 0.3;
 // Of the precision: what a sweep leaves as it is.
 constexpr double negligible = 0.1;
 constexpr double same_side = 0.2;  // cosine of an angle at which surfaces look the same way
-// What is less far behind a face at rest belongs to the same sheet; in typical edges.
-constexpr double thin = 0.5;
 // A distance in typical edges, and the cosine of an angle between faces.
 constexpr double near_enough = 0.02, alike = 0.95;
 // Sine of an angle by which the direction in which edges touch may lean towards one of their faces.
@@ -60,18 +56,6 @@ bool is_before(const PieceContact::Touch& a, const PieceContact::Touch& b) {
   return a_is_edge != b_is_edge ? b_is_edge : a.vertices[0] < b.vertices[0];
 }
 
-Box box_of(const FeatureEdge& edge, const double* positions) {
-  Box box = no_box;
-  for (const Index v : edge.ends) include(box, row(positions, v));
-  return box;
-}
-
-Patch patch_of(const BoundarySurface::Corners& corners, const double* positions) {
-  Patch patch;
-  for (std::size_t i = 0; i < 4; ++i) patch.corners[i] = row(positions, corners[i]);
-  return patch;
-}
-
 }  // namespace
 
 PieceContact::PieceContact(const CellComplex& complex, const BoundarySurface& surface,
@@ -81,109 +65,11 @@ PieceContact::PieceContact(const CellComplex& complex, const BoundarySurface& su
       attributes_(attributes),
       options_(options),
       edge_(edge),
-      islands_(complex),
-      was_outside_(6 * std::size_t{complex.element_count()}) {
-  for (const Index face : surface.faces()) was_outside_[face] = true;
-}
-
-// ----------------------------------------------------------------- near pairs --
+      lists_(complex, surface, attributes, options.self, edge, max_depth) {}
 
 void PieceContact::update(const double* ends, const LiveMask& moving) {
   moving_ = &moving;
-  if (is_stale_) may_meet_ = find_what_may_meet();
-  if (is_stale_ || (may_meet_ && has_moved(ends))) rebuild(ends);
-  is_stale_ = false;
-}
-
-/// False if nothing may.
-bool PieceContact::find_what_may_meet() {
-  meeting_.piece_of.assign(attributes_.vertex_count(), none);
-  ascending_ = surface_.ascending_vertices();
-  for (const Index v : ascending_) meeting_.piece_of[v] = islands_.of(complex_.dart_of(0, v) / 24);
-  meeting_.vertex_meets_own.assign(attributes_.vertex_count(), options_.self);
-  meeting_.face_meets_own.assign(surface_.faces().size(), options_.self);
-  bool has_lips = false;
-  for (Index i = 0; i < surface_.faces().size(); ++i) {
-    if (was_outside_[surface_.faces()[i]]) continue;
-    has_lips = true;
-    meeting_.face_meets_own[i] = true;
-    for (const Index v : surface_.corners()[i]) meeting_.vertex_meets_own[v] = true;
-  }
-  edges_ = feature_edges(complex_, surface_, attributes_.rest().rows());
-  return has_lips || options_.self || islands_.existing() > 1;
-}
-
-bool PieceContact::has_moved(const double* ends) const {
-  const double limit = edge_ * skin / 2;
-  for (std::size_t i = 0; i < built_at_.size(); ++i) {
-    const Vec3 way = minus(row(ends, ascending_[i]), built_at_[i]);
-    if (dot(way, way) > limit * limit) return true;
-  }
-  return false;
-}
-
-void PieceContact::rebuild(const double* ends) {
-  built_at_.clear();
-  pairs_.clear();
-  near_edges_.clear();
-  if (may_meet_) {
-    for (const Index v : ascending_) built_at_.push_back(row(ends, v));
-    pairs_ = near_pairs(surface_, meeting_, ends, list_reach * edge_);
-    const auto sleeps = [&](Index vertex) { return !(*moving_)[vertex]; };
-    std::erase_if(pairs_, [&](const NearPair& pair) {
-      const bool both_sleep = sleeps(pair.vertex) && sleeps(surface_.corners()[pair.face][0]);
-      return both_sleep || is_behind_at_rest(pair);
-    });
-    find_near_edges(ends);
-    std::erase_if(near_edges_, [&](const NearEdges& pair) {
-      return sleeps(edges_[pair.first].ends[0]) && sleeps(edges_[pair.second].ends[0]);
-    });
-  }
-  find_vertices();
-}
-
-/// Within a piece: only material is between the vertex and the face, as across a thin sheet.
-bool PieceContact::is_behind_at_rest(const NearPair& pair) const {
-  const BoundarySurface::Corners& corners = surface_.corners()[pair.face];
-  if (meeting_.piece_of[pair.vertex] != meeting_.piece_of[corners[0]]) return false;
-  const auto& of_element = complex_.vertices_of(surface_.faces()[pair.face] / 6);
-  if (std::ranges::find(of_element, pair.vertex) != of_element.end()) return true;
-  const double* rest = attributes_.rest().rows();
-  const Patch::Foot foot = patch_of(corners, rest).foot(row(rest, pair.vertex));
-  return norm(foot.offset) < thin * edge_ && dot(foot.offset, foot.normal) < -precision * edge_;
-}
-
-void PieceContact::find_near_edges(const double* ends) {
-  near_edges_ = near_edges(edges_, meeting_.piece_of, options_.self, ends, list_reach * edge_);
-  std::erase_if(near_edges_, [&](const NearEdges& pair) { return are_near_at_rest(pair); });
-}
-
-/// Within a piece: as edges on both sides of a thin sheet.
-bool PieceContact::are_near_at_rest(const NearEdges& pair) const {
-  const FeatureEdge &a = edges_[pair.first], &b = edges_[pair.second];
-  if (meeting_.piece_of[a.ends[0]] != meeting_.piece_of[b.ends[0]]) return false;
-  const double* rest = attributes_.rest().rows();
-  return overlap(enlarged(box_of(a, rest), thin * edge_), box_of(b, rest));
-}
-
-/// The vertices of near pairs, ascending, and the faces around them.
-void PieceContact::find_vertices() {
-  std::vector<bool> is_near(attributes_.vertex_count());
-  for (const NearPair& pair : pairs_) {
-    is_near[pair.vertex] = true;
-    for (const Index v : surface_.corners()[pair.face]) is_near[v] = true;
-  }
-  for (const NearEdges& pair : near_edges_)
-    for (const Index edge : {pair.first, pair.second})
-      for (const Index v : edges_[edge].ends) is_near[v] = true;
-  vertices_.clear();
-  for (Index v = 0; v < is_near.size(); ++v)
-    if (is_near[v]) vertices_.push_back(v);
-  near_faces_.clear();
-  for (Index face = 0; face < surface_.corners().size(); ++face)
-    if (std::ranges::any_of(surface_.corners()[face], [&](Index v) { return is_near[v]; }))
-      near_faces_.push_back(face);
-  std::ranges::sort(near_faces_, {}, [&](Index face) { return surface_.corners()[face]; });
+  lists_.update(ends, moving);
   normals_.resize(attributes_.vertex_count());
   faces_.resize(surface_.corners().size());
 }
@@ -192,9 +78,9 @@ void PieceContact::find_vertices() {
 
 /// Near faces, and the sums of their area vectors around the vertices of near pairs.
 void PieceContact::find_faces(const double* positions) {
-  for (const Index face : near_faces_)
+  for (const Index face : lists_.faces())
     for (const Index v : surface_.corners()[face]) normals_[v] = {};
-  for (const Index face : near_faces_) {
+  for (const Index face : lists_.faces()) {
     const BoundarySurface::Corners& corners = surface_.corners()[face];
     const Patch patch = patch_of(corners, positions);
     const Vec3 diagonal = minus(patch.corners[2], patch.corners[0]);
@@ -217,12 +103,12 @@ void PieceContact::find_faces(const double* positions) {
 /// The near pairs that may touch: the face looks at the vertex, which is neither too far in front
 /// of it nor too far away.
 void PieceContact::find_candidates(const double* positions) {
-  candidates_.resize(pairs_.size());
+  candidates_.resize(lists_.pairs().size());
   std::size_t count = 0;
   Index vertex = none;
   Vec3 place{}, normal{};
   double same = 0;
-  for (const NearPair& pair : pairs_) {
+  for (const NearPair& pair : lists_.pairs()) {
     if (pair.vertex != vertex) {
       vertex = pair.vertex;
       place = row(positions, vertex);
@@ -247,8 +133,8 @@ void PieceContact::begin(double dt, double gain) {
   precision_ = 0;
   std::swap(touches_, last_);
   touches_.clear();
-  if (vertices_.empty()) return;
-  sweeps_.begin(vertices_, attributes_.vertex_count());
+  if (vertices().empty()) return;
+  sweeps_.begin(vertices(), attributes_.vertex_count());
   apply_last_forces(ratio);
   find_touches();
   take_back();
@@ -296,7 +182,7 @@ void PieceContact::find_touches() {
                 std::span(feet_).subspan(first, last - first));
     first = last;
   }
-  for (const NearEdges& pair : near_edges_) add_crossing(pair);
+  for (const NearEdges& pair : lists_.edge_pairs()) add_crossing(pair);
 }
 
 void PieceContact::begin_with_last_forces(double ratio) {
@@ -322,7 +208,7 @@ void PieceContact::find_nearest(std::span<const NearPair> of_vertex,
   for (std::size_t i = 0; i < feet.size(); ++i) {
     if (feet[i].beside > beside * edge_ || feet[i].distance > max_depth * edge_) continue;
     const Index face = of_vertex[i].face;
-    const Index piece = meeting_.piece_of[surface_.corners()[face][0]];
+    const Index piece = lists_.piece_of(face);
     if (!is_settled(piece, faces_[face].normal)) add({piece, face, feet[i], faces_[face].centre});
   }
 }
@@ -368,7 +254,7 @@ void PieceContact::add_nearest(std::span<const NearPair> of_vertex,
 /// into the first one between their faces. Where it leads along a face, too: edges of blocks that
 /// lie across each other are parallel to the faces beside them.
 void PieceContact::add_crossing(const NearEdges& pair) {
-  const FeatureEdge &a = edges_[pair.first], &b = edges_[pair.second];
+  const FeatureEdge &a = lists_.edge(pair.first), &b = lists_.edge(pair.second);
   const double* x = attributes_.position().rows();
   Crossing crossing;
   if (!find_crossing({row(x, a.ends[0]), row(x, a.ends[1])}, {row(x, b.ends[0]), row(x, b.ends[1])},
@@ -448,7 +334,7 @@ const PieceContact::Touch* PieceContact::too_deep() const {
 
 void PieceContact::change_sleepers(const LiveMask& moving) {
   moving_ = &moving;
-  is_stale_ = true;
+  lists_.discard();
   const auto sleeps = [&](const Touch& touch) {
     return !moving[touch.vertices[0]] && !moving[touch.vertices[4]];
   };
@@ -492,15 +378,14 @@ double PieceContact::coming_impulse(const Touch& touch) const {
 void PieceContact::follow(const TopologyChange& change) {
   wake(asleep_);
   asleep_.clear();
-  islands_.update(complex_, change);
-  is_stale_ = true;
+  lists_.follow(change);
   std::erase_if(touches_, [&](const Touch& touch) {
     return !std::ranges::all_of(touch.vertices, [&](Index v) { return complex_.exists(0, v); });
   });
 }
 
 void PieceContact::state(Archive& archive) {
-  if (archive.has_cells()) archive("islands", islands_);
+  lists_.state(archive);
   archive("gain", gain_);
   for (const auto& [which, touches] : {std::pair{"", &touches_}, {" asleep", &asleep_}}) {
     const auto member = [&](const char* name, auto of_touch) {
@@ -512,7 +397,6 @@ void PieceContact::state(Archive& archive) {
     member("impulses", &Touch::impulse);
     member("frictions", &Touch::friction);
   }
-  if (archive.loads()) is_stale_ = true;
 }
 
 }  // namespace suture

@@ -6,11 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "kernel/attributes/attributes.hpp"
-#include "kernel/contact/near_edges.hpp"
+#include "kernel/contact/neighbour_lists.hpp"
 #include "kernel/contact/patch.hpp"
 #include "kernel/contact/touch_sweeps.hpp"
-#include "kernel/topology/islands.hpp"
 
 namespace suture {
 
@@ -19,8 +17,7 @@ namespace suture {
 /// ones of its sides; impulses along their normals, with friction, by Gauss-Seidel sweeps over all
 /// contacts. Where edges cross at which the surface bends outward, these touch each other, too.
 ///
-/// Lips are the faces that were inside when the object was made. They coincide when they are made:
-/// their gap is 0, so they do not repel. With itself a piece touches only there, unless `self`.
+/// Lips coincide when they are made: their gap is 0, so they do not repel.
 ///
 /// Two rules keep flush surfaces apart that meet at edges: a vertex whose own surface looks the
 /// same way as a face (n_v . n_f > 0.2) is on the far side of that face and does not touch it; nor
@@ -42,14 +39,14 @@ class PieceContact {
   /// A vertex that is deeper inside another piece does not touch it; of a typical edge.
   static constexpr double max_depth = 0.3;
   /// False if there is only one piece, without lips, that does not touch itself.
-  bool may_meet() const { return may_meet_; }
+  bool may_meet() const { return lists_.may_meet(); }
 
   /// Makes the list of near pairs again if anything has moved by half of the skin. `ends`: rows of
   /// 4, where vertices will be at the end of the free step. `moving`: vertices; what sleeps does
   /// not yield, and pairs of two sleepers are left out.
   void update(const double* ends, const LiveMask& moving);
   /// The vertices of near pairs: no others are changed in the step.
-  std::span<const Index> vertices() const { return vertices_; }
+  std::span<const Index> vertices() const { return lists_.vertices(); }
 
   using Touch = PieceTouch;
   /// Finds the contacts where a free step and the forces of the last one lead, and begins with
@@ -111,17 +108,10 @@ class PieceContact {
   char fixed_components(Index vertex) const;
   double coming_impulse(const Touch& touch) const;
   void wake(std::vector<Touch>& woken);
-  bool find_what_may_meet();
-  bool is_behind_at_rest(const NearPair& pair) const;
-  bool has_moved(const double* ends) const;
-  void rebuild(const double* ends);
-  void find_vertices();
   void find_faces(const double* positions);
   void find_candidates(const double* positions);
   void find_nearest(std::span<const NearPair> of_vertex, std::span<const FaceFoot> feet);
   void add_nearest(std::span<const NearPair> of_vertex, std::span<const FaceFoot> feet);
-  void find_near_edges(const double* ends);
-  bool are_near_at_rest(const NearEdges& pair) const;
   void add_crossing(const NearEdges& pair);
   bool may_leave(const FeatureEdge& edge, const Vec3& direction) const;
   Touch touch_of(const std::array<Index, 5>& vertices, const std::array<double, 5>& weights,
@@ -136,20 +126,7 @@ class PieceContact {
   Attributes& attributes_;
   Options options_;
   double edge_, dt_ = 0, gain_ = 0;
-  Islands islands_;
-  std::vector<bool> was_outside_;  ///< by face, as in BoundarySurface::faces(): at the beginning
-  bool is_stale_ = true;           ///< an operation came after the last rebuild
-  // Since the last operation.
-  std::vector<Index> ascending_;  ///< vertices of the surface, for fast access to their rows
-  Meeting meeting_;
-  bool may_meet_ = false;
-  std::vector<FeatureEdge> edges_;
-  // Of the last rebuild.
-  std::vector<NearPair> pairs_;
-  std::vector<NearEdges> near_edges_;
-  std::vector<Index> vertices_;
-  std::vector<Index> near_faces_;  ///< that have one of these vertices, by their corners
-  std::vector<Vec3> built_at_;     ///< in the order of `ascending_`
+  NeighbourLists lists_;
   // Of the step in progress.
   std::vector<Vec3> normals_;    ///< by vertex: sums of area vectors
   std::vector<NearFace> faces_;  ///< by place

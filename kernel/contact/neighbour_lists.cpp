@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/contact/neighbour_lists.hpp"
+
+#include <algorithm>
+
+#include "kernel/contact/patch.hpp"
+#include "kernel/contact/place_grid.hpp"
+#include "kernel/contact/vectors.hpp"
+
+namespace suture {
+namespace {
+
+// In typical edges: how far things move in all before pairs are sought again.
+constexpr double skin = 0.5;
+// In typical edges: what is less far behind a face at rest belongs to the same sheet, unless it is
+// in the face but for rounding.
+constexpr double thin = 0.5, level = 1e-4;
+
+Box box_of(const FeatureEdge& edge, const double* positions) {
+  Box box = no_box;
+  for (const Index v : edge.ends) include(box, row(positions, v));
+  return box;
+}
+
+}  // namespace
+
+NeighbourLists::NeighbourLists(const CellComplex& complex, const BoundarySurface& surface,
+                               Attributes& attributes, bool self, double edge, double depth)
+    : complex_(complex),
+      surface_(surface),
+      attributes_(attributes),
+      self_(self),
+      edge_(edge),
+      reach_((depth + skin) * edge),
+      islands_(complex),
+      was_outside_(6 * std::size_t{complex.element_count()}) {
+  for (const Index face : surface.faces()) was_outside_[face] = true;
+}
+
+void NeighbourLists::update(const double* positions, const LiveMask& moving) {
+  if (is_stale_) may_meet_ = find_what_may_meet();
+  if (is_stale_ || (may_meet_ && has_moved(positions))) rebuild(positions, moving);
+  is_stale_ = false;
+}
+
+/// False if nothing may.
+bool NeighbourLists::find_what_may_meet() {
+  meeting_.piece_of.assign(attributes_.vertex_count(), none);
+  ascending_ = surface_.ascending_vertices();
+  for (const Index v : ascending_) meeting_.piece_of[v] = islands_.of(complex_.dart_of(0, v) / 24);
+  meeting_.vertex_meets_own.assign(attributes_.vertex_count(), self_);
+  meeting_.face_meets_own.assign(surface_.faces().size(), self_);
+  bool has_lips = false;
+  for (Index i = 0; i < surface_.faces().size(); ++i) {
+    if (was_outside_[surface_.faces()[i]]) continue;
+    has_lips = true;
+    meeting_.face_meets_own[i] = true;
+    for (const Index v : surface_.corners()[i]) meeting_.vertex_meets_own[v] = true;
+  }
+  edges_ = feature_edges(complex_, surface_, attributes_.rest().rows());
+  return has_lips || self_ || islands_.existing() > 1;
+}
+
+bool NeighbourLists::has_moved(const double* positions) const {
+  const double limit = edge_ * skin / 2;
+  for (std::size_t i = 0; i < built_at_.size(); ++i) {
+    const Vec3 way = minus(row(positions, ascending_[i]), built_at_[i]);
+    if (dot(way, way) > limit * limit) return true;
+  }
+  return false;
+}
+
+void NeighbourLists::rebuild(const double* positions, const LiveMask& moving) {
+  built_at_.clear();
+  pairs_.clear();
+  edge_pairs_.clear();
+  if (may_meet_) {
+    for (const Index v : ascending_) built_at_.push_back(row(positions, v));
+    find_pairs(positions, moving);
+    find_edge_pairs(positions, moving);
+  }
+  find_vertices();
+}
+
+void NeighbourLists::find_pairs(const double* positions, const LiveMask& moving) {
+  pairs_ = near_pairs(surface_, meeting_, positions, reach_);
+  std::erase_if(pairs_, [&](const NearPair& pair) {
+    const bool both_sleep = !moving[pair.vertex] && !moving[surface_.corners()[pair.face][0]];
+    return both_sleep || is_behind_at_rest(pair);
+  });
+}
+
+/// Within a piece: only material is between the vertex and the face, as across a thin sheet.
+bool NeighbourLists::is_behind_at_rest(const NearPair& pair) const {
+  if (meeting_.piece_of[pair.vertex] != piece_of(pair.face)) return false;
+  const auto& of_element = complex_.vertices_of(surface_.faces()[pair.face] / 6);
+  if (std::ranges::find(of_element, pair.vertex) != of_element.end()) return true;
+  const double* rest = attributes_.rest().rows();
+  const Patch::Foot foot =
+      patch_of(surface_.corners()[pair.face], rest).foot(row(rest, pair.vertex));
+  return norm(foot.offset) < thin * edge_ && dot(foot.offset, foot.normal) < -level * edge_;
+}
+
+void NeighbourLists::find_edge_pairs(const double* positions, const LiveMask& moving) {
+  edge_pairs_ = near_edges(edges_, meeting_.piece_of, self_, positions, reach_);
+  std::erase_if(edge_pairs_, [&](const NearEdges& pair) {
+    const bool both_sleep = !moving[edge(pair.first).ends[0]] && !moving[edge(pair.second).ends[0]];
+    return both_sleep || are_near_at_rest(pair);
+  });
+}
+
+/// Within a piece: as edges on both sides of a thin sheet.
+bool NeighbourLists::are_near_at_rest(const NearEdges& pair) const {
+  const FeatureEdge &a = edge(pair.first), &b = edge(pair.second);
+  if (meeting_.piece_of[a.ends[0]] != meeting_.piece_of[b.ends[0]]) return false;
+  const double* rest = attributes_.rest().rows();
+  return overlap(enlarged(box_of(a, rest), thin * edge_), box_of(b, rest));
+}
+
+void NeighbourLists::find_vertices() {
+  std::vector<bool> is_near(attributes_.vertex_count());
+  for (const NearPair& pair : pairs_) {
+    is_near[pair.vertex] = true;
+    for (const Index v : surface_.corners()[pair.face]) is_near[v] = true;
+  }
+  for (const NearEdges& pair : edge_pairs_)
+    for (const Index i : {pair.first, pair.second})
+      for (const Index v : edge(i).ends) is_near[v] = true;
+  vertices_.clear();
+  for (Index v = 0; v < is_near.size(); ++v)
+    if (is_near[v]) vertices_.push_back(v);
+  faces_.clear();
+  for (Index face = 0; face < surface_.corners().size(); ++face)
+    if (std::ranges::any_of(surface_.corners()[face], [&](Index v) { return is_near[v]; }))
+      faces_.push_back(face);
+  std::ranges::sort(faces_, {}, [&](Index face) { return surface_.corners()[face]; });
+}
+
+void NeighbourLists::follow(const TopologyChange& change) {
+  islands_.update(complex_, change);
+  is_stale_ = true;
+}
+
+void NeighbourLists::state(Archive& archive) {
+  if (archive.has_cells()) archive("islands", islands_);
+  if (archive.loads()) is_stale_ = true;
+}
+
+}  // namespace suture

@@ -5,13 +5,12 @@
 #include <limits>
 
 #include "kernel/contact/row_lanes.hpp"
+#include "kernel/solvers/clones.hpp"
 
 namespace suture {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Where a vertex may end is known before the step but for rounding; of the size of the body.
-constexpr double rounding = 1e-9;
 // Between two obstacles that a vertex touches at once.
 constexpr int max_sweeps = 16;
 // Over all contacts between pieces.
@@ -26,8 +25,22 @@ constexpr double max_motion = 0.1, max_push = 0.01;
 constexpr double least_push = 1e-9;
 // How far other pieces may push a vertex in a step, or vertices a tool, and how far pieces may
 // approach; of an element.
-constexpr double pushed = 0.5, max_approach = 0.1;
-constexpr int held = 7;  // all components are prescribed
+constexpr double pushed = 0.5, max_approach = 0.05;
+constexpr double held = 7;  // all components are prescribed
+// Vertices of which the box is tested first, before each of them.
+constexpr std::size_t box_size = 32;
+
+/// Around rows of 4.
+SUTURE_CLONES
+Box box_around(const double* rows, std::span<const Index> vertices) {
+  RowLanes low = lanes_of(no_box.low), high = lanes_of(no_box.high);
+  for (const Index v : vertices) {
+    const RowLanes& here = row_at(rows, v);
+    low = here < low ? here : low;
+    high = here > high ? here : high;
+  }
+  return {vec_of(low), vec_of(high)};
+}
 
 }  // namespace
 
@@ -64,12 +77,7 @@ void Contact::touch_pieces(const PieceContact::Options& options) {
   pieces_ = std::make_unique<PieceContact>(complex_, surface_, attributes_, options, mean_edge_);
 }
 
-Vec3 Contact::free_force(Index vertex, const ContactStep& step) const {
-  return plus(row(attributes_.force().rows(), vertex),
-              scaled(attributes_.mass().rows()[vertex], step.acceleration));
-}
-
-void Contact::predict(const ContactStep& step) {
+void Contact::prepare(const ContactStep& step) {
   placed_.clear();
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {
     if (tools_[i]) {
@@ -79,51 +87,12 @@ void Contact::predict(const ContactStep& step) {
       placed_.emplace_back(obstacles_[i], thickness_, step.time, step.end);
     }
   }
-  near_.clear();
   if (vertices_.empty()) vertices_ = surface_.ascending_vertices();
-  if (pieces_) ends_.resize(4 * std::size_t{attributes_.vertex_count()});
-  const double *x = attributes_.position().rows(), *v = attributes_.velocity().rows(),
-               *f = attributes_.force().rows(), *mass = attributes_.mass().rows(),
-               *fixed = attributes_.fixed().rows();
+  free_forces_.resize(4 * std::size_t{attributes_.vertex_count()});
+  const double *force = attributes_.force().rows(), *mass = attributes_.mass().rows();
   const RowLanes acceleration = lanes_of(step.acceleration);
-  RowLanes low = lanes_of(no_box.low), high = lanes_of(no_box.high);  // of velocities
-  for (const Index vertex : vertices_) {
-    const int components = static_cast<int>(fixed[vertex]);
-    const bool sleeps = !(*step.moving)[vertex], moves = components != held && !sleeps;
-    const RowLanes force = row_at(f, vertex) + mass[vertex] * acceleration;
-    const RowLanes velocity =
-        sleeps ? RowLanes{} : step.decay * row_at(v, vertex) + step.gain / mass[vertex] * force;
-    const RowLanes end = row_at(x, vertex) + (moves ? step.dt : 0) * velocity;
-    if (pieces_) {
-      row_at(ends_.data(), vertex) = end;
-      low = velocity < low ? velocity : low;
-      high = velocity > high ? velocity : high;
-    }
-    // Prescribed components go elsewhere, and pieces push each other.
-    const double margin = components != 0         ? size_
-                          : pieces_ || has_tools_ ? pushed * mean_edge_
-                                                  : rounding * size_;
-    if (moves && std::ranges::any_of(placed_, [&](const PlacedObstacle& obstacle) {
-          return obstacle.may_touch(vec_of(end), margin);
-        }))
-      near_.push_back({vertex, vec_of(force)});
-  }
-  near_obstacles_ = near_.size();
-  if (!pieces_) return;
-  add_near_pieces(step);
-  closing_speed_ = pieces_->may_meet() ? norm(vec_of(high - low)) : 0;
-}
-
-void Contact::add_near_pieces(const ContactStep& step) {
-  pieces_->update(ends_.data(), *step.moving);
-  if (pieces_->vertices().empty()) return;
-  near_place_.assign(attributes_.vertex_count(), none);
-  for (Index i = 0; i < near_.size(); ++i) near_place_[near_[i].vertex] = i;
-  for (const Index v : pieces_->vertices()) {
-    if (near_place_[v] != none) continue;
-    near_place_[v] = static_cast<Index>(near_.size());
-    near_.push_back({v, (*step.moving)[v] ? free_force(v, step) : Vec3{}});
-  }
+  for (const Index v : vertices_)
+    row_at(free_forces_.data(), v) = row_at(force, v) + mass[v] * acceleration;
 }
 
 std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
@@ -132,19 +101,71 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   std::erase_if(touches_, moves);  // the forces on sleepers stay
   std::erase_if(obstacle_forces_, moves);
   step_work_ = 0;
-  for (Near& near : near_) {
-    near.free_end = row(attributes_.position().rows(), near.vertex);
-    near.free_velocity = row(attributes_.velocity().rows(), near.vertex);
-  }
-  if (pieces_) pieces_->begin(step.dt, step.whole_gain);
-  pushes_.assign(near_.size() * placed_.size(), {});
+  find_near_obstacles(step);
+  if (pieces_) find_touching_pieces(step);
+  pushes_.assign(near_obstacles_ * placed_.size(), {});
   push(step.dt);
   if (has_tools_) settle_tools(step);
-  for (std::size_t i = 0; i < near_.size(); ++i)
-    book(near_[i], std::span(pushes_).subspan(i * placed_.size(), placed_.size()), step);
+  for (std::size_t i = 0; i < near_.size(); ++i) book(near_[i], pushes_on(i), step);
   sum_loads();
   if (pieces_) book_friction_of_pieces(step);
+  closing_speed_ = 0;
+  if (pieces_ && pieces_->may_meet()) {
+    const Box box = box_around(attributes_.velocity().rows(), vertices_);
+    closing_speed_ = norm(minus(box.high, box.low));
+  }
   return corrections_;
+}
+
+/// By boxes of vertices first.
+void Contact::find_near_obstacles(const ContactStep& step) {
+  near_.clear();
+  const double margin = pieces_ || has_tools_ ? pushed * mean_edge_ : 0;  // others push it, too
+  const double *x = attributes_.position().rows(), *fixed = attributes_.fixed().rows();
+  const auto is_near = [&](const Vec3& place, double distance) {
+    return std::ranges::any_of(placed_, [&](const PlacedObstacle& obstacle) {
+      return obstacle.may_touch(place, distance);
+    });
+  };
+  for (std::size_t first = 0; first < vertices_.size(); first += box_size) {
+    const std::size_t count = std::min(box_size, vertices_.size() - first);
+    const auto vertices = std::span(vertices_).subspan(first, count);
+    const Box box = box_around(x, vertices);
+    const Vec3 half = scaled(0.5, minus(box.high, box.low));
+    if (!is_near(plus(box.low, half), norm(half) + margin)) continue;
+    for (const Index v : vertices)
+      if ((*step.moving)[v] && fixed[v] != held && is_near(row(x, v), margin)) add_near(v, step);
+  }
+  near_obstacles_ = near_.size();
+}
+
+void Contact::find_touching_pieces(const ContactStep& step) {
+  near_.resize(near_obstacles_);
+  pieces_->begin(step.dt, step.whole_gain, *step.moving);
+  if (pieces_->touches().empty()) return;
+  near_place_.assign(attributes_.vertex_count(), none);
+  for (Index i = 0; i < near_.size(); ++i) near_place_[near_[i].vertex] = i;
+  for (const PieceContact::Touch& touch : pieces_->touches())
+    for (const Index v : touch.vertices) {
+      if (near_place_[v] != none) continue;
+      near_place_[v] = static_cast<Index>(near_.size());
+      add_near(v, step);
+    }
+  pieces_->apply_last_forces();
+}
+
+void Contact::add_near(Index vertex, const ContactStep& step) {
+  Near& near = near_.emplace_back();
+  near.vertex = vertex;
+  if ((*step.moving)[vertex]) near.force = row(free_forces_.data(), vertex);
+  near.free_end = row(attributes_.position().rows(), vertex);
+  near.free_velocity = row(attributes_.velocity().rows(), vertex);
+}
+
+/// By obstacle.
+std::span<Push> Contact::pushes_on(std::size_t near) {
+  if (near >= near_obstacles_) return {};
+  return std::span(pushes_).subspan(near * placed_.size(), placed_.size());
 }
 
 /// Obstacles have the last word in each sweep: nothing is left inside them.
@@ -158,7 +179,7 @@ void Contact::push(double dt) {
       const Vec3 velocity = row(attributes_.velocity().rows(), near.vertex);
       if (sweep > 0 && velocity == near.settled) continue;  // pieces left it where it was
       if (meet) move(near, dt);
-      push_out(near, std::span(pushes_).subspan(i * placed_.size(), placed_.size()), dt);
+      push_out(near, pushes_on(i), dt);
       near.settled = row(attributes_.velocity().rows(), near.vertex);
       if (meet) pieces_->disturb(near.vertex, dt * norm(minus(near.settled, velocity)));
     }
@@ -195,7 +216,7 @@ void Contact::release(const ContactStep& step) {
     std::ranges::copy(near.free_velocity, attributes_.velocity().rows() + at);
     near.pushed = {};
   }
-  if (pieces_) pieces_->begin(step.dt, step.whole_gain);
+  if (pieces_) find_touching_pieces(step);
   std::ranges::fill(pushes_, Push{});
 }
 

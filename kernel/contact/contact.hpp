@@ -67,8 +67,9 @@ class Contact final : public Follower {
   const Box& box() const { return box_; }
   double size() const { return size_; }
 
-  /// Call before the pass that kicks and drifts: finds the vertices that may touch an obstacle.
-  void predict(const ContactStep& step);
+  /// Call before the pass that kicks and drifts, which clears the forces: keeps those on the
+  /// surface.
+  void prepare(const ContactStep& step);
   /// What MotionSums does not know of a vertex that was pushed: the work rate of its other forces
   /// at its new velocity, W, and twice its kinetic energy, J, less those without contact.
   struct Correction {
@@ -136,7 +137,7 @@ class Contact final : public Follower {
   std::vector<Index> near_moving_obstacles(double time, double dt) const;
 
   /// The longest step in which no obstacle moves by more than a tenth of an element, and no pieces
-  /// approach each other by more than a tenth of an edge, s.
+  /// approach each other by more than a twentieth of an edge, s.
   double longest_step(double time) const;
   /// A bound on the speed of the points of an obstacle near the body, m/s.
   double top_speed(const Obstacle& obstacle, double time) const;
@@ -149,17 +150,19 @@ class Contact final : public Follower {
   void state(Archive& archive);
 
  private:
-  /// A vertex that the step may push.
+  /// A vertex that the step may push: near an obstacle, or where pieces touch.
   struct Near {
-    Index vertex;
-    Vec3 force;                        ///< without contact, N
+    Index vertex = none;
+    Vec3 force{};                      ///< without contact, N
     Vec3 free_end{}, free_velocity{};  ///< after the step without contact
     Vec3 mean{};                       ///< of the velocities before and after the step, m/s
     Vec3 pushed{};                     ///< what obstacles have changed in the velocity, m/s
     Vec3 settled{};                    ///< the velocity after they did, m/s
   };
-  Vec3 free_force(Index vertex, const ContactStep& step) const;
-  void add_near_pieces(const ContactStep& step);
+  void find_near_obstacles(const ContactStep& step);
+  void find_touching_pieces(const ContactStep& step);
+  void add_near(Index vertex, const ContactStep& step);
+  std::span<Push> pushes_on(std::size_t near);
   void push(double dt);
   void settle_tools(const ContactStep& step);
   void release(const ContactStep& step);
@@ -186,16 +189,16 @@ class Contact final : public Follower {
   std::vector<Near> near_;          ///< first those near obstacles
   std::size_t near_obstacles_ = 0;  ///< how many
   std::vector<Correction> corrections_;
-  std::vector<Push> pushes_;  ///< of near vertices: by obstacle
+  std::vector<Push> pushes_;  ///< of vertices near obstacles: by obstacle
   std::unique_ptr<PieceContact> pieces_;
-  std::vector<double> ends_;       ///< rows of 4, of boundary vertices
-  std::vector<Index> near_place_;  ///< by vertex: its place in near_, or none
+  std::vector<double> free_forces_;  ///< without contact, rows of 4, of boundary vertices, N
+  std::vector<Index> near_place_;    ///< by vertex: its place in near_, or none
   // Of the last step.
   std::vector<Touch> touches_;
   std::vector<Load> loads_;
   double work_ = 0, friction_work_ = 0, step_work_ = 0;
   bool is_term_ = false;
-  double closing_speed_ = 0;  ///< of pieces that may meet, at most, m/s
+  double closing_speed_ = 0;  ///< of pieces that may meet, at most, after contact, m/s
   /// Of an obstacle on a vertex, in the last step, N.
   struct ObstacleForce {
     Index vertex, obstacle;

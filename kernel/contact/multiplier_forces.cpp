@@ -266,8 +266,7 @@ MultiplierForces::Pairs MultiplierForces::find_pairs(double time) {
   find_stiffness(time);
   const double* x = attributes_.position().rows();
   found_at_.assign(x, x + std::size_t{attributes_.vertex_count()} * 4);
-  pieces->update(x, attributes_.kernel(0).cells.live());
-  pieces->begin(1, 1);
+  pieces->begin(1, 1, attributes_.kernel(0).cells.live());
   for (const PieceContact::Touch& touch : pieces->touches())
     if (touch.mass > 0)
       pairs.push_back({{},

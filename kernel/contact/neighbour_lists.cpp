@@ -79,7 +79,7 @@ void NeighbourLists::rebuild(const double* positions, const LiveMask& moving) {
     find_pairs(positions, moving);
     find_edge_pairs(positions, moving);
   }
-  find_vertices();
+  find_faces();
 }
 
 void NeighbourLists::find_pairs(const double* positions, const LiveMask& moving) {
@@ -117,21 +117,16 @@ bool NeighbourLists::are_near_at_rest(const NearEdges& pair) const {
   return overlap(enlarged(box_of(a, rest), thin * edge_), box_of(b, rest));
 }
 
-void NeighbourLists::find_vertices() {
-  std::vector<bool> is_near(attributes_.vertex_count());
-  for (const NearPair& pair : pairs_) {
-    is_near[pair.vertex] = true;
-    for (const Index v : surface_.corners()[pair.face]) is_near[v] = true;
-  }
+void NeighbourLists::find_faces() {
+  std::vector<bool> has_pair(attributes_.vertex_count()), is_near(surface_.corners().size());
+  for (const NearPair& pair : pairs_) has_pair[pair.vertex] = is_near[pair.face] = true;
   for (const NearEdges& pair : edge_pairs_)
     for (const Index i : {pair.first, pair.second})
-      for (const Index v : edge(i).ends) is_near[v] = true;
-  vertices_.clear();
-  for (Index v = 0; v < is_near.size(); ++v)
-    if (is_near[v]) vertices_.push_back(v);
+      for (const Index face : edge(i).faces) is_near[face] = true;
   faces_.clear();
-  for (Index face = 0; face < surface_.corners().size(); ++face)
-    if (std::ranges::any_of(surface_.corners()[face], [&](Index v) { return is_near[v]; }))
+  for (Index face = 0; face < is_near.size(); ++face)
+    if (is_near[face] ||
+        std::ranges::any_of(surface_.corners()[face], [&](Index v) { return has_pair[v]; }))
       faces_.push_back(face);
   std::ranges::sort(faces_, {}, [&](Index face) { return surface_.corners()[face]; });
 }

@@ -34,9 +34,7 @@ class NeighbourLists {
   /// Of edge(first) and edge(second).
   std::span<const NearEdges> edge_pairs() const { return edge_pairs_; }
   const FeatureEdge& edge(Index i) const { return edges_[i]; }
-  /// Of both lists, ascending.
-  std::span<const Index> vertices() const { return vertices_; }
-  /// That have one of these vertices, sorted by their corners; by place.
+  /// Those of both lists, and all around the vertices of pairs; by place, sorted by corners.
   std::span<const Index> faces() const { return faces_; }
   /// Of a face, by place.
   Index piece_of(Index face) const { return meeting_.piece_of[surface_.corners()[face][0]]; }
@@ -50,7 +48,7 @@ class NeighbourLists {
   void rebuild(const double* positions, const LiveMask& moving);
   void find_pairs(const double* positions, const LiveMask& moving);
   void find_edge_pairs(const double* positions, const LiveMask& moving);
-  void find_vertices();
+  void find_faces();
   bool is_behind_at_rest(const NearPair& pair) const;
   bool are_near_at_rest(const NearEdges& pair) const;
 
@@ -70,7 +68,7 @@ class NeighbourLists {
   // Of the last rebuild.
   std::vector<NearPair> pairs_;
   std::vector<NearEdges> edge_pairs_;
-  std::vector<Index> vertices_, faces_;
+  std::vector<Index> faces_;
   std::vector<Vec3> built_at_;  ///< in the order of `ascending_`
 };
 

@@ -67,13 +67,6 @@ PieceContact::PieceContact(const CellComplex& complex, const BoundarySurface& su
       edge_(edge),
       lists_(complex, surface, attributes, options.self, edge, max_depth) {}
 
-void PieceContact::update(const double* ends, const LiveMask& moving) {
-  moving_ = &moving;
-  lists_.update(ends, moving);
-  normals_.resize(attributes_.vertex_count());
-  faces_.resize(surface_.corners().size());
-}
-
 // ------------------------------------------------------------------- contacts --
 
 /// Near faces, and the sums of their area vectors around the vertices of near pairs.
@@ -126,28 +119,32 @@ void PieceContact::find_candidates(const double* positions) {
   candidates_.resize(count);
 }
 
-void PieceContact::begin(double dt, double gain) {
+void PieceContact::begin(double dt, double gain, const LiveMask& moving) {
   const double ratio = gain_ > 0 ? gain / gain_ : 0;
   dt_ = dt;
   gain_ = gain;
+  moving_ = &moving;
   precision_ = 0;
   std::swap(touches_, last_);
   touches_.clear();
-  if (vertices().empty()) return;
-  sweeps_.begin(vertices(), attributes_.vertex_count());
-  apply_last_forces(ratio);
+  for (Touch& touch : last_) {
+    touch.impulse *= ratio;
+    touch.friction = scaled(ratio, touch.friction);
+  }
+  move_by_last_forces();
+  lists_.update(attributes_.position().rows(), moving);
   find_touches();
   take_back();
-  begin_with_last_forces(ratio);
+  sweeps_.begin(touches_, attributes_.vertex_count());
 }
 
 /// Moves the ends of the step to where the forces of the last one take them: at rest, to where the
 /// step ends. Where it ends without them depends on the step and its damping.
-void PieceContact::apply_last_forces(double ratio) {
+void PieceContact::move_by_last_forces() {
   double *x = attributes_.position().rows(), *v = attributes_.velocity().rows();
   for (const Touch& touch : last_) {
     if (touch.impulse == 0) continue;
-    const Vec3 impulse = scaled(ratio, plus(scaled(touch.impulse, touch.normal), touch.friction));
+    const Vec3 impulse = plus(scaled(touch.impulse, touch.normal), touch.friction);
     for (std::size_t i = 0; i < 5; ++i) {
       const Index vertex = touch.vertices[i];
       const double response = touch.weights[i] / attributes_.mass().rows()[vertex];
@@ -171,6 +168,8 @@ void PieceContact::take_back() {
 
 void PieceContact::find_touches() {
   const double* positions = attributes_.position().rows();
+  normals_.resize(attributes_.vertex_count());
+  faces_.resize(surface_.corners().size());
   find_faces(positions);
   find_candidates(positions);
   find_feet(positions, surface_.corners(), candidates_, feet_);
@@ -185,14 +184,14 @@ void PieceContact::find_touches() {
   for (const NearEdges& pair : lists_.edge_pairs()) add_crossing(pair);
 }
 
-void PieceContact::begin_with_last_forces(double ratio) {
+void PieceContact::apply_last_forces() {
   std::size_t candidate = 0;
   for (Touch& touch : touches_) {
     while (candidate < last_.size() && is_before(last_[candidate], touch)) ++candidate;
     for (std::size_t i = candidate; i < last_.size() && !is_before(touch, last_[i]); ++i) {
       if (last_[i].impulse == 0 || dot(last_[i].normal, touch.normal) < alike) continue;
-      touch.impulse = ratio * last_[i].impulse;
-      const Vec3 friction = scaled(ratio, last_[i].friction);
+      touch.impulse = last_[i].impulse;
+      const Vec3& friction = last_[i].friction;
       touch.friction = minus(friction, scaled(dot(friction, touch.normal), touch.normal));
       sweeps_.apply(touch, plus(scaled(touch.impulse, touch.normal), touch.friction),
                     attributes_.velocity().rows());

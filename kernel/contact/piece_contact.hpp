@@ -41,17 +41,12 @@ class PieceContact {
   /// False if there is only one piece, without lips, that does not touch itself.
   bool may_meet() const { return lists_.may_meet(); }
 
-  /// Makes the list of near pairs again if anything has moved by half of the skin. `ends`: rows of
-  /// 4, where vertices will be at the end of the free step. `moving`: vertices; what sleeps does
-  /// not yield, and pairs of two sleepers are left out.
-  void update(const double* ends, const LiveMask& moving);
-  /// The vertices of near pairs: no others are changed in the step.
-  std::span<const Index> vertices() const { return lists_.vertices(); }
-
   using Touch = PieceTouch;
-  /// Finds the contacts where a free step and the forces of the last one lead, and begins with
-  /// these forces. In the step, dv = gain * force / mass.
-  void begin(double dt, double gain);
+  /// Finds the contacts where a free step, which has been made, and the forces of the last one
+  /// lead. In the step, dv = gain * force / mass. `moving`: vertices; what sleeps does not yield.
+  void begin(double dt, double gain, const LiveMask& moving);
+  /// Begins with the forces of the last step where contacts continue.
+  void apply_last_forces();
   std::span<const Touch> touches() const { return touches_; }
   /// Improves the impulses, and changes velocities by them; positions are up to the caller. True if
   /// some gap changed by more than 1e-4 of an edge, or by more than 0.3 of the change in the first
@@ -116,10 +111,9 @@ class PieceContact {
   bool may_leave(const FeatureEdge& edge, const Vec3& direction) const;
   Touch touch_of(const std::array<Index, 5>& vertices, const std::array<double, 5>& weights,
                  const Vec3& normal, double end) const;
-  void apply_last_forces(double ratio);
+  void move_by_last_forces();
   void find_touches();
   void take_back();
-  void begin_with_last_forces(double ratio);
 
   const CellComplex& complex_;
   const BoundarySurface& surface_;
@@ -134,7 +128,7 @@ class PieceContact {
   std::vector<FaceFoot> feet_;  ///< of candidates
   std::vector<Touch> touches_, last_;
   double precision_ = 0;       ///< of gaps, m; 0: before the first sweep
-  std::vector<FreeEnd> free_;  ///< changed by apply_last_forces()
+  std::vector<FreeEnd> free_;  ///< changed by move_by_last_forces()
   TouchSweeps sweeps_;
   std::vector<Found> nearest_;  ///< to one vertex
   const LiveMask* moving_ = nullptr;

@@ -83,9 +83,10 @@ double sweep_over(const SweepState& state, PieceTouch* first, PieceTouch* last) 
 
 }  // namespace
 
-void TouchSweeps::begin(std::span<const Index> vertices, std::size_t count) {
-  ways_.resize(count);
-  for (const Index v : vertices) ways_[v] = 0;
+void TouchSweeps::begin(std::span<const PieceTouch> touches, std::size_t vertices) {
+  ways_.resize(vertices);
+  for (const PieceTouch& touch : touches)
+    for (const Index v : touch.vertices) ways_[v] = 0;
 }
 
 double TouchSweeps::sweep(std::span<PieceTouch> touches, double* velocities, double friction,

@@ -30,8 +30,8 @@ struct PieceTouch {
 /// since they were last improved.
 class TouchSweeps {
  public:
-  /// Call when a step begins. `vertices`: of all contacts, of `count` in all.
-  void begin(std::span<const Index> vertices, std::size_t count);
+  /// Call when a step begins. `vertices`: in all.
+  void begin(std::span<const PieceTouch> touches, std::size_t vertices);
 
   /// Changes impulses, and velocities (rows of 4) by them. `negligible`: m. Returns the largest
   /// change of a gap, m.

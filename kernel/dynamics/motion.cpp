@@ -169,7 +169,7 @@ void Motion::kick_and_drift(std::span<const Kick> kicks, double dt, double end, 
   Constraints& constraints = body_.constraints();
   const bool has_impulses = body_.contact() && !body_.contact()->is_term();
   const ContactStep step = has_impulses ? contact_step(kicks, dt, end) : ContactStep{};
-  if (has_impulses) body_.contact()->predict(step);
+  if (has_impulses) body_.contact()->prepare(step);
   evaluated_ = false;
   const bool good = for_each_chunk([&](std::size_t part, Index first, Index last) {
     loops::PassSums sums;

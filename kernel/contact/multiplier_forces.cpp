@@ -19,6 +19,9 @@ constexpr double stiffening = 4;
 constexpr int all_held = 7;
 // Cosine of an angle between the normals of a contact before and after an update.
 constexpr double same_direction = 0.95;
+// A contact with a force stays until its point has left the place where it was found by more, in
+// typical edges.
+constexpr double kept_within = 0.01;
 
 Vec3 along_surface(const Vec3& a, const Vec3& normal) {
   return minus(a, scaled(dot(a, normal), normal));
@@ -65,9 +68,10 @@ double MultiplierForces::stiffness_per_mass(double time) const {
   return is_static_ || start_.empty() || !(dt > 0) ? 0 : stiffening / (dt * dt);
 }
 
-/// visit(push) for everything that is pushed, and for what touches without a force: its tangent
-/// holds a body that lies there. Between pieces only until it moves away: Newton's method is slow
-/// with the tangent of a force that is not there, and lips often touch without one.
+/// visit(push) for everything that is pushed, and between equilibria for what touches without a
+/// force: its tangent holds a body that lies there. Between pieces only until it moves away:
+/// Newton's method is slow with the tangent of a force that is not there, and lips often touch
+/// without one.
 template <class Visit>
 void MultiplierForces::for_each_push(double time, Visit visit) {
   find_stiffness(time);
@@ -80,7 +84,8 @@ void MultiplierForces::for_each_push(double time, Visit visit) {
     const Vec3 offset = push.sum(attributes_.position().rows(), 4);
     push.gap = dot(pair.normal, offset);
     push.pressure = std::max(0.0, pair.pressure - stiffness * push.gap);
-    if (push.pressure == 0 && (pair.pressure != 0 || push.gap > pair.first_gap)) continue;
+    if (push.pressure == 0 && (!is_static_ || pair.pressure != 0 || push.gap > pair.first_gap))
+      continue;
     if (!start_.empty())
       add_friction(push, contact_.pieces()->friction(), minus(offset, push.sum(start_.data(), 4)));
     visit(push);
@@ -107,7 +112,8 @@ void MultiplierForces::for_each_push_of_obstacles(double time, Visit visit) {
       const Nearest nearest = placed.gap(place);
       const double stiffness = stiffness_[v] + per_mass * mass[v];
       const double pressure = std::max(0.0, last.pressure - stiffness * nearest.distance);
-      if (pressure == 0 && (last.pressure != 0 || nearest.distance >= touching)) continue;
+      if (pressure == 0 && (!is_static_ || last.pressure != 0 || nearest.distance >= touching))
+        continue;
       Push push{&last,          i,         {&v, 1},          {&one, 1},
                 nearest.normal, stiffness, nearest.distance, pressure};
       if (!start_.empty())
@@ -287,11 +293,16 @@ Vec3 MultiplierForces::offset_of(const Pair& pair) const {
 }
 
 /// Replaces the pairs; those of the same vertex or edge in about the same direction pass their
-/// multipliers on. Returns by how much contacts change, m: gaps, the way of the point where they
-/// act, and what the force of those that end pushed in.
+/// multipliers on. In inner corners, where faces are equally near, rounding decides which of them
+/// is found: contacts with a force stay. Returns by how much contacts change, m: gaps, the way of
+/// the point where they act, and what the force of those that end pushed in.
 double MultiplierForces::take_over(Pairs found) {
   const auto is_before = [](const Pair& a, const Pair& b) {  // in the order of PieceContact
     return a.is_of_edges() != b.is_of_edges() ? b.is_of_edges() : a.vertices[0] < b.vertices[0];
+  };
+  const auto stays = [&](const Pair& pair) {
+    const Vec3 way = minus(along_surface(offset_of(pair), pair.normal), pair.beside);
+    return norm(way) < kept_within * contact_.mean_edge();
   };
   double largest = 0;
   std::size_t first = 0;
@@ -299,16 +310,25 @@ double MultiplierForces::take_over(Pairs found) {
     while (first < pairs_.size() && is_before(pairs_[first], pair)) ++first;
     const Vec3 offset = offset_of(pair);
     const double gap = dot(pair.normal, offset);
+    pair.beside = along_surface(offset, pair.normal);
     largest = std::max(largest, -gap);
     for (std::size_t i = first; i < pairs_.size() && !is_before(pair, pairs_[i]); ++i) {
       Pair& before = pairs_[i];
       if (before.pressure == 0 || dot(before.normal, pair.normal) < same_direction) continue;
+      if (before.vertices != pair.vertices && stays(before)) continue;
       static_cast<Multiplier&>(pair) = std::exchange(static_cast<Multiplier&>(before), {});
       largest = std::max({largest, gap, norm(minus(offset, offset_of(before)))});
       break;
     }
   }
-  for (const Pair& before : pairs_) largest = std::max(largest, before.pressure / before.stiffness);
+  for (const Pair& before : pairs_) {
+    if (before.pressure == 0) continue;
+    if (stays(before))
+      found.push_back(before);
+    else
+      largest = std::max(largest, before.pressure / before.stiffness);
+  }
+  std::ranges::stable_sort(found, is_before);
   pairs_ = std::move(found);
   return largest;
 }
@@ -414,6 +434,7 @@ void MultiplierForces::state(Archive& archive) {
   archive.member("touching", accepted_pairs_, &Pair::vertices);
   archive.member("weights", accepted_pairs_, &Pair::weights);
   archive.member("normals", accepted_pairs_, &Pair::normal);
+  archive.member("beside", accepted_pairs_, &Pair::beside);
   archive.member("stiffnesses", accepted_pairs_, &Pair::stiffness);
   archive.member("masses", accepted_pairs_, &Pair::mass);
   archive.member("pressures", accepted_pairs_, &Pair::pressure);

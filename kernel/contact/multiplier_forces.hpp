@@ -63,6 +63,7 @@ class MultiplierForces final : public ContactTerm {
     double stiffness = 0;   ///< of the body, N/m
     double mass = 0;        ///< that an impulse along the normal moves, kg
     double first_gap = -1;  ///< at the start of the step, if it touches then, m
+    Vec3 beside{};          ///< of the point along the surface where it was found, m
     bool is_of_edges() const { return vertices[3] == vertices[4]; }
   };
   using Pairs = std::vector<Pair>;

@@ -188,6 +188,26 @@ TEST(StaticPieces, AStackCarriesItsWeight) {
   }
 }
 
+// Nodes meet nodes, where four faces are equally near.
+TEST(ImplicitPieces, ABlockFallsOntoOneOfTheSameMesh) {
+  for (const double friction : {0.4, 0.0}) {
+    TemporaryFolder folder;
+    Scene scene = block_on_floor(1, {0, 0, -9.81}, friction);
+    std::vector<BoxOptions> boxes = stack({2, 2});
+    boxes[1].origin[2] += 0.02;
+    use_boxes(scene, folder, boxes);
+    scene.contact.pieces = true;
+    scene.contact.friction = friction;
+    scene.solver.integrator = "implicit-euler";
+    scene.solver.dt = 0.005;
+    scene.solver.end = 0.2;
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    EXPECT_EQ(error_of(simulation), "");
+    EXPECT_LT(overlap_of_pieces(simulation), 1e-3);
+  }
+}
+
 /// Strains along z of all elements, of two blocks pressed together.
 TEST(StaticPieces, MeshesThatDoNotMatchCarryAUniformPressure) {
   for (const auto& cells : {std::array<Index, 2>{2, 3}, {3, 2}}) {
@@ -290,6 +310,23 @@ TEST(StaticPieces, LipsAreWhereTheyComeToRest) {
   for (std::size_t i = 0; i < places[0].size(); ++i)
     apart = std::max(apart, std::abs(places[0][i] - places[1][i]));
   EXPECT_LT(apart, 1e-3 * 0.0667) << "of an edge; gaps are below 1e-4, and forces rest at 1e-4";
+}
+
+// In the corners of stairs in two directions three faces are equally near.
+TEST(StaticPieces, LipsWithFrictionCarryWhatTheUncutBlockCarries) {
+  double forces[2];
+  for (const bool is_cut : {false, true}) {
+    Scene scene = pressed_lips(3, 0.05, 0);
+    std::get<CutPlane>(scene.events[0].what) = {{0.21, 0.22, 0.101}, {0.3, 0.2, 1}};
+    if (!is_cut) scene.events.clear();
+    find_equilibrium(scene, 0.5);
+    Diagnostics diagnostics;
+    Simulation simulation(scene, host(), diagnostics);
+    Observer nobody;
+    EXPECT_EQ(simulation.run(nobody).faces_cut != 0, is_cut);
+    forces[is_cut] = simulation.built().dynamics().balance().work("prescribed");
+  }
+  EXPECT_NEAR(forces[1], forces[0], 0.01 * std::abs(forces[0]));
 }
 
 TEST(StaticPieces, ABodyTouchesItself) {

@@ -201,10 +201,13 @@ void decide_contact(BuiltScene& built, std::vector<Decision>& list) {
     list.push_back({"obstacle " + obstacle.name, false, text.str()});
   }
   const PieceContact* pieces = contact->pieces();
+  const bool are_none =
+      pieces && built.scene().events.empty() && built.body().islands().count() == 1;
   list.push_back({"contact between pieces", !pieces,
-                  pieces ? "nodes of one near faces of another, sought again as they move; "
-                           "the lips of cuts, too"
-                         : "not requested: they pass through each other"});
+                  are_none ? "none yet: the body is one piece, and the scene has no events"
+                  : pieces ? "nodes of one near faces of another, sought again as they move; "
+                             "the lips of cuts, too"
+                           : "not requested: they pass through each other"});
   list.push_back({"contact of a piece with itself", !pieces || !pieces->touches_self(),
                   pieces && pieces->touches_self() ? "nodes near faces that look at them"
                   : pieces                         ? "not requested: only the lips of cuts touch"

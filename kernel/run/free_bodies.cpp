@@ -64,8 +64,9 @@ void check_free_bodies(const Scene& scene, BuiltScene& built, Diagnostics& diagn
         "/constraints: " + describe(piece) + ", and " + resultant_text(piece) +
         ", so it never comes to rest; constrain it, balance the loads, or give /solver/end");
   }
+  const std::string contact = built.body().contact() ? ", unless contact holds it" : "";
   for (std::size_t i = 0; i < std::min(pieces.size(), max_reported); ++i)
-    diagnostics.warn("/constraints: " + describe(pieces[i]) +
+    diagnostics.warn("/constraints: " + describe(pieces[i]) + contact +
                      (pieces[i].is_pushed() ? "; " + resultant_text(pieces[i]) : std::string()));
   if (pieces.size() > max_reported)
     diagnostics.warn("/constraints: " + std::to_string(pieces.size() - max_reported) +

@@ -183,7 +183,7 @@ void RunLoop::change_motion(const std::function<void(Attributes&)>& change) {
 /// No rollback crosses it: the program that steers would not steer again.
 void RunLoop::steer(const std::string& obstacle, const PoseTarget& target) {
   Contact* contact = built_.body().contact();
-  Steering steering = steering_to(target, obstacle, contact, clock_.time(), scene_.solver.dt);
+  Steering steering = steering_to(target, obstacle, contact, clock_.time(), scene_.solver);
   contact->set_path(steering.obstacle, std::move(steering.path));
   sleeper_.wake_disturbed();
   control_.commit();

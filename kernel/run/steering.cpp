@@ -42,16 +42,13 @@ void check_target(const PoseTarget& target, const std::string& name, double now)
 }  // namespace
 
 Steering steering_to(const PoseTarget& target, const std::string& name, const Contact* contact,
-                     double now, std::optional<double> fixed_dt) {
+                     double now, const SolverOptions& solver) {
   const std::size_t place = obstacle_named(name, contact);
   check_target(target, name, now);
   Obstacle obstacle = contact->obstacles()[place];
   obstacle.motion = obstacle.motion.steered(now, target);
-  if (fixed_dt) {
-    const double moving = std::min(*fixed_dt, target.at - now);
-    const std::string mistake = too_fast(obstacle, *contact, now, moving);
-    if (!mistake.empty()) throw InputError("obstacle '" + name + "' " + mistake);
-  }
+  const std::string mistake = too_fast(obstacle, *contact, solver, now);
+  if (!mistake.empty()) throw InputError("obstacle '" + name + "' " + mistake);
   return {place, std::move(obstacle.motion)};
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "kernel/contact/contact.hpp"
+#include "kernel/scene/scene.hpp"
 
 namespace suture {
 
@@ -17,6 +17,6 @@ struct Steering {
 /// The path to a target, from `now` on. Throws the errors of Simulation::steer(). `contact`: null
 /// without obstacles.
 Steering steering_to(const PoseTarget& target, const std::string& obstacle, const Contact* contact,
-                     double now, std::optional<double> fixed_dt);
+                     double now, const SolverOptions& solver);
 
 }  // namespace suture

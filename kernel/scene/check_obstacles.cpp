@@ -7,6 +7,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/contact/overlap.hpp"
 #include "kernel/contact/piece_overlap.hpp"
+#include "kernel/dynamics/integrator.hpp"
 
 namespace suture {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 // Of the size of the body: obstacles that stay farther away are probably in other units.
 constexpr double far_away = 100;
 
-std::string describe(const Overlap& overlap, const BuiltScene& built, double depth_unit) {
+std::string describe(const Overlap& overlap, const BuiltScene& built, const Contact& contact) {
   std::ostringstream text;
   if (overlap.vertices == 0) {
     text << "lies inside the body: " << built.place_text(overlap.place)
@@ -22,9 +23,10 @@ std::string describe(const Overlap& overlap, const BuiltScene& built, double dep
     return text.str();
   }
   text << "overlaps the body at the start: " << overlap.vertices
-       << (overlap.vertices == 1 ? " node is" : " nodes are") << " inside, the deepest by "
-       << overlap.depth << " m (" << overlap.depth / depth_unit << " of the shortest edge) at "
-       << built.place_text(overlap.place)
+       << (overlap.vertices == 1 ? " node is" : " nodes are") << " inside"
+       << (contact.thickness() > 0 ? " or closer than /contact/thickness" : "")
+       << ", the deepest by " << overlap.depth << " m (" << overlap.depth / contact.shortest_edge()
+       << " of the shortest edge) at " << built.place_text(overlap.place)
        << "; move it by that much, or set \"push_out\": true to push the body out slowly";
   return text.str();
 }
@@ -51,6 +53,14 @@ void warn_of_far_obstacle(const Obstacle& obstacle, const Contact& contact, cons
   diagnostics.warn(text.str());
 }
 
+/// What makes the steps shorter, and what else helps.
+std::string shorter_steps(const SolverOptions& solver) {
+  if (solver.integrator == "static") return "give more \"frames\" in /solver/static";
+  if (is_implicit(solver.integrator)) return "move it more slowly, or reduce /solver/dt";
+  return "move it more slowly, reduce /solver/dt, or set it to \"auto\", which follows the "
+         "obstacle";
+}
+
 std::string describe_pieces(const PieceOverlap& overlap, const BuiltScene& built, Body& body,
                             double edge, const char* when) {
   std::ostringstream text;
@@ -64,14 +74,17 @@ std::string describe_pieces(const PieceOverlap& overlap, const BuiltScene& built
 
 }  // namespace
 
-std::string too_fast(const Obstacle& obstacle, const Contact& contact, double time, double dt) {
-  const double way = contact.top_speed(obstacle, time) * dt;
+std::string too_fast(const Obstacle& obstacle, const Contact& contact, const SolverOptions& solver,
+                     double time) {
+  if (!solver.dt || !obstacle.motion.moves()) return "";
+  const double moving = obstacle.motion.last_change() - obstacle.motion.stations.front().at;
+  const double way = contact.top_speed(obstacle, time) * std::min(*solver.dt, moving);
   if (!(way > contact.shortest_edge())) return "";
   std::ostringstream text;
-  text << "moves by up to " << way << " m in a step of /solver/dt, more than an element (the "
-       << "shortest edge at the boundary is " << contact.shortest_edge()
-       << " m), so it could jump over the surface; move it more slowly, reduce /solver/dt, or set "
-          "it to \"auto\", which follows the obstacle";
+  text << "moves by up to " << way << " m "
+       << (solver.integrator == "static" ? "between two equilibria" : "in a step of /solver/dt")
+       << ", more than an element (the shortest edge at the boundary is " << contact.shortest_edge()
+       << " m), so it could jump over the surface; " << shorter_steps(solver);
   return text.str();
 }
 
@@ -115,14 +128,13 @@ void check_obstacles(BuiltScene& built, const Contact& contact, Diagnostics& dia
   for (const Overlap& overlap : find_overlaps(contact, body.complex(), body.attributes(), 0)) {
     const Obstacle& obstacle = contact.obstacles()[overlap.obstacle];
     if (overlap.vertices == 0 || !obstacle.push_out)
-      complain(obstacle, describe(overlap, built, contact.shortest_edge()));
+      complain(obstacle, describe(overlap, built, contact));
   }
   const Box box = contact.box();
   const Vec3 middle{(box.low[0] + box.high[0]) / 2, (box.low[1] + box.high[1]) / 2,
                     (box.low[2] + box.high[2]) / 2};
   for (const Obstacle& obstacle : contact.obstacles()) {
-    if (built.scene().solver.dt)
-      complain(obstacle, too_fast(obstacle, contact, 0, *built.scene().solver.dt));
+    complain(obstacle, too_fast(obstacle, contact, built.scene().solver, 0));
     warn_of_far_obstacle(obstacle, contact, middle, diagnostics);
   }
   if (!mistakes.empty()) throw InputError(mistakes);

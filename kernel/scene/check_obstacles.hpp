@@ -13,7 +13,8 @@ namespace suture {
 void check_obstacles(BuiltScene& built, const Contact& contact, Diagnostics& diagnostics);
 
 /// Says why a fixed dt is too long for the path of an obstacle from `time` on; "" if it is not.
-std::string too_fast(const Obstacle& obstacle, const Contact& contact, double time, double dt);
+std::string too_fast(const Obstacle& obstacle, const Contact& contact, const SolverOptions& solver,
+                     double time);
 
 /// Checks that pieces which touch each other do not overlap: a warning where contact pushes them
 /// apart, an InputError where they are too deep for it.

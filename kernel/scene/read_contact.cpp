@@ -117,7 +117,8 @@ void read_motion(ObjectReader& object, const Scene& scene, Obstacle& obstacle) {
       reader.complain("angle", "needs an axis: give \"axis\": [x, y, z] beside the path");
     motion.stations.push_back(station);
   });
-  if (object.find("path") != nullptr && motion.stations.empty())
+  const JsonValue* path = object.find("path");
+  if (path != nullptr && path->kind == JsonValue::Kind::array && motion.stations.empty())
     object.complain("path", "is empty; give at least one station, or remove it");
   if (object.find("axis") != nullptr)
     motion.axis = read_direction(object, "axis").value_or(motion.axis);
@@ -197,26 +198,26 @@ void refuse_with_penalty(ObjectReader& contact, const ContactOptions& options,
 void refuse_solvers_without_contact(ObjectReader& contact, const ContactOptions& options,
                                     const SolverOptions& solver) {
   const auto refuse = [&](const std::string& what, const std::string& remedy) {
-    contact.complain("cannot be combined with " + what + "; " + remedy + ", or remove /contact");
+    contact.complain("cannot be combined with " + what + "; " + remedy);
   };
   if (solver.integrator == "newmark")
     refuse("the integrator 'newmark': forces of contact would feed its oscillations",
-           "use \"implicit-euler\"");
+           "use \"implicit-euler\", or remove /contact");
   if (is_implicit(solver.integrator) &&
       std::ranges::any_of(options.obstacles,
                           [](const Obstacle& o) { return o.coupling.has_value(); }))
     refuse("\"coupling\" of an obstacle and the integrator '" + solver.integrator +
                "': a tool that gives way moves with explicit steps",
-           "use \"symplectic-euler\" or \"velocity-verlet\"");
+           "use \"symplectic-euler\" or \"velocity-verlet\", or remove \"coupling\"");
   if (solver.sleep_acceleration > 0 && (options.penalty || is_implicit(solver.integrator)))
     refuse("\"sleep\" in /solver and " +
                (options.penalty ? "\"law\": \"penalty\""
                                 : "the integrator '" + solver.integrator + "'") +
                ": an island would not wake when it is touched",
            "remove \"sleep\"");
-  if (solver.step_error)
+  if (solver.step_error && solver.integrator != "newmark")  // which has it by default
     refuse("\"step_error\" in /solver: its estimate does not include impacts",
-           "remove \"step_error\"");
+           "remove it, or remove /contact");
 }
 
 }  // namespace
@@ -237,7 +238,9 @@ void read_contact(ObjectReader& top, Reading& reading) {
   for_each_object(object, "obstacles", "obstacles", [&](ObjectReader& reader) {
     contact.obstacles.push_back(read_obstacle(reader, reading, contact.friction));
   });
-  if (contact.obstacles.empty() && !contact.pieces && !contact.self && object.is_object())
+  const JsonValue* obstacles = object.find("obstacles");
+  const bool are_mistaken = obstacles && obstacles->kind != JsonValue::Kind::array;
+  if (!contact.is_wanted() && !contact.self && !are_mistaken && object.is_object())
     object.complain(
         "touches nothing: give \"obstacles\", set \"pieces\": true, or remove /contact");
   contact.penalty = object.choice("law", laws) == 1u;

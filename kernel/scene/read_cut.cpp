@@ -132,7 +132,7 @@ CutBlade::Carried read_carried(ObjectReader& blade, const std::vector<Obstacle>&
   std::vector<std::string> names;
   for (const Obstacle& obstacle : obstacles) names.push_back(obstacle.name);
   if (names.empty())
-    blade.complain("obstacle", "needs obstacles, and the scene has none; add /contact");
+    blade.complain("obstacle", "needs obstacles, and the scene has none; add /contact/obstacles");
   else if (const auto obstacle = blade.choice("obstacle", names))
     carried = {*obstacle, names[*obstacle]};
   if (const JsonValue* points = blade.require("points", "a segment or polyline [[x, y, z], ...]"))

@@ -88,7 +88,9 @@ std::filesystem::path read_file(const JsonValue& value, const std::string& path,
   if (!name) return {};
   const std::filesystem::path file = (reading.folder / *name).lexically_normal();
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) {
+  if (std::filesystem::is_directory(file, ignored)) {
+    reading.mistakes.add(value.at, path, quote(file.string()) + " is a folder; give a file in it");
+  } else if (!std::filesystem::is_regular_file(file, ignored)) {
     reading.mistakes.add(value.at, path,
                          "there is no file " + quote(file.string()) + nearest_file(file) +
                              "; paths are relative to the folder of the scene");

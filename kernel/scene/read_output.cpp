@@ -98,8 +98,8 @@ std::string other_place(const ModelFields& fields, const std::string& name) {
     return " is computed from the element field 'stress', which no model of this scene provides; "
            "use a model that does, such as tm-faure, or remove this name";
   if (contains(contact_fields(), name))
-    return " is a value of contact, and the scene has none; add /contact, or remove this "
-           "name";
+    return " is a value of contact, and the scene has none; give /contact obstacles or pieces, or "
+           "remove this name";
   return "";
 }
 
@@ -206,8 +206,8 @@ Probe read_probe(ObjectReader& object, Reading& reading) {
 void require_obstacles(ObjectReader& object, const char* key, const Reading& reading) {
   if (reading.scene.contact.obstacles.empty())
     object.complain(key,
-                    "needs obstacles, and the scene has none; add /contact, or remove this "
-                    "key");
+                    "needs obstacles, and the scene has none; add /contact/obstacles, or remove "
+                    "this key");
 }
 
 void read_tables(ObjectReader& object, Reading& reading) {

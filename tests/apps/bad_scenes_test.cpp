@@ -444,6 +444,7 @@ TEST_F(BadScenes, ObstaclesOfTriangles) {
   const Case cases[] = {
       {R"({"scale": 1})", "/contact/obstacles/0/surface", "'file' is missing"},
       {R"({"file": "sold.obj"})", "/surface/file", "solid.obj"},
+      {R"({"file": "."})", "/surface/file", "is a folder"},
       {R"({"file": "solid.obj", "scale": 0})", "/surface/scale", "must be > 0"},
       {R"({"file": "open.obj"})", "/surface/file", "so it has no inside: 3 edges"},
       {R"({"file": "crossing.obj"})", "/surface/file", "the surface intersects itself"},
@@ -472,6 +473,7 @@ TEST_F(BadScenes, ObstaclesThatASolverDoesNotSee) {
     const Outcome outcome = scene("check", "", {floor, std::string("/solver=") + solver});
     EXPECT_EQ(outcome.code, 3) << outcome;
     EXPECT_TRUE(outcome.says("/contact") && outcome.says("cannot be combined")) << outcome;
+    EXPECT_TRUE(outcome.says("1 mistake")) << outcome;
   }
   scene("check", "", {});
   const Outcome modes = suture({"modes", "s.json", "--set", floor});
@@ -482,6 +484,27 @@ TEST_F(BadScenes, ObstaclesThatASolverDoesNotSee) {
                              "{\"centre\": [0, 0, 900], \"radius\": 1}}]}"});
   EXPECT_EQ(far.code, 0) << far;
   EXPECT_TRUE(far.says("warning") && far.says("m away from the body")) << far;
+}
+
+TEST_F(BadScenes, ObstaclesThatJumpBetweenEquilibria) {
+  const auto outcome_of = [&](const char* way, const char* solver) {
+    return scene("check", "",
+                 {std::string("/solver=") + solver,
+                  std::string("/contact={\"obstacles\": [{\"name\": \"o\", \"sphere\": "
+                              "{\"centre\": [0, 0, -2], \"radius\": 1}, \"path\": [{\"at\": 0}, "
+                              "{\"at\": 0.1, \"translation\": [0, 0, ") +
+                      way + "]}]}]}"});
+  };
+  const Outcome far = outcome_of("-9", R"({"static": {"frames": 2}, "end": 1})");
+  EXPECT_EQ(far.code, 3) << far;
+  EXPECT_TRUE(far.says("by up to 9 m between two equilibria") && far.says("\"frames\"")) << far;
+  const Outcome implicit =
+      outcome_of("-9", R"({"integrator": "implicit-euler", "dt": 0.1, "end": 1})");
+  EXPECT_TRUE(implicit.says("reduce /solver/dt")) << implicit;
+  EXPECT_FALSE(implicit.says("auto")) << implicit;
+  const Outcome near =  // it stops within the step
+      outcome_of("-0.2", R"({"integrator": "implicit-euler", "dt": 1, "end": 1})");
+  EXPECT_FALSE(near.says("moves by up to")) << near;
 }
 
 }  // namespace

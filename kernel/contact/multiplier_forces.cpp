@@ -2,6 +2,7 @@
 #include "kernel/contact/multiplier_forces.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -416,10 +417,13 @@ void MultiplierForces::restart() {
 
 void MultiplierForces::follow(const CellComplex& complex, const TopologyChange&) {
   resize();
-  for (Pairs* pairs : {&pairs_, &accepted_pairs_})
+  for (Pairs* pairs : {&pairs_, &accepted_pairs_}) {
     std::erase_if(*pairs, [&](const Pair& pair) {
       return std::ranges::any_of(pair.vertices, [&](Index v) { return !complex.exists(0, v); });
     });
+    for (Pair& pair : *pairs)  // they end if they are not found again: faces may be gone
+      pair.beside[0] = std::numeric_limits<double>::infinity();
+  }
   start_.clear();
   forget_last();
 }

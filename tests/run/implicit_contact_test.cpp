@@ -188,26 +188,6 @@ TEST(StaticPieces, AStackCarriesItsWeight) {
   }
 }
 
-// Nodes meet nodes, where four faces are equally near.
-TEST(ImplicitPieces, ABlockFallsOntoOneOfTheSameMesh) {
-  for (const double friction : {0.4, 0.0}) {
-    TemporaryFolder folder;
-    Scene scene = block_on_floor(1, {0, 0, -9.81}, friction);
-    std::vector<BoxOptions> boxes = stack({2, 2});
-    boxes[1].origin[2] += 0.02;
-    use_boxes(scene, folder, boxes);
-    scene.contact.pieces = true;
-    scene.contact.friction = friction;
-    scene.solver.integrator = "implicit-euler";
-    scene.solver.dt = 0.005;
-    scene.solver.end = 0.2;
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    EXPECT_EQ(error_of(simulation), "");
-    EXPECT_LT(overlap_of_pieces(simulation), 1e-3);
-  }
-}
-
 /// Strains along z of all elements, of two blocks pressed together.
 TEST(StaticPieces, MeshesThatDoNotMatchCarryAUniformPressure) {
   for (const auto& cells : {std::array<Index, 2>{2, 3}, {3, 2}}) {

@@ -173,8 +173,8 @@ TEST(Steer, ARunIsNotAtRestBeforeTheToolIs) {
   Scene scene = probed_block();
   scene.solver.end = {};
   scene.solver.until_rest = scene.solver.automatic_damping = true;
-  SteeredRun still(scene), moved(scene);
-  EXPECT_LT(still.finish().time, 1);
+  SteeredRun held(scene), moved(scene);
+  EXPECT_LT(held.finish().time, 1);
   moved.steer({2, Vec3{0, 0, 0.01}, {}});
   EXPECT_GE(moved.finish().time, 2);
 }

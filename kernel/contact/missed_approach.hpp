@@ -17,7 +17,8 @@ struct MissedApproach {
 /// Whether, on the way between two sets of positions (rows of 4), places that were farther apart
 /// than some distance d may have approached each other by more than d + `depth`, which is found at
 /// the end: for all distances up to `edge`, up to 4 edges and so on, by boxes around the ways in
-/// cubes of that size. Cost: O(vertices log vertices) for each size; none if all places move alike.
+/// cubes of that size. Cost: O(vertices log vertices) for each size; O(vertices) in all if
+/// everything moves by the same way.
 std::optional<MissedApproach> find_missed_approach(const BoundarySurface& surface,
                                                    const double* from, const double* to,
                                                    double edge, double depth);

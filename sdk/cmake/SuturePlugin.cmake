@@ -6,6 +6,9 @@
 #   NAME.so         the baseline of the architecture, always
 #   NAME.avx2.so    x86-64-v3 (Haswell and later), on x86-64 only
 #   NAME.avx512.so  x86-64-v4 (Skylake-SP and later), on x86-64 only
+# SUTURE_INSTRUCTION_SETS leaves some out: with -DSUTURE_INSTRUCTION_SETS=base a build takes a third
+# of the time. It holds base, which is the file that scenes name, and any of avx2 and avx512;
+# by default all. As a normal variable it applies to a folder.
 # In a project that has called enable_testing(), `suture check-model` is the test NAME.check-model.
 # They go into <build>/lib/suture/plugins and, on installation, into
 # <libdir>/suture/plugins; with FOLDER, into that folder only (plugins of tests). The
@@ -36,6 +39,22 @@ if(NOT (SUTURE_SANITIZER AND CMAKE_CXX_COMPILER_ID MATCHES Clang))
 endif()
 set(SUTURE_PLUGIN_LINK_OPTIONS ${SUTURE_PLUGIN_LINK_OPTIONS} CACHE INTERNAL "")
 
+set(_suture_sets base)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
+  list(APPEND _suture_sets avx2 avx512)
+endif()
+set(SUTURE_KNOWN_INSTRUCTION_SETS ${_suture_sets} CACHE INTERNAL "")
+set(SUTURE_INSTRUCTION_SETS ${_suture_sets} CACHE STRING "Instruction sets that plugins are built for")
+
+function(_suture_check_instruction_sets)
+  set(unknown ${SUTURE_INSTRUCTION_SETS})
+  list(REMOVE_ITEM unknown ${SUTURE_KNOWN_INSTRUCTION_SETS})
+  if(unknown OR NOT base IN_LIST SUTURE_INSTRUCTION_SETS)
+    message(FATAL_ERROR "SUTURE_INSTRUCTION_SETS is '${SUTURE_INSTRUCTION_SETS}': expected base, or a "
+      "list of base and others of ${SUTURE_KNOWN_INSTRUCTION_SETS}")
+  endif()
+endfunction()
+
 function(_suture_plugin_object target)
   cmake_parse_arguments(PARSE_ARGV 1 ARG "" "CXX_STANDARD;FOLDER" "SOURCES;FLAGS")
   add_library(${target} MODULE ${ARG_SOURCES})
@@ -64,21 +83,28 @@ function(suture_add_plugin name)
     message(FATAL_ERROR "suture_add_plugin(${name} SOURCES file... [CXX_STANDARD n] [FOLDER dir]): "
       "got no sources, or did not understand '${ARG_UNPARSED_ARGUMENTS}'")
   endif()
+  _suture_check_instruction_sets()
   if(NOT ARG_CXX_STANDARD)
     set(ARG_CXX_STANDARD 17)
   endif()
   set(common CXX_STANDARD ${ARG_CXX_STANDARD} SOURCES ${ARG_SOURCES})
+  set(folder ${PROJECT_BINARY_DIR}/lib/suture/plugins)
   if(ARG_FOLDER)
-    list(PREPEND common FOLDER ${ARG_FOLDER})
+    set(folder ${ARG_FOLDER})
+    list(PREPEND common FOLDER ${folder})
   endif()
   _suture_plugin_object(${name} ${common})
-  if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
-    # Sanitizers instrument only the baseline: same source, a fifth of the compile time.
-    set(plain $<$<BOOL:${SUTURE_SANITIZER}>:-fno-sanitize=all>)
-    _suture_plugin_object(${name}.avx2 ${common} FLAGS -march=x86-64-v3 ${plain})
-    _suture_plugin_object(${name}.avx512 ${common}
-      FLAGS -march=x86-64-v4 -mprefer-vector-width=512 ${plain})
-  endif()
+  set(avx2 -march=x86-64-v3)
+  set(avx512 -march=x86-64-v4 -mprefer-vector-width=512)
+  set(others ${SUTURE_KNOWN_INSTRUCTION_SETS})
+  list(REMOVE_ITEM others base)
+  foreach(set IN LISTS others)
+    if(set IN_LIST SUTURE_INSTRUCTION_SETS)
+      _suture_plugin_object(${name}.${set} ${common} FLAGS ${${set}})
+    else()  # one of an earlier build would be loaded instead of NAME.so
+      file(REMOVE ${folder}/${name}.${set}.so)
+    endif()
+  endforeach()
   if(SUTURE_PROGRAM AND NOT ARG_FOLDER)
     add_test(NAME ${name}.check-model COMMAND ${SUTURE_PROGRAM} check-model
       --output ${CMAKE_CURRENT_BINARY_DIR} $<TARGET_FILE:${name}>)

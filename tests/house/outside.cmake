@@ -28,10 +28,19 @@ foreach(level springs nodes faces batches c)
   endif()
   set(mine ${PREFIX}/my-${level})
   must(${CMAKE_COMMAND} -G Ninja -S ${mine} -B ${mine}/build -DCMAKE_PREFIX_PATH=${PREFIX}/usr
-    "-DCMAKE_CXX_FLAGS=${FLAGS}")
+    -DSUTURE_INSTRUCTION_SETS=base "-DCMAKE_CXX_FLAGS=${FLAGS}")
   must(${CMAKE_COMMAND} --build ${mine}/build)
   must(${CMAKE_CTEST_COMMAND} --test-dir ${mine}/build --no-tests=error --output-on-failure)
 endforeach()
+file(GLOB_RECURSE others ${PREFIX}/my-*/build/*.avx*)
+if(others)
+  message(FATAL_ERROR "SUTURE_INSTRUCTION_SETS=base has built ${others}")
+endif()
+execute_process(COMMAND ${CMAKE_COMMAND} ${PREFIX}/my-c/build -DSUTURE_INSTRUCTION_SETS=base\\;avx3
+  RESULT_VARIABLE code OUTPUT_QUIET ERROR_VARIABLE out)
+if(code EQUAL 0 OR NOT out MATCHES "SUTURE_INSTRUCTION_SETS is 'base;avx3'")
+  message(FATAL_ERROR "an unknown instruction set is not refused:\n${out}")
+endif()
 # The page that leads from a formula to a plot is followed literally.
 cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH tests)
 must(${CMAKE_CURRENT_LIST_DIR}/follow.sh ${tests}/../docs/write_a_model.md ${PREFIX}/page

@@ -6,6 +6,7 @@
 #include <array>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "kernel/base/aligned.hpp"
@@ -19,13 +20,16 @@ namespace suture::test {
 using Point = std::array<double, 3>;
 using Hexahedron = std::array<Point, 8>;
 
-/// The built files of a plugin that this processor runs: "base", "avx2", "avx512".
+/// What plugins are built for and this processor runs: "base", "avx2", "avx512".
 inline std::vector<std::string> runnable_isas() {
   std::vector<std::string> isas{"base"};
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) isas.push_back("avx2");
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
-    isas.push_back("avx512");
+  const std::string_view built = INSTRUCTION_SETS;
+  const auto add = [&](const char* isa, bool runs) {
+    if (runs && built.find(isa) != built.npos) isas.push_back(isa);
+  };
+  add("avx2", __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"));
+  add("avx512", __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"));
 #endif
   return isas;
 }

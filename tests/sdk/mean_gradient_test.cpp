@@ -106,9 +106,9 @@ TEST_P(MeanGradient, HasTheForcesOfTheTrilinearElementUnderConstantGradients) {
     ModelInstance instance(model(), parameters());
     const auto rest = elements(form);
     HexahedronBatch batch(instance, instance.functor(functor_of(form)), rest);
-    HexahedronBatch full(
-        instance, instance.functor(form == distorted ? "general hexahedra" : "parallelepipeds"),
-        rest);
+    const char* const trilinear =
+        form == distorted ? "general hexahedra, geometry stored" : "parallelepipeds";
+    HexahedronBatch full(instance, instance.functor(trilinear), rest);
     for (int lane = 0; lane < 8; ++lane) {
       const Hexahedron x = mapped(rest[lane], near_identity(.3));
       batch.move(lane, x);
@@ -116,12 +116,12 @@ TEST_P(MeanGradient, HasTheForcesOfTheTrilinearElementUnderConstantGradients) {
     }
     ASSERT_EQ(batch.force(), SUTURE_OK) << instance.error.text;
     ASSERT_EQ(full.force(), SUTURE_OK);
-    const auto energy = batch.energy(), of_full = full.energy();
+    const auto energy = batch.energy(), energy_of_full = full.energy();
     const auto stress = batch.field("stress"), stress_of_full = full.field("stress");
     for (int i = 0; i < 192; ++i)
       EXPECT_NEAR(batch.batch.force[i], full.batch.force[i], 1e-12 * force_scale) << form;
     for (int i = 0; i < 48; ++i) EXPECT_NEAR(stress[i], stress_of_full[i], 1e-12 * young);
-    for (int lane = 0; lane < 8; ++lane) EXPECT_NEAR(energy[lane] / of_full[lane], 1, 1e-12);
+    for (int lane = 0; lane < 8; ++lane) EXPECT_NEAR(energy[lane] / energy_of_full[lane], 1, 1e-12);
   }
 }
 

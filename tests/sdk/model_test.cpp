@@ -239,7 +239,7 @@ TEST_P(Layer, NeoHookeFromItsEnergyAlone) {
   const suture_model& m = plugin("neo-hooke").models[0];
   const double mu = 2, lambda = 3, size = 0.5;
   ModelInstance instance(m, {mu, lambda, 1});
-  for (const char* functor : {"parallelepipeds", "general hexahedra"}) {
+  for (const char* functor : {"parallelepipeds", "general hexahedra, geometry stored"}) {
     std::array<Hexahedron, 8> rest, x;
     for (int lane = 0; lane < 8; ++lane)
       for (int n = 0; n < 8; ++n)

@@ -342,6 +342,16 @@ inline constexpr int nodes_to_check<stored_hexahedra<M>> = 1;
 template <class M>
 inline constexpr int nodes_to_check<general_hexahedra<M>> = 1;
 
+/// Only points() and stores() may choose hexahedra whose geometry is not stored. A class of its
+/// own: it is needed where M, which derives from continuum<M>, is complete.
+template <class M>
+struct functors_of_law
+    : std::conditional_t<has_points<M> || has_stores<M>,
+                         list<parallelepipeds<M>, stored_hexahedra<M>, general_hexahedra<M>,
+                              mean_gradient_parallelepipeds<M>, mean_gradient_hexahedra<M>>,
+                         list<parallelepipeds<M>, stored_hexahedra<M>,
+                              mean_gradient_parallelepipeds<M>, mean_gradient_hexahedra<M>>> {};
+
 }  // namespace detail
 
 /// Base of a model that is one constitutive law on hexahedra.
@@ -364,9 +374,7 @@ struct continuum : model {
       volume_attribute("jacobians", "m^3", "det J at the 8 Gauss points, x fastest", 8)
           .from_volumes(contribution<M, detail::point_measures>)
           .internal()};
-  using functors =
-      list<detail::parallelepipeds<M>, detail::stored_hexahedra<M>, detail::general_hexahedra<M>,
-           detail::mean_gradient_parallelepipeds<M>, detail::mean_gradient_hexahedra<M>>;
+  using functors = detail::functors_of_law<M>;
 
   /// The element that the scene chooses; for prepare().
   static element_type element_of(const values& p) { return detail::element_of<M>(p); }

@@ -101,19 +101,15 @@ suture_status bounds(const suture_context* context, const suture_batch* batch, d
       const cell<native, M, F> c(context, batch, lane);
       F::bounds(c, b);
     } else {
-      const auto isotropic = [](native s) { return sym3<native>{s, s, s, 0.0, 0.0, 0.0}; };
-      constexpr int count = 3 * F::nodes;
-      alignas(SUTURE_ALIGNMENT) static constexpr double zero[count * SUTURE_LANES] = {};
-      const sym3<native> k =
-          isotropic(largest_eigenvalue<count>(lane, [&](const double* x, double* df) {
-            tangent_pack<M, F>(context, batch, lane, df, x, zero);
-          }));
+      const auto largest = [&](bool of_damping) {
+        const native s =
+            largest_eigenvalue<3 * F::nodes>(context, batch, lane, &tangent_pack<M, F>, of_damping);
+        return sym3<native>{s, s, s, 0.0, 0.0, 0.0};
+      };
+      const sym3<native> k = largest(false);
       for (int n = 0; n < F::nodes; ++n) b.stiffness(n, k);
       if constexpr ((F::reads & SUTURE_READ_VELOCITY) == 0) return;
-      const sym3<native> d =
-          isotropic(largest_eigenvalue<count>(lane, [&](const double* v, double* df) {
-            tangent_pack<M, F>(context, batch, lane, df, zero, v);
-          }));
+      const sym3<native> d = largest(true);
       for (int n = 0; n < F::nodes; ++n) b.damping(n, d);
     }
   });

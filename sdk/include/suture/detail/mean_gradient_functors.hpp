@@ -49,28 +49,32 @@ struct mean_gradient_law : on_volumes {
 
   template <class Cell, class Results>
   static void output(const Cell& c, const Results& out) {
-    using T = typename Cell::scalar;
-    Shape::with_rest(c, [&](const auto& rest) {
-      const nodal_modes<T> now = modes(c, rest);
-      mean_results<M, T> means;
-      means.template add<1>(c, rest.F(now), rest.volume, 0);
-      if constexpr (has_energy_density<M>) means.energy += hourglass_energy<both>(now, rest);
-      means.set(out);
-    });
+    const auto e = evaluate(c);
+    mean_results<M, typename Cell::scalar> means;
+    means.template add<1>(c, e.F, e.volume, 0);
+    means.energy += e.hourglass_energy;
+    means.set(out);
   }
 
  protected:
-  template <class Cell, class Rest>
-  static nodal_modes<typename Cell::scalar> modes(const Cell& c, const Rest& rest) {
-    vec3<typename Cell::scalar> x[8];
-    for (int n = 0; n < 8; ++n) x[n] = c.position(n);
-    return separated_modes(x, rest);
-  }
-  template <class Cell, class Rest, class Modes>
-  static typename Cell::scalar stored(const Cell& c, const Rest& rest, const Modes& now) {
-    const auto F = rest.F(now);
-    return rest.volume * called_energy<M>(F, material<M>(c), instant_at<M, 1>(c, F, 0)) +
-           hourglass_energy<both>(now, rest);
+  template <class T>
+  struct evaluation {
+    mat3<T> F;
+    T volume, hourglass_energy;  ///< 0 for laws without an energy
+  };
+  /// One function for energies and outputs.
+  template <class Cell>
+  [[gnu::noinline]] static evaluation<typename Cell::scalar> evaluate(const Cell& c) {
+    using T = typename Cell::scalar;
+    evaluation<T> e;
+    Shape::with_rest(c, [&](const auto& rest) {
+      vec3<T> x[8];
+      for (int n = 0; n < 8; ++n) x[n] = c.position(n);
+      const nodal_modes<T> now = separated_modes(x, rest);
+      e = {rest.F(now), rest.volume, T(0.0)};
+      if constexpr (has_energy_density<M>) e.hourglass_energy = hourglass_energy<both>(now, rest);
+    });
+    return e;
   }
 
  private:
@@ -94,10 +98,9 @@ template <class M, class Shape>
 struct mean_gradient_functor<M, Shape, true> : mean_gradient_law<M, Shape> {
   template <class Cell>
   static typename Cell::scalar energy(const Cell& c) {
-    using law = mean_gradient_law<M, Shape>;
-    typename Cell::scalar sum(0.0);
-    Shape::with_rest(c, [&](const auto& rest) { sum = law::stored(c, rest, law::modes(c, rest)); });
-    return sum;
+    const auto e = mean_gradient_law<M, Shape>::evaluate(c);
+    return e.volume * called_energy<M>(e.F, material<M>(c), instant_at<M, 1>(c, e.F, 0)) +
+           e.hourglass_energy;
   }
 };
 

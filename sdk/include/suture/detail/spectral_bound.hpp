@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "suture/plugin.h"
 #include "suture/simd.hpp"
 
 namespace suture::detail {
@@ -61,12 +62,20 @@ struct pack_vector {
   }
 };
 
-/// Upper bound of the largest eigenvalue of K, which `multiply(x, y)` applies: y = -K x. Lanczos'
-/// method finds the largest of a cluster of eigenvalues, which power iteration passes over; what
-/// couples its vectors to the rest of space, beside[last], is added to the last of them, as much
-/// as a rest with eigenvalues up to (bound - beside[last]) may add.
-template <int Count, class Multiply>
-native largest_eigenvalue(int lane, Multiply&& multiply) {
+/// tangent_pack() of a functor: df of the direction (dx, dv), for one pack.
+using pack_tangent = void (*)(const suture_context* context, const suture_batch* batch, int lane,
+                              double* df, const double* dx, const double* dv);
+
+/// Upper bound of the largest eigenvalue of K, where `tangent` gives df = -K dx or, if `damping`,
+/// df = -K dv. Lanczos' method finds the largest of a cluster of eigenvalues, which power iteration
+/// passes over; what couples its vectors to the rest of space, beside[last], is added to the last
+/// of them, as much as a rest with eigenvalues up to (bound - beside[last]) may add. One function
+/// for all functors.
+template <int Count>
+[[gnu::noinline]] native largest_eigenvalue(const suture_context* context,
+                                            const suture_batch* batch, int lane,
+                                            pack_tangent tangent, bool damping) {
+  alignas(SUTURE_ALIGNMENT) static constexpr double zero[Count * SUTURE_LANES] = {};
   constexpr int steps = std::min(Count, 12);
   tridiagonal<steps> t;
   pack_vector<Count> before{{}, lane}, now{{}, lane}, next{{}, lane};
@@ -79,7 +88,8 @@ native largest_eigenvalue(int lane, Multiply&& multiply) {
   for (int k = 0; k < steps; ++k) {
     const native scale = select(length > 0.0, 1.0 / max(length, native(1e-300)), native(0.0));
     for (int i = 0; i < Count; ++i) now.set(i, now.at(i) * scale);
-    multiply(now.values, next.values);
+    tangent(context, batch, lane, next.values, damping ? zero : now.values,
+            damping ? now.values : zero);
     t.diagonal[k] = -now.dot(next);
     for (int i = 0; i < Count; ++i)
       next.set(i, -next.at(i) - t.diagonal[k] * now.at(i) - link * before.at(i));

@@ -129,11 +129,13 @@ constexpr suture_functor functor_of() {
   return f;
 }
 
-template <class M, class Functors>
-struct functor_table;
 template <class M, class... F>
-struct functor_table<M, list<F...>> {
-  static constexpr suture_functor rows[] = {functor_of<M, F>()...};
+constexpr std::array<suture_functor, sizeof...(F)> functor_rows(list<F...>) {
+  return {functor_of<M, F>()...};
+}
+template <class M>
+struct functor_table {
+  static constexpr auto rows = functor_rows<M>(typename functors_of_model<M>::type());
 };
 
 /// The author's parameters and those that the layer adds.
@@ -197,7 +199,7 @@ constexpr suture_model model_of() {
   static_assert(!names_prepare<M> || has_prepare<M>,
                 "prepare() of this model is never called: declare it as a single function, not a "
                 "template: `static void prepare(const suture::setup&, Constants&)`");
-  using functors = functor_table<M, typename functors_of_model<M>::type>;
+  using functors = functor_table<M>;
   suture_model m{};
   m.size = sizeof(suture_model);
   m.flags = M::flags;
@@ -206,7 +208,7 @@ constexpr suture_model model_of() {
   m.formula = M::formula;
   m.citation = M::citation;
   m.functor_count = std::uint32_t(std::size(functors::rows));
-  m.functors = functors::rows;
+  m.functors = functors::rows.data();
   m.parameter_count = std::uint32_t(parameter_table<M>::rows.size());
   m.parameters = parameter_table<M>::rows.data();
   if constexpr (attribute_table<M>::rows.size() != 0) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
@@ -148,15 +146,13 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_blade(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("blade", "Blades of triangles, and moving ones");
-  auto options = std::make_shared<Options>();
-  command->add_option("--cells", options->cells, "Elements along each axis of the block");
-  command->add_option("--rows", options->rows, "Blade: hundreds of squares");
-  command->add_option("--moving", options->moving, "Elements of the scene with a moving blade");
-  command->add_option("--threads", options->threads, "Threads")->check(CLI::PositiveNumber);
-  command->add_option("--seconds", options->seconds, "Time spent on each figure");
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_blade(CommandLine& line) {
+  auto [command, options] = line.add("blade", "Blades of triangles, and moving ones", run);
+  command.option("--cells", &options.cells, "Elements along each axis of the block");
+  command.option("--rows", &options.rows, "Blade: hundreds of squares");
+  command.option("--moving", &options.moving, "Elements of the scene with a moving blade");
+  command.option("--threads", &options.threads, "Threads").positive();
+  command.option("--seconds", &options.seconds, "Time spent on each figure");
 }
 
 }  // namespace suture::bench

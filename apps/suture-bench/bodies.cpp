@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // A body of the paper's Table 1 as a surface, to be looked at or filled by hand.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
-#include <memory>
 
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/paper_body.hpp"
@@ -19,7 +17,7 @@ struct Options {
   double size = 0;
 };
 
-void run(const Options& options) {
+void run(const Options& options, Report&) {
   const BodyPreset& preset = body_preset(options.name);
   const TriangleSurface surface = generate_body(preset.parameters, options.size);
   write_surface(options.to, surface);
@@ -33,14 +31,13 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_bodies(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("body", "The surface of a body of the paper's Table 1");
-  auto options = std::make_shared<Options>();
-  command->add_option("name", options->name, "frog, elephant, mushroom or giraffe")->required();
-  command->add_option("-o,--output", options->to, "Output file (.stl .obj .off .ply)")->required();
-  command->add_option("--size", options->size, "Approximate edge length of its triangles in m")
-      ->check(CLI::PositiveNumber);
-  commands.push_back({command, [options](Report&) { run(*options); }, false});
+void add_bodies(CommandLine& line) {
+  auto [command, options] = line.add("body", "The surface of a body of the paper's Table 1", run);
+  command.option("name", &options.name, "frog, elephant, mushroom or giraffe").required();
+  command.option("-o,--output", &options.to, "Output file (.stl .obj .off .ply)").required();
+  command.option("--size", &options.size, "Approximate edge length of its triangles in m")
+      .positive();
+  command.only_by_name();
 }
 
 }  // namespace suture::bench

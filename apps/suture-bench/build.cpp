@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 #include <numeric>
 #include <random>
 
@@ -82,13 +80,10 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_build(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("build", "Time and memory of the map, from a mesh");
-  auto options = std::make_shared<Options>();
-  command->add_option("--sides", options->sides, "n of the grids n x n x n (171: 5 million)");
-  command->add_option("--rounds", options->rounds, "Repetitions of each figure")
-      ->check(CLI::PositiveNumber);
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_build(CommandLine& line) {
+  auto [command, options] = line.add("build", "Time and memory of the map, from a mesh", run);
+  command.option("--sides", &options.sides, "n of the grids n x n x n (171: 5 million)");
+  command.option("--rounds", &options.rounds, "Repetitions of each figure").positive();
 }
 
 }  // namespace suture::bench

@@ -3,10 +3,8 @@
 // Contact: finding near pairs, and whole steps with and without.
 #include "kernel/contact/contact.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
@@ -156,13 +154,11 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_contact(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("contact", "Near pairs, and steps with contact");
-  auto options = std::make_shared<Options>();
-  command->add_option("--across", options->across, "Elements along each axis, for near pairs");
-  command->add_option("--rounds", options->rounds, "Rounds, of which the best counts");
-  command->add_option("--settling", options->settling, "Steps before those that are measured");
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_contact(CommandLine& line) {
+  auto [command, options] = line.add("contact", "Near pairs, and steps with contact", run);
+  command.option("--across", &options.across, "Elements along each axis, for near pairs");
+  command.option("--rounds", &options.rounds, "Rounds, of which the best counts");
+  command.option("--settling", &options.settling, "Steps before those that are measured");
 }
 
 }  // namespace suture::bench

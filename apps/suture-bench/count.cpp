@@ -2,8 +2,6 @@
 //
 // Work whose instructions callgrind counts: two runs that differ in --repeat differ by
 // nothing else. See tests/house/counted.sh.
-#include <CLI/CLI.hpp>
-#include <memory>
 
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
@@ -13,12 +11,19 @@ namespace {
 
 struct Options {
   std::string model = "tm-faure", work = "step";
-  std::map<std::string, double> parameters;
+  std::vector<std::string> parameters;  ///< names and values in turn
   bool distorted = false;
   int repeat = 1;
 };
 
 constexpr int strips = 8;
+
+std::map<std::string, double> values_of(const std::vector<std::string>& parameters) {
+  std::map<std::string, double> values;
+  for (std::size_t i = 0; i + 1 < parameters.size(); i += 2)
+    values[parameters[i]] = std::stod(parameters[i + 1]);
+  return values;
+}
 
 void run(const Options& options, Report& report) {
   PluginHost host;
@@ -26,7 +31,7 @@ void run(const Options& options, Report& report) {
   const bool cuts = options.work == "cut";
   BenchBody body(host,
                  {.model = options.model,
-                  .parameters = options.parameters,
+                  .parameters = values_of(options.parameters),
                   .cells = cuts ? std::array<Index, 3>{2, 32, 32} : std::array<Index, 3>{8, 8, 8},
                   .distorted = options.distorted});
   std::vector<std::vector<Dart>> faces;
@@ -46,23 +51,16 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_count(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("count", "Work for counting with callgrind, not for timing");
-  auto options = std::make_shared<Options>();
-  command->add_option("--model", options->model, "Model");
-  command->add_option_function<std::vector<std::string>>(
-      "--parameter",
-      [options](const std::vector<std::string>& given) {
-        for (std::size_t i = 0; i + 1 < given.size(); i += 2)
-          options->parameters[given[i]] = std::stod(given[i + 1]);
-      },
-      "Parameter of the model: NAME VALUE");
-  command->add_flag("--distorted", options->distorted, "General hexahedra");
-  command->add_option("--work", options->work, "The work to repeat")
-      ->check(CLI::IsMember({"force", "step", "cut"}));
-  command->add_option("--repeat", options->repeat, "Number of repetitions; at most 8 for cuts")
-      ->check(CLI::Range(1, strips));
-  commands.push_back({command, [options](Report& report) { run(*options, report); }, false});
+void add_count(CommandLine& line) {
+  auto [command, options] =
+      line.add("count", "Work for counting with callgrind, not for timing", run);
+  command.option("--model", &options.model, "Model");
+  command.option("--parameter", &options.parameters, "Parameter of the model: NAME VALUE");
+  command.flag("--distorted", &options.distorted, "General hexahedra");
+  command.option("--work", &options.work, "The work to repeat").one_of({"force", "step", "cut"});
+  command.option("--repeat", &options.repeat, "Number of repetitions; at most 8 for cuts")
+      .within(1, strips);
+  command.only_by_name();
 }
 
 }  // namespace suture::bench

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <malloc.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -259,18 +258,16 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_cut(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand(
+void add_cut(CommandLine& line) {
+  auto [command, options] = line.add(
       "cut",
-      "Time per cut face, compared with CGAL's unsew<3> and the predecessor of the paper's model");
-  auto options = std::make_shared<Options>();
-  command->add_option("--sides", options->sides, "n of the grids n x n x 2");
-  command->add_option("--bodies", options->bodies, "Bodies of the paper's Table 1");
-  command->add_option("--large", options->large, "n of the large grid n x n x 2");
-  command->add_option("--rounds", options->rounds, "Fresh bodies for each figure")
-      ->check(CLI::PositiveNumber);
-  command->add_flag("!--no-baselines", options->baselines, "Suture only");
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+      "Time per cut face, compared with CGAL's unsew<3> and the predecessor of the paper's model",
+      run);
+  command.option("--sides", &options.sides, "n of the grids n x n x 2");
+  command.option("--bodies", &options.bodies, "Bodies of the paper's Table 1");
+  command.option("--large", &options.large, "n of the large grid n x n x 2");
+  command.option("--rounds", &options.rounds, "Fresh bodies for each figure").positive();
+  command.flag("!--no-baselines", &options.baselines, "Suture only");
 }
 
 }  // namespace suture::bench

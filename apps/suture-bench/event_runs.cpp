@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 #include <random>
 
 #include "apps/suture-bench/body.hpp"
@@ -143,16 +141,13 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_event_runs(CLI::App& app, std::vector<Command>& commands) {
-  auto* command =
-      app.add_subcommand("event-runs", "Whole runs with events compared with runs without");
-  auto options = std::make_shared<Options>();
-  command->add_option("--cells", options->cells, "Elements along each axis");
-  command->add_option("--pairs", options->pairs, "Pairs of runs")->check(CLI::PositiveNumber);
-  command->add_option("--cuts", options->cuts, "Cuts of one face");
-  command->add_option("--steps", options->steps, "Steps of a run with a fixed dt")
-      ->check(CLI::PositiveNumber);
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_event_runs(CommandLine& line) {
+  auto [command, options] =
+      line.add("event-runs", "Whole runs with events compared with runs without", run);
+  command.option("--cells", &options.cells, "Elements along each axis");
+  command.option("--pairs", &options.pairs, "Pairs of runs").positive();
+  command.option("--cuts", &options.cuts, "Cuts of one face");
+  command.option("--steps", &options.steps, "Steps of a run with a fixed dt").positive();
 }
 
 }  // namespace suture::bench

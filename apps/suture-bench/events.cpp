@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
@@ -70,13 +68,12 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_events(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("events", "The cost of a tear check relative to the forces");
-  auto options = std::make_shared<Options>();
-  command->add_option("--sizes", options->sizes, "Elements");
-  command->add_option("--threads", options->threads, "Threads")->check(CLI::PositiveNumber);
-  command->add_option("--seconds", options->seconds, "Time spent on each figure");
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_events(CommandLine& line) {
+  auto [command, options] =
+      line.add("events", "The cost of a tear check relative to the forces", run);
+  command.option("--sizes", &options.sizes, "Elements");
+  command.option("--threads", &options.threads, "Threads").positive();
+  command.option("--seconds", &options.seconds, "Time spent on each figure");
 }
 
 }  // namespace suture::bench

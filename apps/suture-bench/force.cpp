@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -135,15 +133,14 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_force(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("force", "Throughput of the models through the SDK, by size");
-  auto options = std::make_shared<Options>();
-  command->add_option("--sizes", options->sizes, "Elements (432000: the 60x60x120 grid)");
-  command->add_option("--only", options->only, "Cases whose name contains this");
-  command->add_option("--threads", options->threads, "Threads")->check(CLI::PositiveNumber);
-  command->add_option("--cuts", options->cuts, "Random cuts of one face; 0: none");
-  command->add_option("--seconds", options->seconds, "Time spent on each figure");
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_force(CommandLine& line) {
+  auto [command, options] =
+      line.add("force", "Throughput of the models through the SDK, by size", run);
+  command.option("--sizes", &options.sizes, "Elements (432000: the 60x60x120 grid)");
+  command.option("--only", &options.only, "Cases whose name contains this");
+  command.option("--threads", &options.threads, "Threads").positive();
+  command.option("--cuts", &options.cuts, "Random cuts of one face; 0: none");
+  command.option("--seconds", &options.seconds, "Time spent on each figure");
 }
 
 }  // namespace suture::bench

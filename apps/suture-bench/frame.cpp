@@ -2,9 +2,7 @@
 //
 // What a frame costs the simulation thread: copies, while the writer compresses and
 // writes the frames before it.
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/frames.hpp"
@@ -46,12 +44,10 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_frame(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("frame", "The cost of a frame to the simulation");
-  auto options = std::make_shared<Options>();
-  command->add_option("--sides", options->sides, "n of the cubes n x n x n (60: 216,000)");
-  command->add_option("--rounds", options->rounds, "Frames")->check(CLI::PositiveNumber);
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_frame(CommandLine& line) {
+  auto [command, options] = line.add("frame", "The cost of a frame to the simulation", run);
+  command.option("--sides", &options.sides, "n of the cubes n x n x n (60: 216,000)");
+  command.option("--rounds", &options.rounds, "Frames").positive();
 }
 
 }  // namespace suture::bench

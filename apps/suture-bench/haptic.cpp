@@ -2,11 +2,9 @@
 //
 // How fast a haptic device gets its force: a compliant knife cuts a block of liver, and after
 // every millisecond the force on the hand is read.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <memory>
 #include <optional>
 
 #include "apps/suture-bench/body.hpp"
@@ -137,13 +135,11 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_haptic(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("haptic", "How fast a haptic device gets its force");
-  auto options = std::make_shared<Options>();
-  command->add_option("--cells", options->cells, "Elements along each axis");
-  command->add_option("--dt", options->dt, "The fixed step, s")->check(CLI::PositiveNumber);
-  command->add_option("--seconds", options->seconds, "Of the cut")->check(CLI::PositiveNumber);
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_haptic(CommandLine& line) {
+  auto [command, options] = line.add("haptic", "How fast a haptic device gets its force", run);
+  command.option("--cells", &options.cells, "Elements along each axis");
+  command.option("--dt", &options.dt, "The fixed step, s").positive();
+  command.option("--seconds", &options.seconds, "Of the cut").positive();
 }
 
 }  // namespace suture::bench

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CLI/CLI.hpp>
-#include <memory>
 
 #include "apps/suture-bench/cantilever.hpp"
 #include "apps/suture-bench/commands.hpp"
@@ -79,16 +77,14 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_implicit(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("implicit", "Time and iterations of implicit steps");
-  auto options = std::make_shared<Options>();
-  command->add_option("--across", options->across, "Cells over the height; four times that along");
-  command->add_option("--models", options->models, "Models with the parameters E, nu and rho");
-  command->add_option("--elements", options->elements, "Element types of the models");
-  command->add_option("--integrators", options->integrators, "Names as in scenes");
-  command->add_option("--dt", options->dt, "s")->check(CLI::PositiveNumber);
-  command->add_option("--steps", options->steps, "Number of steps")->check(CLI::PositiveNumber);
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_implicit(CommandLine& line) {
+  auto [command, options] = line.add("implicit", "Time and iterations of implicit steps", run);
+  command.option("--across", &options.across, "Cells over the height; four times that along");
+  command.option("--models", &options.models, "Models with the parameters E, nu and rho");
+  command.option("--elements", &options.elements, "Element types of the models");
+  command.option("--integrators", &options.integrators, "Names as in scenes");
+  command.option("--dt", &options.dt, "s").positive();
+  command.option("--steps", &options.steps, "Number of steps").positive();
 }
 
 }  // namespace suture::bench

@@ -2,54 +2,42 @@
 //
 // suture-bench: the figures of this program on this machine. One file per
 // subcommand; each prints a table and, with --json, writes the same as JSON.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 
 #include "apps/suture-bench/commands.hpp"
 #include "kernel/base/error.hpp"
 
 int main(int argc, char** argv) {
-  CLI::App app{"Benchmarks of Suture on this machine"};
-  app.fallthrough();  // --json behind a subcommand, too
-  std::string json;
-  app.add_option("--json", json, "Write the figures to this file as well");
-  std::vector<suture::bench::Command> commands;
-  suture::bench::add_build(app, commands);
-  suture::bench::add_cut(app, commands);
-  suture::bench::add_blade(app, commands);
-  suture::bench::add_force(app, commands);
-  suture::bench::add_tangent(app, commands);
-  suture::bench::add_events(app, commands);
-  suture::bench::add_event_runs(app, commands);
-  suture::bench::add_step(app, commands);
-  suture::bench::add_scaling(app, commands);
-  suture::bench::add_startup(app, commands);
-  suture::bench::add_skip(app, commands);
-  suture::bench::add_frame(app, commands);
-  suture::bench::add_count(app, commands);
-  suture::bench::add_realtime(app, commands);
-  suture::bench::add_haptic(app, commands);
-  suture::bench::add_rest(app, commands);
-  suture::bench::add_solve(app, commands);
-  suture::bench::add_static(app, commands);
-  suture::bench::add_implicit(app, commands);
-  suture::bench::add_quasi_static(app, commands);
-  suture::bench::add_modes(app, commands);
-  suture::bench::add_contact(app, commands);
-  suture::bench::add_work_precision(app, commands);
-  suture::bench::add_paper(app, commands);
-  suture::bench::add_bodies(app, commands);
-  CLI11_PARSE(app, argc, argv);
+  suture::bench::CommandLine line;
+  suture::bench::add_build(line);
+  suture::bench::add_cut(line);
+  suture::bench::add_blade(line);
+  suture::bench::add_force(line);
+  suture::bench::add_tangent(line);
+  suture::bench::add_events(line);
+  suture::bench::add_event_runs(line);
+  suture::bench::add_step(line);
+  suture::bench::add_scaling(line);
+  suture::bench::add_startup(line);
+  suture::bench::add_skip(line);
+  suture::bench::add_frame(line);
+  suture::bench::add_count(line);
+  suture::bench::add_realtime(line);
+  suture::bench::add_haptic(line);
+  suture::bench::add_rest(line);
+  suture::bench::add_solve(line);
+  suture::bench::add_static(line);
+  suture::bench::add_implicit(line);
+  suture::bench::add_quasi_static(line);
+  suture::bench::add_modes(line);
+  suture::bench::add_contact(line);
+  suture::bench::add_work_precision(line);
+  suture::bench::add_paper(line);
+  suture::bench::add_bodies(line);
   try {
-    suture::bench::Report report;
-    // Without a subcommand: all of them.
-    const bool all = app.get_subcommands().empty();
-    for (const auto& command : commands)
-      if ((all && command.measures) || command.app->parsed()) command.run(report);
-    if (!json.empty()) report.write_json(json);
+    return line.run(argc, argv);
   } catch (const suture::Error& error) {
     std::fprintf(stderr, "suture-bench: %s\n", error.what());
     return error.exit_code();
   }
-  return 0;
 }

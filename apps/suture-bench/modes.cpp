@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
@@ -54,13 +52,11 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_modes(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("modes", "Natural modes: time, iterations and residuals");
-  auto options = std::make_shared<Options>();
-  command->add_option("--across", options->across, "Cells over the height; four times that along");
-  command->add_option("--models", options->models, "Models with the parameters E, nu and rho");
-  command->add_option("--count", options->count, "Number of modes")->check(CLI::PositiveNumber);
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_modes(CommandLine& line) {
+  auto [command, options] = line.add("modes", "Natural modes: time, iterations and residuals", run);
+  command.option("--across", &options.across, "Cells over the height; four times that along");
+  command.option("--models", &options.models, "Models with the parameters E, nu and rho");
+  command.option("--count", &options.count, "Number of modes").positive();
 }
 
 }  // namespace suture::bench

@@ -3,13 +3,11 @@
 // The paper's experiments (Golec, Coquet, Zara, Damiand, WSCG 2015), Fig. 6, 7 and 14, by whole
 // runs of `suture run`: beside the formula or law that the paper compares with, and references of
 // other programs.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -321,16 +319,14 @@ void run_paper(const PaperOptions& options, Report& report) {
 
 }  // namespace
 
-void add_paper(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("paper", "The paper's experiments beside their references");
-  auto options = std::make_shared<PaperOptions>();
-  command->add_option("--across", options->across, "Elements over the height of the beam");
-  command->add_option("--block", options->block, "Elements of the block of liver");
-  command->add_option("--frames", options->frames, "Equilibria of the shear of liver")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--pictures", options->pictures,
-                      "Folder for the frames of Fig. 7, for docs/images/render.py --beside");
-  commands.push_back({command, [options](Report& report) { run_paper(*options, report); }});
+void add_paper(CommandLine& line) {
+  auto [command, options] =
+      line.add("paper", "The paper's experiments beside their references", run_paper);
+  command.option("--across", &options.across, "Elements over the height of the beam");
+  command.option("--block", &options.block, "Elements of the block of liver");
+  command.option("--frames", &options.frames, "Equilibria of the shear of liver").positive();
+  command.option("--pictures", &options.pictures,
+                 "Folder for the frames of Fig. 7, for docs/images/render.py --beside");
 }
 
 }  // namespace suture::bench

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Equilibria at frame rate: a beam that is pulled and cut, one equilibrium per frame.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
@@ -126,16 +124,13 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_quasi_static(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("quasi-static", "Equilibria at frame rate, with cuts");
-  auto options = std::make_shared<Options>();
-  command->add_option("--elements", options->elements, "Element types of tm-faure")
-      ->check(CLI::IsMember({"trilinear", "mean-gradient"}));
-  command->add_option("--seconds", options->seconds, "Simulated time")->check(CLI::PositiveNumber);
-  command->add_option("--tolerance", options->tolerance, "Residual relative to the load")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--cut-every", options->cut_every, "s")->check(CLI::PositiveNumber);
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_quasi_static(CommandLine& line) {
+  auto [command, options] = line.add("quasi-static", "Equilibria at frame rate, with cuts", run);
+  command.option("--elements", &options.elements, "Element types of tm-faure")
+      .one_of({"trilinear", "mean-gradient"});
+  command.option("--seconds", &options.seconds, "Simulated time").positive();
+  command.option("--tolerance", &options.tolerance, "Residual relative to the load").positive();
+  command.option("--cut-every", &options.cut_every, "s").positive();
 }
 
 }  // namespace suture::bench

@@ -3,11 +3,9 @@
 // How much liver moves in real time: the largest block that advances 1 s in 1 s, and
 // that shows every frame of 1/30 s in time while it is cut every 0.1 s, without and with
 // a tool that moves over it.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <memory>
 
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
@@ -200,13 +198,11 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_realtime(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("realtime", "The largest block that runs in real time");
-  auto options = std::make_shared<Options>();
-  command->add_option("--threads", options->threads, "Threads")->check(CLI::PositiveNumber);
-  command->add_option("--deep", options->deep, "Cells over the depth");
-  command->add_option("--high", options->high, "Cells over the height");
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_realtime(CommandLine& line) {
+  auto [command, options] = line.add("realtime", "The largest block that runs in real time", run);
+  command.option("--threads", &options.threads, "Threads").positive();
+  command.option("--deep", &options.deep, "Cells over the depth");
+  command.option("--high", &options.high, "Cells over the height");
 }
 
 }  // namespace suture::bench

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
@@ -64,14 +62,12 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_rest(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("rest", "Time until the paper's cantilever is at rest");
-  auto options = std::make_shared<Options>();
-  command->add_option("--across", options->across, "Cells over the height; four times that along");
-  command->add_option("--tolerance", options->tolerance, "Residual relative to the load");
-  command->add_option("--ramp", options->ramp, "Duration of the gravity ramp, s");
-  command->add_option("--safety", options->safety, "dt relative to the stable step");
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_rest(CommandLine& line) {
+  auto [command, options] = line.add("rest", "Time until the paper's cantilever is at rest", run);
+  command.option("--across", &options.across, "Cells over the height; four times that along");
+  command.option("--tolerance", &options.tolerance, "Residual relative to the load");
+  command.option("--ramp", &options.ramp, "Duration of the gravity ramp, s");
+  command.option("--safety", &options.safety, "dt relative to the stable step");
 }
 
 }  // namespace suture::bench

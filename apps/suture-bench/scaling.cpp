@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The paper's Fig. 8: growing beams of cubes of 0.025 m, on one thread and on many.
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 #include <thread>
 
 #include "apps/suture-bench/commands.hpp"
@@ -95,14 +93,12 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_scaling(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("scaling", "Growing beams, sequential and parallel");
-  auto options = std::make_shared<Options>();
-  command->add_option("--across", options->across, "Cells over the height; four times that along");
-  command->add_option("--threads", options->threads, "Threads")->check(CLI::PositiveNumber);
-  command->add_option("--rounds", options->rounds, "Rounds of each")->check(CLI::PositiveNumber);
-  command->add_option("--seconds", options->seconds, "Time spent on each figure and round");
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_scaling(CommandLine& line) {
+  auto [command, options] = line.add("scaling", "Growing beams, sequential and parallel", run);
+  command.option("--across", &options.across, "Cells over the height; four times that along");
+  command.option("--threads", &options.threads, "Threads").positive();
+  command.option("--rounds", &options.rounds, "Rounds of each").positive();
+  command.option("--seconds", &options.seconds, "Time spent on each figure and round");
 }
 
 }  // namespace suture::bench

@@ -3,9 +3,7 @@
 // What each thing that a run skips would cost, on a scene where it matters: the same
 // body or scene with and without it.
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
@@ -151,13 +149,11 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_skip(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("skip", "The cost of each skipped piece of work");
-  auto options = std::make_shared<Options>();
-  command->add_option("--size", options->size, "Elements");
-  command->add_option("--rounds", options->rounds, "Turns")->check(CLI::PositiveNumber);
-  command->add_option("--seconds", options->seconds, "Time spent on each figure and round");
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_skip(CommandLine& line) {
+  auto [command, options] = line.add("skip", "The cost of each skipped piece of work", run);
+  command.option("--size", &options.size, "Elements");
+  command.option("--rounds", &options.rounds, "Turns").positive();
+  command.option("--seconds", &options.seconds, "Time spent on each figure and round");
 }
 
 }  // namespace suture::bench

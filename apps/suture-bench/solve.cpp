@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 #include <random>
 
 #include "apps/suture-bench/commands.hpp"
@@ -90,18 +88,16 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_solve(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("solve", "Linear solvers: set-up, iterations and time");
-  auto options = std::make_shared<Options>();
-  command->add_option("--across", options->across, "Cells across; about 4 n^3 elements");
-  command->add_option("--cases", options->cases, "Names of cases; none: all");
-  command->add_option("--files", options->files, "Meshes, held at their lowest tenth along z");
-  command->add_option("--tolerance", options->tolerance, "Residual relative to the load");
-  command->add_option("--smoothing", options->smoothing, "Smoothing steps of the multigrid");
-  command->add_option("--dt", options->dt, "Adds the mass term of implicit Euler, s");
-  command->add_flag("--direct", options->direct, "The direct solver, too");
-  command->add_flag("!--no-reference", options->reference, "Leave out block Jacobi");
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_solve(CommandLine& line) {
+  auto [command, options] = line.add("solve", "Linear solvers: set-up, iterations and time", run);
+  command.option("--across", &options.across, "Cells across; about 4 n^3 elements");
+  command.option("--cases", &options.cases, "Names of cases; none: all");
+  command.option("--files", &options.files, "Meshes, held at their lowest tenth along z");
+  command.option("--tolerance", &options.tolerance, "Residual relative to the load");
+  command.option("--smoothing", &options.smoothing, "Smoothing steps of the multigrid");
+  command.option("--dt", &options.dt, "Adds the mass term of implicit Euler, s");
+  command.flag("--direct", &options.direct, "The direct solver, too");
+  command.flag("!--no-reference", &options.reference, "Leave out block Jacobi");
 }
 
 }  // namespace suture::bench

@@ -6,12 +6,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <sstream>
 
 #include "apps/suture-bench/body.hpp"
@@ -198,13 +196,11 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_startup(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("startup", "From a scene to its first step; memory");
-  auto options = std::make_shared<Options>();
-  command->add_option("--sizes", options->sizes, "Elements (432000: the 60x60x120 grid)");
-  command->add_option("--models", options->models, "Models");
-  command->add_option("--rounds", options->rounds, "Repetitions")->check(CLI::PositiveNumber);
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_startup(CommandLine& line) {
+  auto [command, options] = line.add("startup", "From a scene to its first step; memory", run);
+  command.option("--sizes", &options.sizes, "Elements (432000: the 60x60x120 grid)");
+  command.option("--models", &options.models, "Models");
+  command.option("--rounds", &options.rounds, "Repetitions").positive();
 }
 
 }  // namespace suture::bench

@@ -2,7 +2,6 @@
 //
 // Time, iterations and error of static equilibria: from rest, and after a cut; CalculiX beside
 // them where it is installed.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -269,26 +268,26 @@ class Bench {
   Row last_;
 };
 
+void run(const Options& options, Report& report) { Bench(options, report).run(); }
+
 }  // namespace
 
-void add_static(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("static", "Time, iterations and error of static equilibria");
-  auto options = std::make_shared<Options>();
+void add_static(CommandLine& line) {
+  auto [command, options] =
+      line.add("static", "Time, iterations and error of static equilibria", run);
   std::vector<std::string> names;
   for (const Cantilever& known : cantilevers()) names.push_back(known.name);
-  command->add_option("--cases", options->cases, "Loads and materials")
-      ->check(CLI::IsMember(names));
-  command->add_option("--across", options->across, "Cells over the height; four times that along");
-  command->add_option("--models", options->models, "Models with the parameters E, nu and rho");
-  command->add_option("--elements", options->elements, "Element types of the models");
-  command->add_flag("--distorted", options->distorted, "General hexahedra");
-  command->add_option("--cut", options->cut, "% of the inner faces that are cut; 0: none")
-      ->check(CLI::Range(0., 100.));
-  command->add_option("--files", options->files, "Meshes to cut, held at their lowest tenth");
-  command->add_option("--calculix", options->calculix, "Cells over the height for CalculiX");
-  command->add_flag("!--no-calculix", options->beside, "Leave out CalculiX");
-  command->add_option("--calculix-elements", options->calculix_elements, "C3D8, C3D8I, C3D20R");
-  commands.push_back({command, [options](Report& report) { Bench(*options, report).run(); }});
+  command.option("--cases", &options.cases, "Loads and materials").one_of(names);
+  command.option("--across", &options.across, "Cells over the height; four times that along");
+  command.option("--models", &options.models, "Models with the parameters E, nu and rho");
+  command.option("--elements", &options.elements, "Element types of the models");
+  command.flag("--distorted", &options.distorted, "General hexahedra");
+  command.option("--cut", &options.cut, "% of the inner faces that are cut; 0: none")
+      .within(0., 100.);
+  command.option("--files", &options.files, "Meshes to cut, held at their lowest tenth");
+  command.option("--calculix", &options.calculix, "Cells over the height for CalculiX");
+  command.flag("!--no-calculix", &options.beside, "Leave out CalculiX");
+  command.option("--calculix-elements", &options.calculix_elements, "C3D8, C3D8I, C3D20R");
 }
 
 }  // namespace suture::bench

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
@@ -67,14 +65,12 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_step(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("step", "Where the time of a step goes");
-  auto options = std::make_shared<Options>();
-  command->add_option("--sizes", options->sizes, "Elements (432000: the 60x60x120 grid)");
-  command->add_option("--models", options->models, "Models");
-  command->add_option("--threads", options->threads, "Threads")->check(CLI::PositiveNumber);
-  command->add_option("--seconds", options->seconds, "Time spent on each figure");
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_step(CommandLine& line) {
+  auto [command, options] = line.add("step", "Where the time of a step goes", run);
+  command.option("--sizes", &options.sizes, "Elements (432000: the 60x60x120 grid)");
+  command.option("--models", &options.models, "Models");
+  command.option("--threads", &options.threads, "Threads").positive();
+  command.option("--seconds", &options.seconds, "Time spent on each figure");
 }
 
 }  // namespace suture::bench

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CLI/CLI.hpp>
 #include <cmath>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -87,15 +85,13 @@ void run(const Options& options, Report& report) {
 
 }  // namespace
 
-void add_tangent(CLI::App& app, std::vector<Command>& commands) {
-  auto* command =
-      app.add_subcommand("tangent", "Products of the models' tangents and a direction, by size");
-  auto options = std::make_shared<Options>();
-  command->add_option("--sizes", options->sizes, "Elements");
-  command->add_option("--only", options->only, "Cases whose name contains this");
-  command->add_option("--threads", options->threads, "Threads")->check(CLI::PositiveNumber);
-  command->add_option("--seconds", options->seconds, "Time spent on each figure");
-  commands.push_back({command, [options](Report& report) { run(*options, report); }});
+void add_tangent(CommandLine& line) {
+  auto [command, options] =
+      line.add("tangent", "Products of the models' tangents and a direction, by size", run);
+  command.option("--sizes", &options.sizes, "Elements");
+  command.option("--only", &options.only, "Cases whose name contains this");
+  command.option("--threads", &options.threads, "Threads").positive();
+  command.option("--seconds", &options.seconds, "Time spent on each figure");
 }
 
 }  // namespace suture::bench

@@ -2,13 +2,11 @@
 //
 // Error against run time: whole processes of `suture run`, with CalculiX beside them where it is
 // installed, compared with solutions of other programs.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -233,21 +231,18 @@ void run_work(const WorkOptions& options, Report& report) {
 
 }  // namespace
 
-void add_work_precision(CLI::App& app, std::vector<Command>& commands) {
-  auto* command = app.add_subcommand("work-precision", "Error against run time of whole processes");
-  auto options = std::make_shared<WorkOptions>();
+void add_work_precision(CommandLine& line) {
+  auto [command, options] =
+      line.add("work-precision", "Error against run time of whole processes", run_work);
   std::vector<std::string> names;
   for (const WorkCase& known : work_cases(false)) names.push_back(known.name);
-  command->add_option("--cases", options->cases, "Problems; default: all")
-      ->check(CLI::IsMember(names));
-  command->add_flag("--largest", options->largest, "With meshes that take longer than 5 s");
-  command->add_flag("!--no-calculix", options->beside, "Leave out CalculiX");
-  command->add_flag("--references", options->references,
-                    "Only CalculiX's values that references are extrapolated from");
-  command->add_option("--dofs", options->most_dofs, "Largest number of unknowns of a mesh")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--rounds", options->rounds, "Repetitions")->check(CLI::PositiveNumber);
-  commands.push_back({command, [options](Report& report) { run_work(*options, report); }});
+  command.option("--cases", &options.cases, "Problems; default: all").one_of(names);
+  command.flag("--largest", &options.largest, "With meshes that take longer than 5 s");
+  command.flag("!--no-calculix", &options.beside, "Leave out CalculiX");
+  command.flag("--references", &options.references,
+               "Only CalculiX's values that references are extrapolated from");
+  command.option("--dofs", &options.most_dofs, "Largest number of unknowns of a mesh").positive();
+  command.option("--rounds", &options.rounds, "Repetitions").positive();
 }
 
 }  // namespace suture::bench

@@ -12,7 +12,7 @@
 namespace suture::bench {
 namespace {
 
-struct Options {
+struct BladeOptions {
   Index cells = 100;     ///< along each axis of the block that the blade of triangles cuts
   Index rows = 50;       ///< of 100 squares that make the blade, 200 triangles each
   Index moving = 50000;  ///< elements of the scene with the moving blade
@@ -63,7 +63,7 @@ Block block_of(Index cells) {
   return block;
 }
 
-void measure_sheets(const Options& options, Report& report) {
+void measure_sheets(const BladeOptions& options, Report& report) {
   const Block block = block_of(options.cells);
   const Workers workers(options.threads);
   report.begin("blade triangles",
@@ -97,7 +97,7 @@ void measure_sheets(const Options& options, Report& report) {
 
 /// Steps in which the blade moves along the body, half an element beside it, and in its middle,
 /// where it has cut before, so that it examines links and cuts nothing.
-void measure_moving(const Options& options, Report& report) {
+void measure_moving(const BladeOptions& options, Report& report) {
   PluginHost host;
   const auto cells = grid_of(options.moving);
   BenchBody body(host, {.model = "tm-faure", .cells = cells, .threads = options.threads});
@@ -139,7 +139,7 @@ void measure_moving(const Options& options, Report& report) {
   add("in the body", (cells[1] / 2 + 0.1) * edge, (cells[2] / 2) * edge);
 }
 
-void run(const Options& options, Report& report) {
+void run_blade(const BladeOptions& options, Report& report) {
   measure_sheets(options, report);
   measure_moving(options, report);
 }
@@ -147,7 +147,7 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_blade(CommandLine& line) {
-  auto [command, options] = line.add("blade", "Blades of triangles, and moving ones", run);
+  auto [command, options] = line.add("blade", "Blades of triangles, and moving ones", run_blade);
   command.option("--cells", &options.cells, "Elements along each axis of the block");
   command.option("--rows", &options.rows, "Blade: hundreds of squares");
   command.option("--moving", &options.moving, "Elements of the scene with a moving blade");

@@ -11,13 +11,13 @@
 namespace suture::bench {
 namespace {
 
-struct Options {
+struct SurfaceOptions {
   std::string name;
   std::filesystem::path to;
   double size = 0;
 };
 
-void run(const Options& options, Report&) {
+void run_bodies(const SurfaceOptions& options, Report&) {
   const BodyPreset& preset = body_preset(options.name);
   const TriangleSurface surface = generate_body(preset.parameters, options.size);
   write_surface(options.to, surface);
@@ -32,7 +32,8 @@ void run(const Options& options, Report&) {
 }  // namespace
 
 void add_bodies(CommandLine& line) {
-  auto [command, options] = line.add("body", "The surface of a body of the paper's Table 1", run);
+  auto [command, options] =
+      line.add("body", "The surface of a body of the paper's Table 1", run_bodies);
   command.option("name", &options.name, "frog, elephant, mushroom or giraffe").required();
   command.option("-o,--output", &options.to, "Output file (.stl .obj .off .ply)").required();
   command.option("--size", &options.size, "Approximate edge length of its triangles in m")

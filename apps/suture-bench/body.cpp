@@ -13,7 +13,7 @@
 namespace suture::bench {
 namespace {
 
-Mesh block(const BodyOptions& options) {
+Mesh block_mesh(const BodyOptions& options) {
   BoxOptions box;
   box.cells = options.cells;
   const double cell = options.cell;
@@ -42,7 +42,7 @@ class Stopwatch {
 
 Imported timed_import(const BodyOptions& options, Diagnostics& diagnostics, BodyTimes& times) {
   Stopwatch watch;
-  Mesh mesh = block(options);
+  Mesh mesh = block_mesh(options);
   times.mesh = watch.lap();
   Imported imported = import_mesh(std::move(mesh), {}, diagnostics);
   times.map = watch.lap();

@@ -11,7 +11,7 @@
 namespace suture::bench {
 namespace {
 
-struct Options {
+struct BuildOptions {
   std::vector<Index> sides{20, 50, 100};
   unsigned rounds = 5;
 };
@@ -28,11 +28,6 @@ void shuffle(Mesh& mesh) {
   for (Hexahedron& h : mesh.hexahedra)
     for (Index& v : h) v = place[v];
   std::shuffle(mesh.hexahedra.begin(), mesh.hexahedra.end(), random);
-}
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
 }
 
 void measure_grid(Index side, bool shuffled, unsigned rounds, Report& report) {
@@ -70,7 +65,7 @@ void measure_grid(Index side, bool shuffled, unsigned rounds, Report& report) {
                  .add("map B/hex", static_cast<double>(bytes) / elements));
 }
 
-void run(const Options& options, Report& report) {
+void run_build(const BuildOptions& options, Report& report) {
   report.begin("build",
                "checks, renumbering, matching, vertex, edge and face ids of a cube of cubes; "
                "medians, processor time");
@@ -81,7 +76,7 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_build(CommandLine& line) {
-  auto [command, options] = line.add("build", "Time and memory of the map, from a mesh", run);
+  auto [command, options] = line.add("build", "Time and memory of the map, from a mesh", run_build);
   command.option("--sides", &options.sides, "n of the grids n x n x n (171: 5 million)");
   command.option("--rounds", &options.rounds, "Repetitions of each figure").positive();
 }

@@ -11,7 +11,6 @@
 namespace suture::bench {
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr Index reference_meshes[3] = {5, 10, 20};
 
 const Cantilever all[] = {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -9,6 +10,9 @@
 #include "apps/suture-bench/body.hpp"
 
 namespace suture::bench {
+
+/// In a report: no figure.
+inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// The paper's cantilever (1 m x 0.25 m x 0.25 m, E = 400 kPa, rho = 1000) under its weight, and
 /// the deflections of its tip by independent programs: DOLFINx and FreeFem++, as in

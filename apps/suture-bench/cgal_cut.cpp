@@ -6,30 +6,30 @@
 namespace suture::bench {
 namespace {
 
-struct Particle : lcc::Motion {
+struct PaperParticle : lcc::Motion {
   double mass = 0;
 };
-struct Spring {
+struct PaperSpring {
   double stiffness = 0, tension = 0;
 };
-struct Element {
+struct PaperElement {
   lcc::Share share;
   std::array<std::array<const void*, 4>, 6> dart;  ///< addresses: handles are not known yet
   std::array<double, 4> inner_length;
   double inner_stiffness;
 };
 
-struct Items {
+struct PaperItems {
   template <class Refs>
   struct Dart_wrapper {
-    using Vertex = CGAL::Cell_attribute_with_point<Refs, Particle>;
-    using Edge = CGAL::Cell_attribute<Refs, Spring>;
+    using Vertex = CGAL::Cell_attribute_with_point<Refs, PaperParticle>;
+    using Edge = CGAL::Cell_attribute<Refs, PaperSpring>;
     using Face = CGAL::Cell_attribute<Refs>;
-    using Volume = CGAL::Cell_attribute<Refs, Element>;
+    using Volume = CGAL::Cell_attribute<Refs, PaperElement>;
     using Attributes = std::tuple<Vertex, Edge, Face, Volume>;
   };
 };
-using Map = lcc::Complex<Items>;
+using PaperMap = lcc::Complex<PaperItems>;
 
 class CgalCut final : public CutBaseline {
  public:
@@ -37,14 +37,14 @@ class CgalCut final : public CutBaseline {
     lcc::add_attributes<1>(map_);
     lcc::add_attributes<2>(map_);
     lcc::add_attributes<3>(map_);
-    const lcc::Sums<Map> sums{map_};
+    const lcc::Sums<PaperMap> sums{map_};
     sums.fill(faces_);
     fill_elements();
     map_.onsplit_functor<0>() = [this](auto& old, auto& fresh) {
-      lcc::Sums<Map>{map_}.split_vertex(old, fresh);
+      lcc::Sums<PaperMap>{map_}.split_vertex(old, fresh);
     };
     map_.onsplit_functor<1>() = [this](auto& old, auto& fresh) {
-      lcc::Sums<Map>{map_}.split_edge(old, fresh);
+      lcc::Sums<PaperMap>{map_}.split_edge(old, fresh);
     };
   }
 
@@ -59,15 +59,15 @@ class CgalCut final : public CutBaseline {
     for (std::size_t i = 0; i < faces_.size(); ++i) {
       auto& element = map_.info<3>(faces_[i]);
       auto& darts = element.dart[i % 6];
-      Map::Dart_handle d = faces_[i];
+      PaperMap::Dart_handle d = faces_[i];
       for (std::size_t k = 0; k < 4; ++k, d = map_.beta(d, 1)) darts[k] = &*d;
       element.inner_length.fill(std::sqrt(3.0) * element.share.tension / element.share.stiffness);
       element.inner_stiffness = element.share.stiffness;
     }
   }
 
-  Map map_;
-  std::vector<Map::Dart_handle> faces_;  ///< 6 e + f
+  PaperMap map_;
+  std::vector<PaperMap::Dart_handle> faces_;  ///< 6 e + f
 };
 
 }  // namespace

@@ -14,7 +14,7 @@
 namespace suture::bench {
 namespace {
 
-struct Options {
+struct ContactOptions {
   std::vector<Index> across{15, 45, 60};
   int rounds = 5, settling = 300;
 };
@@ -38,7 +38,7 @@ void separate(BenchBody& body, const std::vector<Index>& blocks) {
 }
 
 /// Blocks of 5 x 5 x 5 elements, packed face to face.
-void find_pairs(Index n, const Options& options, PluginHost& host, Report& report) {
+void find_pairs(Index n, const ContactOptions& options, PluginHost& host, Report& report) {
   const std::array<Index, 3> cells{n, n, n};
   BenchBody body(host, {.model = "mss-baudet", .cells = cells, .cell = 1});
   const std::vector<Index> blocks = blocks_of(cells, 5);
@@ -97,7 +97,7 @@ void loosen(BenchBody& body, const BodyOptions& options, Index block) {
   }
 }
 
-struct Case {
+struct ContactCase {
   const char* name;
   BodyOptions options;
   Index block;    ///< elements along the edge of a piece; 0: one piece
@@ -106,7 +106,8 @@ struct Case {
 };
 
 /// The same body with and without contact, in turn.
-void compare_steps(const Case& of, const Options& options, PluginHost& host, Report& report) {
+void compare_steps(const ContactCase& of, const ContactOptions& options, PluginHost& host,
+                   Report& report) {
   BenchBody with(host, of.options), without(host, of.options);
   of.add(with, of.options);
   for (BenchBody* body : {&with, &without}) {
@@ -129,7 +130,7 @@ void compare_steps(const Case& of, const Options& options, PluginHost& host, Rep
                  .add("ratio", seconds[1] / seconds[0]));
 }
 
-void run(const Options& options, Report& report) {
+void run_contact(const ContactOptions& options, Report& report) {
   PluginHost host;
   report.begin("contact pairs",
                "near pairs of blocks of 5 x 5 x 5 elements packed face to face, reach 0.55 of an "
@@ -140,11 +141,11 @@ void run(const Options& options, Report& report) {
       "a step of tm-faure with contact beside one of the same body without, in turn, one thread");
   const BodyOptions block{.model = "tm-faure", .cells = grid_of(20000)};
   const BodyOptions blocks{.model = "tm-faure", .cells = {20, 50, 20}, .held = -1};
-  const Case cases[] = {
+  const ContactCase cases[] = {
       {"block on a plate under a sphere", block, 0, false, add_plate_and_sphere},
       {"20 blocks in a pile on a plate, layers turned", blocks, 10, true, add_plate_and_pieces},
       {"20 blocks packed face to face on a plate", blocks, 10, false, add_plate_and_pieces}};
-  for (const Case& of : cases) compare_steps(of, options, host, report);
+  for (const ContactCase& of : cases) compare_steps(of, options, host, report);
   report.begin(
       "contact of letters",
       "20 letters of 1,000 elements fall into a box and lie in a pile: a step with contact "
@@ -155,7 +156,7 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_contact(CommandLine& line) {
-  auto [command, options] = line.add("contact", "Near pairs, and steps with contact", run);
+  auto [command, options] = line.add("contact", "Near pairs, and steps with contact", run_contact);
   command.option("--across", &options.across, "Elements along each axis, for near pairs");
   command.option("--rounds", &options.rounds, "Rounds, of which the best counts");
   command.option("--settling", &options.settling, "Steps before those that are measured");

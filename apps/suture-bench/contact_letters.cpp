@@ -24,7 +24,7 @@ constexpr std::array<Letter, 5> darts{{{"##.", "#.#", "#.#", "#.#", "##."},
                                        {"###", ".#.", ".#.", ".#.", ".#."},
                                        {"###", "#..", "###", "..#", "###"}}};
 constexpr Index letters = 20, squares = 4, layers = 6;  // squares of 4 x 4 elements
-constexpr double edge = 0.02;                           // m
+constexpr double letter_edge = 0.02;                    // m
 constexpr double half_width = 0.5;                      // m, of the box
 
 /// Turned about the vertical and tilted a little.
@@ -45,7 +45,8 @@ void add_letter(Mesh& mesh, const Letter& letter, const Vec3& centre, const Atti
     const auto [at, is_new] = nodes.try_emplace({i, j, k}, static_cast<Index>(mesh.points.size()));
     if (is_new)
       mesh.points.push_back(plus(
-          centre, attitude(scaled(edge, {i - 1.5 * squares, 2.5 * squares - j, k - layers / 2.}))));
+          centre,
+          attitude(scaled(letter_edge, {i - 1.5 * squares, 2.5 * squares - j, k - layers / 2.}))));
     return at->second;
   };
   for (Index k = 0; k < layers; ++k)

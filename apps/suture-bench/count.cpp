@@ -9,7 +9,7 @@
 namespace suture::bench {
 namespace {
 
-struct Options {
+struct CountOptions {
   std::string model = "tm-faure", work = "step";
   std::vector<std::string> parameters;  ///< names and values in turn
   bool distorted = false;
@@ -25,7 +25,7 @@ std::map<std::string, double> values_of(const std::vector<std::string>& paramete
   return values;
 }
 
-void run(const Options& options, Report& report) {
+void run_count(const CountOptions& options, Report& report) {
   PluginHost host;
   // 1024 faces between two layers: 128 in a strip.
   const bool cuts = options.work == "cut";
@@ -53,7 +53,7 @@ void run(const Options& options, Report& report) {
 
 void add_count(CommandLine& line) {
   auto [command, options] =
-      line.add("count", "Work for counting with callgrind, not for timing", run);
+      line.add("count", "Work for counting with callgrind, not for timing", run_count);
   command.option("--model", &options.model, "Model");
   command.option("--parameter", &options.parameters, "Parameter of the model: NAME VALUE");
   command.flag("--distorted", &options.distorted, "General hexahedra");

@@ -19,7 +19,7 @@
 namespace suture::bench {
 namespace {
 
-struct Options {
+struct CutOptions {
   std::vector<Index> sides{200, 400, 600, 800};
   std::vector<std::string> bodies{"frog", "elephant", "mushroom", "giraffe"};
   unsigned rounds = 3;
@@ -48,7 +48,7 @@ struct Method {
 
 double lost(double before, double after) { return std::abs(after - before) / before; }
 
-Round run_suture(PluginHost& host, const std::string& model, const CutCase& c) {
+Round cut_suture(PluginHost& host, const std::string& model, const CutCase& c) {
   Round round;
   const double bytes = resident_bytes();
   SutureCut body(host, model, c.mesh);
@@ -76,21 +76,16 @@ Round run_baseline(std::unique_ptr<CutBaseline> (*make)(const Mesh&), const CutC
   return round;
 }
 
-std::vector<Method> methods(PluginHost& host, const Options& options) {
+std::vector<Method> methods(PluginHost& host, const CutOptions& options) {
   std::vector<Method> all;
   for (const char* model : {"mss-baudet", "tm-faure"})
     all.push_back({std::string("Suture, ") + model,
-                   [&host, model](const CutCase& c) { return run_suture(host, model, c); }});
+                   [&host, model](const CutCase& c) { return cut_suture(host, model, c); }});
   if (!options.baselines) return all;
   all.push_back({"CGAL unsew<3>", [](const CutCase& c) { return run_baseline(make_cgal_cut, c); }});
   all.push_back(
       {"Flechon 2013", [](const CutCase& c) { return run_baseline(make_flechon_cut, c); }});
   return all;
-}
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
 }
 
 /// All rounds of a method on a case.
@@ -113,7 +108,8 @@ struct Sample {
 };
 
 /// Rounds of the methods alternate, so that a slow moment of the machine hits all.
-std::vector<Sample> measure(const CutCase& c, const std::vector<Method>& all, unsigned rounds) {
+std::vector<Sample> measure_cuts(const CutCase& c, const std::vector<Method>& all,
+                                 unsigned rounds) {
   std::vector<Sample> samples(all.size());
   for (unsigned round = 0; round < rounds; ++round)
     for (std::size_t m = 0; m < all.size(); ++m) {
@@ -147,28 +143,28 @@ void add_lines(Report& report, const CutCase& c, const std::vector<Method>& all,
   }
 }
 
-void compare_grids(const Options& options, const std::vector<Method>& all, Report& report) {
+void compare_grids(const CutOptions& options, const std::vector<Method>& all, Report& report) {
   report.begin("cut",
                "the paper's Fig. 5: all faces between two layers of cubes; vertices, edges and "
                "faces split, masses and stiffnesses recomputed, columns grown, rows of the force "
                "loops updated; median over fresh bodies, CPU time");
   for (const Index side : options.sides) {
     const CutCase c = two_layers(side);
-    add_lines(report, c, all, measure(c, all, options.rounds));
+    add_lines(report, c, all, measure_cuts(c, all, options.rounds));
   }
 }
 
-void compare_bodies(const Options& options, const std::vector<Method>& all, Report& report) {
+void compare_bodies(const CutOptions& options, const std::vector<Method>& all, Report& report) {
   report.begin("cut bodies",
                "the paper's Table 1 on generated bodies with the same numbers of elements, one "
                "plane each, and its Fig. 11: ten cuts of the giraffe together");
   for (const std::string& name : options.bodies) {
     const CutCase c = body_case(name);
-    add_lines(report, c, all, measure(c, all, options.rounds));
+    add_lines(report, c, all, measure_cuts(c, all, options.rounds));
   }
   if (std::ranges::find(options.bodies, "giraffe") == options.bodies.end()) return;
   const CutCase ten = ten_cuts();
-  const std::vector<Sample> samples = measure(ten, all, options.rounds);
+  const std::vector<Sample> samples = measure_cuts(ten, all, options.rounds);
   add_lines(report, ten, all, samples);
   report.begin("ten cuts", "Fig. 11, cut by cut, us per face");
   for (std::size_t i = 0; i < ten.cuts.size(); ++i) {
@@ -182,17 +178,17 @@ void compare_bodies(const Options& options, const std::vector<Method>& all, Repo
 }
 
 /// The same thousand faces in a small and in a large mesh.
-void compare_sizes(const Options& options, const std::vector<Method>& all, Report& report) {
+void compare_sizes(const CutOptions& options, const std::vector<Method>& all, Report& report) {
   report.begin("cut sizes", "1,000 faces in a row of a small and of a large mesh");
   for (const Index side : {Index{71}, options.large}) {
     const CutCase c = two_layers(side, 1000);
     const std::vector<Method> ours(all.begin(), all.begin() + 2);
-    add_lines(report, c, ours, measure(c, ours, 3 * options.rounds));
+    add_lines(report, c, ours, measure_cuts(c, ours, 3 * options.rounds));
   }
 }
 
 /// One operation after the other, of one face or element each, chosen at random.
-void single_operations(PluginHost& host, const Options& options, Report& report) {
+void single_operations(PluginHost& host, const CutOptions& options, Report& report) {
   report.begin("single cuts",
                "one face or element at a time: 1,000 random cuts in 20x20x20 and in large cubes of "
                "cells; us per operation");
@@ -224,7 +220,7 @@ void single_operations(PluginHost& host, const Options& options, Report& report)
 }
 
 /// A cavity.
-void pierce_many(PluginHost& host, const Options& options, Report& report) {
+void pierce_many(PluginHost& host, const CutOptions& options, Report& report) {
   report.begin("pierce", "every element of a slab of an eighth of a block, removed at once");
   for (const char* model : {"mss-baudet", "tm-faure"})
     for (const Index n : {Index{24}, Index{80}}) {
@@ -246,7 +242,7 @@ void pierce_many(PluginHost& host, const Options& options, Report& report) {
     }
 }
 
-void run(const Options& options, Report& report) {
+void run_cut(const CutOptions& options, Report& report) {
   PluginHost host;
   const std::vector<Method> all = methods(host, options);
   compare_grids(options, all, report);
@@ -262,7 +258,7 @@ void add_cut(CommandLine& line) {
   auto [command, options] = line.add(
       "cut",
       "Time per cut face, compared with CGAL's unsew<3> and the predecessor of the paper's model",
-      run);
+      run_cut);
   command.option("--sides", &options.sides, "n of the grids n x n x 2");
   command.option("--bodies", &options.bodies, "Bodies of the paper's Table 1");
   command.option("--large", &options.large, "n of the large grid n x n x 2");

@@ -10,21 +10,22 @@
 namespace suture::bench {
 namespace {
 
-struct Options {
+struct EventRunOptions {
   std::array<Index, 3> cells{40, 22, 22};
   int pairs = 5;
   unsigned cuts = 80;
   int steps = 500;
 };
 
-constexpr double edge = 0.05;  // m
+constexpr double block_edge = 0.05;  // m
 
 /// A block of the paper's material, held at one end, that sags a little.
-Scene block(PluginHost& host, const std::string& model, bool verlet, bool automatic,
-            const Options& options) {
+Scene event_block(PluginHost& host, const std::string& model, bool verlet, bool automatic,
+                  const EventRunOptions& options) {
   const auto& n = options.cells;
   Scene scene;
-  scene.mesh.box = BoxOptions{{0, 0, 0}, {edge * n[0], edge * n[1], edge * n[2]}, n, {1, 1, 1}};
+  scene.mesh.box = BoxOptions{
+      {0, 0, 0}, {block_edge * n[0], block_edge * n[1], block_edge * n[2]}, n, {1, 1, 1}};
   ModelUse use;
   use.name = model;
   use.model = &host.model(model);
@@ -49,7 +50,7 @@ Event event_number(std::size_t i) {
   return event;
 }
 
-void add_cuts(Scene& scene, const Options& options) {
+void add_cuts(Scene& scene, const EventRunOptions& options) {
   std::mt19937 random(1);
   const auto& n = options.cells;
   for (unsigned i = 0; i < options.cuts; ++i) {
@@ -63,14 +64,16 @@ void add_cuts(Scene& scene, const Options& options) {
 }
 
 /// An oblique blade in the middle plane: it comes to some links in almost every step.
-void add_blade(Scene& scene, const Options& options) {
+void add_blade(Scene& scene, const EventRunOptions& options) {
   const auto& n = options.cells;
-  const double y = edge * (n[1] / 2 + 0.06), width = edge * n[2], end = *scene.solver.end;
+  const double y = block_edge * (n[1] / 2 + 0.06), width = block_edge * n[2],
+               end = *scene.solver.end;
   const auto blade = [&](double x) {
-    return std::vector<Vec3>{{x, y, -edge}, {x + width, y, width + edge}};
+    return std::vector<Vec3>{{x, y, -block_edge}, {x + width, y, width + block_edge}};
   };
   Event event = event_number(0);
-  event.what = CutBlade{{{0, blade(-width - 2 * edge)}, {end, blade(edge * (n[0] - 4.0) - width)}}};
+  event.what = CutBlade{
+      {{0, blade(-width - 2 * block_edge)}, {end, blade(block_edge * (n[0] - 4.0) - width)}}};
   scene.events.push_back(event);
 }
 
@@ -88,15 +91,9 @@ Run run_of(const Scene& scene, PluginHost& host) {
   return {now(1) - start, std::move(summary)};
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Runs without and with the events in turn, so that a slow moment of the machine hits both.
-void compare(const char* what, const Scene& without, const Scene& with, const Options& options,
-             PluginHost& host, Report& report) {
+void compare(const char* what, const Scene& without, const Scene& with,
+             const EventRunOptions& options, PluginHost& host, Report& report) {
   std::vector<double> ratios, plain, cut;
   Run last_plain{}, last_cut{};
   for (int pair = 0; pair < options.pairs; ++pair) {
@@ -121,7 +118,7 @@ void compare(const char* what, const Scene& without, const Scene& with, const Op
                  .add("steps with/without", steps(last_cut) / steps(last_plain)));
 }
 
-void run(const Options& options, Report& report) {
+void run_event_runs(const EventRunOptions& options, Report& report) {
   PluginHost host;
   report.begin("event runs",
                "whole runs with events relative to runs without, start-up not timed; " +
@@ -130,7 +127,7 @@ void run(const Options& options, Report& report) {
   for (const char* model : {"tm-faure", "mss-baudet"})
     for (const bool verlet : {false, true})
       for (const bool automatic : {false, true}) {
-        const Scene plain = block(host, model, verlet, automatic, options);
+        const Scene plain = event_block(host, model, verlet, automatic, options);
         Scene cuts = plain, blade = plain;
         add_cuts(cuts, options);
         add_blade(blade, options);
@@ -143,7 +140,7 @@ void run(const Options& options, Report& report) {
 
 void add_event_runs(CommandLine& line) {
   auto [command, options] =
-      line.add("event-runs", "Whole runs with events compared with runs without", run);
+      line.add("event-runs", "Whole runs with events compared with runs without", run_event_runs);
   command.option("--cells", &options.cells, "Elements along each axis");
   command.option("--pairs", &options.pairs, "Pairs of runs").positive();
   command.option("--cuts", &options.cuts, "Cuts of one face");

@@ -9,7 +9,7 @@
 namespace suture::bench {
 namespace {
 
-struct Options {
+struct EventOptions {
   std::vector<Index> sizes{4000, 50000, 432000};
   unsigned threads = 1;
   double seconds = 0.5;
@@ -24,8 +24,8 @@ void bend(BenchBody& body) {
 }
 
 /// The force and the look alternate, so that a slow moment of the machine hits both.
-void measure_tear(Index size, bool distorted, Tear::By by, const Options& options, PluginHost& host,
-                  Report& report) {
+void measure_tear(Index size, bool distorted, Tear::By by, const EventOptions& options,
+                  PluginHost& host, Report& report) {
   BenchBody body(host, {.model = "tm-faure",
                         .cells = grid_of(size),
                         .distorted = distorted,
@@ -54,7 +54,7 @@ void measure_tear(Index size, bool distorted, Tear::By by, const Options& option
                  .add("every 4: check/force", look / force / 4));
 }
 
-void run(const Options& options, Report& report) {
+void run_events(const EventOptions& options, Report& report) {
   PluginHost host;
   report.begin(
       "tear",
@@ -70,7 +70,7 @@ void run(const Options& options, Report& report) {
 
 void add_events(CommandLine& line) {
   auto [command, options] =
-      line.add("events", "The cost of a tear check relative to the forces", run);
+      line.add("events", "The cost of a tear check relative to the forces", run_events);
   command.option("--sizes", &options.sizes, "Elements");
   command.option("--threads", &options.threads, "Threads").positive();
   command.option("--seconds", &options.seconds, "Time spent on each figure");

@@ -11,7 +11,7 @@
 namespace suture::bench {
 namespace {
 
-struct Case {
+struct ForceCase {
   const char* name;
   const char* model;
   std::map<std::string, double> parameters;
@@ -31,8 +31,8 @@ const std::map<std::string, double> of_mooney{{"C10", 5e4}, {"C01", 2.7e4}, {"K"
     of_fibres{{"mu", 1.5e5}, {"lambda", 2.3e5}, {"k1", 1e5}, {"k2", 1}, {"fibre", 0.577}},
     of_visco{{"K", 1e5}, {"n", 0.1}, {"lambda", 2.3e5}};
 
-const std::vector<Case>& cases() {
-  static const std::vector<Case> list{
+const std::vector<ForceCase>& force_cases() {
+  static const std::vector<ForceCase> list{
       {"TM boxes, gauss2", "tm-faure", {}, false, false, 1142},
       {"TM boxes, exact", "tm-faure", {{"quadrature", 1}}, false, false, 0},
       {"TM boxes, mean gradient", "tm-faure", {{"element", 1}}, false, false, 0},
@@ -57,7 +57,7 @@ const std::vector<Case>& cases() {
   return list;
 }
 
-struct Options {
+struct ForceOptions {
   std::vector<Index> sizes{1000, 4000, 32000, 432000, 4000000};
   std::string only;
   unsigned threads = 1, cuts = 1000;
@@ -69,7 +69,8 @@ double springs(BenchBody& body) { return body.complex().count(1) + 4.0 * body.el
 
 /// Beside the two roofs of the machine: bytes that must move if no cache helps (so
 /// more than the whole stream is possible), and operations.
-void add_roofline(const Case& c, BenchBody& body, double seconds, unsigned threads, Line& line) {
+void add_roofline(const ForceCase& c, BenchBody& body, double seconds, unsigned threads,
+                  Line& line) {
   const Machine& roof = machine(threads);
   const double bytes = bytes_per_element(body), rate = body.element_count() / seconds;
   line.add("B/el", bytes).add("% of stream", 100 * bytes * rate / roof.bandwidth);
@@ -77,8 +78,8 @@ void add_roofline(const Case& c, BenchBody& body, double seconds, unsigned threa
   line.add("flop/el", c.operations).add("% of peak", 100 * c.operations * rate / roof.flops);
 }
 
-void measure_case(const Case& c, Index size, const Options& options, PluginHost& host,
-                  Report& report) {
+void measure_force(const ForceCase& c, Index size, const ForceOptions& options, PluginHost& host,
+                   Report& report) {
   BenchBody body(host, {.model = c.model,
                         .parameters = c.parameters,
                         .cells = grid_of(size),
@@ -120,14 +121,14 @@ void add_roofs(unsigned threads, Report& report) {
                  .add("flop/B at the ridge", roof.flops / roof.bandwidth));
 }
 
-void run(const Options& options, Report& report) {
+void run_force(const ForceOptions& options, Report& report) {
   PluginHost host;
   add_roofs(options.threads, report);
-  for (const Case& c : cases()) {
+  for (const ForceCase& c : force_cases()) {
     if (std::string(c.name).find(options.only) == std::string::npos) continue;
     report.begin(c.name, "whole steps of symplectic Euler with gravity and one end fixed, " +
                              std::to_string(options.threads) + " thread(s), medians");
-    for (const Index size : options.sizes) measure_case(c, size, options, host, report);
+    for (const Index size : options.sizes) measure_force(c, size, options, host, report);
   }
 }
 
@@ -135,7 +136,7 @@ void run(const Options& options, Report& report) {
 
 void add_force(CommandLine& line) {
   auto [command, options] =
-      line.add("force", "Throughput of the models through the SDK, by size", run);
+      line.add("force", "Throughput of the models through the SDK, by size", run_force);
   command.option("--sizes", &options.sizes, "Elements (432000: the 60x60x120 grid)");
   command.option("--only", &options.only, "Cases whose name contains this");
   command.option("--threads", &options.threads, "Threads").positive();

@@ -11,12 +11,12 @@
 namespace suture::bench {
 namespace {
 
-struct Options {
+struct FrameOptions {
   std::vector<Index> sides{10, 30, 60};
   int rounds = 9;
 };
 
-void measure_side(Index side, const Options& options, PluginHost& host, Report& report) {
+void measure_side(Index side, const FrameOptions& options, PluginHost& host, Report& report) {
   Frames frames(host, {side, side, side}, {"displacement", "velocity"}, true);
   std::vector<double> processor, wall;
   for (int round = 0; round < options.rounds; ++round) {
@@ -36,7 +36,7 @@ void measure_side(Index side, const Options& options, PluginHost& host, Report& 
                  .add("wall-clock ms", median(wall)));
 }
 
-void run(const Options& options, Report& report) {
+void run_frame(const FrameOptions& options, Report& report) {
   PluginHost host;
   report.begin("frame", "displacement and velocity, lz4; simulation thread, medians");
   for (const Index side : options.sides) measure_side(side, options, host, report);
@@ -45,7 +45,7 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_frame(CommandLine& line) {
-  auto [command, options] = line.add("frame", "The cost of a frame to the simulation", run);
+  auto [command, options] = line.add("frame", "The cost of a frame to the simulation", run_frame);
   command.option("--sides", &options.sides, "n of the cubes n x n x n (60: 216,000)");
   command.option("--rounds", &options.rounds, "Frames").positive();
 }

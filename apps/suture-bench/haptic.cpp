@@ -3,7 +3,6 @@
 // How fast a haptic device gets its force: a compliant knife cuts a block of liver, and after
 // every millisecond the force on the hand is read.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 
@@ -16,14 +15,14 @@
 namespace suture::bench {
 namespace {
 
-struct Options {
+struct HapticOptions {
   std::array<Index, 3> cells{20, 10, 10};
   double edge = 0.005, tick = 1e-3, seconds = 5,
          dt = 4e-4;  // below the bound, so that nothing is searched for
 };
 
 /// A block of liver on a plate.
-Scene block(PluginHost& host, const Options& options) {
+Scene haptic_block(PluginHost& host, const HapticOptions& options) {
   const auto& n = options.cells;
   Scene scene;
   scene.mesh.box = BoxOptions{
@@ -44,7 +43,7 @@ Scene block(PluginHost& host, const Options& options) {
 }
 
 /// A rod of half an element that goes through the upper half along x, behind a blade.
-void add_knife(Scene& scene, const Options& options) {
+void add_knife(Scene& scene, const HapticOptions& options) {
   const auto& n = options.cells;
   const double e = options.edge, length = e * n[0], middle = e * (n[1] / 2 + 0.05);
   const double low = e * (n[2] / 2 + 0.05), high = e * (n[2] + 2);
@@ -64,10 +63,6 @@ void add_knife(Scene& scene, const Options& options) {
   scene.events.push_back(cut);
 }
 
-double wall() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 /// What a part of the values does not exceed.
 double percentile(std::vector<double>& values, double part) {
   std::ranges::sort(values);
@@ -75,9 +70,9 @@ double percentile(std::vector<double>& values, double part) {
   return values[static_cast<std::size_t>(std::lround(part * last))];
 }
 
-void measure_ticks(bool lips, std::optional<double> dt, const Options& options, PluginHost& host,
-                   Report& report) {
-  Scene scene = block(host, options);
+void measure_ticks(bool lips, std::optional<double> dt, const HapticOptions& options,
+                   PluginHost& host, Report& report) {
+  Scene scene = haptic_block(host, options);
   add_knife(scene, options);
   scene.contact.pieces = lips;
   scene.solver.dt = dt;
@@ -120,7 +115,7 @@ void measure_ticks(bool lips, std::optional<double> dt, const Options& options, 
                  .add("worst ms", 1e3 * percentile(processor, 1)));
 }
 
-void run(const Options& options, Report& report) {
+void run_haptic(const HapticOptions& options, Report& report) {
   PluginHost host;
   report.begin("haptic",
                "liver (tm-faure, E 10 kPa, nu 0.45, elements of 5 mm) cut by a compliant knife "
@@ -136,7 +131,8 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_haptic(CommandLine& line) {
-  auto [command, options] = line.add("haptic", "How fast a haptic device gets its force", run);
+  auto [command, options] =
+      line.add("haptic", "How fast a haptic device gets its force", run_haptic);
   command.option("--cells", &options.cells, "Elements along each axis");
   command.option("--dt", &options.dt, "The fixed step, s").positive();
   command.option("--seconds", &options.seconds, "Of the cut").positive();

@@ -9,7 +9,7 @@
 namespace suture::bench {
 namespace {
 
-struct Options {
+struct ImplicitOptions {
   std::vector<Index> across{5, 10};
   std::vector<std::string> models{"tm-faure"}, elements{"trilinear", "mean-gradient"},
       integrators{"implicit-euler", "newmark"};
@@ -27,14 +27,14 @@ bool is_asked(const std::string& integrator, Index across, const CantileverMesh&
 
 /// The tip of 5x5x20 trilinear elements after 0.5 s by an independent program (case I of
 /// tests/reference/beam.hpp), m; NaN for other meshes and times.
-double reference_tip(const CantileverMesh& mesh, const Options& options) {
+double reference_tip(const CantileverMesh& mesh, const ImplicitOptions& options) {
   const bool is_known = mesh.across == 5 && mesh.element == "trilinear" &&
                         std::abs(options.steps * options.dt - 0.5) < 1e-9;
   return is_known ? -0.2651348698621649 : std::nan("");
 }
 
-Line measure(const std::string& integrator, const suture_model& model, const CantileverMesh& mesh,
-             const Options& options, PluginHost& host) {
+Line measure_steps(const std::string& integrator, const suture_model& model,
+                   const CantileverMesh& mesh, const ImplicitOptions& options, PluginHost& host) {
   forget_peak();
   const Cantilever& what = cantilever("A0.25");
   BodyOptions of_body = options_of(what, model, mesh);
@@ -63,7 +63,7 @@ Line measure(const std::string& integrator, const suture_model& model, const Can
   return line;
 }
 
-void run(const Options& options, Report& report) {
+void run_implicit(const ImplicitOptions& options, Report& report) {
   PluginHost host;
   report.begin("implicit",
                "the cantilever of `static` at a quarter of its weight, let go at rest: CPU s and "
@@ -72,13 +72,14 @@ void run(const Options& options, Report& report) {
     for (const std::string& model : options.models)
       for (const std::string& element : options.elements)
         for (const Index n : options.across)
-          report.add(measure(integrator, host.model(model), {n, element}, options, host));
+          report.add(measure_steps(integrator, host.model(model), {n, element}, options, host));
 }
 
 }  // namespace
 
 void add_implicit(CommandLine& line) {
-  auto [command, options] = line.add("implicit", "Time and iterations of implicit steps", run);
+  auto [command, options] =
+      line.add("implicit", "Time and iterations of implicit steps", run_implicit);
   command.option("--across", &options.across, "Cells over the height; four times that along");
   command.option("--models", &options.models, "Models with the parameters E, nu and rho");
   command.option("--elements", &options.elements, "Element types of the models");

@@ -87,7 +87,7 @@ double best_of(unsigned threads, int rounds, BenchBody body) {
   return best;
 }
 
-Machine measure(unsigned threads) {
+Machine measure_machine(unsigned threads) {
   Machine result;
   const Arithmetic work = arithmetic();
   std::vector<double> sink(threads * std::size_t{8});
@@ -111,7 +111,7 @@ const Machine& machine(unsigned threads) {
   static std::map<unsigned, Machine> known;
   const auto found = known.find(threads);
   return found != known.end() ? found->second
-                              : known.emplace(threads, measure(threads)).first->second;
+                              : known.emplace(threads, measure_machine(threads)).first->second;
 }
 
 double peak_bytes() {

@@ -10,7 +10,7 @@
 namespace suture::bench {
 namespace {
 
-struct Options {
+struct ModeOptions {
   std::vector<Index> across{5, 10, 20};
   std::vector<std::string> models{"tm-faure"};
   unsigned count = 10;
@@ -40,7 +40,7 @@ Line find(const std::string& model, Index n, unsigned count, PluginHost& host) {
       .add("peak_mb", peak_bytes() / 1e6);
 }
 
-void run(const Options& options, Report& report) {
+void run_modes(const ModeOptions& options, Report& report) {
   PluginHost host;
   report.begin("modes",
                "lowest natural modes of the cantilever of 1 m at rest (E 400 kPa, nu 0.3, rho "
@@ -53,7 +53,8 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_modes(CommandLine& line) {
-  auto [command, options] = line.add("modes", "Natural modes: time, iterations and residuals", run);
+  auto [command, options] =
+      line.add("modes", "Natural modes: time, iterations and residuals", run_modes);
   command.option("--across", &options.across, "Cells over the height; four times that along");
   command.option("--models", &options.models, "Models with the parameters E, nu and rho");
   command.option("--count", &options.count, "Number of modes").positive();

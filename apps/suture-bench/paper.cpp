@@ -21,8 +21,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
 struct PaperOptions {
   std::vector<Index> across{5, 10};        ///< elements over the beam's height
   std::array<Index, 3> block{30, 10, 10};  ///< of liver

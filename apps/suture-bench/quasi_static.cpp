@@ -19,18 +19,18 @@ struct Beam {
 };
 constexpr Beam beams[] = {{{40, 5, 5}, 100}, {{40, 10, 10}, 30}};
 
-struct Options {
+struct QuasiStaticOptions {
   std::vector<std::string> elements{"trilinear", "mean-gradient"};
   double seconds = 1, tolerance = 1e-4, cut_every = 0.1;
 };
 
-constexpr double length = 1, side = 0.25;  // m
+constexpr double beam_length = 1, side = 0.25;  // m
 
 /// Held at one end; the other is pulled away by a tenth of the length and aside, in a second.
 Scene pulled(PluginHost& host, const Beam& beam, const std::string& element,
-             const Options& options) {
+             const QuasiStaticOptions& options) {
   Scene scene;
-  scene.mesh.box = BoxOptions{{0, 0, 0}, {length, side, side}, beam.cells, {1, 1, 1}};
+  scene.mesh.box = BoxOptions{{0, 0, 0}, {beam_length, side, side}, beam.cells, {1, 1, 1}};
   ModelUse use;
   use.name = "tm-faure";
   use.model = &host.model(use.name);
@@ -41,7 +41,7 @@ Scene pulled(PluginHost& host, const Beam& beam, const std::string& element,
   end.where.what = Selection::Named{"x0"};
   scene.constraints.push_back(end);
   end.where.what = Selection::Named{"x1"};
-  end.translation = {0.1 * length, 0.1 * length, 0};
+  end.translation = {0.1 * beam_length, 0.1 * beam_length, 0};
   end.moves = true;
   end.ramp = {0, 1, false};
   scene.constraints.push_back(end);
@@ -56,7 +56,7 @@ Scene pulled(PluginHost& host, const Beam& beam, const std::string& element,
 
 /// A notch from above over half of the height, the `number`-th along the beam.
 Event notch(int number) {
-  const double x = length * (0.1 + 0.1 * (number % 9)) + 1e-3, low = side / 2 + 1e-3;
+  const double x = beam_length * (0.1 + 0.1 * (number % 9)) + 1e-3, low = side / 2 + 1e-3;
   CutPlane cut{{x, 0.75 * side, side / 2}, {1, 0, 0}};
   cut.polygon = {
       {x, low, -side}, {x, 2 * side, -side}, {x, 2 * side, 2 * side}, {x, low, 2 * side}};
@@ -77,7 +77,7 @@ struct Counter : Observer {
   int iterations = 0;
 };
 
-Frames show(Simulation& simulation, const Beam& beam, const Options& options) {
+Frames show(Simulation& simulation, const Beam& beam, const QuasiStaticOptions& options) {
   Frames result;
   Counter counter;
   const double frame = 1.0 / beam.frames_per_second;
@@ -97,7 +97,7 @@ Frames show(Simulation& simulation, const Beam& beam, const Options& options) {
   return result;
 }
 
-void run(const Options& options, Report& report) {
+void run_quasi_static(const QuasiStaticOptions& options, Report& report) {
   PluginHost host;
   report.begin("quasi-static",
                "cantilever of 1 m whose free end is pulled by 0.1 m along and aside in a second, "
@@ -125,7 +125,8 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_quasi_static(CommandLine& line) {
-  auto [command, options] = line.add("quasi-static", "Equilibria at frame rate, with cuts", run);
+  auto [command, options] =
+      line.add("quasi-static", "Equilibria at frame rate, with cuts", run_quasi_static);
   command.option("--elements", &options.elements, "Element types of tm-faure")
       .one_of({"trilinear", "mean-gradient"});
   command.option("--seconds", &options.seconds, "Simulated time").positive();

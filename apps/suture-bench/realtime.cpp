@@ -4,7 +4,6 @@
 // that shows every frame of 1/30 s in time while it is cut every 0.1 s, without and with
 // a tool that moves over it.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "apps/suture-bench/body.hpp"
@@ -15,17 +14,13 @@
 namespace suture::bench {
 namespace {
 
-struct Options {
+struct RealtimeOptions {
   std::vector<unsigned> threads{1, 2};
   Index deep = 24, high = 10;
   double safety = 0.8, frame = 1.0 / 30, cut_every = 0.1;
 };
 
-double wall() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-BodyOptions liver(const Options& options, Index layers, unsigned threads) {
+BodyOptions liver(const RealtimeOptions& options, Index layers, unsigned threads) {
   return {.model = "tm-faure",
           .parameters = {{"E", 10e3}, {"nu", 0.45}, {"rho", 1000}},
           .cells = {layers, options.deep, options.high},
@@ -65,7 +60,8 @@ double advance(BenchBody& body, double time) {
 
 /// Layers whose simulation takes as long as it lasts, by its time per layer and two
 /// corrections.
-Index largest_block(const Options& options, unsigned threads, PluginHost& host, Report& report) {
+Index largest_block(const RealtimeOptions& options, unsigned threads, PluginHost& host,
+                    Report& report) {
   Index layers = 50;
   for (int correction = 0; correction < 3; ++correction) {
     BenchBody body(host, liver(options, layers, threads));
@@ -87,7 +83,8 @@ Index largest_block(const Options& options, unsigned threads, PluginHost& host, 
 /// the middle. The step is a number, as in a scene that says so: it is not estimated again.
 class Shown {
  public:
-  Shown(const Options& options, Index layers, unsigned threads, bool with_tool, PluginHost& host)
+  Shown(const RealtimeOptions& options, Index layers, unsigned threads, bool with_tool,
+        PluginHost& host)
       : options_(options), threads_(threads), body_(host, liver(options, layers, threads)) {
     if (with_tool) add_tool(body_, liver(options, layers, threads));
     advance(body_, lead);
@@ -133,7 +130,7 @@ class Shown {
     body_.cut(faces);
   }
 
-  const Options& options_;
+  const RealtimeOptions& options_;
   unsigned threads_;
   BenchBody body_;
   double time_ = 0;
@@ -143,8 +140,8 @@ class Shown {
 };
 
 /// Fewer layers until no frame is late. Returns how many.
-Index largest_shown(const Options& options, Index layers, unsigned threads, PluginHost& host,
-                    Report& report) {
+Index largest_shown(const RealtimeOptions& options, Index layers, unsigned threads,
+                    PluginHost& host, Report& report) {
   for (;; layers = std::max<Index>(1, std::min(layers - 1, layers * 96 / 100))) {
     Shown shown(options, layers, threads, false, host);
     while (!shown.is_over()) shown.show_frame();
@@ -156,7 +153,7 @@ Index largest_shown(const Options& options, Index layers, unsigned threads, Plug
 /// The block without the tool, with it, and with it in a smaller block, frame by frame in turn, so
 /// that what else the machine does falls on all of them. By how the time of a frame with the tool
 /// grows with the block, the part of the elements whose frames take as long as those without it.
-void compare_tool(const Options& options, Index layers, unsigned threads, PluginHost& host,
+void compare_tool(const RealtimeOptions& options, Index layers, unsigned threads, PluginHost& host,
                   Report& report) {
   const Index fewer = layers * 4 / 5;
   Shown plain(options, layers, threads, false, host),
@@ -173,7 +170,7 @@ void compare_tool(const Options& options, Index layers, unsigned threads, Plugin
   add(smaller, "yes");
 }
 
-void run(const Options& options, Report& report) {
+void run_realtime(const RealtimeOptions& options, Report& report) {
   PluginHost host;
   std::vector<Index> layers;
   report.begin("realtime",
@@ -199,7 +196,8 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_realtime(CommandLine& line) {
-  auto [command, options] = line.add("realtime", "The largest block that runs in real time", run);
+  auto [command, options] =
+      line.add("realtime", "The largest block that runs in real time", run_realtime);
   command.option("--threads", &options.threads, "Threads").positive();
   command.option("--deep", &options.deep, "Cells over the depth");
   command.option("--high", &options.high, "Cells over the height");

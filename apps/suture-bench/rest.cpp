@@ -9,7 +9,7 @@
 namespace suture::bench {
 namespace {
 
-struct Options {
+struct RestOptions {
   std::vector<Index> across{5, 10};
   double tolerance = 1e-6, ramp = 0.1, safety = 0.8;
 };
@@ -27,7 +27,7 @@ double tip(BenchBody& body) {
   return sum / count;
 }
 
-void relax(Index n, const Options& options, PluginHost& host, Report& report) {
+void relax(Index n, const RestOptions& options, PluginHost& host, Report& report) {
   const double begin = now(1);
   BenchBody body(host, {.model = "tm-faure",
                         .cells = {n, n, 4 * n},
@@ -52,7 +52,7 @@ void relax(Index n, const Options& options, PluginHost& host, Report& report) {
                  .add("alpha 1/s", body.dynamics().motion().damping()));
 }
 
-void run(const Options& options, Report& report) {
+void run_rest(const RestOptions& options, Report& report) {
   PluginHost host;
   report.begin("rest",
                "cantilever of 1 m under its weight (E 400 kPa, nu 0.3, rho 1000), tm-faure gauss2, "
@@ -63,7 +63,8 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_rest(CommandLine& line) {
-  auto [command, options] = line.add("rest", "Time until the paper's cantilever is at rest", run);
+  auto [command, options] =
+      line.add("rest", "Time until the paper's cantilever is at rest", run_rest);
   command.option("--across", &options.across, "Cells over the height; four times that along");
   command.option("--tolerance", &options.tolerance, "Residual relative to the load");
   command.option("--ramp", &options.ramp, "Duration of the gravity ramp, s");

@@ -11,20 +11,20 @@
 namespace suture::bench {
 namespace {
 
-struct Case {
+struct ScalingCase {
   const char* name;
   const char* model;
   std::map<std::string, double> parameters;
 };
 
-const std::vector<Case>& cases() {
-  static const std::vector<Case> list{{"TM", "tm-faure", {}},
-                                      {"MSS", "mss-baudet", {}},
-                                      {"MSS, viscosity", "mss-baudet", {{"viscosity", 1}}}};
+const std::vector<ScalingCase>& scaling_cases() {
+  static const std::vector<ScalingCase> list{{"TM", "tm-faure", {}},
+                                             {"MSS", "mss-baudet", {}},
+                                             {"MSS, viscosity", "mss-baudet", {{"viscosity", 1}}}};
   return list;
 }
 
-struct Options {
+struct ScalingOptions {
   std::vector<Index> across{5, 8, 10, 15, 20, 30, 48};
   unsigned threads = std::max(1u, std::thread::hardware_concurrency());
   int rounds = 7;
@@ -36,7 +36,7 @@ struct Options {
 struct Alternating {
   double one = 1e9, many = 1e9;
   template <class One, class Many>
-  Alternating(const Options& options, One one_thread, Many many_threads) {
+  Alternating(const ScalingOptions& options, One one_thread, Many many_threads) {
     constexpr unsigned wall = 2;
     for (int round = 0; round < options.rounds; ++round) {
       one = std::min(one, measure(one_thread, wall, options.seconds).median);
@@ -46,7 +46,7 @@ struct Alternating {
   double speed_up() const { return one / many; }
 };
 
-void measure_beam(const Case& c, Index n, const Options& options, PluginHost& host,
+void measure_beam(const ScalingCase& c, Index n, const ScalingOptions& options, PluginHost& host,
                   Report& report) {
   BodyOptions body{.model = c.model, .parameters = c.parameters, .cells = {n, n, 4 * n}};
   BenchBody one(host, body);
@@ -68,7 +68,7 @@ void measure_beam(const Case& c, Index n, const Options& options, PluginHost& ho
                  .add("s per s", step.many / many.dt()));
 }
 
-void run(const Options& options, Report& report) {
+void run_scaling(const ScalingOptions& options, Report& report) {
   PluginHost host;
   const Machine &one = machine(1), &many = machine(options.threads);
   report.begin("scaling: the machine",
@@ -82,7 +82,7 @@ void run(const Options& options, Report& report) {
                  .add("GB/s, 1", 1e-9 * one.bandwidth)
                  .add("GB/s, all", 1e-9 * many.bandwidth)
                  .add("memory speed-up", many.bandwidth / one.bandwidth));
-  for (const Case& c : cases()) {
+  for (const ScalingCase& c : scaling_cases()) {
     report.begin(std::string("scaling: ") + c.name,
                  "beams n x n x 4n of cubes of 0.025 m, whole steps, best of " +
                      std::to_string(options.rounds) + " wall-clock medians, 1 and " +
@@ -94,7 +94,8 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_scaling(CommandLine& line) {
-  auto [command, options] = line.add("scaling", "Growing beams, sequential and parallel", run);
+  auto [command, options] =
+      line.add("scaling", "Growing beams, sequential and parallel", run_scaling);
   command.option("--across", &options.across, "Cells over the height; four times that along");
   command.option("--threads", &options.threads, "Threads").positive();
   command.option("--rounds", &options.rounds, "Rounds of each").positive();

@@ -13,7 +13,7 @@
 namespace suture::bench {
 namespace {
 
-struct Options {
+struct SkipOptions {
   Index size = 32000;
   int rounds = 5;
   double seconds = 0.1;
@@ -21,7 +21,7 @@ struct Options {
 
 class Skips {
  public:
-  Skips(const Options& options, PluginHost& host, Report& report)
+  Skips(const SkipOptions& options, PluginHost& host, Report& report)
       : options_(options), host_(host), report_(report) {}
 
   /// A step with and without, in turn.
@@ -126,12 +126,12 @@ class Skips {
   }
 
  private:
-  const Options& options_;
+  const SkipOptions& options_;
   PluginHost& host_;
   Report& report_;
 };
 
-void run(const Options& options, Report& report) {
+void run_skip(const SkipOptions& options, Report& report) {
   PluginHost host;
   report.begin(
       "skip",
@@ -150,7 +150,7 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_skip(CommandLine& line) {
-  auto [command, options] = line.add("skip", "The cost of each skipped piece of work", run);
+  auto [command, options] = line.add("skip", "The cost of each skipped piece of work", run_skip);
   command.option("--size", &options.size, "Elements");
   command.option("--rounds", &options.rounds, "Turns").positive();
   command.option("--seconds", &options.seconds, "Time spent on each figure and round");

@@ -13,7 +13,7 @@
 namespace suture::bench {
 namespace {
 
-struct Options {
+struct SolveOptions {
   std::vector<Index> across{10};
   std::vector<std::string> cases, files;
   double tolerance = 1e-8;
@@ -32,7 +32,8 @@ std::vector<double> load_of(const TangentMatrix& a, Body& body) {
 }
 
 void solve(const std::string& name, Preconditioner& preconditioner, const TangentMatrix& a,
-           std::span<const double> b, double elements, const Options& options, Report& report) {
+           std::span<const double> b, double elements, const SolveOptions& options,
+           Report& report) {
   std::vector<double> x(b.size());
   const double start = now(1);
   preconditioner.build(a);
@@ -55,7 +56,8 @@ void solve(const std::string& name, Preconditioner& preconditioner, const Tangen
                  .add("bytes/el", static_cast<double>(preconditioner.bytes()) / elements));
 }
 
-void measure_case(const SolveCase& what, const Options& options, PluginHost& host, Report& report) {
+void measure_solvers(const SolveCase& what, const SolveOptions& options, PluginHost& host,
+                     Report& report) {
   const auto body = body_of(what, host);
   TangentMatrix a(body->attributes(), body->terms());
   a.set(0, options.dt > 0 ? 1 / (options.dt * options.dt) : 0);
@@ -70,26 +72,27 @@ void measure_case(const SolveCase& what, const Options& options, PluginHost& hos
   if (options.reference) solve(what.name, *make_block_jacobi(), a, b, elements, options, report);
 }
 
-bool is_wanted(const SolveCase& what, const Options& options) {
+bool is_wanted(const SolveCase& what, const SolveOptions& options) {
   return options.cases.empty() || std::ranges::count(options.cases, what.name) > 0;
 }
 
-void run(const Options& options, Report& report) {
+void run_solve(const SolveOptions& options, Report& report) {
   PluginHost host;
   report.begin("solve",
                "one linear solve at rest under weight, one thread; the set-up twice: hierarchy and "
                "operators, operators alone");
   for (const Index n : options.across)
     for (const SolveCase& what : solve_cases(n))
-      if (is_wanted(what, options)) measure_case(what, options, host, report);
+      if (is_wanted(what, options)) measure_solvers(what, options, host, report);
   for (const std::string& file : options.files)
-    measure_case(case_of_file(file), options, host, report);
+    measure_solvers(case_of_file(file), options, host, report);
 }
 
 }  // namespace
 
 void add_solve(CommandLine& line) {
-  auto [command, options] = line.add("solve", "Linear solvers: set-up, iterations and time", run);
+  auto [command, options] =
+      line.add("solve", "Linear solvers: set-up, iterations and time", run_solve);
   command.option("--across", &options.across, "Cells across; about 4 n^3 elements");
   command.option("--cases", &options.cases, "Names of cases; none: all");
   command.option("--files", &options.files, "Meshes, held at their lowest tenth along z");

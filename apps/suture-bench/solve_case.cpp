@@ -15,11 +15,11 @@
 namespace suture::bench {
 namespace {
 
-Mesh box(std::array<Index, 3> cells, Vec3 edges = {1, 1, 1}) {
+Mesh box(std::array<Index, 3> cells, Vec3 proportions = {1, 1, 1}) {
   BoxOptions options;
   options.cells = cells;
   const double edge = 0.25 / std::max(cells[0], cells[1]);
-  for (std::size_t c = 0; c < 3; ++c) options.size[c] = edge * edges[c] * cells[c];
+  for (std::size_t c = 0; c < 3; ++c) options.size[c] = edge * proportions[c] * cells[c];
   return make_box(options);
 }
 
@@ -74,7 +74,7 @@ auto random_cuts(double part) {
 
 void cut(Body& body, const SolveCase& what, double edge) {
   const CellComplex& complex = body.complex();
-  const auto place = [&](Index e) {
+  const auto scaled_centre = [&](Index e) {
     Vec3 centre = centre_of(body, e);
     for (double& x : centre) x /= edge;
     return centre;
@@ -83,7 +83,7 @@ void cut(Body& body, const SolveCase& what, double edge) {
   for (Index e = 0; e < complex.element_count(); ++e)
     for (Dart f = 0; f < 6; ++f) {
       const Index other = complex.neighbour(e, static_cast<int>(f));
-      if (other != none && other > e && what.is_cut(place(e), place(other)))
+      if (other != none && other > e && what.is_cut(scaled_centre(e), scaled_centre(other)))
         faces.push_back(24 * e + 4 * f);
     }
   body.cut(faces);

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -16,6 +15,7 @@
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/machine.hpp"
 #include "apps/suture-bench/process.hpp"
+#include "apps/suture-bench/timer.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/run/simulation.hpp"
 #include "kernel/scene/scene_reader.hpp"
@@ -23,15 +23,11 @@
 namespace suture::bench {
 namespace {
 
-struct Options {
+struct StartupOptions {
   std::vector<Index> sizes{10, 4000, 32000, 432000};
   std::vector<std::string> models{"tm-faure", "mss-baudet"};
   int rounds = 5;
 };
-
-double wall() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// Bytes of this process in memory now.
 double resident() {
@@ -42,7 +38,8 @@ double resident() {
   return pages * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-void measure_parts(const std::string& model, Index size, const Options& options, Report& report) {
+void measure_parts(const std::string& model, Index size, const StartupOptions& options,
+                   Report& report) {
   std::vector<BodyTimes> times;
   double elements = 0;
   for (int round = 0; round < options.rounds; ++round) {
@@ -128,7 +125,7 @@ double run_program(const std::filesystem::path& scene, bool frames) {
   return wall() - start;
 }
 
-void measure_program(const Scenes& scenes, const Options& options, Report& report) {
+void measure_program(const Scenes& scenes, const StartupOptions& options, Report& report) {
   const auto scene = scenes.write("tm-faure", {5, 2, 1}, "1e-4", 1e-3);
   for (const bool frames : {false, true}) {
     double best = 1e9;
@@ -162,7 +159,7 @@ Memory memory_of(const std::filesystem::path& file) {
   return {resident() - before, peak_bytes() - before};
 }
 
-void measure_memory(const Scenes& scenes, const std::string& model, const Options& options,
+void measure_memory(const Scenes& scenes, const std::string& model, const StartupOptions& options,
                     Report& report) {
   const auto ten = scenes.write(model, {5, 2, 1}, "\"auto\"", one_step);
   memory_of(ten);  // loads what stays loaded
@@ -178,7 +175,7 @@ void measure_memory(const Scenes& scenes, const std::string& model, const Option
   }
 }
 
-void run(const Options& options, Report& report) {
+void run_startup(const StartupOptions& options, Report& report) {
   report.begin("startup: the program", "suture run from start to exit, best wall-clock time");
   const Scenes scenes;
   measure_program(scenes, options, report);
@@ -197,7 +194,8 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_startup(CommandLine& line) {
-  auto [command, options] = line.add("startup", "From a scene to its first step; memory", run);
+  auto [command, options] =
+      line.add("startup", "From a scene to its first step; memory", run_startup);
   command.option("--sizes", &options.sizes, "Elements (432000: the 60x60x120 grid)");
   command.option("--models", &options.models, "Models");
   command.option("--rounds", &options.rounds, "Repetitions").positive();

@@ -22,9 +22,7 @@
 namespace suture::bench {
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
-struct Options {
+struct StaticOptions {
   std::vector<std::string> cases{"A", "A0.25"}, models{"tm-faure"},
       elements{"trilinear", "mean-gradient"}, files, calculix_elements{"C3D8", "C3D8I"};
   std::vector<Index> across{5, 10, 20}, calculix{5, 10};
@@ -104,7 +102,7 @@ std::string element_of(const suture_model& model, const std::string& wanted) {
 
 class Bench {
  public:
-  Bench(const Options& options, Report& report) : options_(options), report_(report) {}
+  Bench(const StaticOptions& options, Report& report) : options_(options), report_(report) {}
 
   void run() {
     report_.begin("static",
@@ -262,19 +260,19 @@ class Bench {
     return darts;
   }
 
-  const Options& options_;
+  const StaticOptions& options_;
   Report& report_;
   PluginHost host_;
   Row last_;
 };
 
-void run(const Options& options, Report& report) { Bench(options, report).run(); }
+void run_static(const StaticOptions& options, Report& report) { Bench(options, report).run(); }
 
 }  // namespace
 
 void add_static(CommandLine& line) {
   auto [command, options] =
-      line.add("static", "Time, iterations and error of static equilibria", run);
+      line.add("static", "Time, iterations and error of static equilibria", run_static);
   std::vector<std::string> names;
   for (const Cantilever& known : cantilevers()) names.push_back(known.name);
   command.option("--cases", &options.cases, "Loads and materials").one_of(names);

@@ -9,7 +9,7 @@
 namespace suture::bench {
 namespace {
 
-struct Options {
+struct StepOptions {
   std::vector<Index> sizes{500, 4000, 32000, 432000, 4000000};
   std::vector<std::string> models{"tm-faure", "mss-baudet"};
   unsigned threads = 1;
@@ -17,8 +17,8 @@ struct Options {
 };
 
 /// Step and force alternate, so that a slow moment of the machine hits both.
-void measure_model(const std::string& model, Index size, const Options& options, PluginHost& host,
-                   Report& report) {
+void measure_model(const std::string& model, Index size, const StepOptions& options,
+                   PluginHost& host, Report& report) {
   BenchBody body(host, {.model = model, .cells = grid_of(size), .threads = options.threads});
   const double ns = 1e9 / body.element_count();
   double step = 1e9, force = 1e9, energy = 1e9, inversions = 1e9;
@@ -53,7 +53,7 @@ void measure_model(const std::string& model, Index size, const Options& options,
                  .add("inversion ns/el", ns * inversions));
 }
 
-void run(const Options& options, Report& report) {
+void run_step(const StepOptions& options, Report& report) {
   PluginHost host;
   for (const std::string& model : options.models) {
     report.begin("step " + model, "where the time of a step goes, best of 5 medians, " +
@@ -66,7 +66,7 @@ void run(const Options& options, Report& report) {
 }  // namespace
 
 void add_step(CommandLine& line) {
-  auto [command, options] = line.add("step", "Where the time of a step goes", run);
+  auto [command, options] = line.add("step", "Where the time of a step goes", run_step);
   command.option("--sizes", &options.sizes, "Elements (432000: the 60x60x120 grid)");
   command.option("--models", &options.models, "Models");
   command.option("--threads", &options.threads, "Threads").positive();

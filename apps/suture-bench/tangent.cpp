@@ -11,15 +11,15 @@
 namespace suture::bench {
 namespace {
 
-struct Case {
+struct TangentCase {
   const char* name;
   const char* model;
   std::map<std::string, double> parameters;
   bool distorted;
 };
 
-const std::vector<Case>& cases() {
-  static const std::vector<Case> list{
+const std::vector<TangentCase>& tangent_cases() {
+  static const std::vector<TangentCase> list{
       {"TM boxes, gauss2", "tm-faure", {}, false},
       {"TM boxes, exact", "tm-faure", {{"quadrature", 1}}, false},
       {"TM general, gauss2", "tm-faure", {}, true},
@@ -31,7 +31,7 @@ const std::vector<Case>& cases() {
   return list;
 }
 
-struct Options {
+struct TangentOptions {
   std::vector<Index> sizes{4000, 32000, 256000};
   std::string only;
   unsigned threads = 1;
@@ -40,7 +40,7 @@ struct Options {
 
 /// Seconds of a product with vectors of Real of this size.
 template <class Real>
-double product(ForceLoop& models, std::size_t size, const Options& options) {
+double product(ForceLoop& models, std::size_t size, const TangentOptions& options) {
   AlignedVector<Real> direction(size), image(size);
   for (std::size_t i = 0; i < size; ++i)
     direction[i] = static_cast<Real>(1e-3 * std::sin(static_cast<double>(i)));
@@ -48,8 +48,8 @@ double product(ForceLoop& models, std::size_t size, const Options& options) {
   return measure(call, options.threads, options.seconds).median;
 }
 
-void measure_case(const Case& c, Index size, const Options& options, PluginHost& host,
-                  Report& report) {
+void measure_tangent(const TangentCase& c, Index size, const TangentOptions& options,
+                     PluginHost& host, Report& report) {
   BenchBody body(host, {.model = c.model,
                         .parameters = c.parameters,
                         .cells = grid_of(size),
@@ -72,14 +72,14 @@ void measure_case(const Case& c, Index size, const Options& options, PluginHost&
                  .add("single/force", in_single / forces));
 }
 
-void run(const Options& options, Report& report) {
+void run_tangent(const TangentOptions& options, Report& report) {
   PluginHost host;
-  for (const Case& c : cases()) {
+  for (const TangentCase& c : tangent_cases()) {
     if (std::string(c.name).find(options.only) == std::string::npos) continue;
     report.begin(std::string("tangent: ") + c.name,
                  "the product of the tangent and a direction beside the force, " +
                      std::to_string(options.threads) + " thread(s), medians");
-    for (const Index size : options.sizes) measure_case(c, size, options, host, report);
+    for (const Index size : options.sizes) measure_tangent(c, size, options, host, report);
   }
 }
 
@@ -87,7 +87,7 @@ void run(const Options& options, Report& report) {
 
 void add_tangent(CommandLine& line) {
   auto [command, options] =
-      line.add("tangent", "Products of the models' tangents and a direction, by size", run);
+      line.add("tangent", "Products of the models' tangents and a direction, by size", run_tangent);
   command.option("--sizes", &options.sizes, "Elements");
   command.option("--only", &options.only, "Cases whose name contains this");
   command.option("--threads", &options.threads, "Threads").positive();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 namespace suture::bench {
 
@@ -17,5 +18,10 @@ Timing measure(const std::function<void()>& call, unsigned threads, double secon
 
 /// Now, by the same clock, s.
 double now(unsigned threads);
+/// Now, by the wall clock, s.
+double wall();
+
+/// The upper one of two in the middle; of at least one value.
+double median(std::vector<double> values);
 
 }  // namespace suture::bench

@@ -13,6 +13,7 @@
 #include "apps/suture-bench/calculix.hpp"
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/process.hpp"
+#include "apps/suture-bench/timer.hpp"
 #include "apps/suture-bench/work_cases.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/mesh/mesh_file.hpp"
@@ -74,11 +75,6 @@ double last_value(const std::filesystem::path& file, const std::string& column) 
   for (std::string name, value; std::getline(names, name, ',') && std::getline(values, value, ',');)
     if (name == column) return std::stod(value);
   throw IoError(file.string() + " has no value of '" + column + "'");
-}
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
 }
 
 /// Median times of a process that is repeated while that is cheap; `run` returns its cpu and wall.

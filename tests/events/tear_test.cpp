@@ -16,8 +16,8 @@ namespace {
 using namespace meshes;
 
 // Cells with places and nothing that moves them.
-struct Block : Body {
-  explicit Block(const Mesh& mesh, unsigned threads = 0) : Body(imported(mesh)) {
+struct StillBody : Body {
+  explicit StillBody(const Mesh& mesh, unsigned threads = 0) : Body(imported(mesh)) {
     compile(diagnostics, threads);
   }
 
@@ -64,7 +64,7 @@ Tear tear_by(Tear::By by, double above) {
 // The definitions, face by face and without any bound: gradients of the trilinear map
 // by its derivatives at the centre, eigenvalues by Eigen.
 struct Reference {
-  Block& body;
+  StillBody& body;
 
   Eigen::Vector3d place(const Column& column, Index e, int node) const {
     const Index v = body.complex().vertices_of(e)[static_cast<std::size_t>(node)];
@@ -144,7 +144,7 @@ TEST_P(BothStrains, AgreesWithTheDefinitionOnRandomMeshes) {
     Mesh mesh = blob(5, 0.8, random);
     for (Vec3& p : mesh.points)
       for (double& c : p) c += small(random);
-    Block body(mesh);
+    StillBody body(mesh);
     Vec3 factor{stretch(random), stretch(random), stretch(random)};
     body.deform([&](Vec3 x) {
       return Vec3{factor[0] * x[0] + 0.2 * x[1] + small(random), factor[1] * x[1] + small(random),
@@ -180,7 +180,7 @@ TEST_P(BothStrains, AfterALoadTheSameFacesTear) {
     Mesh mesh = grid(5, 4, 4);
     for (Vec3& p : mesh.points)
       for (double& c : p) c += small(random);
-    Block body(mesh), twin(mesh);
+    StillBody body(mesh), twin(mesh);
     const Tear tear = tear_by(GetParam(), 0.2);
     std::vector<Index> elements;
     for (Index e = 0; e < 80 && round % 2 == 0; ++e)
@@ -212,7 +212,7 @@ TEST_P(BothStrains, AfterALoadTheSameFacesTear) {
 }
 
 TEST_P(BothStrains, FindNothingInABodyThatTurnsOrIsAtRest) {
-  Block body(grid(5, 4, 3));
+  StillBody body(grid(5, 4, 3));
   EXPECT_TRUE(body.faces(tear_by(GetParam(), 1e-6)).empty());
   body.deform([](Vec3 x) { return Vec3{7 - x[1], x[0], x[2] - 3}; });
   EXPECT_TRUE(body.faces(tear_by(GetParam(), 1e-6)).empty());
@@ -220,7 +220,7 @@ TEST_P(BothStrains, FindNothingInABodyThatTurnsOrIsAtRest) {
 
 // Stretched by 30 % along y: exactly the faces across y, and exactly above the value.
 TEST_P(BothStrains, TearAcrossTheStretch) {
-  Block body(grid(3, 4, 2));
+  StillBody body(grid(3, 4, 2));
   body.deform([](Vec3 x) { return Vec3{x[0], 1.3 * x[1], x[2]}; });
   const double value = GetParam() == Tear::By::elongation ? 0.3 : (1.3 * 1.3 - 1) / 2;
   const std::vector<Dart> faces = body.faces(tear_by(GetParam(), value - 1e-9));
@@ -231,7 +231,7 @@ TEST_P(BothStrains, TearAcrossTheStretch) {
 
 // No face outside, or half outside, of the chosen elements.
 TEST_P(BothStrains, StayBetweenTheChosenElements) {
-  Block body(grid(6, 1, 1));
+  StillBody body(grid(6, 1, 1));
   body.deform([](Vec3 x) { return Vec3{1.5 * x[0], x[1], x[2]}; });
   EXPECT_EQ(body.faces(tear_by(GetParam(), 0.2)).size(), 5u);
   EXPECT_EQ(body.faces(tear_by(GetParam(), 0.2), {1, 2, 3}),
@@ -239,7 +239,7 @@ TEST_P(BothStrains, StayBetweenTheChosenElements) {
 }
 
 TEST(TearCheck, RefusesToTearEverythingAtOnce) {
-  Block body(grid(4, 4, 4));
+  StillBody body(grid(4, 4, 4));
   body.deform([](Vec3 x) { return Vec3{1.3 * x[0], x[1], x[2]}; });
   Tear tear = tear_by(Tear::By::principal_strain, 0.1);
   tear.max_fraction = 0.25;
@@ -259,7 +259,7 @@ TEST(TearCheck, RefusesToTearEverythingAtOnce) {
 
 // A check that was made before elements went, or were cut, sees what is there now.
 TEST(TearCheck, FollowsCutsAndRemovals) {
-  Block body(grid(5, 1, 1));
+  StillBody body(grid(5, 1, 1));
   body.deform([](Vec3 x) { return Vec3{1.5 * x[0], x[1], x[2]}; });
   const Tear tear = tear_by(Tear::By::principal_strain, 0.2);
   TearCheck check(tear, {}, body.complex(), "/tear");
@@ -273,7 +273,7 @@ TEST(TearCheck, TheSameForAnyNumberOfThreads) {
   std::vector<Dart> expected;
   for (const unsigned threads : {1u, 2u, 3u, 8u}) {
     const Mesh mesh = grid(40, 40, 40);
-    Block body(mesh, threads);
+    StillBody body(mesh, threads);
     body.deform([](Vec3 x) { return Vec3{1.2 * x[0] + 0.1 * std::sin(x[1]), x[1], x[2]}; });
     TearCheck check(tear_by(Tear::By::principal_strain, 0.222), {}, body.complex(), "/tear");
     const std::vector<Dart> faces = check.faces(body, 0);

@@ -48,7 +48,7 @@ TEST(Gmsh, ReadsEveryFormatTheSame) {
   }
 }
 
-std::string error_of(const std::string& text) { return read_error("m.msh", text); }
+std::string gmsh_error_of(const std::string& text) { return read_error("m.msh", text); }
 
 /// The file with a section of values.
 std::string with_data(const std::string& section, const std::string& values) {
@@ -90,32 +90,32 @@ std::string replaced(const std::string& file, const std::string& old_text,
 
 TEST(Gmsh, SaysWhatIsWrongAndWhere) {
   const std::string v2 = "two_msh22.msh", v4 = "two_msh41.msh";
-  EXPECT_EQ(error_of(replaced(v2, "2.2 0 8", "3.7 0 8")).substr(0, 10), "m.msh:2: u");
-  EXPECT_EQ(error_of(replaced(v4, "4.1 0 8", "4.1 0 4")), "m.msh:2: data size 4; expected 8");
-  EXPECT_EQ(error_of(replaced(v2, "7 1 1 1", "7 1 1 inf")),
+  EXPECT_EQ(gmsh_error_of(replaced(v2, "2.2 0 8", "3.7 0 8")).substr(0, 10), "m.msh:2: u");
+  EXPECT_EQ(gmsh_error_of(replaced(v4, "4.1 0 8", "4.1 0 4")), "m.msh:2: data size 4; expected 8");
+  EXPECT_EQ(gmsh_error_of(replaced(v2, "7 1 1 1", "7 1 1 inf")),
             "m.msh:19: coordinate is 'inf', which is not finite");
-  EXPECT_EQ(error_of(replaced(v2, "7 1 1 1", "6 1 1 1")),
+  EXPECT_EQ(gmsh_error_of(replaced(v2, "7 1 1 1", "6 1 1 1")),
             "m.msh:24: node 6 is defined twice in the previous section");
-  EXPECT_EQ(error_of(replaced(v2, "6 5 2 2 2 5", "6 5 2 2 2 99")),
+  EXPECT_EQ(gmsh_error_of(replaced(v2, "6 5 2 2 2 5", "6 5 2 2 2 99")),
             "m.msh:33: an element has node 99, which is not among the 12 nodes of the file");
-  EXPECT_EQ(error_of(replaced(v2, "$Nodes\n12", "$Nodes\n11")),
+  EXPECT_EQ(gmsh_error_of(replaced(v2, "$Nodes\n12", "$Nodes\n11")),
             "m.msh:24: expected $EndNodes, found '12'");
-  EXPECT_NE(error_of(replaced(v2, "$Elements\n6", "$Elements\n7")).find("m.msh:34: expected"),
+  EXPECT_NE(gmsh_error_of(replaced(v2, "$Elements\n6", "$Elements\n7")).find("m.msh:34: expected"),
             std::string::npos);
-  EXPECT_EQ(error_of(replaced(v4, "1 2 3 4 5 6 7 8", "1 2 3 4 5 6 7 x")),
+  EXPECT_EQ(gmsh_error_of(replaced(v4, "1 2 3 4 5 6 7 8", "1 2 3 4 5 6 7 x")),
             "m.msh:111: expected an integer (node of an element), found 'x'");
-  EXPECT_EQ(error_of("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"),
+  EXPECT_EQ(gmsh_error_of("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"),
             "m.msh:4: section $Nodes is missing: the file is truncated");
-  EXPECT_EQ(error_of("$NOD\n0\n$ENDNOD\n").substr(0, 9), "m.msh:1: ");
+  EXPECT_EQ(gmsh_error_of("$NOD\n0\n$ENDNOD\n").substr(0, 9), "m.msh:1: ");
 }
 
 TEST(Gmsh, ReportsBlocksAndNamesThatDoNotFit) {
   std::string text = read_text(data("two_msh41.msh"));
   const std::size_t nodes = text.find("$Nodes\n") + 7, end = text.find(' ', nodes);
   text.replace(end, text.find(' ', end + 1) - end, " 13");
-  EXPECT_NE(error_of(text).find("13 nodes are declared, but the blocks contain 12"),
+  EXPECT_NE(gmsh_error_of(text).find("13 nodes are declared, but the blocks contain 12"),
             std::string::npos)
-      << error_of(text);
+      << gmsh_error_of(text);
   const TemporaryFolder folder;
   Diagnostics diagnostics;
   text = replaced("two_msh41.msh", "$PhysicalNames\n4\n", "$PhysicalNames\n5\n3 7 \"bone\"\n");
@@ -127,19 +127,20 @@ TEST(Gmsh, ReportsBlocksAndNamesThatDoNotFit) {
 }
 
 TEST(Gmsh, RefusesHexahedraOfHigherOrder) {
-  EXPECT_NE(error_of(read_text(data("second_order.msh"))).find("hexahedra with 27 nodes"),
+  EXPECT_NE(gmsh_error_of(read_text(data("second_order.msh"))).find("hexahedra with 27 nodes"),
             std::string::npos);
 }
 
 TEST(Gmsh, DoesNotTrustCounts) {
-  EXPECT_NE(error_of(replaced("two_msh22.msh", "$Nodes\n12", "$Nodes\n1200000000000"))
+  EXPECT_NE(gmsh_error_of(replaced("two_msh22.msh", "$Nodes\n12", "$Nodes\n1200000000000"))
                 .find("m.msh:12: 1,200,000,000,000 nodes are declared"),
             std::string::npos);
   std::string binary = read_text(data("two_msh41_binary.msh"));
   const std::size_t nodes = binary.find("$Nodes\n") + 7;
   for (std::size_t i = 8; i < 15; ++i) binary[nodes + i] = '\x7f';
-  EXPECT_NE(error_of(binary).find("nodes are declared"), std::string::npos) << error_of(binary);
-  EXPECT_NE(error_of(binary).find("m.msh, byte "), std::string::npos);
+  EXPECT_NE(gmsh_error_of(binary).find("nodes are declared"), std::string::npos)
+      << gmsh_error_of(binary);
+  EXPECT_NE(gmsh_error_of(binary).find("m.msh, byte "), std::string::npos);
 }
 
 TEST(Gmsh, TagsMayBeFarApart) {

@@ -40,11 +40,11 @@ RequiredVertices 2 1 2
 End
 )";
 
-std::string replaced(const std::string& old_text, const std::string& new_text) {
+std::string changed_cubes(const std::string& old_text, const std::string& new_text) {
   return with_replaced(two_cubes, old_text, new_text);
 }
 
-std::string error_of(const std::string& text) { return read_error("m.mesh", text); }
+std::string medit_error_of(const std::string& text) { return read_error("m.mesh", text); }
 
 TEST(Medit, ReadsHexahedraInOrderXAndRefsAsSets) {
   const TemporaryFolder folder;
@@ -68,41 +68,42 @@ TEST(Medit, ReadsHexahedraInOrderXAndRefsAsSets) {
 }
 
 TEST(Medit, SaysWhatIsWrongAndInWhichLine) {
-  EXPECT_EQ(error_of(""), "m.mesh: the file is empty");
-  EXPECT_EQ(error_of(replaced("Version", "Edition")).substr(0, 9), "m.mesh:1:");
-  EXPECT_EQ(error_of(replaced("Formatted 2", "Formatted 9")),
+  EXPECT_EQ(medit_error_of(""), "m.mesh: the file is empty");
+  EXPECT_EQ(medit_error_of(changed_cubes("Version", "Edition")).substr(0, 9), "m.mesh:1:");
+  EXPECT_EQ(medit_error_of(changed_cubes("Formatted 2", "Formatted 9")),
             "m.mesh:1: Medit version 9; supported versions are 1 to 4");
-  EXPECT_EQ(error_of(replaced("\n3\n", "\n2\n")), "m.mesh:3: dimension 2; expected 3");
-  EXPECT_EQ(error_of(replaced("1 1 1 7", "1 1 x 7")),
+  EXPECT_EQ(medit_error_of(changed_cubes("\n3\n", "\n2\n")), "m.mesh:3: dimension 2; expected 3");
+  EXPECT_EQ(medit_error_of(changed_cubes("1 1 1 7", "1 1 x 7")),
             "m.mesh:11: expected a number (coordinate), found 'x'");
-  EXPECT_EQ(error_of(replaced("1 1 1 7", "1 1 nan 7")),
+  EXPECT_EQ(medit_error_of(changed_cubes("1 1 1 7", "1 1 nan 7")),
             "m.mesh:11: coordinate is 'nan', which is not finite");
-  EXPECT_EQ(error_of(replaced("1 1 1 7", "1 1 1e999 7")),
+  EXPECT_EQ(medit_error_of(changed_cubes("1 1 1 7", "1 1 1e999 7")),
             "m.mesh:11: coordinate is '1e999', which is not finite");
-  EXPECT_EQ(error_of(replaced("2 9 10", "2 13 10")),
+  EXPECT_EQ(medit_error_of(changed_cubes("2 9 10", "2 13 10")),
             "m.mesh:26: hexahedron 2 has vertex 13; the vertices are numbered 1 to 12");
-  EXPECT_EQ(error_of(replaced("1 4 8 5", "1 4 8 0")),
+  EXPECT_EQ(medit_error_of(changed_cubes("1 4 8 5", "1 4 8 0")),
             "m.mesh:21: quadrilateral 1 has vertex 0; the vertices are numbered 1 to 12");
-  EXPECT_EQ(error_of(replaced("2 9 10", "2 9.5 10")),
+  EXPECT_EQ(medit_error_of(changed_cubes("2 9 10", "2 9.5 10")),
             "m.mesh:26: expected an integer (number of a vertex), found '9.5'");
-  EXPECT_EQ(error_of(replaced("2 9 10", "2 99999999999 10")),
+  EXPECT_EQ(medit_error_of(changed_cubes("2 9 10", "2 99999999999 10")),
             "m.mesh:26: number of a vertex '99999999999' is out of range");
-  EXPECT_NE(
-      error_of(replaced("Hexahedra\n2", "Hexahedra\n1")).find("m.mesh:26: expected a keyword"),
-      std::string::npos);
+  EXPECT_NE(medit_error_of(changed_cubes("Hexahedra\n2", "Hexahedra\n1"))
+                .find("m.mesh:26: expected a keyword"),
+            std::string::npos);
 }
 
 TEST(Medit, DoesNotTrustCounts) {
-  EXPECT_NE(error_of(replaced("Vertices 12", "Vertices 4000000000000000000"))
+  EXPECT_NE(medit_error_of(changed_cubes("Vertices 12", "Vertices 4000000000000000000"))
                 .find("m.mesh:4: 4,000,000,000,000,000,000 vertices are declared"),
             std::string::npos);
-  EXPECT_NE(error_of(replaced("Hexahedra\n2", "Hexahedra\n3")).find("m.mesh:27:"),
+  EXPECT_NE(medit_error_of(changed_cubes("Hexahedra\n2", "Hexahedra\n3")).find("m.mesh:27:"),
             std::string::npos);
 }
 
 TEST(Medit, AFileWithoutHexahedraSaysWhatItHolds) {
   EXPECT_EQ(
-      error_of("MeshVersionFormatted 1 Dimension 3 Vertices 1 0 0 0 0 Tetrahedra 1 1 1 1 1 0 End"),
+      medit_error_of(
+          "MeshVersionFormatted 1 Dimension 3 Vertices 1 0 0 0 0 Tetrahedra 1 1 1 1 1 0 End"),
       "m.mesh: no hexahedra; the file contains 1 points, 1 tetrahedra. Mesh the body with 8-node "
       "hexahedra");
 }
@@ -110,7 +111,7 @@ TEST(Medit, AFileWithoutHexahedraSaysWhatItHolds) {
 TEST(Medit, AMissingEndIsAWarning) {
   const TemporaryFolder folder;
   Diagnostics diagnostics;
-  const std::string text = replaced("End\n", "");
+  const std::string text = changed_cubes("End\n", "");
   EXPECT_EQ(read_mesh(folder.write("m.mesh", text), 1, diagnostics).hexahedra.size(), 2u);
   ASSERT_EQ(diagnostics.warnings().size(), 2u);
   EXPECT_NE(diagnostics.warnings()[0].find("may be truncated"), std::string::npos);

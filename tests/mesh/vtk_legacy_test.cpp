@@ -38,9 +38,9 @@ Mesh read(const std::string& text) {
   return read_mesh(folder.write("m.vtk", text), 1, diagnostics);
 }
 
-std::string error_of(const std::string& text) { return read_error("m.vtk", text); }
+std::string vtk_error_of(const std::string& text) { return read_error("m.vtk", text); }
 
-std::string replaced(const std::string& old_text, const std::string& new_text) {
+std::string changed_cube(const std::string& old_text, const std::string& new_text) {
   return with_replaced(cube_text("3.0", cells_of_version_3), old_text, new_text);
 }
 
@@ -50,7 +50,7 @@ TEST(VtkLegacy, ReadsArraysOfTheHexahedra) {
   const auto read = [&](const std::string& text) {
     return read_mesh(folder.write("m.vtk", text), 1, diagnostics, all_arrays).arrays;
   };
-  const auto arrays = read(replaced("1 2 3 4 5 6 1 2", "1 2 3 4 5 6 nan 2"));
+  const auto arrays = read(changed_cube("1 2 3 4 5 6 1 2", "1 2 3 4 5 6 nan 2"));
   ASSERT_EQ(arrays.size(), 3u);  // flags are a set, ids are ids
   EXPECT_EQ(arrays[0].name, "material");
   EXPECT_EQ(arrays[0].values, (std::vector<double>{5, 7}));
@@ -61,7 +61,7 @@ TEST(VtkLegacy, ReadsArraysOfTheHexahedra) {
   EXPECT_FALSE(arrays[2].of_elements);
   EXPECT_EQ(arrays[2].values.size(), 24u);
 
-  const auto twice = read(replaced("stress 6", "material 6"));
+  const auto twice = read(changed_cube("stress 6", "material 6"));
   EXPECT_EQ(twice[0].unreadable, "the file has two arrays of this name");
 }
 
@@ -81,27 +81,29 @@ TEST(VtkLegacy, ReadsHexahedraVoxelsAndLabels) {
 }
 
 TEST(VtkLegacy, SaysWhatIsWrongAndInWhichLine) {
-  EXPECT_EQ(error_of("nothing of the kind"),
+  EXPECT_EQ(vtk_error_of("nothing of the kind"),
             "m.vtk:1: a legacy VTK file begins with '# vtk DataFile Version', found 'nothing of "
             "the kind'");
-  EXPECT_EQ(error_of(replaced("UNSTRUCTURED_GRID", "POLYDATA")),
+  EXPECT_EQ(vtk_error_of(changed_cube("UNSTRUCTURED_GRID", "POLYDATA")),
             "m.vtk:4: the data set is 'POLYDATA', a surface; expected an UNSTRUCTURED_GRID with "
             "hexahedra");
-  EXPECT_EQ(error_of(replaced("ASCII", "ASCCI")),
+  EXPECT_EQ(vtk_error_of(changed_cube("ASCII", "ASCCI")),
             "m.vtk:3: expected ASCII or BINARY, found 'ascci'");
-  EXPECT_EQ(error_of(replaced("0 1 1 1 1 0", "0 1 1 nan 1 0")),
+  EXPECT_EQ(vtk_error_of(changed_cube("0 1 1 1 1 0", "0 1 1 nan 1 0")),
             "m.vtk:6: coordinate is 'nan', which is not finite");
-  EXPECT_EQ(error_of(replaced("4 5 7 6", "4 5 7 8")),
+  EXPECT_EQ(vtk_error_of(changed_cube("4 5 7 6", "4 5 7 8")),
             "m.vtk:11: cell 2 has point 8; the points are numbered 0 to 7");
-  EXPECT_EQ(error_of(replaced("4 0 1 2 5", "4000 0 1 2 5")),
+  EXPECT_EQ(vtk_error_of(changed_cube("4 0 1 2 5", "4000 0 1 2 5")),
             "m.vtk:10: cell 1 has 4000 points, more than the size of CELLS allows");
-  EXPECT_EQ(error_of(replaced("CELL_TYPES 3", "CELL_TYPES 4")),
+  EXPECT_EQ(vtk_error_of(changed_cube("CELL_TYPES 3", "CELL_TYPES 4")),
             "m.vtk:12: 4 cell types for 3 cells");
-  EXPECT_EQ(error_of(replaced("12 10 11", "12 10 25")).substr(0, 27),
+  EXPECT_EQ(vtk_error_of(changed_cube("12 10 11", "12 10 25")).substr(0, 27),
             "m.vtk: cell 2: hexahedra wi");
-  EXPECT_EQ(error_of(replaced("CELL_DATA 3", "CELL_DATA 2")), "m.vtk:14: 2 values for 3 cells");
-  EXPECT_NE(error_of(replaced("POINTS 8", "POINTS 800000000000")).find("m.vtk"), std::string::npos);
-  EXPECT_NE(error_of(replaced("CELLS 3 23", "CELLS 3 2300000000000")).find("are declared"),
+  EXPECT_EQ(vtk_error_of(changed_cube("CELL_DATA 3", "CELL_DATA 2")),
+            "m.vtk:14: 2 values for 3 cells");
+  EXPECT_NE(vtk_error_of(changed_cube("POINTS 8", "POINTS 800000000000")).find("m.vtk"),
+            std::string::npos);
+  EXPECT_NE(vtk_error_of(changed_cube("CELLS 3 23", "CELLS 3 2300000000000")).find("are declared"),
             std::string::npos);
 }
 
@@ -116,23 +118,23 @@ std::vector<std::string> warnings_of(const std::string& text) {
 TEST(VtkLegacy, ReportsArraysThatAreAnnouncedAndNotThere) {
   const std::string whole = cube_text("3.0", cells_of_version_3);
   const auto until = [&](const std::string& word) { return whole.substr(0, whole.find(word)); };
-  EXPECT_EQ(error_of(until("nsigned_char")),
+  EXPECT_EQ(vtk_error_of(until("nsigned_char")),
             "m.vtk:22: type of numbers 'u' is unknown: the file is truncated");
-  EXPECT_EQ(error_of(replaced("unsigned_char", "unsigned_chas")),
+  EXPECT_EQ(vtk_error_of(changed_cube("unsigned_char", "unsigned_chas")),
             "m.vtk:22: type of numbers 'unsigned_chas' is unknown");
-  EXPECT_EQ(error_of(until("nt 1\n")),
+  EXPECT_EQ(vtk_error_of(until("nt 1\n")),
             "m.vtk:15: type of numbers 'i' is unknown: the file is truncated");
-  EXPECT_EQ(error_of(until("stress")),
+  EXPECT_EQ(vtk_error_of(until("stress")),
             "m.vtk:24: the file ends where name of an array is expected: it is truncated");
   const std::vector<std::string> cut_off = warnings_of(until("VECTORS"));
   ASSERT_EQ(cut_off.size(), 2u);
   EXPECT_TRUE(cut_off[0].ends_with("no array follows POINT_DATA 8; the file may be truncated"));
-  const std::vector<std::string> lengths = warnings_of(replaced("both 1 3", "both 3 1"));
+  const std::vector<std::string> lengths = warnings_of(changed_cube("both 1 3", "both 3 1"));
   EXPECT_TRUE(lengths[0].ends_with("array 'of both' has 1 values for 3 cells; it is not read"));
 }
 
 TEST(VtkLegacy, WarnsOfArraysBehindOneOfStrings) {
-  const std::vector<std::string> warnings = warnings_of(replaced("unsigned_char", "string"));
+  const std::vector<std::string> warnings = warnings_of(changed_cube("unsigned_char", "string"));
   ASSERT_EQ(warnings.size(), 2u);
   EXPECT_TRUE(warnings[0].ends_with(
       "array 'of both' has the type 'string'; neither it nor the following arrays are read"));
@@ -142,7 +144,7 @@ TEST(VtkLegacy, TetrahedraOfEightNodesAreHexahedraWithAWarning) {
   const TemporaryFolder folder;
   Diagnostics diagnostics;
   const Mesh mesh =
-      read_mesh(folder.write("m.vtk", replaced("12 10 11", "10 10 11")), 1, diagnostics);
+      read_mesh(folder.write("m.vtk", changed_cube("12 10 11", "10 10 11")), 1, diagnostics);
   EXPECT_EQ(mesh.hexahedra.size(), 2u);
   ASSERT_EQ(diagnostics.warnings().size(), 2u);
   EXPECT_NE(diagnostics.warnings()[0].find("1 cells of VTK type 10 (tetrahedron) have 8 nodes"),

@@ -6,13 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <functional>
-#include <ostream>
 #include <string_view>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/output_fields.hpp"
 #include "suture/single.h"
+#include "tests/plugin_host/change_case.hpp"
 
 namespace suture {
 namespace {
@@ -85,15 +84,9 @@ struct Offer {
       "1.0",         "MIT",        "Springs.",       &model,           0, 0, nullptr};
 };
 
-struct Case {
-  const char* name;
-  std::function<void(Offer&)> change;
-  const char* expected;
-};
+using ExtensionCase = ChangeCase<Offer>;
 
-void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
-
-class ExtensionCheck : public ::testing::TestWithParam<Case> {};
+class ExtensionCheck : public ::testing::TestWithParam<ExtensionCase> {};
 
 TEST_P(ExtensionCheck, NamesFunctorExtensionAndFault) {
   Offer offer;
@@ -104,7 +97,7 @@ TEST_P(ExtensionCheck, NamesFunctorExtensionAndFault) {
 
 #define FIRST "model 'springs', functor 'edges', extension "
 #define OUTPUT FIRST "'suture.output/1'"
-const Case cases[] = {
+const ExtensionCase cases[] = {
     {"Energy", [](Offer& o) { o.energy.energy = nullptr; },
      FIRST "'suture.energy/1': its function is NULL"},
     {"Bounds", [](Offer& o) { o.stable_dt.bounds = nullptr; },
@@ -155,7 +148,6 @@ const Case cases[] = {
      "model 'springs', functor 'others', extension 'suture.output/1', field 'strain': has 6 "
      "components, but the field of this name in an earlier functor of the model has 1"},
 };
-const auto name_of = [](const auto& info) { return std::string(info.param.name); };
 INSTANTIATE_TEST_SUITE_P(Offer, ExtensionCheck, ::testing::ValuesIn(cases), name_of);
 
 TEST(Extensions, ThatThrowAreAFaultOfThePlugin) {

@@ -8,12 +8,12 @@
 #include <iterator>
 #include <random>
 
+#include "tests/plugin_host/test_plugins.hpp"
+
 namespace suture {
 namespace {
 
 namespace fs = std::filesystem;
-
-const fs::path plugins = TEST_PLUGINS;
 
 std::string bytes_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "kernel/base/error.hpp"
+#include "tests/plugin_host/test_plugins.hpp"
 
 namespace suture {
 namespace {
@@ -19,8 +20,6 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
-
-const fs::path plugins = TEST_PLUGINS;
 
 /// Folders of plugins of its own and an environment that hides the machine's.
 class PluginHostTest : public ::testing::Test {

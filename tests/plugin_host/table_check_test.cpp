@@ -8,10 +8,10 @@
 #include <functional>
 #include <limits>
 #include <numeric>
-#include <ostream>
 #include <span>
 
 #include "kernel/plugin_host/table_copy.hpp"
+#include "tests/plugin_host/change_case.hpp"
 
 namespace suture {
 namespace {
@@ -88,15 +88,9 @@ TEST(TableCheck, AGoodTableHasNoProblem) {
   EXPECT_EQ(problems_with([](Tables& t) { t.plugin.model_count = 2; }), "");
 }
 
-struct Case {
-  const char* name;
-  std::function<void(Tables&)> change;
-  const char* expected;
-};
+using TableCase = ChangeCase<Tables>;
 
-void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
-
-class TableCheckCase : public ::testing::TestWithParam<Case> {};
+class TableCheckCase : public ::testing::TestWithParam<TableCase> {};
 
 TEST_P(TableCheckCase, NamesModelEntryAndFault) {
   EXPECT_EQ(problems_with(GetParam().change), GetParam().expected);
@@ -105,7 +99,7 @@ TEST_P(TableCheckCase, NamesModelEntryAndFault) {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 #define MODEL "model 'mass-springs'"
-const Case plugin_cases[] = {
+const TableCase plugin_cases[] = {
     {"Size", [](Tables& t) { t.plugin.size = 8; },
      "its member size is 8, expected 80 (first member of every struct: sizeof)"},
     {"Magic", [](Tables& t) { t.plugin.magic = 1; }, "its magic number is wrong"},
@@ -138,7 +132,7 @@ const Case plugin_cases[] = {
      MODEL ": the count of parameters is 3735928559, at most 4096"},
 };
 
-const Case parameter_cases[] = {
+const TableCase parameter_cases[] = {
     {"Twice", [](Tables& t) { t.parameters[1].name = "E"; },
      MODEL ", parameter 'E': the name occurs twice"},
     {"NullName", [](Tables& t) { t.parameters[0].name = nullptr; },
@@ -199,7 +193,7 @@ void vary(Tables& t) {
   t.functors[0].vertex_column_count = 0;
 }
 
-const Case per_element_cases[] = {
+const TableCase per_element_cases[] = {
     {"Sound", [](Tables& t) { vary(t); }, ""},
     {"NoAttribute",
      [](Tables& t) {
@@ -238,7 +232,7 @@ const Case per_element_cases[] = {
            "SUTURE_FROM_VOLUMES"},
 };
 
-const Case attribute_cases[] = {
+const TableCase attribute_cases[] = {
     {"Twice", [](Tables& t) { t.attributes[2].name = "k"; },
      MODEL ", attribute 'k': the name occurs twice"},
     {"Dimension", [](Tables& t) { t.attributes[2].dimension = 4; },
@@ -276,7 +270,7 @@ const Case attribute_cases[] = {
      MODEL ", attribute 'pull': its initial value is not finite"},
 };
 
-const Case functor_cases[] = {
+const TableCase functor_cases[] = {
     {"Force", [](Tables& t) { t.functors[0].force = nullptr; },
      MODEL ", functor 'edges': its function force is NULL"},
     {"Lanes", [](Tables& t) { t.functors[0].lanes = 16; },
@@ -309,7 +303,6 @@ const Case functor_cases[] = {
      MODEL ", functor 'edges': cell_columns is NULL, but its count is 1"},
 };
 
-const auto name_of = [](const auto& info) { return std::string(info.param.name); };
 INSTANTIATE_TEST_SUITE_P(Plugin, TableCheckCase, ::testing::ValuesIn(plugin_cases), name_of);
 INSTANTIATE_TEST_SUITE_P(PerElement, TableCheckCase, ::testing::ValuesIn(per_element_cases),
                          name_of);

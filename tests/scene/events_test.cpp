@@ -99,16 +99,16 @@ TEST(Events, PierceSutureAndRemoval) {
   EXPECT_EQ(remove.outside->max[2], 1);
 }
 
-struct Bad {
+struct BadEvent {
   const char* event;
   const char* path;
   const char* words;
 };
-void PrintTo(const Bad& bad, std::ostream* stream) { *stream << bad.event; }
+void PrintTo(const BadEvent& bad, std::ostream* stream) { *stream << bad.event; }
 
-class EventMistakes : public ::testing::TestWithParam<Bad> {};
+class EventMistakes : public ::testing::TestWithParam<BadEvent> {};
 TEST_P(EventMistakes, AreNamed) {
-  const Bad& bad = GetParam();
+  const BadEvent& bad = GetParam();
   const std::string error = error_of(scene_with(std::string(", \"events\": [") + bad.event + "]"));
   EXPECT_NE(error.find(std::string(bad.path) + ": "), std::string::npos) << error;
   EXPECT_NE(error.find(bad.words), std::string::npos) << error;
@@ -117,88 +117,97 @@ TEST_P(EventMistakes, AreNamed) {
 INSTANTIATE_TEST_SUITE_P(
     When, EventMistakes,
     ::testing::Values(
-        Bad{R"({"cut": {"faces": [[0, 1]]}})", "/events/0", "exactly one of 'at', "},
-        Bad{R"({"at": 1, "every": 2, "cut": {"faces": [[0, 1]]}})", "/events/0",
-            "has 'at', 'every'"},
-        Bad{R"({"at": -0.1, "cut": {"faces": [[0, 1]]}})", "/events/0/at", ">= 0 s"},
-        Bad{R"({"every": 0, "cut": {"faces": [[0, 1]]}})", "/events/0/every", "1"},
-        Bad{R"({"every": 2.5, "cut": {"faces": [[0, 1]]}})", "/events/0/every", "whole number"},
-        Bad{R"({"at": 0, "from": 0, "cut": {"faces": [[0, 1]]}})", "/events/0/from", "'every'"},
-        Bad{R"({"every": 2, "from": 2, "cut": {"faces": [[0, 1]]}})", "/events/0/from",
-            "after the end"},
-        Bad{R"({"every": 2, "from": 0.5, "until": 0.4, "cut": {"faces": [[0, 1]]}})",
-            "/events/0/until", "before 'from'"},
-        Bad{R"({"when": {"of": "velocity", "above": 1}, "cut": {"faces": [[0, 1]]}})",
-            "/events/0/when", "'where' is missing"},
-        Bad{R"({"when": {"where": "all", "of": "speed", "above": 1}, "cut": {"faces": [[0, 1]]}})",
+        BadEvent{R"({"cut": {"faces": [[0, 1]]}})", "/events/0", "exactly one of 'at', "},
+        BadEvent{R"({"at": 1, "every": 2, "cut": {"faces": [[0, 1]]}})", "/events/0",
+                 "has 'at', 'every'"},
+        BadEvent{R"({"at": -0.1, "cut": {"faces": [[0, 1]]}})", "/events/0/at", ">= 0 s"},
+        BadEvent{R"({"every": 0, "cut": {"faces": [[0, 1]]}})", "/events/0/every", "1"},
+        BadEvent{R"({"every": 2.5, "cut": {"faces": [[0, 1]]}})", "/events/0/every",
+                 "whole number"},
+        BadEvent{R"({"at": 0, "from": 0, "cut": {"faces": [[0, 1]]}})", "/events/0/from",
+                 "'every'"},
+        BadEvent{R"({"every": 2, "from": 2, "cut": {"faces": [[0, 1]]}})", "/events/0/from",
+                 "after the end"},
+        BadEvent{R"({"every": 2, "from": 0.5, "until": 0.4, "cut": {"faces": [[0, 1]]}})",
+                 "/events/0/until", "before 'from'"},
+        BadEvent{R"({"when": {"of": "velocity", "above": 1}, "cut": {"faces": [[0, 1]]}})",
+                 "/events/0/when", "'where' is missing"},
+        BadEvent{
+            R"({"when": {"where": "all", "of": "speed", "above": 1}, "cut": {"faces": [[0, 1]]}})",
             "/events/0/when/of", "'velocity'"},
-        Bad{R"({"when": {"where": "all", "of": "velocity"}, "cut": {"faces": [[0, 1]]}})",
-            "/events/0/when", "'above', 'below'"}));
+        BadEvent{R"({"when": {"where": "all", "of": "velocity"}, "cut": {"faces": [[0, 1]]}})",
+                 "/events/0/when", "'above', 'below'"}));
 
 INSTANTIATE_TEST_SUITE_P(
     What, EventMistakes,
     ::testing::Values(
-        Bad{R"({"at": 0, "cutt": {"faces": [[0, 1]]}})", "/events/0", "exactly one of 'cut'"},
-        Bad{R"({"at": 0, "cut": {"plane": {"point": [0,0,0], "normal": [1,0,0], "radius": 0}}})",
+        BadEvent{R"({"at": 0, "cutt": {"faces": [[0, 1]]}})", "/events/0", "exactly one of 'cut'"},
+        BadEvent{
+            R"({"at": 0, "cut": {"plane": {"point": [0,0,0], "normal": [1,0,0], "radius": 0}}})",
             "/events/0/cut/plane/radius", "> 0 m"},
-        Bad{R"({"at": 0, "cut": {"plane": {"normal": [1,0,0], "polygon": [[0,0,0],[1,0,0],[0,1,0]]}}})",
+        BadEvent{
+            R"({"at": 0, "cut": {"plane": {"normal": [1,0,0], "polygon": [[0,0,0],[1,0,0],[0,1,0]]}}})",
             "/events/0/cut/plane/normal", "determined by 'polygon'"},
-        Bad{R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,0],[1,0,0]]}}})",
-            "/events/0/cut/plane/polygon", "at least 3"},
-        Bad{R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,0],[1,0,0],[2,0,0]]}}})",
-            "/events/0/cut/plane/polygon", "no area: its points lie on a line"},
-        Bad{R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,2],[1,1,2],[1,0,2],[0,1,2]]}}})",
-            "/events/0/cut/plane/polygon", "its sides cross"},
-        Bad{R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,2],[1,1,2],[1,0,2],[0,0.6,2]]}}})",
-            "/events/0/cut/plane/polygon", "its sides cross"},
-        Bad{R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,0],[1,0,0],[1,1,0.1],[0,1,0]]}}})",
-            "/events/0/cut/plane/polygon", "not planar"},
-        Bad{R"({"at": 0, "tear": {"by": "elongation", "above": 0.3}, "shape": "rest"})",
-            "/events/0/shape", "has no meaning for tear"},
-        Bad{R"({"at": 0, "tear": {"by": "elongation"}})", "/events/0/tear", "'above' is missing"},
-        Bad{R"({"at": 0, "tear": {"by": "elongation", "above": -1}})", "/events/0/tear/above",
-            "> 0"},
-        Bad{R"({"at": 0, "tear": {"by": "strain", "above": 1}})", "/events/0/tear/by",
-            "principal-strain"},
-        Bad{R"({"at": 0, "tear": {"by": {"model": "jely", "field": "wobble"}, "above": 1}})",
-            "/events/0/tear/by/model", "did you mean 'jelly'"},
-        Bad{R"({"at": 0, "tear": {"by": {"model": "jelly", "field": "wobble"}, "above": 1}})",
-            "/events/0/tear/by/field", "has no scalar field"},
-        Bad{R"({"at": 0, "tear": {"by": "elongation", "above": 1, "most": 1.5}})",
-            "/events/0/tear/most", "<= 1"},
-        Bad{R"({"at": 0, "cut": {"surface": {"file": "nowhere.stl"}}})",
-            "/events/0/cut/surface/file", "no file"},
-        Bad{R"({"at": 0, "cut": {"surface": {}}})", "/events/0/cut/surface", "'file' is missing"},
-        Bad{R"({"at": 0, "cut": {"blade": {"path": [{"at": 0, "points": [[0,0,0],[1,0,0]]}]}}})",
+        BadEvent{R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,0],[1,0,0]]}}})",
+                 "/events/0/cut/plane/polygon", "at least 3"},
+        BadEvent{R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,0],[1,0,0],[2,0,0]]}}})",
+                 "/events/0/cut/plane/polygon", "no area: its points lie on a line"},
+        BadEvent{R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,2],[1,1,2],[1,0,2],[0,1,2]]}}})",
+                 "/events/0/cut/plane/polygon", "its sides cross"},
+        BadEvent{R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,2],[1,1,2],[1,0,2],[0,0.6,2]]}}})",
+                 "/events/0/cut/plane/polygon", "its sides cross"},
+        BadEvent{R"({"at": 0, "cut": {"plane": {"polygon": [[0,0,0],[1,0,0],[1,1,0.1],[0,1,0]]}}})",
+                 "/events/0/cut/plane/polygon", "not planar"},
+        BadEvent{R"({"at": 0, "tear": {"by": "elongation", "above": 0.3}, "shape": "rest"})",
+                 "/events/0/shape", "has no meaning for tear"},
+        BadEvent{R"({"at": 0, "tear": {"by": "elongation"}})", "/events/0/tear",
+                 "'above' is missing"},
+        BadEvent{R"({"at": 0, "tear": {"by": "elongation", "above": -1}})", "/events/0/tear/above",
+                 "> 0"},
+        BadEvent{R"({"at": 0, "tear": {"by": "strain", "above": 1}})", "/events/0/tear/by",
+                 "principal-strain"},
+        BadEvent{R"({"at": 0, "tear": {"by": {"model": "jely", "field": "wobble"}, "above": 1}})",
+                 "/events/0/tear/by/model", "did you mean 'jelly'"},
+        BadEvent{R"({"at": 0, "tear": {"by": {"model": "jelly", "field": "wobble"}, "above": 1}})",
+                 "/events/0/tear/by/field", "has no scalar field"},
+        BadEvent{R"({"at": 0, "tear": {"by": "elongation", "above": 1, "most": 1.5}})",
+                 "/events/0/tear/most", "<= 1"},
+        BadEvent{R"({"at": 0, "cut": {"surface": {"file": "nowhere.stl"}}})",
+                 "/events/0/cut/surface/file", "no file"},
+        BadEvent{R"({"at": 0, "cut": {"surface": {}}})", "/events/0/cut/surface",
+                 "'file' is missing"},
+        BadEvent{
+            R"({"at": 0, "cut": {"blade": {"path": [{"at": 0, "points": [[0,0,0],[1,0,0]]}]}}})",
             "/events/0/at", "contains its times"},
-        Bad{R"({"cut": {"blade": {"path": []}}})", "/events/0/cut/blade/path", "is empty"},
-        Bad{R"({"cut": {"blade": {"path": [{"at": 0, "points": [[0,0,0]]}]}}})",
-            "/events/0/cut/blade/path/0/points", "at least 2"},
-        Bad{R"({"cut": {"blade": {"path": [{"at": 0.5, "points": [[0,0,0],[1,0,0]]},
+        BadEvent{R"({"cut": {"blade": {"path": []}}})", "/events/0/cut/blade/path", "is empty"},
+        BadEvent{R"({"cut": {"blade": {"path": [{"at": 0, "points": [[0,0,0]]}]}}})",
+                 "/events/0/cut/blade/path/0/points", "at least 2"},
+        BadEvent{R"({"cut": {"blade": {"path": [{"at": 0.5, "points": [[0,0,0],[1,0,0]]},
                                            {"at": 0.5, "points": [[0,0,0],[1,0,0]]}]}}})",
-            "/events/0/cut/blade/path/1/at", "later than"},
-        Bad{R"({"cut": {"blade": {"path": [{"at": 0, "points": [[0,0,0],[1,0,0]]},
+                 "/events/0/cut/blade/path/1/at", "later than"},
+        BadEvent{R"({"cut": {"blade": {"path": [{"at": 0, "points": [[0,0,0],[1,0,0]]},
                                            {"at": 1, "points": [[0,0,0],[1,0,0],[2,0,0]]}]}}})",
-            "/events/0/cut/blade/path/1/points", "must have the same number of points"},
-        Bad{R"({"cut": {"blade": {"path": [{"at": -1, "points": [[0,0,0],[1,0,0]]}]}}})",
-            "/events/0/cut/blade/path/0/at", ">= 0 s"},
-        Bad{R"({"cut": {"blade": {"path": [{"at": 2, "points": [[0,0,0],[1,0,0]]}]}}})",
-            "/events/0/cut/blade/path/0/at", "after the end"},
-        Bad{R"({"at": 0, "pierce": {}})", "/events/0/pierce", "exactly one of 'where', 'path'"},
-        Bad{R"({"at": 0, "pierce": {"path": [[0,0,0],[1,0,0]]}})", "/events/0/pierce",
-            "'radius' is missing"},
-        Bad{R"({"at": 0, "pierce": {"where": "all", "radius": 1}})", "/events/0/pierce/radius",
-            "is only allowed with 'path'"},
-        Bad{R"({"at": 0, "suture": {"between": ["all"], "gap": 1}})", "/events/0/suture/between",
-            "two selections"},
-        Bad{R"({"at": 0, "suture": {"between": ["all", "all"]}})", "/events/0/suture",
-            "'gap' is missing"},
-        Bad{R"({"at": 0, "suture": {"faces": [[0, 1]], "where": "all"}})", "/events/0/suture",
-            "one of 'faces'"},
-        Bad{R"({"at": 0, "suture": {"faces": [[0]]}})", "/events/0/suture/faces/0", "[a, b]"},
-        Bad{R"({"at": 0, "remove_islands": {}})", "/events/0/remove_islands", "'below'"},
-        Bad{R"({"at": 0, "remove_islands": {"outside": {}}})", "/events/0/remove_islands/outside",
-            "'box' is missing"}));
+                 "/events/0/cut/blade/path/1/points", "must have the same number of points"},
+        BadEvent{R"({"cut": {"blade": {"path": [{"at": -1, "points": [[0,0,0],[1,0,0]]}]}}})",
+                 "/events/0/cut/blade/path/0/at", ">= 0 s"},
+        BadEvent{R"({"cut": {"blade": {"path": [{"at": 2, "points": [[0,0,0],[1,0,0]]}]}}})",
+                 "/events/0/cut/blade/path/0/at", "after the end"},
+        BadEvent{R"({"at": 0, "pierce": {}})", "/events/0/pierce",
+                 "exactly one of 'where', 'path'"},
+        BadEvent{R"({"at": 0, "pierce": {"path": [[0,0,0],[1,0,0]]}})", "/events/0/pierce",
+                 "'radius' is missing"},
+        BadEvent{R"({"at": 0, "pierce": {"where": "all", "radius": 1}})", "/events/0/pierce/radius",
+                 "is only allowed with 'path'"},
+        BadEvent{R"({"at": 0, "suture": {"between": ["all"], "gap": 1}})",
+                 "/events/0/suture/between", "two selections"},
+        BadEvent{R"({"at": 0, "suture": {"between": ["all", "all"]}})", "/events/0/suture",
+                 "'gap' is missing"},
+        BadEvent{R"({"at": 0, "suture": {"faces": [[0, 1]], "where": "all"}})", "/events/0/suture",
+                 "one of 'faces'"},
+        BadEvent{R"({"at": 0, "suture": {"faces": [[0]]}})", "/events/0/suture/faces/0", "[a, b]"},
+        BadEvent{R"({"at": 0, "remove_islands": {}})", "/events/0/remove_islands", "'below'"},
+        BadEvent{R"({"at": 0, "remove_islands": {"outside": {}}})",
+                 "/events/0/remove_islands/outside", "'box' is missing"}));
 
 }  // namespace
 }  // namespace suture::testing

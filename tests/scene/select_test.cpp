@@ -21,7 +21,7 @@ Selection selection(decltype(Selection::what) what) {
 
 /// A bar of 4 x 1 x 1 cubes of 0.25 m along x whose first cube is removed, and whose last
 /// is cut off.
-class CutBar : public testing::Test {
+class CutBar : public ::testing::Test {
  protected:
   CutBar() {
     built_->dynamics().start();

@@ -5,8 +5,8 @@ namespace suture::testing {
 namespace {
 
 // The unit cube and a second one on its x = 1 side, corners in Medit's order.
-const std::vector<std::string> points{"0 0 0", "1 0 0", "1 1 0", "0 1 0", "0 0 1", "1 0 1",
-                                      "1 1 1", "0 1 1", "2 0 0", "2 1 0", "2 0 1", "2 1 1"};
+const std::vector<std::string> cube_points{"0 0 0", "1 0 0", "1 1 0", "0 1 0", "0 0 1", "1 0 1",
+                                           "1 1 1", "0 1 1", "2 0 0", "2 1 0", "2 0 1", "2 1 1"};
 constexpr const char* first = "1 2 3 4 5 6 7 8";
 constexpr const char* second = "2 9 10 3 6 11 12 7";
 
@@ -37,22 +37,22 @@ class BadMeshes : public Program {
     EXPECT_FALSE(std::filesystem::exists(folder() / "out")) << words;
   }
   static std::vector<std::string> points_with(std::size_t index, const std::string& point) {
-    std::vector<std::string> changed = points;
+    std::vector<std::string> changed = cube_points;
     changed[index] = point;
     return changed;
   }
 };
 
 TEST_F(BadMeshes, TheSoundOneRuns) {
-  const Outcome outcome = run(medit(points, {first, second}));
+  const Outcome outcome = run(medit(cube_points, {first, second}));
   EXPECT_EQ(outcome.code, 0) << outcome;
 }
 
 TEST_F(BadMeshes, FilesThatHoldNoMesh) {
   expect_refused("", "m.mesh");
   expect_refused("garbage", "m.mesh");
-  expect_refused(medit(points, {}), "m.mesh");
-  const std::string sound = medit(points, {first, second});
+  expect_refused(medit(cube_points, {}), "m.mesh");
+  const std::string sound = medit(cube_points, {first, second});
   expect_refused(sound.substr(0, sound.size() / 2), "m.mesh");
   expect_refused(
       "MeshVersionFormatted 2\nDimension 3\nVertices 4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n"
@@ -64,15 +64,15 @@ TEST_F(BadMeshes, NumbersThatAreNone) {
   expect_refused(medit(points_with(3, "nan 1 0"), {first, second}), "m.mesh");
   expect_refused(medit(points_with(3, "inf 1 0"), {first, second}), "m.mesh");
   expect_refused(medit(points_with(3, "0 one 0"), {first, second}), "m.mesh");
-  expect_refused(medit(points, {first, "2 9 10 3 6 11 99 7"}), "99");
-  expect_refused(medit(points, {first, "2 9 10 3 6 11 0 7"}), "0");
+  expect_refused(medit(cube_points, {first, "2 9 10 3 6 11 99 7"}), "99");
+  expect_refused(medit(cube_points, {first, "2 9 10 3 6 11 0 7"}), "0");
 }
 
 TEST_F(BadMeshes, ElementsThatFormNoMap) {
-  expect_refused(medit(points, {first, "2 9 10 3 6 11 12 12"}), "1");  // a node twice
-  expect_refused(medit(points, {first, second, second}), "2");         // one element twice
-  expect_refused(medit(points, {first, "2 9 3 10 6 11 12 7"}), "1");   // nodes across
-  std::vector<std::string> more = points;
+  expect_refused(medit(cube_points, {first, "2 9 10 3 6 11 12 12"}), "1");  // a node twice
+  expect_refused(medit(cube_points, {first, second, second}), "2");         // one element twice
+  expect_refused(medit(cube_points, {first, "2 9 3 10 6 11 12 7"}), "1");   // nodes across
+  std::vector<std::string> more = cube_points;
   for (const char* p : {"2 0 0.5", "2 1 0.5", "3 0 1", "3 1 1"}) more.emplace_back(p);
   expect_refused(medit(more, {first, second, "2 13 14 3 6 15 16 7"}), "2");  // a face in three
 }
@@ -81,24 +81,24 @@ TEST_F(BadMeshes, RestShapesThatAreInsideOut) {
   expect_refused(medit(points_with(6, "0.1 0.1 -1"), {first}), "acobian");
   expect_refused(medit(points_with(4, "0 0 0"), {first}), "m.mesh");
   // Flat: all nodes in one plane.
-  std::vector<std::string> flat = points;
+  std::vector<std::string> flat = cube_points;
   for (std::size_t i = 4; i < 8; ++i) flat[i] = flat[i - 4];
   expect_refused(medit(flat, {first}), "acobian");
 }
 
 TEST_F(BadMeshes, WhatAUserWouldExpectToBeRepairedIs) {
-  std::vector<std::string> unused = points;
+  std::vector<std::string> unused = cube_points;
   unused.emplace_back("7 7 7");
   const Outcome dropped = run(medit(unused, {first, second}));
   EXPECT_EQ(dropped.code, 0) << dropped;
   EXPECT_TRUE(dropped.says("1 warning")) << dropped;
-  const Outcome mirrored = run(medit(points, {first, "6 11 12 7 2 9 10 3"}));
+  const Outcome mirrored = run(medit(cube_points, {first, "6 11 12 7 2 9 10 3"}));
   EXPECT_EQ(mirrored.code, 0) << mirrored;
   EXPECT_TRUE(mirrored.says("mirror")) << mirrored;
 }
 
 TEST_F(BadMeshes, NonManifoldCellsAreSplitOrRefused) {
-  std::vector<std::string> more = points;
+  std::vector<std::string> more = cube_points;
   for (const char* p : {"2 2 0", "1 2 0", "2 2 1", "1 2 1"}) more.emplace_back(p);
   // Second cube on the edge x = y = 1 of the first.
   const std::string mesh = medit(more, {first, "3 10 13 14 7 12 15 16"});
@@ -164,7 +164,7 @@ TEST_F(BadElements, LeaveTheOthersTheirNumbersAndSets) {
 }
 
 TEST_F(BadElements, AreAnErrorIfNoneIsLeft) {
-  std::vector<std::string> flat = points;
+  std::vector<std::string> flat = cube_points;
   for (std::string& point : flat) point.back() = '0';
   const Outcome outcome = drop(medit(flat, {first, second}));
   EXPECT_EQ(outcome.code, 3) << outcome;

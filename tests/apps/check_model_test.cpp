@@ -115,22 +115,23 @@ TEST_F(CheckModel, ListsItsChecks) {
   EXPECT_TRUE(outcome.says("gradient") && outcome.says("force = -dE/dx")) << outcome;
 }
 
-struct Wrong {
+struct WrongCheck {
   std::vector<std::string> arguments;
   int code;
   const char* words;
 };
 
 TEST_F(CheckModel, WrongUsageNamesWhatWasMeant) {
-  const Wrong wrong[] = {{{}, 2, "a model or plugin file"},
-                         {{"tm-fauer"}, 4, "did you mean 'tm-faure'?"},
-                         {{"./missing.so"}, 4, "no such file"},
-                         {{"tm-faure", "--only", "gradeint"}, 2, "did you mean 'gradient'?"},
-                         {{"tm-faure", "--set", "F=1", "--only", "mass"}, 2, "no such parameter"},
-                         {{"tm-faure", "--set", "E"}, 2, "NAME=VALUE"},
-                         {{"tm-faure", "--timeout", "-1"}, 2, "--timeout"},
-                         {{"tm-faure", "--seed", "x"}, 2, "--seed"}};
-  for (const Wrong& use : wrong) {
+  const WrongCheck wrong[] = {
+      {{}, 2, "a model or plugin file"},
+      {{"tm-fauer"}, 4, "did you mean 'tm-faure'?"},
+      {{"./missing.so"}, 4, "no such file"},
+      {{"tm-faure", "--only", "gradeint"}, 2, "did you mean 'gradient'?"},
+      {{"tm-faure", "--set", "F=1", "--only", "mass"}, 2, "no such parameter"},
+      {{"tm-faure", "--set", "E"}, 2, "NAME=VALUE"},
+      {{"tm-faure", "--timeout", "-1"}, 2, "--timeout"},
+      {{"tm-faure", "--seed", "x"}, 2, "--seed"}};
+  for (const WrongCheck& use : wrong) {
     std::vector<std::string> arguments{"check-model"};
     arguments.insert(arguments.end(), use.arguments.begin(), use.arguments.end());
     const Outcome outcome = suture(arguments);

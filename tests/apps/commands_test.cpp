@@ -25,13 +25,13 @@ TEST_F(Commands, HelpAndVersionAreNoErrors) {
   EXPECT_TRUE(suture({"run", "--help"}).says("--set")) << suture({"run", "--help"});
 }
 
-struct Wrong {
+struct WrongCommand {
   std::vector<std::string> arguments;
   const char* words;
 };
 
 TEST_F(Commands, WrongUsageNamesWhatWasMeant) {
-  const Wrong wrong[] = {
+  const WrongCommand wrong[] = {
       {{}, "no command"},
       {{"rnu", "s.json"}, "did you mean 'run'"},
       {{"run"}, "scene"},
@@ -59,7 +59,7 @@ TEST_F(Commands, WrongUsageNamesWhatWasMeant) {
       {{"mesh", "generate", "box", "a.vtu", "--size", "1", "1", "--cells", "1", "1", "1"},
        "--size"},
       {{"mesh", "info", "a.vtu", "--scale", "-1"}, "--scale"}};
-  for (const Wrong& use : wrong) {
+  for (const WrongCommand& use : wrong) {
     const Outcome outcome = suture(use.arguments);
     EXPECT_EQ(outcome.code, 2) << use.words << outcome;
     EXPECT_TRUE(outcome.says(use.words)) << use.words << outcome;

@@ -47,7 +47,8 @@ struct Mistake {
 constexpr const char* crash_cure = "gdb --args suture";
 constexpr const char* exception_cure = "catch them, and return SUTURE_STOP";
 constexpr const char *fault = "the tables of the law are not loaded", *fault_cure = "load() first";
-constexpr const char *unknown = "status 77", *known = "SUTURE_STOP (-1) or SUTURE_FAULT (-2)";
+constexpr const char *unknown_status = "status 77",
+                     *known_statuses = "SUTURE_STOP (-1) or SUTURE_FAULT (-2)";
 
 TEST_F(Mistakes, NothingIsWrongWithThePluginElse) {
   for (const char* command : {"check", "explain", "run"})
@@ -67,12 +68,14 @@ TEST_F(Mistakes, BeforeTheRunEndWithTheirPlaceAndExitCode4) {
        "must be finite"},
       {"contribution-negative", "attribute 'mass', contribution", "element 0 gives -0.125",
        "not negative"},
-      {"prepare-status", "prepare", unknown, known},
+      {"prepare-status", "prepare", unknown_status, known_statuses},
       {"prepare-fault", "prepare", fault, fault_cure},
-      {"contribution-status", "attribute 'mass', contribution of elements 0 to 7", unknown, known},
+      {"contribution-status", "attribute 'mass', contribution of elements 0 to 7", unknown_status,
+       known_statuses},
       {"contribution-fault", "attribute 'mass', contribution of elements 0 to 7", fault,
        fault_cure},
-      {"inspect-status", "functor 'elements', inspect of elements 0 to 7", unknown, known},
+      {"inspect-status", "functor 'elements', inspect of elements 0 to 7", unknown_status,
+       known_statuses},
       {"inspect-fault", "functor 'elements', inspect of elements 0 to 7", fault, fault_cure},
       {"prepare-writes-behind", "prepare", "wrote behind its 8 bytes", "instance_bytes"},
 #ifndef SUTURE_SANITIZED
@@ -102,10 +105,10 @@ TEST_F(Mistakes, InTheRunEndWithFunctorCellsAndExitCode4) {
       {"force-exits", "force of elements 0 to 7", "called exit()", "must not end the program"},
       {"force-quick-exits", "force of elements 0 to 7", "called exit()",
        "must not end the program"},
-      {"force-status", "force of elements 0 to 7", unknown, known},
+      {"force-status", "force of elements 0 to 7", unknown_status, known_statuses},
       {"force-fault", "force of elements 0 to 7", fault, fault_cure},
       {"bounds-throws", "bounds of elements 0 to 7", "std::runtime_error", exception_cure},
-      {"energy-status", "energy of elements 0 to 7", unknown, known},
+      {"energy-status", "energy of elements 0 to 7", unknown_status, known_statuses},
       {"energy-fault", "energy of elements 0 to 7", fault, fault_cure},
       {"energy-throws", "energy of elements 0 to 7", "std::runtime_error", exception_cure},
 #ifndef SUTURE_SANITIZED

@@ -12,7 +12,7 @@ namespace {
 
 using Runs = Program;
 
-std::size_t frames_in(const std::filesystem::path& folder) {
+std::size_t frame_count(const std::filesystem::path& folder) {
   std::size_t frames = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     frames += entry.path().extension() == ".vtu" ? 1 : 0;
@@ -26,7 +26,7 @@ TEST_F(Runs, WriteFramesTablesAndASummary) {
                "probes": {"every_steps": 2, "at": [{"name": "top", "point": [0, 1, 0]}]}})");
   EXPECT_EQ(run.code, 0) << run;
   EXPECT_TRUE(run.says("10 steps") && run.says("3 frames") && run.says(".pvd")) << run;
-  EXPECT_EQ(frames_in(folder() / "o"), 3u);
+  EXPECT_EQ(frame_count(folder() / "o"), 3u);
   const std::string energies = read("o/energies.csv"), probes = read("o/probes.csv");
   EXPECT_EQ(std::count(energies.begin(), energies.end(), '\n'), 12) << energies;
   EXPECT_EQ(std::count(probes.begin(), probes.end(), '\n'), 7) << probes;
@@ -37,7 +37,7 @@ TEST_F(Runs, WriteTablesWithoutFrames) {
     "probes": {"at": [{"name": "top", "point": [0, 1, 0]}]}})");
   EXPECT_EQ(run.code, 0) << run;
   EXPECT_FALSE(run.says(".pvd")) << run;
-  EXPECT_EQ(frames_in(folder() / "o"), 0u);
+  EXPECT_EQ(frame_count(folder() / "o"), 0u);
   const std::string probes = read("o/probes.csv");
   EXPECT_EQ(std::count(probes.begin(), probes.end(), '\n'), 12) << probes;
   const Outcome both = suture({"check", "s.json", "--set", "/output/fields=[]"});
@@ -158,7 +158,7 @@ TEST_F(Runs, CtrlCFinishesTheStepAndWritesAFrame) {
       SIGINT, "o/energies.csv");
   EXPECT_EQ(run.code, 130) << run;
   EXPECT_TRUE(run.says("interrupted")) << run;
-  EXPECT_EQ(frames_in(folder() / "o"), 2u);
+  EXPECT_EQ(frame_count(folder() / "o"), 2u);
 }
 
 TEST_F(Runs, FoldersThatCannotBeWritten) {
@@ -197,7 +197,7 @@ TEST_F(Runs, AnUnstableEquilibriumIsReportedWithItsMode) {
   EXPECT_EQ(run.code, 5) << run;
   EXPECT_TRUE(run.says("unstable") && run.says("mode.pvd") && run.says("/solver/kick")) << run;
   EXPECT_NE(read("o/mode_0000.vtu").find("Name=\"unstable_mode\""), std::string::npos);
-  EXPECT_EQ(frames_in(folder() / "o"), 3u) << "first and last, and the mode";
+  EXPECT_EQ(frame_count(folder() / "o"), 3u) << "first and last, and the mode";
   std::vector<std::string> kicked = column;
   kicked.emplace_back("/solver/kick=1e-3");
   const Outcome buckled = scene("run", moving, kicked);

@@ -26,10 +26,10 @@ class Signals : public Program {
   }
 };
 
-const std::string output = ", \"output\": {\"directory\": \"o\", \"every_steps\": 100}";
+const std::string frames = ", \"output\": {\"directory\": \"o\", \"every_steps\": 100}";
 
 TEST_F(Signals, EndTheBuildingOfALargeMeshAtOnce) {
-  scene("check", output);
+  scene("check", frames);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const pid_t child = start({"run", "s.json", "--set", "/mesh/box/cells=[160,160,160]"});
     wait_for("o/.suture-run", child);
@@ -45,7 +45,7 @@ TEST_F(Signals, EndTheBuildingOfALargeMeshAtOnce) {
 }
 
 TEST_F(Signals, EndARunInOrder) {
-  scene("check", output);
+  scene("check", frames);
   for (const int signal : {SIGTERM, SIGHUP}) {
     std::filesystem::remove_all(folder() / "o");
     const Outcome ended =
@@ -58,7 +58,7 @@ TEST_F(Signals, EndARunInOrder) {
 }
 
 TEST_F(Signals, HangingUpIsIgnoredUnderNohup) {
-  scene("check", output, {"/solver/end=1e9"});
+  scene("check", frames, {"/solver/end=1e9"});
   std::signal(SIGHUP, SIG_IGN);
   const pid_t child = start({"run", "s.json", "--set", "/solver/end=1e9"});
   std::signal(SIGHUP, SIG_DFL);
@@ -73,7 +73,7 @@ TEST_F(Signals, APipeThatIsClosedIsAnError) {
   const Outcome models = shell("{ sleep 0.1; $S models; echo $? > code; } | true");
   EXPECT_EQ(models.code, 6) << models;
   EXPECT_TRUE(models.says("cannot write all results to standard output")) << models;
-  scene("check", output);
+  scene("check", frames);
   const Outcome run = shell("{ sleep 0.1; $S run s.json 2>&1; echo $? > code; } | true");
   EXPECT_EQ(run.code, 6) << run;
   EXPECT_TRUE(exists("o/run.pvd")) << "the run goes on";

@@ -212,8 +212,8 @@ class Stops {
   unsigned stops_ = 0;
 };
 
-class Resume : public testing::TestWithParam<unsigned> {};
-INSTANTIATE_TEST_SUITE_P(Kind, Resume, testing::Range(0u, unsigned(kinds().size())),
+class Resume : public ::testing::TestWithParam<unsigned> {};
+INSTANTIATE_TEST_SUITE_P(Kind, Resume, ::testing::Range(0u, unsigned(kinds().size())),
                          [](const auto& kind) {
                            std::string name = kinds()[kind.param].name;
                            std::replace(name.begin(), name.end(), '-', '_');
@@ -232,10 +232,10 @@ TEST_P(Resume, LeavesTheBytesOfARunThatWasNotStopped) {
     if (only.empty() ? index >= (full ? kind.stops_full : kind.stops) : only != name) continue;
     Stops run(kind, index);
     const int before =
-        testing::UnitTest::GetInstance()->current_test_info()->result()->total_part_count();
+        ::testing::UnitTest::GetInstance()->current_test_info()->result()->total_part_count();
     run.make();
     const int after =
-        testing::UnitTest::GetInstance()->current_test_info()->result()->total_part_count();
+        ::testing::UnitTest::GetInstance()->current_test_info()->result()->total_part_count();
     stops += run.stops();
     if (after == before && only.empty()) continue;
     std::cout << name << ", SUTURE_RESUME_SEED=" << seed() << ": " << run.story() << '\n';

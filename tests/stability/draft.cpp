@@ -123,7 +123,7 @@ namespace {
 
 const std::vector<double> all_nus{0, 0.1, 0.25, 0.3, 0.45, 0.49, 0.499};
 const std::vector<double> all_youngs{1e3, 3e3, 1e4, 1e5, 4e5, 1e6, 1e9};
-constexpr double steps = 10'500;
+constexpr double steps_of_run = 10'500;
 
 std::vector<std::string> all_bodies() {
   std::vector<std::string> names;
@@ -204,7 +204,7 @@ void Draft::find_stable_step() {
   solver["integrator"] = verlet ? "velocity-verlet" : "symplectic-euler";
   solver.erase("dt");
   if (fixed) solver["dt"] = 0.5 * trial.stable;
-  end_ = steps * (fixed ? 0.5 : 0.8) * trial.stable;
+  end_ = steps_of_run * (fixed ? 0.5 : 0.8) * trial.stable;
   solver["end"] = end_;
   solver["threads"] = 1;
   trial.scene["output"] = false;

@@ -224,7 +224,7 @@ void turn_end(Draft& d, const Pair& pair) {
   d.trial.check.tolerance = 1e-3;
 }
 
-void twist(Draft& d) {
+void full_twist(Draft& d) {
   const Pair pair = pair_of(d);
   compare_with(d, pair.solver == "quasi-static" ? "rest" : "quasi-static", turn_end);
   if (pair.material.name == "hooke") {  // linear: what does not move at the ends does not move
@@ -452,7 +452,7 @@ std::vector<Family> stress_families() {
   add(
       "E-1e12", [](Draft& d) { scaled(d, 1, 1e12); }, "Young's modulus", scaling);
   constexpr const char* other = "another solver";
-  add("twist-360", twist, "a bar of 4:1, by 360 degrees", other);
+  add("twist-360", full_twist, "a bar of 4:1, by 360 degrees", other);
   add("crush", crush, "a cube between two clamps, to 20 %", other);
   add("tangle", tangle, "random positions, half of the elements inverted", "the shape at rest");
   constexpr const char* centre = "fall of the centre of mass";

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/dynamics/free_motions.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 
 #include "kernel/base/vec3.hpp"
 #include "kernel/dynamics/pieces.hpp"
+#include "kernel/solvers/symmetric_eigen.hpp"
 
 namespace suture {
 namespace {
@@ -66,23 +65,22 @@ Vec3 tidy(Eigen::Vector3d axis) {
   return result;
 }
 
-/// Rotations about as many independent axes as the null space has.
+/// Rotations about as many independent axes as the null space has: the principal ones of its
+/// rotations T, eigenvectors of T T^T.
 void find_motions(Sums& sums) {
   for (Eigen::Index c = 0; c < 3; ++c)
     sums.piece.translations[static_cast<std::size_t>(c)] = sums.normal(c, c) == 0;
-  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(sums.normal);
+  const SymmetricEigen normal = symmetric_eigen(sums.normal);
   const double bound = rank_tolerance * std::max(sums.normal.trace(), 1.0);
   Eigen::Index free = 0;
-  while (free < 6 && solver.eigenvalues()[free] <= bound) ++free;
+  while (free < 6 && normal.values[free] <= bound) ++free;
   if (free == 0) return;
   for (Eigen::Index i = 0; i < free; ++i)
-    Eigen::Map<Vector6>(sums.piece.modes.emplace_back().data()) = solver.eigenvectors().col(i);
-  const Eigen::MatrixXd turns = solver.eigenvectors().leftCols(free).bottomRows(3);
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(turns, Eigen::ComputeFullU);
-  for (Eigen::Index i = 0; i < svd.singularValues().size(); ++i) {
-    if (!(svd.singularValues()[i] > 1e-4)) continue;
-    sums.piece.axes.push_back(tidy(svd.matrixU().col(i)));
-  }
+    Eigen::Map<Vector6>(sums.piece.modes.emplace_back().data()) = normal.vectors.col(i);
+  const Eigen::MatrixXd turns = normal.vectors.leftCols(free).bottomRows(3);
+  const SymmetricEigen axes = symmetric_eigen(turns * turns.transpose());
+  for (Eigen::Index i = 2; i >= 0; --i)
+    if (axes.values[i] > 1e-8) sums.piece.axes.push_back(tidy(axes.vectors.col(i)));
 }
 
 std::string joined(const std::vector<std::string>& words) {

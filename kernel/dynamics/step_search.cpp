@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/dynamics/step_search.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <sstream>
 
 #include "kernel/forces/stable_step.hpp"
+#include "kernel/solvers/symmetric_eigen.hpp"
 
 namespace suture {
 namespace {
@@ -227,8 +227,7 @@ void StepSearch::step_to_best() {
       gram(i, j) = gram(j, i) = dot(basis[i]->v, basis[j]->v);
       ritz(i, j) = ritz(j, i) = dot(basis[i]->v, basis[j]->image);
     }
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(ritz, gram);
-  const Eigen::VectorXd best = solver.eigenvectors().col(size - 1);
+  const Eigen::VectorXd best = symmetric_eigen(ritz, gram).vectors.col(size - 1);
   residual_.scale(best[1]);
   if (size == 3) residual_.add(best[2], difference_);
   std::swap(difference_, residual_);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Laws of a whole body: rest, stiffness, mass, cuts, and what its parameters change.
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "kernel/base/error.hpp"
 #include "kernel/model_check/checks.hpp"
+#include "kernel/solvers/symmetric_eigen.hpp"
 
 namespace suture::checks {
 namespace {
@@ -140,9 +140,7 @@ Result stiffness(const BodyCase& of) {
   if (!of.sample.body().models().has_tangent()) return {};
   of.sample.go_to_rest();
   const Eigen::MatrixXd tangent = tangent_of(of.sample);
-  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(
-                                     -(tangent + tangent.transpose()) / 2, Eigen::EigenvaluesOnly)
-                                     .eigenvalues();
+  const Eigen::VectorXd values = symmetric_eigenvalues(-(tangent + tangent.transpose()) / 2);
   const double scale = values.cwiseAbs().maxCoeff();
   if (scale == 0) return {};
   return Measured{-values.minCoeff() / scale,

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Forces, energies, tangents and bounds of a model that contradict each other.
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "kernel/model_check/checks.hpp"
+#include "kernel/solvers/symmetric_eigen.hpp"
 #include "suture/single.h"
 
 namespace suture::checks {
@@ -143,15 +143,9 @@ Matrix bound_of(const Values& bounds, std::size_t nodes, std::size_t lane) {
 
 /// By how much the matrix of a cell exceeds its bound, over its largest eigenvalue.
 double excess(const Matrix& matrix, const Matrix& bound) {
-  const double scale = Eigen::SelfAdjointEigenSolver<Matrix>(matrix, Eigen::EigenvaluesOnly)
-                           .eigenvalues()
-                           .cwiseAbs()
-                           .maxCoeff();
+  const double scale = symmetric_eigenvalues(matrix).cwiseAbs().maxCoeff();
   if (scale == 0) return 0;
-  return -Eigen::SelfAdjointEigenSolver<Matrix>(bound - matrix, Eigen::EigenvaluesOnly)
-              .eigenvalues()
-              .minCoeff() /
-         scale;
+  return -symmetric_eigenvalues(bound - matrix).minCoeff() / scale;
 }
 
 }  // namespace

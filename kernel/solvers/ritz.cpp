@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/solvers/ritz.hpp"
 
-#include <Eigen/Eigenvalues>
+#include "kernel/solvers/symmetric_eigen.hpp"
 
 namespace suture {
 
@@ -14,18 +14,17 @@ Ritz::Ritz(const MatrixXd& gram, const MatrixXd& projected) {
   for (Eigen::Index i = 0; i < unit.size(); ++i)
     if (diagonal[i] > 0) unit[i] = 1 / std::sqrt(diagonal[i]);
   const MatrixXd scaled = unit.asDiagonal() * gram * unit.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> basis(scaled);
+  const SymmetricEigen basis = symmetric_eigen(scaled);
   Eigen::Index first = 0;
-  while (first < unit.size() && !(basis.eigenvalues()[first] > dependent)) ++first;
+  while (first < unit.size() && !(basis.values[first] > dependent)) ++first;
   const Eigen::Index kept = unit.size() - first;
   if (kept == 0) return;
-  const MatrixXd orthonormal =
-      unit.asDiagonal() * basis.eigenvectors().rightCols(kept) *
-      basis.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
+  const MatrixXd orthonormal = unit.asDiagonal() * basis.vectors.rightCols(kept) *
+                               basis.values.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
   const MatrixXd small = orthonormal.transpose() * projected * orthonormal;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver((small + small.transpose()) / 2);
-  values = solver.eigenvalues();
-  vectors = orthonormal * solver.eigenvectors();
+  const SymmetricEigen reduced = symmetric_eigen((small + small.transpose()) / 2);
+  values = reduced.values;
+  vectors = orthonormal * reduced.vectors;
 }
 
 }  // namespace suture

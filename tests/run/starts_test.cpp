@@ -25,7 +25,7 @@ class Beds : public ColumnsOfMeshes {
                "models": [{"model": "tm-faure", "parameters": {"E": 1, "nu": 0, "rho": 8}},
                           {"model": "bed-of-test", )"
         << use << R"(}], "solver": {"integrator": "symplectic-euler", "dt": 0.125, "end": 0.5}, )"
-        << more << R"("output": {"directory": "out"}})";
+        << more << R"("output": false})";
     return read_scene(folder_ / "s.json", {}, host(), diagnostics_);
   }
   /// By element, edge or point of the mesh.

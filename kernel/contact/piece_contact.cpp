@@ -29,8 +29,9 @@ constexpr double near_enough = 0.02, alike = 0.95;
 constexpr double leaning = 0.1;
 // Relative to that without constraints; what hardly yields would need impulses without bound.
 constexpr double least_mobility = 1e-3;
-// Of a depth that was there before the step, at most `max_recovery` edges per step.
-constexpr double recovered = 0.2, max_recovery = 0.02;
+// Of a depth that was there before the step, at most `max_recovery` edges per step. Edges that slide
+// across each other are found deep at once: pushed apart as fast as faces, they keep a pile moving.
+constexpr double recovered = 0.2, max_recovery = 0.02, max_recovery_of_edges = 0.002;
 // Contact has failed where things are in each other by so much; of an edge.
 constexpr double alarming = 0.08;
 
@@ -52,8 +53,7 @@ Vec3 sum_over(const PieceContact::Touch& touch, const double* rows) {
 
 /// In the order in which they are found: edges after vertices and faces.
 bool is_before(const PieceContact::Touch& a, const PieceContact::Touch& b) {
-  const bool a_is_edge = a.vertices[3] == a.vertices[4], b_is_edge = b.vertices[3] == b.vertices[4];
-  return a_is_edge != b_is_edge ? b_is_edge : a.vertices[0] < b.vertices[0];
+  return a.are_edges() != b.are_edges() ? b.are_edges() : a.vertices[0] < b.vertices[0];
 }
 
 }  // namespace
@@ -299,8 +299,8 @@ PieceContact::Touch PieceContact::touch_of(const std::array<Index, 5>& vertices,
   touch.mass = mobility > least_mobility * unconstrained ? 1 / mobility : 0;
   const double speed = dot(normal, sum_over(touch, attributes_.velocity().rows()));
   const double before = touch.before = end - dt_ * speed;
-  const double target =
-      before < 0 ? before + std::min(-recovered * before, max_recovery * edge_) : 0;
+  const double most = edge_ * (touch.are_edges() ? max_recovery_of_edges : max_recovery);
+  const double target = before < 0 ? before + std::min(-recovered * before, most) : 0;
   touch.speed = speed + (target - end) / dt_;
   return touch;
 }

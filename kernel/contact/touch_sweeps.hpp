@@ -23,6 +23,8 @@ struct PieceTouch {
   double impulse = 0;              ///< on the vertex or the first edge, N s
   Vec3 friction{};
   double seen = -1;  ///< what the ways of its vertices were when it was last improved, m
+
+  bool are_edges() const { return vertices[3] == vertices[4]; }
 };
 
 /// Projected Gauss-Seidel over the contacts of a step. Every vertex counts how far impulses have

@@ -29,8 +29,9 @@ constexpr double near_enough = 0.02, alike = 0.95;
 constexpr double leaning = 0.1;
 // Relative to that without constraints; what hardly yields would need impulses without bound.
 constexpr double least_mobility = 1e-3;
-// Of a depth that was there before the step, at most `max_recovery` edges per step. Edges that slide
-// across each other are found deep at once: pushed apart as fast as faces, they keep a pile moving.
+// Of a depth that was there before the step, at most `max_recovery` edges per step. Edges that
+// slide across each other are found deep at once: pushed apart as fast as faces, they keep a pile
+// moving.
 constexpr double recovered = 0.2, max_recovery = 0.02, max_recovery_of_edges = 0.002;
 // Contact has failed where things are in each other by so much; of an edge.
 constexpr double alarming = 0.08;

@@ -51,8 +51,8 @@ void Dynamics::step(double dt, double end) {
   }
   if (integrator_->is_other_step(dt)) {
     const WithContactForces with_contact(body());
-    ledger_.change_step(motion_.leapfrog_part(dt, {}) -
-                        motion_.leapfrog_part(motion_.last_step(), {}));
+    const double ratio = motion_.last_step() / dt;
+    ledger_.change_step((1 - ratio * ratio) * motion_.leapfrog_part(dt));
   }
   integrator_->accept(end);
 }
@@ -84,7 +84,7 @@ Ledger::Now Dynamics::now() {
   n.half_step = integrator_->is_lagging() ? motion_.last_step() : 0;
   if (!is_implicit()) {
     const WithContactForces with_contact(body());
-    n.leapfrog_part = motion_.leapfrog_part(motion_.last_step(), integrator_->lacking());
+    n.leapfrog_part = motion_.leapfrog_part(motion_.last_step());
   }
   if (body().contact()) n.contact = n.half_step * body().contact()->power() / 2;
   if (ledger_.needs_work()) n.work = unseen_work();

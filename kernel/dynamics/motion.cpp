@@ -248,13 +248,13 @@ double Motion::power() {
   return sum;
 }
 
-/// By a second difference of kinetic().
-double Motion::leapfrog_part(double h, Kick at) {
+/// The energy of the velocities h F / 2m, less that of what is held, which no kick changes.
+double Motion::leapfrog_part(double h) {
   if (h == 0) return 0;
-  Kick later = at, sooner = at;
-  later.gain += h / 2;
-  sooner.gain -= h / 2;
-  return std::max(0.0, (kinetic(later) + kinetic(sooner) - 2 * kinetic(at)) / 2);
+  Kick kick, nothing;
+  kick.decay = nothing.decay = 0;
+  kick.gain = h / 2;
+  return kinetic(kick) - kinetic(nothing);
 }
 
 Index Motion::fastest_vertex() const {

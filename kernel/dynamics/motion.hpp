@@ -79,7 +79,7 @@ class Motion {
   double power();
   /// h^2/8 sum F^2/m over free components, with evaluated forces: the difference between the energy
   /// of the mean velocity and the leapfrog energy sum m v- . v+ / 2.
-  double leapfrog_part(double h, Kick at);
+  double leapfrog_part(double h);
 
   /// Stops the vertices and sets their velocities to zero; the evaluated forces remain valid.
   void freeze(std::span<const Index> vertices);

@@ -298,8 +298,8 @@ Vec3 MultiplierForces::offset_of(const Pair& pair) const {
 /// is found: contacts with a force stay. Returns by how much contacts change, m: gaps, the way of
 /// the point where they act, and what the force of those that end pushed in.
 double MultiplierForces::take_over(Pairs found) {
-  const auto is_before = [](const Pair& a, const Pair& b) {  // in the order of PieceContact
-    return a.is_of_edges() != b.is_of_edges() ? b.is_of_edges() : a.vertices[0] < b.vertices[0];
+  const auto is_before = [](const Pair& a, const Pair& b) {
+    return is_found_before(a.vertices, b.vertices);
   };
   const auto stays = [&](const Pair& pair) {
     const Vec3 way = minus(along_surface(offset_of(pair), pair.normal), pair.beside);

@@ -64,7 +64,6 @@ class MultiplierForces final : public ContactTerm {
     double mass = 0;        ///< that an impulse along the normal moves, kg
     double first_gap = -1;  ///< at the start of the step, if it touches then, m
     Vec3 beside{};          ///< of the point along the surface where it was found, m
-    bool is_of_edges() const { return vertices[3] == vertices[4]; }
   };
   using Pairs = std::vector<Pair>;
   /// A point of the body, the sum of vertices with weights, that something pushes: a vertex in an

@@ -52,9 +52,8 @@ Vec3 sum_over(const PieceContact::Touch& touch, const double* rows) {
   return total;
 }
 
-/// In the order in which they are found: edges after vertices and faces.
 bool is_before(const PieceContact::Touch& a, const PieceContact::Touch& b) {
-  return a.are_edges() != b.are_edges() ? b.are_edges() : a.vertices[0] < b.vertices[0];
+  return is_found_before(a.vertices, b.vertices);
 }
 
 }  // namespace
@@ -300,7 +299,7 @@ PieceContact::Touch PieceContact::touch_of(const std::array<Index, 5>& vertices,
   touch.mass = mobility > least_mobility * unconstrained ? 1 / mobility : 0;
   const double speed = dot(normal, sum_over(touch, attributes_.velocity().rows()));
   const double before = touch.before = end - dt_ * speed;
-  const double most = edge_ * (touch.are_edges() ? max_recovery_of_edges : max_recovery);
+  const double most = edge_ * (is_between_edges(vertices) ? max_recovery_of_edges : max_recovery);
   const double target = before < 0 ? before + std::min(-recovered * before, most) : 0;
   touch.speed = speed + (target - end) / dt_;
   return touch;

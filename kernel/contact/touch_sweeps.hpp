@@ -23,9 +23,17 @@ struct PieceTouch {
   double impulse = 0;              ///< on the vertex or the first edge, N s
   Vec3 friction{};
   double seen = -1;  ///< what the ways of its vertices were when it was last improved, m
-
-  bool are_edges() const { return vertices[3] == vertices[4]; }
 };
+
+/// Of a contact between pieces with these vertices.
+inline bool is_between_edges(const std::array<Index, 5>& vertices) {
+  return vertices[3] == vertices[4];
+}
+/// In the order in which contacts are found: those of edges after those of vertices and faces.
+inline bool is_found_before(const std::array<Index, 5>& a, const std::array<Index, 5>& b) {
+  const bool a_is_edges = is_between_edges(a), b_is_edges = is_between_edges(b);
+  return a_is_edges != b_is_edges ? b_is_edges : a[0] < b[0];
+}
 
 /// Projected Gauss-Seidel over the contacts of a step. Every vertex counts how far impulses have
 /// taken it; a sweep skips contacts whose gap others cannot have changed by more than `negligible`

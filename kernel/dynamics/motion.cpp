@@ -228,13 +228,20 @@ void Motion::refuse_not_finite() const {
                   body_.user_element(element));
 }
 
-double Motion::kinetic(const Kick& kick) {
-  loops::Motion m = pass({&kick, 1});
-  double sum = 0;
+double Motion::sum_over_vertices(const loops::Motion& m, loops::VertexSum sum) const {
+  double total = 0;
   for_each_range(body_.attributes().vertex_count(), sum_chunk, [&](Index first, Index last) {
-    sum += loops_.kinetic(&m, body_.attributes().fixed().rows(), first, last);
+    total += sum(&m, body_.attributes().fixed().rows(), first, last);
   });
-  return sum;
+  return total;
+}
+
+double Motion::kinetic(const Kick& kick) {
+  return sum_over_vertices(pass({&kick, 1}), loops_.kinetic);
+}
+
+double Motion::leapfrog_part(double h) {
+  return h == 0 ? 0 : h * h / 8 * sum_over_vertices(pass({}), loops_.forcing);
 }
 
 double Motion::power() {
@@ -246,15 +253,6 @@ double Motion::power() {
     sum += sums.before;
   });
   return sum;
-}
-
-/// The energy of the velocities h F / 2m, less that of what is held, which no kick changes.
-double Motion::leapfrog_part(double h) {
-  if (h == 0) return 0;
-  Kick kick, nothing;
-  kick.decay = nothing.decay = 0;
-  kick.gain = h / 2;
-  return kinetic(kick) - kinetic(nothing);
 }
 
 Index Motion::fastest_vertex() const {

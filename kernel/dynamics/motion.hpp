@@ -100,6 +100,7 @@ class Motion {
   double resolve_contact(const ContactStep& step);
   template <class Chunk>
   bool for_each_chunk(Chunk chunk) const;
+  double sum_over_vertices(const loops::Motion& m, loops::VertexSum sum) const;
   void clear_forces();
   [[noreturn]] void refuse_not_finite() const;
 

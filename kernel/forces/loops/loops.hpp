@@ -129,6 +129,10 @@ struct Motion {
   const uint8_t* live;  ///< as in Job
 };
 
+/// A sum over vertices [begin, end), in a fixed order. Components are held that have a bit in
+/// `fixed` (1 x, 2 y, 4 z), the others are free. Nothing is written.
+using VertexSum = double (*)(const Motion*, const double* fixed, uint32_t begin, uint32_t end);
+
 /// Sums of the search for rest over vertices [begin, end), free components only.
 struct RestSums {
   double residual;  ///< sum |f + f_ext|^2
@@ -197,9 +201,10 @@ struct Table {
   int32_t (*kick_drift)(const Motion*, uint32_t begin, uint32_t end, PassSums*);
   int32_t (*kick_kick_drift)(const Motion*, uint32_t begin, uint32_t end, PassSums*);
   int32_t (*kick)(const Motion*, uint32_t begin, uint32_t end, PassSums*);
-  /// sum m v^2 / 2 in a fixed order, v after the first kick of the motion; constrained components
-  /// (bits 1 x, 2 y, 4 z of `fixed`) are not kicked. Nothing is written.
-  double (*kinetic)(const Motion*, const double* fixed, uint32_t begin, uint32_t end);
+  /// sum m v^2 / 2, v after the first kick of the motion, which moves free components.
+  VertexSum kinetic;
+  /// sum m a^2 over free components.
+  VertexSum forcing;
   RestSums (*rest_sums)(const RestInput*, uint32_t begin, uint32_t end);
   /// The number of live elements in [begin, end) with a corner Jacobian <= 0; *first is set to the
   /// first of them.

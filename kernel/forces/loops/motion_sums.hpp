@@ -10,11 +10,13 @@ namespace {
 
 using namespace suture::loops;
 
+/// By the components that are held: 0 for these.
+alignas(32) constexpr double free_rows[8][4] = {{1, 1, 1, 0}, {0, 1, 1, 0}, {1, 0, 1, 0},
+                                                {0, 0, 1, 0}, {1, 1, 0, 0}, {0, 1, 0, 0},
+                                                {1, 0, 0, 0}, {0, 0, 0, 0}};
+
 /// 1 where a component moves, 0 where it is held.
-inline Row free_components(double fixed) {
-  const int bits = static_cast<int>(fixed);
-  return Row{bits & 1 ? 0.0 : 1.0, bits & 2 ? 0.0 : 1.0, bits & 4 ? 0.0 : 1.0, 0.0};
-}
+inline Row free_components(double fixed) { return load(free_rows[static_cast<int>(fixed)]); }
 
 double kinetic(const Motion* motion, const double* fixed, uint32_t begin, uint32_t end) {
   const Motion& m = *motion;
@@ -30,6 +32,19 @@ double kinetic(const Motion* motion, const double* fixed, uint32_t begin, uint32
     sum += now * now * m.mass[i];
   }
   return 0.5 * (sum[0] + sum[1] + sum[2]);
+}
+
+double forcing(const Motion* motion, const double* fixed, uint32_t begin, uint32_t end) {
+  const Motion& m = *motion;
+  const Row gravity = {m.gravity[0], m.gravity[1], m.gravity[2], 0};
+  Row sum = {};
+  for (uint32_t i = begin; i < end; ++i) {
+    if (m.live && (m.live[i / lanes] >> i % lanes & 1) == 0) continue;
+    const double inverse = 1 / m.mass[i];
+    const Row force = load(m.force + static_cast<uint64_t>(i) * 4) + gravity * m.mass[i];
+    sum += force * force * free_components(fixed[i]) * inverse;
+  }
+  return sum[0] + sum[1] + sum[2];
 }
 
 RestSums rest_sums(const RestInput* input, uint32_t begin, uint32_t end) {

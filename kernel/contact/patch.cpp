@@ -46,6 +46,12 @@ SUTURE_INLINE T clamped(const T& a) {
   const T above = a > zero ? a : zero;
   return above < one ? above : one;
 }
+/// With a comparison of distances: gcc computes one of two conditions lane by lane.
+template <class T>
+SUTURE_INLINE T if_clamped(const T& a, const T& then, const T& otherwise) {
+  const T zero{}, beyond = a < zero ? zero - a : a - 1;
+  return beyond > zero ? then : otherwise;
+}
 SUTURE_INLINE double root(double a) { return std::sqrt(a); }
 SUTURE_INLINE Eight root(const Eight& a) {
   Eight roots;
@@ -64,8 +70,8 @@ SUTURE_INLINE void improve(T& r, T& s, const Space<T>& a, const Space<T>& b,
   const T near_r = clamped(free_r), near_s = clamped(free_s);
   const T side_s = clamped(s + (fb - ab * (near_r - r)) / bb);
   const T side_r = clamped(r + (fa - ab * (near_s - s)) / aa);
-  const T to_s = near_r != free_r ? side_s : near_s;
-  const T to_r = near_r != free_r ? near_r : (near_s != free_s ? side_r : near_r);
+  const T to_s = if_clamped(free_r, side_s, near_s);
+  const T to_r = if_clamped(free_r, near_r, if_clamped(free_s, side_r, near_r));
   r = det > zero ? to_r : r;
   s = det > zero ? to_s : s;
 }

@@ -79,7 +79,7 @@ void NeighbourLists::rebuild(const double* positions, const LiveMask& moving) {
     find_pairs(positions, moving);
     find_edge_pairs(positions, moving);
   }
-  find_faces();
+  number_what_is_near();
 }
 
 void NeighbourLists::find_pairs(const double* positions, const LiveMask& moving) {
@@ -92,7 +92,8 @@ void NeighbourLists::find_pairs(const double* positions, const LiveMask& moving)
 
 /// Within a piece: only material is between the vertex and the face, as across a thin sheet.
 bool NeighbourLists::is_behind_at_rest(const NearPair& pair) const {
-  if (meeting_.piece_of[pair.vertex] != piece_of(pair.face)) return false;
+  if (meeting_.piece_of[pair.vertex] != meeting_.piece_of[surface_.corners()[pair.face][0]])
+    return false;
   const auto& of_element = complex_.vertices_of(surface_.faces()[pair.face] / 6);
   if (std::ranges::find(of_element, pair.vertex) != of_element.end()) return true;
   const double* rest = attributes_.rest().rows();
@@ -104,31 +105,71 @@ bool NeighbourLists::is_behind_at_rest(const NearPair& pair) const {
 void NeighbourLists::find_edge_pairs(const double* positions, const LiveMask& moving) {
   edge_pairs_ = near_edges(edges_, meeting_.piece_of, self_, positions, reach_);
   std::erase_if(edge_pairs_, [&](const NearEdges& pair) {
-    const bool both_sleep = !moving[edge(pair.first).ends[0]] && !moving[edge(pair.second).ends[0]];
+    const bool both_sleep =
+        !moving[edges_[pair.first].ends[0]] && !moving[edges_[pair.second].ends[0]];
     return both_sleep || are_near_at_rest(pair);
   });
 }
 
 /// Within a piece: as edges on both sides of a thin sheet.
 bool NeighbourLists::are_near_at_rest(const NearEdges& pair) const {
-  const FeatureEdge &a = edge(pair.first), &b = edge(pair.second);
+  const FeatureEdge &a = edges_[pair.first], &b = edges_[pair.second];
   if (meeting_.piece_of[a.ends[0]] != meeting_.piece_of[b.ends[0]]) return false;
   const double* rest = attributes_.rest().rows();
   return overlap(enlarged(box_of(a, rest), thin * edge_), box_of(b, rest));
 }
 
-void NeighbourLists::find_faces() {
+/// By place in the surface.
+std::vector<Index> NeighbourLists::near_faces() const {
   std::vector<bool> has_pair(attributes_.vertex_count()), is_near(surface_.corners().size());
   for (const NearPair& pair : pairs_) has_pair[pair.vertex] = is_near[pair.face] = true;
   for (const NearEdges& pair : edge_pairs_)
     for (const Index i : {pair.first, pair.second})
-      for (const Index face : edge(i).faces) is_near[face] = true;
-  faces_.clear();
+      for (const Index face : edges_[i].faces) is_near[face] = true;
+  std::vector<Index> faces;
   for (Index face = 0; face < is_near.size(); ++face)
     if (is_near[face] ||
         std::ranges::any_of(surface_.corners()[face], [&](Index v) { return has_pair[v]; }))
-      faces_.push_back(face);
-  std::ranges::sort(faces_, {}, [&](Index face) { return surface_.corners()[face]; });
+      faces.push_back(face);
+  std::ranges::sort(faces, {}, [&](Index face) { return surface_.corners()[face]; });
+  return faces;
+}
+
+/// A vertex of a pair is a corner of faces around it.
+void NeighbourLists::number_what_is_near() {
+  const std::vector<Index> faces = near_faces();
+  std::vector<Index> vertex_place(attributes_.vertex_count(), none);
+  std::vector<Index> face_place(surface_.corners().size(), none), edge_place(edges_.size(), none);
+  for (Index i = 0; i < faces.size(); ++i) {
+    face_place[faces[i]] = i;
+    for (const Index v : surface_.corners()[faces[i]]) vertex_place[v] = 0;
+  }
+  vertices_.clear();
+  for (const Index v : ascending_) {
+    if (vertex_place[v] == none) continue;
+    vertex_place[v] = static_cast<Index>(vertices_.size());
+    vertices_.push_back(v);
+  }
+  faces_.clear();
+  for (const Index face : faces) {
+    BoundarySurface::Corners& corners = faces_.emplace_back(surface_.corners()[face]);
+    for (Index& v : corners) v = vertex_place[v];
+  }
+  for (NearPair& pair : pairs_) pair = {vertex_place[pair.vertex], face_place[pair.face]};
+  near_edges_.clear();
+  const auto place_of = [&](Index i) {
+    if (edge_place[i] == none) {
+      edge_place[i] = static_cast<Index>(near_edges_.size());
+      const auto& [ends, of_edge] = edges_[i];
+      near_edges_.push_back({{vertex_place[ends[0]], vertex_place[ends[1]]},
+                             {face_place[of_edge[0]], face_place[of_edge[1]]}});
+    }
+    return edge_place[i];
+  };
+  for (NearEdges& pair : edge_pairs_) {
+    const Index first = place_of(pair.first);
+    pair = {first, place_of(pair.second)};
+  }
 }
 
 void NeighbourLists::follow(const TopologyChange& change) {

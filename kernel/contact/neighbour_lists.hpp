@@ -30,14 +30,17 @@ class NeighbourLists {
   /// False if there is only one piece, without lips, that does not touch itself.
   bool may_meet() const { return may_meet_; }
 
+  // The lists number vertices, faces and edges by their places here: what is near is a small part
+  // of the body, and lies together.
+
+  /// Of pairs and faces, ascending.
+  std::span<const Index> vertices() const { return vertices_; }
+  /// Of pairs of both kinds, and all around the vertices of pairs; sorted by corners.
+  std::span<const BoundarySurface::Corners> faces() const { return faces_; }
+  Index piece_of_face(Index i) const { return meeting_.piece_of[vertices_[faces_[i][0]]]; }
+  std::span<const FeatureEdge> edges() const { return near_edges_; }
   std::span<const NearPair> pairs() const { return pairs_; }
-  /// Of edge(first) and edge(second).
   std::span<const NearEdges> edge_pairs() const { return edge_pairs_; }
-  const FeatureEdge& edge(Index i) const { return edges_[i]; }
-  /// Those of both lists, and all around the vertices of pairs; by place, sorted by corners.
-  std::span<const Index> faces() const { return faces_; }
-  /// Of a face, by place.
-  Index piece_of(Index face) const { return meeting_.piece_of[surface_.corners()[face][0]]; }
 
   void follow(const TopologyChange& change);
   void state(Archive& archive);
@@ -48,7 +51,8 @@ class NeighbourLists {
   void rebuild(const double* positions, const LiveMask& moving);
   void find_pairs(const double* positions, const LiveMask& moving);
   void find_edge_pairs(const double* positions, const LiveMask& moving);
-  void find_faces();
+  void number_what_is_near();
+  std::vector<Index> near_faces() const;
   bool is_behind_at_rest(const NearPair& pair) const;
   bool are_near_at_rest(const NearEdges& pair) const;
 
@@ -68,7 +72,9 @@ class NeighbourLists {
   // Of the last rebuild.
   std::vector<NearPair> pairs_;
   std::vector<NearEdges> edge_pairs_;
-  std::vector<Index> faces_;
+  std::vector<Index> vertices_;
+  std::vector<BoundarySurface::Corners> faces_;
+  std::vector<FeatureEdge> near_edges_;
   std::vector<Vec3> built_at_;  ///< in the order of `ascending_`
 };
 

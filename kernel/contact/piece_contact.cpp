@@ -69,13 +69,13 @@ PieceContact::PieceContact(const CellComplex& complex, const BoundarySurface& su
 
 // ------------------------------------------------------------------- contacts --
 
-/// Near faces, and the sums of their area vectors around the vertices of near pairs.
-void PieceContact::find_faces(const double* positions) {
-  for (const Index face : lists_.faces())
-    for (const Index v : surface_.corners()[face]) normals_[v] = {};
-  for (const Index face : lists_.faces()) {
-    const BoundarySurface::Corners& corners = surface_.corners()[face];
-    const Patch patch = patch_of(corners, positions);
+/// Near faces, and the sums of their area vectors around the near vertices.
+void PieceContact::find_faces() {
+  normals_.assign(lists_.vertices().size(), {});
+  faces_.resize(lists_.faces().size());
+  for (Index face = 0; face < faces_.size(); ++face) {
+    const BoundarySurface::Corners& corners = lists_.faces()[face];
+    const Patch patch = patch_of(corners, ends_.data());
     const Vec3 diagonal = minus(patch.corners[2], patch.corners[0]);
     const Vec3 area = cross(diagonal, minus(patch.corners[3], patch.corners[1]));
     for (const Index v : corners) normals_[v] = plus(normals_[v], area);
@@ -95,7 +95,7 @@ void PieceContact::find_faces(const double* positions) {
 
 /// The near pairs that may touch: the face looks at the vertex, which is neither too far in front
 /// of it nor too far away.
-void PieceContact::find_candidates(const double* positions) {
+void PieceContact::find_candidates() {
   candidates_.resize(lists_.pairs().size());
   std::size_t count = 0;
   Index vertex = none;
@@ -104,7 +104,7 @@ void PieceContact::find_candidates(const double* positions) {
   for (const NearPair& pair : lists_.pairs()) {
     if (pair.vertex != vertex) {
       vertex = pair.vertex;
-      place = row(positions, vertex);
+      place = row(ends_.data(), vertex);
       normal = normals_[vertex];
       same = same_side * norm(normal);
     }
@@ -167,12 +167,13 @@ void PieceContact::take_back() {
 }
 
 void PieceContact::find_touches() {
-  const double* positions = attributes_.position().rows();
-  normals_.resize(attributes_.vertex_count());
-  faces_.resize(surface_.corners().size());
-  find_faces(positions);
-  find_candidates(positions);
-  find_feet(positions, surface_.corners(), candidates_, feet_);
+  const std::span<const Index> vertices = lists_.vertices();
+  ends_.resize(4 * vertices.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    std::copy_n(attributes_.position().rows() + 4 * std::size_t{vertices[i]}, 4, &ends_[4 * i]);
+  find_faces();
+  find_candidates();
+  find_feet(ends_.data(), lists_.faces(), candidates_, feet_);
   for (std::size_t first = 0; first < candidates_.size();) {
     std::size_t last = first + 1;
     while (last < candidates_.size() && candidates_[last].vertex == candidates_[first].vertex)
@@ -207,7 +208,7 @@ void PieceContact::find_nearest(std::span<const NearPair> of_vertex,
   for (std::size_t i = 0; i < feet.size(); ++i) {
     if (feet[i].beside > beside * edge_ || feet[i].distance > max_depth * edge_) continue;
     const Index face = of_vertex[i].face;
-    const Index piece = lists_.piece_of(face);
+    const Index piece = lists_.piece_of_face(face);
     if (!is_settled(piece, faces_[face].normal)) add({piece, face, feet[i], faces_[face].centre});
   }
 }
@@ -241,7 +242,7 @@ void PieceContact::add_nearest(std::span<const NearPair> of_vertex,
   find_nearest(of_vertex, feet);
   for (const Found& found : nearest_) {
     if (found.foot.gap >= margin * edge_) continue;
-    const BoundarySurface::Corners& c = surface_.corners()[found.face];
+    const BoundarySurface::Corners& c = lists_.faces()[found.face];
     const std::array<double, 4> w = Patch::weights_at(found.foot.r, found.foot.s);
     touches_.push_back(touch_of({of_vertex.front().vertex, c[0], c[1], c[2], c[3]},
                                 {1, -w[0], -w[1], -w[2], -w[3]}, found.foot.normal,
@@ -253,8 +254,8 @@ void PieceContact::add_nearest(std::span<const NearPair> of_vertex,
 /// into the first one between their faces. Where it leads along a face, too: edges of blocks that
 /// lie across each other are parallel to the faces beside them.
 void PieceContact::add_crossing(const NearEdges& pair) {
-  const FeatureEdge &a = lists_.edge(pair.first), &b = lists_.edge(pair.second);
-  const double* x = attributes_.position().rows();
+  const FeatureEdge &a = lists_.edges()[pair.first], &b = lists_.edges()[pair.second];
+  const double* x = ends_.data();
   Crossing crossing;
   if (!find_crossing({row(x, a.ends[0]), row(x, a.ends[1])}, {row(x, b.ends[0]), row(x, b.ends[1])},
                      crossing))
@@ -272,7 +273,7 @@ void PieceContact::add_crossing(const NearEdges& pair) {
 
 /// A direction at right angles to an edge points into none of its faces.
 bool PieceContact::may_leave(const FeatureEdge& edge, const Vec3& direction) const {
-  const double* x = attributes_.position().rows();
+  const double* x = ends_.data();
   const Vec3 along = minus(row(x, edge.ends[1]), row(x, edge.ends[0]));
   const double most = leaning * norm(along);
   const Vec3 into_first = cross(faces_[edge.faces[0]].normal, along);
@@ -280,16 +281,15 @@ bool PieceContact::may_leave(const FeatureEdge& edge, const Vec3& direction) con
   return dot(direction, into_first) < most && dot(direction, into_second) < most;
 }
 
-PieceContact::Touch PieceContact::touch_of(const std::array<Index, 5>& vertices,
+PieceContact::Touch PieceContact::touch_of(const std::array<Index, 5>& places,
                                            const std::array<double, 5>& weights, const Vec3& normal,
                                            double end) const {
   Touch touch{};
-  touch.vertices = vertices;
   touch.weights = weights;
   touch.normal = normal;
   double mobility = 0, unconstrained = 0;
   for (std::size_t i = 0; i < 5; ++i) {
-    const Index v = vertices[i];
+    const Index v = touch.vertices[i] = lists_.vertices()[places[i]];
     touch.response[i] = weights[i] / attributes_.mass().rows()[v];
     touch.fixed[i] = fixed_components(v);
     const double part = weights[i] * touch.response[i];
@@ -299,7 +299,7 @@ PieceContact::Touch PieceContact::touch_of(const std::array<Index, 5>& vertices,
   touch.mass = mobility > least_mobility * unconstrained ? 1 / mobility : 0;
   const double speed = dot(normal, sum_over(touch, attributes_.velocity().rows()));
   const double before = touch.before = end - dt_ * speed;
-  const double most = edge_ * (is_between_edges(vertices) ? max_recovery_of_edges : max_recovery);
+  const double most = edge_ * (is_between_edges(places) ? max_recovery_of_edges : max_recovery);
   const double target = before < 0 ? before + std::min(-recovered * before, most) : 0;
   touch.speed = speed + (target - end) / dt_;
   return touch;

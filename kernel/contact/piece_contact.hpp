@@ -103,13 +103,13 @@ class PieceContact {
   char fixed_components(Index vertex) const;
   double coming_impulse(const Touch& touch) const;
   void wake(std::vector<Touch>& woken);
-  void find_faces(const double* positions);
-  void find_candidates(const double* positions);
+  void find_faces();
+  void find_candidates();
   void find_nearest(std::span<const NearPair> of_vertex, std::span<const FaceFoot> feet);
   void add_nearest(std::span<const NearPair> of_vertex, std::span<const FaceFoot> feet);
   void add_crossing(const NearEdges& pair);
   bool may_leave(const FeatureEdge& edge, const Vec3& direction) const;
-  Touch touch_of(const std::array<Index, 5>& vertices, const std::array<double, 5>& weights,
+  Touch touch_of(const std::array<Index, 5>& places, const std::array<double, 5>& weights,
                  const Vec3& normal, double end) const;
   void move_by_last_forces();
   void find_touches();
@@ -121,9 +121,10 @@ class PieceContact {
   Options options_;
   double edge_, dt_ = 0, gain_ = 0;
   NeighbourLists lists_;
-  // Of the step in progress.
-  std::vector<Vec3> normals_;    ///< by vertex: sums of area vectors
-  std::vector<NearFace> faces_;  ///< by place
+  // Of the step in progress, by place in the lists.
+  std::vector<double> ends_;   ///< of vertices, where contacts are sought; rows of 4
+  std::vector<Vec3> normals_;  ///< of vertices: sums of area vectors
+  std::vector<NearFace> faces_;
   std::vector<NearPair> candidates_;
   std::vector<FaceFoot> feet_;  ///< of candidates
   std::vector<Touch> touches_, last_;

@@ -78,16 +78,16 @@ std::vector<NearEdges> near_edges(std::span<const FeatureEdge> edges,
   std::vector<PlaceGrid::Entry> middles;
   for (Index i = 0; i < edges.size(); ++i)
     middles.push_back({middle_of(edges[i], positions), i, piece_of[edges[i].ends[0]]});
-  const PlaceGrid grid(middles, 2 * (half + reach), 2 * (half + reach));
+  PlaceGrid grid(middles, 2 * (half + reach), 2 * (half + reach));
   std::vector<NearEdges> pairs;
   for (Index i = 0; i < edges.size(); ++i) {
     const Box box = box_around(edges[i], positions, reach);
     const Index piece = piece_of[edges[i].ends[0]];
-    grid.for_each(enlarged(box, half), [&](const PlaceGrid::Entry& entry) {
-      const Index j = entry.item;
-      if (j <= i || (entry.piece == piece && (!self || share_an_end(edges[i], edges[j])))) return;
+    for (const Index j : grid.find(enlarged(box, half), self ? none : piece)) {
+      if (j <= i || (piece_of[edges[j].ends[0]] == piece && share_an_end(edges[i], edges[j])))
+        continue;
       if (overlap(box, box_around(edges[j], positions, 0))) pairs.push_back({i, j});
-    });
+    }
   }
   std::ranges::sort(pairs);
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());

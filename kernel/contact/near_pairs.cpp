@@ -42,19 +42,21 @@ std::vector<NearPair> sorted_once(std::span<const NearPair> pairs, std::size_t v
 
 std::vector<NearPair> near_pairs(const BoundarySurface& surface, const Meeting& meeting,
                                  const double* positions, double reach) {
-  const PlaceGrid grid = grid_of(surface, meeting, positions, reach);
+  PlaceGrid grid = grid_of(surface, meeting, positions, reach);
   std::vector<NearPair> pairs;
   pairs.reserve(pairs_per_face * surface.corners().size());
   for (Index face = 0; face < surface.corners().size(); ++face) {
     const BoundarySurface::Corners& corners = surface.corners()[face];
     const Index piece = meeting.piece_of[corners[0]];
     const bool meets_own = !meeting.face_meets_own.empty() && meeting.face_meets_own[face];
-    grid.for_each(box_around(corners, positions, reach), [&](const PlaceGrid::Entry& entry) {
-      if (entry.piece == piece && !(meets_own && meeting.vertex_meets_own[entry.item] &&
-                                    std::ranges::find(corners, entry.item) == corners.end()))
-        return;
-      pairs.push_back({entry.item, face});
-    });
+    const Box box = box_around(corners, positions, reach);
+    for (const Index vertex : grid.find(box, meets_own ? none : piece)) {
+      if (meets_own && meeting.piece_of[vertex] == piece &&
+          (!meeting.vertex_meets_own[vertex] ||
+           std::ranges::find(corners, vertex) != corners.end()))
+        continue;
+      pairs.push_back({vertex, face});
+    }
   }
   return sorted_once(pairs, meeting.piece_of.size());
 }

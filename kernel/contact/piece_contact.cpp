@@ -69,7 +69,10 @@ PieceContact::PieceContact(const CellComplex& complex, const BoundarySurface& su
 
 // ------------------------------------------------------------------- contacts --
 
-/// Near faces, and the sums of their area vectors around the near vertices.
+/// Near faces, and the sums of their area vectors around the near vertices. The corners of a face
+/// are h above and below its mean plane, r from its centre at most; the normal leans by an angle t
+/// at most, where the vertex is at most max_depth from its foot and `beside` beside it:
+///   sin t < 2 h sqrt(1/a^2 + 1/b^2) < 16 h r / |area|    of a rectangle a x b, |area| = 2 a b
 void PieceContact::find_faces() {
   normals_.assign(lists_.vertices().size(), {});
   faces_.resize(lists_.faces().size());
@@ -79,9 +82,9 @@ void PieceContact::find_faces() {
     const Vec3 diagonal = minus(patch.corners[2], patch.corners[0]);
     const Vec3 area = cross(diagonal, minus(patch.corners[3], patch.corners[1]));
     for (const Index v : corners) normals_[v] = plus(normals_[v], area);
-    const double length = norm(area);
+    const double length = norm(area), inverse = length > 0 ? 1 / length : 0;
     NearFace& near = faces_[face];
-    near.normal = length > 0 ? scaled(1 / length, area) : Vec3{};
+    near.normal = scaled(inverse, area);
     near.centre = patch.centre();
     near.height = std::abs(dot(near.normal, minus(patch.corners[0], near.centre)));
     double radius = 0;
@@ -89,12 +92,14 @@ void PieceContact::find_faces() {
       const Vec3 arm = minus(corner, near.centre);
       radius = std::max(radius, dot(arm, arm));
     }
-    near.reach = std::pow(std::sqrt(radius) + max_depth * edge_, 2);
+    radius = std::sqrt(radius);
+    const double tilt = length > 0 ? std::min(1.0, 16 * near.height * radius * inverse) : 1;
+    near.reach = std::pow(radius + (beside + tilt * max_depth) * edge_, 2);
   }
 }
 
 /// The near pairs that may touch: the face looks at the vertex, which is neither too far in front
-/// of it nor too far away.
+/// of it or behind it nor beside it.
 void PieceContact::find_candidates() {
   candidates_.resize(lists_.pairs().size());
   std::size_t count = 0;
@@ -111,10 +116,12 @@ void PieceContact::find_candidates() {
     const NearFace& face = faces_[pair.face];
     const Vec3 arm = minus(place, face.centre);
     const bool looks_at = dot(normal, face.normal) <= same;
-    const bool is_low = dot(arm, face.normal) <= face.height + margin * edge_;
-    const bool is_within = dot(arm, arm) <= face.reach;
+    const double height = dot(arm, face.normal);
+    const bool is_low = height <= face.height + margin * edge_;
+    const bool is_high = height >= -face.height - max_depth * edge_;
+    const bool is_within = dot(arm, arm) - height * height <= face.reach;
     candidates_[count] = pair;
-    count += looks_at & is_low & is_within;
+    count += looks_at & is_low & is_high & is_within;
   }
   candidates_.resize(count);
 }

@@ -84,7 +84,7 @@ class PieceContact {
     Vec3 normal;    ///< mean, of length 1
     double height;  ///< of the corners above or below the centre, m
     Vec3 centre;
-    double reach;  ///< squared: no farther from the centre is anything that touches the face, m^2
+    double reach;  ///< squared: no farther from the axis is anything that touches the face, m^2
   };
   /// The foot of a vertex on a face of a piece.
   struct Found {

@@ -122,21 +122,26 @@ void Contact::find_near_obstacles(const ContactStep& step) {
   near_.clear();
   const double margin = pieces_ || has_tools_ ? pushed * mean_edge_ : 0;  // others push it, too
   const double *x = attributes_.position().rows(), *fixed = attributes_.fixed().rows();
-  const auto is_near = [&](const Vec3& place, double distance) {
-    return std::ranges::any_of(placed_, [&](const PlacedObstacle& obstacle) {
-      return obstacle.may_touch(place, distance);
-    });
-  };
   for (std::size_t first = 0; first < vertices_.size(); first += box_size) {
     const std::size_t count = std::min(box_size, vertices_.size() - first);
     const auto vertices = std::span(vertices_).subspan(first, count);
     const Box box = box_around(x, vertices);
     const Vec3 half = scaled(0.5, minus(box.high, box.low));
-    if (!is_near(plus(box.low, half), norm(half) + margin)) continue;
-    for (const Index v : vertices)
-      if ((*step.moving)[v] && fixed[v] != held && is_near(row(x, v), margin)) add_near(v, step);
+    near_placed_.clear();
+    for (const PlacedObstacle& obstacle : placed_)
+      if (obstacle.may_touch(plus(box.low, half), norm(half) + margin))
+        near_placed_.push_back(&obstacle);
+    if (near_placed_.empty()) continue;
+    for (const Index v : vertices) {
+      const auto may_touch = [&](const PlacedObstacle* obstacle) {
+        return obstacle->may_touch(row(x, v), margin);
+      };
+      if ((*step.moving)[v] && fixed[v] != held && std::ranges::any_of(near_placed_, may_touch))
+        add_near(v);
+    }
   }
   near_obstacles_ = near_.size();
+  pushed_.assign(near_obstacles_, {});
 }
 
 void Contact::find_touching_pieces(const ContactStep& step) {
@@ -149,17 +154,16 @@ void Contact::find_touching_pieces(const ContactStep& step) {
     for (const Index v : touch.vertices) {
       if (near_place_[v] != none) continue;
       near_place_[v] = static_cast<Index>(near_.size());
-      add_near(v, step);
+      add_near(v);
     }
   pieces_->apply_last_forces();
 }
 
-void Contact::add_near(Index vertex, const ContactStep& step) {
-  Near& near = near_.emplace_back();
-  near.vertex = vertex;
-  if ((*step.moving)[vertex]) near.force = row(free_forces_.data(), vertex);
-  near.free_end = row(attributes_.position().rows(), vertex);
-  near.free_velocity = row(attributes_.velocity().rows(), vertex);
+void Contact::add_near(Index vertex) {
+  near_.push_back({vertex,
+                   row(attributes_.position().rows(), vertex),
+                   row(attributes_.velocity().rows(), vertex),
+                   {}});
 }
 
 /// By obstacle.
@@ -175,13 +179,14 @@ void Contact::push(double dt) {
   for (int sweep = 0; changes && sweep < max_piece_sweeps; ++sweep) {
     changes = meet && pieces_->sweep();
     for (std::size_t i = 0; i < near_obstacles_; ++i) {
-      Near& near = near_[i];
+      const Near& near = near_[i];
+      Vec3& settled = pushed_[i].settled;
       const Vec3 velocity = row(attributes_.velocity().rows(), near.vertex);
-      if (sweep > 0 && velocity == near.settled) continue;  // pieces left it where it was
+      if (sweep > 0 && velocity == settled) continue;  // pieces left it where it was
       if (meet) move(near, dt);
-      push_out(near, pushes_on(i), dt);
-      near.settled = row(attributes_.velocity().rows(), near.vertex);
-      if (meet) pieces_->disturb(near.vertex, dt * norm(minus(near.settled, velocity)));
+      push_out(near.vertex, pushed_[i].change, pushes_on(i), dt);
+      settled = row(attributes_.velocity().rows(), near.vertex);
+      if (meet) pieces_->disturb(near.vertex, dt * norm(minus(settled, velocity)));
     }
   }
   if (meet)
@@ -210,12 +215,12 @@ void Contact::settle_tools(const ContactStep& step) {
 
 /// Back to the step without contact.
 void Contact::release(const ContactStep& step) {
-  for (Near& near : near_) {
+  for (const Near& near : near_) {
     const std::size_t at = 4 * std::size_t{near.vertex};
     std::ranges::copy(near.free_end, attributes_.position().rows() + at);
     std::ranges::copy(near.free_velocity, attributes_.velocity().rows() + at);
-    near.pushed = {};
   }
+  std::ranges::fill(pushed_, Pushed{});
   if (pieces_) find_touching_pieces(step);
   std::ranges::fill(pushes_, Push{});
 }
@@ -258,14 +263,14 @@ void Contact::move(const Near& near, double dt) {
 
 /// Out of one obstacle after the other, until it is in none. What an earlier sweep did is taken
 /// back before: other pieces may hold the vertex now.
-void Contact::push_out(Near& near, std::span<Push> pushes, double dt) {
-  double* x = attributes_.position().rows() + 4 * std::size_t{near.vertex};
-  double* v = attributes_.velocity().rows() + 4 * std::size_t{near.vertex};
-  const Vec3 last = near.pushed;
+void Contact::push_out(Index vertex, Vec3& pushed, std::span<Push> pushes, double dt) {
+  double* x = attributes_.position().rows() + 4 * std::size_t{vertex};
+  double* v = attributes_.velocity().rows() + 4 * std::size_t{vertex};
+  const Vec3 last = pushed;
   const Vec3 end = minus({x[0], x[1], x[2]}, scaled(dt, last));
   const Vec3 velocity = minus({v[0], v[1], v[2]}, last);
   std::ranges::fill(pushes, Push{});
-  const auto fixed = static_cast<unsigned>(attributes_.fixed().rows()[near.vertex]);
+  const auto fixed = static_cast<unsigned>(attributes_.fixed().rows()[vertex]);
   VertexPath path{minus(end, scaled(dt, velocity)), end, fixed, dt};
   Vec3 change{};
   bool moved = true;
@@ -284,7 +289,7 @@ void Contact::push_out(Near& near, std::span<Push> pushes, double dt) {
     }
     if (placed_.size() <= 1) break;  // once is enough
   }
-  near.pushed = change;
+  pushed = change;
   if (change == Vec3{} && last == Vec3{}) return;
   for (std::size_t c = 0; c < 3; ++c) {
     x[c] = path.end[c];
@@ -297,7 +302,8 @@ void Contact::push_out(Near& near, std::span<Push> pushes, double dt) {
 void Contact::book(Near& near, std::span<const Push> pushes, const ContactStep& step) {
   const double mass = attributes_.mass().rows()[near.vertex];
   const Vec3 velocity = row(attributes_.velocity().rows(), near.vertex);
-  const Vec3 kick = scaled(step.whole_gain / mass, near.force);
+  const Vec3 force = (*step.moving)[near.vertex] ? row(free_forces_.data(), near.vertex) : Vec3{};
+  const Vec3 kick = scaled(step.whole_gain / mass, force);
   const Vec3 before = scaled(1 / step.whole_decay, minus(near.free_velocity, kick));
   const Vec3 change = minus(velocity, near.free_velocity);
   near.mean = scaled(0.5, plus(before, velocity));
@@ -305,10 +311,10 @@ void Contact::book(Near& near, std::span<const Push> pushes, const ContactStep& 
   double heat = 0;
   for (std::size_t i = 0; i < pushes.size(); ++i) {
     if (pushes[i].normal == Vec3{}) continue;
-    const Vec3 force = scaled(mass / step.whole_gain, plus(pushes[i].normal, pushes[i].tangential));
+    const Vec3 on = scaled(mass / step.whole_gain, plus(pushes[i].normal, pushes[i].tangential));
     heat -= mass * step.work_gain *
             dot(pushes[i].tangential, minus(near.mean, pushes[i].obstacle_velocity));
-    obstacle_forces_.push_back({near.vertex, static_cast<Index>(i), force});
+    obstacle_forces_.push_back({near.vertex, static_cast<Index>(i), on});
   }
   touches_.push_back({near.vertex, scaled(mass / step.whole_gain, change)});
   const double work = mass * step.work_gain * dot(change, near.mean);
@@ -316,7 +322,7 @@ void Contact::book(Near& near, std::span<const Push> pushes, const ContactStep& 
   work_ += work + heat;
   friction_work_ -= heat;
   corrections_.push_back(
-      {near.vertex, dot(near.force, change),
+      {near.vertex, dot(force, change),
        mass * (dot(velocity, velocity) - dot(near.free_velocity, near.free_velocity))});
 }
 

@@ -152,16 +152,17 @@ class Contact final : public Follower {
  private:
   /// A vertex that the step may push: near an obstacle, or where pieces touch.
   struct Near {
-    Index vertex = none;
-    Vec3 force{};                      ///< without contact, N
-    Vec3 free_end{}, free_velocity{};  ///< after the step without contact
-    Vec3 mean{};                       ///< of the velocities before and after the step, m/s
-    Vec3 pushed{};                     ///< what obstacles have changed in the velocity, m/s
-    Vec3 settled{};                    ///< the velocity after they did, m/s
+    Index vertex;
+    Vec3 free_end, free_velocity;  ///< after the step without contact
+    Vec3 mean;                     ///< of the velocities before and after the step, m/s
+  };
+  /// What obstacles have changed in the velocity of a vertex, and what it was then, m/s.
+  struct Pushed {
+    Vec3 change{}, settled{};
   };
   void find_near_obstacles(const ContactStep& step);
   void find_touching_pieces(const ContactStep& step);
-  void add_near(Index vertex, const ContactStep& step);
+  void add_near(Index vertex);
   std::span<Push> pushes_on(std::size_t near);
   void push(double dt);
   void settle_tools(const ContactStep& step);
@@ -169,7 +170,7 @@ class Contact final : public Follower {
   Tool::Impulse answer_to(std::size_t obstacle) const;
   std::vector<Tool::Pushed> pushed_by(std::size_t obstacle) const;
   void move(const Near& near, double dt);
-  void push_out(Near& near, std::span<Push> pushes, double dt);
+  void push_out(Index vertex, Vec3& pushed, std::span<Push> pushes, double dt);
   void book(Near& near, std::span<const Push> pushes, const ContactStep& step);
   void book_friction_of_pieces(const ContactStep& step);
   void sum_loads();
@@ -186,8 +187,10 @@ class Contact final : public Follower {
   bool has_tools_ = false;
   // Of the step in progress.
   std::vector<PlacedObstacle> placed_;
-  std::vector<Near> near_;          ///< first those near obstacles
-  std::size_t near_obstacles_ = 0;  ///< how many
+  std::vector<const PlacedObstacle*> near_placed_;  ///< near some vertices
+  std::vector<Near> near_;                          ///< first those near obstacles
+  std::size_t near_obstacles_ = 0;                  ///< how many
+  std::vector<Pushed> pushed_;                      ///< of these
   std::vector<Correction> corrections_;
   std::vector<Push> pushes_;  ///< of vertices near obstacles: by obstacle
   std::unique_ptr<PieceContact> pieces_;

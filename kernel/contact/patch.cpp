@@ -139,6 +139,46 @@ void find_all(const double* positions, const BoundarySurface::Corners* corners,
     find_eight(positions, corners, pairs + i, count - i < lanes ? count - i : lanes, feet + i);
 }
 
+/// Eight planes; of fewer faces the last one again.
+SUTURE_INLINE void find_eight_planes(const double* positions,
+                                     const BoundarySurface::Corners* corners, std::size_t count,
+                                     double depth, double beside, FacePlane* planes) {
+  std::array<Space<Eight>, 4> at;
+  for (std::size_t l = 0; l < lanes; ++l)
+    for (std::size_t i = 0; i < 4; ++i)
+      load(at[i], l, positions + 4 * std::size_t{corners[l < count ? l : count - 1][i]});
+  const Eight zero{}, one = zero + 1.0, quarter = zero + 0.25;
+  const Space<Eight> area = cross(at[2] - at[0], at[3] - at[1]);
+  const Eight length = root(dot(area, area));
+  const Eight inverse = length > zero ? one / length : zero;
+  const Space<Eight> normal = inverse * area;
+  const Space<Eight> centre = quarter * ((at[0] + at[1]) + (at[2] + at[3]));
+  const Eight above = dot(normal, at[0] - centre), height = above < zero ? -above : above;
+  Eight squared = zero;
+  for (const Space<Eight>& corner : at) {
+    const Space<Eight> arm = corner - centre;
+    const Eight here = dot(arm, arm);
+    squared = squared < here ? here : squared;
+  }
+  const Eight radius = root(squared), lean = 16 * height * radius * inverse;
+  const Eight known = lean < one ? lean : one, sine = length > zero ? known : one;
+  const Eight reach = radius + (beside + sine * depth);
+  for (std::size_t l = 0; l < count; ++l)
+    planes[l] = {{area.x[l], area.y[l], area.z[l]},
+                 {normal.x[l], normal.y[l], normal.z[l]},
+                 {centre.x[l], centre.y[l], centre.z[l]},
+                 height[l],
+                 reach[l] * reach[l]};
+}
+
+SUTURE_CLONES
+void find_all_planes(const double* positions, const BoundarySurface::Corners* corners,
+                     std::size_t count, double depth, double beside, FacePlane* planes) {
+  for (std::size_t i = 0; i < count; i += lanes)
+    find_eight_planes(positions, corners + i, count - i < lanes ? count - i : lanes, depth, beside,
+                      planes + i);
+}
+
 }  // namespace
 
 Patch patch_of(const BoundarySurface::Corners& corners, const double* positions) {
@@ -165,6 +205,12 @@ void find_feet(const double* positions, std::span<const BoundarySurface::Corners
                std::span<const NearPair> pairs, std::vector<FaceFoot>& feet) {
   feet.resize(pairs.size());
   find_all(positions, corners.data(), pairs.data(), pairs.size(), feet.data());
+}
+
+void find_planes(const double* positions, std::span<const BoundarySurface::Corners> corners,
+                 double depth, double beside, std::vector<FacePlane>& planes) {
+  planes.resize(corners.size());
+  find_all_planes(positions, corners.data(), corners.size(), depth, beside, planes.data());
 }
 
 }  // namespace suture

@@ -69,33 +69,12 @@ PieceContact::PieceContact(const CellComplex& complex, const BoundarySurface& su
 
 // ------------------------------------------------------------------- contacts --
 
-/// Near faces, and the sums of their area vectors around the near vertices. The corners of a face
-/// are h above and below its mean plane, r from its centre at most; the normal leans by an angle t
-/// at most, where the vertex is at most max_depth from its foot and `beside` beside it:
-///   sin t < 2 h sqrt(1/a^2 + 1/b^2) < 16 h r / |area|    of a rectangle a x b, |area| = 2 a b
+/// Planes of near faces, and the sums of their area vectors around the near vertices.
 void PieceContact::find_faces() {
+  find_planes(ends_.data(), lists_.faces(), max_depth * edge_, beside * edge_, faces_);
   normals_.assign(lists_.vertices().size(), {});
-  faces_.resize(lists_.faces().size());
-  for (Index face = 0; face < faces_.size(); ++face) {
-    const BoundarySurface::Corners& corners = lists_.faces()[face];
-    const Patch patch = patch_of(corners, ends_.data());
-    const Vec3 diagonal = minus(patch.corners[2], patch.corners[0]);
-    const Vec3 area = cross(diagonal, minus(patch.corners[3], patch.corners[1]));
-    for (const Index v : corners) normals_[v] = plus(normals_[v], area);
-    const double length = norm(area), inverse = length > 0 ? 1 / length : 0;
-    NearFace& near = faces_[face];
-    near.normal = scaled(inverse, area);
-    near.centre = patch.centre();
-    near.height = std::abs(dot(near.normal, minus(patch.corners[0], near.centre)));
-    double radius = 0;
-    for (const Vec3& corner : patch.corners) {
-      const Vec3 arm = minus(corner, near.centre);
-      radius = std::max(radius, dot(arm, arm));
-    }
-    radius = std::sqrt(radius);
-    const double tilt = length > 0 ? std::min(1.0, 16 * near.height * radius * inverse) : 1;
-    near.reach = std::pow(radius + (beside + tilt * max_depth) * edge_, 2);
-  }
+  for (Index face = 0; face < faces_.size(); ++face)
+    for (const Index v : lists_.faces()[face]) normals_[v] = plus(normals_[v], faces_[face].area);
 }
 
 /// The near pairs that may touch: the face looks at the vertex, which is neither too far in front
@@ -113,7 +92,7 @@ void PieceContact::find_candidates() {
       normal = normals_[vertex];
       same = same_side * norm(normal);
     }
-    const NearFace& face = faces_[pair.face];
+    const FacePlane& face = faces_[pair.face];
     const Vec3 arm = minus(place, face.centre);
     const bool looks_at = dot(normal, face.normal) <= same;
     const double height = dot(arm, face.normal);

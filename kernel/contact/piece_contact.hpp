@@ -79,13 +79,6 @@ class PieceContact {
   void state(Archive& archive);
 
  private:
-  /// A face during a step.
-  struct NearFace {
-    Vec3 normal;    ///< mean, of length 1
-    double height;  ///< of the corners above or below the centre, m
-    Vec3 centre;
-    double reach;  ///< squared: no farther from the axis is anything that touches the face, m^2
-  };
   /// The foot of a vertex on a face of a piece.
   struct Found {
     Index piece, face;
@@ -124,7 +117,7 @@ class PieceContact {
   // Of the step in progress, by place in the lists.
   std::vector<double> ends_;   ///< of vertices, where contacts are sought; rows of 4
   std::vector<Vec3> normals_;  ///< of vertices: sums of area vectors
-  std::vector<NearFace> faces_;
+  std::vector<FacePlane> faces_;
   std::vector<NearPair> candidates_;
   std::vector<FaceFoot> feet_;  ///< of candidates
   std::vector<Touch> touches_, last_;

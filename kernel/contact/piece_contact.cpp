@@ -156,7 +156,8 @@ void PieceContact::find_touches() {
   const std::span<const Index> vertices = lists_.vertices();
   ends_.resize(4 * vertices.size());
   for (std::size_t i = 0; i < vertices.size(); ++i)
-    std::copy_n(attributes_.position().rows() + 4 * std::size_t{vertices[i]}, 4, &ends_[4 * i]);
+    for (std::size_t c = 0; c < 4; ++c)
+      ends_[4 * i + c] = attributes_.position().rows()[4 * std::size_t{vertices[i]} + c];
   find_faces();
   find_candidates();
   find_feet(ends_.data(), lists_.faces(), candidates_, feet_);

@@ -37,7 +37,7 @@ SUTURE_INLINE void kick(const PieceTouch& touch, const RowLanes& impulse, double
 /// How far the gap may have changed since the step began, m.
 SUTURE_INLINE double way_of(const PieceTouch& touch, const double* ways) {
   double way = 0;
-  for (std::size_t i = 0; i < 5; ++i) way += std::abs(touch.weights[i]) * ways[touch.vertices[i]];
+  for (std::size_t i = 0; i < 5; ++i) way += std::abs(touch.weights[i]) * ways[touch.places[i]];
   return way;
 }
 
@@ -65,7 +65,7 @@ SUTURE_INLINE double improve(const SweepState& s, PieceTouch& touch) {
   kick(touch, total, s.velocities);
   const double way = std::sqrt(dot(total, total)) * s.dt;
   for (std::size_t i = 0; i < 5; ++i)
-    s.ways[touch.vertices[i]] += std::abs(touch.response[i]) * way;
+    s.ways[touch.places[i]] += std::abs(touch.response[i]) * way;
   return std::abs(change) * s.dt / touch.mass;
 }
 
@@ -83,10 +83,19 @@ double sweep_over(const SweepState& state, PieceTouch* first, PieceTouch* last) 
 
 }  // namespace
 
-void TouchSweeps::begin(std::span<const PieceTouch> touches, std::size_t vertices) {
-  ways_.resize(vertices);
-  for (const PieceTouch& touch : touches)
-    for (const Index v : touch.vertices) ways_[v] = 0;
+void TouchSweeps::begin(std::span<PieceTouch> touches, std::size_t vertices) {
+  place_.resize(vertices);
+  vertices_.clear();
+  for (PieceTouch& touch : touches)
+    for (std::size_t i = 0; i < 5; ++i) {
+      const Index v = touch.vertices[i];
+      if (!has(v)) {
+        place_[v] = static_cast<Index>(vertices_.size());
+        vertices_.push_back(v);
+      }
+      touch.places[i] = place_[v];
+    }
+  ways_.assign(vertices_.size(), 0);
 }
 
 double TouchSweeps::sweep(std::span<PieceTouch> touches, double* velocities, double friction,

@@ -13,6 +13,7 @@ namespace suture {
 struct PieceTouch {
   std::array<Index, 5> vertices;   ///< the vertex, and the corners of the face; or the ends of
                                    ///< the edges, the last one twice
+  std::array<Index, 5> places;     ///< of the vertices among those that touch: by TouchSweeps
   std::array<double, 5> weights;   ///< of the one point, and minus those of the other one
   std::array<double, 5> response;  ///< of velocities to an impulse: weight over mass, 1/kg
   std::array<char, 5> fixed;       ///< components that do not respond
@@ -40,8 +41,8 @@ inline bool is_found_before(const std::array<Index, 5>& a, const std::array<Inde
 /// since they were last improved.
 class TouchSweeps {
  public:
-  /// Call when a step begins. `vertices`: in all.
-  void begin(std::span<const PieceTouch> touches, std::size_t vertices);
+  /// Call when a step begins: numbers the vertices. `vertices`: in all.
+  void begin(std::span<PieceTouch> touches, std::size_t vertices);
 
   /// Changes impulses, and velocities (rows of 4) by them. `negligible`: m. Returns the largest
   /// change of a gap, m.
@@ -50,10 +51,18 @@ class TouchSweeps {
   /// Applies an impulse that contacts begin with.
   void apply(const PieceTouch& touch, const Vec3& impulse, double* velocities) const;
   /// Something else has moved a vertex, m.
-  void disturb(Index vertex, double way) { ways_[vertex] += way; }
+  void disturb(Index vertex, double way) {
+    if (has(vertex)) ways_[place_[vertex]] += way;
+  }
 
  private:
-  std::vector<double> ways_;  ///< by vertex, m
+  bool has(Index vertex) const {
+    return place_[vertex] < vertices_.size() && vertices_[place_[vertex]] == vertex;
+  }
+
+  std::vector<Index> vertices_;  ///< that touch
+  std::vector<Index> place_;     ///< by vertex: in vertices_, if that is there
+  std::vector<double> ways_;     ///< by place, m
 };
 
 }  // namespace suture

@@ -15,10 +15,6 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int max_sweeps = 16;
 // Over all contacts between pieces.
 constexpr int max_piece_sweeps = 32;
-// Of a tool and the vertices that it pushes, until it moves by less than this, of an element; less
-// exactly where pieces meet, whose sweeps end sooner.
-constexpr int max_tool_rounds = 20;
-constexpr double tool_tolerance = 1e-9, tool_tolerance_among_pieces = 1e-3;
 // Of an element: how far an obstacle moves in a step, and how far a vertex is pushed out of one.
 constexpr double max_motion = 0.1, max_push = 0.01;
 // Of an element: a push by less is rounding, and no reason for another sweep.
@@ -191,67 +187,6 @@ void Contact::push(double dt) {
   }
   if (meet)
     for (const Near& near : std::span(near_).subspan(near_obstacles_)) move(near, dt);
-}
-
-/// Until each tool moves as the vertices that it pushes make it move (tool.hpp).
-void Contact::settle_tools(const ContactStep& step) {
-  const double tolerance =
-      pieces_ && !pieces_->touches().empty() ? tool_tolerance_among_pieces : tool_tolerance;
-  bool agree = false;
-  for (int round = 0; round < max_tool_rounds; ++round) {
-    double change = 0;
-    for (std::size_t i = 0; i < tools_.size(); ++i)
-      if (tools_[i]) change = std::max(change, tools_[i]->improve(answer_to(i), pushed_by(i)));
-    agree = change <= tool_tolerance * shortest_edge_;
-    if (change <= tolerance * shortest_edge_) break;
-    for (std::size_t i = 0; i < tools_.size(); ++i)
-      if (tools_[i]) placed_[i].move_end(tools_[i]->end());
-    release(step);
-    push(step.dt);
-  }
-  for (std::size_t i = 0; i < tools_.size(); ++i)
-    if (tools_[i]) tools_[i]->finish(answer_to(i), agree);
-}
-
-/// Back to the step without contact.
-void Contact::release(const ContactStep& step) {
-  for (const Near& near : near_) {
-    const std::size_t at = 4 * std::size_t{near.vertex};
-    std::ranges::copy(near.free_end, attributes_.position().rows() + at);
-    std::ranges::copy(near.free_velocity, attributes_.velocity().rows() + at);
-  }
-  std::ranges::fill(pushed_, Pushed{});
-  if (pieces_) find_touching_pieces(step);
-  std::ranges::fill(pushes_, Push{});
-}
-
-Tool::Impulse Contact::answer_to(std::size_t obstacle) const {
-  Tool::Impulse answer;
-  const Pose& end = tools_[obstacle]->end();
-  const Vec3 centre = plus(end.centre, end.translation);
-  for (std::size_t i = 0; i < near_obstacles_; ++i) {
-    const Push& push = pushes_[i * placed_.size() + obstacle];
-    if (push.normal == Vec3{}) continue;
-    const Index vertex = near_[i].vertex;
-    const double mass = attributes_.mass().rows()[vertex];
-    const Vec3 impulse = scaled(-mass, plus(push.normal, push.tangential));
-    const Vec3 arm = minus(row(attributes_.position().rows(), vertex), centre);
-    answer.linear = plus(answer.linear, impulse);
-    answer.angular = plus(answer.angular, cross(arm, impulse));
-  }
-  return answer;
-}
-
-std::vector<Tool::Pushed> Contact::pushed_by(std::size_t obstacle) const {
-  std::vector<Tool::Pushed> pushed;
-  for (std::size_t i = 0; i < near_obstacles_; ++i) {
-    const Push& push = pushes_[i * placed_.size() + obstacle];
-    if (push.normal == Vec3{}) continue;
-    const Index vertex = near_[i].vertex;
-    pushed.push_back({row(attributes_.position().rows(), vertex), attributes_.mass().rows()[vertex],
-                      push, obstacles_[obstacle].friction});
-  }
-  return pushed;
 }
 
 /// To where the changed velocity takes it.

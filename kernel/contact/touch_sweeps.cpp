@@ -64,8 +64,7 @@ SUTURE_INLINE double improve(const SweepState& s, PieceTouch& touch) {
   }
   kick(touch, total, s.velocities);
   const double way = std::sqrt(dot(total, total)) * s.dt;
-  for (std::size_t i = 0; i < 5; ++i)
-    s.ways[touch.places[i]] += std::abs(touch.response[i]) * way;
+  for (std::size_t i = 0; i < 5; ++i) s.ways[touch.places[i]] += std::abs(touch.response[i]) * way;
   return std::abs(change) * s.dt / touch.mass;
 }
 

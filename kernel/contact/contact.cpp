@@ -237,12 +237,10 @@ void Contact::push_out(Index vertex, Vec3& pushed, std::span<Push> pushes, doubl
 void Contact::book(Near& near, std::span<const Push> pushes, const ContactStep& step) {
   const double mass = attributes_.mass().rows()[near.vertex];
   const Vec3 velocity = row(attributes_.velocity().rows(), near.vertex);
-  const Vec3 force = (*step.moving)[near.vertex] ? row(free_forces_.data(), near.vertex) : Vec3{};
-  const Vec3 kick = scaled(step.whole_gain / mass, force);
-  const Vec3 before = scaled(1 / step.whole_decay, minus(near.free_velocity, kick));
   const Vec3 change = minus(velocity, near.free_velocity);
-  near.mean = scaled(0.5, plus(before, velocity));
   if (change == Vec3{}) return;
+  near.is_booked = true;
+  near.mean = mean_velocity(near, step);
   double heat = 0;
   for (std::size_t i = 0; i < pushes.size(); ++i) {
     if (pushes[i].normal == Vec3{}) continue;
@@ -257,8 +255,21 @@ void Contact::book(Near& near, std::span<const Push> pushes, const ContactStep& 
   work_ += work + heat;
   friction_work_ -= heat;
   corrections_.push_back(
-      {near.vertex, dot(force, change),
+      {near.vertex, dot(free_force(near, step), change),
        mass * (dot(velocity, velocity) - dot(near.free_velocity, near.free_velocity))});
+}
+
+/// Without contact, N; of sleepers 0.
+Vec3 Contact::free_force(const Near& near, const ContactStep& step) const {
+  return (*step.moving)[near.vertex] ? row(free_forces_.data(), near.vertex) : Vec3{};
+}
+
+/// Before and after the step, m/s.
+Vec3 Contact::mean_velocity(const Near& near, const ContactStep& step) const {
+  const double mass = attributes_.mass().rows()[near.vertex];
+  const Vec3 kick = scaled(step.whole_gain / mass, free_force(near, step));
+  const Vec3 before = scaled(1 / step.whole_decay, minus(near.free_velocity, kick));
+  return scaled(0.5, plus(before, row(attributes_.velocity().rows(), near.vertex)));
 }
 
 void Contact::sum_loads() {
@@ -277,8 +288,11 @@ void Contact::book_friction_of_pieces(const ContactStep& step) {
   for (const PieceContact::Touch& touch : pieces_->touches()) {
     if (touch.friction == Vec3{}) continue;
     Vec3 sliding{};
-    for (std::size_t i = 0; i < 5; ++i)
-      sliding = plus(sliding, scaled(touch.weights[i], near_[near_place_[touch.vertices[i]]].mean));
+    for (std::size_t i = 0; i < 5; ++i) {
+      const Near& near = near_[near_place_[touch.vertices[i]]];
+      const Vec3 mean = near.is_booked ? near.mean : mean_velocity(near, step);
+      sliding = plus(sliding, scaled(touch.weights[i], mean));
+    }
     const double heat = -step.work_gain * dot(touch.friction, sliding);
     work_ += heat;
     friction_work_ -= heat;

@@ -154,7 +154,8 @@ class Contact final : public Follower {
   struct Near {
     Index vertex;
     Vec3 free_end, free_velocity;  ///< after the step without contact
-    Vec3 mean;                     ///< of the velocities before and after the step, m/s
+    bool is_booked = false;
+    Vec3 mean{};  ///< of the velocities before and after the step, if booked, m/s
   };
   /// What obstacles have changed in the velocity of a vertex, and what it was then, m/s.
   struct Pushed {
@@ -172,6 +173,8 @@ class Contact final : public Follower {
   void move(const Near& near, double dt);
   void push_out(Index vertex, Vec3& pushed, std::span<Push> pushes, double dt);
   void book(Near& near, std::span<const Push> pushes, const ContactStep& step);
+  Vec3 free_force(const Near& near, const ContactStep& step) const;
+  Vec3 mean_velocity(const Near& near, const ContactStep& step) const;
   void book_friction_of_pieces(const ContactStep& step);
   void sum_loads();
 

@@ -125,6 +125,50 @@ TEST(Patch, FindsFeetInBatchesAsOneByOne) {
   }
 }
 
+/// Warped and narrow faces: what find_planes() says of them leaves out no vertex that touches.
+TEST(FacePlanes, ReachAllThatMayTouch) {
+  constexpr double depth = 0.3, most_beside = 0.05;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> warp(-0.2, 0.2), around(-0.5, 1.5), off(-0.4, 0.4);
+  std::size_t touching = 0;
+  double fullest = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    const double width = 0.4 + 0.6 * (trial % 4) / 3;
+    std::vector<double> positions;
+    std::vector<BoundarySurface::Corners> corners;
+    std::vector<NearPair> pairs;
+    for (Index face = 0; face < 11; ++face) {  // a batch of eight, and three
+      for (const auto& [x, y] : {std::pair{0., 0.}, {1., 0.}, {1., width}, {0., width}})
+        positions.insert(positions.end(),
+                         {x + warp(random), y + warp(random) * width, warp(random), 0});
+      positions.insert(positions.end(), {around(random), around(random) * width, off(random), 0});
+      corners.push_back({5 * face, 5 * face + 1, 5 * face + 2, 5 * face + 3});
+      pairs.push_back({5 * face + 4, face});
+    }
+    std::vector<FacePlane> planes;
+    std::vector<FaceFoot> feet;
+    find_planes(positions.data(), corners, depth, most_beside, planes);
+    find_feet(positions.data(), corners, pairs, feet);
+    for (Index i = 0; i < 11; ++i) {
+      const FacePlane& plane = planes[i];
+      const auto from_centre = [&](Index v) {
+        return minus(row(positions.data(), v), plane.centre);
+      };
+      for (const Index corner : corners[i])
+        EXPECT_NEAR(std::abs(dot(from_centre(corner), plane.normal)), plane.height, 1e-14);
+      if (feet[i].distance > depth || feet[i].beside > most_beside) continue;
+      ++touching;
+      const Vec3 arm = from_centre(pairs[i].vertex);
+      const double height = dot(arm, plane.normal), aside = dot(arm, arm) - height * height;
+      EXPECT_LE(aside, plane.reach) << "trial " << trial << ", face " << i;
+      EXPECT_LE(-height, plane.height + depth);
+      fullest = std::max(fullest, aside / plane.reach);
+    }
+  }
+  EXPECT_GT(touching, 500u);
+  EXPECT_GT(fullest, 0.8) << "the bound is of use";
+}
+
 // ----------------------------------------------------------------------- sweeps --
 
 /// A vertex of 1 kg that approaches a held face at 1 m/s.

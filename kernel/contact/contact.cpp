@@ -137,7 +137,8 @@ void Contact::find_near_obstacles(const ContactStep& step) {
     }
   }
   near_obstacles_ = near_.size();
-  pushed_.assign(near_obstacles_, {});
+  pushed_.clear();
+  for (const Near& near : near_) pushed_.push_back({near.vertex});
 }
 
 void Contact::find_touching_pieces(const ContactStep& step) {
@@ -175,14 +176,13 @@ void Contact::push(double dt) {
   for (int sweep = 0; changes && sweep < max_piece_sweeps; ++sweep) {
     changes = meet && pieces_->sweep();
     for (std::size_t i = 0; i < near_obstacles_; ++i) {
-      const Near& near = near_[i];
-      Vec3& settled = pushed_[i].settled;
-      const Vec3 velocity = row(attributes_.velocity().rows(), near.vertex);
+      auto& [vertex, change, settled] = pushed_[i];
+      const Vec3 velocity = row(attributes_.velocity().rows(), vertex);
       if (sweep > 0 && velocity == settled) continue;  // pieces left it where it was
-      if (meet) move(near, dt);
-      push_out(near.vertex, pushed_[i].change, pushes_on(i), dt);
-      settled = row(attributes_.velocity().rows(), near.vertex);
-      if (meet) pieces_->disturb(near.vertex, dt * norm(minus(settled, velocity)));
+      if (meet) move(near_[i], dt);
+      push_out(vertex, change, pushes_on(i), dt);
+      settled = row(attributes_.velocity().rows(), vertex);
+      if (meet) pieces_->disturb(vertex, dt * norm(minus(settled, velocity)));
     }
   }
   if (meet)

@@ -159,6 +159,7 @@ class Contact final : public Follower {
   };
   /// What obstacles have changed in the velocity of a vertex, and what it was then, m/s.
   struct Pushed {
+    Index vertex;
     Vec3 change{}, settled{};
   };
   void find_near_obstacles(const ContactStep& step);

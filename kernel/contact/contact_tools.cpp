@@ -41,7 +41,7 @@ void Contact::release(const ContactStep& step) {
     std::ranges::copy(near.free_end, attributes_.position().rows() + at);
     std::ranges::copy(near.free_velocity, attributes_.velocity().rows() + at);
   }
-  std::ranges::fill(pushed_, Pushed{});
+  for (Pushed& pushed : pushed_) pushed.change = {};
   if (pieces_) find_touching_pieces(step);
   std::ranges::fill(pushes_, Push{});
 }

@@ -142,7 +142,7 @@ void find_all(const double* positions, const BoundarySurface::Corners* corners,
 /// Eight planes; of fewer faces the last one again.
 SUTURE_INLINE void find_eight_planes(const double* positions,
                                      const BoundarySurface::Corners* corners, std::size_t count,
-                                     double depth, double beside, FacePlane* planes) {
+                                     double depth, double beside, FacePlane* planes, Vec3* areas) {
   std::array<Space<Eight>, 4> at;
   for (std::size_t l = 0; l < lanes; ++l)
     for (std::size_t i = 0; i < 4; ++i)
@@ -163,20 +163,22 @@ SUTURE_INLINE void find_eight_planes(const double* positions,
   const Eight radius = root(squared), lean = 16 * height * radius * inverse;
   const Eight known = lean < one ? lean : one, sine = length > zero ? known : one;
   const Eight reach = radius + (beside + sine * depth);
-  for (std::size_t l = 0; l < count; ++l)
-    planes[l] = {{area.x[l], area.y[l], area.z[l]},
-                 {normal.x[l], normal.y[l], normal.z[l]},
+  for (std::size_t l = 0; l < count; ++l) {
+    planes[l] = {{normal.x[l], normal.y[l], normal.z[l]},
                  {centre.x[l], centre.y[l], centre.z[l]},
                  height[l],
                  reach[l] * reach[l]};
+    areas[l] = {area.x[l], area.y[l], area.z[l]};
+  }
 }
 
 SUTURE_CLONES
 void find_all_planes(const double* positions, const BoundarySurface::Corners* corners,
-                     std::size_t count, double depth, double beside, FacePlane* planes) {
+                     std::size_t count, double depth, double beside, FacePlane* planes,
+                     Vec3* areas) {
   for (std::size_t i = 0; i < count; i += lanes)
     find_eight_planes(positions, corners + i, count - i < lanes ? count - i : lanes, depth, beside,
-                      planes + i);
+                      planes + i, areas + i);
 }
 
 }  // namespace
@@ -208,9 +210,12 @@ void find_feet(const double* positions, std::span<const BoundarySurface::Corners
 }
 
 void find_planes(const double* positions, std::span<const BoundarySurface::Corners> corners,
-                 double depth, double beside, std::vector<FacePlane>& planes) {
+                 double depth, double beside, std::vector<FacePlane>& planes,
+                 std::vector<Vec3>& areas) {
   planes.resize(corners.size());
-  find_all_planes(positions, corners.data(), corners.size(), depth, beside, planes.data());
+  areas.resize(corners.size());
+  find_all_planes(positions, corners.data(), corners.size(), depth, beside, planes.data(),
+                  areas.data());
 }
 
 }  // namespace suture

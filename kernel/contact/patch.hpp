@@ -43,20 +43,20 @@ struct FaceFoot {
 void find_feet(const double* positions, std::span<const BoundarySurface::Corners> corners,
                std::span<const NearPair> pairs, std::vector<FaceFoot>& feet);
 
-/// The mean plane of a face.
-struct FacePlane {
-  Vec3 area;    ///< outward, of the length of the area of the parallelogram of the diagonals, m^2
-  Vec3 normal;  ///< of length 1; 0 without area
+/// The mean plane of a face; in one line of the cache.
+struct alignas(64) FacePlane {
+  Vec3 normal;  ///< outward, of length 1; 0 without area
   Vec3 centre;
   double height;  ///< of the corners above or below the centre, m
   double reach;  ///< squared: no foot of a vertex is on the face that is farther from the axis, m^2
 };
 
-/// Eight at once. `depth` and `beside`: how far a vertex may be from its foot, and beside it, m
-/// (FaceFoot). The corners are h above and below the plane and r from the centre at most, so that
-/// the normal leans by an angle t at most:
+/// Eight at once, and vectors of the length of twice the areas, outward, m^2. `depth` and `beside`:
+/// how far a vertex may be from its foot, and beside it, m (FaceFoot). The corners are h above and
+/// below the plane and r from the centre at most, so that the normal leans by an angle t at most:
 ///   sin t < 2 h sqrt(1/a^2 + 1/b^2) < 16 h r / |area|    of a rectangle a x b, |area| = 2 a b
 void find_planes(const double* positions, std::span<const BoundarySurface::Corners> corners,
-                 double depth, double beside, std::vector<FacePlane>& planes);
+                 double depth, double beside, std::vector<FacePlane>& planes,
+                 std::vector<Vec3>& areas);
 
 }  // namespace suture

@@ -71,10 +71,10 @@ PieceContact::PieceContact(const CellComplex& complex, const BoundarySurface& su
 
 /// Planes of near faces, and the sums of their area vectors around the near vertices.
 void PieceContact::find_faces() {
-  find_planes(ends_.data(), lists_.faces(), max_depth * edge_, beside * edge_, faces_);
+  find_planes(ends_.data(), lists_.faces(), max_depth * edge_, beside * edge_, faces_, areas_);
   normals_.assign(lists_.vertices().size(), {});
   for (Index face = 0; face < faces_.size(); ++face)
-    for (const Index v : lists_.faces()[face]) normals_[v] = plus(normals_[v], faces_[face].area);
+    for (const Index v : lists_.faces()[face]) normals_[v] = plus(normals_[v], areas_[face]);
 }
 
 /// The near pairs that may touch: the face looks at the vertex, which is neither too far in front

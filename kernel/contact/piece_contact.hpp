@@ -118,6 +118,7 @@ class PieceContact {
   std::vector<double> ends_;   ///< of vertices, where contacts are sought; rows of 4
   std::vector<Vec3> normals_;  ///< of vertices: sums of area vectors
   std::vector<FacePlane> faces_;
+  std::vector<Vec3> areas_;  ///< of faces
   std::vector<NearPair> candidates_;
   std::vector<FaceFoot> feet_;  ///< of candidates
   std::vector<Touch> touches_, last_;

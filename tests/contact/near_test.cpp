@@ -146,8 +146,9 @@ TEST(FacePlanes, ReachAllThatMayTouch) {
       pairs.push_back({5 * face + 4, face});
     }
     std::vector<FacePlane> planes;
+    std::vector<Vec3> areas;
     std::vector<FaceFoot> feet;
-    find_planes(positions.data(), corners, depth, most_beside, planes);
+    find_planes(positions.data(), corners, depth, most_beside, planes, areas);
     find_feet(positions.data(), corners, pairs, feet);
     for (Index i = 0; i < 11; ++i) {
       const FacePlane& plane = planes[i];

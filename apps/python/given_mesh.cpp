@@ -9,13 +9,13 @@ namespace suture::python {
 namespace {
 
 namespace py = pybind11;
-using Numbers = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
+using GivenNumbers = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
 using Values = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 std::map<std::string, std::vector<Index>> sets_of(const py::dict& sets) {
   std::map<std::string, std::vector<Index>> result;
   for (const auto& [name, cells] : sets) {
-    const auto numbers = py::cast<Numbers>(cells);
+    const auto numbers = py::cast<GivenNumbers>(cells);
     auto& list = result[py::cast<std::string>(name)];
     std::transform(numbers.data(), numbers.data() + numbers.size(), std::back_inserter(list),
                    [](std::int64_t number) { return static_cast<Index>(number); });
@@ -44,7 +44,7 @@ std::shared_ptr<const Mesh> mesh_of(const py::object& given) {
   mesh->points.resize(static_cast<std::size_t>(points.shape(0)));
   for (std::size_t i = 0; i < mesh->points.size(); ++i)
     std::copy_n(points.data() + 3 * i, 3, mesh->points[i].begin());
-  const auto hexahedra = py::cast<Numbers>(given.attr("hexahedra"));
+  const auto hexahedra = py::cast<GivenNumbers>(given.attr("hexahedra"));
   mesh->hexahedra.resize(static_cast<std::size_t>(hexahedra.shape(0)));
   for (std::size_t e = 0; e < mesh->hexahedra.size(); ++e) {
     Hexahedron nodes;

@@ -25,7 +25,7 @@ struct Finding {
   std::string text, isa;
 };
 
-std::string number(double value) {
+std::string two_digits(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2g", value);
   return text;
@@ -132,7 +132,8 @@ class ModelChecking {
       case ChildResult::End::killed:
         return std::string("the process ended by ") + strsignal(child.code) + after;
       case ChildResult::End::timed_out:
-        return "the check takes longer than " + number(command_.timeout) + " s (--timeout)" + after;
+        return "the check takes longer than " + two_digits(command_.timeout) + " s (--timeout)" +
+               after;
     }
     return "";
   }
@@ -160,7 +161,7 @@ void print(const ModelCheck& check, const Finding& found, const std::filesystem:
   if (std::isinf(check.limit))
     figure = "; " + found.text;
   else if (check.limit > 0 && (passed || found.figure > 0))
-    figure = "; " + number(found.figure) + ", limit " + number(check.limit);
+    figure = "; " + two_digits(found.figure) + ", limit " + two_digits(check.limit);
   console.print((passed ? "  passed          " : "  FAILED          ") + name + check.law + figure);
   if (passed) return;
   console.print("      " + found.isa + ": " + found.text);

@@ -20,7 +20,7 @@ std::string format(const char* pattern, double value) {
 }
 
 // Whatever is displayed may quote a file: all of it goes through here.
-void write(std::FILE* stream, const std::string& text) {
+void put(std::FILE* stream, const std::string& text) {
   std::fputs(escaped_lines(text).c_str(), stream);
 }
 
@@ -30,25 +30,25 @@ Console::Console(bool quiet, bool verbose)
     : quiet_(quiet), verbose_(verbose), terminal_(isatty(STDERR_FILENO) == 1) {
   diagnostics_.on_warning = [this](const std::string& text) {
     clear_status();
-    write(stderr, "suture: warning: " + text + "\n");
+    put(stderr, "suture: warning: " + text + "\n");
   };
 }
 
 void Console::print(const std::string& line) {
   clear_status();
-  write(stdout, line + "\n");
+  put(stdout, line + "\n");
 }
 
 void Console::note(const std::string& line) {
   if (quiet_) return;
   clear_status();
-  write(stderr, line + "\n");
+  put(stderr, line + "\n");
 }
 
 void Console::status(const std::string& line) {
   if (quiet_) return;
   clear_status();
-  write(stderr, line + (terminal_ ? "" : "\n"));
+  put(stderr, line + (terminal_ ? "" : "\n"));
   std::fflush(stderr);
   status_shown_ = terminal_;
 }
@@ -56,7 +56,7 @@ void Console::status(const std::string& line) {
 void Console::error(const std::string& text) {
   clear_status();
   std::fflush(stdout);
-  write(stderr, "suture: error: " + text + "\n");
+  put(stderr, "suture: error: " + text + "\n");
 }
 
 void Console::count_warnings() {

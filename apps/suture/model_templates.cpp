@@ -102,7 +102,7 @@ add_test(NAME @id@.run COMMAND ${SUTURE_PROGRAM} run ${CMAKE_CURRENT_SOURCE_DIR}
   --output ${CMAKE_CURRENT_BINARY_DIR}/out)
 )";
 
-constexpr std::string_view scene =
+constexpr std::string_view scene_of_model =
     R"(// A bar. Look at out/scene/run.pvd in ParaView.
 {
   "suture": 1,
@@ -156,7 +156,7 @@ std::vector<TemplateFile> files_of(const ModelLevel& level) {
   return {{"CMakeLists.txt", cmake},
           {"README.md", readme},
           {level.file, level.source},
-          {"scene.json", scene}};
+          {"scene.json", scene_of_model}};
 }
 
 }  // namespace suture

@@ -23,7 +23,7 @@ constexpr const char* scene_schema =
 const Json a_vector = {{"$ref", "#/$defs/vector"}};
 const Json cell_values = {{"$ref", "#/$defs/cell_values"}};
 
-std::string with_unit(const char* doc, const char* unit) {
+std::string doc_with_unit(const char* doc, const char* unit) {
   const std::string text = doc, of = unit;
   return of.empty() || of == "1" ? text : text + ", " + of;
 }
@@ -45,7 +45,7 @@ Json type_schema(const suture_parameter& p) {
   return p.type == SUTURE_DIRECTION ? a_vector : number_schema(p);
 }
 
-Json default_of(const suture_parameter& p) {
+Json default_value_of(const suture_parameter& p) {
   if (p.type == SUTURE_BOOLEAN) return p.default_value != 0;
   if (p.type == SUTURE_CHOICE) return p.choices[static_cast<std::size_t>(p.default_value)];
   return p.default_value;
@@ -55,8 +55,8 @@ Json parameter_schema(const suture_parameter& p) {
   const bool varies = (p.flags & SUTURE_PER_ELEMENT) != 0;
   Json schema =
       varies ? Json{{"anyOf", Json::array({type_schema(p), cell_values})}} : type_schema(p);
-  schema["description"] = with_unit(p.doc, p.unit);
-  if ((p.flags & SUTURE_REQUIRED) == 0) schema["default"] = default_of(p);
+  schema["description"] = doc_with_unit(p.doc, p.unit);
+  if ((p.flags & SUTURE_REQUIRED) == 0) schema["default"] = default_value_of(p);
   return schema;
 }
 
@@ -77,7 +77,8 @@ Json parameters_schema(const suture_model& model) {
 Json start_schema(const suture_model& model) {
   Json schema = object_schema();
   for (const suture_attribute& a : std::span(model.attributes, model.attribute_count))
-    if (has_start(a)) schema["properties"][a.name] = {{"description", with_unit(a.doc, a.unit)}};
+    if (has_start(a))
+      schema["properties"][a.name] = {{"description", doc_with_unit(a.doc, a.unit)}};
   return schema;
 }
 

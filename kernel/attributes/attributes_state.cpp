@@ -55,7 +55,7 @@ void check_columns(Archive& archive, const Instance& instance, const Table& tabl
                    std::to_string(table.dimension) + ": " + there + "; now: " + here);
 }
 
-void cells_of(Archive& archive, Table& table) {
+void cells_of_table(Archive& archive, Table& table) {
   archive("cells", table.cells);
   archive("volumes", table.volumes);
 }
@@ -64,7 +64,7 @@ void cells_of(Archive& archive, Table& table) {
 /// whatever is done: elements do not split, and their sums are not summed again.
 void columns_of(Archive& archive, const Instance& instance, Table& table, bool whole) {
   if (archive.has_cells()) check_columns(archive, instance, table);
-  if (whole) cells_of(archive, table);
+  if (whole) cells_of_table(archive, table);
   for (Column& column : table.columns) {
     if (column.has_trial() || (whole && table.dimension < 3))
       archive(("column " + column.spec().name).c_str(), column);
@@ -102,7 +102,7 @@ void Attributes::state(Archive& archive) {
 
 /// Operations change the others of the kernel's columns only.
 void Attributes::kernel_tables(Archive& archive) {
-  archive.each("kernel", kernel_, cells_of);
+  archive.each("kernel", kernel_, cells_of_table);
   for (Column* column : {rest_, mass_, fixed_}) {
     archive(column->spec().name.c_str(), *column);
     archive.require(column->size() == kernel(0).cells.size(),

@@ -18,7 +18,7 @@ using Vector = std::vector<float>;
 
 constexpr double tolerance = 0.03;  // of the eigenvalue; half of it on the step
 constexpr double exact = 1e-3;      // a residual that single precision can still trust
-constexpr int max_iterations = 80;
+constexpr int max_search_iterations = 80;
 /// For modes around vertices that changed to come up. Of 6,600 searches after random
 /// operations on small bodies 10 gave a step more than 3 % longer than one from random, 11 %
 /// at most; 83 did without this.
@@ -36,7 +36,7 @@ int iterations_from_random(std::size_t n) {
 }
 
 /// In eight sums: one alone waits for each addition, and took longer than a derivative.
-double dot(const Vector& a, const Vector& b) {
+double inner_product(const Vector& a, const Vector& b) {
   std::array<double, 8> sums{};
   std::size_t i = 0;
   for (; i + 8 <= a.size(); i += 8)
@@ -45,7 +45,7 @@ double dot(const Vector& a, const Vector& b) {
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-double length(const Vector& a) { return std::sqrt(dot(a, a)); }
+double length(const Vector& a) { return std::sqrt(inner_product(a, a)); }
 
 /// a = s a + t b
 void combine(double s, Vector& a, double t, const Vector& b) {
@@ -194,7 +194,7 @@ bool StepSearch::finish(double dt) {
 
 /// Of the mode, and its Rayleigh quotient.
 void StepSearch::find_residual() {
-  found_.value = dot(mode_.v, mode_.image);
+  found_.value = inner_product(mode_.v, mode_.image);
   residual_.v = mode_.image;
   combine(1, residual_.v, -found_.value, mode_.v);
   found_.upper = found_.value + length(residual_.v);
@@ -203,7 +203,7 @@ void StepSearch::find_residual() {
 bool StepSearch::is_good_enough() const {
   const double wanted = iteration_ < least_ ? exact : tolerance;
   const double error = found_.upper - found_.value;
-  return !(error > wanted * std::abs(found_.value)) || iteration_ >= max_iterations;
+  return !(error > wanted * std::abs(found_.value)) || iteration_ >= max_search_iterations;
 }
 
 /// Replaces the mode by the vector of largest Rayleigh quotient in the space of the mode, its
@@ -216,7 +216,7 @@ void StepSearch::step_to_best() {
   if (!difference_.v.empty()) {
     difference_.scale(1 / length(difference_.v));
     for (const Direction* other : {&mode_, &residual_})
-      difference_.add(-dot(difference_.v, other->v), *other);
+      difference_.add(-inner_product(difference_.v, other->v), *other);
     // What little is left of a direction that the others span is rounding.
     if (length(difference_.v) > 0.01) basis.push_back(&difference_);
   }
@@ -224,8 +224,8 @@ void StepSearch::step_to_best() {
   Eigen::MatrixXd gram(size, size), ritz(size, size);
   for (Eigen::Index i = 0; i < size; ++i)
     for (Eigen::Index j = 0; j <= i; ++j) {
-      gram(i, j) = gram(j, i) = dot(basis[i]->v, basis[j]->v);
-      ritz(i, j) = ritz(j, i) = dot(basis[i]->v, basis[j]->image);
+      gram(i, j) = gram(j, i) = inner_product(basis[i]->v, basis[j]->v);
+      ritz(i, j) = ritz(j, i) = inner_product(basis[i]->v, basis[j]->image);
     }
   const Eigen::VectorXd best = symmetric_eigen(ritz, gram).vectors.col(size - 1);
   residual_.scale(best[1]);
@@ -311,7 +311,7 @@ void StepSearch::add_other_terms(double stiffness, double damping, Vector& image
 double StepSearch::quotient(double stiffness, double damping) {
   Vector image;
   apply(mode_.v, stiffness, damping, image);
-  return std::max(dot(mode_.v, image), 0.0);
+  return std::max(inner_product(mode_.v, image), 0.0);
 }
 
 void StepSearch::state(Archive& archive) {

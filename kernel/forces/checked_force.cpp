@@ -19,7 +19,7 @@
 namespace suture {
 namespace {
 
-constexpr std::size_t guard_size = 16 * lanes;
+constexpr std::size_t guard_length = 16 * lanes;
 
 // What outputs hold before a call: finite, or the C++ layer would take a value that was never set
 // for one that is not finite; nothing that a law gives by chance.
@@ -88,10 +88,10 @@ class Trial {
   Trial(const PluginCall& call, const suture_batch& batch, const Arrays& arrays, double poison,
         bool mirrored)
       : call_(call), batch_(batch), arrays_(arrays), poison_(poison), mirrored_(mirrored) {
-    std::size_t size = guard_size;
+    std::size_t size = guard_length;
     for (const Array& array : arrays.list) {
       places_.push_back(size);
-      size += array.size + guard_size;
+      size += array.size + guard_length;
     }
     memory_.assign(size, guard);
     for (std::size_t i = 0; i < arrays.list.size(); ++i) fill(i);
@@ -188,7 +188,7 @@ class Trial {
     for (std::size_t n = 0; n < arrays_.list.size(); ++n) {
       const Array& array = arrays_.list[n];
       const std::size_t begin = places_[n], end = begin + array.size;
-      for (std::size_t k = 0; k < guard_size / 2; ++k) {  // the other half is the neighbour's
+      for (std::size_t k = 0; k < guard_length / 2; ++k) {  // the other half is the neighbour's
         const std::string far = std::to_string(k + 1) + (k == 0 ? " double " : " doubles ");
         if (!same_bits(memory_[end + k], guard))
           fail("it wrote " + far + "past the end of " + array.name, size_of(array));

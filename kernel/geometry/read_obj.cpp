@@ -16,7 +16,7 @@ namespace suture {
 namespace {
 
 // Words that may begin a line; lines other than vertices and polygons are skipped.
-const std::vector<std::string> keys{
+const std::vector<std::string> obj_keys{
     "v",          "f",         "l",      "vt",       "vn",     "vp",       "o",      "g",
     "s",          "p",         "bevel",  "lod",      "ctech",  "stech",    "usemap", "usemtl",
     "mtllib",     "c_interp",  "cstype", "deg",      "step",   "d_interp", "bmat",   "con",
@@ -37,9 +37,9 @@ class ObjReader {
         add_point();
       else if (key == "f")
         add_face();
-      else if (std::ranges::find(keys, key) == keys.end())
+      else if (std::ranges::find(obj_keys, key) == obj_keys.end())
         fail(key, "not a valid .obj line: " + in_quotes(key) + " is not a keyword of the format" +
-                      did_you_mean(key, keys));
+                      did_you_mean(key, obj_keys));
     }
     if (last_ > points()) fail_corner(last_at_, last_);
     return std::move(soup_);

@@ -9,7 +9,7 @@
 namespace suture {
 namespace {
 
-constexpr const char* axis_name[3] = {"x", "y", "z"};
+constexpr const char* box_axis_name[3] = {"x", "y", "z"};
 
 std::string number(double value) {
   char text[32];
@@ -21,7 +21,7 @@ void check(const BoxOptions& box) {
   constexpr std::uint64_t max_darts = std::numeric_limits<Dart>::max();
   double hexahedra = 1, points = 1;
   for (int a = 0; a < 3; ++a) {
-    const std::string axis = axis_name[a];
+    const std::string axis = box_axis_name[a];
     if (box.cells[a] == 0) {
       throw InputError("box: 0 cells along " + axis + "; at least 1 is needed");
     }
@@ -73,7 +73,7 @@ std::vector<double> ticks(const BoxOptions& box, int axis) {
   for (Index i = 0; i <= n; ++i) {
     x[i] = coordinate(begin, begin + box.size[axis], i, n, box.grading[axis]);
     if (i > 0 && !(x[i] > x[i - 1])) {
-      throw InputError("box: cell " + std::to_string(i - 1) + " along " + axis_name[axis] +
+      throw InputError("box: cell " + std::to_string(i - 1) + " along " + box_axis_name[axis] +
                        " is thinner than the rounding of its coordinate " + number(x[i]) +
                        " m; use fewer cells, a milder grading or an origin nearer to 0");
     }
@@ -95,7 +95,7 @@ Mesh make_box(const BoxOptions& box) {
   mesh.points.reserve(std::size_t(layer) * (nz + 1));
   std::array<std::array<std::vector<Index>*, 2>, 3> side;
   for (int a = 0; a < 3; ++a) {
-    for (int s = 0; s < 2; ++s) side[a][s] = &mesh.point_sets[axis_name[a] + std::to_string(s)];
+    for (int s = 0; s < 2; ++s) side[a][s] = &mesh.point_sets[box_axis_name[a] + std::to_string(s)];
   }
   for (Index k = 0; k <= nz; ++k) {
     for (Index j = 0; j <= ny; ++j) {

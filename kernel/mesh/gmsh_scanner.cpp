@@ -11,7 +11,7 @@ namespace suture {
 namespace {
 
 // Gmsh reference manual 4.11, "Node ordering" and GmshDefines.h.
-constexpr GmshType types[] = {
+constexpr GmshType gmsh_types[] = {
     {1, 2, 1, "lines"},
     {2, 3, 2, "triangles"},
     {3, 4, 2, "quadrilaterals"},
@@ -86,9 +86,9 @@ void GmshScanner::fail_end(const char* what) const {
 }
 
 const GmshType* find_gmsh_type(int number) {
-  const auto* found = std::find_if(std::begin(types), std::end(types),
+  const auto* found = std::find_if(std::begin(gmsh_types), std::end(gmsh_types),
                                    [&](const GmshType& type) { return type.number == number; });
-  return found == std::end(types) ? nullptr : found;
+  return found == std::end(gmsh_types) ? nullptr : found;
 }
 
 void GmshMesh::name_group(int dimension, int number, std::string name) {

@@ -15,7 +15,7 @@ namespace {
 
 using On = FieldChoice::On;
 
-constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+constexpr double no_tensor = std::numeric_limits<double>::quiet_NaN();
 
 HexahedronNodes positions(const CellComplex& complex, const Column& column, Index element) {
   HexahedronNodes x;
@@ -37,7 +37,7 @@ SymmetricTensor strain_of(BuiltScene& built, Index element) {
 /// Descending; NaN for a tensor that is not finite.
 Vec3 principal_values(const SymmetricTensor& t) {
   if (!std::ranges::all_of(t, [](double c) { return std::isfinite(c); }))
-    return {no_value, no_value, no_value};
+    return {no_tensor, no_tensor, no_tensor};
   Eigen::Matrix3d matrix;
   matrix << t[0], t[3], t[5], t[3], t[1], t[4], t[5], t[4], t[2];
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
@@ -72,7 +72,7 @@ FieldChoice strain() {
   field.fill = [](BuiltScene& built, const Vec3&, double, FrameField& out) {
     const CellComplex& complex = built.body().complex();
     out.components = 6;
-    out.values.assign(std::size_t{6} * complex.element_count(), no_value);
+    out.values.assign(std::size_t{6} * complex.element_count(), no_tensor);
     for (Index e = 0; e < complex.element_count(); ++e)
       if (complex.exists(3, e))
         std::ranges::copy(strain_of(built, e), out.values.data() + std::size_t{6} * e);

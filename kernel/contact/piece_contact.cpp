@@ -61,7 +61,6 @@ bool is_before(const PieceContact::Touch& a, const PieceContact::Touch& b) {
 PieceContact::PieceContact(const CellComplex& complex, const BoundarySurface& surface,
                            Attributes& attributes, const Options& options, double edge)
     : complex_(complex),
-      surface_(surface),
       attributes_(attributes),
       options_(options),
       edge_(edge),

@@ -109,7 +109,6 @@ class PieceContact {
   void take_back();
 
   const CellComplex& complex_;
-  const BoundarySurface& surface_;
   Attributes& attributes_;
   Options options_;
   double edge_, dt_ = 0, gain_ = 0;

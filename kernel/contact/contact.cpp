@@ -239,8 +239,9 @@ void Contact::book(Near& near, std::span<const Push> pushes, const ContactStep& 
   const Vec3 velocity = row(attributes_.velocity().rows(), near.vertex);
   const Vec3 change = minus(velocity, near.free_velocity);
   if (change == Vec3{}) return;
+  const Vec3 force = free_force(near, step);
   near.is_booked = true;
-  near.mean = mean_velocity(near, step);
+  near.mean = mean_velocity(near, force, step);
   double heat = 0;
   for (std::size_t i = 0; i < pushes.size(); ++i) {
     if (pushes[i].normal == Vec3{}) continue;
@@ -255,7 +256,7 @@ void Contact::book(Near& near, std::span<const Push> pushes, const ContactStep& 
   work_ += work + heat;
   friction_work_ -= heat;
   corrections_.push_back(
-      {near.vertex, dot(free_force(near, step), change),
+      {near.vertex, dot(force, change),
        mass * (dot(velocity, velocity) - dot(near.free_velocity, near.free_velocity))});
 }
 
@@ -264,10 +265,9 @@ Vec3 Contact::free_force(const Near& near, const ContactStep& step) const {
   return (*step.moving)[near.vertex] ? row(free_forces_.data(), near.vertex) : Vec3{};
 }
 
-/// Before and after the step, m/s.
-Vec3 Contact::mean_velocity(const Near& near, const ContactStep& step) const {
-  const double mass = attributes_.mass().rows()[near.vertex];
-  const Vec3 kick = scaled(step.whole_gain / mass, free_force(near, step));
+/// Of the velocities before and after the step; `force`: without contact. m/s
+Vec3 Contact::mean_velocity(const Near& near, const Vec3& force, const ContactStep& step) const {
+  const Vec3 kick = scaled(step.whole_gain / attributes_.mass().rows()[near.vertex], force);
   const Vec3 before = scaled(1 / step.whole_decay, minus(near.free_velocity, kick));
   return scaled(0.5, plus(before, row(attributes_.velocity().rows(), near.vertex)));
 }
@@ -290,7 +290,8 @@ void Contact::book_friction_of_pieces(const ContactStep& step) {
     Vec3 sliding{};
     for (std::size_t i = 0; i < 5; ++i) {
       const Near& near = near_[near_place_[touch.vertices[i]]];
-      const Vec3 mean = near.is_booked ? near.mean : mean_velocity(near, step);
+      const Vec3 mean =
+          near.is_booked ? near.mean : mean_velocity(near, free_force(near, step), step);
       sliding = plus(sliding, scaled(touch.weights[i], mean));
     }
     const double heat = -step.work_gain * dot(touch.friction, sliding);

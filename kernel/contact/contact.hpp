@@ -175,7 +175,7 @@ class Contact final : public Follower {
   void push_out(Index vertex, Vec3& pushed, std::span<Push> pushes, double dt);
   void book(Near& near, std::span<const Push> pushes, const ContactStep& step);
   Vec3 free_force(const Near& near, const ContactStep& step) const;
-  Vec3 mean_velocity(const Near& near, const ContactStep& step) const;
+  Vec3 mean_velocity(const Near& near, const Vec3& force, const ContactStep& step) const;
   void book_friction_of_pieces(const ContactStep& step);
   void sum_loads();
 

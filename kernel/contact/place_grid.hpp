@@ -9,10 +9,6 @@
 
 namespace suture {
 
-inline bool contains(const Box& box, const Vec3& p) {
-  return p[0] >= box.low[0] && p[0] <= box.high[0] && p[1] >= box.low[1] && p[1] <= box.high[1] &&
-         p[2] >= box.low[2] && p[2] <= box.high[2];
-}
 inline bool overlap(const Box& a, const Box& b) {
   return a.low[0] <= b.high[0] && b.low[0] <= a.high[0] && a.low[1] <= b.high[1] &&
          b.low[1] <= a.high[1] && a.low[2] <= b.high[2] && b.low[2] <= a.high[2];

@@ -30,6 +30,11 @@ void DenseSet::erase(Index item) {
   place_[item] = none;
 }
 
+void DenseSet::clear() {
+  for (const Index item : items_) place_[item] = none;
+  items_.clear();
+}
+
 void DenseSet::state(Archive& archive) {
   archive("items", items_);
   if (!archive.loads()) return;

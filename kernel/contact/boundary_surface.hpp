@@ -20,6 +20,7 @@ class DenseSet {
   void insert(Index item);
   /// The last item takes the place of the erased one.
   void erase(Index item);
+  void clear();  ///< O(items)
   void state(Archive& archive);
 
  private:

@@ -120,7 +120,7 @@ void PieceContact::begin(double dt, double gain, const LiveMask& moving) {
   lists_.update(attributes_.position().rows(), moving);
   find_touches();
   take_back();
-  sweeps_.begin(touches_, attributes_.vertex_count());
+  sweeps_.begin(touches_);
 }
 
 /// Moves the ends of the step to where the forces of the last one take them: at rest, to where the

@@ -82,19 +82,15 @@ double sweep_over(const SweepState& state, PieceTouch* first, PieceTouch* last) 
 
 }  // namespace
 
-void TouchSweeps::begin(std::span<PieceTouch> touches, std::size_t vertices) {
-  place_.resize(vertices);
+void TouchSweeps::begin(std::span<PieceTouch> touches) {
   vertices_.clear();
   for (PieceTouch& touch : touches)
     for (std::size_t i = 0; i < 5; ++i) {
       const Index v = touch.vertices[i];
-      if (!has(v)) {
-        place_[v] = static_cast<Index>(vertices_.size());
-        vertices_.push_back(v);
-      }
-      touch.places[i] = place_[v];
+      if (!vertices_.contains(v)) vertices_.insert(v);
+      touch.places[i] = vertices_.place(v);
     }
-  ways_.assign(vertices_.size(), 0);
+  ways_.assign(vertices_.items().size(), 0);
 }
 
 double TouchSweeps::sweep(std::span<PieceTouch> touches, double* velocities, double friction,

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "kernel/base/types.hpp"
+#include "kernel/contact/boundary_surface.hpp"
 
 namespace suture {
 
@@ -41,8 +41,8 @@ inline bool is_found_before(const std::array<Index, 5>& a, const std::array<Inde
 /// since they were last improved.
 class TouchSweeps {
  public:
-  /// Call when a step begins: numbers the vertices. `vertices`: in all.
-  void begin(std::span<PieceTouch> touches, std::size_t vertices);
+  /// Call when a step begins: numbers the vertices.
+  void begin(std::span<PieceTouch> touches);
 
   /// Changes impulses, and velocities (rows of 4) by them. `negligible`: m. Returns the largest
   /// change of a gap, m.
@@ -52,17 +52,12 @@ class TouchSweeps {
   void apply(const PieceTouch& touch, const Vec3& impulse, double* velocities) const;
   /// Something else has moved a vertex, m.
   void disturb(Index vertex, double way) {
-    if (has(vertex)) ways_[place_[vertex]] += way;
+    if (vertices_.contains(vertex)) ways_[vertices_.place(vertex)] += way;
   }
 
  private:
-  bool has(Index vertex) const {
-    return place_[vertex] < vertices_.size() && vertices_[place_[vertex]] == vertex;
-  }
-
-  std::vector<Index> vertices_;  ///< that touch
-  std::vector<Index> place_;     ///< by vertex: in vertices_, if that is there
-  std::vector<double> ways_;     ///< by place, m
+  DenseSet vertices_;         ///< that touch
+  std::vector<double> ways_;  ///< by place, m
 };
 
 }  // namespace suture

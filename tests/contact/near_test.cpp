@@ -184,7 +184,7 @@ TEST(TouchSweeps, ImproveWhatOthersHaveMoved) {
   touch.mass = 1;
   const double dt = 0.1;
   TouchSweeps sweeps;
-  sweeps.begin({&touch, 1}, 5);
+  sweeps.begin({&touch, 1});
   const auto sweep = [&] { return sweeps.sweep({&touch, 1}, velocities.data(), 0, dt, 0.01); };
   EXPECT_EQ(sweep(), dt);
   EXPECT_EQ(velocities[2], 0);

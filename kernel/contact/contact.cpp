@@ -99,7 +99,7 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   step_work_ = 0;
   find_near_obstacles(step);
   if (pieces_) find_touching_pieces(step);
-  pushes_.assign(near_obstacles_ * placed_.size(), {});
+  pushes_.assign(pushed_.size() * placed_.size(), {});
   push(step.dt);
   if (has_tools_) settle_tools(step);
   for (std::size_t i = 0; i < near_.size(); ++i) book(near_[i], pushes_on(i), step);
@@ -136,13 +136,12 @@ void Contact::find_near_obstacles(const ContactStep& step) {
         add_near(v);
     }
   }
-  near_obstacles_ = near_.size();
   pushed_.clear();
   for (const Near& near : near_) pushed_.push_back({near.vertex});
 }
 
 void Contact::find_touching_pieces(const ContactStep& step) {
-  near_.resize(near_obstacles_);
+  near_.resize(pushed_.size());
   pieces_->begin(step.dt, step.whole_gain, *step.moving);
   if (pieces_->touches().empty()) return;
   near_place_.assign(attributes_.vertex_count(), none);
@@ -165,7 +164,7 @@ void Contact::add_near(Index vertex) {
 
 /// By obstacle.
 std::span<Push> Contact::pushes_on(std::size_t near) {
-  if (near >= near_obstacles_) return {};
+  if (near >= pushed_.size()) return {};
   return std::span(pushes_).subspan(near * placed_.size(), placed_.size());
 }
 
@@ -175,7 +174,7 @@ void Contact::push(double dt) {
   bool changes = true;
   for (int sweep = 0; changes && sweep < max_piece_sweeps; ++sweep) {
     changes = meet && pieces_->sweep();
-    for (std::size_t i = 0; i < near_obstacles_; ++i) {
+    for (std::size_t i = 0; i < pushed_.size(); ++i) {
       auto& [vertex, change, settled] = pushed_[i];
       const Vec3 velocity = row(attributes_.velocity().rows(), vertex);
       if (sweep > 0 && velocity == settled) continue;  // pieces left it where it was
@@ -186,7 +185,7 @@ void Contact::push(double dt) {
     }
   }
   if (meet)
-    for (const Near& near : std::span(near_).subspan(near_obstacles_)) move(near, dt);
+    for (const Near& near : std::span(near_).subspan(pushed_.size())) move(near, dt);
 }
 
 /// To where the changed velocity takes it.

@@ -192,9 +192,8 @@ class Contact final : public Follower {
   // Of the step in progress.
   std::vector<PlacedObstacle> placed_;
   std::vector<const PlacedObstacle*> near_placed_;  ///< near some vertices
-  std::vector<Near> near_;                          ///< first those near obstacles
-  std::size_t near_obstacles_ = 0;                  ///< how many
-  std::vector<Pushed> pushed_;                      ///< of these
+  std::vector<Near> near_;                          ///< first those of pushed_
+  std::vector<Pushed> pushed_;                      ///< of near_, those near obstacles
   std::vector<Correction> corrections_;
   std::vector<Push> pushes_;  ///< of vertices near obstacles: by obstacle
   std::unique_ptr<PieceContact> pieces_;

@@ -50,7 +50,7 @@ Tool::Impulse Contact::answer_to(std::size_t obstacle) const {
   Tool::Impulse answer;
   const Pose& end = tools_[obstacle]->end();
   const Vec3 centre = plus(end.centre, end.translation);
-  for (std::size_t i = 0; i < near_obstacles_; ++i) {
+  for (std::size_t i = 0; i < pushed_.size(); ++i) {
     const Push& push = pushes_[i * placed_.size() + obstacle];
     if (push.normal == Vec3{}) continue;
     const Index vertex = near_[i].vertex;
@@ -65,7 +65,7 @@ Tool::Impulse Contact::answer_to(std::size_t obstacle) const {
 
 std::vector<Tool::Pushed> Contact::pushed_by(std::size_t obstacle) const {
   std::vector<Tool::Pushed> pushed;
-  for (std::size_t i = 0; i < near_obstacles_; ++i) {
+  for (std::size_t i = 0; i < pushed_.size(); ++i) {
     const Push& push = pushes_[i * placed_.size() + obstacle];
     if (push.normal == Vec3{}) continue;
     const Index vertex = near_[i].vertex;

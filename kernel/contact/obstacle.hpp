@@ -22,6 +22,7 @@ struct Pose {
   Vec3 place(const Vec3& given) const;
   Vec3 given(const Vec3& place) const;  ///< the inverse of place()
   Vec3 direction(const Vec3& given) const;
+  bool is_as_given() const { return turn == no_rotation && translation == Vec3{}; }
 };
 
 /// R as a vector (rotation.hpp), at most pi long.

@@ -26,14 +26,15 @@ PlacedObstacle::PlacedObstacle(const Obstacle& obstacle, double thickness, const
 
 void PlacedObstacle::move_end(const Pose& end) {
   end_ = end;
+  is_as_given_ = start_.is_as_given() && end.is_as_given();
   ball_.centre = end.place(ball_around(obstacle_.shape).centre);
   if (is_half_space_) normal_ = end.direction(std::get<HalfSpace>(obstacle_.shape).normal);
 }
 
 Nearest PlacedObstacle::gap(const Pose& pose, const Vec3& place) const {
-  Nearest found = nearest(obstacle_.shape, pose.given(place));
+  Nearest found = nearest(obstacle_.shape, is_as_given_ ? place : pose.given(place));
   found.distance -= offset_;
-  found.normal = pose.direction(found.normal);
+  if (!is_as_given_) found.normal = pose.direction(found.normal);
   return found;
 }
 

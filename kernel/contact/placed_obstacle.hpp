@@ -76,6 +76,7 @@ class PlacedObstacle {
   Ball ball_;
   Vec3 normal_{};  ///< of a half-space
   bool is_half_space_, is_triangulated_;
+  bool is_as_given_ = false;  ///< at both ends: most obstacles stand
 };
 
 }  // namespace suture

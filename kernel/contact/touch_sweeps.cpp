@@ -15,6 +15,8 @@ namespace {
 struct SweepState {
   double* velocities;
   double* ways;
+  const std::uint64_t* groups;
+  std::uint64_t* due;
   double friction, dt, negligible;
 };
 
@@ -33,6 +35,9 @@ SUTURE_INLINE void kick(const PieceTouch& touch, const RowLanes& impulse, double
     velocity += touch.response[i] * impulse * row_at(free_components[0], fixed);
   }
 }
+
+/// Of contacts, of which there are as many groups as bits.
+SUTURE_INLINE std::size_t group_length(std::size_t contacts) { return contacts / 64 + 1; }
 
 /// How far the gap may have changed since the step began, m.
 SUTURE_INLINE double way_of(const PieceTouch& touch, const double* ways) {
@@ -64,18 +69,27 @@ SUTURE_INLINE double improve(const SweepState& s, PieceTouch& touch) {
   }
   kick(touch, total, s.velocities);
   const double way = std::sqrt(dot(total, total)) * s.dt;
-  for (std::size_t i = 0; i < 5; ++i) s.ways[touch.places[i]] += std::abs(touch.response[i]) * way;
+  for (std::size_t i = 0; i < 5; ++i) {
+    s.ways[touch.places[i]] += std::abs(touch.response[i]) * way;
+    *s.due |= s.groups[touch.places[i]];
+  }
   return std::abs(change) * s.dt / touch.mass;
 }
 
 SUTURE_CLONES
-double sweep_over(const SweepState& state, PieceTouch* first, PieceTouch* last) {
+double sweep_over(const SweepState& state, std::span<PieceTouch> touches) {
   const SweepState s = state;
+  const std::size_t length = group_length(touches.size());
   double largest = 0;
-  for (PieceTouch* touch = first; touch != last; ++touch) {
-    if (way_of(*touch, s.ways) - touch->seen <= s.negligible) continue;
-    largest = std::max(largest, improve(s, *touch));
-    touch->seen = way_of(*touch, s.ways);
+  for (std::size_t first = 0; first < touches.size(); first += length) {
+    const std::uint64_t group = std::uint64_t{1} << first / length;
+    if (!(*s.due & group)) continue;
+    *s.due &= ~group;
+    for (PieceTouch& touch : touches.subspan(first, std::min(length, touches.size() - first))) {
+      if (way_of(touch, s.ways) - touch.seen <= s.negligible) continue;
+      largest = std::max(largest, improve(s, touch));
+      touch.seen = way_of(touch, s.ways);
+    }
   }
   return largest;
 }
@@ -84,19 +98,25 @@ double sweep_over(const SweepState& state, PieceTouch* first, PieceTouch* last) 
 
 void TouchSweeps::begin(std::span<PieceTouch> touches) {
   vertices_.clear();
-  for (PieceTouch& touch : touches)
+  groups_.clear();
+  due_ = ~std::uint64_t{0};
+  for (std::size_t k = 0; k < touches.size(); ++k)
     for (std::size_t i = 0; i < 5; ++i) {
-      const Index v = touch.vertices[i];
-      if (!vertices_.contains(v)) vertices_.insert(v);
-      touch.places[i] = vertices_.place(v);
+      const Index v = touches[k].vertices[i];
+      if (!vertices_.contains(v)) {
+        vertices_.insert(v);
+        groups_.push_back(0);
+      }
+      touches[k].places[i] = vertices_.place(v);
+      groups_[vertices_.place(v)] |= std::uint64_t{1} << k / group_length(touches.size());
     }
-  ways_.assign(vertices_.items().size(), 0);
+  ways_.assign(groups_.size(), 0);
 }
 
 double TouchSweeps::sweep(std::span<PieceTouch> touches, double* velocities, double friction,
                           double dt, double negligible) {
-  return sweep_over({velocities, ways_.data(), friction, dt, negligible}, touches.data(),
-                    touches.data() + touches.size());
+  return sweep_over({velocities, ways_.data(), groups_.data(), &due_, friction, dt, negligible},
+                    touches);
 }
 
 void TouchSweeps::apply(const PieceTouch& touch, const Vec3& impulse, double* velocities) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -38,7 +39,7 @@ inline bool is_found_before(const std::array<Index, 5>& a, const std::array<Inde
 
 /// Projected Gauss-Seidel over the contacts of a step. Every vertex counts how far impulses have
 /// taken it; a sweep skips contacts whose gap others cannot have changed by more than `negligible`
-/// since they were last improved.
+/// since they were last improved, and whole groups of which no vertex has gone anywhere.
 class TouchSweeps {
  public:
   /// Call when a step begins: numbers the vertices.
@@ -52,12 +53,16 @@ class TouchSweeps {
   void apply(const PieceTouch& touch, const Vec3& impulse, double* velocities) const;
   /// Something else has moved a vertex, m.
   void disturb(Index vertex, double way) {
-    if (vertices_.contains(vertex)) ways_[vertices_.place(vertex)] += way;
+    if (!vertices_.contains(vertex)) return;
+    ways_[vertices_.place(vertex)] += way;
+    due_ |= groups_[vertices_.place(vertex)];
   }
 
  private:
-  DenseSet vertices_;         ///< that touch
-  std::vector<double> ways_;  ///< by place, m
+  DenseSet vertices_;                  ///< that touch
+  std::vector<double> ways_;           ///< by place, m
+  std::vector<std::uint64_t> groups_;  ///< by place: a bit for each group of contacts it is in
+  std::uint64_t due_ = 0;              ///< groups that the next sweep visits
 };
 
 }  // namespace suture

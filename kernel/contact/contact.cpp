@@ -99,7 +99,7 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   step_work_ = 0;
   find_near_obstacles(step);
   if (pieces_) find_touching_pieces(step);
-  pushes_.assign(pushed_.size() * placed_.size(), {});
+  pushes_.resize(pushed_.size() * placed_.size());
   push(step.dt);
   if (has_tools_) settle_tools(step);
   for (std::size_t i = 0; i < near_.size(); ++i) book(near_[i], pushes_on(i), step);
@@ -142,16 +142,20 @@ void Contact::find_near_obstacles(const ContactStep& step) {
 
 void Contact::find_touching_pieces(const ContactStep& step) {
   near_.resize(pushed_.size());
+  shared_.clear();
   pieces_->begin(step.dt, step.whole_gain, *step.moving);
-  if (pieces_->touches().empty()) return;
-  near_place_.assign(attributes_.vertex_count(), none);
-  for (Index i = 0; i < near_.size(); ++i) near_place_[near_[i].vertex] = i;
-  for (const PieceContact::Touch& touch : pieces_->touches())
-    for (const Index v : touch.vertices) {
-      if (near_place_[v] != none) continue;
-      near_place_[v] = static_cast<Index>(near_.size());
-      add_near(v);
-    }
+  const DenseSet& touching = pieces_->touching();
+  near_place_.assign(touching.items().size(), none);
+  for (Index i = 0; i < pushed_.size(); ++i) {
+    if (!touching.contains(pushed_[i].vertex)) continue;
+    near_place_[touching.place(pushed_[i].vertex)] = i;
+    shared_.push_back(i);
+  }
+  for (std::size_t i = 0; i < near_place_.size(); ++i) {
+    if (near_place_[i] != none) continue;
+    near_place_[i] = static_cast<Index>(near_.size());
+    add_near(touching.items()[i]);
+  }
   pieces_->apply_last_forces();
 }
 
@@ -168,21 +172,27 @@ std::span<Push> Contact::pushes_on(std::size_t near) {
   return std::span(pushes_).subspan(near * placed_.size(), placed_.size());
 }
 
-/// Obstacles have the last word in each sweep: nothing is left inside them.
+/// Obstacles have the last word in each sweep: nothing is left inside them. After the first one,
+/// only pieces move vertices.
 void Contact::push(double dt) {
   const bool meet = pieces_ && !pieces_->touches().empty();
-  bool changes = true;
-  for (int sweep = 0; changes && sweep < max_piece_sweeps; ++sweep) {
-    changes = meet && pieces_->sweep();
-    for (std::size_t i = 0; i < pushed_.size(); ++i) {
-      auto& [vertex, change, settled] = pushed_[i];
-      const Vec3 velocity = row(attributes_.velocity().rows(), vertex);
-      if (sweep > 0 && velocity == settled) continue;  // pieces left it where it was
-      if (meet) move(near_[i], dt);
-      push_out(vertex, change, pushes_on(i), dt);
-      settled = row(attributes_.velocity().rows(), vertex);
-      if (meet) pieces_->disturb(vertex, dt * norm(minus(settled, velocity)));
-    }
+  const auto velocity = [&](std::size_t i) {
+    return row(attributes_.velocity().rows(), pushed_[i].vertex);
+  };
+  const auto settle = [&](std::size_t i) {
+    auto& [vertex, change, settled] = pushed_[i];
+    const Vec3 before = velocity(i);
+    if (meet) move(near_[i], dt);
+    push_out(vertex, change, pushes_on(i), dt);
+    settled = velocity(i);
+    if (meet) pieces_->disturb(vertex, dt * norm(minus(settled, before)));
+  };
+  bool changes = meet && pieces_->sweep();
+  for (std::size_t i = 0; i < pushed_.size(); ++i) settle(i);
+  for (int sweep = 1; changes && sweep < max_piece_sweeps; ++sweep) {
+    changes = pieces_->sweep();
+    for (const Index i : shared_)
+      if (velocity(i) != pushed_[i].settled) settle(i);
   }
   if (meet)
     for (const Near& near : std::span(near_).subspan(pushed_.size())) move(near, dt);
@@ -288,7 +298,7 @@ void Contact::book_friction_of_pieces(const ContactStep& step) {
     if (touch.friction == Vec3{}) continue;
     Vec3 sliding{};
     for (std::size_t i = 0; i < 5; ++i) {
-      const Near& near = near_[near_place_[touch.vertices[i]]];
+      const Near& near = near_[near_place_[touch.places[i]]];
       const Vec3 mean =
           near.is_booked ? near.mean : mean_velocity(near, free_force(near, step), step);
       sliding = plus(sliding, scaled(touch.weights[i], mean));

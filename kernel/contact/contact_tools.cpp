@@ -43,7 +43,6 @@ void Contact::release(const ContactStep& step) {
   }
   for (Pushed& pushed : pushed_) pushed.change = {};
   if (pieces_) find_touching_pieces(step);
-  std::ranges::fill(pushes_, Push{});
 }
 
 Tool::Impulse Contact::answer_to(std::size_t obstacle) const {

@@ -48,6 +48,8 @@ class PieceContact {
   /// Begins with the forces of the last step where contacts continue.
   void apply_last_forces();
   std::span<const Touch> touches() const { return touches_; }
+  /// The vertices of touches; of each by PieceTouch::places.
+  const DenseSet& touching() const { return sweeps_.vertices(); }
   /// Improves the impulses, and changes velocities by them; positions are up to the caller. True if
   /// some gap changed by more than 1e-4 of an edge, or by more than 0.3 of the change in the first
   /// sweep.

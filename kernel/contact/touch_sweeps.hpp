@@ -44,6 +44,7 @@ class TouchSweeps {
  public:
   /// Call when a step begins: numbers the vertices.
   void begin(std::span<PieceTouch> touches);
+  const DenseSet& vertices() const { return vertices_; }
 
   /// Changes impulses, and velocities (rows of 4) by them. `negligible`: m. Returns the largest
   /// change of a gap, m.

@@ -11,7 +11,7 @@
 namespace suture::checks {
 namespace {
 
-using Values = std::vector<double>;
+using NodalValues = std::vector<double>;
 
 bool has_functor_of(SampleBody& sample, std::initializer_list<std::uint32_t> dimensions) {
   return std::ranges::any_of(sample.functors(), [&](const suture_functor* f) {
@@ -24,7 +24,7 @@ Eigen::MatrixXd tangent_of(SampleBody& sample) {
   const std::size_t n = 3 * sample.body().attributes().vertex_count();
   Eigen::MatrixXd matrix(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
   for (std::size_t j = 0; j < n; ++j) {
-    Values unit(n), df(n);
+    NodalValues unit(n), df(n);
     unit[j] = 1;
     sample.body().models().add_tangent(unit.data(), 1, 0, TangentTime(0), df.data());
     matrix.col(static_cast<Eigen::Index>(j)) =
@@ -33,7 +33,7 @@ Eigen::MatrixXd tangent_of(SampleBody& sample) {
   return matrix;
 }
 
-double total(const Values& values) {
+double total(const NodalValues& values) {
   double sum = 0;
   for (const double x : values) sum += x;
   return sum;
@@ -67,9 +67,11 @@ double worst_of(double a, double b, const char* text_a, const char* text_b, cons
 }
 
 /// Everything that a parameter may change.
-Values observed(SampleBody& sample) {
-  Values all = sample.forces();
-  const auto append = [&](const Values& more) { all.insert(all.end(), more.begin(), more.end()); };
+NodalValues observed(SampleBody& sample) {
+  NodalValues all = sample.forces();
+  const auto append = [&](const NodalValues& more) {
+    all.insert(all.end(), more.begin(), more.end());
+  };
   append(sample.at_vertices(sample.body().attributes().mass(), 1));
   append({sample.body().models().energy(0)});
   for (const suture_functor* functor : sample.functors())
@@ -122,7 +124,7 @@ bool has_effect(const suture_model& model, const SampleOptions& options, std::si
 Result rest(const BodyCase& of) {
   if (has_functor_of(of.sample, {0, 2})) return {};
   of.sample.go_to_rest();
-  const Values forces = of.sample.forces();
+  const NodalValues forces = of.sample.forces();
   if (!of.sample.body().models().has_tangent()) return {};
   const double stiffness = tangent_of(of.sample).cwiseAbs().maxCoeff();
   constexpr double edge = 0.05;
@@ -151,7 +153,7 @@ Result stiffness(const BodyCase& of) {
 // The mass of an element follows its volume, and is shared among its nodes.
 Result mass(const BodyCase& of) {
   if (!gives_mass(of.sample.model())) return {};
-  const Values masses = of.sample.at_vertices(of.sample.body().attributes().mass(), 1);
+  const NodalValues masses = of.sample.at_vertices(of.sample.body().attributes().mass(), 1);
   if (!(*std::ranges::min_element(masses) > 0))
     throw BrokenLaw("the mass of a node is not positive");
   if (of.sample.options().set.differs) return {};

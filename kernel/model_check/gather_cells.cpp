@@ -8,8 +8,6 @@
 namespace suture {
 namespace {
 
-constexpr std::size_t lanes = SUTURE_LANES;
-
 class Gathering {
  public:
   Gathering(Body& body, Instance& instance, const suture_functor& functor)
@@ -23,10 +21,10 @@ class Gathering {
     for (auto* vectors : {&batch.rest, &batch.position, &batch.velocity})
       vectors->assign(batch.vector_size(), 0);
     for (std::uint32_t i = 0; i < functor.cell_column_count; ++i)
-      batch.cell_columns.emplace_back(components_of(functor.cell_columns[i]) * lanes);
+      batch.cell_columns.emplace_back(components_of(functor.cell_columns[i]) * SUTURE_LANES);
     for (std::uint32_t i = 0; i < functor.vertex_column_count; ++i)
       batch.vertex_columns.emplace_back(batch.nodes() * components_of(functor.vertex_columns[i]) *
-                                        lanes);
+                                        SUTURE_LANES);
   }
 
   void add(std::size_t lane, Index cell) {
@@ -65,7 +63,7 @@ class Gathering {
     const Column& column = *instance_.column(functor_.cell_columns[i]);
     const Index row = instance_.table(dimension_).cells.row(cell);
     for (int c = 0; c < column.spec().components; ++c)
-      batch.cell_columns[i][static_cast<std::size_t>(c) * lanes + lane] = column.get(row, c);
+      batch.cell_columns[i][static_cast<std::size_t>(c) * SUTURE_LANES + lane] = column.get(row, c);
   }
   void add_vertex_column(std::size_t i, std::size_t lane) {
     const std::uint32_t a = functor_.vertex_columns[i];
@@ -75,7 +73,7 @@ class Gathering {
     for (std::size_t n = 0; n < batch.nodes(); ++n) {
       const Index row = is_mass ? nodes_[n] : instance_.table(0).cells.row(nodes_[n]);
       for (std::size_t c = 0; c < components; ++c)
-        batch.vertex_columns[i][(n * components + c) * lanes + lane] =
+        batch.vertex_columns[i][(n * components + c) * SUTURE_LANES + lane] =
             column.get(row, static_cast<int>(c));
     }
   }
@@ -93,9 +91,9 @@ class Gathering {
 CellBatch gather_cells(Body& body, Instance& instance, const suture_functor& functor,
                        std::span<const Index> cells) {
   Gathering gathering(body, instance, functor);
-  const std::size_t valid = std::min(lanes, cells.size());
+  const std::size_t valid = std::min<std::size_t>(SUTURE_LANES, cells.size());
   gathering.batch.valid = static_cast<std::uint32_t>(valid);
-  for (std::size_t lane = 0; lane < lanes; ++lane)
+  for (std::size_t lane = 0; lane < SUTURE_LANES; ++lane)
     gathering.add(lane, cells[std::min(lane, valid - 1)]);
   return std::move(gathering.batch);
 }

@@ -10,11 +10,11 @@
 namespace suture::checks {
 namespace {
 
-using Values = std::vector<double>;
+using NodalValues = std::vector<double>;
 
 constexpr std::array<Vec3, 3> quarter_turn{{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}};  // x -> y -> z
 
-Values rotated_all(const std::array<Vec3, 3>& rotation, Values values) {
+NodalValues rotated_all(const std::array<Vec3, 3>& rotation, NodalValues values) {
   for (std::size_t i = 0; i < values.size(); i += 3) {
     const Vec3 v = rotated(rotation, {values[i], values[i + 1], values[i + 2]});
     std::ranges::copy(v, values.begin() + static_cast<std::ptrdiff_t>(i));
@@ -32,7 +32,7 @@ bool has_vertex_functors(SampleBody& sample) {
                              [](const suture_functor* f) { return f->dimension == 0; });
 }
 
-Measured differ(const Values& found, const Values& expected, const char* text) {
+Measured differ(const NodalValues& found, const NodalValues& expected, const char* text) {
   return {relative_difference(found, expected), text};
 }
 
@@ -93,7 +93,7 @@ Result regions(const BodyCase& of) {
 Result instances(const BodyCase& of) {
   const suture_model& model = of.sample.model();
   SampleOptions options = of.sample.options();
-  const Values before = of.sample.forces();
+  const NodalValues before = of.sample.forces();
   for (std::size_t p = 0; p < model.parameter_count; ++p) {
     const suture_parameter& parameter = model.parameters[p];
     double& value = options.set.values[p];

@@ -13,7 +13,7 @@ namespace {
 
 constexpr Index reference_meshes[3] = {5, 10, 20};
 
-const Cantilever all[] = {
+const Cantilever known_cases[] = {
     {"A", 9.8, 0.3, {-0.4992912006326, -0.5077616632536, -0.5108246881083}, unknown, false},
     {"A0.25", 2.45, 0.3, {-0.1467450383566, -0.1498008516107, -0.1507273288824}, -0.1511616184928},
     {"B",
@@ -53,11 +53,11 @@ double Cantilever::discrete_tip(Index across) const {
   return found == std::end(reference_meshes) ? unknown : discrete[found - reference_meshes];
 }
 
-std::span<const Cantilever> cantilevers() { return all; }
+std::span<const Cantilever> cantilevers() { return known_cases; }
 
 const Cantilever& cantilever(std::string_view name) {
   std::vector<std::string> names;
-  for (const Cantilever& known : all) {
+  for (const Cantilever& known : known_cases) {
     if (known.name == name) return known;
     names.push_back(known.name);
   }

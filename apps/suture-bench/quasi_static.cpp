@@ -24,13 +24,14 @@ struct QuasiStaticOptions {
   double seconds = 1, tolerance = 1e-4, cut_every = 0.1;
 };
 
-constexpr double beam_length = 1, side = 0.25;  // m
+constexpr double beam_length = 1, beam_side = 0.25;  // m
 
 /// Held at one end; the other is pulled away by a tenth of the length and aside, in a second.
 Scene pulled(PluginHost& host, const Beam& beam, const std::string& element,
              const QuasiStaticOptions& options) {
   Scene scene;
-  scene.mesh.box = BoxOptions{{0, 0, 0}, {beam_length, side, side}, beam.cells, {1, 1, 1}};
+  scene.mesh.box =
+      BoxOptions{{0, 0, 0}, {beam_length, beam_side, beam_side}, beam.cells, {1, 1, 1}};
   ModelUse use;
   use.name = "tm-faure";
   use.model = &host.model(use.name);
@@ -56,17 +57,19 @@ Scene pulled(PluginHost& host, const Beam& beam, const std::string& element,
 
 /// A notch from above over half of the height, the `number`-th along the beam.
 Event notch(int number) {
-  const double x = beam_length * (0.1 + 0.1 * (number % 9)) + 1e-3, low = side / 2 + 1e-3;
-  CutPlane cut{{x, 0.75 * side, side / 2}, {1, 0, 0}};
-  cut.polygon = {
-      {x, low, -side}, {x, 2 * side, -side}, {x, 2 * side, 2 * side}, {x, low, 2 * side}};
+  const double x = beam_length * (0.1 + 0.1 * (number % 9)) + 1e-3, low = beam_side / 2 + 1e-3;
+  CutPlane cut{{x, 0.75 * beam_side, beam_side / 2}, {1, 0, 0}};
+  cut.polygon = {{x, low, -beam_side},
+                 {x, 2 * beam_side, -beam_side},
+                 {x, 2 * beam_side, 2 * beam_side},
+                 {x, low, 2 * beam_side}};
   Event event;
   event.path = "/events/" + std::to_string(number);
   event.what = cut;
   return event;
 }
 
-struct Frames {
+struct ShownFrames {
   double total = 0, slowest = 0;  ///< s
   int count = 0, late = 0, cuts = 0, newton = 0;
 };
@@ -77,8 +80,8 @@ struct Counter : Observer {
   int iterations = 0;
 };
 
-Frames show(Simulation& simulation, const Beam& beam, const QuasiStaticOptions& options) {
-  Frames result;
+ShownFrames show(Simulation& simulation, const Beam& beam, const QuasiStaticOptions& options) {
+  ShownFrames result;
   Counter counter;
   const double frame = 1.0 / beam.frames_per_second;
   const int frames = static_cast<int>(std::lround(options.seconds / frame));
@@ -107,7 +110,7 @@ void run_quasi_static(const QuasiStaticOptions& options, Report& report) {
     for (const Beam& beam : beams) {
       Diagnostics diagnostics;
       Simulation simulation(pulled(host, beam, element, options), host, diagnostics);
-      const Frames frames = show(simulation, beam, options);
+      const ShownFrames frames = show(simulation, beam, options);
       report.add(Line()
                      .add("element", element)
                      .add("elements", static_cast<double>(simulation.complex().existing(3)))

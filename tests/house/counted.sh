@@ -1,9 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Instructions per cell, counted by callgrind: catches what makes force loop, step or
-# cut slower by half, on any machine and without a clock. Two runs that differ by some
-# repetitions; their difference over the cells is the figure. valgrind 3.19 does not
-# know AVX-512, so the AVX2 path is counted.
+# cut slower by half, on any machine and without a clock. valgrind 3.19 does not know
+# AVX-512, so the AVX2 path is counted.
 # usage: counted.sh SUTURE-BENCH
 set -euo pipefail
 bench=$1
@@ -26,23 +25,19 @@ figures='
 '
 most=1.5
 
-# instructions REPEAT WORK OPTIONS...
-instructions() {
-  SUTURE_ISA=avx2 valgrind --tool=callgrind --callgrind-out-file=/dev/null \
-    "$bench" count --repeat "$1" --work "${@:2}" 2>&1 >/dev/null |
-    sed -n 's/.*Collected : //p'
-}
-
+log=$(mktemp)
+trap 'rm "$log"' EXIT
 failed=0
 while read -r figure work options; do
   [ -n "$figure" ] || continue
   read -ra list <<<"$options"
-  cells=$("$bench" count --work "$work" "${list[@]}" | tail -n 1)
-  once=$(instructions 2 "$work" "${list[@]}")
-  more=$(instructions 6 "$work" "${list[@]}")
-  awk -v a="$once" -v b="$more" -v cells="$cells" -v figure="$figure" -v most="$most" \
+  cells=$(SUTURE_ISA=avx2 valgrind --tool=callgrind --callgrind-out-file=/dev/null \
+    --toggle-collect='*counted_work*' --log-file="$log" \
+    "$bench" count --work "$work" "${list[@]}" | tail -n 1)
+  instructions=$(sed -n 's/.*Collected : //p' "$log")
+  awk -v instructions="$instructions" -v cells="$cells" -v figure="$figure" -v most="$most" \
     -v what="$work $options" 'BEGIN {
-      counted = (b - a) / (4 * cells)
+      counted = instructions / cells
       good = counted > 0 && counted <= most * figure
       printf "%8.1f counted, %6s in the table: %s%s\n", counted, figure, what, good ? "" : "  FAILS"
       exit !good

@@ -7,6 +7,7 @@
 
 #include "kernel/base/error.hpp"
 #include "tests/base/same_state.hpp"
+#include "tests/base/sanitizer.hpp"
 #include "tests/topology/meshes.hpp"
 #include "tests/topology/operations.hpp"
 
@@ -271,7 +272,7 @@ TEST(TearCheck, FollowsCutsAndRemovals) {
 
 TEST(TearCheck, TheSameForAnyNumberOfThreads) {
   std::vector<Dart> expected;
-  for (const unsigned threads : {1u, 2u, 3u, 8u}) {
+  for (const unsigned threads : test::thread_counts()) {
     const Mesh mesh = grid(40, 40, 40);
     StillBody body(mesh, threads);
     body.deform([](Vec3 x) { return Vec3{1.2 * x[0] + 0.1 * std::sin(x[1]), x[1], x[2]}; });

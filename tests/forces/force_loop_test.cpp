@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "kernel/base/isa.hpp"
+#include "tests/base/sanitizer.hpp"
 #include "tests/forces/spring_model.hpp"
 
 namespace {
@@ -79,7 +80,7 @@ TEST(ForceLoop, SameBitsForAnyNumberOfThreads) {
   const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 8);
   std::vector<double> one;
   double energy = 0;
-  for (const unsigned threads : {1u, 2u, 3u, 8u}) {
+  for (const unsigned threads : test::thread_counts()) {
     Body body(box(24, 20, 20));
     body.add(defaults());
     body.compile(threads);

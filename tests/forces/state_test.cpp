@@ -171,7 +171,7 @@ TEST_P(StateOn, ForcesThatAreLoadedHaveTheBitsOfThoseThatWentOn) {
     SCOPED_TRACE("seed " + std::to_string(seed) + ", variant " + std::to_string(variant));
     std::mt19937 random(seed);
     const bool large = variant % 10 == 9;  // several chunks of each functor
-    go_on_alike(large ? box(16, 14, 12) : box(6, 5, 4), variant, GetParam(), random);
+    go_on_alike(large ? box(10, 8, 7) : box(6, 5, 4), variant, GetParam(), random);
     if (HasFatalFailure()) return;
   }
 }

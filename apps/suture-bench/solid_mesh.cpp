@@ -121,7 +121,7 @@ Mesh with_slit(Mesh mesh, std::span<const std::pair<Index, Index>> cut) {
   };
   for (const auto& [side, owners] : elements_of_sides(solid)) {
     if (owners.size() < 2) continue;
-    const auto is_this = [&](const auto& pair) {
+    const auto is_this = [&owners = owners](const auto& pair) {
       return std::minmax(pair.first, pair.second) == std::minmax(owners[0], owners[1]);
     };
     if (std::ranges::any_of(cut, is_this)) continue;

@@ -54,7 +54,7 @@ TriangleSurface swept(const Polyline& from, const Polyline& to) {
 void unite(std::vector<Dart>& all, const std::vector<Dart>& more) {
   all.insert(all.end(), more.begin(), more.end());
   std::ranges::sort(all);
-  all.erase(std::ranges::unique(all).begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
 }
 
 TEST(MovingBlade, ThroughStillTissueCutsWhatTheSweptSurfaceCuts) {

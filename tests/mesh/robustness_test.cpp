@@ -13,6 +13,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/mesh/box.hpp"
 #include "kernel/mesh/mesh_file.hpp"
+#include "tests/base/sanitizer.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/mesh/vtk_files.hpp"
 
@@ -85,16 +86,14 @@ bool survives(const std::filesystem::path& path) {
 // Sanitizers map terabytes for themselves.
 class Robustness : public testing::Test {
  protected:
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   Robustness() {
     ::getrlimit(RLIMIT_AS, &before_);
     rlimit small = before_;
     small.rlim_cur = rlim_t{4} << 30;
-    ::setrlimit(RLIMIT_AS, &small);
+    if (test::sanitizer.empty()) ::setrlimit(RLIMIT_AS, &small);
   }
   ~Robustness() override { ::setrlimit(RLIMIT_AS, &before_); }
   rlimit before_{};
-#endif
 };
 
 TEST_F(Robustness, TruncatedFiles) {

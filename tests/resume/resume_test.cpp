@@ -15,6 +15,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/output/checkpoint_file.hpp"
+#include "tests/base/sanitizer.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/resume/process.hpp"
 
@@ -23,10 +24,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(NDEBUG)
-constexpr bool is_slow = true;
+#ifdef NDEBUG
+constexpr bool is_slow = !sanitizer.empty();
 #else
-constexpr bool is_slow = false;
+constexpr bool is_slow = true;
 #endif
 
 std::string environment(const char* name) {

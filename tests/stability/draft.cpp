@@ -61,7 +61,9 @@ constexpr Shape shapes[] = {
 std::string warped_grid(const Shape& shape, double unit, bool sheared, Random& random) {
   const auto [nx, ny, nz] = shape.cells;
   char line[200];
-  const auto id = [&](int i, int j, int k) { return 1 + i + (nx + 1) * (j + (ny + 1) * k); };
+  const auto id = [nx = nx, ny = ny](int i, int j, int k) {
+    return 1 + i + (nx + 1) * (j + (ny + 1) * k);
+  };
   std::string text = "MeshVersionFormatted 2\nDimension 3\nVertices\n" +
                      std::to_string((nx + 1) * (ny + 1) * (nz + 1)) + "\n";
   for (int k = 0; k <= nz; ++k)

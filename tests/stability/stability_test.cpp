@@ -19,6 +19,7 @@
 #include <optional>
 
 #include "kernel/base/error.hpp"
+#include "tests/base/sanitizer.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/stability/known_limits.hpp"
 #include "tests/stability/runner.hpp"
@@ -26,15 +27,12 @@
 namespace suture::test {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool is_slow = true;
-constexpr unsigned sample = 64;
-#elif !defined(NDEBUG)
-constexpr bool is_slow = true;
-constexpr unsigned sample = 32;
+#ifdef NDEBUG
+constexpr bool is_slow = !sanitizer.empty();
+constexpr unsigned sample = is_slow ? 64 : 8;
 #else
-constexpr bool is_slow = false;
-constexpr unsigned sample = 8;
+constexpr bool is_slow = true;
+constexpr unsigned sample = sanitizer.empty() ? 32 : 64;
 #endif
 constexpr unsigned compared = 4;  ///< each of so many is compared with a smaller step
 

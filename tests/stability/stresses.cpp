@@ -409,7 +409,8 @@ std::vector<Family> stress_families() {
                                      {"step-2", 2.0},
                                      {"step-10", 10.0}})
     add(
-        name, [factor](Draft& d) { step(d, factor); }, "a fixed step over the stable one", bounded);
+        name, [factor = factor](Draft& d) { step(d, factor); }, "a fixed step over the stable one",
+        bounded);
   add(
       "steps-10000", [](Draft& d) { many_steps(d, 1e4); }, "undamped steps",
       "energy grows by less than 2 %");
@@ -425,7 +426,7 @@ std::vector<Family> stress_families() {
                                  {"nu-0.499", 0.499},
                                  {"nu-0.4999", 0.4999}})
     add(
-        name, [nu](Draft& d) { poisson(d, nu); }, "Poisson's ratio", homogeneous);
+        name, [nu = nu](Draft& d) { poisson(d, nu); }, "Poisson's ratio", homogeneous);
   add(
       "needles",
       [](Draft& d) {

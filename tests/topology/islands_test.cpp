@@ -39,7 +39,9 @@ void expect_names(const Islands& before, const Islands& after, const IslandChang
   for (Index e = 0; e < before.of_elements().size(); ++e)
     if (after.of(e) != none) parts[before.of(e)][after.of(e)].push_back(e);
   std::map<Index, Elements> fresh;
-  for (const auto& [old, now] : parts) {
+  for (const auto& part : parts) {
+    const Index old = part.first;
+    const std::map<Index, Elements>& now = part.second;
     const bool merged =
         std::ranges::any_of(change.merges, [&](const Merge& m) { return m.gone == old; });
     if (merged) continue;

@@ -23,10 +23,13 @@ class Option;
 /// benchmark.
 namespace suture::bench {
 
+/// NAME VALUE, as often as the option is given.
+using NamedValues = std::vector<std::pair<std::string, double>>;
+
 /// What an option sets: left as it is where the option is not given.
-using OptionValue =
-    std::variant<int*, unsigned*, double*, std::string*, std::filesystem::path*,
-                 std::array<Index, 3>*, std::vector<Index>*, std::vector<std::string>*>;
+using OptionValue = std::variant<int*, unsigned*, double*, std::string*, std::filesystem::path*,
+                                 std::array<Index, 3>*, std::vector<Index>*,
+                                 std::vector<std::string>*, NamedValues*>;
 
 /// An option as it was added. A check is made of each of its values; a value that fails ends the
 /// program with a message.

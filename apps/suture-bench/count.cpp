@@ -11,18 +11,11 @@ namespace {
 
 struct CountOptions {
   std::string model = "tm-faure", work = "step";
-  std::vector<std::string> parameters;  ///< names and values in turn
+  NamedValues parameters;
   bool distorted = false;
 };
 
 constexpr int strips = 8, first_counted = 2, last_counted = 5;  ///< repetitions
-
-std::map<std::string, double> values_of(const std::vector<std::string>& parameters) {
-  std::map<std::string, double> values;
-  for (std::size_t i = 0; i + 1 < parameters.size(); i += 2)
-    values[parameters[i]] = std::stod(parameters[i + 1]);
-  return values;
-}
 
 /// A name that callgrind finds.
 template <class Work>
@@ -36,7 +29,7 @@ void run_count(const CountOptions& options, Report& report) {
   const bool cuts = options.work == "cut";
   BenchBody body(host,
                  {.model = options.model,
-                  .parameters = values_of(options.parameters),
+                  .parameters = {options.parameters.begin(), options.parameters.end()},
                   .cells = cuts ? std::array<Index, 3>{2, 32, 32} : std::array<Index, 3>{8, 8, 8},
                   .distorted = options.distorted});
   std::vector<std::vector<Dart>> faces;

@@ -372,16 +372,18 @@ void PieceContact::follow(const TopologyChange& change) {
 void PieceContact::state(Archive& archive) {
   lists_.state(archive);
   archive("gain", gain_);
-  for (const auto& [which, touches] : {std::pair{"", &touches_}, {" asleep", &asleep_}}) {
+  const auto add_all = [&](const std::string& which, std::vector<Touch>& of) {
     const auto member = [&](const char* name, auto of_touch) {
-      archive.member((std::string(name) + which).c_str(), *touches, of_touch);
+      archive.member((name + which).c_str(), of, of_touch);
     };
     member("touching", &Touch::vertices);
     member("weights", &Touch::weights);
     member("normals", &Touch::normal);
     member("impulses", &Touch::impulse);
     member("frictions", &Touch::friction);
-  }
+  };
+  add_all("", touches_);
+  add_all(" asleep", asleep_);
 }
 
 }  // namespace suture

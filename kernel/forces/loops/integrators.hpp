@@ -68,7 +68,7 @@ void move_some(const Motion& m, uint32_t first, uint32_t count, Row gravity, Row
                          Row{} + m.mass[first + l], gravity, sums);
 }
 
-/// The values at the places; clang, of the fuzzers, has no shuffle by a variable.
+/// The values at the places; clang, of the sanitizers, has no shuffle by a variable.
 inline TwoRows picked(const Eight& values, const Places& places) {
 #ifdef __clang__
   TwoRows result{};

@@ -332,8 +332,8 @@ TEST(StaticPieces, WhatNothingTouchesIsNamed) {
 
 TEST(ImplicitPieces, HaveTheSameBitsForAnyNumberOfThreadsAndAfterARollback) {
   std::vector<double> first;
-  for (const unsigned threads : {1u, 2u, 8u}) {
-    Scene scene = pressed_lips(2, 0.2, 0.006);
+  for (const unsigned threads : {1u, 3u}) {
+    Scene scene = pressed_lips(11, 0.2, 0.006);  // enough elements for a second thread
     scene.solver.integrator = "implicit-euler";
     scene.solver.dt = 0.05;
     scene.solver.end = 0.5;
@@ -341,14 +341,14 @@ TEST(ImplicitPieces, HaveTheSameBitsForAnyNumberOfThreadsAndAfterARollback) {
     Diagnostics diagnostics;
     Simulation simulation(scene, host(), diagnostics);
     Observer nobody;
-    simulation.run_to(0.25, nobody);
+    simulation.run_to(0.1, nobody);
     Dynamics& dynamics = simulation.built().dynamics();
     StateBuffer kept;
     kept.save(dynamics);
-    const std::vector<double> once = after_steps(simulation, 4, 0.05);
+    const std::vector<double> once = after_steps(simulation, 1, 0.05);
     EXPECT_LT(once[once.size() - 2], 0) << "friction";
     kept.load(dynamics);
-    EXPECT_EQ(after_steps(simulation, 4, 0.05), once);
+    EXPECT_EQ(after_steps(simulation, 1, 0.05), once);
     if (threads == 1) first = once;
     EXPECT_EQ(once, first) << threads << " threads";
   }

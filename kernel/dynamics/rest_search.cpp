@@ -85,8 +85,10 @@ bool RestSearch::at_rest(Dynamics& dynamics) {
     return false;
   }
   double distance = residual_ / tolerance_;
-  if (distance < 1)
-    distance = std::max(distance, std::sqrt(remaining_motion(dynamics, sums)) / tolerance_);
+  if (distance < 1) {
+    motion_ = std::sqrt(remaining_motion(dynamics, sums));
+    distance = std::max(distance, motion_ / tolerance_);
+  }
   stagnation_.add(steps_, watched_time_, distance,
                   slow_rate(frequency_, dynamics.motion().damping()));
   const bool noise = is_noise(sums, dynamics);
@@ -107,9 +109,11 @@ std::string RestSearch::explanation(Dynamics& dynamics) const {
          << tolerance_ << "): the rounding of positions limits it; the state counts as at rest";
     return text.str();
   }
-  text << "no rest was reached: the residual is " << residual_ << " (/solver/tolerance is "
-       << tolerance_ << ") and has not decreased for " << stagnation_.steps_without_progress()
-       << " steps, although it is far above rounding; ";
+  text << "no rest was reached: the residual is " << residual_;
+  if (residual_ < tolerance_)
+    text << ", but the root of kinetic over elastic energy is " << motion_;
+  text << " (/solver/tolerance is " << tolerance_ << ") and has not decreased for "
+       << stagnation_.steps_without_progress() << " steps, although it is far above rounding; ";
   if (dynamics.motion().damping() == 0)
     text << "the motion is undamped: set /solver/damping to \"auto\"";
   else if (const auto inverted =

@@ -47,8 +47,9 @@ class RestSearch {
 
   /// At rest, although the residual is above the tolerance, because rounding limits it.
   bool limited_by_rounding() const { return limited_; }
-  /// The residual has stopped decreasing above the level of rounding.
-  bool stagnates() const { return stagnation_.stagnates(); }
+  /// The residual has stopped decreasing above the level of rounding, and the last check was not
+  /// one of those that show rest.
+  bool stagnates() const { return passed_checks_ == 0 && stagnation_.stagnates(); }
   /// The reason, and what to do: one line for a warning or an error.
   std::string explanation(Dynamics& dynamics) const;
 
@@ -70,6 +71,7 @@ class RestSearch {
   bool choose_damping_;
   double earliest_ = 0;
   double residual_ = 1;
+  double motion_ = 0;  ///< sqrt(kinetic / elastic energy) at the last check of a small residual
   double force_ = 0;
   double frequency_ = 0;  ///< w0 at the last check above rounding, 1/s
   double dt_ = 0;         ///< mean step between the last two checks

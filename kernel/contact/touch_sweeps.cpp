@@ -100,7 +100,9 @@ void TouchSweeps::begin(std::span<PieceTouch> touches) {
   vertices_.clear();
   groups_.clear();
   due_ = ~std::uint64_t{0};
-  for (std::size_t k = 0; k < touches.size(); ++k)
+  const std::size_t length = group_length(touches.size());
+  for (std::size_t k = 0; k < touches.size(); ++k) {
+    const std::uint64_t group = std::uint64_t{1} << k / length;
     for (std::size_t i = 0; i < 5; ++i) {
       const Index v = touches[k].vertices[i];
       if (!vertices_.contains(v)) {
@@ -108,8 +110,9 @@ void TouchSweeps::begin(std::span<PieceTouch> touches) {
         groups_.push_back(0);
       }
       touches[k].places[i] = vertices_.place(v);
-      groups_[vertices_.place(v)] |= std::uint64_t{1} << k / group_length(touches.size());
+      groups_[touches[k].places[i]] |= group;
     }
+  }
   ways_.assign(groups_.size(), 0);
 }
 

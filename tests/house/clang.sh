@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The SDK with clang: each header compiles alone, all together as C++20, and a plugin that clang
-# builds, for a processor that is none of the three of suture_add_plugin(), works in this program.
+# The SDK with clang: its headers compile alone, and a plugin that clang builds, for a processor that
+# is none of the three of suture_add_plugin(), works in this program.
 # usage: clang.sh SUTURE SOURCES FOLDER
 set -euo pipefail
 suture=${1:?} sources=${2:?} folder=${3:?}
@@ -15,9 +15,7 @@ alone() {
 }
 headers=("$sources"/sdk/include/suture/*.h) layers=("$sources"/sdk/include/suture/*.hpp)
 alone c c11 "${headers[@]}"
-alone c++ c++17 "${headers[@]}" "${layers[@]}"
-printf '#include "suture/%s"\n' "${headers[@]##*/}" "${layers[@]##*/}" |
-  clang -std=c++20 "${flags[@]}" -x c++ -
+for standard in c++17 c++20; do alone c++ $standard "${headers[@]}" "${layers[@]}"; done
 march=$([ "$(uname -m)" = x86_64 ] && echo -march=x86-64-v2 || true)
 rm -rf "$folder" && mkdir -p "$folder"
 clang++ -std=c++17 -O2 -fPIC -shared -fvisibility=hidden $march -I"$sources/sdk/include" \

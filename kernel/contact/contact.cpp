@@ -99,7 +99,6 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   step_work_ = 0;
   find_near_obstacles(step);
   if (pieces_) find_touching_pieces(step);
-  pushes_.resize(pushed_.size() * placed_.size());
   push(step.dt);
   if (has_tools_) settle_tools(step);
   for (std::size_t i = 0; i < near_.size(); ++i) book(near_[i], pushes_on(i), step);
@@ -116,32 +115,36 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
 /// By boxes of vertices first.
 void Contact::find_near_obstacles(const ContactStep& step) {
   near_.clear();
-  const double margin = pieces_ || has_tools_ ? pushed * mean_edge_ : 0;  // others push it, too
+  pushed_.clear();
+  pushes_.clear();
+  const double reach = pushed * mean_edge_;
+  const double margin = pieces_ || has_tools_ ? reach : 0;  // others push it, too
   const double *x = attributes_.position().rows(), *fixed = attributes_.fixed().rows();
   for (std::size_t first = 0; first < vertices_.size(); first += box_size) {
     const std::size_t count = std::min(box_size, vertices_.size() - first);
     const auto vertices = std::span(vertices_).subspan(first, count);
     const Box box = box_around(x, vertices);
-    const Vec3 half = scaled(0.5, minus(box.high, box.low));
+    const Vec3 half = scaled(0.5, minus(box.high, box.low)), middle = plus(box.low, half);
     near_placed_.clear();
-    for (const PlacedObstacle& obstacle : placed_)
-      if (obstacle.may_touch(plus(box.low, half), norm(half) + margin))
-        near_placed_.push_back(&obstacle);
+    for (Index i = 0; i < placed_.size(); ++i)
+      if (placed_[i].may_touch(middle, norm(half) + reach)) near_placed_.push_back(i);
     if (near_placed_.empty()) continue;
     for (const Index v : vertices) {
-      const auto may_touch = [&](const PlacedObstacle* obstacle) {
-        return obstacle->may_touch(row(x, v), margin);
-      };
-      if ((*step.moving)[v] && fixed[v] != held && std::ranges::any_of(near_placed_, may_touch))
-        add_near(v);
+      const Vec3 place = row(x, v);
+      const auto may_touch = [&](Index i) { return placed_[i].may_touch(place, margin); };
+      if (std::ranges::none_of(near_placed_, may_touch)) continue;
+      if (!(*step.moving)[v] || fixed[v] == held) continue;
+      add_near(v);
+      const std::size_t pushes = pushes_.size();
+      for (const Index i : near_placed_)
+        if (placed_[i].may_touch(place, reach)) pushes_.push_back({v, i});
+      pushed_.push_back({v, pushes, pushes_.size() - pushes});
     }
   }
-  pushed_.clear();
-  for (const Near& near : near_) pushed_.push_back({near.vertex});
 }
 
 void Contact::find_touching_pieces(const ContactStep& step) {
-  near_.resize(pushed_.size());
+  near_.erase(near_.begin() + std::ptrdiff_t(pushed_.size()), near_.end());
   shared_.clear();
   pieces_->begin(step.dt, step.whole_gain, *step.moving);
   const DenseSet& touching = pieces_->touching();
@@ -160,16 +163,8 @@ void Contact::find_touching_pieces(const ContactStep& step) {
 }
 
 void Contact::add_near(Index vertex) {
-  near_.push_back({vertex,
-                   row(attributes_.position().rows(), vertex),
-                   row(attributes_.velocity().rows(), vertex),
-                   {}});
-}
-
-/// By obstacle.
-std::span<Push> Contact::pushes_on(std::size_t near) {
-  if (near >= pushed_.size()) return {};
-  return std::span(pushes_).subspan(near * placed_.size(), placed_.size());
+  near_.emplace_back(vertex, row(attributes_.position().rows(), vertex),
+                     row(attributes_.velocity().rows(), vertex));
 }
 
 /// Obstacles have the last word in each sweep: nothing is left inside them. After the first one,
@@ -180,12 +175,12 @@ void Contact::push(double dt) {
     return row(attributes_.velocity().rows(), pushed_[i].vertex);
   };
   const auto settle = [&](std::size_t i) {
-    auto& [vertex, change, settled] = pushed_[i];
+    Pushed& pushed = pushed_[i];
     const Vec3 before = velocity(i);
     if (meet) move(near_[i], dt);
-    push_out(vertex, change, pushes_on(i), dt);
-    settled = velocity(i);
-    if (meet) pieces_->disturb(vertex, dt * norm(minus(settled, before)));
+    push_out(pushed, pushes_on(i), dt);
+    pushed.settled = velocity(i);
+    if (meet) pieces_->disturb(pushed.vertex, dt * norm(minus(pushed.settled, before)));
   };
   bool changes = meet && pieces_->sweep();
   for (std::size_t i = 0; i < pushed_.size(); ++i) settle(i);
@@ -207,43 +202,37 @@ void Contact::move(const Near& near, double dt) {
 
 /// Out of one obstacle after the other, until it is in none. What an earlier sweep did is taken
 /// back before: other pieces may hold the vertex now.
-void Contact::push_out(Index vertex, Vec3& pushed, std::span<Push> pushes, double dt) {
-  double* x = attributes_.position().rows() + 4 * std::size_t{vertex};
-  double* v = attributes_.velocity().rows() + 4 * std::size_t{vertex};
-  const Vec3 last = pushed;
+void Contact::push_out(Pushed& pushed, std::span<PushBy> pushes, double dt) {
+  double* x = attributes_.position().rows() + 4 * std::size_t{pushed.vertex};
+  double* v = attributes_.velocity().rows() + 4 * std::size_t{pushed.vertex};
+  const Vec3 last = pushed.change;
   const Vec3 end = minus({x[0], x[1], x[2]}, scaled(dt, last));
   const Vec3 velocity = minus({v[0], v[1], v[2]}, last);
-  std::ranges::fill(pushes, Push{});
-  const auto fixed = static_cast<unsigned>(attributes_.fixed().rows()[vertex]);
-  VertexPath path{minus(end, scaled(dt, velocity)), end, fixed, dt};
-  Vec3 change{};
+  for (PushBy& by : pushes) by.push = {};
+  const auto fixed = static_cast<unsigned>(attributes_.fixed().rows()[pushed.vertex]);
+  VertexPath path{minus(end, scaled(dt, velocity)), end, {}, fixed, dt};
   bool moved = true;
   for (int sweep = 0; sweep < max_sweeps && moved; ++sweep) {
     moved = false;
-    for (std::size_t i = 0; i < placed_.size(); ++i) {
-      if (sweep > 0 && !placed_[i].may_touch(path.end, -least_push * shortest_edge_)) continue;
-      Push push;
-      if (!placed_[i].push(path, max_push * shortest_edge_, push)) continue;
-      pushes[i].normal = plus(pushes[i].normal, push.normal);
-      pushes[i].tangential = plus(pushes[i].tangential, push.tangential);
-      pushes[i].obstacle_velocity = push.obstacle_velocity;
-      pushes[i].sliding = std::max(pushes[i].sliding, push.sliding);
-      change = plus(change, path.free_part(plus(push.normal, push.tangential)));
-      moved = moved || dt * norm(push.normal) > least_push * shortest_edge_;
+    for (auto& [vertex, obstacle, push] : pushes) {
+      const PlacedObstacle& placed = placed_[obstacle];
+      if (sweep > 0 && !placed.may_touch(path.end, -least_push * shortest_edge_)) continue;
+      const double speed = placed.push(path, max_push * shortest_edge_, push);
+      moved = moved || dt * speed > least_push * shortest_edge_;
     }
-    if (placed_.size() <= 1) break;  // once is enough
+    if (pushes.size() <= 1) break;  // once is enough
   }
-  pushed = change;
-  if (change == Vec3{} && last == Vec3{}) return;
+  pushed.change = path.change;
+  if (path.change == Vec3{} && last == Vec3{}) return;
   for (std::size_t c = 0; c < 3; ++c) {
     x[c] = path.end[c];
-    v[c] = velocity[c] + change[c];
+    v[c] = velocity[c] + path.change[c];
   }
 }
 
 /// An impulse J does the work J . (v- + v+)/2 (with damping, times work_gain), exactly what it
 /// changes in the kinetic energy, and friction as much relative to the obstacle.
-void Contact::book(Near& near, std::span<const Push> pushes, const ContactStep& step) {
+void Contact::book(Near& near, std::span<const PushBy> pushes, const ContactStep& step) {
   const double mass = attributes_.mass().rows()[near.vertex];
   const Vec3 velocity = row(attributes_.velocity().rows(), near.vertex);
   const Vec3 change = minus(velocity, near.free_velocity);
@@ -252,12 +241,12 @@ void Contact::book(Near& near, std::span<const Push> pushes, const ContactStep& 
   near.is_booked = true;
   near.mean = mean_velocity(near, force, step);
   double heat = 0;
-  for (std::size_t i = 0; i < pushes.size(); ++i) {
-    if (pushes[i].normal == Vec3{}) continue;
-    const Vec3 on = scaled(mass / step.whole_gain, plus(pushes[i].normal, pushes[i].tangential));
+  for (const auto& [vertex, obstacle, push] : pushes) {
+    if (push.normal == Vec3{}) continue;
+    const Vec3 on = scaled(mass / step.whole_gain, plus(push.normal, push.tangential));
     heat -= mass * step.work_gain *
-            dot(pushes[i].tangential, minus(near.mean, pushes[i].obstacle_velocity));
-    obstacle_forces_.push_back({near.vertex, static_cast<Index>(i), on});
+            dot(push.tangential, minus(near.mean, push.obstacle_velocity));
+    obstacle_forces_.push_back({vertex, obstacle, on});
   }
   touches_.push_back({near.vertex, scaled(mass / step.whole_gain, change)});
   const double work = mass * step.work_gain * dot(change, near.mean);

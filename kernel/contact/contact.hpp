@@ -152,6 +152,8 @@ class Contact final : public Follower {
  private:
   /// A vertex that the step may push: near an obstacle, or where pieces touch.
   struct Near {
+    Near(Index of, const Vec3& end, const Vec3& velocity)
+        : vertex(of), free_end(end), free_velocity(velocity) {}
     Index vertex;
     Vec3 free_end, free_velocity;  ///< after the step without contact
     bool is_booked = false;
@@ -160,20 +162,29 @@ class Contact final : public Follower {
   /// What obstacles have changed in the velocity of a vertex, and what it was then, m/s.
   struct Pushed {
     Index vertex;
+    std::size_t first, count;  ///< in pushes_, of the obstacles near it
     Vec3 change{}, settled{};
+  };
+  /// Of an obstacle that may push a vertex: what it did, if it did.
+  struct PushBy {
+    Index vertex, obstacle;
+    Push push{};
   };
   void find_near_obstacles(const ContactStep& step);
   void find_touching_pieces(const ContactStep& step);
   void add_near(Index vertex);
-  std::span<Push> pushes_on(std::size_t near);
+  std::span<PushBy> pushes_on(std::size_t near) {
+    if (near >= pushed_.size()) return {};
+    return std::span(pushes_).subspan(pushed_[near].first, pushed_[near].count);
+  }
   void push(double dt);
   void settle_tools(const ContactStep& step);
   void release(const ContactStep& step);
   Tool::Impulse answer_to(std::size_t obstacle) const;
   std::vector<Tool::Pushed> pushed_by(std::size_t obstacle) const;
   void move(const Near& near, double dt);
-  void push_out(Index vertex, Vec3& pushed, std::span<Push> pushes, double dt);
-  void book(Near& near, std::span<const Push> pushes, const ContactStep& step);
+  void push_out(Pushed& pushed, std::span<PushBy> pushes, double dt);
+  void book(Near& near, std::span<const PushBy> pushes, const ContactStep& step);
   Vec3 free_force(const Near& near, const ContactStep& step) const;
   Vec3 mean_velocity(const Near& near, const Vec3& force, const ContactStep& step) const;
   void book_friction_of_pieces(const ContactStep& step);
@@ -191,11 +202,11 @@ class Contact final : public Follower {
   bool has_tools_ = false;
   // Of the step in progress.
   std::vector<PlacedObstacle> placed_;
-  std::vector<const PlacedObstacle*> near_placed_;  ///< near some vertices
-  std::vector<Near> near_;                          ///< first those of pushed_
-  std::vector<Pushed> pushed_;                      ///< of near_, those near obstacles
+  std::vector<Index> near_placed_;  ///< near some vertices
+  std::vector<Near> near_;          ///< first those of pushed_
+  std::vector<Pushed> pushed_;      ///< of near_, those near obstacles
+  std::vector<PushBy> pushes_;      ///< of pushed_
   std::vector<Correction> corrections_;
-  std::vector<Push> pushes_;  ///< of vertices near obstacles: by obstacle
   std::unique_ptr<PieceContact> pieces_;
   std::vector<double> free_forces_;  ///< without contact, rows of 4, of boundary vertices, N
   std::vector<Index> near_place_;    ///< in near_, by place in PieceContact::touching()

@@ -49,10 +49,8 @@ Tool::Impulse Contact::answer_to(std::size_t obstacle) const {
   Tool::Impulse answer;
   const Pose& end = tools_[obstacle]->end();
   const Vec3 centre = plus(end.centre, end.translation);
-  for (std::size_t i = 0; i < pushed_.size(); ++i) {
-    const Push& push = pushes_[i * placed_.size() + obstacle];
-    if (push.normal == Vec3{}) continue;
-    const Index vertex = near_[i].vertex;
+  for (const auto& [vertex, by, push] : pushes_) {
+    if (by != obstacle || push.normal == Vec3{}) continue;
     const double mass = attributes_.mass().rows()[vertex];
     const Vec3 impulse = scaled(-mass, plus(push.normal, push.tangential));
     const Vec3 arm = minus(row(attributes_.position().rows(), vertex), centre);
@@ -64,10 +62,8 @@ Tool::Impulse Contact::answer_to(std::size_t obstacle) const {
 
 std::vector<Tool::Pushed> Contact::pushed_by(std::size_t obstacle) const {
   std::vector<Tool::Pushed> pushed;
-  for (std::size_t i = 0; i < pushed_.size(); ++i) {
-    const Push& push = pushes_[i * placed_.size() + obstacle];
-    if (push.normal == Vec3{}) continue;
-    const Index vertex = near_[i].vertex;
+  for (const auto& [vertex, by, push] : pushes_) {
+    if (by != obstacle || push.normal == Vec3{}) continue;
     pushed.push_back({row(attributes_.position().rows(), vertex), attributes_.mass().rows()[vertex],
                       push, obstacles_[obstacle].friction});
   }

@@ -20,7 +20,8 @@ PlacedObstacle::PlacedObstacle(const Obstacle& obstacle, double thickness, const
       start_(start),
       ball_(ball_around(obstacle.shape)),
       is_half_space_(std::holds_alternative<HalfSpace>(obstacle.shape)),
-      is_triangulated_(std::holds_alternative<Triangulated>(obstacle.shape)) {
+      is_triangulated_(std::holds_alternative<Triangulated>(obstacle.shape)),
+      stands_(!obstacle.motion.moves() && !obstacle.coupling) {
   move_end(end);
 }
 
@@ -31,16 +32,11 @@ void PlacedObstacle::move_end(const Pose& end) {
   if (is_half_space_) normal_ = end.direction(std::get<HalfSpace>(obstacle_.shape).normal);
 }
 
-Nearest PlacedObstacle::gap(const Pose& pose, const Vec3& place) const {
+Nearest PlacedObstacle::gap_of_shape(const Pose& pose, const Vec3& place) const {
   Nearest found = nearest(obstacle_.shape, is_as_given_ ? place : pose.given(place));
   found.distance -= offset_;
   if (!is_as_given_) found.normal = pose.direction(found.normal);
   return found;
-}
-
-Vec3 PlacedObstacle::displacement(const Vec3& place_at_end) const {
-  if (!obstacle_.motion.moves() && !obstacle_.coupling) return {};
-  return minus(place_at_end, start_.place(end_.given(place_at_end)));
 }
 
 double PlacedObstacle::target(const VertexPath& path, double fastest) const {
@@ -48,30 +44,31 @@ double PlacedObstacle::target(const VertexPath& path, double fastest) const {
   return before < 0 ? before + std::min(-recovery * before, fastest) : 0;
 }
 
-bool PlacedObstacle::push(VertexPath& path, double fastest, Push& push) const {
-  if (!may_touch(path.end, 0)) return false;  // cheaper
+double PlacedObstacle::push(VertexPath& path, double fastest, Push& push) const {
+  if (!is_half_space_ && !may_touch(path.end, 0)) return 0;  // cheaper
   const Nearest found = gap(path.end);
-  if (!(found.distance < 0)) return false;
+  if (!(found.distance < 0)) return 0;
   const double lacking = target(path, fastest) - found.distance;
   const Vec3 way = path.free_part(found.normal);
   const double free = dot(found.normal, way);
-  if (!(lacking > 0) || free < least_free_part) return false;
+  if (!(lacking > 0) || free < least_free_part) return 0;
   const double normal = lacking / (path.dt * free);
-  push.normal = scaled(normal, found.normal);
-  push.tangential = {};
-  path.end = plus(path.end, scaled(path.dt * normal, way));
+  push.normal = plus(push.normal, scaled(normal, found.normal));
+  path.move(scaled(normal, way));
 
   const Vec3 moved = displacement(minus(path.end, scaled(offset_, found.normal)));
-  push.obstacle_velocity = scaled(1 / path.dt, moved);
-  const Vec3 relative = scaled(1 / path.dt, minus(minus(path.end, path.start), moved));
+  const double per_second = 1 / path.dt;
+  push.obstacle_velocity = scaled(per_second, moved);
+  const Vec3 relative = scaled(per_second, minus(minus(path.end, path.start), moved));
   const Vec3 sliding =
       path.free_part(minus(relative, scaled(dot(relative, found.normal), found.normal)));
   const double speed = norm(sliding);
-  push.sliding = speed;
-  if (!(obstacle_.friction > 0) || !(speed > 0)) return true;
-  push.tangential = scaled(-std::min(1.0, obstacle_.friction * normal / speed), sliding);
-  path.end = plus(path.end, scaled(path.dt, push.tangential));
-  return true;
+  push.sliding = std::max(push.sliding, speed);
+  if (!(obstacle_.friction > 0) || !(speed > 0)) return normal;
+  const Vec3 tangential = scaled(-std::min(1.0, obstacle_.friction * normal / speed), sliding);
+  push.tangential = plus(push.tangential, tangential);
+  path.move(tangential);
+  return normal;
 }
 
 }  // namespace suture

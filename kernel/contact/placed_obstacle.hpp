@@ -9,11 +9,17 @@ namespace suture {
 /// The way of a vertex in a step, which contact changes.
 struct VertexPath {
   Vec3 start, end;
+  Vec3 change{};       ///< of the velocity, m/s
   unsigned fixed = 0;  ///< bits of components that contact must not change
   double dt = 0;
 
+  void move(const Vec3& by) {
+    end = plus(end, scaled(dt, by));
+    change = plus(change, by);
+  }
   /// The part of a vector in free components.
   Vec3 free_part(Vec3 a) const {
+    if (fixed == 0) return a;
     for (std::size_t c = 0; c < 3; ++c)
       if (fixed >> c & 1) a[c] = 0;
     return a;
@@ -49,16 +55,18 @@ class PlacedObstacle {
   /// From the surface of the obstacle at the end of the step, less the thickness; negative inside.
   Nearest gap(const Vec3& place) const { return gap(end_, place); }
 
-  /// Moves the end of a path out of the obstacle, with Coulomb friction against sliding. False if
-  /// it is not inside.
+  /// Moves the end of a path out of the obstacle, with Coulomb friction against sliding, and adds
+  /// to `push`. Returns dv_n, 0 if it is not inside.
   ///   dv_n = (target - gap) / dt,   dv_t = - u_t min(1, mu dv_n / |u_t|)
   /// u_t is the rest of the tangential velocity relative to the obstacle. The target is 0, so that
   /// a vertex ends the step on the surface; one that was inside before approaches it slowly
   /// (`fastest` m per step), or pushing out would act like an explosion.
-  bool push(VertexPath& path, double fastest, Push& push) const;
+  double push(VertexPath& path, double fastest, Push& push) const;
 
   /// Of the point of the obstacle that is there at the end, in the step.
-  Vec3 displacement(const Vec3& place_at_end) const;
+  Vec3 displacement(const Vec3& place_at_end) const {
+    return stands_ ? Vec3{} : minus(place_at_end, start_.place(end_.given(place_at_end)));
+  }
 
   /// A point that turns with the obstacle, about which torques are taken.
   Vec3 centre() const { return ball_.centre; }
@@ -67,7 +75,11 @@ class PlacedObstacle {
   bool surface_may_touch(const Vec3& place, double margin) const {
     return may_be_within(obstacle_.shape, end_.given(place), offset_ + margin);
   }
-  Nearest gap(const Pose& pose, const Vec3& place) const;
+  Nearest gap(const Pose& pose, const Vec3& place) const {
+    if (!is_half_space_ || !stands_) return gap_of_shape(pose, place);
+    return {dot(minus(place, ball_.centre), normal_) - offset_, normal_};  // a floor
+  }
+  Nearest gap_of_shape(const Pose& pose, const Vec3& place) const;
   double target(const VertexPath& path, double fastest) const;
 
   const Obstacle& obstacle_;
@@ -75,7 +87,7 @@ class PlacedObstacle {
   Pose start_, end_;
   Ball ball_;
   Vec3 normal_{};  ///< of a half-space
-  bool is_half_space_, is_triangulated_;
+  bool is_half_space_, is_triangulated_, stands_;
   bool is_as_given_ = false;  ///< at both ends: most obstacles stand
 };
 

@@ -14,7 +14,7 @@ namespace suture {
 struct PieceTouch {
   std::array<Index, 5> vertices;   ///< the vertex, and the corners of the face; or the ends of
                                    ///< the edges, the last one twice
-  std::array<Index, 5> places;     ///< of the vertices among those that touch: by TouchSweeps
+  std::array<Index, 5> places{};   ///< of the vertices among those that touch: by TouchSweeps
   std::array<double, 5> weights;   ///< of the one point, and minus those of the other one
   std::array<double, 5> response;  ///< of velocities to an impulse: weight over mass, 1/kg
   std::array<char, 5> fixed;       ///< components that do not respond

@@ -84,11 +84,9 @@ void Contact::prepare(const ContactStep& step) {
     }
   }
   if (vertices_.empty()) vertices_ = surface_.ascending_vertices();
-  free_forces_.resize(4 * std::size_t{attributes_.vertex_count()});
-  const double *force = attributes_.force().rows(), *mass = attributes_.mass().rows();
-  const RowLanes acceleration = lanes_of(step.acceleration);
-  for (const Index v : vertices_)
-    row_at(free_forces_.data(), v) = row_at(force, v) + mass[v] * acceleration;
+  forces_.resize(4 * std::size_t{attributes_.vertex_count()});
+  const double* force = attributes_.force().rows();
+  for (const Index v : vertices_) row_at(forces_.data(), v) = row_at(force, v);
 }
 
 std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
@@ -125,9 +123,10 @@ void Contact::find_near_obstacles(const ContactStep& step) {
     const auto vertices = std::span(vertices_).subspan(first, count);
     const Box box = box_around(x, vertices);
     const Vec3 half = scaled(0.5, minus(box.high, box.low)), middle = plus(box.low, half);
+    const double radius = norm(half);
     near_placed_.clear();
     for (Index i = 0; i < placed_.size(); ++i)
-      if (placed_[i].may_touch(middle, norm(half) + reach)) near_placed_.push_back(i);
+      if (placed_[i].may_touch(middle, radius + reach)) near_placed_.push_back(i);
     if (near_placed_.empty()) continue;
     for (const Index v : vertices) {
       const Vec3 place = row(x, v);
@@ -260,7 +259,9 @@ void Contact::book(Near& near, std::span<const PushBy> pushes, const ContactStep
 
 /// Without contact, N; of sleepers 0.
 Vec3 Contact::free_force(const Near& near, const ContactStep& step) const {
-  return (*step.moving)[near.vertex] ? row(free_forces_.data(), near.vertex) : Vec3{};
+  if (!(*step.moving)[near.vertex]) return {};
+  return plus(row(forces_.data(), near.vertex),
+              scaled(attributes_.mass().rows()[near.vertex], step.acceleration));
 }
 
 /// Of the velocities before and after the step; `force`: without contact. m/s

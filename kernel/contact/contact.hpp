@@ -208,9 +208,9 @@ class Contact final : public Follower {
   std::vector<PushBy> pushes_;      ///< of pushed_
   std::vector<Correction> corrections_;
   std::unique_ptr<PieceContact> pieces_;
-  std::vector<double> free_forces_;  ///< without contact, rows of 4, of boundary vertices, N
-  std::vector<Index> near_place_;    ///< in near_, by place in PieceContact::touching()
-  std::vector<Index> shared_;        ///< places in pushed_ of those that pieces touch, too
+  std::vector<double> forces_;     ///< without contact and acceleration, of boundary vertices, N
+  std::vector<Index> near_place_;  ///< in near_, by place in PieceContact::touching()
+  std::vector<Index> shared_;      ///< places in pushed_ of those that pieces touch, too
   // Of the last step.
   std::vector<Touch> touches_;
   std::vector<Load> loads_;

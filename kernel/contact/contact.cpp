@@ -134,10 +134,10 @@ void Contact::find_near_obstacles(const ContactStep& step) {
       if (std::ranges::none_of(near_placed_, may_touch)) continue;
       if (!(*step.moving)[v] || fixed[v] == held) continue;
       add_near(v);
-      const std::size_t pushes = pushes_.size();
+      pushed_.emplace_back(v, pushes_.size());
       for (const Index i : near_placed_)
-        if (placed_[i].may_touch(place, reach)) pushes_.push_back({v, i});
-      pushed_.push_back({v, pushes, pushes_.size() - pushes});
+        if (placed_[i].may_touch(place, reach)) pushes_.emplace_back(v, i);
+      pushed_.back().count = pushes_.size() - pushed_.back().first;
     }
   }
 }
@@ -243,8 +243,7 @@ void Contact::book(Near& near, std::span<const PushBy> pushes, const ContactStep
   for (const auto& [vertex, obstacle, push] : pushes) {
     if (push.normal == Vec3{}) continue;
     const Vec3 on = scaled(mass / step.whole_gain, plus(push.normal, push.tangential));
-    heat -= mass * step.work_gain *
-            dot(push.tangential, minus(near.mean, push.obstacle_velocity));
+    heat -= mass * step.work_gain * dot(push.tangential, minus(near.mean, push.obstacle_velocity));
     obstacle_forces_.push_back({vertex, obstacle, on});
   }
   touches_.push_back({near.vertex, scaled(mass / step.whole_gain, change)});

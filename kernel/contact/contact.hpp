@@ -161,12 +161,14 @@ class Contact final : public Follower {
   };
   /// What obstacles have changed in the velocity of a vertex, and what it was then, m/s.
   struct Pushed {
+    Pushed(Index of, std::size_t first_push) : vertex(of), first(first_push) {}
     Index vertex;
-    std::size_t first, count;  ///< in pushes_, of the obstacles near it
+    std::size_t first, count = 0;  ///< in pushes_, of the obstacles near it
     Vec3 change{}, settled{};
   };
   /// Of an obstacle that may push a vertex: what it did, if it did.
   struct PushBy {
+    PushBy(Index of, Index by) : vertex(of), obstacle(by) {}
     Index vertex, obstacle;
     Push push{};
   };

@@ -65,14 +65,14 @@ void find_pairs(Index n, const ContactOptions& options, PluginHost& host, Report
 
 Obstacle plate() { return {"plate", "", HalfSpace{{0, 0, 0}, {0, 1, 0}}, {}, 0.3}; }
 
-/// A block that lies on a plate and carries a sphere.
+/// A block that lies on a plate, and a sphere that moves along it.
 void add_plate_and_sphere(BenchBody& body, const BodyOptions& options) {
   const double width = options.cell * options.cells[0], length = options.cell * options.cells[2];
   const double radius = width / 2;
-  body.body().add_contact(
-      {plate(),
-       {"sphere", "", Sphere{{width / 2, width + 0.95 * radius, length / 2}, radius}, {}, 0.3}},
-      0);
+  Obstacle sphere{
+      "sphere", "", Sphere{{width / 2, width + 0.95 * radius, length / 2}, radius}, {}, 0.3};
+  sphere.motion.stations = {{0, {}, 0}, {1, {0, 0, length / 4}, 0}};
+  body.body().add_contact({plate(), sphere}, 0);
 }
 
 void add_plate_and_pieces(BenchBody& body, const BodyOptions&) {
@@ -142,7 +142,7 @@ void run_contact(const ContactOptions& options, Report& report) {
   const BodyOptions block{.model = "tm-faure", .cells = grid_of(20000)};
   const BodyOptions blocks{.model = "tm-faure", .cells = {20, 50, 20}, .held = -1};
   const ContactCase cases[] = {
-      {"block on a plate under a sphere", block, 0, false, add_plate_and_sphere},
+      {"block on a plate under a sphere that moves", block, 0, false, add_plate_and_sphere},
       {"20 blocks in a pile on a plate, layers turned", blocks, 10, true, add_plate_and_pieces},
       {"20 blocks packed face to face on a plate", blocks, 10, false, add_plate_and_pieces}};
   for (const ContactCase& of : cases) compare_steps(of, options, host, report);

@@ -150,6 +150,8 @@ class Contact final : public Follower {
   void state(Archive& archive);
 
  private:
+  // These three are no aggregates: g++ 12 would clear each by `rep stos`, which takes longer than
+  // all else in add_near.
   /// A vertex that the step may push: near an obstacle, or where pieces touch.
   struct Near {
     Near(Index of, const Vec3& end, const Vec3& velocity)

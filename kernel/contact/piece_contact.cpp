@@ -270,7 +270,7 @@ bool PieceContact::may_leave(const FeatureEdge& edge, const Vec3& direction) con
 PieceContact::Touch PieceContact::touch_of(const std::array<Index, 5>& places,
                                            const std::array<double, 5>& weights, const Vec3& normal,
                                            double end) const {
-  Touch touch;
+  Touch touch;  // not {}: clearing it all takes as long as the rest
   touch.weights = weights;
   touch.normal = normal;
   double mobility = 0, unconstrained = 0;

@@ -76,8 +76,9 @@ class PlacedObstacle {
     return may_be_within(obstacle_.shape, end_.given(place), offset_ + margin);
   }
   Nearest gap(const Pose& pose, const Vec3& place) const {
-    if (!is_half_space_ || !stands_) return gap_of_shape(pose, place);
-    return {dot(minus(place, ball_.centre), normal_) - offset_, normal_};  // a floor
+    if (is_half_space_ && stands_)  // a floor
+      return {dot(minus(place, ball_.centre), normal_) - offset_, normal_};
+    return gap_of_shape(pose, place);
   }
   Nearest gap_of_shape(const Pose& pose, const Vec3& place) const;
   double target(const VertexPath& path, double fastest) const;

@@ -12,7 +12,7 @@ import sys
 
 import matplotlib.pyplot as plt
 
-from report import machine_of, machine_text, save, table_text
+from report import machine_text, save, table_text
 
 HEAD = """# Accuracy: error against run time
 
@@ -115,7 +115,7 @@ def main():
     if not file.exists():
         return
     data = json.loads(file.read_text())
-    parts = [HEAD + machine_text(machine_of(data)) + "\n"]
+    parts = [HEAD + machine_text(file, data["machine"])]
     for name, table in data["tables"].items():
         picture = plot_case(name, table["rows"], docs)
         parts.append(f"## {name[0].upper() + name[1:]}\n\nErrors are {table['note']}.\n\n![{name}]({picture})\n")

@@ -13,7 +13,7 @@ import sys
 
 import matplotlib.pyplot as plt
 
-from report import machine_of, machine_text, save, shown, table_text
+from report import machine_text, save, shown, table_text
 
 HEAD = """# The paper's experiments
 
@@ -151,7 +151,7 @@ def main():
     data = json.loads(file.read_text())
     tables = data["tables"]
     beam, liver = tables["Fig. 6"]["rows"], tables["Fig. 14"]["rows"]
-    parts = [HEAD + machine_text(machine_of(data)) + "\n",
+    parts = [HEAD + machine_text(file, data["machine"]),
              BEAM, f"![deflection of the axis]({plot_beam(beam, docs)})\n", table_text(tables["Fig. 6"]) + "\n",
              EQUILIBRIA,
              LIVER, f"![stress over time]({plot_liver(liver, docs)})\n", table_text(sample(liver)) + "\n",

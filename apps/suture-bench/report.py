@@ -2,17 +2,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Make docs/benchmarks.md and its plots from the output of suture-bench.
 
-usage: report.py FOLDER DOCS
+usage: report.py FOLDER DOCS NAME...
 
-FOLDER holds NAME.json from `suture-bench NAME --json`. Each file becomes a section,
-in the order of SECTIONS; sections of missing files are left out. To add a section, add
-a line there, and a plot function if tables are not enough.
+FOLDER holds NAME.json from `suture-bench NAME --json`, and the commit in NAME.commit. Each
+NAME becomes a section, in the order of SECTIONS; other sections stay as they are. To add a
+section, add a line there, and a plot function if tables are not enough.
 Runs with Debian's interpreter and python3-matplotlib.
 """
 import json
 import math
 import pathlib
-import subprocess
 import sys
 
 import matplotlib
@@ -189,53 +188,49 @@ SECTIONS = [
 ]
 
 
-def commit(folder):
-    """The commit of the sources around `folder` with its date, or None outside a checkout."""
-    try:
-        asked = ["git", "-C", str(folder), "log", "-1", "--format=%h, %cs"]
-        return subprocess.run(asked, capture_output=True, check=True, text=True).stdout.strip()
-    except (OSError, subprocess.CalledProcessError):
-        return None
+def machine_text(file, machine):
+    """What was measured where, in one line: documents hold figures of several machines."""
+    commit = file.with_suffix(".commit")
+    at = commit.read_text().strip() if commit.exists() else ""
+    suture = f"Suture {machine['suture']}" + (f" (commit {at})" if at else "")
+    size = f"{machine['cores']} cores, {shown(machine['memory_GB'])} GB"
+    return "*" + "; ".join([suture, f"{machine['processor']}, {size}", f"loops for {machine['isa']}",
+                            machine["compiler"], machine["system"], machine["libraries"]]) + "*\n"
 
 
-def machine_of(data):
-    """The machine of a file, with the commit that was measured."""
-    machine = dict(data["machine"])
-    if at := commit(pathlib.Path(__file__).parent):
-        machine["suture"] = f"{machine.get('suture', '')} (commit {at})".strip()
-    return machine
+def sections_of(document):
+    """The sections that it has, by title."""
+    if not document.exists():
+        return {}
+    parts = ("\n" + document.read_text()).split("\n## ")[1:]
+    return {part.split("\n", 1)[0]: f"## {part.rstrip()}\n" for part in parts}
 
 
-def machine_text(machine):
-    names = {"processor": "Processor", "cores": "Cores", "memory_GB": "Memory, GB",
-             "isa": "Instruction set of the loops", "compiler": "Compiler", "suture": "Suture",
-             "system": "System", "libraries": "Libraries"}
-    rows = [f"| {title} | {shown(machine[key])} |" for key, title in names.items() if key in machine]
-    return "\n".join(["| | |", "|---|---|"] + rows)
+def section_text(file, title, text, plot, docs):
+    data = json.loads(file.read_text())
+    parts = [f"## {title}\n", f"{text}\n", machine_text(file, data["machine"])]
+    if picture := plot and plot(data["tables"], docs):
+        parts.append(f"![{title}]({picture})\n")
+    for name, table in data["tables"].items():
+        parts.append(f"**{name}**: {table['note']}\n\n{table_text(table)}\n")
+    return "\n".join(parts)
 
 
 def main():
     folder, docs = map(pathlib.Path, sys.argv[1:3])
-    parts, machine = [], {}
+    document = docs / "benchmarks.md"
+    sections = sections_of(document)
     for name, title, text, plot in SECTIONS:
         file = folder / f"{name}.json"
-        if not file.exists():
-            continue
-        data = json.loads(file.read_text())
-        machine.update(machine_of(data))
-        parts.append(f"## {title}\n\n{text}\n")
-        if plot:
-            picture = plot(data["tables"], docs)
-            if picture:
-                parts.append(f"![{title}]({picture})\n")
-        for table_name, table in data["tables"].items():
-            parts.append(f"**{table_name}**: {table['note']}\n\n{table_text(table)}\n")
-    if not parts:
+        if name in sys.argv[3:] and file.exists():
+            sections[title] = section_text(file, title, text, plot, docs)
+    written = [sections[title] for _, title, _, _ in SECTIONS if title in sections]
+    if not written:
         return
-    head = ("# Benchmarks\n\nWritten by `./dev bench`. The figures are from one machine, which other "
-            "processes may use at the same time.\n\n" + machine_text(machine) + "\n")
-    (docs / "benchmarks.md").write_text("\n".join([head, *parts]))
-    print(f"wrote {docs / 'benchmarks.md'}")
+    head = ("# Benchmarks\n\nWritten by `./dev bench`; `./dev bench NAME` measures a section anew and "
+            "leaves the others. Other processes may use the machine at the same time.\n")
+    document.write_text("\n".join([head, *written]))
+    print(f"wrote {document}")
 
 
 if __name__ == "__main__":

@@ -103,11 +103,11 @@ EnergyBalance Dynamics::balance() {
 }
 
 void Dynamics::jump(const std::function<void()>& change, bool keeps_forces) {
-  ledger_.before_jump(now());
+  if (ledger_.has_start()) ledger_.before_jump(now());
   change();
   if (!keeps_forces) motion_.forget_forces();
   forget_last();
-  ledger_.after_jump(now());
+  if (ledger_.has_start()) ledger_.after_jump(now());
 }
 
 /// Cells, positions or velocities jumped: nothing is booked between the step before and the next.
@@ -122,7 +122,7 @@ void Dynamics::forget_last() {
 /// Remembers the accelerations: half a step is still owed to the velocities with the forces
 /// before the operation and not with those after it.
 void Dynamics::before(const ComingOperation& operation) {
-  if (!operation.only_apart) ledger_.before_jump(now());
+  if (!operation.only_apart && ledger_.has_start()) ledger_.before_jump(now());
   changing_.clear();
   if (!integrator_->is_lagging()) return;
   const std::vector<Vec3> accelerations = accelerations_at(operation.vertices);
@@ -182,7 +182,7 @@ void Dynamics::follow(const CellComplex&, const TopologyChange& change) {
     motion_.sums().forget_chunks();
   } else {
     forget_last();
-    ledger_.after_jump(now());
+    if (ledger_.has_start()) ledger_.after_jump(now());
   }
 }
 

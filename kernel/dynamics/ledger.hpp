@@ -65,9 +65,11 @@ class Ledger {
   /// The first call defines the start. Costs an evaluation of energies.
   EnergyBalance balance(const Now& now);
   bool needs_work() const;  ///< whether Now::work is used
+  bool has_start() const { return account_.has_start; }
 
   /// Called around an operation that removes or joins elements or puts vertices to sleep; the jump
-  /// of the energy is booked under `events`.
+  /// of the energy is booked under `events`. Only after the start; each costs an evaluation of
+  /// energies.
   void before_jump(const Now& now);
   void after_jump(const Now& now);
   /// The step length changed, so that the energy of the step differs from that of the motion by

@@ -430,6 +430,20 @@ TEST(Removal, LoadsOfWhatIsRemovedOrSewnEnd) {
   EXPECT_NEAR(std::abs(pierced[0]), 100 * 0.02, 1e-13);
 }
 
+TEST(Removal, BeforeTheFirstBalanceIsNoEventInIt) {
+  Moving m(box(4, 2, 2), {}, with_diagonals);
+  Column& velocity = m.body.attributes().velocity();
+  for (Index v = 0; v < m.body.attributes().vertex_count(); ++v) velocity.set(v, 0, v % 3);
+  m.dynamics.start();
+  for (int i = 0; i < 10; ++i) m.dynamics.step(1e-4, 1e-4);
+  m.body.pierce({0});
+  const EnergyBalance first = m.dynamics.balance();
+  EXPECT_GT(first.kinetic, 0);
+  EXPECT_EQ(first.events, 0);
+  m.body.pierce({1});
+  EXPECT_LT(m.dynamics.balance().events, 0);
+}
+
 TEST(Removal, ConstraintsSurviveSeamsAndForgetWhatIsGone) {
   Moving m(box(4, 2, 2), {}, with_diagonals);
   suture::Body& body = m.body;

@@ -227,8 +227,8 @@ def main():
     written = [sections[title] for _, title, _, _ in SECTIONS if title in sections]
     if not written:
         return
-    head = ("# Benchmarks\n\nWritten by `./dev bench`; `./dev bench NAME` measures a section anew and "
-            "leaves the others. Other processes may use the machine at the same time.\n")
+    head = ("# Benchmarks\n\nWritten by `./dev bench`. To update one section, run `./dev bench NAME`; the "
+            "others are kept. Other processes may have been running during the measurements.\n")
     document.write_text("\n".join([head, *written]))
     print(f"wrote {document}")
 

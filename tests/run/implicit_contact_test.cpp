@@ -74,6 +74,17 @@ TEST(StaticContact, ABlockOnAFloorIsThatWhichCameToRest) {
   EXPECT_LT(apart, 2e-4 * 0.1) << "of an edge; gaps are below 1e-4";
 }
 
+/// To the bit, and with friction in these steps.
+void expect_the_same_after_a_rollback(Simulation& simulation, int steps, double dt) {
+  Dynamics& dynamics = simulation.built().dynamics();
+  StateBuffer kept;
+  kept.save(dynamics);
+  const std::vector<double> first = after_steps(simulation, steps, dt);
+  EXPECT_LT(first[first.size() - 2], 0) << "friction";
+  kept.load(dynamics);
+  EXPECT_EQ(after_steps(simulation, steps, dt), first);
+}
+
 TEST(ImplicitContact, ABlockFallsOntoAFloorAndStays) {
   Scene scene = block_on_floor(2, {0, 0, -9.81}, 0.5);
   scene.mesh.box->origin[2] = 0.05;
@@ -105,13 +116,7 @@ TEST(ImplicitContact, ARollbackRepeatsTheSameBits) {
   Simulation simulation(scene, host(), diagnostics);
   Observer nobody;
   simulation.run_to(0.2, nobody);
-  Dynamics& dynamics = simulation.built().dynamics();
-  StateBuffer kept;
-  kept.save(dynamics);
-  const std::vector<double> first = after_steps(simulation, 10, 0.02);
-  EXPECT_LT(first[first.size() - 2], 0);
-  kept.load(dynamics);
-  EXPECT_EQ(after_steps(simulation, 10, 0.02), first);
+  expect_the_same_after_a_rollback(simulation, 10, 0.02);
 }
 
 TEST(ImplicitContact, FrictionHoldsOrSlidesByItsCoefficient) {
@@ -344,13 +349,7 @@ TEST(ImplicitPieces, HaveTheSameBitsAfterARollback) {
   Simulation simulation(sheared_lips(2), host(), diagnostics);
   Observer nobody;
   simulation.run_to(0.25, nobody);
-  Dynamics& dynamics = simulation.built().dynamics();
-  StateBuffer kept;
-  kept.save(dynamics);
-  const std::vector<double> once = after_steps(simulation, 4, 0.05);
-  EXPECT_LT(once[once.size() - 2], 0) << "friction";
-  kept.load(dynamics);
-  EXPECT_EQ(after_steps(simulation, 4, 0.05), once);
+  expect_the_same_after_a_rollback(simulation, 4, 0.05);
 }
 
 TEST(ImplicitPieces, HaveTheSameBitsForAnyNumberOfThreads) {

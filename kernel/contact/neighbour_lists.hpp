@@ -8,6 +8,29 @@
 #include "kernel/contact/near_edges.hpp"
 #include "kernel/topology/islands.hpp"
 
+// How near pairs are found
+// ========================
+//
+//   +-----------+        Vertices lie in the cubes of a hash grid. The cubes of a row along x
+//   |  o    o   |        follow each other in memory, so a box is a few stretches of entries,
+//   | +-------+ |        tested eight at a time (place_grid.hpp).
+//   | | face  | |
+//   | +-------+ |        The box around a face is enlarged by 0.8 of an edge: the depth of 0.3 and
+//   |    o      |        a skin of 0.5. Lists are valid until something has moved by half the skin.
+//   +-----------+
+//
+// What is near is numbered by its place in the lists: its vertices, faces and edges lie together,
+// and each step gathers the positions once. A third of the surface is near something. In tables of
+// the whole body the search waited for memory, and so did the forces that followed.
+//
+// Blocks of 5 x 5 x 5 elements packed face to face, 4.6 / 6.5 / 6.7 pairs per face:
+//   faces          4,000     109,000   259,000
+//   ns per face    204-207   165-202   172-210
+// At 109,000 faces this is 18 ms at best.
+//
+// What was tried without gain: a skin of 0.35 or 0.8 of an edge instead of 0.5. Skipping cubes
+// that hold only the face's own piece saves 40 % of the search, but 3 % of the step of a pile.
+
 namespace suture {
 
 /// What pieces and lips of cuts may touch in the next steps: Verlet lists of vertices near faces

@@ -6,6 +6,32 @@
 #include "kernel/base/archive.hpp"
 #include "kernel/contact/placed_obstacle.hpp"
 
+// A tool in a hand
+// ================
+//
+//      hand (path) o----/\/\/\----o tool, mass m      The body stops the tool,
+//                  |     k, b     |                   and the hand feels the spring.
+//                  o----[====]----o
+//                                 |  pushes F, T
+//                            ~~~~~~~~~~~  body
+//
+// Spring and damper act as they are at the end of the step, which adds h b + h dt k to the mass.
+// The coupling is therefore stable and passive for any stiffness.
+//
+// The vertices that the tool pushes end the step on its surface where it ends. Their impulses
+// depend on its motion, and its motion on them, so both are solved together. With one exchange of
+// forces per step, nodes heavier than the tool throw it back faster than it came. The unknowns are
+// the six velocities of the tool: Gauss-Seidel over the vertices converges slowly if the tool is
+// lighter than they are. Newton's method uses the exact derivative of each push, sliding or
+// sticking, until the tool moves by less than 1e-9 of an edge. A step that leads further away is
+// cut to a quarter. Every iteration repeats the pushes of the vertices near obstacles: about six
+// per step while in contact.
+//
+// Where pieces touch each other as well, tool and vertices agree to 0.001 of an edge. For a tool
+// of 1/37,000 of the mass of a node, the iteration may end before both agree. The tool then keeps
+// the motion with which its vertices were pushed, so nothing enters it, but an impact can add
+// energy.
+
 namespace suture {
 
 /// The motion of a compliant obstacle: a rigid body with mass, tied by a spring and a damper to the

@@ -7,6 +7,19 @@
 
 #include "kernel/dynamics/load_path.hpp"
 
+// Through a limit point
+// =====================
+//
+//   s |      limit point         Load steps follow s and end at the limit point. ArcLength follows
+//     |       .-o-.              the distance along the path, so that s may fall and rise again.
+//     |     o      `o      o
+//     |    /          `-o-'
+//     |   o
+//     +----------------------> displacement
+//
+// The predictor is the secant through the last two equilibria, which needs no solve. The rank-one
+// term k n n^T costs an iteration or two, and leaves the solution of the bordered system as it is.
+
 namespace suture {
 
 /// Follows a LoadPath through limit points, where the part s of the change that the body can carry

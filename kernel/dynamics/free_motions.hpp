@@ -7,6 +7,15 @@
 
 #include "kernel/dynamics/body.hpp"
 
+// What rules out rest
+// ===================
+//
+// Only a resultant along a free translation does so with certainty. A body that can only turn
+// finds its hanging position, as a pendulum does, and loads may balance. Models whose tangent
+// resists the translation, such as springs to the ground, also hold the body. Without a tangent
+// this cannot be decided, so it is only a warning. A free bar compressed by two loads is at rest;
+// its lowest eigenvalue (modes.hpp) shows that it will turn round.
+
 namespace suture {
 
 /// A connected piece that its constraints leave free to move as a rigid body.

@@ -8,6 +8,21 @@
 #include "kernel/dynamics/newton.hpp"
 #include "kernel/solvers/coarse_system.hpp"
 
+// Nested iteration
+// ================
+//
+//   level 3   Newton ->.                         residual P^T r with the forces of the whole body
+//   level 2             `-> Newton ->.
+//   body                              `-> Newton to the tolerance
+//
+// The unknowns of a level are its displacements q; the vertices move by P q. Slits remain slits on
+// every level. The systems P^T A P q = P^T r are solved to a tenth by conjugate gradients. Their
+// products use the matrix-free tangent of the body in single precision. The preconditioner is the
+// V-cycle from that level. Its operators come from a sample of the cells
+// (solvers/cell_sample.hpp): 64 nodes of cells (8 elements, or 32 springs) for each coarse node
+// and functor, at scattered places. On level 2 the sample is a fifth of the cells, on level 3 a
+// fortieth. Operators are computed in every second iteration.
+
 namespace suture {
 namespace {
 

@@ -9,6 +9,22 @@
 #include "kernel/forces/quad.hpp"
 #include "kernel/forces/time_ramp.hpp"
 
+// Why the tangent of pressures has two parts
+// ==========================================
+//
+// It is a sum of cross products, df_a = p sum_b w_ab x du_b. Its symmetric part replaces w_ab by
+// (w_ab - w_ba) / 2. The other part cancels between neighbouring faces and remains at free edges,
+// where a pressure does work along a closed path:
+//
+//      free edge          held, or the next face
+//         |  p p p p p p  |
+//         v  v v v v v v  v
+//         +---------------+
+//         ^ the other part remains here only
+//
+// Where it vanishes, a negative eigenvalue proves instability. Where it does not, as in Beck's
+// column, GMRES solves the equations of Newton's method.
+
 namespace suture {
 
 /// Pressures on faces, normal to the deformed faces.

@@ -7,6 +7,18 @@
 #include "kernel/base/diagnostics.hpp"
 #include "kernel/scene/built_scene.hpp"
 
+// Growth of energy in stable steps
+// ================================
+//
+// A step may be stable and still too coarse for the motion. A spinning body gains 14 % energy in
+// 100 s at safety 0.8, with h w at 0.7, and 2 % at 0.5. If 2 % of the exchanged energy is
+// unexplained although the step is stable, safety becomes 0.5, with a message. If the energy grew
+// by 1 % between two checks, the steps are repeated with half the step, twice at each place. A
+// breaking wave adds up to 60 % within 64 steps.
+//
+// Growth is judged without h^2/8 sum F^2/m (`recoverable`). Sudden loads on coarse meshes change
+// this part by 20 % and back; with it, 105 of 1,500 valid runs were reported.
+
 namespace suture {
 
 /// Checks that a run is still valid: finite energies, a balance that closes, no inverted element

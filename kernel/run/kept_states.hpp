@@ -6,6 +6,21 @@
 
 #include "kernel/base/archive.hpp"
 
+// Which states are kept
+// =====================
+//
+//   step    0         32         64    alarm      A' has replaced A. The run goes back to B,
+//   kept    A         B          A'    |          which is 32 to 64 steps before the alarm.
+//                     ^----------------+
+//
+// The older state precedes the beginning of the instability. After a rollback, dt is halved, the
+// stable step is recomputed every 64 steps, and dt is doubled after 512 steps without an alarm.
+//
+// An operation cannot be undone, so it commits what was recorded. The state right after it is
+// kept, at most every four steps. The half step before an operation belongs to the forces before
+// it. The vertices that it affects receive the difference, from forces evaluated around them
+// alone, so that a cut leaves no jump with either integrator.
+
 namespace suture {
 
 /// Two states of a run, 32 steps apart, for a rollback when a step turns out to be wrong: the older

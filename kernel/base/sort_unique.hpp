@@ -2,15 +2,17 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <vector>
 
 namespace suture {
 
-/// Leaves each value once, in ascending order.
+/// Leaves each value from position `first` on once, in ascending order.
 template <class T>
-void sort_unique(std::vector<T>& values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
+void sort_unique(std::vector<T>& values, std::size_t first = 0) {
+  const auto begin = values.begin() + static_cast<std::ptrdiff_t>(first);
+  std::sort(begin, values.end());
+  values.erase(std::unique(begin, values.end()), values.end());
 }
 
 }  // namespace suture

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/contact/place_grid.hpp"
 #include "kernel/contact/vectors.hpp"
 
@@ -89,8 +90,7 @@ std::vector<NearEdges> near_edges(std::span<const FeatureEdge> edges,
       if (overlap(box, box_around(edges[j], positions, 0))) pairs.push_back({i, j});
     }
   }
-  std::ranges::sort(pairs);
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  sort_unique(pairs);
   return pairs;
 }
 

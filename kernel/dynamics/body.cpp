@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/contact/contact.hpp"
 
 namespace suture {
@@ -93,8 +94,7 @@ std::vector<Vec3> Body::forces_at(std::span<const Index> vertices, double time) 
 namespace {
 
 std::vector<Index> sorted_once(std::vector<Index> vertices) {
-  std::ranges::sort(vertices);
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  sort_unique(vertices);
   return vertices;
 }
 

@@ -8,6 +8,7 @@
 #include <map>
 #include <span>
 
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/base/vec3.hpp"
 
 namespace suture {
@@ -310,9 +311,7 @@ void Constraints::update(const TopologyChange& change, Attributes& attributes) {
     any = any || changes;
   }
   for (Group& group : partial) {
-    std::ranges::sort(group.vertices);
-    group.vertices.erase(std::unique(group.vertices.begin(), group.vertices.end()),
-                         group.vertices.end());
+    sort_unique(group.vertices);
     read_rest(group, attributes);
     groups_.push_back(std::move(group));
   }

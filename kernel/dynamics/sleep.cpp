@@ -6,6 +6,7 @@
 #include <string>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/contact/contact.hpp"
 #include "kernel/contact/vectors.hpp"
 #include "kernel/dynamics/contact_forces.hpp"
@@ -19,8 +20,7 @@ std::vector<Index> vertices_of(const CellComplex& complex, std::span<const Index
     const Hexahedron& nodes = complex.vertices_of(e);
     vertices.insert(vertices.end(), nodes.begin(), nodes.end());
   }
-  std::ranges::sort(vertices);
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  sort_unique(vertices);
   return vertices;
 }
 

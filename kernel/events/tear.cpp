@@ -10,6 +10,7 @@
 #include "kernel/base/archive.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/output_fields.hpp"
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/forces/loops/dispatch.hpp"
 
 namespace suture {
@@ -259,8 +260,7 @@ std::vector<Dart> TearCheck::find(const Snapshot& snapshot) {
     const std::vector<double> values = field_values(snapshot, dimension);
     faces = dimension == 1 ? by_edges(snapshot, &values) : by_principal(snapshot, &values);
   }
-  std::ranges::sort(faces);
-  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  sort_unique(faces);
   return faces;
 }
 

@@ -7,6 +7,7 @@
 #include "kernel/attributes/inspection.hpp"
 #include "kernel/base/archive.hpp"
 #include "kernel/base/bulk.hpp"
+#include "kernel/base/sort_unique.hpp"
 
 namespace suture {
 namespace {
@@ -271,8 +272,7 @@ bool CompiledFunctor::follow_merges(const CellComplex& complex, const TopologyCh
       for (const Index row : rows_at(complex, dart))
         if (const Index chunk = row == none ? none : finder.chunk(row); chunk != none)
           chunks.push_back(chunk);
-    std::ranges::sort(chunks);
-    chunks.erase(std::unique(chunks.begin(), chunks.end()), chunks.end());
+    sort_unique(chunks);
     for (const Index chunk : chunks) colours.push_back(finder.colour(chunk));
     std::ranges::sort(colours);
     if (std::ranges::adjacent_find(colours) != colours.end()) return false;

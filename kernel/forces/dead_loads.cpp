@@ -6,6 +6,7 @@
 
 #include "kernel/attributes/shape.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/forces/quad.hpp"
 
 namespace suture {
@@ -48,8 +49,7 @@ std::vector<double> areas_around(const RestPlaces& rest, std::span<const Index> 
         if (complex.beta3(face) == none) faces.push_back(face);
       }
   }
-  std::sort(faces.begin(), faces.end());
-  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  sort_unique(faces);
   for (const Dart face : faces) {
     const auto nodes = face_nodes(complex, face);
     if (!std::all_of(nodes.begin(), nodes.end(), [&](Index n) { return area.contains(n); }))

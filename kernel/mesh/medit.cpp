@@ -7,6 +7,7 @@
 #include <numeric>
 #include <string_view>
 
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/mesh/readers.hpp"
 #include "kernel/mesh/vtk_order.hpp"
 
@@ -197,8 +198,7 @@ class MeditReader {
         points.push_back(node);
       }
     }
-    std::sort(points.begin(), points.end());
-    points.erase(std::unique(points.begin(), points.end()), points.end());
+    sort_unique(points);
     return points;
   }
 

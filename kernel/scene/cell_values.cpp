@@ -10,6 +10,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/scene/object_reader.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
@@ -93,8 +94,7 @@ class Resolved {
       const Hexahedron& nodes = complex_.vertices_of(e);
       vertices.insert(vertices.end(), nodes.begin(), nodes.end());
     }
-    std::ranges::sort(vertices);
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    sort_unique(vertices);
     return vertices;
   }
 

@@ -351,13 +351,4 @@ std::string canonical_json(const JsonValue& value) {
   return out;
 }
 
-std::string fnv1a_hex(std::string_view text) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-  constexpr std::string_view digits = "0123456789abcdef";
-  std::string hex(16, '0');
-  for (std::size_t i = 16; i-- > 0; hash >>= 4) hex[i] = digits[hash & 15];
-  return hex;
-}
-
 }  // namespace suture

@@ -53,8 +53,4 @@ JsonValue parse_json(std::string_view text, const std::string& name);
 /// read back exactly.
 std::string canonical_json(const JsonValue& value);
 
-/// FNV-1a, 64 bits, as 16 hexadecimal digits (Fowler, Noll, Vo; RFC 9923): distinguishes scenes in
-/// the provenance of results; not for security.
-std::string fnv1a_hex(std::string_view text);
-
 }  // namespace suture

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "kernel/base/checksum.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
 #include "kernel/base/input_file.hpp"
@@ -90,26 +91,25 @@ JsonValue what_counts(JsonValue root) {
   return root;
 }
 
-/// What a mesh that is not in the scene adds to the hash of the scene.
-std::string bytes_of(const Mesh* mesh) {
-  if (mesh == nullptr) return {};
-  std::string bytes;
-  const auto add = [&](const auto& values) {
-    bytes.append(reinterpret_cast<const char*>(values.data()),  // NOLINT: bytes
-                 values.size() * sizeof values[0]);
-  };
+/// Tells runs apart that may give different results: the scene without what changes none, and a
+/// mesh that is not in the scene.
+std::string hash_of(const JsonValue& root, const Mesh* mesh) {
+  Checksum sum;
+  sum.add(canonical_json(what_counts(root)));
+  if (mesh == nullptr) return sum.text();
+  const auto add = [&](const auto& values) { sum.add(std::as_bytes(std::span(values))); };
   add(mesh->points);
   add(mesh->hexahedra);
   for (const auto* sets : {&mesh->point_sets, &mesh->element_sets})
     for (const auto& [name, cells] : *sets) {
-      bytes += name;
+      sum.add(name);
       add(cells);
     }
   for (const MeshArray& array : mesh->arrays) {
-    bytes += array.name;
+    sum.add(array.name);
     add(array.values);
   }
-  return bytes;
+  return sum.text();
 }
 
 /// The scene that `source` says; `shown` is the name of its text in messages.
@@ -124,7 +124,7 @@ Scene read_source(const SceneSource& source, const std::string& shown,
   scene.file = source.file;
   scene.source = {canonical_json(root), source.file, source.working_folder};
   scene.places = ScenePlaces(root, shown, sets);
-  scene.hash = fnv1a_hex(canonical_json(what_counts(root)) + bytes_of(mesh.get()));
+  scene.hash = hash_of(root, mesh.get());
   scene.mesh.given = std::move(mesh);
   Mistakes mistakes(shown, sets);
   Reading reading{scene,

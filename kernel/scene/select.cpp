@@ -10,6 +10,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/geometry/centroid.hpp"
 
@@ -218,8 +219,7 @@ std::vector<Index> Selector::listed_elements(const Selection& selection) const {
     }
     for (Index position : found->second) result.push_back(imported_.element_of[position]);
   }
-  std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
+  sort_unique(result);
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <unordered_set>
 
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/topology/disjoint_sets.hpp"
 
 namespace suture {
@@ -144,11 +145,10 @@ class CoarseCells {
 
   void add(std::span<const Index> fine, const Interpolation& p) {
     std::vector<Index>& nodes = graph_.cell_nodes;
-    const auto start = static_cast<std::ptrdiff_t>(nodes.size());
+    const std::size_t start = nodes.size();
     for (const Index node : fine)
       nodes.insert(nodes.end(), p.node.begin() + p.begin[node], p.node.begin() + p.begin[node + 1]);
-    std::sort(nodes.begin() + start, nodes.end());
-    nodes.erase(std::unique(nodes.begin() + start, nodes.end()), nodes.end());
+    sort_unique(nodes, start);
     graph_.cell_begin.push_back(static_cast<Index>(nodes.size()));
     if (known_.insert(graph_.cells() - 1).second) return;
     graph_.cell_begin.pop_back();

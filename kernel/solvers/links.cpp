@@ -3,14 +3,14 @@
 
 #include <algorithm>
 
+#include "kernel/base/sort_unique.hpp"
+
 namespace suture {
 namespace {
 
 void end_cell(NodeGraph& graph) {
   std::vector<Index>& nodes = graph.cell_nodes;
-  const auto first = nodes.begin() + std::ptrdiff_t{graph.cell_begin.back()};
-  std::sort(first, nodes.end());
-  nodes.erase(std::unique(first, nodes.end()), nodes.end());
+  sort_unique(nodes, graph.cell_begin.back());
   graph.cell_begin.push_back(static_cast<Index>(nodes.size()));
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/topology/disjoint_sets.hpp"
 #include "kernel/topology/face_matching.hpp"
 #include "kernel/topology/hexahedron_tables.hpp"
@@ -66,8 +67,7 @@ std::vector<Index> find_inside_out(const Turned& turned, Index point_count) {
     if (turned.mirrored[one] == turned.mirrored[other]) continue;
     result.push_back(turned.place[turned.mirrored[one] == bad_are_mirrored ? one : other]);
   }
-  std::ranges::sort(result);
-  result.erase(std::unique(result.begin(), result.end()), result.end());
+  sort_unique(result);
   return result;
 }
 

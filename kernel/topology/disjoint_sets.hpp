@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/base/types.hpp"
 
 namespace suture {
@@ -36,8 +37,7 @@ inline std::vector<std::vector<Index>> groups_of_equal(
     const std::vector<std::pair<Index, Index>>& equal) {
   std::vector<Index> numbers;
   for (const auto& [a, b] : equal) numbers.insert(numbers.end(), {a, b});
-  std::ranges::sort(numbers);
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  sort_unique(numbers);
   const auto place = [&](Index number) {
     return static_cast<std::size_t>(std::ranges::lower_bound(numbers, number) - numbers.begin());
   };

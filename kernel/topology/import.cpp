@@ -6,6 +6,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/radix_sort.hpp"
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/topology/mesh_texts.hpp"
 #include "kernel/topology/ordering.hpp"
 #include "kernel/topology/rest_shape.hpp"
@@ -175,8 +176,7 @@ void report_non_manifold(const std::vector<Split>& splits, const std::string& wh
     points.push_back(point);
   }
   std::ranges::sort(out.split_points);
-  std::ranges::sort(points);
-  points.erase(std::unique(points.begin(), points.end()), points.end());
+  sort_unique(points);
   const auto edges = non_manifold_edges(out.complex, out.user_vertex);
   if (points.empty() && edges.empty()) return;
 

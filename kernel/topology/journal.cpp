@@ -7,6 +7,7 @@
 
 #include "kernel/base/file.hpp"
 #include "kernel/base/nearest.hpp"
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/mesh/file_text.hpp"
 
 namespace suture {
@@ -106,8 +107,7 @@ std::string text_of(const Journal& journal) {
 /// One dart for each face, the smaller side's first one, ascending.
 void unique_faces(const CellComplex& complex, std::vector<Dart>& faces) {
   for (Dart& d : faces) d = std::min(d & ~3u, complex.beta3(d) & ~3u);
-  std::ranges::sort(faces);
-  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  sort_unique(faces);
 }
 
 void request_cut(const CellComplex& complex, const Operation& operation, Request& result) {
@@ -139,9 +139,7 @@ void request_tear(const CellComplex& complex, const Operation& operation, Reques
 
 void request_pierce(const CellComplex& complex, const Operation& operation, Request& result) {
   result.elements = operation.numbers;
-  std::ranges::sort(result.elements);
-  result.elements.erase(std::unique(result.elements.begin(), result.elements.end()),
-                        result.elements.end());
+  sort_unique(result.elements);
   const auto gone = std::erase_if(result.elements, [&](Index e) { return !complex.can_pierce(e); });
   result.left_out += static_cast<Index>(gone);
   if (!result.elements.empty() && result.elements.size() == complex.existing(3)) {

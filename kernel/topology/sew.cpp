@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/topology/cell_complex.hpp"
 #include "kernel/topology/disjoint_sets.hpp"
 #include "kernel/topology/incidence.hpp"
@@ -99,9 +100,7 @@ TopologyChange CellComplex::sew(std::span<const Seam> seams) {
   merge_cells<0>(vertices, change);
   merge_cells<1>(edges, change);
   if (has_faces()) merge_faces(seams, change);
-  std::ranges::sort(change.elements);
-  change.elements.erase(std::unique(change.elements.begin(), change.elements.end()),
-                        change.elements.end());
+  sort_unique(change.elements);
   return change;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "../mss-golec/lattice.hpp"
+#include "lattice.hpp"
 
 /// Springs that weaken for good where they were stretched too far; equations in README.md.
 struct DamageSprings : lattice::on_boxes<DamageSprings> {

@@ -43,6 +43,7 @@ include_direction() {
   local bad=0
   offences '#include [<"](kernel|apps|plugins|tests)/' \
     'the SDK and the plugins know nothing of the kernel' '^(sdk|plugins)/.*'"$sources" || bad=1
+  offences '#include [<"]\.\.' 'an include names its folder: relative paths hide where it leads' "$sources" || bad=1
   offences '#include [<"](apps|plugins|tests)/' \
     'the kernel knows neither the program nor the plugins' '^kernel/.*'"$sources" || bad=1
   # Stages in the order of the flow: each may include itself and earlier ones.

@@ -57,8 +57,8 @@ py::array boundary(const BuiltScene& built) {
   const CellComplex& complex = built.body().complex();
   std::vector<Dart> faces;
   for (Index e = 0; e < complex.element_count(); ++e)
-    for (Dart face = 24 * e; complex.exists(3, e) && face < 24 * (e + 1); face += 4)
-      if (complex.beta3(face) == none) faces.push_back(face);
+    for (const Dart face : sides_of(e))
+      if (complex.exists(3, e) && complex.beta3(face) == none) faces.push_back(face);
   Numbers rows = table(faces.size(), 4);
   std::int64_t* to = rows.mutable_data();
   for (const Dart face : faces) {

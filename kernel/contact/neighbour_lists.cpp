@@ -47,7 +47,8 @@ void NeighbourLists::update(const double* positions, const LiveMask& moving) {
 bool NeighbourLists::find_what_may_meet() {
   meeting_.piece_of.assign(attributes_.vertex_count(), none);
   ascending_ = surface_.ascending_vertices();
-  for (const Index v : ascending_) meeting_.piece_of[v] = islands_.of(complex_.dart_of(0, v) / 24);
+  for (const Index v : ascending_)
+    meeting_.piece_of[v] = islands_.of(element_of(complex_.dart_of(0, v)));
   meeting_.vertex_meets_own.assign(attributes_.vertex_count(), self_);
   meeting_.face_meets_own.assign(surface_.faces().size(), self_);
   bool has_lips = false;

@@ -37,7 +37,7 @@ class OverlapSearch {
     const std::vector<Index> islands = complex.islands();
     meeting_.piece_of.assign(attributes.vertex_count(), none);
     for (const Index v : contact.surface().vertices()) {
-      const Index element = complex.dart_of(0, v) / 24;
+      const Index element = element_of(complex.dart_of(0, v));
       meeting_.piece_of[v] = islands[element];
       pieces_.resize(std::max<std::size_t>(pieces_.size(), islands[element] + 1));
       Piece& piece = pieces_[islands[element]];

@@ -122,8 +122,8 @@ void Body::follow(const TopologyChange& change) {
 TopologyChange Body::cut(const std::vector<Dart>& faces) {
   std::vector<Index> vertices;
   for (const Dart d : faces)
-    for (const auto node : suture_hexahedron_faces[d % 24 / 4])
-      vertices.push_back(complex().vertices_of(d / 24)[node]);
+    for (const auto node : suture_hexahedron_faces[local_face(d)])
+      vertices.push_back(complex().vertices_of(element_of(d))[node]);
   vertices = sorted_once(std::move(vertices));
   return change({vertices, true}, [&] { return complex().cut(faces); });
 }

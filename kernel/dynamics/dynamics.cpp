@@ -28,7 +28,7 @@ void Dynamics::start(double time) {
   const Column& mass = attributes.mass();
   for (Index v = 0; v < attributes.vertex_count(); ++v) {
     if (mass.get(v, 0) > 0 || !body().complex().exists(0, v)) continue;
-    const Index element = body().complex().dart_of(0, v) / 24;
+    const Index element = element_of(body().complex().dart_of(0, v));
     throw InputError("element " + std::to_string(body().user_element(element)) +
                      " has a node without mass: no model with a density acts on it; extend the "
                      "regions of the models to cover the mesh");

@@ -223,7 +223,7 @@ void Motion::refuse_not_finite() const {
            std::isfinite(v[4 * std::size_t{i} + 2]);
   };
   while (vertex + 1 < attributes.vertex_count() && finite(vertex)) ++vertex;
-  const Index element = body_.complex().dart_of(0, vertex) / 24;
+  const Index element = element_of(body_.complex().dart_of(0, vertex));
   throw NotFinite("velocity of node " + std::to_string(vertex) + " is not finite",
                   body_.user_element(element));
 }

@@ -341,7 +341,7 @@ std::uint64_t Newton::worst_element() const {
   const auto worst = std::ranges::max_element(
       residual_, [](double a, double b) { return std::abs(a) < std::abs(b) || std::isnan(b); });
   const auto vertex = static_cast<Index>((worst - residual_.begin()) / 3);
-  return body.user_element(body.complex().dart_of(0, vertex) / 24);
+  return body.user_element(element_of(body.complex().dart_of(0, vertex)));
 }
 
 void Newton::refuse(const StepEquations& equations, const Progress& progress,

@@ -21,15 +21,15 @@ double magnitude_of_product(const Vec3& a, const double* b) {
 std::array<Index, 4> points_of(const CellComplex& complex, Dart face,
                                std::span<const Index> point_of_vertex) {
   std::array<Index, 4> points;
-  for (Dart k = 0; k < 4; ++k) points[k] = point_of_vertex[complex.origin((face & ~3u) + k)];
+  for (Dart k = 0; k < 4; ++k) points[k] = point_of_vertex[complex.origin(face_of(face) + k)];
   std::ranges::sort(points);
   return points;
 }
 
 bool shared_a_face(const CellComplex& complex, Index a, Index b,
                    std::span<const Index> point_of_vertex) {
-  for (Dart f = 24 * a; f < 24 * (a + 1); f += 4)
-    for (Dart g = 24 * b; g < 24 * (b + 1); g += 4)
+  for (const Dart f : sides_of(a))
+    for (const Dart g : sides_of(b))
       if (points_of(complex, f, point_of_vertex) == points_of(complex, g, point_of_vertex))
         return true;
   return false;
@@ -66,7 +66,7 @@ std::vector<Dart> faces_across_plane(const CellComplex& complex, const double* r
     for (int f = 0; f < 6; ++f) {
       const Index other = complex.neighbour(e, f);
       if (other != none && e < other && positive[e] != positive[other])
-        faces.push_back(24 * e + 4 * f);
+        faces.push_back(face_dart(e, f));
     }
   return faces;
 }
@@ -87,7 +87,7 @@ Dart face_between(const CellComplex& complex, const std::string& path, const Ele
                      " twice; a face lies between two elements");
   if (!complex.exists(3, elements[0]) || !complex.exists(3, elements[1])) return none;
   for (int f = 0; f < 6; ++f)
-    if (complex.neighbour(elements[0], f) == elements[1]) return 24 * elements[0] + 4 * f;
+    if (complex.neighbour(elements[0], f) == elements[1]) return face_dart(elements[0], f);
   if (point_of_vertex.empty())
     throw InputError(path + ": " + names + " have no common face (or it has already been cut)");
   if (shared_a_face(complex, elements[0], elements[1], point_of_vertex)) return none;

@@ -81,7 +81,7 @@ struct EventRunner::Call {
   Index cut_now(const std::vector<Dart>& faces, EventOutcome& outcome) const {
     for (const Dart side : faces) {
       const Dart other = built.body().complex().beta3(side);
-      outcome.faces.push_back({side / 24, other / 24});
+      outcome.faces.push_back({element_of(side), element_of(other)});
       if (!runner.scene_.output.cuts) continue;
       for (const Dart d : {side, other}) runner.opened_.push_back({d, number, time});
     }
@@ -164,7 +164,8 @@ struct EventRunner::Call {
     }
     const TopologyChange change = built.body().sew(seams);
     outcome.faces_sewn = change.faces_sewn;
-    for (const Seam& seam : seams) outcome.faces.push_back({seam.one / 24, seam.other / 24});
+    for (const Seam& seam : seams)
+      outcome.faces.push_back({element_of(seam.one), element_of(seam.other)});
     return outcome;
   }
 

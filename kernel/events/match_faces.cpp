@@ -61,12 +61,12 @@ struct FacePlaces {
   Vec3 centre(Dart face) const {
     Vec3 sum{};
     for (Dart k = 0; k < 4; ++k)
-      for (std::size_t c = 0; c < 3; ++c) sum[c] += at(complex.origin((face & ~3u) + k))[c] / 4;
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += at(complex.origin(face_of(face) + k))[c] / 4;
     return sum;
   }
   /// Cross product of the diagonals: twice the area, inward.
   Vec3 area(Dart face) const {
-    const Dart d = face & ~3u;
+    const Dart d = face_of(face);
     Vec3 p, q;
     for (std::size_t c = 0; c < 3; ++c) {
       p[c] = at(complex.origin(d + 2))[c] - at(complex.origin(d))[c];
@@ -116,8 +116,9 @@ Pairing nearest_turn(const FacePlaces& places, Dart one, Dart other) {
 std::vector<Dart> boundary_faces(const CellComplex& complex, std::span<const Index> elements) {
   std::vector<Dart> faces;
   for (const Index e : elements)
-    for (Dart d = 24 * e; complex.exists(3, e) && d < 24 * (e + 1); d += 4)
-      if (is_boundary(complex, d)) faces.push_back(d);
+    if (complex.exists(3, e))
+      std::ranges::copy_if(sides_of(e), std::back_inserter(faces),
+                           [&](Dart d) { return is_boundary(complex, d); });
   return faces;
 }
 
@@ -173,8 +174,8 @@ std::vector<Pairing> pairings(const FacePlaces& places, const std::vector<Dart>&
   for (const Dart face : a) {
     const Vec3 p = places.centre(face);
     grid.near(p, [&](Dart other) {
-      if (other / 24 == face / 24 || !places.face_each_other(face, other)) return;
-      if (are_joined(places.complex, face / 24, other / 24)) return;
+      if (element_of(other) == element_of(face) || !places.face_each_other(face, other)) return;
+      if (are_joined(places.complex, element_of(face), element_of(other))) return;
       const Vec3 q = places.centre(other);
       if (std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]) <= gap)
         found.push_back(nearest_turn(places, face, other));
@@ -189,7 +190,7 @@ std::vector<Pairing> pairings(const FacePlaces& places, const std::vector<Dart>&
 
 std::string side_name(Dart face) {
   static constexpr const char* names[] = {"x0", "y0", "x1", "y1", "z0", "z1"};
-  return names[face % 24 / 4];
+  return names[local_face(face)];
 }
 
 std::string apart_text(double distance) {
@@ -206,9 +207,9 @@ std::string misfits_text(const std::vector<Misfit>& misfits, const Naming& namin
                      " open:";
   for (std::size_t i = 0; i < misfits.size() && i < 4; ++i) {
     const auto& [seam, reason] = misfits[i];
-    text += "\n  side " + side_name(seam.one) + " of element " + naming.element(seam.one / 24) +
-            " and side " + side_name(seam.other) + " of element " +
-            naming.element(seam.other / 24) + ": " + reason;
+    text += "\n  side " + side_name(seam.one) + " of element " +
+            naming.element(element_of(seam.one)) + " and side " + side_name(seam.other) +
+            " of element " + naming.element(element_of(seam.other)) + ": " + reason;
   }
   return text + (misfits.size() > 4 ? "\n  ..." : "");
 }
@@ -218,7 +219,7 @@ MatchedSeams seams_of_cuts(const CellComplex& complex, std::span<const Index> po
   std::map<std::array<Index, 4>, Dart> open;  // by their points, sorted
   std::vector<Seam> seams;
   const auto add = [&](Index e) {
-    for (Dart d = 24 * e; complex.exists(3, e) && d < 24 * (e + 1); d += 4) {
+    for (const Dart d : sides_of(e)) {
       if (!is_boundary(complex, d)) continue;
       std::array<Index, 4> points;
       for (Dart k = 0; k < 4; ++k) points[k] = point_of_vertex[complex.origin(d + k)];
@@ -261,8 +262,8 @@ MatchedSeams seams_within_gap(const CellComplex& complex, const double* rows,
   std::erase_if(result.misfits, [&](const Misfit& misfit) {
     const auto [one, other] = misfit.seam;
     if (batch.has(one) || batch.has(other)) return true;
-    const bool first = reported.insert(one & ~3u).second;
-    const bool second = reported.insert(other & ~3u).second;
+    const bool first = reported.insert(face_of(one)).second;
+    const bool second = reported.insert(face_of(other)).second;
     return !first || !second;
   });
   result.seams = batch.seams();

@@ -44,8 +44,8 @@ std::vector<Dart> faces_across_patch(const CellComplex& complex, const double* r
   std::vector<Dart> faces = faces_across_plane(complex, rows, patch.point, patch.normal, stride);
   if (std::isinf(patch.radius) && patch.polygon.empty()) return faces;
   std::erase_if(faces, [&](Dart face) {
-    const Vec3 a = centroid(complex.vertices_of(face / 24), rows, stride);
-    const Vec3 b = centroid(complex.vertices_of(complex.beta3(face) / 24), rows, stride);
+    const Vec3 a = centroid(complex.vertices_of(element_of(face)), rows, stride);
+    const Vec3 b = centroid(complex.vertices_of(element_of(complex.beta3(face))), rows, stride);
     const Vec3 p = crossing(patch, a, b), r = minus(p, patch.point);
     if (!(dot(r, r) <= patch.radius * patch.radius)) return true;
     return !patch.polygon.empty() && !inside(patch, p);

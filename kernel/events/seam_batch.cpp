@@ -28,7 +28,7 @@ SeamBatch::Elements SeamBatch::around(Index vertex) const {
   if (const auto found = elements_.find(vertex); found != elements_.end()) return found->second;
   std::vector<Dart> star;
   complex_.star(0, vertex, star);
-  for (Dart& d : star) d /= 24;
+  for (Dart& d : star) d = element_of(d);
   return star;
 }
 
@@ -44,7 +44,7 @@ std::string SeamBatch::fold_text(Index element, const std::vector<Index>& group,
 std::optional<std::string> SeamBatch::add(Seam seam, const Naming& naming) {
   for (const Dart face : {seam.one, seam.other})
     if (has(face))
-      return "the face of element " + naming.element(face / 24) +
+      return "the face of element " + naming.element(element_of(face)) +
              " would be sewn to two other faces";
   std::vector<std::pair<Index, Index>> equal;
   for (Dart k = 0; k < 4; ++k) {
@@ -70,7 +70,7 @@ std::optional<std::string> SeamBatch::add(Seam seam, const Naming& naming) {
       }
     elements_[groups[i][0]] = std::move(merged[i]);
   }
-  faces_.insert({seam.one & ~3u, seam.other & ~3u});
+  faces_.insert({face_of(seam.one), face_of(seam.other)});
   seams_.push_back(seam);
   return {};
 }

@@ -36,7 +36,7 @@ class SeamBatch {
   std::optional<std::string> add(Seam seam, const Naming& naming = {});
   const std::vector<Seam>& seams() const { return seams_; }
   /// Whether the face (any dart of it) is in a seam of the batch.
-  bool has(Dart face) const { return faces_.contains(face & ~3u); }
+  bool has(Dart face) const { return faces_.contains(face_of(face)); }
 
  private:
   using Elements = std::vector<Index>;

@@ -38,7 +38,7 @@ double mean(double a, double b) {
 }
 
 void add_face(const CellComplex& complex, Dart face, std::vector<Dart>& faces) {
-  faces.push_back(std::min(face & ~3u, complex.beta3(face) & ~3u));
+  faces.push_back(std::min(face_of(face), face_of(complex.beta3(face))));
 }
 
 }  // namespace
@@ -168,8 +168,7 @@ std::vector<Dart> TearCheck::by_principal(const Snapshot& snapshot,
       if (other == none || !takes_part(other)) continue;
       const double others = value_of(other);
       if (others > value) continue;  // then it is the other that says which face
-      if (mean(value, others) > tear_.above)
-        add_face(complex, 24 * e + 4 * static_cast<Dart>(f), faces);
+      if (mean(value, others) > tear_.above) add_face(complex, face_dart(e, f), faces);
     }
   }
   return faces;
@@ -202,11 +201,11 @@ std::vector<Dart> TearCheck::by_edges(const Snapshot& snapshot, const std::vecto
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (!(value[axis] > tear_.above)) continue;
       for (const int f : faces_of_axis[axis]) {
-        const Dart face = 24 * e + 4 * static_cast<Dart>(f);
+        const Dart face = face_dart(e, f);
         const Dart mate = complex.beta3(face);
-        if (mate == none || !takes_part(mate / 24)) continue;
-        const auto across = static_cast<std::size_t>(axis_of_face[mate % 24 / 4]);
-        if (mean(value[axis], value_of(mate / 24)[across]) > tear_.above)
+        if (mate == none || !takes_part(element_of(mate))) continue;
+        const auto across = static_cast<std::size_t>(axis_of_face[local_face(mate)]);
+        if (mean(value[axis], value_of(element_of(mate))[across]) > tear_.above)
           add_face(complex, face, faces);
       }
     }

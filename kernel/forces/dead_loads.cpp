@@ -15,7 +15,7 @@ namespace {
 Quad rest_corners(const RestPlaces& rest, Dart face) {
   Quad x;
   for (std::size_t a = 0; a < 4; ++a) {
-    const double* p = rest.corner(face / 24, suture_hexahedron_faces[face % 24 / 4][a]);
+    const double* p = rest.corner(element_of(face), suture_hexahedron_faces[local_face(face)][a]);
     x[a] = {p[0], p[1], p[2]};
   }
   return x;
@@ -44,8 +44,8 @@ std::vector<double> areas_around(const RestPlaces& rest, std::span<const Index> 
   for (const Index v : vertices) {
     complex.star(0, v, star);
     for (const Dart d : star)
-      for (Dart f = 0; f < 6; ++f) {
-        const Dart face = d / 24 * 24 + 4 * f;
+      for (int f = 0; f < 6; ++f) {
+        const Dart face = face_dart(element_of(d), f);
         if (complex.beta3(face) == none) faces.push_back(face);
       }
   }
@@ -73,11 +73,11 @@ void DeadLoads::add_at_vertex(Load& load, const RestPlaces& rest, Index vertex,
   std::vector<double> volumes;
   double total = 0;
   for (const Dart d : star) {
-    volumes.push_back(std::abs(hexahedron_volume(rest.of(d / 24))));
+    volumes.push_back(std::abs(hexahedron_volume(rest.of(element_of(d)))));
     total += volumes.back();
   }
   for (std::size_t i = 0; i < star.size(); ++i) {
-    const Index element = star[i] / 24;
+    const Index element = element_of(star[i]);
     const Hexahedron& nodes = complex.vertices_of(element);
     const auto corner = std::find(nodes.begin(), nodes.end(), vertex) - nodes.begin();
     const double share = volumes[i] / total;
@@ -136,10 +136,10 @@ void DeadLoads::add_traction(const CellComplex& complex, std::span<const Dart> f
   load.ramp = ramp;
   for (const Dart face : faces) {
     const auto areas = corner_areas(rest_corners(rest, face));
-    const auto& local = suture_hexahedron_faces[face % 24 / 4];
+    const auto& local = suture_hexahedron_faces[local_face(face)];
     for (std::size_t a = 0; a < 4; ++a)
       load.corners.push_back(
-          {face / 24,
+          {element_of(face),
            local[a],
            {traction[0] * areas[a], traction[1] * areas[a], traction[2] * areas[a]},
            face});

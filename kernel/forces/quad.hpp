@@ -16,14 +16,14 @@ using Quad = std::array<Vec3, 4>;
 /// Vertices of the face of a dart, counterclockwise as seen from inside: the normal dx/dr x dx/ds
 /// points inward.
 inline std::array<Index, 4> face_nodes(const CellComplex& complex, Dart face) {
-  const Hexahedron& x = complex.vertices_of(face / 24);
-  const auto& local = suture_hexahedron_faces[face % 24 / 4];
+  const Hexahedron& x = complex.vertices_of(element_of(face));
+  const auto& local = suture_hexahedron_faces[local_face(face)];
   return {x[local[0]], x[local[1]], x[local[2]], x[local[3]]};
 }
 
 /// True if the face still exists and is on the boundary.
 inline bool is_open(const CellComplex& complex, Dart face) {
-  return complex.exists(3, face / 24) && complex.beta3(face) == none;
+  return complex.exists(3, element_of(face)) && complex.beta3(face) == none;
 }
 
 /// A point of a bilinear face on the unit square, nodes (0,0) (1,0) (1,1) (0,1).

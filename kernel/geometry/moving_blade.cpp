@@ -301,7 +301,7 @@ MovingBlade::CheckResult MovingBlade::check(const CellComplex& complex, const St
       const BladeKey &p = step.path[i], &q = step.path[i + 1];
       if (!crosses_sweep(between(from, to, p.time), between(from, to, q.time), p.points, q.points))
         continue;
-      cut.push_back(24 * element + 4 * static_cast<Dart>(f));
+      cut.push_back(face_dart(element, f));
       break;
     }
   }

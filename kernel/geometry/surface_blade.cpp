@@ -82,7 +82,7 @@ std::vector<Dart> SurfaceBlade::faces_cut(const CellComplex& complex, const Plac
                    if (n == none || n < e || !overlap(box_, centroids[e], centroids[n])) continue;
                    const Segment link{vec3(centroids[e]), vec3(centroids[n])};
                    if (!grid_.may_meet(link.a, link.b)) continue;
-                   near.push_back(static_cast<Dart>(24 * e + 4 * f));
+                   near.push_back(face_dart(static_cast<Index>(e), f));
                    links.push_back(link);
                  }
                std::vector<std::uint8_t> crossed(links.size());

@@ -51,8 +51,9 @@ Vec3 momentum(SampleBody& sample) {
 /// A dart of each face inside the body.
 std::vector<Dart> inner_faces(const CellComplex& complex) {
   std::vector<Dart> faces;
-  for (Dart d = 0; d < 24 * complex.element_count(); d += 4)
-    if (complex.can_cut(d) && complex.beta3(d) > d) faces.push_back(d);
+  for (Index e = 0; e < complex.element_count(); ++e)
+    for (const Dart d : sides_of(e))
+      if (complex.can_cut(d) && complex.beta3(d) > d) faces.push_back(d);
   return faces;
 }
 

@@ -97,7 +97,7 @@ void fill_cuts(Frame& frame, double time, BuiltScene& built, const EventRunner& 
   CutFields fields;
   frame.cells.clear();
   for (const OpenedFace& face : events.opened()) {
-    if (!complex.exists(3, face.side / 24) || complex.beta3(face.side) != none) continue;
+    if (!complex.exists(3, element_of(face.side)) || complex.beta3(face.side) != none) continue;
     frame.cells.push_back(cell_at(complex, face.side, 2));
     fields.add(face.event, false, face.time);
   }

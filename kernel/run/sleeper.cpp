@@ -35,7 +35,7 @@ bool Sleeper::is_still(std::span<const Index> elements) const {
 
 Index Sleeper::island_of(Index vertex) const {
   Body& body = built_.body();
-  return body.islands().of(body.complex().dart_of(0, vertex) / 24);
+  return body.islands().of(element_of(body.complex().dart_of(0, vertex)));
 }
 
 /// Of loads and constraints; what moves as an obstacle matters only to what it comes near.

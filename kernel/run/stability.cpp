@@ -100,7 +100,7 @@ std::string Stability::describe(const LowestMode& mode, bool is_proof) const {
          << mode.eigenvalue << " 1/s^2, so a disturbance grows at " << std::sqrt(-mode.eigenvalue)
          << " 1/s";
   text << "; the mode is largest at element "
-       << built_.element_name(built_.body().complex().dart_of(0, vertex) / 24) << " at "
+       << built_.element_name(element_of(built_.body().complex().dart_of(0, vertex))) << " at "
        << built_.place_text({x.get(vertex, 0), x.get(vertex, 1), x.get(vertex, 2)});
   if (const std::string file = recorder_.mode_collection(); !file.empty())
     text << "; see the field \"unstable_mode\" of " << file;

@@ -172,7 +172,7 @@ void StepControl::tell_step(double start, const std::string& judgement) const {
 }
 
 void StepControl::refuse_step(const StepError& step) {
-  const Index element = built_.body().complex().dart_of(0, step.vertex) / 24;
+  const Index element = element_of(built_.body().complex().dart_of(0, step.vertex));
   std::ostringstream text;
   text << "no step is short enough: after " << accuracy_->rejections()
        << " rejections in succession, a step of " << last_dt_ << " s has an error of " << step.error
@@ -187,7 +187,7 @@ void StepControl::check_contact() const {
   const std::optional<Contact::Failure> failure = contact ? contact->failure() : std::nullopt;
   if (!failure) return;
   const auto element = [&](Index vertex) {
-    return built_.element_name(built_.body().complex().dart_of(0, vertex) / 24);
+    return built_.element_name(element_of(built_.body().complex().dart_of(0, vertex)));
   };
   std::ostringstream text;
   text << "contact did not hold: the pieces of elements " << element(failure->vertices[0])
@@ -200,7 +200,7 @@ void StepControl::check_step(const Notify& notify) {
   check_contact();
   if (watch_.is_alarming(clock_.step()) && watch_.is_unstable(clock_.step(), last_dt_)) {
     const Index vertex = built_.dynamics().motion().fastest_vertex();
-    const Index element = built_.body().complex().dart_of(0, vertex) / 24;
+    const Index element = element_of(built_.body().complex().dart_of(0, vertex));
     std::ostringstream text;
     text << "the step is unstable: the motion reaches omega dt = "
          << built_.dynamics().motion().sums().apparent_frequency()

@@ -162,7 +162,7 @@ double BuiltScene::shortest_edge(const std::vector<Index>& vertices) {
     body_.complex().star(0, v, star);
     for (const Dart d : star)
       for (const auto& [a, b] : suture_hexahedron_edges) {
-        const Hexahedron& nodes = body_.complex().vertices_of(d / 24);
+        const Hexahedron& nodes = body_.complex().vertices_of(element_of(d));
         double squared = 0;
         for (int c = 0; c < 3; ++c)
           squared += std::pow(body_.attributes().rest().get(nodes[a], c) -

@@ -262,8 +262,7 @@ std::vector<Dart> Selector::boundary_faces(const Selection& selection) const {
       const auto& corners = suture_hexahedron_faces[f];
       const bool selected =
           std::all_of(corners, corners + 4, [&](auto c) { return mask[nodes[c]] != 0; });
-      if (selected && complex.neighbour(e, f) == none)
-        result.push_back(24 * e + 4 * static_cast<Dart>(f));
+      if (selected && complex.neighbour(e, f) == none) result.push_back(face_dart(e, f));
     }
   }
   if (result.empty()) {

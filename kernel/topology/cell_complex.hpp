@@ -9,6 +9,7 @@
 
 #include "kernel/base/bulk.hpp"
 #include "kernel/base/types.hpp"
+#include "kernel/topology/dart.hpp"
 #include "kernel/topology/face_matching.hpp"
 #include "kernel/topology/hexahedron_tables.hpp"
 #include "kernel/topology/incidence.hpp"

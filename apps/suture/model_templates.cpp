@@ -21,8 +21,8 @@ struct @Struct@ : suture::continuum<@Struct@> {
 
   template <class T, class Parameters>
   static SUTURE_INLINE T energy(const suture::mat3<T>& F, const Parameters& p) {
-    const T ln_j = log(det(F));
-    return 0.5 * p[mu] * (dot(F, F) - 3) - p[mu] * ln_j + 0.5 * p[lambda] * ln_j * ln_j;
+    const T ln_j = log1p(excess_J(F));  // the excess of J is J - 1, that of I1 is I1 - 3
+    return 0.5 * p[mu] * (excess_I1(F) - 2.0 * ln_j) + 0.5 * p[lambda] * ln_j * ln_j;
   }
 };
 SUTURE_PLUGIN("@id@", "1.0", "MIT", "Neo-Hookean solid", @Struct@)

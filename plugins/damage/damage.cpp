@@ -24,8 +24,8 @@ struct Damage : suture::continuum<Damage> {
       suture::state("largest", "1", "Largest equivalent strain so far", 1)};
   template <class T, class P>
   static SUTURE_INLINE T intact(const suture::mat3<T>& F, const P& p) {
-    const T ln_j = log(det(F));
-    return 0.5 * p[mu] * (dot(F, F) - 3.0 - 2.0 * ln_j) + 0.5 * p[lambda] * (ln_j * ln_j);
+    const T ln_j = log1p(excess_J(F));
+    return 0.5 * p[mu] * (excess_I1(F) - 2.0 * ln_j) + 0.5 * p[lambda] * (ln_j * ln_j);
   }
   template <class T, class P, class At>
   static void evolve(const suture::mat3<T>& F, const P& p, At& at) {

@@ -27,10 +27,10 @@ struct Fibres : suture::continuum<Fibres> {
   template <class T, class P>
   static SUTURE_INLINE T energy(const suture::mat3<T>& F, const P& p) {
     const auto a = F * p.direction(fibre);
-    const T J = det(F), stretch = max(dot(a, a) - 1.0, T(0.0));
-    return 0.5 * p[mu] * (dot(F, F) - 3.0) - p[mu] * log(J) +
-           0.5 * p[lambda] * ((J - 1.0) * (J - 1.0)) +
-           0.5 * p[k1] / p[k2] * (exp(p[k2] * (stretch * stretch)) - 1.0);
+    const T stretch = max(dot(a, a) - 1.0, T(0.0)), change = excess_J(F);
+    return 0.5 * p[mu] * (excess_I1(F) - 2.0 * log1p(change)) +
+           0.5 * p[lambda] * (change * change) +
+           0.5 * p[k1] / p[k2] * expm1(p[k2] * (stretch * stretch));
   }
 };
 

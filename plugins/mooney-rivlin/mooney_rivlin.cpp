@@ -24,13 +24,10 @@ struct MooneyRivlin : suture::continuum<MooneyRivlin> {
     return p[rho];
   }
 
-  /// I2 is the sum of the squares of the cofactors of F.
   template <class T, class Parameters>
   static SUTURE_INLINE T energy(const suture::mat3<T>& F, const Parameters& p) {
-    const auto cof = cofactor(F);
-    const T J = dot(F.column[0], cof.column[0]), r = 1.0 / cbrt(J * J);
-    return p[c10] * (r * dot(F, F) - 3) + p[c01] * (r * r * dot(cof, cof) - 3) +
-           0.5 * p[bulk] * (J - 1) * (J - 1);
+    const auto e = isochoric(excess_invariants(F));
+    return p[c10] * e.I1 + p[c01] * e.I2 + 0.5 * p[bulk] * (e.J * e.J);
   }
 };
 

@@ -28,8 +28,8 @@ struct NeoHookean : suture::continuum<NeoHookean> {
 
   template <class T, class C>
   static SUTURE_INLINE T energy(const suture::mat3<T>& F, const C& c) {
-    const T ln_j = log(det(F));
-    return 0.5 * c.mu * (dot(F, F) - 3) - c.mu * ln_j + 0.5 * c.lambda * ln_j * ln_j;
+    const T ln_j = log1p(excess_J(F));
+    return 0.5 * c.mu * (excess_I1(F) - 2.0 * ln_j) + 0.5 * c.lambda * ln_j * ln_j;
   }
 };
 

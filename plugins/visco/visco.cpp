@@ -45,16 +45,17 @@ struct Visco : suture::continuum<Visco> {
   }
   template <class T, class At>
   static SUTURE_INLINE T energy(const suture::mat3<T>& F, const Constants& c, const At& at) {
-    const auto C = right_cauchy_green(F);
-    const T ln_j = log(det(F));
+    const T ln_j = log1p(excess_J(F));
     auto pull = at.state.flow[0] * 0.0;
     auto spent = pull.c[0];  // sums that do not depend on F, outside of its gradient
     for (int k = 0; k < terms; ++k) {
-      pull += at.state.flow[k] * c.modulus[k];
-      spent += c.modulus[k] * log(det(add_diagonal(at.state.flow[k], 1.0)));
+      const auto& A = at.state.flow[k];
+      const auto det_excess = trace(A) + trace(cofactor(A)) + det(A);  // det(I + A) - 1
+      pull += A * c.modulus[k];
+      spent += c.modulus[k] * (log1p(det_excess) - trace(A));
     }
-    return 0.5 * c.instant * (trace(C) - 3.0 - 2.0 * ln_j) + 0.5 * c.lambda * (ln_j * ln_j) +
-           0.5 * (dot(pull, C) - spent);
+    return 0.5 * c.instant * (excess_I1(F) - 2.0 * ln_j) + 0.5 * c.lambda * (ln_j * ln_j) +
+           0.5 * (dot(pull, twice_green_strain(F)) - spent);
   }
 };
 SUTURE_PLUGIN("visco", "0.1.0", "MIT", "Power-law viscoelastic solid", Visco)

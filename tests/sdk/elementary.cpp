@@ -7,7 +7,8 @@ struct Elementary : suture::model, suture::on_vertices {
   static constexpr const char *id = "elementary", *doc = "Functions of the rest position",
                               *formula = "f = g(X) x", *citation = "none";
   enum { function, exponent };
-  static constexpr const char* functions[] = {"exp", "log", "sin", "cos", "tanh", "cbrt", "pow"};
+  static constexpr const char* functions[] = {"exp",  "log", "sin",   "cos",  "tanh",
+                                              "cbrt", "pow", "log1p", "expm1"};
   static constexpr suture::parameter parameters[] = {
       suture::choice("function", "The function g", functions),
       suture::number("exponent", "1", "That of pow").or_else(1)};
@@ -30,6 +31,10 @@ struct Elementary : suture::model, suture::on_vertices {
         return tanh(x);
       case 5:
         return cbrt(x);
+      case 7:
+        return log1p(x);
+      case 8:
+        return expm1(x);
       default:
         return pow(x, c.parameter(exponent));
     }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// exp, log, sin, cos, tanh, cbrt and pow of packs against long double, called through a
-// plugin for every instruction set: random numbers of ordinary size, random bits, and the
-// places where functions or their evaluation change.
+// exp, expm1, log, log1p, sin, cos, tanh, cbrt and pow of packs against long double, called through
+// a plugin for every instruction set: random numbers of ordinary size, random bits, and the places
+// where functions or their evaluation change.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -31,7 +31,9 @@ const std::vector<Case>& cases() {
                           {"sin", 2, 1, [](long double x) { return std::sin(x); }},
                           {"cos", 3, 1, [](long double x) { return std::cos(x); }},
                           {"tanh", 4, 1, [](long double x) { return std::tanh(x); }},
-                          {"cbrt", 5, 1, [](long double x) { return std::cbrt(x); }}};
+                          {"cbrt", 5, 1, [](long double x) { return std::cbrt(x); }},
+                          {"log1p", 7, 1, [](long double x) { return std::log1p(x); }},
+                          {"expm1", 8, 1, [](long double x) { return std::expm1(x); }}};
     for (const double y : {-2 / 3.0, 0.5, 2.0, -3.0, 101.3, -1e3, 1e300, 0.0, HUGE_VAL})
       all.push_back(
           {"pow", 6, y, [y](long double x) { return std::pow(x, static_cast<long double>(y)); }});
@@ -113,7 +115,9 @@ E argument(std::mt19937_64& engine, int kind) {
   if (kind == 1) return uniform(0.2, 5);
   if (kind == 2) return uniform(-20, 20);
   if (kind == 3) return uniform(-750, 750);
-  if (kind == 4) return static_cast<E>(std::exp(static_cast<double>(uniform(-100, 100))));
+  if (kind == 4)
+    return static_cast<E>((engine() % 2 ? 1 : -1) *
+                          std::exp(static_cast<double>(uniform(-100, 100))));
   E x;
   const std::uint64_t bits = engine();
   std::memcpy(&x, &bits, sizeof x);

@@ -82,9 +82,10 @@ TYPED_TEST(Packs, NonFiniteLanesStayNonFiniteAndAlone) {
 template <class T>
 T everything(T x) {
   using namespace suture;  // for T = double; other types find these by themselves
-  return 1.0 / (1 + x * x) + 2 * sqrt(x) - x / 3 + exp(x) * rsqrt(x) + log(x) * 0.5 + pow(x, 1.5) +
-         cbrt(x) * sin(x) - cos(2 * x) / x + tanh(x) + max(x, T(2.0)) * min(x, T(1.0)) + abs(-x) +
-         select(x > T(1.0), x, x * x) + (3 - x) * (x - 1) / (x + 4);
+  return 1.0 / (1 + x * x) + 2 * sqrt(x) - x / 3 + exp(x) * rsqrt(x) + log(x) * 0.5 +
+         log1p(x) * expm1(x) + pow(x, 1.5) + cbrt(x) * sin(x) - cos(2 * x) / x + tanh(x) +
+         max(x, T(2.0)) * min(x, T(1.0)) + abs(-x) + select(x > T(1.0), x, x * x) +
+         (3 - x) * (x - 1) / (x + 4);
 }
 
 TEST(DualNumbers, GiveTheDerivative) {
@@ -262,6 +263,33 @@ TEST(Kinematics, InvariantsHaveTheirDerivatives) {
   EXPECT_NEAR(same.J, 1, 1e-14);
   EXPECT_NEAR(shape.I1, same.I1, 1e-14);
   EXPECT_NEAR(shape.I2, same.I2, 1e-14);
+}
+
+/// Against long double, whose rounding is 1e-19.
+TEST(Kinematics, ExcessOfInvariantsKeepsItsDigitsNearRest) {
+  std::mt19937 engine(19);
+  std::uniform_real_distribution<> uniform(-1, 1);
+  for (int round = 0; round < 200; ++round) {
+    const double strain = round == 0 ? 0 : std::pow(10, -12.0 * round / 200);
+    Matrix F = Matrix::identity();
+    suture::mat3<long double> exact;
+    for (int i = 0; i < 9; ++i) {
+      F(i / 3, i % 3) += 0.3 * strain * uniform(engine);
+      exact(i / 3, i % 3) = F(i / 3, i % 3);
+    }
+    const auto e = excess_invariants(F), shape = isochoric(e);
+    EXPECT_EQ(excess_I1(F), e.I1);
+    EXPECT_NEAR(excess_J(F), e.J, 1e-15 * strain);
+    const auto at = invariants(exact);
+    const long double scale = std::pow(at.J, -2 / 3.0L);
+    const double allowed = 5e-15 * strain + 5e-18;
+    EXPECT_NEAR(e.I1, double(at.I1 - 3), allowed) << strain;
+    EXPECT_NEAR(e.I2, double(at.I2 - 3), allowed) << strain;
+    EXPECT_NEAR(e.J, double(at.J - 1), allowed) << strain;
+    EXPECT_NEAR(shape.I1, double(scale * at.I1 - 3), allowed) << strain;
+    EXPECT_NEAR(shape.I2, double(scale * scale * at.I2 - 3), allowed) << strain;
+    if (strain == 0) EXPECT_EQ(std::abs(e.I1) + std::abs(e.I2) + std::abs(e.J), 0);
+  }
 }
 
 TEST(Spectral, DecompositionsGiveTheMatrixAgain) {

@@ -16,8 +16,8 @@
 //     static double density(const suture::values& p) { return p[rho]; }
 //     template <class T, class P>
 //     static SUTURE_INLINE T energy(const suture::mat3<T>& F, const P& p) {
-//       const T ln_j = log(det(F));
-//       return 0.5 * p[mu] * (dot(F, F) - 3) - p[mu] * ln_j + 0.5 * p[lambda] * ln_j * ln_j;
+//       const T ln_j = log1p(excess_J(F));  // excess: I1 - 3, J - 1
+//       return 0.5 * p[mu] * (excess_I1(F) - 2.0 * ln_j) + 0.5 * p[lambda] * ln_j * ln_j;
 //     }
 //   };
 //   SUTURE_PLUGIN("neo-hooke", "1.0", "MIT", "Neo-Hookean solid", NeoHooke)

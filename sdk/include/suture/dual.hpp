@@ -134,7 +134,14 @@ struct dual {
     const T e = exp(a.value);
     return {e, e * a.derivative};
   }
+  friend SUTURE_INLINE dual expm1(const dual& a) {
+    const T e = expm1(a.value);
+    return {e, (e + 1.0) * a.derivative};
+  }
   friend SUTURE_INLINE dual log(const dual& a) { return {log(a.value), a.derivative / a.value}; }
+  friend SUTURE_INLINE dual log1p(const dual& a) {
+    return {log1p(a.value), a.derivative / (a.value + 1.0)};
+  }
   friend SUTURE_INLINE dual cbrt(const dual& a) {
     const T r = cbrt(a.value);
     return {r, a.derivative / (3.0 * r * r)};

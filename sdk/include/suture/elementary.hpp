@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// suture/elementary.hpp - exp, log, pow, sin, cos, tanh and cbrt of packs.
+// suture/elementary.hpp - exp, expm1, log, log1p, pow, sin, cos, tanh and cbrt of packs.
 //
 // Every lane has the result of its own argument alone: at most 2 units in the last place from
 // the exact one, for every argument. What a double gives as a special value (zeros,
@@ -10,8 +10,8 @@
 // Each function reduces its argument to a short interval and evaluates a polynomial that
 // was fitted there (Chebyshev interpolation in 50 digits). The reductions are those of
 // Muller et al., Handbook of Floating-Point Arithmetic, 2nd edition, 2018, chapter 10.
-// exp and log of floats are evaluated in floats, all others in doubles. Rare arguments
-// (pow of x <= 0, angles beyond 10^6) are left to the C library, lane by lane.
+// exp, expm1, log and log1p of floats are evaluated in floats, all others in doubles. Rare
+// arguments (pow of x <= 0, angles beyond 10^6) are left to the C library, lane by lane.
 #ifndef SUTURE_ELEMENTARY_HPP
 #define SUTURE_ELEMENTARY_HPP
 
@@ -177,6 +177,28 @@ SUTURE_INLINE pack<N, E> log(pack<N, E> x) {
       select(x == 0.0, P(-HUGE_VAL), P(std::numeric_limits<double>::quiet_NaN()));
   // The sum gives the NaN of a NaN, and infinity.
   return select(x > 0.0, select(x <= I::largest, regular, x), select(x <= 0.0, zero_or_less, x));
+}
+
+/// ln(1 + x), with all digits where x is small: the log of the rounded sum, and what it lost.
+template <int N, class E>
+SUTURE_INLINE pack<N, E> log1p(pack<N, E> x) {
+  using P = pack<N, E>;
+  const P sum = 1.0 + x, part = sum - 1.0, lost = (1.0 - (sum - part)) + (x - part);
+  const auto regular = (sum > 0.0) & (sum <= detail::ieee<E>::largest);
+  return log(sum) + select(regular, lost * reciprocal(sum), P(0.0));
+}
+
+/// e^x - 1, with all digits where x is small: 2^k ((1 - 2^-k) + (e^r - 1)) for x = k ln 2 + r.
+template <int N, class E>
+SUTURE_INLINE pack<N, E> expm1(pack<N, E> x) {
+  using P = pack<N, E>;
+  using I = detail::ieee<E>;
+  const P inside = min(P(I::highest_exponential), max(P(-40.0), x));  // keeps NaN
+  const P k = detail::shifted_integer(inside * 1.4426950408889634) - I::to_integer;
+  const P r = (inside - k * I::ln2[0]) - k * I::ln2[1];
+  const P other = 1.0 - detail::power_of_two(detail::shifted_integer(-min(k, P(60.0))));
+  const P sum = other + r, lost = r - (sum - other);
+  return detail::scaled(sum + (lost + r * r * detail::polynomial(r, I::exponential)), k);
 }
 
 /// Halley's iteration t + t (y - t^3) / (2 t^3 + y) from a polynomial good to 2^-19.
@@ -393,7 +415,9 @@ SUTURE_INLINE pack<N, float> pow(pack<N, float> x, double y) {
 using std::cbrt;
 using std::cos;
 using std::exp;
+using std::expm1;
 using std::log;
+using std::log1p;
 using std::pow;
 using std::sin;
 using std::tanh;

@@ -181,8 +181,17 @@ SUTURE_INLINE variable<T> exp(const variable<T>& a) {
   return a.result(e, a.singular, e);
 }
 template <class T>
+SUTURE_INLINE variable<T> expm1(const variable<T>& a) {
+  const T e = expm1(a.value);
+  return a.result(e, a.singular, e + 1.0);
+}
+template <class T>
 SUTURE_INLINE variable<T> log(const variable<T>& a) {
   return a.result(log(a.value), a.singular, reciprocal(a.value));
+}
+template <class T>
+SUTURE_INLINE variable<T> log1p(const variable<T>& a) {
+  return a.result(log1p(a.value), a.singular, reciprocal(a.value + 1.0));
 }
 template <class T>
 SUTURE_INLINE variable<T> cbrt(const variable<T>& a) {

@@ -27,7 +27,7 @@ enum class influence {
 /// the compiler then follows each store to its only load.
 template <class T>
 struct tape {
-  static constexpr int capacity = 160;  // Mooney-Rivlin takes 95
+  static constexpr int capacity = 160;  // Mooney-Rivlin takes 128
   int operand[2][capacity];             ///< 16 place + 2 influence + selected; 0: none
   T weight[2][capacity];
   int size;

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <sstream>
 #include <thread>
 
 #include "kernel/model_check/checks.hpp"
@@ -38,22 +39,23 @@ bool repeats(BatchCaller caller, const CellBatch (&batches)[2], const CellForces
   return true;
 }
 
-/// The columns after `steps` steps that take 10 ms together.
-std::vector<Values> columns_after(BatchCaller& caller, CellBatch batch, int steps) {
-  batch.dt = 0.01 / steps;
+/// The states after `steps` steps that take `time` s together; other columns are empty.
+std::vector<Values> states_after(BatchCaller& caller, CellBatch batch, int steps, double time) {
+  batch.dt = time / steps;
+  std::vector<Values> states;
   for (int i = 0; i < steps; ++i) {
-    CellForces out = caller.force(batch);
-    for (std::size_t c = 0; c < out.trial.size(); ++c)
-      if (!out.trial[c].empty()) batch.cell_columns[c] = std::move(out.trial[c]);
+    states = caller.force(batch).trial;
+    for (std::size_t c = 0; c < states.size(); ++c)
+      if (!states[c].empty()) batch.cell_columns[c] = states[c];
     batch.time += batch.dt;
   }
-  return batch.cell_columns;
+  return states;
 }
 
 double largest_difference(const std::vector<Values>& a, const std::vector<Values>& b) {
   double difference = 0;
-  for (std::size_t c = 0; c < a.size(); ++c)
-    for (std::size_t i = 0; i < a[c].size(); ++i)
+  for (std::size_t c = 0; c < b.size(); ++c)
+    for (std::size_t i = 0; i < b[c].size(); ++i)
       difference = std::max(difference, std::abs(a[c][i] - b[c][i]));
   return difference;
 }
@@ -62,6 +64,22 @@ double largest_of(const std::vector<Values>& columns) {
   double value = 0;
   for (const Values& column : columns) value = std::max(value, largest(column));
   return value;
+}
+
+/// At one deformation, a step without duration may take a state to where a law without rates has
+/// it, and the next one must leave it there. A state that goes a part of the way in each step,
+/// whatever dt is, gets there in the end with any steps: halving them does not show it.
+void require_no_change_without_time(BatchCaller& caller, const CellBatch& batch) {
+  const std::vector<Values> once = states_after(caller, batch, 1, 0),
+                            twice = states_after(caller, batch, 2, 0);
+  const double first = largest_difference(batch.cell_columns, once),
+               second = largest_difference(once, twice);
+  if (!(second > 0.01 * first + 1e-9 * largest_of(twice))) return;
+  std::ostringstream text;
+  text << "a second step of dt = 0 at the same deformation changes the state by " << second
+       << ", the first by " << first
+       << "; a state goes a part of the way in each step, however short: multiply its rate by dt";
+  throw BrokenLaw(text.str());
 }
 
 }  // namespace
@@ -100,8 +118,9 @@ Result state(const BatchCase& of) {
   BatchCaller caller(of.instance);
   const CellForces once = caller.force(of.batch);
   if (std::ranges::all_of(once.trial, [](const Values& t) { return t.empty(); })) return {};
+  require_no_change_without_time(caller, of.batch);
   std::vector<Values> after[3];
-  for (int i = 0; i < 3; ++i) after[i] = columns_after(caller, of.batch, 8 << i);
+  for (int i = 0; i < 3; ++i) after[i] = states_after(caller, of.batch, 8 << i, 0.01);
   const double coarse = largest_difference(after[0], after[1]),
                fine = largest_difference(after[1], after[2]);
   if (fine <= 1e-9 * largest_of(after[2])) return Measured{};

@@ -63,11 +63,12 @@ INSTANTIATE_TEST_SUITE_P(
                     Planted{"negative", "stiffness"}, Planted{"mass-constant", "mass"},
                     Planted{"mass-negative", "mass"}, Planted{"copied", "cut"},
                     Planted{"global", "instances"}, Planted{"ignored", "parameters"},
-                    Planted{"step-counter", "state"}, Planted{"state-in-place", "outputs"},
-                    Planted{"state-unset", "outputs"}, Planted{"energy-unset", "outputs"},
-                    Planted{"bounds-outside", "outputs"}, Planted{"field-unset", "outputs"},
-                    Planted{"isa", "builds"}, Planted{"one-node-off", "gradient"},
-                    Planted{"velocity-drag", "balance"}, Planted{"allocates", "allocations"}),
+                    Planted{"step-counter", "state"}, Planted{"part-per-step", "state"},
+                    Planted{"state-in-place", "outputs"}, Planted{"state-unset", "outputs"},
+                    Planted{"energy-unset", "outputs"}, Planted{"bounds-outside", "outputs"},
+                    Planted{"field-unset", "outputs"}, Planted{"isa", "builds"},
+                    Planted{"one-node-off", "gradient"}, Planted{"velocity-drag", "balance"},
+                    Planted{"allocates", "allocations"}),
     [](const auto& test) {
       std::string name = test.param.fault;
       std::erase(name, '-');

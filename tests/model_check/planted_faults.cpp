@@ -29,7 +29,7 @@ constexpr const char* faults[] = {
     "copied",         "global",        "ignored",       "step-counter",
     "state-in-place", "state-unset",   "energy-unset",  "bounds-outside",
     "field-unset",    "isa",           "one-node-off",  "velocity-drag",
-    "allocates"};
+    "allocates",      "part-per-step"};
 constexpr std::size_t fault_count = std::size(faults);
 
 enum { p_young, p_rho, p_viscosity, p_rate, p_fault };
@@ -194,6 +194,7 @@ void advance(const suture_context* context, const suture_batch* batch) {
                            const double step = batch->dt * context->parameters[p_rate];
                            double change = step / (1 + step) * s.strain();
                            if (has(context, "step-counter")) change = 0.01;
+                           if (has(context, "part-per-step")) change = 0.1 * s.strain();
                            batch->trial_columns[1][lane] = s.q + change;
                            if (has(context, "state-in-place"))
                              const_cast<double*>(batch->cell_columns[1])[lane] += change;

@@ -193,6 +193,14 @@ DrivenWork Constraints::after_drift(Attributes& attributes, double before, doubl
   return total;
 }
 
+Index Constraints::first_not_finite(const Column& column) const {
+  for (const Constrained& held : constrained_)
+    for (int c = 0; c < 3; ++c)
+      if ((held.components >> c & 1) != 0 && !std::isfinite(column.get(held.vertex, c)))
+        return held.vertex;
+  return none;
+}
+
 void Constraints::before_kick(Attributes& attributes, Index begin, Index end) const {
   for (const Driven& driven : within(driven_, begin, end)) {
     double* v = row(attributes.velocity(), driven.vertex);

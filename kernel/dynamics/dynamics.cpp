@@ -60,6 +60,7 @@ void Dynamics::step(double dt, double end) {
 void Dynamics::synchronise(bool with_forces) {
   if (!with_forces && !integrator_->waits()) return;
   motion_.evaluate();
+  if (with_forces) motion_.require_finite_forces();
   integrator_->synchronise();
 }
 

@@ -24,6 +24,11 @@ void for_each_range(Index vertices, Index size, Visit visit) {
     visit(begin, std::min(begin + size, vertices));
 }
 
+bool is_finite(const Column& column, Index row) {
+  return std::isfinite(column.get(row, 0)) && std::isfinite(column.get(row, 1)) &&
+         std::isfinite(column.get(row, 2));
+}
+
 }  // namespace
 
 Motion::Motion(Body& body, double damping) : body_(body), loops_(hot_loops()), damping_(damping) {
@@ -45,6 +50,7 @@ void Motion::evaluate(double dt) {
   try {
     for (const auto& term : body_.terms())
       term->add_forces_in_step({time_, dt, last_}, moving(), rows);
+    require_finite_reactions();
   } catch (...) {
     clear_forces();  // passes rely on zeros; the state before the step is whole
     throw;
@@ -214,18 +220,28 @@ void Motion::arrive(double dt, double end) {
   evaluate(end_dt_);
 }
 
-void Motion::refuse_not_finite() const {
-  const Attributes& attributes = body_.attributes();
-  const double* v = body_.attributes().velocity().rows();
-  Index vertex = 0;
-  const auto finite = [&](Index i) {
-    return std::isfinite(v[4 * std::size_t{i}]) && std::isfinite(v[4 * std::size_t{i} + 1]) &&
-           std::isfinite(v[4 * std::size_t{i} + 2]);
-  };
-  while (vertex + 1 < attributes.vertex_count() && finite(vertex)) ++vertex;
+/// Passes find what is not finite in the velocities of free components; these they overwrite.
+void Motion::require_finite_reactions() const {
+  const Index vertex = body_.constraints().first_not_finite(body_.attributes().force());
+  if (vertex != none) refuse_vertex("the force on node ", vertex);
+}
+
+void Motion::require_finite_forces() const {
+  const Column& force = body_.attributes().force();
+  for (Index v = 0; v < force.size(); ++v)
+    if (!is_finite(force, v)) refuse_vertex("the force on node ", v);
+}
+
+void Motion::refuse_vertex(const char* what, Index vertex) const {
   const Index element = element_of(body_.complex().dart_of(0, vertex));
-  throw NotFinite("velocity of node " + std::to_string(vertex) + " is not finite",
-                  body_.user_element(element));
+  throw NotFinite(what + std::to_string(vertex) + " is not finite", body_.user_element(element));
+}
+
+void Motion::refuse_not_finite() const {
+  const Column& velocity = body_.attributes().velocity();
+  Index vertex = 0;
+  while (vertex + 1 < velocity.size() && is_finite(velocity, vertex)) ++vertex;
+  refuse_vertex("velocity of node ", vertex);
 }
 
 double Motion::sum_over_vertices(const loops::Motion& m, loops::VertexSum sum) const {

@@ -15,7 +15,7 @@ namespace suture {
 
 struct ContactStep;
 
-/// A velocity or an energy is not finite.
+/// A velocity, a force or an energy is not finite.
 class NotFinite : public NumericalError {
  public:
   using NumericalError::NumericalError;
@@ -55,6 +55,9 @@ class Motion {
   void evaluate(double dt);
   /// The same as the step before has left them.
   void evaluate() { evaluate(end_dt_); }
+  /// Throws NotFinite, naming the vertex, unless the evaluated forces are finite; steps find this
+  /// out themselves. O(vertices).
+  void require_finite_forces() const;
   /// The forces must be evaluated again.
   void discard_forces();
   /// The state was changed other than by a step.
@@ -102,6 +105,8 @@ class Motion {
   bool for_each_chunk(Chunk chunk) const;
   double sum_over_vertices(const loops::Motion& m, loops::VertexSum sum) const;
   void clear_forces();
+  void require_finite_reactions() const;
+  [[noreturn]] void refuse_vertex(const char* what, Index vertex) const;
   [[noreturn]] void refuse_not_finite() const;
 
   Body& body_;

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+#include <cstdio>
+
 #include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/base/output_fields.hpp"
 #include "kernel/forces/force_loop_impl.hpp"
@@ -143,6 +146,25 @@ double ForceLoop::energy(double time) {
 
 // ------------------------------------------------------------ output fields --
 
+namespace {
+
+/// False if a field that a functor computed has a value that is not finite; `error` says where.
+bool is_finite(std::span<const double> field, const suture_batch& batch, const char* name,
+               suture_error& error) {
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    if (i % lanes >= batch.valid || std::isfinite(field[i])) continue;
+    error.cell = batch.cell_ids[i % lanes];
+    std::snprintf(error.text, sizeof error.text,
+                  "field '%s' is not finite; see that no division, root or logarithm of the model "
+                  "leaves its range, or remove the field from /output",
+                  name);
+    return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 bool ForceLoop::Impl::add_field(Index number, std::string_view field, double time,
                                 std::span<double> values) {
   const auto* extension = functors[number].extension<suture_output_1>(SUTURE_OUTPUT_1);
@@ -162,6 +184,8 @@ bool ForceLoop::Impl::add_field(Index number, std::string_view field, double tim
         for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {
           const suture_status status = extension->compute(worker.context, &batch, places.data());
           if (status == SUTURE_OK) check_results(out, batch.valid);
+          if (status == SUTURE_OK && !is_finite(out, batch, wanted->name, *worker.context->error))
+            return SUTURE_STOP;
           for (Index l = 0; l < batch.valid; ++l)
             for (std::size_t c = 0; c < width; ++c)
               values[rows.row[l] * width + c] = out[c * lanes + l];

@@ -2,6 +2,7 @@
 #include "kernel/run/fields.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "kernel/base/error.hpp"
@@ -10,6 +11,7 @@
 #include "kernel/base/output_fields.hpp"
 #include "kernel/contact/contact.hpp"
 #include "kernel/dynamics/hourglass.hpp"
+#include "kernel/dynamics/motion.hpp"
 #include "kernel/run/tensor_fields.hpp"
 
 namespace suture {
@@ -209,6 +211,12 @@ FieldChoice output_field(const suture_functor& functor, const suture_field& fiel
           unit_of(field.unit)};
 }
 
+void copy_column(const Column& column, int components, std::span<double> rows) {
+  const auto width = static_cast<std::size_t>(components);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    rows[i] = column.get(static_cast<Index>(i / width), static_cast<int>(i % width));
+}
+
 FieldChoice attribute_field(const suture_attribute& attribute) {
   const int dimension = static_cast<int>(attribute.dimension),
             components = static_cast<int>(attribute.components);
@@ -221,11 +229,10 @@ FieldChoice attribute_field(const suture_attribute& attribute) {
                 built, dimension, components, out, [&](Instance& instance, std::span<double> rows) {
                   const Column* column = instance.table(dimension).find(name);
                   if (column == nullptr) return false;
-                  for (std::size_t i = 0; i < rows.size(); ++i) {
-                    const auto width = static_cast<std::size_t>(components);
-                    rows[i] =
-                        column->get(static_cast<Index>(i / width), static_cast<int>(i % width));
-                  }
+                  copy_column(*column, components, rows);
+                  if (!std::ranges::all_of(rows, [](double x) { return std::isfinite(x); }))
+                    throw NotFinite("attribute " + quote(name) + " of model " +
+                                    quote(instance.name()) + " has a value that is not finite");
                   return true;
                 });
           },

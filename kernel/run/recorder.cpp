@@ -2,13 +2,22 @@
 #include "kernel/run/recorder.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "kernel/contact/contact.hpp"
+#include "kernel/dynamics/motion.hpp"
 #include "kernel/run/frame_parts.hpp"
 #include "kernel/vtk/vtk_module.hpp"
 
 namespace suture {
 namespace {
+
+/// Every value of these tables is defined: what is not finite is a failure of the run.
+void require_finite(const std::vector<double>& row, const char* table, BuiltScene& built) {
+  if (std::ranges::all_of(row, [](double value) { return std::isfinite(value); })) return;
+  built.dynamics().motion().require_finite_forces();  // names the node
+  throw NotFinite(std::string("a value of ") + table + " is not finite");
+}
 
 std::vector<std::string> tool_columns(const ContactOptions& contact) {
   using Quantities = std::vector<std::pair<const char*, const char*>>;
@@ -175,6 +184,7 @@ void Recorder::energies(std::uint64_t step, double time, double dt, const Energy
   std::vector<double> values{time, dt, e.kinetic, e.elastic};
   for (const EnergyBalance::Work& work : e.works) values.push_back(work.value);
   values.insert(values.end(), {e.prescribed, e.models, e.events, e.dissipated, e.balance});
+  require_finite(values, "energies.csv", built_);
   pending_.push_back({step, PendingRecord::Kind::energies, nullptr, std::move(values)});
 }
 
@@ -197,6 +207,7 @@ void Recorder::tools(std::uint64_t step, double time) {
     add(built_.frame().in_scene(tool->pose().place(tool->pose().centre)));
     add(rotation_vector(tool->pose()));
   }
+  require_finite(values, "tools.csv", built_);
   pending_.push_back({step, PendingRecord::Kind::tools, nullptr, std::move(values)});
 }
 

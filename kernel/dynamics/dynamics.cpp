@@ -92,15 +92,18 @@ Ledger::Now Dynamics::now() {
   return n;
 }
 
-EnergyBalance Dynamics::balance() {
-  const EnergyBalance balance = ledger_.balance(now());
+EnergyBalance Dynamics::balance() { return ledger_.balance(now()); }
+
+EnergyBalance Dynamics::check_balance() {
+  const EnergyBalance checked = balance();
+  ledger_.keep_scale(checked);
   // Motion that rounding can make has no frequency: 1000 times that of a step.
   const double h = motion_.last_step();
   const Index chunks =
       (body().attributes().vertex_count() + MotionSums::chunk - 1) / MotionSums::chunk;
   const double way = h * h * rounding_of(motion_).energy / 2;
   motion_.sums().set_noise(1e6 * way / chunks);
-  return balance;
+  return checked;
 }
 
 void Dynamics::jump(const std::function<void()>& change, bool keeps_forces) {

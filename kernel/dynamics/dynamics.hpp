@@ -66,6 +66,9 @@ class Dynamics : private Follower {
   /// The ledger of the run (ledger.hpp); the first call after start() begins it. Costs an
   /// evaluation of energies, and changes no bit of later steps.
   EnergyBalance balance();
+  /// The same as a check of the run: keeps the scale of the energies, and below which speed motion
+  /// may be rounding. What steps and messages depend on is thus the same for any output.
+  EnergyBalance check_balance();
 
   /// Calls `change`, which moves vertices or changes their velocities, and books the change of
   /// energy as an event. `keeps_forces`: the evaluated forces remain valid.

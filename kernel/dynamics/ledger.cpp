@@ -80,8 +80,7 @@ EnergyBalance Ledger::balance(const Now& now) {
   if (models.dissipates()) b.dissipated -= internal - b.models + stored;
   b.balance = balance - b.prescribed - b.models - b.events + b.dissipated;
   b.recoverable = now.leapfrog_part - account_.leapfrog_start;
-  account_.exchanged = std::max({account_.exchanged, largest, std::abs(b.prescribed)});
-  b.exchanged = account_.exchanged;
+  b.exchanged = std::max({account_.exchanged, largest, std::abs(b.prescribed)});
   return b;
 }
 

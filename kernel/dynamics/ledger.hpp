@@ -95,6 +95,9 @@ class Ledger {
   };
   /// The first call defines the start. Costs an evaluation of energies.
   EnergyBalance balance(const Now& now);
+  /// Call at each check of a run, with its balance: `exchanged` does not fall below the one there.
+  /// Looks between checks, such as rows of a table, have no influence on it.
+  void keep_scale(const EnergyBalance& balance) { account_.exchanged = balance.exchanged; }
   bool needs_work() const;  ///< whether Now::work is used
   bool has_start() const { return account_.has_start; }
 

@@ -15,4 +15,12 @@ struct Rounding {
 /// Zero before the first step. O(vertices).
 Rounding rounding_of(const Motion& motion);
 
+/// The energy that rounding may add to or remove from one evaluation of the stored energy, J: the
+/// terms of an energy density are as large as its moduli, also where they cancel, as
+/// mu/2 (tr C - 3) - mu ln J does at rest. The work of the tangent on displacements whose gradient
+/// is about one everywhere sums moduli times volumes; of that, 100 eps may be rounding. Models
+/// without a tangent: from the last step and positions as in rounding_of(), which is never less.
+/// Costs one product with the tangent.
+double rounding_of_stored_energy(const Motion& motion);
+
 }  // namespace suture

@@ -10,6 +10,21 @@
 #include "kernel/dynamics/rounding.hpp"
 
 namespace suture {
+namespace {
+
+void require_finite(const EnergyBalance& energies, const Motion& motion) {
+  if (std::isfinite(energies.kinetic) && std::isfinite(energies.elastic) &&
+      std::isfinite(energies.balance))
+    return;
+  motion.require_finite_forces();  // names the node
+  std::ostringstream text;
+  text << "the energy is not finite: " << energies.kinetic << " J kinetic, " << energies.elastic
+       << " J elastic, " << energies.balance << " J unexplained";
+  throw NotFinite(text.str());
+}
+
+}  // namespace
+
 Guard::Guard(BuiltScene& built, Diagnostics& diagnostics)
     : built_(built),
       diagnostics_(diagnostics),
@@ -17,15 +32,12 @@ Guard::Guard(BuiltScene& built, Diagnostics& diagnostics)
       inverted_at_rest_(find_inverted(built.body(), {})) {}
 
 void Guard::check(std::uint64_t step, double time) {
-  last_ = built_.dynamics().balance();
-  noise_ = 10 * static_cast<double>(step) * rounding_of(built_.dynamics().motion()).energy;
+  last_ = built_.dynamics().check_balance();
+  const Motion& motion = built_.dynamics().motion();
+  require_finite(last_, motion);
+  if (stored_rounding_ == 0) stored_rounding_ = rounding_of_stored_energy(motion);
+  noise_ = 10 * static_cast<double>(step) * rounding_of(motion).energy + stored_rounding_;
   forgiven_ = std::min(forgiven_, unexplained());  // energy that was lost may not come back
-  if (!std::isfinite(last_.kinetic) || !std::isfinite(last_.elastic)) {
-    std::ostringstream text;
-    text << "the energy is not finite: " << last_.kinetic << " J kinetic, " << last_.elastic
-         << " J elastic";
-    throw NotFinite(text.str());
-  }
   check_inversion(step, time);
 }
 
@@ -35,10 +47,14 @@ double Guard::unexplained() const {
   return last_.balance - last_.recoverable - std::min(last_.dissipated, 0.0);
 }
 
-double Guard::growth() const {
-  const double grown = unexplained() - forgiven_;
-  return last_.exchanged > 0 && grown > noise_ ? grown / last_.exchanged : 0;
+/// A part of what was exchanged; 0 if it is as small as noise.
+double Guard::share(double energy) const {
+  return exchanged() > 0 && std::abs(energy) > noise_ ? energy / exchanged() : 0;
 }
+
+double Guard::growth() const { return share(std::max(unexplained() - forgiven_, 0.0)); }
+
+double Guard::open_balance() const { return share(last_.balance - last_.recoverable); }
 
 void Guard::check_inversion(std::uint64_t step, double time) {
   const std::vector<Index> inverted = find_inverted(built_.body(), inverted_at_rest_);
@@ -61,6 +77,7 @@ void Guard::check_inversion(std::uint64_t step, double time) {
 void Guard::state(Archive& archive) {
   archive("worst inverted", worst_inverted_);
   archive("noise", noise_);
+  archive("stored rounding", stored_rounding_);
   archive("last", last_);
   archive("forgiven", forgiven_);
 }

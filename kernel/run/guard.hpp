@@ -29,7 +29,7 @@ class Guard {
   Guard(BuiltScene& built, Diagnostics& diagnostics);
 
   /// Starts the ledger.
-  void start() { last_ = built_.dynamics().balance(); }
+  void start() { last_ = built_.dynamics().check_balance(); }
 
   /// Checks the current state; throws NumericalError with what is wrong, without the advice, which
   /// depends on the step. Costs an evaluation of energies (0.7 of the forces), a pass over the
@@ -41,23 +41,28 @@ class Guard {
   double growth() const;
   void forgive_growth() { forgiven_ = unexplained(); }
 
-  /// An estimate of the energy that rounding has added so far, J.
-  double noise() const { return noise_; }
-
-  const EnergyBalance& last() const { return last_; }
+  /// The balance as a fraction of the energy exchanged, without the part that is recoverable; 0 if
+  /// rounding explains it. Messages and summaries state this number.
+  double open_balance() const;
+  /// EnergyBalance::exchanged of the last check, J; 0 if it is as small as noise.
+  double exchanged() const { return last_.exchanged > noise_ ? last_.exchanged : 0; }
+  /// Call after the motion or the forces were changed from outside.
+  void after_jump() { stored_rounding_ = 0; }
   std::uint64_t inverted_elements() const { return worst_inverted_; }
   void state(Archive& archive);
 
  private:
   void check_inversion(std::uint64_t step, double time);
   double unexplained() const;
+  double share(double energy) const;
 
   BuiltScene& built_;
   Diagnostics& diagnostics_;
   std::vector<bool> stops_;              ///< whether inversion stops the run, by instance
   std::vector<Index> inverted_at_rest_;  ///< allowed by the scene, ascending
   Index worst_inverted_ = 0;             ///< in addition to those
-  double noise_ = 0;
+  double noise_ = 0;            ///< an estimate of the energy that rounding has added so far, J
+  double stored_rounding_ = 0;  ///< of one evaluation of the stored energy, J; 0: not known yet
   EnergyBalance last_;
   double forgiven_ = 0;
 };

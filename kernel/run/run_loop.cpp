@@ -397,10 +397,9 @@ void RunLoop::finish(Observer& observer) {
 }
 
 void RunLoop::summarise() {
-  const EnergyBalance& energies = control_.guard().last();
-  if (energies.exchanged > control_.guard().noise() && !built_.dynamics().is_static()) {
-    summary_.balance = energies.balance;
-    summary_.exchanged = energies.exchanged;
+  if (!built_.dynamics().is_static()) {
+    summary_.exchanged = control_.guard().exchanged();
+    summary_.balance = control_.guard().open_balance() * summary_.exchanged;
   }
   summary_.lowest_eigenvalue = ending_.lowest_eigenvalue();
   summary_.rollbacks = control_.rollbacks();

@@ -88,6 +88,7 @@ void StepControl::after_event() {
 void StepControl::after_jump() {
   commit();
   watch_.after_jump(clock_.step());
+  guard_.after_jump();
 }
 
 void StepControl::commit() {
@@ -237,24 +238,31 @@ void StepControl::check_state(const Notify& notify) {
     diagnostics_.warn(when.str() + text.str() +
                       " although the step is stable: it is too coarse for this motion, or a model "
                       "adds energy that its suture.energy/1 does not include; reduce " +
-                      (scene_.solver.dt ? "/solver/dt" : "/solver/safety") +
+                      step_setting() +
                       " to find out which (the balance in energies.csv decreases with its square)");
   }
 }
 
 std::string StepControl::balance_warning() const {
-  if (built_.dynamics().is_implicit()) return "";
-  const EnergyBalance& last = guard_.last();
-  const double open = last.balance - last.recoverable;
-  const double part = last.exchanged > 0 ? open / last.exchanged : 0;
-  const bool is_noise = std::abs(open) < guard_.noise();
-  if (!(std::abs(part) > notable_balance) || growth_was_reported_ || is_noise) return "";
+  const double open = guard_.open_balance();
+  if (built_.dynamics().is_static() || !(std::abs(open) > notable_balance)) return "";
   std::ostringstream text;
-  text << "the energy balance closes only to " << 100 * part
-       << " % of the energy exchanged: the step is stable, but too coarse for a sudden load or "
-          "motion; reduce "
-       << (scene_.solver.dt ? "/solver/dt" : "/solver/safety");
+  text << "the energy balance closes only to " << 100 * open << " % of the energy exchanged: ";
+  if (scene_.solver.integrator == "implicit-euler")
+    text << "implicit Euler damps motion that its steps do not follow; "
+         << (built_.body().contact() ? "" : "set /solver/integrator to \"newmark\", or ")
+         << "reduce ";
+  else
+    text << "the step is stable, but too coarse for a sudden load or motion; reduce ";
+  text << step_setting();
   return text.str();
+}
+
+/// What a scene reduces to make shorter steps.
+const char* StepControl::step_setting() const {
+  if (scene_.solver.step_error) return "/solver/step_error";
+  const bool is_fixed = scene_.solver.dt || built_.dynamics().is_implicit();
+  return is_fixed ? "/solver/dt" : "/solver/safety";
 }
 
 /// Energy grew between two checks, though the step is stable now: a wave broke, or an element

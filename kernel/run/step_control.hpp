@@ -66,8 +66,7 @@ class StepControl {
   /// Checks the last state; returns false if the run rolled back instead.
   bool check_last_state(const Notify& notify);
 
-  /// A warning if the balance of the whole run did not close and this was not reported; otherwise
-  /// "".
+  /// A warning if the balance of the whole run did not close; otherwise "".
   std::string balance_warning() const;
 
   /// Call after an operation has changed the cells. O(affected cells).
@@ -95,6 +94,7 @@ class StepControl {
   void restore(const KeptStates::State& kept);
   [[noreturn]] void give_up(const NumericalError& error);
   std::string advice(const NumericalError& error) const;
+  const char* step_setting() const;
 
   const Scene& scene_;
   BuiltScene& built_;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/suture/commands.hpp"
+#include "kernel/run/plausibility.hpp"
 #include "kernel/run/simulation.hpp"
 #include "kernel/scene/scene_reader.hpp"
 
@@ -44,10 +45,17 @@ void print_decisions(const std::vector<Decision>& decisions, bool skipped, Conso
   flush();
 }
 
-void print_text(const Scene& scene, const Simulation& simulation, const Estimate& cost,
+struct Explained {
+  std::string plausibility;
+  Estimate cost;
+};
+
+void print_text(const Scene& scene, const Simulation& simulation, const Explained& what,
                 Console& console) {
+  const Estimate& cost = what.cost;
   console.print(scene.file.filename().string() + (scene.title.empty() ? "" : ": " + scene.title) +
                 " (hash " + scene.hash + ")");
+  console.print(what.plausibility);
   for (const bool skipped : {false, true}) {
     console.print(skipped ? "\nskipped" : "\ndone");
     print_decisions(simulation.decisions(), skipped, console);
@@ -63,8 +71,9 @@ void print_text(const Scene& scene, const Simulation& simulation, const Estimate
   console.print("  memory: about " + memory(cost.bytes));
 }
 
-void print_json(const Scene& scene, const Simulation& simulation, const Estimate& cost,
+void print_json(const Scene& scene, const Simulation& simulation, const Explained& what,
                 Console& console) {
+  const Estimate& cost = what.cost;
   nlohmann::ordered_json decisions = nlohmann::ordered_json::array();
   for (const Decision& decision : simulation.decisions()) {
     decisions.push_back({{"subject", decision.subject},
@@ -73,6 +82,7 @@ void print_json(const Scene& scene, const Simulation& simulation, const Estimate
   }
   nlohmann::ordered_json report = {{"scene", scene.file.string()},
                                    {"hash", scene.hash},
+                                   {"plausibility", what.plausibility},
                                    {"decisions", decisions},
                                    {"steps", nullptr},
                                    {"frames", cost.frames},
@@ -94,8 +104,9 @@ int explain(const ExplainCommand& command, Console& console) {
   PluginHost host(&console.diagnostics(), trust_of(command));
   const Scene scene = read_scene(command.scene, command.sets, host, console.diagnostics());
   Simulation simulation(scene, host, console.diagnostics(), command.skip);
-  const Estimate cost = simulation.estimate();
-  (command.json ? print_json : print_text)(scene, simulation, cost, console);
+  const std::string plausibility = describe_plausibility(simulation.built());
+  const Explained what{plausibility, simulation.estimate()};
+  (command.json ? print_json : print_text)(scene, simulation, what, console);
   return 0;
 }
 

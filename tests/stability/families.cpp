@@ -13,6 +13,7 @@
 namespace suture::test {
 
 std::vector<Family> trial_families();  // trials.cpp
+std::vector<Family> quiet_families();  // quiet.cpp
 
 namespace {
 
@@ -455,6 +456,7 @@ const std::vector<Family>& families() {
                              {"rest", 60, rest},
                              {"coarse", 80, coarse},
                              {"overload", 60, overload}};
+    for (const Family& family : quiet_families()) list.push_back(family);
     for (const Family& family : trial_families()) list.push_back(family);
     for (const Family& family : stress_families()) list.push_back(family);
     return list;

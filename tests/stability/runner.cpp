@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <limits>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "kernel/run/simulation.hpp"
 #include "kernel/scene/scene_reader.hpp"
 #include "tests/stability/stress_check.hpp"
+#include "tests/stability/stress_parts.hpp"
 
 namespace suture::test {
 namespace {
@@ -26,6 +28,12 @@ constexpr double allowed_balance = 0.65, allowed_smooth_balance = 0.03;
 
 PluginHost& host() {
   static PluginHost plugins;
+  static const bool added = [] {
+    for (const char* name : {"/naive-laws.so", "/not-finite.so"})
+      plugins.add_file(std::string(TEST_PLUGINS) + name);
+    return true;
+  }();
+  (void)added;
   return plugins;
 }
 
@@ -198,6 +206,8 @@ void judge_right(const Trial& trial, const Scene& scene, Result& result) {
   const double limit = trial.is_smooth ? allowed_smooth_balance : allowed_balance;
   if (std::abs(result.balance) > limit && !was_reported)
     return set(Verdict::inaccurate, "balance " + std::to_string(result.balance));
+  if (trial.check.measure && result.difference > trial.check.tolerance)
+    return set(Verdict::inaccurate, "differs by " + std::to_string(result.difference));
   if (result.difference > (trial.is_smooth ? allowed_smooth_difference : allowed_difference))
     return set(Verdict::inaccurate,
                std::to_string(100 * result.difference) + " % from a quarter of the step");
@@ -205,6 +215,52 @@ void judge_right(const Trial& trial, const Scene& scene, Result& result) {
     set(Verdict::held, "reported or undone; no growth over the run");
   else if (was_reported)
     set(Verdict::reported, "growth was reported");
+}
+
+/// Whether the warning about the balance is issued where it must be, with the figure of the
+/// summary.
+std::string wrong_words_of_balance(const Result& result) {
+  constexpr const char* words = "the energy balance closes only to ";
+  const bool is_open = std::abs(result.stated_balance) > 0.1;
+  for (const std::string& message : result.messages) {
+    const std::size_t at = message.find(words);
+    if (at == std::string::npos) continue;
+    const double stated = std::stod(message.substr(at + std::strlen(words))) / 100;
+    if (is_open && std::abs(stated - result.stated_balance) < 1e-5) return "";
+    return "warns of " + std::to_string(stated) + ", and the summary states " +
+           std::to_string(result.stated_balance);
+  }
+  return is_open ? "no warning of " + std::to_string(result.stated_balance) : "";
+}
+
+void judge_quiet(const Trial& trial, Result& result) {
+  const auto wrong = [&](const std::string& reason) {
+    result.verdict = Verdict::wrong_outcome;
+    result.reason = reason;
+  };
+  if (result.outcome != "finished" && result.outcome != "at rest")
+    return wrong(result.outcome + ": " + result.error);
+  for (const char* word : {"unexplained", "rolled back", "half the stable step"})
+    if (contains(result.messages, word)) return wrong(std::string("a message: ") + word);
+  if (result.rollbacks > 0) return wrong("rolled back");
+  if (static_cast<double>(result.quiet_steps) > trial.quiet_steps)
+    return wrong(std::to_string(result.quiet_steps) + " steps at rest, expected at most " +
+                 std::to_string(trial.quiet_steps));
+  if (!(result.quiet_motion <= 1e-12)) return wrong("moved before the motion began");
+}
+
+/// Whether a table of the trial has a number that is not finite.
+bool has_bad_table(const std::filesystem::path& folder) {
+  std::error_code none_exists;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none_exists)) {
+    if (entry.path().extension() != ".csv") continue;
+    std::ifstream file(entry.path());
+    for (std::string line; std::getline(file, line);)
+      if (!line.starts_with('#') && line.find('[') == std::string::npos &&
+          (line.find("nan") != std::string::npos || line.find("inf") != std::string::npos))
+        return true;
+  }
+  return false;
 }
 
 void judge(const Trial& trial, const Scene& scene, Result& result) {
@@ -221,6 +277,8 @@ void judge(const Trial& trial, const Scene& scene, Result& result) {
       return expect(stopped, Verdict::finished_wrong);
     case Expected::warned:
       return expect(stopped || contains(result.messages, "/solver/dt"), Verdict::finished_wrong);
+    case Expected::quiet:
+      return judge_quiet(trial, result);
     case Expected::buckles:
       return expect(result.outcome == "unstable equilibrium", Verdict::finished_wrong);
     case Expected::refused:
@@ -238,6 +296,12 @@ Values run(const Trial& trial, const Scene& scene, Result& result) {
   try {
     Simulation simulation(scene, host(), diagnostics);
     if (trial.begin) trial.begin(simulation);
+    if (trial.quiet > 0) {
+      simulation.run_to(trial.quiet, listener);
+      result.quiet_steps = simulation.step();
+      result.quiet_motion =
+          largest_displacement(simulation) / simulation.built().selector().diagonal();
+    }
     std::optional<Growth> growth;
     const bool looks_in = trial.expected == Expected::right && trial.is_conservative &&
                           !scene.solver.until_rest && scene.solver.damping == 0;
@@ -247,7 +311,10 @@ Values run(const Trial& trial, const Scene& scene, Result& result) {
     result.outcome = outcome_name(summary.outcome);
     result.steps = summary.steps;
     result.rollbacks = summary.rollbacks;
-    if (summary.exchanged > 0) result.balance = summary.balance / summary.exchanged;
+    if (summary.exchanged > 0) {
+      result.stated_balance = summary.balance / summary.exchanged;
+      result.balance = simulation.built().dynamics().balance().balance / summary.exchanged;
+    }
     if (growth && growth->scale > 0) {
       const double part = 0.76 * (summary.time - trial.settled) / summary.time;
       const double of_10000 =
@@ -287,7 +354,7 @@ void run_stress(const Trial& trial, const std::filesystem::path& folder, Result&
 void run_load(const Trial& trial, const std::filesystem::path& folder, bool compares,
               Result& result) {
   const Scene scene = read_trial(trial, folder);
-  run(trial, scene, result);
+  const Values values = run(trial, scene, result);
   if (result.outcome == "InputError" || result.outcome == "PluginError") {
     result.verdict = Verdict::not_run;
     result.reason = result.error;
@@ -295,7 +362,15 @@ void run_load(const Trial& trial, const std::filesystem::path& folder, bool comp
   }
   if (compares && trial.compare > 0 && result.error.empty())
     result.difference = difference_to_quarter_step(trial, scene);
+  if (trial.check.measure && result.error.empty())
+    result.difference = difference_to(trial.check, trial.check.expected, values);
   judge(trial, scene, result);
+  if (!scene.output.enabled || scene.output.directory.filename() != trial.name) return;
+  if (has_bad_table(scene.output.directory)) {
+    result.verdict = Verdict::finished_wrong;
+    result.reason = "a table has a number that is not finite";
+  }
+  std::filesystem::remove_all(scene.output.directory);
 }
 
 }  // namespace
@@ -357,6 +432,10 @@ Result run_trial(const Trial& trial, const std::filesystem::path& folder, bool c
   } catch (const Error& error) {
     result.verdict = Verdict::not_run;
     result.reason = error.what();
+  }
+  if (const std::string text = wrong_words_of_balance(result); !text.empty()) {
+    result.verdict = Verdict::wrong_outcome;
+    result.reason = text;
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;

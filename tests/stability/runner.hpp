@@ -37,9 +37,12 @@ struct Result {
   std::string error;
   std::vector<std::string> messages;  ///< of the observer and the diagnostics
   std::uint64_t steps = 0, rollbacks = 0;
-  double balance = 0;     ///< of the ledger at the end, part of what was exchanged
-  double growth = 0;      ///< of kinetic + elastic + potential per 10,000 steps, the same
-  double difference = 0;  ///< to a run at a quarter of the step, part of the displacement
+  double balance = 0;             ///< of the ledger at the end, part of what was exchanged
+  double stated_balance = 0;      ///< the same in the summary, without what is recoverable
+  std::uint64_t quiet_steps = 0;  ///< until Trial::quiet
+  double quiet_motion = 0;        ///< the largest displacement then, m
+  double growth = 0;              ///< of kinetic + elastic + potential per 10,000 steps, the same
+  double difference = 0;          ///< to a run at a quarter of the step, part of the displacement
   double seconds = 0;
 };
 

@@ -37,6 +37,7 @@ enum class Expected {
   warned,   ///< ends with a NumericalError, or warns of its dt
   buckles,  ///< ends at an unstable equilibrium
   refused,  ///< ends with a NumericalError that asks for more steps
+  quiet,    ///< stays at rest until a motion begins, in no more steps than it needs
 };
 
 /// A run with a known outcome: a scene as users write it, and what to hold it to.
@@ -49,6 +50,8 @@ struct Trial {
 
   double stable = 0;            ///< s: stable step of the body at rest
   double settled = 0;           ///< s: ramps and events are over
+  double quiet = 0;             ///< s: nothing moves before; 0: not known
+  double quiet_steps = 0;       ///< at most, until then
   double compare = 0;           ///< s: where a run at a quarter of the step is compared; 0: nowhere
   bool is_conservative = true;  ///< once settled: no viscosity and no pressure
   bool is_smooth = false;       ///< loads grow over several periods: the balance is held to less
@@ -85,9 +88,10 @@ struct Family {
   std::string name;
   unsigned size = 0;
   std::function<void(class Draft&)> make;
-  std::string law{};     ///< of a stress: what its results are compared with
-  std::string what{};    ///< of a stress
-  bool is_long = false;  ///< not in a sample
+  std::string law{};                ///< of a stress: what its results are compared with
+  std::string what{};               ///< of a stress
+  bool is_long = false;             ///< not in a sample
+  bool needs_test_plugins = false;  ///< which only test_stability loads
   bool is_stress() const { return !law.empty(); }
 };
 

@@ -23,6 +23,8 @@ constexpr double least_push = 1e-9;
 // approach; of an element.
 constexpr double pushed = 0.5, max_approach = 0.05;
 constexpr double held = 7;  // all components are prescribed
+// Of an element: how far outside an obstacle the side of a vertex that touches it is marked.
+constexpr double marked_outside = 1e-6;
 // Vertices of which the box is tested first, before each of them.
 constexpr std::size_t box_size = 32;
 
@@ -36,6 +38,14 @@ Box box_around(const double* rows, std::span<const Index> vertices) {
     high = here > high ? here : high;
   }
   return {vec_of(low), vec_of(high)};
+}
+
+/// A bound on the length of the first three numbers in rows of 4.
+double fastest(const double* rows, std::span<const Index> vertices) {
+  const Box box = box_around(rows, vertices);
+  Vec3 largest;
+  for (std::size_t c = 0; c < 3; ++c) largest[c] = std::max(-box.low[c], box.high[c]);
+  return norm(largest);
 }
 
 }  // namespace
@@ -64,6 +74,7 @@ Contact::Contact(const CellComplex& complex, Attributes& attributes,
     std::optional<Tool>& tool = tools_.emplace_back();
     if (obstacle.coupling) tool.emplace(obstacle);
     has_tools_ = has_tools_ || tool;
+    has_solids_ = has_solids_ || !std::holds_alternative<HalfSpace>(obstacle.shape);
   }
 }
 
@@ -117,26 +128,30 @@ void Contact::find_near_obstacles(const ContactStep& step) {
   pushes_.clear();
   const double reach = pushed * mean_edge_;
   const double margin = pieces_ || has_tools_ ? reach : 0;  // others push it, too
-  const double *x = attributes_.position().rows(), *fixed = attributes_.fixed().rows();
+  const double *x = attributes_.position().rows(), *velocity = attributes_.velocity().rows(),
+               *fixed = attributes_.fixed().rows();
   for (std::size_t first = 0; first < vertices_.size(); first += box_size) {
     const std::size_t count = std::min(box_size, vertices_.size() - first);
     const auto vertices = std::span(vertices_).subspan(first, count);
     const Box box = box_around(x, vertices);
     const Vec3 half = scaled(0.5, minus(box.high, box.low)), middle = plus(box.low, half);
     const double radius = norm(half);
+    const double way = has_solids_ ? step.dt * fastest(velocity, vertices) : 0;
     near_placed_.clear();
     for (Index i = 0; i < placed_.size(); ++i)
-      if (placed_[i].may_touch(middle, radius + reach)) near_placed_.push_back(i);
+      if (placed_[i].may_touch(middle,
+                               radius + std::max(reach, margin + placed_[i].longest_way(way))))
+        near_placed_.push_back(i);
     if (near_placed_.empty()) continue;
     for (const Index v : vertices) {
-      const Vec3 place = row(x, v);
-      const auto may_touch = [&](Index i) { return placed_[i].may_touch(place, margin); };
-      if (std::ranges::none_of(near_placed_, may_touch)) continue;
+      const Vec3 place = row(x, v), start = minus(place, scaled(step.dt, row(velocity, v)));
+      const auto may_meet = [&](Index i) { return placed_[i].may_meet(start, place, margin); };
+      if (std::ranges::none_of(near_placed_, may_meet)) continue;
       if (!(*step.moving)[v] || fixed[v] == held) continue;
       add_near(v);
       pushed_.emplace_back(v, pushes_.size());
       for (const Index i : near_placed_)
-        if (placed_[i].may_touch(place, reach)) pushes_.emplace_back(v, i);
+        if (placed_[i].may_meet(start, place, reach)) pushes_.emplace_back(v, i);
       pushed_.back().count = pushes_.size() - pushed_.back().first;
     }
   }
@@ -215,7 +230,8 @@ void Contact::push_out(Pushed& pushed, std::span<PushBy> pushes, double dt) {
     moved = false;
     for (auto& [vertex, obstacle, push] : pushes) {
       const PlacedObstacle& placed = placed_[obstacle];
-      if (sweep > 0 && !placed.may_touch(path.end, -least_push * shortest_edge_)) continue;
+      if (sweep > 0 && !placed.may_meet(path.start, path.end, -least_push * shortest_edge_))
+        continue;
       const double speed = placed.push(path, max_push * shortest_edge_, push);
       moved = moved || dt * speed > least_push * shortest_edge_;
     }
@@ -325,8 +341,12 @@ std::vector<double> Contact::gaps(double time) const {
   for (const Index v : surface_.vertices()) gaps[v] = infinity;
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {
     const PlacedObstacle placed(obstacles_[i], thickness_, pose(i, time), pose(i, time));
-    for (const Index v : surface_.vertices())
-      gaps[v] = std::min(gaps[v], placed.gap(row(attributes_.position().rows(), v)).distance);
+    for (const Index v : surface_.vertices()) {
+      const Vec3 place = row(attributes_.position().rows(), v);
+      const Vec3* side = sides_.outside(i, v);
+      const Nearest gap = side ? placed.gap_from(*side, place) : placed.gap(place);
+      gaps[v] = std::min(gaps[v], gap.distance);
+    }
   }
   return gaps;
 }
@@ -344,12 +364,15 @@ double Contact::power() const {
 
 void Contact::record(std::span<const Force> forces, double time, double heat) {
   touches_.clear();
+  sides_.clear();
   std::ranges::fill(loads_, Load{});
-  for (const auto& [vertex, force, obstacle] : forces) {
+  for (const auto& [vertex, force, obstacle, gap] : forces) {
     touches_.push_back({vertex, force});
     if (obstacle == between_pieces) continue;
     const PlacedObstacle placed(obstacles_[obstacle], 0, time, time);
-    const Vec3 arm = minus(row(attributes_.position().rows(), vertex), placed.centre());
+    const Vec3 place = row(attributes_.position().rows(), vertex);
+    sides_.add(obstacle, vertex, placed.given_outside(place, gap, marked_outside * mean_edge_));
+    const Vec3 arm = minus(place, placed.centre());
     loads_[obstacle].force = minus(loads_[obstacle].force, force);
     loads_[obstacle].torque = minus(loads_[obstacle].torque, cross(arm, force));
   }
@@ -419,6 +442,7 @@ double Contact::next_change(double time) const {
 
 void Contact::follow(const CellComplex& complex, const TopologyChange& change) {
   surface_.follow(complex, change);
+  sides_.follow(complex, change);
   vertices_.clear();
   if (pieces_) pieces_->follow(change);
   const auto is_gone = [&](const auto& known) { return !complex.exists(0, known.vertex); };
@@ -440,6 +464,7 @@ void Contact::state(Archive& archive) {
   archive.member("pushed by", obstacle_forces_, &ObstacleForce::obstacle);
   archive.member("pushes", obstacle_forces_, &ObstacleForce::force);
   archive.rows<double>("loads", loads_);
+  archive("sides", sides_);
   for (std::size_t i = 0; i < tools_.size(); ++i)
     if (tools_[i]) archive(("tool " + obstacles_[i].name).c_str(), *tools_[i]);
   archive("work", work_);

@@ -9,6 +9,7 @@
 
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/contact/boundary_surface.hpp"
+#include "kernel/contact/entered_sides.hpp"
 #include "kernel/contact/piece_contact.hpp"
 #include "kernel/contact/placed_obstacle.hpp"
 #include "kernel/contact/tool.hpp"
@@ -84,7 +85,8 @@ struct ContactStep {
 /// there (PlacedObstacle::push). So nothing penetrates, whatever the step, no stiffness has to be
 /// chosen, and the stable step is that of the body alone. Impacts are inelastic.
 ///
-/// Only vertices touch: of an obstacle smaller than a face, the face does not notice.
+/// Only vertices touch, wherever their way in the step leads through an obstacle (swept_gap.hpp).
+/// Faces do not detect obstacles smaller than themselves.
 ///
 /// Cost: a pass over the vertices of the boundary in each step.
 class Contact final : public Follower {
@@ -154,10 +156,13 @@ class Contact final : public Follower {
     Index vertex;
     Vec3 force;            ///< N
     std::size_t obstacle;  ///< `between_pieces`: none
+    Nearest gap{};         ///< from the obstacle
   };
   static constexpr std::size_t between_pieces = std::size_t(-1);
   /// The forces of that term at the end of a step, and what friction has dissipated in it, J.
   void record(std::span<const Force> forces, double time, double heat);
+  /// Those of that term, in the last step.
+  const EnteredSides& sides() const { return sides_; }
   /// The distance of each vertex of the boundary from the nearest obstacle at `time`, less the
   /// thickness; NaN for other vertices. m
   std::vector<double> gaps(double time) const;
@@ -253,6 +258,7 @@ class Contact final : public Follower {
   double shortest_edge_ = 0, mean_edge_ = 0, longest_edge_ = 0, size_ = 0;  ///< m
   std::vector<std::optional<Tool>> tools_;                                  ///< by obstacle
   bool has_tools_ = false;
+  bool has_solids_ = false;  ///< obstacles that vertices could pass
   // Of the step in progress.
   std::vector<PlacedObstacle> placed_;
   std::vector<Index> near_placed_;  ///< near some vertices
@@ -266,6 +272,7 @@ class Contact final : public Follower {
   std::vector<Index> shared_;      ///< places in pushed_ of those that pieces touch, too
   // Of the last step.
   std::vector<Touch> touches_;
+  EnteredSides sides_;
   std::vector<Load> loads_;
   double work_ = 0, friction_work_ = 0, step_work_ = 0;
   bool is_term_ = false;

@@ -106,11 +106,12 @@ void MultiplierForces::for_each_push_of_obstacles(double time, Visit visit) {
                                 time);
     for (const Index& v : contact_.surface().vertices()) {
       Multiplier& last = of_obstacles_[i][v];
-      const Vec3 place = row(x, v);
+      const Vec3 place = row(x, v), start = start_.empty() ? place : row(start_.data(), v);
+      const Vec3* side = contact_.sides().outside(i, v);
       if (static_cast<int>(fixed[v]) == all_held ||
-          (last.pressure == 0 && !placed.may_touch(place, touching)))
+          (last.pressure == 0 && !side && !placed.may_meet(start, place, touching)))
         continue;
-      const Nearest nearest = placed.gap(place);
+      const Nearest nearest = side ? placed.gap_from(*side, place) : placed.gap(start, place);
       const double stiffness = stiffness_[v] + per_mass * mass[v];
       const double pressure = std::max(0.0, last.pressure - stiffness * nearest.distance);
       if (pressure == 0 && (!is_static_ || last.pressure != 0 || nearest.distance >= touching))
@@ -119,7 +120,7 @@ void MultiplierForces::for_each_push_of_obstacles(double time, Visit visit) {
                 nearest.normal, stiffness, nearest.distance, pressure};
       if (!start_.empty())
         add_friction(push, obstacle.friction,
-                     minus(minus(place, row(start_.data(), v)), placed.displacement(place)));
+                     minus(minus(place, start), placed.displacement(place)));
       visit(push);
     }
   }
@@ -148,7 +149,10 @@ std::vector<Contact::Force> MultiplierForces::forces_at(double time) {
     if (push.pressure == 0) return;
     const Vec3 force = plus(scaled(push.pressure, push.normal), push.friction);
     for (std::size_t i = 0; i < push.vertices.size(); ++i)
-      forces.push_back({push.vertices[i], scaled(push.weights[i], force), push.obstacle});
+      forces.push_back({push.vertices[i],
+                        scaled(push.weights[i], force),
+                        push.obstacle,
+                        {push.gap, push.normal}});
   });
   return forces;
 }

@@ -17,11 +17,13 @@ void PenaltyForces::for_each_push(double time, Visit visit) {
   find_stiffness(time);
   const double* x = attributes_.position().rows();
   for (std::size_t i = 0; i < contact_.obstacles().size(); ++i) {
-    const PlacedObstacle placed(contact_.obstacles()[i], contact_.thickness(), time, time);
+    const PlacedObstacle placed(contact_.obstacles()[i], contact_.thickness(),
+                                last_.empty() ? time : last_time_, time);
     for (const Index v : contact_.surface().vertices()) {
-      const Vec3 place = row(x, v);
-      if (!placed.may_touch(place, 0)) continue;
-      const Nearest nearest = placed.gap(place);
+      const Vec3 place = row(x, v), start = last_.empty() ? place : row(last_.data(), v);
+      const Vec3* side = contact_.sides().outside(i, v);
+      if (!side && !placed.may_meet(start, place, 0)) continue;
+      const Nearest nearest = side ? placed.gap_from(*side, place) : placed.gap(start, place);
       if (nearest.distance < 0) visit(i, v, nearest);
     }
   }
@@ -33,7 +35,7 @@ PenaltyForces::Forces PenaltyForces::forces_at(double time) {
   for_each_push(time, [&](std::size_t obstacle, Index v, const Nearest& nearest) {
     const double depth = -nearest.distance, within = std::min(depth, e);
     const double force = stiffness_[v] * (within * within / (2 * e) + depth - within);
-    forces.push_back({v, scaled(force, nearest.normal), obstacle});
+    forces.push_back({v, scaled(force, nearest.normal), obstacle, nearest});
   });
   return forces;
 }
@@ -44,6 +46,7 @@ void PenaltyForces::add_forces_in_step(const StepTimes& step, const LiveMask& li
   if (!last_.empty()) work_ += work_since_last(forces);
   const double* x = attributes_.position().rows();
   last_.assign(x, x + std::size_t{attributes_.vertex_count()} * 4);
+  last_time_ = step.time;
   forces_ = std::move(forces);
   contact_.record(forces_, step.time, 0);
 }
@@ -100,6 +103,7 @@ void PenaltyForces::state(Archive& archive) {
   if (archive.has_cells()) archive("stiffness", stiffness_);
   archive("work", work_);
   archive("last position", last_);
+  archive("last time", last_time_);
   archive.member("pushed by", forces_, &Contact::Force::obstacle);
   archive.member("pushed", forces_, &Contact::Force::vertex);
   archive.member("forces", forces_, &Contact::Force::force);

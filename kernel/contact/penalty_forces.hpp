@@ -65,6 +65,7 @@ class PenaltyForces final : public ContactTerm {
   // At the end of the last step, for its work. Rows of 4.
   Forces forces_;
   std::vector<double> last_;  ///< positions; empty: no step yet
+  double last_time_ = 0;
 };
 
 }  // namespace suture

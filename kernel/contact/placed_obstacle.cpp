@@ -2,6 +2,9 @@
 #include "kernel/contact/placed_obstacle.hpp"
 
 #include <algorithm>
+#include <numbers>
+
+#include "kernel/contact/swept_gap.hpp"
 
 namespace suture {
 namespace {
@@ -17,6 +20,7 @@ PlacedObstacle::PlacedObstacle(const Obstacle& obstacle, double thickness, const
                                const Pose& end)
     : obstacle_(obstacle),
       offset_(thickness),
+      long_way_(suture::thickness(obstacle.shape) / 4 + thickness / 2),
       start_(start),
       ball_(ball_around(obstacle.shape)),
       is_half_space_(std::holds_alternative<HalfSpace>(obstacle.shape)),
@@ -30,6 +34,30 @@ void PlacedObstacle::move_end(const Pose& end) {
   is_as_given_ = start_.is_as_given() && end.is_as_given();
   ball_.centre = end.place(ball_around(obstacle_.shape).centre);
   if (is_half_space_) normal_ = end.direction(std::get<HalfSpace>(obstacle_.shape).normal);
+  if (!stands_ && !is_half_space_) bound_own_way();
+}
+
+/// With y the place relative to the centre of the ball, R' - R changes it by at most
+/// |R' - R| |y| = k |y|, and one that meets the obstacle has |y| < r + way at the start:
+///   way < |x' - x| + |c' - c| + k (r + way)
+void PlacedObstacle::bound_own_way() {
+  double squared = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 change = minus(end_.turn[i], start_.turn[i]);
+    squared += dot(change, change);
+  }
+  const double k = std::sqrt(squared) / std::numbers::sqrt2;
+  const double way = norm(minus(ball_.centre, start_.place(ball_around(obstacle_.shape).centre)));
+  own_way_ = way + k * (ball_.radius + offset_);
+  spin_factor_ = k < 1 ? 1 / (1 - k) : infinity;
+}
+
+Nearest PlacedObstacle::gap_from(const Vec3& given, const Vec3& place) const {
+  const Vec3 end = end_.given(place);
+  if (!(norm(minus(end, given)) > long_way_)) return gap(place);
+  Nearest found = swept_gap(obstacle_.shape, offset_, given, end);
+  found.normal = end_.direction(found.normal);
+  return found;
 }
 
 Nearest PlacedObstacle::gap_of_shape(const Pose& pose, const Vec3& place) const {
@@ -45,8 +73,8 @@ double PlacedObstacle::target(const VertexPath& path, double fastest) const {
 }
 
 double PlacedObstacle::push(VertexPath& path, double fastest, Push& push) const {
-  if (!is_half_space_ && !may_touch(path.end, 0)) return 0;  // cheaper
-  const Nearest found = gap(path.end);
+  if (!is_half_space_ && !may_meet(path.start, path.end, 0)) return 0;  // cheaper
+  const Nearest found = gap(path.start, path.end);
   if (!(found.distance < 0)) return 0;
   const double lacking = target(path, fastest) - found.distance;
   const Vec3 way = path.free_part(found.normal);

@@ -52,8 +52,31 @@ class PlacedObstacle {
     return dot(away, away) < reach * reach &&
            (!is_triangulated_ || surface_may_touch(place, margin));
   }
+  /// False if a place is farther than `margin` from touching at the end of the step and was so on
+  /// its way from `from` at the start.
+  bool may_meet(const Vec3& from, const Vec3& place, double margin) const {
+    if (may_touch(place, margin)) return true;
+    const double way = longest_way(from, place);
+    return way > long_way_ && may_touch(place, margin + way);
+  }
   /// From the surface of the obstacle at the end of the step, less the thickness; negative inside.
   Nearest gap(const Vec3& place) const { return gap(end_, place); }
+  /// The same on the side by which a vertex that was at `from` at the start of the step enters it
+  /// (swept_gap.hpp), if it moves relative to the obstacle by more than a quarter of its thickness.
+  Nearest gap(const Vec3& from, const Vec3& place) const {
+    return longest_way(from, place) > long_way_ ? gap_from(start_.given(from), place) : gap(place);
+  }
+  /// The same for a place in the coordinates of the obstacle as given.
+  Nearest gap_from(const Vec3& given, const Vec3& place) const;
+  /// Just outside, in these coordinates, where a vertex with such a gap touches it.
+  Vec3 given_outside(const Vec3& place, const Nearest& gap, double height) const {
+    return end_.given(plus(place, scaled(height - gap.distance, gap.normal)));
+  }
+  /// A bound on how far a vertex moves relative to the obstacle if it meets it, when it moves by
+  /// this; 0 if no way is too long.
+  double longest_way(double way) const {
+    return long_way_ < infinity ? (way + own_way_) * spin_factor_ : 0;
+  }
 
   /// Moves the end of a path out of the obstacle, with Coulomb friction against sliding, and adds
   /// to `push`. Returns dv_n, 0 if it is not inside.
@@ -81,10 +104,18 @@ class PlacedObstacle {
     return gap_of_shape(pose, place);
   }
   Nearest gap_of_shape(const Pose& pose, const Vec3& place) const;
+  double longest_way(const Vec3& from, const Vec3& to) const {
+    return long_way_ < infinity ? longest_way(norm(minus(to, from))) : 0;
+  }
   double target(const VertexPath& path, double fastest) const;
+  void bound_own_way();
 
   const Obstacle& obstacle_;
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+
   double offset_;
+  double long_way_;  ///< a vertex that moves by less stays nearest to the side that it meets, m
+  double own_way_ = 0, spin_factor_ = 1;  ///< of longest_way()
   Pose start_, end_;
   Ball ball_;
   Vec3 normal_{};  ///< of a half-space

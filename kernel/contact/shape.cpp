@@ -95,6 +95,28 @@ struct BallAround {
   Ball operator()(const Triangulated& s) const { return {s.middle, s.surface->radius()}; }
 };
 
+/// In ascending order, along three axes at right angles.
+struct Extents {
+  using Three = std::array<double, 3>;
+  Three operator()(const HalfSpace&) const {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    return {infinity, infinity, infinity};
+  }
+  Three operator()(const Sphere& s) const { return {2 * s.radius, 2 * s.radius, 2 * s.radius}; }
+  Three operator()(const Capsule& s) const {
+    return sorted({2 * s.radius, 2 * s.radius, norm(minus(s.to, s.from)) + 2 * s.radius});
+  }
+  Three operator()(const Box& s) const { return sorted({s.length(0), s.length(1), s.length(2)}); }
+  Three operator()(const Cylinder& s) const {
+    return sorted({2 * s.radius, 2 * s.radius, norm(minus(s.to, s.from))});
+  }
+  Three operator()(const Triangulated& s) const { return sorted(s.surface->extents()); }
+  static Three sorted(Three extents) {
+    std::ranges::sort(extents);
+    return extents;
+  }
+};
+
 struct PointsInside {
   std::vector<Vec3> operator()(const HalfSpace&) const { return {}; }
   std::vector<Vec3> operator()(const Sphere& s) const { return {s.centre}; }
@@ -148,6 +170,11 @@ bool may_be_within(const Shape& shape, const Vec3& place, double distance) {
   return s == nullptr || s->surface->may_be_within(minus(place, s->middle), distance);
 }
 Ball ball_around(const Shape& shape) { return std::visit(BallAround{}, shape); }
+double thickness(const Shape& shape) {
+  const auto* s = std::get_if<Triangulated>(&shape);
+  return s ? s->surface->thickness() : std::visit(Extents{}, shape)[0];
+}
+double width(const Shape& shape) { return std::visit(Extents{}, shape)[1]; }
 std::vector<Vec3> points_inside(const Shape& shape) { return std::visit(PointsInside{}, shape); }
 void translate(Shape& shape, const Vec3& by) { std::visit(Translate{by}, shape); }
 

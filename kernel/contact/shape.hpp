@@ -58,6 +58,11 @@ struct Ball {
   double radius = 0;
 };
 Ball ball_around(const Shape& shape);
+/// The distance of the nearest two sides of the shape that face away from each other; infinite for
+/// a half-space, and at least half of it for triangles. m
+double thickness(const Shape& shape);
+/// The second largest of its three extents, of a rod its diameter; infinite for a half-space. m
+double width(const Shape& shape);
 /// Points in the interior of the shape, which show whether it lies within another solid; none of a
 /// half-space.
 std::vector<Vec3> points_inside(const Shape& shape);

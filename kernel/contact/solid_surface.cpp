@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/contact/solid_surface.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <map>
 
@@ -15,6 +16,8 @@ namespace {
 constexpr double on_surface = 1e-10;
 // Of the radius: distances of cells are stored in single precision.
 constexpr double rounding_of_cells = 1e-6;
+// Of a ball: one that is larger by less fits, too.
+constexpr double rounding_of_balls = 1e-6;
 // Of the grid: the number that is sought for each triangle, the least and the largest, and the
 // largest along an axis.
 constexpr double cells_per_triangle = 8, least_cells = 8192, most_cells = 65536, most_along = 256;
@@ -78,6 +81,7 @@ SolidSurface::SolidSurface(TriangleSurface surface) : surface_(std::move(surface
   make_normals();
   tree_ = geometry_module().tree(surface_);
   make_grid();
+  find_thickness();
 }
 SolidSurface::~SolidSurface() = default;
 
@@ -124,6 +128,38 @@ void SolidSurface::make_grid() {
     cells_[i].distance = static_cast<float>(nearest(centre(i), last, cells_[i].nearest).distance);
     last = cells_[i].nearest;
   }
+}
+
+/// Halves the diameter of a ball until it fits inside at the centroid of every triangle.
+void SolidSurface::find_thickness() {
+  thickness_ = 2 * radius_;
+  for (Index i = 0; i < surface_.triangles.size(); ++i) {
+    const Triangle& t = surface_.triangles[i];
+    const Vec3 corners =
+        plus(surface_.points[t[0]], plus(surface_.points[t[1]], surface_.points[t[2]]));
+    const auto fits = [&](double radius) {
+      const Vec3 middle = minus(scaled(1. / 3, corners), scaled(radius, face_normals_[i]));
+      Index unused;
+      return nearest(middle, i, unused).distance <= -radius * (1 - rounding_of_balls);
+    };
+    while (thickness_ > rounding_of_cells * radius_ && !fits(thickness_ / 2)) thickness_ /= 2;
+  }
+}
+
+std::array<double, 3> SolidSurface::extents() const {
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+  for (const Vec3& p : surface_.points) {
+    const Eigen::Vector3d v(p[0], p[1], p[2]);
+    moments += v * v.transpose();
+  }
+  const Eigen::Matrix3d axes =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(moments).eigenvectors();
+  Box box = no_box;
+  for (const Vec3& p : surface_.points) {
+    const Eigen::Vector3d along = axes.transpose() * Eigen::Vector3d(p[0], p[1], p[2]);
+    include(box, {along[0], along[1], along[2]});
+  }
+  return {box.length(0), box.length(1), box.length(2)};
 }
 
 /// The cell of a place, or the nearest.

@@ -26,7 +26,7 @@ class SolidSurface {
  public:
   /// `surface`: closed, oriented outward, without self-intersections (read_solid). Triangles
   /// without area are dropped. Throws IoError if the geometry module cannot be loaded, InputError
-  /// if no triangle is left. Cost: 1 us per cell, about 0.1 s, and 1 us per triangle.
+  /// if no triangle is left. Cost: 1 us per cell, about 0.1 s, and 2 us per triangle.
   explicit SolidSurface(TriangleSurface surface);
   ~SolidSurface();
 
@@ -39,6 +39,10 @@ class SolidSurface {
   /// The surface, with the middle of its box at the origin.
   const TriangleSurface& surface() const { return surface_; }
   double radius() const { return radius_; }  ///< of the ball around the origin that contains it, m
+  /// Of the solid, at the centroids of the triangles; between half of the smallest one and it, m.
+  double thickness() const { return thickness_; }
+  /// Of the box around it along the principal axes of its points, m.
+  std::array<double, 3> extents() const;
   /// The middle of the cell that is deepest inside, if one is inside, and the points of the surface
   /// that are extreme along 13 axes.
   std::vector<Vec3> points_inside() const;
@@ -54,6 +58,7 @@ class SolidSurface {
   };
   void make_normals();
   void make_grid();
+  void find_thickness();
   Foot foot(Index triangle, const Vec3& place) const;
   Nearest nearest(const Vec3& place, Index start, Index& triangle) const;
   std::size_t cell_at(const Vec3& place) const;
@@ -62,7 +67,7 @@ class SolidSurface {
 
   TriangleSurface surface_;
   Box box_ = no_box;
-  double radius_ = 0;
+  double radius_ = 0, thickness_ = 0;
   std::vector<Vec3> face_normals_;                 ///< of length 1
   std::vector<std::array<Vec3, 3>> edge_normals_;  ///< of the edges 01, 12, 20; of any length
   std::vector<Vec3> vertex_normals_;

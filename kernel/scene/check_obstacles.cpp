@@ -53,6 +53,22 @@ void warn_of_far_obstacle(const Obstacle& obstacle, const Contact& contact, cons
   diagnostics.warn(text.str());
 }
 
+/// Only nodes touch obstacles: what is narrower than a face can lie between them.
+void warn_of_narrow_obstacle(const Obstacle& obstacle, const Contact& contact,
+                             Diagnostics& diagnostics) {
+  const double found = width(obstacle.shape) + 2 * contact.thickness();
+  if (!(found < contact.mean_edge())) return;
+  std::ostringstream text;
+  text << obstacle.path << ": is " << found << " m wide"
+       << (contact.thickness() > 0 ? " with /contact/thickness" : "")
+       << ", less than a face of the body, whose typical edge is " << contact.mean_edge()
+       << " m; only nodes touch obstacles, so it may enter between them without any force. Use "
+          "elements of at most "
+       << found << " m where it touches, or an obstacle that is at least " << contact.mean_edge()
+       << " m wide";
+  diagnostics.warn(text.str());
+}
+
 /// What makes the steps shorter, and what else helps.
 std::string shorter_steps(const SolverOptions& solver) {
   if (solver.integrator == "static") return "give more \"frames\" in /solver/static";
@@ -136,6 +152,7 @@ void check_obstacles(BuiltScene& built, const Contact& contact, Diagnostics& dia
   for (const Obstacle& obstacle : contact.obstacles()) {
     complain(obstacle, too_fast(obstacle, contact, built.scene().solver, 0));
     warn_of_far_obstacle(obstacle, contact, middle, diagnostics);
+    warn_of_narrow_obstacle(obstacle, contact, diagnostics);
   }
   if (!mistakes.empty()) throw InputError(mistakes);
 }

@@ -23,6 +23,10 @@ constexpr double same_direction = 0.95;
 // A contact with a force stays until its point has left the place where it was found by more, in
 // typical edges.
 constexpr double kept_within = 0.01;
+// From one iteration of Newton's method to the next.
+constexpr double fading = 0.1;
+// A contact alternates that has changed so often, and within the last so many iterations.
+constexpr unsigned least_changes = 4, recent = 5;
 
 Vec3 along_surface(const Vec3& a, const Vec3& normal) {
   return minus(a, scaled(dot(a, normal), normal));
@@ -70,9 +74,9 @@ double MultiplierForces::stiffness_per_mass(double time) const {
 }
 
 /// visit(push) for everything that is pushed, and between equilibria for what touches without a
-/// force: its tangent holds a body that lies there. Between pieces only until it moves away:
-/// Newton's method is slow with the tangent of a force that is not there, and lips often touch
-/// without one.
+/// force: its tangent holds a body that lies there. Newton's method is slow with the tangent of a
+/// force that is not there, so that it fades with the iterations; and between pieces it ends where
+/// they move away, as lips often touch without a force.
 template <class Visit>
 void MultiplierForces::for_each_push(double time, Visit visit) {
   find_stiffness(time);
@@ -85,7 +89,7 @@ void MultiplierForces::for_each_push(double time, Visit visit) {
     const Vec3 offset = push.sum(attributes_.position().rows(), 4);
     push.gap = dot(pair.normal, offset);
     push.pressure = std::max(0.0, pair.pressure - stiffness * push.gap);
-    if (push.pressure == 0 && (!is_static_ || pair.pressure != 0 || push.gap > pair.first_gap))
+    if (!has_force(push) && (!is_static_ || pair.pressure != 0 || push.gap > pair.first_gap))
       continue;
     if (!start_.empty())
       add_friction(push, contact_.pieces()->friction(), minus(offset, push.sum(start_.data(), 4)));
@@ -114,16 +118,28 @@ void MultiplierForces::for_each_push_of_obstacles(double time, Visit visit) {
       const Nearest nearest = side ? placed.gap_from(*side, place) : placed.gap(start, place);
       const double stiffness = stiffness_[v] + per_mass * mass[v];
       const double pressure = std::max(0.0, last.pressure - stiffness * nearest.distance);
-      if (pressure == 0 && (!is_static_ || last.pressure != 0 || nearest.distance >= touching))
-        continue;
       Push push{&last,          i,         {&v, 1},          {&one, 1},
                 nearest.normal, stiffness, nearest.distance, pressure};
+      if (!has_force(push) && (!is_static_ || last.pressure != 0 || nearest.distance >= touching))
+        continue;
       if (!start_.empty())
         add_friction(push, obstacle.friction,
                      minus(minus(place, start), placed.displacement(place)));
       visit(push);
     }
   }
+}
+
+/// Sets what a push without pressure has of the tangent. Where the bounds of friction stay, what
+/// has let go since the last update still has friction.
+bool MultiplierForces::has_force(Push& push) const {
+  if (push.pressure > 0) return true;
+  if (push.last->pressure == 0) {
+    push.stiffness *= support_;
+    return false;
+  }
+  push.pressing = 0;
+  return bounds_stay_;
 }
 
 /// Against the way of the point since the start of the step, relative to what it touches.
@@ -133,7 +149,8 @@ void MultiplierForces::add_friction(Push& push, double coefficient, const Vec3& 
   push.sliding = along_surface(way, push.normal);
   push.friction =
       minus(along_surface(push.last->friction, push.normal), scaled(push.stiffness, push.sliding));
-  const double size = norm(push.friction), most = coefficient * push.pressure;
+  const double size = norm(push.friction);
+  const double most = coefficient * (bounds_stay_ ? push.last->pressure : push.pressure);
   if (size <= most) return;
   push.direction = scaled(1 / size, push.friction);
   push.friction = scaled(most, push.direction);
@@ -146,7 +163,7 @@ void MultiplierForces::add_friction(Push& push, double coefficient, const Vec3& 
 std::vector<Contact::Force> MultiplierForces::forces_at(double time) {
   std::vector<Contact::Force> forces;
   for_each_push(time, [&](const Push& push) {
-    if (push.pressure == 0) return;
+    if (push.pressure == 0 && push.friction == Vec3{}) return;
     const Vec3 force = plus(scaled(push.pressure, push.normal), push.friction);
     for (std::size_t i = 0; i < push.vertices.size(); ++i)
       forces.push_back({push.vertices[i],
@@ -195,7 +212,7 @@ double MultiplierForces::heat(double time) {
 /// direction of friction. Without the derivatives of the normal n of an obstacle, which are smaller
 /// by the penetration over its radius; and without that by the pressure, which is not symmetric.
 Vec3 MultiplierForces::Push::tangent(const Vec3& d) const {
-  const Vec3 along_normal = scaled(-stiffness * dot(normal, d), normal);
+  const Vec3 along_normal = scaled(-stiffness * pressing * dot(normal, d), normal);
   if (coefficient == 0) return along_normal;
   const Vec3 along = along_surface(d, normal);
   const Vec3 turning = minus(along, scaled(dot(direction, along), direction));
@@ -207,6 +224,7 @@ Vec3 MultiplierForces::Push::skew_tangent(const Vec3& d) const {
 }
 
 bool MultiplierForces::is_conservative(double) {
+  if (bounds_stay_) return true;
   return !(contact_.pieces() && contact_.pieces()->friction() > 0) &&
          std::ranges::all_of(contact_.obstacles(),
                              [](const Obstacle& obstacle) { return obstacle.friction == 0; });
@@ -221,6 +239,7 @@ void MultiplierForces::add_tangent(const double* d, double dx, double, const Tan
 
 void MultiplierForces::add_skew_tangent(const double* d, double dx, const TangentTime& at,
                                         double* out) {
+  if (bounds_stay_) return;
   for_each_push(at.time, [&](const Push& push) {
     push.add(scaled(dx, push.skew_tangent(push.sum(d, 3))), out, 3);
   });
@@ -369,9 +388,12 @@ void MultiplierForces::improve(double time) {
 /// Again at the same time, if equations of the step had no solution: with the multipliers and the
 /// positions at its start.
 void MultiplierForces::begin_step(double time) {
+  support_ = 1;
   of_obstacles_ = accepted_of_obstacles_;
   pairs_ = accepted_pairs_;
+  bounds_stay_ = accepted_bounds_stay_;
   improve(time);
+  bounds_stay_ = false;
   if (start_.empty() || time != start_time_) {
     const double* x = attributes_.position().rows();
     start_.assign(x, x + std::size_t{attributes_.vertex_count()} * 4);
@@ -382,6 +404,51 @@ void MultiplierForces::begin_step(double time) {
     const double gap = dot(pair.normal, offset_of(pair));
     if (gap < tolerance * contact_.mean_edge()) pair.first_gap = gap;
   }
+}
+
+void MultiplierForces::begin_iteration(unsigned number, double time) {
+  iteration_ = number;
+  if (number == 0)
+    regimes_.clear();
+  else
+    support_ *= fading;
+  for (auto& [where, regime] : regimes_) regime.next = Regime::Kind::none;
+  for_each_push(time, [&](const Push& push) {
+    if (push.pressure > 0)
+      regimes_[{push.obstacle, push.vertices.front()}].next =
+          push.holding < 1 ? Regime::Kind::slides : Regime::Kind::holds;
+  });
+  for (auto& [where, regime] : regimes_) {
+    const auto before = std::exchange(regime.now, regime.next);
+    if (before == regime.now || number == 0) continue;
+    ++regime.changes;
+    regime.last_change = number;
+    regime.lets_go |= before == Regime::Kind::none || regime.now == Regime::Kind::none;
+  }
+}
+
+/// With Coulomb's law, the bound of friction follows the pressure, and there is no energy that a
+/// line search could decrease. With the bound of the last update (that of Tresca), there is one.
+bool MultiplierForces::simplify() { return !std::exchange(bounds_stay_, true); }
+
+std::optional<NonsmoothTerm::Alternation> MultiplierForces::alternation() const {
+  const auto alternates = [&](const auto& entry) {
+    return entry.second.changes >= least_changes && entry.second.last_change + recent > iteration_;
+  };
+  const auto often = std::ranges::max_element(regimes_, {}, [&](const auto& entry) {
+    return alternates(entry) ? entry.second.changes : 0;
+  });
+  if (often == regimes_.end() || !alternates(*often)) return {};
+  const auto& [obstacle, vertex] = often->first;
+  std::ostringstream text;
+  text << "contact "
+       << (obstacle == Contact::between_pieces
+               ? "between pieces"
+               : "with the obstacle '" + contact_.obstacles()[obstacle].name + "'")
+       << " alternates between "
+       << (often->second.lets_go ? "touching and letting go" : "friction that holds and sliding")
+       << " at " << std::ranges::count_if(regimes_, alternates) << " nodes";
+  return Alternation{text.str(), vertex};
 }
 
 /// True if the equations have to be solved again. Otherwise nothing changes: the forces are those
@@ -406,6 +473,7 @@ bool MultiplierForces::update(double time) {
 void MultiplierForces::accept() {
   accepted_of_obstacles_ = of_obstacles_;
   accepted_pairs_ = pairs_;
+  accepted_bounds_stay_ = bounds_stay_;
   has_step_ = true;
 }
 
@@ -447,6 +515,7 @@ void MultiplierForces::state(Archive& archive) {
   archive.member("masses", accepted_pairs_, &Pair::mass);
   archive.member("pressures", accepted_pairs_, &Pair::pressure);
   archive.member("friction", accepted_pairs_, &Pair::friction);
+  archive("bounds stay", accepted_bounds_stay_);
   archive("start", start_);
   archive("start time", start_time_);
   archive("work", work_);
@@ -460,6 +529,7 @@ void MultiplierForces::state(Archive& archive) {
       archive.require(v < attributes_.vertex_count(), "contact is that of another body");
   of_obstacles_ = accepted_of_obstacles_;
   pairs_ = accepted_pairs_;
+  bounds_stay_ = accepted_bounds_stay_;
 }
 
 }  // namespace suture

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <map>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "kernel/contact/contact_term.hpp"
+#include "kernel/forces/nonsmooth_term.hpp"
 
 // Contact in implicit steps and equilibria
 // ========================================
@@ -65,7 +69,7 @@ namespace suture {
 /// Contacts between pieces are found before the equations are solved and again in update(); in
 /// between, their vertices, weights and normals do not change, so that Newton's method has a fixed
 /// set of linear gaps.
-class MultiplierForces final : public ContactTerm {
+class MultiplierForces final : public ContactTerm, public NonsmoothTerm {
  public:
   /// Of gaps, in typical edges.
   static constexpr double tolerance = 1e-4;
@@ -89,6 +93,9 @@ class MultiplierForces final : public ContactTerm {
   void restart() override;
 
   void begin_step(double time) override;
+  void begin_iteration(unsigned number, double time) override;
+  bool simplify() override;
+  std::optional<Alternation> alternation() const override;
   bool update(double time) override;
   void accept() override;
   void follow(const CellComplex& complex, const TopologyChange& change) override;
@@ -122,6 +129,7 @@ class MultiplierForces final : public ContactTerm {
     double stiffness, gap, pressure;  ///< N/m, m, N
     double coefficient = 0;           ///< of friction
     Vec3 sliding{}, friction{};       ///< m, N
+    double pressing = 1;              ///< -p' / k: 0 where it has let go
     double holding = 1;               ///< q / its free value: 1 where friction holds
     Vec3 direction{};                 ///< of friction that slides
 
@@ -141,6 +149,7 @@ class MultiplierForces final : public ContactTerm {
   template <class Visit>
   void for_each_push_of_obstacles(double time, Visit visit);
   void add_friction(Push& push, double coefficient, const Vec3& way) const;
+  bool has_force(Push& push) const;
   void resize();
   double stiffness_of(const std::array<Index, 5>& vertices,
                       const std::array<double, 5>& weights) const;
@@ -158,6 +167,16 @@ class MultiplierForces final : public ContactTerm {
   std::vector<double> found_at_;  ///< positions where the pairs were found, rows of 4
   std::vector<double> start_;     ///< positions at the start of the step, rows of 4
   double start_time_ = 0;
+  double support_ = 1;  ///< of its stiffness, what touches without a force has
+  bool bounds_stay_ = false, accepted_bounds_stay_ = false;  ///< of friction, while solving
+  /// How something is pushed in the iterations of Newton's method: to find what alternates.
+  struct Regime {
+    enum class Kind { none, holds, slides } now = Kind::none, next = Kind::none;
+    unsigned changes = 0, last_change = 0;  ///< the number of the iteration
+    bool lets_go = false;                   ///< some changes are from or to none
+  };
+  std::map<std::pair<std::size_t, Index>, Regime> regimes_;  ///< by obstacle and vertex
+  unsigned iteration_ = 0;
   double work_ = 0;
   bool has_step_ = false;  ///< whose friction is not booked yet
   // At the end of the last step, for its work: rows of 4; empty: no step yet.

@@ -9,6 +9,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/dynamics/scaled_tangent.hpp"
+#include "kernel/forces/nonsmooth_term.hpp"
 
 namespace suture {
 namespace {
@@ -165,6 +166,7 @@ bool Newton::try_step(const StepEquations& equations, double step, double& slope
 double Newton::search(const StepEquations& equations) {
   const double first = dot(residual_, direction_);
   double low = 0, low_slope = first, high = 0, high_slope = 0, step = 1;
+  unsigned lows = 0;  // in succession
   for (unsigned trial = 0; trial < max_trials; ++trial) {
     double slope = 0;
     if (!try_step(equations, step, slope)) {
@@ -178,21 +180,30 @@ double Newton::search(const StepEquations& equations) {
     if (slope > 0) {
       low = step;
       low_slope = slope;
+      ++lows;
     } else {
       high = step;
       high_slope = slope;
+      lows = 0;
     }
-    const double secant =
-        high_slope < 0 ? low_slope / (low_slope - high_slope) : 0.25;  // of the interval
+    // Where something touches on the way, the slope is even up to there and steep beyond: the
+    // secant creeps.
+    const double secant = lows > 1         ? 0.5
+                          : high_slope < 0 ? low_slope / (low_slope - high_slope)
+                                           : 0.25;  // of the interval
     step = low + (high - low) * std::clamp(secant, 0.1, 0.9);
   }
-  return 0;
+  if (low == 0 || !try_step(equations, low, low_slope)) return 0;
+  return low;  // the energy decreases up to there
 }
 
 // -------------------------------------------------------------------- solve --
 
 /// With inertia relief, of the pieces that float free now.
 void Newton::start(const StepEquations& equations) {
+  nonsmooth_.clear();
+  for (const auto& term : motion_.body().loads())
+    if (auto* nonsmooth = dynamic_cast<NonsmoothTerm*>(term.get())) nonsmooth_.push_back(nonsmooth);
   if (relief_) {
     relief_->find();
     solver_.start(equations.time, relief_->supports());
@@ -232,13 +243,32 @@ void Newton::solve(const StepEquations& equations) {
   find_solution(equations);
   for (unsigned updates = 0; update_constraints(equations.time); ++updates) {
     if (updates == max_updates)
-      throw NumericalError("contact does not settle at t = " + std::to_string(equations.time) +
-                               " s: after " + std::to_string(updates) +
-                               " updates of its forces, gaps are above the tolerance",
-                           worst_element());
+      throw Unsettled("contact does not settle at t = " + std::to_string(equations.time) +
+                          " s: after " + std::to_string(updates) +
+                          " updates of its forces, gaps are above the tolerance",
+                      worst_element());
     evaluate(equations);
-    iterate(equations, max_newton_iterations);
+    iterate_through_kinks(equations);
   }
+}
+
+/// Where Newton's method finds no way, it tries once more with simpler forces.
+void Newton::iterate_through_kinks(const StepEquations& equations) {
+  if (nonsmooth_.empty()) return iterate(equations, max_newton_iterations);
+  double* x = motion_.body().attributes().position().rows();
+  const std::vector<double> before(x, x + equations.position.size());
+  try {
+    return iterate(equations, max_newton_iterations);
+  } catch (const StepRejected&) {
+    throw;
+  } catch (const NumericalError&) {
+    bool is_simpler = false;
+    for (NonsmoothTerm* term : nonsmooth_) is_simpler |= term->simplify();
+    if (!is_simpler) throw;
+  }
+  std::ranges::copy(before, x);
+  evaluate(equations);
+  iterate(equations, max_newton_iterations);
 }
 
 bool Newton::update_constraints(double time) {
@@ -262,7 +292,7 @@ void Newton::find_solution(const StepEquations& equations) {
       solver_.discard();
     }
   }
-  iterate(equations, max_newton_iterations);
+  iterate_through_kinks(equations);
 }
 
 /// From the current positions, where the residual is known.
@@ -277,9 +307,16 @@ void Newton::iterate(const StepEquations& equations, unsigned allowed) {
       refuse(equations, progress, "the allowed number of iterations was not enough");
     // A tangent that is not symmetric may be so at rest.
     if (progress.iterations < 2) solver_.set_symmetric(is_symmetric(equations));
+    for (NonsmoothTerm* term : nonsmooth_)
+      term->begin_iteration(progress.iterations, equations.time);
     const LinearSolve solve = find_direction(equations, forcing(progress));
     const double step = search(equations);
-    if (step == 0) refuse(equations, progress, "no step along the direction of Newton helps");
+    if (step == 0) {
+      move(0);
+      evaluate(equations);
+      if (!is_moving_ && is_at_rounding(equations, progress.residual)) return;
+      refuse(equations, progress, "no step along the direction of Newton helps");
+    }
     progress.last = std::exchange(progress.residual, norm(residual_));
     if (on_iteration)
       on_iteration({progress.iterations + 1, solve.iterations, progress.residual, scale_, step,
@@ -294,9 +331,15 @@ bool Newton::is_solved(const StepEquations& equations, const Progress& progress)
   if (is_moving_) return false;
   if (progress.residual <= tolerance_ * scale_) return true;
   const bool stalls = progress.iterations > 1 && progress.residual > 0.3 * progress.last;
-  const bool is_limited = stalls && progress.residual <= 4 * noise(equations);
-  limited_steps_ += is_limited;
-  return is_limited;
+  return stalls && is_at_rounding(equations, progress.residual);
+}
+
+/// Whether the residual is one that rounding makes.
+bool Newton::is_at_rounding(const StepEquations& equations, double residual) {
+  if (residual > 4 * noise(equations)) return false;
+  ++limited_steps_;
+  rounding_limit_ = std::max(rounding_limit_, residual / scale_);
+  return true;
 }
 
 /// The tolerance of a linear solve: smaller, the better the last iteration was.
@@ -319,14 +362,16 @@ bool Newton::is_indefinite(double time) {
   return find_direction(equations, 1e-6).outcome == LinearSolve::Outcome::indefinite;
 }
 
-/// The change of the residual if positions are rounded: by half a unit in the last place, up and
-/// down in turn. The residual is that of the positions again when it returns.
+/// The change of the residual if positions are rounded, about |K| |x| eps: by a unit in the last
+/// place, up or down at random, as neighbours that move together strain nothing. The residual is
+/// that of the positions again when it returns.
 double Newton::noise(const StepEquations& equations) {
   const std::vector<double> residual = residual_;
   double* x = motion_.body().attributes().position().rows();
+  Random random;
   for (std::size_t i = 0; i < start_.size(); ++i)
     if (i % 4 != 3 && solver_.matrix().free()[i / 4 * 3 + i % 4])
-      x[i] += (i % 2 == 0 ? 1 : -1) * std::numeric_limits<double>::epsilon() * std::abs(x[i]);
+      x[i] += (random() < 0 ? 1 : -1) * std::numeric_limits<double>::epsilon() * std::abs(x[i]);
   evaluate(equations);
   double squared = 0;
   for (std::size_t i = 0; i < residual.size(); ++i)
@@ -337,10 +382,14 @@ double Newton::noise(const StepEquations& equations) {
 }
 
 std::uint64_t Newton::worst_element() const {
-  const Body& body = motion_.body();
   const auto worst = std::ranges::max_element(
       residual_, [](double a, double b) { return std::abs(a) < std::abs(b) || std::isnan(b); });
-  const auto vertex = static_cast<Index>((worst - residual_.begin()) / 3);
+  return element_at(static_cast<Index>((worst - residual_.begin()) / 3));
+}
+
+/// The number, for users, of an element at a vertex.
+std::uint64_t Newton::element_at(Index vertex) const {
+  const Body& body = motion_.body();
   return body.user_element(element_of(body.complex().dart_of(0, vertex)));
 }
 
@@ -351,6 +400,9 @@ void Newton::refuse(const StepEquations& equations, const Progress& progress,
   text << "Newton's method found no solution at t = " << equations.time << " s: " << reason
        << " after " << progress.iterations << " iterations; the residual is "
        << progress.residual / scale_ << " of the forces, the tolerance " << tolerance_;
+  for (const NonsmoothTerm* term : nonsmooth_)
+    if (const auto alternation = term->alternation())
+      throw Unsettled(text.str() + "; " + alternation->text, element_at(alternation->vertex));
   throw NumericalError(text.str(), worst_element());
 }
 

@@ -14,6 +14,14 @@
 namespace suture {
 
 class CoarseSystem;
+class NonsmoothTerm;
+
+/// The forces of contact do not settle. A smaller change of loads and motions may help, another
+/// material does not.
+class Unsettled : public NumericalError {
+ public:
+  using NumericalError::NumericalError;
+};
 
 /// Solves the equations of a step by Newton's method with inexact linear solves (Eisenstat and
 /// Walker, SIAM J. Sci. Comput. 17 (1996) 16) and a line search on the slope of the energy
@@ -58,6 +66,8 @@ class Newton {
 
   /// The number of solves that rounding kept above the tolerance.
   unsigned limited_steps() const { return limited_steps_; }
+  /// The largest residual of these, relative to scale().
+  double rounding_limit() const { return rounding_limit_; }
 
   /// Whether the tangent at the current state is indefinite: the equilibrium is unstable. Found by
   /// a linear solve with a random right-hand side (fixed seed), in which every mode takes part; its
@@ -94,6 +104,7 @@ class Newton {
   void start(const StepEquations& equations);
   void find_solution(const StepEquations& equations);
   bool update_constraints(double time);
+  void iterate_through_kinks(const StepEquations& equations);
   void iterate(const StepEquations& equations, unsigned allowed);
   void start_from_prediction(const StepEquations& equations);
   bool start_from_coarse_levels(const StepEquations& equations);
@@ -106,18 +117,23 @@ class Newton {
   LinearSolve find_direction(const StepEquations& equations, double tolerance);
   double search(const StepEquations& equations);
   bool is_solved(const StepEquations& equations, const Progress& progress);
+  bool is_at_rounding(const StepEquations& equations, double residual);
   double forcing(const Progress& progress) const;
   bool try_step(const StepEquations& equations, double step, double& slope);
   double noise(const StepEquations& equations);
   [[noreturn]] void refuse(const StepEquations& equations, const Progress& progress,
                            const std::string& reason);
 
+  std::uint64_t element_at(Index vertex) const;
+
   Motion& motion_;
   double tolerance_;
   std::optional<InertiaRelief> relief_;  ///< of static equilibria that request it
   StepSolver solver_;
-  bool is_moving_ = false;  ///< prescribed components have not arrived
+  bool is_moving_ = false;                 ///< prescribed components have not arrived
+  std::vector<NonsmoothTerm*> nonsmooth_;  ///< of the body, in the current solve
   unsigned limited_steps_ = 0, iterations_ = 0;
+  double rounding_limit_ = 0;
   double scale_ = 0;
   // 3 numbers per vertex:
   std::vector<double> residual_, direction_, remaining_;

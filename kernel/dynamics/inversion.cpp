@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "kernel/forces/loops/dispatch.hpp"
+#include "kernel/topology/rest_shape.hpp"
 
 namespace suture {
 
@@ -35,16 +36,67 @@ std::vector<Index> find_inverted(Body& body, const std::vector<Index>& allowed) 
   return found;
 }
 
-Index first_forbidden(const Body& body, const std::vector<Index>& inverted,
-                      const std::vector<bool>& forbids) {
+namespace {
+
+std::vector<Index> forbidden(const Body& body, const std::vector<Index>& inverted,
+                             const std::vector<bool>& forbids) {
   const auto& instances = body.attributes().instances();
-  const auto is_forbidden = [&](Index e) {
+  std::vector<Index> found;
+  std::ranges::copy_if(inverted, std::back_inserter(found), [&](Index e) {
     for (std::size_t i = 0; i < forbids.size(); ++i)
       if (forbids[i] && instances[i]->table(3).cells.contains(e)) return true;
     return false;
-  };
-  const auto found = std::ranges::find_if(inverted, is_forbidden);
-  return found != inverted.end() ? *found : none;
+  });
+  return found;
+}
+
+/// The first element of a group of more than few_inverted, or `none`. `elements`: ascending.
+Index first_of_many(const CellComplex& complex, const std::vector<Index>& elements) {
+  std::vector<bool> visited(elements.size());
+  for (std::size_t first = 0; first < elements.size(); ++first) {
+    if (visited[first]) continue;
+    std::vector<std::size_t> group{first};
+    visited[first] = true;
+    for (std::size_t next = 0; next < group.size(); ++next)
+      for (int face = 0; face < 6; ++face) {
+        const Index other = complex.neighbour(elements[group[next]], face);
+        const auto found = std::ranges::lower_bound(elements, other);
+        if (other == none || found == elements.end() || *found != other) continue;
+        const auto place = static_cast<std::size_t>(found - elements.begin());
+        if (!visited[place]) group.push_back(place);
+        visited[place] = true;
+      }
+    if (group.size() > few_inverted) return elements[first];
+  }
+  return none;
+}
+
+bool has_turned(Body& body, Index element) {
+  HexahedronNodes x;
+  const double* positions = body.attributes().position().rows();
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    const double* row = positions + std::size_t{body.complex().vertices_of(element)[n]} * 4;
+    x[n] = {row[0], row[1], row[2]};
+  }
+  return std::ranges::any_of(gauss_jacobians(x), [](double j) { return !(j > 0); });
+}
+
+}  // namespace
+
+Inversion judge_inversion(Body& body, const std::vector<Index>& inverted,
+                          const std::vector<bool>& forbids) {
+  const std::vector<Index> all = forbidden(body, inverted, forbids);
+  Inversion result;
+  if (all.empty()) return result;
+  result.first = all.front();
+  if (all.size() * elements_per_inverted > body.complex().existing(3))
+    result.grave = all.front();
+  else
+    result.grave = first_of_many(body.complex(), all);
+  if (result.grave == none)
+    std::ranges::copy_if(all, std::back_inserter(result.turned),
+                         [&](Index e) { return has_turned(body, e); });
+  return result;
 }
 
 }  // namespace suture

@@ -66,7 +66,8 @@ void LoadPath::return_from(const NumericalError& error) {
 /// Laws that are finite beyond it have equilibria there, which no path leads to.
 void LoadPath::refuse_inversion() const {
   Body& body = motion_.body();
-  const Index element = first_forbidden(body, find_inverted(body, inverted_), forbids_inversion_);
+  const Inversion found = judge_inversion(body, find_inverted(body, inverted_), forbids_inversion_);
+  const Index element = found.turned.empty() ? found.grave : found.turned.front();
   if (element == none) return;
   const Index number = body.user_element(element);
   throw NumericalError("the solution turns element " + std::to_string(number) + " inside out",

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <sstream>
+#include <string_view>
 
 #include "kernel/base/error.hpp"
 #include "kernel/dynamics/inversion.hpp"
@@ -23,7 +25,34 @@ void require_finite(const EnergyBalance& energies, const Motion& motion) {
   throw NotFinite(text.str());
 }
 
+/// Why a few inverted elements do not end a run, and what prevents them.
+std::string few_text(const BuiltScene& built, Index element) {
+  std::ostringstream text;
+  text << "at most " << few_inverted << " that share faces, and one in " << elements_per_inverted
+       << " of the body, do not stop it";
+  const std::string stiffer = stiffer_element(built, element);
+  return text.str() + (stiffer.empty() ? "" : "; " + stiffer + " resists it more");
+}
+
 }  // namespace
+
+std::string stiffer_element(const BuiltScene& built, Index element) {
+  const std::string_view now = "mean-gradient", other = "trilinear";
+  for (const auto& instance : built.body().attributes().instances()) {
+    if (!instance->table(3).cells.contains(element)) continue;
+    const std::span parameters(instance->model().parameters, instance->model().parameter_count);
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      const std::span choices(parameters[i].choices, parameters[i].choice_count);
+      const double value = instance->parameters()[i];
+      if (parameters[i].name != std::string_view("element") || choices.empty() ||
+          choices[static_cast<std::size_t>(value)] != now ||
+          std::ranges::find(choices, other) == choices.end())
+        continue;
+      return "\"element\": \"trilinear\" of model '" + instance->name() + "'";
+    }
+  }
+  return "";
+}
 
 Guard::Guard(BuiltScene& built, Diagnostics& diagnostics)
     : built_(built),
@@ -59,23 +88,30 @@ double Guard::open_balance() const { return share(last_.balance - last_.recovera
 void Guard::check_inversion(std::uint64_t step, double time) {
   const std::vector<Index> inverted = find_inverted(built_.body(), inverted_at_rest_);
   if (inverted.empty()) return;
-  const Index worst = first_forbidden(built_.body(), inverted, stops_);
+  const Inversion judged = judge_inversion(built_.body(), inverted, stops_);
   const bool first_time = worst_inverted_ == 0;
   worst_inverted_ = std::max(worst_inverted_, static_cast<Index>(inverted.size()));
-  if (!first_time && worst == none) return;
-  const Index shown = worst != none ? worst : inverted.front();
+  if (!first_time && judged.grave == none) return;
+  Index shown = judged.first != none ? judged.first : inverted.front();
+  if (judged.grave != none) shown = judged.grave;
   std::ostringstream text;
   text << inverted.size() << (inverted.size() == 1 ? " element is" : " elements are")
        << " inverted (a corner Jacobian <= 0): element " << built_.element_name(shown) << " at "
        << built_.place_of(shown) << (inverted.size() > 1 ? " and others" : "");
-  if (worst != none) throw NumericalError(text.str());
+  if (judged.grave != none) {
+    grave_ = judged.grave;
+    throw NumericalError(text.str());
+  }
   std::ostringstream when;
   when << "step " << step << ", t = " << time << " s: ";
-  diagnostics_.warn(when.str() + text.str() + "; the run continues (on_inversion is \"warn\")");
+  diagnostics_.warn(when.str() + text.str() + "; the run continues (" +
+                    (judged.first != none ? few_text(built_, shown) : "on_inversion is \"warn\"") +
+                    ")");
 }
 
 void Guard::state(Archive& archive) {
   archive("worst inverted", worst_inverted_);
+  archive("grave", grave_);
   archive("noise", noise_);
   archive("stored rounding", stored_rounding_);
   archive("last", last_);

@@ -21,9 +21,13 @@
 
 namespace suture {
 
-/// Checks that a run is still valid: finite energies, a balance that closes, no inverted element
-/// unless the model allows it. (The step itself finds velocities that are not finite, and the
-/// frequency of the motion reveals an unstable step.)
+/// The parameter by which the model of an element makes it resist folding more: "element":
+/// "trilinear" where it is "mean-gradient"; otherwise "".
+std::string stiffer_element(const BuiltScene& built, Index element);
+
+/// Checks that a run is still valid: finite energies, a balance that closes, no more than a few
+/// inverted elements (judge_inversion) unless the model allows it. (The step itself finds
+/// velocities that are not finite, and the frequency of the motion reveals an unstable step.)
 class Guard {
  public:
   Guard(BuiltScene& built, Diagnostics& diagnostics);
@@ -48,7 +52,10 @@ class Guard {
   double exchanged() const { return last_.exchanged > noise_ ? last_.exchanged : 0; }
   /// Call after the motion or the forces were changed from outside.
   void after_jump() { stored_rounding_ = 0; }
+  /// The largest number at once.
   std::uint64_t inverted_elements() const { return worst_inverted_; }
+  /// The last one whose inversion was not allowed, or `none`.
+  Index grave_element() const { return grave_; }
   void state(Archive& archive);
 
  private:
@@ -61,6 +68,7 @@ class Guard {
   std::vector<bool> stops_;              ///< whether inversion stops the run, by instance
   std::vector<Index> inverted_at_rest_;  ///< allowed by the scene, ascending
   Index worst_inverted_ = 0;             ///< in addition to those
+  Index grave_ = none;
   double noise_ = 0;            ///< an estimate of the energy that rounding has added so far, J
   double stored_rounding_ = 0;  ///< of one evaluation of the stored energy, J; 0: not known yet
   EnergyBalance last_;

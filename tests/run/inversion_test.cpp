@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Elements that invert: which of them end a run, and how the others find back.
+#include "kernel/dynamics/inversion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "kernel/base/error.hpp"
+#include "kernel/base/vec3.hpp"
+#include "kernel/run/guard.hpp"
+#include "tests/run/beam.hpp"
+#include "tests/run/host.hpp"
+
+namespace suture::test {
+namespace {
+
+/// A cube of n x n x n elements of edge 1, nowhere held.
+Scene cube(Index n, const std::string& model) {
+  Scene scene = beam(host(), model, n, n, 0);
+  scene.mesh.box = BoxOptions{{0, 0, 0}, {1. * n, 1. * n, 1. * n}, {n, n, n}, {1, 1, 1}};
+  scene.constraints.clear();
+  scene.solver.end = 1;
+  return scene;
+}
+
+Vec3 row(const Column& column, Index v) {
+  return {column.get(v, 0), column.get(v, 1), column.get(v, 2)};
+}
+
+void set(Column& column, Index v, const Vec3& to) {
+  for (int c = 0; c < 3; ++c) column.set(v, c, to[static_cast<std::size_t>(c)]);
+}
+
+struct Built {
+  explicit Built(const Scene& given)
+      : scene(given), built(scene, diagnostics), guard(built, diagnostics) {
+    built.dynamics().start();
+    guard.start();
+  }
+  Attributes& attributes() { return built.body().attributes(); }
+  Index vertex_at(const Vec3& rest) {
+    for (Index v = 0; v < attributes().vertex_count(); ++v)
+      if (norm(minus(row(attributes().rest(), v), rest)) < 1e-9) return v;
+    return none;
+  }
+  void move(const Vec3& rest, const Vec3& to) { set(attributes().position(), vertex_at(rest), to); }
+  void check() { guard.check(64, 0.5); }
+  Inversion judge() {
+    return judge_inversion(built.body(), find_inverted(built.body(), {}),
+                           built.stops_on_inversion());
+  }
+
+  Diagnostics diagnostics;
+  Scene scene;
+  BuiltScene built;
+  Guard guard;
+};
+
+// ------------------------------------------------------------ what ends a run --
+
+TEST(Inversion, AFoldedCornerOfALargeBodyIsReportedOnceAndDoesNotEndTheRun) {
+  Built body(cube(5, "neo-hookean"));
+  body.move({0, 0, 0}, {0.4, 0.4, 0.4});  // a corner Jacobian of 1 - 1.2
+  ASSERT_EQ(body.judge().first, 0u);
+  EXPECT_EQ(body.judge().grave, none);
+  EXPECT_TRUE(body.judge().turned.empty());
+  body.check();
+  body.check();
+  ASSERT_EQ(body.diagnostics.warnings().size(), 1u);
+  const std::string& text = body.diagnostics.warnings()[0];
+  for (const char* words : {"1 element is inverted", "element 0 at (0.5, 0.5, 0.5) m", "continues",
+                            "\"element\": \"trilinear\" of model 'neo-hookean'"})
+    EXPECT_NE(text.find(words), std::string::npos) << text;
+  EXPECT_EQ(body.guard.inverted_elements(), 1u);
+}
+
+TEST(Inversion, TheAdviceIsNotWhatTheSceneFollowsAlready) {
+  Scene scene = cube(5, "neo-hookean");
+  scene.models[0].parameters =
+      parameters(*scene.models[0].model, {{"E", 1e4}, {"nu", 0.3}, {"rho", 1e3}, {"element", 0}});
+  Built body(scene);
+  body.move({0, 0, 0}, {0.4, 0.4, 0.4});
+  body.check();
+  ASSERT_EQ(body.diagnostics.warnings().size(), 1u);
+  EXPECT_EQ(body.diagnostics.warnings()[0].find("trilinear"), std::string::npos)
+      << body.diagnostics.warnings()[0];
+}
+
+TEST(Inversion, AFoldedCornerOfASmallBodyEndsTheRun) {
+  Built body(cube(4, "neo-hookean"));  // 64 elements
+  body.move({0, 0, 0}, {0.4, 0.4, 0.4});
+  EXPECT_EQ(body.judge().grave, 0u);
+  EXPECT_THROW(body.check(), NumericalError);
+  EXPECT_EQ(body.guard.grave_element(), 0u);
+}
+
+TEST(Inversion, MoreThanEightElementsThatShareFacesEndTheRun) {
+  for (const Index folded : {few_inverted, few_inverted + 1}) {
+    Built body(cube(10, "neo-hookean"));
+    for (Index i = 0; i < folded; ++i)  // an edge of the cube, folded in
+      body.move({1. * i, 0, 0}, {1. * i, 0.6, 0.6});
+    ASSERT_EQ(find_inverted(body.built.body(), {}).size(), folded);
+    EXPECT_EQ(body.judge().grave == none, folded == few_inverted);
+  }
+}
+
+TEST(Inversion, ManyGroupsEndTheRunTogether) {
+  Built body(cube(6, "neo-hookean"));  // 216 elements
+  const auto fold = [&](double x, double y, double z) {
+    const auto inner = [](double at) { return at == 0 ? 0.4 : 5.6; };
+    body.move({x, y, z}, {inner(x), inner(y), inner(z)});
+  };
+  fold(0, 0, 0);
+  fold(6, 6, 6);
+  EXPECT_EQ(body.judge().grave, none);
+  fold(6, 0, 0);
+  EXPECT_NE(body.judge().grave, none);
+}
+
+}  // namespace
+}  // namespace suture::test

@@ -1,19 +1,20 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws frames of a run, two in a row, as they are deformed, coloured by a field of the elements.
+"""Draws frames of a run, two or (upright) four in a row, as they are deformed, coloured by a field of the elements.
 
-usage: xvfb-run -a docs/images/render.py [--field NAME] [--beside OTHER.pvd] RUN.pvd PICTURE.png [TIME ...]
+usage: xvfb-run -a /usr/bin/python3 docs/images/render.py [OPTIONS] RUN.pvd PICTURE.png [TIME ...]
 
-Without a field: von_mises. Without times: the first frame, two between and the last. With --beside:
-the last frames of the two runs, with the names of their folders. Debian packages: python3-vtk9 xvfb libgl1-mesa-dri.
+Without times: the first frame, two between and the last. The longest axis is horizontal. Pictures
+have 256 colours, to be small. Debian packages: python3-vtk9 python3-pil xvfb libgl1-mesa-dri.
 """
 import argparse
 import os
 import xml.etree.ElementTree as ElementTree
 
 import vtk
+from PIL import Image
 
-WIDTH, HEIGHT = 640, 340  # of one frame, pixels
+WIDE, TALL = (2, 640, 340), (4, 320, 400)  # frames in a row, pixels of a frame
 
 
 def frames(pvd):
@@ -50,17 +51,35 @@ def scalar_range(grids, field):
     return 0.0, max(high for _, high in low_high)
 
 
-def renderer_of(grid, field, value_range, colours, camera):
+def surface_actor(grid):
     surface = vtk.vtkDataSetSurfaceFilter()
     surface.SetInputData(grid)
     mapper = vtk.vtkPolyDataMapper()
     mapper.SetInputConnection(surface.GetOutputPort())
+    actor = vtk.vtkActor()
+    actor.SetMapper(mapper)
+    return actor
+
+
+def obstacles_of(frame):
+    """The obstacles that belong to FOLDER/frame_0042.vtu."""
+    return read(frame.replace("frame_", "obstacles_"))
+
+
+def obstacle_actor(grid):
+    actor = surface_actor(grid)
+    actor.GetMapper().ScalarVisibilityOff()
+    actor.GetProperty().SetColor(0.62, 0.62, 0.65)
+    return actor
+
+
+def renderer_of(grid, field, value_range, colours, camera):
+    actor = surface_actor(grid)
+    mapper = actor.GetMapper()
     mapper.SetScalarModeToUseCellFieldData()
     mapper.SelectColorArray(field)
     mapper.SetScalarRange(*value_range)
     mapper.SetLookupTable(colours)
-    actor = vtk.vtkActor()
-    actor.SetMapper(mapper)
     actor.GetProperty().EdgeVisibilityOn()
     actor.GetProperty().SetEdgeColor(0.15, 0.15, 0.2)
     actor.GetProperty().SetAmbient(0.45)
@@ -71,17 +90,17 @@ def renderer_of(grid, field, value_range, colours, camera):
     return renderer
 
 
-def label(renderer, text):
+def label(renderer, text, height):
     actor = vtk.vtkTextActor()
     actor.SetInput(text)
     actor.GetTextProperty().SetFontSize(22)
     actor.GetTextProperty().SetColor(0.1, 0.1, 0.1)
-    actor.SetPosition(24, HEIGHT - 40)
+    actor.SetPosition(24, height - 40)
     renderer.AddViewProp(actor)
 
 
-def common_camera(grids):
-    """Looks at the box of all frames together, a little from above."""
+def common_camera(grids, upright):
+    """Looks at the box of all frames together, a little from above; upright: along z, with y up."""
     box = vtk.vtkBoundingBox()
     for grid in grids:
         box.AddBounds(grid.GetBounds())
@@ -89,27 +108,31 @@ def common_camera(grids):
     box.GetCenter(centre)
     camera = vtk.vtkCamera()
     camera.SetFocalPoint(*centre)
-    longest = max(range(3), key=box.GetLength)
+    longest = 0 if upright else max(range(3), key=box.GetLength)
     side = 1 if longest == 2 else 2  # look across the long axis
     size = [box.GetLength(i) for i in range(3)]
     eye = list(centre)
     upwards = 3 - longest - side
     up = [0.0, 0.0, 0.0]
     up[upwards] = 1.0
-    eye[side] += 2.0 * size[longest]
-    eye[upwards] += 0.55 * size[longest]
-    eye[longest] += 0.45 * size[longest]
+    distance = max(size)
+    eye[side] += 2.0 * distance
+    eye[upwards] += 0.55 * distance
+    eye[longest] += 0.45 * distance
     camera.SetPosition(*eye)
     camera.SetViewUp(*up)
     camera.ParallelProjectionOn()
-    camera.SetParallelScale(max(0.31 * size[longest], 0.56 * size[upwards]))
+    camera.SetParallelScale(max((0.72 if upright else 0.31) * size[longest], 0.56 * size[upwards] + 0.5 * size[side]))
     return camera
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--field", default="von_mises")
-    parser.add_argument("--beside", help="OTHER.pvd")
+    parser.add_argument("--field", default="von_mises", help="of the elements; default: von_mises")
+    parser.add_argument("--beside", metavar="OTHER.pvd",
+                        help="the last frames of two runs, with the names of their folders")
+    parser.add_argument("--upright", action="store_true", help="y is up, whatever axis is the longest")
+    parser.add_argument("--obstacles", action="store_true", help="draw the obstacles, in grey")
     parser.add_argument("run", help="RUN.pvd")
     parser.add_argument("picture", help="PICTURE.png")
     parser.add_argument("times", nargs="*", type=float)
@@ -122,17 +145,21 @@ def main():
     colours.SetColorSpaceToDiverging()
     colours.AddRGBPoint(value_range[0], 0.23, 0.30, 0.75)
     colours.AddRGBPoint(value_range[1], 0.71, 0.02, 0.15)
-    camera = common_camera(grids)
+    obstacles = [obstacles_of(path) for _, path in shown] if options.obstacles else []
+    camera = common_camera(grids + obstacles, options.upright)
     window = vtk.vtkRenderWindow()
     window.SetOffScreenRendering(1)
     window.SetMultiSamples(8)
-    rows = (len(grids) + 1) // 2
-    window.SetSize(2 * WIDTH, HEIGHT * rows)
+    columns, width, height = TALL if options.upright else WIDE
+    rows = -(-len(grids) // columns)
+    window.SetSize(columns * width, rows * height)
     for i, (grid, (text, _)) in enumerate(zip(grids, shown)):
         renderer = renderer_of(grid, field, value_range, colours, camera)
-        row, left = i // 2, 0.5 * (i % 2)
-        renderer.SetViewport(left, 1 - (row + 1) / rows, left + 0.5, 1 - row / rows)
-        label(renderer, text)
+        row, column = divmod(i, columns)
+        renderer.SetViewport(column / columns, 1 - (row + 1) / rows, (column + 1) / columns, 1 - row / rows)
+        if obstacles:
+            renderer.AddActor(obstacle_actor(obstacles[i]))
+        label(renderer, text, height)
         window.AddRenderer(renderer)
     window.Render()
     image = vtk.vtkWindowToImageFilter()
@@ -141,6 +168,7 @@ def main():
     writer.SetFileName(options.picture)
     writer.SetInputConnection(image.GetOutputPort())
     writer.Write()
+    Image.open(options.picture).convert("RGB").quantize(256, kmeans=2).save(options.picture, optimize=True)
 
 
 main()

@@ -1,22 +1,35 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Does what a page of the documentation says, in a fresh folder, with an installed Suture: writes the
-# files of its blocks "```LANGUAGE FILE", and runs those of "```sh" line by line.
+# Does what a page of the documentation says, in a fresh folder that has docs/tutorial, with an
+# installed Suture: runs the blocks "```sh" line by line, writes the files of the blocks
+# "```LANGUAGE FILE", and requires of "```LANGUAGE in FILE" that the file has these lines.
 # usage: follow.sh PAGE FOLDER PREFIX
 set -euo pipefail
 page=$(readlink -f "${1:?}") prefix=${3:?}
-rm -rf "${2:?}" && mkdir -p "$2" && cd "$2"
+tutorial=$(dirname "$(readlink -f "$0")")/../../docs/tutorial
+rm -rf "${2:?}" && mkdir -p "$2/docs" && cp -r "$tutorial" "$2/docs" && cd "$2"
 export PATH=$prefix/bin:$PATH CMAKE_PREFIX_PATH=$prefix MPLBACKEND=Agg CMAKE_GENERATOR=Ninja
-# Its law takes ten seconds for each instruction set; outside/ builds all of them.
+# A law takes ten seconds for each instruction set; outside/ builds all of them.
 echo 'set(SUTURE_INSTRUCTION_SETS base)' >base.cmake
 export CMAKE_TOOLCHAIN_FILE=$PWD/base.cmake
-# The only step that needs more than Suture does.
-skipped=$(python3 -c 'import matplotlib' 2>/dev/null || echo 'python3 plot.py')
-awk -v skipped="$skipped" '
-  /^```/ && inside { if (file) print "END_OF_FILE"; inside = 0; next }
-  /^```/ { inside = 1; file = $2; shell = $1 == "```sh"
-           if (file) printf "cat > %s <<\"END_OF_FILE\"\n", file; next }
-  inside && (file || (shell && $0 != skipped)) { print }' "$page" > steps.sh
+# The only steps that need more than the program does: Matplotlib, and the installed Python module.
+plots='^$'
+python3 -c 'import matplotlib' 2>/dev/null || plots='^(python3 plot.py$|suture plot )'
+[ -n "$(find "$prefix" -name '_suture*.so')" ] || plots+='|^suture plot '
+{
+  cat <<'FUNCTIONS'
+has_lines() {
+  python3 -c 'import sys; sys.exit(sys.stdin.read() not in open(sys.argv[1], encoding="utf-8").read())' "$1" ||
+    { echo "$1 does not have the lines that the page shows of it"; exit 1; }
+}
+FUNCTIONS
+  awk -v plots="$plots" '
+    /^```/ && inside { if (file) print "END_OF_FILE"; inside = 0; next }
+    /^```/ { inside = 1; shell = $1 == "```sh"; file = $2 == "in" ? $3 : $2
+             if (file) printf "%s %s <<\"END_OF_FILE\"\n", $2 == "in" ? "has_lines" : "cat >", file
+             next }
+    inside && (file || (shell && $0 !~ plots)) { print }' "$page"
+} > steps.sh
 grep -q '^suture run ' steps.sh || { echo "$page: no step is found"; exit 1; }
 # `! command` does not end a shell: say so.
 sed -i -E 's/^! (.*)/if \1; then echo "expected to fail: \1"; exit 1; fi/' steps.sh

@@ -41,10 +41,11 @@ execute_process(COMMAND ${CMAKE_COMMAND} ${PREFIX}/my-c/build -DSUTURE_INSTRUCTI
 if(code EQUAL 0 OR NOT out MATCHES "SUTURE_INSTRUCTION_SETS is 'base;avx3'")
   message(FATAL_ERROR "an unknown instruction set is not refused:\n${out}")
 endif()
-# The page that leads from a formula to a plot is followed literally.
-cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH tests)
-must(${CMAKE_CURRENT_LIST_DIR}/follow.sh ${tests}/../docs/write_a_model.md ${PREFIX}/page
-  ${PREFIX}/usr)
+# Pages for beginners are followed literally.
+foreach(page docs/first-scene.md docs/write_a_model.md)
+  must(${CMAKE_CURRENT_LIST_DIR}/follow.sh ${CMAKE_CURRENT_LIST_DIR}/../../${page} ${PREFIX}/page
+    ${PREFIX}/usr)
+endforeach()
 must(${CMAKE_COMMAND} --install ${PREFIX}/outside/build --prefix ${PREFIX}/mine)
 
 # The installed program sees its own plugins and, when told where, the outsider.

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `suture schema` prints is a JSON schema that the scenes of docs/scenes satisfy, that mistakes
-do not, and that knows every key which the reader of scenes reads.
+"""What `suture schema` prints is a JSON schema that the scenes of docs satisfy, that mistakes do
+not, and that knows every key which the reader of scenes reads.
 usage: schema.py SUTURE SOURCES"""
 import copy
 import json
@@ -39,7 +39,7 @@ def properties_of(node):
 
 
 scenes = {file.name: json.loads(without_comments(file.read_text()))
-          for file in sorted((sources / "docs/scenes").glob("*.json"))}
+          for file in sorted((sources / "docs").glob("*/*.json"))}
 for name, scene in scenes.items():
     problems += [f"{name}: {error.json_path}: {error.message}" for error in validator.iter_errors(scene)]
 

@@ -228,8 +228,10 @@ def main():
     if not written:
         return
     head = ("# Benchmarks\n\nWritten by `./dev bench`. To update one section, run `./dev bench NAME`; the "
-            "others are kept. Other processes may have been running during the measurements.\n")
-    document.write_text("\n".join([head, *written]))
+            "others are kept. Other processes may have been running during the measurements. The summary is "
+            "apps/suture-bench/summary.md.in.\n")
+    summary = pathlib.Path(__file__).with_name("summary.md.in").read_text()
+    document.write_text("\n".join([head, summary, *written]))
     print(f"wrote {document}")
 
 

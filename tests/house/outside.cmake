@@ -42,7 +42,7 @@ if(code EQUAL 0 OR NOT out MATCHES "SUTURE_INSTRUCTION_SETS is 'base;avx3'")
   message(FATAL_ERROR "an unknown instruction set is not refused:\n${out}")
 endif()
 # Pages for beginners are followed literally.
-foreach(page docs/first-scene.md docs/write_a_model.md)
+foreach(page README.md docs/first-scene.md docs/write_a_model.md)
   must(${CMAKE_CURRENT_LIST_DIR}/follow.sh ${CMAKE_CURRENT_LIST_DIR}/../../${page} ${PREFIX}/page
     ${PREFIX}/usr)
 endforeach()

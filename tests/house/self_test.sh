@@ -16,16 +16,21 @@ fresh() {
   printf '// SPDX-License-Identifier: GPL-3.0-or-later\n' >"$tree/kernel/mesh/a.hpp"
   printf '/* SPDX-License-Identifier: MIT\n */\n' >"$tree/sdk/a.h"
   printf '[a](../sdk/a.h) [b](https://example.org)\n' >"$tree/docs/a.md"
-  touch "$tree/CMakeLists.txt"
+  touch "$tree/CMakeLists.txt" "$tree/README.md"
+}
+
+# make_check CHECK: of check.sh, or a program of its own.
+make_check() {
+  case $1 in *.py) "$(dirname "$check")/$1" "$tree" ;; *) "$check" "$1" "$tree" ;; esac
 }
 
 # must_report CHECK FILE TEXT: with that line the check fails, without it passes.
 must_report() {
   fresh
-  "$check" "$1" "$tree" >/dev/null || { echo "$1 refuses a clean tree"; failures=1; }
+  make_check "$1" >/dev/null || { echo "$1 refuses a clean tree"; failures=1; }
   mkdir -p "$(dirname "$tree/$2")"
   printf '%s\n' "$3" >>"$tree/$2"
-  if "$check" "$1" "$tree" >/dev/null 2>&1; then
+  if make_check "$1" >/dev/null 2>&1; then
     echo "$1 does not report '$3' in $2"
     failures=1
   fi
@@ -49,6 +54,8 @@ must_report sizes CMakeLists.txt "$(seq 130)"
 must_report weight docs/big.dat "$(seq 200000)"
 must_report links docs/a.md '[c](missing.md)'
 must_report top_level src/a.txt 'x'
+must_report sentences.py README.md "$(seq 601)"
+must_report sentences.py docs/a.md "A sentence is here. $(seq -s ' ' 30) are too many words. $(seq -s ' ' 30)."
 if command -v clang-format >/dev/null; then
   must_report format kernel/mesh/a.hpp 'int   a  ;'
 fi

@@ -79,8 +79,10 @@ void* module_symbol(const std::string& file, const char* symbol) {
     }
     return address;
   }
-  throw IoError("the module " + file + " is missing; searched for:" + tried +
-                "\nset SUTURE_MODULE_PATH to its folder, or install Suture again");
+  throw IoError(
+      "the module " + file + " is missing; searched for:" + tried +
+      "\nbuild all of Suture (./dev build) or install it again, or set SUTURE_MODULE_PATH to the "
+      "folder of the module");
 }
 
 }  // namespace suture

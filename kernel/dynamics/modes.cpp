@@ -16,7 +16,7 @@ namespace {
 using Eigen::MatrixXd, Eigen::VectorXd;
 using EigenIndex = Eigen::Index;
 
-constexpr EigenIndex block = 3;
+constexpr EigenIndex block_size = 3;
 constexpr unsigned least_iterations = 4;
 constexpr double wanted = 0.05;  // estimated error of the eigenvalue over the eigenvalue
 /// Quotient of the whole checkerboard over lambda_max below which a model is taken not to
@@ -109,7 +109,7 @@ struct Descent {
     const MatrixXd all = beside(x, more), all_images = beside(image, more_images);
     const Ritz ritz(all.transpose() * all, all.transpose() * all_images);
     if (ritz.values.size() == 0) return;  // nothing is free
-    const EigenIndex count = std::min<EigenIndex>(block, ritz.values.size());
+    const EigenIndex count = std::min<EigenIndex>(block_size, ritz.values.size());
     const MatrixXd best = ritz.vectors.leftCols(count);
     values = ritz.values.head(count);
     last = more * best.bottomRows(more.cols());
@@ -122,16 +122,16 @@ struct Descent {
 /// The lowest modes of the coarse space, with a little of everything, and the last motion.
 MatrixXd start_vectors(const ScaledTangent& a, const Coarse& coarse, Random& numbers,
                        std::span<const double> last_motion) {
-  MatrixXd start(a.size(), block + 1);
+  MatrixXd start(a.size(), block_size + 1);
   for (EigenIndex i = 0; i < start.cols(); ++i) {
     start.col(i) = 1e-3 * a.random(numbers);
-    if (i < std::min<EigenIndex>(block, coarse.size())) start.col(i) += coarse.mode(i);
+    if (i < std::min<EigenIndex>(block_size, coarse.size())) start.col(i) += coarse.mode(i);
   }
   for (EigenIndex i = 0; !last_motion.empty() && i < a.size(); ++i) {
     const double scale = a.scale()[static_cast<std::size_t>(i)];
-    start(i, block) = scale > 0 ? last_motion[static_cast<std::size_t>(i)] / scale : 0;
+    start(i, block_size) = scale > 0 ? last_motion[static_cast<std::size_t>(i)] / scale : 0;
   }
-  if (start.col(block).norm() > 0) start.col(block).normalize();
+  if (start.col(block_size).norm() > 0) start.col(block_size).normalize();
   return start;
 }
 
@@ -175,7 +175,7 @@ LowestMode find_lowest_mode(Body& body, double time, unsigned products,
     mode.eigenvalue = descent.values[0];
     mode.error = residual.col(0).dot(direction.col(0));
     const bool good = mode.error <= std::max(wanted * std::abs(mode.eigenvalue), mode.noise);
-    if ((good && iteration >= least_iterations) || a.products() + block > products) break;
+    if ((good && iteration >= least_iterations) || a.products() + block_size > products) break;
     for (EigenIndex i = 0; i < direction.cols(); ++i)
       if (const double length = direction.col(i).norm(); length > 0) direction.col(i) /= length;
     descent.improve(direction, a.images(direction));

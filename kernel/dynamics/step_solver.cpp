@@ -20,7 +20,7 @@ constexpr unsigned unconcerned = 4;
 constexpr double slow = 2;
 
 // Building a multigrid takes as long as about this many iterations.
-constexpr double iterations_per_build = 8;
+constexpr double iterations_worth_a_build = 8;
 
 // The mass term of a matrix for which a preconditioner is good may differ by this factor.
 constexpr double max_mass_ratio = 2;
@@ -170,7 +170,7 @@ double StepSolver::Built::expected_iterations(double residual) const {
 bool StepSolver::Built::note(const LinearSolve& solve) {
   if (!is_new) {
     excess = std::max(0.0, excess + solve.iterations - expected_iterations(solve.residual));
-    return excess <= iterations_per_build;
+    return excess <= iterations_worth_a_build;
   }
   if (decrease == 0) first = solve.iterations;
   decrease += decrease_to(solve.residual);

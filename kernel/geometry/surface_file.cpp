@@ -74,15 +74,15 @@ PolygonSoup read_stl(const FileText& file) {
                    ": the file is truncated or has another format");
 }
 
-struct Reader {
+struct SurfaceReader {
   const char* extension;
   PolygonSoup (*read)(const FileText&);
 };
-constexpr Reader readers[] = {{".obj", read_obj},
-                              {".off", read_off},
-                              {".ply", read_ply},
-                              {".stl", read_stl},
-                              {".vtp", read_vtp}};
+constexpr SurfaceReader readers[] = {{".obj", read_obj},
+                                     {".off", read_off},
+                                     {".ply", read_ply},
+                                     {".stl", read_stl},
+                                     {".vtp", read_vtp}};
 
 }  // namespace
 
@@ -93,12 +93,13 @@ Box box_of(const std::vector<Vec3>& points) {
 }
 
 bool is_surface_file(const std::filesystem::path& path) {
-  return std::ranges::find(readers, lower_extension(path), &Reader::extension) != std::end(readers);
+  return std::ranges::find(readers, lower_extension(path), &SurfaceReader::extension) !=
+         std::end(readers);
 }
 
 PolygonSoup read_soup(const std::filesystem::path& path, double scale) {
   std::vector<std::string> known;
-  for (const Reader& reader : readers) known.emplace_back(reader.extension);
+  for (const SurfaceReader& reader : readers) known.emplace_back(reader.extension);
   const std::size_t format = position_of(path, known);
   if (format == known.size()) throw InputError(unknown_extension(path, known));
   const FileText file(path);

@@ -13,7 +13,7 @@ namespace {
 
 using Wall = std::chrono::steady_clock;
 
-double seconds_since(Wall::time_point start) {
+double elapsed_since(Wall::time_point start) {
   return std::chrono::duration<double>(Wall::now() - start).count();
 }
 
@@ -35,9 +35,9 @@ std::uint64_t steps_to_rest(RunLoop& run, double budget) {
   const Wall::time_point start = Wall::now();
   std::uint64_t middle_step = 0;
   double middle_residual = 0;
-  while (seconds_since(start) < budget && run.try_step()) {
+  while (elapsed_since(start) < budget && run.try_step()) {
     if (rest->at_rest(run.built().dynamics())) return clock.step();
-    if (middle_step == 0 && seconds_since(start) > budget / 2) {
+    if (middle_step == 0 && elapsed_since(start) > budget / 2) {
       middle_step = clock.step();
       middle_residual = rest->residual();
     }
@@ -53,7 +53,7 @@ std::uint64_t steps_to_rest(RunLoop& run, double budget) {
 std::uint64_t steps_by_error(RunLoop& run, double end, double budget) {
   const Clock& clock = run.control().clock();
   const Wall::time_point start = Wall::now();
-  while (seconds_since(start) < budget && !clock.finished() && run.try_step()) continue;
+  while (elapsed_since(start) < budget && !clock.finished() && run.try_step()) continue;
   const double left = std::max(end - clock.time(), 0.0) / run.control().last_dt();
   return clock.step() + saturate<std::uint64_t>(std::ceil(left - 1e-9));
 }
@@ -76,12 +76,12 @@ ActiveSteps measure_event(RunLoop& run, std::size_t i, double end, double second
   run.rehearse(i, time);  // a blade cuts from its last position on
   const Wall::time_point start = Wall::now();
   int steps = 0;
-  while (steps < max_steps && seconds_since(start) < budget && run.try_step()) {
+  while (steps < max_steps && elapsed_since(start) < budget && run.try_step()) {
     time += run.control().last_dt();
     run.rehearse(i, time);
     ++steps;
   }
-  const double seconds = seconds_since(start) / std::max(steps, 1) - seconds_per_step;
+  const double seconds = elapsed_since(start) / std::max(steps, 1) - seconds_per_step;
   return {std::max(to - from, 0.0), run.control().next_dt(),
           std::max(seconds, 0.0) / static_cast<double>(std::max<std::uint64_t>(event.every, 1))};
 }
@@ -111,7 +111,7 @@ Estimate Simulation::estimate() {
   const auto bytes = static_cast<double>(run.recorder().rehearse(0, run.records().gravity()));
   Wall::time_point start = Wall::now();
   run.recorder().rehearse(0, run.records().gravity());  // the first call loaded the writer
-  const double frame_seconds = seconds_since(start);
+  const double frame_seconds = elapsed_since(start);
   start = Wall::now();
   const double end = scene.solver.end.value_or(0);
   if (run.ending().rest()) {
@@ -121,10 +121,10 @@ Estimate Simulation::estimate() {
     estimate.dt = end / static_cast<double>(estimate.steps);
     estimate.dt_follows_error = true;
   } else {
-    while (seconds_since(start) < 0.2 && !clock.finished() && run.try_step()) continue;
+    while (elapsed_since(start) < 0.2 && !clock.finished() && run.try_step()) continue;
     estimate.steps = saturate<std::uint64_t>(std::ceil(end / estimate.dt - 1e-9));
   }
-  estimate.seconds_per_step = seconds_since(start) / static_cast<double>(clock.step());
+  estimate.seconds_per_step = elapsed_since(start) / static_cast<double>(clock.step());
   if (!run.ending().rest()) add_events(run, end, estimate);
   if (run.recorder().writes_frames() && estimate.steps > 0) {
     const double last =

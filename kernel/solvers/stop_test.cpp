@@ -8,8 +8,8 @@
 namespace suture {
 namespace {
 
-constexpr unsigned max_iterations = 12;
-constexpr double tolerance = 1e-3;
+constexpr unsigned test_iterations = 12;
+constexpr double test_tolerance = 1e-3;
 
 /// A uniform load on the nodes of pieces that something holds.
 SingleVector load_of(const MultigridLevel& level) {
@@ -23,8 +23,8 @@ SingleVector load_of(const MultigridLevel& level) {
 
 bool StopTest::converges(std::size_t l) const {
   SingleVector x;
-  return solve_on_level(levels_, cycle_, l, levels_[l].multiply, load_of(levels_[l]), tolerance,
-                        max_iterations, x);
+  return solve_on_level(levels_, cycle_, l, levels_[l].multiply, load_of(levels_[l]),
+                        test_tolerance, test_iterations, x);
 }
 
 /// False if it is not affordable; then the coarsest level keeps its factor.

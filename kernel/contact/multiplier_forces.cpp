@@ -122,6 +122,7 @@ void MultiplierForces::for_each_push_of_obstacles(double time, Visit visit) {
                 nearest.normal, stiffness, nearest.distance, pressure};
       if (!has_force(push) && (!is_static_ || last.pressure != 0 || nearest.distance >= touching))
         continue;
+      push.curvature = placed.curvature(place);
       if (!start_.empty())
         add_friction(push, obstacle.friction,
                      minus(minus(place, start), placed.displacement(place)));
@@ -209,14 +210,17 @@ double MultiplierForces::heat(double time) {
 // ------------------------------------------------------------------ tangents --
 
 /// With p' = -k n and, where it slides, q' = mu p' t + holding (-k) (1 - n n^T - t t^T), t the
-/// direction of friction. Without the derivatives of the normal n of an obstacle, which are smaller
-/// by the penetration over its radius; and without that by the pressure, which is not symmetric.
+/// direction of friction, and p n' where an obstacle is round: a soft body that a sphere presses
+/// feels that as much as its own stiffness. Without what n' does to friction, and without the
+/// derivative of friction by the pressure, which is not symmetric.
 Vec3 MultiplierForces::Push::tangent(const Vec3& d) const {
-  const Vec3 along_normal = scaled(-stiffness * pressing * dot(normal, d), normal);
-  if (coefficient == 0) return along_normal;
-  const Vec3 along = along_surface(d, normal);
+  const Vec3 along = along_surface(d, normal), &straight = curvature.straight;
+  const Vec3 normal_part = plus(
+      scaled(-stiffness * pressing * dot(normal, d), normal),
+      scaled(pressure * curvature.per_metre, minus(along, scaled(dot(straight, along), straight))));
+  if (coefficient == 0) return normal_part;
   const Vec3 turning = minus(along, scaled(dot(direction, along), direction));
-  return plus(along_normal, scaled(-stiffness * holding, turning));
+  return plus(normal_part, scaled(-stiffness * holding, turning));
 }
 
 Vec3 MultiplierForces::Push::skew_tangent(const Vec3& d) const {
@@ -412,7 +416,7 @@ void MultiplierForces::begin_iteration(unsigned number, double time) {
     regimes_.clear();
   else
     support_ *= fading;
-  for (auto& [where, regime] : regimes_) regime.next = Regime::Kind::none;
+  for (auto& [where, regime] : regimes_) regime.next = Regime::Kind::apart;
   for_each_push(time, [&](const Push& push) {
     if (push.pressure > 0)
       regimes_[{push.obstacle, push.vertices.front()}].next =
@@ -423,13 +427,15 @@ void MultiplierForces::begin_iteration(unsigned number, double time) {
     if (before == regime.now || number == 0) continue;
     ++regime.changes;
     regime.last_change = number;
-    regime.lets_go |= before == Regime::Kind::none || regime.now == Regime::Kind::none;
+    regime.lets_go |= before == Regime::Kind::apart || regime.now == Regime::Kind::apart;
   }
 }
 
 /// With Coulomb's law, the bound of friction follows the pressure, and there is no energy that a
 /// line search could decrease. With the bound of the last update (that of Tresca), there is one.
-bool MultiplierForces::simplify() { return !std::exchange(bounds_stay_, true); }
+bool MultiplierForces::simplify() {
+  return !is_conservative(start_time_) && !std::exchange(bounds_stay_, true);
+}
 
 std::optional<NonsmoothTerm::Alternation> MultiplierForces::alternation() const {
   const auto alternates = [&](const auto& entry) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kernel/contact/contact_term.hpp"
+#include "kernel/contact/curvature.hpp"
 #include "kernel/forces/nonsmooth_term.hpp"
 
 // Contact in implicit steps and equilibria
@@ -132,6 +133,7 @@ class MultiplierForces final : public ContactTerm, public NonsmoothTerm {
     double pressing = 1;              ///< -p' / k: 0 where it has let go
     double holding = 1;               ///< q / its free value: 1 where friction holds
     Vec3 direction{};                 ///< of friction that slides
+    Curvature curvature{};            ///< of the obstacle
 
     /// Rows have `width` numbers.
     template <class Number>
@@ -171,9 +173,9 @@ class MultiplierForces final : public ContactTerm, public NonsmoothTerm {
   bool bounds_stay_ = false, accepted_bounds_stay_ = false;  ///< of friction, while solving
   /// How something is pushed in the iterations of Newton's method: to find what alternates.
   struct Regime {
-    enum class Kind { none, holds, slides } now = Kind::none, next = Kind::none;
+    enum class Kind { apart, holds, slides } now = Kind::apart, next = Kind::apart;
     unsigned changes = 0, last_change = 0;  ///< the number of the iteration
-    bool lets_go = false;                   ///< some changes are from or to none
+    bool lets_go = false;                   ///< some changes are from or to apart
   };
   std::map<std::pair<std::size_t, Index>, Regime> regimes_;  ///< by obstacle and vertex
   unsigned iteration_ = 0;

@@ -67,6 +67,13 @@ Nearest PlacedObstacle::gap_of_shape(const Pose& pose, const Vec3& place) const 
   return found;
 }
 
+Curvature PlacedObstacle::curvature(const Vec3& place) const {
+  if (is_half_space_) return {};
+  Curvature found = suture::curvature(obstacle_.shape, end_.given(place));
+  found.straight = end_.direction(found.straight);
+  return found;
+}
+
 double PlacedObstacle::target(const VertexPath& path, double fastest) const {
   const double before = gap(start_, path.start).distance;
   return before < 0 ? before + std::min(-recovery * before, fastest) : 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "kernel/contact/curvature.hpp"
 #include "kernel/contact/obstacle.hpp"
 #include "kernel/contact/vectors.hpp"
 
@@ -77,6 +78,8 @@ class PlacedObstacle {
   double longest_way(double way) const {
     return long_way_ < infinity ? (way + own_way_) * spin_factor_ : 0;
   }
+  /// How the normal of gap() turns with the place.
+  Curvature curvature(const Vec3& place) const;
 
   /// Moves the end of a path out of the obstacle, with Coulomb friction against sliding, and adds
   /// to `push`. Returns dv_n, 0 if it is not inside.

@@ -336,7 +336,9 @@ bool Newton::is_solved(const StepEquations& equations, const Progress& progress)
 
 /// Whether the residual is one that rounding makes.
 bool Newton::is_at_rounding(const StepEquations& equations, double residual) {
-  if (residual > 4 * noise(equations)) return false;
+  const double reachable = 4 * noise(equations);
+  if (residual > reachable) return false;
+  if (scale_ <= reachable) return true;  // there are no forces to be in balance with
   ++limited_steps_;
   rounding_limit_ = std::max(rounding_limit_, residual / scale_);
   return true;
@@ -350,7 +352,7 @@ double Newton::forcing(const Progress& progress) const {
                     first_forcing);
 }
 
-bool Newton::is_indefinite(double time) {
+Newton::TangentCheck Newton::check_tangent(double time) {
   StepEquations equations;
   equations.time = time;
   start(equations);  // there may have been no solve: a run that is resumed at its end
@@ -359,7 +361,17 @@ bool Newton::is_indefinite(double time) {
   solver_.matrix().restrict(residual_);
   is_moving_ = false;
   solver_.set_symmetric(true);
-  return find_direction(equations, 1e-6).outcome == LinearSolve::Outcome::indefinite;
+  if (find_direction(equations, 1e-6).outcome == LinearSolve::Outcome::indefinite) return {true, 0};
+  std::vector<double> image(residual_.size());
+  solver_.matrix().apply(residual_.data(), image.data());
+  const auto inertia = [&](const std::vector<double>& x) {
+    double sum = 0;
+    for (std::size_t i = 0; i < x.size(); ++i)
+      sum += motion_.body().attributes().mass().get(static_cast<Index>(i / 3), 0) * x[i] * x[i];
+    return sum;
+  };
+  const double mean = dot(residual_, image) / inertia(residual_);
+  return {false, dot(residual_, direction_) / inertia(direction_) / mean};
 }
 
 /// The change of the residual if positions are rounded, about |K| |x| eps: by a unit in the last

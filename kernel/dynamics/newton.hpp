@@ -69,11 +69,15 @@ class Newton {
   /// The largest residual of these, relative to scale().
   double rounding_limit() const { return rounding_limit_; }
 
-  /// Whether the tangent at the current state is indefinite: the equilibrium is unstable. Found by
-  /// a linear solve with a random right-hand side (fixed seed), in which every mode takes part; its
-  /// Lanczos process finds an isolated negative eigenvalue first. Costs as much as a first
-  /// iteration.
-  bool is_indefinite(double time);
+  struct TangentCheck {
+    bool is_indefinite = false;
+    double lowest = 0;  ///< eigenvalue, about, in multiples of their mean
+  };
+  /// Examines the tangent at the current state: if it is indefinite, the equilibrium is unstable.
+  /// By a linear solve with a random right-hand side (fixed seed), in which every mode takes part:
+  /// its Lanczos process finds an isolated negative eigenvalue first, and the lowest modes prevail
+  /// in its solution. Costs as much as a first iteration.
+  TangentCheck check_tangent(double time);
 
   /// Called after each iteration, for `suture run -v`.
   struct Iteration {

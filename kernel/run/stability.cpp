@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "kernel/base/vec3.hpp"
+#include "kernel/run/free_bodies.hpp"
 
 namespace suture {
 namespace {
@@ -59,7 +60,11 @@ Stability::Verdict Stability::examine(double unbalanced_force, std::uint64_t ste
   mode.noise += rounding_of_rest(unbalanced_force);
   lowest_ = mode.eigenvalue;
   neutral_ = mode.eigenvalue <= 10 * mode.noise;
-  if (!mode.negative()) return Verdict::stable;
+  if (!mode.negative()) {
+    if (neutral_ && describe_body_without_constraints(built_).empty())
+      diagnostics_.warn(describe_neutral(mode));
+    return Verdict::stable;
+  }
   built_.dynamics().synchronise();
   recorder_.mode(time, gravity, mode.shape);
   // A column under a load that follows it can be stable far above its Euler load (Beck), so a
@@ -85,9 +90,31 @@ Stability::Verdict Stability::examine(double unbalanced_force, std::uint64_t ste
   return is_proof ? Verdict::unstable : Verdict::unknown;
 }
 
-std::string Stability::describe(const LowestMode& mode, bool is_proof) const {
+/// "the mode is largest at element 12 at (0, 0.1, 0.2) m"
+std::string Stability::place_of(const LowestMode& mode) const {
   const Index vertex = vertex_of_largest(mode);
   const Column& x = built_.body().attributes().position();
+  std::ostringstream text;
+  text << "the mode is largest at element "
+       << element_of(built_.element_name(built_.body().complex().dart_of(0, vertex))) << " at "
+       << built_.place_text({x.get(vertex, 0), x.get(vertex, 1), x.get(vertex, 2)});
+  return text.str();
+}
+
+std::string Stability::describe_neutral(const LowestMode& mode) const {
+  std::ostringstream text;
+  text << "the equilibrium is not unique: constraints hold the body, but the lowest eigenvalue of "
+          "the tangent is zero ("
+       << mode.eigenvalue << " 1/s^2, with an accuracy of " << 10 * mode.noise
+       << "), so that nothing resists a motion along its mode, and another path may end elsewhere "
+          "with the same energy; "
+       << place_of(mode)
+       << "; use a model that resists every deformation (springs alone do not), or hold the body "
+          "against the mode";
+  return text.str();
+}
+
+std::string Stability::describe(const LowestMode& mode, bool is_proof) const {
   std::ostringstream text;
   if (!is_proof)
     text << "the equilibrium may be unstable: the symmetric part of the tangent has the "
@@ -99,9 +126,7 @@ std::string Stability::describe(const LowestMode& mode, bool is_proof) const {
     text << "the equilibrium is unstable: the lowest eigenvalue of the tangent is "
          << mode.eigenvalue << " 1/s^2, so a disturbance grows at " << std::sqrt(-mode.eigenvalue)
          << " 1/s";
-  text << "; the mode is largest at element "
-       << built_.element_name(element_of(built_.body().complex().dart_of(0, vertex))) << " at "
-       << built_.place_text({x.get(vertex, 0), x.get(vertex, 1), x.get(vertex, 2)});
+  text << "; " << place_of(mode);
   if (const std::string file = recorder_.mode_collection(); !file.empty())
     text << "; see the field \"unstable_mode\" of " << file;
   return text.str();

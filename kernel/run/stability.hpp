@@ -23,7 +23,8 @@ class Stability {
       : scene_(scene), built_(built), recorder_(recorder), diagnostics_(diagnostics) {}
 
   /// Call when the body is at rest after `steps` steps, up to a force, N. Warns if the state is
-  /// unstable or could not be examined, writes the mode, and applies the kick. `gravity` is used
+  /// unstable, if it is indeterminate although constraints hold the body, or if it could not be
+  /// examined, writes the mode, and applies the kick. `gravity` is used
   /// for the fields of the frame. Costs at most a third of the steps so far, or of 2,900 steps.
   Verdict examine(double unbalanced_force, std::uint64_t steps, double time, const Vec3& gravity);
 
@@ -35,6 +36,8 @@ class Stability {
 
  private:
   double rounding_of_rest(double unbalanced_force) const;
+  std::string place_of(const LowestMode& mode) const;
+  std::string describe_neutral(const LowestMode& mode) const;
   std::string describe(const LowestMode& mode, bool is_proof) const;
   void kick(const LowestMode& mode);
 

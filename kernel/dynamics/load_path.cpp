@@ -58,7 +58,7 @@ void LoadPath::accept() {
 }
 
 void LoadPath::return_from(const NumericalError& error) {
-  failure_ = {error.what(), error.element};
+  failure_ = {error.what(), error.element, dynamic_cast<const Unsettled*>(&error) != nullptr};
   std::ranges::copy(position_, motion_.body().attributes().position().rows());
   for (const auto& term : motion_.body().terms()) term->begin_step(motion_.time());
 }
@@ -85,6 +85,7 @@ void LoadPath::refuse(const std::string& what, const std::string& how) const {
   text << "no equilibrium was found: " << what << " from " << interval() << ' ' << how << ", where "
        << describe(measure_distortion(motion_.body()), motion_.body());
   if (!failure_.reason.empty()) text << "; beyond that, " << failure_.reason;
+  if (failure_.is_unsettled) throw Unsettled(text.str(), failure_.element);
   throw NumericalError(text.str(), failure_.element);
 }
 

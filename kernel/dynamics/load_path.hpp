@@ -26,6 +26,7 @@ class LoadPath {
   struct Failure {
     std::string reason;
     std::uint64_t element = NumericalError::nowhere;
+    bool is_unsettled = false;  ///< by contact
   };
 
   /// The path from the current state to the equations at the end of a step. One evaluation of the
@@ -48,8 +49,9 @@ class LoadPath {
   const std::vector<double>& position() const { return position_; }  ///< of the last one, rows
   const Failure& failure() const { return failure_; }                ///< the last one
   std::string interval() const;  ///< of the step, for messages: "t = 0 s to 1 s"
-  /// Throws NumericalError: no equilibrium at the end, with the state at the last one. `what` was
-  /// followed and `how` it ended: "load steps", "end at 40 % of the change of loads and motions".
+  /// Throws NumericalError (Unsettled, if contact is the reason): no equilibrium at the end, with
+  /// the state at the last one. `what` was followed and `how` it ended: "load steps", "end at 40 %
+  /// of the change of loads and motions".
   [[noreturn]] void refuse(const std::string& what, const std::string& how) const;
 
   Motion& motion() const { return motion_; }

@@ -215,7 +215,7 @@ void Motion::kick(const Kick& kick) {
 void Motion::arrive(double dt, double end) {
   discard_forces();
   time_ = end;
-  last_ = dt;
+  if (dt > 0) last_ = dt;
   for (const auto& term : body_.terms()) term->accept();
   evaluate(end_dt_);
 }

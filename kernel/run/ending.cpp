@@ -2,6 +2,7 @@
 #include "kernel/run/ending.hpp"
 
 #include <sstream>
+#include <utility>
 
 #include "kernel/base/error.hpp"
 #include "kernel/dynamics/newton.hpp"
@@ -33,7 +34,7 @@ Ending::Ending(BuiltScene& built, const EventSchedule& schedule, StepControl& co
 
 std::optional<RunSummary::Outcome> Ending::check(const StepControl::Notify& notify) {
   const Clock& clock = control_.clock();
-  if (cells_changed_ && built_.dynamics().is_static()) examine_free_pieces(notify);
+  check_pieces(notify);
   if (clock.finished()) {
     if (!control_.check_last_state(notify)) return std::nullopt;
     if (rest_) warn_of_motion();
@@ -78,8 +79,8 @@ void Ending::require_supported() {
 }
 
 /// An event may have cut a piece off that nothing holds.
-void Ending::examine_free_pieces(const StepControl::Notify& notify) {
-  cells_changed_ = false;
+void Ending::check_pieces(const StepControl::Notify& notify) {
+  if (!built_.dynamics().is_static() || !std::exchange(cells_changed_, false)) return;
   if (scene_.solver.hold_free_pieces) {
     std::ostringstream when;
     when << "t = " << control_.clock().time() << " s: ";

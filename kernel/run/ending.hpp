@@ -22,6 +22,10 @@ class Ending : private Follower {
   /// to an earlier step.
   std::optional<RunSummary::Outcome> check(const StepControl::Notify& notify);
 
+  /// In a static run, call after an event and before the next equilibrium. Throws NumericalError
+  /// for a piece that nothing holds, or reports it where it may float.
+  void check_pieces(const StepControl::Notify& notify);
+
   /// The search for rest, for a run that ends at rest.
   RestSearch* rest() { return rest_ ? &*rest_ : nullptr; }
   std::optional<double> lowest_eigenvalue() const { return stability_.lowest_eigenvalue(); }
@@ -31,7 +35,6 @@ class Ending : private Follower {
   using Outcome = RunSummary::Outcome;
   void follow(const CellComplex&, const TopologyChange&) override { cells_changed_ = true; }
   void require_supported();
-  void examine_free_pieces(const StepControl::Notify& notify);
   std::optional<Outcome> check_rest(const StepControl::Notify& notify);
   std::optional<Outcome> examine(const StepControl::Notify& notify);
   Outcome examine_equilibrium();

@@ -95,7 +95,24 @@ void RunLoop::require_held_bodies() {
 
 // ------------------------------------------------------------------- events --
 
-void RunLoop::fire_events(Observer& observer) {
+/// At an equilibrium that an event has led to, more events may be due.
+void RunLoop::fire_events(Observer& observer, const StepControl::Notify& notify) {
+  do fire_due_events(observer);
+  while (balance(notify));
+}
+
+/// In a static run, what is recorded after the start is an equilibrium, and so is the end. True if
+/// it was found again.
+bool RunLoop::balance(const StepControl::Notify& notify) {
+  if (!is_unbalanced_ || !built_.dynamics().is_static() || clock_.step() == 0) return false;
+  if (records_.are_done() && !clock_.finished()) return false;  // the next step follows
+  ending_.check_pieces(notify);
+  control_.balance();
+  is_unbalanced_ = false;
+  return true;
+}
+
+void RunLoop::fire_due_events(Observer& observer) {
   for (const std::size_t i : schedule_.due(clock_)) {
     try {
       const EventOutcome outcome = events_.fire(i, clock_.time());
@@ -115,6 +132,7 @@ void RunLoop::fire_events(Observer& observer) {
 /// The cells are others: so are the islands and the stable step.
 void RunLoop::take_over(const EventOutcome& outcome) {
   if (!outcome.changed()) return;
+  is_unbalanced_ = true;
   summary_.faces_cut += outcome.faces_cut;
   summary_.faces_torn += outcome.faces_torn;
   summary_.faces_sewn += outcome.faces_sewn;
@@ -178,6 +196,7 @@ void RunLoop::change_motion(const std::function<void(Attributes&)>& change) {
   });
   if (failure) std::rethrow_exception(failure);
   control_.after_jump();
+  is_unbalanced_ = true;
 }
 
 /// No rollback crosses it: the program that steers would not steer again.
@@ -204,6 +223,7 @@ ForceTerm& RunLoop::add_term(std::unique_ptr<ForceTerm> term) {
   sleeper_.wake_all();
   built_.dynamics().jump([&] { added = &built_.body().add(std::move(term)); });
   control_.after_jump();
+  is_unbalanced_ = true;
   return *added;
 }
 
@@ -266,13 +286,14 @@ std::optional<RunSummary::Outcome> RunLoop::loop(const Pause& pause, Observer& o
   };
   std::optional<RunSummary::Outcome> outcome = RunSummary::Outcome::interrupted;
   while (!stops(observer)) {
-    fire_events(observer);
+    fire_events(observer, notify);
     if (!record(notify)) continue;
     outcome = ending_.check(notify);
     records_.roll_back();
     if (outcome || pauses()) break;
     outcome = RunSummary::Outcome::interrupted;
     control_.step(notify);
+    is_unbalanced_ = false;
     records_.roll_back();
     report_sleep(observer);
     if (clock_.step() % 16 == 0 && seconds_since(reported) > 0.1) {
@@ -368,7 +389,8 @@ std::string RunLoop::rounding_warning() {
   std::ostringstream text;
   text << "rounding kept the residual of " << newton->limited_steps()
        << (newton->limited_steps() == 1 ? " step" : " steps") << " above the tolerance of "
-       << scene_.solver.step_tolerance << " of the forces: no more digits can be had";
+       << scene_.solver.step_tolerance << " of the forces, at " << newton->rounding_limit()
+       << ": the tolerance is below rounding error";
   return text.str();
 }
 
@@ -430,6 +452,7 @@ void RunLoop::state(Archive& archive) {
   archive("ending", ending_);
   archive("records", records_);
   archive("recorder", recorder_);
+  archive("unbalanced", is_unbalanced_);
   archive("faces cut", summary_.faces_cut);
   archive("faces torn", summary_.faces_torn);
   archive("faces sewn", summary_.faces_sewn);

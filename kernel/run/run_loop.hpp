@@ -53,7 +53,9 @@ class RunLoop {
   void pass_details_to(Observer& observer);
   std::optional<RunSummary::Outcome> loop(const Pause& pause, Observer& observer);
   void close_failed(Observer& observer);
-  void fire_events(Observer& observer);
+  void fire_events(Observer& observer, const StepControl::Notify& notify);
+  void fire_due_events(Observer& observer);
+  bool balance(const StepControl::Notify& notify);
   void take_over(const EventOutcome& outcome);
   void report_sleep(Observer& observer);
   bool record(const StepControl::Notify& notify);
@@ -78,6 +80,7 @@ class RunLoop {
   Checkpoints checkpoints_;
   std::vector<Decision> decisions_;
   RunSummary summary_;
+  bool is_unbalanced_ = false;    ///< something has changed since the last step
   std::uint64_t first_step_ = 0;  ///< not 0 if the run was resumed
 };
 

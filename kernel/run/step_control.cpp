@@ -11,6 +11,7 @@
 #include "kernel/base/saturate.hpp"
 #include "kernel/contact/contact.hpp"
 #include "kernel/dynamics/motion.hpp"
+#include "kernel/dynamics/newton.hpp"
 #include "kernel/run/evidence.hpp"
 #include "kernel/run/free_bodies.hpp"
 
@@ -106,6 +107,14 @@ void StepControl::step(const Notify& notify) {
     check_step(notify);
   } catch (const NumericalError& error) {
     roll_back(error, notify);
+  }
+}
+
+void StepControl::balance() {
+  try {
+    built_.dynamics().step(0, clock_.time());
+  } catch (const NumericalError& error) {
+    give_up(error);
   }
 }
 
@@ -389,6 +398,14 @@ std::string StepControl::advice(const NumericalError& error) const {
            ", unless contact holds it; let it touch what holds it from the start, with friction "
            "or constraints against motions that are left, or replace /solver/static by an "
            "integrator";
+  if (dynamic_cast<const Unsettled*>(&error) != nullptr)
+    return "Another material does not help: give more \"frames\" in /solver/static, refine the "
+           "mesh "
+           "there, round sharp edges of the obstacle, or reduce the friction";
+  if (built_.dynamics().is_static() && built_.body().contact())
+    return "Reduce the loads or motions, or refine the mesh there; where the body slides off an "
+           "obstacle or snaps through, there is no equilibrium nearby: replace /solver/static by "
+           "an integrator with damping";
   if (built_.dynamics().is_static())
     return "Reduce the loads or motions, refine the mesh there, or choose another law: some have "
            "no equilibrium beyond a limit (St Venant-Kirchhoff softens below a stretch of 0.58)";

@@ -56,6 +56,9 @@ class StepControl {
   /// Makes one step, after everything due at its start, or rolls back to an earlier state. Throws
   /// NumericalError for a final failure.
   void step(const Notify& notify);
+  /// Finds the equilibrium at the current time once more, after a change of the cells or the
+  /// forces. Throws NumericalError if there is none: a smaller step is none at all.
+  void balance();
   /// Called for each step that follows its error, for `suture run -v`.
   Notify on_detail{};
   /// Makes a step without checks, for estimates.

@@ -42,4 +42,7 @@ class Folder {
   std::vector<std::filesystem::path> made_;  ///< outermost first
 };
 
+/// Whether both paths lead to the same folder; "" is the working folder.
+bool same_folder(const std::filesystem::path& a, const std::filesystem::path& b);
+
 }  // namespace suture

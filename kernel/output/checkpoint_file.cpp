@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t block_size = 512;
-constexpr std::uint64_t format = 1;
+constexpr std::uint64_t format = 2;
 constexpr std::string_view begins = "suture checkpoint, format ";
 using Block = std::array<char, block_size>;
 
@@ -126,6 +126,7 @@ void CheckpointHeader::state(Archive& archive) {
   archive("mesh_source", mesh_source);
   archive("mesh_hash", mesh_hash);
   archive("plugins", plugins);
+  archive("run", run);
   archive("number", number);
   archive("step", step);
   archive("time", time);

@@ -25,6 +25,7 @@ struct CheckpointHeader {
   std::string scene_hash;
   std::string mesh_source, mesh_hash;
   std::vector<Plugin> plugins;
+  std::string run;  ///< identity of the run: equal if all bits of the results are equal
   std::uint64_t number =
       0;  ///< index of the checkpoint in its run, from 1; set by CheckpointWriter
   std::uint64_t step = 0;

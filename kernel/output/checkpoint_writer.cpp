@@ -11,16 +11,8 @@
 #include <utility>
 
 namespace suture {
-namespace {
 
 namespace fs = std::filesystem;
-
-bool same_folder(const fs::path& a, const fs::path& b) {
-  std::error_code ignored;
-  return fs::equivalent(a.empty() ? "." : a, b.empty() ? "." : b, ignored);
-}
-
-}  // namespace
 
 // Everything from `write` on happens on the writing thread only; what waits is all that both
 // threads touch.

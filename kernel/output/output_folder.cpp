@@ -8,6 +8,7 @@
 #include <array>
 #include <cerrno>
 #include <sstream>
+#include <tuple>
 #include <utility>
 
 #include "kernel/base/error.hpp"
@@ -16,6 +17,7 @@ namespace suture {
 namespace {
 
 constexpr const char* list_name = ".suture-run";
+constexpr std::string_view run_mark = "run ";  // before the identity of a run; no name of a file
 
 // The list may come from a stranger: a name leads nowhere, and to results only.
 bool is_result(const std::filesystem::path& name) {
@@ -59,6 +61,38 @@ off_t size_of(int file) {
   return ::fstat(file, &info) == 0 ? info.st_size : 0;
 }
 
+/// The folders that runs of this process have locked. The lock of a file keeps other processes out
+/// only, and would be released as soon as this process closes the file a second time.
+class LockedFolders {
+ public:
+  /// False if the folder is locked already.
+  bool add(int folder) {
+    const std::lock_guard guard(mutex_);
+    return folders_.insert(key_of(folder)).second;
+  }
+  void remove(int folder) {
+    const std::lock_guard guard(mutex_);
+    folders_.erase(key_of(folder));
+  }
+
+ private:
+  /// A forked process does not inherit locks.
+  using Key = std::tuple<pid_t, dev_t, ino_t>;
+  static Key key_of(int folder) {
+    struct stat info {};
+    ::fstat(folder, &info);
+    return {::getpid(), info.st_dev, info.st_ino};
+  }
+
+  std::mutex mutex_;
+  std::set<Key> folders_;
+};
+
+LockedFolders& locked_folders() {
+  static LockedFolders folders;
+  return folders;
+}
+
 }  // namespace
 
 OutputFolder::OutputFolder(std::filesystem::path path, std::filesystem::path root)
@@ -66,7 +100,20 @@ OutputFolder::OutputFolder(std::filesystem::path path, std::filesystem::path roo
 
 OutputFolder::~OutputFolder() {
   if (own_.empty()) abandon();
-  if (list_ >= 0) ::close(list_);
+  release();
+}
+
+void OutputFolder::release() noexcept {
+  if (list_ < 0) return;
+  ::close(std::exchange(list_, -1));
+  locked_folders().remove(folder_->descriptor());
+}
+
+void OutputFolder::close() {
+  const std::lock_guard guard(mutex_);
+  if (own_.empty()) return;  // nothing was written
+  is_closed_ = true;
+  release();
 }
 
 void OutputFolder::abandon() const noexcept {
@@ -77,9 +124,18 @@ void OutputFolder::abandon() const noexcept {
 
 void OutputFolder::open() {
   const std::lock_guard guard(mutex_);
-  if (list_ >= 0) return;
+  if (list_ >= 0 || is_closed_) return;
   folder_.emplace(Folder::make(path_, root_));
-  lock();
+  if (!locked_folders().add(folder_->descriptor()))
+    throw IoError(path_.string() +
+                  ": another run of this process writes to this folder; give one of them another "
+                  "/output/directory, or end the other one first");
+  try {
+    lock();
+  } catch (...) {
+    locked_folders().remove(folder_->descriptor());
+    throw;
+  }
   read_list();
 }
 
@@ -119,14 +175,34 @@ void OutputFolder::read_list() {
     if (n = ::pread(list_, piece.data(), piece.size(), static_cast<off_t>(text.size())); n < 0)
       fail_io(path_ / list_name, "read", errno);
   std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);)
+  for (std::string line; std::getline(lines, line);) {
     if (is_result(line)) listed_.insert(line);
+    if (line.starts_with(run_mark)) listed_runs_.insert(line.substr(run_mark.size()));
+  }
+}
+
+void OutputFolder::set_run(const std::string& run) {
+  const std::lock_guard guard(mutex_);
+  run_ = run;
+}
+
+void OutputFolder::continue_run(const std::string& earlier) {
+  open();
+  const std::lock_guard guard(mutex_);
+  if (!listed_.empty() && !listed_runs_.contains(earlier))
+    throw IoError(path_.string() +
+                  ": contains the results of another run, which a resumed run does not replace; "
+                  "name an empty folder with --output");
+  continued_runs_.merge(listed_runs_);
 }
 
 void OutputFolder::announce(const std::string& name) {
   open();
   require_in_place();
   const std::lock_guard guard(mutex_);
+  if (is_closed_)
+    throw IoError(path_.string() +
+                  ": the run that wrote to this folder has ended; start a new one");
   own_.insert(name);
   announced_.insert(name);
   if (listed_.insert(name).second) write_at(list_, name + '\n', size_of(list_), path_ / list_name);
@@ -169,6 +245,9 @@ void OutputFolder::remove_stale() {
 void OutputFolder::write_list() {
   listed_ = own_;
   std::string text;
+  std::set<std::string> runs = continued_runs_;
+  if (!run_.empty()) runs.insert(run_);
+  for (const std::string& run : runs) text.append(run_mark).append(run + '\n');
   for (const std::string& name : own_) text += name + '\n';
   write_at(list_, text, 0, path_ / list_name);
   if (::ftruncate(list_, static_cast<off_t>(text.size())) != 0)

@@ -15,14 +15,16 @@ namespace suture {
 
 /// The folder to which a run writes all its files. Nothing is touched before open().
 ///
-/// - One process at a time: the folder is locked from open() on. The system releases the lock
-///   when the process ends, in whatever way.
+/// - One run at a time: the folder is locked from open() to close(), against other processes and
+///   other runs of this one. The system releases the lock when the process ends, in whatever way.
 /// - No other file is touched: links are replaced, not followed, and below `root` no folder may
 ///   be a link.
 /// - `.suture-run` in the folder lists what was written; each name is added before its file is
 ///   written. The files of an earlier run are removed as one set, lists (.pvd) first, when this
 ///   run is about to put its first file in place. Until then they stay; files that are not listed
 ///   are never removed.
+/// - The list also names the runs that wrote the files, if they can be resumed: a run that is
+///   resumed replaces the results of that run only.
 ///
 /// Any thread may call any member. They throw IoError.
 class OutputFolder {
@@ -36,6 +38,9 @@ class OutputFolder {
   const std::filesystem::path& path() const { return path_; }
   /// Creates and locks the folder, once.
   void open();
+  /// To be called when the run has ended: releases the folder, to which nothing can be written any
+  /// more.
+  void close();
   /// Writes a complete file or none at all: `fill(OutputFile&)`.
   template <class Fill>
   void write(const std::string& name, Fill&& fill) {
@@ -51,6 +56,11 @@ class OutputFolder {
   void remove(const std::string& name);
   void sync();
 
+  /// Before anything is written: the identity of this run, which the list will name.
+  void set_run(const std::string& run);
+  /// For a resumed run, before anything is written: opens the folder, and throws if it has results
+  /// of which none are those of the run `earlier`. The list will name that run, too.
+  void continue_run(const std::string& earlier);
   /// For a resumed run, before anything is written: declares that a file of the earlier part
   /// belongs to this run, too.
   void keep(const std::string& name);
@@ -66,6 +76,7 @@ class OutputFolder {
 
  private:
   void lock();
+  void release() noexcept;
   void read_list();
   void announce(const std::string& name);
   void remove_stale();
@@ -77,10 +88,14 @@ class OutputFolder {
   int list_ = -1;           ///< `.suture-run`, locked
   bool made_list_ = false;  ///< it did not exist before
   bool has_begun_ = false;
+  bool is_closed_ = false;
   std::set<std::string> listed_;     ///< names in `.suture-run`
   std::set<std::string> own_;        ///< kept or announced
   std::set<std::string> announced_;  ///< by this process
   std::map<std::string, std::string> kept_lists_;
+  std::string run_;  ///< the identity of this one, or ""
+  std::set<std::string> listed_runs_,
+      continued_runs_;  ///< in `.suture-run`; those that are resumed
 };
 
 }  // namespace suture

@@ -29,6 +29,20 @@ std::string hash_of(Body& body) {
   return sum.text();
 }
 
+/// The identity of a run: what determines the bits of its results, and where it began.
+std::string identity_of(const CheckpointHeader& run, const CheckpointHeader& earlier = {}) {
+  Checksum sum;
+  const auto add = [&](const std::string& text) {
+    sum.add(std::as_bytes(std::span(text.c_str(), text.size() + 1)));
+  };
+  for (const std::string* text : {&run.program, &run.isa, &run.scene_text, &run.scene_file,
+                                  &run.working_folder, &run.mesh_hash, &earlier.run})
+    add(*text);
+  for (const CheckpointHeader::Plugin& plugin : run.plugins) add(plugin.id + ' ' + plugin.version);
+  add(std::to_string(earlier.step));
+  return sum.text();
+}
+
 CheckpointHeader header_of(BuiltScene& built, const PluginHost& host) {
   const Scene& scene = built.scene();
   CheckpointHeader header;
@@ -44,6 +58,7 @@ CheckpointHeader header_of(BuiltScene& built, const PluginHost& host) {
     const suture_plugin& plugin = host.plugin_of(*use.model);
     header.plugins.push_back({plugin.id, plugin.version, host.file_of(*use.model).string()});
   }
+  header.run = identity_of(header);
   return header;
 }
 
@@ -56,6 +71,7 @@ Checkpoints::Checkpoints(BuiltScene& built, const PluginHost& host,
   if (!options_.enabled) return;
   header_ = header_of(built, host);
   writing_.keep = options_.keep;
+  writing_.folder->set_run(header_.run);
 }
 
 bool Checkpoints::is_due(const Clock& clock) const {
@@ -98,6 +114,16 @@ void Checkpoints::check(const CheckpointHeader& header, const std::filesystem::p
                         then.version + ", but the one found is " + now.id + ' ' + now.version +
                         " (" + now.file + "); install the earlier version");
   }
+}
+
+/// Elsewhere than in its own folder, a run that is resumed replaces nothing: the results there may
+/// be those of a copy that has gone on differently.
+void Checkpoints::take_folder(const CheckpointHeader& header, const std::filesystem::path& file) {
+  if (!built_.scene().output.enabled) return;
+  OutputFolder& folder = *writing_.folder;
+  folder.continue_run(same_folder(file.parent_path(), folder.path()) ? header.run : "");
+  header_.run = identity_of(header_, header);
+  folder.set_run(header_.run);
 }
 
 void Checkpoints::load(const std::filesystem::path& file, const std::function<void()>& load) {

@@ -34,11 +34,13 @@ class Checkpoints {
   std::string newest() const;
 
   /// Resumes from a checkpoint: loads its state into `run`, which must be as built from the scene.
-  /// Throws InputError for a checkpoint of a different mesh, model or format.
+  /// Throws InputError for a checkpoint of a different mesh, model or format, and IoError if the
+  /// output folder has the results of another run.
   template <class Run>
   void resume(const Checkpoint& checkpoint, const std::filesystem::path& file, const Clock& clock,
               Run& run) {
     check(checkpoint.header, file);
+    take_folder(checkpoint.header, file);
     load(file, [&] { load_state(checkpoint.state, run); });
     continue_from(checkpoint.header, file, clock);
   }
@@ -47,6 +49,7 @@ class Checkpoints {
   using Wall = std::chrono::steady_clock;
   void write(const Clock& clock, StateTree&& state);
   void check(const CheckpointHeader& header, const std::filesystem::path& file) const;
+  void take_folder(const CheckpointHeader& header, const std::filesystem::path& file);
   static void load(const std::filesystem::path& file, const std::function<void()>& load);
   void continue_from(const CheckpointHeader& header, const std::filesystem::path& file,
                      const Clock& clock);

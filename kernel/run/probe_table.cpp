@@ -6,6 +6,8 @@
 #include <limits>
 #include <span>
 
+#include "kernel/base/error.hpp"
+
 namespace suture {
 namespace {
 
@@ -66,8 +68,9 @@ class Reduction {
       result_ += value;
     ++count_;
   }
+  bool is_empty() const { return count_ == 0; }
   double result() const {
-    if (count_ == 0) return no_value;
+    if (is_empty()) return no_value;
     return of_ == Probe::Of::mean ? result_ / count_ : result_;
   }
 
@@ -152,6 +155,11 @@ void ProbeTable::append(const Entry& entry, const Vec3& gravity) {
       if (field.value || !std::isnan(x)) reduction.add(x);
     }
     values_.push_back(reduction.result());
+    const bool may_be_undefined = !field.value || field.name == "gap" || reduction.is_empty();
+    if (std::isinf(values_.back()) || (std::isnan(values_.back()) && !may_be_undefined))
+      throw NumericalError("the probe '" + entry.probe + "' has a value of " + field.name +
+                           " that is not finite; the forces or lengths of the scene are too large "
+                           "to compute with");
   }
 }
 

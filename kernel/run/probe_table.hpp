@@ -20,7 +20,7 @@ class ProbeTable {
   std::vector<std::string> columns() const;
   /// The values of one row. A field computed by functors is computed once for all probes; other
   /// fields are read only at the probes. NaN if every cell of a probe was removed or no model
-  /// provides the field.
+  /// provides the field. Throws NumericalError for any other value that is not finite.
   const std::vector<double>& row(double time, const Vec3& gravity);
 
   /// The fields of all probes, each once.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/base/error.hpp"
 #include "kernel/contact/contact.hpp"
 #include "kernel/dynamics/motion.hpp"
 #include "kernel/run/frame_parts.hpp"
@@ -16,7 +17,8 @@ namespace {
 void require_finite(const std::vector<double>& row, const char* table, BuiltScene& built) {
   if (std::ranges::all_of(row, [](double value) { return std::isfinite(value); })) return;
   built.dynamics().motion().require_finite_forces();  // names the node
-  throw NotFinite(std::string("a value of ") + table + " is not finite");
+  throw NotFinite(std::string("a value of ") + table +
+                  " is not finite; the forces or lengths of the scene are too large to compute with");
 }
 
 std::vector<std::string> tool_columns(const ContactOptions& contact) {
@@ -222,6 +224,12 @@ void Recorder::finish() {
   if (energies_) energies_->finish();
   if (probes_) probes_->finish();
   if (tools_) tools_->finish();
+}
+
+std::size_t Recorder::missing_frames() const {
+  std::size_t missing = frames_ ? frames_->missing() : 0;
+  for (const SideSeries& side : sides_) missing += side.writer->missing();
+  return missing;
 }
 
 std::string Recorder::mode_collection() const {

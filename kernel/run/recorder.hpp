@@ -43,6 +43,7 @@ class Recorder {
   bool probes_need(bool FieldChoice::*what) const;
 
   void frame(std::uint64_t step, double time, const Vec3& gravity);
+  /// These two throw NumericalError for a value that is not finite, and record nothing.
   void energies(std::uint64_t step, double time, double dt, const EnergyBalance& row);
   void probes(std::uint64_t step, double time, const Vec3& gravity);
   void tools(std::uint64_t step, double time);
@@ -65,6 +66,8 @@ class Recorder {
   std::string collection() const;
   /// The records on disk and those held back; later records are appended.
   void state(Archive& archive);
+  /// Of a resumed run: the number of earlier frames whose files are not in the folder.
+  std::size_t missing_frames() const;
   std::string mode_collection() const;  ///< "" if no mode was written
   const std::vector<FieldChoice>& fields() const { return fields_; }
   /// The fields of this scene that were not chosen.

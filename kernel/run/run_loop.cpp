@@ -364,6 +364,13 @@ void RunLoop::report_progress(Observer& observer, Wall::time_point start,
 
 void RunLoop::resume(const Checkpoint& checkpoint, const std::filesystem::path& file) {
   checkpoints_.resume(checkpoint, file, clock_, *this);
+  if (const std::size_t missing = recorder_.missing_frames(); missing > 0)
+    diagnostics_.warn(recorder_.folder()->path().string() +
+                      ": earlier frames of this run are "
+                      "missing (" +
+                      std::to_string(missing) +
+                      "), and the .pvd files do not list "
+                      "them; to keep them, resume in the folder where they are");
   first_step_ = clock_.step();
 }
 
@@ -373,11 +380,13 @@ void RunLoop::close_failed(Observer& observer) {
   recorder_.release(clock_.step());
   recorder_.finish();
   checkpoints_.finish();
+  recorder_.folder()->close();
 }
 
 RunSummary RunLoop::run(Observer& observer) {
   advance({}, observer);
   finish(observer);
+  recorder_.folder()->close();
   summarise();
   return summary_;
 }

@@ -234,25 +234,23 @@ void read_tables(ObjectReader& object, Reading& reading) {
   }
 }
 
-/// The user has named the folder, and not the scene, which may be a stranger's.
-bool is_named(ObjectReader& object, const Reading& reading) {
-  const JsonValue* value = object.find("directory");
-  if (value != nullptr && value->at.set != 0) return true;
-  std::error_code ignored;
-  const std::filesystem::path& folder = reading.scene.output.directory;
-  return reading.named_folder == folder ||
-         std::filesystem::equivalent(reading.named_folder, folder, ignored);
-}
-
 void read_directory(ObjectReader& object, Reading& reading) {
   OutputOptions& output = reading.scene.output;
   const std::string standard = "out/" + reading.scene.file.stem().string();
   const std::string directory = object.string("directory").value_or(standard);
   if (directory.empty()) object.complain("directory", "must not be empty");
+  const JsonValue* value = object.find("directory");
+  const bool is_named = value != nullptr && value->at.set != 0;  // by --output or --set
+  if (!is_named && !reading.resumed_folder.empty()) {
+    output.directory = reading.resumed_folder;
+    return;
+  }
+  const std::filesystem::path here = std::filesystem::current_path();
   output.directory =
-      (reading.working_folder / (directory.empty() ? standard : directory)).lexically_normal();
-  if (is_named(object, reading)) return;
-  output.root = std::filesystem::current_path();
+      ((is_named ? here : reading.working_folder) / (directory.empty() ? standard : directory))
+          .lexically_normal();
+  if (is_named) return;
+  output.root = here;
   if (*output.directory.lexically_relative(output.root).begin() == "..")
     object.complain("directory", "leads out of the folder where suture runs, " +
                                      output.root.string() +

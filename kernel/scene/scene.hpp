@@ -165,8 +165,9 @@ struct CheckpointOptions {
 struct SceneSource {
   std::string text;            ///< JSON, after --set
   std::filesystem::path file;  ///< absolute; mesh and plugin files are relative to its folder
-  std::filesystem::path working_folder;  ///< absolute; the output folder is relative to it
-  std::filesystem::path named_folder{};  ///< where output may go because the command line names it
+  std::filesystem::path working_folder;    ///< absolute; the output folder is relative to it
+  std::filesystem::path resumed_folder{};  ///< that of the checkpoint: output goes there unless
+                                           ///< --output names another
 };
 
 struct Scene {

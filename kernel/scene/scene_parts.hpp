@@ -14,7 +14,8 @@ struct Reading {
   Scene& scene;
   std::filesystem::path folder;          ///< of the scene file
   std::filesystem::path working_folder;  ///< the output folder is relative to it
-  std::filesystem::path named_folder;    ///< where output may go, by the command line
+  std::filesystem::path
+      resumed_folder;  ///< where output goes unless the command line says otherwise; or ""
   const ModelLookup& lookup;
   Mistakes& mistakes;
   Diagnostics& diagnostics;

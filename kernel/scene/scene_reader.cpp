@@ -112,14 +112,26 @@ std::string hash_of(const JsonValue& root, const Mesh* mesh) {
   return sum.text();
 }
 
+/// The text of a scene with all sets; names the output folder, unless there is to be no output.
+JsonValue parse_with(std::vector<std::string>& sets, const std::string& text,
+                     const std::string& shown, const std::filesystem::path& output_folder) {
+  JsonValue root = parse_json(text, shown);
+  std::uint32_t number = 0;
+  for (const std::string& set : sets) apply_override(root, set, ++number);
+  const JsonValue* output = root.find("output");
+  const bool writes = output == nullptr || output->kind == JsonValue::Kind::object;
+  if (output_folder.empty() || !writes) return root;
+  sets.push_back("/output/directory=" + output_folder.string());
+  apply_override(root, sets.back(), ++number);
+  return root;
+}
+
 /// The scene that `source` says; `shown` is the name of its text in messages.
 Scene read_source(const SceneSource& source, const std::string& shown,
-                  const std::vector<std::string>& sets, const ModelLookup& lookup,
-                  Diagnostics& diagnostics, std::shared_ptr<const Mesh> mesh = {}) {
-  JsonValue root = parse_json(source.text, shown);
-  for (std::size_t i = 0; i < sets.size(); ++i) {
-    apply_override(root, sets[i], static_cast<std::uint32_t>(i + 1));
-  }
+                  std::vector<std::string> sets, const ModelLookup& lookup,
+                  Diagnostics& diagnostics, std::shared_ptr<const Mesh> mesh = {},
+                  const std::filesystem::path& output_folder = {}) {
+  const JsonValue root = parse_with(sets, source.text, shown, output_folder);
   Scene scene;
   scene.file = source.file;
   scene.source = {canonical_json(root), source.file, source.working_folder};
@@ -130,7 +142,7 @@ Scene read_source(const SceneSource& source, const std::string& shown,
   Reading reading{scene,
                   source.file.parent_path(),
                   source.working_folder,
-                  source.named_folder,
+                  source.resumed_folder,
                   lookup,
                   mistakes,
                   diagnostics};
@@ -149,16 +161,19 @@ ModelLookup lookup_of(PluginHost& host) {
 
 Scene read_scene_text(std::string_view text, const std::filesystem::path& file,
                       const std::vector<std::string>& sets, const ModelLookup& lookup,
-                      Diagnostics& diagnostics, std::shared_ptr<const Mesh> mesh) {
+                      Diagnostics& diagnostics, std::shared_ptr<const Mesh> mesh,
+                      const std::filesystem::path& output_folder) {
   const SceneSource source{
       std::string(text), std::filesystem::absolute(file), std::filesystem::current_path(), {}};
-  return read_source(source, file.string(), sets, lookup, diagnostics, std::move(mesh));
+  return read_source(source, file.string(), sets, lookup, diagnostics, std::move(mesh),
+                     output_folder);
 }
 
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& sets,
                  const ModelLookup& lookup, Diagnostics& diagnostics,
-                 std::shared_ptr<const Mesh> mesh) {
-  return read_scene_text(read_text(file), file, sets, lookup, diagnostics, std::move(mesh));
+                 std::shared_ptr<const Mesh> mesh, const std::filesystem::path& output_folder) {
+  return read_scene_text(read_text(file), file, sets, lookup, diagnostics, std::move(mesh),
+                         output_folder);
 }
 
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& sets,

@@ -31,13 +31,15 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<std::strin
 
 /// The same from a text; `file` is the name for messages, and mesh and plugin files are relative to
 /// its folder. `mesh`: the mesh, if the program has it; the scene then contains no source of one.
+/// `output_folder`: if not empty, it replaces /output/directory of a scene that has an output.
 Scene read_scene_text(std::string_view text, const std::filesystem::path& file,
                       const std::vector<std::string>& sets, const ModelLookup& lookup,
-                      Diagnostics& diagnostics, std::shared_ptr<const Mesh> mesh = {});
+                      Diagnostics& diagnostics, std::shared_ptr<const Mesh> mesh = {},
+                      const std::filesystem::path& output_folder = {});
 /// The same from a file.
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& sets,
                  const ModelLookup& lookup, Diagnostics& diagnostics,
-                 std::shared_ptr<const Mesh> mesh);
+                 std::shared_ptr<const Mesh> mesh, const std::filesystem::path& output_folder = {});
 ModelLookup lookup_of(PluginHost& host);
 
 /// Reads the scene again from Scene::source, in any working folder and even if its file has

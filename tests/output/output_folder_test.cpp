@@ -171,6 +171,71 @@ TEST(OutputFolder, HasOneWriterUntilThatEndsHoweverItDoes) {
   put(*output(folder / "out"), "run.pvd", "x");
 }
 
+/// What another process is told that opens the folder and ends at once.
+std::string refusal_in_another_process(const fs::path& path) {
+  int ends[2];
+  if (pipe(ends) != 0) return "no pipe";
+  const pid_t child = fork();
+  if (child == 0) {
+    const std::string refusal = refusal_of([&] { output(path)->open(); });
+    _exit(write(ends[1], refusal.data(), refusal.size()) < 0);
+  }
+  close(ends[1]);
+  std::string text(1000, ' ');
+  const ssize_t size = read(ends[0], text.data(), text.size());
+  text.resize(size < 0 ? 0 : static_cast<std::size_t>(size));
+  close(ends[0]);
+  waitpid(child, nullptr, 0);
+  return text;
+}
+
+TEST(OutputFolder, HasOneWriterInAProcessToo) {
+  const TemporaryFolder folder;
+  OutputFolder first(folder / "out");
+  first.open();
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    const std::string refusal = refusal_of([&] { output(folder / "out")->open(); });
+    EXPECT_NE(refusal.find("another run of this process writes to this folder"), refusal.npos)
+        << refusal;
+    const std::string other = refusal_in_another_process(folder / "out");
+    EXPECT_NE(other.find("(process " + std::to_string(getpid()) + ")"), other.npos) << other;
+  }
+  put(first, "run.pvd", "x");
+  first.close();
+  EXPECT_EQ(refusal_in_another_process(folder / "out"), "");
+  put(*output(folder / "out"), "run.pvd", "y");
+  EXPECT_NE(refusal_of([&] { put(first, "run.pvd", "z"); }), "") << "it has ended";
+  EXPECT_EQ(read_text(folder / "out/run.pvd"), "y");
+}
+
+TEST(OutputFolder, IsContinuedByTheRunThatWroteItOnly) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& earlier) {
+    OutputFolder out(folder.path());
+    return refusal_of([&] { out.continue_run(earlier); });
+  };
+  EXPECT_EQ(refusal("a"), "") << "there is nothing to replace";
+  {
+    OutputFolder out(folder.path());
+    out.set_run("a");
+    put(out, "checkpoint_0001.h5", "a");
+  }
+  EXPECT_EQ(refusal("a"), "");
+  for (const char* other : {"b", ""})
+    EXPECT_NE(refusal(other).find("contains the results of another run"), std::string::npos);
+  {
+    OutputFolder out(folder.path());
+    out.continue_run("a");
+    out.set_run("b");
+    out.keep("checkpoint_0001.h5");
+    put(out, "checkpoint_0002.h5", "b");
+  }
+  EXPECT_EQ(refusal("a") + refusal("b"), "") << "it has checkpoints of both";
+  put(*output(folder.path()), "run.pvd", "a run that cannot be resumed");
+  EXPECT_NE(refusal("a"), "");
+  EXPECT_NE(refusal("b"), "");
+}
+
 TEST(OutputFolder, LeavesNoTraceWithoutAFile) {
   const TemporaryFolder folder;
   { output(folder / "a/b")->open(); }

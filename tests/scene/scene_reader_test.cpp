@@ -470,7 +470,7 @@ TEST(SceneReader, ASourceReadsAsTheSameSceneInAnyFolder) {
         << error.what();
   }
   SceneSource source = scene.source;
-  source.named_folder = scene.output.directory;
+  source.resumed_folder = scene.output.directory;
   const Scene again = read_scene_source(source, {}, jelly_only(), diagnostics);
   EXPECT_EQ(again.hash, scene.hash);
   EXPECT_EQ(again.source.text, scene.source.text);

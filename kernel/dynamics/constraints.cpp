@@ -10,6 +10,7 @@
 
 #include "kernel/base/sort_unique.hpp"
 #include "kernel/base/vec3.hpp"
+#include "kernel/dynamics/prescribed_position.hpp"
 
 namespace suture {
 namespace {
@@ -60,6 +61,12 @@ class Placement {
 };
 
 }  // namespace
+
+Vec3 prescribed_position(const PrescribedMotion& motion, const Vec3& rest, double t) {
+  Vec3 x, v;
+  Placement(motion, t).place(rest, x, v);
+  return x;
+}
 
 void Constraints::add(std::span<const Index> vertices, std::uint8_t components,
                       const PrescribedMotion& motion, Attributes& attributes) {

@@ -19,6 +19,7 @@
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/mesh/own_origin.hpp"
 #include "kernel/scene/cell_values.hpp"
+#include "kernel/scene/check_constraints.hpp"
 #include "kernel/scene/check_obstacles.hpp"
 #include "kernel/scene/check_selections.hpp"
 #include "kernel/topology/bad_elements.hpp"
@@ -139,6 +140,7 @@ std::vector<std::vector<GivenColumn>> BuiltScene::read_values() {
 }
 
 void BuiltScene::add_constraints() {
+  std::vector<PlacedConstraint> placed;
   for (const Constraint& constraint : scene_.constraints) {
     PrescribedMotion motion;
     if (constraint.moves) {
@@ -148,9 +150,19 @@ void BuiltScene::add_constraints() {
       motion.angle = constraint.angle;
       motion.ramp = constraint.ramp;
     }
-    const std::vector<Index> vertices = selector_.vertices(constraint.where);
-    if (constraint.moves) motion.reach = shortest_edge(vertices) / 10;
-    body_.constraints().add(vertices, constraint.components, motion, body_.attributes());
+    placed.push_back({"/constraints/" + std::to_string(placed.size()), constraint.components,
+                      motion, selector_.vertices(constraint.where)});
+  }
+  const Column& rest = body_.attributes().rest();
+  check_constraints(placed, rest, [&](Index v) {
+    return "node " + std::to_string(names_.point_id(body_.user_vertex()[v])) + " at " +
+           place_text({rest.get(v, 0), rest.get(v, 1), rest.get(v, 2)});
+  });
+  for (PlacedConstraint& constraint : placed) {
+    if (constraint.motion.moves())
+      constraint.motion.reach = shortest_edge(constraint.vertices) / 10;
+    body_.constraints().add(constraint.vertices, constraint.components, constraint.motion,
+                            body_.attributes());
   }
 }
 

@@ -10,6 +10,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/file.hpp"
 #include "kernel/base/nearest.hpp"
+#include "kernel/base/safe_range.hpp"
 #include "kernel/geometry/geometry_module.hpp"
 #include "kernel/geometry/surface_readers.hpp"
 #include "kernel/geometry/vtp.hpp"
@@ -46,10 +47,17 @@ void scale_points(PolygonSoup& soup, double scale) {
   for (std::size_t i = 0; i < soup.points.size(); ++i)
     for (double& x : soup.points[i]) {
       x *= scale;
-      if (!std::isfinite(x))
+      if (!is_safe_coordinate(x))
         throw InputError(soup.source + ": point " + std::to_string(i) +
-                         " has a coordinate that is not finite");
+                         " has a coordinate that is " +
+                         (std::isfinite(x) ? "larger than 1e30 m" : "not finite") +
+                         "; check the file and its scale");
     }
+  const Box box = box_of(soup.points);
+  if (std::max({box.length(0), box.length(1), box.length(2)}) < shortest_length)
+    throw InputError(soup.source +
+                     ": the surface is smaller than 1e-30 m in all directions; check the file and "
+                     "its scale");
 }
 
 std::string plural(std::size_t n, const std::string& one, const std::string& many) {
@@ -148,8 +156,11 @@ std::string list_of_holes(const std::vector<Hole>& holes) {
 
 }  // namespace
 
-TriangleSurface read_solid(const std::filesystem::path& path, double scale) {
-  Closing closing = geometry_module().close(read_soup(path, scale), false);
+TriangleSurface read_solid(const std::filesystem::path& path, double scale,
+                           const std::function<void(std::size_t faces)>& announce_long_work) {
+  const PolygonSoup soup = read_soup(path, scale);
+  if (announce_long_work && soup.size() > 100'000) announce_long_work(soup.size());
+  Closing closing = geometry_module().close(soup, false);
   if (!closing.surface.triangles.empty()) return std::move(closing.surface);
   if (closing.crossings != 0)
     throw InputError(path.string() + ": the surface intersects itself (" +

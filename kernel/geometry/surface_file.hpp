@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 #include "kernel/base/diagnostics.hpp"
 #include "kernel/geometry/geometry_module.hpp"
@@ -33,8 +34,10 @@ void write_surface(const std::filesystem::path& path, const TriangleSurface& sur
 TriangleSurface close_surface(const PolygonSoup& soup, bool repair, Diagnostics& diagnostics);
 
 /// The surface of a solid: read_soup(), closed and oriented outward as by close_surface() without
-/// repair. The same errors, as they concern a solid that must have an inside.
-TriangleSurface read_solid(const std::filesystem::path& path, double scale = 1);
+/// repair. The same errors, as they concern a solid that must have an inside. For more than 100,000
+/// faces, `announce_long_work` is called before the work that takes long.
+TriangleSurface read_solid(const std::filesystem::path& path, double scale = 1,
+                           const std::function<void(std::size_t faces)>& announce_long_work = {});
 
 /// Whether a file has the extension of a surface that read_soup() reads.
 bool is_surface_file(const std::filesystem::path& path);

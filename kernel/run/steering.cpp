@@ -8,6 +8,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/nearest.hpp"
+#include "kernel/base/safe_range.hpp"
 #include "kernel/scene/check_obstacles.hpp"
 
 namespace suture {
@@ -33,6 +34,8 @@ void check_target(const PoseTarget& target, const std::string& name, double now)
   if (!std::isfinite(target.at)) complain("has a time that is not finite");
   if (!is_finite(target.translation)) complain("has a translation that is not finite");
   if (!is_finite(target.rotation)) complain("has a rotation that is not finite");
+  for (const auto& part : {target.translation, target.rotation})
+    if (part && !is_safe_point(*part)) complain("has a component larger than 1e30");
   if (target.at > now) return;
   std::ostringstream text;
   text << "must be later than now, t = " << now << " s; its time is " << target.at << " s";

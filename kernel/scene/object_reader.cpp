@@ -8,6 +8,7 @@
 
 #include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
+#include "kernel/base/safe_range.hpp"
 
 namespace suture {
 namespace {
@@ -25,6 +26,16 @@ std::string quoted_list(std::span<const std::string> words) {
   std::string list;
   for (const std::string& word : words) list += (list.empty() ? "" : ", ") + quote(word);
   return list;
+}
+
+/// What is wrong with a number that the program cannot compute with, or "".
+std::string outside_safe_range(double value, const Limits& limits) {
+  if (limits.unit != "m") return "";
+  if (!is_safe_coordinate(value))
+    return "must be at most " + with_unit(longest_length, "m") + " in magnitude";
+  if (limits.minimum_excluded && limits.minimum == 0 && !is_safe_length(value))
+    return "must be at least " + with_unit(shortest_length, "m");
+  return "";
 }
 
 }  // namespace
@@ -57,6 +68,10 @@ std::optional<double> read_number(const JsonValue& value, const std::string& pat
   if (!limits.admits(value.number)) {
     mistakes.add(value.at, path,
                  limits.requirement() + ", is " + with_unit(value.number, limits.unit));
+    return {};
+  }
+  if (const std::string fault = outside_safe_range(value.number, limits); !fault.empty()) {
+    mistakes.add(value.at, path, fault + ", is " + with_unit(value.number, limits.unit));
     return {};
   }
   return value.number;

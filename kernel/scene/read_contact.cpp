@@ -7,10 +7,12 @@
 #include <numbers>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/safe_range.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/contact/solid_surface.hpp"
 #include "kernel/dynamics/integrator.hpp"
 #include "kernel/geometry/surface_file.hpp"
+#include "kernel/mesh/file_text.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
 namespace suture::scene_parts {
@@ -49,7 +51,7 @@ WithAxis read_with_axis(ObjectReader& object) {
   shape.from = require_vector(object, "from", "m", "one end of the axis [x, y, z] in m");
   shape.to = require_vector(object, "to", "m", "the other end of the axis [x, y, z] in m");
   shape.radius = read_radius(object);
-  if (object.find("from") && object.find("to") && shape.from == shape.to)
+  if (object.find("from") && object.find("to") && !is_safe_direction(minus(shape.to, shape.from)))
     object.complain("to", "is the same point as 'from', so the axis has no direction" +
                               std::string(std::is_same_v<WithAxis, Capsule>
                                               ? "; use a {\"sphere\"}, or move one end"
@@ -63,7 +65,10 @@ Shape read_surface_shape(ObjectReader& object, Reading& reading) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(from.file, ignored)) return Sphere{{}, 1};
   try {
-    const TriangleSurface surface = read_solid(from.file, from.scale);
+    const TriangleSurface surface = read_solid(from.file, from.scale, [&](std::size_t faces) {
+      reading.diagnostics.note(object.path() + ": preparing " + grouped(faces) +
+                               " faces, which takes a while");
+    });
     const Box box = box_of(surface.points);
     Vec3 middle;
     for (std::size_t c = 0; c < 3; ++c)
@@ -83,7 +88,7 @@ Shape read_shape(ObjectReader object, std::size_t kind, Reading& reading) {
   if (kind == 3) {
     const Selection::InBox box = read_box(object);  // reports unknown keys, too
     for (std::size_t c = 0; c < 3; ++c)
-      if (box.min[c] == box.max[c] && object.find("min") && object.find("max"))
+      if (box.max[c] - box.min[c] < shortest_length && object.find("min") && object.find("max"))
         object.complain(std::string("has no volume: 'min' equals 'max' along ") + "xyz"[c]);
     return Box{box.min, box.max};
   }

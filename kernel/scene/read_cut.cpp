@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <sstream>
 
 #include "kernel/base/vec3.hpp"
 #include "kernel/scene/scene_parts.hpp"
@@ -78,8 +79,10 @@ void read_polygon(ObjectReader& plane, CutPlane& cut) {
   }
   const bool has_area = area > 1e-12 * size * size;
   if (has_area && off > 1e-6 * size) {
+    std::ostringstream distance;
+    distance << off;
     plane.complain("polygon",
-                   "is not planar: a point lies " + std::to_string(off) +
+                   "is not planar: a point lies " + distance.str() +
                        " m off the plane of the others; use a {\"surface\"} of triangles instead");
   } else if (sides_cross(cut.polygon)) {
     plane.complain("polygon",

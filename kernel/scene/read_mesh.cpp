@@ -75,10 +75,22 @@ void read_voxels(const JsonValue& value, const std::string& path, Reading& readi
 std::string nearest_file(const std::filesystem::path& file) {
   std::vector<std::string> names;
   std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(file.parent_path(), ignored)) {
-    names.push_back(entry.path().filename().string());
-  }
+  for (const auto& entry : std::filesystem::directory_iterator(file.parent_path(), ignored))
+    if (entry.is_regular_file(ignored)) names.push_back(entry.path().filename().string());
   return did_you_mean(file.filename().string(), names);
+}
+
+/// Why the path is not that of a file to read, or "".
+std::string fault_of(const std::filesystem::path& file) {
+  std::error_code ignored;
+  const auto status = std::filesystem::status(file, ignored);
+  if (std::filesystem::is_regular_file(status)) return "";
+  if (std::filesystem::is_directory(status))
+    return quote(file.string()) + " is a folder; give a file in it";
+  if (std::filesystem::exists(status))
+    return quote(file.string()) + " is a pipe, a socket or a device; give a regular file";
+  return "there is no file " + quote(file.string()) + nearest_file(file) +
+         "; paths are relative to the folder of the scene";
 }
 
 }  // namespace
@@ -87,14 +99,8 @@ std::filesystem::path read_file(const JsonValue& value, const std::string& path,
   const auto name = read_string(value, path, reading.mistakes);
   if (!name) return {};
   const std::filesystem::path file = (reading.folder / *name).lexically_normal();
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) {
-    reading.mistakes.add(value.at, path, quote(file.string()) + " is a folder; give a file in it");
-  } else if (!std::filesystem::is_regular_file(file, ignored)) {
-    reading.mistakes.add(value.at, path,
-                         "there is no file " + quote(file.string()) + nearest_file(file) +
-                             "; paths are relative to the folder of the scene");
-  }
+  if (const std::string fault = fault_of(file); !fault.empty())
+    reading.mistakes.add(value.at, path, fault);
   return file;
 }
 
@@ -115,10 +121,11 @@ void read_mesh(const JsonValue& value, Reading& reading) {
   }
 
   MeshSource& result = reading.scene.mesh;
-  if (mesh.find("scale") != nullptr && (given || (source && *source != 1))) {
+  const std::string& kind = sources[source.value_or(1)];
+  if (mesh.find("scale") != nullptr && (given || kind != "file")) {
     mesh.complain("scale", given ? "is only allowed with 'file'"
-                                 : "is only allowed with 'file'; the size of a " +
-                                       sources[*source] + " is given by its own keys");
+                                 : "is only allowed with 'file'; the size of a " + kind +
+                                       " is given by its own keys");
   }
   result.scale = mesh.number("scale", Limits::positive("1")).value_or(1);
   static const std::array<std::string, 2> treatments{"split", "refuse"};

@@ -3,6 +3,7 @@
 #include <array>
 #include <cctype>
 
+#include "kernel/base/safe_range.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
 namespace suture::scene_parts {
@@ -115,6 +116,12 @@ std::optional<Vec3> read_direction(ObjectReader& object, const std::string& key)
   const auto vector = object.vector(key, Limits::any("1"));
   if (vector && *vector == Vec3{}) {
     object.complain(key, "must not be [0, 0, 0]: a direction is expected");
+    return {};
+  }
+  if (vector && !is_safe_direction(*vector)) {
+    object.complain(key,
+                    "must have a largest component between 1e-30 and 1e30; only the direction "
+                    "counts, so multiply all three by the same number");
     return {};
   }
   return vector;

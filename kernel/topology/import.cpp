@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/base/box.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/radix_sort.hpp"
+#include "kernel/base/safe_range.hpp"
 #include "kernel/base/sort_unique.hpp"
 #include "kernel/topology/mesh_texts.hpp"
 #include "kernel/topology/ordering.hpp"
@@ -28,7 +30,32 @@ void check_not_empty(const Mesh& mesh) {
   throw InputError(text + ". Suture simulates hexahedra: export or generate a hexahedral mesh");
 }
 
-/// The points that elements name; throws if one does not exist or is not finite.
+/// Throws if a point that is used is not finite or too far away to compute with, or if the mesh is
+/// too small for that.
+void check_coordinates(const Mesh& mesh, const std::vector<bool>& used, const UserNames& names) {
+  std::vector<Index> not_finite, too_far;
+  Box box = no_box;
+  for (Index p = 0; p < mesh.points.size(); ++p) {
+    const Vec3& x = mesh.points[p];
+    if (!used[p]) continue;
+    include(box, x);
+    if (is_safe_point(x) && is_safe_point(mesh.origin)) continue;
+    (std::isfinite(x[0] + x[1] + x[2]) ? too_far : not_finite).push_back(p);
+  }
+  const auto refuse = [&](const std::vector<Index>& points, const char* what) {
+    if (!points.empty())
+      throw InputError(prefix(mesh.source) + "has " + counted(points.size(), "point", "points") +
+                       " with a coordinate that is " + what + ": " +
+                       listed(points, [&](Index p) { return names.point(p); }));
+  };
+  refuse(not_finite, "not finite");
+  refuse(too_far, "larger than 1e30 m; check the file and /mesh/scale");
+  if (std::max({box.length(0), box.length(1), box.length(2)}) < shortest_length)
+    throw InputError(prefix(mesh.source) +
+                     "is smaller than 1e-30 m in all directions; check the file and /mesh/scale");
+}
+
+/// The points that elements name; throws if one does not exist or cannot be computed with.
 std::vector<bool> check_points(const Mesh& mesh, const UserNames& names) {
   const auto count = static_cast<Index>(mesh.points.size());
   std::vector<bool> used(count, false);
@@ -46,15 +73,7 @@ std::vector<bool> check_points(const Mesh& mesh, const UserNames& names) {
     throw TopologyError(prefix(mesh.source) + "has " + counted(count, "point", "points") +
                         ", numbered from 0, and " +
                         describe(faults, {.element = [&](Index e) { return names.element(e); }}));
-  std::vector<Index> not_finite;
-  for (Index p = 0; p < count; ++p) {
-    const Vec3& x = mesh.points[p];
-    if (used[p] && !std::isfinite(x[0] + x[1] + x[2])) not_finite.push_back(p);
-  }
-  if (!not_finite.empty())
-    throw InputError(prefix(mesh.source) + "has " + counted(not_finite.size(), "point", "points") +
-                     " with a coordinate that is not finite: " +
-                     listed(not_finite, [&](Index p) { return names.point(p); }));
+  check_coordinates(mesh, used, names);
   return used;
 }
 

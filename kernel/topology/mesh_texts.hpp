@@ -14,9 +14,9 @@ inline std::string counted(std::size_t n, const std::string& one, const std::str
   return std::to_string(n) + " " + (n == 1 ? one : many);
 }
 
-/// "3, 7, 12 and 40 more": all of them up to 1,000.
+/// "3, 7, 12 and 40 more": all of them up to 20.
 template <class Items, class Name>
-std::string listed(const Items& items, Name name, std::size_t at_most = 1000) {
+std::string listed(const Items& items, Name name, std::size_t at_most = 20) {
   std::string text;
   std::size_t shown = 0;
   for (const auto& item : items) {

@@ -54,11 +54,17 @@ double volume_of(const TriangleSurface& surface) {
   return std::abs(six) / 6;
 }
 
+/// A layer that the body would fill by less than a thousandth of an edge is left out: where the
+/// edge divides the length, rounding would add one, and move the others by half an edge.
+double layers(const Box& box, int axis, double edge) {
+  return std::max(1.0, std::ceil((box.high[axis] - box.low[axis]) / edge - 1e-3));
+}
+
 CubeGrid grid_around(const Box& box, double edge, const std::string& source) {
   CubeGrid grid{.edge = edge};
   double lattice = 1;
   for (int a = 0; a < 3; ++a) {
-    const double cells = std::max(1.0, std::ceil((box.high[a] - box.low[a]) / edge));
+    const double cells = layers(box, a, edge);
     lattice *= cells;
     if (!(lattice <= max_lattice))
       throw InputError(source + ": cubes of " + number_text(edge) +
@@ -79,8 +85,7 @@ int longest_axis(const Box& box) {
 
 void require_compact(const TriangleSurface& surface, const Box& box, double edge, double wanted) {
   double lattice = 1;
-  for (int a = 0; a < 3; ++a)
-    lattice *= std::max(1.0, std::ceil((box.high[a] - box.low[a]) / edge));
+  for (int a = 0; a < 3; ++a) lattice *= layers(box, a, edge);
   if (lattice <= std::max(always_allowed, max_outside * wanted)) return;
   const int a = longest_axis(box);
   throw InputError(surface.source + ": the surface encloses only " +

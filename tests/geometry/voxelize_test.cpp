@@ -44,6 +44,20 @@ TEST(Voxelize, FillsABoxExactly) {
   EXPECT_EQ(mesh.hexahedra[0], (Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}));
 }
 
+// 0.4 / 0.0333... is a little more than 12, which must not add a layer.
+TEST(Voxelize, HasTheLengthOfTheBodyWhereTheEdgeDividesIt) {
+  for (const int layers : {3, 7, 12, 29}) {
+    const double edge = std::nextafter(0.4 / layers, 0);
+    const Mesh mesh = voxels(box_surface({0, 0, 0}, {0.1, 0.1, 0.4}), {.edge = edge});
+    const Box box = box_of(mesh.points);
+    EXPECT_NEAR(box.low[2], 0, 1e-15) << layers;
+    EXPECT_NEAR(box.high[2], 0.4, 1e-15) << layers;
+  }
+  // A layer that is filled by a hundredth stays.
+  const Mesh more = voxels(box_surface({0, 0, 0}, {1, 1, 3.01}), {.edge = 1});
+  EXPECT_EQ(more.hexahedra.size(), 4u);
+}
+
 // Centres on the surface: entering a body on a centre is inside, leaving it outside, and
 // no edge or corner on a row of centres lets parity slip.
 TEST(Voxelize, CentresOnTheSurfaceAreDecidedOnce) {

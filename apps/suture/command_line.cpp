@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <cmath>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
@@ -39,6 +40,21 @@ unsigned whole_number(const std::string& option, const std::string& text, unsign
                                meaning + " to " + std::to_string(most) + ", is " + quote(text));
   return n;
 }
+
+/// Checks the text of an option; an infinite number and NaN are refused, too.
+CLI::Validator number(bool positive) {
+  return {[positive](const std::string& text) -> std::string {
+            double x = 0;
+            const char* const end = text.data() + text.size();
+            const auto [stop, error] = std::from_chars(text.data(), end, x);
+            const bool is_number = error == std::errc() && stop == end && std::isfinite(x);
+            if (is_number && (positive ? x > 0 : x >= 0)) return "";
+            return std::string("must be a number ") + (positive ? "> 0" : ">= 0") + ", is " +
+                   quote(text);
+          },
+          ""};
+}
+const CLI::Validator positive_number = number(true), number_from_0 = number(false);
 
 std::string thread_count(const std::string& text) {
   return std::to_string(whole_number("--threads", text, 0, 1024, " (as many as pay)"));
@@ -195,7 +211,7 @@ struct Parser {
                  "compare the frames of common times, where there are others");
     sub.add_option("--tolerance", compare.tolerance,
                    "end with exit code 1 if a relative difference is larger")
-        ->check(CLI::NonNegativeNumber)
+        ->check(number_from_0)
         ->type_name("T");
     sub.callback([this] { line.command = compare; });
   }
@@ -270,7 +286,7 @@ struct Parser {
         ->type_name("NAME=VALUE");
     sub.add_option("--seed", check_model.seed, "of what is chosen at random; default 1");
     sub.add_option("--timeout", check_model.timeout, "of one check, in s; default 60")
-        ->check(CLI::PositiveNumber);
+        ->check(positive_number);
     sub.add_option("-o,--output", check_model.output,
                    "folder for the files of failed checks; default: the current one")
         ->type_name("DIR");
@@ -293,8 +309,7 @@ struct Parser {
     auto* mesh = app.add_subcommand("mesh", "inspect, convert and generate meshes");
     mesh->require_subcommand(1);
     const auto add_scale = [](CLI::App* sub, double& scale) {
-      sub->add_option("--scale", scale, "factor from the file's unit to m")
-          ->check(CLI::PositiveNumber);
+      sub->add_option("--scale", scale, "factor from the file's unit to m")->check(positive_number);
     };
     auto* info_app =
         mesh->add_subcommand("info", "print counts, dimensions and quality of a mesh or a surface");
@@ -332,12 +347,12 @@ struct Parser {
     sub.add_option("-o,--output", voxels.to, "new file (.vtu .vtk .mesh .msh)")->required();
     auto* cells = sub.add_option("--cells", voxels.options.cells,
                                  "approximate number of hexahedra, within 1 %")
-                      ->check(CLI::PositiveNumber);
+                      ->check(positive_number);
     sub.add_option("--edge", voxels.options.edge, "edge length of the cubes in m")
-        ->check(CLI::PositiveNumber)
+        ->check(positive_number)
         ->excludes(cells);
     sub.add_option("--scale", voxels.scale, "factor from the file's unit to m")
-        ->check(CLI::PositiveNumber);
+        ->check(positive_number);
     sub.add_flag("--repair", voxels.repair, "fill holes and accept self-intersections");
     sub.add_flag("--largest-island", voxels.options.largest_island,
                  "keep only the largest connected part");

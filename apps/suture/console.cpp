@@ -32,6 +32,7 @@ Console::Console(bool quiet, bool verbose)
     clear_status();
     put(stderr, "suture: warning: " + text + "\n");
   };
+  diagnostics_.on_note = [this](const std::string& text) { note(text); };
 }
 
 void Console::print(const std::string& line) {

@@ -156,9 +156,10 @@ void collect_cycles(PyHeapTypeObject* heap_type) {
 
 std::unique_ptr<Session> make_session(const std::string& text, const std::filesystem::path& file,
                                       bool is_text, const std::vector<std::string>& sets,
-                                      const py::object& mesh, bool output) {
+                                      const py::object& mesh, bool output,
+                                      const std::filesystem::path& output_folder) {
   return std::make_unique<Session>(
-      SessionOptions{text, file, is_text, sets, mesh_of(mesh), output});
+      SessionOptions{text, file, is_text, sets, mesh_of(mesh), output, output_folder});
 }
 
 /// Time and steps.
@@ -171,6 +172,7 @@ void bind_steps(Class& session) {
            "Run until the first step that begins at or after `time` (s). The lengths of steps do "
            "not change, so the time reached may be later by less than a step.")
       .def("_run", [](Session& s, py::object progress) { return dict_of(s.run(progress)); })
+      .def_property_readonly("_writes", [](const Session& s) { return s.scene().output.enabled; })
       .def_property_readonly("time", &Session::time, "Time of the positions, s.")
       .def_property_readonly("steps", &Session::steps, "Number of steps made.")
       .def_property_readonly("dt", &Session::dt, "Length of the next step, s.")
@@ -293,7 +295,7 @@ void bind_operations(Class& session) {
 void bind_session(py::module_& module) {
   py::class_<Session> session(module, "Simulation", py::custom_type_setup(collect_cycles));
   session.def(py::init(&make_session), "text"_a, "file"_a, "is_text"_a, "sets"_a, "mesh"_a,
-              "output"_a);
+              "output"_a, "output_folder"_a);
   bind_steps(session);
   bind_columns(session);
   bind_cells(session);

@@ -24,10 +24,10 @@ unsigned forks() {
 
 Scene read(const SessionOptions& options, PluginHost& host, Diagnostics& diagnostics) {
   const ModelLookup lookup = lookup_of(host);
-  Scene scene = options.is_text
-                    ? read_scene_text(options.text, options.file, options.sets, lookup, diagnostics,
-                                      options.mesh)
-                    : read_scene(options.file, options.sets, lookup, diagnostics, options.mesh);
+  Scene scene = options.is_text ? read_scene_text(options.text, options.file, options.sets, lookup,
+                                                  diagnostics, options.mesh, options.folder)
+                                : read_scene(options.file, options.sets, lookup, diagnostics,
+                                             options.mesh, options.folder);
   if (!options.output) scene.output.enabled = scene.checkpoint.enabled = false;
   return scene;
 }

@@ -23,6 +23,7 @@ struct SessionOptions {
   std::vector<std::string> sets;     ///< as --set
   std::shared_ptr<const Mesh> mesh;  ///< that the scene does not contain; may be null
   bool output = false;               ///< write what /output asks for
+  std::filesystem::path folder{};    ///< where, if not to /output/directory
 };
 
 /// A simulation that Python holds, with everything it refers to. All functions are called with the

@@ -55,6 +55,35 @@ class Sources(unittest.TestCase):
             finally:
                 os.chdir(before)
 
+    def test_two_simulations_do_not_share_a_folder(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = bar(output={"directory": "ignored", "every_steps": 1, "energies": {}})
+            out = Path(folder) / "out"
+            first = suture.Simulation(scene, output=out)
+            first.step(20)
+            refusals = []
+
+            def attempt():
+                try:
+                    suture.Simulation(scene, output=out)
+                except suture.IoError as error:
+                    refusals.append(str(error))
+
+            threads = [threading.Thread(target=attempt) for _ in range(3)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            self.assertEqual(len(refusals), 3)
+            self.assertIn("another run of this process writes to this folder", refusals[0])
+            first.run()
+            frames = len(list(out.glob("*.vtu")))
+            # A run that has ended leaves the folder to the next one, although it still exists.
+            second = suture.Simulation(scene, {"/solver/end": 1e-3}, output=out)
+            second.run()
+            self.assertLess(len(list(out.glob("*.vtu"))), frames)
+            self.assertFalse(Path("ignored").exists())
+
     def test_other_types_are_refused(self):
         with self.assertRaisesRegex(TypeError, "path, a dict or a JSON text; is int"):
             suture.Simulation(3)

@@ -45,6 +45,10 @@ class Points(unittest.TestCase):
             (lambda: suture.latin_hypercube({"/a": (0, 1)}, 5, log=["/a"]), "> 0"),
             (lambda: suture.latin_hypercube({"/a": (0, 1)}, 5, log=["/b"]), "no range"),
             (lambda: suture.sweep(bar(), {"/a": []}), "no run"),
+            (lambda: suture.sweep(bar(), {E: [1e5]}, jobs=-1), "jobs must be a whole number >= 1"),
+            (lambda: suture.latin_hypercube({"/a": (0, 1)}, 10**9), "at most 1,000,000"),
+            (lambda: suture.latin_hypercube({"/a": (0, 1)}, "x"), "whole number >= 1, is 'x'"),
+            (lambda: suture.grid({f"/{i}": [0] * 100 for i in range(4)}), "100,000,000 runs"),
         ]:
             with self.assertRaisesRegex(ValueError, text):
                 make()
@@ -204,6 +208,70 @@ class CommandLine(InFolder):
         done = self.sweep("study.json")
         self.assertEqual(done.returncode, 5)
         self.assertIn("1 run, 1 failed", done.stdout)
+
+    def test_values_of_a_wrong_type_are_mistakes_of_the_study(self):
+        cube = {"ranges": {E: [1e5, 2e5]}, "runs": 2}
+        cases = [
+            (dict(folder=3), "study.json: /folder: must be the name of a folder, is 3"),
+            (dict(scene=3), "/scene: must be the path of a scene"),
+            (dict(set=-1), "/set: must be an object"),
+            (dict(set={"E": 1}), "/set: 'E' must be a JSON pointer"),
+            (dict(jobs="x"), "/jobs: must be a whole number >= 1, is \"x\""),
+            (dict(jobs=-1), "/jobs: must be a whole number >= 1, is -1"),
+            (dict(output="yes"), "/output: must be true or false"),
+            (dict(grid=3), "/grid: must be an object, is 3"),
+            (dict(grid={E: 3}), "/grid: .* must have an array of values, has 3"),
+            (dict(grid={f"/{i}": list(range(100)) for i in range(4)}),
+             "/grid: the study has 100,000,000 runs; at most 1,000,000"),
+            (dict(grid=None, list={}), "/list: must be an array of points"),
+            (dict(grid=None, list=[{}, 4]), "/list/1: must be an object, is 4"),
+            (dict(grid=None, latin_hypercube={**cube, "runs": 10**9}),
+             "/latin_hypercube/runs: must be a whole number from 1 to 1,000,000"),
+            (dict(grid=None, latin_hypercube={**cube, "runs": "x"}), "/runs: .* is \"x\""),
+            (dict(grid=None, latin_hypercube={**cube, "seed": 0.5}), "/seed: must be a whole"),
+            (dict(grid=None, latin_hypercube={**cube, "ranges": {E: [2, 1]}}), "low < high"),
+            (dict(grid=None, latin_hypercube={**cube, "log": [["a"]]}), "/log: must be an array of"),
+            (dict(grid=None, latin_hypercube={**cube, "log": ["/a"]}), "no range"),
+            (dict(folder="../escaped"), "/folder: leads out of the folder of the study"),
+            (dict(folder="/tmp/escaped"), "/folder: leads out"),
+            (dict(folder="."), "/folder: leads out"),
+            (dict(folder="link/out"), "/folder: leads out"),
+            (dict(jbos=1), "unknown key 'jbos' \\(did you mean 'jobs'"),
+        ]
+        with tempfile.TemporaryDirectory() as elsewhere:
+            os.symlink(elsewhere, "link")
+            for more, text in cases:
+                with self.subTest(text):
+                    self.study(**more)
+                    done = self.sweep("study.json", timeout=60)
+                    self.assertEqual(done.returncode, 3, done.stderr)
+                    self.assertRegex(done.stderr, text)
+                    self.assertNotIn("Traceback", done.stderr)
+            self.assertEqual(os.listdir(elsewhere), [])
+            Path("out").mkdir()
+            os.symlink(elsewhere, "out/runs")
+            self.study()
+            done = self.sweep("study.json")
+            self.assertEqual(done.returncode, 6, done.stderr)
+            self.assertIn("out/runs: is a link", done.stderr)
+            self.assertEqual(os.listdir(elsewhere), [])
+        for text, words in [('{"scene": NaN}', "NaN"), ("[" * 100000, "nested too deep"),
+                            ('{"jobs": 1, "jobs": 2}', "'jobs' is given twice"), ("\xff", "study")]:
+            Path("study.json").write_text(text, encoding="latin-1")
+            done = self.sweep("study.json")
+            self.assertEqual(done.returncode, 3, done.stderr)
+            self.assertIn(words, done.stderr)
+            self.assertNotIn("Traceback", done.stderr)
+
+    def test_scenes_without_output_and_with_their_own_folder(self):
+        for output in (False, {"directory": "/somewhere/else"}):
+            with self.subTest(output):
+                self.study()
+                scene = json.loads(Path("bar.json").read_text())
+                Path("bar.json").write_text(json.dumps({**scene, "output": output}))
+                done = self.sweep("study.json")
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+                self.assertEqual(Path("out/runs/0000/run.pvd").exists(), output is not False)
 
     def test_control_c_and_on(self):
         self.study(set={"/solver/dt": 1e-6, "/solver/end": 0.3, "/output": False}, output=False,

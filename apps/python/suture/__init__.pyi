@@ -106,7 +106,7 @@ class Simulation:
         scene: str | os.PathLike[str] | Mapping[str, Any],
         set: Mapping[str, Any] | None = None,
         *,
-        output: bool = False,
+        output: bool | str | os.PathLike[str] = False,
         folder: str | os.PathLike[str] | None = None,
         mesh: Mesh | None = None,
     ) -> None: ...

@@ -9,6 +9,7 @@ import sys
 
 import numpy
 
+from ._errors import report_error
 from ._results import TABLES, folder_of, frames_of, table_of
 from ._vtk import read_grid
 
@@ -137,19 +138,23 @@ def compare(a, b, common=False, tolerance=None):
     return not beyond
 
 
-def main():
-    from . import Error
+def _tolerance(text):
+    value = float(text)
+    if not value >= 0:
+        raise ValueError(text)
+    return value
 
+
+def main():
     parser = argparse.ArgumentParser(prog="suture compare")
     parser.add_argument("runs", nargs=2)
     parser.add_argument("--common", action="store_true")
-    parser.add_argument("--tolerance", type=float)
+    parser.add_argument("--tolerance", type=_tolerance)
     options = parser.parse_args()
     try:
         return 0 if compare(*options.runs, options.common, options.tolerance) else 1
-    except (Error, OSError, ValueError, ImportError) as error:
-        print(f"suture: error: {error}", file=sys.stderr)
-        return 6 if isinstance(error, OSError) else 3
+    except Exception as error:
+        return report_error(error)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy
 
+from ._errors import report_error
 from ._results import TABLES, folder_of, frames_of, table_of
 from ._vtk import read_quads
 
@@ -133,9 +134,8 @@ def main():
         print(f"suture: error: {error}; pictures need python3-matplotlib and python3-vtk9",
               file=sys.stderr)
         return 6
-    except (OSError, ValueError) as error:
-        print(f"suture: error: {error}", file=sys.stderr)
-        return 6 if isinstance(error, OSError) else 3
+    except Exception as error:
+        return report_error(error)
 
 
 if __name__ == "__main__":

@@ -29,16 +29,21 @@ def frames_of(folder):
         sets = ElementTree.parse(collection).getroot().iter("DataSet")
         return [(float(s.get("timestep")), folder / s.get("file")) for s in sets]
     except (ElementTree.ParseError, TypeError, ValueError) as error:
-        raise ValueError(f"{collection}: is not a list of frames ({error}); run the scene "
-                         "again") from error
+        raise OSError(f"{collection}: is not a list of frames ({error}); run the scene "
+                      "again") from error
 
 
 def table_of(file):
     """(names, rows): a table of a run as numbers."""
-    with open(file, newline="", encoding="utf-8") as stream:
-        names, *rows = csv.reader(stream)
+    with open(file, newline="", encoding="utf-8", errors="replace") as stream:
+        names, *rows = [*csv.reader(stream)] or [[]]
+    if names[:2] != ["step", "time [s]"]:
+        raise OSError(f"{file}: is not a table of a run, whose first columns are 'step' and "
+                      "'time [s]'; run the scene again")
     try:
+        if not rows:
+            raise ValueError("no row")
         return names, numpy.array(rows, float).reshape(-1, len(names))
-    except ValueError as error:
-        raise ValueError(f"{file}: must contain numbers only, as many per row as there are "
-                         f"columns ({error})") from error
+    except ValueError:
+        raise OSError(f"{file}: is damaged: it needs rows of {len(names)} numbers each; run the "
+                      "scene again") from None

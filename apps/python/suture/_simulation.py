@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The class Simulation: arguments, events and callbacks on top of the compiled half."""
 
+import os
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -88,7 +89,7 @@ class Simulation(_suture.Simulation):
     scene   path of a scene file, a dict, or a JSON text
     set     values that replace those of the scene, as --set does: {"/solver/dt": 1e-4}
     output  True: write the frames and tables that the scene's /output asks for, as the program
-            does; False: write nothing
+            does; a path: to this folder instead of /output/directory; False: write nothing
     folder  for a dict or a text: the folder that mesh, plugin and blade files are relative to
             (default: the working folder)
     mesh    a Mesh of arrays, in place of the one of the scene. In a dict, the Mesh may also
@@ -107,7 +108,8 @@ class Simulation(_suture.Simulation):
         scene, mesh = _take_mesh(scene, mesh)
         text, file, is_text = source_of(scene, folder)
         try:
-            super().__init__(text, file, is_text, set_texts(set), mesh, bool(output))
+            super().__init__(text, file, is_text, set_texts(set), mesh, bool(output),
+                             os.fspath(output) if isinstance(output, (str, os.PathLike)) else "")
         except _suture.SceneError as error:
             if is_text and not isinstance(scene, str):  # a dict has no lines
                 error.mistakes = [(path, None, what) for path, _, what in error.mistakes]

@@ -19,7 +19,9 @@ import traceback
 from multiprocessing import connection
 from pathlib import Path
 
+from ._errors import report_error
 from ._scene import is_text, to_json
+from ._study_file import is_number, is_whole, read_study, require_count, require_jobs
 
 
 def _require_pointers(parameters, where):
@@ -32,6 +34,8 @@ def _require_pointers(parameters, where):
 def grid(parameters):
     """All combinations of {pointer: [values]}; the last parameter varies fastest."""
     _require_pointers(parameters, "grid")
+    parameters = {pointer: list(values) for pointer, values in parameters.items()}
+    require_count(math.prod(map(len, parameters.values())))
     return [dict(zip(parameters, values)) for values in itertools.product(*parameters.values())]
 
 
@@ -41,13 +45,17 @@ def latin_hypercube(ranges, runs, seed=0, log=()):
     import numpy
 
     _require_pointers(ranges, "latin_hypercube")
-    unknown = set(log) - set(ranges)
+    if not is_whole(runs, 1):
+        raise ValueError(f"latin_hypercube: runs must be a whole number >= 1, is {runs!r}")
+    require_count(runs)
+    unknown = [pointer for pointer in log if pointer not in list(ranges)]
     if unknown:
-        raise ValueError(f"latin_hypercube: log names {sorted(unknown)}, which have no range")
+        raise ValueError(f"latin_hypercube: log names {sorted(map(str, unknown))}, which have no "
+                         "range")
     random = numpy.random.default_rng(seed)
     columns = {}
     for pointer, (low, high) in ranges.items():
-        if not (math.isfinite(low) and math.isfinite(high) and low < high):
+        if not (is_number(low) and is_number(high) and low < high):
             raise ValueError(f"latin_hypercube: the range of {pointer} must be two numbers, low < "
                              f"high; is {[low, high]}")
         if pointer in log and low <= 0:
@@ -104,7 +112,9 @@ class Results:
 def _write(file, text):
     """The file appears complete or not at all."""
     part = file.with_name(f".{file.name}.{os.getpid()}")
-    part.write_text(text)
+    part.unlink(missing_ok=True)
+    with open(part, "x", encoding="utf-8") as stream:  # follows no link
+        stream.write(text)
     part.replace(file)
 
 
@@ -114,7 +124,8 @@ def _last_probes(folder):
     if not file.exists():
         return {}
     with open(file, newline="") as table:
-        header, *_, last = csv.reader(table)
+        header, *rows = csv.reader(table)
+    last = rows[-1] if rows else []
     return {name: float(value) for name, value in list(zip(header, last))[2:]}
 
 
@@ -136,12 +147,19 @@ class _Study:
         is_file = not isinstance(scene, dict) and not is_text(scene)
         self.scene = Path(scene).resolve() if is_file else scene
         if is_file:
-            self.text = self.scene.read_text()
+            self.text = self.scene.read_text(encoding="utf-8", errors="replace")  # for the key
         else:
             self.text = scene if isinstance(scene, str) else to_json(scene)
 
     def run_folder(self, number):
         return self.folder / "runs" / f"{number:04d}"
+
+    def require_no_links(self, numbers):
+        """A study may come from a stranger, with its folder."""
+        for folder in (self.folder / "runs", *map(self.run_folder, numbers)):
+            if folder.is_symlink():
+                raise OSError(f"{folder}: is a link, and a study writes below its own folder only; "
+                              "remove the link")
 
     def key(self, number):
         """What determines the results of a run, except for functions that `measure` calls."""
@@ -177,22 +195,21 @@ class _Study:
             base = None if isinstance(self.scene, Path) else os.getcwd()
             sets = {**self.sets, **self.points[number]}
             os.chdir(self.folder)
-            if self.output:
-                sets["/output/directory"] = str(folder.relative_to(self.folder))
-            sim = Simulation(self.scene, sets, output=self.output, folder=base)
+            sim = Simulation(self.scene, sets, output=self.output and folder, folder=base)
             result["scene_hash"] = sim.hash
             if self.measure is None:
                 sim.run()
                 values = sim.energies()
             else:
                 values = dict(self.measure(sim))
-            values.update({} if not self.output else _last_probes(folder))
+            values.update(_last_probes(folder) if sim._writes else {})
             result.update(outcome=sim.outcome or "stopped", steps=sim.steps, time=sim.time,
                           values=json.loads(to_json(values)))
         except Error as error:
             result.update(outcome="failed", error=str(error))
-        except Exception as error:  # of the function that measures
-            traceback.print_exc()
+        except Exception as error:
+            if self.measure is not None:  # whose author wants to see where
+                traceback.print_exc()
             result.update(outcome="failed", error=f"{type(error).__name__}: {error}", again=True)
         result["seconds"] = round(time.monotonic() - start, 3)
         _write(folder / "result.json", to_json(result, indent=1))
@@ -269,9 +286,11 @@ def sweep(scene, parameters, jobs=None, *, measure=None, set=None, folder="sweep
                 probes.csv is part of its results
     report      function (done, all), called after every run
     """
+    require_jobs(jobs)
     points = _points(parameters)
     study = _Study(scene, points, set, Path(folder).resolve(), measure, output)
     missing = [i for i in range(len(points)) if not study.is_finished(i)]
+    study.require_no_links(missing)
     _run_all(study, missing, jobs or os.cpu_count() or 1, report or (lambda done, every: None))
     results = Results([study.row(i) for i in range(len(points))], study.folder / "results.csv")
     study.folder.mkdir(parents=True, exist_ok=True)
@@ -280,8 +299,6 @@ def sweep(scene, parameters, jobs=None, *, measure=None, set=None, folder="sweep
 
 
 # ----------------------------------------------------------- the command line --
-
-_keys = {"scene", "set", "grid", "list", "latin_hypercube", "folder", "output", "jobs"}
 
 _job = """#!/bin/bash
 #SBATCH --job-name={name}
@@ -292,34 +309,6 @@ _job = """#!/bin/bash
 # Afterwards `suture sweep {study}` writes the table; it repeats nothing.
 exec {command} --run "${{SLURM_ARRAY_TASK_ID:-$1}}"
 """
-
-
-def _read_study(file):
-    file = Path(file)
-    try:
-        study = json.loads(file.read_text())
-    except ValueError as error:
-        raise ValueError(f"{file}: {error}") from None
-    if not isinstance(study, dict):
-        raise ValueError(f"{file}: a study is one JSON object")
-    for key in sorted(set(study) - _keys):
-        raise ValueError(f"{file}: unknown key {key!r}; a study has {', '.join(sorted(_keys))}")
-    if "scene" not in study:
-        raise ValueError(f"{file}: 'scene' is missing: the path of the scene, relative to the study")
-    kinds = [key for key in ("grid", "list", "latin_hypercube") if key in study]
-    if len(kinds) != 1:
-        raise ValueError(f"{file}: give exactly one of 'grid', 'list' and 'latin_hypercube'")
-    values = study[kinds[0]]
-    try:
-        points = latin_hypercube(**values) if kinds[0] == "latin_hypercube" else _points(values)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{file}: /{kinds[0]}: {error}") from None
-    scene = study["scene"]
-    if isinstance(scene, str):
-        scene = file.parent / scene
-    return {"scene": scene, "parameters": points, "set": study.get("set"),
-            "folder": file.parent / study.get("folder", file.stem),
-            "output": study.get("output", True), "jobs": study.get("jobs")}
 
 
 def _show(done, every):
@@ -350,7 +339,7 @@ def _write_job(options, count, file):
 
 def main(words=None):
     options = _arguments(words)
-    study = _read_study(options.study)
+    study = read_study(options.study, grid, latin_hypercube)
     count = len(study["parameters"])
     if options.slurm:
         _write_job(options, count, options.slurm)
@@ -359,13 +348,13 @@ def main(words=None):
     if options.run is not None:
         if not 0 <= options.run < count:
             raise ValueError(f"--run {options.run}: the study has runs 0 to {count - 1}")
-        one = _Study(study["scene"], study["parameters"], study["set"], study["folder"].resolve(),
-                     None, study["output"])
+        one = _Study(study["scene"], study["parameters"], study["set"], study["folder"], None,
+                     study["output"])
+        one.require_no_links([options.run])
         if not one.is_finished(options.run):
             one.run(options.run)
         return 0
-    if options.jobs is not None and options.jobs < 1:
-        raise ValueError("--jobs must be at least 1")
+    require_jobs(options.jobs)
     study["jobs"] = options.jobs or study["jobs"]
     results = sweep(**study, report=_show)
     if sys.stderr.isatty():
@@ -379,16 +368,13 @@ def main(words=None):
 
 
 def _guarded():
-    from . import Error
-
     try:
         return main()
     except KeyboardInterrupt:
         print("suture: stopped; the same command continues the study", file=sys.stderr)
         return 130
-    except (Error, OSError, ValueError) as error:
-        print(f"suture: error: {error}", file=sys.stderr)
-        return 6 if isinstance(error, OSError) else 3
+    except Exception as error:
+        return report_error(error)
 
 
 if __name__ == "__main__":

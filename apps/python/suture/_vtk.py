@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """VTK objects and pictures, where python3-vtk9 is installed."""
 
+import contextlib
+
 import numpy
 
 
@@ -57,6 +59,19 @@ def poly_data(points, quads, point_fields):
     return surface
 
 
+@contextlib.contextmanager
+def _silence():
+    """VTK's own reports of damaged files, which go to standard error."""
+    from vtkmodules.vtkCommonCore import vtkLogger
+
+    before = vtkLogger.GetCurrentVerbosityCutoff()
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    try:
+        yield
+    finally:
+        vtkLogger.SetStderrVerbosity(before)
+
+
 def _read(file):
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
@@ -64,8 +79,29 @@ def _read(file):
     if not reader.CanReadFile(str(file)):
         raise OSError(f"{file}: is missing, or is not a frame of a run (.vtu)")
     reader.SetFileName(str(file))
-    reader.Update()
-    return reader.GetOutput()
+    errors = []
+    reader.AddObserver("ErrorEvent", lambda *_: errors.append(True))
+    with _silence():
+        reader.Update()
+    grid = reader.GetOutput()
+    if errors or reader.GetErrorCode() != 0 or not _is_whole(grid):
+        raise OSError(f"{file}: is truncated or damaged; run the scene again")
+    return grid
+
+
+def _is_whole(grid):
+    """Every array has its values, and every cell its points."""
+    if grid.GetPoints() is None or grid.GetNumberOfCells() == 0:
+        return False
+    connectivity = grid.GetCells().GetConnectivityArray()
+    if connectivity.GetNumberOfTuples() != 8 * grid.GetNumberOfCells():
+        return False
+    low, high = connectivity.GetRange()
+    return 0 <= low and high < grid.GetNumberOfPoints() and all(
+        data.GetArray(i) is not None and data.GetArray(i).GetNumberOfTuples() == count
+        for data, count in ((grid.GetPointData(), grid.GetNumberOfPoints()),
+                            (grid.GetCellData(), grid.GetNumberOfCells()))
+        for i in range(data.GetNumberOfArrays()))
 
 
 def _arrays(support, data):

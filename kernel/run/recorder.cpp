@@ -17,8 +17,9 @@ namespace {
 void require_finite(const std::vector<double>& row, const char* table, BuiltScene& built) {
   if (std::ranges::all_of(row, [](double value) { return std::isfinite(value); })) return;
   built.dynamics().motion().require_finite_forces();  // names the node
-  throw NotFinite(std::string("a value of ") + table +
-                  " is not finite; the forces or lengths of the scene are too large to compute with");
+  throw NotFinite(
+      std::string("a value of ") + table +
+      " is not finite; the forces or lengths of the scene are too large to compute with");
 }
 
 std::vector<std::string> tool_columns(const ContactOptions& contact) {

@@ -1,107 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/plugin_host/note_reader.hpp"
 
-#include <elf.h>
-
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <fstream>
 #include <optional>
 #include <span>
 
 #include "kernel/base/isa.hpp"
+#include "kernel/plugin_host/elf_file.hpp"
 #include "suture/note.h"
 
 namespace suture {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "notes are written little-endian");
-
-#if defined(__x86_64__)
-constexpr Elf64_Half this_machine = EM_X86_64;
-#elif defined(__aarch64__)
-constexpr Elf64_Half this_machine = EM_AARCH64;
-#else
-#error "name the ELF machine of this architecture here"
-#endif
-
-/// Why a file is refused; caught in read_note.
-struct Refusal {
-  std::string why;
-};
-
-/// Reads ranges of a file, each checked against its length first.
-class Reader {
- public:
-  explicit Reader(const std::filesystem::path& file) {
-    std::error_code code;
-    const auto status = std::filesystem::status(file, code);
-    if (!std::filesystem::exists(status)) throw Refusal{"there is no such file"};
-    if (!std::filesystem::is_regular_file(status)) throw Refusal{"it is not a regular file"};
-    length_ = std::filesystem::file_size(file, code);
-    stream_.open(file, std::ios::binary);
-    if (code || !stream_) throw Refusal{"it cannot be read (check its permissions)"};
-  }
-
-  bool contains(std::uint64_t offset, std::uint64_t bytes) const {
-    return offset <= length_ && bytes <= length_ - offset;
-  }
-
-  std::vector<char> read(std::uint64_t offset, std::uint64_t bytes) {
-    std::vector<char> out(bytes);
-    stream_.seekg(static_cast<std::streamoff>(offset));
-    stream_.read(out.data(), static_cast<std::streamsize>(bytes));
-    if (!stream_) throw Refusal{"it cannot be read to its end"};
-    return out;
-  }
-
-  template <class T>
-  T read(std::uint64_t offset) {
-    T out;
-    std::memcpy(&out, read(offset, sizeof(T)).data(), sizeof(T));
-    return out;
-  }
-
- private:
-  std::ifstream stream_;
-  std::uint64_t length_ = 0;
-};
-
-Elf64_Ehdr read_header(Reader& file) {
-  if (!file.contains(0, SELFMAG) || std::memcmp(file.read(0, SELFMAG).data(), ELFMAG, SELFMAG) != 0)
-    throw Refusal{"it is not a shared library (not an ELF file)"};
-  if (!file.contains(0, sizeof(Elf64_Ehdr))) throw Refusal{"it is truncated within its ELF header"};
-  const auto header = file.read<Elf64_Ehdr>(0);
-  if (header.e_ident[EI_CLASS] != ELFCLASS64 || header.e_ident[EI_DATA] != ELFDATA2LSB ||
-      header.e_machine != this_machine)
-    throw Refusal{"it is built for a different processor architecture (ELF machine " +
-                  std::to_string(header.e_machine) + ", this host has " +
-                  std::to_string(this_machine) + "); build it on this machine"};
-  if (header.e_type != ET_DYN)
-    throw Refusal{
-        "it is an ELF file but not a shared library (an object file or a program); link it with "
-        "-shared, or build it with suture_add_plugin"};
-  if (header.e_phentsize != sizeof(Elf64_Phdr))
-    throw Refusal{"its ELF header is damaged (size of a program header)"};
-  return header;
-}
-
-/// Program headers; every segment that loading would map must be in the file,
-/// else the loader dies by SIGBUS where it should refuse.
-std::vector<Elf64_Phdr> read_segments(Reader& file, const Elf64_Ehdr& header) {
-  const std::uint64_t bytes = std::uint64_t{header.e_phnum} * sizeof(Elf64_Phdr);
-  if (!file.contains(header.e_phoff, bytes))
-    throw Refusal{"it is truncated or damaged (program headers lie beyond its end)"};
-  std::vector<Elf64_Phdr> segments(header.e_phnum);
-  const auto raw = file.read(header.e_phoff, bytes);
-  if (bytes > 0) std::memcpy(segments.data(), raw.data(), bytes);
-  for (const auto& segment : segments)
-    if ((segment.p_type == PT_LOAD || segment.p_type == PT_NOTE) &&
-        !file.contains(segment.p_offset, segment.p_filesz))
-      throw Refusal{"it is truncated or damaged (a segment lies beyond its end)"};
-  return segments;
-}
 
 constexpr std::uint64_t round_up(std::uint64_t value, std::uint64_t step) {
   return (value + step - 1) / step * step;
@@ -128,20 +41,20 @@ std::optional<std::span<const char>> find_descriptor(std::span<const char> notes
   return std::nullopt;
 }
 
-suture_note_desc read_descriptor(Reader& file, const std::vector<Elf64_Phdr>& segments) {
+suture_note_desc read_descriptor(ElfFile& file) {
   constexpr std::uint64_t max_bytes = std::uint64_t{1} << 20;  // notes of real files: below 2 kB
-  for (const auto& segment : segments) {
+  for (const auto& segment : file.segments()) {
     if (segment.p_type != PT_NOTE || segment.p_filesz > max_bytes) continue;
-    const auto notes = file.read(segment.p_offset, segment.p_filesz);
+    const auto notes = file.read<char>(segment.p_offset, segment.p_filesz);
     const auto found = find_descriptor(notes, segment.p_align);
     if (!found) continue;
     suture_note_desc desc{};
-    if (found->size() < sizeof desc) throw Refusal{"its Suture note is shorter than ABI 1.0's"};
+    if (found->size() < sizeof desc) throw ElfRefusal{"its Suture note is shorter than ABI 1.0's"};
     std::memcpy(&desc, found->data(), sizeof desc);
-    if (desc.magic != SUTURE_MAGIC) throw Refusal{"its Suture note is damaged (magic number)"};
+    if (desc.magic != SUTURE_MAGIC) throw ElfRefusal{"its Suture note is damaged (magic number)"};
     return desc;
   }
-  throw Refusal{
+  throw ElfRefusal{
       "it is a shared library but not a Suture plugin: it has no Suture note. Build it with "
       "suture_add_plugin (C++), or add SUTURE_NOTE from suture/note.h (C)"};
 }
@@ -193,8 +106,8 @@ std::string incompatibility(const PluginNote& note) {
 PluginNote read_note(const std::filesystem::path& file) {
   PluginNote note;
   try {
-    Reader reader(file);
-    const auto desc = read_descriptor(reader, read_segments(reader, read_header(reader)));
+    ElfFile elf(file);
+    const auto desc = read_descriptor(elf);
     note.plugin = text(desc.plugin);
     note.models = split(text(desc.models));
     note.isa = text(desc.isa);
@@ -202,7 +115,7 @@ PluginNote read_note(const std::filesystem::path& file) {
     note.abi_minor = desc.abi_minor;
     note.lanes = desc.lanes;
     note.problem = incompatibility(note);
-  } catch (const Refusal& refusal) {
+  } catch (const ElfRefusal& refusal) {
     note.problem = refusal.why;
   }
   return note;

@@ -13,6 +13,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/plugin_call.hpp"
+#include "kernel/plugin_host/elf_check.hpp"
 #include "kernel/plugin_host/extension_check.hpp"
 #include "kernel/plugin_host/table_check.hpp"
 #include "kernel/plugin_host/table_copy.hpp"
@@ -86,6 +87,7 @@ void check_against_note(const std::filesystem::path& file, const PluginNote& not
 
 const suture_plugin& load_plugin(const std::filesystem::path& file, const PluginNote& note) {
   if (!note.problem.empty()) refuse(file, note.problem);
+  if (const std::string problem = elf_problem(file); !problem.empty()) refuse(file, problem);
   static std::mutex one_at_a_time;  // hosts on several threads
   const std::lock_guard lock(one_at_a_time);
   boost::dll::shared_library library;

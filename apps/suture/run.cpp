@@ -144,6 +144,11 @@ int run(const RunCommand& command, Console& console) {
   if (scene.output.enabled) {
     folder->open();
     has_opened(*folder);
+    if (folder->was_unfinished())
+      console.note(
+          folder->path().string() +
+          ": the last run that wrote here did not finish (it was killed, or a plugin ended "
+          "it): its results are incomplete");
   }
   Simulation simulation(scene, host, console.diagnostics(), command.skip, folder);
   report_threads(scene.solver.threads, simulation.threads(), console);

@@ -16,7 +16,7 @@
 namespace suture {
 namespace {
 
-constexpr const char* list_name = ".suture-run";
+constexpr const char *list_name = ".suture-run", *mark_name = "unfinished.txt";
 constexpr std::string_view run_mark = "run ";  // before the identity of a run; no name of a file
 
 // The list may come from a stranger: a name leads nowhere, and to results only.
@@ -99,7 +99,10 @@ OutputFolder::OutputFolder(std::filesystem::path path, std::filesystem::path roo
     : path_(std::move(path)), root_(std::move(root)) {}
 
 OutputFolder::~OutputFolder() {
-  if (own_.empty()) abandon();
+  if (own_.empty())
+    abandon();
+  else if (is_marked_)
+    folder_->remove(mark_name);
   release();
 }
 
@@ -113,10 +116,13 @@ void OutputFolder::close() {
   const std::lock_guard guard(mutex_);
   if (own_.empty()) return;  // nothing was written
   is_closed_ = true;
+  if (std::exchange(is_marked_, false)) folder_->remove(mark_name);
   release();
 }
 
+/// If nothing was written, the mark of an earlier run stays.
 void OutputFolder::abandon() const noexcept {
+  if (is_marked_ && !was_unfinished_) folder_->remove(mark_name);
   if (!made_list_) return;
   folder_->remove(list_name);
   folder_->unmake();
@@ -137,6 +143,18 @@ void OutputFolder::open() {
     throw;
   }
   read_list();
+  struct stat ignored {};
+  was_unfinished_ = ::fstatat(folder_->descriptor(), mark_name, &ignored, AT_SYMLINK_NOFOLLOW) == 0;
+  mark();
+}
+
+void OutputFolder::mark() {
+  if (std::exchange(is_marked_, true)) return;
+  OutputFile file(*folder_, mark_name);
+  file.write("Process " + std::to_string(::getpid()) +
+             " writes results to this folder and has not finished. If it does not run any more, it "
+             "was killed, or a plugin ended it, and the results are incomplete.\n");
+  file.close();
 }
 
 void OutputFolder::lock() {

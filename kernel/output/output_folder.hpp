@@ -25,6 +25,9 @@ namespace suture {
 ///   are never removed.
 /// - The list also names the runs that wrote the files, if they can be resumed: a run that is
 ///   resumed replaces the results of that run only.
+/// - `unfinished.txt` is there from open() to close() or the destructor. If a process ends without
+///   its last word, such as by a signal or by a plugin, the file stays and says that the results
+///   are incomplete.
 ///
 /// Any thread may call any member. They throw IoError.
 class OutputFolder {
@@ -68,6 +71,8 @@ class OutputFolder {
   void keep(const std::string& name, std::string text);
   /// To be called when the first result is ready: removes the files of earlier runs, once.
   void begin();
+  /// Whether the last run that wrote here ended without its last word. Call it after open().
+  bool was_unfinished() const { return was_unfinished_; }
   /// Throws if the files written can no longer be found under path().
   void require_in_place() const;
 
@@ -78,6 +83,7 @@ class OutputFolder {
   void lock();
   void release() noexcept;
   void read_list();
+  void mark();
   void announce(const std::string& name);
   void remove_stale();
   void write_list();
@@ -87,6 +93,7 @@ class OutputFolder {
   std::optional<Folder> folder_;
   int list_ = -1;           ///< `.suture-run`, locked
   bool made_list_ = false;  ///< it did not exist before
+  bool was_unfinished_ = false, is_marked_ = false;
   bool has_begun_ = false;
   bool is_closed_ = false;
   std::set<std::string> listed_;     ///< names in `.suture-run`

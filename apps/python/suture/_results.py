@@ -2,6 +2,7 @@
 """The files in the output folder of a run."""
 
 import csv
+import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -11,12 +12,15 @@ TABLES = ("energies.csv", "probes.csv", "tools.csv")
 
 
 def folder_of(run):
-    """The folder of a run, which may be given by its run.pvd."""
+    """The folder of a run, which may be given by its run.pvd. Warns if the run is unfinished."""
     folder = Path(run)
     if folder.suffix == ".pvd":
         folder = folder.parent
     if not folder.is_dir():
         raise OSError(f"{run}: no such folder; name the output folder of a run, or its run.pvd")
+    if (folder / "unfinished.txt").exists():
+        print(f"suture: warning: {folder}: the run that writes here has not finished (it still runs, "
+              "was killed, or a plugin ended it); its results are incomplete", file=sys.stderr)
     return folder
 
 

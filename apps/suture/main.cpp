@@ -5,6 +5,7 @@
 #include "apps/suture/commands.hpp"
 #include "apps/suture/signals.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/plugin_call.hpp"
 #include "kernel/base/plugin_faults.hpp"
 
 namespace suture {
@@ -74,6 +75,7 @@ int main(int argc, char** argv) {
   if (usage != 0) return usage;
   Console console(line.quiet, line.verbose);
   const int code = guarded(console, [&] { return std::visit(Dispatch{console}, line.command); });
+  deliver_plugin_warnings(console.diagnostics());
   console.count_warnings();
   return code != 0 ? code : console.finish();
 }

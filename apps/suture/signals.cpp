@@ -37,15 +37,15 @@ void on_signal(int number) {
     return;
   }
   put("suture: stopped; nothing was written\n");
-  if (plugin_thread.present != nullptr) {
+  if (present_call() != nullptr) {
     char call[2048];
-    describe(*plugin_thread.present, call, sizeof call);
+    describe(*present_call(), call, sizeof call);
     put("suture: this call was under way: ");
     put(call);
     put("\n");
   }
   abandon_folder();
-  ::_exit(128 + number);
+  leave_process(128 + number);
 }
 
 bool is_ignored(int number) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/guarded_array.hpp"
 #include "kernel/base/lanes.hpp"
 #include "kernel/base/reset_error.hpp"
 #include "kernel/topology/incidence.hpp"
@@ -14,8 +15,15 @@
 namespace suture {
 namespace {
 
-/// What a contribution functor writes, at most.
-struct alignas(SUTURE_ALIGNMENT) Contributions : std::array<double, std::size_t{12} * 9 * lanes> {};
+/// Where a contribution functor of this thread writes until the next one does.
+double* space_for(const suture_attribute& attribute) {
+  static thread_local GuardedArray space("its results",
+                                         "a contribution has a row of 8 lanes per component of "
+                                         "each vertex, edge or face of the element",
+                                         std::size_t{12} * 9 * lanes);
+  return space.end() - std::size_t{lanes} * attribute.components *
+                           static_cast<std::size_t>(contribution_cells[attribute.dimension]);
+}
 
 const Index* cells_of(const CellComplex& complex, std::uint32_t dimension, const Index& element) {
   switch (dimension) {
@@ -143,11 +151,11 @@ std::vector<double> uniform_contribution(Instance& instance, const suture_attrib
                                          double relative) {
   std::vector<double> first;
   double bound = 0;
-  Contributions out;
+  double* const out = space_for(attribute);
   const std::size_t count = contribution_cells[attribute.dimension] * attribute.components;
   for_each_batch(instance.table(3).cells, all_elements(complex),
                  [&](std::span<const Index> elements) {
-                   contribute(instance, attribute, rest.gather(instance, elements), out.data());
+                   contribute(instance, attribute, rest.gather(instance, elements), out);
                    if (first.empty())
                      for (std::size_t i = 0; i < count; ++i) {
                        first.push_back(out[i * lanes]);
@@ -171,15 +179,15 @@ void sum_contributions(Instance& instance, const suture_attribute& attribute,
   const std::size_t step = column.component_step();
   const int per_element = contribution_cells[attribute.dimension];
   const int components = column.spec().components;
-  Contributions out;
+  double* const out = space_for(attribute);
   for (std::size_t i = 0; i < uniform.size(); ++i) std::fill_n(&out[i * lanes], lanes, uniform[i]);
   for_each_batch(instance.table(3).cells, all_elements(complex),
                  [&](std::span<const Index> elements) {
                    if (uniform.empty())
-                     contribute(instance, attribute, rest.gather(instance, elements), out.data());
+                     contribute(instance, attribute, rest.gather(instance, elements), out);
                    for (Index lane = 0; lane < elements.size(); ++lane) {
                      const Index* incident = cells_of(complex, attribute.dimension, elements[lane]);
-                     const double* from = out.data() + lane;
+                     const double* from = out + lane;
                      for (int k = 0; k < per_element; ++k) {
                        double* to = values + column.offset(cells.row(incident[k]));
                        for (int c = 0; c < components; ++c, from += lanes)
@@ -197,13 +205,13 @@ bool fill_from_parameters(Instance& instance, const suture_attribute& attribute,
   if ((attribute.flags & SUTURE_FROM_PARAMETERS) == 0 ||
       !std::ranges::all_of(instance.parameter_columns(), is_uniform))
     return false;
-  Contributions out;
-  for_each_batch(
-      instance.table(3).cells, all_elements(complex), [&](std::span<const Index> elements) {
-        contribute(instance, attribute, rest.gather(instance, elements.first(1)), out.data());
-        return false;
-      });
-  column.fill({out.data(), std::size_t{attribute.components} * lanes});
+  double* const out = space_for(attribute);
+  for_each_batch(instance.table(3).cells, all_elements(complex),
+                 [&](std::span<const Index> elements) {
+                   contribute(instance, attribute, rest.gather(instance, elements.first(1)), out);
+                   return false;
+                 });
+  column.fill({out, std::size_t{attribute.components} * lanes});
   return true;
 }
 
@@ -357,8 +365,8 @@ void TouchedSums::find_hits(const CellComplex& complex, std::uint32_t dimension,
 }
 
 void TouchedSums::add_hits(Instance& instance, const suture_batch& batch, Target& target) {
-  Contributions out;
-  contribute(instance, *target.attribute, batch, out.data());
+  double* const out = space_for(*target.attribute);
+  contribute(instance, *target.attribute, batch, out);
   const Column& column = *target.column;
   const auto components = static_cast<std::size_t>(column.spec().components);
   const std::size_t step = column.component_step();
@@ -366,7 +374,7 @@ void TouchedSums::add_hits(Instance& instance, const suture_batch& batch, Target
     const auto [cell, k, lane] = hits_[i];
     const Index row = target.cells ? target.cells->row(cell) : cell;
     double* to = target.values + (components == 1 ? row : column.offset(row));
-    const double* from = out.data() + k * components * lanes + lane;
+    const double* from = out + k * components * lanes + lane;
     for (std::size_t c = 0; c < components; ++c, from += lanes, to += step) *to += *from;
   }
 }

@@ -24,7 +24,6 @@ std::int32_t has_extension(const char* id) { return host_has_extension(id) ? 1 :
 const suture_host host = {sizeof(suture_host), SUTURE_ABI_MINOR, &report, &has_extension};
 
 // Behind the memory that a model asked for: one that stores more is found.
-constexpr std::ptrdiff_t guard_size = 8;
 constexpr double prepared_guard = 0x1.5afe5afe5afe5p-800;
 
 ColumnSpec spec_of(const suture_attribute& attribute) {
@@ -91,9 +90,13 @@ Instance::Instance(const suture_model& model, std::string name, std::vector<doub
     throw PluginError(title() + ": declares " + std::to_string(model_.parameter_count) +
                       " parameters, but " + std::to_string(parameters_.size()) + " were given");
   for (int d = 0; d < 4; ++d) table(d).dimension = d;
-  if (model_.instance_bytes != 0)
-    prepared_.resize(static_cast<std::size_t>(guard_begin() + guard_size), prepared_guard);
-  std::fill_n(prepared_.begin(), guard_begin(), 0.0);
+  if (model_.instance_bytes != 0) {
+    constexpr std::size_t row = 8 * sizeof(double);
+    prepared_.emplace("its memory",
+                      "the model's instance_bytes must be the size of what prepare stores",
+                      (model_.instance_bytes / row + 2) * 8);
+    std::ranges::fill(behind_own_memory(), prepared_guard);
+  }
   set_workers(1);
   prepare(diagnostics);
   ask_functors();
@@ -109,7 +112,7 @@ void Instance::set_workers(unsigned count) {
     worker->context = {sizeof(suture_context),
                        static_cast<std::uint32_t>(parameters_.size()),
                        parameters_.data(),
-                       prepared_.empty() ? nullptr : prepared_.data(),
+                       own_memory(),
                        &host,
                        &worker->error,
                        &findings_};
@@ -118,14 +121,19 @@ void Instance::set_workers(unsigned count) {
   }
 }
 
+/// At least 8 values.
+std::span<double> Instance::behind_own_memory() const {
+  const std::size_t own = (model_.instance_bytes + sizeof(double) - 1) / sizeof(double);
+  return {prepared_->data() + own, prepared_->end()};
+}
+
 void Instance::prepare(Diagnostics& diagnostics) {
   if (!model_.prepare) return;
   const suture_status status = call_plugin(call("prepare"), workers_[0]->error, [&] {
-    return model_.prepare(&context(0), prepared_.empty() ? nullptr : prepared_.data());
+    return model_.prepare(&context(0), own_memory());
   });
   const auto is_guard = [](double value) { return value == prepared_guard; };
-  if (!prepared_.empty() &&
-      !std::all_of(prepared_.begin() + guard_begin(), prepared_.end(), is_guard))
+  if (prepared_ && !std::ranges::all_of(behind_own_memory(), is_guard))
     throw PluginError(describe(call("prepare")) + ": it wrote behind its " +
                       std::to_string(model_.instance_bytes) +
                       " bytes of memory; the model's instance_bytes must be the size of what "

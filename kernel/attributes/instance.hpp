@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "kernel/attributes/own_rest.hpp"
 #include "kernel/attributes/table.hpp"
 #include "kernel/base/diagnostics.hpp"
+#include "kernel/base/guarded_array.hpp"
 #include "kernel/base/plugin_call.hpp"
 #include "kernel/topology/cell_complex.hpp"
 
@@ -134,12 +136,9 @@ class Instance {
   std::vector<Enabled> enabled_;  ///< by position in model().functors
   std::vector<bool> needed_;      ///< by position in model().attributes
   bool skip_;
-  /// Size of the model's own memory, in doubles.
-  std::ptrdiff_t guard_begin() const {
-    return static_cast<std::ptrdiff_t>((model_.instance_bytes + sizeof(double) - 1) /
-                                       sizeof(double));
-  }
-  AlignedVector<double> prepared_;  ///< the model's own memory, then guards
+  void* own_memory() const { return prepared_ ? prepared_->data() : nullptr; }
+  std::span<double> behind_own_memory() const;
+  std::optional<GuardedArray> prepared_;  ///< the model's own memory, then values that must stay
   std::vector<std::unique_ptr<Worker>> workers_;
   Findings findings_;
 };

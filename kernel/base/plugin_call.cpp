@@ -9,6 +9,9 @@
 #include <exception>
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <set>
+#include <vector>
 
 #include "kernel/base/error.hpp"
 
@@ -106,7 +109,48 @@ std::string name_of_type() {
   return std::string("type ") + (status == 0 ? name.get() : type->name());
 }
 
+/// Warnings about calls; never destroyed, as plugins may be called until the program ends.
+struct CallWarnings {
+  std::mutex mutex;
+  std::set<std::string> issued;
+  std::vector<std::string> pending;
+  std::atomic<bool> any = false;
+};
+CallWarnings& call_warnings() {
+  static auto& warnings = *new CallWarnings;
+  return warnings;
+}
+
 }  // namespace
+
+void restore_modes(const PluginCall& call, const FloatModes& before) {
+  const std::string what = FloatModes::now().difference(before);
+  before.restore();
+  PluginCall function = call;
+  function.batch = nullptr;  // one warning, whatever the cells
+  const std::string text =
+      describe(function) + ": the plugin left " + what +
+      " changed; it was restored, but what this function computed with it may differ in the last "
+      "digits; restore it before the function returns (fegetenv, fesetenv), and link plugins "
+      "without -ffast-math";
+  CallWarnings& warnings = call_warnings();
+  const std::lock_guard lock(warnings.mutex);
+  if (!warnings.issued.insert(text).second) return;
+  warnings.pending.push_back(text);
+  warnings.any = true;
+}
+
+void deliver_plugin_warnings(Diagnostics& diagnostics) {
+  CallWarnings& warnings = call_warnings();
+  if (!warnings.any.load(std::memory_order_relaxed)) return;
+  std::vector<std::string> pending;
+  {
+    const std::lock_guard lock(warnings.mutex);
+    pending.swap(warnings.pending);
+    warnings.any = false;
+  }
+  for (std::string& text : pending) diagnostics.warn(std::move(text));
+}
 
 void register_plugin(const suture_plugin& plugin, const std::filesystem::path& file) {
   const Loaded* first = all_loaded.load();

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <utility>
 
+#include "kernel/base/diagnostics.hpp"
+#include "kernel/base/float_modes.hpp"
 #include "suture/plugin.h"
 
 namespace suture {
@@ -22,32 +25,56 @@ struct PluginCall {
   const suture_batch* batch = nullptr;  ///< the current batch, whose cells a message names
 };
 
-/// The plugin call of this thread. Signal handlers read it, only on the same thread.
+/// The plugin call of this thread. Signal handlers read it on the same thread, and the watch on
+/// calls that do not return (plugin_watch.hpp) on its own.
 struct PluginThread {
-  const PluginCall* present = nullptr;  ///< null outside plugins
-  std::uint64_t calls = 0;              ///< number of scopes entered
-  bool guarded = false;                 ///< whether enter_plugin_thread was called for the thread
+  std::atomic<const PluginCall*> present = nullptr;  ///< null outside plugins
+  std::atomic<std::uint64_t> calls = 0;              ///< number of scopes entered
+  bool guarded = false;  ///< whether enter_plugin_thread was called for the thread
 };
 inline constinit thread_local PluginThread plugin_thread;
+/// The call in progress on this thread, or null.
+inline const PluginCall* present_call() {
+  return plugin_thread.present.load(std::memory_order_relaxed);
+}
 
 /// Called when a thread first calls a plugin (plugin_faults.hpp); null without guards.
 inline void (*enter_plugin_thread)() = nullptr;
 
-/// `call` is in progress as long as the scope lives. Costs a nanosecond: used once per chunk of
-/// batches, not once per batch.
+/// Restores the floating-point modes that `call` has left changed, and has a warning issued once
+/// per function.
+void restore_modes(const PluginCall& call, const FloatModes& before);
+/// Issues the warnings about calls that have ended since the last time. An atomic read if there are
+/// none. Any thread.
+void deliver_plugin_warnings(Diagnostics& diagnostics);
+
+/// `call` is in progress as long as the scope lives. Costs a few nanoseconds: used once per chunk
+/// of batches, not once per batch.
+///
+/// The floating-point modes are the same after the scope as before it. Otherwise a rounding mode
+/// that a plugin has left behind would round all that this thread computes later, and which part of
+/// a step that is differs from run to run.
 class PluginScope {
  public:
-  explicit PluginScope(const PluginCall& call) : outer_(plugin_thread.present) {
+  explicit PluginScope(const PluginCall& call)
+      : call_(call), outer_(present_call()), modes_(FloatModes::now()) {
     if (!plugin_thread.guarded && enter_plugin_thread != nullptr) enter_plugin_thread();
-    ++plugin_thread.calls;
-    plugin_thread.present = &call;
+    plugin_thread.calls.store(plugin_thread.calls.load(std::memory_order_relaxed) + 1,
+                              std::memory_order_relaxed);
+    plugin_thread.present.store(&call, std::memory_order_release);
   }
-  ~PluginScope() { plugin_thread.present = outer_; }
+  ~PluginScope() {
+    if (FloatModes::now() != modes_) [[unlikely]]
+      restore_modes(call_, modes_);
+    plugin_thread.present.store(outer_, std::memory_order_release);
+  }
   PluginScope(const PluginScope&) = delete;
   PluginScope& operator=(const PluginScope&) = delete;
 
  private:
+  const PluginCall& call_;
   const PluginCall* outer_;
+  FloatModes modes_;
 };
 
 /// Registers the id and file of a loaded plugin for messages. The tables stay valid because

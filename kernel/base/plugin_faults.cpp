@@ -1,70 +1,59 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/base/plugin_faults.hpp"
 
-#include <sys/syscall.h>
+#include <pthread.h>
+#include <sys/resource.h>
 #include <ucontext.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <charconv>
 #include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
-#include <cstring>
-#include <ctime>
 #include <exception>
 #include <string_view>
 #include <vector>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/guarded_array.hpp"
 #include "kernel/base/plugin_call.hpp"
+#include "kernel/base/plugin_end.hpp"
+#include "kernel/base/plugin_watch.hpp"
 
-// glibc has the kernel's name for the member since 2.35.
-#ifndef sigev_notify_thread_id
-#define sigev_notify_thread_id _sigev_un._tid
-#endif
+extern "C" void* __libc_stack_end;  // NOLINT: glibc's name of the main thread's first frame
 
 namespace suture {
 namespace {
 
-constexpr int exit_plugin = 4, exit_interrupted = 130;
-constexpr double ticks_per_limit = 40;
-
-double tick_seconds = 0;  // 0: no limit
-std::atomic<bool> interrupted{false};
 std::terminate_handler outer_terminate = nullptr;
+pid_t own_process = 0;
 
-// -------------------------------------------------- the end of the program --
+using Address = std::uintptr_t;
 
-void put(const char* text) {
-  std::size_t left = std::strlen(text);
-  while (left > 0) {
-    const ssize_t written = write(STDERR_FILENO, text, left);
-    if (written <= 0) return;
-    text += written;
-    left -= static_cast<std::size_t>(written);
+/// The memory for the stack of a thread; empty if it is not known.
+struct StackRange {
+  Address begin = 0, end = 0;
+};
+constinit thread_local StackRange stack_of_thread;
+
+/// pthread_getattr_np would read /proc/self/maps for the main thread, which takes longer than a
+/// small scene.
+StackRange find_stack() {
+  if (gettid() == getpid()) {
+    rlimit size{};
+    const auto end = reinterpret_cast<Address>(__libc_stack_end);
+    if (getrlimit(RLIMIT_STACK, &size) != 0 || size.rlim_cur >= end) return {};
+    return {end - size.rlim_cur, end};
   }
-}
-
-/// Says what happened in the present call, and ends the program. Of several threads the
-/// first speaks.
-std::atomic<void (*)()> before_end = nullptr;
-
-[[noreturn]] void end_program(const char* what, const char* cure, int code = exit_plugin) {
-  static std::atomic<pid_t> speaker = 0;
-  pid_t nobody = 0;
-  if (!speaker.compare_exchange_strong(nobody, gettid())) {
-    if (nobody == gettid()) _exit(code);  // the description itself has crashed
-    while (true) pause();                 // another thread is about to end the program
-  }
-  char call[2048];
-  describe(*plugin_thread.present, call, sizeof call);
-  if (isatty(STDERR_FILENO) == 1) put("\r\x1b[K");  // a line of progress
-  const char* const parts[] = {"suture: error: ", call, ": ", what, "; ", cure, "\n"};
-  for (const char* part : parts) put(part);
-  if (const auto leave = before_end.load()) leave();
-  _exit(code);
+  pthread_attr_t attributes;
+  if (pthread_getattr_np(pthread_self(), &attributes) != 0) return {};
+  void* begin = nullptr;
+  std::size_t size = 0;
+  pthread_attr_getstack(&attributes, &begin, &size);
+  pthread_attr_destroy(&attributes);
+  return {reinterpret_cast<Address>(begin), reinterpret_cast<Address>(begin) + size};
 }
 
 // ----------------------------------------------------------------- crashes --
@@ -87,42 +76,76 @@ constexpr const char* overflow =
 constexpr const char* overflow_cure =
     "end the recursion, or keep large arrays in the memory that prepare fills";
 
-std::uintptr_t stack_pointer(const void* context) {
-  const auto& machine = static_cast<const ucontext_t*>(context)->uc_mcontext;
+struct Machine {
+  Address stack_pointer;
+  const char* access;  ///< "wrote"
+};
+
+Machine machine_of(const void* context) {
+  const auto& state = static_cast<const ucontext_t*>(context)->uc_mcontext;
 #if defined(__x86_64__)
-  return static_cast<std::uintptr_t>(machine.gregs[REG_RSP]);
+  const bool is_write = (state.gregs[REG_ERR] & 2) != 0;
+  return {static_cast<Address>(state.gregs[REG_RSP]), is_write ? "wrote" : "read"};
 #elif defined(__aarch64__)
-  return machine.sp;
+  return {state.sp, "read or wrote"};
 #else
 #error "name the stack pointer of this architecture here"
 #endif
 }
 
-bool is_overflow(const siginfo_t* info, const void* context) {
-  if (info->si_signo != SIGSEGV || info->si_code <= 0) return false;
-  const auto at = reinterpret_cast<std::uintptr_t>(info->si_addr);
-  const std::uintptr_t top = stack_pointer(context);
-  constexpr std::uintptr_t near = std::uintptr_t{1} << 16;
-  return at < top + near && top < at + near;
+/// Whether both lie in the last quarter of the stack, at most 1 MB, or below it. Writes past the
+/// end of an array in the stack go to addresses above.
+bool is_overflow(Address at, Address stack_pointer) {
+  const auto [begin, end] = stack_of_thread;
+  const Address last = begin + std::min<Address>((end - begin) / 4, Address{1} << 20);
+  return begin != end && at < last && stack_pointer < last;
+}
+
+[[noreturn]] void end_outside_array(const GuardHit& hit, const char* access) {
+  if (hit.distance == 0)
+    end_program(present_call(),
+                "the plugin crashed (SIGSEGV: the memory for results is not accessible any more)",
+                "a plugin of this run has changed the protection of memory that it does not own "
+                "(mprotect)");
+  char what[512];
+  std::snprintf(what, sizeof what, "it %s %zu %s %s of %s", access, hit.distance,
+                hit.distance == 1 ? "double" : "doubles",
+                hit.is_past_end ? "past the end" : "before the beginning", hit.name);
+  end_program(present_call(), what, hit.advice);
+}
+
+/// A crash by a memory access whose address is known.
+void end_at_address(Address at, const Machine& machine) {
+  if (is_overflow(at, machine.stack_pointer)) end_program(present_call(), overflow, overflow_cure);
+  const GuardHit hit = find_guarded(reinterpret_cast<const void*>(at));  // NOLINT: only compared
+  if (hit.name != nullptr) end_outside_array(hit, machine.access);
+  const auto [begin, end] = stack_of_thread;
+  const bool is_of_stack = at >= begin && at < end + (Address{1} << 20);
+  char what[256];
+  std::snprintf(what, sizeof what,
+                "the plugin crashed (SIGSEGV: it %s memory that is not its own, at address %#zx%s)",
+                machine.access, static_cast<std::size_t>(at),
+                is_of_stack ? ", in or behind the stack: probably past the end of an array" : "");
+  end_program(present_call(), what, crash_cure);
 }
 
 void on_crash(int number, siginfo_t* info, void* context) {
-  if (plugin_thread.present == nullptr) {
+  if (present_call() == nullptr) {
     std::signal(number, SIG_DFL);
     raise(number);  // comes when this handler returns
     return;
   }
-  const char* text = "";
+  if (number == SIGSEGV && info->si_code > 0 && info->si_code != SI_KERNEL)
+    end_at_address(reinterpret_cast<Address>(info->si_addr), machine_of(context));
   for (const Crash& crash : crashes)
-    if (crash.signal == number) text = crash.text;
-  if (is_overflow(info, context)) end_program(overflow, overflow_cure);
-  end_program(text, crash_cure);
+    if (crash.signal == number) end_program(present_call(), crash.text, crash_cure);
 }
 
+/// A crash while a message is written ends the program at once (end_program).
 void catch_crashes() {
   struct sigaction action {};
   action.sa_sigaction = &on_crash;
-  action.sa_flags = SA_SIGINFO | SA_ONSTACK;
+  action.sa_flags = static_cast<int>(SA_SIGINFO | SA_ONSTACK | SA_NODEFER);
   for (const Crash& crash : crashes) {
     struct sigaction old {};
     sigaction(crash.signal, nullptr, &old);
@@ -133,57 +156,13 @@ void catch_crashes() {
 
 /// An exception that met `noexcept`, or was thrown while another was under way.
 [[noreturn]] void on_terminate() {
-  if (plugin_thread.present == nullptr || std::current_exception() == nullptr) outer_terminate();
+  if (present_call() == nullptr || std::current_exception() == nullptr) outer_terminate();
   const std::string thrown = "the plugin threw " + text_of_exception();
-  end_program(thrown.c_str(), exception_cure);
+  end_program(present_call(), thrown.c_str(), exception_cure);
 }
 
 void on_exit() {
-  if (plugin_thread.present == nullptr) return;
-  end_program("the plugin called exit()",
-              "a plugin must not end the program: return SUTURE_STOP with a text");
-}
-
-// ------------------------------------------------------------ endless calls --
-
-/// A batch is visited once in a scope, so its first cell says whether a call is the same.
-struct Sighting {
-  std::uint64_t calls = 0;
-  std::uint32_t first_cell = 0;
-  bool operator==(const Sighting&) const = default;
-};
-
-Sighting look() {
-  const suture_batch* batch = plugin_thread.present->batch;
-  const bool has_cells = batch != nullptr && batch->valid != 0 && batch->cell_ids != nullptr;
-  return {plugin_thread.calls, has_cells ? batch->cell_ids[0] : UINT32_MAX};
-}
-
-/// Every tick_seconds of the thread's processor time.
-void on_tick(int) {
-  thread_local constinit Sighting last;
-  thread_local constinit double ticks = 0;
-  if (plugin_thread.present == nullptr) return;
-  const Sighting now = look();
-  ticks = now == last ? ticks + 1 : 0;
-  last = now;
-  if (ticks >= 1 && interrupted)
-    end_program("interrupted, and the plugin's call does not return",
-                "look for an endless loop in the plugin", exit_interrupted);
-  if (ticks >= ticks_per_limit)
-    end_program(
-        "the call does not return: it has used all the processor time that one call may "
-        "use (20 s, or what SUTURE_PLUGIN_TIMEOUT says)",
-        "look for an endless loop in the plugin; a call that is merely slow needs a "
-        "larger SUTURE_PLUGIN_TIMEOUT (seconds; 0: no limit)");
-}
-
-void catch_ticks() {
-  struct sigaction action {};
-  action.sa_handler = &on_tick;
-  action.sa_flags = static_cast<int>(SA_ONSTACK | SA_RESTART);
-  // Debuggers pass SIGVTALRM on without a word; SIGPROF belongs to profilers.
-  sigaction(SIGVTALRM, &action, nullptr);
+  if (present_call() != nullptr) refuse_in_plugin("exit()");
 }
 
 double read_limit() {
@@ -201,43 +180,24 @@ double read_limit() {
 
 // ------------------------------------------------------------------ threads --
 
-/// A stack for handlers, which a stack overflow needs, and the timer of a thread.
+/// A stack for handlers, which a stack overflow needs, and the watch on a thread.
 class Guard {
  public:
   Guard() : stack_(std::size_t{64} << 10) {
+    stack_of_thread = find_stack();
     stack_t stack{};
     stack.ss_sp = stack_.data();
     stack.ss_size = stack_.size();
     sigaltstack(&stack, &old_);
-    if (tick_seconds > 0) start_timer();
   }
-  ~Guard() {
-    if (has_timer_) timer_delete(timer_);
-    sigaltstack(&old_, nullptr);
-  }
+  ~Guard() { sigaltstack(&old_, nullptr); }
   Guard(const Guard&) = delete;
   Guard& operator=(const Guard&) = delete;
 
  private:
-  void start_timer() {
-    sigevent event{};
-    event.sigev_notify = SIGEV_THREAD_ID;
-    event.sigev_signo = SIGVTALRM;
-    event.sigev_notify_thread_id = static_cast<pid_t>(syscall(SYS_gettid));
-    has_timer_ = timer_create(CLOCK_THREAD_CPUTIME_ID, &event, &timer_) == 0;
-    if (!has_timer_) return;
-    itimerspec tick{};
-    tick.it_value.tv_sec = static_cast<std::time_t>(tick_seconds);
-    tick.it_value.tv_nsec =
-        static_cast<long>((tick_seconds - std::floor(tick_seconds)) * 999'999'999) + 1;
-    tick.it_interval = tick.it_value;
-    timer_settime(timer_, 0, &tick, nullptr);
-  }
-
   std::vector<std::byte> stack_;
   stack_t old_{};
-  timer_t timer_{};
-  bool has_timer_ = false;
+  WatchedThread watched_;
 };
 
 void enter_thread() {
@@ -249,17 +209,28 @@ void enter_thread() {
 }  // namespace
 
 void guard_plugin_calls() {
-  tick_seconds = read_limit() / ticks_per_limit;
+  limit_plugin_calls(read_limit());
+  own_process = getpid();
+  prepare_snapshots();
+  pthread_atfork(nullptr, nullptr, [] {
+    if (present_call() == nullptr) own_process = getpid();  // forked by the program itself
+  });
   catch_crashes();
-  if (tick_seconds > 0) catch_ticks();
   outer_terminate = std::set_terminate(&on_terminate);
   std::atexit(&on_exit);
   std::at_quick_exit(&on_exit);
   enter_plugin_thread = &enter_thread;
 }
 
-void at_plugin_fault(void (*leave)()) { before_end = leave; }
-
-void interrupt_plugin_calls() { interrupted = true; }
+void refuse_in_plugin(const char* function) {
+  const bool is_own_thread = plugin_thread.guarded || gettid() == own_process;
+  if (own_process == 0 || (present_call() == nullptr && is_own_thread)) return;
+  if (getpid() != own_process) return;
+  char what[64];
+  std::snprintf(what, sizeof what, "the plugin called %s", function);
+  constexpr PluginCall unknown{.function = "a thread that a plugin has started"};
+  end_program(present_call() != nullptr ? present_call() : &unknown, what,
+              "a plugin must not end the program: return SUTURE_STOP with a text");
+}
 
 }  // namespace suture

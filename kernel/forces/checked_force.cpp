@@ -5,13 +5,16 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <deque>
 #include <limits>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "kernel/base/aligned.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/guarded_array.hpp"
 #include "kernel/base/lanes.hpp"
 #include "kernel/base/plugin_call.hpp"
 #include "kernel/base/types.hpp"
@@ -19,7 +22,8 @@
 namespace suture {
 namespace {
 
-constexpr std::size_t guard_length = 16 * lanes;
+// Values between two arrays: one half belongs to each.
+constexpr std::size_t margin = 8 * lanes, guard_length = 2 * margin;
 
 // What outputs hold before a call: finite, or the C++ layer would take a value that was never set
 // for one that is not finite; nothing that a law gives by chance.
@@ -37,6 +41,12 @@ struct Array {
   const double* source = nullptr;
   double* target = nullptr;
 };
+
+std::string size_of(const Array& array) {
+  return array.name + " has " + std::to_string(array.size / lanes) + " rows of " +
+         std::to_string(lanes) + " lanes: (node*" + std::to_string(array.components) +
+         " + component)*lanes + lane";
+}
 
 /// The arrays of the present call's batch, as the tables of its model describe them.
 class Arrays {
@@ -82,12 +92,35 @@ class Arrays {
   const suture_batch& batch_;
 };
 
+/// The memory in which a functor's arrays are passed to it, between pages that cannot be accessed:
+/// a write far outside of an array is stopped where it happens. Kept, because making it is slow.
+std::vector<GuardedArray>& memory_for(const suture_functor* functor, const Arrays& arrays) {
+  struct Memory {
+    std::deque<std::string> texts;
+    std::vector<GuardedArray> arrays;
+  };
+  static thread_local std::map<const suture_functor*, Memory> all;
+  Memory& memory = all[functor];
+  if (memory.arrays.empty())
+    for (const Array& array : arrays.list) {
+      const std::string& name = memory.texts.emplace_back(array.name);
+      const std::string& advice = memory.texts.emplace_back(size_of(array));
+      memory.arrays.emplace_back(name.c_str(), advice.c_str(), array.size, margin);
+    }
+  return memory.arrays;
+}
+
 /// One call on copies of the arrays, each between two guards.
 class Trial {
  public:
   Trial(const PluginCall& call, const suture_batch& batch, const Arrays& arrays, double poison,
         bool mirrored)
-      : call_(call), batch_(batch), arrays_(arrays), poison_(poison), mirrored_(mirrored) {
+      : call_(call),
+        batch_(batch),
+        arrays_(arrays),
+        guarded_(memory_for(call.functor, arrays)),
+        poison_(poison),
+        mirrored_(mirrored) {
     std::size_t size = guard_length;
     for (const Array& array : arrays.list) {
       places_.push_back(size);
@@ -108,11 +141,15 @@ class Trial {
     copy.cell_columns = cells.empty() ? nullptr : cells.data();
     copy.vertex_columns = vertices.empty() ? nullptr : vertices.data();
     copy.trial_columns = trials.empty() ? nullptr : trials.data();
-    copy.force = memory_.data() + places_[3 + cells.size() + vertices.size()];
+    copy.force = guarded_[3 + cells.size() + vertices.size()].data();
     const auto ids = ids_;
     copy.cell_ids = ids_.data();
     if (mirrored_) copy.valid = lanes;  // every lane holds a cell
+    for_each_memory(
+        [](double* own, double* passed, std::size_t n) { std::copy_n(own, n, passed); });
     const suture_status status = call_.functor->force(context, &copy);
+    for_each_memory(
+        [](double* own, double* passed, std::size_t n) { std::copy_n(passed, n, own); });
     if (ids != ids_) fail("it wrote into cell_ids, an input", "write outputs only");
     require_guards();
     require_inputs();
@@ -162,14 +199,22 @@ class Trial {
     return array.source != nullptr ? array.source[i - i % lanes + source_lane(i % lanes)] : guard;
   }
 
+  /// visit(values of this trial, those that are passed, their number), with margins.
+  template <class Visit>
+  void for_each_memory(Visit visit) {
+    for (std::size_t n = 0; n < arrays_.list.size(); ++n)
+      visit(memory_.data() + places_[n] - margin, guarded_[n].data() - margin,
+            arrays_.list[n].size + 2 * margin);
+  }
+
   const double* input(std::size_t number) const {
-    return arrays_.list[number].source != nullptr ? memory_.data() + places_[number] : nullptr;
+    return arrays_.list[number].source != nullptr ? guarded_[number].data() : nullptr;
   }
   std::vector<double*> pointers(const std::vector<std::size_t>& numbers) {
     std::vector<double*> out;
     for (const std::size_t n : numbers) {
       const bool is_there = arrays_.list[n].source != nullptr || arrays_.list[n].target != nullptr;
-      out.push_back(is_there ? memory_.data() + places_[n] : nullptr);
+      out.push_back(is_there ? guarded_[n].data() : nullptr);
     }
     return out;
   }
@@ -188,7 +233,7 @@ class Trial {
     for (std::size_t n = 0; n < arrays_.list.size(); ++n) {
       const Array& array = arrays_.list[n];
       const std::size_t begin = places_[n], end = begin + array.size;
-      for (std::size_t k = 0; k < guard_length / 2; ++k) {  // the other half is the neighbour's
+      for (std::size_t k = 0; k < margin; ++k) {
         const std::string far = std::to_string(k + 1) + (k == 0 ? " double " : " doubles ");
         if (!same_bits(memory_[end + k], guard))
           fail("it wrote " + far + "past the end of " + array.name, size_of(array));
@@ -207,11 +252,6 @@ class Trial {
     }
   }
 
-  static std::string size_of(const Array& array) {
-    return array.name + " has " + std::to_string(array.size / lanes) + " rows of " +
-           std::to_string(lanes) + " lanes: (node*" + std::to_string(array.components) +
-           " + component)*lanes + lane";
-  }
   std::string at(const Array& array, std::size_t i) const {
     const std::size_t row = i / lanes, node = row / array.components;
     return array.name + " of node " + std::to_string(node) + ", component " +
@@ -224,6 +264,7 @@ class Trial {
   const PluginCall& call_;
   const suture_batch& batch_;
   const Arrays& arrays_;
+  std::vector<GuardedArray>& guarded_;
   double poison_;
   bool mirrored_;
   std::vector<std::size_t> places_;
@@ -234,7 +275,7 @@ class Trial {
 }  // namespace
 
 suture_status checked_force(const suture_context* context, const suture_batch* batch) {
-  const PluginCall& call = *plugin_thread.present;
+  const PluginCall& call = *present_call();
   const Arrays arrays(call, *batch);
   Trial first(call, *batch, arrays, first_poison, false);
   const suture_status status = first.run(context);

@@ -15,9 +15,7 @@ ForceLoop::~ForceLoop() = default;
 
 namespace {
 
-bool has_energy(const CompiledFunctor& functor) {
-  return functor.extension<suture_energy_1>(SUTURE_ENERGY_1) != nullptr;
-}
+bool has_energy(const CompiledFunctor& functor) { return stored_energy(functor) != nullptr; }
 
 bool belongs(const CompiledFunctor& functor, ForceLoop::Part part) {
   if (functor.skipped()) return false;
@@ -70,7 +68,7 @@ void ForceLoop::add_forces_in_step(const StepTimes& step, const LiveMask&, doubl
 void require_finite(std::span<const double> results, std::span<const std::uint32_t> cells) {
   for (std::size_t i = 0; i < results.size(); ++i) {
     if (i % lanes >= cells.size() || std::isfinite(results[i])) continue;
-    throw PluginError(describe(*plugin_thread.present) + ": result " + std::to_string(i / lanes) +
+    throw PluginError(describe(*present_call()) + ": result " + std::to_string(i / lanes) +
                       " of cell " + std::to_string(cells[i % lanes]) +
                       " is not finite; see that no division, root or logarithm leaves its range");
   }
@@ -117,16 +115,16 @@ void ForceLoop::accept() {
 // ------------------------------------------------------------------- energy --
 
 double ForceLoop::Impl::energy_of(Index number, double time) {
-  const auto* extension = functors[number].extension<suture_energy_1>(SUTURE_ENERGY_1);
+  const auto* extension = stored_energy(functors[number]);
   if (!extension) return 0;
   std::vector<double> of_chunk(functors[number].list().chunk_count());
   run(number, "energy", time,
       [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
           Index chunk) {
         for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows&) {
-          alignas(64) double out[lanes];
+          double* const out = worker.results_end - lanes;
           const suture_status status = extension->energy(worker.context, &batch, out);
-          if (status == SUTURE_OK) check_results(out, batch.valid);
+          if (status == SUTURE_OK) check_results({out, lanes}, batch.valid);
           for (Index l = 0; l < batch.valid; ++l) of_chunk[chunk] += out[l];
           return status;
         });
@@ -178,7 +176,7 @@ bool ForceLoop::Impl::add_field(Index number, std::string_view field, double tim
   run(number, "output", time,
       [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
           Index) {
-        AlignedVector<double> out(width * lanes);
+        const std::span<double> out(worker.results_end - width * lanes, width * lanes);
         std::vector<double*> places(fields.size(), nullptr);
         places[place] = out.data();
         for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {

@@ -25,6 +25,13 @@ namespace suture {
 /// 0.1 ms of work compared with a few microseconds per colour.
 inline constexpr std::size_t parallel_nodes = 32768;
 
+/// The energy that the functor stores, or null: what an active model (SUTURE_ACTIVE) declares
+/// changes with time, so the work of its forces is booked instead.
+inline const suture_energy_1* stored_energy(const CompiledFunctor& functor) {
+  if ((functor.instance().model().flags & SUTURE_ACTIVE) != 0) return nullptr;
+  return functor.extension<suture_energy_1>(SUTURE_ENERGY_1);
+}
+
 /// The vertices of the cell in a row.
 inline const Index* nodes_of(const loops::Job& job, Index row) {
   return job.nodes + std::size_t{job.cells ? job.cells[row] : row} * job.node_count;
@@ -164,7 +171,7 @@ struct ForceLoop::Impl {
 
   /// With checks: throws PluginError unless the results of the current call are finite.
   void check_results(std::span<const double> results, Index valid) const {
-    if (checks) require_finite(results, {plugin_thread.present->batch->cell_ids, valid});
+    if (checks) require_finite(results, {present_call()->batch->cell_ids, valid});
   }
 
   void raise_failures(double time) {

@@ -6,7 +6,6 @@ namespace suture {
 void ForceLoop::add_forces_at(const VertexSelection& selection, std::span<const Index> vertices,
                               double time, std::vector<Vec3>& forces) {
   const std::vector<Index> elements = impl_->local.elements_around(*impl_->complex, vertices);
-  alignas(64) double force[8 * 3 * lanes];
   for (Index i = 0; i < impl_->functors.size(); ++i) {
     const CompiledFunctor& functor = impl_->functors[i];
     if (functor.skipped()) continue;
@@ -14,7 +13,7 @@ void ForceLoop::add_forces_at(const VertexSelection& selection, std::span<const 
                           impl_->local.rows_at(*impl_->complex, functor, elements, selection),
                           [&](const loops::Job& job, const loops::Worker& worker,
                               suture_batch& batch, const loops::BatchRows& rows) {
-                            batch.force = force;
+                            batch.force = worker.results_end - job.node_count * 3 * lanes;
                             const suture_status status = job.function(worker.context, &batch);
                             for (Index l = 0; l < batch.valid; ++l) {
                               const Index* nodes = nodes_of(job, rows.row[l]);
@@ -22,7 +21,7 @@ void ForceLoop::add_forces_at(const VertexSelection& selection, std::span<const 
                                 if (!selection.contains(nodes[n])) continue;
                                 Vec3& sum = forces[selection.slot(nodes[n])];
                                 for (std::size_t c = 0; c < 3; ++c)
-                                  sum[c] += force[(n * 3 + c) * lanes + l];
+                                  sum[c] += batch.force[(n * 3 + c) * lanes + l];
                               }
                             }
                             return status;
@@ -35,15 +34,15 @@ double ForceLoop::energy_around(std::span<const Index> elements, double time) {
   double sum = 0;
   for (Index i = 0; i < impl_->functors.size(); ++i) {
     const CompiledFunctor& functor = impl_->functors[i];
-    const auto* extension = functor.extension<suture_energy_1>(SUTURE_ENERGY_1);
+    const auto* extension = stored_energy(functor);
     if (functor.skipped() || !extension) continue;
     impl_->for_each_local(
         i, "energy", time, impl_->local.rows_of(*impl_->complex, functor, elements),
         [&](const loops::Job&, const loops::Worker& worker, suture_batch& batch,
             const loops::BatchRows&) {
-          alignas(64) double out[lanes];
+          double* const out = worker.results_end - lanes;
           const suture_status status = extension->energy(worker.context, &batch, out);
-          if (status == SUTURE_OK) impl_->check_results(out, batch.valid);
+          if (status == SUTURE_OK) impl_->check_results({out, lanes}, batch.valid);
           for (Index l = 0; l < batch.valid; ++l) sum += out[l];
           return status;
         });
@@ -74,11 +73,12 @@ suture_status add_bounds_of(const Loop& loop, const suture_stable_dt_1& extensio
                             const loops::Job& job, const loops::Worker& worker, suture_batch& batch,
                             const loops::BatchRows& rows, const ForceTerm::AddBounds& sums,
                             Wanted wanted) {
-  alignas(64) double stiffness[8 * 6 * lanes] = {}, damping[8 * 6 * lanes] = {};
+  const std::size_t size = std::size_t{job.node_count} * 6 * lanes;
+  double* const stiffness = std::fill_n(worker.results_end - size, size, 0.0) - size;
+  double* const damping = std::fill_n(worker.more_results_end - size, size, 0.0) - size;
   const suture_status status = extension.bounds(worker.context, &batch, stiffness, damping);
-  for (const double* bounds : {stiffness, damping})
-    if (status == SUTURE_OK)
-      loop.check_results(std::span(bounds, std::size_t{job.node_count} * 6 * lanes), batch.valid);
+  for (const double* const bounds : {stiffness, damping})
+    if (status == SUTURE_OK) loop.check_results({bounds, size}, batch.valid);
   for (Index l = 0; l < batch.valid; ++l) {
     const Index* nodes = nodes_of(job, rows.row[l]);
     for (Index n = 0; n < job.node_count; ++n) {

@@ -20,7 +20,7 @@ namespace {
 suture_status checked_tangent(const suture_context* context, const suture_batch* batch,
                               const double* dx, const double* dv, double* df) {
   const auto* extension =
-      extension_of<suture_tangent_1>(*plugin_thread.present->functor, SUTURE_TANGENT_1);
+      extension_of<suture_tangent_1>(*present_call()->functor, SUTURE_TANGENT_1);
   const suture_status status = extension->apply(context, batch, dx, dv, df);
   if (status != SUTURE_OK) return status;
   require_finite({df, std::size_t{batch->nodes} * 3 * lanes}, {batch->cell_ids, batch->valid});
@@ -31,7 +31,7 @@ suture_status checked_tangent(const suture_context* context, const suture_batch*
 suture_status checked_single_tangent(const suture_context* context,
                                      const suture_single_batch* batch, const float* dx,
                                      const float* dv, float* df) {
-  const PluginCall& call = *plugin_thread.present;
+  const PluginCall& call = *present_call();
   const auto* extension =
       extension_of<suture_tangent_single_1>(*call.functor, SUTURE_TANGENT_SINGLE_1);
   const suture_status status = extension->apply(context, batch, dx, dv, df);

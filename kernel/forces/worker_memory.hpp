@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "kernel/base/aligned.hpp"
+#include "kernel/base/guarded_array.hpp"
 #include "kernel/base/plugin_call.hpp"
 #include "kernel/forces/failures.hpp"
 #include "kernel/forces/loops/loops.hpp"
@@ -17,6 +18,11 @@ struct alignas(64) WorkerMemory {
   std::vector<double*> trial_columns;
   AlignedVector<float> single_scratch;
   std::vector<const float*> single_cell_columns, single_vertex_columns;
+  static constexpr const char* size_of_results =
+      "a force has nodes x 3 rows of 8 lanes, an energy one, bounds nodes x 6 each; `suture run "
+      "--check-plugins` looks for writes outside of all arrays";
+  GuardedArray results{"its results", size_of_results, loops::max_results};
+  GuardedArray more_results{"its second results", size_of_results, loops::max_results};
   Failure failure;
   Index functor = 0;
   const suture_error* error = nullptr;
@@ -63,7 +69,9 @@ struct alignas(64) WorkerMemory {
             &failed,
             &thrown,
             this,
-            &call.batch};
+            &call.batch,
+            results.end(),
+            more_results.end()};
   }
 };
 

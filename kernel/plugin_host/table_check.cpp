@@ -275,7 +275,7 @@ void check_model(const Entry& entry, const suture_model& m) {
   entry.text(m.doc, "doc");
   entry.text(m.formula, "formula");
   entry.text(m.citation, "citation");
-  entry.known_bits(m.flags, SUTURE_CONTINUUM | SUTURE_LINEAR, "flags");
+  entry.known_bits(m.flags, SUTURE_CONTINUUM | SUTURE_LINEAR | SUTURE_ACTIVE, "flags");
   entry.reserved(m.reserved);
   entry.require(m.instance_bytes == 0 || m.prepare != nullptr,
                 "requests instance_bytes, but has no function prepare to fill them");

@@ -9,8 +9,10 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/heap.hpp"
+#include "kernel/base/plugin_call.hpp"
 #include "kernel/contact/contact.hpp"
 #include "kernel/dynamics/newton.hpp"
+#include "kernel/output/output_folder.hpp"
 #include "kernel/run/frame_parts.hpp"
 #include "kernel/run/free_bodies.hpp"
 #include "kernel/run/hourglass_watch.hpp"
@@ -75,6 +77,7 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
   control_.start();
   if (built_.dynamics().is_implicit())
     decisions_.push_back({"linear solver", false, describe_solver()});
+  deliver_plugin_warnings(diagnostics);
   trim_heap();  // of the search
 }
 
@@ -296,6 +299,7 @@ std::optional<RunSummary::Outcome> RunLoop::loop(const Pause& pause, Observer& o
     is_unbalanced_ = false;
     records_.roll_back();
     report_sleep(observer);
+    deliver_plugin_warnings(diagnostics_);
     if (clock_.step() % 16 == 0 && seconds_since(reported) > 0.1) {
       report_progress(observer, start, first_step);
       reported = Wall::now();

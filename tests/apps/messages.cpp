@@ -53,7 +53,7 @@ bool is_covered(const std::string& suite) {
 }  // namespace
 
 void Messages::add(std::string text, const std::filesystem::path& folder) {
-  static const std::regex fraction(R"(\d+\.\d+(e[-+]?\d+)?|\d+e[-+]\d+|\d{3,})");
+  static const std::regex fraction(R"(0x[0-9a-f]+|\d+\.\d+(e[-+]?\d+)?|\d+e[-+]\d+|\d{3,})");
   static const std::regex isa(R"(\.(avx2|avx512)\.so)");
   const std::filesystem::path build = std::filesystem::path(SUTURE_PROGRAM).parent_path();
   replace_all(text, folder.string(), "FOLDER");

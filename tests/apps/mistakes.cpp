@@ -3,14 +3,27 @@
 // A plugin that makes the mistakes of plugin authors, one at a time: those of its functions by
 // the parameter "how", those of its tables and of its loading by the environment variable
 // SUTURE_TEST_MISTAKE. Written on the C tables, as the C++ layer prevents most of them.
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cfenv>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <mutex>
 #include <new>
 #include <stdexcept>
 #include <string_view>
+#include <thread>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
 
 #include "suture/model.hpp"
 
@@ -23,11 +36,14 @@ constexpr const char* ways[] = {"nothing",
                                 "prepare-throws",
                                 "prepare-crashes",
                                 "prepare-writes-behind",
+                                "prepare-writes-far",
+                                "prepare-rounds",
                                 "prepare-status",
                                 "prepare-fault",
                                 "enabled-throws",
                                 "contribution-throws",
                                 "contribution-crashes",
+                                "contribution-writes-far",
                                 "contribution-nan",
                                 "contribution-negative",
                                 "contribution-status",
@@ -43,6 +59,18 @@ constexpr const char* ways[] = {"nothing",
                                 "force-noexcept",
                                 "force-exits",
                                 "force-quick-exits",
+                                "force-ends-process",
+                                "force-ends-process-elsewhere",
+                                "force-becomes-another",
+                                "force-starts-another",
+                                "force-rounds",
+                                "force-flushes",
+                                "force-traps",
+                                "force-sleeps",
+                                "force-locks-twice",
+                                "later-sleeps",
+                                "later-exits-silently",
+                                "force-loops-unsignalled",
                                 "force-aborts",
                                 "force-crashes",
                                 "force-overflows",
@@ -55,6 +83,10 @@ constexpr const char* ways[] = {"nothing",
                                 "force-mixes-lanes",
                                 "force-writes-before",
                                 "force-writes-behind",
+                                "force-writes-far-before",
+                                "force-writes-far",
+                                "force-reads-far",
+                                "force-protects",
                                 "force-writes-input",
                                 "force-status",
                                 "force-fault",
@@ -73,6 +105,32 @@ bool is(const suture_context* context, std::string_view how) {
 volatile int zero = 0;
 int* volatile nowhere = nullptr;
 struct OwnType {};
+
+/// Ends or replaces the process, or stops this thread for ever.
+void leave(std::string_view how) {
+  if (how == "ends-process") _exit(0);
+  if (how == "ends-process-elsewhere") std::thread([] { _exit(0); }).join();
+  if (how == "becomes-another") execl("/bin/true", "true", static_cast<char*>(nullptr));
+  if (how == "starts-another" && std::system("true") != 0) std::abort();  // no mistake
+  if (how == "sleeps")
+    while (true) pause();
+  static std::mutex lock;
+  if (how == "locks-twice") lock.lock(), lock.lock();
+  if (how != "loops-unsignalled") return;
+  sigset_t all;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, nullptr);
+  while (true) zero = 0;
+}
+
+/// Leaves the floating-point modes changed.
+void change_modes(std::string_view how) {
+  if (how == "rounds") std::fesetround(FE_UPWARD);
+#if defined(__x86_64__)
+  if (how == "flushes") _mm_setcsr(_mm_getcsr() | 0x8040);
+#endif
+  if (how == "traps") feenableexcept(FE_DIVBYZERO);
+}
 
 int overflow(volatile const char* outer) {
   volatile char here[4096] = {};
@@ -104,6 +162,10 @@ void fail(const suture_context* context, std::string_view function) {
   if (fails("overflows")) zero = overflow("");
   if (fails("divides")) zero = 100 / zero;
   while (fails("loops")) zero = 0;
+  const std::string_view how = ways[static_cast<std::size_t>(context->parameters[0])];
+  if (!how.starts_with(function) || how.size() <= function.size()) return;
+  leave(how.substr(function.size() + 1));
+  change_modes(how.substr(function.size() + 1));
 }
 
 /// What a call returns that does not end in another way.
@@ -129,13 +191,30 @@ void write_forces(const suture_context* context, const suture_batch* batch) {
   if (is(context, "force-mixes-lanes")) force[0] = batch->position[1] - batch->position[0];
   if (is(context, "force-writes-before")) force[-1] = 0;
   if (is(context, "force-writes-behind")) force[size] = 0;
+  if (is(context, "force-writes-far-before"))
+    for (std::uint32_t i = 1; i < 4000; ++i) force[-static_cast<std::ptrdiff_t>(i)] = 1e9;
+  if (is(context, "force-writes-far"))
+    for (std::uint32_t i = 4096; i < 400000; ++i) force[i] = 1e9;
+  if (is(context, "force-reads-far")) force[0] = 0 * batch->position[4096];
+  if (is(context, "force-protects"))
+    mprotect(reinterpret_cast<void*>(reinterpret_cast<std::uintptr_t>(force) & ~0xfffUL), 4096,
+             PROT_READ);
+  if (is(context, "force-protects")) force[0] = 0;
   if (is(context, "force-writes-input")) const_cast<double*>(batch->position)[3] += 1e-9;
+}
+
+/// In the middle of a run.
+void fail_later(const suture_context* context) {
+  if (is(context, "later-sleeps")) std::fclose(std::fopen("sleeping", "w"));
+  if (is(context, "later-sleeps")) leave("sleeps");
+  if (is(context, "later-exits-silently")) syscall(SYS_exit_group, 0);  // found by nobody
 }
 
 suture_status force(const suture_context* context, const suture_batch* batch) {
   const suture_status result = status(context, "force");
   if (is(context, "force-says-and-loops")) std::fclose(std::fopen("looping", "w"));
   while (is(context, "force-says-and-loops")) zero = 0;
+  if (batch->time > 0.005) fail_later(context);
   write_forces(context, batch);
   if (is(context, "force-text"))
     std::memset(context->error->text, 'x', sizeof context->error->text);
@@ -188,6 +267,7 @@ suture_status prepare(const suture_context* context, void* instance) {
   parameters_of_last = context->parameters;
   static_cast<double*>(instance)[0] = 1;
   if (is(context, "prepare-writes-behind")) static_cast<double*>(instance)[1] = 1;
+  if (is(context, "prepare-writes-far")) std::fill_n(static_cast<double*>(instance), 100000, 1.0);
   return status(context, "prepare");
 }
 
@@ -198,6 +278,7 @@ suture_status contribute(const suture_context* context, const suture_batch*, dou
   if (is(context, "contribution-nan")) share = std::numeric_limits<double>::quiet_NaN();
   if (is(context, "contribution-negative")) share = -share;
   for (std::uint32_t i = 0; i < 8 * lanes; ++i) out[i] = share;
+  if (is(context, "contribution-writes-far")) std::fill_n(out, 100000, share);
   return result;
 }
 

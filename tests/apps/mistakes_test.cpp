@@ -80,6 +80,10 @@ TEST_F(Mistakes, BeforeTheRunEndWithTheirPlaceAndExitCode4) {
       {"prepare-writes-behind", "prepare", "wrote behind its 8 bytes", "instance_bytes"},
 #ifndef SUTURE_SANITIZED
       {"prepare-crashes", "prepare", "SIGSEGV", crash_cure},
+      {"prepare-writes-far", "prepare", "it wrote 1 double past the end of its memory",
+       "instance_bytes"},
+      {"contribution-writes-far", "attribute 'mass', contribution of elements 0 to 7",
+       "it wrote 1 double past the end of its results", "a row of 8 lanes"},
       {"contribution-crashes", "attribute 'mass', contribution of elements 0 to 7", "SIGSEGV",
        crash_cure},
       {"inspect-crashes", "functor 'elements', inspect of elements 0 to 7", "SIGSEGV", crash_cure},
@@ -105,6 +109,10 @@ TEST_F(Mistakes, InTheRunEndWithFunctorCellsAndExitCode4) {
       {"force-exits", "force of elements 0 to 7", "called exit()", "must not end the program"},
       {"force-quick-exits", "force of elements 0 to 7", "called exit()",
        "must not end the program"},
+      {"force-ends-process", "force of elements 0 to 7", "called _exit()",
+       "must not end the program"},
+      {"force-becomes-another", "force of elements 0 to 7", "called execl()",
+       "must not end the program"},
       {"force-status", "force of elements 0 to 7", unknown_status, known_statuses},
       {"force-fault", "force of elements 0 to 7", fault, fault_cure},
       {"bounds-throws", "bounds of elements 0 to 7", "std::runtime_error", exception_cure},
@@ -116,6 +124,12 @@ TEST_F(Mistakes, InTheRunEndWithFunctorCellsAndExitCode4) {
       {"force-crashes", "force of elements 0 to 7", "SIGSEGV", crash_cure},
       {"force-overflows", "force of elements 0 to 7", "stack overflowed", "end the recursion"},
       {"force-divides", "force of elements 0 to 7", "SIGFPE", crash_cure},
+      {"force-writes-far", "force of elements 0 to 7",
+       "it wrote 3905 doubles past the end of its results", "--check-plugins"},
+      {"force-writes-far-before", "force of elements 0 to 7",
+       "it wrote 129 doubles before the beginning of its results", "--check-plugins"},
+      {"force-protects", "force of elements 0 to 7",
+       "SIGSEGV: the memory for results is not accessible any more", "mprotect"},
 #endif
   };
   for (const Mistake& mistake : mistakes)
@@ -144,6 +158,14 @@ TEST_F(Mistakes, InTheResultsAreFoundByCheckPlugins) {
        "into an input: position of node 0, component 0, of cell 3", "outputs only"},
       {"bounds-nan", "bounds of elements 0 to 7", "of cell 3 is not finite", "division"},
       {"energy-nan", "energy of elements 0 to 7", "is not finite", "division"},
+#ifndef SUTURE_SANITIZED
+      {"force-writes-far", "force of elements 0 to 7",
+       "it wrote 3905 doubles past the end of force", "24 rows"},
+      {"force-writes-far-before", "force of elements 0 to 7", "before the beginning of force",
+       "24 rows"},
+      {"force-reads-far", "force of elements 0 to 7",
+       "it read 3905 doubles past the end of position", "24 rows"},
+#endif
   };
   with("check", "nothing");  // writes the scene
   const Variable path("SUTURE_PLUGIN_PATH", TEST_PLUGINS);
@@ -189,6 +211,76 @@ TEST_F(Mistakes, AnEndlessLoopEndsAfterTheTimeThatACallMayTake) {
          "force-loops");
 }
 
+TEST_F(Mistakes, ACallThatBlocksEndsAfterTheTimeThatACallMayTake) {
+  const Variable timeout("SUTURE_PLUGIN_TIMEOUT", "0.2");
+  for (const char* how : {"force-sleeps", "force-locks-twice"})
+    expect(with("run", how),
+           {"plugin 'mistakes'", "functor 'elements', force of elements 0 to 7",
+            "does not return: it waits", "SUTURE_PLUGIN_TIMEOUT"},
+           how);
+  expect(with("run", "force-loops-unsignalled"),
+         {"functor 'elements', force of elements 0 to 7", "all the processor time"},
+         "with all signals blocked");
+}
+
+TEST_F(Mistakes, AThreadOfAPluginMustNotEndTheProgramEither) {
+  expect(with("run", "force-ends-process-elsewhere"),
+         {"a thread that a plugin has started: the plugin called _exit()"},
+         "force-ends-process-elsewhere");
+  EXPECT_EQ(with("run", "force-starts-another").code, 0) << "a process of its own is no mistake";
+}
+
+// Nobody sees a system call: the folder says that the run's last word is missing.
+TEST_F(Mistakes, AProcessThatEndsSilentlyLeavesItsFolderUnfinished) {
+  const auto is_unfinished = [&] {
+    return std::filesystem::exists(folder() / "out/s/unfinished.txt");
+  };
+  with("run", "nothing");
+  EXPECT_FALSE(is_unfinished());
+  with("run", "later-exits-silently");
+  EXPECT_TRUE(is_unfinished());
+  EXPECT_NE(Program::read("out/s/unfinished.txt").find("the results are incomplete"),
+            std::string::npos);
+  const Outcome failed = with("run", "force-throws");
+  EXPECT_TRUE(is_unfinished()) << "a run that writes nothing leaves what it found";
+  EXPECT_TRUE(failed.says("out/s: the last run that wrote here did not finish")) << failed;
+  const Outcome next = with("run", "nothing");
+  EXPECT_EQ(next.code, 0) << next;
+  EXPECT_TRUE(next.says("out/s: the last run that wrote here did not finish")) << next;
+  EXPECT_FALSE(is_unfinished());
+  EXPECT_FALSE(with("run", "nothing").says("did not finish"));
+}
+
+// A model that leaves a rounding mode behind changes no bit of another model's results.
+TEST_F(Mistakes, FloatingPointModesThatAreLeftChangedAreRestoredAndReported) {
+  const Variable path("SUTURE_PLUGIN_PATH", TEST_PLUGINS);
+  const auto energies_with = [&](const std::string& how, Outcome& outcome) {
+    outcome = scene("run", R"(, "gravity": [0, -9.8, 0], "output": {"energies": {}})",
+                    {R"(/models/-={"model": "mistakes", "parameters": {"how": ")" + how + "\"}}"});
+    return Program::read("out/s/energies.csv");
+  };
+  Outcome outcome;
+  const std::string expected = energies_with("nothing", outcome);
+  ASSERT_GT(expected.size(), 1000u) << outcome;
+  EXPECT_FALSE(outcome.says("warning")) << outcome;
+  const Mistake mistakes[] = {
+    {"force-rounds", "functor 'elements', force: the plugin left", "the rounding mode", ""},
+    {"prepare-rounds", "prepare: the plugin left", "the rounding mode", ""},
+#if defined(__x86_64__)
+    {"force-flushes", "functor 'elements', force: the plugin left", "flush-to-zero", ""},
+#endif
+    {"force-traps", "functor 'elements', force: the plugin left", "traps", ""}
+  };
+  for (const Mistake& mistake : mistakes) {
+    EXPECT_EQ(energies_with(mistake.how, outcome), expected) << mistake.how;
+    EXPECT_EQ(outcome.code, 0) << mistake.how << outcome;
+    for (const char* words :
+         {mistake.where, mistake.what, "restore it before the function returns"})
+      EXPECT_TRUE(outcome.says(words)) << mistake.how << outcome;
+    EXPECT_TRUE(outcome.says("suture: 1 warning\n")) << "once" << outcome;
+  }
+}
+
 TEST_F(Mistakes, ATimeoutThatIsNotANumberIsRefused) {
   for (const char* value : {"soon", "-1", "1 s", "nan", "inf"}) {
     const Variable timeout("SUTURE_PLUGIN_TIMEOUT", value);
@@ -209,6 +301,20 @@ TEST_F(Mistakes, CtrlCEndsACallThatDoesNotReturnAndNamesIt) {
   EXPECT_EQ(run.code, 130) << run;
   for (const char* word : {"plugin 'mistakes'", "functor 'elements'", "under way"})
     EXPECT_TRUE(run.says(word)) << run;
+}
+
+TEST_F(Mistakes, CtrlCEndsACallThatBlocksInTheRun) {
+  with("check", "nothing");  // writes the scene
+  const Outcome run = interrupted(
+      {"run", "s.json", "--set", std::string("/plugins=[\"") + TEST_PLUGINS + "/mistakes.so\"]",
+       "--set",
+       R"(/models/0={"model": "mistakes", "name": "tissue", "parameters": {"how": "later-sleeps"}})"},
+      SIGINT, "sleeping");
+  EXPECT_EQ(run.code, 130) << run;
+  for (const char* word : {"plugin 'mistakes'", "functor 'elements', force of elements 0 to 7",
+                           "interrupted, and the plugin's call does not return"})
+    EXPECT_TRUE(run.says(word)) << run;
+  EXPECT_TRUE(std::filesystem::exists(folder() / "out/s/unfinished.txt"));
 }
 
 struct Table {

@@ -40,10 +40,9 @@ inline __attribute__((always_inline)) void one_batch(const Job& job, const Worke
 template <uint32_t N>
 void forces_of(const Job& job, const Worker& worker, const Rows* ranges, uint32_t count) {
   Buffers buffers;
-  alignas(64) double force[N * 3 * lanes];
   suture_batch batch;
   begin_batches(job, worker, buffers, batch);
-  batch.force = force;
+  batch.force = worker.results_end - N * 3 * lanes;
   *worker.present = &batch;
   const auto one = [&](const auto& rows, const auto& cells) __attribute__((always_inline)) {
     one_batch<N>(job, worker, rows, cells, buffers, batch);

@@ -79,7 +79,9 @@ static inline BatchRows live_rows(const uint8_t* live, uint32_t row, uint32_t co
 }
 
 /// The memory of one thread; never shared. `scratch` is 64-byte aligned and holds
-/// scratch_doubles(job); the pointer lists have one entry per declared column.
+/// scratch_doubles(job); the pointer lists have one entry per declared column. Results of a
+/// function of the plugin end at `results_end`, where memory ends that it may write
+/// (guarded_array.hpp).
 struct Worker {
   const suture_context* context;
   double* scratch;
@@ -96,7 +98,11 @@ struct Worker {
   void (*thrown)(void* data);
   void* data;
   const suture_batch** present;  ///< set to the batch whose plugin is called, null after
+  double* results_end;           ///< of max_results doubles, 64-byte aligned
+  double* more_results_end;      ///< the same again, for a function with two results
 };
+/// Bounds of a hexahedron fit; forces and fields are smaller.
+enum : uint32_t { max_results = 8 * 6 * 8 };
 
 /// Arrays that a batch points into.
 struct alignas(64) Buffers {

@@ -10,9 +10,9 @@ namespace {
 
 using namespace suture::loops;
 
-/// Directions of a batch and their image.
+/// Directions of a batch.
 struct alignas(64) Vectors {
-  double dx[8 * 3 * lanes], dv[8 * 3 * lanes], df[8 * 3 * lanes];
+  double dx[8 * 3 * lanes], dv[8 * 3 * lanes];
 };
 
 /// Those of velocities stay zero for a functor that reads none.
@@ -35,6 +35,7 @@ void tangents_of(const Job& job, const Worker& worker, const Rows* ranges, uint3
                  const Product<Real>& product) {
   Buffers buffers;
   Vectors vectors = {};
+  double* const df = worker.results_end - N * 3 * lanes;
   suture_batch batch;
   begin_batches(job, worker, buffers, batch);
   *worker.present = &batch;
@@ -42,10 +43,10 @@ void tangents_of(const Job& job, const Worker& worker, const Rows* ranges, uint3
     gather_batch<N>(job, worker, rows, cells, buffers, batch);
     gather_directions<N>(product, job.velocity != nullptr, cells, vectors);
     const suture_status status =
-        product.function(worker.context, &batch, vectors.dx, vectors.dv, vectors.df);
+        product.function(worker.context, &batch, vectors.dx, vectors.dv, df);
     if (status != 0) return worker.failed(worker.data, status, &batch);
     for (uint32_t n = 0; n < N; ++n)
-      scatter_direction(product.out, cells, n, rows.valid, vectors.df + n * 3 * lanes);
+      scatter_direction(product.out, cells, n, rows.valid, df + n * 3 * lanes);
   };
   try {
     for (uint32_t i = 0; i < count; ++i) for_each_batch<N>(job, ranges[i], one);

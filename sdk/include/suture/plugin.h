@@ -315,8 +315,12 @@ typedef struct suture_functor {
 
 enum suture_model_flag {
   SUTURE_CONTINUUM = 1u << 0, /* an inverted element is an error by default */
-  SUTURE_LINEAR = 1u << 1     /* linear in displacements by design: for small rotations only,
+  SUTURE_LINEAR = 1u << 1,    /* linear in displacements by design: for small rotations only,
                                  so its forces need not turn with the body */
+  SUTURE_ACTIVE = 1u << 2     /* its energy or its forces at given positions change with time,
+                                 such as those of a muscle: the body may have no rest state,
+                                 and the host books the work of the forces instead of the
+                                 energy. Hosts older than this flag refuse the model by name */
 };
 
 /* A physics model. Static const data; lives as long as the program. */

@@ -48,7 +48,8 @@ Json to_json(const SampleOptions& sample) {
           {"differs", sample.set.differs},
           {"is_first", sample.set.is_first},
           {"shape", static_cast<int>(sample.shape)},
-          {"seed", sample.seed}};
+          {"seed", sample.seed},
+          {"time", sample.time}};
 }
 
 SampleOptions sample_from(const Json& json) {
@@ -60,6 +61,7 @@ SampleOptions sample_from(const Json& json) {
   if (shape < 0 || shape > 2) throw InputError("\"shape\" must be 0, 1 or 2");
   sample.shape = static_cast<SampleShape>(shape);
   sample.seed = json.at("seed").get<std::uint64_t>();
+  sample.time = json.value("time", 0.0);
   return sample;
 }
 

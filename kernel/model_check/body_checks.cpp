@@ -74,9 +74,10 @@ NodalValues observed(SampleBody& sample) {
     all.insert(all.end(), more.begin(), more.end());
   };
   append(sample.at_vertices(sample.body().attributes().mass(), 1));
-  append({sample.body().models().energy(0)});
+  append({sample.body().models().energy(sample.options().time)});
   for (const suture_functor* functor : sample.functors())
-    for (const CellBatch& batch : sample.batches(*functor, 1)) {
+    for (CellBatch& batch : sample.batches(*functor, 1)) {
+      batch.time = sample.options().time;
       const CellForces out = BatchCaller(sample.instance()).force(batch);
       append({out.force.begin(), out.force.end()});
       for (const auto& trial : out.trial) append({trial.begin(), trial.end()});
@@ -102,8 +103,8 @@ bool changes(const suture_model& model, const SampleOptions& options, std::size_
   }
 }
 
-/// The same with other values and states: a parameter may act only beyond a threshold, or in
-/// tension or compression.
+/// The same with other values, states and times: a parameter may act only beyond a threshold, in
+/// tension or compression, or from a time on.
 bool has_effect(const suture_model& model, const SampleOptions& options, std::size_t parameter) {
   SampleOptions all_on = options;
   all_on.set = with_everything_on(model, options.set);
@@ -114,7 +115,10 @@ bool has_effect(const suture_model& model, const SampleOptions& options, std::si
         double& value = tried.set.values[parameter];
         if (!admits(model.parameters[parameter], value * factor)) continue;
         value *= factor;
-        if (changes(model, tried, parameter)) return true;
+        for (const double time : sample_times(model, tried.set)) {
+          tried.time = time;
+          if (changes(model, tried, parameter)) return true;
+        }
       }
   return false;
 }
@@ -173,12 +177,12 @@ Result cut(const BodyCase& of) {
   SampleBody& sample = of.sample;
   Body& body = sample.body();
   const double mass = total(sample.at_vertices(body.attributes().mass(), 1));
-  const double energy = body.models().energy(0);
+  const double energy = body.models().energy(sample.options().time);
   const Vec3 before = momentum(sample);
   body.cut(inner_faces(body.complex()));
   const double lost_mass =
       std::abs(total(sample.at_vertices(body.attributes().mass(), 1)) / mass - 1);
-  const double gained = energy > 0 ? body.models().energy(0) / energy - 1 : 0;
+  const double gained = energy > 0 ? body.models().energy(sample.options().time) / energy - 1 : 0;
   double lost_momentum = 0;
   for (std::size_t c = 0; c < 3 && gives_mass(sample.model()); ++c)
     lost_momentum =
@@ -200,7 +204,8 @@ Result parameters(const BodyCase& of) {
       if (model.parameters[p].type != SUTURE_NUMBER) continue;
       if (!has_effect(model, options, p))
         throw BrokenLaw(std::string("parameter '") + model.parameters[p].name +
-                        "' changes neither forces nor energies, masses or states");
+                        "' changes neither forces nor energies, masses or states at any time that "
+                        "the parameters name");
     }
   }
   return Measured{};

@@ -121,6 +121,12 @@ PluginCall BatchCaller::describe_call(const char* name, const CellBatch& in,
 
 void BatchCaller::reset_error() { reset(*instance_.context(worker_).error); }
 
+void BatchCaller::require_no_warning() {
+  Diagnostics found;
+  deliver_plugin_warnings(found);
+  if (!found.warnings().empty()) throw PluginError(found.warnings().front());
+}
+
 void BatchCaller::refused(const char* name, const CellBatch& in, const suture_batch& batch) {
   throw NumericalError(
       describe(describe_call(name, in, batch)) +

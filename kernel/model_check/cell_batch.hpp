@@ -36,7 +36,7 @@ struct CellForces {
 };
 
 /// Calls the functions of an instance's model on batches. A status other than SUTURE_OK throws
-/// NumericalError with the model's message, a fault PluginError.
+/// NumericalError with the model's message, a fault or a warning about the call PluginError.
 class BatchCaller {
  public:
   explicit BatchCaller(Instance& instance, unsigned worker = 0)
@@ -71,12 +71,16 @@ class BatchCaller {
     const PluginCall asked = describe_call(name, in, batch);
     suture_context& context = instance_.context(worker_);
     reset_error();
-    return call_plugin(asked, *context.error, [&] { return function(&context, &batch); });
+    const suture_status status =
+        call_plugin(asked, *context.error, [&] { return function(&context, &batch); });
+    require_no_warning();
+    return status;
   }
 
  private:
   PluginCall describe_call(const char* name, const CellBatch& in, const suture_batch& batch) const;
   void reset_error();
+  static void require_no_warning();
   [[noreturn]] void refused(const char* name, const CellBatch& in, const suture_batch& batch);
 
   Instance& instance_;

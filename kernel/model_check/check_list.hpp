@@ -46,7 +46,7 @@ struct ModelCheck {
   double limit;
   Result (*of_batch)(const BatchCase&);
   Result (*of_body)(const BodyCase&);  ///< exactly one of both is set
-  bool of_nonlinear = false;           ///< not of models that declare themselves SUTURE_LINEAR
+  std::uint32_t unless = 0;            ///< not of models that declare one of these flags
 };
 
 /// All checks, in the order in which they are made.

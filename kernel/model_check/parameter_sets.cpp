@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <span>
 #include <sstream>
 #include <string_view>
@@ -70,6 +71,18 @@ void require_known(const suture_model& model, const std::map<std::string, std::s
                        "' has no such parameter" + did_you_mean(name, names));
 }
 
+/// Required times differ, since most name a beginning and an end.
+void spread_times(const suture_model& model, const std::map<std::string, std::string>& given,
+                  ParameterSet& set) {
+  double times = 0;
+  for (std::size_t i = 0; i < model.parameter_count; ++i) {
+    const suture_parameter& p = model.parameters[i];
+    if (std::string_view(p.unit) != "s" || (p.flags & SUTURE_REQUIRED) == 0) continue;
+    const double later = set.values[i] * ++times;
+    if (!given.contains(p.name) && admits(p, later)) set.values[i] = later;
+  }
+}
+
 ParameterSet base_set(const suture_model& model, const std::map<std::string, std::string>& given) {
   ParameterSet set{"default values", {}, false, true};
   for (const suture_parameter& p : parameters_of(model)) {
@@ -81,6 +94,7 @@ ParameterSet base_set(const suture_model& model, const std::map<std::string, std
     else
       set.values.push_back((p.flags & SUTURE_REQUIRED) != 0 ? value_in_range(p) : p.default_value);
   }
+  spread_times(model, given, set);
   return set;
 }
 
@@ -137,6 +151,25 @@ std::vector<ParameterSet> parameter_sets(const suture_model& model,
   }
   if (may_differ) sets.push_back({"values that differ", sets.front().values, true, false});
   return sets;
+}
+
+std::vector<double> sample_times(const suture_model& model, const ParameterSet& set) {
+  std::set<double> named{0};
+  for (std::size_t i = 0; i < model.parameter_count; ++i) {
+    const std::string_view unit = model.parameters[i].unit;
+    const double value = set.values[i];
+    if (unit == "s") named.insert(value);
+    if (unit == "1/s" || unit == "Hz") named.insert(1 / value);
+  }
+  std::vector<double> times;
+  double last = 0;
+  for (const double time : named) {
+    if (!(time > last) || !std::isfinite(time)) continue;
+    times.push_back(last + 0.6 * (time - last));  // not the middle, where a sine is zero
+    last = time;
+  }
+  times.insert(times.end(), {last > 0 ? 1.4 * last : 1, 0});
+  return times;
 }
 
 ParameterSet with_everything_on(const suture_model& model, ParameterSet set) {

@@ -28,6 +28,11 @@ std::vector<ParameterSet> parameter_sets(const suture_model& model,
 /// All numbers that are 0 by default take another value, so that what they switch on runs.
 ParameterSet with_everything_on(const suture_model& model, ParameterSet set);
 
+/// Times at which a model is checked, s: 0, and one in every interval between the times that its
+/// parameters name (those in s, and the periods of those in 1/s and Hz) and after the last one, so
+/// that what begins, grows or ends there is seen.
+std::vector<double> sample_times(const suture_model& model, const ParameterSet& set);
+
 /// Whether the range of the parameter includes the number.
 bool admits(const suture_parameter& parameter, double value);
 

@@ -159,6 +159,7 @@ void SampleBody::deform() {
 }
 
 void SampleBody::go_to_rest() {
+  options_.time = 0;
   Attributes& attributes = body_.attributes();
   for (Index v = 0; v < attributes.vertex_count(); ++v)
     for (int c = 0; c < 3; ++c) attributes.position().set(v, c, attributes.rest().get(v, c));
@@ -198,10 +199,12 @@ std::vector<Index> SampleBody::cells_of(const suture_functor& functor) {
 
 std::vector<CellBatch> SampleBody::batches(const suture_functor& functor, std::size_t count) {
   std::vector<Index> cells = cells_of(functor);
+  const std::vector<double> times = sample_times(model_, options_.set);
   std::vector<CellBatch> batches;
   for (std::size_t i = 0; i < count && !cells.empty(); ++i) {
     std::ranges::shuffle(cells, random_);
     batches.push_back(gather_cells(body_, instance(), functor, cells));
+    batches.back().time = times[(i + static_cast<std::size_t>(options_.shape)) % times.size()];
   }
   return batches;
 }
@@ -216,7 +219,7 @@ std::vector<double> SampleBody::at_vertices(Column& column, int components) cons
 std::vector<double> SampleBody::forces() {
   Column& force = body_.attributes().force();
   std::fill(force.rows(), force.rows() + std::size_t{force.size()} * 4, 0.0);
-  body_.models().add_forces(0, 0);
+  body_.models().add_forces(options_.time, 0);
   return at_vertices(force);
 }
 

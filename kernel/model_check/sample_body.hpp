@@ -24,6 +24,7 @@ struct SampleOptions {
   double irregular = 0;  ///< how far one node is moved at rest, in edges
   double scale = 1;      ///< of the rest shape
   double stretch = 1;    ///< of the state, in all directions
+  double time = 0;       ///< s, at which forces of the whole body are computed
   bool halves = false;   ///< two instances, on the halves of the body
 };
 
@@ -42,13 +43,14 @@ class SampleBody {
 
   /// Functors that run with these parameters.
   std::vector<const suture_functor*> functors();
-  /// Up to 8 cells of a functor, chosen at random. Empty if none has the functor's shape.
+  /// Up to 8 cells of a functor, chosen at random, at different times (sample_times). Empty if none
+  /// has the functor's shape.
   std::vector<CellBatch> batches(const suture_functor& functor, std::size_t count);
 
   /// Forces of all functors, 3 numbers per vertex.
   std::vector<double> forces();
   std::vector<double> at_vertices(Column& column, int components = 3) const;
-  /// Moves all vertices to their places at rest, without velocities.
+  /// Moves all vertices to their places at rest, without velocities, at time 0.
   void go_to_rest();
   void stop();  ///< without velocities
 

@@ -15,6 +15,7 @@ namespace {
 std::vector<const suture_model*> builds_of(const std::string& id) {
   static PluginHost host;
   static const bool added = (host.add_file(TEST_PLUGINS "/planted-faults.so"),
+                             host.add_file(TEST_PLUGINS "/active-laws.so"),
                              host.add_file(SDK_PLUGINS "/neo-hooke.so"), true);
   EXPECT_TRUE(added);
   std::vector<const suture_model*> models;
@@ -68,7 +69,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Planted{"energy-unset", "outputs"}, Planted{"bounds-outside", "outputs"},
                     Planted{"field-unset", "outputs"}, Planted{"isa", "builds"},
                     Planted{"one-node-off", "gradient"}, Planted{"velocity-drag", "balance"},
-                    Planted{"allocates", "allocations"}),
+                    Planted{"allocates", "allocations"},
+                    Planted{"active-ignores-end", "parameters"},
+                    Planted{"active-fixed-axis", "objectivity"}),
     [](const auto& test) {
       std::string name = test.param.fault;
       std::erase(name, '-');
@@ -101,10 +104,10 @@ TEST_P(PlantedFaults, IsFoundAgainWhereItWasFound) {
 
 class GoodModels : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(ModelCheck, GoodModels,
-                         testing::Values("none", "neo-hooke", "corotational", "damage",
-                                         "damage-springs", "fibres", "hooke", "mooney-rivlin",
-                                         "mss-baudet", "mss-golec", "neo-hookean", "tm-faure",
-                                         "visco"),
+                         testing::Values("none", "neo-hooke", "active-muscle", "active-tone",
+                                         "corotational", "damage", "damage-springs", "fibres",
+                                         "hooke", "mooney-rivlin", "mss-baudet", "mss-golec",
+                                         "neo-hookean", "tm-faure", "visco"),
                          [](const auto& test) {
                            std::string name = test.param;
                            std::erase(name, '-');
@@ -140,6 +143,26 @@ TEST(ModelCheck, ModelsThatDeclareThemselvesLinearNeedNotBeObjective) {
   const suture_model* const only[] = {&undeclared};
   for (const char* law : {"objectivity", "balance"})
     EXPECT_EQ(make_check(find_check(law), only, sets, 1).status, CheckOutcome::Status::failed);
+}
+
+// What acts at all times leaves no rest state, and may pull a stretched body together.
+TEST(ModelCheck, ModelsThatDeclareThemselvesActiveNeedNoRestState) {
+  const auto builds = builds_of("active-tone");
+  const auto sets = parameter_sets(*builds.front(), {});
+  for (const char* law : {"rest", "stiffness"})
+    EXPECT_EQ(make_check(find_check(law), builds, sets, 1).text, "declared active");
+  suture_model undeclared = *builds.front();
+  undeclared.flags = SUTURE_CONTINUUM;
+  const suture_model* const only[] = {&undeclared};
+  EXPECT_EQ(make_check(find_check("rest"), only, sets, 1).status, CheckOutcome::Status::failed);
+}
+
+TEST(ModelCheck, TimesAreSampledInEveryIntervalThatParametersName) {
+  const auto builds = builds_of("active-muscle");
+  ParameterSet set = parameter_sets(*builds.front(), {{"from", "0.5"}, {"to", "2"}}).front();
+  EXPECT_EQ(sample_times(*builds.front(), set), (std::vector<double>{0.3, 1.4, 2.8, 0}));
+  set.values[3] = set.values[4] = 0;
+  EXPECT_EQ(sample_times(*builds.front(), set), (std::vector<double>{1, 0}));
 }
 
 TEST(ModelCheck, ValuesOfParametersCanBeGiven) {

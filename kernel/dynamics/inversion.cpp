@@ -50,7 +50,7 @@ std::vector<Index> forbidden(const Body& body, const std::vector<Index>& inverte
   return found;
 }
 
-/// The first element of a group of more than few_inverted, or `none`. `elements`: ascending.
+/// The first element of a group of more than few_turned, or `none`. `elements`: ascending.
 Index first_of_many(const CellComplex& complex, const std::vector<Index>& elements) {
   std::vector<bool> visited(elements.size());
   for (std::size_t first = 0; first < elements.size(); ++first) {
@@ -66,7 +66,7 @@ Index first_of_many(const CellComplex& complex, const std::vector<Index>& elemen
         if (!visited[place]) group.push_back(place);
         visited[place] = true;
       }
-    if (group.size() > few_inverted) return elements[first];
+    if (group.size() > few_turned) return elements[first];
   }
   return none;
 }
@@ -89,13 +89,11 @@ Inversion judge_inversion(Body& body, const std::vector<Index>& inverted,
   Inversion result;
   if (all.empty()) return result;
   result.first = all.front();
-  if (all.size() * elements_per_inverted > body.complex().existing(3))
-    result.grave = all.front();
-  else
-    result.grave = first_of_many(body.complex(), all);
-  if (result.grave == none)
-    std::ranges::copy_if(all, std::back_inserter(result.turned),
-                         [&](Index e) { return has_turned(body, e); });
+  std::ranges::copy_if(all, std::back_inserter(result.turned),
+                       [&](Index e) { return has_turned(body, e); });
+  const bool are_many =
+      all.size() * 100 > std::size_t{percent_inverted} * body.complex().existing(3);
+  result.grave = are_many ? result.first : first_of_many(body.complex(), result.turned);
   return result;
 }
 

@@ -14,23 +14,19 @@ std::vector<Index> find_inverted(const CellComplex& complex, Attributes& attribu
 /// The inverted elements except for those in `allowed` (ascending).
 std::vector<Index> find_inverted(Body& body, const std::vector<Index>& allowed);
 
-/// Inverted elements that share faces form a group. A group of at most this many elements says
-/// nothing about the body: it hangs on a lip, or at a step of voxels.
-constexpr Index few_inverted = 8;
-/// The body has at least this many elements for each inverted one, else they are part of what it
-/// shows.
-constexpr Index elements_per_inverted = 100;
+/// A body bears so many inverted elements, in per cent. Most of them only have a corner that is
+/// folded, where no element evaluates its law: cubes on the lip of a cut, or at a step of voxels.
+constexpr Index percent_inverted = 3;
+/// Elements that have turned inside out (the Jacobian is <= 0 at a Gauss point, too) and share
+/// faces form a group. The body bears groups of at most this many.
+constexpr Index few_turned = 8;
 
 /// What inverted elements of instances with `forbids[instance]` mean.
 struct Inversion {
-  Index first = none;  ///< of them
-  /// The first one that ends a run, or `none`: its group is larger than few_inverted, or all of
-  /// them are more than the body has for elements_per_inverted.
+  Index first = none;         ///< of them
+  std::vector<Index> turned;  ///< those that have turned inside out, ascending
+  /// The first one that the body does not bear, so that it ends a run, or `none`.
   Index grave = none;
-  /// Those that have turned inside out, ascending, if none is grave: at a Gauss point the Jacobian
-  /// is <= 0, too. All others only have a corner that is folded, where no element evaluates its
-  /// law.
-  std::vector<Index> turned;
 };
 /// `inverted`: ascending. O(inverted elements), nothing without any.
 Inversion judge_inversion(Body& body, const std::vector<Index>& inverted,

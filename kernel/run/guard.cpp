@@ -28,8 +28,7 @@ void require_finite(const EnergyBalance& energies, const Motion& motion) {
 /// Why a few inverted elements do not end a run, and what prevents them.
 std::string few_text(const BuiltScene& built, Index element) {
   std::ostringstream text;
-  text << "at most " << few_inverted << " that share faces, and one in " << elements_per_inverted
-       << " of the body, do not stop it";
+  text << "up to " << percent_inverted << " % of the elements do not stop it";
   const std::string stiffer = stiffer_element(built, element);
   return text.str() + (stiffer.empty() ? "" : "; " + stiffer + " resists it more");
 }

@@ -93,7 +93,7 @@ Inversion judge_inversion(Body& body, const std::vector<Index>& inverted,
                        [&](Index e) { return has_turned(body, e); });
   const bool are_many =
       all.size() * 100 > std::size_t{percent_inverted} * body.complex().existing(3);
-  result.grave = are_many ? result.first : first_of_many(body.complex(), result.turned);
+  result.fatal = are_many ? result.first : first_of_many(body.complex(), result.turned);
   return result;
 }
 

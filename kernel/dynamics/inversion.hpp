@@ -23,10 +23,10 @@ constexpr Index few_turned = 8;
 
 /// What inverted elements of instances with `forbids[instance]` mean.
 struct Inversion {
-  Index first = none;         ///< of them
+  Index first = none;         ///< the first of them
   std::vector<Index> turned;  ///< those that have turned inside out, ascending
   /// The first one that the body does not bear, so that it ends a run, or `none`.
-  Index grave = none;
+  Index fatal = none;
 };
 /// `inverted`: ascending. O(inverted elements), nothing without any.
 Inversion judge_inversion(Body& body, const std::vector<Index>& inverted,

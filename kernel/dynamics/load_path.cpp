@@ -67,7 +67,7 @@ void LoadPath::return_from(const NumericalError& error) {
 void LoadPath::refuse_inversion() const {
   Body& body = motion_.body();
   const Inversion found = judge_inversion(body, find_inverted(body, inverted_), forbids_inversion_);
-  const Index element = found.turned.empty() ? found.grave : found.turned.front();
+  const Index element = found.turned.empty() ? found.fatal : found.turned.front();
   if (element == none) return;
   const Index number = body.user_element(element);
   throw NumericalError("the solution turns element " + std::to_string(number) + " inside out",

@@ -90,15 +90,15 @@ void Guard::check_inversion(std::uint64_t step, double time) {
   const Inversion judged = judge_inversion(built_.body(), inverted, stops_);
   const bool first_time = worst_inverted_ == 0;
   worst_inverted_ = std::max(worst_inverted_, static_cast<Index>(inverted.size()));
-  if (!first_time && judged.grave == none) return;
+  if (!first_time && judged.fatal == none) return;
   Index shown = judged.first != none ? judged.first : inverted.front();
-  if (judged.grave != none) shown = judged.grave;
+  if (judged.fatal != none) shown = judged.fatal;
   std::ostringstream text;
   text << inverted.size() << (inverted.size() == 1 ? " element is" : " elements are")
        << " inverted (a corner Jacobian <= 0): element " << built_.element_name(shown) << " at "
        << built_.place_of(shown) << (inverted.size() > 1 ? " and others" : "");
-  if (judged.grave != none) {
-    grave_ = judged.grave;
+  if (judged.fatal != none) {
+    fatal_ = judged.fatal;
     throw NumericalError(text.str());
   }
   std::ostringstream when;
@@ -110,7 +110,7 @@ void Guard::check_inversion(std::uint64_t step, double time) {
 
 void Guard::state(Archive& archive) {
   archive("worst inverted", worst_inverted_);
-  archive("grave", grave_);
+  archive("fatal", fatal_);
   archive("noise", noise_);
   archive("stored rounding", stored_rounding_);
   archive("last", last_);

@@ -54,8 +54,8 @@ class Guard {
   void after_jump() { stored_rounding_ = 0; }
   /// The largest number at once.
   std::uint64_t inverted_elements() const { return worst_inverted_; }
-  /// The last one whose inversion was not allowed, or `none`.
-  Index grave_element() const { return grave_; }
+  /// The element that the last inversion that ends a run was reported at, or `none`.
+  Index fatal_element() const { return fatal_; }
   void state(Archive& archive);
 
  private:
@@ -68,7 +68,7 @@ class Guard {
   std::vector<bool> stops_;              ///< whether inversion stops the run, by instance
   std::vector<Index> inverted_at_rest_;  ///< allowed by the scene, ascending
   Index worst_inverted_ = 0;             ///< in addition to those
-  Index grave_ = none;
+  Index fatal_ = none;                   ///< see fatal_element()
   double noise_ = 0;            ///< an estimate of the energy that rounding has added so far, J
   double stored_rounding_ = 0;  ///< of one evaluation of the stored energy, J; 0: not known yet
   EnergyBalance last_;

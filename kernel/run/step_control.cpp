@@ -424,10 +424,10 @@ std::string StepControl::advice(const NumericalError& error) const {
     return "Set /solver/dt to \"auto\", which tries smaller steps; if that fails too, the load "
            "exceeds the range of the material law or the mesh";
   text << "Smaller steps do not help: ";
-  if (guard_.grave_element() != none) {
+  if (guard_.fatal_element() != none) {
     text << "the load exceeds the range of the material law or the mesh. Reduce or ramp it, refine "
             "the mesh there, choose another model, ";
-    const std::string stiffer = stiffer_element(built_, guard_.grave_element());
+    const std::string stiffer = stiffer_element(built_, guard_.fatal_element());
     if (!stiffer.empty()) text << "set " << stiffer << ", ";
     text << "or set on_inversion of the model to \"warn\"";
   } else {

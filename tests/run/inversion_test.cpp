@@ -64,7 +64,7 @@ TEST(Inversion, AFoldedCornerOfALargeBodyIsReportedOnceAndDoesNotEndTheRun) {
   Built body(cube(5, "neo-hookean"));
   body.move({0, 0, 0}, {0.4, 0.4, 0.4});  // a corner Jacobian of 1 - 1.2
   ASSERT_EQ(body.judge().first, 0u);
-  EXPECT_EQ(body.judge().grave, none);
+  EXPECT_EQ(body.judge().fatal, none);
   EXPECT_TRUE(body.judge().turned.empty());
   body.check();
   body.check();
@@ -91,9 +91,9 @@ TEST(Inversion, TheAdviceIsNotWhatTheSceneFollowsAlready) {
 TEST(Inversion, AFoldedCornerOfASmallBodyEndsTheRun) {
   Built body(cube(3, "neo-hookean"));  // 27 elements
   body.move({0, 0, 0}, {0.4, 0.4, 0.4});
-  EXPECT_EQ(body.judge().grave, 0u);
+  EXPECT_EQ(body.judge().fatal, 0u);
   EXPECT_THROW(body.check(), NumericalError);
-  EXPECT_EQ(body.guard.grave_element(), 0u);
+  EXPECT_EQ(body.guard.fatal_element(), 0u);
 }
 
 /// The first vertices of an edge of a cube of 1000 elements, moved inwards along the diagonal of a
@@ -108,24 +108,24 @@ Inversion fold_edge(Index vertices, double inwards) {
 TEST(Inversion, MoreThanEightElementsThatTurnedTogetherEndTheRun) {
   const Inversion eight = fold_edge(few_turned, 1.4), nine = fold_edge(few_turned + 1, 1.4);
   EXPECT_GE(eight.turned.size(), few_turned - 1);
-  EXPECT_EQ(eight.grave, none);
+  EXPECT_EQ(eight.fatal, none);
   EXPECT_EQ(nine.turned.size(), few_turned + 1);
-  EXPECT_EQ(nine.grave, 0u);
+  EXPECT_EQ(nine.fatal, 0u);
 }
 
 TEST(Inversion, FoldedCornersSideBySideDoNot) {
   const Inversion nine = fold_edge(few_turned + 1, 0.6);
   EXPECT_EQ(nine.first, 0u);
   EXPECT_TRUE(nine.turned.empty());
-  EXPECT_EQ(nine.grave, none);
+  EXPECT_EQ(nine.fatal, none);
 }
 
 TEST(Inversion, ManyFoldedCornersEndTheRunTogether) {
   Built body(cube(4, "neo-hookean"));  // 64 elements
   body.move({0, 0, 0}, {0.4, 0.4, 0.4});
-  EXPECT_EQ(body.judge().grave, none);
+  EXPECT_EQ(body.judge().fatal, none);
   body.move({4, 4, 4}, {3.6, 3.6, 3.6});
-  EXPECT_EQ(body.judge().grave, 0u);
+  EXPECT_EQ(body.judge().fatal, 0u);
 }
 
 }  // namespace

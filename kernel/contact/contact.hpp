@@ -163,6 +163,8 @@ class Contact final : public Follower {
   void record(std::span<const Force> forces, double time, double heat);
   /// Those of that term, in the last step.
   const EnteredSides& sides() const { return sides_; }
+  /// Call when positions jump: what was on the other side may be meant to be there.
+  void forget_sides() { sides_.clear(); }
   /// The distance of each vertex of the boundary from the nearest obstacle at `time`, less the
   /// thickness; NaN for other vertices. m
   std::vector<double> gaps(double time) const;

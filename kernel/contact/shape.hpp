@@ -59,7 +59,7 @@ struct Ball {
 };
 Ball ball_around(const Shape& shape);
 /// The distance of the nearest two sides of the shape that face away from each other; infinite for
-/// a half-space, and at least half of it for triangles. m
+/// a half-space, at least a third of it for a plate of triangles. m
 double thickness(const Shape& shape);
 /// The second largest of its three extents, of a rod its diameter; infinite for a half-space. m
 double width(const Shape& shape);

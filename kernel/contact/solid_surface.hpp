@@ -39,7 +39,7 @@ class SolidSurface {
   /// The surface, with the middle of its box at the origin.
   const TriangleSurface& surface() const { return surface_; }
   double radius() const { return radius_; }  ///< of the ball around the origin that contains it, m
-  /// Of the solid, at the centroids of the triangles; between half of the smallest one and it, m.
+  /// Twice the radius of a ball that fits inside at the centroid of every triangle, m.
   double thickness() const { return thickness_; }
   /// Of the box around it along the principal axes of its points, m.
   std::array<double, 3> extents() const;

@@ -191,6 +191,7 @@ void RunLoop::change_motion(const std::function<void(Attributes&)>& change) {
       require_finite(attributes.position(), "the position", built_);
       require_finite(attributes.velocity(), "the velocity", built_);
       built_.body().constraints().apply(attributes, clock_.time());
+      if (Contact* contact = built_.body().contact()) contact->forget_sides();
     } catch (...) {
       failure = std::current_exception();
       restore(attributes.position(), position);

@@ -16,8 +16,6 @@ namespace {
 
 constexpr double rounding = 1e-12;
 
-double length(const Vec3& a) { return std::sqrt(dot(a, a)); }
-
 /// Times between which two motions do not separate if they agree at them all: motions follow ramps,
 /// and not every turn between these times can be a whole one.
 std::array<double, 6> times_of(const TimeRamp& a, const TimeRamp& b) {
@@ -30,8 +28,8 @@ std::array<double, 6> times_of(const TimeRamp& a, const TimeRamp& b) {
 bool agree(const PrescribedMotion& a, const PrescribedMotion& b, const Vec3& rest,
            std::size_t component) {
   if (!a.moves() && !b.moves()) return true;
-  const double scale = length(rest) + length(a.centre) + length(b.centre) + length(a.translation) +
-                       length(b.translation);
+  const double scale =
+      norm(rest) + norm(a.centre) + norm(b.centre) + norm(a.translation) + norm(b.translation);
   return std::ranges::all_of(times_of(a.ramp, b.ramp), [&](double t) {
     const Vec3 gap = minus(prescribed_position(a, rest, t), prescribed_position(b, rest, t));
     return std::abs(gap[component]) <= rounding * scale;

@@ -17,8 +17,6 @@
 namespace suture {
 namespace {
 
-double length(const Vec3& a) { return std::sqrt(dot(a, a)); }
-
 // Whether a point lies in a geometric selection. `diagonal`: of the mesh, m.
 struct Contains {
   const Vec3& p;
@@ -33,14 +31,12 @@ struct Contains {
   bool operator()(const Selection::Plane& s) const {
     const double tolerance =
         s.tolerance < 0 ? Selection::default_tolerance * diagonal : s.tolerance;
-    return std::abs(dot(minus(p, s.point), s.normal)) <= tolerance * length(s.normal);
+    return std::abs(dot(minus(p, s.point), s.normal)) <= tolerance * norm(s.normal);
   }
   bool operator()(const Selection::HalfSpace& s) const {
     return dot(minus(p, s.point), s.normal) >= 0;
   }
-  bool operator()(const Selection::Sphere& s) const {
-    return length(minus(p, s.centre)) <= s.radius;
-  }
+  bool operator()(const Selection::Sphere& s) const { return norm(minus(p, s.centre)) <= s.radius; }
   bool operator()(const Selection::Nearest&) const { return false; }
   bool operator()(const Selection::Ids&) const { return false; }
   bool operator()(const Selection::Named&) const { return false; }
@@ -54,7 +50,7 @@ Box box_of(const Column& places) {
   return box;
 }
 
-double diagonal_of(const Box& box) { return length(minus(box.high, box.low)); }
+double diagonal_of(const Box& box) { return norm(minus(box.high, box.low)); }
 
 std::vector<std::string> set_names(const std::map<std::string, std::vector<Index>>& a,
                                    const std::map<std::string, std::vector<Index>>& b) {
@@ -154,7 +150,7 @@ std::vector<Index> Selector::located(const Selection& selection, Index count, Ex
     if (!exists(cell)) continue;
     const Vec3 place = at(cell);
     if (contains(selection, place)) result.push_back(cell);
-    const double distance = near ? length(minus(place, near->point)) : nearest;
+    const double distance = near ? norm(minus(place, near->point)) : nearest;
     if (near && distance < nearest - near->tie) {
       nearest = distance;
       result.assign(1, cell);

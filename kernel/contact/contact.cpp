@@ -464,7 +464,8 @@ void Contact::state(Archive& archive) {
   archive.member("pushed by", obstacle_forces_, &ObstacleForce::obstacle);
   archive.member("pushes", obstacle_forces_, &ObstacleForce::force);
   archive.rows<double>("loads", loads_);
-  archive("sides", sides_);
+  archive.group("sides",
+                [&] { sides_.state(archive, obstacles_.size(), attributes_.vertex_count()); });
   for (std::size_t i = 0; i < tools_.size(); ++i)
     if (tools_[i]) archive(("tool " + obstacles_[i].name).c_str(), *tools_[i]);
   archive("work", work_);

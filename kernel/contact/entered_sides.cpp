@@ -40,11 +40,15 @@ void EnteredSides::follow(const CellComplex& complex, const TopologyChange& chan
   find_places();
 }
 
-void EnteredSides::state(Archive& archive) {
+void EnteredSides::state(Archive& archive, std::size_t obstacles, Index vertices) {
   archive.member("vertices", sides_, &Side::vertex);
   archive.member("obstacles", sides_, &Side::obstacle);
   archive.member("outside", sides_, &Side::outside);
-  if (archive.loads()) find_places();
+  if (!archive.loads()) return;
+  for (const Side& side : sides_)
+    archive.require(side.obstacle < obstacles && side.vertex < vertices,
+                    "contact is that of another body");
+  find_places();
 }
 
 }  // namespace suture

@@ -21,7 +21,8 @@ class EnteredSides {
 
   /// Vertices that separate from one that touches keep its side.
   void follow(const CellComplex& complex, const TopologyChange& change);
-  void state(Archive& archive);
+  /// `obstacles`, `vertices`: how many there are.
+  void state(Archive& archive, std::size_t obstacles, Index vertices);
 
  private:
   struct Side {

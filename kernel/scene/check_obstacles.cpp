@@ -152,9 +152,10 @@ void check_obstacles(BuiltScene& built, const Contact& contact, Diagnostics& dia
   for (const Obstacle& obstacle : contact.obstacles()) {
     complain(obstacle, too_fast(obstacle, contact, built.scene().solver, 0));
     warn_of_far_obstacle(obstacle, contact, middle, diagnostics);
-    warn_of_narrow_obstacle(obstacle, contact, diagnostics);
   }
   if (!mistakes.empty()) throw InputError(mistakes);
+  for (const Obstacle& obstacle : contact.obstacles())
+    warn_of_narrow_obstacle(obstacle, contact, diagnostics);
 }
 
 }  // namespace suture

@@ -13,14 +13,14 @@ namespace suture {
 // divided into 10^8 cells, neither overflows nor underflows. Readers check what they read.
 inline constexpr double shortest_length = 1e-30, longest_length = 1e30;
 
-/// Of coordinates and displacements; false if x is not finite.
+/// Whether x can be a coordinate or a displacement; false if it is not finite.
 inline bool is_safe_coordinate(double x) { return std::abs(x) <= longest_length; }
 inline bool is_safe_point(const Vec3& p) { return std::ranges::all_of(p, is_safe_coordinate); }
 
-/// Of radii, sizes and distances between different points.
+/// Whether x can be a radius, a size, or a distance between different points.
 inline bool is_safe_length(double x) { return x >= shortest_length && x <= longest_length; }
 
-/// Of directions, which have no unit: their length is squared.
+/// Whether a can be a direction, which has no unit but a length that is squared.
 inline bool is_safe_direction(const Vec3& a) {
   return is_safe_length(std::max({std::abs(a[0]), std::abs(a[1]), std::abs(a[2])}));
 }

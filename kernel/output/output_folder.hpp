@@ -100,9 +100,9 @@ class OutputFolder {
   std::set<std::string> own_;        ///< kept or announced
   std::set<std::string> announced_;  ///< by this process
   std::map<std::string, std::string> kept_lists_;
-  std::string run_;  ///< the identity of this one, or ""
-  std::set<std::string> listed_runs_,
-      continued_runs_;  ///< in `.suture-run`; those that are resumed
+  std::string run_;                       ///< the identity of this one, or ""
+  std::set<std::string> listed_runs_;     ///< in `.suture-run`
+  std::set<std::string> continued_runs_;  ///< those whose results this one continues
 };
 
 }  // namespace suture

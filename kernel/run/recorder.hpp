@@ -66,7 +66,7 @@ class Recorder {
   std::string collection() const;
   /// The records on disk and those held back; later records are appended.
   void state(Archive& archive);
-  /// Of a resumed run: the number of earlier frames whose files are not in the folder.
+  /// The number of frames of the part before a resumption whose files are not in the folder.
   std::size_t missing_frames() const;
   std::string mode_collection() const;  ///< "" if no mode was written
   const std::vector<FieldChoice>& fields() const { return fields_; }

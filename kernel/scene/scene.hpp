@@ -165,9 +165,10 @@ struct CheckpointOptions {
 struct SceneSource {
   std::string text;            ///< JSON, after --set
   std::filesystem::path file;  ///< absolute; mesh and plugin files are relative to its folder
-  std::filesystem::path working_folder;    ///< absolute; the output folder is relative to it
-  std::filesystem::path resumed_folder{};  ///< that of the checkpoint: output goes there unless
-                                           ///< --output names another
+  std::filesystem::path working_folder;  ///< absolute; the output folder is relative to it
+  /// That of the checkpoint from which a run is resumed: output goes there unless --output is
+  /// given.
+  std::filesystem::path resumed_folder{};
 };
 
 struct Scene {

@@ -14,8 +14,7 @@ struct Reading {
   Scene& scene;
   std::filesystem::path folder;          ///< of the scene file
   std::filesystem::path working_folder;  ///< the output folder is relative to it
-  std::filesystem::path
-      resumed_folder;  ///< where output goes unless the command line says otherwise; or ""
+  std::filesystem::path resumed_folder;  ///< that of the checkpoint, if output goes there
   const ModelLookup& lookup;
   Mistakes& mistakes;
   Diagnostics& diagnostics;

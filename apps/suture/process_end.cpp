@@ -38,37 +38,36 @@ std::vector<char*> words_of(const char* first, va_list& more) {
 
 }  // namespace
 
+#pragma GCC visibility push(default)
 extern "C" {
 
-[[gnu::visibility("default")]] void _exit(int code) {  // NOLINT: the library's names
+void _exit(int code) {  // NOLINT: the library's names
   suture::refuse_in_plugin("_exit()");
   suture::leave_process(code);
 }
-[[gnu::visibility("default")]] void _Exit(int code) noexcept { _exit(code); }  // NOLINT
+void _Exit(int code) noexcept { _exit(code); }  // NOLINT
 
-[[gnu::visibility("default")]] int execve(const char* file, Words words,
-                                          Words environment) noexcept {
+int execve(const char* file, Words words, Words environment) noexcept {
   suture::refuse_in_plugin("execve()");
   return become(file, words, environment);
 }
-[[gnu::visibility("default")]] int execv(const char* file, Words words) noexcept {
+int execv(const char* file, Words words) noexcept {
   suture::refuse_in_plugin("execv()");
   return become(file, words, environ);
 }
-[[gnu::visibility("default")]] int execvp(const char* file, Words words) noexcept {
+int execvp(const char* file, Words words) noexcept {
   suture::refuse_in_plugin("execvp()");
   return become_found(file, words, environ);
 }
-[[gnu::visibility("default")]] int execvpe(const char* file, Words words,
-                                           Words environment) noexcept {
+int execvpe(const char* file, Words words, Words environment) noexcept {
   suture::refuse_in_plugin("execvpe()");
   return become_found(file, words, environment);
 }
-[[gnu::visibility("default")]] int fexecve(int file, Words words, Words environment) noexcept {
+int fexecve(int file, Words words, Words environment) noexcept {
   suture::refuse_in_plugin("fexecve()");
   return static_cast<int>(syscall(SYS_execveat, file, "", words, environment, AT_EMPTY_PATH));
 }
-[[gnu::visibility("default")]] int execl(const char* file, const char* first, ...) noexcept {
+int execl(const char* file, const char* first, ...) noexcept {
   suture::refuse_in_plugin("execl()");
   va_list more;
   va_start(more, first);
@@ -76,7 +75,7 @@ extern "C" {
   va_end(more);
   return become(file, words.data(), environ);
 }
-[[gnu::visibility("default")]] int execlp(const char* file, const char* first, ...) noexcept {
+int execlp(const char* file, const char* first, ...) noexcept {
   suture::refuse_in_plugin("execlp()");
   va_list more;
   va_start(more, first);
@@ -84,7 +83,7 @@ extern "C" {
   va_end(more);
   return become_found(file, words.data(), environ);
 }
-[[gnu::visibility("default")]] int execle(const char* file, const char* first, ...) noexcept {
+int execle(const char* file, const char* first, ...) noexcept {
   suture::refuse_in_plugin("execle()");
   va_list more;
   va_start(more, first);
@@ -95,3 +94,4 @@ extern "C" {
 }
 
 }  // extern "C"
+#pragma GCC visibility pop

@@ -3,9 +3,7 @@
 
 #include <cstdint>
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#elif !defined(__aarch64__)
+#if !defined(__x86_64__) && !defined(__aarch64__)
 #error "read and write the floating-point control register of this architecture here"
 #endif
 
@@ -20,7 +18,7 @@ class FloatModes {
   static FloatModes now() {
     FloatModes modes;
 #if defined(__x86_64__)
-    modes.control_ = _mm_getcsr() & ~sse_flags;
+    modes.control_ = __builtin_ia32_stmxcsr() & ~sse_flags;
     __asm__ volatile("fnstcw %0" : "=m"(modes.x87_));
 #else
     __asm__ volatile("mrs %0, fpcr" : "=r"(modes.control_));
@@ -29,7 +27,8 @@ class FloatModes {
   }
   void restore() const {
 #if defined(__x86_64__)
-    _mm_setcsr(static_cast<std::uint32_t>(control_) | (_mm_getcsr() & sse_flags));
+    __builtin_ia32_ldmxcsr(static_cast<std::uint32_t>(control_) |
+                           (__builtin_ia32_stmxcsr() & sse_flags));
     __asm__ volatile("fnclex; fldcw %0" : : "m"(x87_));
 #else
     __asm__ volatile("msr fpcr, %0" : : "r"(control_));

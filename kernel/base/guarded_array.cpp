@@ -79,7 +79,9 @@ GuardHit find_guarded(const void* address) {
   for (const auto* entry = entries.load(); entry != nullptr; entry = entry->next) {
     if (at < entry->mapping || at >= entry->mapping_end) continue;
     const std::uintptr_t begin = entry->data, end = entry->data_end;
-    if (at >= begin && at < end) return {entry->name, entry->advice, false, 0};
+    const bool is_accessible =
+        at >= entry->mapping + guard_bytes && at < entry->mapping_end - guard_bytes;
+    if (is_accessible) return {entry->name, entry->advice, false, 0};
     const bool is_past_end = at >= end;
     constexpr std::size_t one = sizeof(double);
     const std::size_t distance = is_past_end ? (at - end) / one + 1 : (begin - at + one - 1) / one;

@@ -40,8 +40,8 @@ struct GuardHit {
   const char* name = nullptr;  ///< null: nowhere near an array
   const char* advice = nullptr;
   bool is_past_end = false;  ///< otherwise before the beginning
-  /// Doubles: 1 is the first one past the end, or before the beginning; 0 lies in the array, where
-  /// an access fails only if a plugin has changed the protection of its page.
+  /// Doubles: 1 is the first one past the end, or before the beginning; 0 lies between the
+  /// guards, where an access fails only if a plugin has changed the protection of the page.
   std::size_t distance = 0;
 };
 /// Safe in signal handlers.

@@ -16,7 +16,7 @@
 namespace suture {
 namespace {
 
-constexpr const char *list_name = ".suture-run", *mark_name = "unfinished.txt";
+constexpr const char *list_name = ".suture-run", *mark_name = "suture-unfinished.txt";
 constexpr std::string_view run_mark = "run ";  // before the identity of a run; no name of a file
 
 // The list may come from a stranger: a name leads nowhere, and to results only.

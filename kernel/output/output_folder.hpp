@@ -25,7 +25,8 @@ namespace suture {
 ///   are never removed.
 /// - The list also names the runs that wrote the files, if they can be resumed: a run that is
 ///   resumed replaces the results of that run only.
-/// - `unfinished.txt` is there from open() to close() or the destructor. If a process ends without
+/// - `suture-unfinished.txt` is there from open() to close() or the destructor. If a process ends
+/// without
 ///   its last word, such as by a signal or by a plugin, the file stays and says that the results
 ///   are incomplete.
 ///

@@ -233,13 +233,13 @@ TEST_F(Mistakes, AThreadOfAPluginMustNotEndTheProgramEither) {
 // Nobody sees a system call: the folder says that the run's last word is missing.
 TEST_F(Mistakes, AProcessThatEndsSilentlyLeavesItsFolderUnfinished) {
   const auto is_unfinished = [&] {
-    return std::filesystem::exists(folder() / "out/s/unfinished.txt");
+    return std::filesystem::exists(folder() / "out/s/suture-unfinished.txt");
   };
   with("run", "nothing");
   EXPECT_FALSE(is_unfinished());
   with("run", "later-exits-silently");
   EXPECT_TRUE(is_unfinished());
-  EXPECT_NE(Program::read("out/s/unfinished.txt").find("the results are incomplete"),
+  EXPECT_NE(Program::read("out/s/suture-unfinished.txt").find("the results are incomplete"),
             std::string::npos);
   const Outcome failed = with("run", "force-throws");
   EXPECT_TRUE(is_unfinished()) << "a run that writes nothing leaves what it found";
@@ -314,7 +314,7 @@ TEST_F(Mistakes, CtrlCEndsACallThatBlocksInTheRun) {
   for (const char* word : {"plugin 'mistakes'", "functor 'elements', force of elements 0 to 7",
                            "interrupted, and the plugin's call does not return"})
     EXPECT_TRUE(run.says(word)) << run;
-  EXPECT_TRUE(std::filesystem::exists(folder() / "out/s/unfinished.txt"));
+  EXPECT_TRUE(std::filesystem::exists(folder() / "out/s/suture-unfinished.txt"));
 }
 
 struct Table {

@@ -91,12 +91,16 @@ TEST_F(Stress, KilledRunsLeaveWholeFilesAndNothingToTheNext) {
     const auto checkpoints = checkpoints_in(folder() / "o");
     for (const std::uint64_t number : checkpoints)
       EXPECT_NO_THROW(read_checkpoint(folder() / "o" / checkpoint_name(number)));
+    const auto is_unfinished = [&] { return fs::exists(folder() / "o/suture-unfinished.txt"); };
+    const bool was_unfinished = is_unfinished();
     const bool resumes = round % 2 == 0 && !checkpoints.empty();
     const Outcome next =
         suture(resumes ? std::vector<std::string>{"run", "--resume",
                                                   "o/" + checkpoint_name(checkpoints.back())}
                        : whole_run);
     ASSERT_EQ(next.code, 0) << next;
+    EXPECT_EQ(next.says("the last run that wrote here did not finish"), was_unfinished) << next;
+    EXPECT_FALSE(is_unfinished());
     EXPECT_EQ(difference(results(!resumes), resumes ? without_checkpoints : expected), "")
         << "round " << round << (resumes ? ", resumed" : "");
     if (HasFailure()) break;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "kernel/plugin_host/elf_check.hpp"
 #include "kernel/plugin_host/note_reader.hpp"
 #include "kernel/topology/journal.hpp"
 #include "tests/fuzz/input_file.hpp"
@@ -24,7 +25,11 @@ void journal(std::string_view bytes) {
   });
 }
 
-void note(std::string_view bytes) { read_note(input_file("p.so", bytes)); }
+void note(std::string_view bytes) {
+  const auto file = input_file("p.so", bytes);
+  read_note(file);
+  elf_problem(file);
+}
 
 std::span<const NamedTarget> targets() {
   static constexpr NamedTarget all[] = {{"vtk", vtk},

@@ -18,7 +18,7 @@ def folder_of(run):
         folder = folder.parent
     if not folder.is_dir():
         raise OSError(f"{run}: no such folder; name the output folder of a run, or its run.pvd")
-    if (folder / "unfinished.txt").exists():
+    if (folder / "suture-unfinished.txt").exists():
         print(f"suture: warning: {folder}: the run that writes here has not finished (it still runs, "
               "was killed, or a plugin ended it); its results are incomplete", file=sys.stderr)
     return folder

@@ -386,11 +386,30 @@ void RunLoop::close_failed(Observer& observer) {
 }
 
 RunSummary RunLoop::run(Observer& observer) {
-  advance({}, observer);
+  do advance({}, observer);
+  while (!record_end(observer));
   finish(observer);
   recorder_.folder()->close();
   summarise();
   return summary_;
+}
+
+/// Makes the last records. False if that failed and the run is back at an earlier step, from which
+/// it must go on.
+bool RunLoop::record_end(Observer& observer) {
+  const auto record = [&] { records_.finish(control_.last_dt()); };
+  try {
+    if (control_.try_check(record, notify_to(observer))) return true;
+    records_.roll_back();
+    if (summary_.outcome != RunSummary::Outcome::interrupted) return false;
+    record();  // it stood at a state that the next step would have taken back
+    return true;
+  } catch (const IoError&) {
+    throw;
+  } catch (const Error&) {
+    close_failed(observer);
+    throw;
+  }
 }
 
 /// Of implicit steps; "" if all reached the tolerance.
@@ -414,11 +433,6 @@ void RunLoop::finish(Observer& observer) {
                      summary_.outcome != RunSummary::Outcome::interrupted;
   if (const std::string text = hourglass_warning(scene_, built_, rests); !text.empty())
     diagnostics_.warn(text);
-  // A run that is interrupted may stand at a state that the next step would have taken back.
-  if (!control_.try_check([&] { records_.finish(control_.last_dt()); }, notify_to(observer))) {
-    records_.roll_back();
-    records_.finish(control_.last_dt());
-  }
   if (const std::string text = control_.balance_warning(); !text.empty()) diagnostics_.warn(text);
   if (const std::string text = rounding_warning(); !text.empty()) diagnostics_.warn(text);
   if (const Contact* contact = built_.body().contact())

@@ -61,6 +61,7 @@ class RunLoop {
   bool record(const StepControl::Notify& notify);
   bool stops(Observer& observer);
   void report_progress(Observer& observer, Wall::time_point start, std::uint64_t first_step);
+  bool record_end(Observer& observer);
   void finish(Observer& observer);
   void summarise();
   std::string describe_solver();

@@ -51,8 +51,7 @@ void Dynamics::step(double dt, double end) {
   }
   if (integrator_->is_other_step(dt)) {
     const WithContactForces with_contact(body());
-    const double ratio = motion_.last_step() / dt;
-    ledger_.change_step((1 - ratio * ratio) * motion_.leapfrog_part(dt));
+    ledger_.change_step(motion_.leapfrog_part(dt) - motion_.leapfrog_part(motion_.last_step()));
   }
   integrator_->accept(end);
 }

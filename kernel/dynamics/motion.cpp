@@ -257,7 +257,8 @@ double Motion::kinetic(const Kick& kick) {
 }
 
 double Motion::leapfrog_part(double h) {
-  return h == 0 ? 0 : h * h / 8 * sum_over_vertices(pass({}), loops_.forcing);
+  const Kick kick(damping_, h);
+  return h == 0 ? 0 : sum_over_vertices(pass({&kick, 1}), loops_.forcing) / 8;
 }
 
 double Motion::power() {

@@ -80,8 +80,8 @@ class Motion {
   double kinetic(const Kick& kick);
   /// sum m a . v- with the current velocities, W.
   double power();
-  /// h^2/8 sum F^2/m over free components, with evaluated forces: the difference between the energy
-  /// of the mean velocity and the leapfrog energy sum m v- . v+ / 2.
+  /// sum m |v+ - v-|^2 / 8 over free components, h^2/8 sum F^2/m without damping: the difference
+  /// between the energy of the mean velocity and the leapfrog energy sum m v- . v+ / 2.
   double leapfrog_part(double h);
 
   /// Stops the vertices and sets their velocities to zero; the evaluated forces remain valid.

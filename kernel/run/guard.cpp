@@ -15,13 +15,13 @@ namespace suture {
 namespace {
 
 void require_finite(const EnergyBalance& energies, const Motion& motion) {
-  if (std::isfinite(energies.kinetic) && std::isfinite(energies.elastic) &&
-      std::isfinite(energies.balance))
-    return;
+  const bool is_finite = std::isfinite(energies.kinetic) && std::isfinite(energies.elastic);
+  if (is_finite && std::isfinite(energies.balance)) return;
   motion.require_finite_forces();  // names the node
+  if (is_finite) throw NotFinite("the work of the forces is not finite");
   std::ostringstream text;
   text << "the energy is not finite: " << energies.kinetic << " J kinetic, " << energies.elastic
-       << " J elastic, " << energies.balance << " J unexplained";
+       << " J elastic";
   throw NotFinite(text.str());
 }
 

@@ -34,15 +34,17 @@ double kinetic(const Motion* motion, const double* fixed, uint32_t begin, uint32
   return 0.5 * (sum[0] + sum[1] + sum[2]);
 }
 
+/// sum m dv^2 of the change dv of the velocities by a kick.
 double forcing(const Motion* motion, const double* fixed, uint32_t begin, uint32_t end) {
   const Motion& m = *motion;
   const Row gravity = {m.gravity[0], m.gravity[1], m.gravity[2], 0};
   Row sum = {};
   for (uint32_t i = begin; i < end; ++i) {
     if (m.live && (m.live[i / lanes] >> i % lanes & 1) == 0) continue;
-    const double inverse = 1 / m.mass[i];
-    const Row force = load(m.force + static_cast<uint64_t>(i) * 4) + gravity * m.mass[i];
-    sum += force * force * free_components(fixed[i]) * inverse;
+    const uint64_t at = static_cast<uint64_t>(i) * 4;
+    const Row a = load(m.force + at) / m.mass[i] + gravity;
+    const Row change = a * m.gain[0] - load(m.velocity + at) * (1 - m.decay[0]);
+    sum += change * change * free_components(fixed[i]) * m.mass[i];
   }
   return sum[0] + sum[1] + sum[2];
 }

@@ -91,7 +91,7 @@ const void* extension(const char* id) {
 }
 
 constexpr suture_attribute attributes[] = {
-    suture::volume_attribute("age", "s", "The time, as a state").copy().trial()};
+    suture::volume_attribute("age", "s", "The time, as a state").copy().trial().output()};
 constexpr std::uint32_t columns[] = {0};
 
 constexpr suture_functor functor() {

@@ -40,7 +40,8 @@ struct Result {
   double balance = 0;             ///< of the ledger at the end, part of what was exchanged
   double stated_balance = 0;      ///< the same in the summary, without what is recoverable
   std::uint64_t quiet_steps = 0;  ///< until Trial::quiet
-  double quiet_motion = 0;        ///< the largest displacement then, m
+  double quiet_motion = 0;        ///< the largest displacement then, part of the diagonal
+  std::string quiet_message;      ///< the first one until then
   double growth = 0;              ///< of kinetic + elastic + potential per 10,000 steps, the same
   double difference = 0;          ///< to a run at a quarter of the step, part of the displacement
   double seconds = 0;

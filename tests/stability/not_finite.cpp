@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A plugin through the C contract alone, which nothing checks on its side: from a time on it gives
-// a number that is not finite, at one node of one element.
+// A plugin through the C contract alone, which nothing checks on its side: for some time it gives a
+// number that is not finite, at one node of one element.
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t lanes = SUTURE_LANES;
 
-enum { what, element, node, component, from, value };
+enum { what, element, node, component, from, lasts, value };
 enum { in_force, in_energy, in_field, in_state };
 constexpr const char* places[] = {"force", "energy", "field", "state"};
 constexpr const char* values[] = {"nan", "inf", "-inf"};
@@ -24,6 +24,7 @@ constexpr suture_parameter parameters[] = {
     suture::integer("node", "A node of a force").at_least(0).at_most(7),
     suture::integer("component", "Of a force").at_least(0).at_most(2),
     suture::number("from", "s", "When it begins").at_least(0),
+    suture::number("lasts", "s", "For how long").at_least(0),
     suture::choice("value", "The number", values)};
 
 double number(const suture_context* context) {
@@ -36,7 +37,8 @@ double number(const suture_context* context) {
 double* spoiled(const suture_context* context, const suture_batch* batch, int kind, double* out,
                 std::size_t place) {
   const double* p = context->parameters;
-  if (static_cast<int>(p[what]) != kind || batch->time < p[from]) return nullptr;
+  const double since = batch->time - p[from];
+  if (static_cast<int>(p[what]) != kind || since < 0 || since > p[lasts]) return nullptr;
   for (std::size_t lane = 0; lane < batch->valid; ++lane)
     if (batch->cell_ids[lane] == static_cast<std::uint32_t>(p[element]))
       return out + place * lanes + lane;
@@ -119,7 +121,7 @@ constexpr suture_model model() {
   m.doc = "A number that is not finite";
   m.formula = "f = 0";
   m.citation = "none";
-  m.parameter_count = 6;
+  m.parameter_count = 7;
   m.attribute_count = 1;
   m.functor_count = 1;
   m.parameters = parameters;

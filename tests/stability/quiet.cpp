@@ -96,7 +96,8 @@ void choose_solver(Draft& d) {
   }
 }
 
-/// One force, energy, field or state is not finite from a time on; most are forces on held nodes.
+/// One force, energy, field or state is not finite, for a while or to the end; most are forces on
+/// held nodes.
 void not_finite(Draft& d) {
   d.choose({"bar", "block", "slab", "corner", "graded", "sheared", "general"}, {0, 0.25, 0.3, 0.45},
            true);
@@ -117,6 +118,9 @@ void not_finite(Draft& d) {
   // The last step of a fixed length may end before; states are those of its start.
   const bool is_last =
       d.random.chance(0.2) && place != "state" && !d.trial.scene["solver"].contains("dt");
+  const Json& solver = d.trial.scene["solver"];
+  const bool is_brief = place == "force" && !solver.contains("static") && d.random.chance(0.9);
+  const double lasts = is_brief ? 2 * solver.value("dt", d.trial.stable) : 2 * end;
   d.trial.scene["models"].push_back(
       {{"model", "not-finite"},
        {"parameters",
@@ -125,7 +129,11 @@ void not_finite(Draft& d) {
          {"node", static_cast<int>(d.random.between(0, 4)) * (is_first ? 2 : 1)},
          {"component", static_cast<int>(d.random.between(0, 3))},
          {"from", (is_last ? 0.999 : d.random.between(0.1, 0.95)) * end},
+         {"lasts", lasts},
          {"value", value}}}});
+  d.trial.expected = Expected::wrong;
+  d.note(place + " " + value);
+  if ((place == "force" || place == "energy") && d.random.chance(0.8)) return;  // no output
   d.trial.scene["output"] = {
       {"directory", "out/" + d.trial.name},
       {"frames", false},
@@ -133,8 +141,6 @@ void not_finite(Draft& d) {
       {"probes",
        {{"every_steps", 5},
         {"at", {{{"name", "all"}, {"where", "all"}, {"fields", {"reaction", "mark", "age"}}}}}}}};
-  d.trial.expected = Expected::wrong;
-  d.note(place + " " + value);
 }
 
 // --------------------------------------------------- balances that do not close --

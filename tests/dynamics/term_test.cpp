@@ -3,6 +3,9 @@
 // A force term and a follower unknown to the kernel: each is one class and one line.
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <numeric>
+
 #include "kernel/dynamics/modes.hpp"
 #include "tests/dynamics/model_block.hpp"
 #include "tests/dynamics/rig.hpp"
@@ -108,6 +111,25 @@ TEST(Term, CountsInTheLimitsOfTheStepAndInTheLowestMode) {
   EXPECT_NEAR(founded.stable_step(), free_step / std::sqrt(2.0), 0.02 * free_step);
   const LowestMode mode = find_lowest_mode(founded.body, 0, 400);
   EXPECT_NEAR(mode.eigenvalue, kappa, 1e-6 * kappa);
+}
+
+// Nothing moves there, so no velocity shows it.
+TEST(Term, MustBeFiniteOnHeldVertices) {
+  for (const char* scheme : rig::schemes) {
+    rig::Options options;
+    options.integrator = scheme;
+    rig::Moving block(spring_model::box(2, 2, 2), options);
+    Foundation& foundation = found(block.body, 1);
+    std::vector<Index> all(block.body.attributes().vertex_count());
+    std::iota(all.begin(), all.end(), 0);
+    block.hold(all, 7);
+    block.start();
+    block.run(0.01, 3);
+    foundation.set(std::numeric_limits<double>::quiet_NaN());
+    EXPECT_THROW(block.run(0.01, 2), NotFinite) << scheme;
+    foundation.set(1);
+    EXPECT_NO_THROW(block.run(0.01, 2)) << "the state before is whole: " << scheme;
+  }
 }
 
 TEST(Term, FollowsACutAndGoesBackWithTheBody) {

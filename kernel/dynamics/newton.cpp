@@ -310,6 +310,7 @@ void Newton::iterate(const StepEquations& equations, unsigned allowed) {
     for (NonsmoothTerm* term : nonsmooth_)
       term->begin_iteration(progress.iterations, equations.time);
     const LinearSolve solve = find_direction(equations, forcing(progress));
+    progress.indefinite += solve.outcome == LinearSolve::Outcome::indefinite;
     const double step = search(equations);
     if (step == 0) {
       move(0);
@@ -412,6 +413,11 @@ void Newton::refuse(const StepEquations& equations, const Progress& progress,
   text << "Newton's method found no solution at t = " << equations.time << " s: " << reason
        << " after " << progress.iterations << " iterations; the residual is "
        << progress.residual / scale_ << " of the forces, the tolerance " << tolerance_;
+  if (4 * progress.indefinite > progress.iterations) {
+    text << "; the tangent was indefinite in " << progress.indefinite
+         << " of them, as where a body buckles, snaps through or slides off what holds it";
+    throw NumericalError(text.str(), worst_element());
+  }
   for (const NonsmoothTerm* term : nonsmooth_)
     if (const auto alternation = term->alternation())
       throw Unsettled(text.str() + "; " + alternation->text, element_at(alternation->vertex));

@@ -103,6 +103,7 @@ class Newton {
  private:
   struct Progress {
     unsigned iterations = 0;
+    unsigned indefinite = 0;        ///< of these, with an indefinite tangent
     double residual = 0, last = 0;  ///< |r| over the free components now and before, N
   };
   void start(const StepEquations& equations);

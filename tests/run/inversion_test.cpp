@@ -25,7 +25,7 @@ Scene cube(Index n, const std::string& model) {
   return scene;
 }
 
-Vec3 row(const Column& column, Index v) {
+Vec3 point_of(const Column& column, Index v) {
   return {column.get(v, 0), column.get(v, 1), column.get(v, 2)};
 }
 
@@ -42,7 +42,7 @@ struct Built {
   Attributes& attributes() { return built.body().attributes(); }
   Index vertex_at(const Vec3& rest) {
     for (Index v = 0; v < attributes().vertex_count(); ++v)
-      if (norm(minus(row(attributes().rest(), v), rest)) < 1e-9) return v;
+      if (norm(minus(point_of(attributes().rest(), v), rest)) < 1e-9) return v;
     return none;
   }
   void move(const Vec3& rest, const Vec3& to) { set(attributes().position(), vertex_at(rest), to); }

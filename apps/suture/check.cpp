@@ -11,11 +11,8 @@ namespace suture {
 int check(const CheckCommand& command, Console& console) {
   PluginHost host(&console.diagnostics(), trust_of(command));
   const Scene scene = read_scene(command.scene, command.sets, host, console.diagnostics());
-  Simulation simulation(scene, host, console.diagnostics());
-  if (command.check_plugins) {
-    simulation.check_plugins();
-    simulation.try_plugins();
-  }
+  Simulation simulation(scene, host, console.diagnostics(), true, nullptr, command.check_plugins);
+  if (command.check_plugins) simulation.try_plugins();
   if (!console.quiet()) {
     console.print(command.scene.string() + ": valid (" + count(scene.models.size(), "model") +
                   ", " + count(scene.constraints.size(), "constraint") + ", " +

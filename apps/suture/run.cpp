@@ -150,7 +150,8 @@ int run(const RunCommand& command, Console& console) {
           ": the last run that wrote here did not finish (it was killed, or a plugin ended "
           "it): its results are incomplete");
   }
-  Simulation simulation(scene, host, console.diagnostics(), command.skip, folder);
+  Simulation simulation(scene, host, console.diagnostics(), command.skip, folder,
+                        command.check_plugins);
   report_threads(scene.solver.threads, simulation.threads(), console);
   if (checkpoint) {
     simulation.resume(*checkpoint, command.resume);
@@ -163,7 +164,6 @@ int run(const RunCommand& command, Console& console) {
                    decision.reason);
     }
   }
-  if (command.check_plugins) simulation.check_plugins();
   if (console.verbose()) simulation.measure();
   has_started();
   Watcher watcher(console);

@@ -11,6 +11,7 @@ namespace suture {
 double sum_of_moduli(Body& body, const UniformGradient& gradient, double time) {
   const Column& position = body.attributes().position();
   std::vector<double> u, image(3 * std::size_t{position.size()});
+  u.reserve(image.size());
   for (Index v = 0; v < position.size(); ++v)
     for (const Vec3& row : gradient)
       u.push_back(dot(row, Vec3{position.get(v, 0), position.get(v, 1), position.get(v, 2)}));

@@ -57,7 +57,7 @@ StepControl::Notify notify_to(Observer& observer) {
 }  // namespace
 
 RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip,
-                 std::shared_ptr<OutputFolder> folder)
+                 std::shared_ptr<OutputFolder> folder, bool check_plugins)
     : diagnostics_(diagnostics),
       built_(scene, diagnostics, skip),
       events_(scene_, built_, diagnostics),
@@ -71,14 +71,24 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
   Decision fixed_cells = decide_fixed_cells(scene_, built_, recorder_);
   decisions_ = decide(scene_, host, built_, recorder_);
   decisions_.push_back(std::move(fixed_cells));
+  if (check_plugins) built_.body().models().check_plugins();  // before the first force
   built_.dynamics().start();
   if (ending_.rest()) check_free_bodies(scene_, built_, diagnostics);
   if (built_.dynamics().is_static()) require_held_bodies();
   control_.start();
   if (built_.dynamics().is_implicit())
     decisions_.push_back({"linear solver", false, describe_solver()});
+  if (check_plugins) check_bounds();
   deliver_plugin_warnings(diagnostics);
   trim_heap();  // of the search
+}
+
+/// A fixed dt does not need the bounds of the stable step.
+void RunLoop::check_bounds() {
+  try {
+    built_.limits().bounds(clock_.time());
+  } catch (const NoStepBound&) {
+  }
 }
 
 std::string RunLoop::describe_solver() {

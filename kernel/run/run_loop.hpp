@@ -20,7 +20,7 @@ namespace suture {
 class RunLoop {
  public:
   RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip,
-          std::shared_ptr<OutputFolder> folder);
+          std::shared_ptr<OutputFolder> folder, bool check_plugins = false);
 
   // The functions of Simulation with these names.
   std::optional<RunSummary::Outcome> advance(const Pause& pause, Observer& observer);
@@ -64,6 +64,7 @@ class RunLoop {
   bool record_end(Observer& observer);
   void finish(Observer& observer);
   void summarise();
+  void check_bounds();
   std::string describe_solver();
 
   Diagnostics& diagnostics_;

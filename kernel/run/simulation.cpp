@@ -9,10 +9,11 @@
 namespace suture {
 
 Simulation::Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip,
-                       std::shared_ptr<OutputFolder> folder) {
+                       std::shared_ptr<OutputFolder> folder, bool check_plugins) {
   if (!folder) folder = std::make_shared<OutputFolder>(scene.output.directory, scene.output.root);
   try {
-    run_ = std::make_unique<RunLoop>(scene, host, diagnostics, skip, std::move(folder));
+    run_ =
+        std::make_unique<RunLoop>(scene, host, diagnostics, skip, std::move(folder), check_plugins);
   } catch (const InputError& error) {
     scene.places.rethrow(error);
   }
@@ -55,15 +56,6 @@ ForceTerm& Simulation::add_term(std::unique_ptr<ForceTerm> term) {
 BuiltScene& Simulation::built() { return run_->built(); }
 
 Energies Simulation::energies() { return suture::energies(run_->built().dynamics()); }
-
-void Simulation::check_plugins() {
-  BuiltScene& built = run_->built();
-  built.body().models().check_plugins();
-  try {
-    built.limits().bounds(built.dynamics().time());  // the first step was chosen by unchecked ones
-  } catch (const NoStepBound&) {
-  }
-}
 
 void Simulation::measure() { run_->built().body().models().measure(); }
 

@@ -57,10 +57,10 @@ struct RunSummary {
   Outcome outcome = Outcome::finished;
   std::uint64_t steps = 0, frames = 0, inverted_elements = 0;
   std::uint64_t faces_cut = 0, faces_torn = 0, faces_sewn = 0, elements_removed = 0;
-  std::uint64_t rollbacks = 0;        ///< number of rollbacks
+  std::uint64_t rollbacks = 0;  ///< number of rollbacks
   /// J: the unexplained remainder without its recoverable part, and its scale; 0: rounding.
   double balance = 0, exchanged = 0;
-  double time = 0, dt = 0;            ///< s; dt of the last step
+  double time = 0, dt = 0;  ///< s; dt of the last step
   // Of steps that follow their error:
   std::uint64_t rejected_steps = 0;
   double shortest_dt = 0, longest_dt = 0;  ///< s, accepted; 0: dt does not follow the error
@@ -97,8 +97,10 @@ class Simulation {
   /// `skip`: leave out what the scene does not need (decisions() says what); false computes it
   /// anyway, with the same results (suture run --no-skip).
   /// `folder`: the output folder, if the caller has opened it already; nullptr: run() opens it.
+  /// `check_plugins`: checks every call of a plugin's force (ForceLoop::check_plugins), and the
+  /// bounds of the stable step once.
   Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip = true,
-             std::shared_ptr<OutputFolder> folder = nullptr);
+             std::shared_ptr<OutputFolder> folder = nullptr, bool check_plugins = false);
   ~Simulation();
 
   /// Resumes from a checkpoint of a run of this scene, read from `file`; call before anything else.
@@ -153,9 +155,6 @@ class Simulation {
   /// The mean displacement of the selected vertices, m.
   Vec3 mean_displacement(const Selection& selection) const;
 
-  /// Checks every call of a plugin's force from now on (ForceLoop::check_plugins), and the bounds
-  /// of the stable step at once.
-  void check_plugins();
   /// Times the functions of functors from now on; costs() says what they took.
   void measure();
   std::vector<FunctorCost> costs() const;

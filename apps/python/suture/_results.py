@@ -33,8 +33,8 @@ def frames_of(folder):
         sets = ElementTree.parse(collection).getroot().iter("DataSet")
         return [(float(s.get("timestep")), folder / s.get("file")) for s in sets]
     except (ElementTree.ParseError, TypeError, ValueError) as error:
-        raise OSError(f"{collection}: is not a list of frames ({error}); run the scene "
-                      "again") from error
+        raise ValueError(f"{collection}: is not a list of frames ({error}); run the scene "
+                         "again") from error
 
 
 def table_of(file):
@@ -42,12 +42,12 @@ def table_of(file):
     with open(file, newline="", encoding="utf-8", errors="replace") as stream:
         names, *rows = [*csv.reader(stream)] or [[]]
     if names[:2] != ["step", "time [s]"]:
-        raise OSError(f"{file}: is not a table of a run, whose first columns are 'step' and "
+        raise ValueError(f"{file}: is not a table of a run, whose first columns are 'step' and "
                       "'time [s]'; run the scene again")
     try:
         if not rows:
             raise ValueError("no row")
         return names, numpy.array(rows, float).reshape(-1, len(names))
     except ValueError:
-        raise OSError(f"{file}: is damaged: it needs rows of {len(names)} numbers each; run the "
+        raise ValueError(f"{file}: is damaged: it needs rows of {len(names)} numbers each; run the "
                       "scene again") from None

@@ -219,6 +219,7 @@ MatchedSeams seams_of_cuts(const CellComplex& complex, std::span<const Index> po
   std::map<std::array<Index, 4>, Dart> open;  // by their points, sorted
   std::vector<Seam> seams;
   const auto add = [&](Index e) {
+    if (!complex.exists(3, e)) return;
     for (const Dart d : sides_of(e)) {
       if (!is_boundary(complex, d)) continue;
       std::array<Index, 4> points;

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: MIT
+// SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Laws that act by themselves, as muscles do: sound ones, and one for each mistake that shows only
 // while they act.

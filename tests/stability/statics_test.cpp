@@ -71,12 +71,15 @@ Json beam(const Json& size, const Json& cells, const Json& model, const Json& so
 TEST(StaticTrials, SlenderBodiesEndAtTheirRounding) {
   unsigned limited = 0, count = 0;
   for_each_trial("slender", 4, 40, [&](Random& random, unsigned i) {
-    const double thickness = random.between(0.01, 0.04), young = random.decades(1e4, 1e8);
-    const int across = i % 2 == 0 ? 2 : 4, along = random.pick(std::vector<int>{60, 100});
+    const bool is_fine = i == 0;  // with which the defect was seen
+    const double thickness = is_fine ? 0.02 : random.between(0.01, 0.04);
+    const double young = random.decades(1e4, 1e8);
+    const int across = is_fine ? 8 : i % 2 == 0 ? 2 : 4;
+    const int along = is_fine ? 100 : random.pick(std::vector<int>{60, 100});
     const Json parameters = {{"E", young}, {"nu", 0.3}, {"rho", 1000}};
     Json scene =
         beam({1, thickness, thickness}, {along, across, across},
-             {{"model", i % 3 == 0 ? "neo-hookean" : "tm-faure"}, {"parameters", parameters}},
+             {{"model", i % 3 == 1 ? "neo-hookean" : "tm-faure"}, {"parameters", parameters}},
              {{"static", Json::object()}, {"threads", 1}});
     Selection tip;
     tip.what = Selection::Named{"x1"};
@@ -85,10 +88,10 @@ TEST(StaticTrials, SlenderBodiesEndAtTheirRounding) {
       scene["gravity"] = {0, -sag * 8 * young * thickness * thickness / 12 / 1000, 0};
       return scene;
     };
-    const double sag = random.decades(1e-8, 1e-4);
-    FinishedRun run(with_sag(sag)), larger(with_sag(1e-3));
+    const double sag = is_fine ? 1e-3 : random.decades(1e-8, 1e-4), larger_sag = 1e-2;
+    FinishedRun run(with_sag(sag)), larger(with_sag(larger_sag));
     EXPECT_EQ(run.summary.outcome, RunSummary::Outcome::finished);
-    const double expected = larger.simulation.mean_displacement(tip)[1] * sag / 1e-3;
+    const double expected = larger.simulation.mean_displacement(tip)[1] * sag / larger_sag;
     EXPECT_GT(expected / -sag, 0.4) << "beam theory, less what such elements are too stiff";
     EXPECT_NEAR(run.simulation.mean_displacement(tip)[1] / expected, 1, 1e-2);
     const double left = unbalanced(run.simulation);

@@ -25,8 +25,6 @@ constexpr double same_direction = 0.95;
 constexpr double kept_within = 0.01;
 // From one iteration of Newton's method to the next.
 constexpr double fading = 0.1;
-// A contact alternates that has changed so often, and within the last so many iterations.
-constexpr unsigned least_changes = 4, recent = 5;
 
 Vec3 along_surface(const Vec3& a, const Vec3& normal) {
   return minus(a, scaled(dot(a, normal), normal));
@@ -411,50 +409,18 @@ void MultiplierForces::begin_step(double time) {
 }
 
 void MultiplierForces::begin_iteration(unsigned number, double time) {
-  iteration_ = number;
-  if (number == 0)
-    regimes_.clear();
-  else
-    support_ *= fading;
-  for (auto& [where, regime] : regimes_) regime.next = Regime::Kind::apart;
+  if (number > 0) support_ *= fading;
+  regimes_.begin(number);
   for_each_push(time, [&](const Push& push) {
-    if (push.pressure > 0)
-      regimes_[{push.obstacle, push.vertices.front()}].next =
-          push.holding < 1 ? Regime::Kind::slides : Regime::Kind::holds;
+    if (push.pressure > 0) regimes_.note(push.obstacle, push.vertices.front(), push.holding < 1);
   });
-  for (auto& [where, regime] : regimes_) {
-    const auto before = std::exchange(regime.now, regime.next);
-    if (before == regime.now || number == 0) continue;
-    ++regime.changes;
-    regime.last_change = number;
-    regime.lets_go |= before == Regime::Kind::apart || regime.now == Regime::Kind::apart;
-  }
+  regimes_.end();
 }
 
 /// With Coulomb's law, the bound of friction follows the pressure, and there is no energy that a
 /// line search could decrease. With the bound of the last update (that of Tresca), there is one.
 bool MultiplierForces::simplify() {
   return !is_conservative(start_time_) && !std::exchange(bounds_stay_, true);
-}
-
-std::optional<NonsmoothTerm::Alternation> MultiplierForces::alternation() const {
-  const auto alternates = [&](const auto& entry) {
-    return entry.second.changes >= least_changes && entry.second.last_change + recent > iteration_;
-  };
-  const auto often = std::ranges::max_element(regimes_, {}, [&](const auto& entry) {
-    return alternates(entry) ? entry.second.changes : 0;
-  });
-  if (often == regimes_.end() || !alternates(*often)) return {};
-  const auto& [obstacle, vertex] = often->first;
-  std::ostringstream text;
-  text << "contact "
-       << (obstacle == Contact::between_pieces
-               ? "between pieces"
-               : "with the obstacle '" + contact_.obstacles()[obstacle].name + "'")
-       << " alternates between "
-       << (often->second.lets_go ? "touching and letting go" : "friction that holds and sliding")
-       << " at " << std::ranges::count_if(regimes_, alternates) << " nodes";
-  return Alternation{text.str(), vertex};
 }
 
 /// True if the equations have to be solved again. Otherwise nothing changes: the forces are those
@@ -504,38 +470,6 @@ void MultiplierForces::follow(const CellComplex& complex, const TopologyChange&)
   }
   start_.clear();
   forget_last();
-}
-
-void MultiplierForces::state(Archive& archive) {
-  if (archive.has_cells()) archive("stiffness", stiffness_);
-  for (std::size_t i = 0; i < accepted_of_obstacles_.size(); ++i) {
-    std::vector<Multiplier>& of = accepted_of_obstacles_[i];
-    archive.member(("pressures " + std::to_string(i)).c_str(), of, &Multiplier::pressure);
-    archive.member(("friction " + std::to_string(i)).c_str(), of, &Multiplier::friction);
-  }
-  archive.member("touching", accepted_pairs_, &Pair::vertices);
-  archive.member("weights", accepted_pairs_, &Pair::weights);
-  archive.member("normals", accepted_pairs_, &Pair::normal);
-  archive.member("beside", accepted_pairs_, &Pair::beside);
-  archive.member("stiffnesses", accepted_pairs_, &Pair::stiffness);
-  archive.member("masses", accepted_pairs_, &Pair::mass);
-  archive.member("pressures", accepted_pairs_, &Pair::pressure);
-  archive.member("friction", accepted_pairs_, &Pair::friction);
-  archive("bounds stay", accepted_bounds_stay_);
-  archive("start", start_);
-  archive("start time", start_time_);
-  archive("work", work_);
-  archive("has step", has_step_);
-  archive("last force", last_force_);
-  archive("last position", last_position_);
-  archive("last velocity", last_velocity_);
-  if (!archive.loads()) return;
-  for (const Pair& pair : accepted_pairs_)
-    for (const Index v : pair.vertices)
-      archive.require(v < attributes_.vertex_count(), "contact is that of another body");
-  of_obstacles_ = accepted_of_obstacles_;
-  pairs_ = accepted_pairs_;
-  bounds_stay_ = accepted_bounds_stay_;
 }
 
 }  // namespace suture

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <map>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
+#include "kernel/contact/contact_regimes.hpp"
 #include "kernel/contact/contact_term.hpp"
 #include "kernel/contact/curvature.hpp"
 #include "kernel/forces/nonsmooth_term.hpp"
@@ -96,7 +95,9 @@ class MultiplierForces final : public ContactTerm, public NonsmoothTerm {
   void begin_step(double time) override;
   void begin_iteration(unsigned number, double time) override;
   bool simplify() override;
-  std::optional<Alternation> alternation() const override;
+  std::optional<Alternation> alternation() const override {
+    return regimes_.alternation(contact_.obstacles());
+  }
   bool update(double time) override;
   void accept() override;
   void follow(const CellComplex& complex, const TopologyChange& change) override;
@@ -171,14 +172,7 @@ class MultiplierForces final : public ContactTerm, public NonsmoothTerm {
   double start_time_ = 0;
   double support_ = 1;  ///< of its stiffness, what touches without a force has
   bool bounds_stay_ = false, accepted_bounds_stay_ = false;  ///< of friction, while solving
-  /// How something is pushed in the iterations of Newton's method: to find what alternates.
-  struct Regime {
-    enum class Kind { apart, holds, slides } now = Kind::apart, next = Kind::apart;
-    unsigned changes = 0, last_change = 0;  ///< the number of the iteration
-    bool lets_go = false;                   ///< some changes are from or to apart
-  };
-  std::map<std::pair<std::size_t, Index>, Regime> regimes_;  ///< by obstacle and vertex
-  unsigned iteration_ = 0;
+  ContactRegimes regimes_;
   double work_ = 0;
   bool has_step_ = false;  ///< whose friction is not booked yet
   // At the end of the last step, for its work: rows of 4; empty: no step yet.

@@ -101,12 +101,19 @@ bool ArcLength::arrive(double length) {
 
 /// From a predicted point to an equilibrium at the same distance. Returns the iterations.
 unsigned ArcLength::correct(double& part) {
+  Newton& newton = path_.newton();
+  double last = 0;
   for (unsigned iteration = 0;; ++iteration) {
     const std::vector<double> residual = residual_at(part);
-    if (norm(residual) <= point_tolerance * path_.newton().scale()) return iteration;
+    const double size = norm(residual);
+    if (size <= point_tolerance * newton.scale()) return iteration;
+    const bool stalls = iteration > 1 && size > Newton::stalling * last;
+    if (stalls && newton.is_at_rounding(path_.equations_at(part), size)) return iteration;
+    last = size;
     if (iteration == max_corrections)
       throw NumericalError("Newton's method along the path does not converge",
-                           path_.newton().worst_element());
+                           newton.worst_element());
+    newton.begin_iteration(iteration, path_.equations_at(part).time);
     const std::vector<double> rate = rate_at(part, residual);
     set_matrix(part);
     std::vector<double> a = solve_linear(residual), b = solve_linear(rate);

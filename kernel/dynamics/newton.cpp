@@ -295,6 +295,10 @@ void Newton::find_solution(const StepEquations& equations) {
   iterate_through_kinks(equations);
 }
 
+void Newton::begin_iteration(unsigned number, double time) {
+  for (NonsmoothTerm* term : nonsmooth_) term->begin_iteration(number, time);
+}
+
 /// From the current positions, where the residual is known.
 void Newton::iterate(const StepEquations& equations, unsigned allowed) {
   Progress progress;
@@ -307,8 +311,7 @@ void Newton::iterate(const StepEquations& equations, unsigned allowed) {
       refuse(equations, progress, "the allowed number of iterations was not enough");
     // A tangent that is not symmetric may be so at rest.
     if (progress.iterations < 2) solver_.set_symmetric(is_symmetric(equations));
-    for (NonsmoothTerm* term : nonsmooth_)
-      term->begin_iteration(progress.iterations, equations.time);
+    begin_iteration(progress.iterations, equations.time);
     const LinearSolve solve = find_direction(equations, forcing(progress));
     progress.indefinite += solve.outcome == LinearSolve::Outcome::indefinite;
     const double step = search(equations);
@@ -331,7 +334,7 @@ bool Newton::is_solved(const StepEquations& equations, const Progress& progress)
   set_remaining(equations.time);
   if (is_moving_) return false;
   if (progress.residual <= tolerance_ * scale_) return true;
-  const bool stalls = progress.iterations > 1 && progress.residual > 0.3 * progress.last;
+  const bool stalls = progress.iterations > 1 && progress.residual > stalling * progress.last;
   return stalls && is_at_rounding(equations, progress.residual);
 }
 
@@ -381,15 +384,16 @@ Newton::TangentCheck Newton::check_tangent(double time) {
 double Newton::noise(const StepEquations& equations) {
   const std::vector<double> residual = residual_;
   double* x = motion_.body().attributes().position().rows();
+  const std::vector<double> before(x, x + equations.position.size());
   Random random;
-  for (std::size_t i = 0; i < start_.size(); ++i)
+  for (std::size_t i = 0; i < before.size(); ++i)
     if (i % 4 != 3 && solver_.matrix().free()[i / 4 * 3 + i % 4])
       x[i] += (random() < 0 ? 1 : -1) * std::numeric_limits<double>::epsilon() * std::abs(x[i]);
   evaluate(equations);
   double squared = 0;
   for (std::size_t i = 0; i < residual.size(); ++i)
     squared += (residual_[i] - residual[i]) * (residual_[i] - residual[i]);
-  std::ranges::copy(start_, x);
+  std::ranges::copy(before, x);
   evaluate(equations);
   return std::sqrt(squared);
 }

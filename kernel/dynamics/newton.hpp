@@ -55,6 +55,13 @@ class Newton {
   /// The forces that are not in balance at the current positions, 3 numbers per vertex; 0 on
   /// components that are not free.
   const std::vector<double>& residual(const StepEquations& equations);
+  /// A residual that is more than this part of the last one no longer decreases.
+  static constexpr double stalling = 0.3;
+  /// Whether the last residual, of this norm, is one that rounding makes. Two evaluations of the
+  /// forces.
+  bool is_at_rounding(const StepEquations& equations, double residual);
+  /// To be called before a tangent of terms with kinks is used.
+  void begin_iteration(unsigned number, double time);
   /// What the tolerance refers to: the largest of the norms of external forces, reactions and
   /// inertial forces at the last evaluation, N.
   double scale() const { return scale_; }
@@ -122,7 +129,6 @@ class Newton {
   LinearSolve find_direction(const StepEquations& equations, double tolerance);
   double search(const StepEquations& equations);
   bool is_solved(const StepEquations& equations, const Progress& progress);
-  bool is_at_rounding(const StepEquations& equations, double residual);
   double forcing(const Progress& progress) const;
   bool try_step(const StepEquations& equations, double step, double& slope);
   double noise(const StepEquations& equations);

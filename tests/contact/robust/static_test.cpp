@@ -85,7 +85,7 @@ std::string run(const Json& json, bool is_tapered = false) {
   double deepest = 0;
   const Contact& contact = *simulation.contact();
   for (const Obstacle& obstacle : contact.obstacles())
-    for (Index v = 0; v < simulation.attributes().vertex_count(); ++v) {
+    for (const Index v : contact.surface().vertices()) {
       const Pose pose = obstacle.motion.pose(simulation.time());
       const Vec3 place = row(simulation.attributes().position().rows(), v);
       deepest = std::max(deepest, -nearest(obstacle.shape, pose.given(place)).distance);
@@ -143,7 +143,7 @@ class RandomStatics {
     Json made =
         cantilever(size, cells, model, young, poisson, friction, pick(std::vector<int>{4, 10, 20}));
     Json& obstacles = made["contact"]["obstacles"];
-    const double gap = between(0.01, 0.025), radius = between(0.1, 0.5);
+    const double gap = between(0.01, 0.025), radius = between(0.2, 0.5);
     switch (random_() % 4) {
       case 0:
         obstacles.push_back(floor_at({0, -gap, 0}, {0, 1, 0}));

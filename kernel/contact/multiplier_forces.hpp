@@ -47,7 +47,8 @@
 // Friction refers to the sliding since the start of the step. The tangent of sliding friction is
 // not symmetric; that part is left to GMRES. There is no energy then that a line search could
 // decrease: where Newton's method fails, it tries once more with the bounds of friction of the
-// last update, which has one. The updates converge to the same law. Nested iteration is not used,
+// last update, which has one. The updates converge to the same law. It is not the first attempt: a
+// body that only friction holds would have no first equilibrium. Nested iteration is not used,
 // as points of coarse levels do not touch. Newmark's method is refused. With the mean of the forces
 // at both ends of a step, a block dropped by half an element had three times the energy of its fall
 // after 0.5 s.

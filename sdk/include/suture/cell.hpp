@@ -82,7 +82,7 @@ class setup : public values {
 template <class R, class Model, int Stride>
 class element_values {
  public:
-  using element = element_of<R>;
+  using element = lane_type<R>;
   element_values(const suture_context* context, const element* const* columns, int lane)
       : context_(context), columns_(columns), lane_(lane) {}
 
@@ -135,7 +135,7 @@ struct prepared {
 enum class purpose { force, evaluation, inspection };
 
 /// The batches that hold the values of a T, in double or single precision.
-template <class T, class E = element_of<real_of<T>>>
+template <class T, class E = lane_type<real_of<T>>>
 struct batch_of_scalar {
   using type = suture_batch;
   static constexpr int lanes = SUTURE_LANES;
@@ -156,7 +156,7 @@ class cell {
   using scalar = T;
   using real = real_of<T>;  ///< for quantities that are never differentiated
 
-  using element = element_of<real>;  ///< double or float
+  using element = lane_type<real>;  ///< double or float
 
   SUTURE_INLINE cell(const suture_context* context, const batch_of<T>* batch, int lane,
                      element* force = nullptr, const element* dx = nullptr,

@@ -246,17 +246,17 @@ inline constexpr bool is_pack = false;
 template <int N, class E>
 inline constexpr bool is_pack<pack<N, E>> = true;
 
-/// What a T consists of: double or float.
+/// What a lane of T holds: double or float.
 template <class T>
-struct element_of_pack {
+struct lane_type_of {
   using type = T;
 };
 template <int N, class E>
-struct element_of_pack<pack<N, E>> {
+struct lane_type_of<pack<N, E>> {
   using type = E;
 };
 template <class T>
-using element_of = typename element_of_pack<T>::type;
+using lane_type = typename lane_type_of<T>::type;
 
 /// Number of cells in a T.
 template <class T>
@@ -266,7 +266,7 @@ inline constexpr int lanes_of<pack<N, E>> = N;
 
 /// Reads a T at `p` (a number, or a pack that is aligned there), or writes it.
 template <class T>
-SUTURE_INLINE T load(const element_of<T>* p) {
+SUTURE_INLINE T load(const lane_type<T>* p) {
   if constexpr (is_pack<T>)
     return T::load(p);
   else

@@ -23,7 +23,7 @@ constexpr double least_push = 1e-9;
 // approach; of an element.
 constexpr double pushed = 0.5, max_approach = 0.05;
 constexpr double held = 7;  // all components are prescribed
-// Of an element: how far outside an obstacle the side of a vertex that touches it is marked.
+// How far outside an obstacle the side of a vertex that touches it is marked, in elements.
 constexpr double marked_outside = 1e-6;
 // Vertices of which the box is tested first, before each of them.
 constexpr std::size_t box_size = 32;

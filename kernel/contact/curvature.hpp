@@ -12,7 +12,8 @@ struct Curvature {
   Vec3 straight{};       ///< direction in which the surface does not bend; 0 on a sphere
 };
 
-/// Of round surfaces; 0 on flat ones, and at edges, where normals jump.
+/// Returns the curvature of a round surface at the point nearest to `place`; 0 on flat surfaces,
+/// and at edges, where normals jump.
 Curvature curvature(const Shape& shape, const Vec3& place);
 
 }  // namespace suture

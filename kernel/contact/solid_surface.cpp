@@ -16,7 +16,7 @@ namespace {
 constexpr double on_surface = 1e-10;
 // Of the radius: distances of cells are stored in single precision.
 constexpr double rounding_of_cells = 1e-6;
-// Of a ball: one that is larger by less fits, too.
+// A ball that is larger than the one that fits by less than this part of it fits, too.
 constexpr double rounding_of_balls = 1e-6;
 // Of the grid: the number that is sought for each triangle, the least and the largest, and the
 // largest along an axis.

@@ -41,7 +41,7 @@ class SolidSurface {
   double radius() const { return radius_; }  ///< of the ball around the origin that contains it, m
   /// Twice the radius of a ball that fits inside at the centroid of every triangle, m.
   double thickness() const { return thickness_; }
-  /// Of the box around it along the principal axes of its points, m.
+  /// Returns the lengths of the box around it along the principal axes of its points, m.
   std::array<double, 3> extents() const;
   /// The middle of the cell that is deepest inside, if one is inside, and the points of the surface
   /// that are extreme along 13 axes.

@@ -9,8 +9,8 @@
 namespace suture {
 namespace {
 
-// Of the length of a way: what is nearer to a convex shape touches it; the shortest step along the
-// surface of another one; how far outside a place on the surface is taken to be.
+// Parts of the length of a way: what is nearer to a convex shape touches it; the shortest step
+// along the surface of another one; how far outside a place on the surface is taken to be.
 constexpr double touching = 1e-9, shortest_step = 1. / 256, outside = 1e-6;
 constexpr int max_steps = 64, max_steps_to_triangles = 512;
 

@@ -12,8 +12,8 @@ namespace suture {
 namespace {
 
 constexpr std::uint64_t rest_step_limit = 10'000'000;
-// Of the tangent, in multiples of the mean: below, whether it is zero is worth a closer look. That
-// of a cantilever of 100 x 8 x 8 elements with a slenderness of 50 is 1e-9.
+// An eigenvalue of the tangent below this multiple of the mean may be zero and is computed closely.
+// A cantilever of 100 x 8 x 8 elements with a slenderness of 50 has 1e-9.
 constexpr double small_eigenvalue = 1e-8;
 
 }  // namespace

@@ -171,7 +171,7 @@ TEST(OutputFolder, HasOneWriterUntilThatEndsHoweverItDoes) {
   put(*output(folder / "out"), "run.pvd", "x");
 }
 
-/// What another process is told that opens the folder and ends at once.
+/// The message to another process that opens the folder and ends at once.
 std::string refusal_in_another_process(const fs::path& path) {
   int ends[2];
   if (pipe(ends) != 0) return "no pipe";

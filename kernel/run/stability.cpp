@@ -96,7 +96,7 @@ std::string Stability::place_of(const LowestMode& mode) const {
   const Column& x = built_.body().attributes().position();
   std::ostringstream text;
   text << "the mode is largest at element "
-       << element_of(built_.element_name(built_.body().complex().dart_of(0, vertex))) << " at "
+       << built_.element_name(element_of(built_.body().complex().dart_of(0, vertex))) << " at "
        << built_.place_text({x.get(vertex, 0), x.get(vertex, 1), x.get(vertex, 2)});
   return text.str();
 }

@@ -3,7 +3,7 @@
 
 #include <pybind11/numpy.h>
 
-#include "kernel/scene/built_scene.hpp"
+#include "kernel/build/built_scene.hpp"
 
 namespace suture::python {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "kernel/dynamics/dynamics.hpp"
-#include "kernel/dynamics/step_limits.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
+#include "kernel/spectrum/step_limits.hpp"
 
 namespace suture::bench {
 

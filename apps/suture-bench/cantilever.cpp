@@ -6,7 +6,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/nearest.hpp"
-#include "kernel/dynamics/newton.hpp"
+#include "kernel/implicit/newton.hpp"
 
 namespace suture::bench {
 namespace {

@@ -4,7 +4,7 @@
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/timer.hpp"
-#include "kernel/events/tear.hpp"
+#include "kernel/operations/tear.hpp"
 
 namespace suture::bench {
 namespace {

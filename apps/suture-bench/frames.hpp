@@ -12,7 +12,7 @@
 
 #include "apps/suture-bench/body.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
-#include "kernel/run/recorder.hpp"
+#include "kernel/results/recorder.hpp"
 
 namespace suture::bench {
 

@@ -4,7 +4,7 @@
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/machine.hpp"
 #include "apps/suture-bench/timer.hpp"
-#include "kernel/dynamics/newton.hpp"
+#include "kernel/implicit/newton.hpp"
 
 namespace suture::bench {
 namespace {

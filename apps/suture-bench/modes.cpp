@@ -5,7 +5,7 @@
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/machine.hpp"
 #include "apps/suture-bench/timer.hpp"
-#include "kernel/dynamics/natural_modes.hpp"
+#include "kernel/spectrum/natural_modes.hpp"
 
 namespace suture::bench {
 namespace {

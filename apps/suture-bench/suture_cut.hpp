@@ -6,8 +6,8 @@
 #include <string>
 
 #include "kernel/dynamics/dynamics.hpp"
-#include "kernel/dynamics/step_limits.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
+#include "kernel/spectrum/step_limits.hpp"
 
 namespace suture::bench {
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "apps/suture/commands.hpp"
-#include "kernel/base/output_fields.hpp"
+#include "kernel/plugin_host/output_fields.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
 
 namespace suture {

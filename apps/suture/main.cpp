@@ -5,8 +5,8 @@
 #include "apps/suture/commands.hpp"
 #include "apps/suture/signals.hpp"
 #include "kernel/base/error.hpp"
-#include "kernel/base/plugin_call.hpp"
-#include "kernel/base/plugin_faults.hpp"
+#include "kernel/plugin_host/plugin_call.hpp"
+#include "kernel/plugin_host/plugin_faults.hpp"
 
 namespace suture {
 namespace {

@@ -12,7 +12,7 @@
 #include <cstdarg>
 #include <vector>
 
-#include "kernel/base/plugin_faults.hpp"
+#include "kernel/plugin_host/plugin_faults.hpp"
 
 namespace {
 

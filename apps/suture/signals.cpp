@@ -7,9 +7,9 @@
 #include <csignal>
 #include <cstring>
 
-#include "kernel/base/plugin_call.hpp"
-#include "kernel/base/plugin_faults.hpp"
 #include "kernel/output/output_folder.hpp"
+#include "kernel/plugin_host/plugin_call.hpp"
+#include "kernel/plugin_host/plugin_faults.hpp"
 
 namespace suture {
 namespace {

@@ -7,9 +7,9 @@
 #include <limits>
 
 #include "kernel/base/error.hpp"
-#include "kernel/base/guarded_array.hpp"
 #include "kernel/base/lanes.hpp"
 #include "kernel/base/reset_error.hpp"
+#include "kernel/plugin_host/guarded_array.hpp"
 #include "kernel/topology/incidence.hpp"
 
 namespace suture {

@@ -8,8 +8,8 @@
 
 #include "kernel/attributes/shape.hpp"
 #include "kernel/base/error.hpp"
-#include "kernel/base/host_extensions.hpp"
 #include "kernel/base/reset_error.hpp"
+#include "kernel/plugin_host/host_extensions.hpp"
 
 namespace suture {
 namespace {

@@ -12,8 +12,8 @@
 #include "kernel/attributes/own_rest.hpp"
 #include "kernel/attributes/table.hpp"
 #include "kernel/base/diagnostics.hpp"
-#include "kernel/base/guarded_array.hpp"
-#include "kernel/base/plugin_call.hpp"
+#include "kernel/plugin_host/guarded_array.hpp"
+#include "kernel/plugin_host/plugin_call.hpp"
 #include "kernel/topology/cell_complex.hpp"
 
 namespace suture {

@@ -12,7 +12,7 @@
 namespace suture {
 namespace {
 
-constexpr std::array<std::string_view, 3> names{"", "avx2", "avx512"};
+constexpr std::array<std::string_view, 3> isa_names{"", "avx2", "avx512"};
 
 /// The builtin asks the operating system too (XGETBV): registers that are not
 /// saved on a context switch do not count.
@@ -34,8 +34,8 @@ int processor_rank() {
 
 int isa_rank(std::string_view isa) {
   if (isa == "base") return 0;
-  const auto at = std::find(names.begin(), names.end(), isa);
-  return at == names.end() ? -1 : static_cast<int>(at - names.begin());
+  const auto at = std::find(isa_names.begin(), isa_names.end(), isa);
+  return at == isa_names.end() ? -1 : static_cast<int>(at - isa_names.begin());
 }
 
 std::string_view best_isa() {
@@ -47,7 +47,7 @@ std::string_view best_isa() {
                        "; set it to avx512, avx2 or base, or unset it");
     rank = std::min(rank, limit);
   }
-  return names[static_cast<std::size_t>(rank)];
+  return isa_names[static_cast<std::size_t>(rank)];
 }
 
 }  // namespace suture

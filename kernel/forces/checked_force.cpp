@@ -14,10 +14,10 @@
 
 #include "kernel/base/aligned.hpp"
 #include "kernel/base/error.hpp"
-#include "kernel/base/guarded_array.hpp"
 #include "kernel/base/lanes.hpp"
-#include "kernel/base/plugin_call.hpp"
 #include "kernel/base/types.hpp"
+#include "kernel/plugin_host/guarded_array.hpp"
+#include "kernel/plugin_host/plugin_call.hpp"
 
 namespace suture {
 namespace {

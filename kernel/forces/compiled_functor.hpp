@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
-#include "kernel/base/plugin_call.hpp"
 #include "kernel/forces/batch_list.hpp"
 #include "kernel/forces/checked_force.hpp"
+#include "kernel/plugin_host/plugin_call.hpp"
 
 namespace suture {
 

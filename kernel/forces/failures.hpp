@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "kernel/base/plugin_call.hpp"
 #include "kernel/base/types.hpp"
+#include "kernel/plugin_host/plugin_call.hpp"
 #include "suture/plugin.h"
 
 namespace suture {

@@ -3,8 +3,8 @@
 #include <cstdio>
 
 #include "kernel/attributes/cell_nodes.hpp"
-#include "kernel/base/output_fields.hpp"
 #include "kernel/forces/force_loop_impl.hpp"
+#include "kernel/plugin_host/output_fields.hpp"
 
 namespace suture {
 

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "kernel/base/aligned.hpp"
-#include "kernel/base/guarded_array.hpp"
-#include "kernel/base/plugin_call.hpp"
 #include "kernel/forces/failures.hpp"
 #include "kernel/forces/loops/loops.hpp"
+#include "kernel/plugin_host/guarded_array.hpp"
+#include "kernel/plugin_host/plugin_call.hpp"
 
 namespace suture {
 

@@ -4,7 +4,7 @@
 #include <map>
 #include <span>
 
-#include "kernel/base/plugin_call.hpp"
+#include "kernel/plugin_host/plugin_call.hpp"
 #include "kernel/plugin_host/table_entry.hpp"
 #include "suture/single.h"
 

@@ -12,9 +12,9 @@
 #include <string_view>
 
 #include "kernel/base/error.hpp"
-#include "kernel/base/plugin_call.hpp"
 #include "kernel/plugin_host/elf_check.hpp"
 #include "kernel/plugin_host/extension_check.hpp"
+#include "kernel/plugin_host/plugin_call.hpp"
 #include "kernel/plugin_host/table_check.hpp"
 #include "kernel/plugin_host/table_copy.hpp"
 

@@ -8,8 +8,8 @@
 #include <span>
 #include <string_view>
 
-#include "kernel/base/host_extensions.hpp"
 #include "kernel/base/nearest.hpp"
+#include "kernel/plugin_host/host_extensions.hpp"
 #include "kernel/plugin_host/table_entry.hpp"
 
 namespace suture {

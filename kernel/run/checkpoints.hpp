@@ -6,10 +6,10 @@
 #include <memory>
 #include <string>
 
+#include "kernel/build/built_scene.hpp"
 #include "kernel/dynamics/clock.hpp"
 #include "kernel/output/checkpoint_writer.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
-#include "kernel/scene/built_scene.hpp"
 
 namespace suture {
 

@@ -8,9 +8,9 @@
 #include <variant>
 
 #include "kernel/base/escape.hpp"
+#include "kernel/build/cell_values.hpp"
 #include "kernel/contact/contact.hpp"
 #include "kernel/contact/solid_surface.hpp"
-#include "kernel/scene/cell_values.hpp"
 
 namespace suture {
 namespace {

@@ -3,8 +3,9 @@
 
 #include <vector>
 
-#include "kernel/run/recorder.hpp"
-#include "kernel/run/simulation.hpp"
+#include "kernel/plugin_host/plugin_host.hpp"
+#include "kernel/results/recorder.hpp"
+#include "kernel/run/run_report.hpp"
 
 namespace suture {
 

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "kernel/base/error.hpp"
-#include "kernel/dynamics/newton.hpp"
-#include "kernel/run/free_bodies.hpp"
+#include "kernel/implicit/newton.hpp"
+#include "kernel/steps/free_bodies.hpp"
 
 namespace suture {
 namespace {

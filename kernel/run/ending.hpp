@@ -4,10 +4,10 @@
 #include <optional>
 
 #include "kernel/dynamics/rest_search.hpp"
-#include "kernel/run/free_bodies.hpp"
-#include "kernel/run/simulation.hpp"
+#include "kernel/run/run_report.hpp"
 #include "kernel/run/stability.hpp"
-#include "kernel/run/step_control.hpp"
+#include "kernel/steps/free_bodies.hpp"
+#include "kernel/steps/step_control.hpp"
 
 namespace suture {
 

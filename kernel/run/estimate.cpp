@@ -7,6 +7,7 @@
 
 #include "kernel/base/saturate.hpp"
 #include "kernel/run/run_loop.hpp"
+#include "kernel/run/simulation.hpp"
 
 namespace suture {
 namespace {

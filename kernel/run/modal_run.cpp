@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "kernel/base/error.hpp"
-#include "kernel/run/frame_parts.hpp"
-#include "kernel/run/free_bodies.hpp"
+#include "kernel/results/frame_parts.hpp"
 #include "kernel/run/run_loop.hpp"
+#include "kernel/steps/free_bodies.hpp"
 
 namespace suture {
 namespace {

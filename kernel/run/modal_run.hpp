@@ -4,10 +4,10 @@
 #include <memory>
 #include <string>
 
-#include "kernel/dynamics/natural_modes.hpp"
+#include "kernel/build/built_scene.hpp"
 #include "kernel/output/output_folder.hpp"
-#include "kernel/run/simulation.hpp"
-#include "kernel/scene/built_scene.hpp"
+#include "kernel/run/run_report.hpp"
+#include "kernel/spectrum/natural_modes.hpp"
 
 namespace suture {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "kernel/scene/built_scene.hpp"
+#include "kernel/build/built_scene.hpp"
 
 namespace suture {
 

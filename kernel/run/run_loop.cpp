@@ -9,15 +9,15 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/heap.hpp"
-#include "kernel/base/plugin_call.hpp"
+#include "kernel/build/check_obstacles.hpp"
 #include "kernel/contact/contact.hpp"
-#include "kernel/dynamics/newton.hpp"
+#include "kernel/implicit/newton.hpp"
 #include "kernel/output/output_folder.hpp"
-#include "kernel/run/frame_parts.hpp"
-#include "kernel/run/free_bodies.hpp"
-#include "kernel/run/hourglass_watch.hpp"
+#include "kernel/plugin_host/plugin_call.hpp"
+#include "kernel/results/frame_parts.hpp"
 #include "kernel/run/steering.hpp"
-#include "kernel/scene/check_obstacles.hpp"
+#include "kernel/steps/free_bodies.hpp"
+#include "kernel/steps/hourglass_watch.hpp"
 
 namespace suture {
 namespace {

@@ -4,14 +4,15 @@
 #include <chrono>
 #include <optional>
 
-#include "kernel/events/event_runner.hpp"
+#include "kernel/operations/event_runner.hpp"
+#include "kernel/results/event_report.hpp"
+#include "kernel/results/records.hpp"
 #include "kernel/run/checkpoints.hpp"
 #include "kernel/run/decisions.hpp"
 #include "kernel/run/ending.hpp"
-#include "kernel/run/event_report.hpp"
-#include "kernel/run/records.hpp"
+#include "kernel/run/run_report.hpp"
 #include "kernel/run/sleeper.hpp"
-#include "kernel/run/step_control.hpp"
+#include "kernel/steps/step_control.hpp"
 
 namespace suture {
 

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "kernel/base/vec3.hpp"
-#include "kernel/run/free_bodies.hpp"
+#include "kernel/steps/free_bodies.hpp"
 
 namespace suture {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "kernel/base/diagnostics.hpp"
-#include "kernel/dynamics/modes.hpp"
-#include "kernel/run/recorder.hpp"
-#include "kernel/scene/built_scene.hpp"
+#include "kernel/build/built_scene.hpp"
+#include "kernel/results/recorder.hpp"
+#include "kernel/spectrum/modes.hpp"
 
 namespace suture {
 

@@ -9,7 +9,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/base/safe_range.hpp"
-#include "kernel/scene/check_obstacles.hpp"
+#include "kernel/build/check_obstacles.hpp"
 
 namespace suture {
 namespace {

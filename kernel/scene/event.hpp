@@ -64,7 +64,7 @@ struct Pierce {
   double radius = 0;               ///< m, from the polyline to the centroid
 };
 
-/// Opens faces where a value exceeds a threshold (events/tear.hpp).
+/// Opens faces where a value exceeds a threshold (operations/tear.hpp).
 struct Tear {
   enum class By { principal_strain, elongation, field };
   By by = By::principal_strain;
@@ -75,7 +75,7 @@ struct Tear {
   double max_fraction = 0.25;
 };
 
-/// 3-sews boundary faces (events/match_faces.hpp).
+/// 3-sews boundary faces (operations/match_faces.hpp).
 struct SewFaces {
   std::vector<std::array<std::uint64_t, 2>> element_pairs;  ///< user ids; or
   std::optional<std::array<Selection, 2>> between;          ///< with

@@ -6,7 +6,7 @@
 
 #include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
-#include "kernel/base/output_fields.hpp"
+#include "kernel/plugin_host/output_fields.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
 namespace suture::scene_parts {

@@ -7,7 +7,7 @@
 
 #include <random>
 
-#include "kernel/dynamics/newton.hpp"
+#include "kernel/implicit/newton.hpp"
 #include "tests/dynamics/model_block.hpp"
 
 namespace suture {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernel/dynamics/newton.hpp"
+#include "kernel/implicit/newton.hpp"
 #include "tests/dynamics/model_block.hpp"
 
 namespace {

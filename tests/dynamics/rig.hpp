@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "kernel/dynamics/dynamics.hpp"
-#include "kernel/dynamics/step_limits.hpp"
 #include "kernel/forces/dead_loads.hpp"
 #include "kernel/forces/gravity.hpp"
 #include "kernel/forces/pressures.hpp"
+#include "kernel/spectrum/step_limits.hpp"
 #include "tests/forces/spring_model.hpp"
 
 /// What tests of dynamics set up again and again.

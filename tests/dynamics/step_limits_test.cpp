@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/dynamics/step_limits.hpp"
+#include "kernel/spectrum/step_limits.hpp"
 
 #include <gtest/gtest.h>
 

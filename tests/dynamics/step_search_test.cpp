@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The largest stable step of various bodies, compared with a dense solver.
-#include "kernel/dynamics/step_search.hpp"
+#include "kernel/spectrum/step_search.hpp"
 
 #include <gtest/gtest.h>
 

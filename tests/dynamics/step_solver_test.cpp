@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Preconditioners outlive steps, and results depend on the state alone nevertheless.
-#include "kernel/dynamics/step_solver.hpp"
+#include "kernel/implicit/step_solver.hpp"
 
 #include <gtest/gtest.h>
 
 #include "kernel/base/archive.hpp"
-#include "kernel/dynamics/newton.hpp"
 #include "kernel/forces/force_loop.hpp"
+#include "kernel/implicit/newton.hpp"
 #include "tests/dynamics/model_block.hpp"
 
 namespace {

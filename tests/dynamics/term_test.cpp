@@ -6,7 +6,7 @@
 #include <limits>
 #include <numeric>
 
-#include "kernel/dynamics/modes.hpp"
+#include "kernel/spectrum/modes.hpp"
 #include "tests/dynamics/model_block.hpp"
 #include "tests/dynamics/rig.hpp"
 

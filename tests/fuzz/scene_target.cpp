@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/scene/built_scene.hpp"
+#include "kernel/build/built_scene.hpp"
 #include "tests/fuzz/input_file.hpp"
 #include "tests/fuzz/small_scene.hpp"
 #include "tests/fuzz/targets.hpp"

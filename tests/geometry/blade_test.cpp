@@ -4,8 +4,8 @@
 #include <random>
 
 #include "kernel/base/error.hpp"
-#include "kernel/events/cut_faces.hpp"
 #include "kernel/geometry/surface_blade.hpp"
+#include "kernel/operations/cut_faces.hpp"
 #include "tests/geometry/dyadic.hpp"
 #include "tests/geometry/surfaces.hpp"
 

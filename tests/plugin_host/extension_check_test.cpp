@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "kernel/base/error.hpp"
-#include "kernel/base/output_fields.hpp"
+#include "kernel/plugin_host/output_fields.hpp"
 #include "suture/single.h"
 #include "tests/plugin_host/change_case.hpp"
 

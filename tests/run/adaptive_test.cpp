@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "kernel/base/error.hpp"
-#include "kernel/run/step_accuracy.hpp"
-#include "kernel/scene/built_scene.hpp"
+#include "kernel/build/built_scene.hpp"
+#include "kernel/steps/step_accuracy.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/csv_table.hpp"

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "kernel/base/error.hpp"
+#include "kernel/build/built_scene.hpp"
 #include "kernel/mesh/mesh_file.hpp"
-#include "kernel/scene/built_scene.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
 

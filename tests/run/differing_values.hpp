@@ -5,8 +5,8 @@
 
 #include <functional>
 
+#include "kernel/build/built_scene.hpp"
 #include "kernel/mesh/mesh_file.hpp"
-#include "kernel/scene/built_scene.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "kernel/run/fields.hpp"
+#include "kernel/results/fields.hpp"
 
 namespace suture::test {
 namespace {

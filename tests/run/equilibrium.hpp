@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <functional>
 
-#include "kernel/scene/built_scene.hpp"
+#include "kernel/build/built_scene.hpp"
 #include "tests/run/beam.hpp"
 
 namespace suture::test {

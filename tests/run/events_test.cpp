@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "kernel/base/error.hpp"
-#include "kernel/run/event_report.hpp"
+#include "kernel/results/event_report.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Unconstrained bodies.
-#include "kernel/run/free_bodies.hpp"
+#include "kernel/steps/free_bodies.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/run/guard.hpp"
+#include "kernel/steps/guard.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "kernel/base/error.hpp"
-#include "kernel/run/evidence.hpp"
+#include "kernel/results/evidence.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "kernel/base/aligned.hpp"
-#include "kernel/scene/built_scene.hpp"
+#include "kernel/build/built_scene.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
 

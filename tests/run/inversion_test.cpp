@@ -9,7 +9,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/vec3.hpp"
-#include "kernel/run/guard.hpp"
+#include "kernel/steps/guard.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
 

@@ -11,8 +11,8 @@
 #include <map>
 #include <random>
 
+#include "kernel/build/built_scene.hpp"
 #include "kernel/mesh/mesh_file.hpp"
-#include "kernel/scene/built_scene.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
 

@@ -10,8 +10,8 @@
 #include <map>
 #include <random>
 
-#include "kernel/dynamics/step_search.hpp"
-#include "kernel/scene/built_scene.hpp"
+#include "kernel/build/built_scene.hpp"
+#include "kernel/spectrum/step_search.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The lowest mode compared with dense solvers and closed forms, and how a run uses it.
-#include "kernel/dynamics/modes.hpp"
+#include "kernel/spectrum/modes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,9 @@
 #include <random>
 
 #include "kernel/base/error.hpp"
-#include "kernel/dynamics/natural_modes.hpp"
+#include "kernel/build/built_scene.hpp"
 #include "kernel/run/modal_run.hpp"
-#include "kernel/scene/built_scene.hpp"
+#include "kernel/spectrum/natural_modes.hpp"
 #include "tests/reference/beam.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"

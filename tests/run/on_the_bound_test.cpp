@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <optional>
 
-#include "kernel/events/pierce_path.hpp"
-#include "kernel/events/plane_patch.hpp"
-#include "kernel/scene/built_scene.hpp"
+#include "kernel/build/built_scene.hpp"
+#include "kernel/operations/pierce_path.hpp"
+#include "kernel/operations/plane_patch.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
 #include "tests/run/translation.hpp"

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "kernel/base/error.hpp"
-#include "kernel/scene/built_scene.hpp"
+#include "kernel/build/built_scene.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
 

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "kernel/base/error.hpp"
-#include "kernel/scene/built_scene.hpp"
+#include "kernel/build/built_scene.hpp"
 #include "kernel/scene/scene_error.hpp"
 #include "kernel/scene/scene_reader.hpp"
 #include "tests/run/beam.hpp"

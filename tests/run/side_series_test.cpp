@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What the series of springs, faces and cuts show.
-#include "kernel/run/side_series.hpp"
+#include "kernel/results/side_series.hpp"
 
 #include <gtest/gtest.h>
 

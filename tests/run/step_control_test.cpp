@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Steps that are rejected and repeated: they leave no trace in the state or on disk.
-#include "kernel/run/step_control.hpp"
+#include "kernel/steps/step_control.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include <set>
 
 #include "kernel/base/error.hpp"
-#include "kernel/run/kept_states.hpp"
-#include "kernel/scene/built_scene.hpp"
+#include "kernel/build/built_scene.hpp"
+#include "kernel/steps/kept_states.hpp"
 #include "tests/base/same_state.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"

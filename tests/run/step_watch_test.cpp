@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // When a run searches for its stable step, and which step it uses in between.
-#include "kernel/run/step_watch.hpp"
+#include "kernel/steps/step_watch.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "kernel/scene/built_scene.hpp"
+#include "kernel/build/built_scene.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
 

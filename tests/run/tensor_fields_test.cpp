@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Strain, principal values and the stress at nodes, compared with closed forms.
-#include "kernel/run/tensor_fields.hpp"
+#include "kernel/results/tensor_fields.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <cmath>
 #include <functional>
 
-#include "kernel/events/event_runner.hpp"
-#include "kernel/run/nodal_stress.hpp"
+#include "kernel/operations/event_runner.hpp"
+#include "kernel/results/nodal_stress.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
 

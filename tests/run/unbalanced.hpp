@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "kernel/base/aligned.hpp"
+#include "kernel/build/built_scene.hpp"
 #include "kernel/run/simulation.hpp"
-#include "kernel/scene/built_scene.hpp"
 #include "kernel/scene/scene_reader.hpp"
 
 namespace suture::test {

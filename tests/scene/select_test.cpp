@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "kernel/base/error.hpp"
-#include "kernel/scene/built_scene.hpp"
+#include "kernel/build/built_scene.hpp"
 #include "tests/run/beam.hpp"
 
 namespace suture::test {

@@ -2,7 +2,7 @@
 //
 // What is moved, and by how much bounds are extended. tests/run/translation_test.cpp checks by
 // running scenes that no coordinate is overlooked.
-#include "kernel/scene/translate.hpp"
+#include "kernel/build/translate.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <Eigen/Eigenvalues>
 #include <random>
 
-#include "kernel/scene/built_scene.hpp"
+#include "kernel/build/built_scene.hpp"
 #include "kernel/solvers/block_jacobi.hpp"
 #include "kernel/solvers/conjugate_gradients.hpp"
 #include "tests/run/beam.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "kernel/scene/built_scene.hpp"
+#include "kernel/build/built_scene.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/stability/runner.hpp"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 // Finds elements that may be stretched beyond a bound: the first stage of a tear check
-// (events/tear.hpp). Included by loops.cpp only; internal linkage throughout.
+// (operations/tear.hpp). Included by loops.cpp only; internal linkage throughout.
 
 #include "kernel/forces/loops/lanes.hpp"
 #include "kernel/forces/loops/loops.hpp"

@@ -9,9 +9,9 @@
 #include <iostream>
 
 #include "kernel/base/error.hpp"
+#include "kernel/build/built_scene.hpp"
 #include "kernel/contact/contact.hpp"
 #include "kernel/run/simulation.hpp"
-#include "kernel/scene/built_scene.hpp"
 #include "tests/contact/robust/robust_scenes.hpp"
 #include "tests/contact/robust/separation.hpp"
 

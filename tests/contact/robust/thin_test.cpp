@@ -13,10 +13,10 @@
 #include "kernel/base/archive.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/vec3.hpp"
+#include "kernel/build/built_scene.hpp"
 #include "kernel/contact/contact.hpp"
 #include "kernel/contact/solid_surface.hpp"
 #include "kernel/run/simulation.hpp"
-#include "kernel/scene/built_scene.hpp"
 #include "tests/geometry/surfaces.hpp"
 
 namespace suture::test {

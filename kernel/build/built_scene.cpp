@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/build/built_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <utility>
+
+#include "kernel/base/error.hpp"
+#include "kernel/base/heap.hpp"
+#include "kernel/base/vec3.hpp"
+#include "kernel/build/cell_values.hpp"
+#include "kernel/build/check_constraints.hpp"
+#include "kernel/build/check_obstacles.hpp"
+#include "kernel/build/check_selections.hpp"
+#include "kernel/contact/contact.hpp"
+#include "kernel/contact/multiplier_forces.hpp"
+#include "kernel/contact/penalty_forces.hpp"
+#include "kernel/forces/dead_loads.hpp"
+#include "kernel/forces/gravity.hpp"
+#include "kernel/forces/pressures.hpp"
+#include "kernel/mesh/mesh_file.hpp"
+#include "kernel/mesh/own_origin.hpp"
+#include "kernel/topology/bad_elements.hpp"
+
+namespace suture {
+namespace {
+
+/// What the import needed meanwhile is gone before the columns come.
+Imported import_and_trim(Mesh mesh, const Scene& scene, Diagnostics& diagnostics) {
+  Imported imported = import_mesh(std::move(mesh), scene.mesh.import, diagnostics);
+  trim_heap();
+  return imported;
+}
+
+Mesh make_mesh(const MeshSource& source, const std::set<std::string>& arrays,
+               Diagnostics& diagnostics) {
+  if (source.box) return make_local_box(*source.box);
+  if (source.voxels) return make_local_voxels(*source.voxels);
+  Mesh mesh = source.given
+                  ? *source.given
+                  : read_mesh(source.file, source.scale, diagnostics,
+                              [&](const std::string& name) { return arrays.contains(name); });
+  move_to_own_origin(mesh);
+  return mesh;
+}
+
+Mesh load_mesh(const Scene& scene, Diagnostics& diagnostics) {
+  const MeshSource& source = scene.mesh;
+  Mesh mesh = make_mesh(source, arrays_of(scene), diagnostics);
+  if (source.drop_bad_elements)
+    drop_bad_elements(mesh, source.import.allow_inverted_rest, diagnostics);
+  return mesh;
+}
+
+BodyFrame frame_of(const Mesh& mesh) {
+  if (mesh.origin == Vec3{}) return {};
+  const auto [low, high] = box_of(mesh);
+  const Vec3 size = minus(high, low);
+  return {mesh.origin, std::sqrt(dot(size, size))};
+}
+
+bool stops_on_inversion(const Scene& scene, const ModelUse& use) {
+  for (const OnInversion choice : {use.on_inversion, scene.solver.on_inversion})
+    if (choice != OnInversion::by_model) return choice == OnInversion::stop;
+  return (use.model->flags & SUTURE_CONTINUUM) != 0;
+}
+
+}  // namespace
+
+BuiltScene::BuiltScene(const Scene& given, Diagnostics& diagnostics, bool skip)
+    : BuiltScene(given, load_mesh(given, diagnostics), diagnostics, skip) {}
+
+BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, bool skip)
+    : skips_(skip),
+      frame_(frame_of(mesh)),
+      scene_(in_frame(given, frame_)),
+      mesh_source_(mesh.source),
+      names_(MeshNames::of(mesh)),
+      body_(import_and_trim(std::move(mesh), scene_, diagnostics)),
+      selector_(body_.imported(), names_, body_.attributes().rest(), frame_) {
+  check_selections(scene_, selector_);
+  name_elements();
+  add_models(diagnostics);
+  const DynamicsOptions options{scene_.solver.integrator,
+                                scene_.solver.damping,
+                                {scene_.solver.step_tolerance, stops_on_inversion(),
+                                 scene_.solver.hold_free_pieces, scene_.solver.follow_path}};
+  dynamics_ = std::make_unique<Dynamics>(body_, options);
+  limits_ = std::make_unique<StepLimits>(body_);
+  add_constraints();
+  add_terms();
+  add_contact(diagnostics);
+}
+
+std::vector<bool> BuiltScene::stops_on_inversion() const {
+  std::vector<bool> stops;
+  for (const ModelUse& use : scene_.models)
+    stops.push_back(suture::stops_on_inversion(scene_, use));
+  return stops;
+}
+
+void BuiltScene::name_elements() {
+  if (names_.element_ids.empty()) return;
+  for (Index e = 0; e < body_.complex().element_count(); ++e)
+    element_ids_.push_back(static_cast<Index>(element_name(e)));
+  body_.attributes().user_element = element_ids_;
+}
+
+void BuiltScene::add_models(Diagnostics& diagnostics) {
+  CellComplex& complex = body_.complex();
+  if (!skips_) {
+    complex.require_edges();
+    complex.require_faces();
+  }
+  std::vector<std::vector<GivenColumn>> given = read_values();
+  for (std::size_t i = 0; i < scene_.models.size(); ++i) {
+    const ModelUse& use = scene_.models[i];
+    std::vector<Index> region;
+    if (!std::holds_alternative<Selection::All>(use.region.what))
+      region = selector_.elements(use.region);
+    body_.attributes().add(std::make_unique<Instance>(*use.model, use.name, use.parameters,
+                                                      diagnostics, skips_, std::move(given[i])),
+                           complex, std::move(region));
+  }
+  body_.compile(diagnostics, scene_.solver.threads);
+}
+
+/// What the scene gives to columns of its models; the values of arrays are not needed after that.
+std::vector<std::vector<GivenColumn>> BuiltScene::read_values() {
+  const Column& rest = body_.attributes().rest();
+  const auto place = [&](int dimension, Index cell) {
+    if (dimension == 3) return place_of(cell);
+    return place_text({rest.get(cell, 0), rest.get(cell, 1), rest.get(cell, 2)});
+  };
+  auto given = given_columns(scene_, selector_, body_, names_, place);
+  for (MeshArray& array : names_.arrays) std::vector<double>().swap(array.values);
+  return given;
+}
+
+void BuiltScene::add_constraints() {
+  std::vector<PlacedConstraint> placed;
+  for (const Constraint& constraint : scene_.constraints) {
+    PrescribedMotion motion;
+    if (constraint.moves) {
+      motion.translation = constraint.translation;
+      motion.axis = constraint.axis;
+      motion.centre = constraint.centre;
+      motion.angle = constraint.angle;
+      motion.ramp = constraint.ramp;
+    }
+    placed.push_back({"/constraints/" + std::to_string(placed.size()), constraint.components,
+                      motion, selector_.vertices(constraint.where)});
+  }
+  const Column& rest = body_.attributes().rest();
+  check_constraints(placed, rest, [&](Index v) {
+    return "node " + std::to_string(names_.point_id(body_.user_vertex()[v])) + " at " +
+           place_text({rest.get(v, 0), rest.get(v, 1), rest.get(v, 2)});
+  });
+  for (PlacedConstraint& constraint : placed) {
+    if (constraint.motion.moves())
+      constraint.motion.reach = shortest_edge(constraint.vertices) / 10;
+    body_.constraints().add(constraint.vertices, constraint.components, constraint.motion,
+                            body_.attributes());
+  }
+}
+
+/// At rest, of the elements around these vertices, m.
+double BuiltScene::shortest_edge(const std::vector<Index>& vertices) {
+  double shortest = std::numeric_limits<double>::infinity();
+  std::vector<Dart> star;
+  for (const Index v : vertices) {
+    body_.complex().star(0, v, star);
+    for (const Dart d : star)
+      for (const auto& [a, b] : suture_hexahedron_edges) {
+        const Hexahedron& nodes = body_.complex().vertices_of(element_of(d));
+        double squared = 0;
+        for (int c = 0; c < 3; ++c)
+          squared += std::pow(body_.attributes().rest().get(nodes[a], c) -
+                                  body_.attributes().rest().get(nodes[b], c),
+                              2);
+        shortest = std::min(shortest, std::sqrt(squared));
+      }
+  }
+  return shortest;
+}
+
+void BuiltScene::add_terms() {
+  Attributes& attributes = body_.attributes();
+  const CellComplex& complex = body_.complex();
+  body_.add(std::make_unique<Gravity>(attributes, scene_.gravity, scene_.gravity_ramp));
+  auto& dead = body_.add(std::make_unique<DeadLoads>(attributes));
+  auto& pressures = body_.add(std::make_unique<Pressures>(attributes));
+  for (const Load& load : scene_.loads) {
+    switch (load.kind) {
+      case Load::Kind::force:
+        dead.add_force(complex, selector_.vertices(load.where), load.value, load.ramp);
+        break;
+      case Load::Kind::traction:
+        dead.add_traction(complex, selector_.boundary_faces(load.where), load.value, load.ramp);
+        break;
+      case Load::Kind::pressure:
+        pressures.add(complex, selector_.boundary_faces(load.where), load.pressure, load.ramp);
+        break;
+    }
+  }
+}
+
+void BuiltScene::add_contact(Diagnostics& diagnostics) {
+  const ContactOptions& options = scene_.contact;
+  if (!options.is_wanted()) return;
+  Contact& contact = body_.add_contact(options.obstacles, options.thickness);
+  if (options.pieces) contact.touch_pieces({options.friction, options.self});
+  if (dynamics_->is_implicit())
+    body_.add(std::make_unique<MultiplierForces>(contact, body_.attributes(), body_.models(),
+                                                 dynamics_->is_static()));
+  else if (options.penalty)
+    body_.add(std::make_unique<PenaltyForces>(contact, body_.attributes(), body_.models()));
+  check_obstacles(*this, contact, diagnostics);
+  check_pieces(*this, contact, diagnostics);
+}
+
+std::string BuiltScene::place_of(Index e) {
+  Vec3 middle{};
+  for (const Index v : body_.complex().vertices_of(e))
+    for (std::size_t c = 0; c < 3; ++c)
+      middle[c] += body_.attributes().rest().get(v, static_cast<int>(c)) / 8;
+  return place_text(middle);
+}
+
+std::string BuiltScene::place_text(const Vec3& local) const {
+  const Vec3 p = frame_.in_scene(local);
+  std::ostringstream text;
+  if (!frame_.is_scene()) text.precision(10);  // the body is small beside its place
+  text << '(' << p[0] << ", " << p[1] << ", " << p[2] << ") m";
+  return text.str();
+}
+
+}  // namespace suture

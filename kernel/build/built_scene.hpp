@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kernel/build/select.hpp"
+#include "kernel/build/translate.hpp"
+#include "kernel/dynamics/dynamics.hpp"
+#include "kernel/scene/scene.hpp"
+#include "kernel/spectrum/step_limits.hpp"
+
+namespace suture {
+
+/// Everything that is built from a scene before the first step, in the order of the data flow:
+/// mesh, body (cells, attributes, forces, constraints) and dynamics, with the user's names for its
+/// cells. Positions are relative to the lower corner of the body at rest (BodyFrame). Neither
+/// copied nor moved.
+class BuiltScene {
+ public:
+  /// `skip`: leave out what the scene does not need; false builds and computes it regardless.
+  /// Throws the errors of the stages: InputError, TopologyError, PluginError.
+  BuiltScene(const Scene& given, Diagnostics& diagnostics, bool skip = true);
+  BuiltScene(const BuiltScene&) = delete;
+  BuiltScene& operator=(const BuiltScene&) = delete;
+
+  bool skips() const { return skips_; }              ///< whether unneeded work is left out
+  const BodyFrame& frame() const { return frame_; }  ///< the frame of all positions here
+  const Scene& scene() const { return scene_; }      ///< the scene, with coordinates in that frame
+  const std::string& mesh_source() const { return mesh_source_; }
+  const MeshNames& names() const { return names_; }
+  Body& body() { return body_; }
+  const Body& body() const { return body_; }
+  const Selector& selector() const { return selector_; }
+  Dynamics& dynamics() { return *dynamics_; }
+  StepLimits& limits() { return *limits_; }
+
+  /// By model of the scene: whether a run ends where one of its elements becomes inverted.
+  std::vector<bool> stops_on_inversion() const;
+
+  /// The user's number of an element.
+  std::uint64_t element_name(Index e) const { return selector_.element_id(e); }
+  /// "(0.1, 0.2, 0.3) m" in coordinates of the scene: a point of the body, or the centre of an
+  /// element at rest.
+  std::string place_text(const Vec3& local) const;
+  std::string place_of(Index e);
+
+ private:
+  BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, bool skip);
+  void name_elements();
+  void add_models(Diagnostics& diagnostics);
+  std::vector<std::vector<GivenColumn>> read_values();
+  void add_constraints();
+  double shortest_edge(const std::vector<Index>& vertices);
+  void add_terms();
+  void add_contact(Diagnostics& diagnostics);
+
+  bool skips_;
+  BodyFrame frame_;
+  Scene scene_;
+  std::string mesh_source_;
+  MeshNames names_;
+  Body body_;
+  Selector selector_;
+  std::unique_ptr<Dynamics> dynamics_;
+  std::unique_ptr<StepLimits> limits_;
+  std::vector<Index> element_ids_;  ///< by element, if the file has its own numbers
+};
+
+}  // namespace suture

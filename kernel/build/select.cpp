@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/build/select.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kernel/base/box.hpp"
+#include "kernel/base/box_text.hpp"
+#include "kernel/base/error.hpp"
+#include "kernel/base/escape.hpp"
+#include "kernel/base/nearest.hpp"
+#include "kernel/base/sort_unique.hpp"
+#include "kernel/base/vec3.hpp"
+#include "kernel/geometry/centroid.hpp"
+
+namespace suture {
+namespace {
+
+// Whether a point lies in a geometric selection. `diagonal`: of the mesh, m.
+struct Contains {
+  const Vec3& p;
+  double diagonal;
+  bool operator()(const Selection::All&) const { return true; }
+  bool operator()(const Selection::InBox& b) const {
+    for (int a = 0; a < 3; ++a) {
+      if (p[a] < b.min[a] || p[a] > b.max[a]) return false;
+    }
+    return true;
+  }
+  bool operator()(const Selection::Plane& s) const {
+    const double tolerance =
+        s.tolerance < 0 ? Selection::default_tolerance * diagonal : s.tolerance;
+    return std::abs(dot(minus(p, s.point), s.normal)) <= tolerance * norm(s.normal);
+  }
+  bool operator()(const Selection::HalfSpace& s) const {
+    return dot(minus(p, s.point), s.normal) >= 0;
+  }
+  bool operator()(const Selection::Sphere& s) const { return norm(minus(p, s.centre)) <= s.radius; }
+  bool operator()(const Selection::Nearest&) const { return false; }
+  bool operator()(const Selection::Ids&) const { return false; }
+  bool operator()(const Selection::Named&) const { return false; }
+};
+
+/// Of a column of places.
+Box box_of(const Column& places) {
+  Box box = no_box;
+  for (Index v = 0; v < places.size(); ++v)
+    include(box, {places.get(v, 0), places.get(v, 1), places.get(v, 2)});
+  return box;
+}
+
+double diagonal_of(const Box& box) { return norm(minus(box.high, box.low)); }
+
+std::vector<std::string> set_names(const std::map<std::string, std::vector<Index>>& a,
+                                   const std::map<std::string, std::vector<Index>>& b) {
+  std::vector<std::string> names;
+  for (const auto& [name, unused] : a) names.push_back(name);
+  for (const auto& [name, unused] : b) names.push_back(name);
+  return names;
+}
+
+[[noreturn]] void unknown_set(const Selection& selection, const std::string& set,
+                              const std::vector<std::string>& names) {
+  std::string text =
+      selection.path + ": the mesh has no set " + quote(set) + did_you_mean(set, names);
+  text += names.empty() ? "; the mesh has no named sets" : "; it has";
+  for (std::size_t i = 0; i < names.size() && i < 12; ++i)
+    text += (i ? ", " : " ") + escaped(names[i]);
+  throw InputError(text + (names.size() > 12 ? ", ..." : ""));
+}
+
+[[noreturn]] void unknown_id(const Selection& selection, const char* kind, std::uint64_t id) {
+  throw InputError(selection.path + ": the mesh has no " + kind + " with id " + std::to_string(id));
+}
+
+std::map<std::uint64_t, Index> positions(const std::vector<std::uint64_t>& ids) {
+  std::map<std::uint64_t, Index> map;
+  for (std::size_t i = 0; i < ids.size(); ++i) map.emplace(ids[i], static_cast<Index>(i));
+  return map;
+}
+
+// Position of a user's id in the mesh, or `none`.
+Index position_of(std::uint64_t id, std::size_t count, const std::map<std::uint64_t, Index>& map) {
+  if (map.empty()) return id < count ? static_cast<Index>(id) : none;
+  const auto found = map.find(id);
+  return found == map.end() ? none : found->second;
+}
+
+}  // namespace
+
+MeshNames MeshNames::of(const Mesh& mesh) {
+  return {mesh.point_sets, mesh.element_sets,  mesh.point_ids,       mesh.element_ids,
+          mesh.arrays,     mesh.points.size(), mesh.hexahedra.size()};
+}
+
+Selector::Selector(const Imported& imported, const MeshNames& names, const Column& rest,
+                   const BodyFrame& frame)
+    : imported_(imported),
+      names_(names),
+      rest_(rest),
+      frame_(frame),
+      diagonal_(diagonal_of(box_of(rest))),
+      point_position_(positions(names.point_ids)),
+      element_position_(positions(names.element_ids)) {}
+
+std::string Selector::bounds_text() const {
+  const auto [low, high] = box_of(rest_);
+  return box_text(frame_.in_scene(low), frame_.in_scene(high), 6) + " m";
+}
+
+Index Selector::element_with_id(std::uint64_t id) const {
+  const Index position = position_of(id, names_.element_count, element_position_);
+  return position == none ? none : imported_.element_of[position];
+}
+
+std::vector<Index> Selector::named_vertices(const Selection& selection,
+                                            const std::string& set) const {
+  std::vector<Index> result;
+  if (const auto found = names_.point_sets.find(set); found != names_.point_sets.end()) {
+    for (Index point : found->second) {
+      for (Index vertex : imported_.vertices_of_point(point)) result.push_back(vertex);
+    }
+  } else if (const auto elements = names_.element_sets.find(set);
+             elements != names_.element_sets.end()) {
+    for (Index position : elements->second) {
+      const Index element = imported_.element_of[position];
+      if (!imported_.complex.exists(3, element)) continue;
+      const Hexahedron& nodes = imported_.complex.vertices_of(element);
+      result.insert(result.end(), nodes.begin(), nodes.end());
+    }
+  } else {
+    unknown_set(selection, set, set_names(names_.point_sets, names_.element_sets));
+  }
+  return result;
+}
+
+bool Selector::contains(const Selection& selection, const Vec3& p) const {
+  return std::visit(Contains{p, diagonal_}, selection.what);
+}
+
+/// Cells selected by where they are, ascending: at(cell) of those that exist(cell).
+template <class Exists, class At>
+std::vector<Index> Selector::located(const Selection& selection, Index count, Exists exists,
+                                     At at) const {
+  std::vector<Index> result;
+  const auto* near = std::get_if<Selection::Nearest>(&selection.what);
+  double nearest = std::numeric_limits<double>::infinity();
+  for (Index cell = 0; cell < count; ++cell) {
+    if (!exists(cell)) continue;
+    const Vec3 place = at(cell);
+    if (contains(selection, place)) result.push_back(cell);
+    const double distance = near ? norm(minus(place, near->point)) : nearest;
+    if (near && distance < nearest - near->tie) {
+      nearest = distance;
+      result.assign(1, cell);
+    }
+  }
+  return result;
+}
+
+std::vector<Index> Selector::listed_vertices(const Selection& selection) const {
+  std::vector<Index> result;
+  if (const auto* ids = std::get_if<Selection::Ids>(&selection.what)) {
+    for (std::uint64_t id : ids->ids) {
+      const Index point = position_of(id, names_.point_count, point_position_);
+      if (point == none) unknown_id(selection, "node", id);
+      for (Index vertex : imported_.vertices_of_point(point)) result.push_back(vertex);
+    }
+  } else if (const auto* named = std::get_if<Selection::Named>(&selection.what)) {
+    result = named_vertices(selection, named->set);
+  }
+  return result;
+}
+
+std::vector<char> Selector::vertex_mask(const Selection& selection) const {
+  const auto exists = [&](Index v) { return imported_.complex.exists(0, v); };
+  const auto at = [&](Index v) { return Vec3{rest_.get(v, 0), rest_.get(v, 1), rest_.get(v, 2)}; };
+  std::vector<char> mask(rest_.size());
+  for (const Index v : listed_vertices(selection)) mask[v] = exists(v);
+  for (const Index v : located(selection, rest_.size(), exists, at)) mask[v] = 1;
+  return mask;
+}
+
+std::vector<Index> Selector::vertices(const Selection& selection) const {
+  const std::vector<char> mask = vertex_mask(selection);
+  std::vector<Index> result;
+  for (std::size_t v = 0; v < mask.size(); ++v) {
+    if (mask[v]) result.push_back(static_cast<Index>(v));
+  }
+  if (result.empty()) {
+    throw InputError(selection.path + ": the selection contains no node; the nodes lie in " +
+                     bounds_text());
+  }
+  return result;
+}
+
+// Elements that the scene names one by one or by a set, ascending.
+std::vector<Index> Selector::listed_elements(const Selection& selection) const {
+  std::vector<Index> result;
+  if (const auto* ids = std::get_if<Selection::Ids>(&selection.what)) {
+    for (std::uint64_t id : ids->ids) {
+      const Index element = element_with_id(id);
+      if (element == none) unknown_id(selection, "element", id);
+      result.push_back(element);
+    }
+  } else if (const auto* named = std::get_if<Selection::Named>(&selection.what)) {
+    const auto found = names_.element_sets.find(named->set);
+    if (found == names_.element_sets.end()) {
+      if (names_.point_sets.contains(named->set))
+        throw InputError(selection.path + ": " + quote(named->set) +
+                         " is a set of nodes, but elements are expected; select them with a box, a "
+                         "half_space or ids");
+      unknown_set(selection, named->set, set_names(names_.element_sets, {}));
+    }
+    for (Index position : found->second) result.push_back(imported_.element_of[position]);
+  }
+  sort_unique(result);
+  return result;
+}
+
+std::vector<Index> Selector::elements(const Selection& selection) const {
+  std::vector<Index> result = listed_elements(selection);
+  if (result.empty()) result = located_elements(selection, rest_.rows());
+  if (result.empty()) {
+    throw InputError(selection.path +
+                     ": the selection contains no element (elements are selected by their "
+                     "centroids); the mesh lies in " +
+                     bounds_text());
+  }
+  return result;
+}
+
+std::vector<Index> Selector::located_elements(const Selection& selection,
+                                              const double* rows) const {
+  const CellComplex& complex = imported_.complex;
+  return located(
+      selection, complex.element_count(), [&](Index e) { return complex.exists(3, e); },
+      [&](Index e) { return centroid(complex.vertices_of(e), rows, 4); });
+}
+
+std::vector<Index> Selector::elements_now(const Selection& selection, const double* rows) const {
+  std::vector<Index> result = listed_elements(selection);
+  std::erase_if(result, [&](Index e) { return !imported_.complex.exists(3, e); });
+  const std::vector<Index> located = located_elements(selection, rows);
+  result.insert(result.end(), located.begin(), located.end());
+  return result;
+}
+
+std::vector<Dart> Selector::boundary_faces(const Selection& selection) const {
+  const CellComplex& complex = imported_.complex;
+  const std::vector<char> mask = vertex_mask(selection);
+  std::vector<Dart> result;
+  for (Index e = 0; e < complex.element_count(); ++e) {
+    if (!complex.exists(3, e)) continue;
+    const Hexahedron& nodes = complex.vertices_of(e);
+    for (int f = 0; f < 6; ++f) {
+      const auto& corners = suture_hexahedron_faces[f];
+      const bool selected =
+          std::all_of(corners, corners + 4, [&](auto c) { return mask[nodes[c]] != 0; });
+      if (selected && complex.neighbour(e, f) == none) result.push_back(face_dart(e, f));
+    }
+  }
+  if (result.empty()) {
+    throw InputError(selection.path +
+                     ": the selection contains no boundary face (all four nodes of a face must be "
+                     "selected); the nodes lie in " +
+                     bounds_text());
+  }
+  return result;
+}
+
+}  // namespace suture

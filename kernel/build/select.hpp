@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "kernel/attributes/column.hpp"
+#include "kernel/build/translate.hpp"
+#include "kernel/topology/import.hpp"
+
+namespace suture {
+
+/// The names and numbers in the file, kept when a mesh is imported because the complex has its own
+/// numbers.
+struct MeshNames {
+  std::map<std::string, std::vector<Index>> point_sets;
+  std::map<std::string, std::vector<Index>> element_sets;
+  std::vector<std::uint64_t> point_ids;  ///< empty: 0, 1, 2, ...
+  std::vector<std::uint64_t> element_ids;
+  std::vector<MeshArray> arrays;
+  std::size_t point_count = 0, element_count = 0;
+
+  static MeshNames of(const Mesh& mesh);
+  std::uint64_t element_id(Index position) const {
+    return element_ids.empty() ? position : element_ids[position];
+  }
+  std::uint64_t point_id(Index position) const {
+    return point_ids.empty() ? position : point_ids[position];
+  }
+};
+
+/// Converts the selections of a scene to existing cells of the complex, by their positions at rest.
+/// Results are ascending. Throws InputError with the JSON path of the selection if it is empty or
+/// names an unknown set or id. O(cells).
+class Selector {
+ public:
+  /// `rest`: the rest positions of all vertices, in `frame` like all selections.
+  Selector(const Imported& imported, const MeshNames& names, const Column& rest,
+           const BodyFrame& frame);
+
+  std::vector<Index> vertices(const Selection& selection) const;
+  /// Elements whose centroid is selected (for ids and sets, the named elements).
+  std::vector<Index> elements(const Selection& selection) const;
+  /// The same during a run: the remaining elements, by their centroids, where vertex v is at rows[4
+  /// v]. May be empty.
+  std::vector<Index> elements_now(const Selection& selection, const double* rows) const;
+  /// One dart of each boundary face whose four vertices are selected.
+  std::vector<Dart> boundary_faces(const Selection& selection) const;
+
+  /// The element of the complex with this user id, or `none`.
+  Index element_with_id(std::uint64_t id) const;
+  /// The user's id of an element of the complex.
+  std::uint64_t element_id(Index e) const { return names_.element_id(imported_.user_element[e]); }
+  Index element_count() const { return imported_.complex.element_count(); }
+
+  double diagonal() const { return diagonal_; }  ///< of the mesh at rest, m
+
+ private:
+  std::string bounds_text() const;
+  std::vector<Index> listed_elements(const Selection& selection) const;
+  bool contains(const Selection& selection, const Vec3& p) const;
+  template <class Exists, class At>
+  std::vector<Index> located(const Selection& selection, Index count, Exists exists, At at) const;
+  std::vector<Index> located_elements(const Selection& selection, const double* rows) const;
+  std::vector<Index> listed_vertices(const Selection& selection) const;
+  std::vector<char> vertex_mask(const Selection& selection) const;
+  std::vector<Index> named_vertices(const Selection& selection, const std::string& set) const;
+
+  const Imported& imported_;
+  const MeshNames& names_;
+  const Column& rest_;
+  const BodyFrame& frame_;
+  double diagonal_;                                                   ///< of the mesh at rest, m
+  std::map<std::uint64_t, Index> point_position_, element_position_;  ///< only if the file has ids
+};
+
+}  // namespace suture

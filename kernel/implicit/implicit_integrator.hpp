@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "kernel/dynamics/integrator.hpp"
+#include "kernel/implicit/newton.hpp"
+
+namespace suture {
+
+/// A scheme whose step solves equations for the positions at its end (StepEquations). A derived
+/// class gives the equations.
+class ImplicitIntegrator : public Integrator {
+ public:
+  ImplicitIntegrator(Motion& motion, const IntegratorOptions& options);
+
+  /// Throws StepRejected or NumericalError if the equations have no solution within reach.
+  void begin(double dt) final;
+  void accept(double end) final;
+  void reject() final;
+  bool is_implicit() const final { return true; }
+  bool is_other_step(double) const final { return false; }
+  Newton* newton() final { return &newton_; }
+  std::string describe_solver(double dt) final;
+  void forget_cells() final { newton_.forget(); }
+  void state(Archive& archive) override { newton_.state(archive); }
+
+ protected:
+  /// Sets the rates, x* and v* of a step of length dt; x* and v* are the current x and v before.
+  virtual void set(StepEquations& equations) = 0;
+  /// Solves them. Throws StepRejected where a smaller step may help, NumericalError where not.
+  virtual void solve(const StepEquations& equations);
+
+ private:
+  void set_equations(double dt);
+  StepSums sums(const Vec3& gravity_before) const;
+
+  Newton newton_;
+  StepEquations equations_;
+  std::vector<double> position_, velocity_, force_;  ///< at the start of the step
+};
+
+}  // namespace suture

@@ -1,0 +1,438 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/operations/event_runner.hpp"
+
+#include <sstream>
+#include <utility>
+
+#include "kernel/base/error.hpp"
+#include "kernel/contact/contact.hpp"
+#include "kernel/geometry/moving_blade.hpp"
+#include "kernel/geometry/surface_blade.hpp"
+#include "kernel/geometry/surface_file.hpp"
+#include "kernel/operations/cut_faces.hpp"
+#include "kernel/operations/islands.hpp"
+#include "kernel/operations/match_faces.hpp"
+#include "kernel/operations/pierce_path.hpp"
+#include "kernel/operations/plane_patch.hpp"
+
+namespace suture {
+namespace {
+
+std::string count_text(Index n, const char* one) {
+  return std::to_string(n) + ' ' + one + (n == 1 ? "" : "s");
+}
+
+std::string time_text(double time) {
+  std::ostringstream text;
+  text << "t = " << time << " s: ";
+  return text.str();
+}
+
+}  // namespace
+
+EventOutcome& EventOutcome::operator+=(const EventOutcome& other) {
+  faces_cut += other.faces_cut;
+  faces_torn += other.faces_torn;
+  faces_sewn += other.faces_sewn;
+  elements_removed += other.elements_removed;
+  return *this;
+}
+
+std::string EventOutcome::text() const {
+  std::string text;
+  const auto add = [&](const char* verb, Index n, const char* what) {
+    if (n > 0) text += (text.empty() ? "" : ", ") + std::string(verb) + count_text(n, what);
+  };
+  add("cut ", faces_cut, "face");
+  add("tore ", faces_torn, "face");
+  add("sewed ", faces_sewn, "face");
+  add("removed ", elements_removed, "element");
+  return text;
+}
+
+// ------------------------------------------------------------ operations --
+
+/// One operation on its way: everything it needs, and an overload per kind.
+struct EventRunner::Call {
+  EventRunner& runner;
+  const Event& event;
+  std::uint32_t number;  ///< of the event in the scene, or none
+  double time;
+  State& state;
+  BuiltScene& built = runner.built_;
+
+  const double* shape() const {
+    Attributes& a = built.body().attributes();
+    return (event.rest_shape ? a.rest() : a.position()).rows();
+  }
+  void warn(const std::string& text) const {
+    runner.diagnostics_.warn(time_text(time) + event.path + text);
+  }
+  /// Warns about an event that happens once; finish() reports repeated events after the run.
+  void warn_once(const std::string& text) const {
+    if (event.every == 0) warn(text);
+  }
+
+  EventOutcome opened(const std::vector<Dart>& faces) const {
+    EventOutcome outcome;
+    if (!faces.empty()) outcome.faces_cut = cut_now(faces, outcome);
+    return outcome;
+  }
+  Index cut_now(const std::vector<Dart>& faces, EventOutcome& outcome) const {
+    for (const Dart side : faces) {
+      const Dart other = built.body().complex().beta3(side);
+      outcome.faces.push_back({element_of(side), element_of(other)});
+      if (!runner.scene_.output.cuts) continue;
+      for (const Dart d : {side, other}) runner.opened_.push_back({d, number, time});
+    }
+    return built.body().cut(faces).faces_cut;
+  }
+  EventOutcome cut(const std::vector<Dart>& faces) const {
+    if (faces.empty()) warn_once(" cut no face: the blade misses the body" + or_is_cut());
+    return opened(faces);
+  }
+  /// What else it can be that nothing is cut, once anything has been done to the map.
+  std::string or_is_cut() const {
+    return built.body().complex().has_operated() ? ", or the faces there have already been cut"
+                                                 : "";
+  }
+  const Workers* workers() const { return &built.body().models().workers(); }
+
+  EventOutcome operator()(const CutPlane& plane) const {
+    return cut(faces_across_patch(built.body().complex(), shape(),
+                                  {plane.point, plane.normal, plane.radius, plane.polygon}));
+  }
+
+  EventOutcome operator()(const CutSurface&) const {
+    const Places places{shape()};
+    const std::vector<Dart> faces =
+        state.surface->faces_cut(built.body().complex(), places, workers());
+    if (faces.empty() && !event.every)
+      warn(" cut no face: " + why_nothing_was_cut(state.surface->box(), built.body().complex(),
+                                                  places, built.frame().origin));
+    return opened(faces);
+  }
+
+  EventOutcome operator()(const CutBlade& cut) const {
+    if (cut.carried) state.blade->carry_to(time, runner.points_of(*cut.carried, time));
+    return opened(state.blade->advance(built.body().complex(),
+                                       Places{built.body().attributes().position().rows()}, time,
+                                       workers()));
+  }
+
+  EventOutcome operator()(const CutFaces& listed) const {
+    const ListedFaces faces = faces_of(listed);
+    report_pairs("has already been cut", "have already been cut", faces.already_cut);
+    report_pairs("was removed with an element", "were removed with an element", faces.removed);
+    return opened(faces.faces);
+  }
+  void report_pairs(const char* one, const char* many,
+                    const std::vector<ElementPair>& pairs) const {
+    if (pairs.empty()) return;
+    warn_once("/cut/faces: " + std::to_string(pairs.size()) + " of the faces " +
+              (pairs.size() == 1 ? one : many) + ", the first between elements " +
+              std::to_string(pairs[0][0]) + " and " + std::to_string(pairs[0][1]));
+  }
+  ListedFaces faces_of(const CutFaces& listed) const {
+    return faces_between(
+        built.body().complex(), event.path + "/cut/faces", listed.element_pairs,
+        [&](std::uint64_t id) { return built.selector().element_with_id(id); },
+        built.body().user_vertex());
+  }
+
+  EventOutcome operator()(const Pierce& pierce) const {
+    return remove(pierce.where ? built.selector().elements_now(*pierce.where, shape())
+                               : elements_along_path(built.body().complex(), shape(), pierce.path,
+                                                     pierce.radius),
+                  " removed no element: there are none left where it pierces");
+  }
+
+  EventOutcome operator()(const RemoveIslands& islands) const {
+    return remove(
+        elements_of_islands(built.body().complex(), built.body().islands(), shape(), islands),
+        " removed no island: all are large enough and inside the region");
+  }
+
+  EventOutcome remove(const std::vector<Index>& elements, const char* nothing) const;
+
+  EventOutcome operator()(const SewFaces& sew) const {
+    EventOutcome outcome;
+    const std::vector<Seam> seams = seams_of(sew);
+    if (seams.empty()) {
+      if (!state.reported_misfits) warn_once(" sewed no face: " + why_none(sew));
+      return outcome;
+    }
+    const TopologyChange change = built.body().sew(seams);
+    outcome.faces_sewn = change.faces_sewn;
+    for (const Seam& seam : seams)
+      outcome.faces.push_back({element_of(seam.one), element_of(seam.other)});
+    return outcome;
+  }
+
+  std::vector<Seam> seams_of(const SewFaces& sew) const;
+
+  std::vector<Seam> without_misfits(MatchedSeams matched) const;
+
+  Naming naming() const;
+
+  std::vector<Seam> listed_seams(const SewFaces& sew) const;
+
+  static std::string why_none(const SewFaces& sew);
+
+  EventOutcome operator()(const Tear&) const {
+    EventOutcome outcome;
+    const std::vector<Dart> faces = state.tear->faces(built.body(), time);
+    if (!faces.empty())
+      outcome.faces_torn = cut_now(faces, outcome);
+    else
+      warn_once(" tore no face: the criterion is below its threshold everywhere");
+    return outcome;
+  }
+};
+
+std::vector<Seam> EventRunner::Call::seams_of(const SewFaces& sew) const {
+  const CellComplex& complex = built.body().complex();
+  const double* rows = built.body().attributes().position().rows();
+  const auto selected = [&](const Selection& s) { return built.selector().elements_now(s, rows); };
+  if (sew.between) {
+    return without_misfits(seams_within_gap(complex, rows, selected((*sew.between)[0]),
+                                            selected((*sew.between)[1]), sew.gap, naming()));
+  }
+  if (!sew.element_pairs.empty()) return listed_seams(sew);
+  std::vector<Index> where;
+  if (sew.where)
+    where = built.selector().elements_now(*sew.where, built.body().attributes().rest().rows());
+  if (sew.where && where.empty()) return {};
+  return without_misfits(seams_of_cuts(complex, built.body().user_vertex(), where, naming()));
+}
+
+// Whoever leaves the choice of faces to us gets those that can be sewn.
+std::vector<Seam> EventRunner::Call::without_misfits(MatchedSeams matched) const {
+  if (!matched.misfits.empty() && !std::exchange(state.reported_misfits, true))
+    warn("/suture: " + misfits_text(matched.misfits, naming()));
+  return std::move(matched.seams);
+}
+
+/// Cells by the numbers of the user's mesh.
+Naming EventRunner::Call::naming() const {
+  return {[this](Index e) { return std::to_string(built.element_name(e)); },
+          [this](Index v) {
+            return std::to_string(built.names().point_id(built.body().user_vertex()[v]));
+          }};
+}
+
+std::vector<Seam> EventRunner::Call::listed_seams(const SewFaces& sew) const {
+  ListedSeams listed = seams_between(
+      built.body().complex(), built.body().attributes().position().rows(),
+      time_text(time) + event.path + "/suture/faces", sew.element_pairs,
+      [&](std::uint64_t id) { return built.selector().element_with_id(id); },
+      built.body().user_vertex(), naming());
+  if (!listed.idle.empty() && !listed.seams.empty()) {
+    warn_once("/suture/faces: " + std::to_string(listed.idle.size()) +
+              " of the pairs still share a face or were removed; the first is elements " +
+              std::to_string(listed.idle[0][0]) + " and " + std::to_string(listed.idle[0][1]));
+  }
+  return std::move(listed.seams);
+}
+
+std::string EventRunner::Call::why_none(const SewFaces& sew) {
+  if (sew.between) return "no face of one side is within the gap of a face of the other";
+  return sew.element_pairs.empty() ? "no cut face is open there"
+                                   : "all pairs already share a face or were removed";
+}
+
+EventOutcome EventRunner::Call::remove(const std::vector<Index>& elements,
+                                       const char* nothing) const {
+  EventOutcome outcome;
+  if (elements.empty()) {
+    warn_once(nothing);
+    return outcome;
+  }
+  if (elements.size() >= built.body().complex().existing(3)) {
+    throw InputError(time_text(time) + event.path + ": " + event.operation() +
+                     " would remove all " + std::to_string(elements.size()) +
+                     " remaining elements; nothing was removed. Make the selection smaller");
+  }
+  runner.removals_.before(elements);
+  const TopologyChange change = built.body().pierce(elements);
+  outcome.elements_removed = static_cast<Index>(change.removed[3].size());
+  outcome.removed = change.removed[3];
+  for (const std::string& loss : runner.removals_.after())
+    warn(' ' + std::string(event.operation()) + ' ' + loss);
+  return outcome;
+}
+
+// ---------------------------------------------------------------- runner --
+
+EventRunner::EventRunner(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics)
+    : scene_(scene), built_(built), diagnostics_(diagnostics), removals_(scene, built) {
+  for (const Event& event : scene.events) states_.push_back(prepare(event));
+  built.body().add_follower(*this);
+}
+
+EventRunner::~EventRunner() = default;
+
+EventRunner::State EventRunner::prepare(const Event& event) {
+  State state;
+  check(event);
+  if (const auto* tear = std::get_if<Tear>(&event.what)) {
+    std::vector<Index> elements;
+    if (tear->where) elements = built_.selector().elements(*tear->where);
+    state.tear = std::make_unique<TearCheck>(*tear, std::move(elements), built_.body().complex(),
+                                             event.path + "/tear");
+  }
+  try {
+    if (const auto* cut = std::get_if<CutSurface>(&event.what)) {
+      TriangleSurface surface =
+          cut->surface ? *cut->surface : read_triangles(cut->file, cut->scale);
+      for (Vec3& p : surface.points)
+        for (std::size_t c = 0; c < 3; ++c) p[c] += cut->translation[c];
+      state.surface = std::make_unique<SurfaceBlade>(std::move(surface), diagnostics_);
+    } else if (const auto* blade = std::get_if<CutBlade>(&event.what)) {
+      state.blade = std::make_unique<MovingBlade>(blade_of(*blade));
+    }
+  } catch (const InputError& error) {
+    throw InputError(event.path + "/cut: " + error.what());
+  }
+  return state;
+}
+
+MovingBlade EventRunner::blade_of(const CutBlade& cut) const {
+  if (cut.carried) return MovingBlade::carried(points_of(*cut.carried, 0));
+  std::vector<BladeKey> keys;
+  for (const CutBlade::Station& station : cut.stations)
+    keys.push_back({station.at, station.points});
+  return MovingBlade(std::move(keys));
+}
+
+std::vector<Vec3> EventRunner::points_of(const CutBlade::Carried& carried, double time) const {
+  const Pose pose = built_.body().contact()->pose(carried.obstacle, time);
+  std::vector<Vec3> points = carried.points;
+  for (Vec3& point : points) point = pose.place(point);
+  return points;
+}
+
+// Lists and sets that the mesh does not have are mistakes in the scene, reported before
+// anything runs. What geometry selects is known when the event fires.
+void EventRunner::check(const Event& event) {
+  const auto check_names = [&](const Selection& selection) {
+    const bool names = std::holds_alternative<Selection::Ids>(selection.what) ||
+                       std::holds_alternative<Selection::Named>(selection.what);
+    if (names) built_.selector().elements(selection);
+  };
+  if (const auto* faces = std::get_if<CutFaces>(&event.what)) {
+    State unused;
+    Call{*this, event, none, 0, unused}.faces_of(*faces);
+  } else if (const auto* pierce = std::get_if<Pierce>(&event.what)) {
+    if (pierce->where) check_names(*pierce->where);
+  } else if (const auto* sew = std::get_if<SewFaces>(&event.what)) {
+    if (sew->where) check_names(*sew->where);
+    if (sew->between)
+      for (const Selection& selection : *sew->between) check_names(selection);
+    check_pairs(event, *sew);
+  }
+}
+
+void EventRunner::check_pairs(const Event& event, const SewFaces& sew) const {
+  for (std::size_t i = 0; i < sew.element_pairs.size(); ++i)
+    for (const std::uint64_t id : sew.element_pairs[i])
+      if (built_.selector().element_with_id(id) == none)
+        throw InputError(event.path + "/suture/faces/" + std::to_string(i) +
+                         ": the mesh has no element " + std::to_string(id));
+}
+
+// Tissue that was sewn has jumped, and not past a blade.
+void EventRunner::follow(const CellComplex& complex, const TopologyChange& change) {
+  const bool sewn = change.faces_sewn != 0;
+  for (State& state : states_) {
+    if (state.tear && (sewn || !change.removed[3].empty())) state.tear->invalidate();
+    if (state.blade && sewn)
+      state.blade->reset();
+    else if (state.blade)
+      state.blade->follow(complex, change);
+  }
+}
+
+EventOutcome EventRunner::fire(std::size_t i, double time) {
+  const Event& event = scene_.events[i];
+  const EventOutcome outcome =
+      std::visit(Call{*this, event, static_cast<std::uint32_t>(i), time, states_[i]}, event.what);
+  states_[i].had_effect |= outcome.changed();
+  states_[i].has_fired = true;
+  states_[i].last = time;
+  return outcome;
+}
+
+EventOutcome EventRunner::apply(const Event& event, double time) {
+  if (std::holds_alternative<CutBlade>(event.what))
+    throw InputError(
+        event.path +
+        "/cut: a moving blade cannot be applied at one instant; add it to the scene as an event");
+  State state = prepare(event);
+  return std::visit(Call{*this, event, none, time, state}, event.what);
+}
+
+// A blade knows where the tissue was at its last step.
+void EventRunner::roll_back(double time) {
+  const Places places{built_.body().attributes().position().rows()};
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    State& state = states_[i];
+    if (!state.blade || !state.has_fired) continue;
+    state.blade->reset();
+    const auto* cut = std::get_if<CutBlade>(&scene_.events[i].what);
+    if (cut->carried) state.blade->carry_to(time, points_of(*cut->carried, time));
+    state.blade->advance(built_.body().complex(), places, time);
+  }
+}
+
+void EventRunner::finish() {
+  for (std::size_t i = 0; i < scene_.events.size(); ++i) {
+    const Event& event = scene_.events[i];
+    const bool reported = event.is_timed() || (event.when && states_[i].has_fired);  // at its time
+    if (states_[i].had_effect || reported) continue;
+    std::string text = event.path + ": " + event.operation() + " had no effect in the whole run";
+    if (event.when) text += ": its condition was never met";
+    if (states_[i].blade) {
+      text += ": " + why_nothing_was_cut(states_[i].blade->box(), built_.body().complex(),
+                                         Places{built_.body().attributes().position().rows()},
+                                         built_.frame().origin);
+    }
+    diagnostics_.warn(text);
+  }
+}
+
+std::vector<BladeShape> EventRunner::blades(double time) const {
+  std::vector<BladeShape> shapes;
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    const State& state = states_[i];
+    const auto number = static_cast<std::uint32_t>(i);
+    if (state.blade && state.blade->begin() <= time && time <= state.blade->end())
+      shapes.push_back({number, state.blade->at(time), {}});
+    if (state.surface && (!state.has_fired || state.last >= time || scene_.events[i].every > 0))
+      shapes.push_back(
+          {number, state.surface->surface().points, state.surface->surface().triangles});
+  }
+  return shapes;
+}
+
+void OpenedFace::state(Archive& archive) {
+  archive("side", side);
+  archive("event", event);
+  archive("time", time);
+}
+
+void EventRunner::state(Archive& archive) {
+  std::span states = states_;
+  archive.each("events", states, [](Archive& each, State& state) {
+    each("came", state.has_fired);
+    each("had effect", state.had_effect);
+    each("last", state.last);
+    each("told misfits", state.reported_misfits);
+    if (state.tear) each("tear", *state.tear);
+    if (state.blade) each("blade", *state.blade);
+  });
+  archive("removals", removals_);
+  archive.each("opened", opened_);
+}
+
+}  // namespace suture

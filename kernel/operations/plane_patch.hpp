@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "kernel/operations/cut_faces.hpp"
+
+namespace suture {
+
+/// A plane, or the part of it that lies in a disc around `point` and inside a
+/// polygon: flat blades, which need no tree of triangles.
+struct PlanePatch {
+  Vec3 point, normal;                                       ///< m; any length except 0
+  double radius = std::numeric_limits<double>::infinity();  ///< m
+  std::span<const Vec3> polygon{};                          ///< m, in the plane; empty: all of it
+};
+
+/// The faces whose two elements lie on different sides of the plane
+/// (faces_across_plane(), also for shapes, order, errors), if the segment between
+/// their centroids crosses it inside the patch:
+///
+///         . a          the segment a b meets the plane inside   -> its face is cut
+///     ----x------|     c d beside it                            -> is not
+///         . b    . c d
+///
+/// A crossing on the rim of the disc is inside; a crossing on a side of the polygon is inside
+/// exactly one of two polygons that share the side. O(elements).
+std::vector<Dart> faces_across_patch(const CellComplex& complex, const double* rows,
+                                     const PlanePatch& patch, std::size_t stride = 4);
+
+}  // namespace suture

@@ -1,0 +1,394 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/results/fields.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kernel/base/error.hpp"
+#include "kernel/base/escape.hpp"
+#include "kernel/base/nearest.hpp"
+#include "kernel/contact/contact.hpp"
+#include "kernel/dynamics/hourglass.hpp"
+#include "kernel/dynamics/motion.hpp"
+#include "kernel/plugin_host/output_fields.hpp"
+#include "kernel/results/tensor_fields.hpp"
+
+namespace suture {
+namespace {
+
+using On = FieldChoice::On;
+
+// value(built, gravity, vertex, component): three components of each vertex.
+template <class Value>
+FieldChoice vertex_vector(std::string name, std::string unit, bool needs_force, Value value) {
+  FieldChoice field{std::move(name), On::points, needs_force, {}};
+  field.components = 3;
+  field.unit = std::move(unit);
+  field.value = value;
+  field.fill = [value](BuiltScene& built, const Vec3& gravity, double, FrameField& out) {
+    const Index count = built.body().complex().count(0);
+    out.components = 3;
+    out.values.resize(std::size_t{3} * count);
+    for (Index v = 0; v < count; ++v) {
+      for (int a = 0; a < 3; ++a)
+        out.values[std::size_t{3} * v + static_cast<std::size_t>(a)] = value(built, gravity, v, a);
+    }
+  };
+  return field;
+}
+
+// column(built): one value of each vertex.
+template <class ColumnOf>
+FieldChoice vertex_scalar(std::string name, std::string unit, ColumnOf column) {
+  FieldChoice field{std::move(name), On::points, false, {}};
+  field.unit = std::move(unit);
+  field.value = [column](BuiltScene& built, const Vec3&, Index v, int) {
+    return column(built).get(v, 0);
+  };
+  field.fill = [column](BuiltScene& built, const Vec3&, double, FrameField& out) {
+    const Column& values = column(built);
+    out.components = 1;
+    out.values.resize(values.size());
+    for (Index i = 0; i < values.size(); ++i) out.values[i] = values.get(i, 0);
+  };
+  return field;
+}
+
+// value(built, cell): a whole number of each vertex or element.
+template <class Value>
+FieldChoice integers(std::string name, On on, Value value) {
+  FieldChoice field{std::move(name), on, false, {}};
+  field.value = [value](BuiltScene& built, const Vec3&, Index cell, int) {
+    return static_cast<double>(value(built, cell));
+  };
+  field.fill = [value, on](BuiltScene& built, const Vec3&, double, FrameField& out) {
+    const Index count = built.body().complex().count(on == On::points ? 0 : 3);
+    out.components = 1;
+    out.ids.resize(count);
+    for (Index i = 0; i < count; ++i) out.ids[i] = static_cast<std::int64_t>(value(built, i));
+  };
+  return field;
+}
+
+double displacement(BuiltScene& built, const Vec3&, Index v, int a) {
+  return built.body().attributes().position().get(v, a) -
+         built.body().attributes().rest().get(v, a);
+}
+
+double velocity(BuiltScene& built, const Vec3&, Index v, int a) {
+  return built.body().attributes().velocity().get(v, a);
+}
+
+// f = f_int + loads + m g
+double total_force(BuiltScene& built, const Vec3& gravity, Index v, int a) {
+  return built.body().attributes().force().get(v, a) +
+         built.body().attributes().mass().get(v, 0) * gravity[static_cast<std::size_t>(a)];
+}
+
+// What the support gives: the opposite of the force, in constrained directions.
+double reaction(BuiltScene& built, const Vec3& gravity, Index v, int a) {
+  const bool held = (static_cast<int>(built.body().attributes().fixed().get(v, 0)) >> a & 1) != 0;
+  return held ? -total_force(built, gravity, v, a) : 0.0;
+}
+
+// x X reaction, about the origin of the scene's coordinates.
+double reaction_moment(BuiltScene& built, const Vec3& gravity, Index v, int a) {
+  const Column& x = built.body().attributes().position();
+  const Vec3& origin = built.frame().origin;
+  const int b = (a + 1) % 3, c = (a + 2) % 3;
+  const auto arm = [&](int i) { return x.get(v, i) + origin[static_cast<std::size_t>(i)]; };
+  return arm(b) * reaction(built, gravity, v, c) - arm(c) * reaction(built, gravity, v, b);
+}
+
+FieldChoice element_id() {
+  FieldChoice field = integers("element_id", On::cells,
+                               [](BuiltScene& built, Index e) { return built.element_name(e); });
+  field.fill = [fill = field.fill](BuiltScene& built, const Vec3& gravity, double time,
+                                   FrameField& out) {
+    out.global_ids = true;
+    fill(built, gravity, time, out);
+  };
+  return field;
+}
+
+FieldChoice island() {
+  return integers("island", On::cells,
+                  [](BuiltScene& built, Index e) { return built.body().islands().of(e); });
+}
+
+// Alternating part of the deformation over strain.
+void hourglass(BuiltScene& built, const Vec3&, double, FrameField& field) {
+  const Hourglass found = measure_hourglass(built.body().complex(), built.body().attributes());
+  field.components = 1;
+  field.values.resize(built.body().complex().element_count());
+  for (Index e = 0; e < built.body().complex().element_count(); ++e)
+    field.values[e] = found.content(e);
+}
+
+// Of the last step.
+void contact_force(BuiltScene& built, const Vec3&, double, FrameField& field) {
+  field.components = 3;
+  field.values.assign(std::size_t{3} * built.body().complex().count(0), 0);
+  for (const Contact::Touch& touch : built.body().contact()->touches())
+    std::ranges::copy(touch.force, field.values.begin() + std::ptrdiff_t{3} * touch.vertex);
+}
+
+void gap(BuiltScene& built, const Vec3&, double time, FrameField& field) {
+  field.components = 1;
+  field.values = built.body().contact()->gaps(time);
+}
+
+void model(BuiltScene& built, const Vec3&, double, FrameField& field) {
+  field.components = 1;
+  field.ids.resize(built.body().complex().element_count());
+  std::int64_t number = 0;
+  for (const auto& instance : built.body().attributes().instances()) {
+    const CellSet& cells = instance->table(3).cells;
+    for (Index row = 0; row < cells.size(); ++row) field.ids[cells.cell(row)] = number;
+    ++number;
+  }
+}
+
+bool is_by_row(int dimension) { return dimension == 1 || dimension == 2; }
+
+// Where a cell of an instance's table stands in the frame: springs and faces instance after
+// instance in the order of their rows, elements and vertices by number.
+std::size_t frame_size(BuiltScene& built, int dimension) {
+  if (!is_by_row(dimension)) return built.body().complex().count(dimension);
+  std::size_t rows = 0;
+  for (const auto& instance : built.body().attributes().instances())
+    rows += instance->table(dimension).cells.size();
+  return rows;
+}
+
+// values(instance, out): components per row of the instance's table.
+template <class Values>
+void gather_instances(BuiltScene& built, int dimension, int components, FrameField& field,
+                      Values values) {
+  const auto width = static_cast<std::size_t>(components);
+  field.components = components;
+  field.values.assign(frame_size(built, dimension) * width,
+                      std::numeric_limits<double>::quiet_NaN());
+  std::size_t rows = 0;  // of the instances before
+  for (const auto& instance : built.body().attributes().instances()) {
+    const CellSet& cells = instance->table(dimension).cells;
+    std::vector<double> of_rows(cells.size() * width, std::numeric_limits<double>::quiet_NaN());
+    if (values(*instance, of_rows)) {
+      for (Index row = 0; row < cells.size(); ++row) {
+        if (!has_cell(built.body().complex(), instance->table(dimension), row)) continue;
+        const std::size_t place = is_by_row(dimension) ? rows + row : cells.cell(row);
+        std::copy_n(of_rows.data() + row * width, width, field.values.data() + place * width);
+      }
+    }
+    rows += cells.size();
+  }
+}
+
+On place_of(std::uint32_t dimension) {
+  constexpr On places[] = {On::points, On::springs, On::faces, On::cells};
+  return places[dimension];
+}
+
+std::string unit_of(const char* text) { return text == nullptr ? "1" : text; }
+
+FieldChoice output_field(const suture_functor& functor, const suture_field& field) {
+  const int dimension = static_cast<int>(functor.dimension),
+            components = static_cast<int>(field.components);
+  const std::string name = field.name;
+  return {name,
+          place_of(functor.dimension),
+          false,
+          [=](BuiltScene& built, const Vec3&, double time, FrameField& out) {
+            gather_instances(
+                built, dimension, components, out, [&](Instance& instance, std::span<double> rows) {
+                  return built.body().models().compute_field(instance, dimension, name, time, rows);
+                });
+          },
+          true,
+          components,
+          false,
+          unit_of(field.unit)};
+}
+
+void copy_column(const Column& column, int components, std::span<double> rows) {
+  const auto width = static_cast<std::size_t>(components);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    rows[i] = column.get(static_cast<Index>(i / width), static_cast<int>(i % width));
+}
+
+FieldChoice attribute_field(const suture_attribute& attribute) {
+  const int dimension = static_cast<int>(attribute.dimension),
+            components = static_cast<int>(attribute.components);
+  const std::string name = attribute.name;
+  return {name,
+          place_of(attribute.dimension),
+          false,
+          [=](BuiltScene& built, const Vec3&, double, FrameField& out) {
+            gather_instances(
+                built, dimension, components, out, [&](Instance& instance, std::span<double> rows) {
+                  const Column* column = instance.table(dimension).find(name);
+                  if (column == nullptr) return false;
+                  copy_column(*column, components, rows);
+                  if (!std::ranges::all_of(rows, [](double x) { return std::isfinite(x); }))
+                    throw NotFinite("attribute " + quote(name) + " of model " +
+                                    quote(instance.name()) + " has a value that is not finite");
+                  return true;
+                });
+          },
+          false,
+          components,
+          false,
+          unit_of(attribute.unit)};
+}
+
+bool contains(const std::vector<FieldChoice>& fields, const FieldChoice& field) {
+  return std::any_of(fields.begin(), fields.end(), [&](const FieldChoice& f) {
+    return f.name == field.name && f.on == field.on;
+  });
+}
+
+/// Fields of one name on the same cells are one array. Throws PluginError if they differ in width.
+void add_once(std::vector<FieldChoice>& fields, FieldChoice field) {
+  const auto same = std::ranges::find_if(
+      fields, [&](const FieldChoice& f) { return f.name == field.name && f.on == field.on; });
+  if (same == fields.end()) {
+    fields.push_back(std::move(field));
+  } else if (same->components != field.components) {
+    throw PluginError("the models of this scene have fields " + quote(field.name) + " of " +
+                      std::to_string(same->components) + " and of " +
+                      std::to_string(field.components) +
+                      " components; one array cannot hold both, use only one of these models");
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> component_names(const FieldChoice& field) {
+  if (field.principal) return {"1", "2", "3"};
+  switch (field.components) {
+    case 1:
+      return {""};
+    case 3:
+      return {"x", "y", "z"};
+    case 6:
+      return {"xx", "yy", "zz", "xy", "yz", "xz"};
+    default:
+      std::vector<std::string> names;
+      for (int c = 0; c < field.components; ++c) names.push_back(std::to_string(c));
+      return names;
+  }
+}
+
+const std::vector<FieldChoice>& kernel_fields() {
+  static const std::vector<FieldChoice> fields{
+      vertex_vector("displacement", "m", false, displacement),
+      vertex_vector("velocity", "m/s", false, velocity),
+      vertex_vector("force", "N", true, total_force),
+      vertex_vector("reaction", "N", true, reaction),
+      vertex_vector("reaction_moment", "N m", true, reaction_moment),
+      vertex_scalar(
+          "mass", "kg",
+          [](BuiltScene& built) -> const Column& { return built.body().attributes().mass(); }),
+      vertex_scalar(
+          "fixed", "1",
+          [](BuiltScene& built) -> const Column& { return built.body().attributes().fixed(); }),
+      integers("node_id", On::points,
+               [](BuiltScene& built, Index v) {
+                 return built.names().point_id(built.body().user_vertex()[v]);
+               }),
+      element_id(),
+      island(),
+      {"model", On::cells, false, model},
+      {"hourglass", On::cells, false, hourglass}};
+  return fields;
+}
+
+std::vector<FieldChoice> model_fields(BuiltScene& built) {
+  std::vector<FieldChoice> fields;
+  for (const auto& instance : built.body().attributes().instances()) {
+    const suture_model& table = instance->model();
+    for (const suture_functor& functor : std::span(table.functors, table.functor_count)) {
+      for (const suture_field& field : output_fields(functor))
+        add_once(fields, output_field(functor, field));
+    }
+    for (const suture_attribute& attribute : std::span(table.attributes, table.attribute_count)) {
+      if (is_shown(attribute)) add_once(fields, attribute_field(attribute));
+    }
+  }
+  return fields;
+}
+
+std::vector<FieldChoice> fields_of_contact() {
+  return {{"contact_force", On::points, false, contact_force, false, 3, false, "N"},
+          {"gap", On::points, false, gap, false, 1, false, "m"}};
+}
+
+std::vector<FieldChoice> all_fields(BuiltScene& built) {
+  std::vector<FieldChoice> all = kernel_fields();
+  if (built.body().contact())
+    for (FieldChoice& field : fields_of_contact()) all.push_back(std::move(field));
+  const std::vector<FieldChoice> models = model_fields(built);
+  all.insert(all.end(), models.begin(), models.end());
+  for (const std::vector<FieldChoice>& tensors : {strain_fields(), fields_of_stress(models)}) {
+    std::ranges::copy_if(tensors, std::back_inserter(all), [&](const FieldChoice& field) {
+      return std::ranges::none_of(
+          models, [&](const FieldChoice& f) { return f.name == field.name && is_in_frames(f); });
+    });
+  }
+  return all;
+}
+
+bool is_in_frames(const FieldChoice& field) {
+  return field.on == On::points || field.on == On::cells;
+}
+
+const FieldChoice& field_named(const std::vector<FieldChoice>& fields, const std::string& name,
+                               const std::string& path) {
+  const auto found = std::find_if(fields.begin(), fields.end(), [&](const FieldChoice& f) {
+    return f.name == name && is_in_frames(f);
+  });
+  if (found != fields.end()) return *found;
+  std::vector<std::string> names;
+  for (const FieldChoice& f : fields) {
+    if (is_in_frames(f)) names.push_back(f.name);
+  }
+  std::string text = path + ": no model of this scene provides the field " + quote(name) +
+                     did_you_mean(name, names);
+  for (std::size_t i = 0; i < names.size(); ++i) text += (i ? ", " : "; available: ") + names[i];
+  throw InputError(text);
+}
+
+std::vector<FieldChoice> choose_fields(BuiltScene& built, const OutputOptions& options) {
+  const std::vector<FieldChoice> all = all_fields(built);
+  std::vector<FieldChoice> chosen;
+  for (const std::string& name : options.fields)
+    chosen.push_back(field_named(all, name, "/output/fields"));
+  std::ranges::copy_if(all, std::back_inserter(chosen), [&](const FieldChoice& f) {
+    return (f.on == On::springs && options.springs) || (f.on == On::faces && options.faces);
+  });
+  return chosen;
+}
+
+void fill_fields(const std::vector<FieldChoice>& choices, FieldChoice::On on, BuiltScene& built,
+                 const Vec3& gravity, double time, std::vector<FrameField>& fields) {
+  std::size_t used = 0;
+  for (const FieldChoice& choice : choices) {
+    if (choice.on != on) continue;
+    if (used == fields.size()) fields.emplace_back();
+    FrameField& field = fields[used++];
+    field.name = choice.name;
+    field.principal = choice.principal;
+    choice.fill(built, gravity, time, field);
+  }
+  fields.resize(used);
+}
+
+std::vector<FieldChoice> fields_besides(BuiltScene& built, const std::vector<FieldChoice>& chosen) {
+  std::vector<FieldChoice> others;
+  for (FieldChoice& field : all_fields(built))
+    if (!contains(chosen, field)) others.push_back(std::move(field));
+  return others;
+}
+
+}  // namespace suture

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "kernel/build/built_scene.hpp"
+#include "kernel/output/frame.hpp"
+
+namespace suture {
+
+/// One field that a scene can request.
+struct FieldChoice {
+  enum class On { points, cells, springs, faces };
+  std::string name;
+  On on = On::points;
+  bool needs_force = false;  ///< forces must match the positions of the frame
+  /// Computes the field; `gravity` (m/s^2) and `time` (s) are the current values.
+  std::function<void(BuiltScene&, const Vec3& gravity, double time, FrameField&)> fill;
+  bool runs_functors = false;  ///< an output of a model, not a column
+  int components = 1;
+  bool principal = false;  ///< components 1, 2, 3 in descending order, not x, y, z
+  std::string unit = "1";  ///< "1": none
+  /// One component at one vertex or element, without computing the others; empty if only fill() can
+  /// compute it.
+  std::function<double(BuiltScene&, const Vec3& gravity, Index cell, int component)> value{};
+};
+
+/// The names of the components of a field: "x y z", "1 2 3" (principal values), "xx yy zz xy yz
+/// xz", 0, 1, ...; a single "" for a scalar.
+std::vector<std::string> component_names(const FieldChoice& field);
+
+/// False for a row whose cell was removed, or left the instance.
+inline bool has_cell(const CellComplex& complex, const Table& table, Index row) {
+  const Index cell = table.cells.cell(row);
+  return cell != none && complex.exists(table.dimension, cell) && table.cells.row(cell) == row;
+}
+
+/// Fields that every simulation has: displacement, velocity, force, reaction, reaction_moment,
+/// mass, fixed, node_id (points), element_id, island, model, hourglass (elements).
+const std::vector<FieldChoice>& kernel_fields();
+
+/// Fields of the models in a run: output extensions and attributes flagged for output. A field of
+/// several instances is one array, NaN where no model provides it.
+std::vector<FieldChoice> model_fields(BuiltScene& built);
+
+/// With obstacles: contact_force, gap (points).
+std::vector<FieldChoice> fields_of_contact();
+
+/// The fields of every run, followed by those of contact, those of its models and the strains and
+/// stresses of tensor_fields.hpp; where a model has a field of the same name as one of these, only
+/// the model's.
+std::vector<FieldChoice> all_fields(BuiltScene& built);
+
+/// Whether frames and probes can show it: it lies on points or elements.
+bool is_in_frames(const FieldChoice& field);
+
+/// The field of points or elements with this name among `fields`. Throws InputError that begins
+/// with `path` and names the nearest field and all others.
+const FieldChoice& field_named(const std::vector<FieldChoice>& fields, const std::string& name,
+                               const std::string& path);
+
+/// The chosen fields; for springs and faces, all fields of the run. Throws InputError for a field
+/// that no model of this scene provides, naming the nearest.
+std::vector<FieldChoice> choose_fields(BuiltScene& built, const OutputOptions& options);
+
+/// Computes the chosen fields that lie on `on`; the memory of `fields` is used again.
+void fill_fields(const std::vector<FieldChoice>& choices, FieldChoice::On on, BuiltScene& built,
+                 const Vec3& gravity, double time, std::vector<FrameField>& fields);
+
+/// The fields of this scene that are not among `chosen`.
+std::vector<FieldChoice> fields_besides(BuiltScene& built, const std::vector<FieldChoice>& chosen);
+
+}  // namespace suture

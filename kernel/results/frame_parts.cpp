@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/results/frame_parts.hpp"
+
+#include <sstream>
+
+#include "kernel/results/displayed_ids.hpp"
+
+namespace suture {
+
+FrameWriterOptions frame_options(const OutputOptions& options,
+                                 const std::shared_ptr<OutputFolder>& folder) {
+  FrameWriterOptions result;
+  result.folder = folder;
+  switch (options.compression) {
+    case OutputOptions::Compression::off:
+      result.compression = FrameWriterOptions::Compression::raw;
+      break;
+    case OutputOptions::Compression::lz4:
+      result.compression = FrameWriterOptions::Compression::lz4;
+      break;
+    case OutputOptions::Compression::zlib:
+      result.compression = FrameWriterOptions::Compression::zlib;
+      break;
+  }
+  return result;
+}
+
+void set_geometry(Frame& frame, BuiltScene& built) {
+  const Column& x = built.body().attributes().position();
+  const double* row = x.rows();
+  frame.points.resize(x.size());
+  for (Vec3& p : frame.points) {
+    p = built.frame().in_scene({row[0], row[1], row[2]});
+    row += x.stride();
+  }
+  const auto hexahedra = built.body().complex().vertices();
+  frame.hexahedra.assign(hexahedra.begin(), hexahedra.end());
+}
+
+void drop_holes(Frame& frame, const CellComplex& complex) {
+  if (complex.existing(0) < complex.count(0) || complex.existing(3) < complex.count(3))
+    leave_out_holes(frame, DisplayedIds::of(complex));
+}
+
+std::string provenance_of(const Scene& scene, PluginHost& host, const BuiltScene& built) {
+  std::ostringstream text;
+  text << "suture " SUTURE_VERSION "; scene " << scene.file.filename().string() << ' ' << scene.hash
+       << "; mesh " << built.mesh_source() << ';';
+  for (const ModelUse& use : scene.models) {
+    const suture_plugin& plugin = host.plugin_of(*use.model);
+    text << ' ' << use.model->id << " (" << plugin.id << ' ' << plugin.version << ", "
+         << host.file_of(*use.model).filename().string() << ");";
+  }
+  text << ' ' << built.body().models().isa();
+  return text.str();
+}
+
+}  // namespace suture

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "kernel/build/built_scene.hpp"
+#include "kernel/output/frame_writer.hpp"
+#include "kernel/plugin_host/plugin_host.hpp"
+
+namespace suture {
+
+/// For frames of a scene: the format that it requests, without prefix and collection.
+FrameWriterOptions frame_options(const OutputOptions& options,
+                                 const std::shared_ptr<OutputFolder>& folder);
+
+/// The points at their current positions in the scene, and the hexahedra, of the whole complex.
+/// Add fields, then call drop_holes().
+void set_geometry(Frame& frame, BuiltScene& built);
+/// Drops removed cells, with their values in all fields.
+void drop_holes(Frame& frame, const CellComplex& complex);
+
+/// The text by which a file tells how it was made: versions, scene hash, mesh, plugins.
+std::string provenance_of(const Scene& scene, PluginHost& host, const BuiltScene& built);
+
+}  // namespace suture

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/results/recorder.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernel/base/error.hpp"
+#include "kernel/contact/contact.hpp"
+#include "kernel/dynamics/motion.hpp"
+#include "kernel/results/frame_parts.hpp"
+#include "kernel/vtk/vtk_module.hpp"
+
+namespace suture {
+namespace {
+
+/// Every value of these tables is defined: what is not finite is a failure of the run.
+void require_finite(const std::vector<double>& row, const char* table, BuiltScene& built) {
+  if (std::ranges::all_of(row, [](double value) { return std::isfinite(value); })) return;
+  built.dynamics().motion().require_finite_forces();  // names the node
+  throw NotFinite(
+      std::string("a value of ") + table +
+      " is not finite; the forces or lengths of the scene are too large to compute with");
+}
+
+std::vector<std::string> tool_columns(const ContactOptions& contact) {
+  using Quantities = std::vector<std::pair<const char*, const char*>>;
+  const Quantities of_all{{" force ", " [N]"}, {" torque ", " [N m]"}};
+  const Quantities of_compliant{{" hand force ", " [N]"},
+                                {" hand torque ", " [N m]"},
+                                {" position ", " [m]"},
+                                {" rotation ", " [rad]"}};
+  std::vector<std::string> columns{"time [s]"};
+  const auto add = [&](const std::string& name, const Quantities& quantities) {
+    for (const auto& [quantity, unit] : quantities)
+      for (const char axis : {'x', 'y', 'z'}) columns.push_back(name + quantity + axis + unit);
+  };
+  for (const Obstacle& obstacle : contact.obstacles) {
+    add(obstacle.name, of_all);
+    if (obstacle.coupling) add(obstacle.name, of_compliant);
+  }
+  return columns;
+}
+
+}  // namespace
+
+Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& events,
+                   std::string provenance, std::shared_ptr<OutputFolder> folder)
+    : built_(built), provenance_(std::move(provenance)), folder_(std::move(folder)) {
+  const OutputOptions& options = scene.output;
+  writes_ = options.enabled;
+  if (!writes_) return;
+  fields_ = choose_fields(built, options);
+  frames_need_force_ = std::ranges::any_of(fields_, &FieldChoice::needs_force);
+  frames_run_functors_ = std::ranges::any_of(fields_, &FieldChoice::runs_functors);
+  other_fields_ = fields_besides(built, fields_);
+  if (options.frames) frames_ = std::make_unique<FrameWriter>(frame_options(options, folder_));
+  mode_options_ = frame_options(options, folder_);
+  mode_options_.prefix = mode_options_.collection = "mode";
+  sides_ = side_series(options, fields_, built, events);
+  for (SideSeries& side : sides_) {
+    FrameWriterOptions writer = frame_options(options, folder_);
+    writer.prefix = writer.collection = side.name;
+    side.writer = std::make_unique<FrameWriter>(writer);
+  }
+  if (options.energies_every > 0) {
+    std::vector<std::string> columns{"time [s]", "dt [s]", "kinetic [J]", "elastic [J]"};
+    for (const auto& term : built.body().loads())
+      columns.push_back(std::string(term->name()) + " [J]");
+    const Contact* contact = built.body().contact();
+    if (contact && !contact->is_term()) columns.push_back("contact [J]");
+    if (contact) columns.push_back("friction [J]");
+    columns.insert(columns.end(),
+                   {"prescribed [J]", "models [J]", "events [J]", "dissipated [J]", "balance [J]"});
+    energies_ = std::make_unique<CsvWriter>(folder_, "energies.csv", columns);
+  }
+  if (options.probes_every > 0 && !options.probes.empty()) {
+    probe_table_.emplace(options, built);
+    probes_ = std::make_unique<CsvWriter>(folder_, "probes.csv", probe_table_->columns());
+  }
+  if (options.tools_every > 0)
+    tools_ = std::make_unique<CsvWriter>(folder_, "tools.csv", tool_columns(scene.contact));
+}
+
+void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity,
+                          const std::vector<Vec3>* mode) {
+  frame.number = frame_number_;
+  frame.time = time;
+  set_geometry(frame, built_);
+  fill_fields(fields_, FieldChoice::On::points, built_, gravity, time, frame.point_fields);
+  fill_fields(fields_, FieldChoice::On::cells, built_, gravity, time, frame.cell_fields);
+  if (mode != nullptr) {
+    FrameField& field = frame.point_fields.emplace_back();
+    field.name = "unstable_mode";
+    field.components = 3;
+    for (const Vec3& u : *mode) field.values.insert(field.values.end(), u.begin(), u.end());
+  }
+  frame.field_data_provenance = provenance_;
+  drop_holes(frame, built_.body().complex());
+}
+
+void Recorder::frame(std::uint64_t step, double time, const Vec3& gravity) {
+  if (!frames_) return;
+  auto frame = std::make_unique<Frame>(frames_->take_frame());
+  fill_frame(*frame, time, gravity);
+  pending_.push_back({step, PendingRecord::Kind::frame, std::move(frame), {}});
+  for (std::size_t i = 0; i < sides_.size(); ++i) side_frame(i, step, time, gravity);
+  if (!built_.skips()) fill_other_fields(time, gravity);
+  ++frame_number_;
+}
+
+void Recorder::mode(double time, const Vec3& gravity, const std::vector<Vec3>& shape) {
+  if (!writes_) return;
+  if (!modes_) modes_ = std::make_unique<FrameWriter>(mode_options_);
+  Frame frame = modes_->take_frame();
+  fill_frame(frame, time, gravity, &shape);
+  frame.number = modes_written_++;
+  modes_->submit(std::move(frame));
+}
+
+void Recorder::write(PendingRecord& record) {
+  switch (record.kind) {
+    case PendingRecord::Kind::frame:
+      frames_->submit(std::move(*record.frame));
+      break;
+    case PendingRecord::Kind::side:
+      sides_[record.side].writer->submit(std::move(*record.frame));
+      break;
+    case PendingRecord::Kind::energies:
+      energies_->row(record.step, record.row);
+      break;
+    case PendingRecord::Kind::probes:
+      probes_->row(record.step, record.row);
+      break;
+    case PendingRecord::Kind::tools:
+      tools_->row(record.step, record.row);
+      break;
+  }
+}
+
+void Recorder::release(std::uint64_t step) {
+  while (!pending_.empty() && pending_.front().step <= step) {
+    PendingRecord record = std::move(pending_.front());
+    pending_.pop_front();  // even if writing fails, which leaves an empty one
+    write(record);
+  }
+}
+
+void Recorder::roll_back(std::uint64_t step) {
+  for (; !pending_.empty() && pending_.back().step > step; pending_.pop_back())
+    if (pending_.back().kind == PendingRecord::Kind::frame) --frame_number_;
+}
+
+std::size_t Recorder::frames_held() const {
+  return static_cast<std::size_t>(
+      std::ranges::count(pending_, PendingRecord::Kind::frame, &PendingRecord::kind));
+}
+
+/// Computed and dropped: a run that skips nothing pays for every field.
+void Recorder::fill_other_fields(double time, const Vec3& gravity) {
+  FrameField unused;
+  for (const FieldChoice& field : other_fields_) field.fill(built_, gravity, time, unused);
+}
+
+std::size_t Recorder::rehearse(double time, const Vec3& gravity) {
+  if (!frames_) return 0;
+  vtk_module();
+  Frame frame = frames_->take_frame();
+  fill_frame(frame, time, gravity);
+  std::size_t bytes =
+      frame.points.size() * sizeof(Vec3) + frame.hexahedra.size() * sizeof(Hexahedron);
+  for (const auto* fields : {&frame.point_fields, &frame.cell_fields}) {
+    for (const FrameField& field : *fields) bytes += 8 * (field.values.size() + field.ids.size());
+  }
+  return bytes;
+}
+
+void Recorder::side_frame(std::size_t side, std::uint64_t step, double time, const Vec3& gravity) {
+  auto frame = std::make_unique<Frame>(sides_[side].writer->take_frame());
+  frame->number = frame_number_;
+  frame->time = time;
+  frame->field_data_provenance = provenance_;
+  sides_[side].fill(*frame, time, gravity);
+  pending_.push_back({step, PendingRecord::Kind::side, std::move(frame), {}, side});
+}
+
+void Recorder::energies(std::uint64_t step, double time, double dt, const EnergyBalance& e) {
+  std::vector<double> values{time, dt, e.kinetic, e.elastic};
+  for (const EnergyBalance::Work& work : e.works) values.push_back(work.value);
+  values.insert(values.end(), {e.prescribed, e.models, e.events, e.dissipated, e.balance});
+  require_finite(values, "energies.csv", built_);
+  pending_.push_back({step, PendingRecord::Kind::energies, nullptr, std::move(values)});
+}
+
+void Recorder::probes(std::uint64_t step, double time, const Vec3& gravity) {
+  pending_.push_back(
+      {step, PendingRecord::Kind::probes, nullptr, probe_table_->row(time, gravity)});
+}
+
+void Recorder::tools(std::uint64_t step, double time) {
+  std::vector<double> values{time};
+  const Contact& contact = *built_.body().contact();
+  const auto add = [&](const Vec3& a) { values.insert(values.end(), a.begin(), a.end()); };
+  for (std::size_t i = 0; i < contact.obstacles().size(); ++i) {
+    add(contact.loads()[i].force);
+    add(contact.loads()[i].torque);
+    const Tool* tool = contact.tool(i);
+    if (tool == nullptr) continue;
+    add(tool->hand_force());
+    add(tool->hand_torque());
+    add(built_.frame().in_scene(tool->pose().place(tool->pose().centre)));
+    add(rotation_vector(tool->pose()));
+  }
+  require_finite(values, "tools.csv", built_);
+  pending_.push_back({step, PendingRecord::Kind::tools, nullptr, std::move(values)});
+}
+
+bool Recorder::probes_need(bool FieldChoice::*what) const {
+  return probe_table_ && probe_table_->needs(what);
+}
+
+void Recorder::finish() {
+  if (frames_) frames_->finish();
+  for (SideSeries& side : sides_) side.writer->finish();
+  if (modes_) modes_->finish();
+  if (energies_) energies_->finish();
+  if (probes_) probes_->finish();
+  if (tools_) tools_->finish();
+}
+
+std::size_t Recorder::missing_frames() const {
+  std::size_t missing = frames_ ? frames_->missing() : 0;
+  for (const SideSeries& side : sides_) missing += side.writer->missing();
+  return missing;
+}
+
+std::string Recorder::mode_collection() const {
+  return modes_ ? modes_->collection().string() : "";
+}
+
+std::string Recorder::collection() const { return frames_ ? frames_->collection().string() : ""; }
+
+void Recorder::PendingRecord::state(Archive& archive) {
+  archive("step", step);
+  archive("kind", kind);
+  archive("row", row);
+  archive("side", side);
+  if (kind != Kind::frame && kind != Kind::side) return;
+  if (archive.loads()) frame = std::make_unique<Frame>();
+  archive("frame", *frame);
+}
+
+void Recorder::state(Archive& archive) {
+  archive("frame number", frame_number_);
+  archive("modes written", modes_written_);
+  archive.each("held", pending_);
+  if (archive.loads() && modes_written_ > 0) modes_ = std::make_unique<FrameWriter>(mode_options_);
+  const auto writer = [&](const char* name, auto& file) {
+    if (file) archive(name, *file);
+  };
+  writer("frames", frames_);
+  for (SideSeries& side : sides_) archive(side.name, *side.writer);
+  writer("modes", modes_);
+  writer("energies", energies_);
+  writer("probes", probes_);
+  writer("tools", tools_);
+}
+
+}  // namespace suture

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The cells selected by plane patches, paths and boxes.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "kernel/operations/islands.hpp"
+#include "kernel/operations/pierce_path.hpp"
+#include "kernel/operations/plane_patch.hpp"
+#include "tests/topology/meshes.hpp"
+
+namespace suture {
+namespace {
+
+using namespace meshes;
+
+struct Block {
+  Mesh mesh;
+  CellComplex complex;
+  std::vector<double> rows;
+  explicit Block(Mesh m) : mesh(std::move(m)), complex(complex_of(mesh)) {
+    for (const Vec3& p : mesh.points) rows.insert(rows.end(), {p[0], p[1], p[2], 0});
+  }
+  Vec3 face_centre(Dart face) const {
+    Vec3 sum{};
+    for (Dart k = 0; k < 4; ++k)
+      for (std::size_t c = 0; c < 3; ++c)
+        sum[c] += mesh.points[complex.origin((face & ~3u) + k)][c] / 4;
+    return sum;
+  }
+};
+
+TEST(FacesAcrossPatch, ADiscOpensWhatItCovers) {
+  const Block block(grid(9, 9, 2));
+  PlanePatch disc{{4.5, 4.5, 1}, {0, 0, 2}, 2.5, {}};
+  const auto faces = faces_across_patch(block.complex, block.rows.data(), disc);
+  std::size_t expected = 0;
+  for (int x = 0; x < 9; ++x)
+    for (int y = 0; y < 9; ++y) expected += std::hypot(x - 4.0, y - 4.0) <= 2.5;
+  EXPECT_EQ(faces.size(), expected);
+  for (const Dart face : faces) {
+    const Vec3 p = block.face_centre(face);
+    EXPECT_LE(std::hypot(p[0] - 4.5, p[1] - 4.5), 2.5);
+  }
+  disc.radius = 0.4;
+  disc.point = {4, 4, 1};  // between the segments
+  EXPECT_TRUE(faces_across_patch(block.complex, block.rows.data(), disc).empty());
+}
+
+// Triangles from the sides of a square to a point in it, whose common sides pass through segments:
+// each segment belongs to exactly one.
+TEST(FacesAcrossPatch, TrianglesAroundAPointMissAndRepeatNothing) {
+  const Block block(grid(9, 9, 2));
+  const unsigned seed = 4;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_int_distribution<int> step(1, 26);
+  const Vec3 corners[] = {{0, 0, 1}, {9, 0, 1}, {9, 9, 1}, {0, 9, 1}};
+  for (int round = 0; round < 300; ++round) {
+    const Vec3 middle{step(random) / 3.0, step(random) / 3.0, 1};
+    std::vector<Dart> all;
+    for (int i = 0; i < 4; ++i) {
+      const Vec3 triangle[] = {corners[i], corners[(i + 1) % 4], middle};
+      const PlanePatch patch{.point = {0, 0, 1}, .normal = {0, 0, 1}, .polygon = triangle};
+      const auto part = faces_across_patch(block.complex, block.rows.data(), patch);
+      all.insert(all.end(), part.begin(), part.end());
+    }
+    EXPECT_EQ(all.size(), 81u) << middle[0] << ' ' << middle[1];
+    std::ranges::sort(all);
+    EXPECT_TRUE(std::ranges::adjacent_find(all) == all.end()) << middle[0] << ' ' << middle[1];
+  }
+}
+
+// Two polygons that share a side open what their union opens, each face once.
+TEST(FacesAcrossPatch, PolygonsSideBySideMissAndRepeatNothing) {
+  const Block block(grid(8, 8, 2));
+  const std::vector<Vec3> left{{0, 0, 1}, {3.5, 0, 1}, {5.5, 8, 1}, {0, 8, 1}};
+  const std::vector<Vec3> right{{3.5, 0, 1}, {8, 0, 1}, {8, 8, 1}, {5.5, 8, 1}};
+  std::vector<Dart> faces;
+  for (const auto& polygon : {left, right}) {
+    PlanePatch patch{{0, 0, 1}, {0, 0, 1}};
+    patch.polygon = polygon;
+    const auto part = faces_across_patch(block.complex, block.rows.data(), patch);
+    EXPECT_GT(part.size(), 20u);
+    faces.insert(faces.end(), part.begin(), part.end());
+  }
+  std::ranges::sort(faces);
+  EXPECT_EQ(faces, faces_across_plane(block.complex, block.rows.data(), {0, 0, 1}, {0, 0, 1}));
+}
+
+// An L: its corner piece is not cut. The projection is the same from every side.
+TEST(FacesAcrossPatch, APolygonMayBeReentrant) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::array<int, 3> cells{4, 4, 4};
+    cells[axis] = 2;
+    const Block block(grid(cells[0], cells[1], cells[2]));
+    const auto at = [&](double u, double v) {
+      Vec3 p{};
+      p[axis] = 1;
+      p[(axis + 1) % 3] = u;
+      p[(axis + 2) % 3] = v;
+      return p;
+    };
+    const std::vector<Vec3> corner{at(0, 0), at(4, 0), at(4, 2), at(2, 2), at(2, 4), at(0, 4)};
+    PlanePatch patch{at(0, 0), {}};
+    patch.normal[axis] = -1;
+    patch.polygon = corner;
+    EXPECT_EQ(faces_across_patch(block.complex, block.rows.data(), patch).size(), 12u) << axis;
+  }
+}
+
+TEST(ElementsAlongPath, AreThoseNearThePolyline) {
+  const unsigned seed = 31;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> anywhere(-1, 7);
+  const Block block(grid(6, 6, 6));
+  for (int round = 0; round < 20; ++round) {
+    std::vector<Vec3> path;
+    for (int i = 0; i < 1 + round % 4; ++i)
+      path.push_back({anywhere(random), anywhere(random), anywhere(random)});
+    const double radius = 0.3 + 0.1 * round;
+    std::vector<Index> expected;
+    for (Index e = 0; e < 216; ++e) {
+      const Vec3 c{e % 6 + 0.5, e / 6 % 6 + 0.5, e / 36 + 0.5};
+      double nearest = 1e300;  // by many points along each segment
+      for (std::size_t i = 0; i < path.size(); ++i)
+        for (int s = 0; s <= 2000; ++s) {
+          const Vec3 &a = path[i], &b = path[std::min(i + 1, path.size() - 1)];
+          const double t = s / 2000.0;
+          nearest = std::min(
+              nearest, std::hypot(a[0] + t * (b[0] - a[0]) - c[0], a[1] + t * (b[1] - a[1]) - c[1],
+                                  a[2] + t * (b[2] - a[2]) - c[2]));
+        }
+      if (nearest <= radius) expected.push_back(e);
+    }
+    EXPECT_EQ(elements_along_path(block.complex, block.rows.data(), path, radius), expected);
+  }
+}
+
+TEST(ElementsOfIslands, AreSmallOnesAndThoseThatLeft) {
+  // Bars of 5, 2 and 1 elements at x = 0, 10, 20.
+  Block block(voxels(21, 5, 1, [](int x, int y, int) {
+    return (x == 0) || (x == 10 && y < 2) || (x == 20 && y == 0);
+  }));
+  const auto removed = [&](const RemoveIslands& which) {
+    std::vector<double> xs;
+    for (const Index e :
+         elements_of_islands(block.complex, Islands(block.complex), block.rows.data(), which))
+      xs.push_back(block.mesh.points[block.complex.vertices_of(e)[0]][0]);
+    std::ranges::sort(xs);
+    return xs;
+  };
+  RemoveIslands which;
+  which.below = 2;
+  EXPECT_EQ(removed(which), (std::vector<double>{20}));
+  which.below = 3;
+  EXPECT_EQ(removed(which), (std::vector<double>{10, 10, 20}));
+  which.below = 0;
+  which.outside = Selection::InBox{{-1, 4.5, -1}, {10, 9, 9}};  // the tip of the long bar
+  EXPECT_EQ(removed(which), (std::vector<double>{10, 10, 20}));
+  which.outside = Selection::InBox{{9.5, -1, -1}, {10.5, 0, 9}};  // a corner of the second
+  which.below = 3;
+  EXPECT_EQ(removed(which).size(), 8u) << "either reason suffices";
+  which.below = 0;
+  EXPECT_EQ(removed(which), (std::vector<double>{0, 0, 0, 0, 0, 20}));
+  which.outside->max = {9, 9, 9};
+  which.outside->min = {-1, -1, -1};
+  block.complex.pierce(std::array<Index, 1>{0});
+  EXPECT_EQ(removed(which), (std::vector<double>{10, 10, 20})) << "holes are skipped";
+}
+
+}  // namespace
+}  // namespace suture

@@ -3,11 +3,12 @@
 
 #include <vector>
 
-#include "kernel/plugin_host/plugin_host.hpp"
 #include "kernel/results/recorder.hpp"
 #include "kernel/run/run_report.hpp"
 
 namespace suture {
+
+class PluginHost;
 
 /// Leaves out cells whose vertices are all permanently fixed, unless their stress, reactions or
 /// energy are requested.

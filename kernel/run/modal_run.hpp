@@ -11,6 +11,8 @@
 
 namespace suture {
 
+class PluginHost;
+
 struct ModalOptions {
   unsigned count = 10;
   /// The static equilibrium at the end of the scene, after its events; otherwise the rest shape.

@@ -11,6 +11,7 @@
 #include "kernel/build/cell_values.hpp"
 #include "kernel/contact/contact.hpp"
 #include "kernel/contact/solid_surface.hpp"
+#include "kernel/plugin_host/plugin_host.hpp"
 
 namespace suture {
 namespace {

@@ -88,8 +88,18 @@ std::string outcome_name(RunSummary::Outcome outcome) {
 
 /// Energy in the beginning and at the end of what follows the last change of a load.
 struct Growth {
+  /// sum m v- . v+ / 2 + elastic + potential: what leapfrog conserves where forces are linear.
   Level first, last;
+  /// The kinetic energy of (v- + v+) / 2 is larger by h^2/8 sum F^2/m, which comes and goes with
+  /// the forces: that sum without h^2, and h^2.
+  Level hidden, first_squared_dt, last_squared_dt;
   double scale = 0;  ///< J, largest kinetic and elastic energy
+
+  /// Where a tear or a cut has changed h, what was hidden shows and is no growth.
+  double energy() const {
+    const double shown = first_squared_dt.mean() - last_squared_dt.mean();
+    return last.mean() - first.mean() - shown * hidden.mean();
+  }
 };
 
 std::vector<double> velocities(Simulation& simulation) {
@@ -98,11 +108,9 @@ std::vector<double> velocities(Simulation& simulation) {
   return {v.rows(), v.rows() + rows};
 }
 
-/// sum m v- . v+ / 2 + elastic + potential: what leapfrog conserves where forces are linear. The
-/// kinetic energy of (v- + v+) / 2 is larger by h^2/8 sum F^2/m, which comes and goes. Takes the
-/// step that leads from v- to v+; the same bits as without looking.
-double leapfrog_energy(Simulation& simulation, double time, double stable, Listener& listener,
-                       double& scale) {
+/// Takes the step that leads from v- to v+; the same bits as without looking.
+void add_look(Simulation& simulation, double time, double stable, Listener& listener, Level& level,
+              Level& squared_dt, Growth& growth) {
   simulation.run_to(time, listener);
   const Energies energies = simulation.energies();
   const std::vector<double> before = velocities(simulation);
@@ -111,23 +119,30 @@ double leapfrog_energy(Simulation& simulation, double time, double stable, Liste
     simulation.run_to(time + 0.02 * i * stable, listener);
     after = velocities(simulation);
   }
-  double kinetic = 0;
+  double kinetic = 0, hidden = 0;
   const Column& mass = simulation.attributes().mass();
-  for (std::size_t i = 0; i < before.size(); ++i)
-    kinetic += mass.get(static_cast<Index>(i / 4), 0) * before[i] * after[i] / 2;
-  scale = std::max(scale, energies.kinetic + std::abs(energies.elastic));
-  return kinetic + energies.elastic + energies.external;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const double m = mass.get(static_cast<Index>(i / 4), 0), change = after[i] - before[i];
+    kinetic += m * before[i] * after[i] / 2;
+    hidden += m * change * change / 8;
+  }
+  const double h = simulation.built().dynamics().motion().last_step();
+  growth.scale = std::max(growth.scale, energies.kinetic + std::abs(energies.elastic));
+  growth.hidden.add(hidden / (h * h));
+  squared_dt.add(h * h);
+  level.add(kinetic + energies.elastic + energies.external);
 }
 
 Growth follow_energy(const Trial& trial, Simulation& simulation, Listener& listener) {
   Growth growth;
   const double end = trial.scene["solver"]["end"], start = trial.settled, span = end - start;
-  for (int i = 0; i < 2 * looks; ++i) {
-    const double part = (i < looks ? 0.02 : 0.78) + 0.2 * (i % looks + 0.5) / looks;
-    (i < looks ? growth.first : growth.last)
-        .add(
-            leapfrog_energy(simulation, start + part * span, trial.stable, listener, growth.scale));
-  }
+  const auto look_at = [&](double part, Level& level, Level& squared_dt) {
+    add_look(simulation, start + part * span, trial.stable, listener, level, squared_dt, growth);
+  };
+  for (int i = 0; i < looks; ++i)
+    look_at(0.02 + 0.2 * (i + 0.5) / looks, growth.first, growth.first_squared_dt);
+  for (int i = 0; i < looks; ++i)
+    look_at(0.78 + 0.2 * (i + 0.5) / looks, growth.last, growth.last_squared_dt);
   return growth;
 }
 
@@ -320,8 +335,7 @@ Values run(const Trial& trial, const Scene& scene, Result& result) {
       const double part = 0.76 * (summary.time - trial.settled) / summary.time;
       const double of_10000 =
           10'000 / std::max(10'000.0, static_cast<double>(summary.steps) * part);
-      result.growth = (growth->last.mean() - growth->first.mean()) /
-                      std::max(growth->scale, summary.exchanged) * of_10000;
+      result.growth = growth->energy() / std::max(growth->scale, summary.exchanged) * of_10000;
     }
   } catch (const Error& error) {
     result.outcome = kind_of(error);

@@ -77,9 +77,9 @@ def note(rows, notes):
 
 
 def shortened(reason):
-    """The first words of a message, without the time and paths of one machine."""
-    text = re.sub(r"\s+", " ", reason)
-    text = re.sub(r"^(step \d+, )?t = [\d.e+-]+ s: | \(/\S*\.so\)", "", text)
+    """The first words of the first message, without the time and paths of one machine."""
+    text = re.sub(r"\s+", " ", reason.split("'/")[0])
+    text = re.sub(r"^((step \d+, )?t = [\d.e+-]+ s: |/\S*\.json:[\d:]+ )| \(/\S*\.so\)", "", text)
     return text if len(text) <= 160 else text[:157] + "..."
 
 

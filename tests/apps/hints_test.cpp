@@ -76,7 +76,7 @@ TEST_F(Hints, NameOptionsThatTheParserKnows) {
 
 // A key is read by its name, which is a string literal of its own there.
 TEST_F(Hints, NameKeysThatTheSceneHas) {
-  const std::string read = "\n" + literals_of({"kernel/scene"});
+  const std::string read = "\n" + literals_of({"kernel/build", "kernel/scene"});
   const std::set<std::string> named =
       found_in(literals_of({"kernel", "apps/suture"}), std::regex(R"re(\\"([a-z_]+)\\":)re"));
   EXPECT_GT(named.size(), 4u);

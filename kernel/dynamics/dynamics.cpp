@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "kernel/attributes/held.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/contact/contact.hpp"
 #include "kernel/dynamics/contact_forces.hpp"
@@ -167,10 +168,10 @@ void Dynamics::kick_changed(const TopologyChange& change) {
   const Kick half = integrator_->lacking();
   Attributes& attributes = body().attributes();
   for (std::size_t i = 0; i < now.size(); ++i) {
-    const int fixed = static_cast<int>(attributes.fixed().get(vertices[i], 0));
+    const unsigned held = held_components(attributes, vertices[i]);
     double* v = attributes.velocity().rows() + std::size_t{vertices[i]} * 4;
     for (std::size_t c = 0; c < 3; ++c)
-      if ((fixed >> c & 1) == 0)
+      if (!is_held(held, c))
         v[c] += half.gain / half.decay * (changing_[i].acceleration[c] - now[i][c]);
   }
 }

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/attributes/held.hpp"
+#include "kernel/dynamics/residual.hpp"
+
 namespace suture {
 namespace {
 
@@ -25,41 +28,30 @@ void LocalError::for_each_free(Visit visit) const {
   Attributes& attributes = motion_.body().attributes();
   for (Index vertex = 0; vertex < attributes.vertex_count(); ++vertex) {
     const double mass = attributes.mass().get(vertex, 0);
-    const int fixed = mass > 0 ? static_cast<int>(attributes.fixed().get(vertex, 0)) : 7;
-    for (int c = 0; c < 3; ++c)
-      if ((fixed >> c & 1) == 0) visit(vertex, c, mass);
+    const unsigned held = held_components(attributes, vertex);
+    for (std::size_t c = 0; c < 3; ++c)
+      if (!is_held(held, c)) visit(vertex, static_cast<int>(c), mass);
   }
-}
-
-Vec3 LocalError::acceleration(Index vertex, const Vec3& gravity) const {
-  Attributes& attributes = motion_.body().attributes();
-  const double mass = attributes.mass().get(vertex, 0);
-  const double* force = attributes.force().rows() + std::size_t{vertex} * 4;
-  const double* velocity = attributes.velocity().rows() + std::size_t{vertex} * 4;
-  Vec3 a{};
-  for (std::size_t c = 0; mass > 0 && c < 3; ++c)
-    a[c] = force[c] / mass + gravity[c] - motion_.damping() * velocity[c];
-  return a;
 }
 
 void LocalError::begin() {
   motion_.evaluate();
-  const Vec3 gravity = motion_.body().acceleration(motion_.time());
+  const Residual now(motion_);
   start_.resize(motion_.body().attributes().vertex_count());
   for (Index vertex = 0; vertex < start_.size(); ++vertex)
-    start_[vertex] = acceleration(vertex, gravity);
+    start_[vertex] = now.acceleration(vertex);
 }
 
 StepError LocalError::measure(double dt) {
   motion_.evaluate();
   Attributes& attributes = motion_.body().attributes();
-  const Vec3 gravity = motion_.body().acceleration(motion_.time());
+  const Residual now(motion_);
   MeanSquare change, displacement;
   double largest = -1;
   StepError result;
   for_each_free([&](Index vertex, int c, double mass) {
     const auto component = static_cast<std::size_t>(c);
-    const double jump = acceleration(vertex, gravity)[component] - start_[vertex][component];
+    const double jump = now.acceleration(vertex)[component] - start_[vertex][component];
     change.add(mass, jump);
     displacement.add(mass, attributes.position().get(vertex, c) - attributes.rest().get(vertex, c));
     if (!(std::abs(jump) <= largest)) {

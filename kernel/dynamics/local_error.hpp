@@ -37,7 +37,6 @@ class LocalError {
  private:
   template <class Visit>
   void for_each_free(Visit visit) const;
-  Vec3 acceleration(Index vertex, const Vec3& gravity) const;
 
   Motion& motion_;
   double constant_;

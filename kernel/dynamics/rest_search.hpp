@@ -5,7 +5,7 @@
 #include <string>
 
 #include "kernel/dynamics/dynamics.hpp"
-#include "kernel/dynamics/rest_sums.hpp"
+#include "kernel/dynamics/residual.hpp"
 #include "kernel/dynamics/rounding.hpp"
 #include "kernel/dynamics/stagnation.hpp"
 

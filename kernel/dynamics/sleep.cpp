@@ -10,6 +10,7 @@
 #include "kernel/contact/contact.hpp"
 #include "kernel/contact/vectors.hpp"
 #include "kernel/dynamics/contact_forces.hpp"
+#include "kernel/dynamics/residual.hpp"
 
 namespace suture {
 namespace {
@@ -42,18 +43,6 @@ void require_islands(const Body& body, std::span<const Index> elements) {
     }
 }
 
-/// In the free components.
-Vec3 total_force(Attributes& attributes, const Vec3& gravity, Index vertex) {
-  const int bits = static_cast<int>(attributes.fixed().get(vertex, 0));
-  Vec3 f{};
-  for (int c = 0; c < 3; ++c)
-    if ((bits >> c & 1) == 0)
-      f[static_cast<std::size_t>(c)] =
-          attributes.force().get(vertex, c) +
-          attributes.mass().get(vertex, 0) * gravity[static_cast<std::size_t>(c)];
-  return f;
-}
-
 }  // namespace
 
 Stillness stillness(Dynamics& dynamics, std::span<const Index> elements) {
@@ -61,11 +50,11 @@ Stillness stillness(Dynamics& dynamics, std::span<const Index> elements) {
   const WithContactForces with_contact(dynamics.body());
   const Kick lacking = dynamics.lacking();
   Attributes& attributes = dynamics.body().attributes();
-  const Vec3 gravity = dynamics.body().acceleration(dynamics.time());
+  const Residual unbalanced(dynamics.motion());
   Stillness result;
   double squares = 0;
   for (const Index v : vertices_of(dynamics.body().complex(), elements)) {
-    const Vec3 f = total_force(attributes, gravity, v);
+    const Vec3 f = unbalanced.free_force(v);
     const double force = norm(f), mass = attributes.mass().get(v, 0);
     const Vec3 velocity = plus(scaled(lacking.decay, row(attributes.velocity().rows(), v)),
                                scaled(lacking.gain / mass, f));

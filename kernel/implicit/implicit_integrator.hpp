@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <vector>
-
 #include "kernel/dynamics/integrator.hpp"
+#include "kernel/dynamics/residual.hpp"
 #include "kernel/implicit/newton.hpp"
 
 namespace suture {
@@ -33,11 +32,10 @@ class ImplicitIntegrator : public Integrator {
 
  private:
   void set_equations(double dt);
-  StepSums sums(const Vec3& gravity_before) const;
 
   Newton newton_;
   StepEquations equations_;
-  std::vector<double> position_, velocity_, force_;  ///< at the start of the step
+  StepWork work_;  ///< from the state at the start of the step
 };
 
 }  // namespace suture

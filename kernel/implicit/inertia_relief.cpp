@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <span>
 
+#include "kernel/attributes/held.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/dynamics/pieces.hpp"
 
@@ -24,9 +25,9 @@ void for_each_row(Body& body, const FreePiece& motions, std::span<const Index> v
   for (const Index v : vertices) {
     const double* x = attributes.position().rows() + std::size_t{v} * 4;
     const Vec3 arm = minus(Vec3{x[0], x[1], x[2]}, motions.centre);
-    const int fixed = static_cast<int>(attributes.fixed().get(v, 0));
+    const unsigned held = held_components(attributes, v);
     for (std::size_t c = 0; c < 3; ++c) {
-      if ((fixed >> c & 1) != 0) continue;
+      if (is_held(held, c)) continue;
       for (std::size_t m = 0; m < modes.size(); ++m)
         row[static_cast<Eigen::Index>(m)] =
             modes[m][c] +
@@ -63,7 +64,6 @@ void InertiaRelief::find() {
   for (Index v = 0; v < vertices; ++v)
     if (numbers[v] < place.size() && pieces_[place[numbers[v]]].motions.number == numbers[v])
       pieces_[place[numbers[v]]].vertices.push_back(v);
-  is_support_.assign(std::size_t{vertices} * 3, false);
   for (const Piece& piece : pieces_) add_supports(piece);
 }
 
@@ -105,7 +105,6 @@ void InertiaRelief::add_supports(const Piece& piece) {
     for (std::size_t i = 1; i < rows.size(); ++i)
       if (rows[i].squaredNorm() > rows[pivot].squaredNorm()) pivot = i;
     supports_.push_back(components[pivot]);
-    is_support_[components[pivot]] = true;
     const Row direction = rows[pivot].normalized();
     for (Row& row : rows) row -= row.dot(direction) * direction;
   }

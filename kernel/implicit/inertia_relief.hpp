@@ -21,9 +21,6 @@ class InertiaRelief {
   void find();
   /// Components, 3 per vertex: of every piece one for each motion.
   const std::vector<std::size_t>& supports() const { return supports_; }
-  bool is_support(std::size_t component) const {
-    return !pieces_.empty() && is_support_[component];
-  }
 
   // Vectors of 3 numbers per vertex, with the motions about the current positions:
   void balance(std::vector<double>& forces) const;
@@ -39,7 +36,6 @@ class InertiaRelief {
   Body& body_;
   std::vector<Piece> pieces_;
   std::vector<std::size_t> supports_;
-  std::vector<bool> is_support_;
 };
 
 }  // namespace suture

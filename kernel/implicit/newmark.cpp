@@ -21,17 +21,14 @@ class Newmark final : public ImplicitIntegrator {
     equations.rate = 2 / h;
     equations.acceleration = 4 / (h * h);
     Attributes& attributes = motion_.body().attributes();
-    const Vec3 gravity = motion_.body().acceleration(motion_.time());
-    const double* force = attributes.force().rows();
+    const Residual now(motion_);
     for (Index vertex = 0; vertex < attributes.vertex_count(); ++vertex) {
-      const double mass = attributes.mass().get(vertex, 0);
-      if (!(mass > 0)) continue;
+      if (!(attributes.mass().get(vertex, 0) > 0)) continue;
+      const Vec3 a = now.acceleration(vertex);
       for (std::size_t c = 0; c < 3; ++c) {
         const std::size_t i = std::size_t{vertex} * 4 + c;
-        const double v = equations.velocity[i];
-        const double a = force[i] / mass + gravity[c] - motion_.damping() * v;
-        equations.position[i] += h * v + h * h * a / 4;
-        equations.velocity[i] += h * a / 2;
+        equations.position[i] += h * equations.velocity[i] + h * h * a[c] / 4;
+        equations.velocity[i] += h * a[c] / 2;
       }
     }
   }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "kernel/base/error.hpp"
+#include "kernel/dynamics/residual.hpp"
 #include "kernel/forces/nonsmooth_term.hpp"
 #include "kernel/spectrum/scaled_tangent.hpp"
 
@@ -55,27 +56,10 @@ double Newton::evaluate(const StepEquations& equations) {
   for (const auto& term : body.loads())
     if (term->is_constraint())
       term->add_forces(equations.time, attributes.kernel(0).cells.live(), loads_.data());
-  double external = 0, reaction = 0, inertia = 0;
-  for (Index vertex = 0; vertex < vertices; ++vertex) {
-    const double mass = attributes.mass().get(vertex, 0);
-    if (!(mass > 0)) continue;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::size_t row = std::size_t{vertex} * 4 + c, i = std::size_t{vertex} * 3 + c;
-      const double held_back = equations.held_back.empty() ? 0 : equations.held_back[i];
-      const double given = loads_[row] - held_back;
-      if (!solver_.matrix().free()[i] && !(relief_ && relief_->is_support(i))) {
-        residual_[i] = 0;
-        reaction += (forces_[row] + given) * (forces_[row] + given);
-        continue;
-      }
-      const double moved = mass * (equations.acceleration * (x[row] - equations.position[row]) +
-                                   motion_.damping() * v[row]);
-      residual_[i] = forces_[row] + given - moved;
-      external += given * given;
-      inertia += moved * moved;
-    }
-  }
-  scale_ = std::sqrt(std::max({external, reaction, inertia}));
+  scale_ = find_residual(motion_,
+                         {forces_.data(), loads_.data(), equations.held_back,
+                          equations.acceleration, equations.position.data()},
+                         residual_);
   if (relief_) relief_->balance(residual_);
   return norm(residual_);
 }

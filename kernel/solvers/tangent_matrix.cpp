@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "kernel/attributes/held.hpp"
 #include "kernel/solvers/conjugate_gradients.hpp"
 
 namespace suture {
@@ -18,17 +19,16 @@ void TangentMatrix::set(const TangentTime& at, double mass, double velocity,
   loads_.assign(loads.begin(), loads.end());
   if (loads.empty()) loads_ = {{at.time, 1}};
   stiffen({}, 0);
-  const Column &masses = attributes_.mass(), &fixed = attributes_.fixed();
+  const Column& masses = attributes_.mass();
   const Index vertices = attributes_.vertex_count();
   free_.assign(std::size_t{vertices} * 3, 1);
   held_.clear();
   masses_.resize(mass != 0 ? vertices : 0);
   for (Index v = 0; v < vertices; ++v) {
-    const double own = masses.get(v, 0);
-    if (mass != 0) masses_[v] = mass * own;
-    const int held = own > 0 ? static_cast<int>(fixed.get(v, 0)) : 7;
+    if (mass != 0) masses_[v] = mass * masses.get(v, 0);
+    const unsigned held = held_components(attributes_, v);
     for (Index c = 0; held != 0 && c < 3; ++c)
-      if ((held >> c & 1) != 0) held_.push_back(v * 3 + c);
+      if (is_held(held, c)) held_.push_back(v * 3 + c);
   }
   for (const std::size_t i : supports_) held_.push_back(static_cast<Index>(i));
   for (const Index i : held_) free_[i] = 0;

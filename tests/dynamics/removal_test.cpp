@@ -13,7 +13,7 @@
 
 #include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/dynamics/inversion.hpp"
-#include "kernel/dynamics/rest_sums.hpp"
+#include "kernel/dynamics/residual.hpp"
 #include "kernel/forces/compiled_functor.hpp"
 #include "tests/base/sanitizer.hpp"
 #include "tests/dynamics/rig.hpp"

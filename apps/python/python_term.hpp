@@ -10,7 +10,7 @@
 
 #include "apps/python/views.hpp"
 #include "kernel/attributes/attributes.hpp"
-#include "kernel/forces/force_term.hpp"
+#include "kernel/forces/term_capabilities.hpp"
 
 namespace suture::python {
 
@@ -40,7 +40,11 @@ struct ForceReport {
 ///                   the function is taken to be conservative and its work is in the stored energy
 ///
 /// The function gets arrays that Python owns or that Views keep alive: it may keep them.
-class PythonTerm final : public ForceTerm {
+class PythonTerm final : public ForceTerm,
+                         public TangentTerm,
+                         public BoundedTerm,
+                         public EnergyTerm,
+                         public WorkTerm {
  public:
   PythonTerm(PythonForce force, Attributes& attributes);
 

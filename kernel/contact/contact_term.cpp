@@ -7,7 +7,7 @@
 
 namespace suture {
 
-ContactTerm::ContactTerm(Contact& contact, Attributes& attributes, ForceTerm& models,
+ContactTerm::ContactTerm(Contact& contact, Attributes& attributes, BoundedTerm& models,
                          double stiffening)
     : contact_(contact), attributes_(attributes), models_(models), stiffening_(stiffening) {
   contact_.use_forces();

@@ -4,24 +4,23 @@
 #include <vector>
 
 #include "kernel/contact/contact.hpp"
-#include "kernel/forces/force_term.hpp"
+#include "kernel/forces/term_capabilities.hpp"
 
 namespace suture {
 
 /// A law of contact whose forces are a term of the body, with a stiffness in proportion to that of
 /// the body at each vertex.
-class ContactTerm : public ForceTerm {
+class ContactTerm : public ForceTerm, public TangentTerm, public WorkTerm {
  public:
   const char* name() const override { return "contact"; }
   void add_forces(double time, const LiveMask& live, double* rows) override;
   void add_forces_at(const VertexSelection& selection, std::span<const Index> vertices, double time,
                      std::vector<Vec3>& forces) override;
-  bool is_stiff() const override { return true; }
 
  protected:
   /// `models`: the term whose bounds give the stiffness; `stiffening`: in multiples of these.
   /// `contact` outlives the term.
-  ContactTerm(Contact& contact, Attributes& attributes, ForceTerm& models, double stiffening);
+  ContactTerm(Contact& contact, Attributes& attributes, BoundedTerm& models, double stiffening);
 
   /// At the current positions.
   virtual std::vector<Contact::Force> forces_at(double time) = 0;
@@ -34,7 +33,7 @@ class ContactTerm : public ForceTerm {
   std::vector<double> stiffness_;  ///< by vertex, N/m
 
  private:
-  ForceTerm& models_;
+  BoundedTerm& models_;
   double stiffening_;
 };
 

@@ -32,7 +32,7 @@ Vec3 along_surface(const Vec3& a, const Vec3& normal) {
 
 }  // namespace
 
-MultiplierForces::MultiplierForces(Contact& contact, Attributes& attributes, ForceTerm& models,
+MultiplierForces::MultiplierForces(Contact& contact, Attributes& attributes, BoundedTerm& models,
                                    bool is_static)
     : ContactTerm(contact, attributes, models, stiffening), is_static_(is_static) {
   resize();

@@ -76,16 +76,18 @@ namespace suture {
 /// Contacts between pieces are found before the equations are solved and again in update(); in
 /// between, their vertices, weights and normals do not change, so that Newton's method has a fixed
 /// set of linear gaps.
-class MultiplierForces final : public ContactTerm, public NonsmoothTerm {
+class MultiplierForces final : public ContactTerm,
+                               public CellTangentTerm,
+                               public ConstraintTerm,
+                               public NonsmoothTerm {
  public:
   /// Of gaps, in typical edges.
   static constexpr double tolerance = 1e-4;
 
   /// `is_static`: nothing has a velocity.
-  MultiplierForces(Contact& contact, Attributes& attributes, ForceTerm& models, bool is_static);
+  MultiplierForces(Contact& contact, Attributes& attributes, BoundedTerm& models, bool is_static);
 
   void add_forces_in_step(const StepTimes& step, const LiveMask& live, double* rows) override;
-  bool is_constraint() const override { return true; }
   bool is_conservative(double time) override;
   void add_tangent(const double* d, double dx, double dv, const TangentTime& at,
                    double* out) override;

@@ -32,14 +32,14 @@ namespace suture {
 /// So a body under a pressure p sinks in by e / 2 and 7 elements times p / M, M its P-wave modulus.
 ///
 /// Cost: a pass over the vertices of the boundary in each step.
-class PenaltyForces final : public ContactTerm {
+class PenaltyForces final : public ContactTerm, public BoundedTerm {
  public:
   /// Of the bound on the stiffness of the body.
   static constexpr double stiffening = 0.04;
   /// Of a typical edge of the surface.
   static constexpr double onset = 0.1;
 
-  PenaltyForces(Contact& contact, Attributes& attributes, ForceTerm& models)
+  PenaltyForces(Contact& contact, Attributes& attributes, BoundedTerm& models)
       : ContactTerm(contact, attributes, models, stiffening) {}
 
   void add_forces_in_step(const StepTimes& step, const LiveMask& live, double* rows) override;

@@ -42,13 +42,13 @@ Vec3 Body::acceleration(double time) const {
 
 double Body::energy(double time) const {
   double sum = 0;
-  for (const auto& term : terms_) sum += term->energy(time);
+  for_each_with<EnergyTerm>(terms_, [&](EnergyTerm& term) { sum += term.energy(time); });
   return sum;
 }
 
 double Body::potential(double time) const {
   double sum = 0;
-  for (const auto& term : terms_) sum += term->potential(time);
+  for_each_with<EnergyTerm>(terms_, [&](EnergyTerm& term) { sum += term.potential(time); });
   return sum;
 }
 
@@ -57,7 +57,10 @@ bool Body::has_loads() const {
 }
 
 bool Body::is_conservative(double time) const {
-  return std::ranges::all_of(terms_, [&](const auto& term) { return term->is_conservative(time); });
+  return std::ranges::all_of(terms_, [&](const auto& term) {
+    auto* tangent = dynamic_cast<TangentTerm*>(term.get());
+    return !tangent || tangent->is_conservative(time);
+  });
 }
 
 double Body::last_change() const {
@@ -77,8 +80,9 @@ bool Body::has_free_vertices() {
 
 void Body::add_tangent(const double* d, double dx, double dv, const TangentTime& at,
                        double* out) const {
-  for (const auto& term : terms_)
-    if (term->has_tangent()) term->add_tangent(d, dx, dv, at, out);
+  for_each_with<TangentTerm>(terms_, [&](TangentTerm& term) {
+    if (term.has_tangent()) term.add_tangent(d, dx, dv, at, out);
+  });
 }
 
 std::vector<Vec3> Body::forces_at(std::span<const Index> vertices, double time) {

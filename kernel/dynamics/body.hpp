@@ -83,7 +83,7 @@ class Body {
   double potential(double time) const;   ///< of all terms, J
   // For the loads:
   bool has_loads() const;                   ///< some term adds to rows
-  bool is_conservative(double time) const;  ///< ForceTerm::is_conservative() of all terms
+  bool is_conservative(double time) const;  ///< TangentTerm::is_conservative() of all terms
   double last_change() const;               ///< when the last ramp and motion ends, s
   /// Some component of some vertex with mass is not prescribed. O(vertices).
   bool has_free_vertices();

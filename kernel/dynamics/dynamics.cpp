@@ -38,7 +38,7 @@ void Dynamics::start(double time) {
   body().constraints().apply(attributes, time);
   ledger_.restart();
   motion_.sums().restart();
-  for (const auto& term : body().terms()) term->restart();
+  for_each_with<WorkTerm>(body().terms(), [](WorkTerm& term) { term.restart(); });
   if (body().contact()) body().contact()->restart();
   forget_last();
 }
@@ -118,7 +118,7 @@ void Dynamics::jump(const std::function<void()>& change, bool keeps_forces) {
 void Dynamics::forget_last() {
   motion_.sums().resize(body().attributes().vertex_count());
   motion_.sums().forget_last();
-  for (const auto& term : body().terms()) term->forget_last();
+  for_each_with<WorkTerm>(body().terms(), [](WorkTerm& term) { term.forget_last(); });
 }
 
 // --------------------------------------------------------------- operations --

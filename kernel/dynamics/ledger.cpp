@@ -28,7 +28,7 @@ void EnergyBalance::state(Archive& archive) {
 }
 
 void Ledger::book(double time) {
-  for (const auto& term : body_.terms()) term->book(time);
+  for_each_with<WorkTerm>(body_.terms(), [&](WorkTerm& term) { term.book(time); });
 }
 
 bool Ledger::needs_work() const {
@@ -57,7 +57,10 @@ EnergyBalance Ledger::balance(const Now& now) {
     account_.start_driven = driven;
   }
   const double stored = b.elastic - account_.start_elastic - account_.events_elastic;
-  for (const auto& term : body_.loads()) b.works.push_back({term->name(), term->work()});
+  for (const auto& term : body_.loads()) {
+    const auto* of_term = dynamic_cast<const WorkTerm*>(term.get());
+    b.works.push_back({term->name(), of_term ? of_term->work() : 0});
+  }
   b.prescribed = sums_.driven_work() + driven_until(now) + account_.pending_driven + driven -
                  account_.start_driven;
   b.events = account_.events;

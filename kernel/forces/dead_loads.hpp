@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
-#include "kernel/forces/force_term.hpp"
+#include "kernel/forces/term_capabilities.hpp"
 #include "kernel/forces/time_ramp.hpp"
 
 namespace suture {
@@ -16,7 +16,7 @@ namespace suture {
 /// split vertex share its load in proportion to their volumes and the total does not change; loads
 /// of sewn vertices add up. The share of a removed element is removed with it. A traction on a face
 /// that is sewn ends permanently: a cut that opens the face again creates a new surface.
-class DeadLoads final : public ForceTerm {
+class DeadLoads final : public ForceTerm, public EnergyTerm, public WorkTerm {
  public:
   explicit DeadLoads(Attributes& attributes) : attributes_(attributes) {}
 

@@ -12,8 +12,8 @@
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/parallel.hpp"
-#include "kernel/forces/force_term.hpp"
 #include "kernel/forces/functor_times.hpp"
+#include "kernel/forces/term_capabilities.hpp"
 
 namespace suture {
 
@@ -31,7 +31,12 @@ class StepRejected : public NumericalError {
 /// The cells of a functor are coloured in chunks (batch_list.hpp); the loop itself is
 /// compiled for each instruction set (loops/). Memory: 4 B per row of a vertex functor, 8 B
 /// of an edge functor, 16 B of a face functor, nothing per element.
-class ForceLoop final : public ForceTerm {
+class ForceLoop final : public ForceTerm,
+                        public TangentTerm,
+                        public CellTangentTerm,
+                        public BoundedTerm,
+                        public EnergyTerm,
+                        public WorkTerm {
  public:
   /// `threads`: 0 = as many as are useful; only loops that are large enough use more than one.
   /// Throws PluginError if a functor requires what this program does not support.
@@ -75,7 +80,6 @@ class ForceLoop final : public ForceTerm {
   /// can touch. O(elements around them).
   std::vector<Index> elements_around(std::span<const Index> vertices);
 
-  bool is_stiff() const override { return true; }
   /// Throws NoStepBound if an enabled functor has no suture.stable-dt/1.
   void add_bounds(double time, const AddBounds& sums) override;
   void add_bounds_at(const VertexSelection& selection, std::span<const Index> vertices, double time,

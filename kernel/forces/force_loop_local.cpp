@@ -71,7 +71,7 @@ const suture_stable_dt_1& bounds_of(const CompiledFunctor& functor) {
 template <class Loop, class Wanted>
 suture_status add_bounds_of(const Loop& loop, const suture_stable_dt_1& extension,
                             const loops::Job& job, const loops::Worker& worker, suture_batch& batch,
-                            const loops::BatchRows& rows, const ForceTerm::AddBounds& sums,
+                            const loops::BatchRows& rows, const BoundedTerm::AddBounds& sums,
                             Wanted wanted) {
   const std::size_t size = std::size_t{job.node_count} * 6 * lanes;
   double* const stiffness = std::fill_n(worker.results_end - size, size, 0.0) - size;

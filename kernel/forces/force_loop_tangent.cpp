@@ -170,7 +170,7 @@ class VisitColumns {
   template <class Check>
   suture_status operator()(const suture_context* context, const suture_batch& batch,
                            const loops::BatchRows& rows, const Check& check,
-                           const ForceTerm::VisitTangents& visit) {
+                           const CellTangentTerm::VisitTangents& visit) {
     const suture_status status = columns_.compute(context, batch);
     if (status != SUTURE_OK) return status;
     check(columns_.values(), batch.valid);

@@ -2,14 +2,14 @@
 #pragma once
 
 #include "kernel/attributes/attributes.hpp"
-#include "kernel/forces/force_term.hpp"
+#include "kernel/forces/term_capabilities.hpp"
 #include "kernel/forces/time_ramp.hpp"
 
 namespace suture {
 
 /// f = m g ramp(t). It is added where velocities are computed and needs no separate pass, except
 /// for its work: one pass per check, and one per step during the ramp.
-class Gravity final : public ForceTerm {
+class Gravity final : public ForceTerm, public EnergyTerm, public WorkTerm {
  public:
   /// `value` in m/s^2.
   Gravity(Attributes& attributes, const Vec3& value, const TimeRamp& ramp)

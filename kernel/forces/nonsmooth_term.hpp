@@ -22,8 +22,8 @@ class NonsmoothTerm {
   /// Iteration `number` of Newton's method is about to use the tangent at `time`.
   virtual void begin_iteration(unsigned number, double time) = 0;
   /// Newton's method has failed. Makes the forces easier to balance until the step ends: they
-  /// converge to the same limit, but with more calls of ForceTerm::update(). False if they already
-  /// are, or if there are no easier ones.
+  /// converge to the same limit, but with more calls of ConstraintTerm::update(). False if they
+  /// already are, or if there are no easier ones.
   virtual bool simplify() = 0;
   /// What has alternated most often since the first iteration, if anything has.
   virtual std::optional<Alternation> alternation() const = 0;

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "kernel/forces/force_term.hpp"
 #include "kernel/forces/quad.hpp"
+#include "kernel/forces/term_capabilities.hpp"
 #include "kernel/forces/time_ramp.hpp"
 
 // Why the tangent of pressures has two parts
@@ -34,7 +34,10 @@ namespace suture {
 /// It is symmetric where p is uniform up to edges that are held or absent; of other tangents, the
 /// symmetric part is used where a symmetric one is needed.
 /// Pressure on a removed element is removed with it; a face that is sewn permanently carries none.
-class Pressures final : public ForceTerm {
+class Pressures final : public ForceTerm,
+                        public TangentTerm,
+                        public CellTangentTerm,
+                        public WorkTerm {
  public:
   explicit Pressures(Attributes& attributes) : attributes_(attributes) {}
 

@@ -25,7 +25,8 @@ void ImplicitIntegrator::set_equations(double dt) {
 
 void ImplicitIntegrator::begin(double dt) {
   motion_.evaluate();
-  for (const auto& term : motion_.body().terms()) term->begin_step(motion_.time());
+  for_each_with<ConstraintTerm>(motion_.body().terms(),
+                                [&](ConstraintTerm& term) { term.begin_step(motion_.time()); });
   newton_.begin_step();
   set_equations(dt);
   solve(equations_);
@@ -51,8 +52,9 @@ void ImplicitIntegrator::reject() {
   Attributes& attributes = motion_.body().attributes();
   std::ranges::copy(work_.position(), attributes.position().rows());
   std::ranges::copy(work_.velocity(), attributes.velocity().rows());
-  for (const auto& term : motion_.body().terms())  // multipliers of the attempt go
-    term->begin_step(motion_.time());
+  // Multipliers of the attempt go.
+  for_each_with<ConstraintTerm>(motion_.body().terms(),
+                                [&](ConstraintTerm& term) { term.begin_step(motion_.time()); });
   newton_.reject_step();
   motion_.discard_forces();
 }

@@ -60,7 +60,8 @@ void LoadPath::accept() {
 void LoadPath::return_from(const NumericalError& error) {
   failure_ = {error.what(), error.element, dynamic_cast<const Unsettled*>(&error) != nullptr};
   std::ranges::copy(position_, motion_.body().attributes().position().rows());
-  for (const auto& term : motion_.body().terms()) term->begin_step(motion_.time());
+  for_each_with<ConstraintTerm>(motion_.body().terms(),
+                                [&](ConstraintTerm& term) { term.begin_step(motion_.time()); });
 }
 
 /// Laws that are finite beyond it have equilibria there, which no path leads to.

@@ -54,7 +54,7 @@ double Newton::evaluate(const StepEquations& equations) {
   if (equations.loads.empty()) add_loads({equations.time, 1});
   for (const LoadTime& load : equations.loads) add_loads(load);
   for (const auto& term : body.loads())
-    if (term->is_constraint())
+    if (dynamic_cast<ConstraintTerm*>(term.get()))
       term->add_forces(equations.time, attributes.kernel(0).cells.live(), loads_.data());
   scale_ = find_residual(motion_,
                          {forces_.data(), loads_.data(), equations.held_back,
@@ -72,7 +72,7 @@ void Newton::add_loads(const LoadTime& load) {
   const bool is_whole = load.factor == 1;
   if (!is_whole) load_.assign(loads_.size(), 0);
   for (const auto& term : body.loads())
-    if (!term->is_constraint())
+    if (!dynamic_cast<ConstraintTerm*>(term.get()))
       term->add_forces(load.time, attributes.kernel(0).cells.live(),
                        (is_whole ? loads_ : load_).data());
   for (Index vertex = 0; vertex < attributes.vertex_count(); ++vertex)
@@ -186,8 +186,8 @@ double Newton::search(const StepEquations& equations) {
 /// With inertia relief, of the pieces that float free now.
 void Newton::start(const StepEquations& equations) {
   nonsmooth_.clear();
-  for (const auto& term : motion_.body().loads())
-    if (auto* nonsmooth = dynamic_cast<NonsmoothTerm*>(term.get())) nonsmooth_.push_back(nonsmooth);
+  for_each_with<NonsmoothTerm>(motion_.body().loads(),
+                               [&](NonsmoothTerm& term) { nonsmooth_.push_back(&term); });
   if (relief_) {
     relief_->find();
     solver_.start(equations.time, relief_->supports());
@@ -257,7 +257,8 @@ void Newton::iterate_through_kinks(const StepEquations& equations) {
 
 bool Newton::update_constraints(double time) {
   bool has_changed = false;
-  for (const auto& term : motion_.body().loads()) has_changed |= term->update(time);
+  for_each_with<ConstraintTerm>(motion_.body().loads(),
+                                [&](ConstraintTerm& term) { has_changed |= term.update(time); });
   return has_changed;
 }
 

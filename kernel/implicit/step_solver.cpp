@@ -35,8 +35,9 @@ StepSolver::StepSolver(Motion& motion)
 void StepSolver::start(double time) {
   is_chosen_ = false;
   const Body& body = motion_.body();
-  const bool has_multipliers =
-      std::ranges::any_of(body.loads(), [](const auto& term) { return term->is_constraint(); });
+  const bool has_multipliers = std::ranges::any_of(body.loads(), [](const auto& term) {
+    return dynamic_cast<ConstraintTerm*>(term.get()) != nullptr;
+  });
   if (!body.models().depends_on_positions_alone() || has_multipliers) discard();
   built_.is_new = false;
   matrix_.set(time);

@@ -226,13 +226,14 @@ ForceTerm& RunLoop::add_term(std::unique_ptr<ForceTerm> term) {
   if (recorder_.writes_energies())
     throw InputError("energies.csv has no column for the work of '" + std::string(term->name()) +
                      "'; remove /output/energies, or run without output");
-  if (built_.dynamics().is_implicit() && !term->has_tangent())
+  const auto* tangent = dynamic_cast<const TangentTerm*>(term.get());
+  if (built_.dynamics().is_implicit() && tangent && !tangent->has_tangent())
     throw InputError("the integrator needs the derivatives of all forces, and '" +
                      std::string(term->name()) + "' has none; use an explicit integrator");
   Attributes& attributes = built_.body().attributes();
   AlignedVector<double> rows(std::size_t{attributes.vertex_count()} * 4);
   term->add_forces(clock_.time(), attributes.kernel(0).cells.live(), rows.data());  // may throw
-  term->energy(clock_.time());
+  if (auto* stored = dynamic_cast<EnergyTerm*>(term.get())) stored->energy(clock_.time());
   ForceTerm* added = nullptr;
   sleeper_.wake_all();
   built_.dynamics().jump([&] { added = &built_.body().add(std::move(term)); });

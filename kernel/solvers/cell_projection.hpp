@@ -4,7 +4,7 @@
 #include <array>
 
 #include "kernel/base/aligned.hpp"
-#include "kernel/forces/force_term.hpp"
+#include "kernel/forces/term_capabilities.hpp"
 #include "kernel/solvers/block_rows.hpp"
 
 namespace suture {

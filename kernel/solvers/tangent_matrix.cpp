@@ -44,22 +44,23 @@ void TangentMatrix::restrict(std::span<double> x) const {
 }
 
 /// visit(term, factor, time): the models and constraints, and every load at each of its times.
-template <class Visit>
+template <class Capability, class Visit>
 void TangentMatrix::for_each_term(Visit visit) const {
-  if (!terms_.empty()) visit(*terms_[0], 1.0, at_);
-  for (std::size_t t = 1; t < terms_.size(); ++t) {
-    if (terms_[t]->is_constraint()) visit(*terms_[t], 1.0, at_);
-    for (const LoadTime& load : loads_)
-      if (!terms_[t]->is_constraint())
-        visit(*terms_[t], load.factor, TangentTime{load.time, at_.dt});
-  }
+  for_each_with<Capability>(terms_, [&](Capability& term) {
+    const auto* base = dynamic_cast<ForceTerm*>(&term);
+    if (base == terms_[0].get() || dynamic_cast<ConstraintTerm*>(&term)) {
+      visit(term, 1.0, at_);
+      return;
+    }
+    for (const LoadTime& load : loads_) visit(term, load.factor, TangentTime{load.time, at_.dt});
+  });
 }
 
 void TangentMatrix::apply(const double* x, double* y) const {
   std::fill_n(y, free_.size(), 0.0);
   for (std::size_t v = 0; v < masses_.size(); ++v)
     for (std::size_t i = v * 3; i < v * 3 + 3; ++i) y[i] = masses_[v] * x[i];
-  for_each_term([&](ForceTerm& term, double factor, const TangentTime& at) {
+  for_each_term<TangentTerm>([&](TangentTerm& term, double factor, const TangentTime& at) {
     if (term.has_tangent()) term.add_tangent(x, -factor, -factor * velocity_, at, y);
   });
   if (!direction_.empty()) {
@@ -71,7 +72,7 @@ void TangentMatrix::apply(const double* x, double* y) const {
 
 void TangentMatrix::apply_whole(const double* x, double* y) const {
   apply(x, y);
-  for_each_term([&](ForceTerm& term, double factor, const TangentTime& at) {
+  for_each_term<TangentTerm>([&](TangentTerm& term, double factor, const TangentTime& at) {
     term.add_skew_tangent(x, -factor, at, y);
   });
   restrict({y, free_.size()});
@@ -83,7 +84,7 @@ void TangentMatrix::apply(const float* x, float* y) const {
     const auto mass = static_cast<float>(masses_[v]);
     for (std::size_t i = v * 4; i < v * 4 + 4; ++i) y[i] = mass * x[i];
   }
-  for_each_term([&](ForceTerm& term, double factor, const TangentTime& at) {
+  for_each_term<TangentTerm>([&](TangentTerm& term, double factor, const TangentTime& at) {
     if (term.is_stiff() && term.has_tangent() &&
         !term.add_tangent_in_single(x, -factor, -factor * velocity_, at, y))
       add_in_double(term, factor, at, x, y);
@@ -91,7 +92,7 @@ void TangentMatrix::apply(const float* x, float* y) const {
   for (const Index i : held_) y[i / 3 * 4 + i % 3] = 0;
 }
 
-void TangentMatrix::add_in_double(ForceTerm& term, double factor, const TangentTime& at,
+void TangentMatrix::add_in_double(TangentTerm& term, double factor, const TangentTime& at,
                                   const float* x, float* y) const {
   std::vector<double> wide(free_.size()), image(free_.size());
   for (std::size_t i = 0; i < wide.size(); ++i) wide[i] = x[i / 3 * 4 + i % 3];
@@ -100,15 +101,15 @@ void TangentMatrix::add_in_double(ForceTerm& term, double factor, const TangentT
     y[i / 3 * 4 + i % 3] += static_cast<float>(image[i]);
 }
 
-void TangentMatrix::for_each_cell(const ForceTerm::VisitTangents& visit) const {
-  for_each_term([&](ForceTerm& term, double factor, const TangentTime& at) {
+void TangentMatrix::for_each_cell(const CellTangentTerm::VisitTangents& visit) const {
+  for_each_term<CellTangentTerm>([&](CellTangentTerm& term, double factor, const TangentTime& at) {
     term.for_each_tangent(factor, factor * velocity_, at, visit);
   });
 }
 
-void TangentMatrix::for_some_cells(const ForceTerm::SelectCell& select,
-                                   const ForceTerm::VisitTangents& visit) const {
-  for_each_term([&](ForceTerm& term, double factor, const TangentTime& at) {
+void TangentMatrix::for_some_cells(const CellTangentTerm::SelectCell& select,
+                                   const CellTangentTerm::VisitTangents& visit) const {
+  for_each_term<CellTangentTerm>([&](CellTangentTerm& term, double factor, const TangentTime& at) {
     term.for_some_tangents(factor, factor * velocity_, at, select, visit);
   });
 }

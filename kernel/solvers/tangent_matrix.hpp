@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
-#include "kernel/forces/force_term.hpp"
+#include "kernel/forces/term_capabilities.hpp"
 
 namespace suture {
 
@@ -19,10 +19,10 @@ struct LoadTime {
 
 /// The matrix of a Newton step on the free components of a body, matrix-free:
 ///   A = mass M + K + velocity C,   K = -df/dx,   C = -df/dv   of all terms at (x, v, time)
-/// without what ForceTerm::add_skew_tangent() adds, which only apply_whole() includes. Symmetric if
-/// all terms are conservative.
-/// where the loads, which are all terms but the first, can be a sum of those at several times.
-/// Static equilibrium: mass = velocity = 0. Implicit Euler: mass = 1/dt^2, velocity = 1/dt.
+/// without what TangentTerm::add_skew_tangent() adds, which only apply_whole() includes. Symmetric
+/// if all terms are conservative. where the loads, which are all terms but the first, can be a sum
+/// of those at several times. Static equilibrium: mass = velocity = 0. Implicit Euler: mass =
+/// 1/dt^2, velocity = 1/dt.
 ///
 /// Vectors have 3 numbers per vertex. Components that are constrained, and those of removed
 /// vertices, are 0 in every vector and in every product.
@@ -56,18 +56,18 @@ class TangentMatrix {
   /// The diagonal of the mass term at a vertex, N/m.
   double mass_at(Index vertex) const { return masses_.empty() ? 0 : masses_[vertex]; }
   /// Visits the matrices of all cells, K + velocity C, with the opposite sign: see
-  /// ForceTerm::for_each_tangent. The mass term is not included.
-  void for_each_cell(const ForceTerm::VisitTangents& visit) const;
-  /// The same for a selection: see ForceTerm::for_some_tangents.
-  void for_some_cells(const ForceTerm::SelectCell& select,
-                      const ForceTerm::VisitTangents& visit) const;
+  /// CellTangentTerm::for_each_tangent. The mass term is not included.
+  void for_each_cell(const CellTangentTerm::VisitTangents& visit) const;
+  /// The same for a selection: see CellTangentTerm::for_some_tangents.
+  void for_some_cells(const CellTangentTerm::SelectCell& select,
+                      const CellTangentTerm::VisitTangents& visit) const;
   /// Sets the components of a vector that are not free to 0.
   void restrict(std::span<double> x) const;
 
  private:
-  void add_in_double(ForceTerm& term, double factor, const TangentTime& at, const float* x,
+  void add_in_double(TangentTerm& term, double factor, const TangentTime& at, const float* x,
                      float* y) const;
-  template <class Visit>
+  template <class Capability, class Visit>
   void for_each_term(Visit visit) const;
 
   Attributes& attributes_;

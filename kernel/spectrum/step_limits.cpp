@@ -28,8 +28,9 @@ double StepLimits::stable_step(double time, bool from_random) {
 StepBounds StepLimits::bounds(double time) {
   Attributes& attributes = body_.attributes();
   std::vector<BoundSums> sums(attributes.vertex_count());
-  for (const auto& term : body_.terms())
-    term->add_bounds(time, [&](Index v, const double* k, const double* c) { sums[v].add(k, c); });
+  for_each_with<BoundedTerm>(body_.terms(), [&](BoundedTerm& term) {
+    term.add_bounds(time, [&](Index v, const double* k, const double* c) { sums[v].add(k, c); });
+  });
   StepBounds bounds;
   for (Index v = 0; v < attributes.vertex_count(); ++v) bounds.include(v, sums[v], attributes);
   return bounds;
@@ -41,10 +42,11 @@ StepBounds StepLimits::bounds_at(std::span<const Index> vertices, double time) {
   Attributes& attributes = body_.attributes();
   selection_.select(vertices, attributes.vertex_count());
   std::vector<BoundSums> sums(vertices.size());
-  for (const auto& term : body_.terms())
-    term->add_bounds_at(selection_, vertices, time, [&](Index v, const double* k, const double* c) {
+  for_each_with<BoundedTerm>(body_.terms(), [&](BoundedTerm& term) {
+    term.add_bounds_at(selection_, vertices, time, [&](Index v, const double* k, const double* c) {
       if (selection_.contains(v)) sums[selection_.slot(v)].add(k, c);
     });
+  });
   for (std::size_t i = 0; i < vertices.size(); ++i)
     bounds.include(vertices[i], sums[i], attributes);
   return bounds;

@@ -298,14 +298,14 @@ void StepSearch::apply(const Vector& x, double stiffness, double damping, Vector
 
 /// In double, as their interface has it.
 void StepSearch::add_other_terms(double stiffness, double damping, Vector& image) {
-  for (const auto& term : body_.loads()) {
-    if (!term->is_stiff()) continue;
+  for_each_with<TangentTerm>(body_.loads(), [&](TangentTerm& term) {
+    if (!term.is_stiff()) return;
     direction_.resize(image.size());
     for (std::size_t i = 0; i < image.size(); ++i) direction_[i] = rows_[i / 3 * 4 + i % 3];
     image_.assign(image.size(), 0);
-    term->add_tangent_for_step(direction_.data(), stiffness, damping, time_, image_.data());
+    term.add_tangent_for_step(direction_.data(), stiffness, damping, time_, image_.data());
     for (std::size_t i = 0; i < image.size(); ++i) image[i] += static_cast<float>(image_[i]);
-  }
+  });
 }
 
 double StepSearch::quotient(double stiffness, double damping) {

@@ -23,14 +23,13 @@ struct Subject {
 };
 
 /// Springs that tie every vertex to its place, and dashpots: a stiff term beside the models.
-class Ties final : public ForceTerm {
+class Ties final : public ForceTerm, public TangentTerm {
  public:
   Ties(Attributes& attributes, double k, double c) : attributes_(attributes), k_(k), c_(c) {}
   const char* name() const override { return "ties"; }
   void add_forces(double, const LiveMask&, double*) override {}
   void add_forces_at(const VertexSelection&, std::span<const Index>, double,
                      std::vector<Vec3>&) override {}
-  bool is_stiff() const override { return true; }
   void add_tangent(const double* d, double dx, double dv, const TangentTime&,
                    double* out) override {
     for (std::size_t i = 0; i < 3 * std::size_t{attributes_.vertex_count()}; ++i)

@@ -16,7 +16,10 @@ using namespace suture;
 
 /// Springs from every vertex to where it was at rest, f = -kappa m u: they add kappa to the
 /// square of each frequency of a body.
-class Foundation final : public ForceTerm {
+class Foundation final : public ForceTerm,
+                         public TangentTerm,
+                         public BoundedTerm,
+                         public EnergyTerm {
  public:
   Foundation(Attributes& attributes, double kappa) : attributes_(attributes), kappa_(kappa) {}
   const char* name() const override { return "foundation"; }
@@ -31,7 +34,6 @@ class Foundation final : public ForceTerm {
     for (std::size_t i = 0; i < vertices.size(); ++i)
       for (std::size_t c = 0; c < 3; ++c) forces[i][c] += force(vertices[i], static_cast<int>(c));
   }
-  bool is_stiff() const override { return true; }
   void add_tangent(const double* d, double dx, double, const TangentTime&, double* out) override {
     for (Index v = 0; v < attributes_.vertex_count(); ++v)
       for (std::size_t c = 0; c < 3; ++c)

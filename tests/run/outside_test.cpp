@@ -47,7 +47,7 @@ struct Bar {
 };
 
 /// A spring of k to the rest position on every vertex; fails once when asked to.
-struct Foundation : ForceTerm {
+struct Foundation : ForceTerm, TangentTerm, EnergyTerm {
   struct Fault {};
   Foundation(Attributes& attributes, double stiffness) : a(attributes), k(stiffness) {}
   const char* name() const override { return "foundation"; }
@@ -64,7 +64,6 @@ struct Foundation : ForceTerm {
         forces[i][static_cast<std::size_t>(c)] -=
             k * (a.position().get(vertices[i], c) - a.rest().get(vertices[i], c));
   }
-  bool is_stiff() const override { return true; }
   void add_tangent(const double* d, double dx, double, const TangentTime&, double* out) override {
     for (std::size_t i = 0; i < 3 * std::size_t{a.vertex_count()}; ++i) out[i] -= k * dx * d[i];
   }

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 
-#include "kernel/contact/contact.hpp"
+#include "kernel/forces/contact_law.hpp"
 
 namespace suture::python {
 namespace {
 
-const Contact& contact_of(Simulation& simulation) {
-  if (const Contact* contact = simulation.contact()) return *contact;
+const ContactLaw& contact_of(Simulation& simulation) {
+  if (const ContactLaw* contact = simulation.contact()) return *contact;
   throw py::attribute_error("the scene has no contact; give it \"contact\"");
 }
 
@@ -18,10 +18,10 @@ py::array_t<double> array_of(const Vec3& a) { return py::array_t<double>(3, a.da
 }  // namespace
 
 py::array contact_force(Simulation& simulation) {
-  const Contact& contact = contact_of(simulation);
+  const ContactLaw& contact = contact_of(simulation);
   py::array_t<double> forces({py::ssize_t{simulation.attributes().vertex_count()}, py::ssize_t{3}});
   std::fill_n(forces.mutable_data(), forces.size(), 0.0);
-  for (const Contact::Touch& touch : contact.touches())
+  for (const ContactLaw::Touch& touch : contact.touches())
     std::ranges::copy(touch.force, forces.mutable_data(touch.vertex, 0));
   return forces;
 }
@@ -33,19 +33,19 @@ py::array gap(Simulation& simulation) {
 
 py::list tool_names(Simulation& simulation) {
   py::list names;
-  if (const Contact* contact = simulation.contact())
+  if (const ContactLaw* contact = simulation.contact())
     for (const Obstacle& obstacle : contact->obstacles()) names.append(obstacle.name);
   return names;
 }
 
 py::tuple tool_state(Simulation& simulation, std::size_t obstacle) {
-  const Contact& contact = contact_of(simulation);
-  const Contact::Load& load = contact.loads()[obstacle];
+  const ContactLaw& contact = contact_of(simulation);
+  const ContactLaw::Load& load = contact.loads()[obstacle];
   const Pose pose = contact.pose(obstacle, simulation.time());
   py::object hand_force = py::none(), hand_torque = py::none();
-  if (const Tool* tool = contact.tool(obstacle)) {
-    hand_force = array_of(tool->hand_force());
-    hand_torque = array_of(tool->hand_torque());
+  if (const auto tool = contact.tool_state(obstacle)) {
+    hand_force = array_of(tool->hand_force);
+    hand_torque = array_of(tool->hand_torque);
   }
   return py::make_tuple(array_of(load.force), array_of(load.torque), array_of(pose.translation),
                         array_of(rotation_vector(pose)), hand_force, hand_torque);

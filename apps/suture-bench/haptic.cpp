@@ -85,7 +85,7 @@ void measure_ticks(bool lips, std::optional<double> dt, const HapticOptions& opt
   for (std::uint64_t i = 1; i < ticks; ++i) {
     const double start = wall(), own = now(1);
     simulation.run_to(static_cast<double>(i) * options.tick, nobody);
-    const Vec3 force = simulation.contact()->tool(0)->hand_force();
+    const Vec3 force = simulation.contact()->tool_state(0)->hand_force;
     walls.push_back(wall() - start);
     processor.push_back(now(1) - own);
     largest = std::max(largest, std::sqrt(dot(force, force)));

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "kernel/base/error.hpp"
+#include "kernel/contact/contact.hpp"
 #include "kernel/contact/overlap.hpp"
 #include "kernel/contact/piece_overlap.hpp"
 #include "kernel/dynamics/integrator.hpp"
@@ -90,8 +91,8 @@ std::string describe_pieces(const PieceOverlap& overlap, const BuiltScene& built
 
 }  // namespace
 
-std::string too_fast(const Obstacle& obstacle, const Contact& contact, const SolverOptions& solver,
-                     double time) {
+std::string too_fast(const Obstacle& obstacle, const ContactLaw& contact,
+                     const SolverOptions& solver, double time) {
   if (!solver.dt || !obstacle.motion.moves()) return "";
   const double moving = obstacle.motion.last_change() - obstacle.motion.stations.front().at;
   const double way = contact.top_speed(obstacle, time) * std::min(*solver.dt, moving);
@@ -121,9 +122,11 @@ void check_pieces(BuiltScene& built, const Contact& contact, Diagnostics& diagno
   if (!mistakes.empty()) throw InputError(mistakes);
 }
 
-std::string deep_overlaps(BuiltScene& built, const Contact& contact) {
-  if (!contact.pieces()) return "";
+std::string deep_overlaps(BuiltScene& built) {
   Body& body = built.body();
+  const auto* law = dynamic_cast<const Contact*>(body.contact());
+  if (!law || !law->pieces()) return "";
+  const Contact& contact = *law;
   const double edge = contact.mean_edge();
   std::string lines;
   for (const PieceOverlap& overlap :

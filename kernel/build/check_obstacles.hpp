@@ -3,9 +3,11 @@
 
 #include "kernel/base/diagnostics.hpp"
 #include "kernel/build/built_scene.hpp"
-#include "kernel/contact/contact.hpp"
+#include "kernel/forces/contact_law.hpp"
 
 namespace suture {
+
+class Contact;
 
 /// Checks what depends on the mesh: obstacles that start inside the body, that move too fast for a
 /// fixed dt, or that are far from the body (a warning). Throws one InputError with a line
@@ -13,8 +15,8 @@ namespace suture {
 void check_obstacles(BuiltScene& built, const Contact& contact, Diagnostics& diagnostics);
 
 /// Says why a fixed dt is too long for the path of an obstacle from `time` on; "" if it is not.
-std::string too_fast(const Obstacle& obstacle, const Contact& contact, const SolverOptions& solver,
-                     double time);
+std::string too_fast(const Obstacle& obstacle, const ContactLaw& contact,
+                     const SolverOptions& solver, double time);
 
 /// Checks that pieces which touch each other do not overlap: a warning where contact pushes them
 /// apart, an InputError where they are too deep for it.
@@ -22,6 +24,6 @@ void check_pieces(BuiltScene& built, const Contact& contact, Diagnostics& diagno
 
 /// Names pieces that are in each other more deeply than contact acts, one per line: they met too
 /// fast. Empty if there are none. For the end of a run.
-std::string deep_overlaps(BuiltScene& built, const Contact& contact);
+std::string deep_overlaps(BuiltScene& built);
 
 }  // namespace suture

@@ -52,12 +52,11 @@ double fastest(const double* rows, std::span<const Index> vertices) {
 
 Contact::Contact(const CellComplex& complex, Attributes& attributes,
                  std::vector<Obstacle> obstacles, double thickness)
-    : complex_(complex),
+    : ContactLaw(std::move(obstacles)),
+      complex_(complex),
       attributes_(attributes),
-      obstacles_(std::move(obstacles)),
       thickness_(thickness),
-      surface_(complex),
-      loads_(obstacles_.size()) {
+      surface_(complex) {
   shortest_edge_ = infinity;
   const double* rest = attributes.rest().rows();
   for (const BoundarySurface::Corners& corners : surface_.corners())
@@ -320,6 +319,19 @@ void Contact::change_sleepers(const LiveMask& moving) {
   if (pieces_) pieces_->change_sleepers(moving);
 }
 
+void Contact::for_each_pushed_sleeper(const VisitPushed& visit) const {
+  if (pieces_) pieces_->for_each_pushed_sleeper(visit);
+}
+
+std::vector<Contact::Press> Contact::presses() const {
+  std::vector<Press> result;
+  if (!pieces_) return result;
+  for (const auto touches : {pieces_->touches(), pieces_->asleep()})
+    for (const PieceContact::Touch& touch : touches)
+      if (touch.impulse != 0) result.push_back({touch.vertices[0], touch.vertices[4]});
+  return result;
+}
+
 std::vector<Index> Contact::near_moving_obstacles(double time, double dt) const {
   std::vector<Index> found;
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {
@@ -353,6 +365,12 @@ std::vector<double> Contact::gaps(double time) const {
 
 Pose Contact::pose(std::size_t obstacle, double time) const {
   return tools_[obstacle] ? tools_[obstacle]->pose() : obstacles_[obstacle].motion.pose(time);
+}
+
+std::optional<Contact::ToolState> Contact::tool_state(std::size_t obstacle) const {
+  const std::optional<Tool>& tool = tools_[obstacle];
+  if (!tool) return {};
+  return ToolState{tool->pose(), tool->hand_force(), tool->hand_torque()};
 }
 
 double Contact::power() const {
@@ -423,19 +441,6 @@ std::optional<Contact::Failure> Contact::failure() const {
   const PieceContact::Touch* touch = pieces_ ? pieces_->too_deep() : nullptr;
   if (!touch) return {};
   return Failure{{touch->vertices[0], touch->vertices[3]}, pieces_->depth(*touch)};
-}
-
-double Contact::last_change() const {
-  double last = 0;
-  for (const Obstacle& obstacle : obstacles_) last = std::max(last, obstacle.motion.last_change());
-  return last;
-}
-
-double Contact::next_change(double time) const {
-  double next = infinity;
-  for (const Obstacle& obstacle : obstacles_)
-    next = std::min(next, obstacle.motion.next_change(time));
-  return next;
 }
 
 // ---------------------------------------------------------- operations and state --

@@ -13,7 +13,7 @@
 #include "kernel/contact/piece_contact.hpp"
 #include "kernel/contact/placed_obstacle.hpp"
 #include "kernel/contact/tool.hpp"
-#include "kernel/forces/follower.hpp"
+#include "kernel/forces/contact_law.hpp"
 
 // Contact in an explicit step
 // ===========================
@@ -66,19 +66,6 @@
 
 namespace suture {
 
-/// A step as an explicit scheme makes it without contact: v' = decay v + gain a, x' = x + dt v'.
-struct ContactStep {
-  double time = 0, end = 0, dt = 0;  ///< s
-  double decay = 1, gain = 0;        ///< of the kicks still to be made
-  /// From one velocity to the next, including kicks already made: impulse = whole_gain * force.
-  double whole_decay = 1, whole_gain = 0;
-  /// The work of an impulse J in them is J . (v- + v+)/2 times this: their length over whole_gain,
-  /// as damping takes a part of the impulse.
-  double work_gain = 1;
-  Vec3 acceleration{};               ///< uniform, in addition to the forces
-  const LiveMask* moving = nullptr;  ///< vertices
-};
-
 /// Contact of a body with obstacles and, if wanted, between its separate pieces. It changes
 /// velocities rather than adding forces: after a step without contact, every vertex of the boundary
 /// that ended inside an obstacle is moved to its surface, by the impulse that would have taken it
@@ -89,7 +76,7 @@ struct ContactStep {
 /// Faces do not detect obstacles smaller than themselves.
 ///
 /// Cost: a pass over the vertices of the boundary in each step.
-class Contact final : public Follower {
+class Contact final : public ContactLaw {
  public:
   /// `thickness`: the distance from obstacles at which vertices touch them, m.
   Contact(const CellComplex& complex, Attributes& attributes, std::vector<Obstacle> obstacles,
@@ -102,55 +89,21 @@ class Contact final : public Follower {
   const PieceContact* pieces() const { return pieces_.get(); }
   PieceContact* pieces() { return pieces_.get(); }
 
-  const std::vector<Obstacle>& obstacles() const { return obstacles_; }
-  /// From now on an obstacle, or the hand of a compliant one, moves along another path, which
-  /// begins where it is. Call between steps.
-  void set_path(std::size_t obstacle, RigidPath path) {
-    obstacles_[obstacle].motion = std::move(path);
-  }
   const BoundarySurface& surface() const { return surface_; }
   double thickness() const { return thickness_; }
   /// Of the elements at the boundary, at rest, m.
-  double shortest_edge() const { return shortest_edge_; }
-  double mean_edge() const { return mean_edge_; }
   double longest_edge() const { return longest_edge_; }
-  /// Around the body at rest, and its diagonal, m.
-  const Box& box() const { return box_; }
-  double size() const { return size_; }
 
-  /// Call before the pass that kicks and drifts, which clears the forces: keeps those on the
-  /// surface.
-  void prepare(const ContactStep& step);
-  /// What MotionSums does not know of a vertex that was pushed: the work rate of its other forces
-  /// at its new velocity, W, and twice its kinetic energy, J, less those without contact.
-  struct Correction {
-    Index vertex;
-    double after, inertia;
-  };
-  /// Call after that pass: pushes them out. Throws nothing; the result is valid until the next
-  /// call.
-  std::span<const Correction> resolve(const ContactStep& step);
+  void prepare(const ContactStep& step) override;
+  std::span<const Correction> resolve(const ContactStep& step) override;
+  void restart() override;
 
-  /// A vertex that an obstacle or another piece pushed in the last step.
-  struct Touch {
-    Index vertex;
-    Vec3 force;  ///< on the vertex, N, mean of the step
-  };
-  std::span<const Touch> touches() const { return touches_; }
-  /// On the obstacles in the last step; torques about PlacedObstacle::centre().
-  struct Load {
-    Vec3 force{}, torque{};  ///< N, N m
-  };
-  const std::vector<Load>& loads() const { return loads_; }
   /// The motion of a compliant obstacle, null of others.
   const Tool* tool(std::size_t obstacle) const {
     return tools_[obstacle] ? &*tools_[obstacle] : nullptr;
   }
-  /// Where an obstacle is: by its path at `time`, or a compliant one now.
-  Pose pose(std::size_t obstacle, double time) const;
   /// Its forces are a term of the body (ContactTerm), which says what they are.
   void use_forces() { is_term_ = true; }
-  bool is_term() const { return is_term_; }
   /// On a vertex, by an obstacle or by another piece.
   struct Force {
     Index vertex;
@@ -163,47 +116,22 @@ class Contact final : public Follower {
   void record(std::span<const Force> forces, double time, double heat);
   /// Those of that term, in the last step.
   const EnteredSides& sides() const { return sides_; }
-  /// Call when positions jump: what was on the other side may be meant to be there.
-  void forget_sides() { sides_.clear(); }
-  /// The distance of each vertex of the boundary from the nearest obstacle at `time`, less the
-  /// thickness; NaN for other vertices. m
-  std::vector<double> gaps(double time) const;
 
-  /// Of contact without friction, on the body, and of friction (negative: it dissipates), J.
-  double work() const { return work_; }
-  double friction_work() const { return friction_work_; }
-  /// Of both, in the last step.
-  double step_work() const { return step_work_; }
-  /// Of the forces of the last step at the current velocities, W.
-  double power() const;
-  void restart();
-
-  /// Two pieces that entered each other in the last step although they touch, because they met too
-  /// fast or are pressed together too hard.
-  struct Failure {
-    std::array<Index, 2> vertices;  ///< one of each
-    double depth;                   ///< m
-  };
-  std::optional<Failure> failure() const;
-
-  /// Call when pieces fell asleep or woke: what sleeps is not pushed, and the forces on it stay.
-  void change_sleepers(const LiveMask& moving);
-  /// Boundary vertices within an edge of an obstacle that moves in the step of length dt from
-  /// `time` on, or of a compliant one. O(boundary), if there are such obstacles.
-  std::vector<Index> near_moving_obstacles(double time, double dt) const;
-
-  /// The longest step in which no obstacle moves by more than a tenth of an element, and no pieces
-  /// approach each other by more than a twentieth of an edge, s.
-  double longest_step(double time) const;
-  /// A bound on the speed of the points of an obstacle near the body, m/s.
-  double top_speed(const Obstacle& obstacle, double time) const;
-  /// When the last obstacle stops, s.
-  double last_change() const;
-  /// The time of the first station of a path after `time`, s; infinite without one.
-  double next_change(double time) const;
+  double power() const override;
+  std::optional<Failure> failure() const override;
+  Pose pose(std::size_t obstacle, double time) const override;
+  std::optional<ToolState> tool_state(std::size_t obstacle) const override;
+  std::vector<double> gaps(double time) const override;
+  double longest_step(double time) const override;
+  double top_speed(const Obstacle& obstacle, double time) const override;
+  void forget_sides() override { sides_.clear(); }
+  void change_sleepers(const LiveMask& moving) override;
+  std::vector<Index> near_moving_obstacles(double time, double dt) const override;
+  void for_each_pushed_sleeper(const VisitPushed& visit) const override;
+  std::vector<Press> presses() const override;
 
   void follow(const CellComplex& complex, const TopologyChange& change) override;
-  void state(Archive& archive);
+  void state(Archive& archive) override;
 
  private:
   // These three are no aggregates: g++ 12 would clear each by `rep stos`, which takes longer than
@@ -252,13 +180,11 @@ class Contact final : public Follower {
 
   const CellComplex& complex_;
   Attributes& attributes_;
-  std::vector<Obstacle> obstacles_;
   double thickness_;
   BoundarySurface surface_;
-  std::vector<Index> vertices_;  ///< of the surface, ascending; empty: not known
-  Box box_ = no_box;
-  double shortest_edge_ = 0, mean_edge_ = 0, longest_edge_ = 0, size_ = 0;  ///< m
-  std::vector<std::optional<Tool>> tools_;                                  ///< by obstacle
+  std::vector<Index> vertices_;             ///< of the surface, ascending; empty: not known
+  double longest_edge_ = 0;                 ///< m
+  std::vector<std::optional<Tool>> tools_;  ///< by obstacle
   bool has_tools_ = false;
   bool has_solids_ = false;  ///< obstacles that vertices could pass
   // Of the step in progress.
@@ -273,11 +199,7 @@ class Contact final : public Follower {
   std::vector<Index> near_place_;  ///< in near_, by place in PieceContact::touching()
   std::vector<Index> shared_;      ///< places in pushed_ of those that pieces touch, too
   // Of the last step.
-  std::vector<Touch> touches_;
   EnteredSides sides_;
-  std::vector<Load> loads_;
-  double work_ = 0, friction_work_ = 0, step_work_ = 0;
-  bool is_term_ = false;
   double closing_speed_ = 0;  ///< of pieces that may meet, at most, after contact, m/s
   /// Of an obstacle on a vertex, in the last step, N.
   struct ObstacleForce {

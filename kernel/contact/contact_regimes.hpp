@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "kernel/contact/obstacle.hpp"
 #include "kernel/forces/nonsmooth_term.hpp"
+#include "kernel/geometry/obstacle.hpp"
 
 namespace suture {
 

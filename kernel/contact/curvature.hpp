@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "kernel/contact/shape.hpp"
+#include "kernel/geometry/shape.hpp"
 
 namespace suture {
 

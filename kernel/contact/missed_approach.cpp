@@ -6,7 +6,7 @@
 #include <map>
 
 #include "kernel/base/box.hpp"
-#include "kernel/contact/vectors.hpp"
+#include "kernel/base/rows.hpp"
 
 namespace suture {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "kernel/base/rows.hpp"
 #include "kernel/contact/place_grid.hpp"
-#include "kernel/contact/vectors.hpp"
 
 namespace suture {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
+#include "kernel/base/rows.hpp"
 #include "kernel/contact/patch.hpp"
 #include "kernel/contact/place_grid.hpp"
-#include "kernel/contact/vectors.hpp"
 
 namespace suture {
 namespace {

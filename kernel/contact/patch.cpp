@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/base/rows.hpp"
 #include "kernel/contact/row_lanes.hpp"
-#include "kernel/contact/vectors.hpp"
 #include "kernel/solvers/clones.hpp"
 
 namespace suture {

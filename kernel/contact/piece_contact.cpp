@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "kernel/contact/vectors.hpp"
+#include "kernel/base/rows.hpp"
 
 namespace suture {
 namespace {

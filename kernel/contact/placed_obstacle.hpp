@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "kernel/base/rows.hpp"
 #include "kernel/contact/curvature.hpp"
-#include "kernel/contact/obstacle.hpp"
-#include "kernel/contact/vectors.hpp"
+#include "kernel/geometry/obstacle.hpp"
 
 namespace suture {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "kernel/contact/vectors.hpp"
+#include "kernel/base/rows.hpp"
 
 namespace suture {
 namespace {

@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <limits>
 
-#include "kernel/contact/vectors.hpp"
+#include "kernel/base/rows.hpp"
 
 namespace suture {
 namespace {

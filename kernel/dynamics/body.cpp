@@ -25,8 +25,10 @@ void Body::compile(Diagnostics& diagnostics, unsigned threads) {
 }
 
 Contact& Body::add_contact(std::vector<Obstacle> obstacles, double thickness) {
-  contact_ = std::make_unique<Contact>(complex(), attributes_, std::move(obstacles), thickness);
-  return *contact_;
+  auto contact = std::make_unique<Contact>(complex(), attributes_, std::move(obstacles), thickness);
+  Contact& added = *contact;
+  contact_ = std::move(contact);
+  return added;
 }
 
 // -------------------------------------------------------------------- terms --

@@ -16,6 +16,7 @@
 namespace suture {
 
 class Contact;
+class ContactLaw;
 struct Obstacle;
 
 /// A soft body: its cells, their attributes, its force terms and its constraints, and the only list
@@ -75,8 +76,8 @@ class Body {
   /// Adds contact with obstacles, which the body does not enter from now on; call it once.
   Contact& add_contact(std::vector<Obstacle> obstacles, double thickness);
   /// Null without contact.
-  Contact* contact() { return contact_.get(); }
-  const Contact* contact() const { return contact_.get(); }
+  ContactLaw* contact() { return contact_.get(); }
+  const ContactLaw* contact() const { return contact_.get(); }
 
   Vec3 acceleration(double time) const;  ///< sum over all terms, m/s^2
   double energy(double time) const;      ///< stored by all terms, J
@@ -130,7 +131,7 @@ class Body {
   std::vector<std::unique_ptr<ForceTerm>> terms_;
   ForceLoop* models_ = nullptr;
   Constraints constraints_;
-  std::unique_ptr<Contact> contact_;
+  std::unique_ptr<ContactLaw> contact_;
   std::optional<Islands> islands_;
   std::vector<Follower*> followers_;
   VertexSelection selection_;

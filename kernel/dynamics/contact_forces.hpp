@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "kernel/contact/contact.hpp"
+#include "kernel/base/rows.hpp"
 #include "kernel/dynamics/body.hpp"
+#include "kernel/forces/contact_law.hpp"
 
 namespace suture {
 
@@ -15,7 +16,7 @@ class WithContactForces {
  public:
   explicit WithContactForces(Body& body) : rows_(body.attributes().force().rows()) {
     if (!body.contact() || body.contact()->is_term()) return;
-    for (const Contact::Touch& touch : body.contact()->touches()) {
+    for (const ContactLaw::Touch& touch : body.contact()->touches()) {
       saved_.push_back({touch.vertex, row(rows_, touch.vertex)});
       add_to_row(rows_, touch.vertex, touch.force);
     }

@@ -5,9 +5,9 @@
 
 #include "kernel/attributes/held.hpp"
 #include "kernel/base/error.hpp"
-#include "kernel/contact/contact.hpp"
 #include "kernel/dynamics/contact_forces.hpp"
 #include "kernel/dynamics/rounding.hpp"
+#include "kernel/forces/contact_law.hpp"
 
 namespace suture {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "kernel/contact/contact.hpp"
+#include "kernel/forces/contact_law.hpp"
 
 namespace suture {
 
@@ -68,7 +68,7 @@ EnergyBalance Ledger::balance(const Now& now) {
   double internal = sums_.work() + now.work + account_.pending_work;
   double balance = b.kinetic + b.elastic - account_.start;
   double largest = std::max(sums_.largest_kinetic(), b.kinetic + std::abs(stored));
-  const Contact* contact = body_.contact();
+  const ContactLaw* contact = body_.contact();
   if (contact && contact->is_term()) b.works.push_back({"friction", contact->friction_work()});
   for (const EnergyBalance::Work& work : b.works) internal -= work.value;
   if (contact && !contact->is_term()) {  // impulses are not in the sums of forces

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <string>
 
-#include "kernel/contact/contact.hpp"
+#include "kernel/forces/contact_law.hpp"
 #include "kernel/forces/loops/dispatch.hpp"
 
 namespace suture {
@@ -161,7 +161,7 @@ ContactStep Motion::contact_step(std::span<const Kick> kicks, double dt, double 
 
 /// Returns its work in this step.
 double Motion::resolve_contact(const ContactStep& step) {
-  for (const Contact::Correction& c : body_.contact()->resolve(step))
+  for (const ContactLaw::Correction& c : body_.contact()->resolve(step))
     sums_.correct_after(c.vertex, c.after, c.inertia);
   return body_.contact()->step_work();
 }

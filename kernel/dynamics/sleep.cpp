@@ -6,11 +6,11 @@
 #include <string>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/rows.hpp"
 #include "kernel/base/sort_unique.hpp"
-#include "kernel/contact/contact.hpp"
-#include "kernel/contact/vectors.hpp"
 #include "kernel/dynamics/contact_forces.hpp"
 #include "kernel/dynamics/residual.hpp"
+#include "kernel/forces/contact_law.hpp"
 
 namespace suture {
 namespace {

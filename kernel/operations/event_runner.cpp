@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "kernel/base/error.hpp"
-#include "kernel/contact/contact.hpp"
+#include "kernel/forces/contact_law.hpp"
 #include "kernel/geometry/moving_blade.hpp"
 #include "kernel/geometry/surface_blade.hpp"
 #include "kernel/geometry/surface_file.hpp"

@@ -8,9 +8,9 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
-#include "kernel/contact/contact.hpp"
 #include "kernel/dynamics/hourglass.hpp"
 #include "kernel/dynamics/motion.hpp"
+#include "kernel/forces/contact_law.hpp"
 #include "kernel/plugin_host/output_fields.hpp"
 #include "kernel/results/tensor_fields.hpp"
 
@@ -130,7 +130,7 @@ void hourglass(BuiltScene& built, const Vec3&, double, FrameField& field) {
 void contact_force(BuiltScene& built, const Vec3&, double, FrameField& field) {
   field.components = 3;
   field.values.assign(std::size_t{3} * built.body().complex().count(0), 0);
-  for (const Contact::Touch& touch : built.body().contact()->touches())
+  for (const ContactLaw::Touch& touch : built.body().contact()->touches())
     std::ranges::copy(touch.force, field.values.begin() + std::ptrdiff_t{3} * touch.vertex);
 }
 

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "kernel/base/error.hpp"
-#include "kernel/contact/contact.hpp"
 #include "kernel/dynamics/motion.hpp"
+#include "kernel/forces/contact_law.hpp"
 #include "kernel/results/frame_parts.hpp"
 #include "kernel/vtk/vtk_module.hpp"
 
@@ -66,7 +66,7 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& eve
     std::vector<std::string> columns{"time [s]", "dt [s]", "kinetic [J]", "elastic [J]"};
     for (const auto& term : built.body().loads())
       columns.push_back(std::string(term->name()) + " [J]");
-    const Contact* contact = built.body().contact();
+    const ContactLaw* contact = built.body().contact();
     if (contact && !contact->is_term()) columns.push_back("contact [J]");
     if (contact) columns.push_back("friction [J]");
     columns.insert(columns.end(),
@@ -198,17 +198,17 @@ void Recorder::probes(std::uint64_t step, double time, const Vec3& gravity) {
 
 void Recorder::tools(std::uint64_t step, double time) {
   std::vector<double> values{time};
-  const Contact& contact = *built_.body().contact();
+  const ContactLaw& contact = *built_.body().contact();
   const auto add = [&](const Vec3& a) { values.insert(values.end(), a.begin(), a.end()); };
   for (std::size_t i = 0; i < contact.obstacles().size(); ++i) {
     add(contact.loads()[i].force);
     add(contact.loads()[i].torque);
-    const Tool* tool = contact.tool(i);
-    if (tool == nullptr) continue;
-    add(tool->hand_force());
-    add(tool->hand_torque());
-    add(built_.frame().in_scene(tool->pose().place(tool->pose().centre)));
-    add(rotation_vector(tool->pose()));
+    const auto tool = contact.tool_state(i);
+    if (!tool) continue;
+    add(tool->hand_force);
+    add(tool->hand_torque);
+    add(built_.frame().in_scene(tool->pose.place(tool->pose.centre)));
+    add(rotation_vector(tool->pose));
   }
   require_finite(values, "tools.csv", built_);
   pending_.push_back({step, PendingRecord::Kind::tools, nullptr, std::move(values)});

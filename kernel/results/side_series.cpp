@@ -6,8 +6,8 @@
 #include <span>
 
 #include "kernel/attributes/inspection.hpp"
-#include "kernel/contact/contact.hpp"
-#include "kernel/contact/shape_mesh.hpp"
+#include "kernel/forces/contact_law.hpp"
+#include "kernel/geometry/shape_mesh.hpp"
 #include "kernel/results/displayed_ids.hpp"
 
 namespace suture {
@@ -106,7 +106,7 @@ void fill_cuts(Frame& frame, double time, BuiltScene& built, const EventRunner& 
   frame.cell_fields = {std::move(fields.event), std::move(fields.blade), std::move(fields.opened)};
 }
 
-void fill_obstacles(Frame& frame, double time, const Contact& contact, BuiltScene& built) {
+void fill_obstacles(Frame& frame, double time, const ContactLaw& contact, BuiltScene& built) {
   FrameField numbers{.name = "obstacle"};
   frame.points.clear();
   frame.cells.clear();

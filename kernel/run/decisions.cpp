@@ -10,7 +10,7 @@
 #include "kernel/base/escape.hpp"
 #include "kernel/build/cell_values.hpp"
 #include "kernel/contact/contact.hpp"
-#include "kernel/contact/solid_surface.hpp"
+#include "kernel/geometry/solid_surface.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
 
 namespace suture {
@@ -179,7 +179,7 @@ void decide_physics(const Scene& scene, BuiltScene& built, std::vector<Decision>
 }
 
 void decide_contact(BuiltScene& built, std::vector<Decision>& list) {
-  const Contact* contact = built.body().contact();
+  const auto* contact = dynamic_cast<const Contact*>(built.body().contact());
   if (!contact) return list.push_back({"contact", true, "the scene has none"});
   const BoundarySurface& surface = contact->surface();
   list.push_back({"contact", false,

@@ -10,7 +10,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/heap.hpp"
 #include "kernel/build/check_obstacles.hpp"
-#include "kernel/contact/contact.hpp"
+#include "kernel/forces/contact_law.hpp"
 #include "kernel/implicit/newton.hpp"
 #include "kernel/output/output_folder.hpp"
 #include "kernel/plugin_host/plugin_call.hpp"
@@ -201,7 +201,7 @@ void RunLoop::change_motion(const std::function<void(Attributes&)>& change) {
       require_finite(attributes.position(), "the position", built_);
       require_finite(attributes.velocity(), "the velocity", built_);
       built_.body().constraints().apply(attributes, clock_.time());
-      if (Contact* contact = built_.body().contact()) contact->forget_sides();
+      if (ContactLaw* contact = built_.body().contact()) contact->forget_sides();
     } catch (...) {
       failure = std::current_exception();
       restore(attributes.position(), position);
@@ -215,7 +215,7 @@ void RunLoop::change_motion(const std::function<void(Attributes&)>& change) {
 
 /// No rollback crosses it: the program that steers would not steer again.
 void RunLoop::steer(const std::string& obstacle, const PoseTarget& target) {
-  Contact* contact = built_.body().contact();
+  ContactLaw* contact = built_.body().contact();
   Steering steering = steering_to(target, obstacle, contact, clock_.time(), scene_.solver);
   contact->set_path(steering.obstacle, std::move(steering.path));
   sleeper_.wake_disturbed();
@@ -446,9 +446,7 @@ void RunLoop::finish(Observer& observer) {
     diagnostics_.warn(text);
   if (const std::string text = control_.balance_warning(); !text.empty()) diagnostics_.warn(text);
   if (const std::string text = rounding_warning(); !text.empty()) diagnostics_.warn(text);
-  if (const Contact* contact = built_.body().contact())
-    if (const std::string text = deep_overlaps(built_, *contact); !text.empty())
-      diagnostics_.warn(text);
+  if (const std::string text = deep_overlaps(built_); !text.empty()) diagnostics_.warn(text);
   checkpoints_.finish();
   if (summary_.outcome == RunSummary::Outcome::interrupted && checkpoints_.is_enabled())
     observer.on_message("resume with: suture run --resume " + checkpoints_.newest());

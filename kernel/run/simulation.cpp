@@ -76,7 +76,7 @@ const std::vector<Decision>& Simulation::decisions() const { return run_->decisi
 
 const CellComplex& Simulation::complex() const { return run_->built().body().complex(); }
 
-const Contact* Simulation::contact() const { return run_->built().body().contact(); }
+const ContactLaw* Simulation::contact() const { return run_->built().body().contact(); }
 Attributes& Simulation::attributes() { return run_->built().body().attributes(); }
 
 Vec3 Simulation::origin() const { return run_->built().frame().origin; }

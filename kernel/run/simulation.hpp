@@ -21,7 +21,7 @@
 namespace suture {
 
 class OutputFolder;
-class Contact;
+class ContactLaw;
 class RunLoop;
 struct Checkpoint;
 
@@ -85,7 +85,7 @@ class Simulation {
   const CellComplex& complex() const;
   Attributes& attributes();
   /// The obstacles and the forces on them in the last step; null without obstacles.
-  const Contact* contact() const;
+  const ContactLaw* contact() const;
   /// The body's own origin in the scene, m. Positions in attributes() are relative to it; events
   /// and selections passed by a caller use coordinates of the scene.
   Vec3 origin() const;

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "kernel/contact/contact.hpp"
 #include "kernel/dynamics/sleep.hpp"
+#include "kernel/forces/contact_law.hpp"
 
 namespace suture {
 namespace {
@@ -71,7 +71,7 @@ void Sleeper::wake_all() {
 
 /// Islands that something wakes, with all that they touch.
 std::vector<bool> Sleeper::disturbed() {
-  const Contact& contact = *built_.body().contact();
+  const ContactLaw& contact = *built_.body().contact();
   std::vector<bool> found(asleep_.size());
   const auto disturb = [&](Index vertex) {
     const Index island = island_of(vertex);
@@ -79,8 +79,7 @@ std::vector<bool> Sleeper::disturbed() {
   };
   const Motion& motion = built_.dynamics().motion();
   for (const Index v : contact.near_moving_obstacles(motion.time(), motion.last_step())) disturb(v);
-  if (!contact.pieces()) return found;
-  contact.pieces()->for_each_pushed_sleeper([&](Index vertex, double acceleration) {
+  contact.for_each_pushed_sleeper([&](Index vertex, double acceleration) {
     if (acceleration > acceleration_) disturb(vertex);
   });
   if (std::ranges::find(found, true) == found.end()) return found;
@@ -113,18 +112,11 @@ std::vector<Index> Sleeper::groups() const {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
   };
-  const Contact* contact = built_.body().contact();
-  const auto join = [&](std::span<const PieceContact::Touch> touches) {
-    for (const PieceContact::Touch& touch : touches) {
-      if (touch.impulse == 0) continue;
-      const Index a = root(island_of(touch.vertices[0])), b = root(island_of(touch.vertices[4]));
+  if (const ContactLaw* contact = built_.body().contact())
+    for (const auto& [one, other] : contact->presses()) {
+      const Index a = root(island_of(one)), b = root(island_of(other));
       parent[std::max(a, b)] = std::min(a, b);
     }
-  };
-  if (contact && contact->pieces()) {
-    join(contact->pieces()->touches());
-    join(contact->pieces()->asleep());
-  }
   for (Index i = 0; i < parent.size(); ++i) parent[i] = root(i);
   return parent;
 }
@@ -133,7 +125,7 @@ void Sleeper::count_still_checks(const std::vector<std::vector<Index>>& elements
   for (Index i = 0; i < asleep_.size(); ++i)
     if (!elements[i].empty() && !asleep_[i])
       still_checks_[i] = is_still(elements[i]) ? std::min(still_checks_[i] + 1, checks_needed) : 0;
-  const Contact* contact = built_.body().contact();
+  const ContactLaw* contact = built_.body().contact();
   if (!contact) return;
   const Motion& motion = built_.dynamics().motion();
   for (const Index v : contact->near_moving_obstacles(motion.time(), motion.last_step()))

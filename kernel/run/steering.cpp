@@ -14,7 +14,7 @@
 namespace suture {
 namespace {
 
-std::size_t obstacle_named(const std::string& name, const Contact* contact) {
+std::size_t obstacle_named(const std::string& name, const ContactLaw* contact) {
   std::span<const Obstacle> obstacles;
   if (contact) obstacles = contact->obstacles();
   const auto found = std::ranges::find(obstacles, name, &Obstacle::name);
@@ -44,7 +44,7 @@ void check_target(const PoseTarget& target, const std::string& name, double now)
 
 }  // namespace
 
-Steering steering_to(const PoseTarget& target, const std::string& name, const Contact* contact,
+Steering steering_to(const PoseTarget& target, const std::string& name, const ContactLaw* contact,
                      double now, const SolverOptions& solver) {
   const std::size_t place = obstacle_named(name, contact);
   check_target(target, name, now);

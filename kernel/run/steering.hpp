@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "kernel/contact/contact.hpp"
+#include "kernel/forces/contact_law.hpp"
 #include "kernel/scene/scene.hpp"
 
 namespace suture {
@@ -16,7 +16,7 @@ struct Steering {
 
 /// The path to a target, from `now` on. Throws the errors of Simulation::steer(). `contact`: null
 /// without obstacles.
-Steering steering_to(const PoseTarget& target, const std::string& obstacle, const Contact* contact,
-                     double now, const SolverOptions& solver);
+Steering steering_to(const PoseTarget& target, const std::string& obstacle,
+                     const ContactLaw* contact, double now, const SolverOptions& solver);
 
 }  // namespace suture

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "kernel/base/types.hpp"
-#include "kernel/contact/obstacle.hpp"
 #include "kernel/forces/time_ramp.hpp"
+#include "kernel/geometry/obstacle.hpp"
 #include "kernel/mesh/box.hpp"
 #include "kernel/mesh/mesh.hpp"
 #include "kernel/mesh/voxels.hpp"

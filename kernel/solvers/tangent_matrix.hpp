@@ -20,9 +20,9 @@ struct LoadTime {
 /// The matrix of a Newton step on the free components of a body, matrix-free:
 ///   A = mass M + K + velocity C,   K = -df/dx,   C = -df/dv   of all terms at (x, v, time)
 /// without what TangentTerm::add_skew_tangent() adds, which only apply_whole() includes. Symmetric
-/// if all terms are conservative. where the loads, which are all terms but the first, can be a sum
-/// of those at several times. Static equilibrium: mass = velocity = 0. Implicit Euler: mass =
-/// 1/dt^2, velocity = 1/dt.
+/// if all terms are conservative. The loads, which are all terms but the first, can be a sum of
+/// those at several times.
+/// Static equilibrium: mass = velocity = 0. Implicit Euler: mass = 1/dt^2, velocity = 1/dt.
 ///
 /// Vectors have 3 numbers per vertex. Components that are constrained, and those of removed
 /// vertices, are 0 in every vector and in every product.

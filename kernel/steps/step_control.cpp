@@ -9,8 +9,8 @@
 #include "kernel/base/box.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/saturate.hpp"
-#include "kernel/contact/contact.hpp"
 #include "kernel/dynamics/motion.hpp"
+#include "kernel/forces/contact_law.hpp"
 #include "kernel/implicit/newton.hpp"
 #include "kernel/results/evidence.hpp"
 #include "kernel/steps/free_bodies.hpp"
@@ -76,7 +76,7 @@ double StepControl::next_dt() {
   clock_.divide(watch_.halvings());
   const double accurate = accuracy_ ? accuracy_->wanted() : watch_.wanted();
   const double stable = std::min(watch_.wanted(), accurate);
-  const Contact* contact = built_.body().contact();
+  const ContactLaw* contact = built_.body().contact();
   return contact ? clock_.next_dt(stable, contact->next_change(clock_.reached_until()))
                  : clock_.next_dt(stable);
 }
@@ -193,8 +193,8 @@ void StepControl::refuse_step(const StepError& step) {
 }
 
 void StepControl::check_contact() const {
-  const Contact* contact = built_.body().contact();
-  const std::optional<Contact::Failure> failure = contact ? contact->failure() : std::nullopt;
+  const ContactLaw* contact = built_.body().contact();
+  const std::optional<ContactLaw::Failure> failure = contact ? contact->failure() : std::nullopt;
   if (!failure) return;
   const auto element = [&](Index vertex) {
     return built_.element_name(element_of(built_.body().complex().dart_of(0, vertex)));

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "kernel/base/error.hpp"
-#include "kernel/contact/contact.hpp"
+#include "kernel/forces/contact_law.hpp"
 
 namespace suture {
 namespace {
@@ -201,7 +201,7 @@ void StepWatch::roll_back(std::uint64_t step, unsigned halvings) {
 double StepWatch::wanted() const {
   const double dt = std::ldexp(safety_ * stable_, -static_cast<int>(halvings_));
   const double time = built_.dynamics().time();
-  const Contact* contact = built_.body().contact();
+  const ContactLaw* contact = built_.body().contact();
   const double longest = contact ? contact->longest_step(time) : dt;
   return std::min({dt, built_.body().constraints().longest_step(time), longest});
 }

@@ -6,11 +6,11 @@
 
 #include <random>
 
+#include "kernel/base/rows.hpp"
 #include "kernel/contact/missed_approach.hpp"
 #include "kernel/contact/near_edges.hpp"
 #include "kernel/contact/patch.hpp"
 #include "kernel/contact/touch_sweeps.hpp"
-#include "kernel/contact/vectors.hpp"
 #include "tests/dynamics/model_block.hpp"
 #include "tests/topology/operations.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Distances and normals of the shapes, and where a path takes them.
-#include "kernel/contact/shape.hpp"
+#include "kernel/geometry/shape.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +9,10 @@
 #include <numbers>
 #include <random>
 
-#include "kernel/contact/obstacle.hpp"
-#include "kernel/contact/shape_mesh.hpp"
-#include "kernel/contact/solid_surface.hpp"
-#include "kernel/contact/vectors.hpp"
+#include "kernel/base/rows.hpp"
+#include "kernel/geometry/obstacle.hpp"
+#include "kernel/geometry/shape_mesh.hpp"
+#include "kernel/geometry/solid_surface.hpp"
 #include "tests/geometry/surfaces.hpp"
 
 namespace suture {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Solids bounded by triangles: distances against closed forms and against all triangles one by one.
-#include "kernel/contact/solid_surface.hpp"
+#include "kernel/geometry/solid_surface.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <numbers>
 #include <random>
 
+#include "kernel/base/rows.hpp"
 #include "kernel/contact/overlap.hpp"
-#include "kernel/contact/vectors.hpp"
 #include "tests/dynamics/model_block.hpp"
 #include "tests/geometry/surfaces.hpp"
 

@@ -8,8 +8,8 @@
 #include <optional>
 #include <random>
 
-#include "kernel/contact/solid_surface.hpp"
-#include "kernel/contact/vectors.hpp"
+#include "kernel/base/rows.hpp"
+#include "kernel/geometry/solid_surface.hpp"
 #include "tests/geometry/surfaces.hpp"
 
 namespace suture {

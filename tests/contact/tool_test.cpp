@@ -8,8 +8,8 @@
 #include <cmath>
 #include <memory>
 
+#include "kernel/base/rows.hpp"
 #include "kernel/contact/contact.hpp"
-#include "kernel/contact/vectors.hpp"
 #include "tests/dynamics/model_block.hpp"
 
 namespace suture {

@@ -69,7 +69,9 @@ struct Tower {
     const Column& x = simulation.attributes().position();
     return {x.rows(), x.rows() + 4 * std::size_t{x.size()}};
   }
-  const PieceContact& pieces() { return *simulation.contact()->pieces(); }
+  const PieceContact& pieces() {
+    return *dynamic_cast<const Contact&>(*simulation.contact()).pieces();
+  }
   double force_on_floor() { return simulation.contact()->loads()[0].force[1]; }
 
   Diagnostics diagnostics;

@@ -117,7 +117,7 @@ Scene falling_letters(std::mt19937& random) {
 
 /// How deep pieces are in each other and in obstacles, in elements.
 double deepest(Simulation& simulation, double edge) {
-  const Contact& contact = *simulation.contact();
+  const auto& contact = dynamic_cast<const Contact&>(*simulation.contact());
   double depth = 0;
   for (const PieceOverlap& overlap :
        find_piece_overlaps(contact, simulation.complex(), simulation.attributes()))

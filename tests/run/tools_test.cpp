@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "kernel/contact/contact.hpp"
-#include "kernel/contact/solid_surface.hpp"
+#include "kernel/geometry/solid_surface.hpp"
 #include "tests/base/sanitizer.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
@@ -123,13 +123,13 @@ TEST(Tools, WriteWhatTheHandFeelsAndWhereTheToolIs) {
   simulation.run(nobody);
   const CsvTable tools(folder.path() / "out" / "tools.csv");
   ASSERT_EQ(tools.columns.size(), 2u + 6 * 3);
-  const Tool& tool = *simulation.contact()->tool(0);
+  const auto tool = *simulation.contact()->tool_state(0);
   EXPECT_EQ(tools.last("knife force z [N]"), simulation.contact()->loads()[0].force[2]);
-  EXPECT_EQ(tools.last("knife hand force z [N]"), tool.hand_force()[2]);
-  EXPECT_EQ(tools.last("knife hand torque y [N m]"), tool.hand_torque()[1]);
-  EXPECT_NEAR(tools.last("knife position x [m]"), 0.2 + tool.pose().translation[0], 1e-15);
+  EXPECT_EQ(tools.last("knife hand force z [N]"), tool.hand_force[2]);
+  EXPECT_EQ(tools.last("knife hand torque y [N m]"), tool.hand_torque[1]);
+  EXPECT_NEAR(tools.last("knife position x [m]"), 0.2 + tool.pose.translation[0], 1e-15);
   EXPECT_GT(tools.last("knife position x [m]"), 0.5);
-  EXPECT_EQ(tools.last("knife rotation z [rad]"), rotation_vector(tool.pose())[2]);
+  EXPECT_EQ(tools.last("knife rotation z [rad]"), rotation_vector(tool.pose)[2]);
   EXPECT_GT(tools.last("knife force z [N]"), 1);
 }
 
@@ -149,7 +149,7 @@ TEST(Tools, HaveTheSameBitsForAnyNumberOfThreads) {
     EXPECT_GT(summary.faces_cut, 0u);
     const Column& x = simulation.attributes().position();
     std::vector<double> all(x.rows(), x.rows() + 4 * std::size_t{x.size()});
-    const Vec3& force = simulation.contact()->tool(0)->hand_force();
+    const Vec3 force = simulation.contact()->tool_state(0)->hand_force;
     all.insert(all.end(), force.begin(), force.end());
     EXPECT_NE(all.back(), 0);
     if (threads == 1) first = all;

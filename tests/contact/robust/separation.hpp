@@ -2,7 +2,7 @@
 #pragma once
 
 #include "kernel/attributes/attributes.hpp"
-#include "kernel/contact/obstacle.hpp"
+#include "kernel/geometry/obstacle.hpp"
 
 namespace suture::test {
 

@@ -83,7 +83,7 @@ std::string run(const Json& json, bool is_tapered = false) {
   const double forces = unbalanced(simulation);
   if (!(forces < most_forces)) return "forces are left: " + std::to_string(1e8 * forces) + "e-8";
   double deepest = 0;
-  const Contact& contact = *simulation.contact();
+  const auto& contact = dynamic_cast<const Contact&>(*simulation.contact());
   for (const Obstacle& obstacle : contact.obstacles())
     for (const Index v : contact.surface().vertices()) {
       const Pose pose = obstacle.motion.pose(simulation.time());

@@ -15,7 +15,7 @@
 #include "kernel/base/vec3.hpp"
 #include "kernel/build/built_scene.hpp"
 #include "kernel/contact/contact.hpp"
-#include "kernel/contact/solid_surface.hpp"
+#include "kernel/geometry/solid_surface.hpp"
 #include "kernel/run/simulation.hpp"
 #include "tests/geometry/surfaces.hpp"
 
@@ -163,7 +163,7 @@ double deepest(Simulation& simulation, const ThinScene& made) {
   const Pose pose = obstacle.motion.pose(simulation.time());
   Attributes& a = simulation.attributes();
   double deepest = -1;
-  for (const Index v : simulation.contact()->surface().vertices()) {
+  for (const Index v : dynamic_cast<const Contact&>(*simulation.contact()).surface().vertices()) {
     const auto at = [&](const Column& column) {
       return Vec3{column.get(v, 0), column.get(v, 1), column.get(v, 2)};
     };

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "kernel/contact/rotation.hpp"
-#include "kernel/contact/shape.hpp"
+#include "kernel/geometry/rotation.hpp"
+#include "kernel/geometry/shape.hpp"
 
 namespace suture {
 

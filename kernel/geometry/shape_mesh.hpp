@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "kernel/contact/shape.hpp"
+#include "kernel/geometry/shape.hpp"
 
 namespace suture {
 

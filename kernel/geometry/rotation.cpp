@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/contact/rotation.hpp"
+#include "kernel/geometry/rotation.hpp"
 
 #include <Eigen/Geometry>
 
-#include "kernel/contact/vectors.hpp"
+#include "kernel/base/rows.hpp"
 
 namespace suture {
 namespace {

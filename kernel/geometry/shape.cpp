@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/contact/shape.hpp"
+#include "kernel/geometry/shape.hpp"
 
 #include <algorithm>
 #include <limits>
 
-#include "kernel/contact/solid_surface.hpp"
-#include "kernel/contact/vectors.hpp"
+#include "kernel/base/rows.hpp"
+#include "kernel/geometry/solid_surface.hpp"
 
 namespace suture {
 namespace {
@@ -25,7 +25,7 @@ double along(const Vec3& from, const Vec3& to, const Vec3& place) {
   return dot(minus(place, from), axis) / dot(axis, axis);
 }
 
-Vec3 between(const Vec3& from, const Vec3& to, double part) {
+Vec3 point_between(const Vec3& from, const Vec3& to, double part) {
   return plus(from, scaled(part, minus(to, from)));
 }
 
@@ -53,7 +53,7 @@ struct NearestTo {
   Nearest operator()(const Sphere& s) const { return from_core(s.centre, s.radius, place); }
   Nearest operator()(const Capsule& s) const {
     const double part = std::clamp(along(s.from, s.to, place), 0.0, 1.0);
-    return from_core(between(s.from, s.to, part), s.radius, place);
+    return from_core(point_between(s.from, s.to, part), s.radius, place);
   }
   Nearest operator()(const Box& s) const {
     std::array<double, 3> outside;
@@ -68,7 +68,7 @@ struct NearestTo {
   Nearest operator()(const Cylinder& s) const {
     const Vec3 axis = minus(s.to, s.from);
     const double length = norm(axis), part = along(s.from, s.to, place);
-    const Nearest side = from_core(between(s.from, s.to, part), s.radius, place);
+    const Nearest side = from_core(point_between(s.from, s.to, part), s.radius, place);
     const bool is_low = part < 0.5;
     return from_sides<2>({side.distance, (is_low ? -part : part - 1) * length},
                          {side.normal, scaled((is_low ? -1 : 1) / length, axis)});
@@ -84,13 +84,13 @@ struct BallAround {
   }
   Ball operator()(const Sphere& s) const { return {s.centre, s.radius}; }
   Ball operator()(const Capsule& s) const {
-    return {between(s.from, s.to, 0.5), norm(minus(s.to, s.from)) / 2 + s.radius};
+    return {point_between(s.from, s.to, 0.5), norm(minus(s.to, s.from)) / 2 + s.radius};
   }
   Ball operator()(const Box& s) const {
-    return {between(s.low, s.high, 0.5), norm(minus(s.high, s.low)) / 2};
+    return {point_between(s.low, s.high, 0.5), norm(minus(s.high, s.low)) / 2};
   }
   Ball operator()(const Cylinder& s) const {
-    return {between(s.from, s.to, 0.5), std::hypot(norm(minus(s.to, s.from)) / 2, s.radius)};
+    return {point_between(s.from, s.to, 0.5), std::hypot(norm(minus(s.to, s.from)) / 2, s.radius)};
   }
   Ball operator()(const Triangulated& s) const { return {s.middle, s.surface->radius()}; }
 };
@@ -123,7 +123,7 @@ struct PointsInside {
   std::vector<Vec3> operator()(const Capsule& s) const { return along_axis(s.from, s.to); }
   std::vector<Vec3> operator()(const Cylinder& s) const { return along_axis(s.from, s.to); }
   std::vector<Vec3> operator()(const Box& s) const {
-    std::vector<Vec3> points{between(s.low, s.high, 0.5)};
+    std::vector<Vec3> points{point_between(s.low, s.high, 0.5)};
     for (unsigned corner = 0; corner < 8; ++corner) {
       Vec3 p;
       for (std::size_t c = 0; c < 3; ++c) p[c] = corner >> c & 1 ? s.high[c] : s.low[c];
@@ -139,7 +139,7 @@ struct PointsInside {
   static std::vector<Vec3> along_axis(const Vec3& from, const Vec3& to) {
     constexpr int parts = 8;
     std::vector<Vec3> points;
-    for (int i = 0; i <= parts; ++i) points.push_back(between(from, to, double(i) / parts));
+    for (int i = 0; i <= parts; ++i) points.push_back(point_between(from, to, double(i) / parts));
     return points;
   }
 };

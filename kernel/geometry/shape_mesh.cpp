@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/contact/shape_mesh.hpp"
+#include "kernel/geometry/shape_mesh.hpp"
 
 #include <numbers>
 
-#include "kernel/contact/solid_surface.hpp"
-#include "kernel/contact/vectors.hpp"
+#include "kernel/base/rows.hpp"
+#include "kernel/geometry/solid_surface.hpp"
 
 namespace suture {
 namespace {

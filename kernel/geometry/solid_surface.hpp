@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "kernel/contact/shape.hpp"
+#include "kernel/geometry/shape.hpp"
 #include "kernel/geometry/surface.hpp"
 
 namespace suture {

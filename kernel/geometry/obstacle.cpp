@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/contact/obstacle.hpp"
+#include "kernel/geometry/obstacle.hpp"
 
 #include <algorithm>
 #include <limits>
 
 #include "kernel/base/archive.hpp"
-#include "kernel/contact/vectors.hpp"
+#include "kernel/base/rows.hpp"
 
 namespace suture {
 Vec3 Pose::direction(const Vec3& given) const {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/contact/solid_surface.hpp"
+#include "kernel/geometry/solid_surface.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <map>
 
 #include "kernel/base/error.hpp"
-#include "kernel/contact/vectors.hpp"
+#include "kernel/base/rows.hpp"
 #include "kernel/geometry/geometry_module.hpp"
 
 namespace suture {

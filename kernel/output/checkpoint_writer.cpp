@@ -2,21 +2,23 @@
 #include "kernel/output/checkpoint_writer.hpp"
 
 #include <algorithm>
-#include <condition_variable>
 #include <deque>
-#include <exception>
-#include <mutex>
-#include <optional>
-#include <thread>
 #include <utility>
+
+#include "kernel/output/writing_queue.hpp"
 
 namespace suture {
 
 namespace fs = std::filesystem;
 
-// Everything from `write` on happens on the writing thread only; what waits is all that both
-// threads touch.
+// `write` is called on the writing thread only; the queue and what its lock guards are all that
+// both threads touch.
 struct CheckpointWriter::Impl {
+  struct Numbered {
+    std::uint64_t number;
+    Checkpoint checkpoint;
+  };
+
   explicit Impl(CheckpointWriterOptions chosen)
       : options(std::move(chosen)), next(options.resumed_number + 1), newest(options.resumed_from) {
     if (newest.empty() || !same_folder(newest.parent_path(), folder().path())) return;
@@ -30,23 +32,16 @@ struct CheckpointWriter::Impl {
   const CheckpointWriterOptions options;
   std::uint64_t next;
 
-  mutable std::mutex mutex;
-  std::condition_variable changed;
-  std::optional<Checkpoint> waiting;
-  std::exception_ptr error;
   fs::path newest;
-  bool busy = false, stopping = false;
-  std::thread thread;
-
   std::deque<std::uint64_t> own;  ///< numbers of files that are whole, ascending
 
   OutputFolder& folder() const { return *options.folder; }
   fs::path path_of(std::uint64_t number) const { return folder().path() / checkpoint_name(number); }
 
-  void write(Checkpoint checkpoint) {
-    const std::uint64_t number = checkpoint.header.number;
+  void write(Numbered& job) {
+    const std::uint64_t number = job.number;
     folder().write(checkpoint_name(number), [&](OutputFile& file) {
-      write_checkpoint(file, std::move(checkpoint.header), std::move(checkpoint.state));
+      write_checkpoint(file, std::move(job.checkpoint.header), std::move(job.checkpoint.state));
     });
     folder().sync();
     own.push_back(number);
@@ -54,73 +49,26 @@ struct CheckpointWriter::Impl {
       folder().remove(checkpoint_name(own.front()));
   }
 
-  // The loop of the writing thread.
-  void work() {
-    std::unique_lock lock(mutex);
-    while (true) {
-      changed.wait(lock, [&] { return stopping || waiting; });
-      if (!waiting) return;
-      Checkpoint checkpoint = std::move(*waiting);
-      waiting.reset();
-      busy = true;
-      changed.notify_all();
-      const fs::path path = path_of(checkpoint.header.number);
-      lock.unlock();
-      std::exception_ptr failed;
-      try {
-        write(std::move(checkpoint));
-      } catch (...) {
-        failed = std::current_exception();
-      }
-      lock.lock();
-      busy = false;
-      if (failed) {
-        error = failed;
-        waiting.reset();
-      } else {
-        newest = path;
-      }
-      changed.notify_all();
-    }
-  }
-
-  void rethrow() {
-    if (error) std::rethrow_exception(std::exchange(error, nullptr));
-  }
+  // The last member: its thread ends before the others do.
+  WritingQueue<Numbered> queue{1, [this](Numbered& job) { write(job); },
+                               [this](const Numbered& job) { newest = path_of(job.number); }};
 };
 
 CheckpointWriter::CheckpointWriter(CheckpointWriterOptions options)
     : impl_(std::make_unique<Impl>(std::move(options))) {}
 
-CheckpointWriter::~CheckpointWriter() {
-  {
-    const std::lock_guard lock(impl_->mutex);
-    impl_->stopping = true;
-  }
-  impl_->changed.notify_all();
-  if (impl_->thread.joinable()) impl_->thread.join();
-}
+CheckpointWriter::~CheckpointWriter() = default;
 
 void CheckpointWriter::submit(CheckpointHeader header, StateTree&& state) {
-  Impl& impl = *impl_;
-  std::unique_lock lock(impl.mutex);
-  impl.rethrow();
-  if (!impl.thread.joinable()) impl.thread = std::thread([&impl] { impl.work(); });
-  impl.changed.wait(lock, [&] { return impl.error || !impl.waiting; });
-  impl.rethrow();
-  header.number = impl.next++;
-  impl.waiting.emplace(Checkpoint{std::move(header), std::move(state)});
-  impl.changed.notify_all();
+  header.number = impl_->next;
+  impl_->queue.submit({impl_->next, {std::move(header), std::move(state)}});
+  ++impl_->next;
 }
 
-void CheckpointWriter::finish() {
-  std::unique_lock lock(impl_->mutex);
-  impl_->changed.wait(lock, [&] { return impl_->error || (!impl_->waiting && !impl_->busy); });
-  impl_->rethrow();
-}
+void CheckpointWriter::finish() { impl_->queue.finish(); }
 
 fs::path CheckpointWriter::newest() const {
-  const std::lock_guard lock(impl_->mutex);
+  const auto lock = impl_->queue.lock();
   return impl_->newest;
 }
 

@@ -1,24 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/output/frame_writer.hpp"
 
-#include <condition_variable>
 #include <cstdio>
-#include <deque>
-#include <exception>
-#include <mutex>
-#include <thread>
+#include <filesystem>
 #include <utility>
 
 #include "kernel/base/error.hpp"
 #include "kernel/output/collection.hpp"
 #include "kernel/output/frame_file.hpp"
+#include "kernel/output/writing_queue.hpp"
 
 namespace suture {
 
 namespace fs = std::filesystem;
 
-// Everything from `write` on happens on the writing thread only; the queue is all
-// that both threads touch.
+// Everything that `write` calls happens on the writing thread only; the queue and what its lock
+// guards are all that both threads touch.
 struct FrameWriter::Impl {
   explicit Impl(FrameWriterOptions chosen)
       : options(std::move(chosen)),
@@ -29,15 +26,9 @@ struct FrameWriter::Impl {
   const std::string pvd_name;
   const fs::path pvd_path;
 
-  std::mutex mutex;
-  std::condition_variable changed;
-  std::deque<Frame> queue;
   std::vector<Frame> used;
-  std::exception_ptr error;
   std::size_t written = 0;
-  bool busy = false, stopping = false, is_resumed = false;
-  std::thread thread;
-
+  bool is_resumed = false;
   Collection pvd;
   std::size_t missing = 0;
 
@@ -74,58 +65,24 @@ struct FrameWriter::Impl {
     is_resumed = true;
   }
 
-  // The loop of the writing thread.
-  void work() {
-    std::unique_lock lock(mutex);
-    while (true) {
-      changed.wait(lock, [&] { return stopping || !queue.empty(); });
-      if (queue.empty()) return;
-      Frame frame = std::move(queue.front());
-      queue.pop_front();
-      busy = true;
-      lock.unlock();
-      std::exception_ptr failed;
-      try {
-        write(frame);
-      } catch (...) {
-        failed = std::current_exception();
-      }
-      lock.lock();
-      busy = false;
-      done(std::move(frame), failed);
-      changed.notify_all();
-    }
-  }
-
-  void done(Frame frame, const std::exception_ptr& failed) {
-    if (failed) {
-      error = failed;
-      queue.clear();
-      return;
-    }
+  void done(Frame frame) {
     ++written;
     if (used.size() < options.waiting) used.push_back(std::move(frame));
   }
 
-  void rethrow() {
-    if (error) std::rethrow_exception(std::exchange(error, nullptr));
-  }
+  // The last member: its thread ends before the others do.
+  WritingQueue<Frame> queue{options.background ? options.waiting : 0,
+                            [this](Frame& frame) { write(frame); },
+                            [this](Frame frame) { done(std::move(frame)); }};
 };
 
 FrameWriter::FrameWriter(FrameWriterOptions options)
     : impl_(std::make_unique<Impl>(std::move(options))) {}
 
-FrameWriter::~FrameWriter() {
-  {
-    const std::lock_guard lock(impl_->mutex);
-    impl_->stopping = true;
-  }
-  impl_->changed.notify_all();
-  if (impl_->thread.joinable()) impl_->thread.join();
-}
+FrameWriter::~FrameWriter() = default;
 
 Frame FrameWriter::take_frame() {
-  const std::lock_guard lock(impl_->mutex);
+  const auto lock = impl_->queue.lock();
   if (impl_->used.empty()) return {};
   Frame frame = std::move(impl_->used.back());
   impl_->used.pop_back();
@@ -134,33 +91,19 @@ Frame FrameWriter::take_frame() {
 
 void FrameWriter::submit(Frame frame) {
   check_frame(frame);
-  Impl& impl = *impl_;
-  impl.folder().open();
-  std::unique_lock lock(impl.mutex);
-  impl.rethrow();
-  if (!impl.options.background) {
-    impl.write(frame);
-    impl.done(std::move(frame), nullptr);
-    return;
-  }
-  if (!impl.thread.joinable()) impl.thread = std::thread([&impl] { impl.work(); });
-  impl.changed.wait(lock, [&] { return impl.error || impl.queue.size() < impl.options.waiting; });
-  impl.rethrow();
-  impl.queue.push_back(std::move(frame));
-  impl.changed.notify_all();
+  impl_->folder().open();
+  impl_->queue.submit(std::move(frame));
 }
 
 void FrameWriter::finish() {
-  std::unique_lock lock(impl_->mutex);
-  impl_->changed.wait(lock, [&] { return impl_->error || (impl_->queue.empty() && !impl_->busy); });
-  impl_->rethrow();
+  impl_->queue.finish();
   if (impl_->is_resumed) impl_->folder().begin();
   impl_->require_all();
 }
 
 void FrameWriter::state(Archive& archive) {
   if (!archive.loads()) finish();
-  const std::lock_guard lock(impl_->mutex);
+  const auto lock = impl_->queue.lock();
   archive("written", impl_->written);
   archive("list", impl_->pvd);
   if (archive.loads()) impl_->keep();
@@ -169,10 +112,10 @@ void FrameWriter::state(Archive& archive) {
 std::size_t FrameWriter::missing() const { return impl_->missing; }
 
 std::size_t FrameWriter::written() const {
-  const std::lock_guard lock(impl_->mutex);
+  const auto lock = impl_->queue.lock();
   return impl_->written;
 }
 
-const fs::path& FrameWriter::collection() const { return impl_->pvd_path; }
+std::string FrameWriter::collection() const { return impl_->pvd_path.string(); }
 
 }  // namespace suture

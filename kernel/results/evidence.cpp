@@ -85,7 +85,7 @@ std::string Evidence::write(std::shared_ptr<OutputFolder> folder) {
       writer.submit(std::move(*frame));
     }
     writer.finish();
-    return writer.collection().string() +
+    return writer.collection() +
            (number == 2 ? " contains the last good state and this one" : " contains this state");
   } catch (const Error& error) {
     return std::string("No frame of this state was written: ") + error.what();

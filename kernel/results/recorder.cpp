@@ -53,15 +53,9 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& eve
   frames_need_force_ = std::ranges::any_of(fields_, &FieldChoice::needs_force);
   frames_run_functors_ = std::ranges::any_of(fields_, &FieldChoice::runs_functors);
   other_fields_ = fields_besides(built, fields_);
-  if (options.frames) frames_ = std::make_unique<FrameWriter>(frame_options(options, folder_));
-  mode_options_ = frame_options(options, folder_);
-  mode_options_.prefix = mode_options_.collection = "mode";
+  if (options.frames) frames_ = open_sink("frame", "run");
   sides_ = side_series(options, fields_, built, events);
-  for (SideSeries& side : sides_) {
-    FrameWriterOptions writer = frame_options(options, folder_);
-    writer.prefix = writer.collection = side.name;
-    side.writer = std::make_unique<FrameWriter>(writer);
-  }
+  for (SideSeries& side : sides_) side.sink = open_sink(side.name, side.name);
   if (options.energies_every > 0) {
     std::vector<std::string> columns{"time [s]", "dt [s]", "kinetic [J]", "elastic [J]"};
     for (const auto& term : built.body().loads())
@@ -79,6 +73,14 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& eve
   }
   if (options.tools_every > 0)
     tools_ = std::make_unique<CsvWriter>(folder_, "tools.csv", tool_columns(scene.contact));
+}
+
+/// Files in the folder of the run; the one place that says where frames go.
+std::unique_ptr<FrameSink> Recorder::open_sink(const char* prefix, const char* collection) const {
+  FrameWriterOptions options = frame_options(built_.scene().output, folder_);
+  options.prefix = prefix;
+  options.collection = collection;
+  return std::make_unique<FrameWriter>(std::move(options));
 }
 
 void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity,
@@ -110,7 +112,7 @@ void Recorder::frame(std::uint64_t step, double time, const Vec3& gravity) {
 
 void Recorder::mode(double time, const Vec3& gravity, const std::vector<Vec3>& shape) {
   if (!writes_) return;
-  if (!modes_) modes_ = std::make_unique<FrameWriter>(mode_options_);
+  if (!modes_) modes_ = open_sink("mode", "mode");
   Frame frame = modes_->take_frame();
   fill_frame(frame, time, gravity, &shape);
   frame.number = modes_written_++;
@@ -123,7 +125,7 @@ void Recorder::write(PendingRecord& record) {
       frames_->submit(std::move(*record.frame));
       break;
     case PendingRecord::Kind::side:
-      sides_[record.side].writer->submit(std::move(*record.frame));
+      sides_[record.side].sink->submit(std::move(*record.frame));
       break;
     case PendingRecord::Kind::energies:
       energies_->row(record.step, record.row);
@@ -175,7 +177,7 @@ std::size_t Recorder::rehearse(double time, const Vec3& gravity) {
 }
 
 void Recorder::side_frame(std::size_t side, std::uint64_t step, double time, const Vec3& gravity) {
-  auto frame = std::make_unique<Frame>(sides_[side].writer->take_frame());
+  auto frame = std::make_unique<Frame>(sides_[side].sink->take_frame());
   frame->number = frame_number_;
   frame->time = time;
   frame->field_data_provenance = provenance_;
@@ -220,7 +222,7 @@ bool Recorder::probes_need(bool FieldChoice::*what) const {
 
 void Recorder::finish() {
   if (frames_) frames_->finish();
-  for (SideSeries& side : sides_) side.writer->finish();
+  for (SideSeries& side : sides_) side.sink->finish();
   if (modes_) modes_->finish();
   if (energies_) energies_->finish();
   if (probes_) probes_->finish();
@@ -229,15 +231,13 @@ void Recorder::finish() {
 
 std::size_t Recorder::missing_frames() const {
   std::size_t missing = frames_ ? frames_->missing() : 0;
-  for (const SideSeries& side : sides_) missing += side.writer->missing();
+  for (const SideSeries& side : sides_) missing += side.sink->missing();
   return missing;
 }
 
-std::string Recorder::mode_collection() const {
-  return modes_ ? modes_->collection().string() : "";
-}
+std::string Recorder::mode_collection() const { return modes_ ? modes_->collection() : ""; }
 
-std::string Recorder::collection() const { return frames_ ? frames_->collection().string() : ""; }
+std::string Recorder::collection() const { return frames_ ? frames_->collection() : ""; }
 
 void Recorder::PendingRecord::state(Archive& archive) {
   archive("step", step);
@@ -253,12 +253,12 @@ void Recorder::state(Archive& archive) {
   archive("frame number", frame_number_);
   archive("modes written", modes_written_);
   archive.each("held", pending_);
-  if (archive.loads() && modes_written_ > 0) modes_ = std::make_unique<FrameWriter>(mode_options_);
+  if (archive.loads() && modes_written_ > 0) modes_ = open_sink("mode", "mode");
   const auto writer = [&](const char* name, auto& file) {
     if (file) archive(name, *file);
   };
   writer("frames", frames_);
-  for (SideSeries& side : sides_) archive(side.name, *side.writer);
+  for (SideSeries& side : sides_) archive(side.name, *side.sink);
   writer("modes", modes_);
   writer("energies", energies_);
   writer("probes", probes_);

@@ -9,14 +9,15 @@
 #include <vector>
 
 #include "kernel/output/csv_writer.hpp"
-#include "kernel/output/frame_writer.hpp"
+#include "kernel/output/frame_sink.hpp"
 #include "kernel/results/fields.hpp"
 #include "kernel/results/probe_table.hpp"
 #include "kernel/results/side_series.hpp"
 
 namespace suture {
 
-/// Writes the results of a run: frames and side series, energies.csv, probes.csv, tools.csv.
+/// Writes the results of a run: frames and side series, each to a sink of its own (FrameSink), and
+/// energies.csv, probes.csv, tools.csv.
 /// Records are held back until release(), because their step may still be rejected. Nothing is
 /// created on disk before the first record is released.
 class Recorder {
@@ -89,6 +90,7 @@ class Recorder {
     void state(Archive& archive);
   };
   void write(PendingRecord& record);
+  std::unique_ptr<FrameSink> open_sink(const char* prefix, const char* collection) const;
 
   BuiltScene& built_;
   std::string provenance_;
@@ -98,9 +100,8 @@ class Recorder {
   std::size_t frame_number_ = 0;
   std::deque<PendingRecord> pending_;
   std::optional<ProbeTable> probe_table_;
-  std::unique_ptr<FrameWriter> frames_, modes_;
+  std::unique_ptr<FrameSink> frames_, modes_;
   std::vector<SideSeries> sides_;
-  FrameWriterOptions mode_options_;
   std::size_t modes_written_ = 0;
   std::unique_ptr<CsvWriter> energies_, probes_, tools_;
 };

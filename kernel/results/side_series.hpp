@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "kernel/operations/event_runner.hpp"
-#include "kernel/output/frame_writer.hpp"
+#include "kernel/output/frame_sink.hpp"
 #include "kernel/results/fields.hpp"
 
 namespace suture {
@@ -18,7 +18,7 @@ struct SideSeries {
   const char* name = "";
   /// Sets the points, cells and fields of a frame.
   std::function<void(Frame& frame, double time, const Vec3& gravity)> fill;
-  std::unique_ptr<FrameWriter> writer;
+  std::unique_ptr<FrameSink> sink;
 };
 
 /// The series that a scene requests:

@@ -200,7 +200,7 @@ std::string ModalRun::write(const NaturalModes& modes,
   }
   writer.finish();
   folder->write("modes.csv", [&](OutputFile& file) { file.write(table_of(modes)); });
-  return writer.collection().string();
+  return writer.collection();
 }
 
 }  // namespace suture

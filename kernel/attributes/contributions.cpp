@@ -121,7 +121,7 @@ const suture_batch& RestBatch::gather(const Instance& instance, std::span<const 
     const Index e = elements[lane < batch_.valid ? lane : batch_.valid - 1];
     ids_[lane] = user_element_.empty() ? e : user_element_[e];
     double* out = positions_.data() + lane;
-    for (std::size_t node = 0; node < 8; ++node) {
+    for (std::size_t node = 0; node < hexahedron::vertices; ++node) {
       const double* row = rest_.corner(e, node);
       out[0] = row[0];
       out[lanes] = row[1];

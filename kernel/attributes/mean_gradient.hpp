@@ -18,7 +18,7 @@ using SymmetricTensor = std::array<double, 6>;
 /// A_a: mean of the four edge vectors along each axis, m.
 inline std::array<Vec3, 3> mean_edges(const HexahedronNodes& x) {
   std::array<Vec3, 3> mean{};
-  for (std::size_t e = 0; e < 12; ++e) {
+  for (std::size_t e = 0; e < hexahedron::edges; ++e) {
     const auto [a, b] = hexahedron::edge_vertices[e];
     for (std::size_t c = 0; c < 3; ++c) mean[e / 4][c] += (x[b][c] - x[a][c]) / 4;
   }

@@ -20,6 +20,7 @@
 #include "kernel/forces/dead_loads.hpp"
 #include "kernel/forces/gravity.hpp"
 #include "kernel/forces/pressures.hpp"
+#include "kernel/geometry/centroid.hpp"
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/mesh/own_origin.hpp"
 #include "kernel/topology/bad_elements.hpp"
@@ -222,11 +223,7 @@ void BuiltScene::add_contact(Diagnostics& diagnostics) {
 }
 
 std::string BuiltScene::place_of(Index e) {
-  Vec3 middle{};
-  for (const Index v : body_.complex().vertices_of(e))
-    for (std::size_t c = 0; c < 3; ++c)
-      middle[c] += body_.attributes().rest().get(v, static_cast<int>(c)) / 8;
-  return place_text(middle);
+  return place_text(centroid(body_.complex().vertices_of(e), body_.attributes().rest().rows(), 4));
 }
 
 std::string BuiltScene::place_text(const Vec3& local) const {

@@ -254,7 +254,7 @@ std::vector<Dart> Selector::boundary_faces(const Selection& selection) const {
   for (Index e = 0; e < complex.element_count(); ++e) {
     if (!complex.exists(3, e)) continue;
     const Hexahedron& nodes = complex.vertices_of(e);
-    for (int f = 0; f < 6; ++f) {
+    for (int f = 0; f < hexahedron::faces; ++f) {
       const auto& corners = suture_hexahedron_faces[f];
       const bool selected =
           std::all_of(corners, corners + 4, [&](auto c) { return mask[nodes[c]] != 0; });

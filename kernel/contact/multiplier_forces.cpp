@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/message_text.hpp"
 #include "kernel/contact/missed_approach.hpp"
 #include "kernel/solvers/links.hpp"
 
@@ -367,8 +368,8 @@ void MultiplierForces::refuse_long_ways(double time) const {
                            contact_.mean_edge(), PieceContact::max_depth * contact_.mean_edge());
   if (!missed) return;
   std::ostringstream text;
-  text << "pieces or lips may have passed through each other at t = " << time
-       << " s: in one step, places of the surface within " << missed->distance
+  text << "pieces or lips may have passed through each other at " << time_text(time)
+       << ": in one step, places of the surface within " << missed->distance
        << " m of each other move by up to " << missed->way
        << " m relative to each other, and contact is found up to " << missed->allowed << " m";
   throw NumericalError(text.str());

@@ -29,7 +29,7 @@ Vec3 mean(const HexahedronNodes& x) {
 HexahedronNodes residual(const HexahedronNodes& x, const HexahedronNodes& rest, const Gradient& f) {
   const Vec3 centre = mean(x), rest_centre = mean(rest);
   HexahedronNodes r;
-  for (std::size_t n = 0; n < 8; ++n) {
+  for (std::size_t n = 0; n < hexahedron::vertices; ++n) {
     const Vec3 arm = minus(rest[n], rest_centre);
     r[n] = minus(x[n], centre);
     for (std::size_t c = 0; c < 3; ++c) r[n][c] -= dot(f[c], arm);
@@ -75,7 +75,7 @@ void average(const CellComplex& complex, Attributes& attributes,
   std::vector<Vec3> sum(w.size());
   for_each_element(complex, attributes, [&](Index e, const Hexahedron& nodes, const auto& rest) {
     const HexahedronNodes r = residual_of(e, nodes, rest);
-    for (std::size_t n = 0; n < 8; ++n)
+    for (std::size_t n = 0; n < hexahedron::vertices; ++n)
       for (std::size_t c = 0; c < 3; ++c) sum[nodes[n]][c] += r[n][c];
   });
   for (std::size_t v = 0; v < w.size(); ++v)
@@ -85,7 +85,7 @@ void average(const CellComplex& complex, Attributes& attributes,
 HexahedronNodes residual_of(const std::vector<Vec3>& w, const Hexahedron& nodes,
                             const HexahedronNodes& rest) {
   HexahedronNodes x;
-  for (std::size_t n = 0; n < 8; ++n) x[n] = w[nodes[n]];
+  for (std::size_t n = 0; n < hexahedron::vertices; ++n) x[n] = w[nodes[n]];
   return residual(x, rest, gradient(x, rest));
 }
 
@@ -105,7 +105,7 @@ Hourglass measure_hourglass(const CellComplex& complex, Attributes& attributes) 
   average(complex, attributes, around, w,
           [&](Index e, const Hexahedron& nodes, const HexahedronNodes& rest) {
             HexahedronNodes x;
-            for (std::size_t n = 0; n < 8; ++n) {
+            for (std::size_t n = 0; n < hexahedron::vertices; ++n) {
               const double* row = position + std::size_t{nodes[n]} * 4;
               x[n] = {row[0], row[1], row[2]};
               for (const double component : x[n]) far = std::max(far, std::abs(component));

@@ -58,7 +58,7 @@ Index first_of_many(const CellComplex& complex, const std::vector<Index>& elemen
     std::vector<std::size_t> group{first};
     visited[first] = true;
     for (std::size_t next = 0; next < group.size(); ++next)
-      for (int face = 0; face < 6; ++face) {
+      for (int face = 0; face < hexahedron::faces; ++face) {
         const Index other = complex.neighbour(elements[group[next]], face);
         const auto found = std::ranges::lower_bound(elements, other);
         if (other == none || found == elements.end() || *found != other) continue;

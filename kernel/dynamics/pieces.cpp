@@ -2,27 +2,23 @@
 #include "kernel/dynamics/pieces.hpp"
 
 #include <algorithm>
-#include <numeric>
+
+#include "kernel/topology/disjoint_sets.hpp"
 
 namespace suture {
 
 std::vector<Index> pieces_of(const CellComplex& complex, Index vertices) {
-  std::vector<Index> parent(vertices);
-  std::iota(parent.begin(), parent.end(), Index{0});
-  const auto root = [&](Index v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
+  DisjointSets sets(vertices);
   std::vector<bool> used(vertices);
   for (Index e = 0; e < complex.element_count(); ++e) {
     if (!complex.exists(3, e)) continue;
     const Hexahedron& nodes = complex.vertices_of(e);
     for (const Index v : nodes) {
       used[v] = true;
-      const Index a = root(nodes[0]), b = root(v);
-      parent[std::max(a, b)] = std::min(a, b);
+      sets.unite(nodes[0], v);
     }
   }
+  const auto root = [&](Index v) { return static_cast<Index>(sets.find(v)); };
   std::vector<Index> size(vertices), order, number(vertices, none);
   for (Index v = 0; v < vertices; ++v)
     if (used[v] && size[root(v)]++ == 0) order.push_back(root(v));

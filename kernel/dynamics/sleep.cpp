@@ -34,7 +34,7 @@ void require_islands(const Body& body, std::span<const Index> elements) {
     inside[e] = true;
   }
   for (const Index e : elements)
-    for (int f = 0; f < 6; ++f) {
+    for (int f = 0; f < hexahedron::faces; ++f) {
       const Index other = complex.neighbour(e, f);
       if (other != none && !inside[other])
         throw InputError("element " + std::to_string(body.user_element(e)) +

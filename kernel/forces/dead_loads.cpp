@@ -44,7 +44,7 @@ std::vector<double> areas_around(const RestPlaces& rest, std::span<const Index> 
   for (const Index v : vertices) {
     complex.star(0, v, star);
     for (const Dart d : star)
-      for (int f = 0; f < 6; ++f) {
+      for (int f = 0; f < hexahedron::faces; ++f) {
         const Dart face = face_dart(element_of(d), f);
         if (complex.beta3(face) == none) faces.push_back(face);
       }

@@ -2,11 +2,11 @@
 #include "kernel/forces/failures.hpp"
 
 #include <algorithm>
-#include <sstream>
 #include <string_view>
 #include <tuple>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/message_text.hpp"
 #include "kernel/forces/force_loop.hpp"
 
 namespace suture {
@@ -55,10 +55,8 @@ void Failure::merge(const Failure& other) {
 }
 
 void Failure::raise(const std::string& title, const char* cell_word, double time) const {
-  std::ostringstream when;
-  when << "t = " << time << " s: ";
-  if (is_fault_) throw PluginError(when.str() + text_);
-  std::string text = when.str() + title;
+  if (is_fault_) throw PluginError(timed(time, text_));
+  std::string text = timed(time, title);
   if (cell_known_)
     text += std::string(", ") + cell_word + " " + std::to_string(cell_);
   else

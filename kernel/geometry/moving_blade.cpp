@@ -287,7 +287,7 @@ MovingBlade::CheckResult MovingBlade::check(const CellComplex& complex, const St
   const ElementWay one(complex, tissue_, step.box, element);
   double longest = 0;
   CheckResult found{infinity, 0, infinity};
-  for (int f = 0; f < 6; ++f) {
+  for (int f = 0; f < hexahedron::faces; ++f) {
     const Index n = complex.neighbour(element, f);
     if (n == none || n < element) continue;
     const ElementWay other(complex, tissue_, step.box, n);

@@ -77,7 +77,7 @@ std::vector<Dart> SurfaceBlade::faces_cut(const CellComplex& complex, const Plac
                std::vector<Dart> near;
                std::vector<Segment> links;
                for (std::size_t e = first; e < last; ++e)
-                 for (int f = 0; f < 6; ++f) {
+                 for (int f = 0; f < hexahedron::faces; ++f) {
                    const Index n = complex.neighbour(static_cast<Index>(e), f);
                    if (n == none || n < e || !overlap(box_, centroids[e], centroids[n])) continue;
                    const Segment link{vec3(centroids[e]), vec3(centroids[n])};

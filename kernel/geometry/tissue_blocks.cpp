@@ -100,7 +100,7 @@ void TissueBlocks::find_lists(const CellComplex& complex) {
   for (Index e = 0; e < complex.element_count(); ++e) {
     if (!complex.exists(3, e)) continue;
     add_corners(e / size, e);
-    for (int f = 0; f < 6; ++f)
+    for (int f = 0; f < hexahedron::faces; ++f)
       if (const Index n = complex.neighbour(e, f); n != none && n / size != e / size)
         add_corners(e / size, n);
   }
@@ -122,7 +122,7 @@ void TissueBlocks::follow(const CellComplex& complex, const TopologyChange& chan
     for (const Dart dart : stars[i]) {
       const Index e = dart / hexahedron::darts;
       add_once(block, lists_[e / size]);
-      for (int f = 0; f < 6; ++f)
+      for (int f = 0; f < hexahedron::faces; ++f)
         if (const Index n = complex.neighbour(e, f); n != none) add_once(block, lists_[n / size]);
     }
     ++split;

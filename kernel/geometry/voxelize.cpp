@@ -212,7 +212,7 @@ void split_non_manifold(Mesh& mesh, Diagnostics& diagnostics) {
     mesh.points.push_back(Vec3(mesh.points[old]));
   }
   for (Index e = 0; e < imported.complex.element_count(); ++e)
-    for (int n = 0; n < 8; ++n)
+    for (int n = 0; n < hexahedron::vertices; ++n)
       mesh.hexahedra[imported.user_element[e]][n] = point[imported.complex.vertices_of(e)[n]];
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "kernel/base/message_text.hpp"
 #include "kernel/dynamics/distortion.hpp"
 #include "kernel/dynamics/inversion.hpp"
 
@@ -77,7 +78,7 @@ void LoadPath::refuse_inversion() const {
 
 std::string LoadPath::interval() const {
   std::ostringstream text;
-  text << "t = " << motion_.time() << " s to " << end_.time << " s";
+  text << time_text(motion_.time()) << " to " << end_.time << " s";
   return text.str();
 }
 

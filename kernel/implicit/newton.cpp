@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/message_text.hpp"
 #include "kernel/dynamics/residual.hpp"
 #include "kernel/forces/nonsmooth_term.hpp"
 #include "kernel/spectrum/scaled_tangent.hpp"
@@ -399,7 +400,7 @@ void Newton::refuse(const StepEquations& equations, const Progress& progress,
                     const std::string& reason) {
   solver_.discard();
   std::ostringstream text;
-  text << "Newton's method found no solution at t = " << equations.time << " s: " << reason
+  text << "Newton's method found no solution at " << time_text(equations.time) << ": " << reason
        << " after " << progress.iterations << " iterations; the residual is "
        << progress.residual / scale_ << " of the forces, the tolerance " << tolerance_;
   if (4 * progress.indefinite > progress.iterations) {

@@ -63,7 +63,7 @@ std::vector<Dart> faces_across_plane(const CellComplex& complex, const double* r
   }
   std::vector<Dart> faces;
   for (Index e = 0; e < complex.element_count(); ++e)
-    for (int f = 0; f < 6; ++f) {
+    for (int f = 0; f < hexahedron::faces; ++f) {
       const Index other = complex.neighbour(e, f);
       if (other != none && e < other && positive[e] != positive[other])
         faces.push_back(face_dart(e, f));
@@ -86,7 +86,7 @@ Dart face_between(const CellComplex& complex, const std::string& path, const Ele
     throw InputError(path + ": the pair contains element " + std::to_string(pair[0]) +
                      " twice; a face lies between two elements");
   if (!complex.exists(3, elements[0]) || !complex.exists(3, elements[1])) return none;
-  for (int f = 0; f < 6; ++f)
+  for (int f = 0; f < hexahedron::faces; ++f)
     if (complex.neighbour(elements[0], f) == elements[1]) return face_dart(elements[0], f);
   if (point_of_vertex.empty())
     throw InputError(path + ": " + names + " have no common face (or it has already been cut)");

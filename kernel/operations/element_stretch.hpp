@@ -44,7 +44,7 @@ inline double edge_length(const HexahedronNodes& x, std::size_t edge) {
 /// Per axis the largest l/L - 1 of its four edges.
 inline std::array<double, 3> elongations(const HexahedronNodes& x, const HexahedronNodes& rest) {
   std::array<double, 3> most{-1, -1, -1};
-  for (std::size_t e = 0; e < 12; ++e)
+  for (std::size_t e = 0; e < hexahedron::edges; ++e)
     most[e / 4] = std::max(most[e / 4], edge_length(x, e) / edge_length(rest, e) - 1);
   return most;
 }

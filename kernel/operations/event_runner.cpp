@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/operations/event_runner.hpp"
 
-#include <sstream>
 #include <utility>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/message_text.hpp"
 #include "kernel/forces/contact_law.hpp"
 #include "kernel/geometry/moving_blade.hpp"
 #include "kernel/geometry/surface_blade.hpp"
@@ -16,20 +16,6 @@
 #include "kernel/operations/plane_patch.hpp"
 
 namespace suture {
-namespace {
-
-std::string count_text(Index n, const char* one) {
-  return std::to_string(n) + ' ' + one + (n == 1 ? "" : "s");
-}
-
-std::string time_text(double time) {
-  std::ostringstream text;
-  text << "t = " << time << " s: ";
-  return text.str();
-}
-
-}  // namespace
-
 EventOutcome& EventOutcome::operator+=(const EventOutcome& other) {
   faces_cut += other.faces_cut;
   faces_torn += other.faces_torn;
@@ -66,7 +52,7 @@ struct EventRunner::Call {
     return (event.rest_shape ? a.rest() : a.position()).rows();
   }
   void warn(const std::string& text) const {
-    runner.diagnostics_.warn(time_text(time) + event.path + text);
+    runner.diagnostics_.warn(timed(time, event.path + text));
   }
   /// Warns about an event that happens once; finish() reports repeated events after the run.
   void warn_once(const std::string& text) const {
@@ -224,7 +210,7 @@ Naming EventRunner::Call::naming() const {
 std::vector<Seam> EventRunner::Call::listed_seams(const SewFaces& sew) const {
   ListedSeams listed = seams_between(
       built.body().complex(), built.body().attributes().position().rows(),
-      time_text(time) + event.path + "/suture/faces", sew.element_pairs,
+      timed(time, event.path + "/suture/faces"), sew.element_pairs,
       [&](std::uint64_t id) { return built.selector().element_with_id(id); },
       built.body().user_vertex(), naming());
   if (!listed.idle.empty() && !listed.seams.empty()) {
@@ -249,8 +235,8 @@ EventOutcome EventRunner::Call::remove(const std::vector<Index>& elements,
     return outcome;
   }
   if (elements.size() >= built.body().complex().existing(3)) {
-    throw InputError(time_text(time) + event.path + ": " + event.operation() +
-                     " would remove all " + std::to_string(elements.size()) +
+    throw InputError(timed(time, event.path + ": " + event.operation()) + " would remove all " +
+                     std::to_string(elements.size()) +
                      " remaining elements; nothing was removed. Make the selection smaller");
   }
   runner.removals_.before(elements);

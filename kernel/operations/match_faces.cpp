@@ -25,7 +25,7 @@ bool is_boundary(const CellComplex& complex, Dart face) { return complex.beta3(f
 Dart partner(Dart other, Dart turn) { return (other & ~3u) | (turn & 3u); }
 
 bool are_joined(const CellComplex& complex, Index e, Index other) {
-  for (int f = 0; f < 6; ++f)
+  for (int f = 0; f < hexahedron::faces; ++f)
     if (complex.neighbour(e, f) == other) return true;
   return false;
 }

@@ -52,7 +52,7 @@ struct TearCheck::Snapshot {
   HexahedronNodes nodes(const Column& places, Index e) const {
     HexahedronNodes x;
     const Hexahedron& vertices = complex.vertices_of(e);
-    for (std::size_t n = 0; n < 8; ++n) {
+    for (std::size_t n = 0; n < hexahedron::vertices; ++n) {
       const double* row = places.rows() + places.offset(vertices[n]);
       x[n] = {row[0], row[1], row[2]};
     }
@@ -82,7 +82,7 @@ Column TearCheck::make_metric(const Snapshot& snapshot) const {
   for (Index row = 0; row < row_count_; ++row) {
     const HexahedronNodes rest = snapshot.rest(rows_.empty() ? row : rows_[row]);
     if (tear_.by == Tear::By::elongation) {
-      for (int e = 0; e < 12; ++e) {
+      for (int e = 0; e < hexahedron::edges; ++e) {
         const double limit =
             edge_length(rest, static_cast<std::size_t>(e)) * (1 + tear_.above) * (1 - slack);
         metric.set(row, e, limit * limit);
@@ -180,7 +180,7 @@ std::vector<Dart> TearCheck::by_edges(const Snapshot& snapshot, const std::vecto
   const auto value_of = [&](Index e) {
     if (!values) return elongations(snapshot.now(e), snapshot.rest(e));
     std::array<double, 3> most{no_value, no_value, no_value};
-    for (std::size_t i = 0; i < 12; ++i) {
+    for (std::size_t i = 0; i < hexahedron::edges; ++i) {
       const double value = (*values)[complex.edges_of(e)[i]];
       if (!(value <= most[i / 4]) && !std::isnan(value)) most[i / 4] = value;
     }
@@ -269,7 +269,7 @@ void TearCheck::check_share(const CellComplex& complex, std::size_t torn) const 
   std::size_t faces = 0;
   for (Index row = 0; row < row_count_; ++row) {
     const Index e = rows_.empty() ? row : rows_[row];
-    for (int f = 0; f < 6; ++f) {
+    for (int f = 0; f < hexahedron::faces; ++f) {
       const Index other = complex.neighbour(e, f);
       faces += other != none && e < other && takes_part(other);
     }

@@ -3,19 +3,11 @@
 
 #include <sstream>
 
+#include "kernel/base/message_text.hpp"
+
 namespace suture {
-namespace {
-
-std::string islands_text(Index islands) {
-  return std::to_string(islands) + (islands == 1 ? " island" : " islands");
-}
-
-}  // namespace
-
 std::string event_line(const EventOutcome& outcome, double time, Index islands) {
-  std::ostringstream line;
-  line << "t = " << time << " s: " << outcome.text() << ", " << islands_text(islands);
-  return line.str();
+  return timed(time, outcome.text() + ", " + count_text(islands, "island"));
 }
 
 EventReport::EventReport(const std::vector<Event>& events)
@@ -49,7 +41,7 @@ void EventReport::flush(Gathered& gathered, std::vector<std::string>& lines) con
   } else if (gathered.steps > 1) {
     std::ostringstream line;
     line << "t = " << gathered.first << " to " << gathered.last << " s: " << gathered.outcome.text()
-         << " in " << gathered.steps << " steps, " << islands_text(islands_);
+         << " in " << gathered.steps << " steps, " << count_text(islands_, "island");
     lines.push_back(line.str());
   }
   gathered.steps = 0;

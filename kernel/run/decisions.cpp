@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "kernel/base/escape.hpp"
+#include "kernel/base/message_text.hpp"
 #include "kernel/build/cell_values.hpp"
 #include "kernel/contact/contact.hpp"
 #include "kernel/geometry/solid_surface.hpp"
@@ -15,10 +16,6 @@
 
 namespace suture {
 namespace {
-
-std::string count_text(std::size_t n, const char* one) {
-  return std::to_string(n) + ' ' + one + (n == 1 ? "" : "s");
-}
 
 std::string reads_text(std::uint32_t reads) {
   std::string text;

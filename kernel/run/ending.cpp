@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/message_text.hpp"
 #include "kernel/implicit/newton.hpp"
 #include "kernel/steps/free_bodies.hpp"
 
@@ -64,8 +65,8 @@ RunSummary::Outcome Ending::examine_equilibrium() {
 
 void Ending::warn_of_motion() {
   std::ostringstream text;
-  text << "not at rest at /solver/end, t = " << control_.clock().time() << " s: the residual is "
-       << rest_->residual() << ", requested " << rest_->tolerance();
+  text << "not at rest at /solver/end, " << time_text(control_.clock().time())
+       << ": the residual is " << rest_->residual() << ", requested " << rest_->tolerance();
   diagnostics_.warn(text.str());
 }
 
@@ -82,9 +83,8 @@ void Ending::require_supported() {
 void Ending::check_pieces(const StepControl::Notify& notify) {
   if (!built_.dynamics().is_static() || !std::exchange(cells_changed_, false)) return;
   if (scene_.solver.hold_free_pieces) {
-    std::ostringstream when;
-    when << "t = " << control_.clock().time() << " s: ";
-    for (const std::string& text : held_pieces_.added(built_)) notify(when.str() + text);
+    for (const std::string& text : held_pieces_.added(built_))
+      notify(timed(control_.clock().time(), text));
     return;
   }
   const std::string body = describe_unheld_body(built_);
@@ -131,7 +131,7 @@ void Ending::fail_at_step_limit(std::uint64_t limit) const {
          << ", requested " << rest_->tolerance()
          << "; raise /solver/max_steps, /solver/tolerance or /solver/damping";
   else
-    text << "t = " << control_.clock().time() << " s after " << limit
+    text << time_text(control_.clock().time()) << " after " << limit
          << " steps, and /solver/end is " << *scene_.solver.end
          << " s; raise /solver/max_steps or dt";
   throw NumericalError(text.str());

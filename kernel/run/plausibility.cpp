@@ -53,7 +53,8 @@ Figures figures_of(BuiltScene& built) {
   }
   for (Index e = 0; e < complex.element_count(); ++e) {
     HexahedronNodes nodes;
-    for (std::size_t n = 0; n < 8; ++n) nodes[n] = rest(complex.vertices_of(e)[n]);
+    for (std::size_t n = 0; n < hexahedron::vertices; ++n)
+      nodes[n] = rest(complex.vertices_of(e)[n]);
     f.volume += std::abs(hexahedron_volume(nodes));
   }
   for (std::size_t a = 0; a < 3; ++a) f.size[a] = box.length(a);

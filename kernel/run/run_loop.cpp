@@ -9,6 +9,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/heap.hpp"
+#include "kernel/base/message_text.hpp"
 #include "kernel/build/check_obstacles.hpp"
 #include "kernel/forces/contact_law.hpp"
 #include "kernel/implicit/newton.hpp"
@@ -134,10 +135,7 @@ void RunLoop::fire_due_events(Observer& observer) {
       const Index islands = built_.body().islands().existing();
       report_events(event_report_.add(i, outcome, clock_.time(), islands), observer);
     } catch (const NumericalError& error) {
-      std::ostringstream when;
-      when << "t = " << clock_.time() << " s: ";
-      const std::string text = error.what();
-      throw NumericalError(text.starts_with("t = ") ? text : when.str() + text);
+      throw NumericalError(timed(clock_.time(), error.what()));
     }
   }
 }
@@ -156,10 +154,9 @@ void RunLoop::take_over(const EventOutcome& outcome) {
 void RunLoop::report_sleep(Observer& observer) {
   if (!sleeper_.check(clock_.step())) return;
   control_.commit();
-  std::ostringstream text;
-  text << "t = " << clock_.time() << " s: " << sleeper_.sleeping() << " of "
-       << built_.body().islands().existing() << " islands asleep";
-  observer.on_message(text.str());
+  observer.on_message(timed(clock_.time(), std::to_string(sleeper_.sleeping()) + " of " +
+                                               std::to_string(built_.body().islands().existing()) +
+                                               " islands asleep"));
 }
 
 EventOutcome RunLoop::apply(const Event& event, Observer& observer) {

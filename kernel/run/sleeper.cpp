@@ -2,10 +2,10 @@
 #include "kernel/run/sleeper.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "kernel/dynamics/sleep.hpp"
 #include "kernel/forces/contact_law.hpp"
+#include "kernel/topology/disjoint_sets.hpp"
 
 namespace suture {
 namespace {
@@ -106,19 +106,13 @@ void Sleeper::wake(const std::vector<bool>& islands) {
 
 /// By island: the smallest one of those that press on each other, directly or through others.
 std::vector<Index> Sleeper::groups() const {
-  std::vector<Index> parent(asleep_.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](Index i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  DisjointSets sets(asleep_.size());
   if (const ContactLaw* contact = built_.body().contact())
-    for (const auto& [one, other] : contact->presses()) {
-      const Index a = root(island_of(one)), b = root(island_of(other));
-      parent[std::max(a, b)] = std::min(a, b);
-    }
-  for (Index i = 0; i < parent.size(); ++i) parent[i] = root(i);
-  return parent;
+    for (const auto& [one, other] : contact->presses())
+      sets.unite(island_of(one), island_of(other));
+  std::vector<Index> group(asleep_.size());
+  for (Index i = 0; i < group.size(); ++i) group[i] = static_cast<Index>(sets.find(i));
+  return group;
 }
 
 void Sleeper::count_still_checks(const std::vector<std::vector<Index>>& elements) {

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/message_text.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/base/safe_range.hpp"
 #include "kernel/build/check_obstacles.hpp"
@@ -38,7 +39,7 @@ void check_target(const PoseTarget& target, const std::string& name, double now)
     if (part && !is_safe_point(*part)) complain("has a component larger than 1e30");
   if (target.at > now) return;
   std::ostringstream text;
-  text << "must be later than now, t = " << now << " s; its time is " << target.at << " s";
+  text << "must be later than now, " << time_text(now) << "; its time is " << target.at << " s";
   complain(text.str());
 }
 

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/message_text.hpp"
 #include "kernel/dynamics/inversion.hpp"
 #include "kernel/dynamics/rounding.hpp"
 
@@ -101,11 +102,9 @@ void Guard::check_inversion(std::uint64_t step, double time) {
     fatal_ = judged.fatal;
     throw NumericalError(text.str());
   }
-  std::ostringstream when;
-  when << "step " << step << ", t = " << time << " s: ";
-  diagnostics_.warn(when.str() + text.str() + "; the run continues (" +
-                    (judged.first != none ? few_text(built_, shown) : "on_inversion is \"warn\"") +
-                    ")");
+  diagnostics_.warn(
+      "step " + std::to_string(step) + ", " + timed(time, text.str()) + "; the run continues (" +
+      (judged.first != none ? few_text(built_, shown) : "on_inversion is \"warn\"") + ")");
 }
 
 void Guard::state(Archive& archive) {

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "kernel/dynamics/hourglass.hpp"
+#include "kernel/geometry/centroid.hpp"
 
 namespace suture {
 namespace {
@@ -22,11 +23,8 @@ const ModelUse& model_of(const Scene& scene, const BuiltScene& built, Index elem
 }
 
 Vec3 centre_of(BuiltScene& built, Index element) {
-  Vec3 centre{};
-  for (const Index v : built.body().complex().vertices_of(element))
-    for (int c = 0; c < 3; ++c)
-      centre[static_cast<std::size_t>(c)] += built.body().attributes().position().get(v, c) / 8;
-  return centre;
+  Body& body = built.body();
+  return centroid(body.complex().vertices_of(element), body.attributes().position().rows(), 4);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "kernel/base/box.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/message_text.hpp"
 #include "kernel/base/saturate.hpp"
 #include "kernel/dynamics/motion.hpp"
 #include "kernel/forces/contact_law.hpp"
@@ -38,14 +39,6 @@ double size_of(Body& body) {
   for (Index v = 0; v < rest.size(); ++v)
     if (body.complex().exists(0, v)) include(box, {rest.get(v, 0), rest.get(v, 1), rest.get(v, 2)});
   return std::hypot(box.length(0), box.length(1), box.length(2));
-}
-
-/// With the time, unless the text begins with it.
-std::string timed(double time, const std::string& what) {
-  if (what.starts_with("t = ")) return what;
-  std::ostringstream text;
-  text << "t = " << time << " s: " << what;
-  return text.str();
 }
 
 }  // namespace
@@ -177,8 +170,8 @@ bool StepControl::try_accurate_step() {
 void StepControl::tell_step(double start, const std::string& judgement) const {
   if (!on_detail) return;
   std::ostringstream text;
-  text << "t = " << start << " s: step of " << last_dt_ << " s, " << judgement;
-  on_detail(text.str());
+  text << "step of " << last_dt_ << " s, " << judgement;
+  on_detail(timed(start, text.str()));
 }
 
 void StepControl::refuse_step(const StepError& step) {
@@ -238,13 +231,12 @@ void StepControl::check_state(const Notify& notify) {
   }
   guard_.forgive_growth();
   last_growth_ = 0;
-  std::ostringstream when;
-  when << "t = " << clock_.time() << " s: ";
+  const std::string growth = timed(clock_.time(), text.str());
   if (watch_.lower_safety()) {
-    notify(when.str() + text.str() + "; dt is half the stable step from now on");
+    notify(growth + "; dt is half the stable step from now on");
   } else if (!growth_was_reported_) {
     growth_was_reported_ = true;
-    diagnostics_.warn(when.str() + text.str() +
+    diagnostics_.warn(growth +
                       " although the step is stable: it is too coarse for this motion, or a model "
                       "adds energy that its suture.energy/1 does not include; reduce " +
                       step_setting() +
@@ -331,7 +323,7 @@ void StepControl::roll_back(const NumericalError& error, const Notify& notify) {
   else if (continues_here)
     text << "; an operation cannot be undone, so dt is " << next_dt() << " s from here on";
   else
-    text << "; rolled back to t = " << clock_.time() << " s with dt = " << next_dt() << " s";
+    text << "; rolled back to " << time_text(clock_.time()) << " with dt = " << next_dt() << " s";
   notify(text.str());
   ++rollbacks_;
 }

@@ -56,9 +56,6 @@ class TriangleTree {
   virtual ~TriangleTree() = default;
   /// crossed[i] = whether link i crosses a triangle: crosses() of blade.hpp.
   virtual void crossings(std::span<const Segment> links, std::uint8_t* crossed) const = 0;
-  /// A triangle nearest to a place; the search begins at the triangle `start`, and is the faster
-  /// the nearer that is. All triangles must have an area.
-  virtual std::size_t nearest(const Vec3& place, std::size_t start) const = 0;
 };
 
 class GeometryModule {

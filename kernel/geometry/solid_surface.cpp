@@ -3,11 +3,12 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <map>
+#include <cstdint>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/radix_sort.hpp"
 #include "kernel/base/rows.hpp"
-#include "kernel/geometry/geometry_module.hpp"
+#include "kernel/geometry/surface_tree.hpp"
 
 namespace suture {
 namespace {
@@ -31,39 +32,6 @@ double angle_between(const Vec3& a, const Vec3& b) {
   return std::atan2(norm(cross(a, b)), dot(a, b));
 }
 
-/// A place as the weights of the corners of a triangle, if it is the nearest of its points.
-struct Weights {
-  double a, b, c;
-};
-
-/// Ericson, Real-Time Collision Detection (2005), 5.1.5: by the regions of corners, edges and face.
-Weights nearest_in(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
-  const Vec3 ab = minus(b, a), ac = minus(c, a);
-  const double ab_a = dot(ab, minus(p, a)), ac_a = dot(ac, minus(p, a));
-  if (ab_a <= 0 && ac_a <= 0) return {1, 0, 0};
-  const double ab_b = dot(ab, minus(p, b)), ac_b = dot(ac, minus(p, b));
-  if (ab_b >= 0 && ac_b <= ab_b) return {0, 1, 0};
-  const double of_c = ab_a * ac_b - ab_b * ac_a;
-  if (of_c <= 0 && ab_a >= 0 && ab_b <= 0) {
-    const double part = ab_a / (ab_a - ab_b);
-    return {1 - part, part, 0};
-  }
-  const double ab_c = dot(ab, minus(p, c)), ac_c = dot(ac, minus(p, c));
-  if (ac_c >= 0 && ab_c <= ac_c) return {0, 0, 1};
-  const double of_b = ab_c * ac_a - ab_a * ac_c;
-  if (of_b <= 0 && ac_a >= 0 && ac_c <= 0) {
-    const double part = ac_a / (ac_a - ac_c);
-    return {1 - part, 0, part};
-  }
-  const double of_a = ab_b * ac_c - ab_c * ac_b;
-  if (of_a <= 0 && ac_b >= ab_b && ab_c >= ac_c) {
-    const double part = (ac_b - ab_b) / ((ac_b - ab_b) + (ab_c - ac_c));
-    return {0, 1 - part, part};
-  }
-  const double sum = of_a + of_b + of_c;
-  return {of_a / sum, of_b / sum, of_c / sum};
-}
-
 }  // namespace
 
 SolidSurface::SolidSurface(TriangleSurface surface) : surface_(std::move(surface)) {
@@ -79,17 +47,13 @@ SolidSurface::SolidSurface(TriangleSurface surface) : surface_(std::move(surface
   }
   box_ = box_of(surface_.points);
   make_normals();
-  tree_ = geometry_module().tree(surface_);
+  tree_ = std::make_unique<SurfaceTree>(surface_);
   make_grid();
   find_thickness();
 }
 SolidSurface::~SolidSurface() = default;
 
 void SolidSurface::make_normals() {
-  std::map<std::array<Index, 2>, Vec3> at_edges;
-  const auto edge_of = [](const Triangle& t, std::size_t i) {
-    return std::array{std::min(t[i], t[(i + 1) % 3]), std::max(t[i], t[(i + 1) % 3])};
-  };
   vertex_normals_.resize(surface_.points.size());
   for (const Triangle& t : surface_.triangles) {
     const Vec3 area = area_vector(surface_, t), normal = scaled(1 / norm(area), area);
@@ -99,13 +63,33 @@ void SolidSurface::make_normals() {
       const double angle = angle_between(minus(surface_.points[t[(i + 1) % 3]], corner),
                                          minus(surface_.points[t[(i + 2) % 3]], corner));
       vertex_normals_[t[i]] = plus(vertex_normals_[t[i]], scaled(angle, normal));
-      Vec3& at_edge = at_edges[edge_of(t, i)];
-      at_edge = plus(at_edge, normal);
     }
   }
-  for (const Triangle& t : surface_.triangles)
-    edge_normals_.push_back(
-        {at_edges[edge_of(t, 0)], at_edges[edge_of(t, 1)], at_edges[edge_of(t, 2)]});
+  make_edge_normals();
+}
+
+void SolidSurface::make_edge_normals() {
+  struct Side {
+    std::uint64_t edge;
+    Index triangle, number;
+  };
+  std::vector<Side> sides, spare;
+  sides.reserve(3 * surface_.triangles.size());
+  for (Index i = 0; i < surface_.triangles.size(); ++i)
+    for (Index side = 0; side < 3; ++side) {
+      const Triangle& t = surface_.triangles[i];
+      const Index from = t[side], to = t[(side + 1) % 3];
+      sides.push_back({std::uint64_t{std::min(from, to)} << 32 | std::max(from, to), i, side});
+    }
+  radix_sort(sides, spare, [](const Side& side) { return side.edge; });
+  edge_normals_.resize(surface_.triangles.size());
+  for (auto first = sides.begin(); first != sides.end();) {
+    Vec3 sum{};
+    auto last = first;
+    for (; last != sides.end() && last->edge == first->edge; ++last)
+      sum = plus(sum, face_normals_[last->triangle]);
+    for (; first != last; ++first) edge_normals_[first->triangle][first->number] = sum;
+  }
 }
 
 // -------------------------------------------------------------------- the grid --
@@ -133,14 +117,13 @@ void SolidSurface::make_grid() {
 /// Halves the diameter of a ball until it fits inside at the centroid of every triangle.
 void SolidSurface::find_thickness() {
   thickness_ = 2 * radius_;
-  for (Index i = 0; i < surface_.triangles.size(); ++i) {
+  for (const Index i : tree_->order()) {
     const Triangle& t = surface_.triangles[i];
     const Vec3 corners =
         plus(surface_.points[t[0]], plus(surface_.points[t[1]], surface_.points[t[2]]));
     const auto fits = [&](double radius) {
       const Vec3 middle = minus(scaled(1. / 3, corners), scaled(radius, face_normals_[i]));
-      Index unused;
-      return nearest(middle, i, unused).distance <= -radius * (1 - rounding_of_balls);
+      return !tree_->is_within(middle, radius * (1 - rounding_of_balls));
     };
     while (thickness_ > rounding_of_cells * radius_ && !fits(thickness_ / 2)) thickness_ /= 2;
   }
@@ -225,7 +208,7 @@ SolidSurface::Foot SolidSurface::foot(Index triangle, const Vec3& place) const {
 }
 
 Nearest SolidSurface::nearest(const Vec3& place, Index start, Index& triangle) const {
-  triangle = static_cast<Index>(tree_->nearest(place, start));
+  triangle = tree_->nearest(place, start);
   const Foot found = foot(triangle, place);
   const Vec3 away = minus(place, found.point);
   const double distance = norm(away), height = dot(away, found.normal);

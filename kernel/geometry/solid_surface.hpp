@@ -9,14 +9,14 @@
 
 namespace suture {
 
-class TriangleTree;
+class SurfaceTree;
 
 /// A closed surface of triangles as the boundary of a solid, about the middle of its box.
 ///
-/// The nearest triangle is found in CGAL's tree. The distance is negative inside: behind the plane
-/// through the foot whose normal is the pseudonormal there, the normal of the face, the sum of the
-/// normals of both faces at an edge, or the sum of the normals around a vertex, weighted with the
-/// angles of the faces. This is exact for closed surfaces that do not intersect themselves
+/// The nearest triangle is found in a SurfaceTree. The distance is negative inside: behind the
+/// plane through the foot whose normal is the pseudonormal there, the normal of the face, the sum
+/// of the normals of both faces at an edge, or the sum of the normals around a vertex, weighted
+/// with the angles of the faces. This is exact for closed surfaces that do not intersect themselves
 /// (Baerentzen and Aanaes, IEEE Trans. Vis. Comput. Graph. 11 (2005) 243).
 ///
 /// A grid of about 65,000 cells stores the distance of each centre and the triangle that is nearest
@@ -25,8 +25,8 @@ class TriangleTree;
 class SolidSurface {
  public:
   /// `surface`: closed, oriented outward, without self-intersections (read_solid). Triangles
-  /// without area are dropped. Throws IoError if the geometry module cannot be loaded, InputError
-  /// if no triangle is left. Cost: 1 us per cell, about 0.1 s, and 2 us per triangle.
+  /// without area are dropped. Throws InputError if no triangle is left. Cost: 1 us per cell, about
+  /// 0.1 s, and 1 us per triangle.
   explicit SolidSurface(TriangleSurface surface);
   ~SolidSurface();
 
@@ -57,6 +57,7 @@ class SolidSurface {
     Index nearest = 0;   ///< triangle
   };
   void make_normals();
+  void make_edge_normals();
   void make_grid();
   void find_thickness();
   Foot foot(Index triangle, const Vec3& place) const;
@@ -71,7 +72,7 @@ class SolidSurface {
   std::vector<Vec3> face_normals_;                 ///< of length 1
   std::vector<std::array<Vec3, 3>> edge_normals_;  ///< of the edges 01, 12, 20; of any length
   std::vector<Vec3> vertex_normals_;
-  std::unique_ptr<TriangleTree> tree_;
+  std::unique_ptr<SurfaceTree> tree_;
   Vec3 low_{};
   double edge_ = 1;
   std::array<std::size_t, 3> count_{};

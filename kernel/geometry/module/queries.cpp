@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Questions to triangles: which cubes they enclose and which links they cross (exact), and which
-// is nearest.
+// Questions to triangles: which cubes they enclose and which links they cross, exactly.
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
@@ -76,13 +75,6 @@ class CgalTree final : public TriangleTree {
       tree_.traversal(0, search);
       crossed[i] = search.found;
     }
-  }
-  std::size_t nearest(const Vec3& place, std::size_t start) const override {
-    const Point p = to_point(place);
-    const auto first = triangles_.begin() + static_cast<std::ptrdiff_t>(start);
-    const Point bound = Kernel().construct_projected_point_3_object()(*first, p);
-    const auto found = tree_.closest_point_and_primitive(p, {bound, first});
-    return static_cast<std::size_t>(found.second - triangles_.begin());
   }
 
  private:

@@ -25,6 +25,7 @@
 #include <sstream>
 
 #include "kernel/geometry/module/parts.hpp"
+#include "kernel/geometry/sound_soup.hpp"
 
 namespace suture::cgal {
 namespace {
@@ -126,9 +127,15 @@ std::size_t fill_holes(SurfaceMesh& mesh) {
   return filled;
 }
 
-std::size_t count_crossings(const SurfaceMesh& mesh) {
+/// `surface`: that of the mesh.
+std::size_t count_crossings(const SurfaceMesh& mesh, const TriangleSurface& surface) {
+  const std::vector<Index> doubtful = find_doubtful(surface);
+  if (doubtful.empty()) return 0;
+  const std::vector<SurfaceMesh::Face_index> all(mesh.faces().begin(), mesh.faces().end());
+  std::vector<SurfaceMesh::Face_index> faces;
+  for (const Index i : doubtful) faces.push_back(all[i]);
   std::vector<std::pair<SurfaceMesh::Face_index, SurfaceMesh::Face_index>> pairs;
-  processing::self_intersections(mesh, std::back_inserter(pairs));
+  processing::self_intersections(faces, mesh, std::back_inserter(pairs));
   return pairs.size();
 }
 
@@ -174,9 +181,11 @@ Closing close(const PolygonSoup& soup, bool repair) {
   Polygons polygons;
   from_soup(soup, points, polygons);
   Closing result;
-  processing::repair_polygon_soup(points, polygons);
+  if (!is_sound(soup)) {
+    processing::repair_polygon_soup(points, polygons);
+    processing::orient_polygon_soup(points, polygons);
+  }
   result.faces_dropped = soup.size() - std::min(soup.size(), polygons.size());
-  processing::orient_polygon_soup(points, polygons);
   SurfaceMesh mesh;
   processing::polygon_soup_to_polygon_mesh(points, polygons, mesh);
   if (mesh.number_of_faces() == 0) return result;
@@ -189,7 +198,7 @@ Closing close(const PolygonSoup& soup, bool repair) {
     result.holes = holes_of(mesh);
     if (!result.holes.empty()) return result;
   }
-  result.crossings = count_crossings(mesh);
+  result.crossings = count_crossings(mesh, to_surface(mesh));
   if (result.crossings != 0 && !repair) return result;
   try {
     if (result.crossings == 0)

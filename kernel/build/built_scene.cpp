@@ -150,6 +150,7 @@ void BuiltScene::add_constraints() {
       motion.centre = constraint.centre;
       motion.angle = constraint.angle;
       motion.ramp = constraint.ramp;
+      motion.path = constraint.path;
     }
     placed.push_back({"/constraints/" + std::to_string(placed.size()), constraint.components,
                       motion, selector_.vertices(constraint.where)});

@@ -16,24 +16,35 @@ namespace {
 
 constexpr double rounding = 1e-12;
 
-/// Times between which two motions do not separate if they agree at them all: motions follow ramps,
-/// and not every turn between these times can be a whole one.
-std::array<double, 6> times_of(const TimeRamp& a, const TimeRamp& b) {
-  const auto at = [](const TimeRamp& ramp, double part) {
-    return ramp.from + part * (ramp.to - ramp.from);
-  };
-  return {at(a, 0.3), at(a, 0.7), a.to, at(b, 0.3), at(b, 0.7), b.to};
+/// Times between which two motions do not separate if they agree at them all: motions follow ramps
+/// or the segments of a path, and not every turn between these times can be a whole one.
+std::vector<double> times_of(const PrescribedMotion& motion) {
+  std::vector<double> ends{motion.begin()}, times;
+  for (std::size_t i = 1; i < motion.path.stations.size(); ++i)
+    ends.push_back(motion.path.stations[i].at);
+  if (ends.size() == 1) ends.push_back(motion.end());
+  for (std::size_t i = 1; i < ends.size(); ++i)
+    for (const double part : {0.3, 0.7, 1.0})
+      times.push_back(ends[i - 1] + part * (ends[i] - ends[i - 1]));
+  return times;
+}
+
+double farthest(const PrescribedMotion& motion) {
+  double length = norm(motion.translation);
+  for (const MotionPath::Station& station : motion.path.stations)
+    length = std::max(length, norm({station.place[0], station.place[1], station.place[2]}));
+  return length;
 }
 
 bool agree(const PrescribedMotion& a, const PrescribedMotion& b, const Vec3& rest,
            std::size_t component) {
   if (!a.moves() && !b.moves()) return true;
-  const double scale =
-      norm(rest) + norm(a.centre) + norm(b.centre) + norm(a.translation) + norm(b.translation);
-  return std::ranges::all_of(times_of(a.ramp, b.ramp), [&](double t) {
+  const double scale = norm(rest) + norm(a.centre) + norm(b.centre) + farthest(a) + farthest(b);
+  const auto agrees = [&](double t) {
     const Vec3 gap = minus(prescribed_position(a, rest, t), prescribed_position(b, rest, t));
     return std::abs(gap[component]) <= rounding * scale;
-  });
+  };
+  return std::ranges::all_of(times_of(a), agrees) && std::ranges::all_of(times_of(b), agrees);
 }
 
 struct Conflict {

@@ -20,15 +20,15 @@ class Placement {
  public:
   Placement(const PrescribedMotion& motion, double time) : motion_(motion), moves_(motion.moves()) {
     if (!moves_) return;
-    const double s = motion.ramp.value(time), rate = motion.ramp.rate(time);
-    sine_ = std::sin(s * motion.angle);
-    cosine_ = std::cos(s * motion.angle);
+    const Placed now = motion.at(time);
+    sine_ = std::sin(now.angle);
+    cosine_ = std::cos(now.angle);
+    shift_ = now.translation;
+    drift_ = now.velocity;
     const double length = std::sqrt(dot(motion.axis, motion.axis));
     for (std::size_t c = 0; c < 3; ++c) {
       axis_[c] = length > 0 ? motion.axis[c] / length : 0;
-      shift_[c] = s * motion.translation[c];
-      drift_[c] = rate * motion.translation[c];
-      spin_[c] = rate * motion.angle * axis_[c];
+      spin_[c] = now.spin * axis_[c];
     }
   }
 
@@ -74,13 +74,15 @@ void Constraints::add(std::span<const Index> vertices, std::uint8_t components,
       Group{motion, components, {vertices.begin(), vertices.end()}, {}, {}, 0});
   std::ranges::sort(group.vertices);
   read_rest(group, attributes);
-  const double shift = std::sqrt(dot(motion.translation, motion.translation));
-  const double axis = std::sqrt(dot(motion.axis, motion.axis));
-  for (const Vec3& rest : group.rest) {
-    const Vec3 across = axis > 0 ? cross(motion.axis, minus(rest, motion.centre)) : Vec3{};
-    const double radius = axis > 0 ? std::sqrt(dot(across, across)) / axis : 0;
-    group.path_length = std::max(group.path_length, shift + std::abs(motion.angle) * radius);
-  }
+  const double axis = norm(motion.axis);
+  double radius = 0;
+  for (const Vec3& rest : group.rest)
+    if (axis > 0)
+      radius = std::max(radius, norm(cross(motion.axis, minus(rest, motion.centre))) / axis);
+  if (!group.rest.empty())
+    group.path_length = motion.path.empty()
+                            ? norm(motion.translation) + std::abs(motion.angle) * radius
+                            : (motion.end() - motion.begin()) * motion.path.top_speed(radius);
   for (const Index v : vertices) {
     const int bits = static_cast<int>(attributes.fixed().get(v, 0)) | components;
     attributes.fixed().set(v, 0, bits);
@@ -246,6 +248,12 @@ double Constraints::driven_kinetic(Attributes& attributes) const {
   return sum;
 }
 
+Placed PrescribedMotion::at(double time) const {
+  if (!path.empty()) return path.at(time);
+  const double s = ramp.value(time), rate = ramp.rate(time);
+  return {scaled(s, translation), s * angle, scaled(rate, translation), rate * angle};
+}
+
 void PrescribedMotion::state(Archive& archive) {
   archive("translation", translation);
   archive("axis", axis);
@@ -254,6 +262,7 @@ void PrescribedMotion::state(Archive& archive) {
   archive("from", ramp.from);
   archive("to", ramp.to);
   archive("smooth", ramp.smooth);
+  archive("path", path);
   archive("reach", reach);
 }
 
@@ -384,11 +393,12 @@ Index Constraints::vertex_count() const {
 double Constraints::longest_step(double time) const {
   double step = std::numeric_limits<double>::infinity();
   for (const Group& group : groups_) {
-    const TimeRamp& ramp = group.motion.ramp;
-    const bool is_moving = group.motion.moves() && time >= ramp.from && time < ramp.to;
-    if (!is_moving || group.motion.reach == 0) continue;
-    const double speed = group.path_length / (ramp.to - ramp.from) * (ramp.smooth ? 1.5 : 1);
-    step = std::min(step, group.motion.reach / speed);
+    const PrescribedMotion& motion = group.motion;
+    const bool is_moving = motion.moves() && time >= motion.begin() && time < motion.end();
+    if (!is_moving || motion.reach == 0) continue;
+    const double speed =
+        group.path_length / (motion.end() - motion.begin()) * (motion.ramp.smooth ? 1.5 : 1);
+    step = std::min(step, motion.reach / speed);
   }
   return step;
 }
@@ -396,8 +406,11 @@ double Constraints::longest_step(double time) const {
 double Constraints::largest_turn(double from, double to) const {
   double largest = 0;
   for (const Group& group : groups_) {
-    const TimeRamp& ramp = group.motion.ramp;
-    largest = std::max(largest, std::abs(group.motion.angle * (ramp.value(to) - ramp.value(from))));
+    const PrescribedMotion& motion = group.motion;
+    const double turn = motion.path.empty()
+                            ? motion.angle * (motion.ramp.value(to) - motion.ramp.value(from))
+                            : motion.path.at(to).angle - motion.path.at(from).angle;
+    largest = std::max(largest, std::abs(turn));
   }
   return largest;
 }
@@ -405,7 +418,7 @@ double Constraints::largest_turn(double from, double to) const {
 double Constraints::last_change() const {
   double time = 0;
   for (const Group& group : groups_)
-    if (group.motion.moves()) time = std::max(time, group.motion.ramp.to);
+    if (group.motion.moves()) time = std::max(time, group.motion.end());
   return time;
 }
 

@@ -7,6 +7,7 @@
 
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/base/archive.hpp"
+#include "kernel/dynamics/motion_path.hpp"
 #include "kernel/forces/loops/loops.hpp"
 #include "kernel/forces/time_ramp.hpp"
 
@@ -14,15 +15,20 @@ namespace suture {
 
 /// The position at time t of a constrained vertex with rest position X, with s = ramp(t):
 ///   x = c + R(axis, s angle) (X - c) + s translation
-/// Without motion, x = X: a fixed vertex.
+/// or with translation and angle of a path at time t. Without motion, x = X: a fixed vertex.
 struct PrescribedMotion {
   Vec3 translation{};  ///< m, at the end of the ramp
-  Vec3 axis{};         ///< any length but 0 if angle != 0
+  Vec3 axis{};         ///< any length but 0 if the motion turns
   Vec3 centre{};       ///< c, m
   double angle = 0;    ///< rad, at the end of the ramp
   TimeRamp ramp;
+  MotionPath path;   ///< instead of translation, angle and ramp, unless it is empty
   double reach = 0;  ///< m: the farthest that a step may move a vertex; 0: no limit
-  bool moves() const { return angle != 0 || translation != Vec3{}; }
+
+  bool moves() const { return angle != 0 || translation != Vec3{} || !path.empty(); }
+  Placed at(double time) const;
+  double begin() const { return path.empty() ? ramp.from : path.stations.front().at; }  ///< s
+  double end() const { return path.empty() ? ramp.to : path.stations.back().at; }       ///< s
   void state(Archive& archive);
 };
 
@@ -94,7 +100,8 @@ class Constraints {
     /// column.
     std::vector<Vec3> rest;
     std::vector<bool> member;  ///< by vertex; filled by the first change
-    double path_length = 0;    ///< m: the longest path of a vertex over the whole ramp
+    /// m: the longest path of a vertex over the whole ramp, or at the top speed of a path.
+    double path_length = 0;
   };
   /// A constrained vertex, with the components of all groups together.
   struct Constrained {

@@ -37,7 +37,13 @@ std::vector<double> stops_of(const Scene& scene) {
       if (std::isfinite(time)) stops.push_back(time);
   }
   const auto add = [&](const TimeRamp& ramp) { stops.insert(stops.end(), {ramp.from, ramp.to}); };
-  for (const Constraint& constraint : scene.constraints) add(constraint.ramp);
+  for (const Constraint& constraint : scene.constraints) {
+    add(constraint.ramp);
+    const MotionPath& path = constraint.path;
+    for (std::size_t i = 0; i < path.stations.size(); ++i)
+      if (path.is_linear || i == 0 || i + 1 == path.stations.size())
+        stops.push_back(path.stations[i].at);  // where the velocity jumps
+  }
   for (const Load& load : scene.loads) add(load.ramp);
   return stops;
 }

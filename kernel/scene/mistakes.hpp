@@ -21,6 +21,7 @@ class Mistakes {
   void add_plugin(const JsonPosition& at, const std::string& path, const std::string& text);
 
   bool empty() const { return mistakes_.empty(); }
+  std::size_t count() const { return mistakes_.size(); }
   /// Throws SceneError (PluginError if all of them are in plugins) with one line "FILE:LINE:COLUMN:
   /// PATH: TEXT" per mistake, in the order of the file, and a last line with their number; does
   /// nothing if there is no mistake.

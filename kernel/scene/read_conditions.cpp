@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "kernel/base/escape.hpp"
 #include "kernel/scene/scene_parts.hpp"
@@ -40,41 +39,12 @@ std::uint8_t read_components(ObjectReader& object) {
   return bits;
 }
 
-void read_rotation(ObjectReader rotation, Constraint& constraint) {
-  rotation.require("axis", "the direction of the axis [x, y, z]");
-  constraint.axis = read_direction(rotation, "axis").value_or(Vec3{0, 0, 1});
-  rotation.require("angle", "the angle at the end of the ramp, in degrees");
-  constraint.angle =
-      rotation.number("angle", Limits::any("degrees")).value_or(0) * std::numbers::pi / 180;
-  constraint.centre = rotation.vector("centre", Limits::any("m")).value_or(Vec3{});
-  rotation.finish();
-}
-
-void read_motion(ObjectReader& object, const JsonValue& value, Constraint& constraint) {
-  ObjectReader move(value, object.path_of("move"), object.mistakes());
-  constraint.moves = true;
-  constraint.translation = move.vector("translation", Limits::any("m")).value_or(Vec3{});
-  if (const JsonValue* rotation = move.find("rotation")) {
-    read_rotation({*rotation, move.path_of("rotation"), object.mistakes()}, constraint);
-  } else if (move.find("translation") == nullptr && move.is_object()) {
-    move.complain("must have 'translation', 'rotation' or both");
-  }
-  move.finish();
-  object.require("ramp", "the duration of the motion in s, or {\"from\", \"to\"}");
-}
-
 void read_constraint(ObjectReader& object, Reading& reading) {
   Constraint constraint;
   static const std::array<std::string, 2> kinds{"fix", "move"};
   const auto kind = object.one_of(kinds);
   if (kind == 0u) constraint.components = read_components(object);
-  if (kind == 1u) {
-    read_motion(object, *object.find("move"), constraint);
-    constraint.ramp = optional_ramp(object);
-    if (object.find("ramp") != nullptr && constraint.ramp.to <= constraint.ramp.from) {
-      object.complain("ramp", "must last longer than 0 s: a jump would mean infinite velocity");
-    }
-  }
+  if (kind == 1u) read_motion(object, reading, constraint);
   constraint.where = require_where(object, "the constrained nodes");
   reading.scene.constraints.push_back(std::move(constraint));
 }

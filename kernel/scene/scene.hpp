@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kernel/base/types.hpp"
+#include "kernel/dynamics/motion_path.hpp"
 #include "kernel/forces/time_ramp.hpp"
 #include "kernel/geometry/obstacle.hpp"
 #include "kernel/mesh/box.hpp"
@@ -72,6 +73,7 @@ struct Constraint {
   Vec3 axis{}, centre{};
   double angle = 0;  ///< rad, at the end of the ramp
   TimeRamp ramp;
+  MotionPath path;  ///< instead of translation, angle and ramp, unless it is empty
   bool moves = false;
 };
 

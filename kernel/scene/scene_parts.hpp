@@ -66,6 +66,8 @@ OnInversion read_on_inversion(ObjectReader& object);
 
 void read_mesh(const JsonValue& value, Reading& reading);
 void read_models(ObjectReader& top, Reading& reading);
+/// The key "move" of a constraint, and its "ramp".
+void read_motion(ObjectReader& object, Reading& reading, Constraint& constraint);
 void read_gravity(ObjectReader& top, Reading& reading);
 void read_constraints(ObjectReader& top, Reading& reading);
 void read_loads(ObjectReader& top, Reading& reading);

@@ -39,6 +39,9 @@ void warn_of_late_ramps(const Reading& reading) {
   for (const Load& load : scene.loads) check(load.ramp, load.where.path);
   for (const Constraint& constraint : scene.constraints) {
     check(constraint.ramp, constraint.where.path);
+    if (!constraint.path.empty() && constraint.path.stations.back().at > *scene.solver.end)
+      reading.diagnostics.warn(constraint.where.path +
+                               ": the motion ends after the run, so its end is never reached");
   }
 }
 

@@ -197,6 +197,31 @@ TEST(Ledger, PrescribedTranslationOfTheWholeBodyIsItsKineticEnergyAgainstGravity
   }
 }
 
+// In phases: up, aside, down to where it began.
+TEST(Ledger, PrescribedPathOfTheWholeBodyIsItsKineticEnergyAgainstGravity) {
+  for (const char* scheme : schemes) {
+    Moving m(box(3, 2, 2), with(scheme, 0, {0, -9.8, 0}));
+    PrescribedMotion path;
+    path.path.stations = {
+        {0.05, {}, {}}, {0.2, {0, 0.3}, {}}, {0.3, {0.1, 0.3}, {}}, {0.45, {}, {}}};
+    path.path.make_monotone();
+    m.hold(all_vertices(m.body), 7, path);
+    m.start();
+    double most = 0;
+    for (int i = 0; i < 500; ++i) {
+      m.step(1e-3);
+      if (i % 10) continue;
+      const EnergyBalance b = m.dynamics.balance();
+      most = std::max(most, b.kinetic);
+      ASSERT_NEAR(b.prescribed, b.kinetic + m.mass() * 9.8 * m.shift(0, 1), 4e-3 * (most + 1));
+      ASSERT_LT(std::abs(b.balance), 2e-3 * b.exchanged + 1e-12);
+    }
+    EXPECT_GT(most, 1);
+    EXPECT_NEAR(m.shift(0, 1), 0, 1e-12) << "it is back";
+    EXPECT_NEAR(m.dynamics.balance().prescribed, 0, 1e-5 * most);
+  }
+}
+
 TEST(Ledger, PrescribedRotationIsTheEnergyOfTheSpin) {
   for (const char* scheme : schemes) {
     Moving m(box(3, 2, 2), with(scheme));

@@ -54,6 +54,27 @@ Case asleep(Random& random, unsigned, std::uint64_t) {
   return result;
 }
 
+/// One end is moved in phases.
+Case phases(Random& random, unsigned, std::uint64_t) {
+  Case result = bar("phases", random);
+  Json& scene = result.scene;
+  Json stations = {{{"at", random.between(0, 0.3)}}};
+  for (int i = 1; i < 6; ++i)
+    stations.push_back({{"at", 0.3 * i + random.between(0.1, 0.3)},
+                        {"translation", {random.between(0, 0.1), random.between(-0.05, 0.05), 0}},
+                        {"angle", random.between(-20, 20)}});
+  const char* const shapes[] = {"linear", "smooth", "cubic"};
+  scene["constraints"][1] = {{"where", {{"set", "x1"}}},
+                             {"move",
+                              {{"path", stations},
+                               {"rotation", {{"axis", {1, 0, 0}}, {"centre", {1, 0.1, 0.1}}}},
+                               {"shape", shapes[static_cast<int>(random.between(0, 2.999))]}}}};
+  scene["events"] = {{{"at", random.between(0.2, 1.5)}, {"cut", across(0.5, random)}}};
+  if (random.chance(0.3)) scene["solver"].update({{"integrator", "newmark"}, {"dt", 0.02}});
+  add_output(scene, random);
+  return result;
+}
+
 Case kicked(Random& random, unsigned, std::uint64_t) {
   Case result = bar("kicked", random, {10, 2, 2});
   Json& scene = result.scene;
@@ -307,7 +328,8 @@ std::vector<Kind> own_kinds() {
   return {{"asleep", 2, 12, asleep},    {"kicked", 1, 8, kicked}, {"springs", 1, 8, springs},
           {"when", 1, 8, when},         {"moody", 2, 16, moody},  {"memory", 1, 10, memory},
           {"large", 1, 9, large},       {"dense", 1, 8, dense},   {"implicit", 3, 9, implicit},
-          {"adaptive", 2, 8, adaptive}, {"varied", 2, 8, varied}, {"obstacles", 2, 8, obstacles}};
+          {"adaptive", 2, 8, adaptive}, {"varied", 2, 8, varied}, {"obstacles", 2, 8, obstacles},
+          {"phases", 1, 8, phases}};
 }
 
 }  // namespace suture::test

@@ -17,7 +17,7 @@ from report import machine_text, save, shown, table_text
 
 HEAD = """# The paper's experiments
 
-Written by `./dev bench paper` (Fig. 5 and 8: `./dev bench cut scaling paper`). The paper: X. Golec, R. Coquet, F. Zara,
+Written by `./dev bench paper` (Fig. 5 and 8: `./dev bench cut scaling paper`). The paper: K. Golec, M. Coquet, F. Zara,
 G. Damiand, WSCG 2015. Each value is that of a whole run of `suture run`, beside the formula or law that the paper compares
 with and beside a solution of another program in three dimensions.
 

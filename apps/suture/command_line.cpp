@@ -107,6 +107,7 @@ struct Parser {
   CommandLine line;
   RunCommand run;
   CheckCommand check;
+  CiteCommand cite;
   ExplainCommand explain;
   ReplayCommand replay;
   CheckModelCommand check_model;
@@ -172,6 +173,12 @@ struct Parser {
     explain_app->add_flag("--json", explain.json, "print JSON");
     add_skip(*explain_app, explain.skip);
     explain_app->callback([this] { line.command = explain; });
+
+    auto* cite_app =
+        app.add_subcommand("cite", "print the references of the models and methods of a scene");
+    add_scene(*cite_app, cite.scene, cite.sets);
+    add_trust(*cite_app, cite.trust);
+    cite_app->callback([this] { line.command = cite; });
 
     add_sweep(*app.add_subcommand("sweep", "run a scene many times with other values"));
     add_modes(*app.add_subcommand("modes", "find natural frequencies and mode shapes"));

@@ -28,6 +28,11 @@ struct ExplainCommand {
   std::vector<std::string> sets;
   bool json = false, skip = true, trust = false;
 };
+struct CiteCommand {
+  std::filesystem::path scene;
+  std::vector<std::string> sets;
+  bool trust = false;
+};
 struct ReplayCommand {
   std::filesystem::path journal;  ///< or a failed check
   bool trust = false;
@@ -95,10 +100,10 @@ struct TextCommand {
 
 struct CommandLine {
   bool quiet = false, verbose = false;
-  std::variant<RunCommand, CheckCommand, ExplainCommand, CheckModelCommand, NewModelCommand,
-               ReplayCommand, ModesCommand, SweepCommand, CompareCommand, PlotCommand,
-               ModelsCommand, DescribeCommand, SchemaCommand, MeshInfoCommand, MeshConvertCommand,
-               MeshBoxCommand, MeshVoxelizeCommand, TextCommand>
+  std::variant<RunCommand, CheckCommand, CiteCommand, ExplainCommand, CheckModelCommand,
+               NewModelCommand, ReplayCommand, ModesCommand, SweepCommand, CompareCommand,
+               PlotCommand, ModelsCommand, DescribeCommand, SchemaCommand, MeshInfoCommand,
+               MeshConvertCommand, MeshBoxCommand, MeshVoxelizeCommand, TextCommand>
       command;
 };
 

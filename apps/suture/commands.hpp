@@ -18,6 +18,7 @@ PluginHost::Trust trust_of(const Command& command) {
 /// exit code and throw the errors of kernel/base/error.hpp.
 int run(const RunCommand& command, Console& console);
 int check(const CheckCommand& command, Console& console);
+int cite(const CiteCommand& command, Console& console);
 int explain(const ExplainCommand& command, Console& console);
 int modes(const ModesCommand& command, Console& console);
 int sweep(const SweepCommand& command, Console& console);

@@ -16,6 +16,7 @@ struct Dispatch {
   Console& console;
   int operator()(const RunCommand& command) const { return run(command, console); }
   int operator()(const CheckCommand& command) const { return check(command, console); }
+  int operator()(const CiteCommand& command) const { return cite(command, console); }
   int operator()(const ExplainCommand& command) const { return explain(command, console); }
   int operator()(const NewModelCommand& command) const { return new_model(command, console); }
   int operator()(const CheckModelCommand& command) const { return check_model(command, console); }

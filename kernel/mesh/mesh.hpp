@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kernel/base/types.hpp"
+#include "kernel/mesh/parts.hpp"
 
 namespace suture {
 
@@ -40,6 +41,7 @@ struct Mesh {
   std::vector<Vec3> points;  ///< m, after the scene's "scale", from `origin`
   Vec3 origin{};             ///< position in the scene of the origin of `points`, m
   std::vector<Hexahedron> hexahedra;
+  Parts parts;  ///< where the body's surface crosses elements; empty if all are full
   /// Named sets of the file: Gmsh physical groups, Medit references ("ref 3"),
   /// VTK arrays of flags. Values are positions in `points` / `hexahedra`.
   std::map<std::string, std::vector<Index>> point_sets;

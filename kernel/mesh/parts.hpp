@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+// Elements of which only a part is material. A surface that crosses the elements of a grid leaves
+// in each the part that lies inside. The element keeps its eight nodes, some of which may lie
+// outside the material; forces are integrated over the part, and what one sees is the surface
+// inside it.
+
+#include <array>
+#include <vector>
+
+#include "kernel/base/types.hpp"
+#include "kernel/base/vec3.hpp"
+
+namespace suture {
+
+/// Moments of the material of an element in its reference cube [-1, 1]^3, means over the part.
+struct PartMoments {
+  double fraction = 1;  ///< volume of the part over that of the cube, in (0, 1]
+  Vec3 centroid{};
+  Vec3 covariance{};  ///< of (y, z), (x, z) and (x, y) about the centroid
+};
+
+/// A point that moves with an element: at reference coordinates in [-1, 1]^3.
+struct EmbeddedPoint {
+  Index element = none;
+  Vec3 at{};
+};
+
+/// The partial elements of a body, and its surface as it lies inside them.
+struct Parts {
+  std::vector<Index> elements;       ///< those of which only a part is material, ascending
+  std::vector<PartMoments> moments;  ///< of each of them
+
+  std::vector<EmbeddedPoint> points;  ///< corners of tetrahedra and triangles
+  /// The material of partial elements: entry i of `elements` has the tetrahedra from first[i] to
+  /// first[i + 1]; positively oriented corners are positions in `points`.
+  std::vector<std::array<Index, 4>> tetrahedra;
+  std::vector<Index> first;
+  /// The surface of the body, closed and oriented outwards.
+  std::vector<std::array<Index, 3>> triangles;
+
+  bool empty() const { return elements.empty(); }
+};
+
+}  // namespace suture

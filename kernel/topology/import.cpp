@@ -184,8 +184,8 @@ std::vector<std::array<Index, 2>> non_manifold_edges(const CellComplex& complex,
 
 /// Gives the vertices that the complex split their points; refuses or warns.
 void report_non_manifold(const std::vector<Split>& splits, const std::string& where,
-                         const UserNames& names, ImportOptions::NonManifold option, Imported& out,
-                         Diagnostics& diagnostics) {
+                         const UserNames& names, ImportOptions::NonManifold option, bool has_parts,
+                         Imported& out, Diagnostics& diagnostics) {
   std::vector<Index> points;
   for (const Split& split : splits) {
     const Index point = out.user_vertex[split.old_cell];
@@ -196,7 +196,9 @@ void report_non_manifold(const std::vector<Split>& splits, const std::string& wh
   }
   std::ranges::sort(out.split_points);
   sort_unique(points);
-  const auto edges = non_manifold_edges(out.complex, out.user_vertex);
+  // Two parts in one cube may share two nodes, and not the edge: the material does not meet there.
+  std::vector<std::array<Index, 2>> edges;
+  if (!has_parts) edges = non_manifold_edges(out.complex, out.user_vertex);
   if (points.empty() && edges.empty()) return;
 
   const std::string what = counted(points.size(), "vertex", "vertices") + " and " +
@@ -276,6 +278,7 @@ Imported import_mesh(Mesh mesh, const ImportOptions& options, Diagnostics& diagn
   Imported out;
   std::vector<Hexahedron> hexahedra = number(mesh, used, options.renumber, out);
   const std::size_t unused = mesh.points.size() - out.rest.size();
+  const bool has_parts = !mesh.parts.empty();
   mesh = {};  // gives its memory back before the map is built
 
   const Naming naming{[&](Index e) { return names.element(out.user_element[e]); },
@@ -289,7 +292,7 @@ Imported import_mesh(Mesh mesh, const ImportOptions& options, Diagnostics& diagn
     throw TopologyError(where + "is not a conforming hexahedral mesh. It has\n" + error.what());
   }
   report_inverted(shapes, where, naming, options.allow_inverted_rest, diagnostics);
-  report_non_manifold(splits, where, names, options.non_manifold, out, diagnostics);
+  report_non_manifold(splits, where, names, options.non_manifold, has_parts, out, diagnostics);
   if (unused > 0)
     diagnostics.warn(where + "has " + counted(unused, "point", "points") +
                      " not used by any hexahedron; dropped");

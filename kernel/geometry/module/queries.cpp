@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "kernel/base/saturate.hpp"
 #include "kernel/geometry/module/parts.hpp"
@@ -97,9 +98,9 @@ class RowCrossings {
     const auto facing = CGAL::orientation(flat(p), flat(q), flat(r));
     if (facing == CGAL::COLLINEAR) return;
     if (facing == CGAL::RIGHT_TURN) std::swap(q, r);
-    const auto [j0, j1] = range({p.y(), q.y(), r.y()}, 1);
     const auto [k0, k1] = range({p.z(), q.z(), r.z()}, 2);
-    for (Index k = k0; k < k1; ++k)
+    for (Index k = k0; k < k1; ++k) {
+      const auto [j0, j1] = range_near({p, q, r}, centre(2, k));
       for (Index j = j0; j < j1; ++j) {
         const Kernel::Point_2 row(centre(1, j), centre(2, k));
         if (!left_of(p, q, row) || !left_of(q, r, row) || !left_of(r, p, row)) continue;
@@ -107,6 +108,7 @@ class RowCrossings {
         // The outer side faces +x: the row leaves the body.
         if (i < grid_.cells[0]) turns_[place(i, j, k)] += facing == CGAL::LEFT_TURN ? -1 : 1;
       }
+    }
   }
 
   std::vector<std::uint8_t> inside() const {
@@ -134,6 +136,23 @@ class RowCrossings {
     const double high = (std::max(x) - grid_.origin[axis]) / grid_.edge;
     return {saturate<Index>(std::clamp(std::floor(low) - 1, 0.0, cells)),
             saturate<Index>(std::clamp(std::ceil(high) + 1, 0.0, cells))};
+  }
+  // Cubes along y near the part of a triangle within an edge of this z: a slanting sliver has far
+  // fewer than its bounding box.
+  std::pair<Index, Index> range_near(const std::array<Point, 3>& corners, double z) const {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Point &a = corners[i], &b = corners[(i + 1) % 3];
+      const double from = a.z() - z, to = b.z() - z, reach = grid_.edge;
+      if (std::min(from, to) > reach || std::max(from, to) < -reach) continue;
+      for (const double end : {-reach, reach}) {
+        const double share = from == to ? 0 : std::clamp((end - from) / (to - from), 0.0, 1.0);
+        const double y = a.y() + share * (b.y() - a.y());
+        low = std::min({low, y, from == to ? b.y() : y});
+        high = std::max({high, y, from == to ? b.y() : y});
+      }
+    }
+    return low <= high ? range({low, high}, 1) : std::pair<Index, Index>{0, 0};
   }
   static bool left_of(const Point& p, const Point& q, const Kernel::Point_2& row) {
     const auto side = CGAL::orientation(flat(p), flat(q), row);

@@ -121,6 +121,7 @@ struct Parser {
   MeshConvertCommand convert;
   MeshBoxCommand box;
   MeshVoxelizeCommand voxels;
+  MeshFillCommand fill;
 
   Parser() {
     app.name("suture");
@@ -336,6 +337,8 @@ struct Parser {
     convert_app->callback([this] { line.command = convert; });
 
     add_voxelize(*mesh->add_subcommand("voxelize", "fill a closed surface with equal cubes"));
+    add_fill(*mesh->add_subcommand(
+        "fill", "show how \"surface\" in /mesh fills a closed surface, up to it"));
 
     auto* generate = mesh->add_subcommand("generate", "generate a mesh");
     generate->require_subcommand(1);
@@ -349,18 +352,29 @@ struct Parser {
     box_app->callback([this] { line.command = box; });
   }
 
-  void add_voxelize(CLI::App& sub) {
-    sub.add_option("surface", voxels.from, "surface file (.obj .off .ply .stl .vtp)")->required();
-    sub.add_option("-o,--output", voxels.to, "new file (.vtu .vtk .mesh .msh)")->required();
-    auto* cells = sub.add_option("--cells", voxels.options.cells,
-                                 "approximate number of hexahedra, within 1 %")
+  /// What both commands take that fill a surface.
+  template <class Command>
+  static void add_filling(CLI::App& sub, Command& command, std::size_t& number, double& edge,
+                          const std::string& output) {
+    sub.add_option("surface", command.from, "surface file (.obj .off .ply .stl .vtp)")->required();
+    sub.add_option("-o,--output", command.to, "new file (" + output + ")")->required();
+    auto* cells = sub.add_option("--cells", number, "approximate number of hexahedra, within 1 %")
                       ->check(positive_number);
-    sub.add_option("--edge", voxels.options.edge, "edge length of the cubes in m")
+    sub.add_option("--edge", edge, "edge length of the cubes in m")
         ->check(positive_number)
         ->excludes(cells);
-    sub.add_option("--scale", voxels.scale, "factor from the file's unit to m")
+    sub.add_option("--scale", command.scale, "factor from the file's unit to m")
         ->check(positive_number);
-    sub.add_flag("--repair", voxels.repair, "fill holes and accept self-intersections");
+    sub.add_flag("--repair", command.repair, "fill holes and accept self-intersections");
+  }
+
+  void add_fill(CLI::App& sub) {
+    add_filling(sub, fill, fill.size.cells, fill.size.edge, ".vtu, or .obj .off .ply .stl");
+    sub.callback([this] { line.command = fill; });
+  }
+
+  void add_voxelize(CLI::App& sub) {
+    add_filling(sub, voxels, voxels.options.cells, voxels.options.edge, ".vtu .vtk .mesh .msh");
     sub.add_flag("--largest-island", voxels.options.largest_island,
                  "keep only the largest connected part");
     sub.callback([this] { line.command = voxels; });

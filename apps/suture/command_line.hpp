@@ -10,6 +10,7 @@
 
 #include "kernel/geometry/voxelize.hpp"
 #include "kernel/mesh/box.hpp"
+#include "kernel/parts/fill_surface.hpp"
 
 namespace suture {
 
@@ -93,6 +94,12 @@ struct MeshVoxelizeCommand {
   double scale = 1;
   bool repair = false;
 };
+struct MeshFillCommand {
+  std::filesystem::path from, to;
+  CubeSize size;
+  double scale = 1;
+  bool repair = false;
+};
 /// --help, --version: a text for standard output.
 struct TextCommand {
   std::string text;
@@ -103,7 +110,8 @@ struct CommandLine {
   std::variant<RunCommand, CheckCommand, CiteCommand, ExplainCommand, CheckModelCommand,
                NewModelCommand, ReplayCommand, ModesCommand, SweepCommand, CompareCommand,
                PlotCommand, ModelsCommand, DescribeCommand, SchemaCommand, MeshInfoCommand,
-               MeshConvertCommand, MeshBoxCommand, MeshVoxelizeCommand, TextCommand>
+               MeshConvertCommand, MeshBoxCommand, MeshVoxelizeCommand, MeshFillCommand,
+               TextCommand>
       command;
 };
 

@@ -34,5 +34,6 @@ int mesh_info(const MeshInfoCommand& command, Console& console);
 int mesh_convert(const MeshConvertCommand& command, Console& console);
 int mesh_generate_box(const MeshBoxCommand& command, Console& console);
 int mesh_voxelize(const MeshVoxelizeCommand& command, Console& console);
+int mesh_fill(const MeshFillCommand& command, Console& console);
 
 }  // namespace suture

@@ -36,6 +36,7 @@ struct Dispatch {
   int operator()(const MeshVoxelizeCommand& command) const {
     return mesh_voxelize(command, console);
   }
+  int operator()(const MeshFillCommand& command) const { return mesh_fill(command, console); }
   int operator()(const TextCommand& command) const {
     std::fputs(command.text.c_str(), stdout);
     return 0;

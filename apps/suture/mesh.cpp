@@ -9,6 +9,9 @@
 #include "kernel/base/escape.hpp"
 #include "kernel/geometry/surface_file.hpp"
 #include "kernel/mesh/mesh_file.hpp"
+#include "kernel/output/frame_file.hpp"
+#include "kernel/parts/embedding.hpp"
+#include "kernel/results/part_frames.hpp"
 #include "kernel/topology/bad_elements.hpp"
 #include "kernel/topology/import.hpp"
 #include "kernel/topology/rest_shape.hpp"
@@ -180,15 +183,83 @@ int mesh_generate_box(const MeshBoxCommand& command, Console& console) {
   return 0;
 }
 
+namespace {
+
+TriangleSurface surface_of(const std::filesystem::path& file, double scale, bool repair,
+                           Console& console) {
+  return close_surface(read_soup(file, scale), repair, console.diagnostics());
+}
+
+void require_size(const char* command, std::size_t cells, double edge) {
+  if (cells == 0 && edge == 0)
+    throw UsageError(std::string("suture mesh ") + command +
+                     ": the size of the cubes is missing; give --cells or --edge");
+}
+
+/// The mesh at rest, as frames of a run have it, with the fraction of each element.
+Frame frame_of(const Mesh& mesh, Diagnostics& diagnostics) {
+  const Imported imported = import_mesh(mesh, {.renumber = false}, diagnostics);
+  Frame frame;
+  frame.points = imported.rest;
+  const auto hexahedra = imported.complex.vertices();
+  frame.hexahedra.assign(hexahedra.begin(), hexahedra.end());
+  FrameField& fraction = frame.cell_fields.emplace_back();
+  fraction.name = "fraction";
+  fraction.values.assign(mesh.hexahedra.size(), 1);
+  for (std::size_t i = 0; i < mesh.parts.elements.size(); ++i)
+    fraction.values[mesh.parts.elements[i]] = mesh.parts.moments[i].fraction;
+  if (!mesh.parts.empty())
+    show_parts(frame, mesh.parts, Embedding(mesh.parts, imported.complex), imported.complex);
+  return frame;
+}
+
+void write_frame(const std::filesystem::path& path, Frame frame) {
+  const Folder folder = Folder::open(path.parent_path());
+  AtomicFile file(folder, path.filename().string());
+  write_frame(file, frame, FrameWriterOptions::Compression::lz4);
+  file.commit();
+}
+
+/// The surface of a mesh inside its elements.
+TriangleSurface embedded_surface(const Mesh& mesh, Diagnostics& diagnostics) {
+  const Imported imported = import_mesh(mesh, {.renumber = false}, diagnostics);
+  Frame frame;
+  frame.points = imported.rest;
+  show_surface(frame, Embedding(mesh.parts, imported.complex));
+  TriangleSurface surface{mesh.source, std::move(frame.points), {}};
+  for (const auto& [a, b, c, unused] : frame.cells) surface.triangles.push_back({a, b, c});
+  return surface;
+}
+
+}  // namespace
+
 int mesh_voxelize(const MeshVoxelizeCommand& command, Console& console) {
-  if (command.options.cells == 0 && command.options.edge == 0)
-    throw UsageError(
-        "suture mesh voxelize: the size of the cubes is missing; give --cells or --edge");
-  const TriangleSurface surface =
-      close_surface(read_soup(command.from, command.scale), command.repair, console.diagnostics());
-  const Mesh mesh = voxelize(surface, command.options, console.diagnostics());
+  require_size("voxelize", command.options.cells, command.options.edge);
+  const Mesh mesh = voxelize(surface_of(command.from, command.scale, command.repair, console),
+                             command.options, console.diagnostics());
   write_mesh(command.to, mesh, console.diagnostics());
   if (!console.quiet()) print_counts(mesh, console);
+  return 0;
+}
+
+int mesh_fill(const MeshFillCommand& command, Console& console) {
+  require_size("fill", command.size.cells, command.size.edge);
+  const std::string extension = command.to.extension().string();
+  const bool is_frame = extension == ".vtu";
+  if (!is_frame && (extension == ".vtp" || !is_surface_file(command.to)))
+    throw UsageError(command.to.string() +
+                     ": expected .vtu for the mesh, or .obj, .off, .ply or .stl for its surface, "
+                     "not '" +
+                     extension + "'; scenes read the surface itself: \"surface\" in /mesh");
+  const Mesh mesh = fill_surface(surface_of(command.from, command.scale, command.repair, console),
+                                 command.size, console.diagnostics());
+  if (is_frame)
+    write_frame(command.to, frame_of(mesh, console.diagnostics()));
+  else
+    write_surface(command.to, embedded_surface(mesh, console.diagnostics()));
+  if (console.quiet()) return 0;
+  print_counts(mesh, console);
+  console.print("elements that the surface crosses: " + std::to_string(mesh.parts.elements.size()));
   return 0;
 }
 

@@ -13,6 +13,7 @@
 #include "kernel/build/cell_values.hpp"
 #include "kernel/build/check_constraints.hpp"
 #include "kernel/build/check_obstacles.hpp"
+#include "kernel/build/check_parts.hpp"
 #include "kernel/build/check_selections.hpp"
 #include "kernel/contact/contact.hpp"
 #include "kernel/contact/multiplier_forces.hpp"
@@ -21,8 +22,10 @@
 #include "kernel/forces/gravity.hpp"
 #include "kernel/forces/pressures.hpp"
 #include "kernel/geometry/centroid.hpp"
+#include "kernel/geometry/surface_file.hpp"
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/mesh/own_origin.hpp"
+#include "kernel/parts/fill_surface.hpp"
 #include "kernel/topology/bad_elements.hpp"
 
 namespace suture {
@@ -35,14 +38,29 @@ Imported import_and_trim(Mesh mesh, const Scene& scene, Diagnostics& diagnostics
   return imported;
 }
 
+Mesh fill(const MeshSource& source, Diagnostics& diagnostics) {
+  const FilledSurface& filled = *source.surface;
+  try {
+    return fill_surface(close_surface(read_soup(filled.file, source.scale), filled.repair,
+                                      diagnostics, "\"repair\": true in /mesh"),
+                        filled.size, diagnostics);
+  } catch (const InputError& error) {
+    throw InputError(std::string("/mesh/surface: ") + error.what());
+  }
+}
+
+Mesh read(const MeshSource& source, const std::set<std::string>& arrays, Diagnostics& diagnostics) {
+  if (source.given) return *source.given;
+  if (source.surface) return fill(source, diagnostics);
+  return read_mesh(source.file, source.scale, diagnostics,
+                   [&](const std::string& name) { return arrays.contains(name); });
+}
+
 Mesh make_mesh(const MeshSource& source, const std::set<std::string>& arrays,
                Diagnostics& diagnostics) {
   if (source.box) return make_local_box(*source.box);
   if (source.voxels) return make_local_voxels(*source.voxels);
-  Mesh mesh = source.given
-                  ? *source.given
-                  : read_mesh(source.file, source.scale, diagnostics,
-                              [&](const std::string& name) { return arrays.contains(name); });
+  Mesh mesh = read(source, arrays, diagnostics);
   move_to_own_origin(mesh);
   return mesh;
 }
@@ -79,8 +97,12 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
       scene_(in_frame(given, frame_)),
       mesh_source_(mesh.source),
       names_(MeshNames::of(mesh)),
+      parts_(mesh.parts),
       body_(import_and_trim(std::move(mesh), scene_, diagnostics)),
-      selector_(body_.imported(), names_, body_.attributes().rest(), frame_) {
+      selector_(body_.imported(), names_, body_.attributes().rest(), frame_, parts_.parts()) {
+  parts_.renumber(body_.imported().element_of);
+  if (!parts().empty()) body_.add_follower(parts_);
+  check_parts(scene_, parts());
   check_selections(scene_, selector_);
   name_elements();
   add_models(diagnostics);

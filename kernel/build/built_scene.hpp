@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "kernel/build/embedded_parts.hpp"
 #include "kernel/build/select.hpp"
 #include "kernel/build/translate.hpp"
 #include "kernel/dynamics/dynamics.hpp"
@@ -31,6 +32,11 @@ class BuiltScene {
   const MeshNames& names() const { return names_; }
   Body& body() { return body_; }
   const Body& body() const { return body_; }
+  /// The elements of which only a part is material, and the surface inside them; empty if all are
+  /// full.
+  const Parts& parts() const { return parts_.parts(); }
+  /// The same on the vertices of the body as it is now.
+  const Embedding& embedding() { return parts_.embedding(body_.complex()); }
   const Selector& selector() const { return selector_; }
   Dynamics& dynamics() { return *dynamics_; }
   StepLimits& limits() { return *limits_; }
@@ -60,6 +66,7 @@ class BuiltScene {
   Scene scene_;
   std::string mesh_source_;
   MeshNames names_;
+  EmbeddedParts parts_;
   Body body_;
   Selector selector_;
   std::unique_ptr<Dynamics> dynamics_;

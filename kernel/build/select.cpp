@@ -13,6 +13,8 @@
 #include "kernel/base/sort_unique.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/geometry/centroid.hpp"
+#include "kernel/parts/embedding.hpp"
+#include "kernel/parts/node_places.hpp"
 
 namespace suture {
 namespace {
@@ -95,11 +97,12 @@ MeshNames MeshNames::of(const Mesh& mesh) {
 }
 
 Selector::Selector(const Imported& imported, const MeshNames& names, const Column& rest,
-                   const BodyFrame& frame)
+                   const BodyFrame& frame, const Parts& parts)
     : imported_(imported),
       names_(names),
       rest_(rest),
       frame_(frame),
+      parts_(parts),
       diagonal_(diagonal_of(box_of(rest))),
       point_position_(positions(names.point_ids)),
       element_position_(positions(names.element_ids)) {}
@@ -175,11 +178,25 @@ std::vector<Index> Selector::listed_vertices(const Selection& selection) const {
 
 std::vector<char> Selector::vertex_mask(const Selection& selection) const {
   const auto exists = [&](Index v) { return imported_.complex.exists(0, v); };
-  const auto at = [&](Index v) { return Vec3{rest_.get(v, 0), rest_.get(v, 1), rest_.get(v, 2)}; };
   std::vector<char> mask(rest_.size());
   for (const Index v : listed_vertices(selection)) mask[v] = exists(v);
-  for (const Index v : located(selection, rest_.size(), exists, at)) mask[v] = 1;
+  for (const Index v : located_vertices(selection)) mask[v] = 1;
   return mask;
+}
+
+std::vector<Index> Selector::located_vertices(const Selection& selection) const {
+  const auto at = [&](Index v) { return Vec3{rest_.get(v, 0), rest_.get(v, 1), rest_.get(v, 2)}; };
+  if (parts_.empty())
+    return located(
+        selection, rest_.size(), [&](Index v) { return imported_.complex.exists(0, v); }, at);
+  const NodePlaces places = node_places(parts_, imported_.complex);
+  std::vector<Index> result = located(
+      selection, rest_.size(), [&](Index v) { return places.is_inside[v] != 0; }, at);
+  for (const auto& [vertex, place] : places.crossings) {
+    const Hexahedron& nodes = imported_.complex.vertices_of(place.element);
+    if (contains(selection, place_in(nodes, place.at, rest_.rows(), 4))) result.push_back(vertex);
+  }
+  return result;
 }
 
 std::vector<Index> Selector::vertices(const Selection& selection) const {
@@ -236,7 +253,15 @@ std::vector<Index> Selector::located_elements(const Selection& selection,
   const CellComplex& complex = imported_.complex;
   return located(
       selection, complex.element_count(), [&](Index e) { return complex.exists(3, e); },
-      [&](Index e) { return centroid(complex.vertices_of(e), rows, 4); });
+      [&](Index e) { return centroid_of(e, rows); });
+}
+
+Vec3 Selector::centroid_of(Index e, const double* rows) const {
+  const Hexahedron& nodes = imported_.complex.vertices_of(e);
+  const auto part = std::ranges::lower_bound(parts_.elements, e);
+  if (part == parts_.elements.end() || *part != e) return centroid(nodes, rows, 4);
+  const auto i = static_cast<std::size_t>(part - parts_.elements.begin());
+  return place_in(nodes, parts_.moments[i].centroid, rows, 4);
 }
 
 std::vector<Index> Selector::elements_now(const Selection& selection, const double* rows) const {

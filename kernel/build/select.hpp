@@ -7,6 +7,7 @@
 
 #include "kernel/attributes/column.hpp"
 #include "kernel/build/translate.hpp"
+#include "kernel/mesh/parts.hpp"
 #include "kernel/topology/import.hpp"
 
 namespace suture {
@@ -33,11 +34,15 @@ struct MeshNames {
 /// Converts the selections of a scene to existing cells of the complex, by their positions at rest.
 /// Results are ascending. Throws InputError with the JSON path of the selection if it is empty or
 /// names an unknown set or id. O(cells).
+///
+/// Of elements of which only a part is material, the part is where they are. A node outside the
+/// material is selected by place if the surface crosses an edge from it in the selection.
 class Selector {
  public:
-  /// `rest`: the rest positions of all vertices, in `frame` like all selections.
+  /// `rest`: the rest positions of all vertices, in `frame` like all selections. `parts`: by
+  /// elements of the complex.
   Selector(const Imported& imported, const MeshNames& names, const Column& rest,
-           const BodyFrame& frame);
+           const BodyFrame& frame, const Parts& parts);
 
   std::vector<Index> vertices(const Selection& selection) const;
   /// Elements whose centroid is selected (for ids and sets, the named elements).
@@ -60,6 +65,8 @@ class Selector {
   std::string bounds_text() const;
   std::vector<Index> listed_elements(const Selection& selection) const;
   bool contains(const Selection& selection, const Vec3& p) const;
+  Vec3 centroid_of(Index e, const double* rows) const;
+  std::vector<Index> located_vertices(const Selection& selection) const;
   template <class Exists, class At>
   std::vector<Index> located(const Selection& selection, Index count, Exists exists, At at) const;
   std::vector<Index> located_elements(const Selection& selection, const double* rows) const;
@@ -71,6 +78,7 @@ class Selector {
   const MeshNames& names_;
   const Column& rest_;
   const BodyFrame& frame_;
+  const Parts& parts_;
   double diagonal_;                                                   ///< of the mesh at rest, m
   std::map<std::uint64_t, Index> point_position_, element_position_;  ///< only if the file has ids
 };

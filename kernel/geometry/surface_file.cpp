@@ -145,6 +145,9 @@ void write_surface(const std::filesystem::path& path, const TriangleSurface& sur
 
 namespace {
 
+/// Closing more than these takes noticeable time.
+constexpr std::size_t many_faces = 100'000;
+
 // "\n  a hole of 12 edges, 0.3 m around, at [0, 0.1, 0.2] m" for the first of them.
 std::string list_of_holes(const std::vector<Hole>& holes) {
   constexpr std::size_t shown = 8;
@@ -159,7 +162,7 @@ std::string list_of_holes(const std::vector<Hole>& holes) {
 TriangleSurface read_solid(const std::filesystem::path& path, double scale,
                            const std::function<void(std::size_t faces)>& announce_long_work) {
   const PolygonSoup soup = read_soup(path, scale);
-  if (announce_long_work && soup.size() > 100'000) announce_long_work(soup.size());
+  if (announce_long_work && soup.size() > many_faces) announce_long_work(soup.size());
   Closing closing = geometry_module().close(soup, false);
   if (!closing.surface.triangles.empty()) return std::move(closing.surface);
   if (closing.crossings != 0)
@@ -180,21 +183,26 @@ std::string hole_text(const Hole& hole) {
   return text;
 }
 
-TriangleSurface close_surface(const PolygonSoup& soup, bool repair, Diagnostics& diagnostics) {
+TriangleSurface close_surface(const PolygonSoup& soup, bool repair, Diagnostics& diagnostics,
+                              const std::string& repair_option) {
+  if (soup.size() > many_faces)
+    diagnostics.note(soup.source + ": preparing " + grouped(soup.size()) +
+                     " faces, which takes about " +
+                     std::to_string(std::lround(std::ceil(5e-6 * double(soup.size())))) + " s");
   Closing closing = geometry_module().close(soup, repair);
   const std::string border = plural(closing.border_edges, "edge has", "edges have");
   const std::string crossings =
       plural(closing.crossings, "pair of triangles", "pairs of triangles") + " intersect";
   if (closing.surface.triangles.empty()) {
     if (closing.crossings != 0)
-      throw InputError(soup.source + ": the surface intersects itself (" + crossings +
-                       "); use --repair to fill the region enclosed by all its sheets");
+      throw InputError(soup.source + ": the surface intersects itself (" + crossings + "); use " +
+                       repair_option + " to fill the region enclosed by all its sheets");
     if (closing.border_edges == 0)
       throw InputError(soup.source + ": the surface encloses no volume: there is nothing to fill");
     throw InputError(soup.source + ": the surface is not closed: " + border +
                      " a face on one side only" +
                      (repair ? ", and not every hole could be filled; close by hand"
-                             : "; use --repair to fill each hole") +
+                             : "; use " + repair_option + " to fill each hole") +
                      list_of_holes(closing.holes));
   }
   if (closing.holes_filled != 0)

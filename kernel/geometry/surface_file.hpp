@@ -30,8 +30,10 @@ void write_surface(const std::filesystem::path& path, const TriangleSurface& sur
 /// the holes) or intersects itself
 /// (gives the number of pairs of triangles). With `repair`, each hole is filled and
 /// self-intersections are accepted, with a warning for each; the region enclosed by several sheets
-/// is inside. About 5 us per triangle.
-TriangleSurface close_surface(const PolygonSoup& soup, bool repair, Diagnostics& diagnostics);
+/// is inside. `repair_option`: how users ask for that, for messages. About 5 us per triangle; a
+/// note says so beforehand for more than 100,000 of them.
+TriangleSurface close_surface(const PolygonSoup& soup, bool repair, Diagnostics& diagnostics,
+                              const std::string& repair_option = "--repair");
 
 /// The surface of a solid: read_soup(), closed and oriented outward as by close_surface() without
 /// repair. The same errors, as they concern a solid that must have an inside. For more than 100,000

@@ -17,6 +17,7 @@ void Frame::state(Archive& archive) {
   archive("time", time);
   archive("points", points);
   archive("hexahedra", hexahedra);
+  archive("tetrahedra", tetrahedra);
   archive("cells", cells);
   archive("point_fields", point_fields);
   archive("cell_fields", cell_fields);

@@ -32,7 +32,8 @@ struct Frame {
   std::uint64_t number = 0;
   double time = 0;  ///< s
   std::vector<Vec3> points;
-  std::vector<Hexahedron> hexahedra;  ///< or
+  std::vector<Hexahedron> hexahedra;
+  std::vector<std::array<Index, 4>> tetrahedra;  ///< after these: of partial elements; or
   std::vector<SmallCell> cells;
   std::vector<FrameField> point_fields;
   std::vector<FrameField> cell_fields;

@@ -2,6 +2,7 @@
 #include "kernel/output/frame_file.hpp"
 
 #include <algorithm>
+#include <span>
 #include <stdexcept>
 
 #include "kernel/base/error.hpp"
@@ -21,7 +22,8 @@ void check_field(const FrameField& field, std::size_t tuples) {
 }
 
 std::size_t cell_count(const Frame& frame) {
-  return frame.cells.empty() ? frame.hexahedra.size() : frame.cells.size();
+  return frame.cells.empty() ? frame.hexahedra.size() + frame.tetrahedra.size()
+                             : frame.cells.size();
 }
 
 std::span<const char* const> names_of_components(const FrameField& field) {
@@ -61,19 +63,29 @@ VtuCompression compression_of(FrameWriterOptions::Compression compression) {
   return VtuCompression::lz4;
 }
 
-/// Small cells as VTK wants them: the points of all, and the number of points of each.
+/// Cells as VTK wants them: the points of all, and their types; nothing for hexahedra only, which a
+/// frame has in this form.
 struct PackedCells {
   std::vector<Index> points;
-  std::vector<std::uint8_t> sizes;
+  std::vector<VtuCell> types;
 
-  explicit PackedCells(const std::vector<SmallCell>& cells) {
-    points.reserve(4 * cells.size());
-    sizes.reserve(cells.size());
-    for (const SmallCell& cell : cells) {
-      const auto end = std::ranges::find(cell, none);
-      points.insert(points.end(), cell.begin(), end);
-      sizes.push_back(static_cast<std::uint8_t>(end - cell.begin()));
+  explicit PackedCells(const Frame& frame) {
+    if (frame.cells.empty() && frame.tetrahedra.empty()) return;
+    points.reserve(8 * frame.hexahedra.size() + 4 * (frame.tetrahedra.size() + frame.cells.size()));
+    types.reserve(cell_count(frame));
+    if (frame.cells.empty()) {
+      for (const Hexahedron& nodes : frame.hexahedra) add(nodes, VtuCell::hexahedron);
+      for (const auto& corners : frame.tetrahedra) add(corners, VtuCell::tetrahedron);
     }
+    for (const SmallCell& cell : frame.cells) {
+      constexpr VtuCell by_size[] = {VtuCell::line, VtuCell::triangle, VtuCell::quad};
+      const std::span used(cell.begin(), std::ranges::find(cell, none));
+      add(used, by_size[used.size() - 2]);
+    }
+  }
+  void add(std::span<const Index> corners, VtuCell type) {
+    points.insert(points.end(), corners.begin(), corners.end());
+    types.push_back(type);
   }
 };
 
@@ -90,11 +102,12 @@ void write_frame(OutputFile& file, Frame& frame, FrameWriterOptions::Compression
   image.points = frame.points.data();
   image.point_count = frame.points.size();
   image.cell_count = cell_count(frame);
-  const PackedCells small(frame.cells);
-  image.connectivity = frame.cells.empty() ? reinterpret_cast<const Index*>(frame.hexahedra.data())
-                                           : small.points.data();
-  image.connectivity_size = frame.cells.empty() ? 8 * frame.hexahedra.size() : small.points.size();
-  image.cell_sizes = small.sizes;
+  const PackedCells packed(frame);
+  const bool is_plain = packed.types.empty();
+  image.connectivity =
+      is_plain ? reinterpret_cast<const Index*>(frame.hexahedra.data()) : packed.points.data();
+  image.connectivity_size = is_plain ? 8 * frame.hexahedra.size() : packed.points.size();
+  image.cell_types = packed.types;
   image.point_arrays = arrays_of(frame.point_fields);
   image.cell_arrays = arrays_of(frame.cell_fields);
   image.time = frame.time;

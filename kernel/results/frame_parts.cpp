@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "kernel/results/displayed_ids.hpp"
+#include "kernel/results/part_frames.hpp"
 
 namespace suture {
 
@@ -35,9 +36,12 @@ void set_geometry(Frame& frame, BuiltScene& built) {
   }
   const auto hexahedra = built.body().complex().vertices();
   frame.hexahedra.assign(hexahedra.begin(), hexahedra.end());
+  frame.tetrahedra.clear();
 }
 
-void drop_holes(Frame& frame, const CellComplex& complex) {
+void leave_out(Frame& frame, BuiltScene& built) {
+  const CellComplex& complex = built.body().complex();
+  if (!built.parts().empty()) return show_parts(frame, built.parts(), built.embedding(), complex);
   if (complex.existing(0) < complex.count(0) || complex.existing(3) < complex.count(3))
     leave_out_holes(frame, DisplayedIds::of(complex));
 }

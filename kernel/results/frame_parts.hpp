@@ -14,10 +14,11 @@ FrameWriterOptions frame_options(const OutputOptions& options,
                                  const std::shared_ptr<OutputFolder>& folder);
 
 /// The points at their current positions in the scene, and the hexahedra, of the whole complex.
-/// Add fields, then call drop_holes().
+/// Add fields, then call leave_out().
 void set_geometry(Frame& frame, BuiltScene& built);
-/// Drops removed cells, with their values in all fields.
-void drop_holes(Frame& frame, const CellComplex& complex);
+/// Drops removed cells, with their values in all fields, and what is not material of elements that
+/// are so in part only.
+void leave_out(Frame& frame, BuiltScene& built);
 
 /// The text by which a file tells how it was made: versions, scene hash, mesh, plugins.
 std::string provenance_of(const Scene& scene, PluginHost& host, const BuiltScene& built);

@@ -97,7 +97,7 @@ void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity,
     for (const Vec3& u : *mode) field.values.insert(field.values.end(), u.begin(), u.end());
   }
   frame.field_data_provenance = provenance_;
-  drop_holes(frame, built_.body().complex());
+  leave_out(frame, built_);
 }
 
 void Recorder::frame(std::uint64_t step, double time, const Vec3& gravity) {
@@ -168,8 +168,9 @@ std::size_t Recorder::rehearse(double time, const Vec3& gravity) {
   vtk_module();
   Frame frame = frames_->take_frame();
   fill_frame(frame, time, gravity);
-  std::size_t bytes =
-      frame.points.size() * sizeof(Vec3) + frame.hexahedra.size() * sizeof(Hexahedron);
+  std::size_t bytes = frame.points.size() * sizeof(Vec3) +
+                      frame.hexahedra.size() * sizeof(Hexahedron) +
+                      frame.tetrahedra.size() * sizeof(frame.tetrahedra[0]);
   for (const auto* fields : {&frame.point_fields, &frame.cell_fields}) {
     for (const FrameField& field : *fields) bytes += 8 * (field.values.size() + field.ids.size());
   }

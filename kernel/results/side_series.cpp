@@ -9,6 +9,8 @@
 #include "kernel/forces/contact_law.hpp"
 #include "kernel/geometry/shape_mesh.hpp"
 #include "kernel/results/displayed_ids.hpp"
+#include "kernel/results/frame_parts.hpp"
+#include "kernel/results/part_frames.hpp"
 
 namespace suture {
 namespace {
@@ -154,6 +156,15 @@ std::vector<SideSeries> side_series(const OutputOptions& options,
       fill_obstacles(frame, time, *built.body().contact(), built);
     };
     series.push_back({"obstacles", obstacles, nullptr});
+  }
+  if (options.surface) {
+    const auto surface = [&fields, &built](Frame& frame, double time, const Vec3& gravity) {
+      set_geometry(frame, built);
+      fill_fields(fields, FieldChoice::On::points, built, gravity, time, frame.point_fields);
+      fill_fields(fields, FieldChoice::On::cells, built, gravity, time, frame.cell_fields);
+      show_surface(frame, built.embedding());
+    };
+    series.push_back({"surface", surface, nullptr});
   }
   if (options.cuts) series.push_back({"cuts", cuts, nullptr});
   return series;

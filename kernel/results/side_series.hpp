@@ -24,6 +24,7 @@ struct SideSeries {
 /// The series that a scene requests:
 ///  - springs, faces: the cells of dimension 1 or 2 of all instances, with their fields;
 ///  - obstacles: their surfaces, with the field "obstacle" (its index in the scene);
+///  - surface: that of a body with partial elements (part_frames.hpp);
 ///  - cuts: both sides of every face that a cut or tear opened and that is still open, with the
 ///    fields "event" (its index in the scene) and "opened" (s); and the blades that are present
 ///    ("blade" is 1), moving ones as lines, surfaces as triangles.

@@ -281,6 +281,7 @@ void decide_output(const Scene& scene, const BuiltScene& built, const Recorder& 
   series("faces", scene.output.faces);
   series("cuts", scene.output.cuts);
   series("obstacles", scene.output.obstacles);
+  series("surface", scene.output.surface);
 }
 
 bool only_cuts(const std::vector<Event>& events) {

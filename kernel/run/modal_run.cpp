@@ -195,7 +195,7 @@ std::string ModalRun::write(const NaturalModes& modes,
     field.components = 3;
     for (const Vec3& u : mode.shape) field.values.insert(field.values.end(), u.begin(), u.end());
     frame.field_data_provenance = provenance + title_of(mode, i + 1);
-    drop_holes(frame, built().body().complex());
+    leave_out(frame, built());
     writer.submit(std::move(frame));
   }
   writer.finish();

@@ -11,6 +11,7 @@
 #include "kernel/base/heap.hpp"
 #include "kernel/base/message_text.hpp"
 #include "kernel/build/check_obstacles.hpp"
+#include "kernel/build/check_parts.hpp"
 #include "kernel/forces/contact_law.hpp"
 #include "kernel/implicit/newton.hpp"
 #include "kernel/output/output_folder.hpp"
@@ -166,6 +167,7 @@ void RunLoop::report_sleep(Observer& observer) {
 }
 
 EventOutcome RunLoop::apply(const Event& event, Observer& observer) {
+  check_parts(event, built_.parts());
   const EventOutcome outcome = events_.apply(in_frame(event, built_.frame()), clock_.time());
   take_over(outcome);
   if (outcome.changed())

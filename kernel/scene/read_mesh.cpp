@@ -72,6 +72,23 @@ void read_voxels(const JsonValue& value, const std::string& path, Reading& readi
   reading.scene.mesh.voxels = options;
 }
 
+/// The keys "cells" and "edge" of a filled surface.
+CubeSize read_cube_size(ObjectReader& mesh) {
+  CubeSize size;
+  static const std::array<std::string, 2> keys{"cells", "edge"};
+  mesh.one_of(keys);
+  size.cells = mesh.natural("cells", 1, 67'000'000).value_or(0);
+  size.edge = mesh.number("edge", Limits::positive("m")).value_or(0);
+  return size;
+}
+
+/// Keys that only some sources have.
+void refuse_keys(ObjectReader& mesh, std::initializer_list<const char*> keys,
+                 const std::string& text) {
+  for (const char* key : keys)
+    if (mesh.find(key) != nullptr) mesh.complain(key, text);
+}
+
 std::string nearest_file(const std::filesystem::path& file) {
   std::vector<std::string> names;
   std::error_code ignored;
@@ -106,7 +123,7 @@ std::filesystem::path read_file(const JsonValue& value, const std::string& path,
 
 void read_mesh(const JsonValue& value, Reading& reading) {
   ObjectReader mesh(value, "/mesh", reading.mistakes);
-  static const std::array<std::string, 3> sources{"box", "file", "voxels"};
+  static const std::array<std::string, 4> sources{"box", "file", "voxels", "surface"};
   const bool given = reading.scene.mesh.given != nullptr;
   for (const std::string& key : sources)
     if (given && mesh.find(key) != nullptr)
@@ -118,15 +135,20 @@ void read_mesh(const JsonValue& value, Reading& reading) {
     if (*source == 0) read_box(inner, path, reading);
     if (*source == 1) reading.scene.mesh.file = read_file(inner, path, reading);
     if (*source == 2) read_voxels(inner, path, reading);
+    if (*source == 3)
+      reading.scene.mesh.surface = {.file = read_file(inner, path, reading),
+                                    .size = read_cube_size(mesh),
+                                    .repair = mesh.boolean("repair").value_or(false)};
   }
 
   MeshSource& result = reading.scene.mesh;
   const std::string& kind = sources[source.value_or(1)];
-  if (mesh.find("scale") != nullptr && (given || kind != "file")) {
-    mesh.complain("scale", given ? "is only allowed with 'file'"
-                                 : "is only allowed with 'file'; the size of a " + kind +
-                                       " is given by its own keys");
-  }
+  if (given || kind == "box" || kind == "voxels")
+    refuse_keys(mesh, {"scale"},
+                "is only allowed with 'file' and 'surface'" +
+                    (given ? "" : "; the size of a " + kind + " is given by its own keys"));
+  if (kind != "surface")
+    refuse_keys(mesh, {"cells", "edge", "repair"}, "is only allowed with 'surface'");
   result.scale = mesh.number("scale", Limits::positive("1")).value_or(1);
   static const std::array<std::string, 2> treatments{"split", "refuse"};
   if (mesh.choice("pinched", treatments) == 1u) {

@@ -263,8 +263,8 @@ void read_directory(ObjectReader& object, Reading& reading) {
 void read_frames(ObjectReader& object, OutputOptions& output) {
   output.frames = object.boolean("frames").value_or(true);
   if (output.frames) return;
-  for (const char* key :
-       {"every", "every_steps", "fields", "compression", "springs", "faces", "cuts", "obstacles"})
+  for (const char* key : {"every", "every_steps", "fields", "compression", "springs", "faces",
+                          "cuts", "obstacles", "surface"})
     if (object.find(key) != nullptr)
       object.complain(key, "is about frames, but \"frames\" is false; remove one of the two");
 }
@@ -291,6 +291,7 @@ void read_output(const JsonValue* value, Reading& reading) {
   output.springs = read_series(object, "springs", 1, "springs (functors on edges)", reading);
   output.faces = read_series(object, "faces", 2, "functors on faces", reading);
   output.cuts = object.boolean("cuts").value_or(false);
+  output.surface = object.boolean("surface").value_or(false);
   output.obstacles = object.boolean("obstacles").value_or(false);
   if (output.obstacles) require_obstacles(object, "obstacles", reading);
   object.finish();

@@ -15,6 +15,7 @@
 #include "kernel/mesh/box.hpp"
 #include "kernel/mesh/mesh.hpp"
 #include "kernel/mesh/voxels.hpp"
+#include "kernel/parts/fill_surface.hpp"
 #include "kernel/scene/event.hpp"
 #include "kernel/scene/scene_places.hpp"
 #include "kernel/scene/selection.hpp"
@@ -26,12 +27,20 @@ namespace suture {
 /// The checked contents of a scene file: plain data, nothing built. Every member that can still
 /// turn out to be wrong (an empty selection) holds its JSON path.
 
+/// A closed surface that is filled with hexahedra whose boundary it is.
+struct FilledSurface {
+  std::filesystem::path file;  ///< absolute
+  CubeSize size;
+  bool repair = false;  ///< fill holes, accept sheets that cross each other
+};
+
 struct MeshSource {
-  std::optional<BoxOptions> box;       ///< or
-  std::optional<VoxelOptions> voxels;  ///< or
-  std::shared_ptr<const Mesh> given;   ///< by the program that runs the scene, or
-  std::filesystem::path file;          ///< absolute
-  double scale = 1;
+  std::optional<BoxOptions> box;         ///< or
+  std::optional<VoxelOptions> voxels;    ///< or
+  std::optional<FilledSurface> surface;  ///< or
+  std::shared_ptr<const Mesh> given;     ///< by the program that runs the scene, or
+  std::filesystem::path file;            ///< absolute
+  double scale = 1;                      ///< of the coordinates in a file
   bool drop_bad_elements = false;
   ImportOptions import;
 };
@@ -152,6 +161,7 @@ struct OutputOptions {
   std::uint64_t tools_every = 0;  ///< steps; 0: no tools.csv
   bool obstacles = false;         ///< obstacles_NNNN.vtu: the obstacles at the time of a frame
   bool cuts = false;              ///< cuts_NNNN.vtu: faces that cuts and tears opened, and blades
+  bool surface = false;           ///< surface_NNNN.vtu: that of a body made from a surface
 };
 
 /// When checkpoints are written, in addition to that of an interrupted run.

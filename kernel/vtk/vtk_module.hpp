@@ -28,6 +28,29 @@ struct VtuArray {
 
 enum class VtuCompression { raw, lz4, zlib, lzma };
 
+/// VTK's numbers.
+enum class VtuCell : std::uint8_t {
+  line = 3,
+  triangle = 5,
+  quad = 9,
+  tetrahedron = 10,
+  hexahedron = 12
+};
+constexpr int points_of(VtuCell type) {
+  switch (type) {
+    case VtuCell::line:
+      return 2;
+    case VtuCell::triangle:
+      return 3;
+    case VtuCell::quad:
+    case VtuCell::tetrahedron:
+      return 4;
+    case VtuCell::hexahedron:
+      break;
+  }
+  return 8;
+}
+
 /// The contents of a .vtu file. Points to memory of the caller; nothing is copied.
 struct VtuImage {
   const Vec3* points = nullptr;
@@ -35,8 +58,7 @@ struct VtuImage {
   const Index* connectivity = nullptr;  ///< VTK's node order
   std::size_t connectivity_size = 0;
   std::size_t cell_count = 0;
-  /// Points of each cell: 2 line, 3 triangle, 4 quadrilateral; empty: all cells are hexahedra.
-  std::span<const std::uint8_t> cell_sizes;
+  std::span<const VtuCell> cell_types;  ///< of each cell; empty: all cells are hexahedra
   std::vector<VtuArray> point_arrays, cell_arrays;
   std::optional<double> time;  ///< s, as "TimeValue"
   std::string provenance;      ///< as the text "provenance"; empty: none

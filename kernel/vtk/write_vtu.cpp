@@ -152,19 +152,6 @@ void add_arrays(vtkDataSetAttributes* data, const std::vector<VtuArray>& sources
   }
 }
 
-unsigned char type_of(int points) {
-  switch (points) {
-    case 2:
-      return VTK_LINE;
-    case 3:
-      return VTK_TRIANGLE;
-    case 4:
-      return VTK_QUAD;
-    default:
-      return VTK_HEXAHEDRON;
-  }
-}
-
 vtkSmartPointer<vtkUnstructuredGrid> grid_of(const VtuImage& image) {
   auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
   const vtkNew<vtkPoints> points;
@@ -178,9 +165,10 @@ vtkSmartPointer<vtkUnstructuredGrid> grid_of(const VtuImage& image) {
   const vtkNew<vtkUnsignedCharArray> types;
   types->SetNumberOfValues(n);
   for (vtkIdType c = 0; c < n; ++c) {
-    const int size = image.cell_sizes.empty() ? 8 : image.cell_sizes[static_cast<std::size_t>(c)];
-    offsets->SetValue(c + 1, offsets->GetValue(c) + size);
-    types->SetValue(c, type_of(size));
+    const VtuCell type = image.cell_types.empty() ? VtuCell::hexahedron
+                                                  : image.cell_types[static_cast<std::size_t>(c)];
+    offsets->SetValue(c + 1, offsets->GetValue(c) + points_of(type));
+    types->SetValue(c, static_cast<unsigned char>(type));
   }
   const vtkNew<vtkCellArray> cells;
   cells->SetData(offsets,

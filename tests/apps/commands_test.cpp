@@ -205,6 +205,29 @@ TEST_F(Commands, SurfacesAreFilled) {
   EXPECT_FALSE(std::filesystem::exists(folder() / "o.vtu"));
 }
 
+TEST_F(Commands, SurfacesAreFilledUpToThem) {
+  write("cube.obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n"
+        "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n");
+  const Outcome filled = suture({"mesh", "fill", "cube.obj", "--edge", "0.13", "-o", "f.vtu"});
+  EXPECT_EQ(filled.code, 0) << filled;
+  EXPECT_TRUE(filled.says("elements that the surface crosses: ")) << filled;
+  EXPECT_TRUE(std::filesystem::exists(folder() / "f.vtu"));
+  // The surface that the elements hold is closed, and a little smaller.
+  EXPECT_EQ(suture({"mesh", "fill", "cube.obj", "--edge", "0.13", "-o", "f.off"}).code, 0);
+  const Outcome info = suture({"mesh", "info", "f.off"});
+  EXPECT_TRUE(info.says("closed; volume: 0.9")) << info;
+
+  EXPECT_EQ(suture({"mesh", "fill", "cube.obj", "-o", "g.vtu"}).code, 2);
+  const Outcome format = suture({"mesh", "fill", "cube.obj", "--edge", "0.1", "-o", "g.msh"});
+  EXPECT_EQ(format.code, 2) << format;
+  EXPECT_TRUE(format.says("expected .vtu for the mesh")) << format;
+  const Outcome large = suture({"mesh", "fill", "cube.obj", "--edge", "3", "-o", "g.vtu"});
+  EXPECT_EQ(large.code, 3) << large;
+  EXPECT_TRUE(large.says("has a corner inside the body of 1 x 1 x 1 m")) << large;
+  EXPECT_FALSE(std::filesystem::exists(folder() / "g.vtu"));
+}
+
 TEST_F(Commands, SurfacesAreMeasuredAndTheirHolesNamed) {
   const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
   write("closed.obj", points + "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");

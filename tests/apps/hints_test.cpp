@@ -59,6 +59,7 @@ TEST_F(Hints, NameOptionsThatTheParserKnows) {
                                              {"mesh", "info"},
                                              {"mesh", "convert"},
                                              {"mesh", "voxelize"},
+                                             {"mesh", "fill"},
                                              {"mesh", "generate", "box"}}) {
     std::vector<std::string> words = command;
     words.emplace_back("--help");

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "kernel/mesh/parts.hpp"
+#include "kernel/scene/scene.hpp"
+
+namespace suture {
+
+/// Refuses what would act on, or show, whole faces of elements of which only a part is material;
+/// and, without such elements, what needs them. Throws one InputError with a line "PATH: TEXT" for
+/// each.
+void check_parts(const Scene& scene, const Parts& parts);
+
+/// The same for an event during the run.
+void check_parts(const Event& event, const Parts& parts);
+
+}  // namespace suture

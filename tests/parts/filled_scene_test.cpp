@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Scenes of bodies that are made from a surface: selections, frames, what is refused.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernel/base/error.hpp"
+#include "kernel/base/vec3.hpp"
+#include "kernel/geometry/surface_file.hpp"
+#include "kernel/output/frame_file.hpp"
+#include "kernel/plugin_host/plugin_host.hpp"
+#include "kernel/results/frame_parts.hpp"
+#include "kernel/results/side_series.hpp"
+#include "tests/geometry/surfaces.hpp"
+
+namespace suture {
+namespace {
+
+using test::error_of;
+
+constexpr double radius = 1;
+
+/// A ball around (3, 0, 0) of elements of 0.2 m, held below z = -0.7 m.
+Scene ball() {
+  static PluginHost plugins;
+  static const std::filesystem::path file = [] {
+    const auto path = test::file_with("ball.off", "");
+    write_surface(path, test::sphere_surface({3, 0, 0}, radius, 4));
+    return path;
+  }();
+  Scene scene;
+  scene.mesh.surface = FilledSurface{file, {.edge = 0.2}};
+  ModelUse use;
+  use.name = "tm-faure";
+  use.model = &plugins.model("tm-faure");
+  for (std::uint32_t p = 0; p < use.model->parameter_count; ++p)
+    use.parameters.push_back(use.model->parameters[p].default_value);
+  scene.models.push_back(use);
+  Constraint clamp;
+  clamp.where.what = Selection::HalfSpace{{0, 0, -0.7}, {0, 0, -1}};
+  scene.constraints.push_back(clamp);
+  scene.output.fields = {"displacement", "node_id", "element_id"};
+  scene.output.surface = true;
+  return scene;
+}
+
+struct Built {
+  explicit Built(const Scene& of) : scene(of) {}
+  Frame frame() {
+    Frame frame;
+    set_geometry(frame, built);
+    fill_fields(fields, FieldChoice::On::points, built, {}, 0, frame.point_fields);
+    fill_fields(fields, FieldChoice::On::cells, built, {}, 0, frame.cell_fields);
+    leave_out(frame, built);
+    check_frame(frame);
+    return frame;
+  }
+  Frame surface() {
+    Frame frame;
+    side_series(scene.output, fields, built, events).at(0).fill(frame, 0, {});
+    check_frame(frame);
+    return frame;
+  }
+  Vec3 rest(Index v) {
+    const Column& x = built.body().attributes().rest();
+    return built.frame().in_scene({x.get(v, 0), x.get(v, 1), x.get(v, 2)});
+  }
+  std::vector<Index> nodes(auto where) const {
+    return built.selector().vertices(in_frame(Selection{where, "/here"}, built.frame()));
+  }
+
+  Scene scene;
+  Diagnostics diagnostics;
+  BuiltScene built{scene, diagnostics};
+  EventRunner events{built.scene(), built, diagnostics};
+  std::vector<FieldChoice> fields = choose_fields(built, scene.output);
+};
+
+double from_centre(const Vec3& p) { return norm(minus(p, {3, 0, 0})); }
+
+double volume_of(const Frame& frame) {
+  double volume = 0;
+  for (const Hexahedron& h : frame.hexahedra) {
+    double box = 1;  // at rest
+    for (std::size_t a = 0; a < 3; ++a) box *= frame.points[h[7]][a] - frame.points[h[0]][a];
+    volume += box;
+  }
+  for (const auto& [a, b, c, d] : frame.tetrahedra) {
+    const Vec3 &o = frame.points[a], p = minus(frame.points[b], o), q = minus(frame.points[c], o);
+    volume += dot(cross(p, q), minus(frame.points[d], o)) / 6;
+  }
+  return volume;
+}
+
+double enclosed_by(const Frame& frame) {
+  double six = 0;
+  for (const SmallCell& t : frame.cells)
+    six += dot(frame.points[t[0]], cross(frame.points[t[1]], frame.points[t[2]]));
+  return six / 6;
+}
+
+TEST(FilledScene, FramesShowTheMaterialOnly) {
+  Built ball_of(ball());
+  const Frame frame = ball_of.frame(), surface = ball_of.surface();
+  EXPECT_GT(frame.hexahedra.size(), 100u);
+  EXPECT_GT(frame.tetrahedra.size(), 1000u);
+  for (const Vec3& p : frame.points) EXPECT_LT(from_centre(p), radius + 0.02 * 0.2);
+  EXPECT_NEAR(volume_of(frame), 4.0 / 3 * M_PI, 0.02 * 4.0 / 3 * M_PI);
+  EXPECT_NEAR(enclosed_by(surface), volume_of(frame), 1e-12);
+  EXPECT_GT(surface.cells.size(), 500u);
+  EXPECT_EQ(surface.cell_fields.back().name, "cut");
+}
+
+// A linear field is interpolated exactly, wherever the points are.
+TEST(FilledScene, FieldsAreInterpolated) {
+  Built ball_of(ball());
+  Column& x = ball_of.built.body().attributes().position();
+  const Column& rest = ball_of.built.body().attributes().rest();
+  const auto map = [](const Vec3& p) {
+    return Vec3{0.1 * p[1] + 0.2 * p[2], 0.3 * p[0], -0.1 * p[0] + 0.4 * p[2]};
+  };
+  const Frame before = ball_of.frame();
+  for (Index v = 0; v < x.size(); ++v) {
+    const Vec3 u = map(ball_of.rest(v));
+    for (int a = 0; a < 3; ++a) x.set(v, a, rest.get(v, a) + u[std::size_t(a)]);
+  }
+  const Frame after = ball_of.frame();
+  ASSERT_EQ(after.points.size(), before.points.size());
+  std::size_t vertices = 0;
+  for (std::size_t p = 0; p < after.points.size(); ++p) {
+    const Vec3 u = map(before.points[p]);
+    for (std::size_t a = 0; a < 3; ++a) {
+      EXPECT_NEAR(after.points[p][a], before.points[p][a] + u[a], 1e-13);
+      EXPECT_NEAR(after.point_fields[0].values[3 * p + a], u[a], 1e-13);
+    }
+    vertices += after.point_fields[1].ids[p] >= 0 ? 1 : 0;
+  }
+  EXPECT_LT(vertices, after.points.size());
+  EXPECT_EQ(after.cell_fields[0].ids.size(), after.hexahedra.size() + after.tetrahedra.size());
+}
+
+TEST(FilledScene, NodesAreSelectedWhereTheirMaterialIs) {
+  Built ball_of(ball());
+  // The whole of the outside of the lattice: the nodes there stand for the surface.
+  std::size_t outside = 0;
+  for (const Index v : ball_of.nodes(Selection::HalfSpace{{0, 0, -0.7}, {0, 0, -1}})) {
+    const Vec3 p = ball_of.rest(v);
+    outside += from_centre(p) > radius ? 1 : 0;
+    EXPECT_LT(p[2], -0.7 + 0.2);
+    EXPECT_LT(std::hypot(p[0] - 3, p[1]), std::sqrt(1 - 0.49) + 2 * 0.2);
+  }
+  EXPECT_GT(outside, 10u);
+  // No material is near there, though nodes are.
+  EXPECT_NE(error_of<InputError>([&] {
+              ball_of.nodes(Selection::Sphere{{3 + 1.1, 0, 0}, 0.09});
+            }).find("/here: the selection contains no node"),
+            std::string::npos);
+  // The nearest node is one of the material.
+  const std::vector<Index> nearest = ball_of.nodes(Selection::Nearest{{3 + 1.5, 0, 0}});
+  ASSERT_EQ(nearest.size(), 1u);
+  EXPECT_LT(from_centre(ball_of.rest(nearest[0])), radius);
+}
+
+TEST(FilledScene, ElementsAreWhereTheCentroidsOfTheirPartsAre) {
+  const Built ball_of(ball());
+  const auto all = ball_of.built.selector().elements(
+      in_frame(Selection{Selection::Sphere{{3, 0, 0}, radius}, "/here"}, ball_of.built.frame()));
+  EXPECT_EQ(all.size(), ball_of.built.body().complex().element_count());
+}
+
+TEST(FilledScene, CutsOpenTheSurface) {
+  Scene scene = ball();
+  Event event;
+  event.what = CutPlane{{3, 0, 0.05}, {0.2, 0.1, 1}};
+  event.path = "/events/0";
+  scene.events = {event};
+  Built ball_of(scene);
+  const double volume = volume_of(ball_of.frame());
+  const std::size_t triangles = ball_of.surface().cells.size();
+  ball_of.events.fire(0, 0);
+  const Frame surface = ball_of.surface();
+  const auto& cut = surface.cell_fields.back().ids;
+  EXPECT_EQ(std::size_t(std::ranges::count(cut, 0)), triangles);
+  EXPECT_GT(std::ranges::count(cut, 1), 100);
+  EXPECT_NEAR(enclosed_by(surface), volume, 1e-12);
+  EXPECT_NEAR(volume_of(ball_of.frame()), volume, 1e-12);
+}
+
+TEST(FilledScene, RefusesWhatActsOnWholeFaces) {
+  const auto error = [](auto change) {
+    Scene scene = ball();
+    change(scene);
+    return error_of<InputError>([&] { const Built built(scene); });
+  };
+  const auto load = [](Load::Kind kind) {
+    return [kind](Scene& scene) { scene.loads.emplace_back().kind = kind; };
+  };
+  EXPECT_TRUE(error([](Scene&) {}).empty());
+  EXPECT_TRUE(error(load(Load::Kind::force)).empty());
+  EXPECT_TRUE(error(load(Load::Kind::pressure)).starts_with("/loads/0/pressure: acts on whole"));
+  EXPECT_TRUE(error(load(Load::Kind::traction)).starts_with("/loads/0/traction: acts on whole"));
+  EXPECT_TRUE(error([](Scene& scene) {
+                scene.contact.pieces = true;
+              }).starts_with("/contact: acts on whole"));
+  EXPECT_TRUE(error([](Scene& scene) {
+                scene.output.cuts = true;
+              }).starts_with("/output/cuts: shows whole faces"));
+  EXPECT_TRUE(error([](Scene& scene) {
+                Event event;
+                event.what = SewFaces{};
+                event.path = "/events/0";
+                scene.events = {event};
+              }).starts_with("/events/0/suture: acts on whole"));
+  EXPECT_TRUE(error([](Scene& scene) {
+                scene.mesh.surface.reset();
+                scene.mesh.box = BoxOptions{{1, 1, 1}, {2, 2, 2}};
+                scene.mesh.box->origin = {0, 0, -1};
+              }).starts_with("/output/surface: is for bodies with \"surface\""));
+  EXPECT_TRUE(error([](Scene& scene) {
+                scene.mesh.surface->size = {.edge = 5};
+              }).starts_with("/mesh/surface: "));
+}
+
+}  // namespace
+}  // namespace suture

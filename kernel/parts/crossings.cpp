@@ -30,6 +30,8 @@ class TrianglesByCube {
         include(shape.box, shape.x[n]);
       }
       shape.normal = cross(minus(shape.x[1], shape.x[0]), minus(shape.x[2], shape.x[0]));
+      for (std::size_t n = 0; n < 3; ++n)
+        shape.outwards[n] = cross(minus(shape.x[(n + 1) % 3], shape.x[n]), shape.normal);
       add(shape, first_cubes(shape.box));
     }
     std::vector<Entry> spare;
@@ -57,6 +59,7 @@ class TrianglesByCube {
     Index number;
     Corners x{};
     Vec3 normal{};
+    std::array<Vec3, 3> outwards{};  ///< in the plane, from the side that begins at x[n]
     Box box = no_box;
   };
   static constexpr double slack = 1e-6;  // far above rounding
@@ -72,27 +75,34 @@ class TrianglesByCube {
     return cubes;
   }
 
-  /// Halves the cubes until one is left, or the plane of the triangle misses them.
+  /// Halves the cubes until one is left, or the triangle misses them.
   void add(const Shape& shape, const Cubes& cubes) {
-    double height = 0, reach = 0;
+    Vec3 half, middle;
     std::size_t widest = 0;
     for (std::size_t a = 0; a < 3; ++a) {
       if (shape.box.high[a] + slack < cubes.first[a] || shape.box.low[a] - slack > cubes.last[a])
         return;
-      const double half = 0.5 * (cubes.last[a] - cubes.first[a]);
-      height += shape.normal[a] * (cubes.first[a] + half - shape.x[0][a]);
-      reach += std::abs(shape.normal[a]) * (half + slack);
+      half[a] = 0.5 * (cubes.last[a] - cubes.first[a]) + slack;
+      middle[a] = 0.5 * (double(cubes.first[a]) + cubes.last[a]);
       if (cubes.last[a] - cubes.first[a] > cubes.last[widest] - cubes.first[widest]) widest = a;
     }
-    if (std::abs(height) > reach) return;
+    // The least distance of the cubes from a plane, times the length of its normal.
+    const auto gap = [&](const Vec3& normal, const Vec3& on, bool is_two_sided) {
+      const double height = dot(normal, minus(middle, on));
+      double reach = 0;
+      for (std::size_t a = 0; a < 3; ++a) reach += std::abs(normal[a]) * half[a];
+      return (is_two_sided ? std::abs(height) : height) - reach;
+    };
+    if (gap(shape.normal, shape.x[0], true) > 0) return;
+    for (std::size_t n = 0; n < 3; ++n)
+      if (gap(shape.outwards[n], shape.x[n], false) > 0) return;
     if (cubes.last[widest] - cubes.first[widest] == 1) {
       const auto [i, j, k] = cubes.first;
       entries_.push_back({i + lattice_.step(1) * j + lattice_.step(2) * k, shape.number});
       return;
     }
-    const Index middle = (cubes.first[widest] + cubes.last[widest]) / 2;
     Cubes lower = cubes, upper = cubes;
-    lower.last[widest] = upper.first[widest] = middle;
+    lower.last[widest] = upper.first[widest] = (cubes.first[widest] + cubes.last[widest]) / 2;
     add(shape, lower);
     add(shape, upper);
   }

@@ -33,35 +33,12 @@ void for_each_link(const Lattice& lattice, const std::vector<Piece>& pieces, Vis
   }
 }
 
-/// Unites pieces that touch the same piece through one face.
-void unite_fans(const Lattice& lattice, const std::vector<Piece>& pieces, DisjointSets& sets) {
-  std::vector<Index> partner(6 * pieces.size(), none);
-  const auto join = [&](std::size_t face, std::size_t piece) {
-    if (partner[face] == none)
-      partner[face] = static_cast<Index>(piece);
-    else
-      sets.unite(partner[face], piece);
-  };
-  for_each_link(lattice, pieces, [&](int axis, std::size_t p, std::size_t q) {
-    join(6 * p + 2 * axis + 1, q);
-    join(6 * q + 2 * axis, p);
-  });
-}
-
 bool share_a_face(const Hexahedron& a, const Hexahedron& b) {
   CornerSet shared = 0;
   for (unsigned n = 0; n < 8; ++n) shared |= CornerSet((a[n] == b[n] ? 1u : 0u) << n);
   return std::ranges::any_of(upper, [&](CornerSet face) {
     return (shared & face) == face || (shared & CornerSet(~face)) == CornerSet(~face);
   });
-}
-
-/// Unites pieces of one cube that share the nodes of a face.
-void unite_doubles(const Lattice& lattice, const std::vector<Piece>& pieces, DisjointSets& sets) {
-  const std::vector<Hexahedron> nodes = nodes_of(lattice, pieces);
-  for (std::size_t p = 0; p < pieces.size(); ++p)
-    for (std::size_t q = p + 1; q < pieces.size() && pieces[q].cube == pieces[p].cube; ++q)
-      if (share_a_face(nodes[p], nodes[q])) sets.unite(p, q);
 }
 
 /// Replaces the pieces of each set by one; returns the number of those that are gone.
@@ -73,13 +50,6 @@ std::size_t keep_sets(std::vector<Piece>& pieces, DisjointSets& sets) {
     pieces[p].corners = 0;
   }
   return std::erase_if(pieces, [](const Piece& piece) { return piece.corners == 0; });
-}
-
-template <class Unite>
-std::size_t join_by(Unite unite, const Lattice& lattice, std::vector<Piece>& pieces) {
-  DisjointSets sets(pieces.size());
-  unite(lattice, pieces, sets);
-  return keep_sets(pieces, sets);
 }
 
 }  // namespace
@@ -122,14 +92,14 @@ std::size_t drop_specks(const Lattice& lattice, std::vector<Piece>& pieces) {
 }
 
 std::size_t join_pieces(const Lattice& lattice, std::vector<Piece>& pieces) {
-  const auto has_doubles = [&] {
-    return std::ranges::adjacent_find(pieces, {}, &Piece::cube) != pieces.end();
-  };
-  std::size_t gone = 0;
-  while (has_doubles()) {
-    std::size_t now = join_by(unite_fans, lattice, pieces);
-    if (now == 0) now = join_by(unite_doubles, lattice, pieces);
-    if (now == 0) break;
+  std::size_t gone = 0, now = 1;
+  while (now != 0 && std::ranges::adjacent_find(pieces, {}, &Piece::cube) != pieces.end()) {
+    const std::vector<Hexahedron> nodes = nodes_of(lattice, pieces);
+    DisjointSets sets(pieces.size());
+    for (std::size_t p = 0; p < pieces.size(); ++p)
+      for (std::size_t q = p + 1; q < pieces.size() && pieces[q].cube == pieces[p].cube; ++q)
+        if (share_a_face(nodes[p], nodes[q])) sets.unite(p, q);
+    now = keep_sets(pieces, sets);
     gone += now;
   }
   return gone;

@@ -37,10 +37,10 @@ std::vector<Piece> pieces_of(const Lattice& lattice, const std::vector<std::uint
 /// near sharp edges of a surface may have no neighbour inside. Returns the number of such islands.
 std::size_t drop_specks(const Lattice& lattice, std::vector<Piece>& pieces);
 
-/// Joins pieces of one cube that touch the same piece of a neighbouring cube through one face: at
-/// the bottom of a gap that is narrower than a cube, three hexahedra would meet in a face. Also
-/// those that share all nodes of a face. Pieces are thus joined only if their material is connected
-/// in the neighbourhood. Returns the number of pieces that are gone.
+/// Joins pieces of one cube whose hexahedra would share all nodes of a face: at the bottom of a gap
+/// that is narrower than a cube, both walls touch the same piece of the next cube. Pieces are thus
+/// joined only if their material is connected in the neighbourhood. Returns the number of pieces
+/// that are gone.
 std::size_t join_pieces(const Lattice& lattice, std::vector<Piece>& pieces);
 
 /// Numbers of the nodes of the hexahedra of pieces, in the order of their first use. Neighbouring

@@ -226,6 +226,22 @@ TEST_F(Commands, SurfacesAreFilledUpToThem) {
   EXPECT_EQ(large.code, 3) << large;
   EXPECT_TRUE(large.says("has a corner inside the body of 1 x 1 x 1 m")) << large;
   EXPECT_FALSE(std::filesystem::exists(folder() / "g.vtu"));
+
+  const auto checked = [&](const std::string& mesh) {
+    return scene("check", "", {"/mesh=" + mesh});
+  };
+  const Outcome scene_of = checked(R"({"surface": "cube.obj", "cells": 100})");
+  EXPECT_EQ(scene_of.code, 0) << scene_of;
+  const Outcome no_size = checked(R"({"surface": "cube.obj"})");
+  EXPECT_EQ(no_size.code, 3) << no_size;
+  EXPECT_TRUE(no_size.says("/mesh: must have exactly one of 'cells', 'edge', has none")) << no_size;
+  const Outcome both = checked(R"({"surface": "cube.obj", "cells": 9, "edge": 1})");
+  EXPECT_TRUE(both.says("/mesh: must have exactly one of 'cells', 'edge', has")) << both;
+  write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
+  const Outcome open = checked(R"({"surface": "open.obj", "cells": 9})");
+  EXPECT_EQ(open.code, 3) << open;
+  EXPECT_TRUE(open.says("/mesh/surface: ")) << open;
+  EXPECT_TRUE(open.says("use \"repair\": true in /mesh to fill each hole")) << open;
 }
 
 TEST_F(Commands, SurfacesAreMeasuredAndTheirHolesNamed) {

@@ -272,6 +272,25 @@ TEST(FillSurface, NotchesAreSound) {
   EXPECT_GT(joined_pieces, 0u);
 }
 
+// A box that is smaller than a cube holds one corner, or none.
+TEST(FillSurface, SpecksAreLeftOut) {
+  std::size_t left_out = 0;
+  for (int i = 0; i < 8; ++i) {
+    const double x = 1.5 + 0.04 * i;
+    Diagnostics diagnostics;
+    const Mesh mesh = fill_surface(joined(box_surface({0, 0, 0}, {1, 1, 1}),
+                                          box_surface({x, 0.41, 0.41}, {x + 0.19, 0.6, 0.6})),
+                                   {.edge = 0.2}, diagnostics);
+    EXPECT_EQ(expect_sound(mesh), 1u);
+    for (const std::string& note : diagnostics.notes())
+      left_out += note.find("1 piece of the size of a cube or two") != note.npos ? 1 : 0;
+  }
+  EXPECT_GT(left_out, 0u);
+  // The only material stays.
+  EXPECT_EQ(filled(box_surface({0.1, 0.1, 0.1}, {0.3, 0.3, 0.3}), {.edge = 0.16}).hexahedra.size(),
+            8u);
+}
+
 TEST(FillSurface, FindsTheEdgeForANumberOfCells) {
   const TriangleSurface ball = sphere_surface({3, -2, 1}, 1, 4);
   for (const std::size_t cells : {4000, 30000})

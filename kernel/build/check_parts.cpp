@@ -51,9 +51,8 @@ class PartsCheck {
 void check_parts(const Scene& scene, const Parts& parts) {
   if (parts.empty() && scene.output.surface)
     throw InputError(
-        "/output/surface: is for bodies with \"surface\" in /mesh; a viewer extracts the surface "
-        "of "
-        "other frames; remove it");
+        "/output/surface: is for bodies with \"surface\" in /mesh; remove it, and let the viewer "
+        "extract the surface of the frames");
   if (parts.empty()) return;
   PartsCheck check;
   check.check(scene);

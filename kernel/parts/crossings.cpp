@@ -10,9 +10,9 @@
 namespace suture {
 namespace {
 
-using Corners = std::array<Vec3, 3>;
+using TriangleCorners = std::array<Vec3, 3>;
 
-Corners corners_of(const TriangleSurface& surface, const Triangle& t) {
+TriangleCorners corners_of(const TriangleSurface& surface, const Triangle& t) {
   return {surface.points[t[0]], surface.points[t[1]], surface.points[t[2]]};
 }
 
@@ -57,7 +57,7 @@ class TrianglesByCube {
   /// Lengths in edges of a cube, from the lattice's corner.
   struct Shape {
     Index number;
-    Corners x{};
+    TriangleCorners x{};
     Vec3 normal{};
     std::array<Vec3, 3> outwards{};  ///< in the plane, from the side that begins at x[n]
     Box box = no_box;
@@ -112,7 +112,7 @@ class TrianglesByCube {
 };
 
 /// The share of the link before it meets the triangle, if it may do so; else more than 1.
-double share_before(const Corners& t, const Segment& link) {
+double share_before(const TriangleCorners& t, const Segment& link) {
   constexpr double no = 2, rounding = 1e-6;
   const Vec3 normal = cross(minus(t[1], t[0]), minus(t[2], t[0]));
   const double from_a = dot(normal, minus(link.a, t[0]));
@@ -137,7 +137,7 @@ double first_share(const TrianglesByCube& triangles, std::size_t cube, const Seg
   const Segment longer{minus(way.a, beyond), plus(way.b, beyond)};
   double first = 2;
   triangles.for_each(cube, [&](Index t) {
-    const Corners corners = corners_of(surface, surface.triangles[t]);
+    const TriangleCorners corners = corners_of(surface, surface.triangles[t]);
     const double share = share_before(corners, longer);
     if (share < first && geometry_module().crosses(corners, longer)) first = share;
   });

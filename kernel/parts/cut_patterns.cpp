@@ -11,12 +11,12 @@
 namespace suture {
 namespace {
 
-using Corner = unsigned;
+using CornerNumber = unsigned;
 using Four = std::array<PatternPoint, 4>;
 using Three = std::array<PatternPoint, 3>;
 
-PatternPoint at_corner(Corner a) { return static_cast<PatternPoint>(8 * a); }
-PatternPoint crossing(Corner a, Corner b) {
+PatternPoint at_corner(CornerNumber a) { return static_cast<PatternPoint>(8 * a); }
+PatternPoint crossing(CornerNumber a, CornerNumber b) {
   return static_cast<PatternPoint>(8 * std::min(a, b) + (a ^ b));
 }
 
@@ -42,9 +42,9 @@ void add_wedge(Three low, Three high, std::vector<Four>& out) {
 }
 
 /// The inner part of a tetrahedron of the cube.
-std::vector<Four> clipped(const std::array<Corner, 4>& corners, CornerSet inside) {
-  std::vector<Corner> in, out;
-  for (const Corner c : corners) (inside >> c & 1 ? in : out).push_back(c);
+std::vector<Four> clipped(const std::array<CornerNumber, 4>& corners, CornerSet inside) {
+  std::vector<CornerNumber> in, out;
+  for (const CornerNumber c : corners) (inside >> c & 1 ? in : out).push_back(c);
   std::vector<Four> result;
   switch (in.size()) {
     case 1:
@@ -109,7 +109,7 @@ void number(const std::vector<std::array<PatternPoint, N>>& cells,
 CutPattern make_pattern(CornerSet inside) {
   std::vector<Four> tetrahedra;
   std::vector<Three> triangles;
-  std::array<Corner, 3> axes{1, 2, 4};
+  std::array<CornerNumber, 3> axes{1, 2, 4};
   do {
     std::vector<Four> part =
         clipped({0, axes[0], axes[0] | axes[1], axes[0] | axes[1] | axes[2]}, inside);
@@ -128,8 +128,8 @@ CutPattern make_pattern(CornerSet inside) {
 /// The corners that edges of the tetrahedra join to one of these.
 CornerSet neighbours_of(CornerSet corners) {
   CornerSet result = corners;
-  for (Corner a = 0; a < 8; ++a)
-    for (Corner b = 0; b < 8; ++b)
+  for (CornerNumber a = 0; a < 8; ++a)
+    for (CornerNumber b = 0; b < 8; ++b)
       if ((corners >> a & 1) != 0 && ((a & b) == a || (a & b) == b)) result |= CornerSet(1u << b);
   return result;
 }

@@ -12,12 +12,12 @@
 namespace suture {
 namespace {
 
-struct Filling : CornerLattice {
+struct CornerFilling : CornerLattice {
   std::size_t count = 0;  ///< of cubes with a corner inside
 };
 
 /// A face of the body in a plane of the lattice would be moved by Crossings::nearest.
-Vec3 layers(const Box& box, double edge) {
+Vec3 layers_around(const Box& box, double edge) {
   Vec3 cells;
   for (std::size_t a = 0; a < 3; ++a) cells[a] = std::ceil(box.length(a) / edge + 0.1);
   return cells;
@@ -38,10 +38,10 @@ std::size_t count_cubes(const Lattice& lattice, const std::vector<std::uint8_t>&
   return count;
 }
 
-Filling fill(const TriangleSurface& surface, const Box& box, double edge) {
-  Filling filling;
+CornerFilling fill_lattice(const TriangleSurface& surface, const Box& box, double edge) {
+  CornerFilling filling;
   CubeGrid& corners = filling.corners;
-  corners = grid_around(box, edge, layers(box, edge), surface.source);
+  corners = grid_around(box, edge, layers_around(box, edge), surface.source);
   filling.cubes = corners.cells;
   for (std::size_t a = 0; a < 3; ++a) {
     corners.origin[a] -= edge / 2;
@@ -52,13 +52,13 @@ Filling fill(const TriangleSurface& surface, const Box& box, double edge) {
   return filling;
 }
 
-Filling fill(const TriangleSurface& surface, const Box& box, const CubeSize& size,
-             Diagnostics& diagnostics) {
+CornerFilling fill_lattice(const TriangleSurface& surface, const Box& box, const CubeSize& size,
+                           Diagnostics& diagnostics) {
   require_size(surface, size.cells, size.edge);
-  if (size.cells == 0) return fill(surface, box, size.edge);
+  if (size.cells == 0) return fill_lattice(surface, box, size.edge);
   const auto fill_now = [&](double edge) {
-    require_compact(surface, box, layers(box, edge), double(size.cells));
-    return fill(surface, box, edge);
+    require_compact(surface, box, layers_around(box, edge), double(size.cells));
+    return fill_lattice(surface, box, edge);
   };
   return fill_with_cells(surface, size.cells, fill_now, diagnostics);
 }
@@ -88,7 +88,7 @@ void add_part(Index element, const Piece& piece, const Crossings& crossings, Par
   parts.first.push_back(static_cast<Index>(parts.tetrahedra.size()));
 }
 
-Parts parts_of(const Filling& filling, const std::vector<Piece>& pieces,
+Parts parts_of(const CornerFilling& filling, const std::vector<Piece>& pieces,
                const TriangleSurface& surface) {
   const Crossings crossings(filling, pieces, surface);
   Parts parts;
@@ -98,7 +98,7 @@ Parts parts_of(const Filling& filling, const std::vector<Piece>& pieces,
   return parts;
 }
 
-Mesh mesh_of(const Filling& filling, const std::vector<Piece>& pieces) {
+Mesh mesh_of_pieces(const CornerFilling& filling, const std::vector<Piece>& pieces) {
   Mesh mesh;
   mesh.hexahedra = nodes_of(filling, pieces);
   for (std::size_t e = 0; e < pieces.size(); ++e) {
@@ -111,8 +111,8 @@ Mesh mesh_of(const Filling& filling, const std::vector<Piece>& pieces) {
   return mesh;
 }
 
-void warn_if_coarse(const Mesh& mesh, double edge, const TriangleSurface& surface, const Box& box,
-                    Diagnostics& diagnostics) {
+void warn_if_thin(const Mesh& mesh, double edge, const TriangleSurface& surface, const Box& box,
+                  Diagnostics& diagnostics) {
   double cubes = double(mesh.hexahedra.size() - mesh.parts.elements.size());
   for (const PartMoments& moments : mesh.parts.moments) cubes += moments.fraction;
   const double wanted = volume_of(surface), found = cubes * edge * edge * edge;
@@ -126,7 +126,7 @@ void warn_if_coarse(const Mesh& mesh, double edge, const TriangleSurface& surfac
 
 Mesh fill_surface(const TriangleSurface& surface, const CubeSize& size, Diagnostics& diagnostics) {
   const Box box = box_of(surface.points);
-  const Filling filling = fill(surface, box, size, diagnostics);
+  const CornerFilling filling = fill_lattice(surface, box, size, diagnostics);
   const double edge = filling.corners.edge;
   if (filling.count == 0)
     throw InputError(surface.source + ": no cube of edge " + number_text(edge) +
@@ -145,10 +145,10 @@ Mesh fill_surface(const TriangleSurface& surface, const CubeSize& size, Diagnost
     diagnostics.note(surface.source + ": " + grouped(joined) +
                      " elements were joined to others in the same cube, at the ends of gaps that "
                      "are narrower than a cube");
-  Mesh mesh = mesh_of(filling, pieces);
+  Mesh mesh = mesh_of_pieces(filling, pieces);
   mesh.source = surface.source;
   mesh.parts = parts_of(filling, pieces, surface);
-  warn_if_coarse(mesh, edge, surface, box, diagnostics);
+  warn_if_thin(mesh, edge, surface, box, diagnostics);
   return mesh;
 }
 

@@ -4,7 +4,9 @@
 #include <map>
 #include <span>
 
+#include "kernel/plugin_host/part_functors.hpp"
 #include "kernel/plugin_host/plugin_call.hpp"
+#include "kernel/plugin_host/table_check.hpp"
 #include "kernel/plugin_host/table_entry.hpp"
 #include "suture/single.h"
 
@@ -41,6 +43,27 @@ class ExtensionCheck {
                   "columns is " + std::to_string(table->columns) + ", but the functor has " +
                       std::to_string(functor_.cell_column_count) + " cell columns");
     entry.require(table->apply != nullptr, "its function is NULL");
+  }
+
+  /// The functor of suture.parts/1, or null.
+  const suture_functor* on_parts(const suture_model& model) const {
+    const auto* table = extension_of<suture_parts_1>(functor_, SUTURE_PARTS_1);
+    if (table == nullptr) return nullptr;
+    const Entry entry = entry_.inner("extension", SUTURE_PARTS_1, 0);
+    if (!entry.size(table->size, least_.extension, sizeof *table)) return nullptr;
+    entry.reserved(table->reserved);
+    if (table->functor == nullptr) {
+      entry.require(functor_.dimension < 3 || functor_.shape == SUTURE_GENERAL,
+                    "its functor is NULL, which a functor on elements may not have");
+      return nullptr;
+    }
+    if (!entry.size(table->functor->size, least_.functor, sizeof functor_)) return nullptr;
+    const suture_functor& f = *functor_on_parts(functor_);
+    check_functor(entry, model, f, true);
+    entry.require(f.dimension == 3 && functor_.dimension == 3 && f.shape == functor_.shape &&
+                      f.reads == functor_.reads,
+                  "its functor differs in dimension, shape or reads, or is not on elements");
+    return &f;
   }
 
   /// The fields of suture.output/1, by name; those of other functors are `known`.
@@ -82,17 +105,28 @@ class ExtensionCheck {
   const Entry& entry_;
 };
 
+using Fields = std::map<std::string, std::uint32_t>;
+
+void check_functions(const ExtensionCheck& check, Fields& fields) {
+  check.one(SUTURE_ENERGY_1, &suture_energy_1::energy);
+  check.one(SUTURE_STABLE_DT_1, &suture_stable_dt_1::bounds);
+  check.one(SUTURE_TANGENT_1, &suture_tangent_1::apply);
+  check.single_tangent();
+  check.one(SUTURE_INSPECT_1, &suture_inspect_1::inspect);
+  check.output(fields);
+}
+
 void check_model(const Entry& model, const suture_model& m, const TableSizes& least) {
-  std::map<std::string, std::uint32_t> fields[4];  // by dimension
+  Fields fields[4];  // by dimension
   for (const suture_functor& functor : std::span(m.functors, m.functor_count)) {
     const Entry entry = model.inner("functor", functor.name, 0);
     const ExtensionCheck check(least, functor, entry);
-    check.one(SUTURE_ENERGY_1, &suture_energy_1::energy);
-    check.one(SUTURE_STABLE_DT_1, &suture_stable_dt_1::bounds);
-    check.one(SUTURE_TANGENT_1, &suture_tangent_1::apply);
-    check.single_tangent();
-    check.one(SUTURE_INSPECT_1, &suture_inspect_1::inspect);
-    check.output(fields[functor.dimension]);
+    check_functions(check, fields[functor.dimension]);
+    const std::size_t before = entry.count();
+    const suture_functor* const on_parts = check.on_parts(m);
+    if (on_parts == nullptr || entry.count() != before) continue;
+    const Entry inner = entry.inner("functor on parts", on_parts->name, 0);
+    check_functions({least, *on_parts, inner}, fields[3]);
   }
 }
 

@@ -218,10 +218,12 @@ void check_column(const Entry& entry, const suture_model& m, std::uint32_t colum
                     "UINT32_MAX for the vertex mass");
 }
 
-void check_columns(const Entry& entry, const suture_model& m, const suture_functor& f) {
+void check_columns(const Entry& entry, const suture_model& m, const suture_functor& f,
+                   bool on_parts) {
   if (entry.array(f.cell_columns, f.cell_column_count, "cell_columns"))
     for (std::uint32_t i = 0; i < f.cell_column_count; ++i)
-      check_column(entry, m, f.cell_columns[i], f.dimension, "cell");
+      if (!on_parts || f.cell_columns[i] != SUTURE_PART_COLUMN)
+        check_column(entry, m, f.cell_columns[i], f.dimension, "cell");
   if (entry.array(f.vertex_columns, f.vertex_column_count, "vertex_columns"))
     for (std::uint32_t i = 0; i < f.vertex_column_count; ++i)
       if (f.vertex_columns[i] != std::numeric_limits<std::uint32_t>::max())
@@ -252,19 +254,8 @@ void check_functors(const Entry& model, const suture_model& m) {
   for (std::uint32_t i = 0; i < m.functor_count; ++i) {
     const suture_functor& f = m.functors[i];
     const Entry entry = model.inner("functor", f.name, i);
-    entry.text(f.name, "name");
     if (f.name != nullptr) names.unique(entry, f.name, "name");
-    entry.text(f.doc, "doc");
-    entry.require(f.force != nullptr, "its function force is NULL");
-    entry.require(f.lanes == SUTURE_LANES, "is written for " + std::to_string(f.lanes) +
-                                               " lanes, this host has " +
-                                               std::to_string(SUTURE_LANES));
-    entry.known(f.scalar, 0, "scalar");
-    entry.known_bits(f.reads, SUTURE_READ_REST | SUTURE_READ_POSITION | SUTURE_READ_VELOCITY,
-                     "reads");
-    entry.reserved(f.reserved);
-    check_cells(entry, f);
-    check_columns(entry, m, f);
+    check_functor(entry, m, f);
   }
 }
 
@@ -302,6 +293,22 @@ void check_extensions(const Entry& entry, const suture_plugin& plugin) {
 }
 
 }  // namespace
+
+void check_functor(const Entry& entry, const suture_model& m, const suture_functor& f,
+                   bool on_parts) {
+  entry.text(f.name, "name");
+  entry.text(f.doc, "doc");
+  entry.require(f.force != nullptr, "its function force is NULL");
+  entry.require(f.lanes == SUTURE_LANES, "is written for " + std::to_string(f.lanes) +
+                                             " lanes, this host has " +
+                                             std::to_string(SUTURE_LANES));
+  entry.known(f.scalar, 0, "scalar");
+  entry.known_bits(f.reads, SUTURE_READ_REST | SUTURE_READ_POSITION | SUTURE_READ_VELOCITY,
+                   "reads");
+  entry.reserved(f.reserved);
+  check_cells(entry, f);
+  check_columns(entry, m, f, on_parts);
+}
 
 std::vector<std::string> table_problems(const suture_plugin& plugin) {
   std::vector<std::string> problems;

@@ -27,6 +27,8 @@ class Entry {
                            (named ? "'" + std::string(name) + "'" : std::to_string(index))};
   }
 
+  std::size_t count() const { return problems_.size(); }  ///< of the whole list
+
   bool require(bool holds, const std::string& otherwise) const {
     if (!holds) problems_.push_back((name_.empty() ? "" : name_ + ": ") + otherwise);
     return holds;

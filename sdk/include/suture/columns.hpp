@@ -16,6 +16,8 @@
 #include <array>
 #include <cstdint>
 
+#include "suture/parts.h"
+
 namespace suture {
 
 template <std::uint32_t Place>
@@ -25,6 +27,10 @@ struct column {
 
 /// The kernel's mass of a vertex, for the vertex_columns of a functor.
 inline constexpr column<UINT32_MAX> vertex_mass{};
+
+/// The moments of the part of an element that is material (parts.h), for the cell_columns of
+/// functors on parts.
+inline constexpr column<SUTURE_PART_COLUMN> element_part{};
 
 /// Several columns: those that a functor declares, or some from which one is chosen at run
 /// time.

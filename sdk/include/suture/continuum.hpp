@@ -82,6 +82,8 @@ template <class G>
 inline constexpr bool is_box = false;
 template <class R, int Q>
 inline constexpr bool is_box<box_geometry<R, Q>> = true;
+template <class R, int Q>
+inline constexpr bool is_box<part_geometry<box_geometry<R, Q>, R, Q>> = true;
 
 /// J^-1 of parallelepipeds, row-major: component 3*axis + coordinate. Entries that
 /// are due to rounding (below 1e-13 of the largest) are set to zero, so that a box is
@@ -267,16 +269,36 @@ struct parallelepipeds : continuum_functor<M, parallelepipeds<M>> {
   static SUTURE_INLINE void with_geometry(const Cell& c, Work&& work) {
     using R = typename Cell::real;
     mat3<R> inverse_j;
-    R skew(0.0);
-    for (int i = 0; i < 9; ++i) {
-      inverse_j(i / 3, i % 3) = c.column(jacobian, i);
-      if (i % 4) skew = max(skew, abs(inverse_j(i / 3, i % 3)));
-    }
-    if (all(skew == 0.0))
+    if (all(read_inverse(c, jacobian, inverse_j) == 0.0))
       work(box_geometry<R, Q>(inverse_j));
     else
       work(parallelepiped_geometry<R, Q>(inverse_j));
   }
+};
+
+/// Those of which only a part is material.
+template <class M>
+struct parallelepiped_parts : continuum_functor<M, parallelepiped_parts<M>> {
+  static constexpr const char* name = "parts of parallelepipeds";
+  static constexpr std::uint32_t shape = SUTURE_PARALLELEPIPED;
+  static constexpr column<0> jacobian{};
+  static constexpr auto cell_columns = joined(state_columns<M, 8>, columns(jacobian, element_part));
+
+  template <int Q, class Cell, class Work>
+  static SUTURE_INLINE void with_geometry(const Cell& c, Work&& work) {
+    using R = typename Cell::real;
+    mat3<R> inverse_j;
+    const bool is_box = all(read_inverse(c, jacobian, inverse_j) == 0.0);
+    const part_moments<R> part = read_part(c);
+    if (is_box)
+      work(part_geometry<box_geometry<R, Q>, R, Q>(inverse_j, part));
+    else
+      work(part_geometry<parallelepiped_geometry<R, Q>, R, Q>(inverse_j, part));
+  }
+};
+template <class M>
+struct functor_on_parts<parallelepipeds<M>> {
+  using type = parallelepiped_parts<M>;
 };
 
 template <class M>
@@ -337,6 +359,8 @@ struct functor_in_single<stored_hexahedra<M>> {
 // Every Gauss point contributes to the force on every node.
 template <class M>
 inline constexpr int nodes_to_check<parallelepipeds<M>> = 1;
+template <class M>
+inline constexpr int nodes_to_check<parallelepiped_parts<M>> = 1;
 template <class M>
 inline constexpr int nodes_to_check<stored_hexahedra<M>> = 1;
 template <class M>

@@ -199,6 +199,11 @@ struct functor_defaults {
   /// Whether the force depends on differences of positions and of rest positions only, so that a
   /// tangent in single precision can be offered (suture/single.h).
   static constexpr bool single_tangent = false;
+  /// Whether the functor may run on bodies with elements of which only a part is material. On
+  /// volumes: forces, energy and bounds of such an element are those of the whole one times the
+  /// fraction. On vertices, edges and faces: the columns that it reads are sums over elements,
+  /// whose contributions the host multiplies by the fraction. Continua need no declaration.
+  static constexpr bool allows_parts = false;
   static constexpr bool contributes = false;  ///< true for contributions, set by the layer
   /// On volumes: whether parameters that differ from element to element are read.
   static constexpr bool element_parameters = false;

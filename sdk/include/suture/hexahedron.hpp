@@ -162,6 +162,11 @@ struct parallelepiped_geometry {
       : inverse_jacobian(inverse),
         volume(1.0 / det(inverse)),
         back_(transpose(inverse) * (volume * common_weight<Q>)) {}
+  /// `fraction`: of the volume.
+  SUTURE_INLINE parallelepiped_geometry(const mat3<R>& inverse, const R& fraction)
+      : inverse_jacobian(inverse),
+        volume(fraction / det(inverse)),
+        back_(transpose(inverse) * (volume * common_weight<Q>)) {}
 
   struct at_point {
     const parallelepiped_geometry& g;
@@ -195,6 +200,10 @@ struct box_geometry {
   SUTURE_INLINE explicit box_geometry(const mat3<R>& inverse)
       : inverse_length{inverse(0, 0), inverse(1, 1), inverse(2, 2)},
         volume(1.0 / (inverse_length[0] * inverse_length[1] * inverse_length[2])) {}
+  /// `fraction`: of the volume.
+  SUTURE_INLINE box_geometry(const mat3<R>& inverse, const R& fraction) : box_geometry(inverse) {
+    volume = volume * fraction;
+  }
 
   struct at_point {
     const R& volume;
@@ -219,6 +228,11 @@ struct box_geometry {
     for (int d = 0; d < 3; ++d)
       stresses.scale_axis(d, inverse_length[d] * (volume * common_weight<Q>));
   }
+  /// In local coordinates, as those of part_geometry.
+  template <class T>
+  SUTURE_INLINE void shift(axis_values<T, Q>&) const {}
+  template <class T>
+  SUTURE_INLINE void spread(axis_values<T, Q>&) const {}
 };
 
 /// Any hexahedron: J from the rest positions at every point.
@@ -297,6 +311,91 @@ stored_geometry<R, InverseColumn, MeasureColumn> make_stored_geometry(InverseCol
                                                                       MeasureColumn m) {
   return {i, m};
 }
+
+// ------------------------------------------------------------------ parts --
+
+/// The part of an element that is material (parts.h): `second` holds the means of yz, xz, xy.
+template <class R>
+struct part_moments {
+  R fraction;
+  vec3<R> first, second;
+};
+
+/// A parallelepiped of which only a part is material. The usual points keep their places, with the
+/// weights times the fraction. To the gradients at all of them it adds the difference between the
+/// mean of the part and that of the cube, so that the mean gradient is that of the part: the
+/// element passes the patch test, and parts of any size are stable. With the hourglasses
+/// h_xy = sum s_x s_y x_n and so on, in coordinates [-1,1]^3, the difference of dx/dx is
+///   (first_y h_xy + first_z h_xz + second_yz h_xyz) / 8,
+/// and likewise for y and z. The slopes of the gradients between Gauss points contain them.
+template <class Geometry, class R, int Q>
+struct part_geometry : Geometry {
+  SUTURE_INLINE part_geometry(const mat3<R>& inverse, const part_moments<R>& part)
+      : Geometry(inverse, part.fraction) {
+    constexpr double point = 1 - 2 * gauss<Q>::first;  // the highest, in [-1,1]
+    first_ = part.first * R(0.25 / point);
+    second_ = part.second * R(0.25 / (point * point));
+  }
+
+  template <class T>
+  SUTURE_INLINE void start(axis_values<T, Q>& gradients) const {
+    shift(gradients);
+    Geometry::start(gradients);
+  }
+  template <class T>
+  SUTURE_INLINE void finish(axis_values<T, Q>& stresses) const {
+    Geometry::finish(stresses);
+    spread(stresses);
+  }
+
+  /// Adds the difference to the gradients.
+  template <class T>
+  SUTURE_INLINE void shift(axis_values<T, Q>& g) const {
+    for (int c = 0; c < 3; ++c) {
+      const T* const x = g.along[0][c];
+      const T* const y = g.along[1][c];
+      const T low = x[low_high] - x[low_low], high = x[high_high] - x[high_low];
+      const T xy = high + low, xyz = high - low;
+      const T xz = (x[high_high] + x[high_low]) - (x[low_high] + x[low_low]);
+      const T yz = (y[high_high] + y[high_low]) - (y[low_high] + y[low_low]);
+      const T shift[3] = {first_[1] * xy + first_[2] * xz + second_[0] * xyz,
+                          first_[0] * xy + first_[2] * yz + second_[1] * xyz,
+                          first_[0] * xz + first_[1] * yz + second_[2] * xyz};
+      for (int d = 0; d < 3; ++d)
+        for (int p = 0; p < Q * Q; ++p) g.along[d][c][p] += shift[d];
+    }
+  }
+  /// The transpose.
+  template <class T>
+  SUTURE_INLINE void spread(axis_values<T, Q>& s) const {
+    for (int c = 0; c < 3; ++c) {
+      T sum[3];
+      for (int d = 0; d < 3; ++d) {
+        sum[d] = s.along[d][c][0];
+        for (int p = 1; p < Q * Q; ++p) sum[d] += s.along[d][c][p];
+      }
+      const T xy = first_[1] * sum[0] + first_[0] * sum[1];
+      const T xz = first_[2] * sum[0] + first_[0] * sum[2];
+      const T yz = first_[2] * sum[1] + first_[1] * sum[2];
+      const T xyz = second_[0] * sum[0] + second_[1] * sum[1] + second_[2] * sum[2];
+      T* const x = s.along[0][c];
+      T* const y = s.along[1][c];
+      x[low_low] += (xyz - xy) - xz;
+      x[low_high] += (xy - xyz) - xz;
+      x[high_low] += xz - (xy + xyz);
+      x[high_high] += xz + (xy + xyz);
+      y[low_low] -= yz;
+      y[low_high] -= yz;
+      y[high_low] += yz;
+      y[high_high] += yz;
+    }
+  }
+
+ private:
+  /// Places of the outer Gauss points: first the higher other axis, then the lower.
+  enum { low_low = 0, low_high = Q - 1, high_low = Q * (Q - 1), high_high = Q * Q - 1 };
+  vec3<R> first_, second_;
+};
 
 // -------------------------------------------------------------- integrals --
 
@@ -400,17 +499,19 @@ struct isotropic_box {
   }
 };
 
-/// Nodal forces of that law.
-template <int Q, class T, class R>
-SUTURE_INLINE void isotropic_box_force(const vec3<T> (&x)[8], const box_geometry<R, Q>& box,
-                                       const R& lambda, const R& mu, vec3<T> (&f)[8]) {
-  const axis_values<T, Q> g = gradients<Q>(x);
+/// Nodal forces of that law; `box` may be a part of one.
+template <int Q, class T, class R, class Box>
+SUTURE_INLINE void isotropic_box_force(const vec3<T> (&x)[8], const Box& box, const R& lambda,
+                                       const R& mu, vec3<T> (&f)[8]) {
+  axis_values<T, Q> g = gradients<Q>(x);
+  box.shift(g);
   const isotropic_box<R, Q> constants(box, lambda, mu);
   axis_values<T, Q> s{};
   for_each_point<Q>([&](int i, int j, int k) SUTURE_DETAIL_INLINED {
     const mat3<T> G = g.at(i, j, k);
     s.add_product(i, j, k, G, constants.flux(G, point_weight<Q>(i, j, k)));
   });
+  box.spread(s);
   scatter<Q>(s, f);
 }
 

@@ -60,11 +60,13 @@ SUTURE_INLINE mat3<T> isotropic_tangent(const mat3<T>& F, const mat3<T>& dF, con
 }
 
 /// df of isotropic_box_force() for the direction dx: ds = dG M + G dM.
-template <int Q, class T, class R>
+template <int Q, class T, class R, class Box>
 SUTURE_INLINE void isotropic_box_tangent(const vec3<T> (&x)[8], const vec3<T> (&dx)[8],
-                                         const box_geometry<R, Q>& box, const R& lambda,
-                                         const R& mu, vec3<T> (&df)[8]) {
-  const axis_values<T, Q> g = gradients<Q>(x), dg = gradients<Q>(dx);
+                                         const Box& box, const R& lambda, const R& mu,
+                                         vec3<T> (&df)[8]) {
+  axis_values<T, Q> g = gradients<Q>(x), dg = gradients<Q>(dx);
+  box.shift(g);
+  box.shift(dg);
   const isotropic_box<R, Q> constants(box, lambda, mu);
   axis_values<T, Q> s{};
   for_each_point<Q>([&](int i, int j, int k) SUTURE_DETAIL_INLINED {
@@ -73,6 +75,7 @@ SUTURE_INLINE void isotropic_box_tangent(const vec3<T> (&x)[8], const vec3<T> (&
     s.add_product(i, j, k, dG, constants.flux(G, weight));
     s.add_product(i, j, k, G, constants.flux_tangent(G, dG, weight));
   });
+  box.spread(s);
   scatter<Q>(s, df);
 }
 

@@ -197,8 +197,8 @@ struct box_rest {
   R volume;
   hourglass_stiffness<R, true> stiffness;
 
-  template <class Moduli>
-  SUTURE_INLINE static box_rest of(const vec3<R>& inverse, const Moduli& m, double share) {
+  template <class Moduli, class Share>
+  SUTURE_INLINE static box_rest of(const vec3<R>& inverse, const Moduli& m, const Share& share) {
     const vec3<R> sum{reciprocal(inverse[0]), reciprocal(inverse[1]), reciprocal(inverse[2])};
     const R volume = sum[0] * sum[1] * sum[2] * (1.0 / 64);
     return {inverse, squares(sum), volume, {squares(inverse), m, volume * share}};
@@ -339,6 +339,34 @@ struct hexahedron_rest : parallelepiped_rest<R> {
     R sum(0.0);
     for (int i = 0; i < 3; ++i) sum += cross(g[(i + 1) % 3], g[(i + 2) % 3])[i];
     return 1.0 - sum * (1.0 / 3);
+  }
+};
+
+/// A parallelepiped of which only a part is material (`part_moments` of hexahedron.hpp). Its edges
+/// are those whose gradient is the mean over the part,
+///   A_x + first_y h_xy + first_z h_xz + second_yz h_xyz,
+/// and likewise for y and z. The law and the hourglass energy see them alone, so that nothing
+/// depends on how the rest of the element is deformed.
+template <class Rest, class R>
+struct part_rest : Rest {
+  vec3<R> first, second;
+
+  template <class T>
+  SUTURE_INLINE void separate(nodal_modes<T>& now) const {
+    const vec3<T>(&h)[4] = now.hourglass;
+    for (int i = 0; i < 3; ++i) {
+      const int a = (i + 1) % 3, b = (i + 2) % 3;
+      now.edge.column[i] += h[b] * first[a] + h[a] * first[b] + h[3] * second[i];
+    }
+  }
+  template <class T>
+  SUTURE_INLINE void unite(nodal_modes<T>& pull) const {
+    const vec3<T>(&e)[3] = pull.edge.column;
+    for (int i = 0; i < 3; ++i) {
+      const int a = (i + 1) % 3, b = (i + 2) % 3;
+      pull.hourglass[i] += e[b] * first[a] + e[a] * first[b];
+    }
+    pull.hourglass[3] += e[0] * second[0] + e[1] * second[1] + e[2] * second[2];
   }
 };
 

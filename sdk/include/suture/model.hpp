@@ -45,6 +45,8 @@
 //     element_parameters                    bool: on volumes, parameters that may differ from
 //                                           element to element are read
 //     alternative                           number of a group of which only one runs
+//     allows_parts                          bool: may run on bodies with elements of which only a
+//                                           part is material
 // Members that are present are offered to the host; a function with one of these names
 // that cannot be called as shown is a compile-time error. The tangent is always offered,
 // from force() on dual numbers; without bounds(), the stable step is computed from it by

@@ -160,6 +160,22 @@ SUTURE_INLINE instant_of<M, T> instant_at(const Cell& c, const mat3<T>& F, int p
   return at;
 }
 
+/// Reads J^-1 of a parallelepiped; returns the largest entry off the diagonal, 0 for a box.
+template <class Cell, class Column, class R>
+SUTURE_INLINE R read_inverse(const Cell& c, Column jacobian, mat3<R>& inverse_j) {
+  R skew(0.0);
+  for (int i = 0; i < 9; ++i) {
+    inverse_j(i / 3, i % 3) = c.column(jacobian, i);
+    if (i % 4) skew = max(skew, abs(inverse_j(i / 3, i % 3)));
+  }
+  return skew;
+}
+template <class Cell>
+SUTURE_INLINE part_moments<typename Cell::real> read_part(const Cell& c) {
+  const auto moment = [&](int i) SUTURE_DETAIL_INLINED { return c.column(element_part, i); };
+  return {moment(0), {moment(1), moment(2), moment(3)}, {moment(4), moment(5), moment(6)}};
+}
+
 /// P at Gauss point `point` of an element with `Points`; keeps the state.
 template <class M, int Points, class Cell, class T>
 SUTURE_INLINE mat3<T> stress_at(const Cell& c, const mat3<T>& F, int point) {

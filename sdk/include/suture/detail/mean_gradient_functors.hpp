@@ -116,11 +116,7 @@ struct mean_gradient_parallelepipeds : mean_gradient_functor<M, mean_gradient_pa
     using R = typename Cell::real;
     const auto& m = c.added_constants();
     mat3<R> inverse_j;  // of edges, a quarter of the edge sums
-    R skew(0.0);
-    for (int i = 0; i < 9; ++i) {
-      inverse_j(i / 3, i % 3) = c.column(jacobian, i);
-      if (i % 4) skew = max(skew, abs(inverse_j(i / 3, i % 3)));
-    }
+    const R skew = read_inverse(c, jacobian, inverse_j);
     const mat3<R> sums = inverse_j * 0.25;
     constexpr double share = mean_gradient_parallelepipeds::share;
     if (all(skew == 0.0))
@@ -128,6 +124,41 @@ struct mean_gradient_parallelepipeds : mean_gradient_functor<M, mean_gradient_pa
     else
       work(parallelepiped_rest<R>(inverse(sums), sums, 1.0 / det(inverse_j), m, share));
   }
+};
+
+/// Those of which only a part is material.
+template <class M>
+struct mean_gradient_parts : mean_gradient_functor<M, mean_gradient_parts<M>> {
+  static constexpr const char* name = "parts of parallelepipeds, mean gradient";
+  static constexpr std::uint32_t shape = SUTURE_PARALLELEPIPED;
+  static constexpr column<0> jacobian{};
+  static constexpr auto cell_columns = joined(state_columns<M, 1>, columns(jacobian, element_part));
+
+  template <class Cell, class Work>
+  static SUTURE_INLINE void with_rest(const Cell& c, Work&& work) {
+    using R = typename Cell::real;
+    const auto& m = c.added_constants();
+    mat3<R> inverse_j;
+    const bool is_box = all(read_inverse(c, jacobian, inverse_j) == 0.0);
+    const mat3<R> sums = inverse_j * 0.25;
+    const part_moments<R> part = read_part(c);
+    const R share = part.fraction * R(mean_gradient_parts::share);
+    if (is_box) {
+      part_rest<box_rest<R>, R> rest{
+          box_rest<R>::of({sums(0, 0), sums(1, 1), sums(2, 2)}, m, share), part.first, part.second};
+      rest.volume = rest.volume * part.fraction;
+      work(rest);
+    } else {
+      const R volume = part.fraction / det(inverse_j);
+      constexpr double whole = mean_gradient_parts::share;
+      work(part_rest<parallelepiped_rest<R>, R>{
+          parallelepiped_rest<R>(inverse(sums), sums, volume, m, whole), part.first, part.second});
+    }
+  }
+};
+template <class M>
+struct functor_on_parts<mean_gradient_parallelepipeds<M>> {
+  using type = mean_gradient_parts<M>;
 };
 
 template <class M>
@@ -149,6 +180,8 @@ struct mean_gradient_hexahedra : mean_gradient_functor<M, mean_gradient_hexahedr
 // The law contributes to the force on every node.
 template <class M>
 inline constexpr int nodes_to_check<mean_gradient_parallelepipeds<M>> = 1;
+template <class M>
+inline constexpr int nodes_to_check<mean_gradient_parts<M>> = 1;
 template <class M>
 inline constexpr int nodes_to_check<mean_gradient_hexahedra<M>> = 1;
 

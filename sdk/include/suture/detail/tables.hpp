@@ -34,6 +34,18 @@ struct element_constants_table {
                                            &element_constants<M, Added>};
 };
 
+/// The functor that computes the same as F on elements of which only a part is material.
+template <class F>
+struct functor_on_parts {
+  using type = void;
+};
+template <class F>
+inline constexpr bool has_functor_on_parts = !std::is_void_v<typename functor_on_parts<F>::type>;
+template <class F>
+inline constexpr bool offers_parts = F::allows_parts || has_functor_on_parts<F>;
+template <class M, class F>
+struct parts_table;
+
 /// The extension `id` of functor F, or NULL.
 template <class M, class F>
 const void* extension(const char* id) noexcept {
@@ -66,6 +78,8 @@ const void* extension(const char* id) noexcept {
     static constexpr suture_inspect_1 table{sizeof(suture_inspect_1), 0, &inspect<M, F>};
     if (is(SUTURE_INSPECT_1)) return &table;
   }
+  if constexpr (offers_parts<F>)
+    if (is(SUTURE_PARTS_1)) return &parts_table<M, F>::row;
   if constexpr (has_fields<F>) {
     static constexpr suture_output_1 table{sizeof(suture_output_1),
                                            std::uint32_t(std::size(F::fields)),
@@ -101,6 +115,62 @@ constexpr auto make_functor_columns() {
 template <class M, class F>
 inline constexpr auto functor_columns = make_functor_columns<M, F>();
 
+/// The functions of F on elements of which only a part is material, if these are those of the whole
+/// element times the fraction: the moments are the last column.
+template <class M, class F>
+struct scaled_by_part {
+  static constexpr auto make_columns() {
+    std::array<std::uint32_t, functor_columns<M, F>.size() + 1> all{};
+    std::size_t at = 0;
+    for (const std::uint32_t place : functor_columns<M, F>) all[at++] = place;
+    all[at] = element_part.place;
+    return all;
+  }
+  static constexpr auto columns = make_columns();
+
+  static suture_status force(const suture_context* context, const suture_batch* batch) noexcept {
+    return times_fraction(batch, detail::force<M, F>(context, batch), batch->force, 3 * F::nodes);
+  }
+  static suture_status tangent(const suture_context* context, const suture_batch* batch,
+                               const double* dx, const double* dv, double* df) noexcept {
+    return times_fraction(batch, detail::tangent<M, F>(context, batch, dx, dv, df), df,
+                          3 * F::nodes);
+  }
+  static suture_status energy(const suture_context* context, const suture_batch* batch,
+                              double* out) noexcept {
+    return times_fraction(batch, detail::energy<M, F>(context, batch, out), out, 1);
+  }
+  static suture_status bounds(const suture_context* context, const suture_batch* batch,
+                              double* stiffness, double* damping) noexcept {
+    const suture_status status = detail::bounds<M, F>(context, batch, stiffness, damping);
+    times_fraction(batch, status, stiffness, 6 * F::nodes);
+    return times_fraction(batch, status, damping, 6 * F::nodes);
+  }
+
+  static const void* extension(const char* id) noexcept {
+    const auto is = [id](const char* name) { return std::strcmp(id, name) == 0; };
+    static constexpr suture_tangent_1 of_tangent{sizeof(suture_tangent_1), 0, &tangent};
+    if (is(SUTURE_TANGENT_1)) return &of_tangent;
+    static constexpr suture_stable_dt_1 of_bounds{sizeof(suture_stable_dt_1), 0, &bounds};
+    if (is(SUTURE_STABLE_DT_1)) return &of_bounds;
+    if constexpr (has_energy<F, cell<native, M, F>>) {
+      static constexpr suture_energy_1 of_energy{sizeof(suture_energy_1), 0, &energy};
+      if (is(SUTURE_ENERGY_1)) return &of_energy;
+    }
+    return is(SUTURE_OUTPUT_1) ? detail::extension<M, F>(id) : nullptr;
+  }
+
+ private:
+  static suture_status times_fraction(const suture_batch* batch, suture_status status,
+                                      double* values, int rows) noexcept {
+    const double* const fraction = batch->cell_columns[columns.size() - 1];
+    for (int i = 0; i < rows && status == SUTURE_OK; ++i)
+      for (std::uint32_t lane = 0; lane < SUTURE_LANES; ++lane)
+        values[std::uint32_t(i) * SUTURE_LANES + lane] *= fraction[lane];
+    return status;
+  }
+};
+
 template <class M, class F>
 constexpr suture_functor functor_of() {
   check_functor<M, F>();
@@ -128,6 +198,31 @@ constexpr suture_functor functor_of() {
   if constexpr (has_enabled<F>) f.enabled = &enabled<M, F>;
   return f;
 }
+
+/// F times the fraction of the element that is material.
+template <class M, class F>
+constexpr suture_functor scaled_functor_of() {
+  suture_functor f = functor_of<M, F>();
+  f.cell_columns = scaled_by_part<M, F>::columns.data();
+  f.cell_column_count = std::uint32_t(scaled_by_part<M, F>::columns.size());
+  f.force = &scaled_by_part<M, F>::force;
+  f.extension = &scaled_by_part<M, F>::extension;
+  return f;
+}
+template <class M, class F>
+struct parts_table {
+  static constexpr suture_functor make() {
+    if constexpr (has_functor_on_parts<F>)
+      return functor_of<M, typename functor_on_parts<F>::type>();
+    else if constexpr (F::dimension == 3)
+      return scaled_functor_of<M, F>();
+    else
+      return {};
+  }
+  static constexpr suture_functor functor = make();
+  static constexpr suture_parts_1 row{sizeof(suture_parts_1), 0,
+                                      F::dimension == 3 ? &functor : nullptr};
+};
 
 template <class M, class... F>
 constexpr std::array<suture_functor, sizeof...(F)> functor_rows(list<F...>) {

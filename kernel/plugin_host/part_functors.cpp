@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/plugin_host/part_functors.hpp"
+
+#include <map>
+
+#include "kernel/plugin_host/plugin_call.hpp"
+#include "kernel/plugin_host/table_entry.hpp"
+
+namespace suture {
+
+const suture_attribute& cell_attribute(const suture_model& model, std::uint32_t place) {
+  static constexpr suture_attribute part{sizeof(suture_attribute),
+                                         3,
+                                         SUTURE_PART_COMPONENTS,
+                                         SUTURE_COPY,
+                                         SUTURE_INTERNAL,
+                                         0,
+                                         "part",
+                                         "1",
+                                         "Moments of the part of an element that is material",
+                                         0,
+                                         nullptr};
+  return place == SUTURE_PART_COLUMN ? part : model.attributes[place];
+}
+
+bool allows_parts(const suture_functor& functor) {
+  return extension_of<suture_parts_1>(functor, SUTURE_PARTS_1) != nullptr;
+}
+
+const suture_functor* functor_on_parts(const suture_functor& functor) {
+  static std::map<const suture_functor*, suture_functor> kept;
+  const auto* table = extension_of<suture_parts_1>(functor, SUTURE_PARTS_1);
+  if (table == nullptr || table->functor == nullptr) return nullptr;
+  const auto [place, is_new] = kept.try_emplace(table->functor);
+  if (is_new)
+    place->second = copy_of<suture_functor>(reinterpret_cast<const char*>(table->functor),
+                                            table->functor->size);
+  return &place->second;
+}
+
+}  // namespace suture

@@ -56,6 +56,16 @@ Attributes::Attributes(const CellComplex& complex, std::span<const Vec3> rest) {
       rest_->rows()[4 * v + c] = position_->rows()[4 * v + c] = rest[v][c];
 }
 
+void Attributes::set_parts(const CellComplex& complex, ElementParts parts) {
+  parts_ = std::move(parts);
+  const RestPlaces rest = rest_places(complex);
+  for (const Index e : parts_.elements())
+    if (!is_parallelepiped(rest.of(e)))
+      throw InputError("element " + std::to_string(user_element.empty() ? e : user_element[e]) +
+                       ", of which only a part is material, is not a parallelepiped at rest; the "
+                       "surface of a body may cross the elements of a regular grid only");
+}
+
 Instance& Attributes::add(std::unique_ptr<Instance> instance, CellComplex& complex,
                           std::vector<Index> elements) {
   instance->build(complex, rest_places(complex), std::move(elements));
@@ -85,7 +95,7 @@ void Attributes::initialise(const CellComplex& complex, Diagnostics& diagnostics
         continue;
       if (own) column.fill(0);
       std::vector<double> uniform;
-      if (dimension < 3 && instance->skips())
+      if (dimension < 3 && instance->skips() && !instance->has_parts())
         uniform = uniform_contribution(*instance, attribute, complex, rest, volume_tolerance);
       sum_contributions(*instance, attribute, complex, rest, cells, column,
                         sums_.keep_uniform(*instance, attribute, std::move(uniform)));
@@ -133,8 +143,8 @@ void Attributes::merge_vertices(const CellComplex& complex, const TopologyChange
   vertex_weights_.clear();
   for (const auto& [kept, gone] : change.merges[0])
     vertex_weights_.push_back({mass_->get(kept, 0), mass_->get(gone, 0)});
-  VertexMerge{*rest_, *position_, *velocity_, *fixed_, own_rest_}.apply(complex, change,
-                                                                        vertex_weights_);
+  VertexMerge{*rest_, *position_, *velocity_, *fixed_, own_rest_, parts_}.apply(complex, change,
+                                                                                vertex_weights_);
 }
 
 /// What is gone is zero, so that integrators and sums may pass over it; masses that are

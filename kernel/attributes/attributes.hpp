@@ -82,7 +82,16 @@ class Attributes {
 
   /// The rest positions of elements; the column rest() alone ignores elements that have
   /// separate rest positions. The accessor refers to both and to `complex`.
-  RestPlaces rest_places(const CellComplex& complex) const { return {complex, *rest_, own_rest_}; }
+  RestPlaces rest_places(const CellComplex& complex) const {
+    return {complex, *rest_, own_rest_, parts_};
+  }
+
+  /// Elements of which only a part is material. Masses, and all that elements contribute to their
+  /// vertices, edges and faces, are multiplied by their fractions; models that are not made for
+  /// such elements are refused by add(). To be called before it. Throws InputError for an element
+  /// that is not a parallelepiped at rest: the rule of integration is exact for those only.
+  void set_parts(const CellComplex& complex, ElementParts parts);
+  const ElementParts& parts() const { return parts_; }
 
   /// The numbers of elements as users see them, for messages and suture_batch.cell_ids; set
   /// before initialise() and owned by the caller. Empty: the numbers of the complex.
@@ -103,6 +112,7 @@ class Attributes {
   Column *rest_, *position_, *velocity_, *force_, *mass_, *fixed_;
   TouchedElements touched_;
   OwnRest own_rest_;
+  ElementParts parts_;
   SplitPolicies policies_;
   MergePolicies merging_;
   std::vector<MergeWeight> vertex_weights_;

@@ -114,11 +114,20 @@ void RestBatch::gather_parameters(const Instance& instance, std::span<const Inde
   batch_.cell_columns = columns.empty() ? nullptr : parameter_columns_.data();
 }
 
+void RestBatch::scale(const suture_attribute& attribute, double* out) const {
+  if (!has_parts_ || attribute.dimension == 3) return;
+  const std::size_t rows = contribution_cells[attribute.dimension] * attribute.components;
+  for (std::size_t row = 0; row < rows; ++row)
+    for (std::size_t lane = 0; lane < lanes; ++lane) out[row * lanes + lane] *= fractions_[lane];
+}
+
 const suture_batch& RestBatch::gather(const Instance& instance, std::span<const Index> elements) {
   gather_parameters(instance, elements);
   batch_.valid = static_cast<std::uint32_t>(elements.size());
+  has_parts_ = instance.has_parts();
   for (Index lane = 0; lane < lanes; ++lane) {
     const Index e = elements[lane < batch_.valid ? lane : batch_.valid - 1];
+    if (has_parts_) fractions_[lane] = rest_.parts().fraction(e);
     ids_[lane] = user_element_.empty() ? e : user_element_[e];
     double* out = positions_.data() + lane;
     for (std::size_t node = 0; node < hexahedron::vertices; ++node) {
@@ -183,8 +192,10 @@ void sum_contributions(Instance& instance, const suture_attribute& attribute,
   for (std::size_t i = 0; i < uniform.size(); ++i) std::fill_n(&out[i * lanes], lanes, uniform[i]);
   for_each_batch(instance.table(3).cells, all_elements(complex),
                  [&](std::span<const Index> elements) {
-                   if (uniform.empty())
+                   if (uniform.empty()) {
                      contribute(instance, attribute, rest.gather(instance, elements), out);
+                     rest.scale(attribute, out);
+                   }
                    for (Index lane = 0; lane < elements.size(); ++lane) {
                      const Index* incident = cells_of(complex, attribute.dimension, elements[lane]);
                      const double* from = out + lane;
@@ -266,7 +277,8 @@ void TouchedSums::sum(Instance& instance, const CellComplex& complex, RestBatch&
   for (const auto& targets : targets_)
     for (const Target& target : targets) start(target, change);
   for_each_batch(instance.table(3).cells, change.elements, [&](std::span<const Index> elements) {
-    add_batch(instance, complex, rest.gather(instance, elements), elements);
+    rest.gather(instance, elements);
+    add_batch(instance, complex, rest, elements);
     return true;
   });
   for (const auto& targets : targets_)
@@ -339,13 +351,13 @@ void TouchedSums::start(const Target& target, const TopologyChange& change) {
   }
 }
 
-void TouchedSums::add_batch(Instance& instance, const CellComplex& complex,
-                            const suture_batch& batch, std::span<const Index> elements) {
+void TouchedSums::add_batch(Instance& instance, const CellComplex& complex, const RestBatch& rest,
+                            std::span<const Index> elements) {
   for (std::uint32_t d = 0; d < 3; ++d) {
     if (targets_[d].empty()) continue;
     find_hits(complex, d, elements);
     if (hit_count_ == 0) continue;
-    for (Target& target : targets_[d]) add_hits(instance, batch, target);
+    for (Target& target : targets_[d]) add_hits(instance, rest, target);
   }
 }
 
@@ -364,9 +376,10 @@ void TouchedSums::find_hits(const CellComplex& complex, std::uint32_t dimension,
   }
 }
 
-void TouchedSums::add_hits(Instance& instance, const suture_batch& batch, Target& target) {
+void TouchedSums::add_hits(Instance& instance, const RestBatch& rest, Target& target) {
   double* const out = space_for(*target.attribute);
-  contribute(instance, *target.attribute, batch, out);
+  contribute(instance, *target.attribute, rest.batch(), out);
+  rest.scale(*target.attribute, out);
   const Column& column = *target.column;
   const auto components = static_cast<std::size_t>(column.spec().components);
   const std::size_t step = column.component_step();

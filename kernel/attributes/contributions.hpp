@@ -23,6 +23,10 @@ class RestBatch {
 
   /// 1..8 elements of the instance's region.
   const suture_batch& gather(const Instance& instance, std::span<const Index> elements);
+  const suture_batch& batch() const { return batch_; }  ///< that of gather()
+  /// Multiplies what the elements last gathered contribute to their vertices, edges or faces
+  /// (contribute()) by the fractions of them that are material.
+  void scale(const suture_attribute& attribute, double* out) const;
 
  private:
   void gather_parameters(const Instance& instance, std::span<const Index> elements);
@@ -31,6 +35,8 @@ class RestBatch {
   std::span<const Index> user_element_;
   alignas(SUTURE_ALIGNMENT) std::array<double, 8 * 3 * SUTURE_LANES> positions_, zeros_{};
   std::array<std::uint32_t, SUTURE_LANES> ids_;
+  std::array<double, SUTURE_LANES> fractions_;
+  bool has_parts_ = false;
   AlignedVector<double> parameters_;
   std::vector<const double*> parameter_columns_;
   suture_batch batch_{};
@@ -114,11 +120,11 @@ class TouchedSums {
   void sum_uniform(const Instance& instance, const TopologyChange& change);
   void find_targets(Instance& instance, const TopologyChange& change, Column& mass);
   static void start(const Target& target, const TopologyChange& change);
-  void add_batch(Instance& instance, const CellComplex& complex, const suture_batch& batch,
+  void add_batch(Instance& instance, const CellComplex& complex, const RestBatch& rest,
                  std::span<const Index> elements);
   void find_hits(const CellComplex& complex, std::uint32_t dimension,
                  std::span<const Index> elements);
-  void add_hits(Instance& instance, const suture_batch& batch, Target& target);
+  void add_hits(Instance& instance, const RestBatch& rest, Target& target);
 
   std::array<std::vector<std::uint64_t>, 3> marks_;  ///< all zero between operations
   std::array<Hit, std::size_t{12} * SUTURE_LANES + 1> hits_;

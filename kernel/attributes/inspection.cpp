@@ -120,7 +120,7 @@ bool admits(const Instance& instance, const suture_functor& functor, const CellC
             Index row) {
   if (!instance.table(static_cast<int>(functor.dimension)).cells.is_live(row)) return false;
   if (functor.dimension == 3 && functor.shape != SUTURE_ANY_SHAPE)
-    return (row < instance.general_begin) == (functor.shape == SUTURE_PARALLELEPIPED);
+    return instance.is_general(row) == (functor.shape == SUTURE_GENERAL);
   if (functor.dimension == 2 && functor.faces != SUTURE_ALL_FACES) {
     const bool boundary =
         complex.beta3(complex.dart_of(2, instance.table(2).cells.cell(row))) == none;

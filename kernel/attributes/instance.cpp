@@ -10,6 +10,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/reset_error.hpp"
 #include "kernel/plugin_host/host_extensions.hpp"
+#include "kernel/plugin_host/part_functors.hpp"
 
 namespace suture {
 namespace {
@@ -196,7 +197,8 @@ bool Instance::is_read(std::uint32_t attribute) const {
 bool Instance::has_cells(const suture_functor& functor) const {
   const Index elements = table(3).cells.size();
   if (elements == 0 || functor.dimension != 3 || functor.shape == SUTURE_ANY_SHAPE) return true;
-  return functor.shape == SUTURE_PARALLELEPIPED ? general_begin > 0 : general_begin < elements;
+  return functor.shape == SUTURE_PARALLELEPIPED ? general_begin > 0 || has_parts()
+                                                : general_begin < part_begin;
 }
 
 bool Instance::uses(int dimension) const {
@@ -226,13 +228,18 @@ CellSet Instance::region(const RestPlaces& rest, std::vector<Index> elements) {
     std::iota(elements.begin(), elements.end(), Index{0});
     std::erase_if(elements, [&](Index e) { return !complex.exists(3, e); });
   }
+  const ElementParts& parts = rest.parts();
+  const auto partial = parts.empty()
+                           ? elements.end()
+                           : std::stable_partition(elements.begin(), elements.end(),
+                                                   [&](Index e) { return parts.of(e) == nullptr; });
+  part_begin = static_cast<Index>(partial - elements.begin());
   if (asks_for_shape()) {
     const auto has_parallel_edges = [&](Index e) { return is_parallelepiped(rest.of(e)); };
-    const auto general =
-        std::stable_partition(elements.begin(), elements.end(), has_parallel_edges);
+    const auto general = std::stable_partition(elements.begin(), partial, has_parallel_edges);
     general_begin = static_cast<Index>(general - elements.begin());
   } else {
-    general_begin = static_cast<Index>(elements.size());
+    general_begin = part_begin;
   }
   if (elements.size() == count && std::ranges::is_sorted(elements)) return CellSet::all(count);
   return CellSet::of(std::move(elements), count);
@@ -242,6 +249,10 @@ void Instance::build(CellComplex& complex, const RestPlaces& rest, std::vector<I
   if (uses(1)) complex.require_edges();
   if (uses(2)) complex.require_faces();
   table(3).cells = region(rest, std::move(elements));
+  if (has_parts()) {
+    find_part_functors();
+    fill_parts(rest.parts());
+  }
   find_needed();
   for (int d = 0; d < 3; ++d)
     if (uses(d)) table(d).cells = cells_of_region(complex, table(3).cells, d);
@@ -252,6 +263,50 @@ void Instance::build(CellComplex& complex, const RestPlaces& rest, std::vector<I
     columns_.push_back(own ? &table(static_cast<int>(a.dimension)).add(spec_of(a)) : nullptr);
   }
   fill_columns();
+}
+
+void Instance::find_part_functors() {
+  for (std::uint32_t i = 0; i < model_.functor_count; ++i) {
+    const suture_functor& f = model_.functors[i];
+    part_functors_.push_back(functor_on_parts(f));
+    if (!enabled_[i].runs || f.shape == SUTURE_GENERAL || allows_parts(f)) continue;
+    const Index all = table(3).cells.size();
+    throw InputError(title() + ": functor '" + f.name +
+                     "' is not made for elements of which only a part is material, as " +
+                     std::to_string(all - part_begin) + " of " + std::to_string(all) +
+                     " elements are; fill the body with whole elements, or choose another model");
+  }
+}
+
+/// Rows before the first part, in its block, and behind the last are never used.
+void Instance::fill_parts(const ElementParts& parts) {
+  constexpr Index lanes = SUTURE_LANES;
+  constexpr std::size_t block = std::size_t{SUTURE_PART_COMPONENTS} * lanes;
+  const Index rows = table(3).cells.size(), first = part_begin / lanes;
+  part_blocks_.assign(((rows + lanes - 1) / lanes - first) * block, 0);
+  for (Index row = part_begin; row < (rows + lanes - 1) / lanes * lanes; ++row) {
+    const PartMoments& m = *parts.of(table(3).cells.cell(std::min(row, rows - 1)));
+    const auto& [x, y, z] = m.centroid;
+    const auto& [yz, xz, xy] = m.covariance;
+    double* to = part_blocks_.data() + (row / lanes - first) * block + row % lanes;
+    for (const double value : {m.fraction, x, y, z, yz + y * z, xz + x * z, xy + x * y}) {
+      *to = value;
+      to += lanes;
+    }
+  }
+}
+
+const double* Instance::part_column() const {
+  constexpr std::size_t block = std::size_t{SUTURE_PART_COMPONENTS} * SUTURE_LANES;
+  const auto address = reinterpret_cast<std::uintptr_t>(part_blocks_.data());
+  return reinterpret_cast<const double*>(address -
+                                         part_begin / SUTURE_LANES * block * sizeof(double));
+}
+
+double Instance::part_moment(Index row, std::size_t component) const {
+  const std::size_t block = row / SUTURE_LANES - part_begin / SUTURE_LANES;
+  return part_blocks_[(block * SUTURE_PART_COMPONENTS + component) * SUTURE_LANES +
+                      row % SUTURE_LANES];
 }
 
 /// Uniform parameters fill their columns, then comes what the scene gives.

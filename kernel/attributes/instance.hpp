@@ -108,6 +108,19 @@ class Instance {
   /// parallelepipeds come first. table(3).cells.size() if no functor of the
   /// model asks for the shape (nothing is classified then).
   Index general_begin = 0;
+  /// First row of table(3) whose element is only in part material; these come last, and are
+  /// parallelepipeds. table(3).cells.size() if there are none.
+  Index part_begin = 0;
+  bool has_parts() const { return part_begin < table(3).cells.size(); }
+  /// What functor `number` of the model does on such elements; null if nothing.
+  const suture_functor* part_functor(std::size_t number) const {
+    return part_functors_.empty() ? nullptr : part_functors_[number];
+  }
+  bool is_general(Index row) const { return row >= general_begin && row < part_begin; }
+  /// SUTURE_PART_COLUMN, in blocks of 8 rows. `data` is where row 0 would be: rows before
+  /// part_begin take no memory and must not be read.
+  const double* part_column() const;
+  double part_moment(Index row, std::size_t component) const;
 
  private:
   struct Worker {
@@ -123,6 +136,8 @@ class Instance {
   bool asks_for_shape() const;
   CellSet region(const RestPlaces& rest, std::vector<Index> elements);
 
+  void find_part_functors();
+  void fill_parts(const ElementParts& parts);
   void fill_columns();
   void fill(const GivenColumn& given);
 
@@ -133,8 +148,10 @@ class Instance {
   std::vector<const Column*> parameter_columns_, by_cell_;
   std::array<Table, 4> tables_;
   std::vector<Column*> columns_;
-  std::vector<Enabled> enabled_;  ///< by position in model().functors
-  std::vector<bool> needed_;      ///< by position in model().attributes
+  AlignedVector<double> part_blocks_;                 ///< from the block of part_begin on
+  std::vector<const suture_functor*> part_functors_;  ///< empty if there are no parts
+  std::vector<Enabled> enabled_;                      ///< by position in model().functors
+  std::vector<bool> needed_;                          ///< by position in model().attributes
   bool skip_;
   void* own_memory() const { return prepared_ ? prepared_->data() : nullptr; }
   std::span<double> behind_own_memory() const;

@@ -4,11 +4,13 @@
 #include "kernel/attributes/shape.hpp"
 #include "kernel/base/types.hpp"
 #include "kernel/base/vec3.hpp"
+#include "kernel/mesh/parts.hpp"
 #include "kernel/topology/hexahedron_tables.hpp"
 
 // The deformation gradient of a trilinear hexahedron at its centre,
 //   F = sum_a A_a x G_a,
-// with A_a the mean of the four edges along axis a and G_a the reciprocal of those at rest.
+// with A_a the mean of the four edges along axis a and G_a the reciprocal of those at rest. If only
+// a part of the element is material, F is the mean over the part.
 
 namespace suture {
 
@@ -25,6 +27,34 @@ inline std::array<Vec3, 3> mean_edges(const HexahedronNodes& x) {
   return mean;
 }
 
+/// The same with the gradient of the material, the mean over its part of the element; null: all of
+/// the element. With the moments in [-1, 1]^3 and the sums of hourglasses h_yz = sum s_y s_z x_n,
+///   A_x + (mean_y h_xy + mean_z h_xz + mean_yz h_xyz) / 4
+/// and likewise for y and z.
+inline std::array<Vec3, 3> mean_edges(const HexahedronNodes& x, const PartMoments* part) {
+  std::array<Vec3, 3> A = mean_edges(x);
+  if (part == nullptr) return A;
+  std::array<Vec3, 4> h{};  // yz, xz, xy, xyz
+  for (std::size_t n = 0; n < 8; ++n) {
+    const double s[3] = {n & 1 ? 1.0 : -1.0, n & 2 ? 1.0 : -1.0, n & 4 ? 1.0 : -1.0};
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t a = 0; a < 3; ++a) h[a][c] += s[(a + 1) % 3] * s[(a + 2) % 3] * x[n][c];
+      h[3][c] += s[0] * s[1] * s[2] * x[n][c];
+    }
+  }
+  const Vec3& mean = part->centroid;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t b = (a + 1) % 3, d = (a + 2) % 3;
+    const double both = part->covariance[a] + mean[b] * mean[d];
+    for (std::size_t c = 0; c < 3; ++c)
+      A[a][c] += (mean[b] * h[d][c] + mean[d] * h[b][c] + both * h[3][c]) / 4;
+  }
+  return A;
+}
+
+/// A_x . (A_y x A_z), m^3
+inline double determinant(const std::array<Vec3, 3>& A) { return dot(A[0], cross(A[1], A[2])); }
+
 /// G_a with A_a . G_b = 1 if a = b, else 0: normal to the faces across axis a, 1/m.
 /// Not finite if the mean edges lie in a plane.
 inline std::array<Vec3, 3> reciprocals(const std::array<Vec3, 3>& A) {
@@ -36,9 +66,10 @@ inline std::array<Vec3, 3> reciprocals(const std::array<Vec3, 3>& A) {
   return G;
 }
 
-/// The rows of F; `G`: reciprocals() of the mean edges at rest.
-inline std::array<Vec3, 3> mean_gradient(const HexahedronNodes& x, const std::array<Vec3, 3>& G) {
-  const std::array<Vec3, 3> A = mean_edges(x);
+/// The rows of F; `G`: reciprocals() of the mean edges at rest. `part`: as for mean_edges().
+inline std::array<Vec3, 3> mean_gradient(const HexahedronNodes& x, const std::array<Vec3, 3>& G,
+                                         const PartMoments* part = nullptr) {
+  const std::array<Vec3, 3> A = mean_edges(x, part);
   std::array<Vec3, 3> F;
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j)

@@ -52,7 +52,7 @@ void MergePolicies::weigh(Table& table, const CellSet& region, const RestPlaces&
   table.volumes.assign(table.cells.size(), 0);
   for (Index e = 0; e < rest.complex().element_count(); ++e) {
     if (!region.contains(e)) continue;
-    const double volume = hexahedron_volume(rest.of(e));
+    const double volume = rest.volume(e);
     for_each_cell(rest.complex(), table.dimension, e,
                   [&](Index cell) { table.volumes[table.cells.row(cell)] += volume; });
   }
@@ -78,7 +78,7 @@ void MergePolicies::apply(Table& table, const RestPlaces& rest, const TouchedEle
 
 void MergePolicies::find_volumes(const RestPlaces& rest, const TouchedElements& touched) {
   volumes_.clear();
-  for (const Index e : touched.members()) volumes_.push_back(hexahedron_volume(rest.of(e)));
+  for (const Index e : touched.members()) volumes_.push_back(rest.volume(e));
 }
 
 double MergePolicies::volume(std::span<const Dart> star, const TouchedElements& touched) const {
@@ -226,7 +226,7 @@ class Group {
     const Stars& stars = change.stars[0];
     const auto at = std::ranges::lower_bound(stars.cells, kept_) - stars.cells.begin();
     star_ = stars[static_cast<std::size_t>(at)];
-    const RestPlaces rest(complex, columns.rest, columns.own);
+    const RestPlaces rest(complex, columns.rest, columns.own, columns.parts);
     near_ = 1e-9 * longest_edge(rest.of(star_[0] / hexahedron::darts));
   }
 
@@ -299,7 +299,7 @@ void VertexMerge::apply(const CellComplex& complex, const TopologyChange& change
   // Elements that had their own rest positions keep them.
   std::erase_if(corners, [&](const Corner& c) { return own.slot(c.element) != none; });
   std::ranges::stable_sort(corners, {}, &Corner::element);
-  const RestPlaces places(complex, rest, own);
+  const RestPlaces places(complex, rest, own, parts);
   for (std::size_t i = 0; i < corners.size();) {
     const Index element = corners[i].element;
     HexahedronNodes x = places.of(element);

@@ -57,6 +57,7 @@ class MergePolicies {
 struct VertexMerge {
   Column &rest, &position, &velocity, &fixed;
   OwnRest& own;
+  const ElementParts& parts;
 
   /// Positions and velocities become the mass-weighted means, so that the centre of mass
   /// and the momentum are conserved. Components that are fixed in one of the vertices stay

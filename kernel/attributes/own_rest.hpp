@@ -8,6 +8,7 @@
 #include "kernel/attributes/shape.hpp"
 #include "kernel/base/aligned.hpp"
 #include "kernel/topology/cell_complex.hpp"
+#include "kernel/topology/element_parts.hpp"
 
 namespace suture {
 
@@ -38,12 +39,14 @@ class OwnRest {
   AlignedVector<double> rows_;
 };
 
-/// The positions of the corners of elements at rest: every reader of rest positions uses
-/// it. For an edge or a face, those of the element of its dart_of() (side 0) count.
+/// The positions of the corners of elements at rest, and which part of them is material: every
+/// reader of rest positions uses it. For an edge or a face, those of the element of its dart_of()
+/// (side 0) count.
 class RestPlaces {
  public:
-  RestPlaces(const CellComplex& complex, const Column& vertex_rest, const OwnRest& own)
-      : complex_(complex), vertex_rest_(vertex_rest), own_(own) {}
+  RestPlaces(const CellComplex& complex, const Column& vertex_rest, const OwnRest& own,
+             const ElementParts& parts)
+      : complex_(complex), vertex_rest_(vertex_rest), own_(own), parts_(parts) {}
 
   /// x, y, z of corner i of an element, m. O(1).
   const double* corner(Index element, std::size_t i) const {
@@ -59,13 +62,20 @@ class RestPlaces {
     }
     return x;
   }
+  /// Volume of the material of an element, m^3.
+  double volume(Index element) const {
+    const double whole = hexahedron_volume(of(element));
+    return parts_.empty() ? whole : parts_.fraction(element) * whole;
+  }
   const CellComplex& complex() const { return complex_; }
   const OwnRest& own() const { return own_; }
+  const ElementParts& parts() const { return parts_; }
 
  private:
   const CellComplex& complex_;
   const Column& vertex_rest_;
   const OwnRest& own_;
+  const ElementParts& parts_;
 };
 
 }  // namespace suture

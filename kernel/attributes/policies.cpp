@@ -114,7 +114,7 @@ void SplitPolicies::split_region(CellSet& cells, std::span<const Split> splits, 
 void SplitPolicies::weigh(const CellSet& cells, const RestPlaces& rest,
                           const TouchedElements& touched, const Stars& stars) {
   volumes_.clear();
-  for (const Index e : touched.members()) volumes_.push_back(hexahedron_volume(rest.of(e)));
+  for (const Index e : touched.members()) volumes_.push_back(rest.volume(e));
   weights_.assign(stars.cells.size(), 0);
   for (Index i = 0; i < stars.cells.size(); ++i)
     for (Index j = stars.offsets[i]; j < stars.offsets[i + 1]; ++j) {

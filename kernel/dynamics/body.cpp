@@ -13,6 +13,7 @@ Body::Body(Imported imported)
       attributes_(imported_.complex, std::exchange(imported_.rest, {})),
       user_vertex_(std::move(imported_.user_vertex)) {
   attributes_.user_element = imported_.user_element.list();
+  attributes_.set_parts(imported_.complex, std::exchange(imported_.parts, {}));
 }
 
 Body::~Body() = default;

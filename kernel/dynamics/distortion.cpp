@@ -21,15 +21,19 @@ HexahedronNodes current(Body& body, Index element) {
   return x;
 }
 
-double smallest_stretch(const HexahedronNodes& x, const HexahedronNodes& rest) {
-  const auto e = green_lagrange(mean_gradient(x, reciprocals(mean_edges(rest))));
+double smallest_stretch(const HexahedronNodes& x, const HexahedronNodes& rest,
+                        const PartMoments* part) {
+  const auto e = green_lagrange(mean_gradient(x, reciprocals(mean_edges(rest)), part));
   Eigen::Matrix3d strain;
   strain << e[0], e[3], e[5], e[3], e[1], e[4], e[5], e[4], e[2];
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(strain, Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(0.0, 1 + 2 * solver.eigenvalues()[0]));
 }
 
-double smallest_jacobian(const HexahedronNodes& x, const HexahedronNodes& rest) {
+/// Of a part that is material the mean one: the corners of its element need not be material.
+double smallest_jacobian(const HexahedronNodes& x, const HexahedronNodes& rest,
+                         const PartMoments* part) {
+  if (part != nullptr) return determinant(mean_edges(x, part)) / determinant(mean_edges(rest));
   const auto now = corner_jacobians(x), before = corner_jacobians(rest);
   double smallest = 1;
   for (std::size_t i = 0; i < now.size(); ++i)
@@ -45,11 +49,12 @@ Distortion measure_distortion(Body& body) {
   for (Index e = 0; e < body.complex().element_count(); ++e) {
     if (!body.complex().exists(3, e)) continue;
     const HexahedronNodes x = current(body, e), rest = places.of(e);
-    if (const double stretch = smallest_stretch(x, rest); stretch < worst.stretch) {
+    const PartMoments* const part = places.parts().of(e);
+    if (const double stretch = smallest_stretch(x, rest, part); stretch < worst.stretch) {
       worst.stretch = stretch;
       worst.compressed = e;
     }
-    if (const double jacobian = smallest_jacobian(x, rest); jacobian < worst.jacobian) {
+    if (const double jacobian = smallest_jacobian(x, rest, part); jacobian < worst.jacobian) {
       worst.jacobian = jacobian;
       worst.distorted = e;
     }

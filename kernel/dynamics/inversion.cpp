@@ -3,10 +3,32 @@
 
 #include <algorithm>
 
+#include "kernel/attributes/mean_gradient.hpp"
 #include "kernel/forces/loops/dispatch.hpp"
 #include "kernel/topology/rest_shape.hpp"
 
 namespace suture {
+namespace {
+
+HexahedronNodes current(const CellComplex& complex, Attributes& attributes, Index element) {
+  HexahedronNodes x;
+  const double* positions = attributes.position().rows();
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    const double* row = positions + std::size_t{complex.vertices_of(element)[n]} * 4;
+    x[n] = {row[0], row[1], row[2]};
+  }
+  return x;
+}
+
+/// Whether only a part of the element is material, and that part is not inverted: corners of the
+/// element may turn inside out where there is nothing.
+bool has_sound_part(const CellComplex& complex, Attributes& attributes, Index element) {
+  const PartMoments* const part = attributes.parts().of(element);
+  return part != nullptr &&
+         determinant(mean_edges(current(complex, attributes, element), part)) > 0;
+}
+
+}  // namespace
 
 std::vector<Index> find_inverted(const CellComplex& complex, Attributes& attributes) {
   constexpr Index part = 4096;
@@ -26,6 +48,8 @@ std::vector<Index> find_inverted(const CellComplex& complex, Attributes& attribu
         --here;
       }
   }
+  if (!attributes.parts().empty())
+    std::erase_if(found, [&](Index e) { return has_sound_part(complex, attributes, e); });
   return found;
 }
 
@@ -72,13 +96,9 @@ Index first_of_many(const CellComplex& complex, const std::vector<Index>& elemen
 }
 
 bool has_turned(Body& body, Index element) {
-  HexahedronNodes x;
-  const double* positions = body.attributes().position().rows();
-  for (std::size_t n = 0; n < x.size(); ++n) {
-    const double* row = positions + std::size_t{body.complex().vertices_of(element)[n]} * 4;
-    x[n] = {row[0], row[1], row[2]};
-  }
-  return std::ranges::any_of(gauss_jacobians(x), [](double j) { return !(j > 0); });
+  if (body.attributes().parts().of(element) != nullptr) return true;  // as a whole
+  return std::ranges::any_of(gauss_jacobians(current(body.complex(), body.attributes(), element)),
+                             [](double j) { return !(j > 0); });
 }
 
 }  // namespace

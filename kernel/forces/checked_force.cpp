@@ -17,6 +17,7 @@
 #include "kernel/base/lanes.hpp"
 #include "kernel/base/types.hpp"
 #include "kernel/plugin_host/guarded_array.hpp"
+#include "kernel/plugin_host/part_functors.hpp"
 #include "kernel/plugin_host/plugin_call.hpp"
 
 namespace suture {
@@ -56,21 +57,21 @@ class Arrays {
     add("position", 3, batch.nodes, batch.position, nullptr);
     add("velocity", 3, batch.nodes, batch.velocity, nullptr);
     const suture_functor& f = *call.functor;
-    const suture_attribute* attributes = call.model->attributes;
+    const suture_model& model = *call.model;
     for (std::uint32_t i = 0; batch.cell_columns != nullptr && i < f.cell_column_count; ++i) {
-      const suture_attribute& a = attributes[f.cell_columns[i]];
+      const suture_attribute& a = cell_attribute(model, f.cell_columns[i]);
       add(a.name, a.components, 1, batch.cell_columns[i], nullptr);
       cell_columns.push_back(list.size() - 1);
     }
     for (std::uint32_t i = 0; batch.vertex_columns != nullptr && i < f.vertex_column_count; ++i) {
       const bool mass = f.vertex_columns[i] == UINT32_MAX;
-      const suture_attribute* a = mass ? nullptr : &attributes[f.vertex_columns[i]];
+      const suture_attribute* a = mass ? nullptr : &model.attributes[f.vertex_columns[i]];
       add(mass ? "mass" : a->name, mass ? 1 : a->components, batch.nodes, batch.vertex_columns[i],
           nullptr);
       vertex_columns.push_back(list.size() - 1);
     }
     add("force", 3, batch.nodes, nullptr, batch.force);
-    add_trials(f, attributes);
+    add_trials(f, model);
   }
 
   std::vector<Array> list;
@@ -81,9 +82,9 @@ class Arrays {
            double* target) {
     list.push_back({name, components, components * nodes * lanes, source, target});
   }
-  void add_trials(const suture_functor& f, const suture_attribute* attributes) {
+  void add_trials(const suture_functor& f, const suture_model& model) {
     for (std::uint32_t i = 0; batch_.trial_columns != nullptr && i < f.cell_column_count; ++i) {
-      const suture_attribute& a = attributes[f.cell_columns[i]];
+      const suture_attribute& a = cell_attribute(model, f.cell_columns[i]);
       add(a.name, a.components, 1, nullptr, batch_.trial_columns[i]);
       list.back().name += " (trial)";
       trial_columns.push_back(list.size() - 1);

@@ -8,6 +8,7 @@
 #include "kernel/base/archive.hpp"
 #include "kernel/base/bulk.hpp"
 #include "kernel/base/sort_unique.hpp"
+#include "suture/parts.h"
 
 namespace suture {
 namespace {
@@ -151,18 +152,19 @@ void RowNodes::follow_vertices(const CellComplex& complex, const TopologyChange&
 }
 
 CompiledFunctor::CompiledFunctor(Instance& instance, const suture_functor& functor,
-                                 const RowNodes* nodes)
+                                 const RowNodes* nodes, const suture_functor* on_parts)
     : instance_(instance),
-      functor_(functor),
-      function_(functor.force),
+      functor_(on_parts ? *on_parts : functor),
+      on_parts_(on_parts != nullptr),
+      function_(functor_.force),
       nodes_(nodes),
       dimension_(static_cast<int>(functor.dimension)) {
   const Instance::Enabled& answer =
       instance.functor(static_cast<std::size_t>(&functor - instance.model().functors));
   if (!answer.runs) reason_ = "its force is zero with these parameters";
   reads_ = answer.reads;
-  cell_columns_.resize(functor.cell_column_count);
-  vertex_columns_.resize(functor.vertex_column_count);
+  cell_columns_.resize(functor_.cell_column_count);
+  vertex_columns_.resize(functor_.vertex_column_count);
 }
 
 std::string CompiledFunctor::title() const {
@@ -179,14 +181,17 @@ Connectivity CompiledFunctor::connectivity(const CellComplex& complex) const {
 
 /// Elements of the shape that the functor is written for, or all cells.
 loops::Rows CompiledFunctor::element_rows() const {
-  Index begin = 0, end = cells().size();
-  if (dimension_ == 3 && functor_.shape == SUTURE_PARALLELEPIPED) end = instance_.general_begin;
-  if (dimension_ == 3 && functor_.shape == SUTURE_GENERAL) begin = instance_.general_begin;
-  return {begin, end};
+  const Index all = cells().size();
+  if (dimension_ < 3) return {0, all};
+  if (on_parts_) return {instance_.part_begin, all};
+  if (functor_.shape == SUTURE_PARALLELEPIPED) return {0, instance_.general_begin};
+  if (functor_.shape == SUTURE_GENERAL) return {instance_.general_begin, instance_.part_begin};
+  return {0, instance_.part_begin};
 }
 
 bool CompiledFunctor::visits(const CellComplex& complex, Index row) const {
-  return !skipped() && admits(instance_, functor_, complex, row);
+  if (skipped() || !admits(instance_, functor_, complex, row)) return false;
+  return dimension_ < 3 || (row >= instance_.part_begin) == on_parts_;
 }
 
 std::vector<loops::Rows> CompiledFunctor::wanted_rows(const CellComplex& complex) const {
@@ -308,7 +313,8 @@ const loops::Job& CompiledFunctor::job(Attributes& attributes, const CellComplex
 
 bool CompiledFunctor::has_states() const {
   const auto is_state = [&](std::uint32_t attribute) {
-    return attribute != UINT32_MAX && instance_.column(attribute)->has_trial();
+    return attribute != UINT32_MAX && attribute != SUTURE_PART_COLUMN &&
+           instance_.column(attribute)->has_trial();
   };
   return std::any_of(functor_.cell_columns, functor_.cell_columns + functor_.cell_column_count,
                      is_state) ||
@@ -320,6 +326,13 @@ void CompiledFunctor::read_columns(Attributes& attributes) {
   job_.has_trial = 0;
   varying_columns_.clear();
   for (std::size_t i = 0; i < cell_columns_.size(); ++i) {
+    if (functor_.cell_columns[i] == SUTURE_PART_COLUMN) {
+      cell_columns_[i] = {instance_.part_column(), nullptr,
+                          std::uint64_t{SUTURE_PART_COMPONENTS} * SUTURE_LANES,
+                          SUTURE_PART_COMPONENTS, 0};
+      varying_columns_.push_back(static_cast<std::uint32_t>(i));
+      continue;
+    }
     Column& column = *instance_.column(functor_.cell_columns[i]);
     const auto components = static_cast<std::uint32_t>(column.spec().components);
     const bool trial = column.has_trial();

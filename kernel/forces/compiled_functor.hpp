@@ -47,8 +47,10 @@ class RowNodes {
 /// One functor of one instance, ready to run: which rows, which arrays.
 class CompiledFunctor {
  public:
-  /// `nodes`: of the functor's cells, dimension 0 to 2; else null.
-  CompiledFunctor(Instance& instance, const suture_functor& functor, const RowNodes* nodes);
+  /// `nodes`: of the functor's cells, dimension 0 to 2; else null. `on_parts`: not the functor
+  /// itself, but what replaces it on elements of which only a part is material.
+  CompiledFunctor(Instance& instance, const suture_functor& functor, const RowNodes* nodes,
+                  const suture_functor* on_parts = nullptr);
 
   /// Rebuilds rows, chunks and colours. O(rows).
   void build(const CellComplex& complex);
@@ -104,6 +106,7 @@ class CompiledFunctor {
 
   Instance& instance_;
   const suture_functor& functor_;
+  bool on_parts_;
   suture_force_fn function_;
   const RowNodes* nodes_;
   int dimension_;

@@ -73,7 +73,7 @@ void DeadLoads::add_at_vertex(Load& load, const RestPlaces& rest, Index vertex,
   std::vector<double> volumes;
   double total = 0;
   for (const Dart d : star) {
-    volumes.push_back(std::abs(hexahedron_volume(rest.of(element_of(d)))));
+    volumes.push_back(std::abs(rest.volume(element_of(d))));
     total += volumes.back();
   }
   for (std::size_t i = 0; i < star.size(); ++i) {

@@ -5,6 +5,7 @@
 #include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/forces/force_loop_impl.hpp"
 #include "kernel/plugin_host/output_fields.hpp"
+#include "kernel/plugin_host/part_functors.hpp"
 
 namespace suture {
 
@@ -29,10 +30,9 @@ bool reads_velocity_now(const CompiledFunctor& functor) {
 
 bool keeps_state(const CompiledFunctor& functor) {
   const suture_functor& f = functor.functor();
-  const suture_attribute* const attributes = functor.instance().model().attributes;
   const std::span columns(f.cell_columns, f.cell_column_count);
   return !functor.skipped() && std::ranges::any_of(columns, [&](std::uint32_t place) {
-    return (attributes[place].flags & SUTURE_TRIAL) != 0;
+    return (cell_attribute(functor.instance().model(), place).flags & SUTURE_TRIAL) != 0;
   });
 }
 

@@ -64,6 +64,10 @@ struct ForceLoop::Impl {
       }
       functors.emplace_back(instance, functor, dimension < 3 ? nodes[dimension] : nullptr);
       functors.back().build(*complex);
+      if (const suture_functor* const on_parts = instance.part_functor(i)) {
+        functors.emplace_back(instance, functor, nullptr, on_parts);
+        functors.back().build(*complex);
+      }
     }
   }
 

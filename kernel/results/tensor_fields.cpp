@@ -31,7 +31,8 @@ SymmetricTensor strain_of(BuiltScene& built, Index element) {
   Attributes& attributes = built.body().attributes();
   const HexahedronNodes rest = attributes.rest_places(complex).of(element);
   return green_lagrange(mean_gradient(positions(complex, attributes.position(), element),
-                                      reciprocals(mean_edges(rest))));
+                                      reciprocals(mean_edges(rest)),
+                                      attributes.parts().of(element)));
 }
 
 /// Descending; NaN for a tensor that is not finite.

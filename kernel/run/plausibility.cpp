@@ -55,7 +55,7 @@ Figures figures_of(BuiltScene& built) {
     HexahedronNodes nodes;
     for (std::size_t n = 0; n < hexahedron::vertices; ++n)
       nodes[n] = rest(complex.vertices_of(e)[n]);
-    f.volume += std::abs(hexahedron_volume(nodes));
+    f.volume += all.parts().fraction(e) * std::abs(hexahedron_volume(nodes));
   }
   for (std::size_t a = 0; a < 3; ++a) f.size[a] = box.length(a);
   f.speed = speed_of_waves(body, f.mass);

@@ -79,6 +79,15 @@ std::vector<bool> check_points(const Mesh& mesh, const UserNames& names) {
 
 // --------------------------------------------------------------- numbering --
 
+/// Loops over the full elements, and over the others, then run through blocks without gaps.
+void put_parts_last(const Parts& parts, std::vector<Index>& order) {
+  if (parts.empty()) return;
+  std::vector<bool> is_partial(order.size(), false);
+  for (const Index e : parts.elements)
+    if (e < order.size()) is_partial[e] = true;
+  std::ranges::stable_partition(order, [&](Index e) { return !is_partial[e]; });
+}
+
 /// Fills the maps between the numbers of the mesh and those of the complex, and the
 /// rest positions; returns the elements in their new order, over new vertices.
 std::vector<Hexahedron> number(const Mesh& mesh, const std::vector<bool>& used, bool renumber,
@@ -86,7 +95,9 @@ std::vector<Hexahedron> number(const Mesh& mesh, const std::vector<bool>& used, 
   const auto elements = static_cast<Index>(mesh.hexahedra.size());
   const auto points = static_cast<Index>(mesh.points.size());
   if (renumber) {
-    out.user_element = Renumbering(local_order(mesh.hexahedra, mesh.points, used));
+    std::vector<Index> order = local_order(mesh.hexahedra, mesh.points, used);
+    put_parts_last(mesh.parts, order);
+    out.user_element = Renumbering(std::move(order));
     out.element_of = out.user_element.inverse();
   }
 
@@ -278,12 +289,16 @@ Imported import_mesh(Mesh mesh, const ImportOptions& options, Diagnostics& diagn
   Imported out;
   std::vector<Hexahedron> hexahedra = number(mesh, used, options.renumber, out);
   const std::size_t unused = mesh.points.size() - out.rest.size();
-  const bool has_parts = !mesh.parts.empty();
+  const Parts parts = std::move(mesh.parts);
   mesh = {};  // gives its memory back before the map is built
 
   const Naming naming{[&](Index e) { return names.element(out.user_element[e]); },
                       [&](Index v) { return names.point(out.user_vertex[v]); }};
   const Shapes shapes = orient(hexahedra, out.rest);
+  out.parts = number_parts(
+      parts, static_cast<Index>(hexahedra.size()), [&](Index e) { return out.element_of[e]; },
+      [&](Index e) { return names.element(e); });
+  for (const Index e : shapes.flipped) out.parts.mirror(e);
   std::vector<Split> splits;
   try {
     out.complex =
@@ -292,7 +307,7 @@ Imported import_mesh(Mesh mesh, const ImportOptions& options, Diagnostics& diagn
     throw TopologyError(where + "is not a conforming hexahedral mesh. It has\n" + error.what());
   }
   report_inverted(shapes, where, naming, options.allow_inverted_rest, diagnostics);
-  report_non_manifold(splits, where, names, options.non_manifold, has_parts, out, diagnostics);
+  report_non_manifold(splits, where, names, options.non_manifold, !parts.empty(), out, diagnostics);
   if (unused > 0)
     diagnostics.warn(where + "has " + counted(unused, "point", "points") +
                      " not used by any hexahedron; dropped");

@@ -8,6 +8,7 @@
 #include "kernel/base/diagnostics.hpp"
 #include "kernel/mesh/mesh.hpp"
 #include "kernel/topology/cell_complex.hpp"
+#include "kernel/topology/element_parts.hpp"
 
 namespace suture {
 
@@ -40,6 +41,7 @@ struct Imported {
   std::vector<Index> user_vertex;      ///< vertex of the complex -> point of the Mesh
   Renumbering user_element;            ///< element of the complex -> hexahedron of the Mesh
   Renumbering element_of;              ///< inverse of user_element
+  ElementParts parts;                  ///< elements of the complex that are not full
   std::vector<Index> vertex_of_point;  ///< point -> its first vertex; none if unused
   /// (point, additional vertex) where non-manifold cells were split, ascending.
   std::vector<std::pair<Index, Index>> split_points;
@@ -56,6 +58,7 @@ struct Imported {
 /// Jacobian <= 0, unless allow_inverted_rest is set and the Jacobian is positive at all 2x2x2 Gauss
 /// points. A mesh without hexahedra or with points that are not finite throws InputError. Elements
 /// keep their order if it is local (ordering.hpp); otherwise they follow a space-filling curve.
+/// Elements of which only a part is material follow all others.
 /// Vertices are numbered by first use. Cost: at most 0.5 us per hexahedron, including edge and face
 /// ids.
 Imported import_mesh(Mesh mesh, const ImportOptions& options, Diagnostics& diagnostics);

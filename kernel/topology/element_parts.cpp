@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/topology/element_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "kernel/base/error.hpp"
+
+namespace suture {
+namespace {
+
+// Rounding may lift a mean above 1, which it reaches for parts at a corner.
+constexpr double bound = 1 + 1e-9;
+
+/// What is wrong, or "".
+std::string fault_of(const PartMoments& part) {
+  if (!(part.fraction > 0 && part.fraction <= bound))
+    return "has the fraction " + std::to_string(part.fraction) + ", expected 0 to 1, without 0";
+  const auto is_bounded = [](double x) { return std::abs(x) <= bound; };
+  if (!std::ranges::all_of(part.centroid, is_bounded)) return "has a centroid outside the element";
+  if (!std::ranges::all_of(part.covariance, is_bounded))
+    return "has a covariance that no part of an element has";
+  return "";
+}
+
+}  // namespace
+
+const PartMoments* ElementParts::of(Index element) const {
+  const auto found = std::ranges::lower_bound(elements_, element);
+  if (found == elements_.end() || *found != element) return nullptr;
+  return &moments_[static_cast<std::size_t>(found - elements_.begin())];
+}
+
+void ElementParts::mirror(Index element) {
+  const auto found = std::ranges::lower_bound(elements_, element);
+  if (found == elements_.end() || *found != element) return;
+  PartMoments& part = moments_[static_cast<std::size_t>(found - elements_.begin())];
+  part.centroid[0] = -part.centroid[0];
+  part.covariance[1] = -part.covariance[1];
+  part.covariance[2] = -part.covariance[2];
+}
+
+ElementParts number_parts(const Parts& parts, Index element_count,
+                          const std::function<Index(Index)>& element_of,
+                          const std::function<std::string(Index)>& name) {
+  std::vector<Index> order(parts.elements.size());
+  std::iota(order.begin(), order.end(), Index{0});
+  for (const Index i : order) {
+    if (parts.elements[i] >= element_count)
+      throw InputError("the mesh has a part of element " + std::to_string(parts.elements[i]) +
+                       ", but only " + std::to_string(element_count) + " elements");
+    if (const std::string fault = fault_of(parts.moments[i]); !fault.empty())
+      throw InputError("the part of element " + name(parts.elements[i]) + " that is material " +
+                       fault);
+  }
+  const auto number = [&](Index i) { return element_of(parts.elements[i]); };
+  std::ranges::sort(order, {}, number);
+  std::vector<Index> elements;
+  std::vector<PartMoments> moments;
+  for (const Index i : order) {
+    elements.push_back(number(i));
+    moments.push_back(parts.moments[i]);
+  }
+  return {std::move(elements), std::move(moments)};
+}
+
+}  // namespace suture

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "kernel/mesh/parts.hpp"
+
+namespace suture {
+
+/// The elements of a complex of which only a part is material, and the moments of their parts.
+/// Full elements take no memory.
+class ElementParts {
+ public:
+  ElementParts() = default;
+  /// `elements`: ascending.
+  ElementParts(std::vector<Index> elements, std::vector<PartMoments> moments)
+      : elements_(std::move(elements)), moments_(std::move(moments)) {}
+
+  bool empty() const { return elements_.empty(); }
+  std::span<const Index> elements() const { return elements_; }
+  /// Null for full elements. O(log n).
+  const PartMoments* of(Index element) const;
+  /// The part of the element's volume that is material; 1 for full elements.
+  double fraction(Index element) const {
+    const PartMoments* const part = of(element);
+    return part ? part->fraction : 1;
+  }
+  /// Exchanges the ends of the first axis of an element.
+  void mirror(Index element);
+
+ private:
+  std::vector<Index> elements_;
+  std::vector<PartMoments> moments_;
+};
+
+/// The parts of a mesh of `element_count` elements, in the numbers of a complex. Throws InputError,
+/// with the element's name, for moments that no part of a cube has. O(n log n).
+ElementParts number_parts(const Parts& parts, Index element_count,
+                          const std::function<Index(Index)>& element_of,
+                          const std::function<std::string(Index)>& name);
+
+}  // namespace suture

@@ -33,6 +33,7 @@ struct EdgeSprings : suture::on_edges {
   static constexpr std::uint32_t reads =
       SUTURE_READ_POSITION | (with_viscosity ? SUTURE_READ_VELOCITY : 0);
   static constexpr std::uint32_t alternative = 1;
+  static constexpr bool allows_parts = true;
   static constexpr auto cell_columns = suture::columns(stiffness, rest_tension);
   static constexpr auto vertex_columns = [] {
     if constexpr (with_viscosity)
@@ -122,6 +123,7 @@ struct InnerSprings : suture::on_volumes {
   static constexpr std::uint32_t reads =
       SUTURE_READ_POSITION | (with_viscosity ? SUTURE_READ_VELOCITY : 0);
   static constexpr std::uint32_t alternative = 2;
+  static constexpr bool allows_parts = true;
   static constexpr bool element_parameters = true;  // in inspect()
   static constexpr auto cell_columns = [] {
     if constexpr (with_correction)

@@ -119,6 +119,7 @@ T pull(const Cell& c, Stiffness stiffness, Length length, suture::vec3<T> (&f)[8
 /// M::moduli(c) gives Lame's constants, M::rho is the place of the density.
 template <class M>
 struct on_boxes : suture::model, suture::on_volumes {
+  static constexpr bool allows_parts = true;
   static constexpr suture::column<1> stiffness{};
   static constexpr suture::column<2> length{};
   static constexpr suture::attribute stiffness_attribute() {

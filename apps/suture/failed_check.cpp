@@ -9,6 +9,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/file.hpp"
 #include "kernel/base/input_file.hpp"
+#include "kernel/plugin_host/part_functors.hpp"
 
 namespace suture {
 namespace {
@@ -58,7 +59,7 @@ SampleOptions sample_from(const Json& json) {
                 numbers_from<std::vector<double>>(json.at("values")),
                 json.at("differs").get<bool>(), json.at("is_first").get<bool>()};
   const int shape = json.at("shape").get<int>();
-  if (shape < 0 || shape > 2) throw InputError("\"shape\" must be 0, 1 or 2");
+  if (shape < 0 || shape > 3) throw InputError("\"shape\" must be 0, 1, 2 or 3");
   sample.shape = static_cast<SampleShape>(shape);
   sample.seed = json.at("seed").get<std::uint64_t>();
   sample.time = json.value("time", 0.0);
@@ -109,6 +110,9 @@ FailedCheck failed_check_from(const Json& json) {
 const suture_functor& functor_of(const suture_model& model, const std::string& name) {
   for (const suture_functor& functor : std::span(model.functors, model.functor_count))
     if (functor.name == name) return functor;
+  for (const suture_functor& functor : std::span(model.functors, model.functor_count))
+    if (const suture_functor* part = functor_on_parts(functor); part && part->name == name)
+      return *part;
   throw InputError("model '" + std::string(model.id) + "' has no functor '" + name +
                    "': the plugin has changed since the check failed; run check-model again");
 }
@@ -119,7 +123,7 @@ bool fit(const std::vector<AlignedVector<double>>& columns, std::span<const std:
   if (columns.size() != places.size()) return false;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const std::size_t components =
-        places[i] == UINT32_MAX ? 1 : model.attributes[places[i]].components;
+        places[i] == UINT32_MAX ? 1 : cell_attribute(model, places[i]).components;
     if (columns[i].size() != nodes * components * SUTURE_LANES) return false;
   }
   return true;

@@ -4,6 +4,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/reset_error.hpp"
 #include "kernel/forces/checked_force.hpp"
+#include "kernel/plugin_host/part_functors.hpp"
 #include "suture/single.h"
 
 namespace suture {
@@ -104,7 +105,7 @@ CellForces outputs_of(const CellBatch& in, const suture_model& model, double val
   CellForces out;
   out.force.assign(in.vector_size(), value);
   for (std::size_t i = 0; i < in.cell_columns.size(); ++i) {
-    const suture_attribute& a = model.attributes[in.functor->cell_columns[i]];
+    const suture_attribute& a = cell_attribute(model, in.functor->cell_columns[i]);
     const bool has_trial = (a.flags & SUTURE_TRIAL) != 0;
     out.trial.emplace_back(has_trial ? in.cell_columns[i].size() : 0, value);
   }

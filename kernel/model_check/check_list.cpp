@@ -46,6 +46,8 @@ constexpr ModelCheck all_checks[] = {
     {"orientation", "no axis of space is different", not_inner, 1e-8, nullptr, checks::orientation},
     {"shapes", "functors of different shapes agree", "general hexahedra only", 1e-5, nullptr,
      checks::shapes},
+    {"patch", "parts of elements have the mean gradient of their material",
+     "the model is no continuum that runs on parts of elements", 1e-11, checks::patch, nullptr},
     {"rest", "a body at rest is in equilibrium",
      "it has no stiffness, or acts on vertices or faces", 1e-9, nullptr, checks::rest,
      SUTURE_ACTIVE},
@@ -178,8 +180,8 @@ CheckOutcome make_check(const ModelCheck& check, std::span<const suture_model* c
   Checking checking(check, builds);
   for (const ParameterSet& set : sets) {
     const std::vector<double> times = sample_times(*builds.front(), set);
-    for (const SampleShape shape :
-         {SampleShape::boxes, SampleShape::parallelepipeds, SampleShape::hexahedra}) {
+    for (const SampleShape shape : {SampleShape::boxes, SampleShape::parallelepipeds,
+                                    SampleShape::hexahedra, SampleShape::parts}) {
       SampleOptions options;
       options.set = set;
       options.shape = shape;

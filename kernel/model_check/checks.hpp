@@ -22,6 +22,8 @@ Result bad_states(const BatchCase&);
 Result balance(const BatchCase&);
 Result translation(const BatchCase&);
 Result objectivity(const BatchCase&);
+// part_checks.cpp
+Result patch(const BatchCase&);
 // repeated_checks.cpp
 Result repetition(const BatchCase&);
 Result state(const BatchCase&);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "kernel/attributes/cell_nodes.hpp"
+#include "kernel/plugin_host/part_functors.hpp"
 
 namespace suture {
 namespace {
@@ -39,11 +40,14 @@ class Gathering {
 
  private:
   std::size_t components_of(std::uint32_t attribute) const {
-    return attribute == UINT32_MAX ? 1 : instance_.model().attributes[attribute].components;
+    return attribute == UINT32_MAX ? 1 : cell_attribute(instance_.model(), attribute).components;
   }
+  /// A functor on parts reads what the functor reads that it replaces.
   bool reads_velocity() const {
-    const auto number = static_cast<std::size_t>(&functor_ - instance_.model().functors);
-    return (instance_.functor(number).reads & SUTURE_READ_VELOCITY) != 0;
+    for (std::size_t i = 0; i < instance_.model().functor_count; ++i)
+      if (&functor_ == &instance_.model().functors[i] || &functor_ == instance_.part_functor(i))
+        return (instance_.functor(i).reads & SUTURE_READ_VELOCITY) != 0;
+    return false;
   }
 
   void add_vectors(std::size_t lane, Index cell) {
@@ -60,10 +64,12 @@ class Gathering {
       }
   }
   void add_cell_column(std::size_t i, std::size_t lane, Index cell) {
-    const Column& column = *instance_.column(functor_.cell_columns[i]);
+    const std::uint32_t place = functor_.cell_columns[i];
     const Index row = instance_.table(dimension_).cells.row(cell);
-    for (int c = 0; c < column.spec().components; ++c)
-      batch.cell_columns[i][static_cast<std::size_t>(c) * SUTURE_LANES + lane] = column.get(row, c);
+    for (std::size_t c = 0; c < components_of(place); ++c)
+      batch.cell_columns[i][c * SUTURE_LANES + lane] =
+          place == SUTURE_PART_COLUMN ? instance_.part_moment(row, c)
+                                      : instance_.column(place)->get(row, static_cast<int>(c));
   }
   void add_vertex_column(std::size_t i, std::size_t lane) {
     const std::uint32_t a = functor_.vertex_columns[i];

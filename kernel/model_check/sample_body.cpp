@@ -9,6 +9,7 @@
 #include "kernel/base/vec3.hpp"
 #include "kernel/mesh/box.hpp"
 #include "kernel/model_check/gather_cells.hpp"
+#include "kernel/model_check/sample_parts.hpp"
 
 namespace suture {
 namespace {
@@ -30,6 +31,7 @@ Mesh sample_mesh(const SampleOptions& options) {
     if (options.shape == SampleShape::hexahedra)
       for (double& c : x) c += between(random, -0.12, 0.12) * edge;
   }
+  if (options.shape == SampleShape::parts) mesh.parts = sample_parts();
   mesh.points[13][0] += options.irregular * edge;  // the node in the middle
   for (Vec3& x : mesh.points) {
     x = rotated(options.rotation, x);
@@ -174,8 +176,11 @@ void SampleBody::stop() {
 
 std::vector<const suture_functor*> SampleBody::functors() {
   std::vector<const suture_functor*> functors;
-  for (std::uint32_t i = 0; i < model_.functor_count; ++i)
-    if (instance().functor(i).runs) functors.push_back(&model_.functors[i]);
+  for (std::uint32_t i = 0; i < model_.functor_count; ++i) {
+    if (!instance().functor(i).runs) continue;
+    const suture_functor* const on_parts = instance().part_functor(i);
+    functors.push_back(on_parts ? on_parts : &model_.functors[i]);
+  }
   return functors;
 }
 
@@ -185,7 +190,7 @@ std::vector<Index> SampleBody::cells_of(const suture_functor& functor) {
   std::vector<Index> cells;
   for (Index row = 0; row < set.size(); ++row) {
     const Index cell = set.cell(row);
-    const bool is_general = dimension == 3 && row >= instance().general_begin;
+    const bool is_general = dimension == 3 && instance().is_general(row);
     const bool is_boundary =
         dimension == 2 && body_.complex().beta3(body_.complex().dart_of(2, cell)) == none;
     if (functor.shape == SUTURE_PARALLELEPIPED && is_general) continue;
@@ -206,6 +211,12 @@ std::vector<CellBatch> SampleBody::batches(const suture_functor& functor, std::s
     batches.push_back(gather_cells(body_, instance(), functor, cells));
     batches.back().time = times[(i + static_cast<std::size_t>(options_.shape)) % times.size()];
   }
+  // Small parts alone: beside others, their forces would be lost in rounding.
+  if (options_.shape == SampleShape::parts && functor.dimension == 3 && !cells.empty())
+    for (const Index cell : {Index{4}, Index{7}}) {
+      batches.push_back(gather_cells(body_, instance(), functor, {&cell, 1}));
+      batches.back().time = times[0];
+    }
   return batches;
 }
 

@@ -12,8 +12,9 @@
 namespace suture {
 
 /// The rest shapes of the elements of a sample.
-enum class SampleShape { boxes, parallelepipeds, hexahedra };
-inline constexpr const char* sample_shapes[] = {"boxes", "parallelepipeds", "general hexahedra"};
+enum class SampleShape { boxes, parallelepipeds, hexahedra, parts };
+inline constexpr const char* sample_shapes[] = {"boxes", "parallelepipeds", "general hexahedra",
+                                                "parts of parallelepipeds"};
 
 /// What a check is made on: everything about a sample that is chosen.
 struct SampleOptions {
@@ -41,7 +42,8 @@ class SampleBody {
   Instance& instance() { return *body_.attributes().instances()[0]; }
   const suture_model& model() const { return model_; }
 
-  /// Functors that run with these parameters.
+  /// Functors that run with these parameters; on elements of which only a part is material, what
+  /// replaces them there.
   std::vector<const suture_functor*> functors();
   /// Up to 8 cells of a functor, chosen at random, at different times (sample_times). Empty if none
   /// has the functor's shape.

@@ -62,7 +62,7 @@ Result orientation(const BodyCase& of) {
 // A tiny change of the rest shape passes elements on to the functor of general hexahedra.
 Result shapes(const BodyCase& of) {
   const SampleOptions& options = of.sample.options();
-  if (options.shape == SampleShape::hexahedra) return {};
+  if (options.shape == SampleShape::hexahedra || options.shape == SampleShape::parts) return {};
   SampleOptions irregular = options;
   irregular.irregular = 1e-9;
   SampleBody other(of.sample.model(), irregular);

@@ -114,7 +114,8 @@ struct Translation {
   }
   void operator()(Constraint& constraint) const {
     (*this)(constraint.where);
-    if (constraint.angle != 0 || constraint.path.turns()) (*this)(constraint.centre);  // else far away for nothing
+    if (constraint.angle != 0 || constraint.path.turns())
+      (*this)(constraint.centre);  // else far away for nothing
   }
   void operator()(Obstacle& obstacle) const {
     translate(obstacle.shape, minus(Vec3{}, frame.origin));

@@ -17,7 +17,8 @@ using Values = std::map<std::string, double>;
 
 /// A body of one model from a mesh with parts.
 struct PartBody : suture::Body {
-  PartBody(const Mesh& mesh, const std::string& id, const Values& wanted)
+  PartBody(const Mesh& mesh, const std::string& id, const Values& wanted, unsigned threads = 1,
+           bool skip = true)
       : suture::Body(import(mesh)) {
     static suture::PluginHost host;
     const suture_model& model = host.model(id);
@@ -25,9 +26,9 @@ struct PartBody : suture::Body {
     for (const suture_parameter& p : std::span(model.parameters, model.parameter_count))
       values.push_back(wanted.contains(p.name) ? wanted.at(p.name) : p.default_value);
     suture::Diagnostics diagnostics;
-    attributes().add(std::make_unique<suture::Instance>(model, id, values, diagnostics), complex(),
-                     {});
-    compile(diagnostics, 1);
+    attributes().add(std::make_unique<suture::Instance>(model, id, values, diagnostics, skip),
+                     complex(), {});
+    compile(diagnostics, threads);
   }
   static suture::Imported import(const Mesh& mesh) {
     suture::Diagnostics diagnostics;
@@ -55,14 +56,19 @@ struct PartBody : suture::Body {
     });
   }
   /// 3 numbers per vertex.
-  std::vector<double> forces() {
+  std::vector<double> forces(double dt = 0) {
     suture::Column& force = attributes().force();
     std::fill(force.rows(), force.rows() + std::size_t{force.size()} * 4, 0.0);
-    models().add_forces(0, 0);
+    models().add_forces(0, dt);
     std::vector<double> values;
     for (Index v = 0; v < attributes().vertex_count(); ++v)
       for (int c = 0; c < 3; ++c) values.push_back(force.get(v, c));
     return values;
+  }
+  void state(suture::Archive& archive) {
+    archive("map", complex());
+    archive("attributes", attributes());
+    archive("loop", models());
   }
   double total_mass() {
     double sum = 0;

@@ -3,6 +3,7 @@
 // Bodies with elements of which only a part is material: patch test, mass, stable step, motion, and
 // what such bodies refuse. SUTURE_FULL=1: 10,000 planes, else a sample.
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -10,6 +11,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/dynamics/inversion.hpp"
+#include "tests/base/same_state.hpp"
 #include "tests/forces/spring_model.hpp"
 #include "tests/parts/part_body.hpp"
 
@@ -230,6 +232,43 @@ TEST(Parts, KeepTheirMassInCuts) {
       for (const Index v : body.complex().vertices_of(e))
         EXPECT_NEAR(body.attributes().mass().get(v, 0) / own, 1, 1e-12);
     }
+  }
+}
+
+// Threads are used for loops of any size if nothing is skipped.
+TEST(Parts, HaveTheSameBitsForAnyNumberOfThreadsAndAfterLoading) {
+  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 4);
+  const Values viscous{{"K", 1e4}, {"n", 0.3}, {"lambda", 1e4}, {"rho", density}};
+  const Values springs{{"E", 1e5}, {"nu", 0.3}, {"rho", density}};
+  for (const auto& [id, values] :
+       {std::pair{"tm-faure", law(0)}, {"visco", viscous}, {"mss-baudet", springs}}) {
+    std::mt19937_64 random(21);
+    const Mesh mesh = cut_box({{0, 0, 0}, {0.4, 0.4, 0.4}, {8, 8, 8}, {1, 1, 1}},
+                              std::vector{random_plane(random, {0.4, 0.4, 0.4})});
+    ASSERT_FALSE(mesh.parts.empty());
+    PartBody one(mesh, id, values, 1, false), many(mesh, id, values, 3, false);
+    PartBody fresh(mesh, id, values, 2, false);
+    for (PartBody* body : {&one, &many}) {
+      for (unsigned step = 1; step < 4; ++step) {
+        body->shake(0.003, step);
+        body->forces(0.01);
+        body->models().accept();
+      }
+      std::vector<suture::Dart> faces = body->inner_faces();
+      faces.resize(faces.size() / 3);
+      body->cut(faces);
+    }
+    suture::StateTree tree;
+    suture::save_state(tree, one);
+    suture::load_state(tree, fresh);
+    for (PartBody* body : {&one, &many, &fresh}) body->shake(0.004, 9);
+    const std::vector<double> expected = one.forces(0.01);
+    EXPECT_TRUE(std::ranges::any_of(expected, [](double f) { return f != 0; }));
+    rig::expect_same_bits(expected, many.forces(0.01));
+    rig::expect_same_bits(expected, fresh.forces(0.01));
+    for (PartBody* body : {&one, &many, &fresh}) body->models().accept();
+    EXPECT_EQ(suture::difference_of_states(one.attributes(), fresh.attributes()), "");
+    EXPECT_EQ(suture::difference_of_states(one.attributes(), many.attributes()), "");
   }
 }
 

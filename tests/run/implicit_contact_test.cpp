@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "kernel/base/archive.hpp"
+#include "kernel/contact/contact.hpp"
 #include "kernel/contact/piece_overlap.hpp"
 #include "tests/base/sanitizer.hpp"
 #include "tests/run/contact_scenes.hpp"
@@ -165,11 +166,12 @@ std::vector<BoxOptions> stack(std::initializer_list<Index> cells) {
 
 /// The largest distance by which pieces are in each other, of an edge.
 double overlap_of_pieces(Simulation& simulation) {
+  const auto& contact = dynamic_cast<const Contact&>(*simulation.contact());
   double depth = 0;
   for (const PieceOverlap& overlap :
-       find_piece_overlaps(*simulation.contact(), simulation.complex(), simulation.attributes(), 0))
+       find_piece_overlaps(contact, simulation.complex(), simulation.attributes(), 0))
     depth = std::max(depth, overlap.depth);
-  return depth / simulation.contact()->mean_edge();
+  return depth / contact.mean_edge();
 }
 
 TEST(StaticPieces, AStackCarriesItsWeight) {

@@ -31,11 +31,10 @@ const suture_functor* functor_on_parts(const suture_functor& functor) {
   static std::map<const suture_functor*, suture_functor> kept;
   const auto* table = extension_of<suture_parts_1>(functor, SUTURE_PARTS_1);
   if (table == nullptr || table->functor == nullptr) return nullptr;
-  const auto [place, is_new] = kept.try_emplace(table->functor);
-  if (is_new)
-    place->second = copy_of<suture_functor>(reinterpret_cast<const char*>(table->functor),
-                                            table->functor->size);
-  return &place->second;
+  suture_functor& copy = kept[table->functor];
+  copy =
+      copy_of<suture_functor>(reinterpret_cast<const char*>(table->functor), table->functor->size);
+  return &copy;
 }
 
 }  // namespace suture

@@ -10,6 +10,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/plugin_host/output_fields.hpp"
+#include "suture/parts.h"
 #include "suture/single.h"
 #include "tests/plugin_host/change_case.hpp"
 
@@ -53,6 +54,7 @@ struct Offer {
     if (asked == SUTURE_TANGENT_1) return &present->tangent;
     if (asked == SUTURE_TANGENT_SINGLE_1) return &present->single;
     if (asked == SUTURE_INSPECT_1) return &present->inspect;
+    if (asked == SUTURE_PARTS_1) return &present->parts;
     return asked == SUTURE_OUTPUT_1 ? &present->output : nullptr;
   }
   static const void* of_second(const char* id) {
@@ -64,6 +66,8 @@ struct Offer {
   suture_energy_1 energy{sizeof energy, 0, one};
   suture_stable_dt_1 stable_dt{sizeof stable_dt, 0, two};
   suture_tangent_1 tangent{sizeof tangent, 0, apply};
+  suture_parts_1 parts{sizeof parts, 0, nullptr};
+  suture_functor on_parts{};
   suture_tangent_single_1 single{sizeof single, SUTURE_SINGLE_LANES, SUTURE_READ_POSITION, 0,
                                  apply_single};
   suture_inspect_1 inspect{sizeof inspect, 0, force};
@@ -104,6 +108,17 @@ const ExtensionCase cases[] = {
      FIRST "'suture.stable-dt/1': its function is NULL"},
     {"Tangent", [](Offer& o) { o.tangent.apply = nullptr; },
      FIRST "'suture.tangent/1': its function is NULL"},
+    {"PartsReserved", [](Offer& o) { o.parts.reserved = 1; },
+     FIRST "'suture.parts/1': reserved is not 0"},
+    {"PartsOfElementsAreMissing", [](Offer& o) { o.functors[0].dimension = 3; },
+     FIRST "'suture.parts/1': its functor is NULL, which a functor on elements may not have"},
+    {"PartsOnEdges",
+     [](Offer& o) {
+       o.on_parts = o.functors[0];
+       o.parts.functor = &o.on_parts;
+     },
+     FIRST
+     "'suture.parts/1': its functor differs in dimension, shape or reads, or is not on elements"},
     {"SingleTangent", [](Offer& o) { o.single.apply = nullptr; },
      FIRST "'suture.tangent-single/1': its function is NULL"},
     {"SingleLanes", [](Offer& o) { o.single.lanes = 8; },

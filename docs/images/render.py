@@ -80,7 +80,8 @@ def renderer_of(grid, field, value_range, colours, camera):
     mapper.SelectColorArray(field)
     mapper.SetScalarRange(*value_range)
     mapper.SetLookupTable(colours)
-    actor.GetProperty().EdgeVisibilityOn()
+    # Those of tetrahedra, which fill elements up to a surface, would hide it.
+    actor.GetProperty().SetEdgeVisibility(grid.IsHomogeneous())
     actor.GetProperty().SetEdgeColor(0.15, 0.15, 0.2)
     actor.GetProperty().SetAmbient(0.45)
     renderer = vtk.vtkRenderer()

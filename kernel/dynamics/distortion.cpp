@@ -30,7 +30,7 @@ double smallest_stretch(const HexahedronNodes& x, const HexahedronNodes& rest,
   return std::sqrt(std::max(0.0, 1 + 2 * solver.eigenvalues()[0]));
 }
 
-/// Of a part that is material the mean one: the corners of its element need not be material.
+/// The mean one for a part that is material: the corners of its element need not be.
 double smallest_jacobian(const HexahedronNodes& x, const HexahedronNodes& rest,
                          const PartMoments* part) {
   if (part != nullptr) return determinant(mean_edges(x, part)) / determinant(mean_edges(rest));

@@ -28,7 +28,7 @@ Level half_space(const Vec3& normal, const Vec3& point);
 /// The material of the cube [-1, 1]^3.
 std::vector<Tetrahedron> clipped_cube(std::span<const Level> levels);
 double volume(const Tetrahedron& t);
-/// Of a part in [-1, 1]^3, from exact integrals over its tetrahedra.
+/// The moments of a part in [-1, 1]^3, from exact integrals over its tetrahedra.
 PartMoments moments_of(std::span<const Tetrahedron> part);
 /// The integral over a part of the gradient in the cube of shape function `node`, exact: a
 /// quadrature of degree 2 on each tetrahedron.
@@ -40,7 +40,7 @@ std::vector<Level> local_levels(std::span<const Level> levels, const Vec3& low, 
 /// A box of which only the material between the level sets is kept: elements without any are left
 /// out, the others are parts or full.
 Mesh cut_box(const suture::BoxOptions& box, std::span<const Level> levels);
-/// Of the material of a mesh of boxes, m^3.
+/// The volume of the material of a mesh of boxes, m^3.
 double volume(const Mesh& mesh);
 
 double between(std::mt19937_64& random, double low, double high);

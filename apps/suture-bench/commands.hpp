@@ -18,6 +18,7 @@ void add_tangent(CommandLine& line);
 /// What looking for a tear costs beside the forces.
 void add_events(CommandLine& line);
 /// Whole runs with events beside runs without.
+void add_event_costs(CommandLine& line);
 void add_event_runs(CommandLine& line);
 /// Where the time of a step goes.
 void add_step(CommandLine& line);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <functional>
 #include <random>
 
 #include "apps/suture-bench/body.hpp"
@@ -15,6 +16,11 @@ struct EventRunOptions {
   int pairs = 5;
   unsigned cuts = 80;
   int steps = 500;
+};
+
+struct EventCostOptions {
+  std::array<Index, 3> small{22, 22, 21}, large{108, 108, 108};
+  int rounds = 5;
 };
 
 constexpr double block_edge = 0.05;  // m
@@ -136,7 +142,110 @@ void run_event_runs(const EventRunOptions& options, Report& report) {
       }
 }
 
+// ------------------------------------------------------------- one operation --
+
+struct Operation {
+  const char* name;
+  std::function<Event(const std::array<Index, 3>& cells, int round)> event;
+};
+
+std::uint64_t element_at(const std::array<Index, 3>& n, Index x, Index y, Index z) {
+  return x + n[0] * (y + std::uint64_t{n[1]} * z);
+}
+
+Event with(decltype(Event::what) what) {
+  Event event = event_number(0);
+  event.what = std::move(what);
+  return event;
+}
+
+Pierce pierce_of(decltype(Selection::what) what) {
+  Pierce pierce;
+  pierce.where = Selection{};
+  pierce.where->path = "/events/0/pierce";
+  pierce.where->what = std::move(what);
+  return pierce;
+}
+
+/// In the middle of a block, each round elsewhere.
+std::vector<Operation> operations() {
+  using Cells = std::array<Index, 3>;
+  const auto pair = [](const Cells& n, int round) {
+    const Index y = n[1] / 4 + 2 * static_cast<Index>(round);
+    const std::uint64_t element = element_at(n, n[0] / 2, y, n[2] / 2);
+    return std::vector<std::array<std::uint64_t, 2>>{{element, element + 1}};
+  };
+  return {{"remove an element by its id",
+           [](const Cells& n, int round) {
+             return with(pierce_of(Selection::Ids{
+                 {element_at(n, n[0] / 2, n[1] / 4 + 2 * static_cast<Index>(round), n[2] / 3)}}));
+           }},
+          {"remove the nearest element",
+           [](const Cells& n, int round) {
+             return with(pierce_of(Selection::Nearest{{block_edge * (n[0] / 3 + 0.5),
+                                                       block_edge * (n[1] / 4 + 2 * round + 0.5),
+                                                       block_edge * (n[2] / 2 + 0.5)}}));
+           }},
+          {"cut a face", [=](const Cells& n, int round) { return with(CutFaces{pair(n, round)}); }},
+          {"sew it", [=](const Cells& n, int round) {
+             SewFaces sew;
+             sew.element_pairs = pair(n, round);
+             return with(std::move(sew));
+           }}};
+}
+
+/// us of each operation in a run of a block, medians.
+std::vector<double> operation_times(PluginHost& host, const std::string& model,
+                                    const std::array<Index, 3>& cells, int rounds) {
+  EventRunOptions options;
+  options.cells = cells;
+  const Scene scene = event_block(host, model, false, false, options);
+  Diagnostics diagnostics;
+  Observer nobody;
+  Simulation simulation(scene, host, diagnostics);
+  std::vector<double> medians;
+  double time = 0;
+  for (const Operation& operation : operations()) {
+    std::vector<double> times;
+    for (int round = 0; round < rounds; ++round) {
+      simulation.run_to(time += 2 * *scene.solver.dt, nobody);
+      const Event event = operation.event(cells, round);
+      const double start = now(1);
+      simulation.apply(event, nobody);
+      times.push_back(1e6 * (now(1) - start));
+    }
+    medians.push_back(median(times));
+  }
+  return medians;
+}
+
+void run_event_costs(const EventCostOptions& options, Report& report) {
+  PluginHost host;
+  report.begin("event costs",
+               "one operation in a run of symplectic Euler, whole event, medians of " +
+                   std::to_string(options.rounds) + ", 1 thread");
+  for (const char* model : {"tm-faure", "mss-baudet"}) {
+    const std::vector<double> small = operation_times(host, model, options.small, options.rounds),
+                              large = operation_times(host, model, options.large, options.rounds);
+    for (std::size_t i = 0; i < small.size(); ++i)
+      report.add(Line()
+                     .add("operation", operations()[i].name)
+                     .add("model", model)
+                     .add("small us", small[i])
+                     .add("large us", large[i])
+                     .add("large/small", large[i] / small[i]));
+  }
+}
+
 }  // namespace
+
+void add_event_costs(CommandLine& line) {
+  auto [command, options] = line.add(
+      "event-costs", "One operation in a large run compared with a small", run_event_costs);
+  command.option("--small", &options.small, "Elements of the small block along each axis");
+  command.option("--large", &options.large, "Elements of the large block along each axis");
+  command.option("--rounds", &options.rounds, "Operations of each kind").positive();
+}
 
 void add_event_runs(CommandLine& line) {
   auto [command, options] =

@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   suture::bench::add_force(line);
   suture::bench::add_tangent(line);
   suture::bench::add_events(line);
+  suture::bench::add_event_costs(line);
   suture::bench::add_event_runs(line);
   suture::bench::add_step(line);
   suture::bench::add_scaling(line);

@@ -172,6 +172,7 @@ SECTIONS = [
     ("event-runs", "Runs with events", "Whole runs with events relative to runs without, in turn. With an "
      "automatic dt, events shorten the step: the last column is the part of the ratio due to the "
      "larger number of steps.", None),
+    ("event-costs", "Single operations", "One operation in a run of 1.26 M elements and of 10,000.", None),
     ("rest", "Rest", "The paper's cantilever under its weight, to rest.", None),
     ("static", "Static equilibria", "Newton's method with conjugate gradients and multigrid, CalculiX "
      "beside it where it is installed. At the full load (A) the law has no solution to which meshes "

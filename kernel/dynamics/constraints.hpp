@@ -88,8 +88,9 @@ class Constraints {
   double largest_turn(double from, double to) const;
 
   bool empty() const { return groups_.empty(); }
-  Index vertex_count() const;  ///< constrained, counted once per group
-  double last_change() const;  ///< end of the last motion, s
+  bool has_driven() const { return !driven_.empty(); }  ///< a vertex has a prescribed motion
+  Index vertex_count() const;                           ///< constrained, counted once per group
+  double last_change() const;                           ///< end of the last motion, s
 
  private:
   struct Group {

@@ -126,7 +126,20 @@ void Dynamics::forget_last() {
 /// Remembers the accelerations: half a step is still owed to the velocities with the forces
 /// before the operation and not with those after it.
 void Dynamics::before(const ComingOperation& operation) {
-  if (!operation.only_apart && ledger_.has_start()) ledger_.before_jump(now());
+  removal_.reset();
+  if (!operation.only_apart && ledger_.has_start()) {
+    if (changes_locally(operation)) {
+      removal_.emplace();
+      removal_->vertices.assign(operation.vertices.begin(), operation.vertices.end());
+      removal_->elements = body().models().elements_around(operation.vertices);
+      removal_->before = part_at(operation.vertices);
+      for_each_with<WorkTerm>(body().terms(), [&](const WorkTerm& term) {
+        removal_->booked.push_back(term.booked_at(operation.vertices));
+      });
+    } else {
+      ledger_.before_jump(now());
+    }
+  }
   changing_.clear();
   if (!integrator_->is_lagging()) return;
   const std::vector<Vec3> accelerations = accelerations_at(operation.vertices);
@@ -176,6 +189,39 @@ void Dynamics::kick_changed(const TopologyChange& change) {
   }
 }
 
+/// Whether all that the operation changes is at its vertices and in the elements around them (what
+/// sleeps wakes everywhere), and no term has to book the last step before it.
+bool Dynamics::changes_locally(const ComingOperation& operation) {
+  return !operation.vertices.empty() && !is_implicit() && !motion_.is_frozen() &&
+         !body().contact() && !body().has_loads() && !body().models().books_work() &&
+         !body().constraints().has_driven();
+}
+
+/// At the vertices of the removal that there are; the others, which are new, follow.
+Ledger::Part Dynamics::part_at(std::span<const Index> vertices) {
+  const std::vector<Vec3> forces = body().forces_at(vertices, time());
+  const Motion::Sums sums = motion_.sums_at(vertices, forces, integrator_->lacking());
+  const double half_step = motion_.last_step() / 2;
+  return {sums.kinetic, body().models().energy_around(removal_->elements, time()), sums.leapfrog,
+          integrator_->is_lagging() ? half_step * sums.power : unseen_work()};
+}
+
+void Dynamics::book_removal(const TopologyChange& change) {
+  std::vector<Index> vertices = removal_->vertices;
+  for (const Split& split : change.splits[0])
+    if (std::ranges::binary_search(removal_->vertices, split.old_cell))
+      vertices.push_back(split.new_cell);
+  std::erase_if(vertices, [&](Index v) { return !body().complex().exists(0, v); });
+  motion_.sums().resize(body().attributes().vertex_count());
+  motion_.sums().forget_last();
+  auto booked = removal_->booked.begin();
+  for_each_with<WorkTerm>(body().terms(), [&](WorkTerm& term) {
+    term.shift_booked(term.booked_at(vertices) - *booked++);
+  });
+  ledger_.book_jump(removal_->before, part_at(vertices));
+  removal_.reset();
+}
+
 void Dynamics::follow(const CellComplex&, const TopologyChange& change) {
   motion_.thaw();
   motion_.forget_forces();
@@ -184,6 +230,8 @@ void Dynamics::follow(const CellComplex&, const TopologyChange& change) {
   if (change.faces_sewn == 0 && change.removed[3].empty()) {
     motion_.sums().resize(body().attributes().vertex_count());
     motion_.sums().forget_chunks();
+  } else if (removal_) {
+    book_removal(change);
   } else {
     forget_last();
     if (ledger_.has_start()) ledger_.after_jump(now());

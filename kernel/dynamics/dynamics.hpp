@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -88,6 +89,9 @@ class Dynamics : private Follower {
   void forget_last();
   std::vector<Vec3> accelerations_at(std::span<const Index> vertices);
   void kick_changed(const TopologyChange& change);
+  bool changes_locally(const ComingOperation& operation);
+  Ledger::Part part_at(std::span<const Index> vertices);
+  void book_removal(const TopologyChange& change);
 
   Motion motion_;
   std::unique_ptr<Integrator> integrator_;
@@ -98,6 +102,14 @@ class Dynamics : private Follower {
     Vec3 acceleration;
   };
   std::vector<Changing> changing_;
+  /// An operation whose jump of the energy is booked around its vertices.
+  struct Removal {
+    std::vector<Index> vertices;  ///< ascending
+    std::vector<Index> elements;  ///< around them
+    Ledger::Part before;
+    std::vector<double> booked;  ///< per term
+  };
+  std::optional<Removal> removal_;
 };
 
 struct Energies {

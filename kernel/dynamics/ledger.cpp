@@ -109,6 +109,14 @@ void Ledger::after_jump(const Now& now) {
   book(now.time);
 }
 
+void Ledger::book_jump(const Part& before, const Part& after) {
+  const double elastic = after.elastic - before.elastic;
+  account_.events += after.kinetic - before.kinetic + elastic;
+  account_.events_elastic += elastic;
+  account_.leapfrog_start += after.leapfrog_part - before.leapfrog_part;
+  account_.pending_work += before.work - after.work;
+}
+
 void Ledger::state(Archive& archive) {
   archive("has start", account_.has_start);
   archive("start", account_.start);

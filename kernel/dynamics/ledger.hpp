@@ -106,6 +106,12 @@ class Ledger {
   /// energies.
   void before_jump(const Now& now);
   void after_jump(const Now& now);
+  /// The parts of these energies, and of Now, that an operation changes.
+  struct Part {
+    double kinetic = 0, elastic = 0, leapfrog_part = 0, work = 0;
+  };
+  /// The same without an evaluation, for a body without driven vertices.
+  void book_jump(const Part& before, const Part& after);
   /// The step length changed, so that the energy of the step differs from that of the motion by
   /// `difference` more, J.
   void change_step(double difference) { account_.leapfrog_start += difference; }

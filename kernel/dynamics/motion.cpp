@@ -5,6 +5,7 @@
 #include <atomic>
 #include <string>
 
+#include "kernel/base/aligned.hpp"
 #include "kernel/forces/contact_law.hpp"
 #include "kernel/forces/loops/dispatch.hpp"
 
@@ -270,6 +271,41 @@ double Motion::power() {
     sum += sums.before;
   });
   return sum;
+}
+
+Motion::Sums Motion::sums_at(std::span<const Index> vertices, std::span<const Vec3> forces,
+                             const Kick& kick) const {
+  Attributes& attributes = body_.attributes();
+  AlignedVector<double> velocity, force, mass, fixed;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const Index v = vertices[i];
+    if (!moving()[v]) continue;
+    const double* row = attributes.velocity().rows() + std::size_t{v} * 4;
+    velocity.insert(velocity.end(), row, row + 4);
+    force.insert(force.end(), {forces[i][0], forces[i][1], forces[i][2], 0});
+    mass.push_back(attributes.mass().get(v, 0));
+    fixed.push_back(attributes.fixed().get(v, 0));
+  }
+  const auto with = [&](std::span<const Kick> kicks) {
+    loops::Motion m = pass(kicks);
+    m.velocity = velocity.data();
+    m.force = force.data();
+    m.mass = mass.data();
+    m.live = nullptr;
+    return m;
+  };
+  const auto count = static_cast<std::uint32_t>(mass.size());
+  Sums sums;
+  loops::Motion m = with({&kick, 1});
+  sums.kinetic = loops_.kinetic(&m, fixed.data(), 0, count);
+  const Kick last(damping_, last_);
+  m = with({&last, 1});
+  if (last_ != 0) sums.leapfrog = loops_.forcing(&m, fixed.data(), 0, count) / 8;
+  loops::PassSums power;
+  m = with({});
+  loops_.kick(&m, 0, count, &power);  // with no length: nothing changes
+  sums.power = power.before;
+  return sums;
 }
 
 Index Motion::fastest_vertex() const {

@@ -84,6 +84,14 @@ class Motion {
   /// between the energy of the mean velocity and the leapfrog energy sum m v- . v+ / 2.
   double leapfrog_part(double h);
 
+  /// The parts of kinetic(), power() and leapfrog_part(last_step()) of some vertices, with these
+  /// forces of the terms on them. O(vertices).
+  struct Sums {
+    double kinetic = 0, power = 0, leapfrog = 0;
+  };
+  Sums sums_at(std::span<const Index> vertices, std::span<const Vec3> forces,
+               const Kick& kick) const;
+
   /// Stops the vertices and sets their velocities to zero; the evaluated forces remain valid.
   void freeze(std::span<const Index> vertices);
   void thaw();

@@ -58,8 +58,7 @@ void ForceLoop::add_forces(double time, const LiveMask&, double* rows) {
 }
 
 void ForceLoop::add_forces_in_step(const StepTimes& step, const LiveMask&, double* rows) {
-  if (!has(Part::without_energy) || !has(Part::with_energy))
-    return add_forces(step.time, step.dt, Part::all, rows);
+  if (!books_work()) return add_forces(step.time, step.dt, Part::all, rows);
   add_forces(step.time, step.dt, Part::without_energy, rows);
   impl_->book_unstored(step.last, rows);
   add_forces(step.time, step.dt, Part::with_energy, rows);

@@ -65,6 +65,7 @@ class ForceLoop final : public ForceTerm,
 
   /// The work of functors without an energy, if others have one.
   double work() const override;
+  bool books_work() const { return has(Part::without_energy) && has(Part::with_energy); }
   void forget_last() override;
   void restart() override;
   /// Makes the trial copies of state columns the accepted ones.

@@ -18,16 +18,25 @@ void Gravity::add_forces_in_step(const StepTimes& step, const LiveMask&, double*
 //   W += (r + r') / 2 (sum m g . x' - sum m g . x)
 void Gravity::book(double time) {
   if (value_ == Vec3{}) return;
-  const double* x = attributes_.position().rows();
-  const double* mass = attributes_.mass().rows();
   double moment = 0;
-  for (Index v = 0; v < attributes_.vertex_count(); ++v, x += 4)
-    moment += mass[v] * (value_[0] * x[0] + value_[1] * x[1] + value_[2] * x[2]);
+  for (Index v = 0; v < attributes_.vertex_count(); ++v) moment += moment_of(v);
   const double ramp = ramp_.value(time);
   if (is_booked_) work_ += (last_ramp_ + ramp) / 2 * (moment - moment_);
   moment_ = moment;
   last_ramp_ = ramp;
   is_booked_ = true;
+}
+
+double Gravity::booked_at(std::span<const Index> vertices) const {
+  double moment = 0;
+  for (const Index v : vertices) moment += moment_of(v);
+  return moment;
+}
+
+double Gravity::moment_of(Index vertex) const {
+  const double* x = attributes_.position().rows() + std::size_t{vertex} * 4;
+  return attributes_.mass().rows()[vertex] *
+         (value_[0] * x[0] + value_[1] * x[1] + value_[2] * x[2]);
 }
 
 double Gravity::potential(double time) {

@@ -26,11 +26,15 @@ class Gravity final : public ForceTerm, public EnergyTerm, public WorkTerm {
   double work() const override { return work_; }
   void book(double time) override;
   void forget_last() override { is_booked_ = false; }
+  double booked_at(std::span<const Index> vertices) const override;
+  void shift_booked(double difference) override { moment_ += difference; }
   void restart() override;
   void state(Archive& archive) override;
   double last_change() const override { return ramp_.to; }
 
  private:
+  double moment_of(Index vertex) const;
+
   Attributes& attributes_;
   Vec3 value_;
   TimeRamp ramp_;

@@ -153,6 +153,11 @@ class WorkTerm {
   virtual void book(double /*time*/) {}
   /// Positions or cells jump: no work is booked between the last step and the next.
   virtual void forget_last() = 0;
+  /// The part of some vertices in the state from which book() continues. O(vertices).
+  virtual double booked_at(std::span<const Index> /*vertices*/) const { return 0; }
+  /// Cells changed, and with them booked_at() their vertices, by this difference, which is no
+  /// work. Called instead of forget_last() if no term adds rows, except the models.
+  virtual void shift_booked(double /*difference*/) {}
   /// Resets the work to zero.
   virtual void restart() = 0;
 

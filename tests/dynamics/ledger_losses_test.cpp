@@ -131,4 +131,43 @@ TEST(Ledger, SleepAndWakingAreBooked) {
   }
 }
 
+// ------------------------------------------------------------------- removals --
+
+// With springs of the edges, which have an energy while those of the elements have none, the sums
+// before and after are over the whole body, otherwise around the removed elements.
+TEST(Ledger, RemovalsAreBookedAsEventsAndNothingElseJumps) {
+  for (const char* scheme : schemes)
+    for (const double damping : {0.0, 0.5})
+      for (const Springs& springs : {Springs{}, Springs{100, 0, 80}}) {
+        Moving m(box(4, 3, 2), with(scheme, damping, {0.5, -9.8, 0}, {0, 0.06}), springs);
+        m.hold(m.at(0, 0), 7);
+        const EnergyBalance start = m.start();
+        m.run(1e-3, 50);
+        bool splits = false;  // where elements that are left shared an edge or a vertex only
+        for (const std::vector<Index>& elements : {std::vector<Index>{23}, {6, 7, 18}, {9}, {14}}) {
+          m.run(1e-3, 5);
+          const EnergyBalance before = m.dynamics.balance();
+          const Index vertices = m.body.complex().existing(0);
+          m.body.pierce(elements);
+          const EnergyBalance after = m.dynamics.balance();
+          const double exact = 1e-12 * before.exchanged;
+          splits |= m.body.complex().existing(0) > vertices;
+          EXPECT_NE(after.kinetic, before.kinetic);
+          EXPECT_NEAR(after.events - before.events,
+                      after.kinetic + after.elastic - before.kinetic - before.elastic, exact);
+          EXPECT_NEAR(after.work("gravity"), before.work("gravity"), exact);
+          EXPECT_NEAR(after.balance, before.balance, exact);
+          EXPECT_NEAR(after.dissipated, before.dissipated, exact);
+          EXPECT_NEAR(after.models, before.models, exact);
+          EXPECT_NEAR(after.recoverable, before.recoverable, exact);
+          expect_to_add_up(start, after);
+        }
+        EXPECT_TRUE(splits);
+        m.run(1e-3, 40);
+        const EnergyBalance end = m.dynamics.balance();
+        EXPECT_LT(std::abs(end.balance), 0.02 * end.exchanged);
+        expect_to_add_up(start, end);
+      }
+}
+
 }  // namespace

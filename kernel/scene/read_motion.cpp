@@ -70,10 +70,9 @@ class TableReader {
     names.finish();
     if (given) given->finish();
     if (!time) return {};
-    if (std::ranges::none_of(place, [](const auto& p) { return p.has_value(); })) {
+    if (std::ranges::none_of(axes, [&](const char* key) { return names.find(key) != nullptr; }))
       names.complain("names no column of displacements: give 'x', 'y', 'z' or 'angle'");
-      return {};
-    }
+    if (std::ranges::none_of(place, [](const auto& p) { return p.has_value(); })) return {};
     return rows(*time, place, is_relative);
   }
 

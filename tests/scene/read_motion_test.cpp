@@ -127,7 +127,7 @@ TEST(ReadMotion, NamesWhatIsWrongInAPath) {
       {R"("path": [{"at": 0}])", "must have at least 2 stations"},
       {R"("path": [{"at": 1}, {"at": 1}])", "later than the previous"},
       {R"("path": [{"at": 0, "translation": [1, 0, 0]}, {"at": 1}])", "begins away from"},
-      {stations + R"(, "translation": [1, 0, 0])", "'translation' is not a key"},
+      {stations + R"(, "translation": [1, 0, 0])", "/move/translation: unknown key"},
       {stations + R"(, "table": {})", "both 'path' and 'table'"},
       {R"("path": [{"at": 0}, {"at": 1, "angle": 5}])", "has no axis"}};
   for (const auto& [move, words] : paths) {

@@ -184,8 +184,8 @@ std::vector<MotionPath::Station> read_path(ObjectReader& move) {
 }
 
 void read_shape(ObjectReader& move, MotionPath& path) {
-  static const std::array<std::string, 3> shapes{"linear", "smooth", "cubic"};
-  const std::size_t shape = move.choice("shape", shapes).value_or(0);
+  static const std::array<std::string, 3> kinds{"linear", "smooth", "cubic"};
+  const std::size_t shape = move.choice("shape", kinds).value_or(0);
   path.is_linear = shape == 0;
   if (shape == 2 && path.stations.size() < 4)
     move.complain("shape", "\"cubic\" needs at least 4 stations; there are " +

@@ -16,8 +16,6 @@ std::string moved(const std::string& move) {
   return scene_with(R"(, "constraints": [{"where": {"set": "x1"}, "move": {)" + move + "}}]");
 }
 
-MotionPath path_of(const std::string& move) { return read(moved(move)).constraints.at(0).path; }
-
 MotionPath path_of_table(const std::string& text, const std::string& table,
                          const std::string& more = "") {
   const TemporaryFolder folder;

@@ -7,10 +7,11 @@ set -euo pipefail
 bench=$1
 # Measured: 310 and 382 (302 and 372 with 432,000 elements); 53 of them are the state that the
 # step goes back to if it turns out to be unstable (48 B per vertex; a second one comes after 32
-# steps), 20 of the peak the rows of four floats of the search.
+# steps), 20 of the peak the rows of four floats of the search. At the peak, 1 MB of freed blocks
+# may not have been given back yet: 383 to 394 for bodies of 97,000 to 144,000 elements.
 # What this is to notice takes 12 B and more.
 most=318
-most_peak=390
+most_peak=398
 
 # The last line: elements, held, peak.
 read -r elements held peak < <("$bench" startup --sizes 108000 --models tm-faure --rounds 1 |

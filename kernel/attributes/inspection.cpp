@@ -19,7 +19,6 @@ class InspectionBatch {
   InspectionBatch(const Instance& instance, const suture_functor& functor, const RestPlaces& rest,
                   const Column& mass, std::span<const Index> user_element)
       : instance_(instance),
-        functor_(functor),
         rest_(rest),
         mass_(mass),
         user_element_(user_element),
@@ -83,7 +82,6 @@ class InspectionBatch {
   }
 
   const Instance& instance_;
-  const suture_functor& functor_;
   RestPlaces rest_;
   const Column& mass_;
   std::span<const Index> user_element_;

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "kernel/base/radix_sort.hpp"
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/geometry/surface_tree.hpp"
 
@@ -248,9 +249,7 @@ std::vector<Index> find_doubtful(const TriangleSurface& surface) {
           for (std::size_t j = some.data() == others.data() ? i + 1 : 0; j < others.size(); ++j)
             compare(some[i], others[j]);
       });
-  std::ranges::sort(doubtful);
-  const auto [first, last] = std::ranges::unique(doubtful);
-  doubtful.erase(first, last);
+  sort_unique(doubtful);
   return doubtful;
 }
 

@@ -31,8 +31,8 @@ void add_wedge(Three low, Three high, std::vector<Four>& out) {
   const auto lowest = [](const Three& t) { return std::ranges::min_element(t); };
   if (*lowest(high) < *lowest(low)) low.swap(high);
   const auto turn = lowest(low) - low.begin();
-  std::ranges::rotate(low, low.begin() + turn);
-  std::ranges::rotate(high, high.begin() + turn);
+  std::rotate(low.begin(), low.begin() + turn, low.end());
+  std::rotate(high.begin(), high.begin() + turn, high.end());
   const auto [a, b, c] = low;
   const auto [d, e, f] = high;
   if (std::min(b, f) < std::min(c, e))

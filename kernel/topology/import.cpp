@@ -85,7 +85,7 @@ void put_parts_last(const Parts& parts, std::vector<Index>& order) {
   std::vector<bool> is_partial(order.size(), false);
   for (const Index e : parts.elements)
     if (e < order.size()) is_partial[e] = true;
-  std::ranges::stable_partition(order, [&](Index e) { return !is_partial[e]; });
+  std::stable_partition(order.begin(), order.end(), [&](Index e) { return !is_partial[e]; });
 }
 
 /// Fills the maps between the numbers of the mesh and those of the complex, and the

@@ -64,7 +64,7 @@ std::multiset<std::array<Vec3, 3>> corners_of(const TriangleSurface& surface) {
   std::multiset<std::array<Vec3, 3>> all;
   for (const Triangle& t : surface.triangles) {
     std::array<Vec3, 3> corners{surface.points[t[0]], surface.points[t[1]], surface.points[t[2]]};
-    std::ranges::rotate(corners, std::ranges::min_element(corners));
+    std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
     all.insert(corners);
   }
   return all;

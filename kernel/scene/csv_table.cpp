@@ -36,7 +36,7 @@ std::vector<std::string> cells_of(std::string_view line, char separator) {
 
 char separator_of(const std::string& header) {
   const auto count = [&](char c) { return std::ranges::count(header, c); };
-  return std::ranges::max({',', ';', '\t'}, {}, count);
+  return std::max({',', ';', '\t'}, [&](char a, char b) { return count(a) < count(b); });
 }
 
 }  // namespace

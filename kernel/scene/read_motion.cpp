@@ -49,7 +49,7 @@ struct TableColumn {
 class TableReader {
  public:
   TableReader(ObjectReader& object, Reading& reading)
-      : object_(object), reading_(reading), table_(file_of(object, reading)) {}
+      : object_(object), table_(file_of(object, reading)) {}
 
   // Stations with a time and what else is given.
   std::vector<MotionPath::Station> stations() {
@@ -150,7 +150,6 @@ class TableReader {
   }
 
   ObjectReader& object_;
-  Reading& reading_;
   CsvTable table_;
 };
 

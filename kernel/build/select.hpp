@@ -35,8 +35,8 @@ struct MeshNames {
 /// Results are ascending. Throws InputError with the JSON path of the selection if it is empty or
 /// names an unknown set or id. O(cells).
 ///
-/// Of elements of which only a part is material, the part is where they are. A node outside the
-/// material is selected by place if the surface crosses an edge from it in the selection.
+/// A partial element is where the centroid of its material is. A node outside the material is
+/// selected by place if the surface crosses an edge from it in the selection.
 class Selector {
  public:
   /// `rest`: the rest positions of all vertices, in `frame` like all selections. `parts`: by

@@ -91,7 +91,7 @@ class Contact final : public ContactLaw {
 
   const BoundarySurface& surface() const { return surface_; }
   double thickness() const { return thickness_; }
-  /// Of the elements at the boundary, at rest, m.
+  /// The longest edge of the elements at the boundary, at rest, m.
   double longest_edge() const { return longest_edge_; }
 
   void prepare(const ContactStep& step) override;
@@ -198,7 +198,7 @@ class Contact final : public ContactLaw {
   std::vector<double> forces_;     ///< without contact and acceleration, of boundary vertices, N
   std::vector<Index> near_place_;  ///< in near_, by place in PieceContact::touching()
   std::vector<Index> shared_;      ///< places in pushed_ of those that pieces touch, too
-  // Of the last step.
+  // Results of the last step.
   EnteredSides sides_;
   double closing_speed_ = 0;  ///< of pieces that may meet, at most, after contact, m/s
   /// Of an obstacle on a vertex, in the last step, N.

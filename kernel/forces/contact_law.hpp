@@ -42,7 +42,7 @@ class ContactLaw : public Follower {
   }
   /// Its forces are a term of the body, which says what they are.
   bool is_term() const { return is_term_; }
-  /// Of the elements at the boundary, at rest, m.
+  /// The edges of the elements at the boundary, at rest, m.
   double shortest_edge() const { return shortest_edge_; }
   double mean_edge() const { return mean_edge_; }
   /// Around the body at rest, and its diagonal, m.
@@ -78,12 +78,12 @@ class ContactLaw : public Follower {
     Vec3 force{}, torque{};  ///< N, N m
   };
   const std::vector<Load>& loads() const { return loads_; }
-  /// Of contact without friction, on the body, and of friction (negative: it dissipates), J.
+  /// The work of contact without friction on the body, and that of friction, which is negative, J.
   double work() const { return work_; }
   double friction_work() const { return friction_work_; }
-  /// Of both, in the last step.
+  /// The work of both in the last step, J.
   double step_work() const { return step_work_; }
-  /// Of the forces of the last step at the current velocities, W.
+  /// The power of the forces of the last step at the current velocities, W.
   virtual double power() const = 0;
   /// Two pieces that entered each other in the last step although they touch, because they met too
   /// fast or are pressed together too hard.
@@ -141,7 +141,7 @@ class ContactLaw : public Follower {
   Box box_ = no_box;
   double shortest_edge_ = 0, mean_edge_ = 0, size_ = 0;  ///< m
   bool is_term_ = false;
-  // Of the last step.
+  // Results of the last step.
   std::vector<Touch> touches_;
   std::vector<Load> loads_;
   double work_ = 0, friction_work_ = 0, step_work_ = 0;

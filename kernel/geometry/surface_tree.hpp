@@ -39,7 +39,7 @@ class SurfaceTree {
   void for_overlaps(Visit&& visit) const {
     for (Index leaf = 0; leaf < leaves_; ++leaf) {
       visit(triangles_of(leaf), triangles_of(leaf));
-      // Of two leaves, the one in the left child of their common ancestor finds the other.
+      // The leaf in the left child of the common ancestor of two finds the other.
       for (Index node = leaves_ + leaf; node > 1; node /= 2)
         if (node % 2 == 0) leaves_overlapping(leaf, node + 1, visit);
     }

@@ -19,7 +19,7 @@ struct NodePlaces {
   std::vector<Crossing> crossings;
 };
 
-/// Of existing elements of the complex as it is now. O(elements + points).
+/// Finds the places of the nodes of existing elements, as the complex is now. O(elements + points).
 NodePlaces node_places(const Parts& parts, const CellComplex& complex);
 
 }  // namespace suture

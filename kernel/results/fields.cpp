@@ -126,7 +126,7 @@ void hourglass(BuiltScene& built, const Vec3&, double, FrameField& field) {
     field.values[e] = found.content(e);
 }
 
-// Of the last step.
+// The force of the last step.
 void contact_force(BuiltScene& built, const Vec3&, double, FrameField& field) {
   field.components = 3;
   field.values.assign(std::size_t{3} * built.body().complex().count(0), 0);

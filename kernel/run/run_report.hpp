@@ -46,12 +46,12 @@ struct RunSummary {
   /// J: the unexplained remainder without its recoverable part, and its scale; 0: rounding.
   double balance = 0, exchanged = 0;
   double time = 0, dt = 0;  ///< s; dt of the last step
-  // Of steps that follow their error:
+  // Steps that follow their error:
   std::uint64_t rejected_steps = 0;
   double shortest_dt = 0, longest_dt = 0;  ///< s, accepted; 0: dt does not follow the error
   double seconds = 0;                      ///< wall clock of the loop
   double elements_per_second = 0;
-  /// Of the tangent where the run came to rest, 1/s^2; none if it was not computed.
+  /// The lowest eigenvalue of the tangent at rest, 1/s^2; none if it was not computed.
   std::optional<double> lowest_eigenvalue;
   unsigned threads = 1;
   std::string pvd;  ///< file to open in ParaView, or ""

@@ -20,7 +20,7 @@ class CsvTable {
   /// As in the file: "force [N]".
   const std::vector<std::string>& names() const { return names_; }
   std::size_t row_count() const { return rows_.size(); }
-  /// Throws InputError for a cell that is no finite number.
+  /// Throws InputError for a cell that is not a finite number.
   double number(std::size_t row, std::size_t column) const;
   /// "FILE:LINE".
   std::string place(std::size_t row) const;

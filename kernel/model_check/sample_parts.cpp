@@ -2,6 +2,9 @@
 #include "kernel/model_check/sample_parts.hpp"
 
 #include <cmath>
+#include <utility>
+
+#include "kernel/parts/moments.hpp"
 
 namespace suture {
 namespace {
@@ -30,40 +33,14 @@ Tetrahedron tetrahedron(Index element) {
   return t;
 }
 
-/// Means of x, y, z and of yz, xz, xy about the centre of the cube.
-struct Means {
-  Vec3 first{}, second{};
-};
-
-Means means_of(const Tetrahedron& t) {
-  Means m;
-  Vec3 sum{};
-  for (const Vec3& x : t)
-    for (std::size_t a = 0; a < 3; ++a) sum[a] += x[a];
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
-    double products = sum[b] * sum[c];
-    for (const Vec3& x : t) products += x[b] * x[c];
-    m.first[a] = sum[a] / 4;
-    m.second[a] = products / 20;
-  }
-  return m;
-}
-
 PartMoments moments(Index element) {
-  Means m = means_of(tetrahedron(element));
-  const double taken = tetrahedron_fraction(element), left = fractions[element];
-  PartMoments part;
-  part.fraction = left;
-  for (std::size_t a = 0; a < 3; ++a) {
-    if (is_rest(element)) {
-      m.first[a] *= -taken / left;  // those of the cube are 0
-      m.second[a] *= -taken / left;
-    }
-    part.centroid[a] = m.first[a];
-  }
-  for (std::size_t a = 0; a < 3; ++a)
-    part.covariance[a] = m.second[a] - m.first[(a + 1) % 3] * m.first[(a + 2) % 3];
+  Tetrahedron t = tetrahedron(element);
+  const bool is_taken = is_rest(element);
+  if ((six_volumes(t) < 0) != is_taken) std::swap(t[0], t[1]);
+  MomentSum sum = is_taken ? MomentSum::of_whole_cube() : MomentSum{};
+  sum.add(t);
+  PartMoments part = sum.moments();
+  part.fraction = fractions[element];  // without the rounding of the tetrahedron
   return part;
 }
 

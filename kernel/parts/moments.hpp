@@ -7,9 +7,15 @@
 
 namespace suture {
 
-/// Sums the moments of tetrahedra in the reference cube [-1, 1]^3, exactly.
+/// Sums the moments of tetrahedra in the reference cube [-1, 1]^3, exactly. Those that are oriented
+/// negatively are taken away.
 class MomentSum {
  public:
+  static MomentSum of_whole_cube() {
+    MomentSum sum;
+    sum.volume_ = 8;
+    return sum;
+  }
   void add(const std::array<Vec3, 4>& corners);
   PartMoments moments() const;
 

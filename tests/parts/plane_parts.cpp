@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "kernel/base/vec3.hpp"
+#include "kernel/parts/moments.hpp"
 
 namespace parts_test {
 namespace {
 
-using suture::cross;
 using suture::dot;
 using suture::minus;
 
@@ -78,33 +79,15 @@ std::vector<Tetrahedron> clipped_cube(std::span<const Level> levels) {
   return part;
 }
 
-double volume(const Tetrahedron& t) {
-  return std::abs(dot(minus(t[1], t[0]), cross(minus(t[2], t[0]), minus(t[3], t[0])))) / 6;
-}
+double volume(const Tetrahedron& t) { return std::abs(suture::six_volumes(t)) / 6; }
 
 PartMoments moments_of(std::span<const Tetrahedron> part) {
-  double whole = 0;
-  Vec3 first{}, second{};
-  for (const Tetrahedron& t : part) {
-    const double v = volume(t);
-    whole += v;
-    Vec3 sum{};
-    for (const Vec3& x : t)
-      for (std::size_t a = 0; a < 3; ++a) sum[a] += x[a];
-    for (std::size_t a = 0; a < 3; ++a) {
-      const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
-      double products = sum[b] * sum[c];
-      for (const Vec3& x : t) products += x[b] * x[c];
-      first[a] += v * sum[a] / 4;
-      second[a] += v * products / 20;
-    }
+  suture::MomentSum sum;
+  for (Tetrahedron t : part) {
+    if (suture::six_volumes(t) < 0) std::swap(t[0], t[1]);
+    sum.add(t);
   }
-  PartMoments m;
-  m.fraction = whole / 8;
-  for (std::size_t a = 0; a < 3; ++a) m.centroid[a] = first[a] / whole;
-  for (std::size_t a = 0; a < 3; ++a)
-    m.covariance[a] = second[a] / whole - m.centroid[(a + 1) % 3] * m.centroid[(a + 2) % 3];
-  return m;
+  return sum.moments();
 }
 
 Vec3 gradient_integral(std::span<const Tetrahedron> part, int node) {

@@ -27,4 +27,10 @@ inline void include(Box& box, const Vec3& p) {
   }
 }
 
+/// Whether they have a point in common.
+inline bool overlap(const Box& a, const Box& b) {
+  return a.low[0] <= b.high[0] && b.low[0] <= a.high[0] && a.low[1] <= b.high[1] &&
+         b.low[1] <= a.high[1] && a.low[2] <= b.high[2] && b.low[2] <= a.high[2];
+}
+
 }  // namespace suture

@@ -9,10 +9,6 @@
 
 namespace suture {
 
-inline bool overlap(const Box& a, const Box& b) {
-  return a.low[0] <= b.high[0] && b.low[0] <= a.high[0] && a.low[1] <= b.high[1] &&
-         b.low[1] <= a.high[1] && a.low[2] <= b.high[2] && b.low[2] <= a.high[2];
-}
 /// By the same length on all sides.
 inline Box enlarged(Box box, double by) {
   for (std::size_t c = 0; c < 3; ++c) {

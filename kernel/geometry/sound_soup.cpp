@@ -209,12 +209,6 @@ class TrianglePair {
   std::array<std::size_t, 2> at_{}, last_at_{};  ///< of the first and last common corner
 };
 
-bool boxes_overlap(const Box& a, const Box& b) {
-  for (std::size_t c = 0; c < 3; ++c)
-    if (a.high[c] < b.low[c] || b.high[c] < a.low[c]) return false;
-  return true;
-}
-
 bool has_area(const TriangleSurface& surface, const Triangle& t) {
   const Vec3 one = minus(surface.points[t[1]], surface.points[t[0]]);
   const Vec3 other = minus(surface.points[t[2]], surface.points[t[0]]);
@@ -239,7 +233,7 @@ std::vector<Index> find_doubtful(const TriangleSurface& surface) {
   }
   std::vector<Index> doubtful;
   const auto compare = [&](Index i, Index j) {
-    if (!boxes_overlap(boxes[i], boxes[j])) return;
+    if (!overlap(boxes[i], boxes[j])) return;
     if (with_area[i] && with_area[j] && TrianglePair(surface, i, j).is_apart()) return;
     doubtful.insert(doubtful.end(), {i, j});
   };

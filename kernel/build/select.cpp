@@ -258,10 +258,9 @@ std::vector<Index> Selector::located_elements(const Selection& selection,
 
 Vec3 Selector::centroid_of(Index e, const double* rows) const {
   const Hexahedron& nodes = imported_.complex.vertices_of(e);
-  const auto part = std::ranges::lower_bound(parts_.elements, e);
-  if (part == parts_.elements.end() || *part != e) return centroid(nodes, rows, 4);
-  const auto i = static_cast<std::size_t>(part - parts_.elements.begin());
-  return place_in(nodes, parts_.moments[i].centroid, rows, 4);
+  const std::size_t part = position_in(parts_.elements, e);
+  if (part == parts_.elements.size()) return centroid(nodes, rows, 4);
+  return place_in(nodes, parts_.moments[part].centroid, rows, 4);
 }
 
 std::vector<Index> Selector::elements_now(const Selection& selection, const double* rows) const {

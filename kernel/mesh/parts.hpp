@@ -6,7 +6,9 @@
 // outside the material; forces are integrated over the part, and what one sees is the surface
 // inside it.
 
+#include <algorithm>
 #include <array>
+#include <span>
 #include <vector>
 
 #include "kernel/base/types.hpp"
@@ -20,6 +22,13 @@ struct PartMoments {
   Vec3 centroid{};
   Vec3 covariance{};  ///< of (y, z), (x, z) and (x, y) about the centroid
 };
+
+/// The position of an element in an ascending list, or its length if it is not there. O(log n).
+inline std::size_t position_in(std::span<const Index> elements, Index element) {
+  const auto found = std::ranges::lower_bound(elements, element);
+  const bool is_there = found != elements.end() && *found == element;
+  return is_there ? static_cast<std::size_t>(found - elements.begin()) : elements.size();
+}
 
 /// A point that moves with an element: at reference coordinates in [-1, 1]^3.
 struct EmbeddedPoint {

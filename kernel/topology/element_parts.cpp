@@ -27,15 +27,14 @@ std::string fault_of(const PartMoments& part) {
 }  // namespace
 
 const PartMoments* ElementParts::of(Index element) const {
-  const auto found = std::ranges::lower_bound(elements_, element);
-  if (found == elements_.end() || *found != element) return nullptr;
-  return &moments_[static_cast<std::size_t>(found - elements_.begin())];
+  const std::size_t place = position_in(elements_, element);
+  return place < moments_.size() ? &moments_[place] : nullptr;
 }
 
 void ElementParts::mirror(Index element) {
-  const auto found = std::ranges::lower_bound(elements_, element);
-  if (found == elements_.end() || *found != element) return;
-  PartMoments& part = moments_[static_cast<std::size_t>(found - elements_.begin())];
+  const std::size_t place = position_in(elements_, element);
+  if (place == moments_.size()) return;
+  PartMoments& part = moments_[place];
   part.centroid[0] = -part.centroid[0];
   part.covariance[1] = -part.covariance[1];
   part.covariance[2] = -part.covariance[2];

@@ -147,6 +147,9 @@ template <class Exists, class At>
 std::vector<Index> Selector::located(const Selection& selection, Index count, Exists exists,
                                      At at) const {
   std::vector<Index> result;
+  if (std::holds_alternative<Selection::Ids>(selection.what) ||
+      std::holds_alternative<Selection::Named>(selection.what))
+    return result;  // these are listed, wherever they are
   const auto* near = std::get_if<Selection::Nearest>(&selection.what);
   double nearest = std::numeric_limits<double>::infinity();
   for (Index cell = 0; cell < count; ++cell) {

@@ -61,6 +61,13 @@ Placed MotionPath::at(double time) const {
   return placed(place, rate);
 }
 
+std::vector<double> MotionPath::corners() const {
+  std::vector<double> times;
+  for (std::size_t i = 0; i < stations.size(); ++i)
+    if (is_linear || i == 0 || i + 1 == stations.size()) times.push_back(stations[i].at);
+  return times;
+}
+
 double MotionPath::top_speed(double radius) const {
   double top = 0;
   for (std::size_t i = 0; i + 1 < stations.size(); ++i) {

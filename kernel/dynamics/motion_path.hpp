@@ -36,6 +36,9 @@ struct MotionPath {
   bool has_slopes() const;  ///< after make_monotone()
   /// O(log stations).
   Placed at(double time) const;
+  /// Times at which a step should end: where the motion begins and ends, and where it is linear, at
+  /// every station, because velocities jump there.
+  std::vector<double> corners() const;
   /// The highest speed of a point at this distance from the axis of rotation, or more, m/s.
   double top_speed(double radius) const;
   /// Gives each station the slope of the monotone cubic of Fritsch and Carlson (SIAM J. Numer.

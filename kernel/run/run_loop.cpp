@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <iterator>
 #include <new>
 #include <sstream>
 
@@ -40,10 +41,7 @@ std::vector<double> stops_of(const Scene& scene) {
   const auto add = [&](const TimeRamp& ramp) { stops.insert(stops.end(), {ramp.from, ramp.to}); };
   for (const Constraint& constraint : scene.constraints) {
     add(constraint.ramp);
-    const MotionPath& path = constraint.path;
-    for (std::size_t i = 0; i < path.stations.size(); ++i)
-      if (path.is_linear || i == 0 || i + 1 == path.stations.size())
-        stops.push_back(path.stations[i].at);  // where the velocity jumps
+    std::ranges::copy(constraint.path.corners(), std::back_inserter(stops));
   }
   for (const Load& load : scene.loads) add(load.ramp);
   return stops;

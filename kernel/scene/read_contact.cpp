@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/safe_range.hpp"
@@ -98,26 +97,15 @@ Shape read_shape(ObjectReader object, std::size_t kind, Reading& reading) {
   return shape;
 }
 
-RigidPath::Station read_pose(ObjectReader& object, const Scene& scene) {
-  RigidPath::Station station;
-  object.require("at", "the time of the station, in s");
-  station.at = object.number("at", Limits::not_negative("s")).value_or(0);
-  if (scene.solver.end && station.at > *scene.solver.end)
-    object.complain("at", "is after the end of the run (/solver/end)");
-  station.translation = object.vector("translation", Limits::any("m")).value_or(Vec3{});
-  station.angle =
-      object.number("angle", Limits::any("degrees")).value_or(0) * std::numbers::pi / 180;
-  return station;
-}
-
 void read_motion(ObjectReader& object, const Scene& scene, Obstacle& obstacle) {
   RigidPath& motion = obstacle.motion;
   motion.centre = ball_around(obstacle.shape).centre;
   motion.centre = object.vector("centre", Limits::any("m")).value_or(motion.centre);
   for_each_object(object, "path", "stations", [&](ObjectReader& reader) {
-    RigidPath::Station station = read_pose(reader, scene);
-    if (!motion.stations.empty() && station.at <= motion.stations.back().at)
-      reader.complain("at", "must be later than the previous station");
+    const RigidPath::Station station =
+        read_pose(reader, motion.stations.empty() ? nullptr : &motion.stations.back());
+    if (scene.solver.end && station.at > *scene.solver.end)
+      reader.complain("at", "is after the end of the run (/solver/end)");
     if (station.angle != 0 && object.find("axis") == nullptr)
       reader.complain("angle", "needs an axis: give \"axis\": [x, y, z] beside the path");
     motion.stations.push_back(station);

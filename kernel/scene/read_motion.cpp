@@ -15,7 +15,7 @@
 namespace suture::scene_parts {
 namespace {
 
-constexpr double degree = std::numbers::pi / 180;
+constexpr double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 using Factors = std::vector<std::pair<std::string, double>>;
 
 // What a column of a table measures.
@@ -25,7 +25,7 @@ struct Quantity {
 };
 const Quantity time_quantity{"time", {{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"min", 60}}},
     length_quantity{"length", {{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}}},
-    angle_quantity{"angle", {{"degrees", degree}, {"deg", degree}, {"rad", 1}}};
+    angle_quantity{"angle", {{"degrees", radians(1)}, {"deg", radians(1)}, {"rad", 1}}};
 
 std::vector<std::string> names_of(const Factors& factors) {
   std::vector<std::string> names;
@@ -167,17 +167,14 @@ std::vector<MotionPath::Station> read_table(const JsonValue& value, const std::s
 
 std::vector<MotionPath::Station> read_path(ObjectReader& move) {
   std::vector<MotionPath::Station> stations;
+  std::optional<RigidPath::Station> previous;
   for_each_object(move, "path", "stations", [&](ObjectReader& object) {
-    MotionPath::Station& station = stations.emplace_back();
-    object.require("at", "the time of the station, in s");
-    station.at = object.number("at", Limits::not_negative("s")).value_or(0);
-    if (stations.size() > 1 && station.at <= stations[stations.size() - 2].at)
-      object.complain("at", "must be later than the previous station");
-    const Vec3 shift = object.vector("translation", Limits::any("m")).value_or(Vec3{});
-    std::ranges::copy(shift, station.place.begin());
-    station.place[3] = degree * object.number("angle", Limits::any("degrees")).value_or(0);
-    if (stations.size() == 1 && station.place != std::array<double, 4>{})
+    previous = read_pose(object, previous ? &*previous : nullptr);
+    const auto& [x, y, z] = previous->translation;
+    const std::array<double, 4> place{x, y, z, previous->angle};
+    if (stations.empty() && place != std::array<double, 4>{})
       object.complain("begins away from where the nodes are at rest; begin with {\"at\": s}");
+    stations.push_back({previous->at, place, {}});
   });
   return stations;
 }
@@ -226,7 +223,7 @@ void read_ramped(ObjectReader& object, ObjectReader& move, Constraint& constrain
     ObjectReader rotation(*value, move.path_of("rotation"), object.mistakes());
     read_axis(rotation, constraint);
     rotation.require("angle", "the angle at the end of the ramp, in degrees");
-    constraint.angle = rotation.number("angle", Limits::any("degrees")).value_or(0) * degree;
+    constraint.angle = radians(rotation.number("angle", Limits::any("degrees")).value_or(0));
     rotation.finish();
   } else if (move.find("translation") == nullptr && move.is_object()) {
     move.complain("must have 'translation', 'rotation', 'path' or 'table'");
@@ -240,6 +237,17 @@ void read_ramped(ObjectReader& object, ObjectReader& move, Constraint& constrain
 }
 
 }  // namespace
+
+RigidPath::Station read_pose(ObjectReader& object, const RigidPath::Station* previous) {
+  RigidPath::Station station;
+  object.require("at", "the time of the station, in s");
+  station.at = object.number("at", Limits::not_negative("s")).value_or(0);
+  if (previous && station.at <= previous->at)
+    object.complain("at", "must be later than the previous station");
+  station.translation = object.vector("translation", Limits::any("m")).value_or(Vec3{});
+  station.angle = radians(object.number("angle", Limits::any("degrees")).value_or(0));
+  return station;
+}
 
 void read_motion(ObjectReader& object, Reading& reading, Constraint& constraint) {
   ObjectReader move(*object.find("move"), object.path_of("move"), object.mistakes());

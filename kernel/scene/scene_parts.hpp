@@ -66,6 +66,9 @@ OnInversion read_on_inversion(ObjectReader& object);
 
 void read_mesh(const JsonValue& value, Reading& reading);
 void read_models(ObjectReader& top, Reading& reading);
+/// A station {"at", "translation", "angle"} of a path, which must be later than `previous`, unless
+/// that is null.
+RigidPath::Station read_pose(ObjectReader& object, const RigidPath::Station* previous);
 /// The key "move" of a constraint, and its "ramp".
 void read_motion(ObjectReader& object, Reading& reading, Constraint& constraint);
 void read_gravity(ObjectReader& top, Reading& reading);

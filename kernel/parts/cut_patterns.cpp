@@ -30,11 +30,9 @@ std::array<Three, 4> faces_of(const Four& t) {
 void add_wedge(Three low, Three high, std::vector<Four>& out) {
   const auto lowest = [](const Three& t) { return std::ranges::min_element(t); };
   if (*lowest(high) < *lowest(low)) low.swap(high);
-  const auto turn = lowest(low) - low.begin();
-  std::rotate(low.begin(), low.begin() + turn, low.end());
-  std::rotate(high.begin(), high.begin() + turn, high.end());
-  const auto [a, b, c] = low;
-  const auto [d, e, f] = high;
+  const auto i = static_cast<std::size_t>(lowest(low) - low.begin());
+  const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+  const auto a = low[i], b = low[j], c = low[k], d = high[i], e = high[j], f = high[k];
   if (std::min(b, f) < std::min(c, e))
     out.insert(out.end(), {{a, b, c, f}, {a, b, f, e}, {a, e, f, d}});
   else

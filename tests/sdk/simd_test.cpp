@@ -288,7 +288,9 @@ TEST(Kinematics, ExcessOfInvariantsKeepsItsDigitsNearRest) {
     EXPECT_NEAR(e.J, double(at.J - 1), allowed) << strain;
     EXPECT_NEAR(shape.I1, double(scale * at.I1 - 3), allowed) << strain;
     EXPECT_NEAR(shape.I2, double(scale * scale * at.I2 - 3), allowed) << strain;
-    if (strain == 0) EXPECT_EQ(std::abs(e.I1) + std::abs(e.I2) + std::abs(e.J), 0);
+    if (strain == 0) {
+      EXPECT_EQ(std::abs(e.I1) + std::abs(e.I2) + std::abs(e.J), 0);
+    }
   }
 }
 

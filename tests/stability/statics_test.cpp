@@ -202,7 +202,9 @@ TEST(StaticTrials, EquilibriaThatAreNotUniqueAreReported) {
     FinishedRun run(scene);
     EXPECT_EQ(run.warnings().find("the equilibrium is not unique") != std::string::npos, is_lattice)
         << run.warnings();
-    if (is_lattice) EXPECT_TRUE(names_a_corner(run.warnings(), edge, cells)) << run.warnings();
+    if (is_lattice) {
+      EXPECT_TRUE(names_a_corner(run.warnings(), edge, cells)) << run.warnings();
+    }
   });
 }
 

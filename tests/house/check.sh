@@ -38,6 +38,13 @@ unfinished() {
     'unfinished work does not land' "$text"
 }
 
+# A reader that stops early ends the writer by SIGPIPE, and with it, sometimes, a script that has
+# set pipefail.
+pipes() {
+  offences '\| *(he''ad|grep -[A-Za-z]*q)' \
+    'under pipefail, read into an array (mapfile) or from a substitution' '\.sh$|^dev$|^\.ci/'
+}
+
 # "A <- B": B may include A, never the reverse (docs/overview.md).
 include_direction() {
   local bad=0
@@ -70,7 +77,7 @@ include_direction() {
 spdx_of() {
   local bad=0 file
   while read -r file; do
-    head -n 3 "$file" | grep -q "SPDX-License-Identifier: $2\$" ||
+    grep -q "SPDX-License-Identifier: $2\$" <(head -n 3 "$file") ||
       { echo "$file:1: wants 'SPDX-License-Identifier: $2' on top"; bad=1; }
   done < <(files "$1")
   return $bad
@@ -137,7 +144,7 @@ top_level() {
 }
 
 case $check in
-  machine_paths | unfinished | include_direction | licences | sizes | weight | links | format | top_level)
+  machine_paths | unfinished | pipes | include_direction | licences | sizes | weight | links | format | top_level)
     "$check" && echo "$check: good" ;;
   *) echo "check.sh: no check '$check'"; exit 2 ;;
 esac

@@ -97,9 +97,10 @@ class TableReader {
     };
     const auto found = std::ranges::find_if(table_.names(), is_wanted);
     if (found == table_.names().end()) {
-      names.complain(key, "the file has no column " + quote(*wanted) +
-                              did_you_mean(*wanted, table_.names()) + "; its columns are " +
-                              list_of(table_.names()));
+      std::vector<std::string> bare;
+      for (const std::string& name : table_.names()) bare.emplace_back(split_unit(name).name);
+      names.complain(key, "the file has no column " + quote(*wanted) + did_you_mean(*wanted, bare) +
+                              "; its columns are " + list_of(table_.names()));
       return std::nullopt;
     }
     std::string unit(split_unit(*found).unit);
@@ -183,6 +184,7 @@ void read_shape(ObjectReader& move, MotionPath& path) {
   static const std::array<std::string, 3> kinds{"linear", "smooth", "cubic"};
   const std::size_t shape = move.choice("shape", kinds).value_or(0);
   path.is_linear = shape == 0;
+  if (path.stations.size() < 2) return;  // which has been reported
   if (shape == 2 && path.stations.size() < 4)
     move.complain("shape", "\"cubic\" needs at least 4 stations; there are " +
                                std::to_string(path.stations.size()));
@@ -204,7 +206,9 @@ void read_stations(ObjectReader& object, ObjectReader& move, Reading& reading,
       table ? read_table(*table, move.path_of("table"), reading) : read_path(move);
   if (table == nullptr && constraint.path.stations.size() < 2)
     move.complain("path", "must have at least 2 stations");
-  if (constraint.path.stations.size() > 1) read_shape(move, constraint.path);
+  else if (constraint.path.stations.size() == 1)
+    move.complain("table", "has one row of numbers; a motion has at least two");
+  read_shape(move, constraint.path);
   if (const JsonValue* value = move.find("rotation")) {
     ObjectReader rotation(*value, move.path_of("rotation"), object.mistakes());
     read_axis(rotation, constraint);

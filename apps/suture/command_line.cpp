@@ -338,7 +338,7 @@ struct Parser {
 
     add_voxelize(*mesh->add_subcommand("voxelize", "fill a closed surface with equal cubes"));
     add_fill(*mesh->add_subcommand(
-        "fill", "show how \"surface\" in /mesh fills a closed surface, up to it"));
+        "fill", "show how /mesh fills a closed surface, or the shape of a mesh of tetrahedra"));
 
     auto* generate = mesh->add_subcommand("generate", "generate a mesh");
     generate->require_subcommand(1);
@@ -352,11 +352,12 @@ struct Parser {
     box_app->callback([this] { line.command = box; });
   }
 
+  static inline const std::string surface_file = "surface file (.obj .off .ply .stl .vtp)";
   /// What both commands take that fill a surface.
   template <class Command>
   static void add_filling(CLI::App& sub, Command& command, std::size_t& number, double& edge,
-                          const std::string& output) {
-    sub.add_option("surface", command.from, "surface file (.obj .off .ply .stl .vtp)")->required();
+                          const std::string& input, const std::string& output) {
+    sub.add_option("surface", command.from, input)->required();
     sub.add_option("-o,--output", command.to, "new file (" + output + ")")->required();
     auto* cells = sub.add_option("--cells", number, "approximate number of hexahedra, within 1 %")
                       ->check(positive_number);
@@ -369,12 +370,15 @@ struct Parser {
   }
 
   void add_fill(CLI::App& sub) {
-    add_filling(sub, fill, fill.size.cells, fill.size.edge, ".vtu, or .obj .off .ply .stl");
+    add_filling(sub, fill, fill.size.cells, fill.size.edge,
+                surface_file + ", or mesh of solid cells (.vtu .vtk .mesh .msh)",
+                ".vtu, or .obj .off .ply .stl");
     sub.callback([this] { line.command = fill; });
   }
 
   void add_voxelize(CLI::App& sub) {
-    add_filling(sub, voxels, voxels.options.cells, voxels.options.edge, ".vtu .vtk .mesh .msh");
+    add_filling(sub, voxels, voxels.options.cells, voxels.options.edge, surface_file,
+                ".vtu .vtk .mesh .msh");
     sub.add_flag("--largest-island", voxels.options.largest_island,
                  "keep only the largest connected part");
     sub.callback([this] { line.command = voxels; });

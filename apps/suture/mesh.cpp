@@ -11,6 +11,7 @@
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/output/frame_file.hpp"
 #include "kernel/parts/embedding.hpp"
+#include "kernel/parts/fill_shape.hpp"
 #include "kernel/results/part_frames.hpp"
 #include "kernel/topology/bad_elements.hpp"
 #include "kernel/topology/import.hpp"
@@ -196,6 +197,16 @@ void require_size(const char* command, std::size_t cells, double edge) {
                      ": the size of the cubes is missing; give --cells or --edge");
 }
 
+/// Of a closed surface, or of a mesh of solid cells.
+Mesh filled(const MeshFillCommand& command, Console& console) {
+  Diagnostics& diagnostics = console.diagnostics();
+  if (is_surface_file(command.from))
+    return fill_surface(surface_of(command.from, command.scale, command.repair, console),
+                        command.size, diagnostics);
+  return fill_shape(read_shape(command.from, command.scale, diagnostics), command.size,
+                    command.repair, diagnostics);
+}
+
 /// The mesh at rest, as frames of a run have it, with the fraction of each element.
 Frame frame_of(const Mesh& mesh, Diagnostics& diagnostics) {
   const Imported imported = import_mesh(mesh, {.renumber = false}, diagnostics);
@@ -251,8 +262,7 @@ int mesh_fill(const MeshFillCommand& command, Console& console) {
                      ": expected .vtu for the mesh, or .obj, .off, .ply or .stl for its surface, "
                      "not '" +
                      extension + "'; scenes read the surface itself: \"surface\" in /mesh");
-  const Mesh mesh = fill_surface(surface_of(command.from, command.scale, command.repair, console),
-                                 command.size, console.diagnostics());
+  const Mesh mesh = filled(command, console);
   if (is_frame)
     write_frame(command.to, frame_of(mesh, console.diagnostics()));
   else

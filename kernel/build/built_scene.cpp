@@ -25,7 +25,7 @@
 #include "kernel/geometry/surface_file.hpp"
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/mesh/own_origin.hpp"
-#include "kernel/parts/fill_surface.hpp"
+#include "kernel/parts/fill_shape.hpp"
 #include "kernel/topology/bad_elements.hpp"
 
 namespace suture {
@@ -38,11 +38,15 @@ Imported import_and_trim(Mesh mesh, const Scene& scene, Diagnostics& diagnostics
   return imported;
 }
 
-Mesh fill(const MeshSource& source, Diagnostics& diagnostics) {
-  const FilledSurface& filled = *source.surface;
+Mesh fill(const MeshSource& source, const WantsArray& wants, Diagnostics& diagnostics) {
+  const FilledBody& filled = *source.filled;
+  constexpr const char* repair_option = "\"repair\": true in /mesh";
+  if (filled.is_shape)
+    return fill_shape(read_shape(filled.file, source.scale, diagnostics, wants), filled.size,
+                      filled.repair, diagnostics, repair_option);
   try {
     return fill_surface(close_surface(read_soup(filled.file, source.scale), filled.repair,
-                                      diagnostics, "\"repair\": true in /mesh"),
+                                      diagnostics, repair_option),
                         filled.size, diagnostics);
   } catch (const InputError& error) {
     throw InputError(std::string("/mesh/surface: ") + error.what());
@@ -51,9 +55,9 @@ Mesh fill(const MeshSource& source, Diagnostics& diagnostics) {
 
 Mesh read(const MeshSource& source, const std::set<std::string>& arrays, Diagnostics& diagnostics) {
   if (source.given) return *source.given;
-  if (source.surface) return fill(source, diagnostics);
-  return read_mesh(source.file, source.scale, diagnostics,
-                   [&](const std::string& name) { return arrays.contains(name); });
+  const auto wants = [&](const std::string& name) { return arrays.contains(name); };
+  if (source.filled) return fill(source, wants, diagnostics);
+  return read_mesh(source.file, source.scale, diagnostics, wants);
 }
 
 Mesh make_mesh(const MeshSource& source, const std::set<std::string>& arrays,

@@ -8,8 +8,12 @@ namespace {
 
 class GmshReader {
  public:
-  GmshReader(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics)
-      : file_(file), wants_(wants), diagnostics_(diagnostics), in_(file), mesh_(in_, file) {}
+  GmshReader(const FileText& file, const MeshWants& wants, Diagnostics& diagnostics)
+      : file_(file),
+        wants_(wants),
+        diagnostics_(diagnostics),
+        in_(file),
+        mesh_(in_, file, wants.all_solids) {}
 
   Mesh read() {
     while (in_.text.skip_space()) {
@@ -115,7 +119,7 @@ class GmshReader {
     if (name == "ElementNodeData")
       data.array.unreadable =
           "its values belong to the nodes of each element; save a value per element";
-    if (data.array.unreadable.empty() && wants_ && wants_(data.array.name)) {
+    if (data.array.unreadable.empty() && wants_.wants_array(data.array.name)) {
       read_gmsh_data(in_, data);
       in_.text.expect("$End" + name);
     } else {
@@ -138,7 +142,7 @@ class GmshReader {
   }
 
   const FileText& file_;
-  const WantsArray& wants_;
+  const MeshWants& wants_;
   Diagnostics& diagnostics_;
   GmshScanner in_;
   GmshMesh mesh_;
@@ -149,7 +153,7 @@ class GmshReader {
 
 }  // namespace
 
-Mesh read_gmsh(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics) {
+Mesh read_gmsh(const FileText& file, const MeshWants& wants, Diagnostics& diagnostics) {
   return GmshReader(file, wants, diagnostics).read();
 }
 

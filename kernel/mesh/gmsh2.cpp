@@ -35,6 +35,8 @@ void read_element(GmshScanner& in, GmshMesh& mesh, const Block& block, int numbe
     mesh.add_hexahedron(static_cast<std::uint64_t>(number), hexahedron, groups);
     return;
   }
+  if (mesh.wants_solid(*block.type))
+    return mesh.add_solid(static_cast<std::uint64_t>(number), *block.type, nodes, groups);
   mesh.count_skipped(*block.type, 1);
   if (groups.empty() || block.type->dimension == 3) return;
   for (const std::uint64_t node : nodes) {

@@ -60,6 +60,16 @@ void read_hexahedra(GmshScanner& in, GmshMesh& mesh, const EntityBlock& block,
   }
 }
 
+void read_solids(GmshScanner& in, GmshMesh& mesh, const EntityBlock& block, const GmshType& type,
+                 std::span<const int> groups) {
+  std::vector<std::uint64_t> nodes(type.nodes);
+  for (std::uint64_t i = 0; i < block.count; ++i) {
+    const std::uint64_t tag = in.size("tag of an element");
+    for (std::uint64_t& node : nodes) node = in.size("node of an element");
+    mesh.add_solid(tag, type, nodes, groups);
+  }
+}
+
 void read_others(GmshScanner& in, GmshMesh& mesh, const EntityBlock& block, const GmshType& type,
                  std::span<const int> groups) {
   mesh.count_skipped(type, block.count);
@@ -92,6 +102,8 @@ std::uint64_t read_element_block(GmshScanner& in, const FileText& file,
       found == entities.end() ? std::span<const int>{} : std::span<const int>(found->second);
   if (number == gmsh_hexahedron) {
     read_hexahedra(in, mesh, block, groups);
+  } else if (mesh.wants_solid(*type)) {
+    read_solids(in, mesh, block, *type, groups);
   } else {
     read_others(in, mesh, block, *type, groups);
   }

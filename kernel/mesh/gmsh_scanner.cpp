@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "kernel/base/sort_unique.hpp"
+#include "kernel/mesh/solid_cells.hpp"
 #include "kernel/mesh/vtk_order.hpp"
 
 namespace suture {
@@ -15,22 +16,22 @@ constexpr GmshType gmsh_types[] = {
     {1, 2, 1, "lines"},
     {2, 3, 2, "triangles"},
     {3, 4, 2, "quadrilaterals"},
-    {4, 4, 3, "tetrahedra"},
+    {4, 4, 3, "tetrahedra", 4},
     {gmsh_hexahedron, 8, 3, "hexahedra"},
-    {6, 6, 3, "prisms"},
-    {7, 5, 3, "pyramids"},
+    {6, 6, 3, "prisms", 6},
+    {7, 5, 3, "pyramids", 5},
     {8, 3, 1, "lines of 3 nodes"},
     {9, 6, 2, "triangles of 6 nodes"},
     {10, 9, 2, "quadrilaterals of 9 nodes"},
-    {11, 10, 3, "tetrahedra of 10 nodes"},
+    {11, 10, 3, "tetrahedra of 10 nodes", 4},
     {12, 27, 3, "hexahedra"},
-    {13, 18, 3, "prisms of 18 nodes"},
-    {14, 14, 3, "pyramids of 14 nodes"},
+    {13, 18, 3, "prisms of 18 nodes", 6},
+    {14, 14, 3, "pyramids of 14 nodes", 5},
     {15, 1, 0, "points as cells"},
     {16, 8, 2, "quadrilaterals of 8 nodes"},
     {17, 20, 3, "hexahedra"},
-    {18, 15, 3, "prisms of 15 nodes"},
-    {19, 13, 3, "pyramids of 13 nodes"},
+    {18, 15, 3, "prisms of 15 nodes", 6},
+    {19, 13, 3, "pyramids of 13 nodes", 5},
     {20, 9, 2, "triangles of 9 nodes"},
     {21, 10, 2, "triangles of 10 nodes"},
     {22, 12, 2, "triangles of 12 nodes"},
@@ -38,8 +39,8 @@ constexpr GmshType gmsh_types[] = {
     {26, 4, 1, "lines of 4 nodes"},
     {27, 5, 1, "lines of 5 nodes"},
     {28, 6, 1, "lines of 6 nodes"},
-    {29, 20, 3, "tetrahedra of 20 nodes"},
-    {30, 35, 3, "tetrahedra of 35 nodes"},
+    {29, 20, 3, "tetrahedra of 20 nodes", 4},
+    {30, 35, 3, "tetrahedra of 35 nodes", 4},
     {36, 16, 2, "quadrilaterals of 16 nodes"},
     {37, 25, 2, "quadrilaterals of 25 nodes"},
     {92, 64, 3, "hexahedra"},
@@ -133,8 +134,20 @@ void GmshMesh::fail_tag(std::uint64_t tag) const {
 
 void GmshMesh::add_hexahedron(std::uint64_t tag, const Hexahedron& vtk_order,
                               std::span<const int> groups) {
+  add_cell(tag, swap_vtk_order(vtk_order), groups);
+}
+
+void GmshMesh::add_solid(std::uint64_t tag, const GmshType& type,
+                         std::span<const std::uint64_t> nodes, std::span<const int> groups) {
+  std::array<Index, 6> corners;
+  for (std::size_t i = 0; i < type.corners; ++i) corners[i] = point(nodes[i]);
+  has_curved_ = has_curved_ || type.nodes > type.corners;
+  add_cell(tag, collapsed(std::span<const Index>(corners.data(), type.corners)), groups);
+}
+
+void GmshMesh::add_cell(std::uint64_t tag, const Hexahedron& nodes, std::span<const int> groups) {
   const auto element = static_cast<Index>(mesh_.hexahedra.size());
-  mesh_.hexahedra.push_back(swap_vtk_order(vtk_order));
+  mesh_.hexahedra.push_back(nodes);
   mesh_.element_ids.push_back(tag);
   for (const int group : groups) members_[{3, group}].push_back(element);
 }
@@ -209,6 +222,7 @@ void GmshMesh::place_data(GmshData& data) {
 Mesh GmshMesh::finish(bool repeats, Diagnostics& diagnostics) {
   const auto volumes = std::count_if(members_.begin(), members_.end(),
                                      [](const auto& group) { return group.first.first == 3; });
+  if (has_curved_) warn_of_curved_cells(file_, diagnostics);
   if (repeats && volumes > 1) join_repeated_hexahedra();
   for (auto& [group, members] : members_) {
     auto& set = (group.first == 3 ? mesh_.element_sets : mesh_.point_sets)[name_of(group)];

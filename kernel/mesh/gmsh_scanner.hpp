@@ -68,6 +68,7 @@ struct GmshType {
   unsigned nodes;
   int dimension;
   const char* name;
+  unsigned corners = 0;  ///< of tetrahedra, prisms and pyramids, which are their first nodes
 };
 inline constexpr int gmsh_hexahedron = 5;
 /// Null for an unknown type.
@@ -83,7 +84,8 @@ struct GmshData {
 /// Collects the data of both formats into a Mesh.
 class GmshMesh {
  public:
-  GmshMesh(GmshScanner& in, const FileText& file) : in_(in), file_(file) {}
+  GmshMesh(GmshScanner& in, const FileText& file, bool all_solids)
+      : in_(in), file_(file), all_solids_(all_solids) {}
 
   void name_group(int dimension, int number, std::string name);
   void reserve_points(std::uint64_t count);
@@ -97,6 +99,11 @@ class GmshMesh {
     return found;
   }
   void add_hexahedron(std::uint64_t tag, const Hexahedron& vtk_order, std::span<const int> groups);
+  /// Whether cells of a type are read as hexahedra of which nodes coincide.
+  bool wants_solid(const GmshType& type) const { return all_solids_ && type.corners != 0; }
+  /// Adds one of them, by the tags of its nodes.
+  void add_solid(std::uint64_t tag, const GmshType& type, std::span<const std::uint64_t> nodes,
+                 std::span<const int> groups);
   /// Adds a node of a lower-dimensional cell that belongs to groups.
   void add_group_point(int dimension, Index point, std::span<const int> groups);
   void add_data(GmshData data);
@@ -107,6 +114,7 @@ class GmshMesh {
 
  private:
   using Group = std::pair<int, int>;  // dimension, number
+  void add_cell(std::uint64_t tag, const Hexahedron& nodes, std::span<const int> groups);
   Index sparse_point(std::uint64_t tag) const;
   [[noreturn]] void fail_tag(std::uint64_t tag) const;
   std::string name_of(const Group& group) const;
@@ -115,6 +123,8 @@ class GmshMesh {
 
   GmshScanner& in_;
   const FileText& file_;
+  const bool all_solids_;
+  bool has_curved_ = false;
   Mesh mesh_;
   std::vector<GmshData> data_;
   std::map<Group, std::string> names_;

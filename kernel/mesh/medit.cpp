@@ -5,14 +5,31 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <span>
 #include <string_view>
 
 #include "kernel/base/sort_unique.hpp"
 #include "kernel/mesh/readers.hpp"
-#include "kernel/mesh/vtk_order.hpp"
+#include "kernel/mesh/solid_cells.hpp"
 
 namespace suture {
 namespace {
+
+// Cells with an inside: corners of each, and what to call them.
+struct SolidSection {
+  std::string_view keyword;
+  unsigned corners;
+  const char *one, *many;
+};
+constexpr SolidSection solid_sections[] = {
+    {"Hexahedra", 8, "hexahedron", "hexahedra"},
+    {"Hexaedra", 8, "hexahedron", "hexahedra"},
+    {"Tetrahedra", 4, "tetrahedron", "tetrahedra"},
+    {"Pyramids", 5, "pyramid", "pyramids"},
+    {"Prisms", 6, "prism", "prisms"},
+    {"Wedges", 6, "prism", "prisms"},
+    {"Pentahedra", 6, "prism", "prisms"},
+};
 
 // Sections that are skipped: words per entry, and what to call the entries in a
 // count (null: no cells).
@@ -24,11 +41,6 @@ struct Section {
 constexpr Section skipped_sections[] = {
     {"Edges", 3, "edges"},
     {"Triangles", 4, "triangles"},
-    {"Tetrahedra", 5, "tetrahedra"},
-    {"Pyramids", 6, "pyramids"},
-    {"Prisms", 7, "prisms"},
-    {"Wedges", 7, "prisms"},
-    {"Pentahedra", 7, "prisms"},
     {"Corners", 1, nullptr},
     {"Ridges", 1, nullptr},
     {"RequiredVertices", 1, nullptr},
@@ -37,10 +49,22 @@ constexpr Section skipped_sections[] = {
     {"RequiredQuadrilaterals", 1, nullptr},
 };
 
+// Faces whose references name sets of points.
+struct Faces {
+  const char *prefix, *one, *many;
+  unsigned corners;
+  const char* begin;  // of the entries in the file; null without
+  std::vector<Index> nodes;
+  std::vector<std::int64_t> refs;
+};
+
 class MeditReader {
  public:
-  MeditReader(const FileText& file, Diagnostics& diagnostics)
-      : file_(file), diagnostics_(diagnostics), in_(file, TextCursor::Comments::hash) {}
+  MeditReader(const FileText& file, bool all_solids, Diagnostics& diagnostics)
+      : file_(file),
+        all_solids_(all_solids),
+        diagnostics_(diagnostics),
+        in_(file, TextCursor::Comments::hash) {}
 
   Mesh read() {
     header();
@@ -49,7 +73,7 @@ class MeditReader {
     if (!ended) {
       diagnostics_.warn(file_.name() + ": the closing 'End' is missing; the file may be truncated");
     }
-    check_hexahedra();
+    check_solids();
     add_sets();
     number_from_one();
     return std::move(mesh_);
@@ -76,10 +100,12 @@ class MeditReader {
       if (dimension != 3) in_.fail("dimension " + std::to_string(dimension) + "; expected 3");
     } else if (keyword == "Vertices") {
       vertices();
-    } else if (keyword == "Hexahedra" || keyword == "Hexaedra") {
-      hexahedra();
+    } else if (const SolidSection* section = find_solid(keyword)) {
+      solids(*section);
     } else if (keyword == "Quadrilaterals" || keyword == "Quads") {
-      quadrilaterals();
+      faces(quads_);
+    } else if (keyword == "Triangles" && all_solids_) {
+      faces(triangles_);
     } else if (keyword.starts_with("HexahedraQ")) {
       in_.fail(std::string(keyword) + ": " + too_many_nodes(27));
     } else {
@@ -106,26 +132,42 @@ class MeditReader {
     }
   }
 
+  static const SolidSection* find_solid(std::string_view keyword) {
+    for (const SolidSection& section : solid_sections)
+      if (section.keyword == keyword) return &section;
+    return nullptr;
+  }
+
   // Indices are checked at the end: the sections may come in any order.
-  void hexahedra() {
-    if (!mesh_.hexahedra.empty()) in_.fail("a second section 'Hexahedra'");
-    const std::uint64_t n = count("hexahedra", 9);
-    hexahedra_begin_ = in_.position();
-    mesh_.hexahedra.resize(n);
-    element_refs_.resize(n);
+  void solids(const SolidSection& section) {
+    const std::uint64_t n = count(section.many, section.corners + 1);
+    for (const ReadSolids& read : solids_)
+      if (read.section->many == section.many)
+        in_.fail("a second section " + in_quotes(section.keyword));
+    if (section.corners != 8 && !all_solids_)
+      return skip_entries(section.many, n, section.corners + 1);
+    solids_.push_back({&section, in_.position(), mesh_.hexahedra.size()});
+    mesh_.hexahedra.reserve(mesh_.hexahedra.size() + n);
+    element_refs_.reserve(mesh_.hexahedra.size() + n);
+    std::array<Index, 8> nodes;
     for (std::uint64_t e = 0; e < n; ++e) {
-      Hexahedron nodes;
-      for (Index& node : nodes) node = in_.integer<Index>("number of a vertex") - 1;
-      mesh_.hexahedra[e] = swap_vtk_order(nodes);
-      element_refs_[e] = in_.integer<std::int64_t>("reference of a hexahedron");
+      for (unsigned i = 0; i < section.corners; ++i)
+        nodes[i] = in_.integer<Index>("number of a vertex") - 1;
+      mesh_.hexahedra.push_back(collapsed(std::span<const Index>(nodes.data(), section.corners)));
+      element_refs_.push_back(in_.integer<std::int64_t>("reference of a cell"));
     }
   }
 
-  void check_hexahedra() {
-    for (std::size_t e = 0; e < mesh_.hexahedra.size(); ++e) {
-      for (const Index node : mesh_.hexahedra[e]) {
-        if (node >= mesh_.points.size()) fail_index(hexahedra_begin_, e, 9, "hexahedron", node);
-      }
+  void check_solids() {
+    for (std::size_t s = 0; s < solids_.size(); ++s) {
+      const ReadSolids& read = solids_[s];
+      const std::size_t end =
+          s + 1 < solids_.size() ? solids_[s + 1].first : mesh_.hexahedra.size();
+      for (std::size_t e = read.first; e < end; ++e)
+        for (const Index node : mesh_.hexahedra[e])
+          if (node >= mesh_.points.size())
+            fail_index(read.begin, e - read.first, read.section->corners + 1, read.section->one,
+                       node);
     }
   }
 
@@ -141,26 +183,30 @@ class MeditReader {
   }
 
   // Surfaces carry the labels of boundaries: their points become sets.
-  void quadrilaterals() {
-    if (quads_begin_) in_.fail("a second section 'Quadrilaterals'");
-    const std::uint64_t n = count("quadrilaterals", 5);
-    quads_begin_ = in_.position();
-    mesh_.skipped_cells["quadrilaterals"] += n;
-    quads_.resize(n);
-    quad_refs_.resize(n);
+  void faces(Faces& faces) {
+    if (faces.begin) in_.fail(std::string("a second section of ") + faces.many);
+    const std::uint64_t n = count(faces.many, faces.corners + 1);
+    faces.begin = in_.position();
+    mesh_.skipped_cells[faces.many] += n;
+    faces.nodes.reserve(faces.corners * n);
+    faces.refs.reserve(n);
     for (std::uint64_t i = 0; i < n; ++i) {
-      for (Index& node : quads_[i]) node = in_.integer<Index>("number of a vertex") - 1;
-      quad_refs_[i] = in_.integer<std::int64_t>("reference of a quadrilateral");
+      for (unsigned c = 0; c < faces.corners; ++c)
+        faces.nodes.push_back(in_.integer<Index>("number of a vertex") - 1);
+      faces.refs.push_back(in_.integer<std::int64_t>("reference of a face"));
     }
+  }
+
+  void skip_entries(const char* cells, std::uint64_t n, unsigned words) {
+    for (std::uint64_t i = 0; i < n * words; ++i) in_.word("a number");
+    if (cells) mesh_.skipped_cells[cells] += n;
   }
 
   void skip(std::string_view keyword) {
     for (const Section& known : skipped_sections) {
       if (known.keyword != keyword) continue;
-      const std::uint64_t n = count(known.cells ? known.cells : "entries", known.words);
-      for (std::uint64_t i = 0; i < n * known.words; ++i) in_.word("a number");
-      if (known.cells) mesh_.skipped_cells[known.cells] += n;
-      return;
+      return skip_entries(known.cells, count(known.cells ? known.cells : "entries", known.words),
+                          known.words);
     }
     const char first = keyword.front();
     if (!((first >= 'A' && first <= 'Z') || (first >= 'a' && first <= 'z'))) {
@@ -185,16 +231,20 @@ class MeditReader {
   void add_sets() {
     add_sets_by_value(mesh_.point_sets, "ref", point_refs_, false, file_.name(), diagnostics_);
     add_sets_by_value(mesh_.element_sets, "ref", element_refs_, false, file_.name(), diagnostics_);
-    Sets quads;
-    add_sets_by_value(quads, "quads ref", quad_refs_, false, file_.name(), diagnostics_);
-    for (const auto& [name, members] : quads) mesh_.point_sets[name] = points_of(members);
+    for (const Faces* faces : {&quads_, &triangles_}) {
+      Sets sets;
+      add_sets_by_value(sets, faces->prefix, faces->refs, false, file_.name(), diagnostics_);
+      for (const auto& [name, members] : sets) mesh_.point_sets[name] = points_of(*faces, members);
+    }
   }
 
-  std::vector<Index> points_of(const std::vector<Index>& quads) {
+  std::vector<Index> points_of(const Faces& faces, const std::vector<Index>& members) {
     std::vector<Index> points;
-    for (const Index quad : quads) {
-      for (const Index node : quads_[quad]) {
-        if (node >= mesh_.points.size()) fail_index(quads_begin_, quad, 5, "quadrilateral", node);
+    for (const Index face : members) {
+      for (unsigned c = 0; c < faces.corners; ++c) {
+        const Index node = faces.nodes[faces.corners * face + c];
+        if (node >= mesh_.points.size())
+          fail_index(faces.begin, face, faces.corners + 1, faces.one, node);
         points.push_back(node);
       }
     }
@@ -210,21 +260,27 @@ class MeditReader {
     std::iota(mesh_.element_ids.begin(), mesh_.element_ids.end(), 1);
   }
 
+  struct ReadSolids {
+    const SolidSection* section;
+    const char* begin;  // of its entries in the file
+    std::size_t first;  // of its cells
+  };
+
   const FileText& file_;
+  const bool all_solids_;
   Diagnostics& diagnostics_;
   TextCursor in_;
   Mesh mesh_;
   std::vector<std::int64_t> point_refs_, element_refs_;
-  std::vector<std::array<Index, 4>> quads_;
-  std::vector<std::int64_t> quad_refs_;
-  const char* hexahedra_begin_ = nullptr;
-  const char* quads_begin_ = nullptr;
+  Faces quads_{"quads ref", "quadrilateral", "quadrilaterals", 4, nullptr, {}, {}};
+  Faces triangles_{"triangles ref", "triangle", "triangles", 3, nullptr, {}, {}};
+  std::vector<ReadSolids> solids_;
 };
 
 }  // namespace
 
-Mesh read_medit(const FileText& file, const WantsArray&, Diagnostics& diagnostics) {
-  return MeditReader(file, diagnostics).read();
+Mesh read_medit(const FileText& file, const MeshWants& wants, Diagnostics& diagnostics) {
+  return MeditReader(file, wants.all_solids, diagnostics).read();
 }
 
 }  // namespace suture

@@ -9,7 +9,7 @@
 namespace suture {
 namespace {
 
-using Reader = Mesh (*)(const FileText&, const WantsArray&, Diagnostics&);
+using Reader = Mesh (*)(const FileText&, const MeshWants&, Diagnostics&);
 
 // What the file says of itself; null if nothing known.
 Reader reader_by_content(const FileText& file) {
@@ -40,13 +40,18 @@ std::string list_of(const std::map<std::string, std::size_t>& cells) {
   return text;
 }
 
+std::string contents_of(const Mesh& mesh) {
+  const std::string others = list_of(mesh.skipped_cells);
+  return "; the file contains " + grouped(mesh.points.size()) + " points" +
+         (others.empty() ? "" : ", " + others) + ". ";
+}
+
 void check_hexahedra(const Mesh& mesh, Diagnostics& diagnostics) {
   const std::string others = list_of(mesh.skipped_cells);
   if (mesh.hexahedra.empty()) {
-    throw InputError(mesh.source + ": no hexahedra; the file contains " +
-                     grouped(mesh.points.size()) + " points" +
-                     (others.empty() ? "" : ", " + others) +
-                     ". Mesh the body with 8-node hexahedra");
+    throw InputError(mesh.source + ": no hexahedra" + contents_of(mesh) +
+                     "Mesh the body with 8-node hexahedra, or let it be filled with them: with "
+                     "\"cells\" beside \"file\" in a scene, other solid cells give its shape");
   }
   if (!others.empty()) {
     diagnostics.warn(mesh.source + ": skipped " + others + "; only the " +
@@ -72,8 +77,10 @@ void scale_points(Mesh& mesh, double scale) {
 
 }  // namespace
 
-Mesh read_mesh(const std::filesystem::path& path, double scale, Diagnostics& diagnostics,
-               const WantsArray& wants) {
+namespace {
+
+Mesh read_cells(const std::filesystem::path& path, const MeshWants& wants,
+                Diagnostics& diagnostics) {
   const FileText file(path);
   Reader reader = reader_by_content(file);
   if (!reader) reader = reader_by_extension(path);
@@ -84,7 +91,26 @@ Mesh read_mesh(const std::filesystem::path& path, double scale, Diagnostics& dia
   }
   Mesh mesh = reader(file, wants, diagnostics);
   mesh.source = path.string();
+  return mesh;
+}
+
+}  // namespace
+
+Mesh read_mesh(const std::filesystem::path& path, double scale, Diagnostics& diagnostics,
+               const WantsArray& wants) {
+  Mesh mesh = read_cells(path, {.array = wants}, diagnostics);
   check_hexahedra(mesh, diagnostics);
+  scale_points(mesh, scale);
+  return mesh;
+}
+
+Mesh read_shape(const std::filesystem::path& path, double scale, Diagnostics& diagnostics,
+                const WantsArray& wants) {
+  Mesh mesh = read_cells(path, {.array = wants, .all_solids = true}, diagnostics);
+  if (mesh.hexahedra.empty())
+    throw InputError(mesh.source + ": no tetrahedra, pyramids, wedges or hexahedra" +
+                     contents_of(mesh) +
+                     "Give a mesh of the inside of the body, or a closed surface as \"surface\"");
   scale_points(mesh, scale);
   return mesh;
 }
@@ -120,6 +146,11 @@ void check_count(const FileText& file, std::uint64_t count, const char* what) {
     throw InputError(file.name() + ": " + grouped(count) + " " + what +
                      " are too many for 32-bit numbers");
   }
+}
+
+void warn_of_curved_cells(const FileText& file, Diagnostics& diagnostics) {
+  diagnostics.warn(file.name() +
+                   ": of quadratic cells, only the corners are read: their edges become straight");
 }
 
 std::string too_many_nodes(std::size_t nodes) {

@@ -14,6 +14,14 @@ namespace suture {
 using WantsArray = std::function<bool(const std::string& name)>;
 inline bool all_arrays(const std::string&) { return true; }
 
+/// What a reader keeps of a file.
+struct MeshWants {
+  WantsArray array;
+  bool all_solids = false;  ///< not hexahedra alone; see read_shape()
+
+  bool wants_array(const std::string& name) const { return array && array(name); }
+};
+
 /// Reads Medit `.mesh` (ASCII), Gmsh `.msh` (2.x and 4.1, ASCII and binary), legacy `.vtk` (ASCII
 /// and binary) and `.vtu`; the contents of the file take precedence over its extension. Coordinates
 /// are multiplied by `scale`. Sets become named sets: Gmsh physical groups under their names
@@ -29,6 +37,13 @@ inline bool all_arrays(const std::string&) { return true; }
 /// with LZ4 (processor time, sets included).
 Mesh read_mesh(const std::filesystem::path& path, double scale, Diagnostics& diagnostics,
                const WantsArray& wants = {});
+
+/// The same for a file whose cells tell only what the shape of a body is and what it consists of:
+/// tetrahedra, pyramids and wedges are read, too, as hexahedra of which nodes coincide
+/// (solid_cells.hpp). Of quadratic ones, only the corners are read, so that their edges become
+/// straight; a warning says so. Throws InputError for a file without any of these cells.
+Mesh read_shape(const std::filesystem::path& path, double scale, Diagnostics& diagnostics,
+                const WantsArray& wants = {});
 
 /// Writes `.vtu` (binary), `.vtk` (legacy 4.2, binary), `.mesh` (ASCII) or `.msh` (Gmsh 4.1, ASCII)
 /// by the extension; coordinates are preserved exactly. Sets, arrays and source ids are kept as far

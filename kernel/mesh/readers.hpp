@@ -11,10 +11,10 @@
 
 namespace suture {
 
-Mesh read_medit(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics);
-Mesh read_gmsh(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics);
-Mesh read_vtk_legacy(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics);
-Mesh read_vtu(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics);
+Mesh read_medit(const FileText& file, const MeshWants& wants, Diagnostics& diagnostics);
+Mesh read_gmsh(const FileText& file, const MeshWants& wants, Diagnostics& diagnostics);
+Mesh read_vtk_legacy(const FileText& file, const MeshWants& wants, Diagnostics& diagnostics);
+Mesh read_vtu(const FileText& file, const MeshWants& wants, Diagnostics& diagnostics);
 
 using Sets = std::map<std::string, std::vector<Index>>;
 
@@ -26,6 +26,9 @@ void add_sets_by_value(Sets& sets, const std::string& prefix,
 
 /// Throws InputError unless `count` points or elements can be numbered with 32 bits.
 void check_count(const FileText& file, std::uint64_t count, const char* what);
+
+/// For read_shape().
+void warn_of_curved_cells(const FileText& file, Diagnostics& diagnostics);
 
 /// The message for higher-order hexahedra.
 std::string too_many_nodes(std::size_t nodes);

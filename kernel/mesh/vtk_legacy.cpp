@@ -66,7 +66,7 @@ T big_endian(const char* p) {
 
 class LegacyReader {
  public:
-  LegacyReader(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics)
+  LegacyReader(const FileText& file, const MeshWants& wants, Diagnostics& diagnostics)
       : file_(file), wants_(wants), diagnostics_(diagnostics), in_(file) {}
 
   Mesh read() {
@@ -80,7 +80,7 @@ class LegacyReader {
     if (grid_.types.empty() && grid_.offsets.size() > 1) {
       in_.fail("section CELL_TYPES is missing: the file is truncated");
     }
-    return mesh_from_vtk(std::move(grid_), file_, diagnostics_);
+    return mesh_from_vtk(std::move(grid_), file_, wants_.all_solids, diagnostics_);
   }
 
  private:
@@ -101,9 +101,12 @@ class LegacyReader {
     if (lower(in_.word("DATASET")) != "dataset") in_.fail("expected DATASET");
     const std::string_view set = in_.peek_word();
     if (lower(set) != "unstructured_grid") {
-      in_.fail("the data set is " + in_quotes(set) +
-               (lower(set) == "polydata" ? ", a surface" : "") +
-               "; expected an UNSTRUCTURED_GRID with hexahedra");
+      const bool is_surface = lower(set) == "polydata";
+      in_.fail("the data set is " + in_quotes(set) + (is_surface ? ", a surface" : "") +
+               "; expected an UNSTRUCTURED_GRID with hexahedra" +
+               (is_surface ? ". \"surface\" in /mesh of a scene fills a closed surface, saved as "
+                             ".vtp, .stl, .obj, .off or .ply"
+                           : ""));
     }
     in_.word("the data set");
   }
@@ -325,7 +328,7 @@ class LegacyReader {
     if (!has_data_ || components == 0 || tuples != tuples_)
       return skip_array(type, components * tuples);
     MeshArray* const earlier = grid_.find_array(name, of_cells_);
-    const bool wanted = !global_ids && !earlier && wants_ && wants_(name);
+    const bool wanted = !global_ids && !earlier && wants_.wants_array(name);
     MeshArray found{name, of_cells_, components, {}, {}};
     if (components == 1 && is_integral(type)) {
       label(name, type, global_ids);
@@ -465,7 +468,7 @@ class LegacyReader {
   }
 
   const FileText& file_;
-  const WantsArray& wants_;
+  const MeshWants& wants_;
   Diagnostics& diagnostics_;
   TextCursor in_;
   VtkGrid grid_;
@@ -478,7 +481,7 @@ class LegacyReader {
 
 }  // namespace
 
-Mesh read_vtk_legacy(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics) {
+Mesh read_vtk_legacy(const FileText& file, const MeshWants& wants, Diagnostics& diagnostics) {
   return LegacyReader(file, wants, diagnostics).read();
 }
 

@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
-#include "kernel/mesh/vtk_order.hpp"
+#include "kernel/mesh/solid_cells.hpp"
 
 namespace suture {
 namespace {
@@ -90,14 +91,37 @@ void repair_types(VtkGrid& grid, const FileText& file, Diagnostics& diagnostics)
   }
 }
 
-Hexahedron nodes_of(const VtkGrid& grid, std::size_t cell, const FileText& file) {
+/// Solids of the grid; of quadratic ones, the corners are the first nodes.
+struct Solid {
+  std::uint8_t type;
+  const char* name;
+  int corners, nodes;
+};
+constexpr Solid solids[] = {{vtk_hexahedron, "hexahedron", 8, 8},
+                            {vtk_voxel, "hexahedron", 8, 8},
+                            {10, "tetrahedron", 4, 4},
+                            {13, "wedge", 6, 6},
+                            {14, "pyramid", 5, 5},
+                            {24, "quadratic tetrahedron", 4, 10},
+                            {26, "quadratic wedge", 6, 15},
+                            {27, "quadratic pyramid", 5, 13}};
+
+/// Null if cells of the type are not read.
+const Solid* find_solid(std::uint8_t type, bool all_solids) {
+  for (const Solid& solid : solids)
+    if (solid.type == type && (all_solids || solid.corners == 8)) return &solid;
+  return nullptr;
+}
+
+Hexahedron nodes_of(const VtkGrid& grid, std::size_t cell, const Solid& solid,
+                    const FileText& file) {
   const std::int64_t begin = grid.offsets[cell], count = grid.offsets[cell + 1] - begin;
-  if (count != 8) {
-    fail(file, "cell " + std::to_string(cell) + " is a hexahedron with " + std::to_string(count) +
-                   " nodes; expected 8");
+  if (count != solid.nodes) {
+    fail(file, "cell " + std::to_string(cell) + " is a " + solid.name + " with " +
+                   std::to_string(count) + " nodes; expected " + std::to_string(solid.nodes));
   }
-  Hexahedron nodes;
-  for (int i = 0; i < 8; ++i) {
+  std::array<Index, 8> nodes;
+  for (int i = 0; i < solid.corners; ++i) {
     const std::int64_t node = grid.connectivity[begin + i];
     if (node < 0 || node >= std::int64_t(grid.points.size())) {
       fail(file, "cell " + std::to_string(cell) + " has point " + std::to_string(node) +
@@ -106,7 +130,8 @@ Hexahedron nodes_of(const VtkGrid& grid, std::size_t cell, const FileText& file)
     }
     nodes[i] = static_cast<Index>(node);
   }
-  return grid.types[cell] == vtk_voxel ? nodes : swap_vtk_order(nodes);
+  if (solid.type == vtk_voxel) return nodes;
+  return collapsed(std::span<const Index>(nodes.data(), std::size_t(solid.corners)));
 }
 
 // Byte arrays of 0 and 1 are flags, other integers are labels. Arrays with more values
@@ -154,25 +179,29 @@ void add_array(Mesh& mesh, MeshArray array, const std::vector<Index>& cells) {
 
 }  // namespace
 
-Mesh mesh_from_vtk(VtkGrid grid, const FileText& file, Diagnostics& diagnostics) {
+Mesh mesh_from_vtk(VtkGrid grid, const FileText& file, bool all_solids, Diagnostics& diagnostics) {
   check_sizes(grid, file);
   repair_types(grid, file, diagnostics);
   Mesh mesh;
   std::vector<Index> cells;  // element -> cell of the file
   std::array<std::size_t, 256> skipped{};
+  bool is_curved = false;
   for (std::size_t cell = 0; cell < grid.types.size(); ++cell) {
     const std::uint8_t type = grid.types[cell];
     if (is_curved_hexahedron(type)) {
       fail(file, "cell " + std::to_string(cell) + ": " +
                      too_many_nodes(std::size_t(grid.offsets[cell + 1] - grid.offsets[cell])));
     }
-    if (type != vtk_hexahedron && type != vtk_voxel) {
+    const Solid* solid = find_solid(type, all_solids);
+    if (solid == nullptr) {
       ++skipped[type];
       continue;
     }
-    mesh.hexahedra.push_back(nodes_of(grid, cell, file));
+    is_curved = is_curved || solid->nodes > solid->corners;
+    mesh.hexahedra.push_back(nodes_of(grid, cell, *solid, file));
     cells.push_back(static_cast<Index>(cell));
   }
+  if (is_curved) warn_of_curved_cells(file, diagnostics);
   for (std::size_t type = 0; type < skipped.size(); ++type) {
     if (skipped[type] > 0) mesh.skipped_cells[name_of(std::uint8_t(type))] += skipped[type];
   }

@@ -14,7 +14,7 @@ namespace {
 
 class VtuReader {
  public:
-  VtuReader(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics)
+  VtuReader(const FileText& file, const MeshWants& wants, Diagnostics& diagnostics)
       : file_(file),
         wants_(wants),
         diagnostics_(diagnostics),
@@ -26,7 +26,7 @@ class VtuReader {
     xml_.finish();
     drop_incomplete_labels();
     empty_incomplete_arrays();
-    return mesh_from_vtk(std::move(grid_), file_, diagnostics_);
+    return mesh_from_vtk(std::move(grid_), file_, wants_.all_solids, diagnostics_);
   }
 
  private:
@@ -124,7 +124,7 @@ class VtuReader {
 
   void values(const std::string& plain, const VtuDataArray& array, bool of_cells,
               std::uint64_t components) {
-    const bool wanted = wants_ && wants_(plain);
+    const bool wanted = wants_.wants_array(plain);
     MeshArray* found = grid_.find_array(plain, of_cells);
     if (!found) {
       grid_.arrays.push_back({plain, of_cells, components, {}, {}});
@@ -170,7 +170,7 @@ class VtuReader {
       "it does not appear exactly once in every piece of the file";
 
   const FileText& file_;
-  const WantsArray& wants_;
+  const MeshWants& wants_;
   Diagnostics& diagnostics_;
   VtkXml xml_;
   VtkGrid grid_;
@@ -180,7 +180,7 @@ class VtuReader {
 
 }  // namespace
 
-Mesh read_vtu(const FileText& file, const WantsArray& wants, Diagnostics& diagnostics) {
+Mesh read_vtu(const FileText& file, const MeshWants& wants, Diagnostics& diagnostics) {
   return VtuReader(file, wants, diagnostics).read();
 }
 

@@ -72,7 +72,7 @@ void read_voxels(const JsonValue& value, const std::string& path, Reading& readi
   reading.scene.mesh.voxels = options;
 }
 
-/// The keys "cells" and "edge" of a filled surface.
+/// The keys "cells" and "edge" of a filled body.
 CubeSize read_cube_size(ObjectReader& mesh) {
   CubeSize size;
   static const std::array<std::string, 2> keys{"cells", "edge"};
@@ -133,12 +133,15 @@ void read_mesh(const JsonValue& value, Reading& reading) {
     const JsonValue& inner = *mesh.find(sources[*source]);
     const std::string path = mesh.path_of(sources[*source]);
     if (*source == 0) read_box(inner, path, reading);
-    if (*source == 1) reading.scene.mesh.file = read_file(inner, path, reading);
+    const bool is_shape =
+        *source == 1 && (mesh.find("cells") != nullptr || mesh.find("edge") != nullptr);
+    if (*source == 1 && !is_shape) reading.scene.mesh.file = read_file(inner, path, reading);
     if (*source == 2) read_voxels(inner, path, reading);
-    if (*source == 3)
-      reading.scene.mesh.surface = {.file = read_file(inner, path, reading),
-                                    .size = read_cube_size(mesh),
-                                    .repair = mesh.boolean("repair").value_or(false)};
+    if (*source == 3 || is_shape)
+      reading.scene.mesh.filled = {.file = read_file(inner, path, reading),
+                                   .is_shape = is_shape,
+                                   .size = read_cube_size(mesh),
+                                   .repair = mesh.boolean("repair").value_or(false)};
   }
 
   MeshSource& result = reading.scene.mesh;
@@ -147,8 +150,10 @@ void read_mesh(const JsonValue& value, Reading& reading) {
     refuse_keys(mesh, {"scale"},
                 "is only allowed with 'file' and 'surface'" +
                     (given ? "" : "; the size of a " + kind + " is given by its own keys"));
-  if (kind != "surface")
-    refuse_keys(mesh, {"cells", "edge", "repair"}, "is only allowed with 'surface'");
+  if (!result.filled)
+    refuse_keys(
+        mesh, {"cells", "edge", "repair"},
+        "is only allowed where a body is filled: with 'surface', or with 'file' and 'cells'");
   result.scale = mesh.number("scale", Limits::positive("1")).value_or(1);
   static const std::array<std::string, 2> treatments{"split", "refuse"};
   if (mesh.choice("pinched", treatments) == 1u) {

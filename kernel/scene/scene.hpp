@@ -27,20 +27,21 @@ namespace suture {
 /// The checked contents of a scene file: plain data, nothing built. Every member that can still
 /// turn out to be wrong (an empty selection) holds its JSON path.
 
-/// A closed surface that is filled with hexahedra whose boundary it is.
-struct FilledSurface {
-  std::filesystem::path file;  ///< absolute
+/// A body that is filled with hexahedra up to its boundary.
+struct FilledBody {
+  std::filesystem::path file;  ///< absolute: a closed surface, or
+  bool is_shape = false;       ///< cells of any kind (read_shape())
   CubeSize size;
   bool repair = false;  ///< fill holes, accept sheets that cross each other
 };
 
 struct MeshSource {
-  std::optional<BoxOptions> box;         ///< or
-  std::optional<VoxelOptions> voxels;    ///< or
-  std::optional<FilledSurface> surface;  ///< or
-  std::shared_ptr<const Mesh> given;     ///< by the program that runs the scene, or
-  std::filesystem::path file;            ///< absolute
-  double scale = 1;                      ///< of the coordinates in a file
+  std::optional<BoxOptions> box;       ///< or
+  std::optional<VoxelOptions> voxels;  ///< or
+  std::optional<FilledBody> filled;    ///< or
+  std::shared_ptr<const Mesh> given;   ///< by the program that runs the scene, or
+  std::filesystem::path file;          ///< absolute
+  double scale = 1;                    ///< of the coordinates in a file
   bool drop_bad_elements = false;
   ImportOptions import;
 };

@@ -84,9 +84,11 @@ TEST(VtkLegacy, SaysWhatIsWrongAndInWhichLine) {
   EXPECT_EQ(vtk_error_of("nothing of the kind"),
             "m.vtk:1: a legacy VTK file begins with '# vtk DataFile Version', found 'nothing of "
             "the kind'");
-  EXPECT_EQ(vtk_error_of(changed_cube("UNSTRUCTURED_GRID", "POLYDATA")),
-            "m.vtk:4: the data set is 'POLYDATA', a surface; expected an UNSTRUCTURED_GRID with "
-            "hexahedra");
+  EXPECT_EQ(
+      vtk_error_of(changed_cube("UNSTRUCTURED_GRID", "POLYDATA")),
+      "m.vtk:4: the data set is 'POLYDATA', a surface; expected an UNSTRUCTURED_GRID with "
+      "hexahedra. \"surface\" in /mesh of a scene fills a closed surface, saved as .vtp, .stl, "
+      ".obj, .off or .ply");
   EXPECT_EQ(vtk_error_of(changed_cube("ASCII", "ASCCI")),
             "m.vtk:3: expected ASCII or BINARY, found 'ascci'");
   EXPECT_EQ(vtk_error_of(changed_cube("0 1 1 1 1 0", "0 1 1 nan 1 0")),

@@ -14,29 +14,21 @@
 #include "kernel/topology/disjoint_sets.hpp"
 #include "kernel/topology/import.hpp"
 #include "tests/geometry/surfaces.hpp"
+#include "tests/parts/filled_mesh.hpp"
 
 namespace suture {
 namespace {
 
 using test::box_surface;
+using test::edge_of;
 using test::error_of;
 using test::joined;
 using test::sphere_surface;
+using test::volume_of;
 
 Mesh filled(const TriangleSurface& surface, const CubeSize& size) {
   Diagnostics diagnostics;
   return fill_surface(surface, size, diagnostics);
-}
-
-double edge_of(const Mesh& mesh) {
-  return mesh.points[mesh.hexahedra[0][1]][0] - mesh.points[mesh.hexahedra[0][0]][0];
-}
-
-/// By the fractions of the elements.
-double volume_of(const Mesh& mesh) {
-  double cubes = double(mesh.hexahedra.size() - mesh.parts.elements.size());
-  for (const PartMoments& moments : mesh.parts.moments) cubes += moments.fraction;
-  return cubes * std::pow(edge_of(mesh), 3);
 }
 
 double enclosed_volume(const TriangleSurface& surface) {

@@ -31,7 +31,7 @@ Scene ball() {
     return path;
   }();
   Scene scene;
-  scene.mesh.surface = FilledSurface{file, {.edge = 0.2}};
+  scene.mesh.filled = FilledBody{.file = file, .size = {.edge = 0.2}};
   ModelUse use;
   use.name = "tm-faure";
   use.model = &plugins.model("tm-faure");
@@ -214,12 +214,12 @@ TEST(FilledScene, RefusesWhatActsOnWholeFaces) {
                 scene.events = {event};
               }).starts_with("/events/0/suture: acts on whole"));
   EXPECT_TRUE(error([](Scene& scene) {
-                scene.mesh.surface.reset();
+                scene.mesh.filled.reset();
                 scene.mesh.box = BoxOptions{{1, 1, 1}, {2, 2, 2}};
                 scene.mesh.box->origin = {0, 0, -1};
               }).starts_with("/output/surface: is for bodies with \"surface\""));
   EXPECT_TRUE(error([](Scene& scene) {
-                scene.mesh.surface->size = {.edge = 5};
+                scene.mesh.filled->size = {.edge = 5};
               }).starts_with("/mesh/surface: "));
 }
 

@@ -306,7 +306,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadSet{"/solver/kick=1e-3", "/solver/kick", "until"},
         BadSet{"/solver={}", "/solver", "has no end"}, BadSet{"/suture=2", "/suture", "version 2"},
         BadSet{"/mesh={}", "/mesh", "exactly one of 'box', 'file', 'voxels', 'surface'"},
-        BadSet{"/mesh/cells=9", "/mesh/cells", "is only allowed with 'surface'"},
+        BadSet{"/mesh/cells=9", "/mesh/cells", "is only allowed where a body is filled"},
         BadSet{"/mesh={\"surface\": \"nowhere.stl\", \"cells\": 9}", "/mesh/surface", "no file"},
         BadSet{"/mesh/scale=2", "/mesh/scale", "is only allowed with 'file'"},
         BadSet{"/mesh/pinched=spilt", "/mesh/pinched", "did you mean 'split'"},

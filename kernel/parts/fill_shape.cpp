@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/parts/fill_shape.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "kernel/base/sort_unique.hpp"
+#include "kernel/geometry/surface_file.hpp"
+#include "kernel/mesh/file_text.hpp"
+#include "kernel/parts/clip.hpp"
+#include "kernel/parts/cut_patterns.hpp"
+#include "kernel/parts/moments.hpp"
+#include "kernel/parts/shape_boundary.hpp"
+
+namespace suture {
+namespace {
+
+/// The cubes of a mesh that fills a surface, whose elements are numbered along x, then y, then z.
+class Cubes {
+ public:
+  explicit Cubes(const Mesh& mesh) : mesh_(mesh) {
+    edge_ = box_of(0).length(0);
+    for (std::size_t e = 0; e < mesh.hexahedra.size(); ++e) include(around_, box_of(e).low);
+    for (std::size_t e = 0; e < mesh.hexahedra.size(); ++e)
+      keys_.push_back(key(number_of(box_of(e).low)));
+  }
+
+  Box box_of(std::size_t e) const {
+    const Hexahedron& nodes = mesh_.hexahedra[e];
+    return {mesh_.points[nodes[0]], mesh_.points[nodes[7]]};
+  }
+
+  /// Calls visit(element) for those whose cubes meet a box.
+  template <class Visit>
+  void for_each_in(const Box& box, Visit&& visit) const {
+    const Numbers low = clamped(box.low), high = clamped(box.high);
+    Numbers at = low;
+    for (at[2] = low[2]; at[2] <= high[2]; ++at[2])
+      for (at[1] = low[1]; at[1] <= high[1]; ++at[1]) {
+        const std::uint64_t last = key({high[0], at[1], at[2]});
+        auto found = std::lower_bound(keys_.begin(), keys_.end(), key({low[0], at[1], at[2]}));
+        for (; found != keys_.end() && *found <= last; ++found)
+          visit(static_cast<Index>(found - keys_.begin()));
+      }
+  }
+
+ private:
+  using Numbers = std::array<std::uint64_t, 3>;
+
+  Numbers number_of(const Vec3& low_corner) const {
+    Numbers n;
+    for (std::size_t a = 0; a < 3; ++a)
+      n[a] = static_cast<std::uint64_t>(std::llround((low_corner[a] - around_.low[a]) / edge_));
+    return n;
+  }
+  /// The cube around a place, or the nearest one.
+  Numbers clamped(const Vec3& place) const {
+    Numbers n;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double last = std::round(around_.length(a) / edge_);
+      n[a] = static_cast<std::uint64_t>(
+          std::clamp(std::floor((place[a] - around_.low[a]) / edge_), 0.0, last));
+    }
+    return n;
+  }
+  static std::uint64_t key(const Numbers& n) { return n[0] | n[1] << 21 | n[2] << 42; }
+
+  const Mesh& mesh_;
+  double edge_ = 0;
+  Box around_ = no_box;  ///< of the low corners
+  std::vector<std::uint64_t> keys_;
+};
+
+/// The volume that a cell of the shape has in an element.
+struct Share {
+  Index element, cell;
+  double volume;
+};
+
+/// Ascending by element, then by cell.
+std::vector<Share> shares_of(const Mesh& shape, const Cubes& cubes) {
+  const CutPattern& whole = cut_pattern(all_corners);
+  std::vector<Share> shares;
+  for (Index cell = 0; cell < shape.hexahedra.size(); ++cell)
+    for (const auto& t : whole.tetrahedra) {
+      std::array<Vec3, 4> corners;
+      Box box = no_box;
+      for (std::size_t i = 0; i < 4; ++i) {
+        corners[i] = shape.points[shape.hexahedra[cell][low_corner(whole.points[t[i]])]];
+        include(box, corners[i]);
+      }
+      if (six_volumes(corners) == 0) continue;
+      cubes.for_each_in(box, [&](Index element) {
+        const double volume = volume_within(corners, cubes.box_of(element));
+        if (volume > 0) shares.push_back({element, cell, volume});
+      });
+    }
+  std::sort(shares.begin(), shares.end(), [](const Share& a, const Share& b) {
+    return a.element != b.element ? a.element < b.element : a.cell < b.cell;
+  });
+  return shares;
+}
+
+/// Cells that belong to the same sets are one material.
+struct Materials {
+  std::vector<Index> of_cell;
+  Index count = 1;
+};
+
+Materials materials_of(const Mesh& shape) {
+  Materials materials;
+  materials.of_cell.assign(shape.hexahedra.size(), 0);
+  for (const auto& [name, cells] : shape.element_sets) {
+    std::map<Index, Index> divided;  // by each set
+    for (const Index cell : cells) {
+      const auto [found, is_new] = divided.emplace(materials.of_cell[cell], materials.count);
+      if (is_new) ++materials.count;
+      materials.of_cell[cell] = found->second;
+    }
+  }
+  return materials;
+}
+
+/// Calls work(element, shares from, to) for each element that has some.
+template <class Work>
+void for_each_element(const std::vector<Share>& shares, Work&& work) {
+  for (std::size_t i = 0, end = 0; i < shares.size(); i = end) {
+    while (end < shares.size() && shares[end].element == shares[i].element) ++end;
+    work(shares[i].element, shares.begin() + static_cast<std::ptrdiff_t>(i),
+         shares.begin() + static_cast<std::ptrdiff_t>(end));
+  }
+}
+
+void add_element_sets(const Mesh& shape, const std::vector<Share>& shares, Mesh& mesh,
+                      Diagnostics& diagnostics) {
+  if (shape.element_sets.empty()) return;
+  const Materials materials = materials_of(shape);
+  std::vector<Index> chosen(mesh.hexahedra.size(), none);
+  std::size_t mixed = 0;
+  for_each_element(shares, [&](Index element, auto share, auto end) {
+    std::map<Index, double> volumes;
+    for (; share != end; ++share) volumes[materials.of_cell[share->cell]] += share->volume;
+    const auto most = std::max_element(volumes.begin(), volumes.end(),
+                                       [](auto& a, auto& b) { return a.second < b.second; });
+    chosen[element] = most->first;
+    mixed += volumes.size() > 1 ? 1 : 0;
+  });
+  for (const auto& [name, cells] : shape.element_sets) {
+    std::vector<std::uint8_t> in_set(materials.count, 0);
+    for (const Index cell : cells) in_set[materials.of_cell[cell]] = 1;
+    std::vector<Index>& members = mesh.element_sets[name];
+    for (Index e = 0; e < chosen.size(); ++e)
+      if (chosen[e] != none && in_set[chosen[e]] != 0) members.push_back(e);
+  }
+  if (mixed != 0)
+    diagnostics.note(shape.source + ": " + grouped(mixed) + " of " + grouped(chosen.size()) +
+                     " elements hold more than one region; each belongs to the one that fills most "
+                     "of it");
+}
+
+void add_arrays(const Mesh& shape, const std::vector<Share>& shares, Mesh& mesh) {
+  for (MeshArray array : shape.arrays) {
+    if (!array.of_elements && array.unreadable.empty())
+      array.unreadable = "its values belong to points; save a value per cell";
+    const std::size_t n = array.components;
+    const std::vector<double> given = std::move(array.values);
+    array.values.clear();
+    if (array.of_elements && !given.empty()) {
+      array.values.assign(n * mesh.hexahedra.size(), std::numeric_limits<double>::quiet_NaN());
+      for_each_element(shares, [&](Index element, auto begin, auto end) {
+        for (std::size_t c = 0; c < n; ++c) {
+          double sum = 0, volume = 0;
+          for (auto share = begin; share != end; ++share) {
+            const double value = given[n * share->cell + c];
+            if (std::isnan(value)) continue;
+            sum += share->volume * value;
+            volume += share->volume;
+          }
+          if (volume > 0) array.values[n * element + c] = sum / volume;
+        }
+      });
+    }
+    mesh.arrays.push_back(std::move(array));
+  }
+}
+
+/// By node: whether it lies outside the material.
+std::vector<std::uint8_t> outer_nodes(const Mesh& mesh) {
+  std::vector<std::uint8_t> is_outer(mesh.points.size(), 0);
+  for (const Index element : mesh.parts.elements)
+    for (const Index node : mesh.hexahedra[element]) is_outer[node] = 1;
+  for (const EmbeddedPoint& point : mesh.parts.points) {
+    std::size_t corner = 0;
+    bool is_corner = true;
+    for (std::size_t a = 0; a < 3; ++a) {
+      is_corner = is_corner && std::abs(point.at[a]) == 1;
+      corner |= point.at[a] > 0 ? std::size_t{1} << a : 0;
+    }
+    if (is_corner) is_outer[mesh.hexahedra[point.element][corner]] = 0;
+  }
+  return is_outer;
+}
+
+std::vector<Vec3> places_of(const Mesh& shape, const ShapeFace& face) {
+  std::vector<Vec3> places;
+  for (std::size_t c = 0; c < face.size; ++c) places.push_back(shape.points[face.corners[c]]);
+  return places;
+}
+
+void add_point_sets(const Mesh& shape, const std::vector<ShapeFace>& faces, const Cubes& cubes,
+                    Mesh& mesh) {
+  const std::vector<std::uint8_t> is_outer = outer_nodes(mesh);
+  for (const auto& [name, points] : shape.point_sets) {
+    std::vector<Index>& members = mesh.point_sets[name];
+    std::vector<Vec3> in_set;
+    for (const Index point : points) in_set.push_back(shape.points[point]);
+    std::sort(in_set.begin(), in_set.end());
+    const auto is_in_set = [&](const Vec3& place) {
+      return std::binary_search(in_set.begin(), in_set.end(), place);
+    };
+    for (const ShapeFace& face : faces) {
+      const std::vector<Vec3> places = places_of(shape, face);
+      if (!std::all_of(places.begin(), places.end(), is_in_set)) continue;
+      Box box = no_box;
+      for (const Vec3& place : places) include(box, place);
+      cubes.for_each_in(box, [&](Index element) {
+        if (!meets(places, cubes.box_of(element))) return;
+        for (const Index node : mesh.hexahedra[element])
+          if (is_outer[node] != 0) members.push_back(node);
+      });
+    }
+    if (members.empty())
+      for (const Vec3& place : in_set)
+        cubes.for_each_in({place, place}, [&](Index element) {
+          members.insert(members.end(), mesh.hexahedra[element].begin(),
+                         mesh.hexahedra[element].end());
+        });
+    sort_unique(members);
+  }
+}
+
+}  // namespace
+
+Mesh fill_shape(const Mesh& shape, const CubeSize& size, bool repair, Diagnostics& diagnostics,
+                const std::string& repair_option) {
+  const std::vector<ShapeFace> faces = boundary_of(shape);
+  Mesh mesh = fill_surface(close_surface(soup_of(shape, faces), repair, diagnostics, repair_option),
+                           size, diagnostics);
+  const Cubes cubes(mesh);
+  const std::vector<Share> shares = shares_of(shape, cubes);
+  add_element_sets(shape, shares, mesh, diagnostics);
+  add_arrays(shape, shares, mesh);
+  add_point_sets(shape, faces, cubes, mesh);
+  return mesh;
+}
+
+}  // namespace suture

@@ -11,7 +11,14 @@ namespace {
 thread_local std::uint64_t allocation_count = 0;
 }
 
-// Those of plugins are these, too: the program's come before the library's.
+// Those of plugins are these, too: the program's come before the library's. ThreadSanitizer has its
+// own, which the program cannot replace; there, nothing is counted.
+#ifdef __has_feature
+#if __has_feature(thread_sanitizer)
+#define SUTURE_COUNTS_NO_ALLOCATIONS
+#endif
+#endif
+#ifndef SUTURE_COUNTS_NO_ALLOCATIONS
 void* operator new(std::size_t size) {
   ++allocation_count;
   if (void* const memory = std::malloc(size > 0 ? size : 1)) return memory;
@@ -19,6 +26,7 @@ void* operator new(std::size_t size) {
 }
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+#endif
 
 namespace suture::checks {
 namespace {

@@ -290,10 +290,10 @@ struct parallelepiped_parts : continuum_functor<M, parallelepiped_parts<M>> {
     mat3<R> inverse_j;
     const bool is_box = all(read_inverse(c, jacobian, inverse_j) == 0.0);
     const part_moments<R> part = read_part(c);
-    if (is_box)
-      work(part_geometry<box_geometry<R, Q>, R, Q>(inverse_j, part));
-    else
-      work(part_geometry<parallelepiped_geometry<R, Q>, R, Q>(inverse_j, part));
+    // Tangents of boxes would take the compiler longer than they save a run.
+    if constexpr (!is_dual<typename Cell::scalar>)
+      if (is_box) return work(part_geometry<box_geometry<R, Q>, R, Q>(inverse_j, part));
+    work(part_geometry<parallelepiped_geometry<R, Q>, R, Q>(inverse_j, part));
   }
 };
 template <class M>

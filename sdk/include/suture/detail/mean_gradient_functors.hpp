@@ -143,17 +143,19 @@ struct mean_gradient_parts : mean_gradient_functor<M, mean_gradient_parts<M>> {
     const mat3<R> sums = inverse_j * 0.25;
     const part_moments<R> part = read_part(c);
     const R share = part.fraction * R(mean_gradient_parts::share);
-    if (is_box) {
-      part_rest<box_rest<R>, R> rest{
-          box_rest<R>::of({sums(0, 0), sums(1, 1), sums(2, 2)}, m, share), part.first, part.second};
-      rest.volume = rest.volume * part.fraction;
-      work(rest);
-    } else {
-      const R volume = part.fraction / det(inverse_j);
-      constexpr double whole = mean_gradient_parts::share;
-      work(part_rest<parallelepiped_rest<R>, R>{
-          parallelepiped_rest<R>(inverse(sums), sums, volume, m, whole), part.first, part.second});
-    }
+    // As in parallelepiped_parts.
+    if constexpr (!is_dual<typename Cell::scalar>)
+      if (is_box) {
+        part_rest<box_rest<R>, R> rest{
+            box_rest<R>::of({sums(0, 0), sums(1, 1), sums(2, 2)}, m, share), part.first,
+            part.second};
+        rest.volume = rest.volume * part.fraction;
+        return work(rest);
+      }
+    const R volume = part.fraction / det(inverse_j);
+    constexpr double whole = mean_gradient_parts::share;
+    work(part_rest<parallelepiped_rest<R>, R>{
+        parallelepiped_rest<R>(inverse(sums), sums, volume, m, whole), part.first, part.second});
   }
 };
 template <class M>

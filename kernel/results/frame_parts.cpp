@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/results/frame_parts.hpp"
 
-#include <sstream>
-
 #include "kernel/results/displayed_ids.hpp"
 #include "kernel/results/part_frames.hpp"
 
@@ -44,19 +42,6 @@ void leave_out(Frame& frame, BuiltScene& built) {
   if (!built.parts().empty()) return show_parts(frame, built.parts(), built.embedding(), complex);
   if (complex.existing(0) < complex.count(0) || complex.existing(3) < complex.count(3))
     leave_out_holes(frame, DisplayedIds::of(complex));
-}
-
-std::string provenance_of(const Scene& scene, PluginHost& host, const BuiltScene& built) {
-  std::ostringstream text;
-  text << "suture " SUTURE_VERSION "; scene " << scene.file.filename().string() << ' ' << scene.hash
-       << "; mesh " << built.mesh_source() << ';';
-  for (const ModelUse& use : scene.models) {
-    const suture_plugin& plugin = host.plugin_of(*use.model);
-    text << ' ' << use.model->id << " (" << plugin.id << ' ' << plugin.version << ", "
-         << host.file_of(*use.model).filename().string() << ");";
-  }
-  text << ' ' << built.body().models().isa();
-  return text.str();
 }
 
 }  // namespace suture

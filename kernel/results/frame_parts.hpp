@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <string>
-
 #include "kernel/build/built_scene.hpp"
 #include "kernel/output/frame_writer.hpp"
-#include "kernel/plugin_host/plugin_host.hpp"
 
 namespace suture {
 
@@ -19,8 +16,5 @@ void set_geometry(Frame& frame, BuiltScene& built);
 /// Drops removed cells, with their values in all fields, and what is not material of elements that
 /// are so in part only.
 void leave_out(Frame& frame, BuiltScene& built);
-
-/// The text by which a file tells how it was made: versions, scene hash, mesh, plugins.
-std::string provenance_of(const Scene& scene, PluginHost& host, const BuiltScene& built);
 
 }  // namespace suture

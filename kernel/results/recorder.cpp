@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "kernel/base/error.hpp"
 #include "kernel/dynamics/motion.hpp"
@@ -44,7 +45,7 @@ std::vector<std::string> tool_columns(const ContactOptions& contact) {
 }  // namespace
 
 Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& events,
-                   std::string provenance, std::shared_ptr<OutputFolder> folder)
+                   Provenance provenance, std::shared_ptr<OutputFolder> folder)
     : built_(built), provenance_(std::move(provenance)), folder_(std::move(folder)) {
   const OutputOptions& options = scene.output;
   writes_ = options.enabled;
@@ -96,7 +97,7 @@ void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity,
     field.components = 3;
     for (const Vec3& u : *mode) field.values.insert(field.values.end(), u.begin(), u.end());
   }
-  frame.field_data_provenance = provenance_;
+  frame.field_data_provenance = provenance_.line;
   leave_out(frame, built_);
 }
 
@@ -112,6 +113,7 @@ void Recorder::frame(std::uint64_t step, double time, const Vec3& gravity) {
 
 void Recorder::mode(double time, const Vec3& gravity, const std::vector<Vec3>& shape) {
   if (!writes_) return;
+  tell_provenance();
   if (!modes_) modes_ = open_sink("mode", "mode");
   Frame frame = modes_->take_frame();
   fill_frame(frame, time, gravity, &shape);
@@ -119,7 +121,14 @@ void Recorder::mode(double time, const Vec3& gravity, const std::vector<Vec3>& s
   modes_->submit(std::move(frame));
 }
 
+/// Before the first file with results.
+void Recorder::tell_provenance() {
+  if (std::exchange(has_told_provenance_, true)) return;
+  folder_->write("provenance.json", [&](OutputFile& file) { file.write(provenance_.json); });
+}
+
 void Recorder::write(PendingRecord& record) {
+  tell_provenance();
   switch (record.kind) {
     case PendingRecord::Kind::frame:
       frames_->submit(std::move(*record.frame));
@@ -181,7 +190,7 @@ void Recorder::side_frame(std::size_t side, std::uint64_t step, double time, con
   auto frame = std::make_unique<Frame>(sides_[side].sink->take_frame());
   frame->number = frame_number_;
   frame->time = time;
-  frame->field_data_provenance = provenance_;
+  frame->field_data_provenance = provenance_.line;
   sides_[side].fill(*frame, time, gravity);
   pending_.push_back({step, PendingRecord::Kind::side, std::move(frame), {}, side});
 }

@@ -12,18 +12,19 @@
 #include "kernel/output/frame_sink.hpp"
 #include "kernel/results/fields.hpp"
 #include "kernel/results/probe_table.hpp"
+#include "kernel/results/provenance.hpp"
 #include "kernel/results/side_series.hpp"
 
 namespace suture {
 
 /// Writes the results of a run: frames and side series, each to a sink of its own (FrameSink), and
-/// energies.csv, probes.csv, tools.csv.
+/// energies.csv, probes.csv, tools.csv, and with the first record provenance.json.
 /// Records are held back until release(), because their step may still be rejected. Nothing is
 /// created on disk before the first record is released.
 class Recorder {
  public:
   /// Throws InputError for fields or probes that the scene cannot provide.
-  Recorder(const Scene& scene, BuiltScene& built, const EventRunner& events, std::string provenance,
+  Recorder(const Scene& scene, BuiltScene& built, const EventRunner& events, Provenance provenance,
            std::shared_ptr<OutputFolder> folder);
 
   bool writes() const { return writes_; }
@@ -89,11 +90,13 @@ class Recorder {
     std::size_t side = 0;          ///< the series
     void state(Archive& archive);
   };
+  void tell_provenance();
   void write(PendingRecord& record);
   std::unique_ptr<FrameSink> open_sink(const char* prefix, const char* collection) const;
 
   BuiltScene& built_;
-  std::string provenance_;
+  Provenance provenance_;
+  bool has_told_provenance_ = false;
   std::shared_ptr<OutputFolder> folder_;
   std::vector<FieldChoice> fields_, other_fields_;
   bool writes_ = false, frames_need_force_ = false, frames_run_functors_ = false;

@@ -183,7 +183,7 @@ std::string ModalRun::write(const NaturalModes& modes,
   options.prefix = "mode";
   options.collection = "modes";
   FrameWriter writer(options);
-  const std::string provenance = provenance_of(scene_, host_, built());
+  const std::string provenance = provenance_line(scene_, host_, built());
   for (std::size_t i = 0; i < modes.modes.size(); ++i) {
     const NaturalMode& mode = modes.modes[i];
     Frame frame;

@@ -118,6 +118,7 @@ std::filesystem::path read_file(const JsonValue& value, const std::string& path,
   const std::filesystem::path file = (reading.folder / *name).lexically_normal();
   if (const std::string fault = fault_of(file); !fault.empty())
     reading.mistakes.add(value.at, path, fault);
+  reading.scene.files.push_back(file);
   return file;
 }
 

@@ -200,6 +200,7 @@ struct Scene {
   SolverOptions solver;
   OutputOptions output;
   CheckpointOptions checkpoint;
+  std::vector<std::filesystem::path> files;  ///< meshes, surfaces and tables that it names
   SceneSource source;
   ScenePlaces places;
 };

@@ -153,8 +153,8 @@ TEST_F(Folders, AShorterRunLeavesNothingOfALongerOne) {
   ASSERT_EQ(scene("run", output("o")).code, 0);
   std::vector<std::string> names;
   for (const auto& [name, text] : contents("o")) names.push_back(name);
-  EXPECT_EQ(names,
-            (std::vector<std::string>{"frame_0000.vtu", "frame_0001.vtu", "mine.txt", "run.pvd"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"frame_0000.vtu", "frame_0001.vtu", "mine.txt",
+                                             "provenance.json", "run.pvd"}));
 }
 
 TEST_F(Folders, EqualRunsGiveEqualBytes) {
@@ -170,7 +170,7 @@ TEST_F(Folders, EqualRunsGiveEqualBytes) {
     return contents(name);
   };
   const auto one = run("a", "1");
-  EXPECT_EQ(one.size(), 8u);
+  EXPECT_EQ(one.size(), 9u);
   for (const char* threads : {"1", "2", "4"}) EXPECT_TRUE(run("b", threads) == one) << threads;
 }
 

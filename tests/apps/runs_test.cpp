@@ -3,6 +3,7 @@
 #include <csignal>
 #include <regex>
 
+#include "kernel/scene/json_document.hpp"
 #include "kernel/scene/scene_reader.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/run/csv_table.hpp"
@@ -30,6 +31,31 @@ TEST_F(Runs, WriteFramesTablesAndASummary) {
   const std::string energies = read("o/energies.csv"), probes = read("o/probes.csv");
   EXPECT_EQ(std::count(energies.begin(), energies.end(), '\n'), 12) << energies;
   EXPECT_EQ(std::count(probes.begin(), probes.end(), '\n'), 7) << probes;
+}
+
+TEST_F(Runs, TellHowTheyWereMade) {
+  write("pull.csv", "t [s],u [m]\n0,0\n1,0.1\n");
+  const std::string more = R"(, "constraints": [{"move": {"table": {"file": "pull.csv",
+    "columns": {"time": "t", "x": "u"}}}, "where": {"set": "x1"}}])";
+  EXPECT_EQ(scene("run", more, {"/output/directory=one", "/solver/threads=1"}).code, 0);
+  const std::string text = read("one/provenance.json");
+  const JsonValue all = parse_json(text, "provenance.json");
+  EXPECT_EQ(all.find("files")->items.size(), 1u);
+  EXPECT_EQ(all.find("files")->items[0].find("bytes")->natural, 22u);
+  EXPECT_EQ(all.find("models")->items[0].find("id")->text, "tm-faure");
+  // The scene that it holds gives the same run, with any threads in any folder.
+  write("again.json", canonical_json(*all.find("scene")->find("text")));
+  const Outcome again =
+      suture({"run", "again.json", "--set", "/output/directory=two", "--threads", "3"});
+  EXPECT_EQ(again.code, 0) << again;
+  const auto without_name = [](std::string of) {
+    const std::size_t name = of.find("\"file\": \"", of.find("\"scene\""));
+    return of.erase(name, of.find(',', name) - name);
+  };
+  EXPECT_EQ(without_name(read("two/provenance.json")), without_name(text));
+  write("pull.csv", "t [s],u [m]\n0,0\n1,0.2\n");
+  EXPECT_EQ(suture({"run", "again.json", "--set", "/output/directory=two"}).code, 0);
+  EXPECT_NE(without_name(read("two/provenance.json")), without_name(text));
 }
 
 TEST_F(Runs, WriteTablesWithoutFrames) {

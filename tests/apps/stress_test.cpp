@@ -81,7 +81,7 @@ TEST_F(Stress, KilledRunsLeaveWholeFilesAndNothingToTheNext) {
   const auto whole_run = run("1");
   ASSERT_EQ(suture(whole_run).code, 0);
   const auto expected = results(true), without_checkpoints = results(false);
-  ASSERT_EQ(expected.size(), 51u + 3 + 2);
+  ASSERT_EQ(expected.size(), 51u + 4 + 2);
   for (int round = 0; round < rounds(); ++round) {
     const pid_t child = start(whole_run);
     usleep(std::uniform_int_distribution<useconds_t>(1'000, 250'000)(random));

@@ -218,21 +218,27 @@ void BuiltScene::add_terms() {
   Attributes& attributes = body_.attributes();
   const CellComplex& complex = body_.complex();
   body_.add(std::make_unique<Gravity>(attributes, scene_.gravity, scene_.gravity_ramp));
+  const auto faces = [&](const Load& load) { return selector_.boundary_faces(load.where); };
+  const auto triangles = [&](const Load& load) { return selector_.surface_triangles(load.where); };
   auto& dead = body_.add(std::make_unique<DeadLoads>(attributes));
-  auto& pressures = body_.add(std::make_unique<Pressures>(attributes));
   for (const Load& load : scene_.loads) {
-    switch (load.kind) {
-      case Load::Kind::force:
-        dead.add_force(complex, selector_.vertices(load.where), load.value, load.ramp);
-        break;
-      case Load::Kind::traction:
-        dead.add_traction(complex, selector_.boundary_faces(load.where), load.value, load.ramp);
-        break;
-      case Load::Kind::pressure:
-        pressures.add(complex, selector_.boundary_faces(load.where), load.pressure, load.ramp);
-        break;
-    }
+    if (load.kind == Load::Kind::force)
+      dead.add_force(complex, selector_.vertices(load.where), load.value, load.ramp);
+    else if (load.kind == Load::Kind::traction && parts().empty())
+      dead.add_traction(complex, faces(load), load.value, load.ramp);
+    else if (load.kind == Load::Kind::traction)
+      dead.add_surface_traction(complex, triangles(load), load.value, load.ramp);
   }
+  const auto add_pressures = [&](auto pressures, const auto& where) {
+    auto& added = body_.add(std::move(pressures));
+    for (const Load& load : scene_.loads)
+      if (load.kind == Load::Kind::pressure)
+        added.add(complex, where(load), load.pressure, load.ramp);
+  };
+  if (parts().empty())
+    add_pressures(std::make_unique<Pressures>(attributes), faces);
+  else
+    add_pressures(std::make_unique<SurfacePressures>(attributes), triangles);
 }
 
 void BuiltScene::add_contact(Diagnostics& diagnostics) {

@@ -15,13 +15,6 @@ class PartsCheck {
  public:
   void check(const Scene& scene) {
     if (scene.contact.is_wanted()) refuse("/contact", "remove it,");
-    for (std::size_t i = 0; i < scene.loads.size(); ++i) {
-      const std::string path = "/loads/" + std::to_string(i);
-      if (scene.loads[i].kind == Load::Kind::traction)
-        refuse(path + "/traction", "give a \"force\" on its nodes,");
-      if (scene.loads[i].kind == Load::Kind::pressure)
-        refuse(path + "/pressure", "give a \"force\" on its nodes,");
-    }
     for (const Event& event : scene.events) check(event);
     if (scene.output.cuts)
       add("/output/cuts",

@@ -18,6 +18,8 @@ class SelectionCheck {
     for (const Load& load : scene.loads) {
       if (load.kind == Load::Kind::force)
         vertices(load.where);
+      else if (selector_.has_parts())
+        attempt([&] { selector_.surface_triangles(load.where); });
       else
         attempt([&] { selector_.boundary_faces(load.where); });
     }

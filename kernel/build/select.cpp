@@ -297,4 +297,35 @@ std::vector<Dart> Selector::boundary_faces(const Selection& selection) const {
   return result;
 }
 
+std::vector<char> Selector::point_mask(const Selection& selection,
+                                       const EmbeddedPoints& points) const {
+  std::vector<char> is_listed(rest_.size()), mask(points.size());
+  for (const Index v : listed_vertices(selection)) is_listed[v] = 1;
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const std::span nodes =
+        std::span(points.vertices).subspan(points.first[p], points.first[p + 1] - points.first[p]);
+    Vec3 place;
+    for (std::size_t c = 0; c < 3; ++c) place[c] = points.value(p, rest_.rows(), 4, c);
+    mask[p] = contains(selection, place) ||
+              std::ranges::all_of(nodes, [&](Index v) { return is_listed[v] != 0; });
+  }
+  return mask;
+}
+
+std::vector<SurfaceTriangle> Selector::surface_triangles(const Selection& selection) const {
+  const Embedding embedding(parts_, imported_.complex);
+  const std::vector<char> mask = point_mask(selection, embedding.points);
+  std::vector<SurfaceTriangle> result;
+  for (Index t = 0; t < embedding.triangles.size(); ++t)
+    if (std::ranges::all_of(embedding.triangles[t], [&](Index p) { return mask[p] != 0; }))
+      result.push_back(surface_triangle(embedding, t, imported_.complex));
+  if (result.empty()) {
+    throw InputError(selection.path +
+                     ": the selection contains no triangle of the surface (all three corners of a "
+                     "triangle must be selected); the nodes lie in " +
+                     bounds_text());
+  }
+  return result;
+}
+
 }  // namespace suture

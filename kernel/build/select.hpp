@@ -7,7 +7,7 @@
 
 #include "kernel/attributes/column.hpp"
 #include "kernel/build/translate.hpp"
-#include "kernel/mesh/parts.hpp"
+#include "kernel/parts/surface_triangle.hpp"
 #include "kernel/topology/import.hpp"
 
 namespace suture {
@@ -52,6 +52,11 @@ class Selector {
   std::vector<Index> elements_now(const Selection& selection, const double* rows) const;
   /// One dart of each boundary face whose four vertices are selected.
   std::vector<Dart> boundary_faces(const Selection& selection) const;
+  /// The triangles of the embedded surface whose three corners are selected, by their places or as
+  /// combinations of listed nodes.
+  std::vector<SurfaceTriangle> surface_triangles(const Selection& selection) const;
+  /// Whether loads on the surface act on surface_triangles() rather than boundary_faces().
+  bool has_parts() const { return !parts_.empty(); }
 
   /// The element of the complex with this user id, or `none`.
   Index element_with_id(std::uint64_t id) const;
@@ -71,6 +76,7 @@ class Selector {
   std::vector<Index> located(const Selection& selection, Index count, Exists exists, At at) const;
   std::vector<Index> located_elements(const Selection& selection, const double* rows) const;
   std::vector<Index> listed_vertices(const Selection& selection) const;
+  std::vector<char> point_mask(const Selection& selection, const EmbeddedPoints& points) const;
   std::vector<char> vertex_mask(const Selection& selection) const;
   std::vector<Index> named_vertices(const Selection& selection, const std::string& set) const;
 

@@ -34,6 +34,24 @@ std::array<double, 4> corner_areas(const Quad& x) {
   return areas;
 }
 
+/// Integral of N_a over the area of a triangle at rest, per node of its element.
+std::array<double, 8> node_areas(const RestPlaces& rest, const SurfaceTriangle& triangle) {
+  std::array<double, 8> areas{};
+  for (const TrianglePoint& point : quadrature_points(triangle)) {
+    Vec3 x_r{}, x_s{};
+    for (std::size_t a = 0; a < 8; ++a) {
+      const double* x = rest.corner(triangle.element, static_cast<unsigned>(a));
+      for (std::size_t c = 0; c < 3; ++c) {
+        x_r[c] += point.n_r[a] * x[c];
+        x_s[c] += point.n_s[a] * x[c];
+      }
+    }
+    const double area = point.weight * norm(cross(x_r, x_s));
+    for (std::size_t a = 0; a < 8; ++a) areas[a] += point.n[a] * area;
+  }
+  return areas;
+}
+
 /// Boundary area around each vertex of a set, from faces that lie in it wholly;
 /// empty if a vertex has none.
 std::vector<double> areas_around(const RestPlaces& rest, std::span<const Index> vertices) {
@@ -143,6 +161,22 @@ void DeadLoads::add_traction(const CellComplex& complex, std::span<const Dart> f
            local[a],
            {traction[0] * areas[a], traction[1] * areas[a], traction[2] * areas[a]},
            face});
+  }
+  sum_corners(load, rest);
+  loads_.push_back(std::move(load));
+}
+
+void DeadLoads::add_surface_traction(const CellComplex& complex,
+                                     std::span<const SurfaceTriangle> triangles,
+                                     const Vec3& traction, const TimeRamp& ramp) {
+  if (triangles.empty()) throw InputError("a traction acts on no triangle; select at least one");
+  const RestPlaces rest = attributes_.rest_places(complex);
+  Load load;
+  load.ramp = ramp;
+  for (const SurfaceTriangle& triangle : triangles) {
+    const auto areas = node_areas(rest, triangle);
+    for (std::uint32_t a = 0; a < 8; ++a)
+      load.corners.push_back({triangle.element, a, scaled(areas[a], traction)});
   }
   sum_corners(load, rest);
   loads_.push_back(std::move(load));

@@ -8,6 +8,7 @@
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/forces/term_capabilities.hpp"
 #include "kernel/forces/time_ramp.hpp"
+#include "kernel/parts/surface_triangle.hpp"
 
 namespace suture {
 
@@ -30,6 +31,9 @@ class DeadLoads final : public ForceTerm, public EnergyTerm, public WorkTerm {
   /// that carries it. Throws InputError for no faces.
   void add_traction(const CellComplex& complex, std::span<const Dart> faces, const Vec3& traction,
                     const TimeRamp& ramp);
+  /// The same on triangles of an embedded surface.
+  void add_surface_traction(const CellComplex& complex, std::span<const SurfaceTriangle> triangles,
+                            const Vec3& traction, const TimeRamp& ramp);
 
   const char* name() const override { return "loads"; }
   /// O(loaded vertices).

@@ -13,23 +13,9 @@
 namespace suture {
 namespace {
 
-using Arms = std::array<std::array<Vec3, 4>, 4>;
-
-/// w_ab with df_a = p sum_b w_ab x du_b:
-///   w_ab = integral of N_a (dx/dr dN_b/ds - dx/ds dN_b/dr) dr ds
-Arms arms_of(const Quad& x) {
-  Arms w{};
-  for_each_point(x, [&](const QuadPoint& p) {
-    for (std::size_t a = 0; a < 4; ++a)
-      for (std::size_t b = 0; b < 4; ++b)
-        for (std::size_t c = 0; c < 3; ++c)
-          w[a][b][c] += p.n[a] / 4 * (p.x_r[c] * p.n_s[b] - p.x_s[c] * p.n_r[b]);
-  });
-  return w;
-}
-
 /// (w_ab + sign w_ba) / 2: the matrices [w_ab] x have blocks [-w_ba] x in their transpose, so -1
 /// gives the symmetric part.
+template <class Arms>
 Vec3 part_of(const Arms& w, std::size_t a, std::size_t b, double sign) {
   Vec3 part;
   for (std::size_t c = 0; c < 3; ++c) part[c] = (w[a][b][c] + sign * w[b][a][c]) / 2;
@@ -38,93 +24,99 @@ Vec3 part_of(const Arms& w, std::size_t a, std::size_t b, double sign) {
 
 }  // namespace
 
-void Pressures::add(const CellComplex& complex, std::span<const Dart> faces, double pressure,
-                    const TimeRamp& ramp) {
+template <class Face>
+void PressuresOn<Face>::add(const CellComplex& complex, std::span<const typename Face::Given> faces,
+                            double pressure, const TimeRamp& ramp) {
   if (faces.empty()) throw InputError("a pressure acts on no face; select at least one");
-  Load load{pressure, {faces.begin(), faces.end()}, {}, ramp, {}};
-  for (const Dart face : faces) load.nodes.push_back(face_nodes(complex, face));
+  Load load{pressure, Face::all(complex, faces), {}, ramp, {}};
+  for (const Face& face : load.faces) load.nodes.push_back(face.nodes(complex));
   loads_.push_back(std::move(load));
 }
 
-Quad Pressures::corners_of(const Corners& nodes) const {
-  Quad x;
-  for (std::size_t a = 0; a < 4; ++a) {
+template <class Face>
+typename PressuresOn<Face>::Positions PressuresOn<Face>::positions_of(const Nodes& nodes) const {
+  Positions x;
+  for (std::size_t a = 0; a < Face::node_count; ++a) {
     const double* row = attributes_.position().rows() + std::size_t{nodes[a]} * 4;
     x[a] = {row[0], row[1], row[2]};
   }
   return x;
 }
 
-template <class Visit>
-void Pressures::for_each_face(const Load& load, double time, Visit visit) const {
-  const double p = load.pressure * load.ramp.value(time) / 4;
-  for (std::size_t i = 0; i < load.nodes.size(); ++i) {
-    Quad force{};
-    for_each_point(corners_of(load.nodes[i]), [&](const QuadPoint& point) {
-      const Vec3 inward = point.normal();
-      for (std::size_t a = 0; a < 4; ++a)
-        for (std::size_t c = 0; c < 3; ++c) force[a][c] += p * point.n[a] * inward[c];
-    });
-    visit(i, force);
+template <class Face>
+template <class Wanted, class Visit>
+void PressuresOn<Face>::for_each_face(double time, Wanted wanted, Visit visit) {
+  for (Load& load : loads_) {
+    const double p = load.pressure * load.ramp.value(time);
+    for (std::size_t i = 0; i < load.faces.size(); ++i)
+      if (wanted(load.nodes[i]))
+        visit(load, i, load.faces[i].forces(positions_of(load.nodes[i]), p));
   }
 }
 
-/// on_face(load, face number, corner forces) for each face.
-template <class OnFace>
-void Pressures::add(double time, const LiveMask& live, double* rows, OnFace on_face) {
-  for (Load& load : loads_)
-    for_each_face(load, time, [&](std::size_t i, const Quad& force) {
-      for (std::size_t a = 0; a < 4; ++a) add_row(rows, live, load.nodes[i][a], 1, force[a]);
-      on_face(load, i, force);
-    });
+template <class Face>
+template <class Visit>
+void PressuresOn<Face>::add(double time, const LiveMask& live, double* rows, Visit visit) {
+  const auto all = [](const Nodes&) { return true; };
+  for_each_face(time, all, [&](Load& load, std::size_t i, const Positions& force) {
+    for (std::size_t a = 0; a < Face::node_count; ++a)
+      add_row(rows, live, load.nodes[i][a], 1, force[a]);
+    visit(load, i, force);
+  });
 }
 
-void Pressures::add_forces(double time, const LiveMask& live, double* rows) {
-  add(time, live, rows, [](const Load&, std::size_t, const Quad&) {});
+template <class Face>
+void PressuresOn<Face>::add_forces(double time, const LiveMask& live, double* rows) {
+  add(time, live, rows, [](const Load&, std::size_t, const Positions&) {});
 }
 
-void Pressures::add_forces_in_step(const StepTimes& step, const LiveMask& live, double* rows) {
+template <class Face>
+void PressuresOn<Face>::add_forces_in_step(const StepTimes& step, const LiveMask& live,
+                                           double* rows) {
   const bool first = !std::exchange(is_booked_, true);
   for (Load& load : loads_) load.booked.resize(load.nodes.size());
-  add(step.time, live, rows, [&](Load& load, std::size_t i, const Quad& force) {
+  add(step.time, live, rows, [&](Load& load, std::size_t i, const Positions& force) {
     Booked& last = load.booked[i];
-    const Quad x = corners_of(load.nodes[i]);
-    for (std::size_t a = 0; a < 4; ++a)
+    const Positions x = positions_of(load.nodes[i]);
+    for (std::size_t a = 0; a < Face::node_count; ++a)
       for (std::size_t c = 0; c < 3 && !first; ++c)
         work_ += (last.force[a][c] + force[a][c]) / 2 * (x[a][c] - last.position[a][c]);
     last = {x, force};
   });
 }
 
-void Pressures::add_forces_at(const VertexSelection& selection, std::span<const Index>, double time,
-                              std::vector<Vec3>& forces) {
-  for (Load load : loads_) {
-    std::erase_if(load.nodes, [&](const Corners& nodes) {
-      return std::ranges::none_of(nodes, [&](Index v) { return selection.contains(v); });
-    });
-    for_each_face(load, time, [&](std::size_t i, const Quad& force) {
-      for (std::size_t a = 0; a < 4; ++a) {
-        const Index slot = selection.slot(load.nodes[i][a]);
-        for (std::size_t c = 0; c < 3 && slot != none; ++c) forces[slot][c] += force[a][c];
-      }
-    });
-  }
+template <class Face>
+void PressuresOn<Face>::add_forces_at(const VertexSelection& selection, std::span<const Index>,
+                                      double time, std::vector<Vec3>& forces) {
+  const auto is_selected = [&](const Nodes& nodes) {
+    return std::ranges::any_of(nodes, [&](Index v) { return selection.contains(v); });
+  };
+  for_each_face(time, is_selected, [&](const Load& load, std::size_t i, const Positions& force) {
+    for (std::size_t a = 0; a < Face::node_count; ++a) {
+      const Index slot = selection.slot(load.nodes[i][a]);
+      for (std::size_t c = 0; c < 3 && slot != none; ++c) forces[slot][c] += force[a][c];
+    }
+  });
 }
 
+template <class Face>
 template <class Visit>
-void Pressures::for_each_arms(double time, Visit visit) const {
+void PressuresOn<Face>::for_each_arms(double time, Visit visit) const {
   for (const Load& load : loads_) {
     const double p = load.pressure * load.ramp.value(time);
-    for (const Corners& nodes : load.nodes) visit(nodes, p, arms_of(corners_of(nodes)));
+    for (std::size_t i = 0; i < load.faces.size(); ++i)
+      visit(load.nodes[i], p, load.faces[i].arms(positions_of(load.nodes[i])));
   }
 }
 
+template <class Face>
 template <class Real>
-void Pressures::multiply(const Real* d, double factor, double sign, double time, Real* out) const {
+void PressuresOn<Face>::multiply(const Real* d, double factor, double sign, double time,
+                                 Real* out) const {
   constexpr std::size_t row = std::is_same_v<Real, float> ? 4 : 3;  // numbers per vertex
-  for_each_arms(time, [&](const Corners& nodes, double p, const Arms& w) {
-    for (std::size_t a = 0; a < 4; ++a)
-      for (std::size_t b = 0; b < 4; ++b) {
+  for_each_arms(time, [&](const Nodes& nodes, double p, const auto& w) {
+    for (std::size_t a = 0; a < Face::node_count; ++a)
+      for (std::size_t b = 0; b < Face::node_count; ++b) {
         const Real* u = d + nodes[b] * row;
         const Vec3 f = cross(part_of(w, a, b, sign), Vec3{u[0], u[1], u[2]});
         for (std::size_t c = 0; c < 3; ++c)
@@ -133,36 +125,41 @@ void Pressures::multiply(const Real* d, double factor, double sign, double time,
   });
 }
 
-void Pressures::add_tangent(const double* d, double dx, double, const TangentTime& at,
-                            double* out) {
+template <class Face>
+void PressuresOn<Face>::add_tangent(const double* d, double dx, double, const TangentTime& at,
+                                    double* out) {
   multiply(d, dx, -1, at.time, out);
 }
 
-void Pressures::add_skew_tangent(const double* d, double dx, const TangentTime& at, double* out) {
+template <class Face>
+void PressuresOn<Face>::add_skew_tangent(const double* d, double dx, const TangentTime& at,
+                                         double* out) {
   multiply(d, dx, 1, at.time, out);
 }
 
-bool Pressures::add_tangent_in_single(const float* d, double dx, double, const TangentTime& at,
-                                      float* out) {
+template <class Face>
+bool PressuresOn<Face>::add_tangent_in_single(const float* d, double dx, double,
+                                              const TangentTime& at, float* out) {
   multiply(d, dx, -1, at.time, out);
   return true;
 }
 
-void Pressures::for_each_tangent(double dx, double, const TangentTime& at,
-                                 const VisitTangents& visit) {
-  constexpr std::size_t width = 8, rows = 12;
+template <class Face>
+void PressuresOn<Face>::for_each_tangent(double dx, double, const TangentTime& at,
+                                         const VisitTangents& visit) {
+  constexpr std::size_t width = 8, rows = 3 * Face::node_count;
   AlignedVector<double> values(rows * rows * width);
-  std::array<Corners, width> vertices{};
+  std::array<Nodes, width> vertices{};
   Index count = 0;
   const auto flush = [&] {
-    if (count > 0) visit({count, 4, vertices[0].data(), values.data()});
+    if (count > 0) visit({count, Face::node_count, vertices[0].data(), values.data()});
     std::ranges::fill(values, 0.0);
     count = 0;
   };
-  for_each_arms(at.time, [&](const Corners& nodes, double p, const Arms& w) {
+  for_each_arms(at.time, [&](const Nodes& nodes, double p, const auto& w) {
     vertices[count] = nodes;
-    for (std::size_t a = 0; a < 4; ++a)
-      for (std::size_t b = 0; b < 4; ++b) {
+    for (std::size_t a = 0; a < Face::node_count; ++a)
+      for (std::size_t b = 0; b < Face::node_count; ++b) {
         const Vec3 arm = part_of(w, a, b, -1);
         for (std::size_t c = 0; c < 3; ++c) {  // [w] x has -w_c at (c + 1, c + 2)
           const std::size_t up = (c + 1) % 3, down = (c + 2) % 3;
@@ -176,7 +173,8 @@ void Pressures::for_each_tangent(double dx, double, const TangentTime& at,
 }
 
 /// What is left of the other part on the free components, for a vector without regularity.
-bool Pressures::is_conservative(double time) {
+template <class Face>
+bool PressuresOn<Face>::is_conservative(double time) {
   if (loads_.empty()) return true;
   const std::size_t size = std::size_t{attributes_.vertex_count()} * 3;
   std::vector<double> d(size), other(size), whole(size);
@@ -200,23 +198,26 @@ bool Pressures::is_conservative(double time) {
   return largest(other) <= 1e-9 * largest(whole);
 }
 
-void Pressures::forget_last() {
+template <class Face>
+void PressuresOn<Face>::forget_last() {
   is_booked_ = false;
   for (Load& load : loads_) load.booked.clear();
 }
 
-void Pressures::restart() {
+template <class Face>
+void PressuresOn<Face>::restart() {
   work_ = 0;
   forget_last();
 }
 
-void Pressures::follow(const CellComplex& complex, const TopologyChange& change) {
+template <class Face>
+void PressuresOn<Face>::follow(const CellComplex& complex, const TopologyChange& change) {
   const bool only_apart = change.faces_sewn == 0 && change.removed[3].empty();
   if (only_apart && change.splits[0].empty()) return;
   for (Load& load : loads_) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < load.faces.size(); ++i) {
-      if (!is_open(complex, load.faces[i])) continue;
+      if (!load.faces[i].exists(complex)) continue;
       load.faces[kept] = load.faces[i];
       if (is_booked_) load.booked[kept] = load.booked[i];
       ++kept;
@@ -224,26 +225,31 @@ void Pressures::follow(const CellComplex& complex, const TopologyChange& change)
     load.faces.resize(kept);
     if (is_booked_) load.booked.resize(kept);
     load.nodes.clear();
-    for (const Dart face : load.faces) load.nodes.push_back(face_nodes(complex, face));
+    for (const Face& face : load.faces) load.nodes.push_back(face.nodes(complex));
   }
 }
 
-void Pressures::state(Archive& archive) {
+template <class Face>
+void PressuresOn<Face>::state(Archive& archive) {
   archive("work", work_);
   archive("is booked", is_booked_);
   std::span loads = loads_;
   archive.each("loads", loads, [](Archive& each, Load& load) {
     each.rows<double>("booked", load.booked);
     if (!each.has_cells()) return;
-    each("faces", load.faces);
+    Face::state(each, load.faces);
     each("nodes", load.nodes);
   });
 }
 
-double Pressures::last_change() const {
+template <class Face>
+double PressuresOn<Face>::last_change() const {
   double time = 0;
   for (const Load& load : loads_) time = std::max(time, load.ramp.to);
   return time;
 }
+
+template class PressuresOn<PressedFace>;
+template class PressuresOn<PressedPart>;
 
 }  // namespace suture

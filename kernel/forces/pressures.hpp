@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "kernel/forces/quad.hpp"
+#include "kernel/forces/pressed_faces.hpp"
 #include "kernel/forces/term_capabilities.hpp"
 #include "kernel/forces/time_ramp.hpp"
 
@@ -27,23 +27,23 @@
 
 namespace suture {
 
-/// Pressures on faces, normal to the deformed faces.
-///   f_a = p  integral of N_a  dx/dr x dx/ds  dr ds,   2 x 2 points: exact
-/// Their tangent (Hibbitt, Int. J. Solids Struct. 15 (1979) 937) is
+/// Pressures, normal to the deformed faces (pressed_faces.hpp). Their tangent
+/// (Hibbitt, Int. J. Solids Struct. 15 (1979) 937) is
 ///   df_a = p  integral of N_a (dx/dr x du/ds - dx/ds x du/dr) dr ds
 /// It is symmetric where p is uniform up to edges that are held or absent; of other tangents, the
 /// symmetric part is used where a symmetric one is needed.
 /// Pressure on a removed element is removed with it; a face that is sewn permanently carries none.
-class Pressures final : public ForceTerm,
-                        public TangentTerm,
-                        public CellTangentTerm,
-                        public WorkTerm {
+/// Face: PressedFace, or PressedPart on bodies whose surface lies inside elements.
+template <class Face>
+class PressuresOn final : public ForceTerm,
+                          public TangentTerm,
+                          public CellTangentTerm,
+                          public WorkTerm {
  public:
-  explicit Pressures(Attributes& attributes) : attributes_(attributes) {}
+  explicit PressuresOn(Attributes& attributes) : attributes_(attributes) {}
 
-  /// Pa, positive inward. `faces`: any dart of each, on the side of the element that carries it.
-  /// Throws InputError for no faces.
-  void add(const CellComplex& complex, std::span<const Dart> faces, double pressure,
+  /// Pa, positive inward. Throws InputError for no faces.
+  void add(const CellComplex& complex, std::span<const typename Face::Given> faces, double pressure,
            const TimeRamp& ramp);
 
   const char* name() const override { return "pressure"; }
@@ -70,34 +70,40 @@ class Pressures final : public ForceTerm,
   double last_change() const override;
 
  private:
-  using Corners = std::array<Index, 4>;
+  using Nodes = std::array<Index, Face::node_count>;
+  using Positions = typename Face::Positions;
   struct Booked {
-    Quad position, force;
+    Positions position, force;
   };
   struct Load {
     double pressure;
-    std::vector<Dart> faces;
-    std::vector<Corners> nodes;  ///< their current vertices
+    std::vector<Face> faces;
+    std::vector<Nodes> nodes;  ///< their current vertices
     TimeRamp ramp;
     std::vector<Booked> booked;  ///< by face, at the last step
   };
-  /// visit(face number, corner forces) for each face.
+  /// visit(load, face number, forces on its nodes) for each face of all loads that is `wanted`, by
+  /// its nodes.
+  template <class Wanted, class Visit>
+  void for_each_face(double time, Wanted wanted, Visit visit);
+  /// The same for all, whose forces are added to rows.
   template <class Visit>
-  void for_each_face(const Load& load, double time, Visit visit) const;
-  template <class OnFace>
-  void add(double time, const LiveMask& live, double* rows, OnFace on_face);
+  void add(double time, const LiveMask& live, double* rows, Visit visit);
   /// visit(nodes, pressure, w_ab) for each face of all loads.
   template <class Visit>
   void for_each_arms(double time, Visit visit) const;
   /// out += factor times the symmetric (sign = -1) or the other part (1) of the tangent times d.
   template <class Real>
   void multiply(const Real* d, double factor, double sign, double time, Real* out) const;
-  Quad corners_of(const Corners& nodes) const;
+  Positions positions_of(const Nodes& nodes) const;
 
   Attributes& attributes_;
   std::vector<Load> loads_;
   double work_ = 0;
   bool is_booked_ = false;
 };
+
+using Pressures = PressuresOn<PressedFace>;
+using SurfacePressures = PressuresOn<PressedPart>;
 
 }  // namespace suture

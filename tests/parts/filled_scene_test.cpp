@@ -194,13 +194,7 @@ TEST(FilledScene, RefusesWhatActsOnWholeFaces) {
     change(scene);
     return error_of<InputError>([&] { const Built built(scene); });
   };
-  const auto load = [](Load::Kind kind) {
-    return [kind](Scene& scene) { scene.loads.emplace_back().kind = kind; };
-  };
   EXPECT_TRUE(error([](Scene&) {}).empty());
-  EXPECT_TRUE(error(load(Load::Kind::force)).empty());
-  EXPECT_TRUE(error(load(Load::Kind::pressure)).starts_with("/loads/0/pressure: acts on whole"));
-  EXPECT_TRUE(error(load(Load::Kind::traction)).starts_with("/loads/0/traction: acts on whole"));
   EXPECT_TRUE(error([](Scene& scene) {
                 scene.contact.pieces = true;
               }).starts_with("/contact: acts on whole"));

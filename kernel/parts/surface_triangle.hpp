@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "kernel/parts/embedding.hpp"
+
+namespace suture {
+
+/// A triangle of the embedded surface. It is flat in the reference cube of its element and moves
+/// with it: where faces of elements warp, so does the triangle.
+struct SurfaceTriangle {
+  Index element;
+  std::array<Vec3, 3> corners;  ///< reference coordinates, counterclockwise as seen from outside
+};
+
+/// Triangle t of an embedding.
+SurfaceTriangle surface_triangle(const Embedding& embedding, Index t, const CellComplex& complex);
+
+/// A point of a triangle, given by coordinates r, s: 0 <= r, s and r + s <= 1.
+struct TrianglePoint {
+  double weight;                      ///< the weights of the points sum to 1/2
+  std::array<double, 8> n, n_r, n_s;  ///< of the nodes of the element: x = sum n x_a
+};
+/// The points of a quadrature of degree 7: exact for a product of shape functions and area vectors.
+/// dx/dr x dx/ds points outward.
+std::vector<TrianglePoint> quadrature_points(const SurfaceTriangle& triangle);
+
+}  // namespace suture

@@ -244,7 +244,12 @@ void BuiltScene::add_terms() {
 void BuiltScene::add_contact(Diagnostics& diagnostics) {
   const ContactOptions& options = scene_.contact;
   if (!options.is_wanted()) return;
-  Contact& contact = body_.add_contact(options.obstacles, options.thickness);
+  SurfacePoints::Source embedded;  // not embedding(), which is not made again when a run resumes
+  if (!parts().empty())
+    embedded = [this, made = Embedding()]() mutable -> const Embedding& {
+      return made = Embedding(parts(), body_.complex());
+    };
+  Contact& contact = body_.add_contact(options.obstacles, options.thickness, std::move(embedded));
   if (options.pieces) contact.touch_pieces({options.friction, options.self});
   if (dynamics_->is_implicit())
     body_.add(std::make_unique<MultiplierForces>(contact, body_.attributes(), body_.models(),

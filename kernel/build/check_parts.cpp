@@ -14,7 +14,14 @@ constexpr const char* or_whole_cubes =
 class PartsCheck {
  public:
   void check(const Scene& scene) {
-    if (scene.contact.is_wanted()) refuse("/contact", "remove it,");
+    if (scene.contact.pieces)
+      refuse(scene.contact.self ? "/contact/self" : "/contact/pieces", "remove it,");
+    for (const Obstacle& obstacle : scene.contact.obstacles)
+      if (obstacle.coupling)
+        add(obstacle.path + "/coupling",
+            std::string("needs nodes that move independently of each other, and points of this "
+                        "surface share theirs; remove it, so that the tool moves along its path,") +
+                or_whole_cubes);
     for (const Event& event : scene.events) check(event);
     if (scene.output.cuts)
       add("/output/cuts",

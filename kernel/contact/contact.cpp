@@ -15,13 +15,12 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int max_sweeps = 16;
 // Over all contacts between pieces.
 constexpr int max_piece_sweeps = 32;
-// Of an element: how far an obstacle moves in a step, and how far a vertex is pushed out of one.
-constexpr double max_motion = 0.1, max_push = 0.01;
+// Of an element: how far a vertex is pushed out of an obstacle in a step.
+constexpr double max_push = 0.01;
 // Of an element: a push by less is rounding, and no reason for another sweep.
 constexpr double least_push = 1e-9;
-// How far other pieces may push a vertex in a step, or vertices a tool, and how far pieces may
-// approach; of an element.
-constexpr double pushed = 0.5, max_approach = 0.05;
+// How far other pieces may push a vertex in a step, or vertices a tool; of an element.
+constexpr double pushed = 0.5;
 constexpr double held = 7;  // all components are prescribed
 // How far outside an obstacle the side of a vertex that touches it is marked, in elements.
 constexpr double marked_outside = 1e-6;
@@ -51,12 +50,13 @@ double fastest(const double* rows, std::span<const Index> vertices) {
 }  // namespace
 
 Contact::Contact(const CellComplex& complex, Attributes& attributes,
-                 std::vector<Obstacle> obstacles, double thickness)
+                 std::vector<Obstacle> obstacles, double thickness, SurfacePoints::Source embedding)
     : ContactLaw(std::move(obstacles)),
       complex_(complex),
       attributes_(attributes),
       thickness_(thickness),
       surface_(complex) {
+  if (embedding) points_.emplace(std::move(embedding));
   shortest_edge_ = infinity;
   const double* rest = attributes.rest().rows();
   for (const BoundarySurface::Corners& corners : surface_.corners())
@@ -93,7 +93,8 @@ void Contact::prepare(const ContactStep& step) {
       placed_.emplace_back(obstacles_[i], thickness_, step.time, step.end);
     }
   }
-  if (vertices_.empty()) vertices_ = surface_.ascending_vertices();
+  if (vertices_.empty())
+    vertices_ = points_ ? points_->ascending_vertices() : surface_.ascending_vertices();
   forces_.resize(4 * std::size_t{attributes_.vertex_count()});
   const double* force = attributes_.force().rows();
   for (const Index v : vertices_) row_at(forces_.data(), v) = row_at(force, v);
@@ -109,7 +110,9 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   if (pieces_) find_touching_pieces(step);
   push(step.dt);
   if (has_tools_) settle_tools(step);
-  for (std::size_t i = 0; i < near_.size(); ++i) book(near_[i], pushes_on(i), step);
+  for (std::size_t i = 0; i < near_.size(); ++i)
+    book(near_[i], points_ ? std::span<PushBy>() : pushes_on(i), step);
+  if (points_) book_points(step);
   sum_loads();
   if (pieces_) book_friction_of_pieces(step);
   closing_speed_ = 0;
@@ -125,13 +128,16 @@ void Contact::find_near_obstacles(const ContactStep& step) {
   near_.clear();
   pushed_.clear();
   pushes_.clear();
+  point_masses_.clear();
   const double reach = pushed * mean_edge_;
   const double margin = pieces_ || has_tools_ ? reach : 0;  // others push it, too
-  const double *x = attributes_.position().rows(), *velocity = attributes_.velocity().rows(),
-               *fixed = attributes_.fixed().rows();
-  for (std::size_t first = 0; first < vertices_.size(); first += box_size) {
-    const std::size_t count = std::min(box_size, vertices_.size() - first);
-    const auto vertices = std::span(vertices_).subspan(first, count);
+  if (points_) points_->gather(attributes_);
+  const std::span<const Index> all = points_ ? points_->numbers() : vertices_;
+  const double* x = points_ ? points_->positions() : attributes_.position().rows();
+  const double* velocity = points_ ? points_->velocities() : attributes_.velocity().rows();
+  const double* fixed = attributes_.fixed().rows();
+  for (std::size_t first = 0; first < all.size(); first += box_size) {
+    const auto vertices = all.subspan(first, std::min(box_size, all.size() - first));
     const Box box = box_around(x, vertices);
     const Vec3 half = scaled(0.5, minus(box.high, box.low)), middle = plus(box.low, half);
     const double radius = norm(half);
@@ -146,8 +152,13 @@ void Contact::find_near_obstacles(const ContactStep& step) {
       const Vec3 place = row(x, v), start = minus(place, scaled(step.dt, row(velocity, v)));
       const auto may_meet = [&](Index i) { return placed_[i].may_meet(start, place, margin); };
       if (std::ranges::none_of(near_placed_, may_meet)) continue;
-      if (!(*step.moving)[v] || fixed[v] == held) continue;
-      add_near(v);
+      if (points_) {
+        if (!is_free(v, *step.moving)) continue;
+        add_near_point(v);
+      } else {
+        if (!(*step.moving)[v] || fixed[v] == held) continue;
+        add_near(v);
+      }
       pushed_.emplace_back(v, pushes_.size());
       for (const Index i : near_placed_)
         if (placed_[i].may_meet(start, place, reach)) pushes_.emplace_back(v, i);
@@ -183,6 +194,7 @@ void Contact::add_near(Index vertex) {
 /// Obstacles have the last word in each sweep: nothing is left inside them. After the first one,
 /// only pieces move vertices.
 void Contact::push(double dt) {
+  if (points_) return push_points(dt);
   const bool meet = pieces_ && !pieces_->touches().empty();
   const auto velocity = [&](std::size_t i) {
     return row(attributes_.velocity().rows(), pushed_[i].vertex);
@@ -221,9 +233,20 @@ void Contact::push_out(Pushed& pushed, std::span<PushBy> pushes, double dt) {
   const Vec3 last = pushed.change;
   const Vec3 end = minus({x[0], x[1], x[2]}, scaled(dt, last));
   const Vec3 velocity = minus({v[0], v[1], v[2]}, last);
-  for (PushBy& by : pushes) by.push = {};
   const auto fixed = static_cast<unsigned>(attributes_.fixed().rows()[pushed.vertex]);
   VertexPath path{minus(end, scaled(dt, velocity)), end, {}, fixed, dt};
+  push_path(path, pushes);
+  pushed.change = path.change;
+  if (path.change == Vec3{} && last == Vec3{}) return;
+  for (std::size_t c = 0; c < 3; ++c) {
+    x[c] = path.end[c];
+    v[c] = velocity[c] + path.change[c];
+  }
+}
+
+/// Clears the pushes before.
+void Contact::push_path(VertexPath& path, std::span<PushBy> pushes) const {
+  for (PushBy& by : pushes) by.push = {};
   bool moved = true;
   for (int sweep = 0; sweep < max_sweeps && moved; ++sweep) {
     moved = false;
@@ -232,15 +255,9 @@ void Contact::push_out(Pushed& pushed, std::span<PushBy> pushes, double dt) {
       if (sweep > 0 && !placed.may_meet(path.start, path.end, -least_push * shortest_edge_))
         continue;
       const double speed = placed.push(path, max_push * shortest_edge_, push);
-      moved = moved || dt * speed > least_push * shortest_edge_;
+      moved = moved || path.dt * speed > least_push * shortest_edge_;
     }
     if (pushes.size() <= 1) break;  // once is enough
-  }
-  pushed.change = path.change;
-  if (path.change == Vec3{} && last == Vec3{}) return;
-  for (std::size_t c = 0; c < 3; ++c) {
-    x[c] = path.end[c];
-    v[c] = velocity[c] + path.change[c];
   }
 }
 
@@ -332,36 +349,7 @@ std::vector<Contact::Press> Contact::presses() const {
   return result;
 }
 
-std::vector<Index> Contact::near_moving_obstacles(double time, double dt) const {
-  std::vector<Index> found;
-  for (std::size_t i = 0; i < obstacles_.size(); ++i) {
-    const Pose start = pose(i, time), end = tools_[i] ? start : pose(i, time + dt);
-    const bool stands = start.turn == end.turn && start.translation == end.translation;
-    if (!tools_[i] && stands) continue;
-    const PlacedObstacle placed(obstacles_[i], thickness_, start, end);
-    for (const Index v : surface_.vertices())
-      if (placed.may_touch(row(attributes_.position().rows(), v), longest_edge_))
-        found.push_back(v);
-  }
-  return found;
-}
-
 // -------------------------------------------------------------------- queries --
-
-std::vector<double> Contact::gaps(double time) const {
-  std::vector<double> gaps(attributes_.vertex_count(), std::numeric_limits<double>::quiet_NaN());
-  for (const Index v : surface_.vertices()) gaps[v] = infinity;
-  for (std::size_t i = 0; i < obstacles_.size(); ++i) {
-    const PlacedObstacle placed(obstacles_[i], thickness_, pose(i, time), pose(i, time));
-    for (const Index v : surface_.vertices()) {
-      const Vec3 place = row(attributes_.position().rows(), v);
-      const Vec3* side = sides_.outside(i, v);
-      const Nearest gap = side ? placed.gap_from(*side, place) : placed.gap(place);
-      gaps[v] = std::min(gaps[v], gap.distance);
-    }
-  }
-  return gaps;
-}
 
 Pose Contact::pose(std::size_t obstacle, double time) const {
   return tools_[obstacle] ? tools_[obstacle]->pose() : obstacles_[obstacle].motion.pose(time);
@@ -384,12 +372,15 @@ void Contact::record(std::span<const Force> forces, double time, double heat) {
   touches_.clear();
   sides_.clear();
   std::ranges::fill(loads_, Load{});
-  for (const auto& [vertex, force, obstacle, gap] : forces) {
+  for (const auto& [vertex, force, obstacle, point, gap] : forces) {
     touches_.push_back({vertex, force});
     if (obstacle == between_pieces) continue;
     const PlacedObstacle placed(obstacles_[obstacle], 0, time, time);
     const Vec3 place = row(attributes_.position().rows(), vertex);
-    sides_.add(obstacle, vertex, placed.given_outside(place, gap, marked_outside * mean_edge_));
+    if (!sides_.outside(obstacle, point)) {
+      const Vec3 touching = points_ ? (*points_)[point].sum(attributes_.position().rows()) : place;
+      sides_.add(obstacle, point, placed.given_outside(touching, gap, marked_outside * mean_edge_));
+    }
     const Vec3 arm = minus(place, placed.centre());
     loads_[obstacle].force = minus(loads_[obstacle].force, force);
     loads_[obstacle].torque = minus(loads_[obstacle].torque, cross(arm, force));
@@ -412,31 +403,6 @@ void Contact::restart() {
   work_ = friction_work_ = step_work_ = closing_speed_ = 0;
 }
 
-/// Of a half-space that turns, what is as far as the body counts.
-double Contact::top_speed(const Obstacle& obstacle, double time) const {
-  double reach = obstacle.reach();
-  if (reach == infinity) {
-    reach = 0;
-    for (const Index v : surface_.vertices())
-      reach =
-          std::max(reach, norm(minus(row(attributes_.rest().rows(), v), obstacle.motion.centre)));
-    reach += size_;
-  }
-  return obstacle.motion.top_speed(time, reach);
-}
-
-double Contact::longest_step(double time) const {
-  double step = infinity;
-  if (closing_speed_ > 0) step = max_approach * mean_edge_ / closing_speed_;
-  for (std::size_t i = 0; i < obstacles_.size(); ++i) {
-    const bool stands = time >= obstacles_[i].motion.last_change();
-    double speed = stands ? 0 : top_speed(obstacles_[i], time);
-    if (tools_[i]) speed = std::max(speed, tools_[i]->top_speed());
-    if (speed > 0) step = std::min(step, max_motion * shortest_edge_ / speed);
-  }
-  return step;
-}
-
 std::optional<Contact::Failure> Contact::failure() const {
   const PieceContact::Touch* touch = pieces_ ? pieces_->too_deep() : nullptr;
   if (!touch) return {};
@@ -447,7 +413,12 @@ std::optional<Contact::Failure> Contact::failure() const {
 
 void Contact::follow(const CellComplex& complex, const TopologyChange& change) {
   surface_.follow(complex, change);
-  sides_.follow(complex, change);
+  if (points_) {
+    points_->follow();
+    sides_.clear();
+  } else {
+    sides_.follow(complex, change);
+  }
   vertices_.clear();
   if (pieces_) pieces_->follow(change);
   const auto is_gone = [&](const auto& known) { return !complex.exists(0, known.vertex); };
@@ -461,7 +432,10 @@ void Contact::state(Archive& archive) {
     for (Obstacle& obstacle : obstacles_)
       archive(("path of " + obstacle.name).c_str(), obstacle.motion);
   }
-  if (archive.loads()) vertices_.clear();
+  if (archive.loads()) {
+    vertices_.clear();
+    if (points_ && archive.has_cells()) points_->follow();
+  }
   if (pieces_) archive("pieces", *pieces_);
   archive.member("touching", touches_, &Touch::vertex);
   archive.member("forces", touches_, &Touch::force);
@@ -469,8 +443,7 @@ void Contact::state(Archive& archive) {
   archive.member("pushed by", obstacle_forces_, &ObstacleForce::obstacle);
   archive.member("pushes", obstacle_forces_, &ObstacleForce::force);
   archive.rows<double>("loads", loads_);
-  archive.group("sides",
-                [&] { sides_.state(archive, obstacles_.size(), attributes_.vertex_count()); });
+  archive.group("sides", [&] { sides_.state(archive, obstacles_.size(), point_count()); });
   for (std::size_t i = 0; i < tools_.size(); ++i)
     if (tools_[i]) archive(("tool " + obstacles_[i].name).c_str(), *tools_[i]);
   archive("work", work_);

@@ -12,6 +12,7 @@
 #include "kernel/contact/entered_sides.hpp"
 #include "kernel/contact/piece_contact.hpp"
 #include "kernel/contact/placed_obstacle.hpp"
+#include "kernel/contact/surface_points.hpp"
 #include "kernel/contact/tool.hpp"
 #include "kernel/forces/contact_law.hpp"
 
@@ -78,9 +79,10 @@ namespace suture {
 /// Cost: a pass over the vertices of the boundary in each step.
 class Contact final : public ContactLaw {
  public:
-  /// `thickness`: the distance from obstacles at which vertices touch them, m.
+  /// `thickness`: the distance from obstacles at which vertices touch them, m. `embedding`: of a
+  /// body with partial elements; what touches obstacles is then the points of that surface.
   Contact(const CellComplex& complex, Attributes& attributes, std::vector<Obstacle> obstacles,
-          double thickness);
+          double thickness, SurfacePoints::Source embedding = {});
 
   /// Lets pieces and the lips of cuts touch each other (PieceContact); call it before any
   /// operation.
@@ -90,6 +92,13 @@ class Contact final : public ContactLaw {
   PieceContact* pieces() { return pieces_.get(); }
 
   const BoundarySurface& surface() const { return surface_; }
+  bool has_points() const { return points_.has_value(); }
+  /// visit(ContactPoint) for all that obstacles may push: the vertices of surface(), or the points
+  /// of an embedded surface.
+  template <class Visit>
+  void for_each_point(Visit visit) const;
+  /// Their numbers are below.
+  Index point_count() const { return points_ ? points_->size() : attributes_.vertex_count(); }
   double thickness() const { return thickness_; }
   /// The longest edge of the elements at the boundary, at rest, m.
   double longest_edge() const { return longest_edge_; }
@@ -109,7 +118,8 @@ class Contact final : public ContactLaw {
     Index vertex;
     Vec3 force;            ///< N
     std::size_t obstacle;  ///< `between_pieces`: none
-    Nearest gap{};         ///< from the obstacle
+    Index point;           ///< that the obstacle pushes (ContactPoint)
+    Nearest gap{};         ///< of that point from the obstacle
   };
   static constexpr std::size_t between_pieces = std::size_t(-1);
   /// The forces of that term at the end of a step, and what friction has dissipated in it, J.
@@ -145,14 +155,14 @@ class Contact final : public ContactLaw {
     bool is_booked = false;
     Vec3 mean{};  ///< of the velocities before and after the step, if booked, m/s
   };
-  /// What obstacles have changed in the velocity of a vertex, and what it was then, m/s.
+  /// What obstacles have changed in the velocity of a vertex or point, and what it was then, m/s.
   struct Pushed {
     Pushed(Index of, std::size_t first_push) : vertex(of), first(first_push) {}
     Index vertex;
     std::size_t first, count = 0;  ///< in pushes_, of the obstacles near it
     Vec3 change{}, settled{};
   };
-  /// Of an obstacle that may push a vertex: what it did, if it did.
+  /// Of an obstacle that may push a vertex or point: what it did, if it did.
   struct PushBy {
     PushBy(Index of, Index by) : vertex(of), obstacle(by) {}
     Index vertex, obstacle;
@@ -172,6 +182,13 @@ class Contact final : public ContactLaw {
   std::vector<Tool::Pushed> pushed_by(std::size_t obstacle) const;
   void move(const Near& near, double dt);
   void push_out(Pushed& pushed, std::span<PushBy> pushes, double dt);
+  void push_path(VertexPath& path, std::span<PushBy> pushes) const;
+  bool is_free(Index point, const LiveMask& moving) const;
+  void add_near_point(Index number);
+  void push_points(double dt);
+  std::array<double, 2> sweep_points(double dt);
+  Vec3 push_point(std::size_t i, double dt);
+  void book_points(const ContactStep& step);
   void book(Near& near, std::span<const PushBy> pushes, const ContactStep& step);
   Vec3 free_force(const Near& near, const ContactStep& step) const;
   Vec3 mean_velocity(const Near& near, const Vec3& force, const ContactStep& step) const;
@@ -182,6 +199,7 @@ class Contact final : public ContactLaw {
   Attributes& attributes_;
   double thickness_;
   BoundarySurface surface_;
+  std::optional<SurfacePoints> points_;
   std::vector<Index> vertices_;             ///< of the surface, ascending; empty: not known
   double longest_edge_ = 0;                 ///< m
   std::vector<std::optional<Tool>> tools_;  ///< by obstacle
@@ -190,14 +208,17 @@ class Contact final : public ContactLaw {
   // Of the step in progress.
   std::vector<PlacedObstacle> placed_;
   std::vector<Index> near_placed_;  ///< near some vertices
-  std::vector<Near> near_;          ///< first those of pushed_
+  std::vector<Near> near_;          ///< first those of pushed_; of points, their vertices
   std::vector<Pushed> pushed_;      ///< of near_, those near obstacles
   std::vector<PushBy> pushes_;      ///< of pushed_
   std::vector<Correction> corrections_;
   std::unique_ptr<PieceContact> pieces_;
   std::vector<double> forces_;     ///< without contact and acceleration, of boundary vertices, N
   std::vector<Index> near_place_;  ///< in near_, by place in PieceContact::touching()
-  std::vector<Index> shared_;      ///< places in pushed_ of those that pieces touch, too
+  std::vector<PointMass> point_masses_;       ///< of pushed_, with points
+  std::vector<Vec3> directions_, residuals_;  ///< of the changes of pushed_, with points, m/s
+  std::vector<Index> near_of_vertex_;         ///< in near_, with points; none outside a step
+  std::vector<Index> shared_;                 ///< places in pushed_ of those that pieces touch, too
   // Results of the last step.
   EnteredSides sides_;
   double closing_speed_ = 0;  ///< of pieces that may meet, at most, after contact, m/s
@@ -208,5 +229,15 @@ class Contact final : public ContactLaw {
   };
   std::vector<ObstacleForce> obstacle_forces_;
 };
+
+template <class Visit>
+void Contact::for_each_point(Visit visit) const {
+  static constexpr double one = 1;
+  if (points_) {
+    for (Index p = 0; p < points_->size(); ++p) visit((*points_)[p]);
+  } else {
+    for (const Index& v : surface_.vertices()) visit(ContactPoint{v, {&v, 1}, {&one, 1}});
+  }
+}
 
 }  // namespace suture

@@ -27,6 +27,9 @@ class ContactTerm : public ForceTerm, public TangentTerm, public WorkTerm {
 
   /// If it is empty: at the start, and after operations.
   void find_stiffness(double time);
+  double stiffness_of(const ContactPoint& point) const {
+    return point.in_series(stiffness_.data(), attributes_.fixed().rows());
+  }
 
   Contact& contact_;
   Attributes& attributes_;

@@ -42,7 +42,11 @@ MultiplierForces::MultiplierForces(Contact& contact, Attributes& attributes, Bou
 void MultiplierForces::resize() {
   for (auto* all : {&of_obstacles_, &accepted_of_obstacles_}) {
     all->resize(contact_.obstacles().size());
-    for (std::vector<Multiplier>& of : *all) of.resize(attributes_.vertex_count());
+    for (std::vector<Multiplier>& of : *all)
+      if (contact_.has_points())
+        of.clear();  // the points are others
+      else
+        of.resize(attributes_.vertex_count());
   }
   stiffness_.clear();
 }
@@ -98,7 +102,6 @@ void MultiplierForces::for_each_push(double time, Visit visit) {
 
 template <class Visit>
 void MultiplierForces::for_each_push_of_obstacles(double time, Visit visit) {
-  static constexpr double one = 1;
   const double *x = attributes_.position().rows(), *fixed = attributes_.fixed().rows(),
                *mass = attributes_.mass().rows();
   const double per_mass = stiffness_per_mass(time);
@@ -107,26 +110,28 @@ void MultiplierForces::for_each_push_of_obstacles(double time, Visit visit) {
     const Obstacle& obstacle = contact_.obstacles()[i];
     const PlacedObstacle placed(obstacle, contact_.thickness(), start_.empty() ? time : start_time_,
                                 time);
-    for (const Index& v : contact_.surface().vertices()) {
-      Multiplier& last = of_obstacles_[i][v];
-      const Vec3 place = row(x, v), start = start_.empty() ? place : row(start_.data(), v);
-      const Vec3* side = contact_.sides().outside(i, v);
-      if (static_cast<int>(fixed[v]) == all_held ||
+    of_obstacles_[i].resize(contact_.point_count());
+    contact_.for_each_point([&](const ContactPoint& point) {
+      Multiplier& last = of_obstacles_[i][point.number];
+      const Vec3 place = point.sum(x), start = start_.empty() ? place : point.sum(start_.data());
+      const Vec3* side = contact_.sides().outside(i, point.number);
+      if (point.is_held(fixed) ||
           (last.pressure == 0 && !side && !placed.may_meet(start, place, touching)))
-        continue;
+        return;
       const Nearest nearest = side ? placed.gap_from(*side, place) : placed.gap(start, place);
-      const double stiffness = stiffness_[v] + per_mass * mass[v];
+      const double stiffness = stiffness_of(point) + per_mass * point.in_series(mass, fixed);
       const double pressure = std::max(0.0, last.pressure - stiffness * nearest.distance);
-      Push push{&last,          i,         {&v, 1},          {&one, 1},
+      Push push{&last,          i,         point.vertices,   point.weights,
                 nearest.normal, stiffness, nearest.distance, pressure};
+      push.point = point.number;
       if (!has_force(push) && (!is_static_ || last.pressure != 0 || nearest.distance >= touching))
-        continue;
+        return;
       push.curvature = placed.curvature(place);
       if (!start_.empty())
         add_friction(push, obstacle.friction,
                      minus(minus(place, start), placed.displacement(place)));
       visit(push);
-    }
+    });
   }
 }
 
@@ -169,6 +174,7 @@ std::vector<Contact::Force> MultiplierForces::forces_at(double time) {
       forces.push_back({push.vertices[i],
                         scaled(push.weights[i], force),
                         push.obstacle,
+                        push.point,
                         {push.gap, push.normal}});
   });
   return forces;
@@ -263,7 +269,7 @@ void MultiplierForces::for_each_tangent(double dx, double, const TangentTime& at
   std::vector<double> values;
   for_each_push(at.time, [&](const Push& push) {
     const bool is_link = push.obstacle == Contact::between_pieces;
-    const std::size_t used = push.vertices.size(), nodes = is_link ? 8 : 1;
+    const std::size_t used = push.vertices.size(), nodes = is_link ? 8 : used;
     vertices.assign(nodes, push.vertices.back());
     std::ranges::copy(push.vertices, vertices.begin());
     values.assign(9 * nodes * nodes * 8, 0);  // one of 8 cells
@@ -282,8 +288,8 @@ void MultiplierForces::for_each_tangent(double dx, double, const TangentTime& at
 // --------------------------------------------------------------------- pairs --
 
 /// Of springs in series: 1 / k = sum w^2 / k_v over the vertices that move.
-double MultiplierForces::stiffness_of(const std::array<Index, 5>& vertices,
-                                      const std::array<double, 5>& weights) const {
+double MultiplierForces::stiffness_of_pair(const std::array<Index, 5>& vertices,
+                                           const std::array<double, 5>& weights) const {
   double compliance = 0;
   for (std::size_t i = 0; i < 5; ++i)
     if (static_cast<int>(attributes_.fixed().rows()[vertices[i]]) != all_held)
@@ -306,7 +312,7 @@ MultiplierForces::Pairs MultiplierForces::find_pairs(double time) {
                        touch.vertices,
                        touch.weights,
                        touch.normal,
-                       stiffness_of(touch.vertices, touch.weights),
+                       stiffness_of_pair(touch.vertices, touch.weights),
                        touch.mass});
   return pairs;
 }

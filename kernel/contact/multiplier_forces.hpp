@@ -117,7 +117,7 @@ class MultiplierForces final : public ContactTerm,
     double pressure = 0;  ///< N
     Vec3 friction{};      ///< N
   };
-  using OfObstacles = std::vector<std::vector<Multiplier>>;  ///< by obstacle and vertex
+  using OfObstacles = std::vector<std::vector<Multiplier>>;  ///< by obstacle and ContactPoint
   /// A contact of PieceContact.
   struct Pair : Multiplier {
     std::array<Index, 5> vertices{};
@@ -129,7 +129,7 @@ class MultiplierForces final : public ContactTerm,
     Vec3 beside{};          ///< of the point along the surface where it was found, m
   };
   using Pairs = std::vector<Pair>;
-  /// A point of the body, the sum of vertices with weights, that something pushes: a vertex in an
+  /// A point of the body, the sum of vertices with weights, that something pushes: a point in an
   /// obstacle, or a vertex or edge less the point of another piece that it touches.
   struct Push {
     Multiplier* last;
@@ -138,6 +138,7 @@ class MultiplierForces final : public ContactTerm,
     std::span<const double> weights;
     Vec3 normal;
     double stiffness, gap, pressure;  ///< N/m, m, N
+    Index point = none;               ///< of the body, that an obstacle pushes
     double coefficient = 0;           ///< of friction
     Vec3 sliding{}, friction{};       ///< m, N
     double pressing = 1;              ///< -p' / k: 0 where it has let go
@@ -163,8 +164,8 @@ class MultiplierForces final : public ContactTerm,
   void add_friction(Push& push, double coefficient, const Vec3& way) const;
   bool has_force(Push& push) const;
   void resize();
-  double stiffness_of(const std::array<Index, 5>& vertices,
-                      const std::array<double, 5>& weights) const;
+  double stiffness_of_pair(const std::array<Index, 5>& vertices,
+                           const std::array<double, 5>& weights) const;
   void improve(double time);
   Pairs find_pairs(double time);
   Vec3 offset_of(const Pair& pair) const;

@@ -17,21 +17,29 @@ double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
                         la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
 }
 
-Overlap deepest(const PlacedObstacle& obstacle, const CellComplex& complex, const double* positions,
-                double margin) {
+/// visit(place) for all that could be inside: nodes, or the points of an embedded surface.
+template <class Visit>
+void for_each_place(const Contact& contact, const CellComplex& complex, const double* positions,
+                    Visit visit) {
+  if (contact.has_points())
+    return contact.for_each_point([&](const ContactPoint& point) { visit(point.sum(positions)); });
+  for (Index v = 0; v < complex.count(0); ++v)
+    if (complex.exists(0, v)) visit(row(positions, v));
+}
+
+Overlap deepest(const PlacedObstacle& obstacle, const Contact& contact, const CellComplex& complex,
+                const double* positions, double margin) {
   Overlap overlap{};
-  for (Index v = 0; v < complex.count(0); ++v) {
-    if (!complex.exists(0, v)) continue;
-    const Vec3 place = row(positions, v);
-    if (!obstacle.may_touch(place, 0)) continue;
+  for_each_place(contact, complex, positions, [&](const Vec3& place) {
+    if (!obstacle.may_touch(place, 0)) return;
     const double depth = -obstacle.gap(place).distance;
-    if (depth <= margin) continue;
+    if (depth <= margin) return;
     ++overlap.vertices;
     if (depth > overlap.depth) {
       overlap.depth = depth;
       overlap.place = place;
     }
-  }
+  });
   return overlap;
 }
 
@@ -55,7 +63,7 @@ std::vector<Overlap> find_overlaps(const Contact& contact, const CellComplex& co
   for (std::size_t i = 0; i < contact.obstacles().size(); ++i) {
     const Obstacle& obstacle = contact.obstacles()[i];
     const PlacedObstacle placed(obstacle, contact.thickness(), time, time);
-    Overlap overlap = deepest(placed, complex, positions, tolerance * contact.size());
+    Overlap overlap = deepest(placed, contact, complex, positions, tolerance * contact.size());
     overlap.obstacle = i;
     if (overlap.vertices > 0) {
       overlaps.push_back(overlap);

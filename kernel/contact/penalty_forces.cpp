@@ -10,8 +10,8 @@ namespace suture {
 
 // ------------------------------------------------------------------- forces --
 
-/// visit(obstacle, vertex, nearest) for all vertices in an obstacle, by obstacle and in the order
-/// of the boundary.
+/// visit(obstacle, point, stiffness, nearest) for all points in an obstacle, by obstacle and in the
+/// order of the surface.
 template <class Visit>
 void PenaltyForces::for_each_push(double time, Visit visit) {
   find_stiffness(time);
@@ -19,23 +19,26 @@ void PenaltyForces::for_each_push(double time, Visit visit) {
   for (std::size_t i = 0; i < contact_.obstacles().size(); ++i) {
     const PlacedObstacle placed(contact_.obstacles()[i], contact_.thickness(),
                                 last_.empty() ? time : last_time_, time);
-    for (const Index v : contact_.surface().vertices()) {
-      const Vec3 place = row(x, v), start = last_.empty() ? place : row(last_.data(), v);
-      const Vec3* side = contact_.sides().outside(i, v);
-      if (!side && !placed.may_meet(start, place, 0)) continue;
+    contact_.for_each_point([&](const ContactPoint& point) {
+      const Vec3 place = point.sum(x), start = last_.empty() ? place : point.sum(last_.data());
+      const Vec3* side = contact_.sides().outside(i, point.number);
+      if (!side && !placed.may_meet(start, place, 0)) return;
       const Nearest nearest = side ? placed.gap_from(*side, place) : placed.gap(start, place);
-      if (nearest.distance < 0) visit(i, v, nearest);
-    }
+      if (nearest.distance < 0) visit(i, point, stiffness_of(point), nearest);
+    });
   }
 }
 
 PenaltyForces::Forces PenaltyForces::forces_at(double time) {
   Forces forces;
   const double e = onset * contact_.mean_edge();
-  for_each_push(time, [&](std::size_t obstacle, Index v, const Nearest& nearest) {
+  for_each_push(time, [&](std::size_t obstacle, const ContactPoint& point, double stiffness,
+                          const Nearest& nearest) {
     const double depth = -nearest.distance, within = std::min(depth, e);
-    const double force = stiffness_[v] * (within * within / (2 * e) + depth - within);
-    forces.push_back({v, scaled(force, nearest.normal), obstacle, nearest});
+    const double force = stiffness * (within * within / (2 * e) + depth - within);
+    for (std::size_t i = 0; i < point.vertices.size(); ++i)
+      forces.push_back({point.vertices[i], scaled(point.weights[i] * force, nearest.normal),
+                        obstacle, point.number, nearest});
   });
   return forces;
 }
@@ -68,23 +71,33 @@ double PenaltyForces::work_since_last(const Forces& forces) const {
 void PenaltyForces::add_tangent(const double* d, double dx, double, const TangentTime& at,
                                 double* out) {
   const double e = onset * contact_.mean_edge();
-  for_each_push(at.time, [&](std::size_t, Index v, const Nearest& nearest) {
-    const std::size_t i = std::size_t{v} * 3;
-    const double along = dot(nearest.normal, {d[i], d[i + 1], d[i + 2]});
-    const double k = stiffness_[v] * std::min(1., -nearest.distance / e);
+  for_each_push(at.time, [&](std::size_t, const ContactPoint& point, double stiffness,
+                             const Nearest& nearest) {
+    double along = 0;
+    for (std::size_t j = 0; j < point.vertices.size(); ++j) {
+      const double* of = d + std::size_t{point.vertices[j]} * 3;
+      along += point.weights[j] * dot(nearest.normal, {of[0], of[1], of[2]});
+    }
+    const double k = stiffness * std::min(1., -nearest.distance / e);
     const double factor = -dx * k * along;
-    for (std::size_t c = 0; c < 3; ++c) out[i + c] += factor * nearest.normal[c];
+    for (std::size_t j = 0; j < point.vertices.size(); ++j)
+      for (std::size_t c = 0; c < 3; ++c)
+        out[std::size_t{point.vertices[j]} * 3 + c] +=
+            point.weights[j] * factor * nearest.normal[c];
   });
 }
 
-/// Of all vertices of the boundary: any may touch in the next step.
+/// Of all points of the surface: any may touch in the next step. Weights add up to 1, so that the
+/// row of vertex v in k w w^T is bounded by k w_v.
 void PenaltyForces::add_bounds(double time, const AddBounds& sums) {
   find_stiffness(time);
   const double no_coupling[6]{};
-  for (const Index v : contact_.surface().vertices()) {
-    const double k = stiffness_[v], bound[6]{k, k, k, 0, 0, 0};
-    sums(v, bound, no_coupling);
-  }
+  contact_.for_each_point([&](const ContactPoint& point) {
+    for (std::size_t i = 0; i < point.vertices.size(); ++i) {
+      const double k = point.weights[i] * stiffness_of(point), bound[6]{k, k, k, 0, 0, 0};
+      sums(point.vertices[i], bound, no_coupling);
+    }
+  });
 }
 
 // -------------------------------------------------------- operations and state --

@@ -25,8 +25,10 @@ void Body::compile(Diagnostics& diagnostics, unsigned threads) {
   terms_.insert(terms_.begin(), std::move(models));  // whatever was added before
 }
 
-Contact& Body::add_contact(std::vector<Obstacle> obstacles, double thickness) {
-  auto contact = std::make_unique<Contact>(complex(), attributes_, std::move(obstacles), thickness);
+Contact& Body::add_contact(std::vector<Obstacle> obstacles, double thickness,
+                           std::function<const Embedding&()> embedding) {
+  auto contact = std::make_unique<Contact>(complex(), attributes_, std::move(obstacles), thickness,
+                                           std::move(embedding));
   Contact& added = *contact;
   contact_ = std::move(contact);
   return added;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -17,6 +18,7 @@ namespace suture {
 
 class Contact;
 class ContactLaw;
+struct Embedding;
 struct Obstacle;
 
 /// A soft body: its cells, their attributes, its force terms and its constraints, and the only list
@@ -74,7 +76,9 @@ class Body {
   std::span<const std::unique_ptr<ForceTerm>> loads() const { return std::span(terms_).subspan(1); }
 
   /// Adds contact with obstacles, which the body does not enter from now on; call it once.
-  Contact& add_contact(std::vector<Obstacle> obstacles, double thickness);
+  /// `embedding`: see Contact.
+  Contact& add_contact(std::vector<Obstacle> obstacles, double thickness,
+                       std::function<const Embedding&()> embedding = {});
   /// Null without contact.
   ContactLaw* contact() { return contact_.get(); }
   const ContactLaw* contact() const { return contact_.get(); }

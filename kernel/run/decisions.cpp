@@ -181,8 +181,11 @@ void decide_contact(BuiltScene& built, std::vector<Decision>& list) {
   const BoundarySurface& surface = contact->surface();
   list.push_back({"contact", false,
                   count_text(contact->obstacles().size(), "obstacle") + " against " +
-                      std::to_string(surface.vertices().size()) + " vertices of " +
-                      std::to_string(surface.faces().size()) + " boundary faces, in every step" +
+                      (contact->has_points()
+                           ? std::to_string(contact->point_count()) + " points of the surface"
+                           : std::to_string(surface.vertices().size()) + " vertices of " +
+                                 std::to_string(surface.faces().size()) + " boundary faces") +
+                      ", in every step" +
                       (built.scene().contact.penalty ? ", with springs"
                        : contact->is_term()          ? ", as forces in its equations"
                                                      : "")});

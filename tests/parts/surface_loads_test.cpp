@@ -3,6 +3,7 @@
 // Tractions and pressures on the surface inside elements. SUTURE_FULL=1: the finest sphere, too.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -211,9 +212,14 @@ TEST_F(Shaken, FollowsSplitsAndRemovalsAndIsSaved) {
   std::vector<Index> without{body.triangles.front().element, body.triangles.back().element};
   body.pierce(without);
   const auto fewer = forces_of_term(body, pressures, 0);
-  double lost = 0;
-  for (std::size_t v = 0; v < fewer.size(); ++v) lost += norm(minus(fewer[v], apart[v]));
-  EXPECT_GT(lost, 1e-3);
+  std::vector<SurfaceTriangle> remaining = body.triangles;
+  std::erase_if(remaining, [&](const SurfaceTriangle& t) {
+    return std::ranges::find(without, t.element) != without.end();
+  });
+  ASSERT_LT(remaining.size(), body.triangles.size());
+  SurfacePressures again(body.attributes());
+  again.add(body.complex(), remaining, 1000, {});
+  EXPECT_EQ(forces_of_term(body, again, 0), fewer);
   StateTree tree;
   save_state(tree, pressures);
   SurfacePressures loaded(body.attributes());

@@ -322,6 +322,42 @@ Case obstacles(Random& random, unsigned, std::uint64_t) {
   return result;
 }
 
+/// An octahedron that its surface fills: it falls onto a table, is pressed, cut and pierced there.
+Case filled(Random& random, unsigned, std::uint64_t) {
+  Case result = bar("filled", random);
+  result.files["octahedron.obj"] =
+      "v 0.3 0 0\nv -0.3 0 0\nv 0 0.3 0\nv 0 -0.3 0\nv 0 0 0.3\nv 0 0 -0.3\n"
+      "f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
+  Json& scene = result.scene;
+  scene["mesh"] = {{"surface", "octahedron.obj"},
+                   {"cells", static_cast<int>(random.between(100, 400))}};
+  scene.erase("constraints");
+  scene["gravity"] = {0.5, 0, -9.81};
+  scene["solver"]["end"] = 1;
+  scene["solver"]["damping"] = random.between(0, 5);
+  scene["contact"] = {
+      {"friction", random.between(0, 0.5)},
+      {"obstacles",
+       {{{"name", "table"}, {"half_space", {{"point", {0, 0, -0.31}}, {"normal", {0, 0, 1}}}}}}}};
+  scene["loads"] = {{{"pressure", 500},
+                     {"where", {{"half_space", {{"point", {0, 0, 0.05}}, {"normal", {0, 0, 1}}}}}}},
+                    {{"traction", {20, 0, 0}},
+                     {"where", {{"sphere", {{"centre", {0, 0, 0}}, {"radius", 0.4}}}}}}};
+  scene["events"] = {{{"at", random.between(0.1, 0.5)}, {"cut", across(0.02, random)}},
+                     {{"at", random.between(0.5, 0.8)},
+                      {"pierce", {{"path", {{0.1, 0.05, -2}, {0.1, 0.05, 2}}}, {"radius", 0.06}}}}};
+  if (random.chance(0.3)) {
+    scene["contact"].update({{"law", "penalty"}, {"friction", 0}});
+  } else if (random.chance(0.3)) {
+    scene["solver"].update({{"integrator", "implicit-euler"}, {"dt", 0.02}});
+  }
+  add_output(scene, random);
+  scene["output"].erase("cuts");
+  scene["output"]["surface"] = true;
+  scene["output"]["fields"].push_back("contact_force");
+  return result;
+}
+
 }  // namespace
 
 std::vector<Kind> own_kinds() {
@@ -329,7 +365,7 @@ std::vector<Kind> own_kinds() {
           {"when", 1, 8, when},         {"moody", 2, 16, moody},  {"memory", 1, 10, memory},
           {"large", 1, 9, large},       {"dense", 1, 8, dense},   {"implicit", 3, 9, implicit},
           {"adaptive", 2, 8, adaptive}, {"varied", 2, 8, varied}, {"obstacles", 2, 8, obstacles},
-          {"phases", 1, 8, phases}};
+          {"phases", 1, 8, phases},     {"filled", 2, 8, filled}};
 }
 
 }  // namespace suture::test

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A step in which obstacles push the points of an embedded surface. Points share vertices: they are
+// pushed one after the other, in sweeps, until none moves.
+#include <algorithm>
+
+#include "kernel/contact/contact.hpp"
+
+namespace suture {
+namespace {
+
+constexpr int max_sweeps = 64;
+// Of an element: pushes by less are rounding.
+constexpr double least_push = 1e-9;
+
+}  // namespace
+
+bool Contact::is_free(Index point, const LiveMask& moving) const {
+  return std::ranges::any_of((*points_)[point].vertices, [&](Index v) {
+    return moving[v] && static_cast<unsigned>(attributes_.fixed().rows()[v]) != 7;
+  });
+}
+
+void Contact::add_near_point(Index number) {
+  const ContactPoint point = (*points_)[number];
+  point_masses_.emplace_back(point, attributes_);
+  near_of_vertex_.resize(attributes_.vertex_count(), none);
+  for (const Index v : point.vertices) {
+    if (near_of_vertex_[v] != none) continue;
+    near_of_vertex_[v] = static_cast<Index>(near_.size());
+    add_near(v);
+  }
+}
+
+/// By sweeps of Gauss and Seidel, after each of which the pushes go on in the direction of the last
+/// ones, as conjugate gradients do (Silcowitz, Niebe and Erleben, Vis. Comput. 26 (2010) 893). The
+/// last sweep has the last word: each push obeys the law of contact.
+void Contact::push_points(double dt) {
+  directions_.assign(pushed_.size(), {});
+  double last = 0;
+  for (int sweep = 0; sweep < max_sweeps; ++sweep) {
+    const auto [largest, size] = sweep_points(dt);
+    if (dt * largest <= least_push * shortest_edge_ || sweep + 1 == max_sweeps) break;
+    const double factor = sweep == 0 || size > last ? 0 : size / last;
+    last = size;
+    for (std::size_t i = 0; i < pushed_.size(); ++i) {
+      const Vec3 more = scaled(factor, directions_[i]);
+      directions_[i] = plus(more, residuals_[i]);
+      if (more == Vec3{}) continue;
+      point_masses_[i].change(more, dt);
+      pushed_[i].change = plus(pushed_[i].change, more);
+    }
+  }
+}
+
+/// Returns the largest change of a velocity, m/s, and twice the kinetic energy of all changes, J.
+std::array<double, 2> Contact::sweep_points(double dt) {
+  residuals_.resize(pushed_.size());
+  double largest = 0, size = 0;
+  for (std::size_t i = 0; i < pushed_.size(); ++i) {
+    residuals_[i] = push_point(i, dt);
+    const double squared = dot(residuals_[i], residuals_[i]);
+    largest = std::max(largest, squared);
+    size += point_masses_[i].mass()[0] * squared;
+  }
+  return {std::sqrt(largest), size};
+}
+
+/// What an earlier sweep did is taken back before: other points may hold its vertices now. Returns
+/// the change of its velocity, m/s.
+Vec3 Contact::push_point(std::size_t i, double dt) {
+  Pushed& pushed = pushed_[i];
+  const PointMass& mass = point_masses_[i];
+  const Vec3 last = pushed.change;
+  const Vec3 end = minus(mass.point().sum(attributes_.position().rows()), scaled(dt, last));
+  const Vec3 velocity = minus(mass.point().sum(attributes_.velocity().rows()), last);
+  VertexPath path{minus(end, scaled(dt, velocity)), end, {}, mass.fixed(), dt};
+  push_path(path, pushes_on(i));
+  pushed.change = path.change;
+  const Vec3 change = minus(path.change, last);
+  if (change != Vec3{}) mass.change(change, dt);
+  return change;
+}
+
+/// The work of the forces on vertices is booked; here, that of friction is found in it.
+void Contact::book_points(const ContactStep& step) {
+  for (std::size_t i = 0; i < pushed_.size(); ++i) {
+    const ContactPoint& point = point_masses_[i].point();
+    const Vec3& mass = point_masses_[i].mass();
+    Vec3 mean{};
+    for (std::size_t j = 0; j < point.vertices.size(); ++j) {
+      const Near& near = near_[near_of_vertex_[point.vertices[j]]];
+      const Vec3 of_vertex =
+          near.is_booked ? near.mean : mean_velocity(near, free_force(near, step), step);
+      mean = plus(mean, scaled(point.weights[j], of_vertex));
+    }
+    for (const auto& [number, obstacle, push] : pushes_on(i)) {
+      if (push.normal == Vec3{}) continue;
+      const auto impulse = [&](const Vec3& change) {
+        return Vec3{mass[0] * change[0], mass[1] * change[1], mass[2] * change[2]};
+      };
+      const double heat =
+          -step.work_gain * dot(impulse(push.tangential), minus(mean, push.obstacle_velocity));
+      work_ += heat;
+      friction_work_ -= heat;
+      const Vec3 on = scaled(1 / step.whole_gain, impulse(plus(push.normal, push.tangential)));
+      for (std::size_t j = 0; j < point.vertices.size(); ++j)
+        obstacle_forces_.push_back({point.vertices[j], obstacle, scaled(point.weights[j], on)});
+    }
+  }
+  for (const Near& near : near_) near_of_vertex_[near.vertex] = none;
+}
+
+}  // namespace suture

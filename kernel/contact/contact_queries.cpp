@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <limits>
+
+#include "kernel/contact/contact.hpp"
+
+namespace suture {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+// Of an element: how far an obstacle moves in a step, and how far pieces may approach.
+constexpr double max_motion = 0.1, max_approach = 0.05;
+
+}  // namespace
+
+std::vector<Index> Contact::near_moving_obstacles(double time, double dt) const {
+  std::vector<Index> found;
+  for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+    const Pose start = pose(i, time), end = tools_[i] ? start : pose(i, time + dt);
+    const bool stands = start.turn == end.turn && start.translation == end.translation;
+    if (!tools_[i] && stands) continue;
+    const PlacedObstacle placed(obstacles_[i], thickness_, start, end);
+    for_each_point([&](const ContactPoint& point) {
+      if (placed.may_touch(point.sum(attributes_.position().rows()), longest_edge_))
+        found.insert(found.end(), point.vertices.begin(), point.vertices.end());
+    });
+  }
+  return found;
+}
+
+std::vector<double> Contact::gaps(double time) const {
+  std::vector<double> gaps(attributes_.vertex_count(), std::numeric_limits<double>::quiet_NaN());
+  for_each_point([&](const ContactPoint& point) {
+    for (const Index v : point.vertices) gaps[v] = infinity;
+  });
+  for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+    const PlacedObstacle placed(obstacles_[i], thickness_, pose(i, time), pose(i, time));
+    for_each_point([&](const ContactPoint& point) {
+      const Vec3 place = point.sum(attributes_.position().rows());
+      const Vec3* side = sides_.outside(i, point.number);
+      const Nearest gap = side ? placed.gap_from(*side, place) : placed.gap(place);
+      for (const Index v : point.vertices) gaps[v] = std::min(gaps[v], gap.distance);
+    });
+  }
+  return gaps;
+}
+
+/// Of a half-space that turns, what is as far as the body counts.
+double Contact::top_speed(const Obstacle& obstacle, double time) const {
+  double reach = obstacle.reach();
+  if (reach == infinity) {
+    reach = 0;
+    for (const Index v : surface_.vertices())
+      reach =
+          std::max(reach, norm(minus(row(attributes_.rest().rows(), v), obstacle.motion.centre)));
+    reach += size_;
+  }
+  return obstacle.motion.top_speed(time, reach);
+}
+
+double Contact::longest_step(double time) const {
+  double step = infinity;
+  if (closing_speed_ > 0) step = max_approach * mean_edge_ / closing_speed_;
+  for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+    const bool stands = time >= obstacles_[i].motion.last_change();
+    double speed = stands ? 0 : top_speed(obstacles_[i], time);
+    if (tools_[i]) speed = std::max(speed, tools_[i]->top_speed());
+    if (speed > 0) step = std::min(step, max_motion * shortest_edge_ / speed);
+  }
+  return step;
+}
+
+}  // namespace suture

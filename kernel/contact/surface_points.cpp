@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/contact/surface_points.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "kernel/base/sort_unique.hpp"
+
+namespace suture {
+namespace {
+
+constexpr int all_held = 7;
+
+}  // namespace
+
+double ContactPoint::in_series(const double* values, const double* held) const {
+  if (vertices.size() == 1) return values[vertices[0]];
+  double sum = 0;
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    if (static_cast<int>(held[vertices[i]]) != all_held)
+      sum += weights[i] * weights[i] / values[vertices[i]];
+  return sum > 0 ? 1 / sum : 0;
+}
+
+const EmbeddedPoints& SurfacePoints::points() const {
+  if (std::exchange(is_current_, true)) return points_;
+  const Embedding& embedding = source_();
+  std::vector<std::uint8_t> is_used(embedding.points.size(), 0);
+  for (const auto& triangle : embedding.triangles)
+    for (const Index p : triangle) is_used[p] = 1;
+  points_ = {};
+  for (const Index vertices : {1u, 2u, 4u, 8u})
+    for (std::size_t p = 0; p < is_used.size(); ++p) {
+      const Index first = embedding.points.first[p], end = embedding.points.first[p + 1];
+      if (is_used[p] == 0 || end - first != vertices) continue;
+      for (Index i = first; i < end; ++i) {
+        points_.vertices.push_back(embedding.points.vertices[i]);
+        points_.weights.push_back(embedding.points.weights[i]);
+      }
+      points_.first.push_back(static_cast<Index>(points_.vertices.size()));
+    }
+  numbers_.resize(points_.size());
+  std::iota(numbers_.begin(), numbers_.end(), 0);
+  return points_;
+}
+
+std::vector<Index> SurfacePoints::ascending_vertices() const {
+  std::vector<Index> vertices = points().vertices;
+  sort_unique(vertices);
+  return vertices;
+}
+
+void SurfacePoints::gather(Attributes& attributes) {
+  positions_.resize(4 * std::size_t{size()});
+  velocities_.resize(positions_.size());
+  const double *x = attributes.position().rows(), *v = attributes.velocity().rows();
+  for (Index p = 0; p < points_.size(); ++p) {
+    std::ranges::copy((*this)[p].sum(x), positions_.begin() + std::ptrdiff_t{4} * p);
+    std::ranges::copy((*this)[p].sum(v), velocities_.begin() + std::ptrdiff_t{4} * p);
+  }
+}
+
+bool ContactPoint::is_held(const double* held) const {
+  return std::ranges::all_of(vertices,
+                             [&](Index v) { return static_cast<int>(held[v]) == all_held; });
+}
+
+PointMass::PointMass(const ContactPoint& point, Attributes& attributes)
+    : point_(point), attributes_(&attributes) {
+  const double *mass = attributes.mass().rows(), *fixed = attributes.fixed().rows();
+  for (unsigned c = 0; c < 3; ++c) {
+    double free = 0, all = 0;
+    for (std::size_t i = 0; i < point.vertices.size(); ++i) {
+      const Index v = point.vertices[i];
+      const double inverse = point.weights[i] * point.weights[i] / mass[v];
+      all += inverse;
+      if ((static_cast<unsigned>(fixed[v]) >> c & 1) == 0) free += inverse;
+    }
+    if (free == 0) fixed_ |= 1u << c;
+    mass_[c] = 1 / (free == 0 ? all : free);
+  }
+}
+
+void PointMass::change(const Vec3& velocity, double dt) const {
+  const double *mass = attributes_->mass().rows(), *fixed = attributes_->fixed().rows();
+  for (std::size_t i = 0; i < point_.vertices.size(); ++i) {
+    const Index v = point_.vertices[i];
+    const double share = point_.weights[i] / mass[v];
+    double* x = attributes_->position().rows() + 4 * std::size_t{v};
+    double* u = attributes_->velocity().rows() + 4 * std::size_t{v};
+    for (unsigned c = 0; c < 3; ++c) {
+      if ((static_cast<unsigned>(fixed[v]) >> c & 1) != 0) continue;
+      const double by = share * mass_[c] * velocity[c];
+      u[c] += by;
+      x[c] += dt * by;
+    }
+  }
+}
+
+}  // namespace suture

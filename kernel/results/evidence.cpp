@@ -7,7 +7,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/dynamics/inversion.hpp"
 #include "kernel/output/frame_writer.hpp"
-#include "kernel/results/displayed_ids.hpp"
+#include "kernel/results/frame_parts.hpp"
 
 namespace suture {
 namespace {
@@ -50,7 +50,7 @@ Frame frame_of(BuiltScene& built, double time) {
         }))
       failure.ids[e] = not_finite;
   frame.cell_fields = {std::move(failure)};
-  leave_out_holes(frame, DisplayedIds::of(built.body().complex()));
+  leave_out(frame, built);
   return frame;
 }
 

@@ -11,9 +11,11 @@
 #include "kernel/geometry/surface_file.hpp"
 #include "kernel/output/frame_file.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
+#include "kernel/results/evidence.hpp"
 #include "kernel/results/frame_parts.hpp"
 #include "kernel/results/side_series.hpp"
 #include "tests/geometry/surfaces.hpp"
+#include "tests/mesh/temporary_folder.hpp"
 
 namespace suture {
 namespace {
@@ -186,6 +188,27 @@ TEST(FilledScene, CutsOpenTheSurface) {
   EXPECT_GT(std::ranges::count(cut, 1), 100);
   EXPECT_NEAR(enclosed_by(surface), volume, 1e-12);
   EXPECT_NEAR(volume_of(ball_of.frame()), volume, 1e-12);
+}
+
+TEST(FilledScene, EvidenceShowsTheMaterialOnlyToo) {
+  const TemporaryFolder folder;
+  Built ball_of(ball());
+  const Frame frame = ball_of.frame();
+  Column& x = ball_of.built.body().attributes().position();
+  const double kept = x.get(0, 1);
+  x.set(0, 1, std::nan(""));
+  Evidence evidence(ball_of.built, 0.5);
+  x.set(0, 1, kept);
+  evidence.add_last_good(ball_of.built, 0.25);
+  evidence.write(std::make_shared<OutputFolder>(folder / "out"));
+  const auto is_in = [&](const std::string& text, const char* count, std::size_t value) {
+    return text.find(std::string(count) + "=\"" + std::to_string(value) + '"') != std::string::npos;
+  };
+  for (const char* file : {"out/failed_0000.vtu", "out/failed_0001.vtu"}) {
+    const std::string text = read_text(folder / file);
+    EXPECT_TRUE(is_in(text, "NumberOfPoints", frame.points.size())) << file;
+    EXPECT_TRUE(is_in(text, "NumberOfCells", frame.hexahedra.size() + frame.tetrahedra.size()));
+  }
 }
 
 TEST(FilledScene, RefusesWhatActsOnWholeFaces) {

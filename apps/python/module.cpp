@@ -236,6 +236,7 @@ void bind_cells(Class& session) {
           "(elements,) bool: False where an element was removed.")
       .def("_hexahedra", [](Session& s) { return hexahedra(s.simulation().built()); })
       .def("_boundary", [](Session& s) { return boundary(s.simulation().built()); })
+      .def("_embedded_surface", [](Session& s) { return embedded_surface(s.simulation().built()); })
       .def("energies", &energies,
            "Energies now and works since the start, J: kinetic, elastic, potential (of gravity and "
            "dead loads), the work of every term, prescribed (motions), models (functors without an "

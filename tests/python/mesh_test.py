@@ -138,6 +138,39 @@ class Taken(unittest.TestCase):
         self.assertAlmostEqual(volume_inside(cut.points, cut.quads), 3)
         np.testing.assert_array_equal(cut.points, (sim.position + sim.origin)[cut.vertices])
 
+    def test_the_surface_inside_elements(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "octahedron.obj")
+            with open(file, "w") as out:
+                out.write("v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"
+                          "f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\n"
+                          "f 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n")
+            sim = suture.Simulation({
+                "suture": 1, "mesh": {"surface": file, "cells": 1000}, "gravity": [0, 0, -10],
+                "models": [{"model": "tm-faure", "parameters": {"E": 1e5, "nu": 0.3, "rho": 1000}}],
+                "solver": {"end": 1}})
+
+        def volume_of(surface):
+            return volume_inside(surface.points, surface.triangles[:, [0, 1, 2, 2]])
+
+        surface = sim.surface()
+        self.assertIsInstance(surface, suture.EmbeddedSurface)
+        heights = np.abs(surface.points).sum(axis=1)  # 1 on the planes of the octahedron
+        self.assertLess(heights.max(), 1 + 1e-12)
+        self.assertGreater(np.median(heights), 1 - 1e-3)
+        self.assertAlmostEqual(volume_of(surface), 4 / 3, delta=0.02)
+        np.testing.assert_allclose(surface.weights.sum(axis=1), 1, rtol=1e-14)
+        np.testing.assert_allclose(surface.values(sim.position + sim.origin), surface.points)
+        self.assertFalse(surface.laid_open.any())
+        self.assertLess(surface.elements.max(), len(sim.element_exists))
+        sim.cut(plane=([0.02, 0, 0], [1, 0, 0]))
+        cut = sim.surface()
+        self.assertEqual((~cut.laid_open).sum(), len(surface.triangles))
+        self.assertGreater(cut.laid_open.sum(), 20)
+        self.assertAlmostEqual(volume_of(cut), volume_of(surface))
+        sim.step(5)
+        np.testing.assert_allclose(sim.surface().points, cut.values(sim.position + sim.origin))
+
 
 class Shown(unittest.TestCase):
     def test_records(self):

@@ -12,7 +12,7 @@ The module contains the same kernel as the program `suture` and gives the same b
 docs/python.md is its guide.
 """
 
-from ._simulation import Change, Simulation, Surface
+from ._simulation import Change, EmbeddedSurface, Simulation, Surface
 from ._suture import (
     Error,
     ForceTerm,
@@ -45,6 +45,7 @@ def __getattr__(name):
 
 __all__ = [
     "Change",
+    "EmbeddedSurface",
     "Error",
     "ForceTerm",
     "InputError",

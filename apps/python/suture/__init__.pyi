@@ -38,6 +38,16 @@ class Surface(NamedTuple):
     points: Floats
     quads: Integers
     vertices: Integers
+    def values(self, of_vertices: Floats) -> Floats: ...
+
+class EmbeddedSurface(NamedTuple):
+    points: Floats
+    triangles: Integers
+    vertices: Integers
+    weights: Floats
+    elements: Integers
+    laid_open: Booleans
+    def values(self, of_vertices: Floats) -> Floats: ...
 
 class Mesh:
     points: Floats
@@ -224,7 +234,7 @@ class Simulation:
     @property
     def force_terms(self) -> tuple[ForceTerm, ...]: ...
     def mesh(self) -> Mesh: ...
-    def surface(self) -> Surface: ...
+    def surface(self) -> Surface | EmbeddedSurface: ...
     def to_vtk(self, fields: Mapping[str, ArrayLike] | None = None) -> Any: ...
     def picture(
         self,

@@ -82,6 +82,34 @@ class Surface(NamedTuple):
     vertices: "numpy.ndarray"
     """(n,) int64: the row of every point in the simulation's arrays."""
 
+    def values(self, of_vertices):
+        """Those of the points, from an array of one row per vertex."""
+        return of_vertices[self.vertices]
+
+
+class EmbeddedSurface(NamedTuple):
+    """The surface of a body made from a surface, which lies inside its elements, with the lips of
+    cuts. Each point is a combination of vertices."""
+
+    points: "numpy.ndarray"
+    """(n, 3) coordinates in the scene, m."""
+    triangles: "numpy.ndarray"
+    """(k, 3) int64: numbers of points, counterclockwise as seen from outside."""
+    vertices: "numpy.ndarray"
+    """(n, 8) int64: rows of vertices in the simulation's arrays."""
+    weights: "numpy.ndarray"
+    """(n, 8): their weights, 0 for those that are not needed."""
+    elements: "numpy.ndarray"
+    """(k,) int64: the row of the element in which each triangle lies."""
+    laid_open: "numpy.ndarray"
+    """(k,) bool: True where a cut or a removal has laid the inside open."""
+
+    def values(self, of_vertices):
+        """Those of the points, interpolated from an array of one row per vertex."""
+        import numpy
+
+        return numpy.einsum("pn,pn...->p...", self.weights, of_vertices[self.vertices])
+
 
 class Simulation(_suture.Simulation):
     """A scene that runs, step by step, under your control.
@@ -283,19 +311,26 @@ class Simulation(_suture.Simulation):
                     element_arrays={"element": numpy.flatnonzero(self.element_exists)})
 
     def surface(self):
-        """The boundary, cuts included, at the current positions: a Surface of copies."""
+        """The boundary, cuts included, at the current positions: a Surface of copies. Of a body
+        made from a surface, an EmbeddedSurface."""
         from ._mesh import without_unused
 
-        return Surface(*without_unused(self.position + self.origin, self._boundary()))
+        embedded = self._embedded_surface()
+        if embedded is None:
+            return Surface(*without_unused(self.position + self.origin, self._boundary()))
+        triangles, elements, laid_open, vertices, weights = embedded
+        rows, triangles, used = without_unused(vertices, triangles)
+        surface = EmbeddedSurface(None, triangles, rows, weights[used], elements, laid_open)
+        return surface._replace(points=surface.values(self.position + self.origin))
 
-    def _fields(self, rows, more):
-        fields = {"displacement": (self.position - self.rest)[rows],
-                  "velocity": self.velocity[rows]}
+    def _fields(self, values_of, more):
+        fields = {"displacement": values_of(self.position - self.rest),
+                  "velocity": values_of(self.velocity)}
         for name, values in (more or {}).items():
             if len(values) != len(self.rest):
                 raise ValueError(f"{name!r} must have one row per vertex, {len(self.rest)}; has "
                                  f"{len(values)}")
-            fields[name] = values[rows]
+            fields[name] = values_of(values)
         return fields
 
     def to_vtk(self, fields=None):
@@ -310,7 +345,7 @@ class Simulation(_suture.Simulation):
         mesh = self.mesh()
         rows = mesh.point_arrays["vertex"].astype(int)
         return unstructured_grid(
-            mesh.points, mesh.hexahedra, self._fields(rows, fields),
+            mesh.points, mesh.hexahedra, self._fields(lambda values: values[rows], fields),
             {"element_id": self.element_ids[mesh.element_arrays["element"].astype(int)]})
 
     def picture(self, file, field="displacement", size=(800, 600), edges=True,
@@ -325,11 +360,11 @@ class Simulation(_suture.Simulation):
         more = None
         if not (field is None or isinstance(field, str)):
             more, field = {"field": field}, "field"
-        fields = self._fields(surface.vertices, more)
+        fields = self._fields(surface.values, more)
         if field is not None and field not in fields:
             raise ValueError(f"field must be one of {', '.join(fields)}, an array or None; "
                              f"is {field!r}")
-        picture(poly_data(surface.points, surface.quads, fields), file, size, field, edges,
+        picture(poly_data(surface.points, surface[1], fields), file, size, field, edges,
                 direction)
 
     def record(self, steps, energies=True, **functions):

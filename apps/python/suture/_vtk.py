@@ -50,11 +50,11 @@ def unstructured_grid(points, hexahedra, point_fields, cell_fields):
     return grid
 
 
-def poly_data(points, quads, point_fields):
+def poly_data(points, polygons, point_fields):
     core, data, support = _require()
     surface = data.vtkPolyData()
     surface.SetPoints(_points(core, support, points))
-    surface.SetPolys(_cells(core, data, support, quads))
+    surface.SetPolys(_cells(core, data, support, polygons))
     _add(support, surface.GetPointData(), point_fields)
     return surface
 

@@ -250,13 +250,14 @@ void CellComplex::state(Archive& archive) {
   archive("operated", operated);
   archive("has_edges", edges);
   archive("has_faces", faces);
-  const bool fits = operated ? vertices >= count(0) : vertices == count(0);
-  if (elements != element_count() || !fits)
+  const bool fits = operated ? vertices >= count(0) && elements >= element_count()
+                             : vertices == count(0) && elements == element_count();
+  if (!fits)
     archive.refuse("a map of " + std::to_string(elements) + " elements and " +
                    std::to_string(vertices) +
                    " vertices belongs to a different mesh: this one has " +
                    std::to_string(element_count()) + " and " + std::to_string(count(0)));
-  if (operated) return arrays(archive);
+  if (operated) return arrays(archive, elements);
   if (!archive.loads()) return;
   archive.require(!has_operated_, "operations have already been applied to this map");
   load_built(edges, faces);
@@ -277,8 +278,7 @@ void CellComplex::load_built(bool edges, bool faces) {
 }
 
 /// But for the marks, which are zero now and grow when they are needed.
-void CellComplex::arrays(Archive& archive) {
-  const std::size_t elements = vertices_.size();
+void CellComplex::arrays(Archive& archive, std::size_t elements) {
   archive("corners", vertices_);
   archive("edges", edges_);
   archive("faces", faces_);
@@ -294,6 +294,7 @@ void CellComplex::arrays(Archive& archive) {
                       fits(edges_.size(), elements) && fits(faces_.size(), elements) &&
                       fits(removed_marks_.size(), elements / 64 + 1),
                   "an array of the map has a different size");
+  element_marks_.resize(elements / 64 + 1);
   for (std::vector<Dart>& darts : first_dart_) {
     if (darts.empty()) continue;
     darts.reserve(room_for(darts.size()));

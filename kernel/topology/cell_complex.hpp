@@ -65,6 +65,16 @@ struct Seam {
   Dart one, other;
 };
 
+/// Copies of elements that take their places. Copy i, a copy of element origins[i], has the number
+/// element_count() + i.
+struct Cloning {
+  std::vector<Index> origins;  ///< ascending; an element with n parts n times
+  /// One dart of each face between copies, or between a copy and another element, in the new
+  /// numbers: those that are still joined. The faces of their origins must be joined now.
+  std::vector<Seam> seams;
+  std::vector<Dart> cut;  ///< faces between elements that are not copied, as for cut()
+};
+
 /// What an operation changed in the cells. Attributes are updated from this alone.
 struct TopologyChange {
   std::array<BulkVector<Split>, 3> splits;  ///< dimensions 0, 1, 2
@@ -75,13 +85,16 @@ struct TopologyChange {
   std::array<Stars, 3> gone;
   /// Cells whose last element was removed, ascending; in dimension 3, the removed elements.
   std::array<std::vector<Index>, 4> removed;
+  /// New elements, ascending: `old_cell` is the removed element of which each is a copy.
+  std::vector<Split> copies;
   /// Cells that lost or gained elements and still exist, per dimension, in their state after the
   /// operation: each old cell is followed by the new ones that separated from it.
   std::array<Stars, 3> stars;
   /// Elements incident to any of those stars, ascending.
   std::vector<Index> elements;
   /// Faces that two elements no longer share; after pierce(), those between a removed element and a
-  /// remaining one (faces between removed elements are removed).
+  /// remaining one (faces between removed elements are removed); after clone_volume(), those
+  /// listed.
   Index faces_cut = 0;
   Index faces_sewn = 0;
   bool empty() const { return faces_cut == 0 && faces_sewn == 0 && removed[3].empty(); }
@@ -190,6 +203,12 @@ class CellComplex {
     return element < element_count() && exists(3, element) && existing(3) > 1;
   }
 
+  /// Replaces elements by copies in one batch: each copy has the cells of its origin, as far as
+  /// they are still connected. Cells split as in a cut; none is removed but the origins. Throws
+  /// TopologyError if an origin does not exist, if the elements would be too many, or if a seam
+  /// joins what was not joined; the map is then unchanged. O(copies and the elements around them).
+  TopologyChange clone_volume(const Cloning& cloning);
+
   /// 3-sews faces in one batch. Each face must be on the boundary, belong to a different element
   /// from its mate, and occur in no other seam, and no element may end up with the same vertex
   /// twice; otherwise throws TopologyError with the first reason found, and the map is unchanged.
@@ -224,7 +243,7 @@ class CellComplex {
   friend struct CellComplexAccess;  // lets tests corrupt a map
 
   void load_built(bool edges, bool faces);
-  void arrays(Archive& archive);
+  void arrays(Archive& archive, std::size_t elements);
 
   template <int Dimension>
   void collect_star(Dart start, std::vector<Dart>& out) const;
@@ -268,6 +287,17 @@ class CellComplex {
   bool lose_elements(Index cell, incidence::HalfStars& halves, TopologyChange& change);
   template <int Dimension>
   void remove_cells(std::span<const Index> elements, TopologyChange& change);
+
+  // clone.cpp
+  struct ClonedStars;
+  std::string why_no_cloning(const Cloning& cloning) const;
+  void append_copies(std::span<const Index> origins);
+  void relink(const Cloning& cloning);
+  template <int Dimension>
+  ClonedStars stars_of_clones(const Cloning& cloning) const;
+  template <int Dimension>
+  void split_clones(const ClonedStars& stars, Index first_copy, TopologyChange& change);
+  void remove_origins(const Cloning& cloning, TopologyChange& change);
 
   // sew.cpp
   struct MergedCells;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "kernel/base/archive.hpp"
 #include "kernel/base/error.hpp"
 
 namespace suture {
@@ -29,6 +30,17 @@ std::string fault_of(const PartMoments& part) {
 const PartMoments* ElementParts::of(Index element) const {
   const std::size_t place = position_in(elements_, element);
   return place < moments_.size() ? &moments_[place] : nullptr;
+}
+
+void ElementParts::append(std::span<const Index> elements, std::span<const PartMoments> moments) {
+  elements_.insert(elements_.end(), elements.begin(), elements.end());
+  moments_.insert(moments_.end(), moments.begin(), moments.end());
+}
+
+void ElementParts::state(Archive& archive) {
+  archive("elements", elements_);
+  archive.rows<double>("moments", moments_);
+  archive.require(elements_.size() == moments_.size(), "parts without moments, or the reverse");
 }
 
 void ElementParts::mirror(Index element) {

@@ -10,6 +10,8 @@
 
 namespace suture {
 
+class Archive;
+
 /// The elements of a complex of which only a part is material, and the moments of their parts.
 /// Full elements take no memory.
 class ElementParts {
@@ -31,9 +33,17 @@ class ElementParts {
   /// Exchanges the ends of the first axis of an element.
   void mirror(Index element);
 
+  /// Whether cuts along blades may add parts while a run goes on; models must then allow them.
+  bool may_grow() const { return may_grow_; }
+  void let_grow() { may_grow_ = true; }
+  /// The elements follow all others.
+  void append(std::span<const Index> elements, std::span<const PartMoments> moments);
+  void state(Archive& archive);
+
  private:
   std::vector<Index> elements_;
   std::vector<PartMoments> moments_;
+  bool may_grow_ = false;
 };
 
 /// The parts of a mesh of `element_count` elements, in the numbers of a complex. Throws InputError,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "kernel/base/box.hpp"
 #include "kernel/base/error.hpp"
@@ -262,6 +263,14 @@ void report_inverted(const Shapes& shapes, const std::string& where, const Namin
 Renumbering::Renumbering(std::vector<Index> of) {
   Index next = 0;
   if (!std::ranges::all_of(of, [&](Index number) { return number == next++; })) of_ = std::move(of);
+}
+
+void Renumbering::append(Index count, std::span<const Index> extra) {
+  if (of_.empty()) {
+    of_.resize(count);
+    std::iota(of_.begin(), of_.end(), Index{0});
+  }
+  of_.insert(of_.end(), extra.begin(), extra.end());
 }
 
 Renumbering Renumbering::inverse() const {

@@ -29,6 +29,8 @@ class Renumbering {
   Index operator[](Index i) const { return of_.empty() ? i : of_[i]; }
   std::span<const Index> list() const { return of_; }  ///< empty for the identity
   Renumbering inverse() const;
+  /// Number `count` + i becomes extra[i], where `count` numbers exist so far.
+  void append(Index count, std::span<const Index> extra);
 
  private:
   std::vector<Index> of_;

@@ -131,13 +131,23 @@ Islands::Islands(const CellComplex& complex) {
 
 IslandChange Islands::update(const CellComplex& complex, const TopologyChange& change) {
   IslandChange result;
+  add_copies(change.copies);
   forget(change.removed[3], result);
   if (change.faces_sewn > 0) join(complex, change, result);
-  if (change.faces_cut > 0) split(complex, change, result);
+  if (change.faces_cut > 0 || !change.copies.empty()) split(complex, change, result);
   for (const Index e : change.elements) result.touched.push_back(island_[e]);
   for (const Split& split : result.splits) result.touched.push_back(split.new_cell);
   sort_unique(result.touched);
   return result;
+}
+
+/// Copies are in the island of their origins until that falls apart.
+void Islands::add_copies(std::span<const Split> copies) {
+  for (const auto& [origin, copy] : copies) {
+    island_.push_back(island_[origin]);
+    reached_.push_back(none);
+    ++size_[island_[origin]];
+  }
 }
 
 void Islands::forget(std::span<const Index> removed, IslandChange& result) {
@@ -316,6 +326,7 @@ void Islands::state(Archive& archive) {
   archive("sizes", size_);
   archive("some_element", representative_);
   archive("existing", existing_);
+  if (archive.loads()) reached_.resize(island_.size(), none);
   archive.require(island_.size() == reached_.size() && representative_.size() == size_.size(),
                   "the islands belong to a different mesh");
 }

@@ -64,6 +64,7 @@ class Islands {
   struct Part;
   class ComponentSearch;
 
+  void add_copies(std::span<const Split> copies);
   void forget(std::span<const Index> removed, IslandChange& result);
   void join(const CellComplex& complex, const TopologyChange& change, IslandChange& result);
   void split(const CellComplex& complex, const TopologyChange& change, IslandChange& result);

@@ -16,6 +16,13 @@ class EmbeddedParts final : public Follower {
   }
 
   const Parts& parts() const { return parts_; }
+  /// Call before cuts along blades: remembers which faces are the surface of the body now.
+  void let_grow(const CellComplex& complex);
+  /// Adds the parts of new elements, which follow all others, and their surface. `origins`: of the
+  /// new elements.
+  void append(const Parts& added, std::span<const Index> origins);
+  /// Saves what was appended, and the rest with it.
+  void state(Archive& archive);
   /// O(parts) at first and after an operation, else free.
   const Embedding& embedding(const CellComplex& complex) {
     if (!is_current_) embedding_ = Embedding(parts_, complex);
@@ -26,6 +33,7 @@ class EmbeddedParts final : public Follower {
 
  private:
   Parts parts_;
+  bool has_grown_ = false;
   Embedding embedding_;
   bool is_current_ = false;
 };

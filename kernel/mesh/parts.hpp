@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -48,6 +49,10 @@ struct Parts {
   std::vector<Index> first;
   /// The surface of the body, closed and oriented outwards.
   std::vector<std::array<Index, 3>> triangles;
+  std::vector<std::uint8_t> is_cut;  ///< by triangle: a blade made it; empty: none
+  /// By element, bit f: its side f is part of the surface of the body from the start. Empty if the
+  /// triangles are all of that surface.
+  std::vector<std::uint8_t> outer_sides;
 
   bool empty() const { return elements.empty(); }
 };

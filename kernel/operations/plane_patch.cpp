@@ -20,7 +20,7 @@ Vec3 crossing(const PlanePatch& patch, const Vec3& a, const Vec3& b) {
 
 /// Even-odd rule in the projection along the largest component of the normal; a
 /// side holds its lower end and not its upper, so that neighbours share nothing.
-bool inside(const PlanePatch& patch, const Vec3& p) {
+bool is_in_polygon(const PlanePatch& patch, const Vec3& p) {
   std::size_t drop = 0;
   for (std::size_t a = 1; a < 3; ++a)
     if (std::abs(patch.normal[a]) > std::abs(patch.normal[drop])) drop = a;
@@ -39,6 +39,12 @@ bool inside(const PlanePatch& patch, const Vec3& p) {
 
 }  // namespace
 
+bool is_inside(const PlanePatch& patch, const Vec3& p) {
+  const Vec3 r = minus(p, patch.point);
+  if (!(dot(r, r) <= patch.radius * patch.radius)) return false;
+  return patch.polygon.empty() || is_in_polygon(patch, p);
+}
+
 std::vector<Dart> faces_across_patch(const CellComplex& complex, const double* rows,
                                      const PlanePatch& patch, std::size_t stride) {
   std::vector<Dart> faces = faces_across_plane(complex, rows, patch.point, patch.normal, stride);
@@ -46,9 +52,7 @@ std::vector<Dart> faces_across_patch(const CellComplex& complex, const double* r
   std::erase_if(faces, [&](Dart face) {
     const Vec3 a = centroid(complex.vertices_of(element_of(face)), rows, stride);
     const Vec3 b = centroid(complex.vertices_of(element_of(complex.beta3(face))), rows, stride);
-    const Vec3 p = crossing(patch, a, b), r = minus(p, patch.point);
-    if (!(dot(r, r) <= patch.radius * patch.radius)) return true;
-    return !patch.polygon.empty() && !inside(patch, p);
+    return !is_inside(patch, crossing(patch, a, b));
   });
   return faces;
 }

@@ -17,6 +17,9 @@ struct PlanePatch {
   std::span<const Vec3> polygon{};                          ///< m, in the plane; empty: all of it
 };
 
+/// Whether a point of the plane is in the patch. A point on the rim of the disc is inside.
+bool is_inside(const PlanePatch& patch, const Vec3& p);
+
 /// The faces whose two elements lie on different sides of the plane
 /// (faces_across_plane(), also for shapes, order, errors), if the segment between
 /// their centroids crosses it inside the patch:

@@ -4,20 +4,24 @@
 #include <algorithm>
 #include <numeric>
 
+#include "kernel/parts/cube_sides.hpp"
+
 namespace suture {
 namespace {
 
-/// The nodes on which a point depends, ascending; unused places are `none`. Points on edges and
-/// faces are the same if these are; one within an element depends on all eight nodes, and is alone.
-using Support = std::array<Index, 4>;
+/// The nodes on which a point depends and their weights, ascending; unused places are `none`.
+/// Points on edges and faces are the same if these are; one within an element depends on all eight
+/// nodes, and is alone.
+using Support = std::array<std::pair<Index, double>, 4>;
 
 Support support_of(const EmbeddedPoint& point, const CellComplex& complex) {
-  Support support{none, none, none, none};
+  Support support;
+  support.fill({none, 0});
   const std::array<double, 8> weights = trilinear_weights(point.at);
   if (std::ranges::count(weights, 0.0) < 4) return support;
   std::size_t used = 0;
   for (std::size_t n = 0; n < 8; ++n)
-    if (weights[n] != 0) support[used++] = complex.vertices_of(point.element)[n];
+    if (weights[n] != 0) support[used++] = {complex.vertices_of(point.element)[n], weights[n]};
   std::ranges::sort(support);
   return support;
 }
@@ -44,8 +48,8 @@ class Welding {
     });
     std::vector<Index> representative(points_.size());
     for (std::size_t i = 0; i < order.size(); ++i) {
-      const bool same =
-          i > 0 && supports[order[i]][0] != none && supports[order[i]] == supports[order[i - 1]];
+      const bool same = i > 0 && supports[order[i]][0].first != none &&
+                        supports[order[i]] == supports[order[i - 1]];
       representative[order[i]] = same ? representative[order[i - 1]] : order[i];
     }
     place_.resize(points_.size());
@@ -81,20 +85,8 @@ class Welding {
   std::vector<Index> place_;
 };
 
-/// A side of the reference cube.
-struct Side {
-  unsigned axis;
-  bool is_upper;
-
-  int face() const {  // x0, y0, x1, y1, z0, z1
-    constexpr int faces[3][2] = {{0, 2}, {1, 3}, {4, 5}};
-    return faces[axis][is_upper ? 1 : 0];
-  }
-};
-constexpr Side sides[6] = {{0, false}, {0, true}, {1, false}, {1, true}, {2, false}, {2, true}};
-
 /// Counterclockwise as seen from outside, the lowest first.
-std::array<unsigned, 4> corners_of(Side side) {
+std::array<unsigned, 4> corners_of(CubeSide side) {
   const unsigned u = 1u << (side.axis + 1) % 3, v = 1u << (side.axis + 2) % 3;
   const unsigned low = side.is_upper ? 1u << side.axis : 0;
   return side.is_upper ? std::array{low, low | u, low | u | v, low | v}
@@ -116,9 +108,7 @@ class EmbeddingBuilder {
         added_(parts.points.size(), none) {}
 
   void build() {
-    for (const auto& t : parts_.triangles)
-      if (const Index e = parts_.points[t[0]].element; complex_.exists(3, e))
-        add_triangle(e, {point(t[0]), point(t[1]), point(t[2])}, false);
+    for (std::size_t t = 0; t < parts_.triangles.size(); ++t) add_triangle(t);
     std::size_t next = 0;
     for (Index e = 0; e < complex_.element_count(); ++e) {
       const bool is_partial = next < parts_.elements.size() && parts_.elements[next] == e;
@@ -141,39 +131,55 @@ class EmbeddingBuilder {
     out_.is_laid_open.push_back(is_laid_open ? 1 : 0);
   }
 
+  /// Of the parts; those on an open side of their element come with the others there.
+  void add_triangle(std::size_t t) {
+    const auto& [a, b, c] = parts_.triangles[t];
+    const Index element = parts_.points[a].element;
+    if (!complex_.exists(3, element)) return;
+    const auto at = [&](Index p) { return sides_at(parts_.points[p].at); };
+    const unsigned sides = at(a) & at(b) & at(c);
+    for (std::size_t i = 0; i < cube_sides.size(); ++i)
+      if ((sides >> i & 1) != 0 && is_open(element, cube_sides[i])) return;
+    add_triangle(element, {point(a), point(b), point(c)},
+                 !parts_.is_cut.empty() && parts_.is_cut[t] != 0);
+  }
+
   void add_part(std::size_t i) {
     const Index element = parts_.elements[i];
     for (Index t = parts_.first[i]; t < parts_.first[i + 1]; ++t) {
       const auto& c = parts_.tetrahedra[t];
       out_.tetrahedra.push_back({point(c[0]), point(c[1]), point(c[2]), point(c[3])});
       out_.tetrahedron_element.push_back(element);
-      for (const Side side : sides)
+      for (const CubeSide side : cube_sides)
         if (is_open(element, side)) add_open_faces(element, c, side);
     }
   }
   /// Those of a tetrahedron that lie on a side of its element.
-  void add_open_faces(Index element, const std::array<Index, 4>& corners, Side side) {
-    constexpr unsigned faces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-    for (const auto& [a, b, c] : faces) {
+  void add_open_faces(Index element, const std::array<Index, 4>& corners, CubeSide side) {
+    for (const auto& [a, b, c] : tetrahedron_faces) {
       const auto lies = [&](unsigned i) {
-        return parts_.points[corners[i]].at[side.axis] == (side.is_upper ? 1 : -1);
+        return parts_.points[corners[i]].at[side.axis] == side.place();
       };
       if (lies(a) && lies(b) && lies(c))
-        add_triangle(element, {point(corners[a]), point(corners[b]), point(corners[c])}, true);
+        add_triangle(element, {point(corners[a]), point(corners[b]), point(corners[c])},
+                     is_laid_open(element, side));
     }
   }
   /// Those of a full element.
   void add_open_faces(Index element) {
-    for (const Side side : sides) {
+    for (const CubeSide side : cube_sides) {
       if (!is_open(element, side)) continue;
       std::array<Index, 4> q;
       const auto corners = corners_of(side);
       for (std::size_t i = 0; i < 4; ++i) q[i] = welding_.add({element, corner_place(corners[i])});
-      add_triangle(element, {q[0], q[1], q[2]}, true);
-      add_triangle(element, {q[0], q[2], q[3]}, true);
+      add_triangle(element, {q[0], q[1], q[2]}, is_laid_open(element, side));
+      add_triangle(element, {q[0], q[2], q[3]}, is_laid_open(element, side));
     }
   }
-  bool is_open(Index element, Side side) const {
+  bool is_laid_open(Index element, CubeSide side) const {
+    return parts_.outer_sides.empty() || (parts_.outer_sides[element] >> side.face() & 1) == 0;
+  }
+  bool is_open(Index element, CubeSide side) const {
     return complex_.neighbour(element, side.face()) == none;
   }
 
@@ -195,6 +201,7 @@ Parts renumbered(Parts parts, const Renumbering& element_of) {
   Parts result;
   result.points = std::move(parts.points);
   result.triangles = std::move(parts.triangles);
+  result.is_cut = std::move(parts.is_cut);
   result.first.push_back(0);
   for (const std::size_t i : order) {
     result.elements.push_back(element_of[parts.elements[i]]);
@@ -225,7 +232,7 @@ Vec3 place_in(const Hexahedron& nodes, const Vec3& at, const double* rows, std::
 }
 
 Embedding::Embedding(const Parts& parts, const CellComplex& complex) {
-  if (!parts.empty()) EmbeddingBuilder(parts, complex, *this).build();
+  if (!parts.empty() || !parts.outer_sides.empty()) EmbeddingBuilder(parts, complex, *this).build();
 }
 
 }  // namespace suture

@@ -1,0 +1,439 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/operations/cut_along.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <span>
+
+#include "kernel/base/error.hpp"
+#include "kernel/base/vec3.hpp"
+#include "kernel/parts/cube_sides.hpp"
+#include "kernel/parts/division.hpp"
+#include "kernel/parts/embedding.hpp"
+#include "kernel/parts/moments.hpp"
+#include "kernel/parts/side_triangles.hpp"
+#include "kernel/topology/disjoint_sets.hpp"
+#include "suture/plugin.h"
+
+// How the copies are found
+// ========================
+//
+//   sides      Each element is below or above the plane, or crossed by it.
+//   divide     The material of a crossed element falls into parts (parts/division.hpp).
+//   joints     At each face that a divided element shares, the triangles of both sides are
+//              compared: parts of the same side of the plane that overlap stay joined.
+//   unite      Parts that touch the same part behind a face become one copy.
+//   copies     The rest of the cloning follows, and the surface that would not be seen otherwise:
+//              triangles on faces that stay joined, but not to what lies behind them.
+
+namespace suture {
+namespace {
+
+constexpr double tolerance_in_edges = 0.02;
+
+/// A connected part of a divided element, or all of one that is left whole.
+struct Piece {
+  Index element;
+  int side;  ///< 0: both
+  DividedPart part;
+  SideTriangles triangles;
+};
+
+/// Pieces that overlap at a face, and by how much.
+struct Touch {
+  std::size_t one, other;
+  unsigned side;  ///< of `one`, by place in cube_sides
+  double area;
+};
+
+class Cutter {
+ public:
+  Cutter(const CellComplex& complex, const Parts& parts, const double* rows,
+         const PlanePatch& patch, const std::string& path, std::size_t stride)
+      : complex_(complex),
+        parts_(parts),
+        rows_(rows),
+        patch_(patch),
+        path_(path),
+        stride_(stride),
+        side_(complex.element_count(), 0),
+        pieces_of_(complex.element_count(), {none, none}) {
+    result_.parts.first.push_back(0);
+  }
+
+  BladeCut find() {
+    find_heights();
+    find_sides();
+    pieces_.reserve(4 * crossed_.size());
+    for (const Index e : crossed_) divide_element(e);
+    find_touches();
+    DisjointSets sets = unite();
+    number_copies(sets);
+    join_copies(sets);
+    find_cut_faces();
+    return std::move(result_);
+  }
+
+ private:
+  struct Range {
+    Index first, last;  ///< of the pieces of an element
+  };
+  bool is_divided(Index element) const {
+    return pieces_of_[element].last - pieces_of_[element].first > 1;
+  }
+  Vec3 row(Index vertex) const {
+    const double* x = rows_ + stride_ * vertex;
+    return {x[0], x[1], x[2]};
+  }
+
+  void find_heights() {
+    const double size = std::sqrt(dot(patch_.normal, patch_.normal));
+    const Vec3 n = scaled(1 / size, patch_.normal);
+    heights_.resize(complex_.count(0));
+    for (Index v = 0; v < heights_.size(); ++v)
+      if (complex_.exists(0, v)) heights_[v] = dot(n, minus(row(v), patch_.point));
+  }
+
+  /// The tolerance is one for all, so that neighbours agree: that of the shortest edge at the
+  /// plane.
+  void find_sides() {
+    std::vector<Index> near;
+    double shortest = std::numeric_limits<double>::infinity();
+    for (Index e = 0; e < complex_.element_count(); ++e) {
+      if (!complex_.exists(3, e)) continue;
+      const Hexahedron& nodes = complex_.vertices_of(e);
+      double low = heights_[nodes[0]], high = low;
+      for (const Index v : nodes) {
+        low = std::min(low, heights_[v]);
+        high = std::max(high, heights_[v]);
+      }
+      side_[e] = high > -low ? 1 : -1;
+      // Corners on a plane along a grid are beside it by rounding.
+      if (std::min(high, -low) < -tolerance_in_edges * (high - low)) continue;
+      near.push_back(e);
+      for (const auto& [a, b] : hexahedron::edge_vertices) {
+        const Vec3 edge = minus(row(nodes[a]), row(nodes[b]));
+        shortest = std::min(shortest, dot(edge, edge));
+      }
+    }
+    tolerance_ = tolerance_in_edges * std::sqrt(shortest);
+    for (const Index e : near) {
+      bool above = false, below = false;
+      for (const Index v : complex_.vertices_of(e)) {
+        above = above || heights_[v] > tolerance_;
+        below = below || heights_[v] < -tolerance_;
+      }
+      if (above && below) crossed_.push_back(e);
+    }
+    list_triangles();
+  }
+
+  /// The triangles of the surface in crossed elements.
+  void list_triangles() {
+    if (parts_.triangles.empty()) return;
+    std::vector<std::uint8_t> is_crossed(complex_.element_count());
+    for (const Index e : crossed_) is_crossed[e] = 1;
+    for (Index t = 0; t < parts_.triangles.size(); ++t) {
+      const Index e = parts_.points[parts_.triangles[t][0]].element;
+      if (is_crossed[e] != 0) triangles_.push_back({e, t});
+    }
+    std::ranges::sort(triangles_);
+  }
+
+  /// `own`: holds it if the element is a part.
+  const Material& material_of(Index element, Material& own) const {
+    const std::size_t place = position_in(parts_.elements, element);
+    if (place == parts_.elements.size()) return Material::full_element();
+    own = material_of_part(element, place);
+    return own;
+  }
+  Material material_of_part(Index element, std::size_t place) const {
+    Material material;
+    std::map<Index, Index> number;
+    const auto add = [&](Index p) {
+      const auto [at, is_new] = number.emplace(p, static_cast<Index>(material.points.size()));
+      if (is_new) material.points.push_back(parts_.points[p].at);
+      return at->second;
+    };
+    for (Index t = parts_.first[place]; t < parts_.first[place + 1]; ++t) {
+      const auto& [a, b, c, d] = parts_.tetrahedra[t];
+      material.tetrahedra.push_back({add(a), add(b), add(c), add(d)});
+    }
+    const auto same = std::pair(element, Index{0});
+    for (auto at = std::ranges::lower_bound(triangles_, same);
+         at != triangles_.end() && at->first == element; ++at) {
+      const auto& [a, b, c] = parts_.triangles[at->second];
+      if (!number.contains(a) || !number.contains(b) || !number.contains(c)) continue;
+      material.triangles.push_back({number[a], number[b], number[c]});
+      material.is_cut.push_back(parts_.is_cut.empty() ? 0
+                                                      : std::uint8_t{parts_.is_cut[at->second]});
+    }
+    return material;
+  }
+
+  double height_at(const Hexahedron& nodes, const Vec3& at) const {
+    const std::array<double, 8> weights = trilinear_weights(at);
+    double height = 0;
+    for (std::size_t n = 0; n < 8; ++n)
+      if (weights[n] != 0) height += weights[n] * heights_[nodes[n]];
+    return height;
+  }
+
+  void divide_element(Index element) {
+    const Hexahedron& nodes = complex_.vertices_of(element);
+    Material own;
+    const Material& material = material_of(element, own);
+    std::vector<double> heights;
+    heights.reserve(material.points.size());
+    for (const Vec3& at : material.points) heights.push_back(height_at(nodes, at));
+    side_[element] = static_cast<std::int8_t>(side_of(material, heights, tolerance_));
+    if (side_[element] != 0) return;
+    std::vector<DividedPart> found = divide(material, heights, tolerance_);
+    if (found.size() < 2 || !is_in_patch(nodes, found)) return;
+    const auto first = static_cast<Index>(pieces_.size());
+    for (DividedPart& part : found) {
+      if (part.material.tetrahedra.size() > max_fragments)
+        throw NumericalError(path_ + ": a part of an element would consist of " +
+                             std::to_string(part.material.tetrahedra.size()) +
+                             " tetrahedra; the limit is " + std::to_string(max_fragments) +
+                             ". Cut less often there, or use smaller elements");
+      add_piece(element, part.side, std::move(part));
+    }
+    pieces_of_[element] = {first, static_cast<Index>(pieces_.size())};
+    divided_.push_back(element);
+  }
+
+  void add_piece(Index element, int side, DividedPart part) {
+    SideTriangles triangles(part.material);
+    pieces_.push_back({element, side, std::move(part), std::move(triangles)});
+  }
+
+  /// Whether the whole section lies in the patch.
+  bool is_in_patch(const Hexahedron& nodes, const std::vector<DividedPart>& found) const {
+    if (std::isinf(patch_.radius) && patch_.polygon.empty()) return true;
+    for (const DividedPart& part : found)
+      for (const Vec3& at : part.material.points)
+        if (std::abs(height_at(nodes, at)) <= tolerance_ &&
+            !is_inside(patch_, place_in(nodes, at, rows_, stride_)))
+          return false;
+    return true;
+  }
+
+  /// The pieces of an element; one that is left whole becomes one when it is asked for.
+  Range pieces_of(Index element) {
+    Range& range = pieces_of_[element];
+    if (range.first == none) {
+      range.first = static_cast<Index>(pieces_.size());
+      const std::size_t place = position_in(parts_.elements, element);
+      pieces_.push_back({element,
+                         side_[element],
+                         {},
+                         place == parts_.elements.size()
+                             ? SideTriangles::of_full_element()
+                             : SideTriangles(material_of_part(element, place))});
+      range.last = range.first + 1;
+    }
+    return range;
+  }
+
+  void find_touches() {
+    for (const Index e : divided_)
+      for (unsigned s = 0; s < cube_sides.size(); ++s) {
+        const Index n = complex_.neighbour(e, cube_sides[s].face());
+        if (n == none || (n < e && is_divided(n))) continue;
+        const Range here = pieces_of_[e], there = pieces_of(n);
+        for (std::size_t one = here.first; one < here.last; ++one)
+          for (std::size_t other = there.first; other < there.last; ++other)
+            find_touch(one, other, s);
+      }
+  }
+
+  void find_touch(std::size_t one, std::size_t other, unsigned side) {
+    const Piece &a = pieces_[one], &b = pieces_[other];
+    if (a.side * b.side < 0) return;
+    const auto mine = a.triangles[side], theirs = b.triangles[side ^ 1];
+    const double area = covered_area(mine, theirs) + covered_area(theirs, mine);
+    if (area > 0) touches_.push_back({one, other, side, area});
+  }
+
+  /// Unites pieces of one element and side that touch the same piece, or pieces that were united,
+  /// at one of its sides.
+  DisjointSets unite() {
+    DisjointSets sets(pieces_.size());
+    for (bool again = true; again;) {
+      again = false;
+      // The first piece met behind each side, below the plane, across it and above.
+      std::vector<std::size_t> behind(pieces_.size() * 18, pieces_.size());
+      const auto meet = [&](std::size_t one, std::size_t other, unsigned side) {
+        const auto where = static_cast<unsigned>(pieces_[other].side + 1);
+        std::size_t& first = behind[sets.find(one) * 18 + side * 3 + where];
+        if (first == pieces_.size()) first = other;
+        if (sets.find(first) == sets.find(other)) return;
+        sets.unite(first, other);
+        again = true;
+      };
+      for (const Touch& touch : touches_) {
+        meet(touch.one, touch.other, touch.side);
+        meet(touch.other, touch.one, touch.side ^ 1);
+      }
+    }
+    return sets;
+  }
+
+  void number_copies(DisjointSets& sets) {
+    copy_of_.assign(pieces_.size(), none);
+    for (const Index e : divided_) {
+      const Range range = pieces_of_[e];
+      for (Index p = range.first; p < range.last; ++p) {
+        const std::size_t first = sets.find(p);
+        if (first == p) {
+          copy_of_[p] =
+              complex_.element_count() + static_cast<Index>(result_.cloning.origins.size());
+          result_.cloning.origins.push_back(e);
+        } else {
+          copy_of_[p] = copy_of_[first];
+        }
+      }
+      add_copies(range);
+    }
+    for (std::size_t p = 0; p < pieces_.size(); ++p)
+      if (copy_of_[p] == none) copy_of_[p] = pieces_[p].element;
+    result_.divided = static_cast<Index>(divided_.size());
+  }
+
+  /// The parts of the copies of an element: each of all pieces that became one.
+  void add_copies(Range range) {
+    Parts& parts = result_.parts;
+    for (Index p = range.first; p < range.last; ++p) {
+      const Index copy = copy_of_[p];
+      if (!parts.elements.empty() && parts.elements.back() >= copy) continue;
+      MomentSum sum;
+      bool is_united = false;
+      for (Index q = p; q < range.last; ++q) {
+        if (copy_of_[q] != copy) continue;
+        is_united = is_united || q != p;
+        add_material(copy, pieces_[q].part.material, sum);
+      }
+      parts.elements.push_back(copy);
+      parts.moments.push_back(is_united ? sum.moments() : pieces_[p].part.moments);
+      parts.first.push_back(static_cast<Index>(parts.tetrahedra.size()));
+    }
+  }
+
+  void add_material(Index copy, const Material& material, MomentSum& sum) {
+    Parts& parts = result_.parts;
+    const auto first = static_cast<Index>(parts.points.size());
+    for (const Vec3& at : material.points) parts.points.push_back({copy, at});
+    for (const auto& [a, b, c, d] : material.tetrahedra) {
+      parts.tetrahedra.push_back({first + a, first + b, first + c, first + d});
+      const auto& x = material.points;
+      sum.add({x[a], x[b], x[c], x[d]});
+    }
+    for (const auto& [a, b, c] : material.triangles)
+      parts.triangles.push_back({first + a, first + b, first + c});
+    parts.is_cut.insert(parts.is_cut.end(), material.is_cut.begin(), material.is_cut.end());
+  }
+
+  /// Joins the copies that touch, each face once: the largest contact first.
+  void join_copies(DisjointSets& sets) {
+    std::ranges::stable_sort(touches_, std::ranges::greater{}, &Touch::area);
+    std::vector<Index> joined(6 * pieces_.size(), none);  // behind the sides of sets of pieces
+    for (const Touch& touch : touches_) {
+      Index& behind = joined[6 * sets.find(touch.one) + touch.side];
+      Index& before = joined[6 * sets.find(touch.other) + (touch.side ^ 1)];
+      if (behind != none || before != none) continue;
+      behind = copy_of_[touch.other];
+      before = copy_of_[touch.one];
+      const Dart side = face_dart(pieces_[touch.one].element, cube_sides[touch.side].face());
+      const Dart mate = complex_.beta3(side);
+      result_.cloning.seams.push_back({24 * before + local(side), 24 * behind + local(mate)});
+    }
+    for (std::size_t p = 0; p < pieces_.size(); ++p)
+      for (unsigned s = 0; s < cube_sides.size(); ++s)
+        if (const Index behind = joined[6 * sets.find(p) + s]; behind != none)
+          show_uncovered(p, s, behind);
+  }
+
+  /// Adds the triangles of a piece on a side that stays joined where nothing that is joined lies
+  /// behind them, and, of a whole element, what copies have left that are not joined.
+  void show_uncovered(std::size_t piece, unsigned side, Index behind) {
+    const Index element = pieces_[piece].element;
+    const Index n = complex_.neighbour(element, cube_sides[side].face());
+    const Range others = pieces_of_[n];
+    const auto is_behind = [&](const SideTriangle& triangle) {
+      for (Index q = others.first; q < others.last; ++q)
+        if (copy_of_[q] == behind && is_covered(triangle, pieces_[q].triangles[side ^ 1]))
+          return true;
+      return false;
+    };
+    const auto own = pieces_[piece].triangles[side];
+    if (is_divided(element)) {
+      for (const SideTriangle& triangle : own)
+        if (!is_behind(triangle)) add_triangle(copy_of_[piece], triangle.places(cube_sides[side]));
+      return;
+    }
+    for (Index q = others.first; q < others.last; ++q) {
+      if (copy_of_[q] == behind) continue;
+      for (const SideTriangle& triangle : pieces_[q].triangles[side ^ 1]) {
+        if (!is_covered(triangle, own)) continue;
+        const auto [a, b, c] = triangle.places(cube_sides[side]);
+        add_triangle(element, {a, c, b});
+      }
+    }
+  }
+
+  void add_triangle(Index element, const std::array<Vec3, 3>& corners) {
+    Parts& parts = result_.parts;
+    const auto first = static_cast<Index>(parts.points.size());
+    for (const Vec3& at : corners) parts.points.push_back({element, at});
+    parts.triangles.push_back({first, first + 1, first + 2});
+    parts.is_cut.push_back(1);
+  }
+
+  /// Between elements on different sides that are not divided.
+  void find_cut_faces() {
+    for (Index e = 0; e < complex_.element_count(); ++e) {
+      if (!complex_.exists(3, e) || side_[e] != 1 || is_divided(e)) continue;
+      for (int f = 0; f < hexahedron::faces; ++f) {
+        const Index n = complex_.neighbour(e, f);
+        if (n == none || is_divided(n) || side_[n] != -1) continue;
+        if (is_face_in_patch(e, f)) result_.cloning.cut.push_back(face_dart(e, f));
+      }
+    }
+  }
+  bool is_face_in_patch(Index element, int face) const {
+    if (std::isinf(patch_.radius) && patch_.polygon.empty()) return true;
+    Vec3 middle{};
+    for (const auto n : suture_hexahedron_faces[face])
+      middle = plus(middle, scaled(0.25, row(complex_.vertices_of(element)[n])));
+    return is_inside(patch_, middle);
+  }
+
+  const CellComplex& complex_;
+  const Parts& parts_;
+  const double* rows_;
+  const PlanePatch& patch_;
+  const std::string& path_;
+  std::size_t stride_;
+  std::vector<double> heights_;  ///< above the plane, by vertex, m
+  double tolerance_ = 0;         ///< m
+  std::vector<std::int8_t> side_;
+  std::vector<Index> crossed_, divided_;
+  std::vector<std::pair<Index, Index>> triangles_;  ///< element, triangle
+  std::vector<Range> pieces_of_;                    ///< by element
+  std::vector<Piece> pieces_;
+  std::vector<Touch> touches_;
+  std::vector<Index> copy_of_;  ///< by piece: the copy, or the element that is left whole
+  BladeCut result_;
+};
+
+}  // namespace
+
+BladeCut cut_along(const CellComplex& complex, const Parts& parts, const double* rows,
+                   const PlanePatch& patch, const std::string& path, std::size_t stride) {
+  return Cutter(complex, parts, rows, patch, path, stride).find();
+}
+
+}  // namespace suture

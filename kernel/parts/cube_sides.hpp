@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "kernel/mesh/parts.hpp"
+#include "kernel/topology/hexahedron_tables.hpp"
+
+namespace suture {
+
+/// A side of the reference cube [-1, 1]^3.
+struct CubeSide {
+  unsigned axis;
+  bool is_upper;
+
+  int face() const {  // x0, y0, x1, y1, z0, z1
+    constexpr int faces[3][2] = {{0, 2}, {1, 3}, {4, 5}};
+    return faces[axis][is_upper ? 1 : 0];
+  }
+  double place() const { return is_upper ? 1 : -1; }
+  CubeSide opposite() const { return {axis, !is_upper}; }
+};
+inline constexpr std::array<CubeSide, 6> cube_sides{
+    {{0, false}, {0, true}, {1, false}, {1, true}, {2, false}, {2, true}}};
+
+/// The sides on which a point lies: bit i for cube_sides[i].
+inline std::uint8_t sides_at(const Vec3& at) {
+  unsigned sides = 0;
+  for (unsigned i = 0; i < cube_sides.size(); ++i)
+    sides |= (at[cube_sides[i].axis] == cube_sides[i].place() ? 1u : 0u) << i;
+  return static_cast<std::uint8_t>(sides);
+}
+
+/// The faces of a positively oriented tetrahedron, seen from outside; face i is opposite corner i.
+inline constexpr std::array<std::array<unsigned, 3>, 4> tetrahedron_faces{
+    {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+
+}  // namespace suture

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/parts/side_triangles.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace suture {
+namespace {
+
+using Place = std::array<double, 2>;
+
+double cross_product(const Place& o, const Place& a, const Place& b) {
+  return (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
+}
+
+SideTriangle side_triangle(const std::array<Vec3, 3>& corners, unsigned axis) {
+  SideTriangle triangle{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    triangle.x[i] = {corners[i][(axis + 1) % 3], corners[i][(axis + 2) % 3]};
+    for (std::size_t c = 0; c < 2; ++c) triangle.centroid[c] += triangle.x[i][c] / 3;
+  }
+  triangle.area = std::abs(cross_product(triangle.x[0], triangle.x[1], triangle.x[2]));
+  return triangle;
+}
+
+}  // namespace
+
+std::array<Vec3, 3> SideTriangle::places(CubeSide side) const {
+  std::array<Vec3, 3> places;
+  for (std::size_t i = 0; i < 3; ++i) {
+    places[i][side.axis] = side.place();
+    for (unsigned c = 0; c < 2; ++c) places[i][(side.axis + 1 + c) % 3] = x[i][c];
+  }
+  return places;
+}
+
+bool SideTriangle::contains(const Place& p) const {
+  const double a = cross_product(x[0], x[1], p), b = cross_product(x[1], x[2], p),
+               c = cross_product(x[2], x[0], p);
+  return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
+}
+
+SideTriangles::SideTriangles(const Material& material) {
+  std::vector<std::uint8_t> at, on;  // the sides of points and of faces
+  at.reserve(material.points.size());
+  on.reserve(4 * material.tetrahedra.size());
+  for (const Vec3& point : material.points) at.push_back(sides_at(point));
+  for (const auto& t : material.tetrahedra)
+    for (const auto& [a, b, c] : tetrahedron_faces)
+      on.push_back(static_cast<std::uint8_t>(at[t[a]] & at[t[b]] & at[t[c]]));
+  triangles_.reserve(on.size() / 2);
+  for (unsigned s = 0; s < cube_sides.size(); ++s) {
+    for (std::size_t i = 0; i < on.size(); ++i)
+      if (on[i] >> s & 1) add(material, i, cube_sides[s].axis);
+    end_[s] = triangles_.size();
+  }
+}
+
+/// Face `face` counts through the faces of all tetrahedra.
+void SideTriangles::add(const Material& material, std::size_t face, unsigned axis) {
+  const auto& t = material.tetrahedra[face / 4];
+  const auto& [a, b, c] = tetrahedron_faces[face % 4];
+  triangles_.push_back(
+      side_triangle({material.points[t[a]], material.points[t[b]], material.points[t[c]]}, axis));
+}
+
+const SideTriangles& SideTriangles::of_full_element() {
+  static const SideTriangles full(Material::full_element());
+  return full;
+}
+
+bool is_covered(const SideTriangle& triangle, std::span<const SideTriangle> others) {
+  return std::ranges::any_of(others, [&](const auto& o) { return o.contains(triangle.centroid); });
+}
+
+double covered_area(std::span<const SideTriangle> some, std::span<const SideTriangle> others) {
+  double area = 0;
+  for (const SideTriangle& triangle : some)
+    if (is_covered(triangle, others)) area += triangle.area;
+  return area;
+}
+
+}  // namespace suture

@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Cuts along blades: geometry and map. Random sequences of planes through small boxes keep the
+// volume, a closed and oriented surface, a valid map and the right pieces.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <random>
+#include <set>
+
+#include "kernel/base/error.hpp"
+#include "kernel/base/vec3.hpp"
+#include "kernel/build/embedded_parts.hpp"
+#include "kernel/mesh/box.hpp"
+#include "kernel/operations/cut_along.hpp"
+#include "kernel/parts/lattice.hpp"
+#include "kernel/topology/islands.hpp"
+
+namespace suture {
+namespace {
+
+using testing::HasSubstr;
+
+/// A box of unit cubes that is cut, without attributes.
+struct CutBox {
+  std::vector<Vec3> rows;
+  CellComplex complex;
+  EmbeddedParts parts{Parts{}};
+  Islands islands;
+
+  explicit CutBox(std::array<Index, 3> cells) : complex(imported(cells, rows)), islands(complex) {
+    complex.require_edges();
+    complex.require_faces();
+    parts.let_grow(complex);
+  }
+  static CellComplex imported(std::array<Index, 3> cells, std::vector<Vec3>& rows) {
+    BoxOptions box;
+    for (std::size_t a = 0; a < 3; ++a) {
+      box.cells[a] = cells[a];
+      box.size[a] = cells[a];
+    }
+    Diagnostics diagnostics;
+    Imported result = import_mesh(make_box(box), {}, diagnostics);
+    rows = std::move(result.rest);
+    return std::move(result.complex);
+  }
+
+  BladeCut cut(const PlanePatch& patch) {
+    BladeCut cut = cut_along(complex, parts.parts(), rows[0].data(), patch, "/events/0", 3);
+    if (cut.empty()) return cut;
+    const TopologyChange change = complex.clone_volume(cut.cloning);
+    for (const Split& split : change.splits[0]) rows.push_back(Vec3(rows[split.old_cell]));
+    parts.append(cut.parts, cut.cloning.origins);
+    islands.update(complex, change);
+    return cut;
+  }
+
+  const PartMoments* part(Index element) const {
+    const std::size_t place = position_in(parts.parts().elements, element);
+    return place < parts.parts().elements.size() ? &parts.parts().moments[place] : nullptr;
+  }
+  double volume() const {
+    double sum = 0;
+    for (Index e = 0; e < complex.element_count(); ++e)
+      if (complex.exists(3, e)) sum += part(e) ? part(e)->fraction : 1;
+    return sum;
+  }
+  Vec3 place(const Embedding& embedding, Index p) const {
+    Vec3 at{};
+    for (std::size_t c = 0; c < 3; ++c) at[c] = embedding.points.value(p, rows[0].data(), 3, c);
+    return at;
+  }
+  Vec3 place(const EmbeddedPoint& point) const {
+    return place_in(complex.vertices_of(point.element), point.at, rows[0].data(), 3);
+  }
+};
+
+/// Every side of a triangle is that of another one, run in the other direction.
+void expect_closed(const Embedding& embedding) {
+  std::map<std::pair<Index, Index>, int> sides;
+  for (const auto& t : embedding.triangles)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Index a = t[i], b = t[(i + 1) % 3];
+      sides[std::minmax(a, b)] += a < b ? 1 : -1;
+    }
+  for (const auto& [side, sum] : sides)
+    ASSERT_EQ(sum, 0) << "the side from " << side.first << " to " << side.second << " is open";
+}
+
+double surface_volume(const CutBox& box, const Embedding& embedding) {
+  double sum = 0;
+  for (const auto& [a, b, c] : embedding.triangles)
+    sum +=
+        dot(box.place(embedding, a), cross(box.place(embedding, b), box.place(embedding, c))) / 6;
+  return sum;
+}
+
+double lip_area(const CutBox& box, const Embedding& embedding) {
+  double sum = 0;
+  for (std::size_t t = 0; t < embedding.triangles.size(); ++t) {
+    if (embedding.is_laid_open[t] == 0) continue;
+    const auto& [a, b, c] = embedding.triangles[t];
+    const Vec3 p = box.place(embedding, a);
+    const Vec3 n = cross(minus(box.place(embedding, b), p), minus(box.place(embedding, c), p));
+    sum += std::sqrt(dot(n, n)) / 2;
+  }
+  return sum;
+}
+
+/// Which island lies on which sides of the planes: points of one island are on one side of each,
+/// and no two islands on the same sides of all.
+void expect_right_pieces(const CutBox& box, const std::vector<PlanePatch>& planes) {
+  const Parts& parts = box.parts.parts();
+  std::map<Index, std::vector<int>> sides;
+  const auto see = [&](Index island, const Vec3& p) {
+    std::vector<int>& seen = sides.try_emplace(island, planes.size(), 0).first->second;
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+      const double height = dot(planes[i].normal, minus(p, planes[i].point));
+      if (std::abs(height) < 0.05) continue;  // corners near a plane are on it
+      const int side = height > 0 ? 1 : -1;
+      ASSERT_NE(seen[i], -side) << "island " << island << " is on both sides of plane " << i;
+      seen[i] = side;
+    }
+  };
+  for (Index e = 0; e < box.complex.element_count(); ++e) {
+    if (!box.complex.exists(3, e)) continue;
+    const Index island = box.islands.of(e);
+    if (!box.part(e))
+      for (const Index v : box.complex.vertices_of(e)) see(island, box.rows[v]);
+  }
+  for (const EmbeddedPoint& point : parts.points)
+    if (box.complex.exists(3, point.element)) see(box.islands.of(point.element), box.place(point));
+  std::map<std::vector<int>, Index> known;
+  for (const auto& [island, seen] : sides) {
+    if (std::ranges::find(seen, 0) != seen.end()) continue;  // a sliver along a plane
+    const auto [at, is_new] = known.emplace(seen, island);
+    EXPECT_TRUE(is_new) << "islands " << at->second << " and " << island << " are one piece";
+  }
+}
+
+PlanePatch random_plane(std::mt19937_64& random, double size) {
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> inside(0, size);
+  Vec3 n{normal(random), normal(random), normal(random)};
+  n = scaled(1 / std::sqrt(dot(n, n)), n);
+  return {.point = {inside(random), inside(random), inside(random)}, .normal = n};
+}
+
+TEST(blade_cut, random_planes_keep_volume_surface_map_and_pieces) {
+  const unsigned runs = std::getenv("SUTURE_FULL") ? 2000 : 60;
+  for (unsigned seed = 1; seed <= runs; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    CutBox box({4, 4, 4});
+    std::vector<PlanePatch> planes;
+    for (unsigned i = 0; i < 1 + seed % 6; ++i) {
+      planes.push_back(random_plane(random, 4));
+      box.cut(planes.back());
+      ASSERT_NO_THROW(box.complex.validate());
+      ASSERT_NO_THROW(box.islands.validate(box.complex));
+      ASSERT_NEAR(box.volume(), 64, 64e-12);
+      const Embedding& embedding = box.parts.embedding(box.complex);
+      ASSERT_NO_FATAL_FAILURE(expect_closed(embedding));
+      ASSERT_NEAR(surface_volume(box, embedding), 64, 64e-12);
+      ASSERT_NO_FATAL_FAILURE(expect_right_pieces(box, planes));
+    }
+  }
+}
+
+// Right through a bar along x: the section projects onto the bar's square.
+void expect_lips(const Vec3& normal) {
+  CutBox box({16, 4, 4});
+  box.cut({.point = {8.1, 2, 2}, .normal = normal});
+  EXPECT_EQ(box.islands.existing(), 2u);
+  const double area = 16 * std::sqrt(dot(normal, normal)) / std::abs(normal[0]);
+  EXPECT_NEAR(lip_area(box, box.parts.embedding(box.complex)) / (2 * area), 1, 0.005);
+}
+
+TEST(blade_cut, the_lips_of_an_oblique_cut_have_the_area_of_the_plane) {
+  for (const double degrees : {0.0, 17.0, 30.0, 45.0, 60.0}) {
+    SCOPED_TRACE(degrees);
+    const double angle = degrees * 3.14159265358979323846 / 180;
+    expect_lips({std::cos(angle), 0, std::sin(angle)});
+  }
+  for (unsigned seed = 1; seed <= 50; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> tilt(-1, 1);
+    expect_lips({1, tilt(random), tilt(random)});
+  }
+}
+
+TEST(blade_cut, a_plane_of_the_grid_separates_faces) {
+  CutBox box({4, 4, 4});
+  for (Vec3& x : box.rows) x[0] += 1e-15 * (x[1] - 2 * x[2]);
+  const BladeCut cut = box.cut({.point = {2, 0, 0}, .normal = {1, 0, 0}});
+  EXPECT_EQ(cut.divided, 0u);
+  EXPECT_EQ(cut.cloning.cut.size(), 16u);
+  EXPECT_EQ(box.complex.element_count(), 64u);
+  EXPECT_EQ(box.islands.existing(), 2u);
+  EXPECT_DOUBLE_EQ(lip_area(box, box.parts.embedding(box.complex)), 32);
+}
+
+TEST(blade_cut, the_same_cut_again_does_nothing) {
+  CutBox box({3, 3, 3});
+  const PlanePatch plane{.point = {1.4, 1.3, 1.2}, .normal = {1, 0.6, -0.3}};
+  EXPECT_FALSE(box.cut(plane).empty());
+  EXPECT_TRUE(box.cut(plane).empty());
+}
+
+TEST(blade_cut, elements_outside_a_polygon_stay_whole) {
+  CutBox box({6, 6, 6});
+  const std::vector<Vec3> polygon{{-1, -1, 2.4}, {3.5, -1, 2.4}, {3.5, 7, 2.4}, {-1, 7, 2.4}};
+  const BladeCut cut = box.cut({.point = polygon[0], .normal = {0, 0, 1}, .polygon = polygon});
+  EXPECT_EQ(cut.divided, 3u * 6u);  // the fourth row is crossed in part
+  EXPECT_NO_THROW(box.complex.validate());
+  EXPECT_EQ(box.islands.existing(), 1u);
+  EXPECT_NEAR(box.volume(), 216, 1e-10);
+}
+
+TEST(blade_cut, random_polygons_keep_the_map_and_the_volume) {
+  for (unsigned seed = 1; seed <= (std::getenv("SUTURE_FULL") ? 500u : 25u); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    CutBox box({5, 5, 5});
+    for (int i = 0; i < 4; ++i) {
+      PlanePatch patch = random_plane(random, 5);
+      patch.radius = std::uniform_real_distribution<double>(1, 4)(random);
+      box.cut(patch);
+      ASSERT_NO_THROW(box.complex.validate());
+      ASSERT_NO_THROW(box.islands.validate(box.complex));
+      ASSERT_NEAR(box.volume(), 125, 125e-12);
+    }
+  }
+}
+
+TEST(blade_cut, too_many_fragments_in_one_element_are_refused) {
+  CutBox box({1, 1, 1});
+  std::mt19937_64 random(7);
+  const auto cut_until_refused = [&] {
+    for (int i = 0; i < 400; ++i) {
+      PlanePatch plane = random_plane(random, 1);
+      // Tangents of a ball: what is inside stays one part.
+      plane.point = plus({0.5, 0.5, 0.5}, scaled(0.45, plane.normal));
+      box.cut(plane);
+      box.complex.validate();
+    }
+  };
+  try {
+    cut_until_refused();
+    FAIL() << "no limit was reached";
+  } catch (const NumericalError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/events/0: a part of an element would consist of"));
+    EXPECT_THAT(error.what(), HasSubstr("the limit is 4096"));
+  }
+  EXPECT_NEAR(box.volume(), 1, 1e-12);
+}
+
+TEST(blade_cut, cloning_refuses_what_was_not_joined) {
+  CutBox box({3, 1, 1});
+  const auto refuse = [&](const Cloning& cloning, const char* reason) {
+    try {
+      box.complex.clone_volume(cloning);
+      ADD_FAILURE() << reason;
+    } catch (const TopologyError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(reason));
+    }
+    box.complex.validate();
+    EXPECT_EQ(box.complex.element_count(), 3u);
+  };
+  const Dart right = face_dart(1, 2), left = face_dart(1, 0);
+  const Dart mate = box.complex.beta3(right);
+  refuse({{3}, {}, {}}, "does not exist");
+  refuse({{2, 1}, {}, {}}, "ascending");
+  refuse({{1, 1}, {{right, mate}}, {}}, "not joined");
+  refuse({{1, 1}, {{24 * 3 + local(left), mate}}, {}}, "not joined");
+  refuse({{1, 1}, {{24 * 3 + local(right), mate}, {24 * 4 + local(right), mate}}, {}},
+         "listed twice");
+  refuse({{1, 1}, {}, {right}}, "between two elements that stay");
+}
+
+TEST(blade_cut, copies_that_stay_joined_all_around_keep_the_vertices_of_one) {
+  CutBox box({3, 1, 1});
+  Cloning cloning{{1}, {}, {}};
+  for (const int f : {0, 2}) {
+    const Dart side = face_dart(1, f);
+    cloning.seams.push_back({24 * 3 + local(side), box.complex.beta3(side)});
+  }
+  const TopologyChange change = box.complex.clone_volume(cloning);
+  box.complex.validate();
+  EXPECT_TRUE(change.splits[0].empty() && change.splits[1].empty() && change.splits[2].empty());
+  EXPECT_EQ(box.complex.existing(3), 3u);
+  EXPECT_EQ(box.complex.count(0), 16u);
+}
+
+}  // namespace
+}  // namespace suture

@@ -60,10 +60,26 @@ void Attributes::set_parts(const CellComplex& complex, ElementParts parts) {
   parts_ = std::move(parts);
   const RestPlaces rest = rest_places(complex);
   for (const Index e : parts_.elements())
-    if (!is_parallelepiped(rest.of(e)))
-      throw InputError("element " + std::to_string(user_element.empty() ? e : user_element[e]) +
-                       ", of which only a part is material, is not a parallelepiped at rest; the "
-                       "surface of a body may cross the elements of a regular grid only");
+    require_parallelepiped(rest, e,
+                           ", of which only a part is material, is not a parallelepiped at rest; "
+                           "the surface of a body may cross the elements of a regular grid only");
+}
+
+void Attributes::let_parts_grow(const CellComplex& complex) {
+  parts_.let_grow();
+  const RestPlaces rest = rest_places(complex);
+  for (Index e = 0; e < complex.element_count(); ++e)
+    if (complex.exists(3, e))
+      require_parallelepiped(rest, e,
+                             " is not a parallelepiped at rest; a blade may divide the elements of "
+                             "a regular grid only. Cut along \"faces\" instead");
+}
+
+void Attributes::require_parallelepiped(const RestPlaces& rest, Index element,
+                                        const char* what) const {
+  if (is_parallelepiped(rest.of(element))) return;
+  throw InputError("element " +
+                   std::to_string(user_element.empty() ? element : user_element[element]) + what);
 }
 
 Instance& Attributes::add(std::unique_ptr<Instance> instance, CellComplex& complex,
@@ -110,7 +126,8 @@ void Attributes::initialise(const CellComplex& complex, Diagnostics& diagnostics
 void Attributes::apply(const CellComplex& complex, const TopologyChange& change) {
   if (change.empty()) return;
   ++operations_;
-  merge_vertices(complex, change);  // first: then elements have the right rest places
+  add_copies(complex, change.copies);
+  merge_vertices(complex, change);  // then elements have the right rest places
   follow(kernel_, complex, change, own_columns);
   clear_vertices(change);
   RestBatch rest(rest_places(complex), user_element);
@@ -119,6 +136,14 @@ void Attributes::apply(const CellComplex& complex, const TopologyChange& change)
     sums_.sum(*instance, complex, rest, change, *mass_);
   }
   sums_.clear(change);
+}
+
+void Attributes::add_copies(const CellComplex& complex, std::span<const Split> copies) {
+  if (copies.empty()) return;
+  kernel(3).cells.append_all(static_cast<Index>(copies.size()));
+  for (const auto& instance : instances_) instance->add_copies(copies, parts_);
+  for (const auto& [origin, copy] : copies)
+    own_rest_.copy(origin, copy, rest_places(complex).of(copy), complex.element_count());
 }
 
 void Attributes::follow(std::span<Table, 4> tables, const CellComplex& complex,

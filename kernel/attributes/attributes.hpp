@@ -92,12 +92,22 @@ class Attributes {
   /// that is not a parallelepiped at rest: the rule of integration is exact for those only.
   void set_parts(const CellComplex& complex, ElementParts parts);
   const ElementParts& parts() const { return parts_; }
+  /// Cuts along blades may make more of them; models that are not made for them are refused from
+  /// now on. To be called before add(). Throws InputError for an element that is not a
+  /// parallelepiped at rest.
+  void let_parts_grow(const CellComplex& complex);
+  /// The parts of copies of elements, which apply() is about to add.
+  void add_parts(std::span<const Index> elements, std::span<const PartMoments> moments) {
+    parts_.append(elements, moments);
+  }
 
   /// The numbers of elements as users see them, for messages and suture_batch.cell_ids; set
   /// before initialise() and owned by the caller. Empty: the numbers of the complex.
   std::span<const Index> user_element;
 
  private:
+  void add_copies(const CellComplex& complex, std::span<const Split> copies);
+  void require_parallelepiped(const RestPlaces& rest, Index element, const char* what) const;
   void follow(std::span<Table, 4> tables, const CellComplex& complex, const TopologyChange& change,
               std::size_t first_column = 0);
   void merge_vertices(const CellComplex& complex, const TopologyChange& change);

@@ -60,19 +60,20 @@ void cells_of_table(Archive& archive, Table& table) {
   archive("volumes", table.volumes);
 }
 
-/// `whole`: not only the states of the model. Other columns of elements are as they were built,
-/// whatever is done: elements do not split, and their sums are not summed again.
+/// `whole`: not only the states of the model. Other columns of elements are as they were built
+/// unless some were copied: their sums are not summed again.
 void columns_of(Archive& archive, const Instance& instance, Table& table, bool whole) {
   if (archive.has_cells()) check_columns(archive, instance, table);
   if (whole) cells_of_table(archive, table);
+  const bool is_built = table.dimension == 3 && !instance.has_copies();
   for (Column& column : table.columns) {
-    if (column.has_trial() || (whole && table.dimension < 3))
+    if (column.has_trial() || (whole && !is_built))
       archive(("column " + column.spec().name).c_str(), column);
     archive.require(column.size() == table.cells.size(), "a column has a different number of rows");
   }
 }
 
-void state_of(Archive& archive, Instance& instance, bool whole) {
+void state_of(Archive& archive, Instance& instance, const ElementParts& parts, bool whole) {
   std::string name = instance.title();
   if (archive.has_cells()) archive("title", name);
   if (name != instance.title())
@@ -80,6 +81,7 @@ void state_of(Archive& archive, Instance& instance, bool whole) {
   std::span<Table, 4> tables = instance.tables();
   archive.each("tables", tables,
                [&](Archive& a, Table& table) { columns_of(a, instance, table, whole); });
+  if (archive.loads() && instance.has_copies()) instance.read_parts(parts);
 }
 
 }  // namespace
@@ -96,7 +98,7 @@ void Attributes::state(Archive& archive) {
   if (archive.has_cells()) forces(archive);
   std::span instances = instances_;
   archive.each("instances", instances, [&](Archive& a, std::unique_ptr<Instance>& instance) {
-    state_of(a, *instance, a.has_cells() && operations_ != 0);
+    state_of(a, *instance, parts_, a.has_cells() && operations_ != 0);
   });
 }
 
@@ -110,6 +112,7 @@ void Attributes::kernel_tables(Archive& archive) {
   }
   for (Column* column : {position_, velocity_, force_}) column->resize(kernel(0).cells.size());
   archive("own_rest", own_rest_);
+  if (parts_.may_grow()) archive("parts", parts_);
 }
 
 void Attributes::motion(Archive& archive) {

@@ -269,9 +269,9 @@ void TouchedSums::clear(const TopologyChange& change) {
 void TouchedSums::sum(Instance& instance, const CellComplex& complex, RestBatch& rest,
                       const TopologyChange& change, Column& mass) {
   find_targets(instance, change, mass);
-  sum_uniform<0>(instance, change);
-  sum_uniform<1>(instance, change);
-  sum_uniform<2>(instance, change);
+  sum_uniform<0>(instance, change, rest.parts());
+  sum_uniform<1>(instance, change, rest.parts());
+  sum_uniform<2>(instance, change, rest.parts());
   if (std::ranges::all_of(targets_, [](const auto& t) { return t.empty(); })) return;
   mark(complex, change);
   for (const auto& targets : targets_)
@@ -308,15 +308,18 @@ void TouchedSums::find_targets(Instance& instance, const TopologyChange& change,
 }
 
 template <int Dimension>
-void TouchedSums::sum_uniform(const Instance& instance, const TopologyChange& change) {
+void TouchedSums::sum_uniform(const Instance& instance, const TopologyChange& change,
+                              const ElementParts& parts) {
   for (const Target& target : uniform_targets_[Dimension])
-    target.sum_uniform<Dimension>(change.stars[Dimension], instance.table(3).cells);
+    target.sum_uniform<Dimension>(change.stars[Dimension], instance.table(3).cells,
+                                  instance.has_parts() ? &parts : nullptr);
 }
 
 /// If all elements give identical values, no contribution is called: the darts of a star show
 /// which of the values the cell receives, in the order of the elements.
 template <int Dimension>
-void TouchedSums::Target::sum_uniform(const Stars& stars, const CellSet& region) const {
+void TouchedSums::Target::sum_uniform(const Stars& stars, const CellSet& region,
+                                      const ElementParts* parts) const {
   using hexahedron::darts;
   const bool everywhere = region.is_all();
   std::array<double, darts> given;
@@ -332,8 +335,11 @@ void TouchedSums::Target::sum_uniform(const Stars& stars, const CellSet& region)
       double& value =
           values[(components == 1 ? row : column->offset(row)) + c * column->component_step()];
       double sum = cells ? 0 : value;  // other instances have given to the mass
-      for (; dart < end; ++dart)
-        if (everywhere || region.contains(*dart / darts)) sum += given[*dart % darts];
+      for (; dart < end; ++dart) {
+        const Index element = *dart / darts;
+        if (!everywhere && !region.contains(element)) continue;
+        sum += parts ? parts->fraction(element) * given[*dart % darts] : given[*dart % darts];
+      }
       value = sum;
     }
   }

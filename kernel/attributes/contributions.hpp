@@ -27,6 +27,7 @@ class RestBatch {
   /// Multiplies what the elements last gathered contribute to their vertices, edges or faces
   /// (contribute()) by the fractions of them that are material.
   void scale(const suture_attribute& attribute, double* out) const;
+  const ElementParts& parts() const { return rest_.parts(); }
 
  private:
   void gather_parameters(const Instance& instance, std::span<const Index> elements);
@@ -99,9 +100,10 @@ class TouchedSums {
     std::size_t components;
     const double* uniform = nullptr;  ///< the contribution of every element
 
-    /// Sets the rows of cells to the sums over their elements in the region.
+    /// Sets the rows of cells to the sums over their elements in the region. `parts`: null if all
+    /// of these are full.
     template <int Dimension>
-    void sum_uniform(const Stars& stars, const CellSet& region) const;
+    void sum_uniform(const Stars& stars, const CellSet& region, const ElementParts* parts) const;
   };
   /// A value in the batch of contributions that belongs to a touched cell.
   struct Hit {
@@ -117,7 +119,8 @@ class TouchedSums {
                                   const suture_attribute& attribute) const;
   void mark(const CellComplex& complex, const TopologyChange& change);
   template <int Dimension>
-  void sum_uniform(const Instance& instance, const TopologyChange& change);
+  void sum_uniform(const Instance& instance, const TopologyChange& change,
+                   const ElementParts& parts);
   void find_targets(Instance& instance, const TopologyChange& change, Column& mass);
   static void start(const Target& target, const TopologyChange& change);
   void add_batch(Instance& instance, const CellComplex& complex, const RestBatch& rest,

@@ -249,10 +249,10 @@ void Instance::build(CellComplex& complex, const RestPlaces& rest, std::vector<I
   if (uses(1)) complex.require_edges();
   if (uses(2)) complex.require_faces();
   table(3).cells = region(rest, std::move(elements));
-  if (has_parts()) {
-    find_part_functors();
-    fill_parts(rest.parts());
-  }
+  built_rows_ = table(3).cells.size();
+  may_get_parts_ = rest.parts().may_grow();
+  if (has_parts() || may_get_parts_) find_part_functors();
+  fill_parts(rest.parts(), part_begin);
   find_needed();
   for (int d = 0; d < 3; ++d)
     if (uses(d)) table(d).cells = cells_of_region(complex, table(3).cells, d);
@@ -271,20 +271,46 @@ void Instance::find_part_functors() {
     part_functors_.push_back(functor_on_parts(f));
     if (!enabled_[i].runs || f.shape == SUTURE_GENERAL || allows_parts(f)) continue;
     const Index all = table(3).cells.size();
-    throw InputError(title() + ": functor '" + f.name +
-                     "' is not made for elements of which only a part is material, as " +
-                     std::to_string(all - part_begin) + " of " + std::to_string(all) +
+    const std::string fault = title() + ": functor '" + f.name +
+                              "' is not made for elements of which only a part is material, as ";
+    if (!has_parts())
+      throw InputError(fault +
+                       "cuts with \"along\": \"blade\" make them; cut along \"faces\", or choose "
+                       "another model");
+    throw InputError(fault + std::to_string(all - part_begin) + " of " + std::to_string(all) +
                      " elements are; fill the body with whole elements, or choose another model");
   }
 }
 
+void Instance::add_copies(std::span<const Split> copies, const ElementParts& parts) {
+  CellSet& cells = table(3).cells;
+  const Index first_row = cells.size();
+  std::vector<RowSplit> rows;
+  std::vector<double> shares;
+  for (const auto& [origin, copy] : copies) {
+    if (!cells.contains(origin)) continue;
+    rows.push_back({cells.row(origin), first_row + static_cast<Index>(rows.size())});
+    shares.push_back(parts.fraction(copy) / parts.fraction(origin));
+    if (!cells.is_all()) cells.append(copy);
+  }
+  if (rows.empty()) return;
+  if (cells.is_all()) cells.append_all(static_cast<Index>(rows.size()));
+  for (Column& column : table(3).columns) {
+    column.append_copies(rows);
+    for (std::size_t i = 0; i < rows.size() && column.spec().policy == SUTURE_SHARE; ++i)
+      column.scale_row(rows[i].new_row, shares[i]);
+  }
+  fill_parts(parts, first_row);
+}
+
 /// Rows before the first part, in its block, and behind the last are never used.
-void Instance::fill_parts(const ElementParts& parts) {
+void Instance::fill_parts(const ElementParts& parts, Index first_row) {
+  if (!has_parts()) return;
   constexpr Index lanes = SUTURE_LANES;
   constexpr std::size_t block = std::size_t{SUTURE_PART_COMPONENTS} * lanes;
   const Index rows = table(3).cells.size(), first = part_begin / lanes;
-  part_blocks_.assign(((rows + lanes - 1) / lanes - first) * block, 0);
-  for (Index row = part_begin; row < (rows + lanes - 1) / lanes * lanes; ++row) {
+  part_blocks_.resize(((rows + lanes - 1) / lanes - first) * block, 0);
+  for (Index row = first_row; row < (rows + lanes - 1) / lanes * lanes; ++row) {
     const PartMoments& m = *parts.of(table(3).cells.cell(std::min(row, rows - 1)));
     const auto& [x, y, z] = m.centroid;
     const auto& [yz, xz, xy] = m.covariance;

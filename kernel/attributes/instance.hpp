@@ -112,6 +112,15 @@ class Instance {
   /// parallelepipeds. table(3).cells.size() if there are none.
   Index part_begin = 0;
   bool has_parts() const { return part_begin < table(3).cells.size(); }
+  /// Whether copies of elements may become parts (ElementParts::may_grow()).
+  bool may_get_parts() const { return may_get_parts_; }
+  /// Adds rows for the copies of its elements, with their values; shares (SUTURE_SHARE) go by
+  /// fractions. O(copies).
+  void add_copies(std::span<const Split> copies, const ElementParts& parts);
+  /// Whether rows of elements were added: then their columns are no longer those of build().
+  bool has_copies() const { return table(3).cells.size() > built_rows_; }
+  /// To be called when rows of elements were loaded.
+  void read_parts(const ElementParts& parts) { fill_parts(parts, part_begin); }
   /// What functor `number` of the model does on such elements; null if nothing.
   const suture_functor* part_functor(std::size_t number) const {
     return part_functors_.empty() ? nullptr : part_functors_[number];
@@ -137,7 +146,7 @@ class Instance {
   CellSet region(const RestPlaces& rest, std::vector<Index> elements);
 
   void find_part_functors();
-  void fill_parts(const ElementParts& parts);
+  void fill_parts(const ElementParts& parts, Index first_row);
   void fill_columns();
   void fill(const GivenColumn& given);
 
@@ -153,6 +162,8 @@ class Instance {
   std::vector<Enabled> enabled_;                      ///< by position in model().functors
   std::vector<bool> needed_;                          ///< by position in model().attributes
   bool skip_;
+  bool may_get_parts_ = false;
+  Index built_rows_ = 0;  ///< of table(3)
   void* own_memory() const { return prepared_ ? prepared_->data() : nullptr; }
   std::span<double> behind_own_memory() const;
   std::optional<GuardedArray> prepared_;  ///< the model's own memory, then values that must stay

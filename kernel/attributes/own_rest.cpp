@@ -19,6 +19,12 @@ void OwnRest::set(Index element, const HexahedronNodes& x, Index element_count) 
     for (std::size_t c = 0; c < 3; ++c) rows_[(std::size_t{slot} * 8 + i) * 4 + c] = x[i][c];
 }
 
+void OwnRest::copy(Index from, Index to, const HexahedronNodes& x, Index element_count) {
+  if (empty()) return;
+  slot_of_.resize(element_count, none);
+  if (slot(from) != none) set(to, x, element_count);
+}
+
 void OwnRest::state(Archive& archive) {
   archive("slot_of", slot_of_);
   archive("free", free_);

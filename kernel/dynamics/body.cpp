@@ -12,11 +12,17 @@ Body::Body(Imported imported)
     : imported_(std::move(imported)),
       attributes_(imported_.complex, std::exchange(imported_.rest, {})),
       user_vertex_(std::move(imported_.user_vertex)) {
-  attributes_.user_element = imported_.user_element.list();
+  name_elements({});
   attributes_.set_parts(imported_.complex, std::exchange(imported_.parts, {}));
 }
 
 Body::~Body() = default;
+
+void Body::name_elements(std::vector<Index> names) {
+  element_names_ = std::move(names);
+  attributes_.user_element = element_names_.empty() ? imported_.user_element.list()
+                                                    : std::span<const Index>(element_names_);
+}
 
 void Body::compile(Diagnostics& diagnostics, unsigned threads) {
   attributes_.initialise(complex(), diagnostics);
@@ -117,9 +123,32 @@ TopologyChange Body::change(const ComingOperation& operation, Operate operate) {
   return change;
 }
 
+/// Copies have the numbers of the elements of the mesh from which they come.
+void Body::name_copies(std::span<const Index> imported) {
+  if (imported.empty()) return;
+  std::vector<Index> numbers, names = std::move(element_names_);
+  const bool has_names = !names.empty();
+  for (const Index e : imported) {
+    numbers.push_back(imported_.user_element[e]);
+    if (has_names) names.push_back(names[e]);
+  }
+  imported_.user_element.append(imported_elements(), numbers);
+  name_elements(std::move(names));
+}
+
+void Body::follow_copies(const TopologyChange& change) {
+  const Index imported = imported_elements() - static_cast<Index>(change.copies.size());
+  std::vector<Index> origins;
+  for (const auto& [origin, copy] : change.copies)
+    origins.push_back(origin < imported ? origin : copied_element_[origin - imported]);
+  copied_element_.insert(copied_element_.end(), origins.begin(), origins.end());
+  name_copies(origins);
+}
+
 /// The one place where anything follows a change.
 void Body::follow(const TopologyChange& change) {
   for (const Split& split : change.splits[0]) user_vertex_.push_back(user_vertex_[split.old_cell]);
+  follow_copies(change);
   attributes_.apply(complex(), change);
   for (const auto& term : terms_) term->follow(complex(), change);
   constraints_.update(change, attributes_);
@@ -146,6 +175,24 @@ TopologyChange Body::pierce(const std::vector<Index>& elements) {
   return change({vertices, false}, [&] { return complex().pierce(elements); });
 }
 
+TopologyChange Body::clone_volume(const Cloning& cloning, std::span<const PartMoments> parts) {
+  std::vector<Index> vertices;
+  const auto add = [&](Index element) {
+    const Hexahedron& nodes = complex().vertices_of(element);
+    vertices.insert(vertices.end(), nodes.begin(), nodes.end());
+  };
+  for (const Index e : cloning.origins) add(e);
+  for (const Dart d : cloning.cut) add(element_of(d));
+  vertices = sorted_once(std::move(vertices));
+  return change({vertices, false}, [&] {
+    TopologyChange change = complex().clone_volume(cloning);
+    std::vector<Index> copies;
+    for (const Split& copy : change.copies) copies.push_back(copy.new_cell);
+    attributes_.add_parts(copies, parts);
+    return change;
+  });
+}
+
 /// Vertices that meet take the mean of their velocities; nothing is owed to each of them.
 TopologyChange Body::sew(const std::vector<Seam>& seams) {
   return change({{}, false}, [&] { return complex().sew(seams); });
@@ -162,6 +209,10 @@ void Body::state(Archive& archive) {
   if (archive.has_cells()) {
     archive("complex", imported_.complex);
     archive("user vertex", user_vertex_);
+    if (attributes_.parts().may_grow()) {
+      archive("copied elements", copied_element_);
+      if (archive.loads()) name_copies(copied_element_);
+    }
     bool has_islands = islands_.has_value();
     archive("has islands", has_islands);
     if (archive.loads() && has_islands && !islands_) islands_.emplace(complex());

@@ -55,6 +55,8 @@ class Body {
     const auto numbers = attributes_.user_element;
     return numbers.empty() ? element : numbers[element];
   }
+  /// Numbers for messages instead of those of the mesh, by element.
+  void name_elements(std::vector<Index> names);
   /// The mesh point of every vertex, including those created by cuts.
   const std::vector<Index>& user_vertex() const { return user_vertex_; }
 
@@ -118,6 +120,9 @@ class Body {
   /// Velocities are averaged by mass, so momentum is conserved. Joined vertices jump to their
   /// common centre of mass: bring them close together first.
   TopologyChange sew(const std::vector<Seam>& seams);
+  /// Replaces elements by copies, of each of which the given part is material. The energy that
+  /// this adds is work of the operation; momentum, mass and kinetic energy do not change.
+  TopologyChange clone_volume(const Cloning& cloning, std::span<const PartMoments> parts);
   /// The connected pieces, kept up to date through all operations after the first call.
   const Islands& islands();
 
@@ -128,10 +133,18 @@ class Body {
   template <class Operate>
   TopologyChange change(const ComingOperation& operation, Operate operate);
   void follow(const TopologyChange& change);
+  void name_copies(std::span<const Index> imported);
+  void follow_copies(const TopologyChange& change);
+  /// The number of elements of the mesh; copies follow.
+  Index imported_elements() const {
+    return imported_.complex.element_count() - static_cast<Index>(copied_element_.size());
+  }
 
   Imported imported_;
   Attributes attributes_;
   std::vector<Index> user_vertex_;
+  std::vector<Index> element_names_;   ///< empty: the numbers of the mesh
+  std::vector<Index> copied_element_;  ///< of the mesh, for each copy so far
   std::vector<std::unique_ptr<ForceTerm>> terms_;
   ForceLoop* models_ = nullptr;
   Constraints constraints_;

@@ -212,6 +212,7 @@ void Dynamics::book_removal(const TopologyChange& change) {
     if (std::ranges::binary_search(removal_->vertices, split.old_cell))
       vertices.push_back(split.new_cell);
   std::erase_if(vertices, [&](Index v) { return !body().complex().exists(0, v); });
+  for (const Split& copy : change.copies) removal_->elements.push_back(copy.new_cell);
   motion_.sums().resize(body().attributes().vertex_count());
   motion_.sums().forget_last();
   auto booked = removal_->booked.begin();

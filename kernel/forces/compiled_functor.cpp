@@ -218,8 +218,10 @@ void CompiledFunctor::build(const CellComplex& complex) {
   if (skipped()) return;
   const auto rows = wanted_rows(complex);
   if (rows.empty()) {
-    // Faces may join after a cut; elements never change their shape.
-    if (dimension_ == 3) reason_ = "no element of its region has the shape for which it is written";
+    // Faces may join after a cut, and elements may become parts; they never change their shape.
+    const bool may_come = on_parts_ && instance_.may_get_parts();
+    if (dimension_ == 3 && !may_come)
+      reason_ = "no element of its region has the shape for which it is written";
     list_ = {};
     return;
   }
@@ -237,6 +239,7 @@ void CompiledFunctor::update(const CellComplex& complex, const TopologyChange& c
   const Index before = rows_;
   rows_ = cells().size();
   const bool may_append = dimension_ != 2 || functor_.faces == SUTURE_ALL_FACES;
+  if (dimension_ == 3 && !on_parts_) return;  // new elements are parts
   if (!may_append || !list_.append(connectivity(complex), before, rows_, complex.count(0)))
     return build(complex);
   // Two vertices never meet in a third.

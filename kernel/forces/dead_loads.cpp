@@ -235,10 +235,30 @@ void DeadLoads::restart() {
   forget_last();
 }
 
+/// Each copy takes the share of its part.
+void DeadLoads::load_copies(Load& load, std::span<const Split> copies) const {
+  const ElementParts& parts = attributes_.parts();
+  const std::size_t before = load.corners.size();
+  for (std::size_t i = 0; i < before; ++i) {
+    const Corner corner = load.corners[i];
+    auto next = std::ranges::lower_bound(copies, corner.element, {}, &Split::old_cell);
+    for (; next != copies.end() && next->old_cell == corner.element; ++next) {
+      const auto& [origin, copy] = *next;
+      Corner part = corner;
+      part.element = copy;
+      if (corner.face != none)
+        part.face = face_dart(copy, static_cast<int>(local_face(corner.face)));
+      for (double& f : part.force) f *= parts.fraction(copy) / parts.fraction(origin);
+      load.corners.push_back(part);
+    }
+  }
+}
+
 void DeadLoads::follow(const CellComplex& complex, const TopologyChange& change) {
   const bool only_apart = change.faces_sewn == 0 && change.removed[3].empty();
   if (only_apart && change.splits[0].empty()) return;
   for (Load& load : loads_) {
+    if (!change.copies.empty()) load_copies(load, change.copies);
     std::erase_if(load.corners, [&](const Corner& corner) {
       return !complex.exists(3, corner.element) ||
              (corner.face != none && !is_open(complex, corner.face));

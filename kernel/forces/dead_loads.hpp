@@ -75,6 +75,7 @@ class DeadLoads final : public ForceTerm, public EnergyTerm, public WorkTerm {
   };
 
   void add_at_vertex(Load& load, const RestPlaces& rest, Index vertex, const Vec3& force) const;
+  void load_copies(Load& load, std::span<const Split> copies) const;
   static void sum_corners(Load& load, const RestPlaces& rest);
   double value(const Load& load) const;
 

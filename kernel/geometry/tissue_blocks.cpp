@@ -106,6 +106,19 @@ void TissueBlocks::find_lists(const CellComplex& complex) {
   }
 }
 
+/// A new element, and those that see it.
+void TissueBlocks::add_copy(const CellComplex& complex, Index element) {
+  const auto list = [&](Index seer, Index seen) {
+    for (const Index v : complex.vertices_of(seen)) add_once(v / per_box, lists_[seer / size]);
+  };
+  list(element, element);
+  for (int f = 0; f < hexahedron::faces; ++f)
+    if (const Index n = complex.neighbour(element, f); n != none) {
+      list(element, n);
+      list(n, element);
+    }
+}
+
 void TissueBlocks::follow(const CellComplex& complex, const TopologyChange& change) {
   if (empty()) return;
   for (const Split& split : change.splits[0]) {
@@ -114,6 +127,8 @@ void TissueBlocks::follow(const CellComplex& complex, const TopologyChange& chan
     boxes_now_.resize(blocks_of(now_.size(), per_box), no_box);
     include(boxes_now_[block], now_.back());
   }
+  lists_.resize(blocks_of(complex.element_count(), size));
+  for (const Split& copy : change.copies) add_copy(complex, copy.new_cell);
   const Stars& stars = change.stars[0];
   auto split = change.splits[0].begin();
   for (std::size_t i = 0; i < stars.size() && split != change.splits[0].end(); ++i) {

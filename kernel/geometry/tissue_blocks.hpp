@@ -66,6 +66,7 @@ class TissueBlocks {
   double vertices_moved(Index vertex_block) const;
   void find_boxes(std::size_t first, std::size_t last, const Places& places);
   void find_lists(const CellComplex& complex);
+  void add_copy(const CellComplex& complex, Index element);
 
   std::vector<Vec3> before_, now_;             ///< per vertex
   std::vector<Box> boxes_before_, boxes_now_;  ///< per block of vertices

@@ -15,11 +15,12 @@ namespace parts_test {
 
 using Values = std::map<std::string, double>;
 
-/// A body of one model from a mesh with parts.
+/// A body of one model from a mesh with parts. `may_grow`: cuts along blades make more of them.
 struct PartBody : suture::Body {
   PartBody(const Mesh& mesh, const std::string& id, const Values& wanted, unsigned threads = 1,
-           bool skip = true)
+           bool skip = true, bool may_grow = false)
       : suture::Body(import(mesh)) {
+    if (may_grow) attributes().let_parts_grow(complex());
     static suture::PluginHost host;
     const suture_model& model = host.model(id);
     std::vector<double> values;

@@ -5,9 +5,11 @@
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/timer.hpp"
+#include "kernel/build/embedded_parts.hpp"
 #include "kernel/geometry/moving_blade.hpp"
 #include "kernel/geometry/surface_blade.hpp"
 #include "kernel/mesh/box.hpp"
+#include "kernel/operations/cut_along.hpp"
 
 namespace suture::bench {
 namespace {
@@ -139,9 +141,46 @@ void measure_moving(const BladeOptions& options, Report& report) {
   add("in the body", (cells[1] / 2 + 0.1) * edge, (cells[2] / 2) * edge);
 }
 
+/// Oblique planes that divide the elements which they cross.
+void measure_divisions(const BladeOptions& options, Report& report) {
+  PluginHost host;
+  const auto cells = grid_of(options.moving);
+  report.begin(
+      "blade divisions",
+      "planes that divide the elements which they cross, one after the other, in a body of "
+      "tm-faure; us per divided element: parts and joints found, map and columns changed, "
+      "surface made again");
+  BenchBody body(
+      host, {.model = "tm-faure", .cells = cells, .threads = options.threads, .may_divide = true});
+  EmbeddedParts parts{Parts{}};
+  parts.let_grow(body.complex());
+  const double edge = 0.025;
+  const Vec3 centre{edge * cells[0] / 2, edge * cells[1] / 2, edge * cells[2] / 2};
+  for (const Vec3& normal : {Vec3{0.2, 0.3, 1}, {-0.3, 0.4, 1}, {1, 0.5, 0.3}}) {
+    const double start = now(options.threads);
+    const BladeCut cut = cut_along(body.complex(), parts.parts(),
+                                   body.attributes().position().rows(), {centre, normal}, "");
+    const double found = now(options.threads);
+    body.body().clone_volume(cut.cloning, cut.parts.moments);
+    const double cloned = now(options.threads);
+    parts.append(cut.parts, cut.cloning.origins);
+    (void)parts.embedding(body.complex());
+    const double done = now(options.threads);
+    const double us = 1e6 / cut.divided;
+    report.add(Line()
+                   .add("elements", double(body.complex().existing(3)))
+                   .add("divided", double(cut.divided))
+                   .add("find us", us * (found - start))
+                   .add("map and columns us", us * (cloned - found))
+                   .add("surface us", us * (done - cloned))
+                   .add("total us", us * (done - start)));
+  }
+}
+
 void run_blade(const BladeOptions& options, Report& report) {
   measure_sheets(options, report);
   measure_moving(options, report);
+  measure_divisions(options, report);
 }
 
 }  // namespace

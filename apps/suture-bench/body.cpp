@@ -68,6 +68,7 @@ BenchBody::BenchBody(PluginHost& host, const BodyOptions& options)
   for (std::size_t c = 0; c < 3; ++c) length_[c] = options.cell * options.cells[c];
   const suture_model& model = host.model(options.model);
   Stopwatch watch;
+  if (options.may_divide) attributes().let_parts_grow(body_->complex());
   attributes().add(
       std::make_unique<Instance>(model, options.model, parameters_of(model, options.parameters),
                                  diagnostics_, options.skip),

@@ -29,6 +29,7 @@ struct BodyOptions {
   Vec3 gravity{0, -9.8, 0};  ///< m/s^2
   double held = 0;           ///< m along z that is held, from the end
   bool skip = true;          ///< false: compute also what adds nothing
+  bool may_divide = false;   ///< cuts along blades may divide elements
   std::string integrator = "symplectic-euler";
   double dt = 0;  ///< s; 0: `safety` times the stable step
 };

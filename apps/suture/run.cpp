@@ -77,6 +77,7 @@ void print_summary(const RunSummary& summary, Console& console) {
   if (summary.exchanged > 0)
     text += ", balance " + significant(100 * summary.balance / summary.exchanged) + " %";
   if (summary.frames > 0) text += ", " + count(summary.frames, "frame");
+  if (summary.elements_cut > 0) text += ", " + count(summary.elements_cut, "element") + " cut";
   if (summary.faces_cut > 0) text += ", " + count(summary.faces_cut, "face") + " cut";
   if (summary.faces_torn > 0) text += ", " + count(summary.faces_torn, "face") + " torn";
   if (summary.faces_sewn > 0) text += ", " + count(summary.faces_sewn, "face") + " sewn";

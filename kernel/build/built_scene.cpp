@@ -26,6 +26,7 @@
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/mesh/own_origin.hpp"
 #include "kernel/parts/fill_shape.hpp"
+#include "kernel/parts/lattice.hpp"
 #include "kernel/topology/bad_elements.hpp"
 
 namespace suture {
@@ -105,8 +106,9 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
       body_(import_and_trim(std::move(mesh), scene_, diagnostics)),
       selector_(body_.imported(), names_, body_.attributes().rest(), frame_, parts_.parts()) {
   parts_.renumber(body_.imported().element_of);
-  if (!parts().empty()) body_.add_follower(parts_);
   check_parts(scene_, parts());
+  if (cuts_along_blades(scene_)) let_parts_grow();
+  if (!parts().empty() || body_.attributes().parts().may_grow()) body_.add_follower(parts_);
   check_selections(scene_, selector_);
   name_elements();
   add_models(diagnostics);
@@ -121,6 +123,23 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
   add_contact(diagnostics);
 }
 
+/// Before the models, which must allow it.
+void BuiltScene::let_parts_grow() {
+  const auto event = std::ranges::find_if(scene_.events, &Event::is_along_blade);
+  const std::string path = event->path + "/cut/along: ";
+  if (const Index e = first_off_lattice(body_.complex()); e != none)
+    throw InputError(
+        path + "element " + std::to_string(element_name(e)) +
+        " and a neighbour are not numbered along the same axes; a blade may divide the "
+        "elements of a regular grid only. Cut along \"faces\" instead");
+  try {
+    body_.attributes().let_parts_grow(body_.complex());
+  } catch (const InputError& error) {
+    throw InputError(path + error.what());
+  }
+  parts_.let_grow(body_.complex());
+}
+
 std::vector<bool> BuiltScene::stops_on_inversion() const {
   std::vector<bool> stops;
   for (const ModelUse& use : scene_.models)
@@ -130,9 +149,10 @@ std::vector<bool> BuiltScene::stops_on_inversion() const {
 
 void BuiltScene::name_elements() {
   if (names_.element_ids.empty()) return;
+  std::vector<Index> names;
   for (Index e = 0; e < body_.complex().element_count(); ++e)
-    element_ids_.push_back(static_cast<Index>(element_name(e)));
-  body_.attributes().user_element = element_ids_;
+    names.push_back(static_cast<Index>(element_name(e)));
+  body_.name_elements(std::move(names));
 }
 
 void BuiltScene::add_models(Diagnostics& diagnostics) {

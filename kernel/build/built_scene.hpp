@@ -35,6 +35,7 @@ class BuiltScene {
   /// The elements of which only a part is material, and the surface inside them; empty if all are
   /// full.
   const Parts& parts() const { return parts_.parts(); }
+  EmbeddedParts& embedded_parts() { return parts_; }
   /// The same on the vertices of the body as it is now.
   const Embedding& embedding() { return parts_.embedding(body_.complex()); }
   const Selector& selector() const { return selector_; }
@@ -53,6 +54,7 @@ class BuiltScene {
 
  private:
   BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, bool skip);
+  void let_parts_grow();
   void name_elements();
   void add_models(Diagnostics& diagnostics);
   std::vector<std::vector<GivenColumn>> read_values();
@@ -71,7 +73,6 @@ class BuiltScene {
   Selector selector_;
   std::unique_ptr<Dynamics> dynamics_;
   std::unique_ptr<StepLimits> limits_;
-  std::vector<Index> element_ids_;  ///< by element, if the file has its own numbers
 };
 
 }  // namespace suture

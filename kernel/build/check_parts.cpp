@@ -1,18 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/build/check_parts.hpp"
 
+#include <algorithm>
+
 #include "kernel/base/error.hpp"
 
 namespace suture {
 namespace {
 
-constexpr const char* acts_on_whole_faces =
-    "acts on whole faces of elements, and the surface of this body lies inside of elements; ";
+constexpr const char* acts_on_whole_faces = "acts on whole faces of elements, and ";
+constexpr const char* surface_is_inside = "the surface of this body lies inside of elements; ";
+constexpr const char* blade_is_inside =
+    "cuts with \"along\": \"blade\" leave faces inside of elements; ";
 constexpr const char* or_whole_cubes =
     " or fill the surface with whole cubes: 'suture mesh voxelize', and \"file\" in /mesh";
+constexpr const char* or_along_faces = " or cut along \"faces\"";
 
 class PartsCheck {
  public:
+  /// `by_blade`: the body has no parts, but cuts make some.
+  explicit PartsCheck(bool by_blade) : by_blade_(by_blade) {}
   void check(const Scene& scene) {
     if (scene.contact.pieces)
       refuse(scene.contact.self ? "/contact/self" : "/contact/pieces", "remove it,");
@@ -40,28 +47,40 @@ class PartsCheck {
     mistakes_ += (mistakes_.empty() ? "" : "\n") + path + ": " + text;
   }
   void refuse(const std::string& path, const std::string& remedy) {
-    add(path, acts_on_whole_faces + remedy + or_whole_cubes);
+    add(path, std::string(acts_on_whole_faces) + (by_blade_ ? blade_is_inside : surface_is_inside) +
+                  remedy + (by_blade_ ? or_along_faces : or_whole_cubes));
   }
 
+  bool by_blade_;
   std::string mistakes_;
 };
 
 }  // namespace
 
+bool cuts_along_blades(const Scene& scene) {
+  return std::ranges::any_of(scene.events, &Event::is_along_blade);
+}
+
 void check_parts(const Scene& scene, const Parts& parts) {
-  if (parts.empty() && scene.output.surface)
+  const bool by_blade = parts.empty() && cuts_along_blades(scene);
+  if (parts.empty() && !by_blade && scene.output.surface)
     throw InputError(
-        "/output/surface: is for bodies with \"surface\" in /mesh; remove it, and let the viewer "
-        "extract the surface of the frames");
-  if (parts.empty()) return;
-  PartsCheck check;
+        "/output/surface: is for bodies with \"surface\" in /mesh, and for cuts along a blade; "
+        "remove "
+        "it, and let the viewer extract the surface of the frames");
+  if (parts.empty() && !by_blade) return;
+  PartsCheck check(by_blade);
   check.check(scene);
   check.throw_if_any();
 }
 
-void check_parts(const Event& event, const Parts& parts) {
-  if (parts.empty()) return;
-  PartsCheck check;
+void check_parts(const Event& event, const Parts& parts, bool may_grow) {
+  if (event.is_along_blade() && !may_grow)
+    throw InputError(event.path +
+                     "/cut/along: the scene has no cut along a blade, so its models are not "
+                     "prepared for parts of elements; add such an event to the scene");
+  if (parts.empty() && !may_grow) return;
+  PartsCheck check(parts.empty());
   check.check(event);
   check.throw_if_any();
 }

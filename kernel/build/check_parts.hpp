@@ -6,12 +6,15 @@
 
 namespace suture {
 
-/// Refuses what would act on, or show, whole faces of elements of which only a part is material;
-/// and, without such elements, what needs them. Throws one InputError with a line "PATH: TEXT" for
-/// each.
+/// Whether the scene has cuts along blades, which leave parts of elements.
+bool cuts_along_blades(const Scene& scene);
+
+/// Refuses what would act on, or show, whole faces of elements of which only a part is material, or
+/// becomes so during the run; and, without such elements, what needs them. Throws one InputError
+/// with a line "PATH: TEXT" for each.
 void check_parts(const Scene& scene, const Parts& parts);
 
-/// The same for an event during the run.
-void check_parts(const Event& event, const Parts& parts);
+/// The same for an event during the run. `may_grow`: cuts along blades are allowed in it.
+void check_parts(const Event& event, const Parts& parts, bool may_grow);
 
 }  // namespace suture

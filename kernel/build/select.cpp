@@ -268,6 +268,11 @@ Vec3 Selector::centroid_of(Index e, const double* rows) const {
 
 std::vector<Index> Selector::elements_now(const Selection& selection, const double* rows) const {
   std::vector<Index> result = listed_elements(selection);
+  const std::size_t listed = result.size();  // copies of them, too
+  for (auto e = static_cast<Index>(names_.element_count); e < element_count() && listed > 0; ++e)
+    if (std::binary_search(result.begin(), result.begin() + std::ptrdiff_t(listed),
+                           imported_.element_of[imported_.user_element[e]]))
+      result.push_back(e);
   std::erase_if(result, [&](Index e) { return !imported_.complex.exists(3, e); });
   const std::vector<Index> located = located_elements(selection, rows);
   result.insert(result.end(), located.begin(), located.end());

@@ -48,7 +48,7 @@ class Selector {
   /// Elements whose centroid is selected (for ids and sets, the named elements).
   std::vector<Index> elements(const Selection& selection) const;
   /// The same during a run: the remaining elements, by their centroids, where vertex v is at rows[4
-  /// v]. May be empty.
+  /// v]. Copies of named elements are named, too. May be empty.
   std::vector<Index> elements_now(const Selection& selection, const double* rows) const;
   /// One dart of each boundary face whose four vertices are selected.
   std::vector<Dart> boundary_faces(const Selection& selection) const;

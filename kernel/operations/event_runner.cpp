@@ -9,6 +9,7 @@
 #include "kernel/geometry/moving_blade.hpp"
 #include "kernel/geometry/surface_blade.hpp"
 #include "kernel/geometry/surface_file.hpp"
+#include "kernel/operations/cut_along.hpp"
 #include "kernel/operations/cut_faces.hpp"
 #include "kernel/operations/islands.hpp"
 #include "kernel/operations/match_faces.hpp"
@@ -21,6 +22,7 @@ EventOutcome& EventOutcome::operator+=(const EventOutcome& other) {
   faces_torn += other.faces_torn;
   faces_sewn += other.faces_sewn;
   elements_removed += other.elements_removed;
+  elements_cut += other.elements_cut;
   return *this;
 }
 
@@ -29,6 +31,7 @@ std::string EventOutcome::text() const {
   const auto add = [&](const char* verb, Index n, const char* what) {
     if (n > 0) text += (text.empty() ? "" : ", ") + std::string(verb) + count_text(n, what);
   };
+  add("cut ", elements_cut, "element");
   add("cut ", faces_cut, "face");
   add("tore ", faces_torn, "face");
   add("sewed ", faces_sewn, "face");
@@ -85,9 +88,12 @@ struct EventRunner::Call {
   const Workers* workers() const { return &built.body().models().workers(); }
 
   EventOutcome operator()(const CutPlane& plane) const {
+    if (plane.along_blade) return cut_along_blade(plane);
     return cut(faces_across_patch(built.body().complex(), shape(),
                                   {plane.point, plane.normal, plane.radius, plane.polygon}));
   }
+
+  EventOutcome cut_along_blade(const CutPlane& plane) const;
 
   EventOutcome operator()(const CutSurface&) const {
     const Places places{shape()};
@@ -175,6 +181,24 @@ struct EventRunner::Call {
     return outcome;
   }
 };
+
+EventOutcome EventRunner::Call::cut_along_blade(const CutPlane& plane) const {
+  const BladeCut cut = cut_along(built.body().complex(), built.parts(), shape(),
+                                 {plane.point, plane.normal, plane.radius, plane.polygon},
+                                 event.path + "/cut/along");
+  EventOutcome outcome;
+  if (cut.empty()) {
+    warn_once(" cut no element: the blade misses the body" + or_is_cut());
+    return outcome;
+  }
+  outcome.faces_cut = static_cast<Index>(cut.cloning.cut.size());
+  outcome.elements_cut = cut.divided;
+  for (const Dart side : cut.cloning.cut)
+    outcome.faces.push_back({element_of(side), element_of(built.body().complex().beta3(side))});
+  built.body().clone_volume(cut.cloning, cut.parts.moments);
+  built.embedded_parts().append(cut.parts, cut.cloning.origins);
+  return outcome;
+}
 
 std::vector<Seam> EventRunner::Call::seams_of(const SewFaces& sew) const {
   const CellComplex& complex = built.body().complex();
@@ -331,7 +355,7 @@ void EventRunner::check_pairs(const Event& event, const SewFaces& sew) const {
 void EventRunner::follow(const CellComplex& complex, const TopologyChange& change) {
   const bool sewn = change.faces_sewn != 0;
   for (State& state : states_) {
-    if (state.tear && (sewn || !change.removed[3].empty())) state.tear->invalidate();
+    if (state.tear && (sewn || !change.removed[3].empty())) state.tear->invalidate(change.copies);
     if (state.blade && sewn)
       state.blade->reset();
     else if (state.blade)
@@ -419,6 +443,7 @@ void EventRunner::state(Archive& archive) {
   });
   archive("removals", removals_);
   archive.each("opened", opened_);
+  if (built_.body().attributes().parts().may_grow()) archive("parts", built_.embedded_parts());
 }
 
 }  // namespace suture

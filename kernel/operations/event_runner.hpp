@@ -33,9 +33,12 @@ class SurfaceBlade;
 /// The effect of an operation.
 struct EventOutcome {
   Index faces_cut = 0, faces_torn = 0, faces_sewn = 0, elements_removed = 0;
+  Index elements_cut = 0;                     ///< along the blade
   std::vector<std::array<Index, 2>> faces{};  ///< the elements on both sides of each face
   std::vector<Index> removed{};               ///< elements
-  bool changed() const { return faces_cut + faces_torn + faces_sewn + elements_removed > 0; }
+  bool changed() const {
+    return faces_cut + faces_torn + faces_sewn + elements_removed + elements_cut > 0;
+  }
   EventOutcome& operator+=(const EventOutcome& other);
   /// "cut 25 faces"; "" if nothing was changed.
   std::string text() const;

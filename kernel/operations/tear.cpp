@@ -293,8 +293,13 @@ void TearCheck::state(Archive& archive) {
   if (!archive.has_cells()) return;
   std::vector<char> chosen = is_chosen_;
   archive("chosen", chosen);
-  archive.require(chosen == is_chosen_, "the elements that may tear differ");
-  if (archive.loads()) invalidate();
+  const auto built =
+      chosen.begin() + std::min<std::ptrdiff_t>(std::ssize(is_chosen_), std::ssize(chosen));
+  archive.require(std::equal(chosen.begin(), built, is_chosen_.begin(), is_chosen_.end()),
+                  "the elements that may tear differ");
+  if (!archive.loads()) return;
+  is_chosen_ = std::move(chosen);  // with those of copies
+  invalidate({});
 }
 
 }  // namespace suture

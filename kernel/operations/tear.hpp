@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -53,8 +54,12 @@ class TearCheck {
   /// result does not depend on the number of threads.
   std::vector<Dart> faces(Body& body, double time);
 
-  /// Call after elements were removed or rest positions changed.
-  void invalidate() { is_built_ = false; }
+  /// Call after elements were removed or copied, or rest positions changed.
+  void invalidate(std::span<const Split> copies) {
+    is_built_ = false;
+    for (const Split& copy : copies)
+      if (!is_chosen_.empty()) is_chosen_.push_back(char{is_chosen_[copy.old_cell]});
+  }
   /// The metric is rebuilt from the loaded attributes, with the same bits.
   void state(Archive& archive);
 

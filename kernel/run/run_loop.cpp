@@ -151,6 +151,7 @@ void RunLoop::take_over(const EventOutcome& outcome) {
   is_unbalanced_ = true;
   summary_.faces_cut += outcome.faces_cut;
   summary_.faces_torn += outcome.faces_torn;
+  summary_.elements_cut += outcome.elements_cut;
   summary_.faces_sewn += outcome.faces_sewn;
   summary_.elements_removed += outcome.elements_removed;
   control_.after_event();
@@ -165,15 +166,13 @@ void RunLoop::report_sleep(Observer& observer) {
 }
 
 EventOutcome RunLoop::apply(const Event& event, Observer& observer) {
-  check_parts(event, built_.parts());
+  check_parts(event, built_.parts(), built_.body().attributes().parts().may_grow());
   const EventOutcome outcome = events_.apply(in_frame(event, built_.frame()), clock_.time());
   take_over(outcome);
   if (outcome.changed())
     observer.on_message(event_line(outcome, clock_.time(), built_.body().islands().existing()));
   return outcome;
 }
-
-// -------------------------------------------------------- changes from outside --
 
 namespace {
 
@@ -494,6 +493,7 @@ void RunLoop::state(Archive& archive) {
   archive("faces torn", summary_.faces_torn);
   archive("faces sewn", summary_.faces_sewn);
   archive("elements removed", summary_.elements_removed);
+  if (built_.body().attributes().parts().may_grow()) archive("elements cut", summary_.elements_cut);
 }
 
 }  // namespace suture

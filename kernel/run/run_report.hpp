@@ -42,7 +42,8 @@ struct RunSummary {
   Outcome outcome = Outcome::finished;
   std::uint64_t steps = 0, frames = 0, inverted_elements = 0;
   std::uint64_t faces_cut = 0, faces_torn = 0, faces_sewn = 0, elements_removed = 0;
-  std::uint64_t rollbacks = 0;  ///< number of rollbacks
+  std::uint64_t elements_cut = 0;  ///< along the blade
+  std::uint64_t rollbacks = 0;     ///< number of rollbacks
   /// J: the unexplained remainder without its recoverable part, and its scale; 0: rounding.
   double balance = 0, exchanged = 0;
   double time = 0, dt = 0;  ///< s; dt of the last step

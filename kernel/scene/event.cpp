@@ -11,9 +11,8 @@ namespace {
 struct What {
   std::string operator()(const CutPlane& cut) const {
     const bool bounded = cut.radius < std::numeric_limits<double>::infinity();
-    return bounded               ? "the faces crossed by a disc"
-           : cut.polygon.empty() ? "the faces crossed by a plane"
-                                 : "the faces crossed by a polygon";
+    const std::string blade = bounded ? "a disc" : cut.polygon.empty() ? "a plane" : "a polygon";
+    return cut.along_blade ? "along " + blade : "the faces crossed by " + blade;
   }
   std::string operator()(const CutSurface& cut) const {
     return "the faces that the triangles of " + cut.file.filename().string() + " separate";

@@ -24,6 +24,8 @@ struct CutPlane {
   Vec3 point, normal;
   double radius = std::numeric_limits<double>::infinity();  ///< of a disc around `point`, m
   std::vector<Vec3> polygon{};                              ///< in the plane, m; empty: unbounded
+  /// The cut is where the plane is, and divides the elements that it crosses.
+  bool along_blade = false;
 };
 
 /// Opens the faces that a triangulated surface separates.
@@ -124,6 +126,10 @@ struct Event {
   /// May have an effect in many steps.
   bool repeats() const { return every > 0 || std::holds_alternative<CutBlade>(what); }
   bool is_timed() const { return !repeats() && !when; }
+  bool is_along_blade() const {
+    const auto* plane = std::get_if<CutPlane>(&what);
+    return plane != nullptr && plane->along_blade;
+  }
   /// "pierce, every 4 steps from 0.5 s: ...", for `suture explain`.
   std::string summary() const;
   /// The first and the last time at which it can happen, s.

@@ -214,6 +214,19 @@ std::vector<std::array<std::uint64_t, 2>> read_pairs(const JsonValue& value,
   return pairs;
 }
 
+/// "along": what the cut follows. Blades of other kinds than planes open faces only.
+void read_along(ObjectReader& cut, EventOperation& result) {
+  static const std::array<std::string, 2> ways{"faces", "blade"};
+  if (cut.choice("along", ways) != 1u) return;
+  if (auto* plane = std::get_if<CutPlane>(&result))
+    plane->along_blade = true;
+  else
+    cut.complain(
+        "along",
+        "\"blade\" is for a \"plane\" only, with or without a radius or polygon; cut along "
+        "\"faces\", or with a plane");
+}
+
 EventOperation read_cut(ObjectReader cut, Reading& reading) {
   static const std::array<std::string, 4> kinds{"plane", "surface", "blade", "faces"};
   const auto kind = cut.one_of(kinds);
@@ -225,6 +238,7 @@ EventOperation read_cut(ObjectReader cut, Reading& reading) {
     if (*kind == 1) result = read_surface({inner, path, cut.mistakes()}, reading);
     if (*kind == 2) result = read_blade({inner, path, cut.mistakes()}, reading);
     if (*kind == 3) result = CutFaces{read_pairs(inner, path, cut.mistakes())};
+    read_along(cut, result);
   }
   cut.finish();
   return result;

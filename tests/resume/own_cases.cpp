@@ -110,6 +110,37 @@ Case springs(Random& random, unsigned, std::uint64_t) {
   return result;
 }
 
+/// Cuts along the blade: elements appear.
+Case along(Random& random, unsigned, std::uint64_t) {
+  Case result = bar("along", random, {10, 3, 3});
+  Json& scene = result.scene;
+  if (random.chance(0.4)) scene["models"] = lattice(1);
+  scene["solver"]["damping"] = random.between(0, 5);
+  scene["solver"]["end"] = 1;
+  scene["events"] = Json::array();
+  for (int i = 0; i < 3; ++i) {
+    Json cut = across(random.between(0.2, 0.8), random);
+    cut["along"] = "blade";
+    if (random.chance(0.3)) cut["plane"]["radius"] = random.between(0.1, 0.3);
+    scene["events"].push_back({{"at", random.between(0.05, 0.95)}, {"cut", cut}});
+  }
+  if (random.chance(0.4))
+    scene["events"].push_back({{"at", random.between(0.05, 0.95)}, {"cut", across(0.4, random)}});
+  if (random.chance(0.4))
+    scene["events"].push_back(
+        {{"at", random.between(0.05, 0.95)},
+         {"pierce", {{"path", {{0.3, -2, 0.1}, {0.3, 2, 0.1}}}, {"radius", 0.06}}}});
+  if (random.chance(0.4))
+    scene["events"].push_back(
+        {{"every", 3}, {"tear", {{"by", "elongation"}, {"above", random.between(0.03, 0.1)}}}});
+  if (random.chance(0.3)) scene["solver"]["sleep"] = {{"acceleration", 0.1}, {"velocity", 0.01}};
+  if (random.chance(0.3)) scene["solver"].update({{"integrator", "newmark"}, {"dt", 0.02}});
+  add_output(scene, random);
+  scene["output"].erase("cuts");
+  scene["output"]["surface"] = random.chance(0.5);
+  return result;
+}
+
 Case when(Random& random, unsigned, std::uint64_t) {
   Case result = bar("when", random);
   Json& scene = result.scene;
@@ -365,7 +396,7 @@ std::vector<Kind> own_kinds() {
           {"when", 1, 8, when},         {"moody", 2, 16, moody},  {"memory", 1, 10, memory},
           {"large", 1, 9, large},       {"dense", 1, 8, dense},   {"implicit", 3, 9, implicit},
           {"adaptive", 2, 8, adaptive}, {"varied", 2, 8, varied}, {"obstacles", 2, 8, obstacles},
-          {"phases", 1, 8, phases},     {"filled", 2, 8, filled}};
+          {"phases", 1, 8, phases},     {"filled", 2, 8, filled}, {"along", 2, 12, along}};
 }
 
 }  // namespace suture::test

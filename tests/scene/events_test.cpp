@@ -43,6 +43,16 @@ TEST(Events, OfOneTimeKeepTheirOrderAndRepeatedOnesStartFromWhereTheyStart) {
   EXPECT_EQ(condition.every, 10u);
 }
 
+TEST(Events, PlanesMayCutAlongTheBlade) {
+  const auto cut = [](const std::string& along) {
+    return only<CutPlane>(
+        R"({"at": 0, "cut": {"plane": {"point": [1, 2, 3], "normal": [0, 0, 2]})" + along + "}}");
+  };
+  EXPECT_FALSE(cut("").along_blade);
+  EXPECT_FALSE(cut(R"(, "along": "faces")").along_blade);
+  EXPECT_TRUE(cut(R"(, "along": "blade")").along_blade);
+}
+
 TEST(Events, PlanesMayBeBounded) {
   const auto disc = only<CutPlane>(
       R"({"at": 0, "cut": {"plane": {"point": [1, 2, 3], "normal": [0, 0, 2], "radius": 0.5}}})");
@@ -142,6 +152,10 @@ INSTANTIATE_TEST_SUITE_P(
     What, EventMistakes,
     ::testing::Values(
         BadEvent{R"({"at": 0, "cutt": {"faces": [[0, 1]]}})", "/events/0", "exactly one of 'cut'"},
+        BadEvent{R"({"at": 0, "cut": {"faces": [[0, 1]], "along": "blade"}})",
+                 "/events/0/cut/along", "is for a \"plane\" only"},
+        BadEvent{R"({"at": 0, "cut": {"faces": [[0, 1]], "along": "lips"}})", "/events/0/cut/along",
+                 "'faces', 'blade'"},
         BadEvent{
             R"({"at": 0, "cut": {"plane": {"point": [0,0,0], "normal": [1,0,0], "radius": 0}}})",
             "/events/0/cut/plane/radius", "> 0 m"},

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Scenes with cuts along blades: frames, selections, what is refused and where.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernel/base/archive.hpp"
+#include "kernel/base/error.hpp"
+#include "kernel/base/vec3.hpp"
+#include "kernel/build/check_parts.hpp"
+#include "kernel/geometry/surface_file.hpp"
+#include "kernel/output/frame_file.hpp"
+#include "kernel/plugin_host/plugin_host.hpp"
+#include "kernel/results/frame_parts.hpp"
+#include "kernel/results/side_series.hpp"
+#include "tests/geometry/surfaces.hpp"
+
+namespace suture {
+namespace {
+
+using test::error_of;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+
+Event along(const Vec3& point, const Vec3& normal) {
+  Event event;
+  event.what = CutPlane{.point = point, .normal = normal, .along_blade = true};
+  event.path = "/events/0";
+  return event;
+}
+
+/// A bar of 8 x 2 x 2 elements of 1 m, cut at 30 degrees.
+Scene bar() {
+  static PluginHost plugins;
+  Scene scene;
+  scene.mesh.box = BoxOptions{{2, 0, 0}, {8, 2, 2}, {8, 2, 2}};
+  ModelUse use;
+  use.name = "tm-faure";
+  use.model = &plugins.model("tm-faure");
+  for (std::uint32_t p = 0; p < use.model->parameter_count; ++p)
+    use.parameters.push_back(use.model->parameters[p].default_value);
+  scene.models.push_back(use);
+  scene.output.fields = {"displacement", "element_id"};
+  scene.output.surface = true;
+  scene.events = {along({6, 1, 1}, {std::cos(M_PI / 6), 0, std::sin(M_PI / 6)})};
+  return scene;
+}
+
+Scene ball() {
+  static const std::filesystem::path file = [] {
+    const auto path = test::file_with("ball.off", "");
+    write_surface(path, test::sphere_surface({3, 0, 0}, 1, 4));
+    return path;
+  }();
+  Scene scene = bar();
+  scene.mesh.box.reset();
+  scene.mesh.surface = FilledSurface{file, {.edge = 0.2}};
+  scene.events = {along({3, 0, 0.05}, {0.3, 0.2, 1})};
+  return scene;
+}
+
+struct Built {
+  explicit Built(const Scene& of) : scene(of) {}
+  Frame frame() {
+    Frame frame;
+    set_geometry(frame, built);
+    fill_fields(fields, FieldChoice::On::points, built, {}, 0, frame.point_fields);
+    fill_fields(fields, FieldChoice::On::cells, built, {}, 0, frame.cell_fields);
+    leave_out(frame, built);
+    check_frame(frame);
+    return frame;
+  }
+  Frame surface() {
+    Frame frame;
+    side_series(scene.output, fields, built, events).at(0).fill(frame, 0, {});
+    check_frame(frame);
+    return frame;
+  }
+
+  Scene scene;
+  Diagnostics diagnostics;
+  BuiltScene built{scene, diagnostics};
+  EventRunner events{built.scene(), built, diagnostics};
+  std::vector<FieldChoice> fields = choose_fields(built, scene.output);
+};
+
+double six_volumes(const Frame& frame) {
+  double six = 0;
+  for (const auto& [a, b, c, d] : frame.tetrahedra) {
+    const Vec3 &o = frame.points[a], p = minus(frame.points[b], o), q = minus(frame.points[c], o);
+    six += dot(cross(p, q), minus(frame.points[d], o));
+  }
+  return six;
+}
+
+Vec3 six_areas(const Frame& frame, const SmallCell& t) {
+  const Vec3 &a = frame.points[t[0]], b = minus(frame.points[t[1]], a);
+  return cross(b, minus(frame.points[t[2]], a));
+}
+
+/// Six times the volume inside, and the area of the lips.
+std::pair<double, double> measures(const Frame& surface) {
+  std::pair<double, double> sum{};
+  const auto& cut = surface.cell_fields.back().ids;
+  for (std::size_t t = 0; t < surface.cells.size(); ++t) {
+    const Vec3 area = six_areas(surface, surface.cells[t]);
+    sum.first += dot(surface.points[surface.cells[t][0]], area);
+    if (cut[t] != 0) sum.second += norm(area) / 2;
+  }
+  return sum;
+}
+
+TEST(BladeScene, FramesShowPartsAndLips) {
+  Built bar_of(bar());
+  EXPECT_EQ(bar_of.frame().hexahedra.size(), 32u);
+  const auto [volume, closed] = measures(bar_of.surface());
+  EXPECT_NEAR(volume, 6 * 32, 1e-10);
+  EXPECT_EQ(closed, 0);
+  const EventOutcome outcome = bar_of.events.fire(0, 0);
+  EXPECT_EQ(outcome.text(), "cut 4 elements");
+  const Frame frame = bar_of.frame();
+  EXPECT_EQ(frame.hexahedra.size(), 28u);
+  EXPECT_NEAR(six_volumes(frame), 6 * 4, 1e-10);
+  const auto [inside, lips] = measures(bar_of.surface());
+  EXPECT_NEAR(inside, 6 * 32, 1e-10);
+  EXPECT_NEAR(lips / (2 * 4 / std::cos(M_PI / 6)), 1, 0.005);
+  // Copies have the numbers of the elements in the mesh.
+  const auto& ids = frame.cell_fields[0].ids;
+  ASSERT_EQ(ids.size(), frame.hexahedra.size() + frame.tetrahedra.size());
+  EXPECT_LT(*std::ranges::max_element(ids), 32);
+}
+
+TEST(BladeScene, BodiesFromSurfacesAreCutToo) {
+  Built ball_of(ball());
+  const auto [volume, closed] = measures(ball_of.surface());
+  ball_of.events.fire(0, 0);
+  const auto [inside, lips] = measures(ball_of.surface());
+  EXPECT_NEAR(inside, volume, 1e-11 * volume);
+  const double distance = 0.05 / norm(Vec3{0.3, 0.2, 1});
+  EXPECT_EQ(closed, 0);
+  EXPECT_NEAR(lips / (2 * M_PI * (1 - distance * distance)), 1, 0.01);
+  EXPECT_EQ(ball_of.built.body().islands().existing(), 2u);
+}
+
+TEST(BladeScene, SelectionsByNumberFindCopies) {
+  Built bar_of(bar());
+  const Selector& selector = bar_of.built.selector();
+  const double* rows = bar_of.built.body().attributes().position().rows();
+  Selection::Ids ids;
+  ids.ids = {3, 4};
+  EXPECT_EQ(selector.elements_now({ids, "/here"}, rows).size(), 2u);
+  bar_of.events.fire(0, 0);
+  rows = bar_of.built.body().attributes().position().rows();
+  const std::vector<Index> found = selector.elements_now({ids, "/here"}, rows);
+  EXPECT_GT(found.size(), 2u);
+  for (const Index e : found) {
+    EXPECT_TRUE(bar_of.built.body().complex().exists(3, e));
+    EXPECT_THAT(bar_of.built.element_name(e), testing::AnyOf(3u, 4u));
+  }
+}
+
+TEST(BladeScene, CopiesOfCopiesHaveTheNumberOfTheElementInTheMesh) {
+  Scene scene = bar();
+  scene.events.push_back(along({6, 1, 1}, {1, 0.3, -0.4}));
+  scene.events.push_back(along({6, 1, 1}, {1, -0.7, 0.2}));
+  Built bar_of(scene);
+  for (std::size_t i = 0; i < 3; ++i) bar_of.events.fire(i, 0);
+  Body& body = bar_of.built.body();
+  StateTree tree;
+  save_state(tree, body);
+  Built loaded(scene);
+  load_state(tree, loaded.built.body());
+  std::size_t copies = 0;
+  for (Index e = 0; e < body.complex().element_count(); ++e) {
+    if (!body.complex().exists(3, e)) continue;
+    copies += e >= 32 ? 1 : 0;
+    const Index v = body.complex().vertices_of(e)[0];
+    const auto at = [&](int c) { return Index(std::lround(body.attributes().rest().get(v, c))); };
+    const Index number = at(0) + 8 * (at(1) + 2 * at(2));
+    ASSERT_EQ(bar_of.built.element_name(e), number);
+    ASSERT_EQ(loaded.built.element_name(e), number);
+    ASSERT_EQ(body.user_element(e), number);
+  }
+  EXPECT_GT(copies, 20u);
+}
+
+TEST(BladeScene, RefusesWhatActsOnWholeFaces) {
+  const auto error = [](auto change) {
+    Scene scene = bar();
+    change(scene);
+    return error_of<InputError>([&] { const Built built(scene); });
+  };
+  const auto load = [](Load::Kind kind) {
+    return [kind](Scene& scene) { scene.loads.emplace_back().kind = kind; };
+  };
+  EXPECT_THAT(error([](Scene&) {}), IsEmpty());
+  EXPECT_THAT(error(load(Load::Kind::pressure)),
+              AllOf(StartsWith("/loads/0/pressure: acts on whole faces of elements, and cuts with "
+                               "\"along\": \"blade\" leave faces inside of elements"),
+                    HasSubstr("or cut along \"faces\"")));
+  EXPECT_THAT(error(load(Load::Kind::traction)), StartsWith("/loads/0/traction: acts on whole"));
+  EXPECT_THAT(error([](Scene& scene) { scene.contact.pieces = true; }),
+              StartsWith("/contact: acts on whole"));
+  EXPECT_THAT(error([](Scene& scene) { scene.output.cuts = true; }),
+              StartsWith("/output/cuts: shows whole faces"));
+  EXPECT_THAT(error([](Scene& scene) {
+                scene.events.push_back({.what = SewFaces{}, .path = "/events/1"});
+              }),
+              StartsWith("/events/1/suture: acts on whole"));
+  EXPECT_THAT(error([](Scene& scene) { scene.mesh.box->grading = {1, 1, 2}; }), IsEmpty());
+}
+
+std::shared_ptr<Mesh> mesh_of_bar() {
+  return std::make_shared<Mesh>(make_box({{0, 0, 0}, {8, 2, 2}, {8, 2, 2}}));
+}
+
+TEST(BladeScene, RefusesMeshesThatAreNoGrid) {
+  const auto error = [](std::shared_ptr<const Mesh> mesh) {
+    Scene scene = bar();
+    scene.mesh.box.reset();
+    scene.mesh.given = std::move(mesh);
+    return error_of<InputError>([&] { const Built built(scene); });
+  };
+  EXPECT_THAT(error(mesh_of_bar()), IsEmpty());
+  auto bent = mesh_of_bar();
+  bent->points[13][0] += 0.1;
+  EXPECT_THAT(error(bent), AllOf(StartsWith("/events/0/cut/along: element "),
+                                 HasSubstr("is not a parallelepiped at rest")));
+  auto turned = mesh_of_bar();
+  const Hexahedron h = turned->hexahedra[9];
+  turned->hexahedra[9] = {h[1], h[3], h[0], h[2], h[5], h[7], h[4], h[6]};
+  EXPECT_THAT(error(turned), AllOf(StartsWith("/events/0/cut/along: element "),
+                                   HasSubstr("not numbered along the same axes")));
+}
+
+TEST(BladeScene, RefusesCutsForWhichItIsNotPrepared) {
+  const Event event = along({0, 0, 0}, {1, 0, 0});
+  EXPECT_THAT(error_of<InputError>([&] { check_parts(event, {}, false); }),
+              StartsWith("/events/0/cut/along: the scene has no cut along a blade"));
+  EXPECT_NO_THROW(check_parts(event, {}, true));
+}
+
+}  // namespace
+}  // namespace suture

@@ -215,7 +215,7 @@ void Body::state(Archive& archive) {
     }
     bool has_islands = islands_.has_value();
     archive("has islands", has_islands);
-    if (archive.loads() && has_islands && !islands_) islands_.emplace(complex());
+    if (archive.loads() && has_islands) islands_.emplace(complex());  // with copies
     if (has_islands) archive("islands", *islands_);
   }
   archive("attributes", attributes_);

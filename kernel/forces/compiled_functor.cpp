@@ -239,8 +239,9 @@ void CompiledFunctor::update(const CellComplex& complex, const TopologyChange& c
   const Index before = rows_;
   rows_ = cells().size();
   const bool may_append = dimension_ != 2 || functor_.faces == SUTURE_ALL_FACES;
-  if (dimension_ == 3 && !on_parts_) return;  // new elements are parts
-  if (!may_append || !list_.append(connectivity(complex), before, rows_, complex.count(0)))
+  const bool gets_rows = dimension_ != 3 || on_parts_;  // new elements are parts
+  if (!may_append ||
+      (gets_rows && !list_.append(connectivity(complex), before, rows_, complex.count(0))))
     return build(complex);
   // Two vertices never meet in a third.
   if (dimension_ > 0 && !change.merges[0].empty() && !follow_merges(complex, change))

@@ -299,7 +299,7 @@ void TearCheck::state(Archive& archive) {
                   "the elements that may tear differ");
   if (!archive.loads()) return;
   is_chosen_ = std::move(chosen);  // with those of copies
-  invalidate({});
+  invalidate();
 }
 
 }  // namespace suture

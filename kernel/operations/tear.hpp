@@ -55,7 +55,7 @@ class TearCheck {
   std::vector<Dart> faces(Body& body, double time);
 
   /// Call after elements were removed or copied, or rest positions changed.
-  void invalidate(std::span<const Split> copies) {
+  void invalidate(std::span<const Split> copies = {}) {
     is_built_ = false;
     for (const Split& copy : copies)
       if (!is_chosen_.empty()) is_chosen_.push_back(char{is_chosen_[copy.old_cell]});

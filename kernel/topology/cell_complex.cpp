@@ -244,20 +244,23 @@ std::vector<Index> CellComplex::islands(Index* count) const {
 void CellComplex::state(Archive& archive) {
   if (!archive.has_cells()) return;
   Index elements = element_count(), vertices = count(0);
-  bool operated = has_operated_, edges = has_edges(), faces = has_faces();
+  // 2: elements were copied
+  auto operated = static_cast<std::uint8_t>(copies_ != 0 ? 2 : has_operated_);
+  bool edges = has_edges(), faces = has_faces();
   archive("elements", elements);
   archive("vertices", vertices);
   archive("operated", operated);
   archive("has_edges", edges);
   archive("has_faces", faces);
-  const bool fits = operated ? vertices >= count(0) && elements >= element_count()
-                             : vertices == count(0) && elements == element_count();
-  if (!fits)
+  const Index mesh_elements = element_count() - copies_;
+  if (operated == 2) archive("copies", copies_);
+  const bool fits = operated != 0 ? vertices >= count(0) : vertices == count(0);
+  if (elements != mesh_elements + copies_ || !fits)
     archive.refuse("a map of " + std::to_string(elements) + " elements and " +
                    std::to_string(vertices) +
                    " vertices belongs to a different mesh: this one has " +
                    std::to_string(element_count()) + " and " + std::to_string(count(0)));
-  if (operated) return arrays(archive, elements);
+  if (operated != 0) return arrays(archive, elements);
   if (!archive.loads()) return;
   archive.require(!has_operated_, "operations have already been applied to this map");
   load_built(edges, faces);

@@ -313,6 +313,7 @@ class CellComplex {
   std::vector<std::array<Index, 6>> faces_;
   std::vector<incidence::Link> links_;  ///< 6 e + f: beta3 of the face's first dart, or none
   bool has_operated_ = false;
+  Index copies_ = 0;  ///< made so far; they follow the elements of the mesh
   std::array<std::vector<Dart>, 3> first_dart_;
   // One bit per vertex, edge and element; 0 between operations.
   std::array<std::vector<std::uint64_t>, 2> cell_marks_;

@@ -167,6 +167,7 @@ void CellComplex::append_copies(std::span<const Index> origins) {
   for (const Index e : origins)
     if (has_faces()) faces_.push_back(faces_[e]);
   links_.resize(6 * count, none);
+  copies_ += static_cast<Index>(origins.size());
   element_marks_.resize(count / 64 + 1);
   removed_marks_.resize(count / 64 + 1);
 }

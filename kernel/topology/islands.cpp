@@ -326,7 +326,6 @@ void Islands::state(Archive& archive) {
   archive("sizes", size_);
   archive("some_element", representative_);
   archive("existing", existing_);
-  if (archive.loads()) reached_.resize(island_.size(), none);
   archive.require(island_.size() == reached_.size() && representative_.size() == size_.size(),
                   "the islands belong to a different mesh");
 }

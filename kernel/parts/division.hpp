@@ -47,7 +47,7 @@ struct DividedPart {
 int side_of(const Material& material, const std::vector<double>& heights, double tolerance);
 
 /// Divides a material. Parts are connected through faces; those smaller than 1e-13 of the cube are
-/// dropped. In the order of their first tetrahedra. About 4 us for a full element.
+/// dropped. In the order of their first tetrahedra. About 6 us for a full element.
 std::vector<DividedPart> divide(const Material& material, const std::vector<double>& heights,
                                 double tolerance);
 

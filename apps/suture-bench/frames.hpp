@@ -34,8 +34,9 @@ class Frames {
     built_ = std::make_unique<BuiltScene>(scene_, diagnostics_, skip);
     built_->dynamics().start();
     events_ = std::make_unique<EventRunner>(scene_, *built_, diagnostics_);
-    recorder_ = std::make_unique<Recorder>(scene_, *built_, *events_, "suture-bench",
-                                           std::make_shared<OutputFolder>(folder_));
+    recorder_ =
+        std::make_unique<Recorder>(scene_, *built_, *events_, Provenance{"suture-bench", {}},
+                                   std::make_shared<OutputFolder>(folder_));
   }
   ~Frames() {
     recorder_->finish();

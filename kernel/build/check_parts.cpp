@@ -18,10 +18,12 @@ constexpr const char* or_along_faces = " or cut along \"faces\"";
 
 class PartsCheck {
  public:
-  /// `by_blade`: the body has no parts, but cuts make some.
+  /// `by_blade`: cuts make parts.
   explicit PartsCheck(bool by_blade) : by_blade_(by_blade) {}
   void check(const Scene& scene) {
-    if (scene.contact.pieces)
+    if (by_blade_ && scene.contact.is_wanted())
+      refuse("/contact", "remove it,");
+    else if (scene.contact.pieces)
       refuse(scene.contact.self ? "/contact/self" : "/contact/pieces", "remove it,");
     for (const Obstacle& obstacle : scene.contact.obstacles)
       if (obstacle.coupling)
@@ -29,11 +31,23 @@ class PartsCheck {
             std::string("needs nodes that move independently of each other, and points of this "
                         "surface share theirs; remove it, so that the tool moves along its path,") +
                 or_whole_cubes);
+    if (by_blade_) check_loads(scene);
     for (const Event& event : scene.events) check(event);
     if (scene.output.cuts)
       add("/output/cuts",
           "shows whole faces of elements, and those of this body reach out of it; give "
           "\"surface\": true, whose field \"cut\" marks the faces that were cut");
+  }
+  /// Faces of elements that a blade divides have no successors.
+  void check_loads(const Scene& scene) {
+    for (std::size_t i = 0; i < scene.loads.size(); ++i) {
+      const Load::Kind kind = scene.loads[i].kind;
+      if (kind == Load::Kind::force) continue;
+      add("/loads/" + std::to_string(i) +
+              (kind == Load::Kind::traction ? "/traction" : "/pressure"),
+          "does not follow the parts that cuts with \"along\": \"blade\" make; give a \"force\" on "
+          "its nodes, or cut along \"faces\"");
+    }
   }
   void check(const Event& event) {
     if (std::holds_alternative<SewFaces>(event.what)) refuse(event.path + "/suture", "remove it,");
@@ -62,7 +76,7 @@ bool cuts_along_blades(const Scene& scene) {
 }
 
 void check_parts(const Scene& scene, const Parts& parts) {
-  const bool by_blade = parts.empty() && cuts_along_blades(scene);
+  const bool by_blade = cuts_along_blades(scene);
   if (parts.empty() && !by_blade && scene.output.surface)
     throw InputError(
         "/output/surface: is for bodies with \"surface\" in /mesh, and for cuts along a blade; "

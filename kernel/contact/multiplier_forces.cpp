@@ -18,7 +18,6 @@ namespace {
 // Of the bound on the stiffness of the body at a vertex: with less, more updates are needed, with
 // more, more iterations of linear solvers.
 constexpr double stiffening = 4;
-constexpr int all_held = 7;
 // Cosine of an angle between the normals of a contact before and after an update.
 constexpr double same_direction = 0.95;
 // A contact with a force stays until its point has left the place where it was found by more, in

@@ -8,11 +8,6 @@
 #include "kernel/base/sort_unique.hpp"
 
 namespace suture {
-namespace {
-
-constexpr int all_held = 7;
-
-}  // namespace
 
 double ContactPoint::in_series(const double* values, const double* held) const {
   if (vertices.size() == 1) return values[vertices[0]];

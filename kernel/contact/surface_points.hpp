@@ -12,6 +12,9 @@
 
 namespace suture {
 
+/// The bits of a vertex all of whose components are held.
+inline constexpr int all_held = 7;
+
 /// What an obstacle pushes: a vertex of the boundary, or a point of an embedded surface, which is a
 /// combination of vertices.
 struct ContactPoint {

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "kernel/base/vec3.hpp"
+#include "kernel/geometry/surface.hpp"
 #include "kernel/parts/cube_sides.hpp"
 #include "kernel/parts/cut_patterns.hpp"
 #include "kernel/parts/moments.hpp"
@@ -15,8 +16,7 @@
 namespace suture {
 namespace {
 
-using Four = std::array<Index, 4>;
-using Three = std::array<Index, 3>;
+using Tetrahedron = std::array<Index, 4>;
 
 constexpr double smallest_part = 1e-13;
 
@@ -35,7 +35,7 @@ bool is_even(const std::array<unsigned, 4>& order) {
 
 /// A tetrahedron on one side of the blade, and the one of which it is a piece.
 struct Fragment {
-  Four corners;
+  Tetrahedron corners;
   Index parent;
   int side;
 };
@@ -52,7 +52,7 @@ class Clipping {
   }
 
   /// Which corners of a tetrahedron a point lies between, one bit each.
-  unsigned support(Index point, const Four& parent) const {
+  unsigned support(Index point, const Tetrahedron& parent) const {
     const auto bit = [&](Index old) {
       return 1u << (std::ranges::find(parent, old) - parent.begin());
     };
@@ -69,7 +69,7 @@ class Clipping {
     Index low, high;
   };
 
-  void clip(const Four& corners, Index parent) {
+  void clip(const Tetrahedron& corners, Index parent) {
     parent_ = parent;
     bool has[3] = {false, false, false};
     for (const Index p : corners) has[signs_[p] + 1] = true;
@@ -83,7 +83,7 @@ class Clipping {
   }
 
   /// What is on one side of a tetrahedron with corners on both.
-  void clip(const Four& corners, int side) {
+  void clip(const Tetrahedron& corners, int side) {
     side_ = side;
     std::array<unsigned, 4> order;  // corners on this side, on the blade, beyond
     unsigned n = 0, ins = 0, zeros = 0;
@@ -98,7 +98,7 @@ class Clipping {
     const auto at = [&](unsigned i) { return corners[order[i]]; };
     const auto cut = [&](unsigned i, unsigned j) { return crossing(at(i), at(j)); };
     if (ins == 1) {
-      Four piece{at(0), 0, 0, 0};
+      Tetrahedron piece{at(0), 0, 0, 0};
       for (unsigned i = 1; i < 4; ++i) piece[i] = i <= zeros ? at(i) : cut(0, i);
       add(piece, even);
     } else if (ins == 3) {
@@ -112,9 +112,9 @@ class Clipping {
     }
   }
 
-  void add(const Four& corners, bool is_positive) {
+  void add(const Tetrahedron& corners, bool is_positive) {
     const auto [a, b, c, d] = corners;
-    fragments.push_back({is_positive ? corners : Four{a, b, d, c}, parent_, side_});
+    fragments.push_back({is_positive ? corners : Tetrahedron{a, b, d, c}, parent_, side_});
   }
 
   bool less(Index a, Index b) const { return points[a] < points[b]; }
@@ -127,7 +127,7 @@ class Clipping {
   /// Two triangles, corner i of the first joined to corner i of the second. The diagonal of each
   /// side begins at the lowest of its points (Dompierre et al. 1999). Positive if (low, high[0]) is
   /// positively oriented.
-  void add_wedge(Three low, Three high, bool is_positive) {
+  void add_wedge(Triangle low, Triangle high, bool is_positive) {
     if (less(high[lowest(high)], low[lowest(low)])) {
       low.swap(high);
       is_positive = !is_positive;
@@ -181,7 +181,7 @@ struct FragmentFace {
   unsigned face;
 };
 
-Three points_of(const Fragment& fragment, unsigned face) {
+Triangle points_of(const Fragment& fragment, unsigned face) {
   const auto& [a, b, c] = tetrahedron_faces[face];
   return {fragment.corners[a], fragment.corners[b], fragment.corners[c]};
 }
@@ -201,7 +201,7 @@ std::vector<FragmentFace> faces_of(const std::vector<Fragment>& fragments) {
   return faces;
 }
 
-bool is_on_side(const std::vector<Vec3>& points, const Three& corners) {
+bool is_on_side(const std::vector<Vec3>& points, const Triangle& corners) {
   return (sides_at(points[corners[0]]) & sides_at(points[corners[1]]) &
           sides_at(points[corners[2]])) != 0;
 }
@@ -211,25 +211,25 @@ class OldSurface {
  public:
   explicit OldSurface(const Material& material) {
     for (std::size_t t = 0; t < material.triangles.size(); ++t) {
-      Three points = material.triangles[t];
+      Triangle points = material.triangles[t];
       std::ranges::sort(points);
       triangles_.push_back({points, material.is_cut[t]});
     }
-    std::ranges::sort(triangles_, {}, &Triangle::points);
+    std::ranges::sort(triangles_, {}, &Marked::points);
   }
   /// Whether a blade made the triangle.
-  bool is_cut(Three points) const {
+  bool is_cut(Triangle points) const {
     std::ranges::sort(points);
-    const auto at = std::ranges::lower_bound(triangles_, points, {}, &Triangle::points);
+    const auto at = std::ranges::lower_bound(triangles_, points, {}, &Marked::points);
     return at != triangles_.end() && at->points == points && at->is_cut != 0;
   }
 
  private:
-  struct Triangle {
-    Three points;
+  struct Marked {
+    Triangle points;
     std::uint8_t is_cut;
   };
-  std::vector<Triangle> triangles_;
+  std::vector<Marked> triangles_;
 };
 
 /// Collects the fragments of parts, which number their points themselves.
@@ -258,7 +258,7 @@ class PartBuilder {
 
  private:
   int side(const FragmentFace& face) const { return clipping_.fragments[face.fragment].side; }
-  Three points_of(const FragmentFace& face) const {
+  Triangle points_of(const FragmentFace& face) const {
     return suture::points_of(clipping_.fragments[face.fragment], face.face);
   }
 
@@ -306,7 +306,7 @@ class PartBuilder {
   }
 
   void add_fragment(Index f) {
-    Four corners = clipping_.fragments[f].corners;
+    Tetrahedron corners = clipping_.fragments[f].corners;
     for (Index& p : corners) p = number(part_of_[f], p);
     parts_[part_of_[f]].material.tetrahedra.push_back(corners);
   }
@@ -314,7 +314,7 @@ class PartBuilder {
   void add_triangle(const FragmentFace& face, bool is_cut) {
     const std::size_t part = part_of_[face.fragment];
     Material& material = parts_[part].material;
-    Three corners = points_of(face);
+    Triangle corners = points_of(face);
     for (Index& p : corners) p = number(part, p);
     material.triangles.push_back(corners);
     material.is_cut.push_back(is_cut ? 1 : 0);
@@ -323,10 +323,10 @@ class PartBuilder {
   /// Whether a face on the surface of the material before was made by a blade: it is a piece of a
   /// face of the fragment's parent.
   bool was_cut(const FragmentFace& face) const {
-    const Four& parent = material_.tetrahedra[clipping_.fragments[face.fragment].parent];
+    const Tetrahedron& parent = material_.tetrahedra[clipping_.fragments[face.fragment].parent];
     unsigned support = 0;
     for (const Index p : points_of(face)) support |= clipping_.support(p, parent);
-    Three points{};
+    Triangle points{};
     std::size_t n = 0;
     for (unsigned i = 0; i < 4 && n < 3; ++i)
       if (support >> i & 1) points[n++] = parent[i];

@@ -59,9 +59,10 @@ Json describe_models(const Scene& scene, PluginHost& host) {
   return models;
 }
 
-/// Without what changes no result.
+/// Without what changes no result; null for a scene that a program has put together.
 Json what_counts(const std::string& scene) {
   Json text = Json::parse(scene, nullptr, false);
+  if (!text.is_object()) return nullptr;
   text.erase("checkpoint");
   if (text.contains("solver")) text["solver"].erase("threads");
   if (text.contains("output") && text["output"].is_object()) text["output"].erase("directory");

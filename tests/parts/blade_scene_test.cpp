@@ -58,7 +58,7 @@ Scene ball() {
   }();
   Scene scene = bar();
   scene.mesh.box.reset();
-  scene.mesh.surface = FilledSurface{file, {.edge = 0.2}};
+  scene.mesh.filled = FilledBody{.file = file, .size = {.edge = 0.2}};
   scene.events = {along({3, 0, 0.05}, {0.3, 0.2, 1})};
   return scene;
 }
@@ -199,10 +199,10 @@ TEST(BladeScene, RefusesWhatActsOnWholeFaces) {
   };
   EXPECT_THAT(error([](Scene&) {}), IsEmpty());
   EXPECT_THAT(error(load(Load::Kind::pressure)),
-              AllOf(StartsWith("/loads/0/pressure: acts on whole faces of elements, and cuts with "
-                               "\"along\": \"blade\" leave faces inside of elements"),
+              AllOf(StartsWith("/loads/0/pressure: does not follow the parts that cuts with "
+                               "\"along\": \"blade\" make"),
                     HasSubstr("or cut along \"faces\"")));
-  EXPECT_THAT(error(load(Load::Kind::traction)), StartsWith("/loads/0/traction: acts on whole"));
+  EXPECT_THAT(error(load(Load::Kind::traction)), StartsWith("/loads/0/traction: does not follow"));
   EXPECT_THAT(error([](Scene& scene) { scene.contact.pieces = true; }),
               StartsWith("/contact: acts on whole"));
   EXPECT_THAT(error([](Scene& scene) { scene.output.cuts = true; }),

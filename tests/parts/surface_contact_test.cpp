@@ -32,7 +32,7 @@ Scene scene_of(const TriangleSurface& surface, double young) {
   scene.mesh.box.reset();
   const auto file = file_with("touching.off", "");
   write_surface(file, surface);
-  scene.mesh.surface = FilledSurface{file, {.edge = edge}};
+  scene.mesh.filled = FilledBody{.file = file, .size = {.edge = edge}};
   scene.solver.threads = 1;
   return scene;
 }
@@ -233,7 +233,7 @@ TEST(SurfaceContact, AnEquilibriumIsThatWhichComesToRest) {
 double over_hertz(double size) {
   const double young = 1e6, depth = 0.04;
   Scene scene = ball_over_floor(0, {}, 0, young);
-  scene.mesh.surface->size = {.edge = size};
+  scene.mesh.filled->size = {.edge = size};
   Constraint& axis = scene.constraints.emplace_back();
   axis.where.what = Selection::Sphere{{0, 0, radius}, 0.25};
   axis.components = 3;

@@ -279,7 +279,7 @@ Scene scene_of(const TriangleSurface& surface, double edge, const Values& values
   scene.mesh.box.reset();
   const auto file = test::file_with("loaded.off", "");
   write_surface(file, surface);
-  scene.mesh.surface = FilledSurface{file, {.edge = edge}};
+  scene.mesh.filled = FilledBody{.file = file, .size = {.edge = edge}};
   return scene;
 }
 

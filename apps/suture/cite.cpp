@@ -94,6 +94,12 @@ int cite(const CiteCommand& command, Console& console) {
           console);
   for (const Reference& reference : references_of_solver(scene)) print(reference, console);
   for (const Reference& reference : references_of_contact(scene)) print(reference, console);
+  if (scene.mesh.filled || std::ranges::any_of(scene.events, &Event::is_along_blade))
+    print(
+        {"elements of which only a part is material",
+         "N. Molino, Z. Bao, R. Fedkiw: A virtual node algorithm for changing mesh topology during "
+         "simulation. ACM Trans. Graph. 23, 2004, 385-392"},
+        console);
   const auto is_cubic = [](const Constraint& c) { return c.path.has_slopes(); };
   if (std::ranges::any_of(scene.constraints, is_cubic))
     print({"monotone cubic motion",

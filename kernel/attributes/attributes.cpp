@@ -142,8 +142,7 @@ void Attributes::add_copies(const CellComplex& complex, std::span<const Split> c
   if (copies.empty()) return;
   kernel(3).cells.append_all(static_cast<Index>(copies.size()));
   for (const auto& instance : instances_) instance->add_copies(copies, parts_);
-  for (const auto& [origin, copy] : copies)
-    own_rest_.copy(origin, copy, rest_places(complex).of(copy), complex.element_count());
+  for (const auto& [origin, copy] : copies) own_rest_.copy(origin, copy, complex.element_count());
 }
 
 void Attributes::follow(std::span<Table, 4> tables, const CellComplex& complex,

@@ -19,10 +19,16 @@ void OwnRest::set(Index element, const HexahedronNodes& x, Index element_count) 
     for (std::size_t c = 0; c < 3; ++c) rows_[(std::size_t{slot} * 8 + i) * 4 + c] = x[i][c];
 }
 
-void OwnRest::copy(Index from, Index to, const HexahedronNodes& x, Index element_count) {
+void OwnRest::copy(Index from, Index to, Index element_count) {
   if (empty()) return;
   slot_of_.resize(element_count, none);
-  if (slot(from) != none) set(to, x, element_count);
+  if (slot(from) == none) return;
+  HexahedronNodes x;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double* p = rows_.data() + (std::size_t{slot(from)} * 8 + i) * 4;
+    x[i] = {p[0], p[1], p[2]};
+  }
+  set(to, x, element_count);
 }
 
 void OwnRest::state(Archive& archive) {

@@ -25,8 +25,8 @@ class OwnRest {
   void set(Index element, const HexahedronNodes& x, Index element_count);
   /// To be called when the element was removed; its slot is reused.
   void remove(Index element);
-  /// A new element takes the rest positions of another; it needs separate ones if that does.
-  void copy(Index from, Index to, const HexahedronNodes& x, Index element_count);
+  /// A new element takes the separate rest positions of another, if that has some.
+  void copy(Index from, Index to, Index element_count);
 
   void state(Archive& archive);
 

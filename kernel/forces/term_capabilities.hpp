@@ -95,9 +95,12 @@ class CellTangentTerm {
   /// Where the term implements it, only selected cells cost products.
   virtual void for_some_tangents(double dx, double dv, const TangentTime& at,
                                  const SelectCell& select, const VisitTangents& visit) {
+    std::vector<double> values;  // of one cell, with room for eight, which are read
     for_each_tangent(dx, dv, at, [&](const CellTangents& cells) {
+      values.resize(std::size_t{72} * cells.nodes * cells.nodes);
       for (std::size_t l = 0; l < cells.cells; ++l) {
-        const CellTangents cell{1, cells.nodes, cells.vertices + l * cells.nodes, cells.values + l,
+        for (std::size_t i = 0; i < values.size(); i += 8) values[i] = cells.values[i + l];
+        const CellTangents cell{1, cells.nodes, cells.vertices + l * cells.nodes, values.data(),
                                 cells.functor};
         if (select(cell)) visit(cell);
       }

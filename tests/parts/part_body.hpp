@@ -49,7 +49,8 @@ struct PartBody : suture::Body {
   /// Moves nodes at random, the same in all bodies with the same nodes.
   void shake(double amount, unsigned seed) {
     place([&](const Vec3& x) {
-      const auto key = static_cast<std::uint64_t>(1e6 * (x[0] + 7 * x[1] + 53 * x[2]));
+      const auto key = static_cast<std::uint64_t>(
+          static_cast<std::int64_t>(1e6 * (x[0] + 7 * x[1] + 53 * x[2])));
       std::mt19937_64 random(seed + key);
       Vec3 moved = x;
       for (double& c : moved) c += between(random, -amount, amount);

@@ -22,9 +22,9 @@ py::array exists(const BuiltScene& built, int dimension);
 py::array hexahedra(const BuiltScene& built);
 /// (k, 4) int64: vertices of the boundary faces, counterclockwise as seen from outside.
 py::array boundary(const BuiltScene& built);
-/// Of a body with partial elements: triangles (k, 3) int64 of points, the row of the element of
-/// each and whether a cut or a removal laid it open (k,), and of the points 8 vertices and their
-/// weights (n, 8), those that are not needed with the weight 0. None for other bodies.
+/// The surface of a body with partial elements: triangles (k, 3) int64 of points, the row of the
+/// element of each and whether a cut or a removal laid it open (k,), and of the points 8 vertices
+/// and their weights (n, 8), those that are not needed with the weight 0. None for other bodies.
 py::object embedded_surface(BuiltScene& built);
 /// (k, 2) int64: pairs of elements by the user's numbers.
 py::array named(const BuiltScene& built, const std::vector<std::array<Index, 2>>& pairs);

@@ -8,7 +8,7 @@ namespace suture {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Of an element: how far an obstacle moves in a step, and how far pieces may approach.
+// How far an obstacle moves in a step, and how far pieces may approach, in elements.
 constexpr double max_motion = 0.1, max_approach = 0.05;
 
 }  // namespace
@@ -45,7 +45,7 @@ std::vector<double> Contact::gaps(double time) const {
   return gaps;
 }
 
-/// Of a half-space that turns, what is as far as the body counts.
+/// A half-space that turns moves fastest where the body is farthest from its centre.
 double Contact::top_speed(const Obstacle& obstacle, double time) const {
   double reach = obstacle.reach();
   if (reach == infinity) {

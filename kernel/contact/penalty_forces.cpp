@@ -87,8 +87,8 @@ void PenaltyForces::add_tangent(const double* d, double dx, double, const Tangen
   });
 }
 
-/// Of all points of the surface: any may touch in the next step. Weights add up to 1, so that the
-/// row of vertex v in k w w^T is bounded by k w_v.
+/// All points of the surface count: any may touch in the next step. Weights add up to 1, so that
+/// the row of vertex v in k w w^T is bounded by k w_v.
 void PenaltyForces::add_bounds(double time, const AddBounds& sums) {
   find_stiffness(time);
   const double no_coupling[6]{};

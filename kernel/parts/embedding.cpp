@@ -131,7 +131,8 @@ class EmbeddingBuilder {
     out_.is_laid_open.push_back(is_laid_open ? 1 : 0);
   }
 
-  /// Of the parts; those on an open side of their element come with the others there.
+  /// Adds a triangle of the parts. Those on an open side of their element come with the others
+  /// there.
   void add_triangle(std::size_t t) {
     const auto& [a, b, c] = parts_.triangles[t];
     const Index element = parts_.points[a].element;

@@ -7,12 +7,12 @@
 
 namespace suture::test {
 
-/// Of the cubes of a mesh that fills a surface.
+/// The edge of the cubes of a mesh that fills a surface.
 inline double edge_of(const Mesh& mesh) {
   return mesh.points[mesh.hexahedra[0][1]][0] - mesh.points[mesh.hexahedra[0][0]][0];
 }
 
-/// By the fractions of its elements.
+/// The volume of its material, by the fractions of its elements.
 inline double volume_of(const Mesh& mesh) {
   double cubes = double(mesh.hexahedra.size() - mesh.parts.elements.size());
   for (const PartMoments& moments : mesh.parts.moments) cubes += moments.fraction;

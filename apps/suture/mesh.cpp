@@ -197,7 +197,7 @@ void require_size(const char* command, std::size_t cells, double edge) {
                      ": the size of the cubes is missing; give --cells or --edge");
 }
 
-/// Of a closed surface, or of a mesh of solid cells.
+/// The mesh that fills a closed surface, or the shape of a mesh of solid cells.
 Mesh filled(const MeshFillCommand& command, Console& console) {
   Diagnostics& diagnostics = console.diagnostics();
   if (is_surface_file(command.from))

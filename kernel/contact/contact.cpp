@@ -15,13 +15,10 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int max_sweeps = 16;
 // Over all contacts between pieces.
 constexpr int max_piece_sweeps = 32;
-// Of an element: how far a vertex is pushed out of an obstacle in a step.
+// How far a vertex is pushed out of an obstacle in a step, in elements.
 constexpr double max_push = 0.01;
-// Of an element: a push by less is rounding, and no reason for another sweep.
-constexpr double least_push = 1e-9;
 // How far other pieces may push a vertex in a step, or vertices a tool; of an element.
 constexpr double pushed = 0.5;
-constexpr double held = 7;  // all components are prescribed
 // How far outside an obstacle the side of a vertex that touches it is marked, in elements.
 constexpr double marked_outside = 1e-6;
 // Vertices of which the box is tested first, before each of them.
@@ -156,7 +153,7 @@ void Contact::find_near_obstacles(const ContactStep& step) {
         if (!is_free(v, *step.moving)) continue;
         add_near_point(v);
       } else {
-        if (!(*step.moving)[v] || fixed[v] == held) continue;
+        if (!(*step.moving)[v] || fixed[v] == all_held) continue;
         add_near(v);
       }
       pushed_.emplace_back(v, pushes_.size());

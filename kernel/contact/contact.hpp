@@ -144,6 +144,9 @@ class Contact final : public ContactLaw {
   void state(Archive& archive) override;
 
  private:
+  /// A push by less is rounding, and no reason for another sweep; in elements.
+  static constexpr double least_push = 1e-9;
+
   // These three are no aggregates: g++ 12 would clear each by `rep stos`, which takes longer than
   // all else in add_near.
   /// A vertex that the step may push: near an obstacle, or where pieces touch.
@@ -162,7 +165,7 @@ class Contact final : public ContactLaw {
     std::size_t first, count = 0;  ///< in pushes_, of the obstacles near it
     Vec3 change{}, settled{};
   };
-  /// Of an obstacle that may push a vertex or point: what it did, if it did.
+  /// An obstacle that may push a vertex or point, and what it did, if it did.
   struct PushBy {
     PushBy(Index of, Index by) : vertex(of), obstacle(by) {}
     Index vertex, obstacle;

@@ -9,14 +9,12 @@ namespace suture {
 namespace {
 
 constexpr int max_sweeps = 64;
-// Of an element: pushes by less are rounding.
-constexpr double least_push = 1e-9;
 
 }  // namespace
 
 bool Contact::is_free(Index point, const LiveMask& moving) const {
   return std::ranges::any_of((*points_)[point].vertices, [&](Index v) {
-    return moving[v] && static_cast<unsigned>(attributes_.fixed().rows()[v]) != 7;
+    return moving[v] && attributes_.fixed().rows()[v] != all_held;
   });
 }
 

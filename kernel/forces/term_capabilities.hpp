@@ -99,10 +99,11 @@ class CellTangentTerm {
     for_each_tangent(dx, dv, at, [&](const CellTangents& cells) {
       values.resize(std::size_t{72} * cells.nodes * cells.nodes);
       for (std::size_t l = 0; l < cells.cells; ++l) {
+        CellTangents cell{1, cells.nodes, cells.vertices + l * cells.nodes, nullptr, cells.functor};
+        if (!select(cell)) continue;
         for (std::size_t i = 0; i < values.size(); i += 8) values[i] = cells.values[i + l];
-        const CellTangents cell{1, cells.nodes, cells.vertices + l * cells.nodes, values.data(),
-                                cells.functor};
-        if (select(cell)) visit(cell);
+        cell.values = values.data();
+        visit(cell);
       }
     });
   }

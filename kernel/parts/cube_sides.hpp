@@ -32,6 +32,19 @@ inline std::uint8_t sides_at(const Vec3& at) {
   return static_cast<std::uint8_t>(sides);
 }
 
+/// The ends of the edge of the cube on which a point lies: its corners, the same one for a corner.
+struct EdgeEnds {
+  unsigned low = 0, high = 0;
+
+  explicit EdgeEnds(const Vec3& at) {
+    for (unsigned a = 0; a < 3; ++a) {
+      if (at[a] == 1) low |= 1u << a;
+      if (at[a] != -1) high |= 1u << a;
+    }
+  }
+  bool is_corner() const { return low == high; }
+};
+
 /// The faces of a positively oriented tetrahedron, seen from outside; face i is opposite corner i.
 inline constexpr std::array<std::array<unsigned, 3>, 4> tetrahedron_faces{
     {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};

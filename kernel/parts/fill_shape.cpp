@@ -10,6 +10,7 @@
 #include "kernel/geometry/surface_file.hpp"
 #include "kernel/mesh/file_text.hpp"
 #include "kernel/parts/clip.hpp"
+#include "kernel/parts/cube_sides.hpp"
 #include "kernel/parts/cut_patterns.hpp"
 #include "kernel/parts/moments.hpp"
 #include "kernel/parts/shape_boundary.hpp"
@@ -191,15 +192,9 @@ std::vector<std::uint8_t> outer_nodes(const Mesh& mesh) {
   std::vector<std::uint8_t> is_outer(mesh.points.size(), 0);
   for (const Index element : mesh.parts.elements)
     for (const Index node : mesh.hexahedra[element]) is_outer[node] = 1;
-  for (const EmbeddedPoint& point : mesh.parts.points) {
-    std::size_t corner = 0;
-    bool is_corner = true;
-    for (std::size_t a = 0; a < 3; ++a) {
-      is_corner = is_corner && std::abs(point.at[a]) == 1;
-      corner |= point.at[a] > 0 ? std::size_t{1} << a : 0;
-    }
-    if (is_corner) is_outer[mesh.hexahedra[point.element][corner]] = 0;
-  }
+  for (const EmbeddedPoint& point : mesh.parts.points)
+    if (const EdgeEnds ends(point.at); ends.is_corner())
+      is_outer[mesh.hexahedra[point.element][ends.low]] = 0;
   return is_outer;
 }
 

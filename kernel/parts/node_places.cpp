@@ -1,23 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/parts/node_places.hpp"
 
+#include "kernel/parts/cube_sides.hpp"
+
 namespace suture {
-namespace {
-
-/// The ends of the edge on which a point lies: nodes of its element; the same one for a corner.
-struct Ends {
-  unsigned low = 0, high = 0;
-
-  explicit Ends(const Vec3& at) {
-    for (unsigned a = 0; a < 3; ++a) {
-      if (at[a] == 1) low |= 1u << a;
-      if (at[a] != -1) high |= 1u << a;
-    }
-  }
-  bool is_corner() const { return low == high; }
-};
-
-}  // namespace
 
 NodePlaces node_places(const Parts& parts, const CellComplex& complex) {
   NodePlaces places;
@@ -33,10 +19,10 @@ NodePlaces node_places(const Parts& parts, const CellComplex& complex) {
     return complex.vertices_of(point.element)[corner];
   };
   for (const EmbeddedPoint& point : parts.points)
-    if (const Ends ends(point.at); ends.is_corner() && complex.exists(3, point.element))
+    if (const EdgeEnds ends(point.at); ends.is_corner() && complex.exists(3, point.element))
       places.is_inside[node(point, ends.low)] = 1;
   for (const EmbeddedPoint& point : parts.points) {
-    const Ends ends(point.at);
+    const EdgeEnds ends(point.at);
     if (ends.is_corner() || !complex.exists(3, point.element)) continue;
     for (const unsigned end : {ends.low, ends.high})
       if (const Index v = node(point, end); places.is_inside[v] == 0)

@@ -59,14 +59,18 @@ Json describe_models(const Scene& scene, PluginHost& host) {
   return models;
 }
 
-/// Without what changes no result; null for a scene that a program has put together.
-Json what_counts(const std::string& scene) {
-  Json text = Json::parse(scene, nullptr, false);
-  if (!text.is_object()) return nullptr;
-  text.erase("checkpoint");
-  if (text.contains("solver")) text["solver"].erase("threads");
-  if (text.contains("output") && text["output"].is_object()) text["output"].erase("directory");
-  return text;
+std::string describe(const Scene& scene, PluginHost& host, const BuiltScene& built) {
+  Json all{{"suture", SUTURE_VERSION}, {"machine", describe_machine(built)}};
+  all["models"] = describe_models(scene, host);
+  all["files"] = Json::array();
+  for (const std::filesystem::path& file : scene.files)
+    all["files"].push_back(
+        describe_file(file, file.lexically_relative(scene.file.parent_path()).string()));
+  const std::string& text = scene.text_that_counts;
+  all["scene"] = {{"file", scene.file.filename().string()},
+                  {"hash", scene.hash},
+                  {"text", text.empty() ? Json() : Json::parse(text)}};
+  return all.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
 }  // namespace
@@ -84,19 +88,10 @@ std::string provenance_line(const Scene& scene, PluginHost& host, const BuiltSce
   return text.str();
 }
 
-Provenance provenance_of(const Scene& scene, PluginHost& host, const BuiltScene& built) {
-  const std::string line = provenance_line(scene, host, built);
-  if (!scene.output.enabled) return {line, {}};
-  Json all{{"suture", SUTURE_VERSION}, {"machine", describe_machine(built)}};
-  all["models"] = describe_models(scene, host);
-  all["files"] = Json::array();
-  for (const std::filesystem::path& file : scene.files)
-    all["files"].push_back(
-        describe_file(file, file.lexically_relative(scene.file.parent_path()).string()));
-  all["scene"] = {{"file", scene.file.filename().string()},
-                  {"hash", scene.hash},
-                  {"text", what_counts(scene.source.text)}};
-  return {line, all.dump(1, ' ', false, Json::error_handler_t::replace) + '\n'};
+Provenance provenance_of(PluginHost& host, const BuiltScene& built) {
+  const Scene& scene = built.scene();
+  return {provenance_line(scene, host, built),
+          [&host, &built] { return describe(built.scene(), host, built); }};
 }
 
 }  // namespace suture

@@ -123,8 +123,8 @@ void Recorder::mode(double time, const Vec3& gravity, const std::vector<Vec3>& s
 
 /// Before the first file with results.
 void Recorder::tell_provenance() {
-  if (std::exchange(has_told_provenance_, true) || provenance_.json.empty()) return;
-  folder_->write("provenance.json", [&](OutputFile& file) { file.write(provenance_.json); });
+  if (std::exchange(has_told_provenance_, true) || !provenance_.json) return;
+  folder_->write("provenance.json", [&](OutputFile& file) { file.write(provenance_.json()); });
 }
 
 void Recorder::write(PendingRecord& record) {

@@ -187,8 +187,10 @@ struct SceneSource {
 struct Scene {
   std::string title;
   std::filesystem::path file;
-  /// Hash of the text after --set, excluding threads and checkpoints, which change no result.
-  std::string hash;
+  /// The text after --set in canonical form, without threads, checkpoints and the output folder,
+  /// which change no result; "" for a scene that a program has put together.
+  std::string text_that_counts;
+  std::string hash;  ///< of it, and of a mesh that a program gives
   MeshSource mesh;
   std::vector<ModelUse> models;
   Vec3 gravity{};  ///< m/s^2

@@ -96,9 +96,9 @@ JsonValue what_counts(JsonValue root) {
 
 /// Tells runs apart that may give different results: the scene without what changes none, and a
 /// mesh that is not in the scene.
-std::string hash_of(const JsonValue& root, const Mesh* mesh) {
+std::string hash_of(const std::string& text, const Mesh* mesh) {
   Checksum sum;
-  sum.add(canonical_json(what_counts(root)));
+  sum.add(text);
   if (mesh == nullptr) return sum.text();
   const auto add = [&](const auto& values) { sum.add(std::as_bytes(std::span(values))); };
   add(mesh->points);
@@ -139,7 +139,8 @@ Scene read_source(const SceneSource& source, const std::string& shown,
   scene.file = source.file;
   scene.source = {canonical_json(root), source.file, source.working_folder};
   scene.places = ScenePlaces(root, shown, sets);
-  scene.hash = hash_of(root, mesh.get());
+  scene.text_that_counts = canonical_json(what_counts(root));
+  scene.hash = hash_of(scene.text_that_counts, mesh.get());
   scene.mesh.given = std::move(mesh);
   Mistakes mistakes(shown, sets);
   Reading reading{scene,

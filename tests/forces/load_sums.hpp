@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kernel/forces/force_term.hpp"
+#include "kernel/forces/term_capabilities.hpp"
 #include "tests/forces/spring_model.hpp"
 
 /// Sums that tests of loads check.
@@ -51,6 +52,25 @@ inline void expect_the_same_at(suture::Body& body, suture::ForceTerm& term, doub
   for (std::size_t i = 0; i < some.size(); ++i)
     for (std::size_t c = 0; c < 3; ++c)
       EXPECT_NEAR(forces[i][c], all[some[i]][c], 1e-13) << some[i];
+}
+
+/// The product of the tangents of cells of `nodes` each with a direction, cell by cell.
+inline std::vector<double> product_by_cells(suture::CellTangentTerm& term,
+                                            const std::vector<double>& d,
+                                            const suture::TangentTime& at, suture::Index nodes) {
+  const std::size_t size = 3 * std::size_t{nodes};
+  std::vector<double> sum(d.size());
+  term.for_each_tangent(1, 0, at, [&](const suture::CellTangents& cells) {
+    ASSERT_EQ(cells.nodes, nodes);
+    const auto place = [&](std::size_t cell, std::size_t i) {
+      return std::size_t{cells.vertices[cell * nodes + i / 3]} * 3 + i % 3;
+    };
+    for (std::size_t l = 0; l < cells.cells; ++l)
+      for (std::size_t j = 0; j < size; ++j)
+        for (std::size_t i = 0; i < size; ++i)
+          sum[place(l, i)] += cells.values[(j * size + i) * 8 + l] * d[place(l, j)];
+  });
+  return sum;
 }
 
 /// The faces across x = `where` between elements, each from its left side.

@@ -175,16 +175,7 @@ TEST_F(Pressed, TheTangentIsTheSameInSinglePrecisionAndByCells) {
   std::vector<float> narrow(d.size() / 3 * 4), single(narrow.size());  // rows of 4
   for (std::size_t i = 0; i < d.size(); ++i) narrow[i / 3 * 4 + i % 3] = static_cast<float>(d[i]);
   EXPECT_TRUE(pressures.add_tangent_in_single(narrow.data(), 1, 0, 9, single.data()));
-  std::vector<double> sum(d.size());
-  pressures.for_each_tangent(1, 0, 9, [&](const CellTangents& cells) {
-    ASSERT_EQ(cells.nodes, 4u);
-    for (std::size_t l = 0; l < cells.cells; ++l)
-      for (std::size_t j = 0; j < 12; ++j)
-        for (std::size_t i = 0; i < 12; ++i)
-          sum[std::size_t{cells.vertices[l * 4 + i / 3]} * 3 + i % 3] +=
-              cells.values[(j * 12 + i) * 8 + l] *
-              d[std::size_t{cells.vertices[l * 4 + j / 3]} * 3 + j % 3];
-  });
+  const std::vector<double> sum = product_by_cells(pressures, d, 9, 4);
   for (std::size_t i = 0; i < d.size(); ++i) {
     EXPECT_NEAR(single[i / 3 * 4 + i % 3], image[i], 1e-4) << i;
     EXPECT_NEAR(sum[i], image[i], 1e-11) << i;

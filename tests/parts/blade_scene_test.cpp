@@ -10,12 +10,8 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/build/check_parts.hpp"
-#include "kernel/geometry/surface_file.hpp"
-#include "kernel/output/frame_file.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
-#include "kernel/results/frame_parts.hpp"
-#include "kernel/results/side_series.hpp"
-#include "tests/geometry/surfaces.hpp"
+#include "tests/run/open_scene.hpp"
 
 namespace suture {
 namespace {
@@ -51,42 +47,13 @@ Scene bar() {
 }
 
 Scene ball() {
-  static const std::filesystem::path file = [] {
-    const auto path = test::file_with("ball.off", "");
-    write_surface(path, test::sphere_surface({3, 0, 0}, 1, 4));
-    return path;
-  }();
   Scene scene = bar();
-  scene.mesh.box.reset();
-  scene.mesh.filled = FilledBody{.file = file, .size = {.edge = 0.2}};
+  test::fill(scene, test::sphere_surface({3, 0, 0}, 1, 4), 0.2);
   scene.events = {along({3, 0, 0.05}, {0.3, 0.2, 1})};
   return scene;
 }
 
-struct Built {
-  explicit Built(const Scene& of) : scene(of) {}
-  Frame frame() {
-    Frame frame;
-    set_geometry(frame, built);
-    fill_fields(fields, FieldChoice::On::points, built, {}, 0, frame.point_fields);
-    fill_fields(fields, FieldChoice::On::cells, built, {}, 0, frame.cell_fields);
-    leave_out(frame, built);
-    check_frame(frame);
-    return frame;
-  }
-  Frame surface() {
-    Frame frame;
-    side_series(scene.output, fields, built, events).at(0).fill(frame, 0, {});
-    check_frame(frame);
-    return frame;
-  }
-
-  Scene scene;
-  Diagnostics diagnostics;
-  BuiltScene built{scene, diagnostics};
-  EventRunner events{built.scene(), built, diagnostics};
-  std::vector<FieldChoice> fields = choose_fields(built, scene.output);
-};
+using Built = test::OpenScene;
 
 double six_volumes(const Frame& frame) {
   double six = 0;
@@ -117,7 +84,7 @@ std::pair<double, double> measures(const Frame& surface) {
 TEST(BladeScene, FramesShowPartsAndLips) {
   Built bar_of(bar());
   EXPECT_EQ(bar_of.frame().hexahedra.size(), 32u);
-  const auto [volume, closed] = measures(bar_of.surface());
+  const auto [volume, closed] = measures(bar_of.side());
   EXPECT_NEAR(volume, 6 * 32, 1e-10);
   EXPECT_EQ(closed, 0);
   const EventOutcome outcome = bar_of.events.fire(0, 0);
@@ -125,7 +92,7 @@ TEST(BladeScene, FramesShowPartsAndLips) {
   const Frame frame = bar_of.frame();
   EXPECT_EQ(frame.hexahedra.size(), 28u);
   EXPECT_NEAR(six_volumes(frame), 6 * 4, 1e-10);
-  const auto [inside, lips] = measures(bar_of.surface());
+  const auto [inside, lips] = measures(bar_of.side());
   EXPECT_NEAR(inside, 6 * 32, 1e-10);
   EXPECT_NEAR(lips / (2 * 4 / std::cos(M_PI / 6)), 1, 0.005);
   // Copies have the numbers of the elements in the mesh.
@@ -136,9 +103,9 @@ TEST(BladeScene, FramesShowPartsAndLips) {
 
 TEST(BladeScene, BodiesFromSurfacesAreCutToo) {
   Built ball_of(ball());
-  const auto [volume, closed] = measures(ball_of.surface());
+  const auto [volume, closed] = measures(ball_of.side());
   ball_of.events.fire(0, 0);
-  const auto [inside, lips] = measures(ball_of.surface());
+  const auto [inside, lips] = measures(ball_of.side());
   EXPECT_NEAR(inside, volume, 1e-11 * volume);
   const double distance = 0.05 / norm(Vec3{0.3, 0.2, 1});
   EXPECT_EQ(closed, 0);

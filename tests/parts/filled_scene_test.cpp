@@ -8,14 +8,10 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/vec3.hpp"
-#include "kernel/geometry/surface_file.hpp"
-#include "kernel/output/frame_file.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
 #include "kernel/results/evidence.hpp"
-#include "kernel/results/frame_parts.hpp"
-#include "kernel/results/side_series.hpp"
-#include "tests/geometry/surfaces.hpp"
 #include "tests/mesh/temporary_folder.hpp"
+#include "tests/run/open_scene.hpp"
 
 namespace suture {
 namespace {
@@ -27,13 +23,8 @@ constexpr double radius = 1;
 /// A ball around (3, 0, 0) of elements of 0.2 m, held below z = -0.7 m.
 Scene ball() {
   static PluginHost plugins;
-  static const std::filesystem::path file = [] {
-    const auto path = test::file_with("ball.off", "");
-    write_surface(path, test::sphere_surface({3, 0, 0}, radius, 4));
-    return path;
-  }();
   Scene scene;
-  scene.mesh.filled = FilledBody{.file = file, .size = {.edge = 0.2}};
+  test::fill(scene, test::sphere_surface({3, 0, 0}, radius, 4), 0.2);
   ModelUse use;
   use.name = "tm-faure";
   use.model = &plugins.model("tm-faure");
@@ -48,23 +39,8 @@ Scene ball() {
   return scene;
 }
 
-struct Built {
-  explicit Built(const Scene& of) : scene(of) {}
-  Frame frame() {
-    Frame frame;
-    set_geometry(frame, built);
-    fill_fields(fields, FieldChoice::On::points, built, {}, 0, frame.point_fields);
-    fill_fields(fields, FieldChoice::On::cells, built, {}, 0, frame.cell_fields);
-    leave_out(frame, built);
-    check_frame(frame);
-    return frame;
-  }
-  Frame surface() {
-    Frame frame;
-    side_series(scene.output, fields, built, events).at(0).fill(frame, 0, {});
-    check_frame(frame);
-    return frame;
-  }
+struct Built : test::OpenScene {
+  using OpenScene::OpenScene;
   Vec3 rest(Index v) {
     const Column& x = built.body().attributes().rest();
     return built.frame().in_scene({x.get(v, 0), x.get(v, 1), x.get(v, 2)});
@@ -72,12 +48,6 @@ struct Built {
   std::vector<Index> nodes(auto where) const {
     return built.selector().vertices(in_frame(Selection{where, "/here"}, built.frame()));
   }
-
-  Scene scene;
-  Diagnostics diagnostics;
-  BuiltScene built{scene, diagnostics};
-  EventRunner events{built.scene(), built, diagnostics};
-  std::vector<FieldChoice> fields = choose_fields(built, scene.output);
 };
 
 double from_centre(const Vec3& p) { return norm(minus(p, {3, 0, 0})); }
@@ -105,7 +75,7 @@ double enclosed_by(const Frame& frame) {
 
 TEST(FilledScene, FramesShowTheMaterialOnly) {
   Built ball_of(ball());
-  const Frame frame = ball_of.frame(), surface = ball_of.surface();
+  const Frame frame = ball_of.frame(), surface = ball_of.side();
   EXPECT_GT(frame.hexahedra.size(), 100u);
   EXPECT_GT(frame.tetrahedra.size(), 1000u);
   for (const Vec3& p : frame.points) EXPECT_LT(from_centre(p), radius + 0.02 * 0.2);
@@ -180,9 +150,9 @@ TEST(FilledScene, CutsOpenTheSurface) {
   scene.events = {event};
   Built ball_of(scene);
   const double volume = volume_of(ball_of.frame());
-  const std::size_t triangles = ball_of.surface().cells.size();
+  const std::size_t triangles = ball_of.side().cells.size();
   ball_of.events.fire(0, 0);
-  const Frame surface = ball_of.surface();
+  const Frame surface = ball_of.side();
   const auto& cut = surface.cell_fields.back().ids;
   EXPECT_EQ(std::size_t(std::ranges::count(cut, 0)), triangles);
   EXPECT_GT(std::ranges::count(cut, 1), 100);

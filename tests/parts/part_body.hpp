@@ -96,4 +96,40 @@ struct PartBody : suture::Body {
   }
 };
 
+using Matrix = std::array<Vec3, 3>;
+/// A gradient of a deformation.
+inline constexpr Matrix stretched{{{1.1, 0.2, -0.1}, {0.05, 0.9, 0.1}, {-0.15, 0.1, 1.2}}};
+
+inline Vec3 mapped(const Matrix& m, const Vec3& x) {
+  return {suture::dot(m[0], x), suture::dot(m[1], x), suture::dot(m[2], x)};
+}
+
+/// First Piola-Kirchhoff stress of a St Venant-Kirchhoff solid.
+inline Matrix stress_of(const Matrix& F, double young, double nu) {
+  const double lambda = young * nu / ((1 + nu) * (1 - 2 * nu)), mu = young / (2 * (1 + nu));
+  Matrix E{}, S{}, P{};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) {
+      for (std::size_t k = 0; k < 3; ++k) E[i][j] += F[k][i] * F[k][j] / 2;
+      E[i][j] -= i == j ? 0.5 : 0;
+    }
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      S[i][j] = 2 * mu * E[i][j] + (i == j ? lambda * (E[0][0] + E[1][1] + E[2][2]) : 0);
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      for (std::size_t k = 0; k < 3; ++k) P[i][j] += F[i][k] * S[k][j];
+  return P;
+}
+
+/// All vertices have moved by the same amount, downwards along y.
+inline void expect_uniform_fall(const rig::Rig& rig, Index vertices) {
+  const double fallen = rig.shift(0, 1);
+  EXPECT_LT(fallen, 0);
+  for (Index v = 0; v < vertices; ++v) {
+    EXPECT_NEAR(rig.shift(v, 1) / fallen, 1, 1e-9);
+    EXPECT_NEAR(rig.shift(v, 0) / fallen, 0, 1e-9);
+  }
+}
+
 }  // namespace parts_test

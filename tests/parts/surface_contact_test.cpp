@@ -15,6 +15,7 @@
 #include "kernel/run/simulation.hpp"
 #include "tests/geometry/surfaces.hpp"
 #include "tests/run/equilibrium.hpp"
+#include "tests/run/open_scene.hpp"
 
 namespace suture::test {
 namespace {
@@ -29,10 +30,7 @@ constexpr double radius = 1, edge = 0.2;
 Scene scene_of(const TriangleSurface& surface, double young) {
   Scene scene = block(plugins(), "tm-faure", {1, 1, 1}, {1, 1, 1},
                       {{"E", young}, {"nu", 0.3}, {"rho", 1000}, {"element", 1}});
-  scene.mesh.box.reset();
-  const auto file = file_with("touching.off", "");
-  write_surface(file, surface);
-  scene.mesh.filled = FilledBody{.file = file, .size = {.edge = edge}};
+  test::fill(scene, surface, edge);
   scene.solver.threads = 1;
   return scene;
 }

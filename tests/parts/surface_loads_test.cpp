@@ -18,6 +18,7 @@
 #include "tests/geometry/surfaces.hpp"
 #include "tests/parts/part_body.hpp"
 #include "tests/run/equilibrium.hpp"
+#include "tests/run/open_scene.hpp"
 
 namespace parts_test {
 namespace {
@@ -168,17 +169,9 @@ TEST_F(Shaken, TheTangentIsTheDerivative) {
   SurfacePressures& pressures = body.press(1000);
   const auto d = body.random_direction(2);
   const std::vector<double> expected = flat(body.difference(pressures, d)), dx = flat(d);
-  std::vector<double> image(dx.size()), by_cells(dx.size());
+  const std::vector<double> by_cells = spring_model::product_by_cells(pressures, dx, 0, 8);
+  std::vector<double> image(dx.size());
   pressures.add_tangent(dx.data(), 1, 0, 0, image.data());
-  pressures.for_each_tangent(1, 0, 0, [&](const CellTangents& cells) {
-    ASSERT_EQ(cells.nodes, 8u);
-    for (std::size_t l = 0; l < cells.cells; ++l)
-      for (std::size_t j = 0; j < 24; ++j)
-        for (std::size_t i = 0; i < 24; ++i)
-          by_cells[std::size_t{cells.vertices[l * 8 + i / 3]} * 3 + i % 3] +=
-              cells.values[(j * 24 + i) * 8 + l] *
-              dx[std::size_t{cells.vertices[l * 8 + j / 3]} * 3 + j % 3];
-  });
   double largest = 0;
   for (std::size_t i = 0; i < dx.size(); ++i) {
     largest = std::max(largest, std::abs(expected[i]));
@@ -231,30 +224,18 @@ TEST_F(Shaken, FollowsSplitsAndRemovalsAndIsSaved) {
 // Tractions P N on the whole surface are in balance with the stress P of a uniform gradient: every
 // node inside and outside the material is, up to rounding.
 TEST(SurfaceLoads, PassThePatchTest) {
-  const std::array<Vec3, 3> F{{{1.1, 0.2, -0.1}, {0.05, 0.9, 0.1}, {-0.15, 0.1, 1.2}}};
-  const auto apply = [](const std::array<Vec3, 3>& m, const Vec3& x) {
-    return Vec3{dot(m[0], x), dot(m[1], x), dot(m[2], x)};
-  };
   for (const int element : {0, 1}) {
     Values values = rubber;
     values["element"] = element;
-    values["nu"] = 0;  // P = E F (F^T F - 1) / 2
+    values["nu"] = 0;
     Filled body(turned(test::box_surface({}, {1, 0.7, 0.8}), 0.4), 0.15, values);
-    std::array<Vec3, 3> strain{}, stress{};
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = 0; j < 3; ++j) {
-        for (std::size_t k = 0; k < 3; ++k) strain[i][j] += F[k][i] * F[k][j] / 2;
-        strain[i][j] -= i == j ? 0.5 : 0;
-      }
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = 0; j < 3; ++j)
-        for (std::size_t k = 0; k < 3; ++k) stress[i][j] += 1e5 * F[i][k] * strain[k][j];
+    const Matrix stress = stress_of(stretched, 1e5, 0);
     auto& loads = body.add(std::make_unique<DeadLoads>(body.attributes()));
     for (Index t = 0; t < body.triangles.size(); ++t)
       if (const Vec3 area = body.area(t); norm(area) > 0)
         loads.add_surface_traction(body.complex(), std::span(body.triangles).subspan(t, 1),
-                                   apply(stress, scaled(1 / norm(area), area)), {});
-    body.place([&](const Vec3& x) { return apply(F, x); });
+                                   mapped(stress, scaled(1 / norm(area), area)), {});
+    body.place([&](const Vec3& x) { return mapped(stretched, x); });
     const std::vector<double> inner = body.forces();
     const auto outer = forces_of_term(body, loads, 0);
     double largest = 0, worst = 0;
@@ -276,10 +257,7 @@ PluginHost& host() {
 
 Scene scene_of(const TriangleSurface& surface, double edge, const Values& values) {
   Scene scene = test::block(host(), "tm-faure", {1, 1, 1}, {1, 1, 1}, values);
-  scene.mesh.box.reset();
-  const auto file = test::file_with("loaded.off", "");
-  write_surface(file, surface);
-  scene.mesh.filled = FilledBody{.file = file, .size = {.edge = edge}};
+  test::fill(scene, surface, edge);
   return scene;
 }
 

@@ -10,9 +10,9 @@
 #include <numeric>
 
 #include "kernel/base/error.hpp"
-#include "kernel/output/frame_file.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/open_scene.hpp"
 
 namespace suture::test {
 namespace {
@@ -25,22 +25,13 @@ Event event_of(EventOperation what) {
 }
 
 /// A beam of 8 x 2 x 2 elements, 1 m x 0.25 m x 0.25 m, with one series.
-struct Shown {
-  explicit Shown(const Scene& of) : scene(of) {}
+struct Shown : test::OpenScene {
+  using OpenScene::OpenScene;
   Frame frame(double time) {
     built.dynamics().start();
-    const auto series = side_series(scene.output, fields, built, events);
-    EXPECT_EQ(series.size(), 1u);
-    Frame frame;
-    series.at(0).fill(frame, time, {});
-    check_frame(frame);
-    return frame;
+    EXPECT_EQ(side_series(scene.output, fields, built, events).size(), 1u);
+    return side(time);
   }
-  Scene scene;
-  Diagnostics diagnostics;
-  BuiltScene built{scene, diagnostics};
-  EventRunner events{built.scene(), built, diagnostics};
-  std::vector<FieldChoice> fields = choose_fields(built, scene.output);
 };
 
 Scene scene_with_cuts() {

@@ -189,28 +189,20 @@ std::vector<std::vector<GivenColumn>> BuiltScene::read_values() {
 void BuiltScene::add_constraints() {
   std::vector<PlacedConstraint> placed;
   for (const Constraint& constraint : scene_.constraints) {
-    PrescribedMotion motion;
-    if (constraint.moves) {
-      motion.translation = constraint.translation;
-      motion.axis = constraint.axis;
-      motion.centre = constraint.centre;
-      motion.angle = constraint.angle;
-      motion.ramp = constraint.ramp;
-      motion.path = constraint.path;
-    }
     placed.push_back({"/constraints/" + std::to_string(placed.size()), constraint.components,
-                      motion, selector_.vertices(constraint.where)});
+                      motion_of(constraint), selector_.vertices(constraint.where)});
   }
   const Column& rest = body_.attributes().rest();
   check_constraints(placed, rest, [&](Index v) {
     return "node " + std::to_string(names_.point_id(body_.user_vertex()[v])) + " at " +
            place_text({rest.get(v, 0), rest.get(v, 1), rest.get(v, 2)});
   });
-  for (PlacedConstraint& constraint : placed) {
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    PlacedConstraint& constraint = placed[i];
     if (constraint.motion.moves())
       constraint.motion.reach = shortest_edge(constraint.vertices) / 10;
     body_.constraints().add(constraint.vertices, constraint.components, constraint.motion,
-                            body_.attributes());
+                            body_.attributes(), scene_.constraints[i].name);
   }
 }
 

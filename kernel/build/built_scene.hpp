@@ -45,6 +45,13 @@ class BuiltScene {
   /// By model of the scene: whether a run ends where one of its elements becomes inverted.
   std::vector<bool> stops_on_inversion() const;
 
+  /// Holds the nodes that a grasp selects now, and moves them from `time` on; returns their number.
+  /// Throws InputError, with `path` in front, if there are none; nothing has changed then.
+  Index grasp(const Grasp& grasp, double time, const std::string& path);
+  /// Frees the nodes of a grasp or a constraint with a name; returns their number. Throws
+  /// InputError, with `path` in front, if nothing with this name holds any.
+  Index release(const std::string& name, const std::string& path);
+
   /// The user's number of an element.
   std::uint64_t element_name(Index e) const { return selector_.element_id(e); }
   /// "(0.1, 0.2, 0.3) m" in coordinates of the scene: a point of the body, or the centre of an
@@ -59,6 +66,7 @@ class BuiltScene {
   void add_models(Diagnostics& diagnostics);
   std::vector<std::vector<GivenColumn>> read_values();
   void add_constraints();
+  std::vector<Index> graspable(const Selection& where);
   double shortest_edge(const std::vector<Index>& vertices);
   void add_terms();
   void add_contact(Diagnostics& diagnostics);
@@ -74,5 +82,8 @@ class BuiltScene {
   std::unique_ptr<Dynamics> dynamics_;
   std::unique_ptr<StepLimits> limits_;
 };
+
+/// What a constraint or a grasp prescribes, without `reach`.
+PrescribedMotion motion_of(const Constraint& constraint);
 
 }  // namespace suture

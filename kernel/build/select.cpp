@@ -179,16 +179,20 @@ std::vector<Index> Selector::listed_vertices(const Selection& selection) const {
   return result;
 }
 
-std::vector<char> Selector::vertex_mask(const Selection& selection) const {
+std::vector<char> Selector::vertex_mask(const Selection& selection, const double* rows) const {
   const auto exists = [&](Index v) { return imported_.complex.exists(0, v); };
   std::vector<char> mask(rest_.size());
   for (const Index v : listed_vertices(selection)) mask[v] = exists(v);
-  for (const Index v : located_vertices(selection)) mask[v] = 1;
+  for (const Index v : located_vertices(selection, rows)) mask[v] = 1;
   return mask;
 }
 
-std::vector<Index> Selector::located_vertices(const Selection& selection) const {
-  const auto at = [&](Index v) { return Vec3{rest_.get(v, 0), rest_.get(v, 1), rest_.get(v, 2)}; };
+std::vector<Index> Selector::located_vertices(const Selection& selection,
+                                              const double* rows) const {
+  const auto at = [&](Index v) {
+    const double* row = rows + std::size_t{v} * 4;
+    return Vec3{row[0], row[1], row[2]};
+  };
   if (parts_.empty())
     return located(
         selection, rest_.size(), [&](Index v) { return imported_.complex.exists(0, v); }, at);
@@ -197,17 +201,22 @@ std::vector<Index> Selector::located_vertices(const Selection& selection) const 
       selection, rest_.size(), [&](Index v) { return places.is_inside[v] != 0; }, at);
   for (const auto& [vertex, place] : places.crossings) {
     const Hexahedron& nodes = imported_.complex.vertices_of(place.element);
-    if (contains(selection, place_in(nodes, place.at, rest_.rows(), 4))) result.push_back(vertex);
+    if (contains(selection, place_in(nodes, place.at, rows, 4))) result.push_back(vertex);
+  }
+  return result;
+}
+
+std::vector<Index> Selector::vertices_now(const Selection& selection, const double* rows) const {
+  const std::vector<char> mask = vertex_mask(selection, rows);
+  std::vector<Index> result;
+  for (std::size_t v = 0; v < mask.size(); ++v) {
+    if (mask[v]) result.push_back(static_cast<Index>(v));
   }
   return result;
 }
 
 std::vector<Index> Selector::vertices(const Selection& selection) const {
-  const std::vector<char> mask = vertex_mask(selection);
-  std::vector<Index> result;
-  for (std::size_t v = 0; v < mask.size(); ++v) {
-    if (mask[v]) result.push_back(static_cast<Index>(v));
-  }
+  std::vector<Index> result = vertices_now(selection, rest_.rows());
   if (result.empty()) {
     throw InputError(selection.path + ": the selection contains no node; the nodes lie in " +
                      bounds_text());
@@ -281,7 +290,7 @@ std::vector<Index> Selector::elements_now(const Selection& selection, const doub
 
 std::vector<Dart> Selector::boundary_faces(const Selection& selection) const {
   const CellComplex& complex = imported_.complex;
-  const std::vector<char> mask = vertex_mask(selection);
+  const std::vector<char> mask = vertex_mask(selection, rest_.rows());
   std::vector<Dart> result;
   for (Index e = 0; e < complex.element_count(); ++e) {
     if (!complex.exists(3, e)) continue;

@@ -45,6 +45,8 @@ class Selector {
            const BodyFrame& frame, const Parts& parts);
 
   std::vector<Index> vertices(const Selection& selection) const;
+  /// The same during a run, by where vertex v is then: rows[4 v]. May be empty.
+  std::vector<Index> vertices_now(const Selection& selection, const double* rows) const;
   /// Elements whose centroid is selected (for ids and sets, the named elements).
   std::vector<Index> elements(const Selection& selection) const;
   /// The same during a run: the remaining elements, by their centroids, where vertex v is at rows[4
@@ -71,13 +73,13 @@ class Selector {
   std::vector<Index> listed_elements(const Selection& selection) const;
   bool contains(const Selection& selection, const Vec3& p) const;
   Vec3 centroid_of(Index e, const double* rows) const;
-  std::vector<Index> located_vertices(const Selection& selection) const;
+  std::vector<Index> located_vertices(const Selection& selection, const double* rows) const;
   template <class Exists, class At>
   std::vector<Index> located(const Selection& selection, Index count, Exists exists, At at) const;
   std::vector<Index> located_elements(const Selection& selection, const double* rows) const;
   std::vector<Index> listed_vertices(const Selection& selection) const;
   std::vector<char> point_mask(const Selection& selection, const EmbeddedPoints& points) const;
-  std::vector<char> vertex_mask(const Selection& selection) const;
+  std::vector<char> vertex_mask(const Selection& selection, const double* rows) const;
   std::vector<Index> named_vertices(const Selection& selection, const std::string& set) const;
 
   const Imported& imported_;

@@ -88,6 +88,13 @@ struct Translation {
       for (Selection& side : *sew.between) (*this)(side);
   }
   void operator()(RemoveIslands& islands) const { (*this)(islands.outside); }
+  void operator()(Constraint& constraint) const {
+    (*this)(constraint.where);
+    if (constraint.angle != 0 || constraint.path.turns())
+      (*this)(constraint.centre);  // else far away for nothing
+  }
+  void operator()(Grasp& grasp) const { (*this)(grasp.held); }
+  void operator()(Release&) const {}
   void operator()(Condition& condition) const {
     (*this)(condition.where);
     if (condition.of != Condition::Of::position) return;
@@ -111,11 +118,6 @@ struct Translation {
     (*this)(use.region);
     for (CellValues& values : use.values)
       for (CellValues::Part& part : values.parts) (*this)(part.region);
-  }
-  void operator()(Constraint& constraint) const {
-    (*this)(constraint.where);
-    if (constraint.angle != 0 || constraint.path.turns())
-      (*this)(constraint.centre);  // else far away for nothing
   }
   void operator()(Obstacle& obstacle) const {
     translate(obstacle.shape, minus(Vec3{}, frame.origin));

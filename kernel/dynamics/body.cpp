@@ -220,6 +220,7 @@ void Body::state(Archive& archive) {
   }
   archive("attributes", attributes_);
   archive("constraints", constraints_);
+  if (archive.has_cells() && archive.loads()) constraints_.mark(attributes_);
   if (contact_) archive("contact", *contact_);
   archive.group("terms", [&] {
     for (const auto& term : terms_) archive(term->name(), *term);

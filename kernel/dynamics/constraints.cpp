@@ -69,11 +69,22 @@ Vec3 prescribed_position(const PrescribedMotion& motion, const Vec3& rest, doubl
 }
 
 void Constraints::add(std::span<const Index> vertices, std::uint8_t components,
-                      const PrescribedMotion& motion, Attributes& attributes) {
-  Group& group = groups_.emplace_back(
-      Group{motion, components, {vertices.begin(), vertices.end()}, {}, {}, 0});
+                      const PrescribedMotion& motion, Attributes& attributes, std::string name) {
+  Group& group = groups_.emplace_back(Group{
+      std::move(name), false, motion, components, {vertices.begin(), vertices.end()}, {}, {}, 0});
   std::ranges::sort(group.vertices);
-  read_rest(group, attributes);
+  read_rest(group, attributes.rest());
+  find_path_length(group);
+  for (const Index v : vertices) {
+    const int bits = static_cast<int>(attributes.fixed().get(v, 0)) | components;
+    attributes.fixed().set(v, 0, bits);
+  }
+  gather(attributes);
+}
+
+/// From the axis, the farthest vertex has the longest path.
+void Constraints::find_path_length(Group& group) {
+  const PrescribedMotion& motion = group.motion;
   const double axis = norm(motion.axis);
   double radius = 0;
   for (const Vec3& rest : group.rest)
@@ -83,11 +94,6 @@ void Constraints::add(std::span<const Index> vertices, std::uint8_t components,
     group.path_length = motion.path.empty()
                             ? norm(motion.translation) + std::abs(motion.angle) * radius
                             : (motion.end() - motion.begin()) * motion.path.top_speed(radius);
-  for (const Index v : vertices) {
-    const int bits = static_cast<int>(attributes.fixed().get(v, 0)) | components;
-    attributes.fixed().set(v, 0, bits);
-  }
-  gather(attributes);
 }
 
 /// The lists of what is held and what is driven, from the groups.
@@ -109,11 +115,10 @@ void Constraints::gather(Attributes& attributes) {
                        {}});
 }
 
-void Constraints::read_rest(Group& group, Attributes& attributes) {
+void Constraints::read_rest(Group& group, const Column& places) {
   group.rest.clear();
   for (const Index v : group.vertices)
-    group.rest.push_back(
-        {attributes.rest().get(v, 0), attributes.rest().get(v, 1), attributes.rest().get(v, 2)});
+    group.rest.push_back({places.get(v, 0), places.get(v, 1), places.get(v, 2)});
 }
 
 void Constraints::apply(Attributes& attributes, double time, Index begin, Index end) const {
@@ -269,6 +274,8 @@ void PrescribedMotion::state(Archive& archive) {
 void Constraints::state(Archive& archive) {
   if (archive.has_cells()) {
     archive.each("groups", groups_, [](Archive& each, Group& group) {
+      each("name", group.name);
+      each("is grasp", group.is_grasp);
       each("components", group.components);
       each("motion", group.motion);
       each("way", group.path_length);
@@ -288,6 +295,26 @@ void Constraints::state(Archive& archive) {
   archive.member("mean velocities", driven_, &Driven::velocity);
 }
 
+/// Of a grasp, the places where it took hold.
+void Constraints::set_places(Group& group, const std::map<Index, Vec3>& places,
+                             Attributes& attributes) {
+  if (!group.is_grasp) return read_rest(group, attributes.rest());
+  group.rest.clear();
+  for (const Index v : group.vertices) group.rest.push_back(places.at(v));
+}
+
+/// Vertices with the motion of a group, for some of its components only.
+Constraints::Group Constraints::part_of(const Group& group, std::uint8_t components,
+                                        std::vector<Index> vertices,
+                                        const std::map<Index, Vec3>& places,
+                                        Attributes& attributes) {
+  sort_unique(vertices);
+  Group part{group.name, group.is_grasp,   group.motion, components, std::move(vertices), {},
+             {},         group.path_length};
+  set_places(part, places, attributes);
+  return part;
+}
+
 void Constraints::update(const TopologyChange& change, Attributes& attributes) {
   const auto& splits = change.splits[0];
   const auto& merges = change.merges[0];
@@ -300,13 +327,19 @@ void Constraints::update(const TopologyChange& change, Attributes& attributes) {
   std::vector<Group> partial;  // of the same motion, for some components only
   for (Group& group : groups_) {
     const auto before = static_cast<std::ptrdiff_t>(group.vertices.size());
+    std::map<Index, Vec3> places;  // of a grasp
+    for (std::size_t i = 0; group.is_grasp && i < group.vertices.size(); ++i)
+      places[group.vertices[i]] = group.rest[i];
     const auto join = [&](Index vertex) {
       if (group.member[vertex]) return;
       group.member[vertex] = true;
       group.vertices.push_back(vertex);
     };
     for (const Split& split : splits)
-      if (group.member[split.old_cell]) join(split.new_cell);
+      if (group.member[split.old_cell]) {
+        join(split.new_cell);
+        if (group.is_grasp) places[split.new_cell] = places[split.old_cell];
+      }
     std::array<std::vector<Index>, 8> in_part;  // by components; 0: held already
     bool loses = false;
     const auto leave = [&](Index vertex) {
@@ -315,6 +348,8 @@ void Constraints::update(const TopologyChange& change, Attributes& attributes) {
     };
     for (std::size_t i = 0; i < merges.size(); ++i) {
       const auto more = static_cast<std::uint8_t>(group.components & ~held_before[i]);
+      if (group.is_grasp && group.member[merges[i].gone])
+        places.try_emplace(merges[i].kept, places[merges[i].gone]);
       if (group.member[merges[i].gone] && more == group.components)
         join(merges[i].kept);
       else if (group.member[merges[i].gone])
@@ -323,23 +358,25 @@ void Constraints::update(const TopologyChange& change, Attributes& attributes) {
     }
     for (std::uint8_t more = 1; more < 8; ++more)
       if (!in_part[more].empty())
-        partial.push_back(
-            {group.motion, more, std::move(in_part[more]), {}, {}, group.path_length});
+        partial.push_back(part_of(group, more, std::move(in_part[more]), places, attributes));
     for (const Index vertex : removed) leave(vertex);
     const auto joined = group.vertices.begin() + before;
     const bool changes = loses || joined != group.vertices.end() || !merges.empty();
     std::sort(joined, group.vertices.end());
     std::inplace_merge(group.vertices.begin(), joined, group.vertices.end());
     if (loses) std::erase_if(group.vertices, [&](Index v) { return !group.member[v]; });
-    if (changes) read_rest(group, attributes);
+    if (changes) set_places(group, places, attributes);
     any = any || changes;
   }
   for (Group& group : partial) {
-    sort_unique(group.vertices);
-    read_rest(group, attributes);
     groups_.push_back(std::move(group));
   }
   if (!any) return;
+  regather(attributes, splits);
+}
+
+/// gather() during a run.
+void Constraints::regather(Attributes& attributes, std::span<const Split> splits) {
   const std::vector<Driven> before = std::move(driven_);
   gather(attributes);
   // Those that continue have the mean velocity that they had, the parts of a split vertex its own.
@@ -374,7 +411,7 @@ std::vector<bool> Constraints::always_fixed(Index vertex_count) const {
   std::vector<std::uint8_t> held(vertex_count);
   std::vector<bool> result(vertex_count);
   for (const Group& group : groups_)
-    if (!group.motion.moves())
+    if (!group.motion.moves() && group.name.empty())
       for (const Index v : group.vertices) held[v] |= group.components;
   for (const Group& group : groups_)
     if (group.motion.moves())

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
@@ -46,7 +48,24 @@ class Constraints {
   /// Constrains `components` (bits 1 x, 2 y, 4 z) of `vertices`; where groups overlap, the last one
   /// added takes precedence. Marks them in the column `fixed`.
   void add(std::span<const Index> vertices, std::uint8_t components, const PrescribedMotion& motion,
-           Attributes& attributes);
+           Attributes& attributes, std::string name = {});
+
+  /// Holds vertices from where they are, x = c + R(X - c) + translation with X their places now;
+  /// components that are held already keep their motion. Returns the number of vertices that it
+  /// holds.
+  Index grasp(std::span<const Index> vertices, const PrescribedMotion& motion,
+              Attributes& attributes, const std::string& name);
+  /// Frees the vertices of this name, and returns them, ascending; empty if there are none.
+  std::vector<Index> release(const std::string& name, Attributes& attributes);
+  /// Those that it holds, ascending, and which of their components.
+  struct Held {
+    Index vertex;
+    std::uint8_t components;
+  };
+  std::vector<Held> held_by(const std::string& name) const;
+  std::vector<std::string> names() const;
+  /// Marks what is held in the column `fixed`, which is not part of a checkpoint.
+  void mark(Attributes& attributes) const;
 
   /// Sets position and velocity (its derivative) of all constrained components at `time`, for
   /// vertices begin .. end-1. O(constrained vertices among them + groups log vertices).
@@ -94,6 +113,8 @@ class Constraints {
 
  private:
   struct Group {
+    std::string name;       ///< by which it is released; may be empty: never
+    bool is_grasp = false;  ///< of places during the run, not at rest
     PrescribedMotion motion;
     std::uint8_t components;
     std::vector<Index> vertices;  ///< ascending
@@ -113,7 +134,12 @@ class Constraints {
     Vec3 velocity;         ///< w-, m/s
     Vec3 force, position;  ///< m a and x before the pass
   };
-  static void read_rest(Group& group, Attributes& attributes);
+  static void read_rest(Group& group, const Column& places);
+  static void find_path_length(Group& group);
+  static void set_places(Group& group, const std::map<Index, Vec3>& places, Attributes& attributes);
+  static Group part_of(const Group& group, std::uint8_t components, std::vector<Index> vertices,
+                       const std::map<Index, Vec3>& places, Attributes& attributes);
+  void regather(Attributes& attributes, std::span<const Split> splits);
   void gather(Attributes& attributes);
   void find_members(Index vertex_count);
   std::uint8_t constrained_components(Index vertex) const;

@@ -114,6 +114,28 @@ void Dynamics::jump(const std::function<void()>& change, bool keeps_forces) {
   if (ledger_.has_start()) ledger_.after_jump(now());
 }
 
+/// The velocity of a held vertex is that at the time of the positions; of a free one it lacks a
+/// kick:  v = (v(t) - g a) / e    e, g: of that kick
+void Dynamics::constrain(const std::function<std::vector<Index>()>& change) {
+  motion_.thaw();
+  Attributes& attributes = body().attributes();
+  jump([&] {
+    const std::vector<Index> freed = change();
+    body().constraints().apply(attributes, time());
+    const Kick lacking = integrator_->lacking();
+    const Vec3 uniform = body().acceleration(time());
+    const std::vector<Vec3> accelerations = accelerations_at(freed);
+    for (std::size_t i = 0; i < accelerations.size(); ++i) {
+      const unsigned held = held_components(attributes, freed[i]);
+      double* v = attributes.velocity().rows() + std::size_t{freed[i]} * 4;
+      for (std::size_t c = 0; c < 3; ++c)
+        if (!is_held(held, c))
+          v[c] = (v[c] - lacking.gain * (accelerations[i][c] + uniform[c])) / lacking.decay;
+    }
+  });
+  integrator_->forget_cells();
+}
+
 /// Cells, positions or velocities jumped: nothing is booked between the step before and the next.
 void Dynamics::forget_last() {
   motion_.sums().resize(body().attributes().vertex_count());

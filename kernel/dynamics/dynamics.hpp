@@ -75,6 +75,11 @@ class Dynamics : private Follower {
   /// energy as an event. `keeps_forces`: the evaluated forces remain valid.
   void jump(const std::function<void()>& change, bool keeps_forces = false);
 
+  /// Calls `change`, which holds vertices or frees those that it returns, ascending. What is held
+  /// has its prescribed velocity from now on, what is free keeps the one that it has; the change of
+  /// the energy is booked as an event.
+  void constrain(const std::function<std::vector<Index>()>& change);
+
   /// Motion, ledger and body: a state for a rollback (StateBuffer), valid until an operation or
   /// sleep, or for a checkpoint. Later steps are bitwise identical, except for functors that read
   /// velocities after a rollback to a synchronised Verlet state: they see the velocity after its

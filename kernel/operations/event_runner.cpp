@@ -23,6 +23,8 @@ EventOutcome& EventOutcome::operator+=(const EventOutcome& other) {
   faces_sewn += other.faces_sewn;
   elements_removed += other.elements_removed;
   elements_cut += other.elements_cut;
+  nodes_held += other.nodes_held;
+  nodes_released += other.nodes_released;
   return *this;
 }
 
@@ -36,6 +38,8 @@ std::string EventOutcome::text() const {
   add("tore ", faces_torn, "face");
   add("sewed ", faces_sewn, "face");
   add("removed ", elements_removed, "element");
+  add("grasped ", nodes_held, "node");
+  add("released ", nodes_released, "node");
   return text;
 }
 
@@ -143,6 +147,17 @@ struct EventRunner::Call {
     return remove(
         elements_of_islands(built.body().complex(), built.body().islands(), shape(), islands),
         " removed no island: all are large enough and inside the region");
+  }
+
+  EventOutcome operator()(const Grasp& grasp) const {
+    EventOutcome outcome;
+    outcome.nodes_held = built.grasp(grasp, time, timed(time, event.path + "/grasp"));
+    return outcome;
+  }
+  EventOutcome operator()(const Release& release) const {
+    EventOutcome outcome;
+    outcome.nodes_released = built.release(release.name, timed(time, event.path + "/release"));
+    return outcome;
   }
 
   EventOutcome remove(const std::vector<Index>& elements, const char* nothing) const;
@@ -335,6 +350,10 @@ void EventRunner::check(const Event& event) {
     Call{*this, event, none, 0, unused}.faces_of(*faces);
   } else if (const auto* pierce = std::get_if<Pierce>(&event.what)) {
     if (pierce->where) check_names(*pierce->where);
+  } else if (const auto* grasp = std::get_if<Grasp>(&event.what)) {
+    if (std::holds_alternative<Selection::Ids>(grasp->held.where.what) ||
+        std::holds_alternative<Selection::Named>(grasp->held.where.what))
+      built_.selector().vertices(grasp->held.where);
   } else if (const auto* sew = std::get_if<SewFaces>(&event.what)) {
     if (sew->where) check_names(*sew->where);
     if (sew->between)

@@ -33,11 +33,14 @@ class SurfaceBlade;
 /// The effect of an operation.
 struct EventOutcome {
   Index faces_cut = 0, faces_torn = 0, faces_sewn = 0, elements_removed = 0;
+  Index nodes_held = 0, nodes_released = 0;
   Index elements_cut = 0;                     ///< along the blade
   std::vector<std::array<Index, 2>> faces{};  ///< the elements on both sides of each face
   std::vector<Index> removed{};               ///< elements
   bool changed() const {
-    return faces_cut + faces_torn + faces_sewn + elements_removed + elements_cut > 0;
+    return faces_cut + faces_torn + faces_sewn + elements_removed + elements_cut + nodes_held +
+               nodes_released >
+           0;
   }
   EventOutcome& operator+=(const EventOutcome& other);
   /// "cut 25 faces"; "" if nothing was changed.

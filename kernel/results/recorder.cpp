@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/vec3.hpp"
 #include "kernel/dynamics/motion.hpp"
 #include "kernel/forces/contact_law.hpp"
 #include "kernel/results/frame_parts.hpp"
@@ -23,7 +24,38 @@ void require_finite(const std::vector<double>& row, const char* table, BuiltScen
       " is not finite; the forces or lengths of the scene are too large to compute with");
 }
 
-std::vector<std::string> tool_columns(const ContactOptions& contact) {
+std::vector<std::string> grasp_names(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const Event& event : scene.events)
+    if (const auto* grasp = std::get_if<Grasp>(&event.what)) names.push_back(grasp->held.name);
+  return names;
+}
+
+/// Of the body on a grasp, without the inertia of the nodes that it holds; the torque about the
+/// mean of their places.
+ContactLaw::Load grasp_load(const std::string& name, BuiltScene& built, const Vec3& gravity) {
+  Attributes& attributes = built.body().attributes();
+  const auto held = built.body().constraints().held_by(name);
+  const auto row = [](const Column& column, Index v) {
+    return Vec3{column.get(v, 0), column.get(v, 1), column.get(v, 2)};
+  };
+  Vec3 middle{};
+  for (const auto& [v, components] : held)
+    middle =
+        plus(middle, scaled(1.0 / static_cast<double>(held.size()), row(attributes.position(), v)));
+  ContactLaw::Load load;
+  for (const auto& [v, components] : held) {
+    Vec3 force = plus(row(attributes.force(), v), scaled(attributes.mass().get(v, 0), gravity));
+    for (std::size_t c = 0; c < 3; ++c)
+      if (!(components >> c & 1)) force[c] = 0;
+    load.force = plus(load.force, force);
+    load.torque = plus(load.torque, cross(minus(row(attributes.position(), v), middle), force));
+  }
+  return load;
+}
+
+std::vector<std::string> tool_columns(const ContactOptions& contact,
+                                      const std::vector<std::string>& grasps) {
   using Quantities = std::vector<std::pair<const char*, const char*>>;
   const Quantities of_all{{" force ", " [N]"}, {" torque ", " [N m]"}};
   const Quantities of_compliant{{" hand force ", " [N]"},
@@ -39,6 +71,7 @@ std::vector<std::string> tool_columns(const ContactOptions& contact) {
     add(obstacle.name, of_all);
     if (obstacle.coupling) add(obstacle.name, of_compliant);
   }
+  for (const std::string& name : grasps) add(name, of_all);
   return columns;
 }
 
@@ -72,8 +105,11 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& eve
     probe_table_.emplace(options, built);
     probes_ = std::make_unique<CsvWriter>(folder_, "probes.csv", probe_table_->columns());
   }
-  if (options.tools_every > 0)
-    tools_ = std::make_unique<CsvWriter>(folder_, "tools.csv", tool_columns(scene.contact));
+  if (options.tools_every > 0) {
+    grasps_ = grasp_names(scene);
+    tools_ =
+        std::make_unique<CsvWriter>(folder_, "tools.csv", tool_columns(scene.contact, grasps_));
+  }
 }
 
 /// Files in the folder of the run; the one place that says where frames go.
@@ -208,20 +244,24 @@ void Recorder::probes(std::uint64_t step, double time, const Vec3& gravity) {
       {step, PendingRecord::Kind::probes, nullptr, probe_table_->row(time, gravity)});
 }
 
-void Recorder::tools(std::uint64_t step, double time) {
+void Recorder::tools(std::uint64_t step, double time, const Vec3& gravity) {
   std::vector<double> values{time};
-  const ContactLaw& contact = *built_.body().contact();
+  const ContactLaw* contact = built_.body().contact();
   const auto add = [&](const Vec3& a) { values.insert(values.end(), a.begin(), a.end()); };
-  for (std::size_t i = 0; i < contact.obstacles().size(); ++i) {
-    add(contact.loads()[i].force);
-    add(contact.loads()[i].torque);
-    const auto tool = contact.tool_state(i);
+  const auto add_load = [&](const ContactLaw::Load& load) {
+    add(load.force);
+    add(load.torque);
+  };
+  for (std::size_t i = 0; contact && i < contact->obstacles().size(); ++i) {
+    add_load(contact->loads()[i]);
+    const auto tool = contact->tool_state(i);
     if (!tool) continue;
     add(tool->hand_force);
     add(tool->hand_torque);
     add(built_.frame().in_scene(tool->pose.place(tool->pose.centre)));
     add(rotation_vector(tool->pose));
   }
+  for (const std::string& name : grasps_) add_load(grasp_load(name, built_, gravity));
   require_finite(values, "tools.csv", built_);
   pending_.push_back({step, PendingRecord::Kind::tools, nullptr, std::move(values)});
 }

@@ -32,6 +32,7 @@ class Recorder {
   bool writes_energies() const { return energies_ != nullptr; }
   bool writes_probes() const { return probes_ != nullptr; }
   bool writes_tools() const { return tools_ != nullptr; }
+  bool has_grasps() const { return !grasps_.empty(); }
   const std::shared_ptr<OutputFolder>& folder() const { return folder_; }
   /// True if frames contain forces, which must match the current positions.
   bool frames_need_force() const { return frames_need_force_; }
@@ -48,7 +49,7 @@ class Recorder {
   /// These two throw NumericalError for a value that is not finite, and record nothing.
   void energies(std::uint64_t step, double time, double dt, const EnergyBalance& row);
   void probes(std::uint64_t step, double time, const Vec3& gravity);
-  void tools(std::uint64_t step, double time);
+  void tools(std::uint64_t step, double time, const Vec3& gravity);
   /// Writes a separate file, mode_0000.vtu, listed in mode.pvd: the state with the fields of
   /// frames, and `shape` (per vertex) as the point field "unstable_mode".
   void mode(double time, const Vec3& gravity, const std::vector<Vec3>& shape);
@@ -106,6 +107,7 @@ class Recorder {
   std::unique_ptr<FrameSink> frames_, modes_;
   std::vector<SideSeries> sides_;
   std::size_t modes_written_ = 0;
+  std::vector<std::string> grasps_;  ///< in tools.csv
   std::unique_ptr<CsvWriter> energies_, probes_, tools_;
 };
 

@@ -40,8 +40,10 @@ void Records::record_tables(double last_dt, bool last) {
     built_.dynamics().synchronise(recorder_.probes_need(&FieldChoice::needs_force));
     recorder_.probes(clock_.step(), clock_.time(), gravity());
   }
-  if (recorder_.writes_tools() && due(output.tools_every, last_tools_))
-    recorder_.tools(clock_.step(), clock_.time());
+  if (recorder_.writes_tools() && due(output.tools_every, last_tools_)) {
+    if (recorder_.has_grasps()) built_.dynamics().synchronise();
+    recorder_.tools(clock_.step(), clock_.time(), gravity());
+  }
 }
 
 void Records::finish(double last_dt) {

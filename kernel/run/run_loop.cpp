@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <iterator>
 #include <new>
 #include <sstream>
 
@@ -19,6 +18,7 @@
 #include "kernel/plugin_host/plugin_call.hpp"
 #include "kernel/results/frame_parts.hpp"
 #include "kernel/run/steering.hpp"
+#include "kernel/run/stops.hpp"
 #include "kernel/steps/free_bodies.hpp"
 #include "kernel/steps/hourglass_watch.hpp"
 
@@ -29,22 +29,6 @@ using Wall = std::chrono::steady_clock;
 
 double seconds_since(Wall::time_point start) {
   return std::chrono::duration<double>(Wall::now() - start).count();
-}
-
-/// Times that an automatic dt must hit, besides the corners of paths.
-std::vector<double> stops_of(const Scene& scene) {
-  std::vector<double> stops{scene.gravity_ramp.from, scene.gravity_ramp.to};
-  for (const Event& event : scene.events) {
-    for (const double time : {event.start(), event.finish()})
-      if (std::isfinite(time)) stops.push_back(time);
-  }
-  const auto add = [&](const TimeRamp& ramp) { stops.insert(stops.end(), {ramp.from, ramp.to}); };
-  for (const Constraint& constraint : scene.constraints) {
-    add(constraint.ramp);
-    std::ranges::copy(constraint.path.corners(), std::back_inserter(stops));
-  }
-  for (const Load& load : scene.loads) add(load.ramp);
-  return stops;
 }
 
 Clock clock_of(const Scene& scene) {
@@ -149,6 +133,7 @@ void RunLoop::fire_due_events(Observer& observer) {
 void RunLoop::take_over(const EventOutcome& outcome) {
   if (!outcome.changed()) return;
   is_unbalanced_ = true;
+  if (outcome.nodes_held + outcome.nodes_released > 0) sleeper_.wake_all();
   summary_.faces_cut += outcome.faces_cut;
   summary_.faces_torn += outcome.faces_torn;
   summary_.elements_cut += outcome.elements_cut;

@@ -45,6 +45,10 @@ struct What {
   std::string operator()(const RemoveIslands&) const {
     return "islands, tracked through all operations";
   }
+  std::string operator()(const Grasp& grasp) const {
+    return "'" + grasp.held.name + "', nodes where they are then";
+  }
+  std::string operator()(const Release& release) const { return "'" + release.name + "'"; }
 };
 
 }  // namespace
@@ -68,8 +72,8 @@ std::string Event::summary() const {
 }
 
 const char* Event::operation() const {
-  static constexpr const char* names[] = {"cut",    "cut",  "cut",    "cut",
-                                          "pierce", "tear", "suture", "remove_islands"};
+  static constexpr const char* names[] = {
+      "cut", "cut", "cut", "cut", "pierce", "tear", "suture", "remove_islands", "grasp", "release"};
   static_assert(std::size(names) == std::variant_size_v<EventOperation>);
   return names[what.index()];
 }
@@ -85,7 +89,9 @@ double Event::finish() const {
     return blade->stations.back().at;
   if (std::holds_alternative<CutBlade>(what)) return std::numeric_limits<double>::infinity();
   if (every > 0) return until.value_or(std::numeric_limits<double>::infinity());
-  return when ? std::numeric_limits<double>::infinity() : at;
+  if (when) return std::numeric_limits<double>::infinity();
+  const auto* grasp = std::get_if<Grasp>(&what);
+  return grasp ? at + grasp->held.end() : at;
 }
 
 }  // namespace suture

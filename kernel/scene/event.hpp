@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "kernel/geometry/surface.hpp"
+#include "kernel/scene/constraint.hpp"
 #include "kernel/scene/selection.hpp"
 
 namespace suture {
@@ -92,8 +93,19 @@ struct RemoveIslands {
   std::optional<Selection::InBox> outside;  ///< in the deformed shape
 };
 
-using EventOperation =
-    std::variant<CutPlane, CutSurface, CutBlade, CutFaces, Pierce, Tear, SewFaces, RemoveIslands>;
+/// Holds nodes from where they are, and moves them by what `held` says: its selection acts on the
+/// deformed shape, and its times count from the grasp.
+struct Grasp {
+  Constraint held;
+};
+
+/// Lets go of the nodes of a grasp or a constraint, with the velocities that they have.
+struct Release {
+  std::string name;
+};
+
+using EventOperation = std::variant<CutPlane, CutSurface, CutBlade, CutFaces, Pierce, Tear,
+                                    SewFaces, RemoveIslands, Grasp, Release>;
 
 // The times of events.
 
@@ -121,11 +133,14 @@ struct Event {
   bool rest_shape = false;  ///< "shape": "rest"
   std::string path;         ///< "/events/0"
 
-  /// The key in the scene: "cut", "pierce", "tear", "suture" or "remove_islands".
+  /// The key in the scene: "cut", "pierce", "grasp", ...
   const char* operation() const;
   /// May have an effect in many steps.
   bool repeats() const { return every > 0 || std::holds_alternative<CutBlade>(what); }
   bool is_timed() const { return !repeats() && !when; }
+  bool is_hold() const {
+    return std::holds_alternative<Grasp>(what) || std::holds_alternative<Release>(what);
+  }
   bool is_along_blade() const {
     const auto* plane = std::get_if<CutPlane>(&what);
     return plane != nullptr && plane->along_blade;

@@ -41,6 +41,7 @@ std::uint8_t read_components(ObjectReader& object) {
 
 void read_constraint(ObjectReader& object, Reading& reading) {
   Constraint constraint;
+  constraint.name = read_name(object);
   static const std::array<std::string, 2> kinds{"fix", "move"};
   const auto kind = object.one_of(kinds);
   if (kind == 0u) constraint.components = read_components(object);

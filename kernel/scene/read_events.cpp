@@ -64,6 +64,9 @@ void read_schedule(ObjectReader& object, Event& event, const Scene& scene) {
   const auto kind = object.one_of(kinds);
   if (kind == 0u) event.at = read_time(object, "at", scene);
   if (kind == 1u) event.every = object.natural("every", 1).value_or(1);
+  if (kind == 1u && event.is_hold())
+    object.complain("every", "has no meaning for " + std::string(event.operation()) +
+                                 ", which happens once; give 'at' or 'when'");
   if (kind == 2u) {
     event.when = read_condition({*object.find("when"), object.path_of("when"), object.mistakes()});
   }
@@ -71,17 +74,19 @@ void read_schedule(ObjectReader& object, Event& event, const Scene& scene) {
 }
 
 std::optional<EventOperation> read_operation(ObjectReader& object, Reading& reading) {
-  static const std::array<std::string, 5> kinds{"cut", "pierce", "tear", "suture",
-                                                "remove_islands"};
+  static const std::array<std::string, 7> kinds{
+      "cut", "pierce", "tear", "suture", "remove_islands", "grasp", "release"};
   const auto kind = object.one_of(kinds);
   if (!kind) return {};
+  if (*kind == 6) return Release{object.string("release").value_or("")};
   const ObjectReader inner(*object.find(kinds[*kind]), object.path_of(kinds[*kind]),
                            object.mistakes());
   if (*kind == 0) return read_cut(inner, reading);
   if (*kind == 1) return read_pierce(inner);
   if (*kind == 2) return read_tear(inner, reading);
   if (*kind == 3) return read_suture(inner);
-  return read_remove_islands(inner);
+  if (*kind == 4) return read_remove_islands(inner);
+  return read_grasp(inner, reading);
 }
 
 // Which operations have geometry that may be looked up in either shape.
@@ -127,6 +132,7 @@ Event read_event_now(ObjectReader& object, Reading& reading) {
 void read_events(ObjectReader& top, Reading& reading) {
   for_each_object(top, "events", "events",
                   [&](ObjectReader& object) { read_event(object, reading); });
+  check_grasps(top, reading.scene);
   std::vector<Event>& events = reading.scene.events;
   std::stable_sort(events.begin(), events.end(),
                    [](const Event& a, const Event& b) { return a.start() < b.start(); });

@@ -221,7 +221,10 @@ void read_tables(ObjectReader& object, Reading& reading) {
     ObjectReader tools(*value, object.path_of("tools"), object.mistakes());
     output.tools_every = tools.natural("every_steps", 1).value_or(1);
     tools.finish();
-    require_obstacles(object, "tools", reading);
+    if (std::ranges::none_of(reading.scene.events, [](const Event& event) {
+          return std::holds_alternative<Grasp>(event.what);
+        }))
+      require_obstacles(object, "tools", reading);
   }
   if (const JsonValue* value = object.find("probes")) {
     ObjectReader probes(*value, object.path_of("probes"), object.mistakes());

@@ -16,6 +16,7 @@
 #include "kernel/mesh/mesh.hpp"
 #include "kernel/mesh/voxels.hpp"
 #include "kernel/parts/fill_surface.hpp"
+#include "kernel/scene/constraint.hpp"
 #include "kernel/scene/event.hpp"
 #include "kernel/scene/scene_places.hpp"
 #include "kernel/scene/selection.hpp"
@@ -73,18 +74,6 @@ struct ModelUse {
   Selection region;
   OnInversion on_inversion = OnInversion::by_model;  ///< takes precedence over the solver's
   std::string path;
-};
-
-struct Constraint {
-  Selection where;
-  std::uint8_t components = 7;  ///< bits x 1, y 2, z 4
-  // Prescribed motion: zero for a fixed set. x = c + R(angle) (X - c) + translation.
-  Vec3 translation{};  ///< m, at the end of the ramp
-  Vec3 axis{}, centre{};
-  double angle = 0;  ///< rad, at the end of the ramp
-  TimeRamp ramp;
-  MotionPath path;  ///< instead of translation, angle and ramp, unless it is empty
-  bool moves = false;
 };
 
 struct Load {

@@ -83,6 +83,12 @@ Pierce read_pierce(ObjectReader pierce);
 Tear read_tear(ObjectReader tear, Reading& reading);
 SewFaces read_suture(ObjectReader suture);
 RemoveIslands read_remove_islands(ObjectReader remove);
+/// Grasps (read_grasp.cpp).
+Grasp read_grasp(ObjectReader grasp, Reading& reading);
+/// The key "name" of a grasp or a constraint.
+std::string read_name(ObjectReader& object);
+/// After all events: names of grasps differ, and events release what there is.
+void check_grasps(ObjectReader& top, const Scene& scene);
 /// After read_solver and read_models: events must lie within the run, and may refer to fields that
 /// a model declares.
 void read_events(ObjectReader& top, Reading& reading);

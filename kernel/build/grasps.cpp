@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Nodes that are held and let go during a run.
+#include <algorithm>
+
+#include "kernel/base/error.hpp"
+#include "kernel/base/nearest.hpp"
+#include "kernel/build/built_scene.hpp"
+
+namespace suture {
+
+PrescribedMotion motion_of(const Constraint& constraint) {
+  PrescribedMotion motion;
+  if (!constraint.moves) return motion;
+  motion.translation = constraint.translation;
+  motion.axis = constraint.axis;
+  motion.centre = constraint.centre;
+  motion.angle = constraint.angle;
+  motion.ramp = constraint.ramp;
+  motion.path = constraint.path;
+  return motion;
+}
+
+/// Of listed nodes, also the copies that cuts have made.
+std::vector<Index> BuiltScene::graspable(const Selection& where) {
+  std::vector<Index> found = selector_.vertices_now(where, body_.attributes().position().rows());
+  if (!std::holds_alternative<Selection::Ids>(where.what) &&
+      !std::holds_alternative<Selection::Named>(where.what))
+    return found;
+  const std::vector<Index>& point = body_.user_vertex();
+  std::vector<bool> listed(names_.point_count);
+  for (const Index v : found) listed[point[v]] = true;
+  found.clear();
+  for (Index v = 0; v < body_.attributes().vertex_count(); ++v)
+    if (listed[point[v]] && body_.complex().exists(0, v)) found.push_back(v);
+  return found;
+}
+
+Index BuiltScene::grasp(const Grasp& grasp, double time, const std::string& path) {
+  const std::vector<std::string> names = body_.constraints().names();
+  if (std::ranges::find(names, grasp.held.name) != names.end())
+    throw InputError(path + "/name: '" + grasp.held.name +
+                     "' holds nodes already; release it first, or choose another name");
+  const std::vector<Index> vertices = graspable(grasp.held.where);
+  const bool any_free = std::ranges::any_of(
+      vertices, [&](Index v) { return body_.attributes().fixed().get(v, 0) != 7; });
+  if (!any_free)
+    throw InputError(path + "/where: " +
+                     (vertices.empty() ? "selects no node of the deformed body"
+                                       : "selects only nodes that constraints hold already") +
+                     "; move the selection to where the body is at that time");
+  PrescribedMotion motion = motion_of(grasp.held);
+  motion.ramp.from += time;
+  motion.ramp.to += time;
+  for (MotionPath::Station& station : motion.path.stations) station.at += time;
+  if (motion.moves()) motion.reach = shortest_edge(vertices) / 10;
+  Index held = 0;
+  dynamics_->constrain([&] {
+    held = body_.constraints().grasp(vertices, motion, body_.attributes(), grasp.held.name);
+    return std::vector<Index>();
+  });
+  return held;
+}
+
+Index BuiltScene::release(const std::string& name, const std::string& path) {
+  const std::vector<std::string> names = body_.constraints().names();
+  if (std::ranges::find(names, name) == names.end())
+    throw InputError(path + ": nothing named '" + name + "' holds a node at that time" +
+                     did_you_mean(name, names) + "; release what was grasped before");
+  std::vector<Index> freed;
+  dynamics_->constrain(
+      [&] { return freed = body_.constraints().release(name, body_.attributes()); });
+  return static_cast<Index>(freed.size());
+}
+
+}  // namespace suture

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Constraints that take hold of vertices during a run, and let go.
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "kernel/base/sort_unique.hpp"
+#include "kernel/dynamics/constraints.hpp"
+
+namespace suture {
+
+Index Constraints::grasp(std::span<const Index> vertices, const PrescribedMotion& motion,
+                         Attributes& attributes, const std::string& name) {
+  std::array<std::vector<Index>, 8> free;  // by free components
+  for (const Index v : vertices)
+    free[7 & ~static_cast<unsigned>(attributes.fixed().get(v, 0))].push_back(v);
+  Index count = 0;
+  for (std::uint8_t components = 1; components < 8; ++components) {
+    if (free[components].empty()) continue;
+    Group& group = groups_.emplace_back(
+        Group{name, true, motion, components, std::move(free[components]), {}, {}, 0});
+    std::ranges::sort(group.vertices);
+    count += static_cast<Index>(group.vertices.size());
+    read_rest(group, attributes.position());
+    find_path_length(group);
+    for (const Index v : group.vertices)
+      attributes.fixed().set(v, 0, static_cast<int>(attributes.fixed().get(v, 0)) | components);
+  }
+  regather(attributes, {});
+  return count;
+}
+
+std::vector<Index> Constraints::release(const std::string& name, Attributes& attributes) {
+  std::vector<Index> released;
+  for (const Held& held : held_by(name)) released.push_back(held.vertex);
+  std::erase_if(groups_, [&](const Group& group) { return group.name == name; });
+  regather(attributes, {});
+  mark(attributes);
+  return released;
+}
+
+void Constraints::mark(Attributes& attributes) const {
+  for (Index v = 0; v < attributes.vertex_count(); ++v) attributes.fixed().set(v, 0, 0);
+  for (const Constrained& held : constrained_)
+    attributes.fixed().set(held.vertex, 0, held.components);
+}
+
+std::vector<Constraints::Held> Constraints::held_by(const std::string& name) const {
+  std::map<Index, std::uint8_t> held;
+  for (const Group& group : groups_)
+    if (group.name == name)
+      for (const Index v : group.vertices) held[v] |= group.components;
+  std::vector<Held> result;
+  for (const auto& [vertex, components] : held) result.push_back({vertex, components});
+  return result;
+}
+
+std::vector<std::string> Constraints::names() const {
+  std::vector<std::string> names;
+  for (const Group& group : groups_)
+    if (!group.name.empty()) names.push_back(group.name);
+  sort_unique(names);
+  return names;
+}
+
+}  // namespace suture

@@ -14,7 +14,7 @@ echo 'set(SUTURE_INSTRUCTION_SETS base)' >base.cmake
 export CMAKE_TOOLCHAIN_FILE=$PWD/base.cmake
 # The only steps that need more than the program does: Matplotlib, and the installed Python module.
 plots='^$'
-python3 -c 'import matplotlib' 2>/dev/null || plots='^(python3 plot.py$|suture plot )'
+python3 -c 'import matplotlib' 2>/dev/null || plots='^(python3 (plot|tension).py$|suture plot )'
 [ -n "$(find "$prefix" -name '_suture*.so')" ] || plots+='|^suture plot '
 {
   cat <<'FUNCTIONS'

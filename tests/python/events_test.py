@@ -53,6 +53,22 @@ class Operations(unittest.TestCase):
         self.assertEqual(sim.remove_islands(below=10).elements_removed, 4)
         self.assertEqual(len(sim.pierce(where={"ids": [9]}).elements), 1)
 
+    def test_grasp_and_release(self):
+        sim = suture.Simulation(bar())
+        end = {"box": {"min": [2.9, -1, -1], "max": [4, 2, 2]}}
+        held = sim.rest[:, 0] > 2.9
+        sim.grasp("clamp", end, move={"translation": [0, 0, 0.01]}, ramp=2 * sim.dt)
+        self.assertTrue((sim.fixed[held] == 7).all())
+        sim.step(3)
+        np.testing.assert_allclose((sim.position - sim.rest)[held], [[0, 0, 0.01]] * held.sum(),
+                                   atol=1e-12)
+        with self.assertRaisesRegex(suture.InputError, "did you mean 'clamp'"):
+            sim.release("clam")
+        sim.release("clamp")
+        self.assertTrue((sim.fixed[held] == 0).all())
+        with self.assertRaisesRegex(suture.InputError, "no node of the deformed body"):
+            sim.grasp("air", {"box": {"min": [8, 8, 8], "max": [9, 9, 9]}})
+
     def test_tear(self):
         sim = suture.Simulation(bar())
         sim.position = sim.rest * [1.5, 1, 1]

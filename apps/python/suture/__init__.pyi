@@ -184,6 +184,10 @@ class Simulation:
         faces: ArrayLike | None = None,
         shape: str | None = None,
     ) -> Change: ...
+    def grasp(
+        self, name: str, where: Any, move: Mapping[str, Any] | None = None, ramp: Any = None
+    ) -> None: ...
+    def release(self, name: str) -> None: ...
     def pierce(
         self,
         path: ArrayLike | None = None,

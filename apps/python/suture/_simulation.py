@@ -191,6 +191,17 @@ class Simulation(_suture.Simulation):
             return Change(*self._cut_surface(*_surface_arrays(blade), shape == "rest"))
         return self._operate("cut", {kind: blade}, shape)
 
+    def grasp(self, name, where, move=None, ramp=None):
+        """Hold the nodes that a selection names in the deformed shape, from where they are.
+
+        move, ramp  a motion as in a scene, whose times count from now; None: stay
+        """
+        self._operate("grasp", _without_none(name=name, where=where, move=move, ramp=ramp))
+
+    def release(self, name):
+        """Let go of a grasp, or of a constraint with a name. The nodes keep their velocities."""
+        self._operate("release", name)
+
     def pierce(self, path=None, radius=None, *, where=None, shape=None):
         """Remove the elements around a path of points (n, 3), up to radius (m) from their
         centroids, or those that a selection names (where); return a Change."""

@@ -48,6 +48,8 @@ class BuiltScene {
   /// Holds the nodes that a grasp selects now, and moves them from `time` on; returns their number.
   /// Throws InputError, with `path` in front, if there are none; nothing has changed then.
   Index grasp(const Grasp& grasp, double time, const std::string& path);
+  /// Call when an obstacle has another path: what it holds moves along.
+  void redirect(std::size_t obstacle);
   /// Frees the nodes of a grasp or a constraint with a name; returns their number. Throws
   /// InputError, with `path` in front, if nothing with this name holds any.
   Index release(const std::string& name, const std::string& path);
@@ -66,7 +68,7 @@ class BuiltScene {
   void add_models(Diagnostics& diagnostics);
   std::vector<std::vector<GivenColumn>> read_values();
   void add_constraints();
-  std::vector<Index> graspable(const Selection& where);
+  std::vector<Index> graspable(const Grasp& grasp, double time);
   double shortest_edge(const std::vector<Index>& vertices);
   void add_terms();
   void add_contact(Diagnostics& diagnostics);

@@ -6,6 +6,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/build/built_scene.hpp"
+#include "kernel/forces/contact_law.hpp"
 
 namespace suture {
 
@@ -21,8 +22,30 @@ PrescribedMotion motion_of(const Constraint& constraint) {
   return motion;
 }
 
+namespace {
+
+/// Of what moves with an obstacle.
+PrescribedMotion motion_of(const RigidPath& path) {
+  PrescribedMotion motion;
+  motion.axis = path.axis;
+  motion.centre = path.centre;
+  motion.turn = path.turn;
+  for (const auto& [at, t, angle] : path.stations)
+    motion.path.stations.push_back({at, {t[0], t[1], t[2], angle}, {}});
+  return motion;
+}
+
+/// How far from an obstacle nodes touch it, in edges, unless the scene says otherwise.
+constexpr double touching = 0.01;
+
+}  // namespace
+
 /// Of listed nodes, also the copies that cuts have made.
-std::vector<Index> BuiltScene::graspable(const Selection& where) {
+std::vector<Index> BuiltScene::graspable(const Grasp& grasp, double time) {
+  if (grasp.obstacle)
+    return body_.contact()->vertices_near(
+        *grasp.obstacle, time, grasp.reach.value_or(touching * body_.contact()->mean_edge()));
+  const Selection& where = grasp.held.where;
   std::vector<Index> found = selector_.vertices_now(where, body_.attributes().position().rows());
   if (!std::holds_alternative<Selection::Ids>(where.what) &&
       !std::holds_alternative<Selection::Named>(where.what))
@@ -41,25 +64,39 @@ Index BuiltScene::grasp(const Grasp& grasp, double time, const std::string& path
   if (std::ranges::find(names, grasp.held.name) != names.end())
     throw InputError(path + "/name: '" + grasp.held.name +
                      "' holds nodes already; release it first, or choose another name");
-  const std::vector<Index> vertices = graspable(grasp.held.where);
+  const std::vector<Index> vertices = graspable(grasp, time);
   const bool any_free = std::ranges::any_of(
       vertices, [&](Index v) { return body_.attributes().fixed().get(v, 0) != 7; });
   if (!any_free)
-    throw InputError(path + "/where: " +
-                     (vertices.empty() ? "selects no node of the deformed body"
-                                       : "selects only nodes that constraints hold already") +
-                     "; move the selection to where the body is at that time");
+    throw InputError(path + (grasp.obstacle ? "/obstacle: " : "/where: ") +
+                     (!vertices.empty() ? "reaches only nodes that constraints hold already"
+                      : grasp.obstacle  ? "touches no node of the body"
+                                        : "selects no node of the deformed body") +
+                     (grasp.obstacle
+                          ? "; move the obstacle to the body before, or give a larger \"reach\""
+                          : "; move the selection to where the body is at that time"));
+  Carrier carrier;
   PrescribedMotion motion = motion_of(grasp.held);
   motion.ramp.from += time;
   motion.ramp.to += time;
   for (MotionPath::Station& station : motion.path.stations) station.at += time;
+  if (grasp.obstacle) {
+    carrier = {*grasp.obstacle, body_.contact()->pose(*grasp.obstacle, time)};
+    motion = motion_of(body_.contact()->obstacles()[*grasp.obstacle].motion);
+  }
   if (motion.moves()) motion.reach = shortest_edge(vertices) / 10;
   Index held = 0;
   dynamics_->constrain([&] {
-    held = body_.constraints().grasp(vertices, motion, body_.attributes(), grasp.held.name);
+    held =
+        body_.constraints().grasp(vertices, motion, body_.attributes(), grasp.held.name, carrier);
     return std::vector<Index>();
   });
   return held;
+}
+
+void BuiltScene::redirect(std::size_t obstacle) {
+  body_.constraints().redirect(obstacle, motion_of(body_.contact()->obstacles()[obstacle].motion),
+                               body_.attributes());
 }
 
 Index BuiltScene::release(const std::string& name, const std::string& path) {

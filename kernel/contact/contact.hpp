@@ -132,6 +132,8 @@ class Contact final : public ContactLaw {
   Pose pose(std::size_t obstacle, double time) const override;
   std::optional<ToolState> tool_state(std::size_t obstacle) const override;
   std::vector<double> gaps(double time) const override;
+  std::vector<Index> vertices_near(std::size_t obstacle, double time,
+                                   double distance) const override;
   double longest_step(double time) const override;
   double top_speed(const Obstacle& obstacle, double time) const override;
   void forget_sides() override { sides_.clear(); }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/contact/contact.hpp"
 
 namespace suture {
@@ -43,6 +44,19 @@ std::vector<double> Contact::gaps(double time) const {
     });
   }
   return gaps;
+}
+
+std::vector<Index> Contact::vertices_near(std::size_t obstacle, double time,
+                                          double distance) const {
+  std::vector<Index> found;
+  const Pose now = pose(obstacle, time);
+  const PlacedObstacle placed(obstacles_[obstacle], thickness_, now, now);
+  for_each_point([&](const ContactPoint& point) {
+    if (placed.gap(point.sum(attributes_.position().rows())).distance <= distance)
+      found.insert(found.end(), point.vertices.begin(), point.vertices.end());
+  });
+  sort_unique(found);
+  return found;
 }
 
 /// A half-space that turns moves fastest where the body is farthest from its centre.

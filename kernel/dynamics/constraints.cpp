@@ -18,7 +18,8 @@ namespace {
 /// A motion at one time: what is the same for all its vertices.
 class Placement {
  public:
-  Placement(const PrescribedMotion& motion, double time) : motion_(motion), moves_(motion.moves()) {
+  Placement(const PrescribedMotion& motion, double time)
+      : motion_(motion), moves_(motion.moves()), is_turned_(motion.turn != no_rotation) {
     if (!moves_) return;
     const Placed now = motion.at(time);
     sine_ = std::sin(now.angle);
@@ -40,7 +41,8 @@ class Placement {
       return;
     }
     const Vec3& c = motion_.centre;
-    const Vec3 r{rest[0] - c[0], rest[1] - c[1], rest[2] - c[2]};
+    Vec3 r{rest[0] - c[0], rest[1] - c[1], rest[2] - c[2]};
+    if (is_turned_) r = {dot(motion_.turn[0], r), dot(motion_.turn[1], r), dot(motion_.turn[2], r)};
     const Vec3 across = cross(axis_, r);
     const double along = (1 - cosine_) * dot(axis_, r);
     Vec3 turned;
@@ -55,7 +57,7 @@ class Placement {
 
  private:
   const PrescribedMotion& motion_;
-  bool moves_;
+  bool moves_, is_turned_;
   double sine_ = 0, cosine_ = 1;
   Vec3 axis_{}, shift_{}, drift_{}, spin_{};
 };
@@ -70,8 +72,15 @@ Vec3 prescribed_position(const PrescribedMotion& motion, const Vec3& rest, doubl
 
 void Constraints::add(std::span<const Index> vertices, std::uint8_t components,
                       const PrescribedMotion& motion, Attributes& attributes, std::string name) {
-  Group& group = groups_.emplace_back(Group{
-      std::move(name), false, motion, components, {vertices.begin(), vertices.end()}, {}, {}, 0});
+  Group& group = groups_.emplace_back(Group{std::move(name),
+                                            Carrier{}.obstacle,
+                                            false,
+                                            motion,
+                                            components,
+                                            {vertices.begin(), vertices.end()},
+                                            {},
+                                            {},
+                                            0});
   std::ranges::sort(group.vertices);
   read_rest(group, attributes.rest());
   find_path_length(group);
@@ -268,6 +277,7 @@ void PrescribedMotion::state(Archive& archive) {
   archive("to", ramp.to);
   archive("smooth", ramp.smooth);
   archive("path", path);
+  archive("turn", turn);
   archive("reach", reach);
 }
 
@@ -275,6 +285,7 @@ void Constraints::state(Archive& archive) {
   if (archive.has_cells()) {
     archive.each("groups", groups_, [](Archive& each, Group& group) {
       each("name", group.name);
+      each("carrier", group.carrier);
       each("is grasp", group.is_grasp);
       each("components", group.components);
       each("motion", group.motion);
@@ -309,8 +320,15 @@ Constraints::Group Constraints::part_of(const Group& group, std::uint8_t compone
                                         const std::map<Index, Vec3>& places,
                                         Attributes& attributes) {
   sort_unique(vertices);
-  Group part{group.name, group.is_grasp,   group.motion, components, std::move(vertices), {},
-             {},         group.path_length};
+  Group part{group.name,
+             group.carrier,
+             group.is_grasp,
+             group.motion,
+             components,
+             std::move(vertices),
+             {},
+             {},
+             group.path_length};
   set_places(part, places, attributes);
   return part;
 }

@@ -12,22 +12,27 @@
 #include "kernel/dynamics/motion_path.hpp"
 #include "kernel/forces/loops/loops.hpp"
 #include "kernel/forces/time_ramp.hpp"
+#include "kernel/geometry/obstacle.hpp"
 
 namespace suture {
 
 /// The position at time t of a constrained vertex with rest position X, with s = ramp(t):
 ///   x = c + R(axis, s angle) (X - c) + s translation
-/// or with translation and angle of a path at time t. Without motion, x = X: a fixed vertex.
+/// or with translation and angle of a path at time t. Without motion, x = X: a fixed vertex. Where
+/// an obstacle carries vertices, X - c is first turned by `turn`.
 struct PrescribedMotion {
   Vec3 translation{};  ///< m, at the end of the ramp
   Vec3 axis{};         ///< any length but 0 if the motion turns
   Vec3 centre{};       ///< c, m
   double angle = 0;    ///< rad, at the end of the ramp
   TimeRamp ramp;
-  MotionPath path;   ///< instead of translation, angle and ramp, unless it is empty
+  MotionPath path;  ///< instead of translation, angle and ramp, unless it is empty
+  Rotation turn = no_rotation;
   double reach = 0;  ///< m: the farthest that a step may move a vertex; 0: no limit
 
-  bool moves() const { return angle != 0 || translation != Vec3{} || !path.empty(); }
+  bool moves() const {
+    return angle != 0 || translation != Vec3{} || !path.empty() || turn != no_rotation;
+  }
   Placed at(double time) const;
   double begin() const { return path.empty() ? ramp.from : path.stations.front().at; }  ///< s
   double end() const { return path.empty() ? ramp.to : path.stations.back().at; }       ///< s
@@ -42,6 +47,12 @@ struct DrivenWork {
   double work = 0, inertia = 0;
 };
 
+/// An obstacle that carries vertices, by place, and where it is.
+struct Carrier {
+  std::size_t obstacle = ~std::size_t{0};  ///< or nothing
+  Pose pose{};
+};
+
 /// Vertices with prescribed positions. They cost a pass over a list; free vertices cost nothing.
 class Constraints {
  public:
@@ -50,11 +61,14 @@ class Constraints {
   void add(std::span<const Index> vertices, std::uint8_t components, const PrescribedMotion& motion,
            Attributes& attributes, std::string name = {});
 
-  /// Holds vertices from where they are, x = c + R(X - c) + translation with X their places now;
+  /// Holds vertices from where they are, x = c + R(X - c) + translation with X their places now,
+  /// or where the carrier is given those that it carries;
   /// components that are held already keep their motion. Returns the number of vertices that it
   /// holds.
   Index grasp(std::span<const Index> vertices, const PrescribedMotion& motion,
-              Attributes& attributes, const std::string& name);
+              Attributes& attributes, const std::string& name, const Carrier& carrier = {});
+  /// What an obstacle carries moves by this from now on.
+  void redirect(std::size_t obstacle, const PrescribedMotion& motion, Attributes& attributes);
   /// Frees the vertices of this name, and returns them, ascending; empty if there are none.
   std::vector<Index> release(const std::string& name, Attributes& attributes);
   /// Those that it holds, ascending, and which of their components.
@@ -113,7 +127,8 @@ class Constraints {
 
  private:
   struct Group {
-    std::string name;       ///< by which it is released; may be empty: never
+    std::string name;  ///< by which it is released; may be empty: never
+    std::size_t carrier = Carrier{}.obstacle;
     bool is_grasp = false;  ///< of places during the run, not at rest
     PrescribedMotion motion;
     std::uint8_t components;

@@ -11,24 +11,38 @@
 namespace suture {
 
 Index Constraints::grasp(std::span<const Index> vertices, const PrescribedMotion& motion,
-                         Attributes& attributes, const std::string& name) {
+                         Attributes& attributes, const std::string& name, const Carrier& carrier) {
   std::array<std::vector<Index>, 8> free;  // by free components
   for (const Index v : vertices)
     free[7 & ~static_cast<unsigned>(attributes.fixed().get(v, 0))].push_back(v);
   Index count = 0;
   for (std::uint8_t components = 1; components < 8; ++components) {
     if (free[components].empty()) continue;
-    Group& group = groups_.emplace_back(
-        Group{name, true, motion, components, std::move(free[components]), {}, {}, 0});
+    Group& group = groups_.emplace_back(Group{
+        name, carrier.obstacle, true, motion, components, std::move(free[components]), {}, {}, 0});
     std::ranges::sort(group.vertices);
     count += static_cast<Index>(group.vertices.size());
     read_rest(group, attributes.position());
+    if (carrier.obstacle != Carrier{}.obstacle)
+      for (Vec3& place : group.rest) place = carrier.pose.given(place);
     find_path_length(group);
     for (const Index v : group.vertices)
       attributes.fixed().set(v, 0, static_cast<int>(attributes.fixed().get(v, 0)) | components);
   }
   regather(attributes, {});
   return count;
+}
+
+void Constraints::redirect(std::size_t obstacle, const PrescribedMotion& motion,
+                           Attributes& attributes) {
+  for (Group& group : groups_) {
+    if (group.carrier != obstacle) continue;
+    const double reach = group.motion.reach;
+    group.motion = motion;
+    group.motion.reach = reach;
+    find_path_length(group);
+  }
+  regather(attributes, {});
 }
 
 std::vector<Index> Constraints::release(const std::string& name, Attributes& attributes) {

@@ -106,6 +106,10 @@ class ContactLaw : public Follower {
   /// The distance of each vertex of the boundary from the nearest obstacle at `time`, less the
   /// thickness; NaN for other vertices. m
   virtual std::vector<double> gaps(double time) const = 0;
+  /// The vertices of the boundary within a distance (m) of an obstacle and its thickness at `time`,
+  /// ascending. O(boundary).
+  virtual std::vector<Index> vertices_near(std::size_t obstacle, double time,
+                                           double distance) const = 0;
   /// The longest step in which no obstacle moves by more than a tenth of an element, and no pieces
   /// approach each other by more than a twentieth of an edge, s.
   virtual double longest_step(double time) const = 0;

@@ -205,6 +205,7 @@ void RunLoop::steer(const std::string& obstacle, const PoseTarget& target) {
   ContactLaw* contact = built_.body().contact();
   Steering steering = steering_to(target, obstacle, contact, clock_.time(), scene_.solver);
   contact->set_path(steering.obstacle, std::move(steering.path));
+  built_.redirect(steering.obstacle);
   sleeper_.wake_disturbed();
   control_.commit();
 }

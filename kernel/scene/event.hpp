@@ -94,9 +94,12 @@ struct RemoveIslands {
 };
 
 /// Holds nodes from where they are, and moves them by what `held` says: its selection acts on the
-/// deformed shape, and its times count from the grasp.
+/// deformed shape, and its times count from the grasp. Or holds what an obstacle touches, and moves
+/// it with the obstacle.
 struct Grasp {
   Constraint held;
+  std::optional<std::size_t> obstacle{};  ///< by place in /contact/obstacles
+  std::optional<double> reach{};          ///< m: how far from the obstacle nodes may be
 };
 
 /// Lets go of the nodes of a grasp or a constraint, with the velocities that they have.

@@ -2,12 +2,33 @@
 //
 // Grasps, and the names by which events release them and constraints.
 #include <algorithm>
+#include <array>
 
 #include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
 namespace suture::scene_parts {
+namespace {
+
+// The obstacle that holds what it touches.
+void read_obstacle(ObjectReader& grasp, const std::vector<Obstacle>& obstacles, Grasp& result) {
+  std::vector<std::string> names;
+  for (const Obstacle& obstacle : obstacles) names.push_back(obstacle.name);
+  if (names.empty())
+    grasp.complain("obstacle", "needs obstacles, and the scene has none; add /contact/obstacles");
+  else
+    result.obstacle = grasp.choice("obstacle", names);
+  if (result.obstacle && obstacles[*result.obstacle].coupling)
+    grasp.complain("obstacle",
+                   "is compliant, and only obstacles that follow their path exactly "
+                   "can hold; remove its 'coupling', or give 'where' and 'move'");
+  result.reach = grasp.number("reach", Limits::positive("m"));
+  if (grasp.find("move") != nullptr)
+    grasp.complain("move", "is not allowed here: what an obstacle holds moves with it; remove it");
+}
+
+}  // namespace
 
 std::string read_name(ObjectReader& object) {
   const std::string name = object.string("name").value_or("");
@@ -20,8 +41,12 @@ Grasp read_grasp(ObjectReader grasp, Reading& reading) {
   Grasp result;
   grasp.require("name", "a name, by which an event releases it");
   result.held.name = read_name(grasp);
-  if (const JsonValue* where = grasp.require("where", "the nodes to hold"))
-    result.held.where = read_selection(*where, grasp.path_of("where"), grasp.mistakes());
+  static const std::array<std::string, 2> kinds{"where", "obstacle"};
+  const auto kind = grasp.one_of(kinds);
+  if (kind == 0u)
+    result.held.where =
+        read_selection(*grasp.find("where"), grasp.path_of("where"), grasp.mistakes());
+  if (kind == 1u) read_obstacle(grasp, reading.scene.contact.obstacles, result);
   if (grasp.find("move") != nullptr)
     read_motion(grasp, reading, result.held);
   else if (grasp.find("ramp") != nullptr)

@@ -201,6 +201,7 @@ Event read_event(std::string_view text, const std::string& name, const Scene& sc
   Scene around;  // what events refer to
   around.models = scene.models;
   around.solver = scene.solver;
+  around.contact = scene.contact;
   Mistakes mistakes(name, {});
   Reading reading{
       around, scene.file.parent_path(), scene.source.working_folder, {}, {}, mistakes, diagnostics};

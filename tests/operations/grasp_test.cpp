@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/vec3.hpp"
+#include "kernel/forces/contact_law.hpp"
 #include "kernel/operations/event_runner.hpp"
 #include "tests/run/beam.hpp"
 
@@ -158,6 +160,39 @@ TEST_F(Grasps, CutsKeepBothCopiesHeld) {
   EXPECT_EQ(held().size(), 12u) << "three more";
   steps(15, 1e-4);
   for (const auto& [v, components] : held()) EXPECT_NEAR(displacement(v), 0.01, 1e-12);
+}
+
+/// A wall that touches the far end turns and draws back, and is then steered elsewhere.
+TEST_F(Grasps, WhatAnObstacleTouchesMovesWithIt) {
+  Obstacle wall{"jaw", "/contact/obstacles/0", HalfSpace{{1, 0, 0}, {-1, 0, 0}}};
+  wall.motion = {{{0, {}, 0}, {1e-3, {0.01, 0, 0}, 0.2}}, {1, 0, 0}, {1, 0.1, 0.1}};
+  scene.contact.obstacles = {wall};
+  build();
+  ContactLaw& contact = *built->body().contact();
+  steps(2, 1e-4);
+  Grasp grasp = grasp_of(far_end);
+  grasp.obstacle = 0;
+  grasp.reach = 0.01;
+  const Column start = attributes().position();
+  const double time = built->dynamics().time();
+  const Pose then = contact.pose(0, time);
+  EXPECT_EQ(apply(grasp).nodes_held, 9u);
+  const auto expect_carried = [&] {
+    const Pose now = contact.pose(0, built->dynamics().time());
+    for (const auto& [v, components] : held()) {
+      const Vec3 place = now.place(then.given({start.get(v, 0), start.get(v, 1), start.get(v, 2)}));
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(attributes().position().get(v, c), place[static_cast<std::size_t>(c)], 1e-12);
+    }
+  };
+  steps(5, 1e-4);
+  expect_carried();
+  contact.set_path(0, contact.obstacles()[0].motion.steered(
+                          built->dynamics().time(), {2e-3, Vec3{0.02, 0.01, 0}, Vec3{0, 0.1, 0}}));
+  built->redirect(0);
+  steps(5, 1e-4);
+  expect_carried();
+  EXPECT_GT(norm(contact.pose(0, built->dynamics().time()).translation), 0.007);
 }
 
 TEST_F(Grasps, OfNothingAreRefused) {

@@ -68,6 +68,20 @@ class Tools(unittest.TestCase):
         with self.assertRaisesRegex(KeyError, "it has probe, wall"):
             sim.tools["scalpel"]
 
+    def test_hold_what_they_touch(self):
+        sim = suture.Simulation(probed_block())
+        sim.grasp("held", obstacle="probe", reach=0.02)
+        held = (sim.fixed == 7).squeeze() & (sim.rest[:, 2] > 0)
+        self.assertGreater(held.sum(), 0)
+        start = sim.position[held].copy()
+        for shift, at in ([0.1, 0, 0.1], 0.05), ([0, 0, 0.05], 0.1):
+            sim.tools["probe"].move_to(shift, at=at)
+            sim.run_to(at)
+            np.testing.assert_allclose(sim.position[held] - start,
+                                       np.tile(sim.tools["probe"].translation, (held.sum(), 1)),
+                                       atol=1e-12)
+        sim.release("held")
+
     def test_move_to_a_pose_and_stay(self):
         sim = suture.Simulation(probed_block())
         probe = sim.tools["probe"]

@@ -185,7 +185,14 @@ class Simulation:
         shape: str | None = None,
     ) -> Change: ...
     def grasp(
-        self, name: str, where: Any, move: Mapping[str, Any] | None = None, ramp: Any = None
+        self,
+        name: str,
+        where: Any = None,
+        move: Mapping[str, Any] | None = None,
+        ramp: Any = None,
+        *,
+        obstacle: str | None = None,
+        reach: float | None = None,
     ) -> None: ...
     def release(self, name: str) -> None: ...
     def pierce(

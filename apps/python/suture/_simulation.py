@@ -191,12 +191,16 @@ class Simulation(_suture.Simulation):
             return Change(*self._cut_surface(*_surface_arrays(blade), shape == "rest"))
         return self._operate("cut", {kind: blade}, shape)
 
-    def grasp(self, name, where, move=None, ramp=None):
-        """Hold the nodes that a selection names in the deformed shape, from where they are.
+    def grasp(self, name, where=None, move=None, ramp=None, *, obstacle=None, reach=None):
+        """Hold the nodes that a selection names in the deformed shape, from where they are, or
+        those that an obstacle touches.
 
         move, ramp  a motion as in a scene, whose times count from now; None: stay
+        obstacle    name of the obstacle that holds the nodes and moves them along
+        reach       how far from the obstacle they may be, m
         """
-        self._operate("grasp", _without_none(name=name, where=where, move=move, ramp=ramp))
+        self._operate("grasp", _without_none(name=name, where=where, move=move, ramp=ramp,
+                                             obstacle=obstacle, reach=reach))
 
     def release(self, name):
         """Let go of a grasp, or of a constraint with a name. The nodes keep their velocities."""

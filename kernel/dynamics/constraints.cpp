@@ -386,9 +386,7 @@ void Constraints::update(const TopologyChange& change, Attributes& attributes) {
     if (changes) set_places(group, places, attributes);
     any = any || changes;
   }
-  for (Group& group : partial) {
-    groups_.push_back(std::move(group));
-  }
+  for (Group& group : partial) groups_.push_back(std::move(group));
   if (!any) return;
   regather(attributes, splits);
 }

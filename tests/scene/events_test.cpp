@@ -124,6 +124,43 @@ TEST_P(EventMistakes, AreNamed) {
   EXPECT_NE(error.find(bad.words), std::string::npos) << error;
 }
 
+TEST(Events, GraspsMoveInTimesOfTheirOwn) {
+  const Scene scene = events(R"(
+    {"at": 0.25, "grasp": {"name": "clamp", "where": "all", "move": {"path": [{"at": 0},
+     {"at": 0.5, "translation": [1, 0, 0]}]}}}, {"at": 1, "release": "clamp"})");
+  const auto& held = std::get<Grasp>(scene.events.at(0).what).held;
+  EXPECT_EQ(held.name, "clamp");
+  EXPECT_EQ(held.path.stations.back().place[0], 1);
+  EXPECT_EQ(scene.events[0].finish(), 0.75);
+  EXPECT_EQ(std::get<Release>(scene.events.at(1).what).name, "clamp");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Grasps, EventMistakes,
+    ::testing::Values(BadEvent{R"({"at": 0, "release": "clamp"})", "/events/0/release",
+                               "no grasp or constraint is named 'clamp'"},
+                      BadEvent{R"({"at": 0, "grasp": {"name": "clamp", "where": "all"}},
+                    {"at": 0.5, "release": "clmp"})",
+                               "/events/1/release", "did you mean 'clamp'"},
+                      BadEvent{R"({"at": 0, "grasp": {"name": "a", "where": "all"}},
+                    {"at": 0.5, "grasp": {"name": "a", "where": "all"}})",
+                               "/events/1/grasp/name", "is the name of another one"},
+                      BadEvent{R"({"at": 0, "grasp": {"where": "all"}})", "/events/0/grasp",
+                               "'name' is missing"},
+                      BadEvent{R"({"at": 0, "grasp": {"name": "a b", "where": "all"}})",
+                               "/events/0/grasp/name", "must consist of"},
+                      BadEvent{R"({"every": 2, "grasp": {"name": "a", "where": "all"}})",
+                               "/events/0/every", "happens once"},
+                      BadEvent{R"({"at": 0, "grasp": {"name": "a", "where": "all", "ramp": 1}})",
+                               "/events/0/grasp/ramp", "only allowed with 'move'"},
+                      BadEvent{R"({"at": 0, "grasp": {"name": "a", "where": "all", "move": {"path":
+                    [{"at": 0.2}, {"at": 0.1, "translation": [1, 0, 0]}]}}})",
+                               "/events/0/grasp/move/path/1/at", "later than the previous"},
+                      BadEvent{R"({"at": 0, "grasp": {"name": "a", "obstacle": "jaw"}})",
+                               "/events/0/grasp/obstacle", "the scene has none"},
+                      BadEvent{R"({"at": 0, "grasp": {"name": "a"}})", "/events/0/grasp",
+                               "exactly one of 'where', 'obstacle'"}));
+
 INSTANTIATE_TEST_SUITE_P(
     When, EventMistakes,
     ::testing::Values(

@@ -24,7 +24,7 @@ PrescribedMotion motion_of(const Constraint& constraint) {
 
 namespace {
 
-/// Of what moves with an obstacle.
+/// Returns the motion of what an obstacle carries.
 PrescribedMotion motion_of(const RigidPath& path) {
   PrescribedMotion motion;
   motion.axis = path.axis;
@@ -40,7 +40,7 @@ constexpr double touching = 0.01;
 
 }  // namespace
 
-/// Of listed nodes, also the copies that cuts have made.
+/// Returns the nodes that a grasp selects now; of listed nodes, also the copies made by cuts.
 std::vector<Index> BuiltScene::graspable(const Grasp& grasp, double time) {
   if (grasp.obstacle)
     return body_.contact()->vertices_near(

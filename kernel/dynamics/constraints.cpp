@@ -91,7 +91,7 @@ void Constraints::add(std::span<const Index> vertices, std::uint8_t components,
   gather(attributes);
 }
 
-/// From the axis, the farthest vertex has the longest path.
+/// Sets the length of the longest path of a vertex, that of the one farthest from the axis.
 void Constraints::find_path_length(Group& group) {
   const PrescribedMotion& motion = group.motion;
   const double axis = norm(motion.axis);
@@ -306,7 +306,7 @@ void Constraints::state(Archive& archive) {
   archive.member("mean velocities", driven_, &Driven::velocity);
 }
 
-/// Of a grasp, the places where it took hold.
+/// Sets the places from which a group moves: at rest, or where a grasp took hold.
 void Constraints::set_places(Group& group, const std::map<Index, Vec3>& places,
                              Attributes& attributes) {
   if (!group.is_grasp) return read_rest(group, attributes.rest());

@@ -31,8 +31,8 @@ std::vector<std::string> grasp_names(const Scene& scene) {
   return names;
 }
 
-/// Of the body on a grasp, without the inertia of the nodes that it holds; the torque about the
-/// mean of their places.
+/// Returns the force of the body on a grasp, without the inertia of the nodes that it holds; the
+/// torque about the mean of their places.
 ContactLaw::Load grasp_load(const std::string& name, BuiltScene& built, const Vec3& gravity) {
   Attributes& attributes = built.body().attributes();
   const auto held = built.body().constraints().held_by(name);

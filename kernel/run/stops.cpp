@@ -7,7 +7,7 @@
 namespace suture {
 namespace {
 
-/// Of a motion that begins at `start`.
+/// Adds the times of a motion that begins at `start`.
 void add_motion(const Constraint& constraint, double start, std::vector<double>& stops) {
   stops.insert(stops.end(), {start + constraint.ramp.from, start + constraint.ramp.to});
   for (const double time : constraint.path.corners()) stops.push_back(start + time);

@@ -138,6 +138,27 @@ A model for Suture. `@file@` is the model, `scene.json` a scene that uses it.
 `suture describe @id@` shows the parameters once `SUTURE_PLUGIN_PATH` names `build/lib/suture/plugins`.
 )";
 
+constexpr std::string_view ignored = R"(build/
+out/
+)";
+
+constexpr std::string_view workflow =
+    R"(# On GitHub: builds Suture and this model on Debian 12, and tests the model. The address of Suture's
+# repository is your variable SUTURE (Settings, Secrets and variables, Actions, Variables).
+on: [push, pull_request]
+jobs:
+  check:
+    runs-on: ubuntu-latest
+    container: debian:12
+    steps:
+      - uses: actions/checkout@v4
+      - run: apt-get update && apt-get install -y git
+      - run: git clone --depth 1 "${{ vars.SUTURE }}" /suture && /suture/dev build
+      - run: cmake --install /suture/build --prefix /usr/local
+      - run: cmake -S . -B build -DSUTURE_INSTRUCTION_SETS=base && cmake --build build
+      - run: ctest --test-dir build --output-on-failure
+)";
+
 }  // namespace
 
 std::span<const ModelLevel> model_levels() {
@@ -153,10 +174,9 @@ std::span<const ModelLevel> model_levels() {
 }
 
 std::vector<TemplateFile> files_of(const ModelLevel& level) {
-  return {{"CMakeLists.txt", cmake},
-          {"README.md", readme},
-          {level.file, level.source},
-          {"scene.json", scene_of_model}};
+  return {{"CMakeLists.txt", cmake},  {"README.md", readme},
+          {level.file, level.source}, {"scene.json", scene_of_model},
+          {".gitignore", ignored},    {".github/workflows/check.yml", workflow}};
 }
 
 }  // namespace suture

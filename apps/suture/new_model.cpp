@@ -90,7 +90,9 @@ void write_files(const fs::path& folder, const ModelLevel& level, const std::str
       text = replaced(text, "@motion@", level.motion);
       text = replaced(text, "@file@", level.file);
       text = replaced(text, "@Struct@", struct_name(id));
-      write_file(folder / file.name, replaced(text, "@id@", id));
+      const fs::path to = folder / file.name;
+      fs::create_directories(to.parent_path());
+      write_file(to, replaced(text, "@id@", id));
     }
   } catch (...) {
     fs::remove_all(folder, error);

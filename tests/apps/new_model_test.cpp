@@ -30,6 +30,14 @@ TEST_F(NewModel, WritesAFolderAndPrintsThreeCommands) {
     EXPECT_EQ(read(std::string("my-own-law/") + name).find('@'), std::string::npos) << name;
 }
 
+TEST_F(NewModel, IsReadyForGitAndItsChecks) {
+  ASSERT_EQ(suture({"-q", "new-model", "kept"}).code, 0);
+  EXPECT_EQ(read("kept/.gitignore"), "build/\nout/\n");
+  const std::string workflow = read("kept/.github/workflows/check.yml");
+  for (const char* step : {"cmake --build build", "ctest --test-dir build", "vars.SUTURE"})
+    EXPECT_NE(workflow.find(step), std::string::npos) << step;
+}
+
 TEST_F(NewModel, HasALevelForEveryKindOfCell) {
   struct Level {
     const char *name, *file, *words;

@@ -266,6 +266,21 @@ struct results {
 template <class... Functors>
 struct list {};
 
+namespace detail {
+template <class A, class B>
+SUTURE_INLINE auto larger(const A& a, const B& b) {
+  return max(a, b);
+}
+template <class A, class B>
+SUTURE_INLINE auto smaller(const A& a, const B& b) {
+  return min(a, b);
+}
+template <class Mask, class A, class B>
+SUTURE_INLINE auto selected(const Mask& m, const A& a, const B& b) {
+  return select(m, a, b);
+}
+}  // namespace detail
+
 /// Base of a model: the defaults of its optional members, and what a layer above this one
 /// (continuum.hpp) adds to an author's model: parameters and attributes, which follow the
 /// author's, and constants derived from all of them by prepare_added(setup, parameters or
@@ -276,6 +291,21 @@ struct model {
   using added_constants = no_constants;
   static constexpr std::array<parameter, 0> added_parameters() { return {}; }
   static constexpr std::array<attribute, 0> added_attributes() { return {}; }
+
+  // A model lies outside of this namespace. Those of packs and duals would be found by their
+  // arguments, but not those of two doubles.
+  template <class A, class B>
+  static SUTURE_INLINE auto max(const A& a, const B& b) {
+    return detail::larger(a, b);
+  }
+  template <class A, class B>
+  static SUTURE_INLINE auto min(const A& a, const B& b) {
+    return detail::smaller(a, b);
+  }
+  template <class Mask, class A, class B>
+  static SUTURE_INLINE auto select(const Mask& m, const A& a, const B& b) {
+    return detail::selected(m, a, b);
+  }
 };
 
 }  // namespace suture

@@ -94,6 +94,16 @@ struct pack {
     friend SUTURE_INLINE mask operator|(mask a, mask b) { return {a.bits | b.bits}; }
     friend SUTURE_INLINE mask operator!(mask a) { return {~a.bits}; }
     bool operator[](int lane) const { return bits[lane] != 0; }
+    /// What `if`, `? :`, `&&` and `||` would call. A template, so that it is an error only there.
+    template <class Bool, class = std::enable_if_t<std::is_same_v<Bool, bool>>>
+    explicit operator Bool() const {
+      static_assert(!std::is_same_v<Bool, bool>,
+                    "the cells of a pack may differ in this condition, so no `if`, `? :`, `&&` or "
+                    "`||` can follow it: compute both values and write `select(a < b, x, y)`, "
+                    "join conditions by `&` and `|`, and ask `any(a < b)` or `all(a < b)` for one "
+                    "answer");
+      return false;
+    }
   };
 
   vector v;

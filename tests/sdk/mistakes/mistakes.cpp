@@ -3,7 +3,7 @@
 // A correct model, and common mistakes of authors: one per macro. CTest compiles the file once
 // per macro and looks for the message that the compiler must print (CMakeLists.txt).
 #if defined(MISTAKE_ENERGY_OF_LAW) || defined(MISTAKE_ELEMENT_PARAMETER) || \
-    defined(MISTAKE_NO_EVOLVE) || defined(MISTAKE_COMPONENTS_OF_STATE)
+    defined(MISTAKE_NO_EVOLVE) || defined(MISTAKE_COMPONENTS_OF_STATE) || defined(MISTAKE_BRANCH)
 #define MISTAKE_IN_LAW
 #endif
 
@@ -156,6 +156,12 @@ struct Solid : suture::continuum<Solid> {
   template <class T>
   static T energy(const suture::mat3<T>& F) {
     return 0.5 * dot(F, F);
+  }
+#elif defined(MISTAKE_BRANCH)
+  template <class T, class P>
+  static T energy(const suture::mat3<T>& F, const P&) {
+    if (det(F) < 1.0) return 0.5 * dot(F, F);
+    return dot(F, F);
   }
 #elif defined(MISTAKE_ELEMENT_PARAMETER)
   static constexpr suture::parameter parameters[] = {suture::integer("element", "which one")};

@@ -14,11 +14,6 @@
 namespace suture::test {
 namespace {
 
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
-
 Selection selection(decltype(Selection::what) what, const char* path = "/where") {
   Selection result;
   result.what = std::move(what);
@@ -75,7 +70,7 @@ class Events : public testing::Test {
     for (Index v = 0; v < x.size(); ++v) x.set(v, 0, factor * x.get(v, 0));
   }
 
-  Scene scene = beam(host(), "tm-faure", 8, 2, 0);
+  Scene scene = beam(tree_plugins(), "tm-faure", 8, 2, 0);
   Diagnostics diagnostics;
   std::unique_ptr<BuiltScene> built;
   std::unique_ptr<EventRunner> runner;

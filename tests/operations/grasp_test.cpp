@@ -14,11 +14,6 @@
 namespace suture::test {
 namespace {
 
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
-
 Grasp grasp_of(Selection::InBox box, Vec3 translation = {}, double duration = 0) {
   Grasp grasp;
   grasp.held.name = "clamp";
@@ -66,7 +61,7 @@ class Grasps : public testing::Test {
   Attributes& attributes() { return built->body().attributes(); }
   std::vector<Constraints::Held> held() { return built->body().constraints().held_by("clamp"); }
 
-  Scene scene = beam(host(), "tm-faure", 8, 2, 0);
+  Scene scene = beam(tree_plugins(), "tm-faure", 8, 2, 0);
   Diagnostics diagnostics;
   std::unique_ptr<BuiltScene> built;
   std::unique_ptr<EventRunner> runner;

@@ -5,6 +5,11 @@
 
 namespace suture::test {
 
+PluginHost& tree_plugins() {
+  static PluginHost plugins;
+  return plugins;
+}
+
 std::vector<double> parameters(const suture_model& model,
                                const std::map<std::string, double>& values) {
   std::vector<double> result;

@@ -7,6 +7,9 @@
 
 namespace suture::test {
 
+/// The plugins of the tree, loaded once.
+PluginHost& tree_plugins();
+
 /// One value per declared parameter of the model, by name; defaults elsewhere.
 std::vector<double> parameters(const suture_model& model,
                                const std::map<std::string, double>& values);

@@ -19,16 +19,11 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
-
 /// A clamped beam of 8 x 2 x 2 elements of one model, moved at random by `part` of 5 cm, with its
 /// matrix.
 struct System {
   System(const char* model, double part, double mass = 0)
-      : scene(beam(host(), model, 8, 2, 9.8)),
+      : scene(beam(tree_plugins(), model, 8, 2, 9.8)),
         built(scene, ignored, true),
         matrix(built.body().attributes(), built.body().terms()) {
     std::mt19937 random(7);

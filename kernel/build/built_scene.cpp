@@ -263,6 +263,7 @@ void BuiltScene::add_contact(Diagnostics& diagnostics) {
     };
   Contact& contact = body_.add_contact(options.obstacles, options.thickness, std::move(embedded));
   if (options.pieces) contact.touch_pieces({options.friction, options.self});
+  add_edges(contact);
   if (dynamics_->is_implicit())
     body_.add(std::make_unique<MultiplierForces>(contact, body_.attributes(), body_.models(),
                                                  dynamics_->is_static()));
@@ -270,6 +271,33 @@ void BuiltScene::add_contact(Diagnostics& diagnostics) {
     body_.add(std::make_unique<PenaltyForces>(contact, body_.attributes(), body_.models()));
   check_obstacles(*this, contact, diagnostics);
   check_pieces(*this, contact, diagnostics);
+}
+
+/// Of blades that the tissue resists.
+void BuiltScene::add_edges(Contact& contact) {
+  for (const Event& event : scene_.events) {
+    const auto* blade = std::get_if<CutBlade>(&event.what);
+    if (!blade || !blade->resistance) continue;
+    const CutBlade::Resistance& resistance = *blade->resistance;
+    contact.add_edge({blade->carried->obstacle, blade->carried->points,
+                      element_values(resistance.toughness),
+                      resistance.stress * resistance.thickness});
+  }
+}
+
+/// Of a table, by element.
+std::vector<double> BuiltScene::element_values(const CellValues& table) const {
+  constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> values(body_.complex().element_count(),
+                             table.elsewhere.empty() ? missing : table.elsewhere[0]);
+  for (const CellValues::Part& part : table.parts)
+    for (const Index e : selector_.elements(part.region)) values[e] = part.value[0];
+  const auto none_given = std::ranges::find_if(values, [](double v) { return std::isnan(v); });
+  if (none_given != values.end())
+    throw InputError(table.path + ": has no value for element " +
+                     std::to_string(element_name(Index(none_given - values.begin()))) +
+                     "; add \"elsewhere\"");
+  return values;
 }
 
 std::string BuiltScene::place_of(Index e) {

@@ -72,6 +72,8 @@ class BuiltScene {
   double shortest_edge(const std::vector<Index>& vertices);
   void add_terms();
   void add_contact(Diagnostics& diagnostics);
+  void add_edges(Contact& contact);
+  std::vector<double> element_values(const CellValues& table) const;
 
   bool skips_;
   BodyFrame frame_;

@@ -62,6 +62,10 @@ struct Translation {
     if (value) (*this)(*value);
   }
 
+  void operator()(CellValues& values) const {
+    for (CellValues::Part& part : values.parts) (*this)(part.region);
+  }
+
   // ---- events ----
 
   void operator()(CutPlane& cut) const {
@@ -74,6 +78,7 @@ struct Translation {
   void operator()(CutBlade& cut) const {
     for (CutBlade::Station& station : cut.stations) (*this)(station.points);
     if (cut.carried) (*this)(cut.carried->points);
+    if (cut.resistance) (*this)(cut.resistance->toughness);
   }
   void operator()(CutFaces&) const {}
   void operator()(Pierce& pierce) const {
@@ -116,8 +121,7 @@ struct Translation {
   }
   void operator()(ModelUse& use) const {
     (*this)(use.region);
-    for (CellValues& values : use.values)
-      for (CellValues::Part& part : values.parts) (*this)(part.region);
+    for (CellValues& values : use.values) (*this)(values);
   }
   void operator()(Obstacle& obstacle) const {
     translate(obstacle.shape, minus(Vec3{}, frame.origin));

@@ -15,6 +15,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int max_sweeps = 16;
 // Over all contacts between pieces.
 constexpr int max_piece_sweeps = 32;
+// Over all samples of cutting edges.
+constexpr int max_edge_sweeps = 64;
 // How far a vertex is pushed out of an obstacle in a step, in elements.
 constexpr double max_push = 0.01;
 // How far other pieces may push a vertex in a step, or vertices a tool; of an element.
@@ -94,7 +96,11 @@ void Contact::prepare(const ContactStep& step) {
     vertices_ = points_ ? points_->ascending_vertices() : surface_.ascending_vertices();
   forces_.resize(4 * std::size_t{attributes_.vertex_count()});
   const double* force = attributes_.force().rows();
-  for (const Index v : vertices_) row_at(forces_.data(), v) = row_at(force, v);
+  const auto keep = [&](Index v) { row_at(forces_.data(), v) = row_at(force, v); };
+  std::ranges::for_each(vertices_, keep);
+  if (!edges_) return;
+  edges_->begin(obstacles_, step.time, step.end, last_dt_);
+  std::ranges::for_each(edges_->vertices(), keep);
 }
 
 std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
@@ -105,11 +111,19 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   step_work_ = 0;
   find_near_obstacles(step);
   if (pieces_) find_touching_pieces(step);
+  if (edges_) {
+    find_at_edges();
+    edges_->engage(step.whole_gain);
+  }
   push(step.dt);
   if (has_tools_) settle_tools(step);
   for (std::size_t i = 0; i < near_.size(); ++i)
     book(near_[i], points_ ? std::span<PushBy>() : pushes_on(i), step);
   if (points_) book_points(step);
+  if (edges_) book_edges(step);
+  if (points_ || edges_)
+    for (const Near& near : near_) near_of_vertex_[near.vertex] = none;
+  last_dt_ = step.dt;
   sum_loads();
   if (pieces_) book_friction_of_pieces(step);
   closing_speed_ = 0;
@@ -188,9 +202,17 @@ void Contact::add_near(Index vertex) {
                      row(attributes_.velocity().rows(), vertex));
 }
 
-/// Obstacles have the last word in each sweep: nothing is left inside them. After the first one,
-/// only pieces move vertices.
+/// Obstacles have the last word: nothing is left inside them.
 void Contact::push(double dt) {
+  push_out_of_obstacles(dt);
+  for (int sweep = 0; edges_ && sweep < max_edge_sweeps; ++sweep) {
+    if (dt * edges_->sweep(dt) <= least_push * shortest_edge_) break;
+    push_out_of_obstacles(dt);
+  }
+}
+
+/// Obstacles have the last word in each sweep. After the first one, only pieces move vertices.
+void Contact::push_out_of_obstacles(double dt) {
   if (points_) return push_points(dt);
   const bool meet = pieces_ && !pieces_->touches().empty();
   const auto velocity = [&](std::size_t i) {
@@ -394,10 +416,11 @@ void Contact::record(std::span<const Force> forces, double time, double heat) {
 }
 
 void Contact::restart() {
+  last_dt_ = 0;
   touches_.clear();
   obstacle_forces_.clear();
   std::ranges::fill(loads_, Load{});
-  work_ = friction_work_ = step_work_ = closing_speed_ = 0;
+  work_ = friction_work_ = cutting_work_ = step_work_ = closing_speed_ = 0;
 }
 
 std::optional<Contact::Failure> Contact::failure() const {
@@ -418,6 +441,7 @@ void Contact::follow(const CellComplex& complex, const TopologyChange& change) {
   }
   vertices_.clear();
   if (pieces_) pieces_->follow(change);
+  if (edges_) edges_->follow(change);
   const auto is_gone = [&](const auto& known) { return !complex.exists(0, known.vertex); };
   std::erase_if(touches_, is_gone);
   std::erase_if(obstacle_forces_, is_gone);
@@ -445,6 +469,11 @@ void Contact::state(Archive& archive) {
     if (tools_[i]) archive(("tool " + obstacles_[i].name).c_str(), *tools_[i]);
   archive("work", work_);
   archive("friction work", friction_work_);
+  if (edges_) {
+    archive("edges", *edges_);
+    archive("cutting work", cutting_work_);
+    archive("last dt", last_dt_);
+  }
   archive("closing speed", closing_speed_);
 }
 

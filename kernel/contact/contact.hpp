@@ -9,6 +9,7 @@
 
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/contact/boundary_surface.hpp"
+#include "kernel/contact/cutting_edges.hpp"
 #include "kernel/contact/entered_sides.hpp"
 #include "kernel/contact/piece_contact.hpp"
 #include "kernel/contact/placed_obstacle.hpp"
@@ -91,6 +92,9 @@ class Contact final : public ContactLaw {
   const PieceContact* pieces() const { return pieces_.get(); }
   PieceContact* pieces() { return pieces_.get(); }
 
+  /// Tissue resists the edge of a blade that an obstacle carries.
+  void add_edge(const CuttingEdges::Edge& edge);
+
   const BoundarySurface& surface() const { return surface_; }
   bool has_points() const { return points_.has_value(); }
   /// visit(ContactPoint) for all that obstacles may push: the vertices of surface(), or the points
@@ -136,7 +140,10 @@ class Contact final : public ContactLaw {
                                    double distance) const override;
   double longest_step(double time) const override;
   double top_speed(const Obstacle& obstacle, double time) const override;
-  void forget_sides() override { sides_.clear(); }
+  void forget_sides() override {
+    sides_.clear();
+    if (edges_) edges_->forget_places();
+  }
   void change_sleepers(const LiveMask& moving) override;
   std::vector<Index> near_moving_obstacles(double time, double dt) const override;
   void for_each_pushed_sleeper(const VisitPushed& visit) const override;
@@ -180,7 +187,9 @@ class Contact final : public ContactLaw {
     if (near >= pushed_.size()) return {};
     return std::span(pushes_).subspan(pushed_[near].first, pushed_[near].count);
   }
+  void find_at_edges();
   void push(double dt);
+  void push_out_of_obstacles(double dt);
   void settle_tools(const ContactStep& step);
   void release(const ContactStep& step);
   Tool::Impulse answer_to(std::size_t obstacle) const;
@@ -194,6 +203,8 @@ class Contact final : public ContactLaw {
   std::array<double, 2> sweep_points(double dt);
   Vec3 push_point(std::size_t i, double dt);
   void book_points(const ContactStep& step);
+  void book_edges(const ContactStep& step);
+  Vec3 mean_velocity(const ContactPoint& point, const ContactStep& step) const;
   void book(Near& near, std::span<const PushBy> pushes, const ContactStep& step);
   Vec3 free_force(const Near& near, const ContactStep& step) const;
   Vec3 mean_velocity(const Near& near, const Vec3& force, const ContactStep& step) const;
@@ -218,14 +229,16 @@ class Contact final : public ContactLaw {
   std::vector<PushBy> pushes_;      ///< of pushed_
   std::vector<Correction> corrections_;
   std::unique_ptr<PieceContact> pieces_;
+  std::optional<CuttingEdges> edges_;
   std::vector<double> forces_;     ///< without contact and acceleration, of boundary vertices, N
   std::vector<Index> near_place_;  ///< in near_, by place in PieceContact::touching()
   std::vector<PointMass> point_masses_;       ///< of pushed_, with points
   std::vector<Vec3> directions_, residuals_;  ///< of the changes of pushed_, with points, m/s
-  std::vector<Index> near_of_vertex_;         ///< in near_, with points; none outside a step
-  std::vector<Index> shared_;                 ///< places in pushed_ of those that pieces touch, too
+  std::vector<Index> near_of_vertex_;  ///< in near_, with points or edges; none outside a step
+  std::vector<Index> shared_;          ///< places in pushed_ of those that pieces touch, too
   // Results of the last step.
   EnteredSides sides_;
+  double last_dt_ = 0;        ///< s
   double closing_speed_ = 0;  ///< of pieces that may meet, at most, after contact, m/s
   /// Of an obstacle on a vertex, in the last step, N.
   struct ObstacleForce {

@@ -84,13 +84,7 @@ void Contact::book_points(const ContactStep& step) {
   for (std::size_t i = 0; i < pushed_.size(); ++i) {
     const ContactPoint& point = point_masses_[i].point();
     const Vec3& mass = point_masses_[i].mass();
-    Vec3 mean{};
-    for (std::size_t j = 0; j < point.vertices.size(); ++j) {
-      const Near& near = near_[near_of_vertex_[point.vertices[j]]];
-      const Vec3 of_vertex =
-          near.is_booked ? near.mean : mean_velocity(near, free_force(near, step), step);
-      mean = plus(mean, scaled(point.weights[j], of_vertex));
-    }
+    const Vec3 mean = mean_velocity(point, step);
     for (const auto& [number, obstacle, push] : pushes_on(i)) {
       if (push.normal == Vec3{}) continue;
       const auto impulse = [&](const Vec3& change) {
@@ -105,7 +99,18 @@ void Contact::book_points(const ContactStep& step) {
         obstacle_forces_.push_back({point.vertices[j], obstacle, scaled(point.weights[j], on)});
     }
   }
-  for (const Near& near : near_) near_of_vertex_[near.vertex] = none;
+}
+
+/// Of its vertices, which are all in near_, m/s.
+Vec3 Contact::mean_velocity(const ContactPoint& point, const ContactStep& step) const {
+  Vec3 mean{};
+  for (std::size_t j = 0; j < point.vertices.size(); ++j) {
+    const Near& near = near_[near_of_vertex_[point.vertices[j]]];
+    const Vec3 of_vertex =
+        near.is_booked ? near.mean : mean_velocity(near, free_force(near, step), step);
+    mean = plus(mean, scaled(point.weights[j], of_vertex));
+  }
+  return mean;
 }
 
 }  // namespace suture

@@ -43,6 +43,9 @@ void Contact::release(const ContactStep& step) {
   }
   for (Pushed& pushed : pushed_) pushed.change = {};
   if (pieces_) find_touching_pieces(step);
+  if (!edges_) return;
+  find_at_edges();
+  edges_->release();
 }
 
 Tool::Impulse Contact::answer_to(std::size_t obstacle) const {

@@ -74,6 +74,7 @@ EnergyBalance Ledger::balance(const Now& now) {
   if (contact && !contact->is_term()) {  // impulses are not in the sums of forces
     b.works.push_back({"contact", contact->work() + now.contact});
     b.works.push_back({"friction", contact->friction_work()});
+    if (const auto cutting = contact->cutting_work()) b.works.push_back({"cutting", *cutting});
   }
   for (const EnergyBalance::Work& work : b.works) {
     balance -= work.value;

@@ -53,7 +53,8 @@ struct EnergyBalance {
     const char* term;
     double value;
   };
-  /// With obstacles, also "contact", the work of their forces without friction, and "friction".
+  /// With obstacles, also "contact", the work of their forces without friction and cutting,
+  /// "friction", and "cutting" where tissue resists blades.
   std::vector<Work> works;
   double work(std::string_view term) const;  ///< 0 if there is no such term
   double prescribed = 0;  ///< work of prescribed motion: reactions times displacements

@@ -78,9 +78,14 @@ class ContactLaw : public Follower {
     Vec3 force{}, torque{};  ///< N, N m
   };
   const std::vector<Load>& loads() const { return loads_; }
-  /// The work of contact without friction on the body, and that of friction, which is negative, J.
+  /// The work of contact without friction and cutting on the body, and that of friction, which is
+  /// negative, J.
   double work() const { return work_; }
   double friction_work() const { return friction_work_; }
+  /// That of the tissue against blades, which is negative, J; none where no blade is resisted.
+  std::optional<double> cutting_work() const {
+    return cuts_ ? std::optional(cutting_work_) : std::nullopt;
+  }
   /// The work of both in the last step, J.
   double step_work() const { return step_work_; }
   /// The power of the forces of the last step at the current velocities, W.
@@ -145,10 +150,11 @@ class ContactLaw : public Follower {
   Box box_ = no_box;
   double shortest_edge_ = 0, mean_edge_ = 0, size_ = 0;  ///< m
   bool is_term_ = false;
+  bool cuts_ = false;  ///< tissue resists a blade that an obstacle carries
   // Results of the last step.
   std::vector<Touch> touches_;
   std::vector<Load> loads_;
-  double work_ = 0, friction_work_ = 0, step_work_ = 0;
+  double work_ = 0, friction_work_ = 0, cutting_work_ = 0, step_work_ = 0;
 };
 
 }  // namespace suture

@@ -97,6 +97,7 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& eve
     const ContactLaw* contact = built.body().contact();
     if (contact && !contact->is_term()) columns.push_back("contact [J]");
     if (contact) columns.push_back("friction [J]");
+    if (contact && contact->cutting_work()) columns.push_back("cutting [J]");
     columns.insert(columns.end(),
                    {"prescribed [J]", "models [J]", "events [J]", "dissipated [J]", "balance [J]"});
     energies_ = std::make_unique<CsvWriter>(folder_, "energies.csv", columns);

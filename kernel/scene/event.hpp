@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "kernel/geometry/surface.hpp"
+#include "kernel/scene/cell_values.hpp"
 #include "kernel/scene/constraint.hpp"
 #include "kernel/scene/selection.hpp"
 
@@ -52,6 +53,12 @@ struct CutBlade {
     std::vector<Vec3> points{};  ///< m, where they are relative to its shape as given
   };
   std::optional<Carried> carried{};
+  /// What the tissue resists a carried blade with (contact/cutting_edges.hpp); none: it gives way.
+  struct Resistance {
+    CellValues toughness{};            ///< of elements, J/m^2
+    double stress = 0, thickness = 0;  ///< Pa, m: their product begins a cut, N/m
+  };
+  std::optional<Resistance> resistance{};
 };
 
 /// Opens listed faces.

@@ -129,6 +129,49 @@ CutBlade::Station read_station(ObjectReader& object, const Scene& scene) {
   return station;
 }
 
+/// What resists is found by impulses, on nodes that move in explicit steps.
+void refuse_resistance(ObjectReader& blade, const CutBlade& cut, const Scene& scene) {
+  const auto refuse = [&](const std::string& why) { blade.complain("resistance", why); };
+  const SolverOptions& solver = scene.solver;
+  if (!cut.carried)
+    return refuse(
+        "is a force on a tool: let an obstacle carry the blade ({\"obstacle\": ...} instead of "
+        "\"path\"), so that it appears in tools.csv");
+  const std::size_t obstacle = cut.carried->obstacle;
+  if (is_implicit(solver.integrator))
+    refuse("needs explicit steps; use \"symplectic-euler\" or \"velocity-verlet\" instead of '" +
+           solver.integrator + "'");
+  if (scene.contact.penalty)
+    refuse("acts by impulses, which \"law\": \"penalty\" in /contact excludes; remove one of them");
+  if (solver.sleep_acceleration > 0)
+    refuse("does not wake what sleeps; remove \"sleep\" in /solver");
+  if (obstacle < scene.contact.obstacles.size() && scene.contact.obstacles[obstacle].coupling)
+    refuse("is not passed on to the hand of a compliant tool; remove the \"coupling\" of '" +
+           cut.carried->name + "'");
+}
+
+void read_resistance(ObjectReader& blade, CutBlade& cut, const Scene& scene) {
+  const JsonValue* value = blade.find("resistance");
+  if (value == nullptr) return;
+  ObjectReader object(*value, blade.path_of("resistance"), blade.mistakes());
+  CutBlade::Resistance resistance;
+  resistance.toughness =
+      read_element_values(object, "toughness", Limits::positive("J/m^2"),
+                          "the energy per area of the cut, in J/m^2: a number or a table");
+  const auto stress = object.number("stress", Limits::positive("Pa"));
+  const auto thickness = object.number("thickness", Limits::positive("m"));
+  if (stress.has_value() != thickness.has_value())
+    object.complain(stress ? "stress" : "thickness",
+                    std::string("needs \"") + (stress ? "thickness" : "stress") +
+                        "\" beside it: a cut begins where stress times the thickness of the edge "
+                        "is reached");
+  resistance.stress = stress.value_or(0);
+  resistance.thickness = thickness.value_or(0);
+  object.finish();
+  cut.resistance = std::move(resistance);
+  refuse_resistance(blade, cut, scene);
+}
+
 /// A blade that an obstacle carries.
 CutBlade::Carried read_carried(ObjectReader& blade, const std::vector<Obstacle>& obstacles) {
   CutBlade::Carried carried;
@@ -140,7 +183,6 @@ CutBlade::Carried read_carried(ObjectReader& blade, const std::vector<Obstacle>&
     carried = {*obstacle, names[*obstacle]};
   if (const JsonValue* points = blade.require("points", "a segment or polyline [[x, y, z], ...]"))
     carried.points = read_points(*points, blade.path_of("points"), 2, blade.mistakes());
-  blade.finish();
   return carried;
 }
 
@@ -149,6 +191,10 @@ CutBlade read_blade(ObjectReader blade, Reading& reading) {
   static const std::array<std::string, 2> kinds{"path", "obstacle"};
   const auto kind = blade.one_of(kinds);
   if (kind == 1u) cut.carried = read_carried(blade, reading.scene.contact.obstacles);
+  if (kind) {
+    read_resistance(blade, cut, reading.scene);
+    if (cut.carried) blade.finish();
+  }
   if (!kind || cut.carried) {
     cut.stations.resize(1);
     return cut;

@@ -126,6 +126,24 @@ Limits limits_of(const suture_parameter& parameter) {
           (parameter.flags & SUTURE_MAXIMUM_EXCLUDED) != 0};
 }
 
+CellValues read_element_values(ObjectReader& object, const std::string& key, const Limits& limits,
+                               const std::string& what) {
+  CellValues values;
+  values.path = object.path_of(key);
+  const JsonValue* value = object.require(key, what);
+  if (value == nullptr) return values;
+  const Shape shape{1, limits};
+  if (is_cell_values(*value)) {
+    ObjectReader table(*value, values.path, object.mistakes());
+    if (table.require("regions", "a table over regions") != nullptr)
+      read_table(table, shape, values);
+    table.finish();
+  } else {
+    values.elsewhere = read_value(*value, values.path, shape, object.mistakes());
+  }
+  return values;
+}
+
 bool read_parameter_values(ObjectReader& parameters, const suture_parameter& parameter,
                            ModelUse& use) {
   const bool is_direction = parameter.type == SUTURE_DIRECTION;

@@ -16,6 +16,7 @@
 #include "kernel/mesh/mesh.hpp"
 #include "kernel/mesh/voxels.hpp"
 #include "kernel/parts/fill_surface.hpp"
+#include "kernel/scene/cell_values.hpp"
 #include "kernel/scene/constraint.hpp"
 #include "kernel/scene/event.hpp"
 #include "kernel/scene/scene_places.hpp"
@@ -49,22 +50,6 @@ struct MeshSource {
 
 /// What happens when an element inverts.
 enum class OnInversion { by_model, stop, warn };
-
-/// Values of a model's parameter or attribute that the scene does not give as one number: an array
-/// of the mesh, or a table over regions.
-struct CellValues {
-  struct Part {
-    Selection region;
-    std::vector<double> value;
-  };
-  std::uint32_t attribute = 0;                  ///< its place in the model's list
-  const suture_parameter* parameter = nullptr;  ///< whose values these are; else the start
-  std::string path;                             ///< of the value
-  std::string array;                            ///< name; empty: a table
-  double scale = 1;                             ///< factor of the array's values
-  std::vector<Part> parts;                      ///< the last one that contains a cell counts
-  std::vector<double> elsewhere;                ///< empty: the parts must contain all cells
-};
 
 struct ModelUse {
   std::string name;  ///< name of the instance; default: the id, id-2, ...

@@ -56,6 +56,9 @@ Limits limits_of(const suture_parameter& parameter);
 /// Reads a parameter that is a direction or given by an array or a table; false if it is neither.
 bool read_parameter_values(ObjectReader& parameters, const suture_parameter& parameter,
                            ModelUse& use);
+/// The required value of elements at `key`: one number, or a table over regions.
+CellValues read_element_values(ObjectReader& object, const std::string& key, const Limits& limits,
+                               const std::string& what);
 /// The start of the model's attributes, "start".
 void read_start(ObjectReader& model, ModelUse& use);
 /// Checks a name that becomes part of file and field names.

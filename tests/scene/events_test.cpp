@@ -260,5 +260,61 @@ INSTANTIATE_TEST_SUITE_P(
         BadEvent{R"({"at": 0, "remove_islands": {"outside": {}}})",
                  "/events/0/remove_islands/outside", "'box' is missing"}));
 
+struct BadResistance {
+  const char *resistance, *contact, *solver;
+  const char *path, *words;
+};
+void PrintTo(const BadResistance& bad, std::ostream* stream) {
+  *stream << bad.resistance << bad.contact << bad.solver;
+}
+
+std::string knife_scene(const std::string& resistance, const std::string& contact = "",
+                        const std::string& solver = R"("end": 1)") {
+  return R"({"suture": 1, "mesh": {"box": {"size": [1, 1, 1], "cells": [2, 2, 2]}},
+    "models": [{"model": "mss"}], "solver": {)" +
+         solver +
+         R"(}, "contact": {"obstacles": [{"name": "knife", "sphere": {"centre": [9, 9, 9], "radius": 1}
+    )" + contact +
+         R"(}]}, "events": [{"cut": {"blade": {"obstacle": "knife",
+    "points": [[0, 0, 0], [0, 0, 1]], "resistance": )" +
+         resistance + "}}}]}";
+}
+
+class ResistanceMistakes : public ::testing::TestWithParam<BadResistance> {};
+TEST_P(ResistanceMistakes, AreNamed) {
+  const BadResistance& bad = GetParam();
+  const std::string error = error_of(knife_scene(bad.resistance, bad.contact, bad.solver));
+  EXPECT_NE(error.find("/events/0/cut/blade/resistance" + std::string(bad.path) + ": "),
+            std::string::npos)
+      << error;
+  EXPECT_NE(error.find(bad.words), std::string::npos) << error;
+}
+
+constexpr const char *good = R"({"toughness": 1})", *ends = R"("end": 1)";
+INSTANTIATE_TEST_SUITE_P(
+    All, ResistanceMistakes,
+    ::testing::Values(
+        BadResistance{"{}", "", ends, "", "'toughness' is missing"},
+        BadResistance{R"({"toughness": -1})", "", ends, "/toughness", "> 0 J/m^2"},
+        BadResistance{R"({"toughnes": 1})", "", ends, "/toughnes", "did you mean 'toughness'"},
+        BadResistance{R"({"toughness": {"elsewhere": 1}})", "", ends, "/toughness",
+                      "'regions' is missing"},
+        BadResistance{R"({"toughness": 1, "stress": 1})", "", ends, "/stress", "\"thickness\""},
+        BadResistance{R"({"toughness": 1, "thickness": 1})", "", ends, "/thickness", "\"stress\""},
+        BadResistance{good, R"(, "coupling": {"mass": 1, "stiffness": 1})", ends, "", "compliant"},
+        BadResistance{good, "", R"("integrator": "implicit-euler", "dt": 0.1, "end": 1)", "",
+                      "explicit steps"},
+        BadResistance{good, R"(}], "law": "penalty", "obstacles": [{"name": "knife",
+                      "sphere": {"centre": [9, 9, 9], "radius": 1})",
+                      ends, "", "law"},
+        BadResistance{good, "", R"("end": 1, "sleep": {"acceleration": 1, "velocity": 1})", "",
+                      "sleep"}));
+
+TEST(Events, ResistanceIsForATool) {
+  const std::string error = error_of(scene_with(R"(, "events": [{"cut": {"blade": {
+    "path": [{"at": 0, "points": [[0, 0, 0], [1, 0, 0]]}], "resistance": {"toughness": 1}}}}])"));
+  EXPECT_NE(error.find("let an obstacle carry the blade"), std::string::npos) << error;
+}
+
 }  // namespace
 }  // namespace suture::testing

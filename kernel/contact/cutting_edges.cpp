@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/contact/cutting_edges.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernel/base/archive.hpp"
+#include "kernel/base/rows.hpp"
+#include "kernel/topology/dart.hpp"
+
+namespace suture {
+namespace {
+
+// Between samples, and between a sample and the lips beside it, in edges of elements.
+constexpr double spacing = 0.125, lips = 0.5;
+// How far a sample between lips may be beside them along the slit, in edges.
+constexpr double beside_lips = 0.05;
+// How far around the edges elements are collected, in edges.
+constexpr double collected = 2;
+// Motion by less is rounding, in edges.
+constexpr double rounding = 1e-9;
+
+Vec3 without_part_along(const Vec3& a, const Vec3& unit) {
+  return minus(a, scaled(dot(a, unit), unit));
+}
+
+Vec3 unit(const Vec3& a) {
+  const double length = norm(a);
+  return length > 0 ? scaled(1 / length, a) : Vec3{};
+}
+
+/// Of nodes at rows of 4.
+template <class Nodes>
+Vec3 middle(const Nodes& nodes, const double* rows) {
+  Vec3 sum{};
+  for (const Index v : nodes) sum = plus(sum, row(rows, v));
+  return scaled(1.0 / static_cast<double>(nodes.size()), sum);
+}
+
+}  // namespace
+
+void CuttingEdges::add(const Edge& edge) {
+  for (std::size_t i = 0; i + 1 < edge.points.size(); ++i) {
+    const Vec3 &a = edge.points[i], way = minus(edge.points[i + 1], a);
+    const double length = norm(way);
+    if (length == 0) continue;
+    const double count = std::ceil(length / (spacing * edge_));
+    for (double s = 0.5; s < count; ++s)
+      samples_.push_back({edges_.size(), edge.obstacle, plus(a, scaled(s / count, way)),
+                          scaled(1 / length, way), length / count});
+  }
+  edges_.push_back(edge);
+  Elements nowhere;
+  nowhere.fill(none);
+  elements_.resize(samples_.size(), nowhere);
+  directions_.resize(samples_.size());
+  withdrawn_.resize(samples_.size());
+  has_begun_.resize(samples_.size());
+}
+
+// ------------------------------------------------------------------ where they are --
+
+void CuttingEdges::begin(std::span<const Obstacle> obstacles, double time, double end,
+                         double last) {
+  place(obstacles, time, end);
+  Box box = no_box;
+  for (const Sample& sample : samples_) include(box, sample.start);
+  finder_.update(box, last, collected * edge_);
+  gripping_.clear();
+  first_.assign(1, 0);
+  vertices_.clear();
+  weights_.clear();
+  for (std::size_t s = 0; s < samples_.size(); ++s) {
+    find_elements(s);
+    if (elements_[s][0] == none) {  // outside the tissue nothing is remembered
+      directions_[s] = {};
+      withdrawn_[s] = 0;
+      has_begun_[s] = 0;
+      continue;
+    }
+    add_weights(elements_[s], at_);
+    gripping_.push_back(s);
+  }
+  enter();
+  moved_ = vertices_;
+  std::ranges::sort(moved_);
+  moved_.erase(std::ranges::unique(moved_).begin(), moved_.end());
+}
+
+void CuttingEdges::place(std::span<const Obstacle> obstacles, double time, double end) {
+  Pose from, to;
+  for (std::size_t s = 0; s < samples_.size(); ++s) {
+    Sample& sample = samples_[s];
+    if (s == 0 || sample.obstacle != samples_[s - 1].obstacle) {
+      from = obstacles[sample.obstacle].motion.pose(time);
+      to = obstacles[sample.obstacle].motion.pose(end);
+    }
+    sample.start = from.place(sample.given);
+    sample.end = to.place(sample.given);
+    sample.tangent = to.direction(sample.given_tangent);
+    sample.velocity = scaled(1 / (end - time), minus(sample.end, sample.start));
+  }
+}
+
+/// Mostly those of the last step; where a slit has opened beside the sample, the lips.
+void CuttingEdges::find_elements(std::size_t s) {
+  const Vec3& start = samples_[s].start;
+  const Elements last = elements_[s];
+  Elements& now = elements_[s];
+  now.fill(none);
+  at_.clear();
+  const auto add = [&](Index element, const Vec3& at) {
+    if (at_.size() == now.size()) return;
+    now[at_.size()] = element;
+    at_.push_back(at);
+  };
+  if (last[0] != none && last[1] == none) {
+    const auto at = finder_.inside(last[0], start);
+    if (at && std::ranges::all_of(*at, [](double c) { return std::abs(c) < 1; }))
+      return add(last[0], *at);
+  }
+  finder_.for_each_around(start, add);
+  if (now[0] != none) return;
+  for (const Index e : last) {
+    Vec3 at;
+    if (e != none && is_between_lips(s, e, at)) add(e, at);
+  }
+}
+
+/// Whether a sample in no element is beside this one, across the slit; `at`: the place there.
+bool CuttingEdges::is_between_lips(std::size_t s, Index element, Vec3& at) const {
+  const Sample& sample = samples_[s];
+  if (directions_[s] == Vec3{} || !complex_.exists(3, element)) return false;
+  const auto found = finder_.locate(element, sample.start);
+  if (!found) return false;
+  at = *found;
+  for (double& c : at) c = std::clamp(c, -1.0, 1.0);
+  const Vec3 away = minus(
+      sample.start, place_in(complex_.vertices_of(element), at, attributes_.position().rows(), 4));
+  const Vec3 normal = unit(cross(sample.tangent, directions_[s]));
+  return norm(without_part_along(away, normal)) < beside_lips * edge_ &&
+         std::abs(dot(away, normal)) < lips * edge_;
+}
+
+/// Their mean: on a face that they share, it is one place; between lips, both are pushed.
+void CuttingEdges::add_weights(const Elements& elements, const std::vector<Vec3>& at) {
+  const std::size_t first = vertices_.size();
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    const std::array<double, 8> weights = trilinear_weights(at[i]);
+    for (std::size_t n = 0; n < 8; ++n) {
+      if (weights[n] == 0) continue;
+      const Index v = complex_.vertices_of(elements[i])[n];
+      const double weight = weights[n] / static_cast<double>(at.size());
+      const auto known = std::find(vertices_.begin() + std::ptrdiff_t(first), vertices_.end(), v);
+      if (known != vertices_.end()) {
+        weights_[std::size_t(known - vertices_.begin())] += weight;
+        continue;
+      }
+      vertices_.push_back(v);
+      weights_.push_back(weight);
+    }
+  }
+  first_.push_back(vertices_.size());
+}
+
+/// Remembers the slits in elements as the first sample has found them: what the edge opens on its
+/// way through an element does not help it there.
+void CuttingEdges::enter() {
+  std::vector<Index> elements;
+  for (const std::size_t s : gripping_)
+    for (const Index e : elements_[s])
+      if (e != none) elements.push_back(e);
+  std::ranges::sort(elements);
+  elements.erase(std::ranges::unique(elements).begin(), elements.end());
+  std::vector<Entered> now;
+  for (const Index e : elements) {
+    const auto known = std::ranges::lower_bound(entered_, e, {}, &Entered::element);
+    const bool is_known = known != entered_.end() && known->element == e;
+    now.push_back(is_known ? *known : Entered{e, open_sides(e)});
+  }
+  entered_ = std::move(now);
+}
+
+std::uint8_t CuttingEdges::open_sides(Index element) const {
+  unsigned open = 0;
+  for (const Dart side : sides_of(element))
+    if (complex_.beta3(side) == none) open |= 1u << local_face(side);
+  return static_cast<std::uint8_t>(open);
+}
+
+// --------------------------------------------------------------------- what resists --
+
+void CuttingEdges::engage(double gain) {
+  grips_.clear();
+  for (std::size_t i = 0; i < gripping_.size(); ++i) {
+    const std::size_t s = gripping_[i], first = first_[i], count = first_[i + 1] - first;
+    Grip grip(s,
+              {static_cast<Index>(s), std::span(vertices_).subspan(first, count),
+               std::span(weights_).subspan(first, count)},
+              attributes_);
+    grip.tangent = samples_[s].tangent;
+    grip.direction = directions_[s];
+    if (grip.direction == Vec3{}) grip.direction = unit(gap(grip));
+    const auto resisting = [&](Index e) {
+      return e != none && resists(samples_[s], e, grip.direction);
+    };
+    if (std::ranges::any_of(elements_[s], resisting))
+      grip.limit = toughness(s) * samples_[s].length * gain;
+    grips_.push_back(grip);
+  }
+}
+
+/// N/m
+double CuttingEdges::toughness(std::size_t s) const {
+  const Edge& edge = edges_[samples_[s].edge];
+  double sum = 0, count = 0;
+  for (const Index e : elements_[s])
+    if (e != none) sum += edge.toughness[e], ++count;
+  return has_begun_[s] != 0 ? sum / count : std::max(sum / count, edge.start);
+}
+
+/// An edge that advances in an element separates it from the neighbour on its side: not if it was
+/// already open there, or if the surface of the body is there.
+bool CuttingEdges::resists(const Sample& sample, Index element, const Vec3& direction) const {
+  const double* x = attributes_.position().rows();
+  const Hexahedron& nodes = complex_.vertices_of(element);
+  const Vec3 centre = middle(nodes, x);
+  Vec3 normal = unit(cross(sample.tangent, direction));
+  if (dot(minus(sample.start, centre), normal) < 0) normal = scaled(-1, normal);
+  std::size_t facing = 0;
+  double most = -1;
+  for (std::size_t f = 0; f < 6; ++f) {
+    std::array<Index, 4> corners;
+    for (std::size_t k = 0; k < 4; ++k) corners[k] = nodes[suture_hexahedron_faces[f][k]];
+    const double towards = dot(unit(minus(middle(corners, x), centre)), normal);
+    if (towards > most) most = towards, facing = f;
+  }
+  const auto entered = std::ranges::lower_bound(entered_, element, {}, &Entered::element);
+  return (entered->open >> facing & 1) == 0;
+}
+
+// ---------------------------------------------------------------------------- pushes --
+
+/// What has come between the edge and the tissue, without the part along the edge.
+Vec3 CuttingEdges::gap(const Grip& grip) const {
+  const Vec3 tissue = grip.mass.point().sum(attributes_.position().rows());
+  return without_part_along(minus(samples_[grip.sample].end, tissue), grip.tangent);
+}
+
+/// An edge pushes where it has reached the tip of the slit, and never pulls.
+double CuttingEdges::sweep(double dt) {
+  double largest = 0;
+  for (Grip& grip : grips_) {
+    if (grip.limit == 0) continue;
+    const Vec3 missing = minus(gap(grip), scaled(withdrawn_[grip.sample], grip.direction));
+    const Vec3 last = grip.change;
+    grip.change = plus(last, scaled(1 / dt, missing));
+    if (dot(grip.change, grip.direction) <= 0) grip.change = {};
+    if (const double size = norm(grip.impulse()); size > grip.limit)
+      grip.change = scaled(grip.limit / size, grip.change);
+    const Vec3 by = minus(grip.change, last);
+    if (by != Vec3{}) grip.mass.change(by, dt);
+    largest = std::max(largest, norm(by));
+  }
+  return largest;
+}
+
+void CuttingEdges::release() {
+  for (Grip& grip : grips_) grip.change = {};
+}
+
+void CuttingEdges::finish() {
+  for (const Grip& grip : grips_) {
+    const std::size_t s = grip.sample;
+    const Vec3 came = gap(grip);
+    const double ahead = dot(came, grip.direction);
+    const double aside = norm(minus(came, scaled(ahead, grip.direction)));
+    directions_[s] = grip.direction;
+    if (grip.change != Vec3{}) {
+      withdrawn_[s] = 0;
+      if (norm(grip.impulse()) < (1 - rounding) * grip.limit) continue;  // it holds
+      directions_[s] = unit(grip.change);
+      has_begun_[s] = 1;
+      continue;
+    }
+    withdrawn_[s] -= ahead;
+    const bool is_elsewhere = aside > std::abs(ahead) || withdrawn_[s] > edge_;
+    if (grip.limit > 0 && !is_elsewhere) continue;
+    directions_[s] = {};
+    withdrawn_[s] = 0;
+  }
+}
+
+// ---------------------------------------------------------------- operations and state --
+
+void CuttingEdges::follow(const TopologyChange& change) {
+  if (change.faces_sewn == 0 && change.removed[3].empty()) return;
+  finder_.forget();
+  entered_.clear();  // with other sides
+}
+
+void CuttingEdges::state(Archive& archive) {
+  archive("elements", elements_);
+  archive("directions", directions_);
+  archive("withdrawn", withdrawn_);
+  archive("begun", has_begun_);
+  archive.member("entered", entered_, &Entered::element);
+  archive.member("open", entered_, &Entered::open);
+  if (archive.loads()) finder_.forget();
+}
+
+}  // namespace suture

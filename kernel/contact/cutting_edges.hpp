@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernel/contact/element_finder.hpp"
+#include "kernel/contact/surface_points.hpp"
+#include "kernel/geometry/obstacle.hpp"
+
+// A blade that meets a force
+// ==========================
+//
+//            tip of the slit
+//   lips         v        intact tissue          The tissue at the edge moves with the blade as
+//   long
+//   ===========. |                               as the force on a length of the edge is below the
+//               >o-->  F = R l                   toughness R (J/m^2 = N/m). Where more would be
+//   ===========' edge                            needed, the force is R and the edge advances
+//                                                through the tissue: it cuts.
+//
+// The work that advancing takes is thus R per area, whatever the elements. Cutting is to the edge
+// what sliding friction is to a surface, with the limit R l instead of mu N, and is found as
+// contact is: by impulses that change where the step without them would have ended (contact.hpp).
+// With a the place of the tissue that is at the edge p when the step begins, and g = p' - a' what
+// has come between them at its end, without the part along the edge,
+//
+//   dv = g / h   if  m |dv| <= R l h,   else R l h / m in the direction of g
+//
+// No stiffness has to be chosen, and blade and tissue keep no common memory except this: the
+// direction of the last advance, because an edge pushes and does not pull. One that draws back
+// leaves the tip of the slit and meets it again where it left it. The first advance may need more,
+// the stress at which the tissue breaks times the thickness of the edge.
+//
+// Source: B. Mahvash and V. Hayward, Haptic rendering of cutting: a fracture mechanics approach,
+// Haptics-e 2 (2001): the work of a blade is R dA plus what the tissue stores; deformation, rupture
+// and cutting follow each other.
+
+namespace suture {
+
+/// The edges of blades that tissue resists, and what they do in an explicit step. The edge is
+/// sampled; each sample acts on the nodes of the element in which it is.
+class CuttingEdges {
+ public:
+  struct Edge {
+    std::size_t obstacle = 0;       ///< that carries it
+    std::vector<Vec3> points;       ///< a polyline beside the obstacle as given, m
+    std::vector<double> toughness;  ///< by element, J/m^2
+    double start = 0;               ///< force per length at which it begins to cut, N/m
+  };
+
+  /// `edge`: a typical edge of the elements, m.
+  CuttingEdges(const CellComplex& complex, Attributes& attributes, double edge)
+      : complex_(complex), finder_(complex, attributes), attributes_(attributes), edge_(edge) {}
+  void add(const Edge& edge);
+
+  // ---- a step, in this order ----
+
+  /// Before the forces are cleared: finds where the edges are. `last`: the length of the step
+  /// before, s.
+  void begin(std::span<const Obstacle> obstacles, double time, double end, double last);
+  /// The vertices that they may push in this step, each once.
+  std::span<const Index> vertices() const { return moved_; }
+  /// After the step without contact: decides what resists. `gain`: of an impulse, s.
+  void engage(double gain);
+  /// Pushes once with each sample; returns the largest change of a velocity, m/s.
+  double sweep(double dt);
+  /// Takes all pushes back, as something has put the vertices back.
+  void release();
+  /// After the last sweep: how far each sample has advanced.
+  void finish();
+
+  /// What a sample has done in the step.
+  struct Grip {
+    Grip(std::size_t of, const ContactPoint& point, Attributes& attributes)
+        : sample(of), mass(point, attributes) {}
+    std::size_t sample;
+    PointMass mass;
+    Vec3 tangent{}, direction{};  ///< of the edge, and in which it cuts
+    double limit = 0;             ///< of the impulse, N s
+    Vec3 change{};                ///< of the velocity of the tissue there, m/s
+    /// N s
+    Vec3 impulse() const {
+      const Vec3& m = mass.mass();
+      return {m[0] * change[0], m[1] * change[1], m[2] * change[2]};
+    }
+  };
+  std::span<const Grip> grips() const { return grips_; }
+  std::size_t obstacle(const Grip& grip) const { return samples_[grip.sample].obstacle; }
+  /// Of the edge in the step, m/s.
+  Vec3 velocity(const Grip& grip) const { return samples_[grip.sample].velocity; }
+
+  void forget_places() { finder_.forget(); }
+  void follow(const TopologyChange& change);
+  void state(Archive& archive);
+
+ private:
+  /// Around a place on a corner there are eight elements.
+  using Elements = std::array<Index, 8>;
+  struct Sample {
+    std::size_t edge, obstacle;
+    Vec3 given, given_tangent;
+    double length;  ///< of the edge, m
+    // Of the step in progress.
+    Vec3 start{}, end{}, tangent{}, velocity{};
+  };
+  struct Weight {
+    Index vertex;
+    double weight;
+  };
+  /// What an element was when the first sample came into it.
+  struct Entered {
+    Index element;
+    std::uint8_t open;  ///< bits of sides without a neighbour
+  };
+
+  void place(std::span<const Obstacle> obstacles, double time, double end);
+  void find_elements(std::size_t sample);
+  bool is_between_lips(std::size_t sample, Index element, Vec3& at) const;
+  void add_weights(const Elements& elements, const std::vector<Vec3>& at);
+  void enter();
+  bool resists(const Sample& sample, Index element, const Vec3& direction) const;
+  double toughness(std::size_t sample) const;
+  Vec3 gap(const Grip& grip) const;
+  std::uint8_t open_sides(Index element) const;
+
+  const CellComplex& complex_;
+  ElementFinder finder_;
+  Attributes& attributes_;
+  double edge_;
+  std::vector<Edge> edges_;
+  std::vector<Sample> samples_;
+  // What samples remember.
+  std::vector<Elements> elements_;       ///< in which they are, `none` at the end
+  std::vector<Vec3> directions_;         ///< of the last advance; zero: none in this tissue
+  std::vector<double> withdrawn_;        ///< from the tip of the slit, m
+  std::vector<std::uint8_t> has_begun_;  ///< to cut this tissue
+  std::vector<Entered> entered_;         ///< ascending
+  // Of the step in progress.
+  std::vector<Vec3> at_;            ///< in the elements of the sample in progress
+  std::vector<std::size_t> first_;  ///< of each grip, in the next two
+  std::vector<Index> vertices_;
+  std::vector<double> weights_;
+  std::vector<std::size_t> gripping_;  ///< samples
+  std::vector<Grip> grips_;
+  std::vector<Index> moved_;
+};
+
+}  // namespace suture

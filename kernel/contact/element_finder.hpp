@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "kernel/attributes/attributes.hpp"
+#include "kernel/base/box.hpp"
+
+namespace suture {
+
+/// Finds the elements of the deformed body that contain a place.
+class ElementFinder {
+ public:
+  /// `margin`: how far beyond the places that are asked for elements are kept, m; about two edges.
+  ElementFinder(const CellComplex& complex, Attributes& attributes)
+      : complex_(complex), attributes_(attributes) {}
+
+  /// Call before places in `box` are asked for, after each step of length dt: keeps the elements
+  /// near the box. 1 ns per vertex, which bounds how far the tissue has moved; 10 ns per element
+  /// whenever box and tissue may have moved by `margin` (m) since elements were last collected.
+  void update(const Box& box, double dt, double margin);
+  /// Positions have jumped.
+  void forget() { is_current_ = false; }
+
+  /// Where in the reference cube [-1, 1]^3 the element has the place, also outside; none where
+  /// Newton's method for x(at) = place does not converge, far away from the element.
+  std::optional<Vec3> locate(Index element, const Vec3& place) const;
+  /// The same if the place is in the element, with its surface.
+  std::optional<Vec3> inside(Index element, const Vec3& place) const;
+
+  /// visit(element, at) for the elements that contain the place, ascending.
+  template <class Visit>
+  void for_each_around(const Vec3& place, Visit visit) const {
+    for (const Index e : near_)
+      if (const auto at = inside(e, place)) visit(e, *at);
+  }
+
+ private:
+  Box box_of(Index element) const;
+
+  const CellComplex& complex_;
+  Attributes& attributes_;
+  bool is_current_ = false;
+  Box searched_ = no_box;  ///< in which the elements were collected
+  double moved_ = 0;       ///< the tissue since then, at most, m
+  std::vector<Index> near_;
+};
+
+}  // namespace suture

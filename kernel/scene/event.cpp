@@ -19,7 +19,8 @@ struct What {
   }
   std::string operator()(const CutBlade& cut) const {
     if (cut.carried)
-      return "the faces that the blade of obstacle '" + cut.carried->name + "' crosses";
+      return "the faces that the blade of obstacle '" + cut.carried->name + "' crosses" +
+             (cut.resistance ? ", against the resistance of the tissue" : "");
     return "the faces that a blade of " + std::to_string(cut.stations.front().points.size()) +
            " points crosses as it moves through the tissue";
   }

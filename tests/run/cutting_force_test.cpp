@@ -132,6 +132,19 @@ TEST_F(CuttingForce, IsPaidOnceForEachPlace) {
   }
 }
 
+// Ten times to and fro by less than an element.
+TEST_F(CuttingForce, IsNotPaidAgainOnTheWayBack) {
+  motion().stations = {{0, {}, 0}, {0.5, {0.5, 0, 0}, 0}};
+  for (int i = 0; i < 20; ++i) {
+    const double at = 0.54 + 0.04 * i;
+    motion().stations.push_back({at, {i % 2 == 0 ? 0.48 : 0.5, 0, 0}, 0});
+  }
+  motion().stations.push_back({2, {1.2, 0, 0}, 0});
+  scene.solver.end = 2;
+  run();
+  EXPECT_NEAR(taken(), toughness * 0.16, 0.02 * toughness * 0.16);
+}
+
 // The edge would have to press with 6000 N/m to begin. It takes the tissue along, and gives back
 // what that has stored.
 TEST_F(CuttingForce, ABladeThatIsTooWeakDeforms) {

@@ -158,8 +158,9 @@ void measure_divisions(const BladeOptions& options, Report& report) {
   const Vec3 centre{edge * cells[0] / 2, edge * cells[1] / 2, edge * cells[2] / 2};
   for (const Vec3& normal : {Vec3{0.2, 0.3, 1}, {-0.3, 0.4, 1}, {1, 0.5, 0.3}}) {
     const double start = now(options.threads);
-    const BladeCut cut = cut_along(body.complex(), parts.parts(),
-                                   body.attributes().position().rows(), {centre, normal}, "");
+    const BladeCut cut =
+        cut_along(body.complex(), parts.parts(), body.attributes().position().rows(),
+                  PlaneBlade({centre, normal}), "");
     const double found = now(options.threads);
     body.body().clone_volume(cut.cloning, cut.parts.moments);
     const double cloned = now(options.threads);

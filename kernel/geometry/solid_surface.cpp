@@ -3,11 +3,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cstdint>
 
-#include "kernel/base/error.hpp"
-#include "kernel/base/radix_sort.hpp"
 #include "kernel/base/rows.hpp"
+#include "kernel/geometry/oriented_surface.hpp"
 #include "kernel/geometry/surface_tree.hpp"
 
 namespace suture {
@@ -23,82 +21,32 @@ constexpr double rounding_of_balls = 1e-6;
 // largest along an axis.
 constexpr double cells_per_triangle = 8, least_cells = 8192, most_cells = 65536, most_along = 256;
 
-Vec3 area_vector(const TriangleSurface& s, const Triangle& t) {
-  const Vec3& a = s.points[t[0]];
-  return cross(minus(s.points[t[1]], a), minus(s.points[t[2]], a));
-}
-
-double angle_between(const Vec3& a, const Vec3& b) {
-  return std::atan2(norm(cross(a, b)), dot(a, b));
-}
-
 }  // namespace
 
-SolidSurface::SolidSurface(TriangleSurface surface) : surface_(std::move(surface)) {
-  std::erase_if(surface_.triangles,
-                [&](const Triangle& t) { return !(norm(area_vector(surface_, t)) > 0); });
-  if (surface_.triangles.empty())
-    throw InputError(surface_.source + ": the surface has no triangle with an area");
-  const Box given = box_of(surface_.points);
+SolidSurface::SolidSurface(TriangleSurface surface) {
+  const Box given = box_of(surface.points);
   const Vec3 middle = scaled(0.5, plus(given.low, given.high));
-  for (Vec3& p : surface_.points) {
+  for (Vec3& p : surface.points) {
     p = minus(p, middle);
     radius_ = std::max(radius_, norm(p));
   }
-  box_ = box_of(surface_.points);
-  make_normals();
-  tree_ = std::make_unique<SurfaceTree>(surface_);
+  box_ = box_of(surface.points);
+  oriented_ = std::make_unique<OrientedSurface>(std::move(surface));
   make_grid();
   find_thickness();
 }
 SolidSurface::~SolidSurface() = default;
 
-void SolidSurface::make_normals() {
-  vertex_normals_.resize(surface_.points.size());
-  for (const Triangle& t : surface_.triangles) {
-    const Vec3 area = area_vector(surface_, t), normal = scaled(1 / norm(area), area);
-    face_normals_.push_back(normal);
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vec3& corner = surface_.points[t[i]];
-      const double angle = angle_between(minus(surface_.points[t[(i + 1) % 3]], corner),
-                                         minus(surface_.points[t[(i + 2) % 3]], corner));
-      vertex_normals_[t[i]] = plus(vertex_normals_[t[i]], scaled(angle, normal));
-    }
-  }
-  make_edge_normals();
-}
-
-void SolidSurface::make_edge_normals() {
-  struct Side {
-    std::uint64_t edge;
-    Index triangle, number;
-  };
-  std::vector<Side> sides, spare;
-  sides.reserve(3 * surface_.triangles.size());
-  for (Index i = 0; i < surface_.triangles.size(); ++i)
-    for (Index side = 0; side < 3; ++side) {
-      const Triangle& t = surface_.triangles[i];
-      const Index from = t[side], to = t[(side + 1) % 3];
-      sides.push_back({std::uint64_t{std::min(from, to)} << 32 | std::max(from, to), i, side});
-    }
-  radix_sort(sides, spare, [](const Side& side) { return side.edge; });
-  edge_normals_.resize(surface_.triangles.size());
-  for (auto first = sides.begin(); first != sides.end();) {
-    Vec3 sum{};
-    auto last = first;
-    for (; last != sides.end() && last->edge == first->edge; ++last)
-      sum = plus(sum, face_normals_[last->triangle]);
-    for (; first != last; ++first) edge_normals_[first->triangle][first->number] = sum;
-  }
-}
+const TriangleSurface& SolidSurface::surface() const { return oriented_->surface(); }
 
 // -------------------------------------------------------------------- the grid --
 
 void SolidSurface::make_grid() {
   const double longest = std::max({box_.length(0), box_.length(1), box_.length(2)});
   const double volume = box_.length(0) * box_.length(1) * box_.length(2);
-  const double wanted = std::clamp(
-      cells_per_triangle * static_cast<double>(surface_.triangles.size()), least_cells, most_cells);
+  const double wanted =
+      std::clamp(cells_per_triangle * static_cast<double>(surface().triangles.size()), least_cells,
+                 most_cells);
   edge_ = std::max(std::cbrt(volume / wanted), longest / most_along);
   std::size_t cells = 1;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -117,13 +65,13 @@ void SolidSurface::make_grid() {
 /// Halves the diameter of a ball until it fits inside at the centroid of every triangle.
 void SolidSurface::find_thickness() {
   thickness_ = 2 * radius_;
-  for (const Index i : tree_->order()) {
-    const Triangle& t = surface_.triangles[i];
+  for (const Index i : oriented_->tree().order()) {
+    const Triangle& t = surface().triangles[i];
     const Vec3 corners =
-        plus(surface_.points[t[0]], plus(surface_.points[t[1]], surface_.points[t[2]]));
+        plus(surface().points[t[0]], plus(surface().points[t[1]], surface().points[t[2]]));
     const auto fits = [&](double radius) {
-      const Vec3 middle = minus(scaled(1. / 3, corners), scaled(radius, face_normals_[i]));
-      return !tree_->is_within(middle, radius * (1 - rounding_of_balls));
+      const Vec3 middle = minus(scaled(1. / 3, corners), scaled(radius, oriented_->face_normal(i)));
+      return !oriented_->tree().is_within(middle, radius * (1 - rounding_of_balls));
     };
     while (thickness_ > rounding_of_cells * radius_ && !fits(thickness_ / 2)) thickness_ /= 2;
   }
@@ -131,14 +79,14 @@ void SolidSurface::find_thickness() {
 
 std::array<double, 3> SolidSurface::extents() const {
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
-  for (const Vec3& p : surface_.points) {
+  for (const Vec3& p : surface().points) {
     const Eigen::Vector3d v(p[0], p[1], p[2]);
     moments += v * v.transpose();
   }
   const Eigen::Matrix3d axes =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(moments).eigenvectors();
   Box box = no_box;
-  for (const Vec3& p : surface_.points) {
+  for (const Vec3& p : surface().points) {
     const Eigen::Vector3d along = axes.transpose() * Eigen::Vector3d(p[0], p[1], p[2]);
     include(box, {along[0], along[1], along[2]});
   }
@@ -184,7 +132,7 @@ std::vector<Vec3> SolidSurface::points_inside() const {
   for (int axis = 14; axis < 27; ++axis) {  // half of the directions to the neighbours of a cube
     const Vec3 along{double(axis % 3 - 1), double(axis / 3 % 3 - 1), double(axis / 9 - 1)};
     const auto [low, high] = std::ranges::minmax_element(
-        surface_.points, {}, [&](const Vec3& p) { return dot(p, along); });
+        surface().points, {}, [&](const Vec3& p) { return dot(p, along); });
     points.insert(points.end(), {*low, *high});
   }
   return points;
@@ -192,32 +140,10 @@ std::vector<Vec3> SolidSurface::points_inside() const {
 
 // ----------------------------------------------------------------- the distance --
 
-SolidSurface::Foot SolidSurface::foot(Index triangle, const Vec3& place) const {
-  const Triangle& t = surface_.triangles[triangle];
-  const Vec3 &a = surface_.points[t[0]], &b = surface_.points[t[1]], &c = surface_.points[t[2]];
-  const Weights w = nearest_in(a, b, c, place);
-  const Vec3 point = plus(a, plus(scaled(w.b, minus(b, a)), scaled(w.c, minus(c, a))));
-  const int zeros = (w.a == 0) + (w.b == 0) + (w.c == 0);
-  if (zeros == 2) {
-    const Index corner = w.a != 0 ? t[0] : w.b != 0 ? t[1] : t[2];
-    return {surface_.points[corner], vertex_normals_[corner]};
-  }
-  if (zeros == 0) return {point, face_normals_[triangle]};
-  const std::size_t edge = w.c == 0 ? 0 : w.a == 0 ? 1 : 2;
-  return {point, edge_normals_[triangle][edge]};
-}
-
 Nearest SolidSurface::nearest(const Vec3& place, Index start, Index& triangle) const {
-  triangle = tree_->nearest(place, start);
-  const Foot found = foot(triangle, place);
-  const Vec3 away = minus(place, found.point);
-  const double distance = norm(away), height = dot(away, found.normal);
-  if (distance <= on_surface * radius_) {
-    const double length = norm(found.normal);
-    return {height / length, scaled(1 / length, found.normal)};
-  }
-  const double side = height < 0 ? -1 : 1;
-  return {side * distance, scaled(side / distance, away)};
+  const OrientedSurface::Foot foot = oriented_->foot(place, start);
+  triangle = foot.triangle;
+  return OrientedSurface::distance(foot, place, on_surface * radius_);
 }
 
 Nearest SolidSurface::nearest(const Vec3& place) const {

@@ -9,15 +9,11 @@
 
 namespace suture {
 
-class SurfaceTree;
+class OrientedSurface;
 
 /// A closed surface of triangles as the boundary of a solid, about the middle of its box.
 ///
-/// The nearest triangle is found in a SurfaceTree. The distance is negative inside: behind the
-/// plane through the foot whose normal is the pseudonormal there, the normal of the face, the sum
-/// of the normals of both faces at an edge, or the sum of the normals around a vertex, weighted
-/// with the angles of the faces. This is exact for closed surfaces that do not intersect themselves
-/// (Baerentzen and Aanaes, IEEE Trans. Vis. Comput. Graph. 11 (2005) 243).
+/// The distance is that of an OrientedSurface, negative inside.
 ///
 /// A grid of about 65,000 cells stores the distance of each centre and the triangle that is nearest
 /// to it. The first rules out most far places in 10 ns, because a distance changes
@@ -37,7 +33,7 @@ class SolidSurface {
     return least_distance(place) <= distance;
   }
   /// The surface, with the middle of its box at the origin.
-  const TriangleSurface& surface() const { return surface_; }
+  const TriangleSurface& surface() const;
   double radius() const { return radius_; }  ///< of the ball around the origin that contains it, m
   /// Twice the radius of a ball that fits inside at the centroid of every triangle, m.
   double thickness() const { return thickness_; }
@@ -48,31 +44,20 @@ class SolidSurface {
   std::vector<Vec3> points_inside() const;
 
  private:
-  /// The point of a triangle that is nearest to a place, and the pseudonormal there.
-  struct Foot {
-    Vec3 point, normal;
-  };
   struct Cell {
     float distance = 0;  ///< of its centre
     Index nearest = 0;   ///< triangle
   };
-  void make_normals();
-  void make_edge_normals();
   void make_grid();
   void find_thickness();
-  Foot foot(Index triangle, const Vec3& place) const;
   Nearest nearest(const Vec3& place, Index start, Index& triangle) const;
   std::size_t cell_at(const Vec3& place) const;
   Vec3 centre(std::size_t cell) const;
   double least_distance(const Vec3& place) const;
 
-  TriangleSurface surface_;
+  std::unique_ptr<OrientedSurface> oriented_;
   Box box_ = no_box;
   double radius_ = 0, thickness_ = 0;
-  std::vector<Vec3> face_normals_;                 ///< of length 1
-  std::vector<std::array<Vec3, 3>> edge_normals_;  ///< of the edges 01, 12, 20; of any length
-  std::vector<Vec3> vertex_normals_;
-  std::unique_ptr<SurfaceTree> tree_;
   Vec3 low_{};
   double edge_ = 1;
   std::array<std::size_t, 3> count_{};

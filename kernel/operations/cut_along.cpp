@@ -20,10 +20,10 @@
 // How the copies are found
 // ========================
 //
-//   sides      Each element is below or above the plane, or crossed by it.
+//   sides      Each element is below or above the blade, or crossed by it.
 //   divide     The material of a crossed element falls into parts (parts/division.hpp).
 //   joints     At each face that a divided element shares, the triangles of both sides are
-//              compared: parts of the same side of the plane that overlap stay joined.
+//              compared: parts of the same side of the blade that overlap stay joined.
 //   unite      Parts that touch the same part behind a face become one copy.
 //   copies     The rest of the cloning follows, and the surface that would not be seen otherwise:
 //              triangles on faces that stay joined, but not to what lies behind them.
@@ -50,21 +50,21 @@ struct Touch {
 
 class Cutter {
  public:
-  Cutter(const CellComplex& complex, const Parts& parts, const double* rows,
-         const PlanePatch& patch, const std::string& path, std::size_t stride)
+  Cutter(const CellComplex& complex, const Parts& parts, const double* rows, const Blade& blade,
+         const std::string& path, std::size_t stride)
       : complex_(complex),
         parts_(parts),
         rows_(rows),
-        patch_(patch),
+        blade_(blade),
         path_(path),
         stride_(stride),
+        heights_(blade.heights(complex, rows, stride)),
         side_(complex.element_count(), 0),
         pieces_of_(complex.element_count(), {none, none}) {
     result_.parts.first.push_back(0);
   }
 
   BladeCut find() {
-    find_heights();
     find_sides();
     pieces_.reserve(4 * crossed_.size());
     for (const Index e : crossed_) divide_element(e);
@@ -88,27 +88,21 @@ class Cutter {
     return {x[0], x[1], x[2]};
   }
 
-  void find_heights() {
-    const double size = std::sqrt(dot(patch_.normal, patch_.normal));
-    const Vec3 n = scaled(1 / size, patch_.normal);
-    heights_.resize(complex_.count(0));
-    for (Index v = 0; v < heights_.size(); ++v)
-      if (complex_.exists(0, v)) heights_[v] = dot(n, minus(row(v), patch_.point));
-  }
-
   /// The tolerance is one for all, so that neighbours agree: that of the shortest edge at the
-  /// plane.
+  /// blade.
   void find_sides() {
     std::vector<Index> near;
     double shortest = std::numeric_limits<double>::infinity();
     for (Index e = 0; e < complex_.element_count(); ++e) {
       if (!complex_.exists(3, e)) continue;
       const Hexahedron& nodes = complex_.vertices_of(e);
-      double low = heights_[nodes[0]], high = low;
+      double low = heights_[nodes[0]], high = low, sum = 0;
       for (const Index v : nodes) {
         low = std::min(low, heights_[v]);
         high = std::max(high, heights_[v]);
+        sum += heights_[v];
       }
+      if (std::isnan(sum)) continue;  // far away; it touches no divided one
       side_[e] = high > -low ? 1 : -1;
       // Corners on a plane along a grid are beside it by rounding.
       if (std::min(high, -low) < -tolerance_in_edges * (high - low)) continue;
@@ -191,7 +185,7 @@ class Cutter {
     side_[element] = static_cast<std::int8_t>(side_of(material, heights, tolerance_));
     if (side_[element] != 0) return;
     std::vector<DividedPart> found = divide(material, heights, tolerance_);
-    if (found.size() < 2 || !is_in_patch(nodes, found)) return;
+    if (found.size() < 2 || !is_held(nodes, found)) return;
     const auto first = static_cast<Index>(pieces_.size());
     for (DividedPart& part : found) {
       if (part.material.tetrahedra.size() > max_fragments)
@@ -210,13 +204,13 @@ class Cutter {
     pieces_.push_back({element, side, std::move(part), std::move(triangles)});
   }
 
-  /// Whether the whole section lies in the patch.
-  bool is_in_patch(const Hexahedron& nodes, const std::vector<DividedPart>& found) const {
-    if (std::isinf(patch_.radius) && patch_.polygon.empty()) return true;
+  /// Whether the blade holds the whole section.
+  bool is_held(const Hexahedron& nodes, const std::vector<DividedPart>& found) const {
+    if (blade_.is_endless()) return true;
     for (const DividedPart& part : found)
       for (const Vec3& at : part.material.points)
         if (std::abs(height_at(nodes, at)) <= tolerance_ &&
-            !is_inside(patch_, place_in(nodes, at, rows_, stride_)))
+            !blade_.holds(place_in(nodes, at, rows_, stride_)))
           return false;
     return true;
   }
@@ -264,7 +258,7 @@ class Cutter {
     DisjointSets sets(pieces_.size());
     for (bool again = true; again;) {
       again = false;
-      // The first piece met behind each side, below the plane, across it and above.
+      // The first piece met behind each side, below the blade, across it and above.
       std::vector<std::size_t> behind(pieces_.size() * 18, pieces_.size());
       const auto meet = [&](std::size_t one, std::size_t other, unsigned side) {
         const auto where = static_cast<unsigned>(pieces_[other].side + 1);
@@ -399,25 +393,25 @@ class Cutter {
       for (int f = 0; f < hexahedron::faces; ++f) {
         const Index n = complex_.neighbour(e, f);
         if (n == none || is_divided(n) || side_[n] != -1) continue;
-        if (is_face_in_patch(e, f)) result_.cloning.cut.push_back(face_dart(e, f));
+        if (is_face_held(e, f)) result_.cloning.cut.push_back(face_dart(e, f));
       }
     }
   }
-  bool is_face_in_patch(Index element, int face) const {
-    if (std::isinf(patch_.radius) && patch_.polygon.empty()) return true;
+  bool is_face_held(Index element, int face) const {
+    if (blade_.is_endless()) return true;
     Vec3 middle{};
     for (const auto n : suture_hexahedron_faces[face])
       middle = plus(middle, scaled(0.25, row(complex_.vertices_of(element)[n])));
-    return is_inside(patch_, middle);
+    return blade_.holds(middle);
   }
 
   const CellComplex& complex_;
   const Parts& parts_;
   const double* rows_;
-  const PlanePatch& patch_;
+  const Blade& blade_;
   const std::string& path_;
   std::size_t stride_;
-  std::vector<double> heights_;  ///< above the plane, by vertex, m
+  std::vector<double> heights_;  ///< above the blade, by vertex, m; NaN: far from it
   double tolerance_ = 0;         ///< m
   std::vector<std::int8_t> side_;
   std::vector<Index> crossed_, divided_;
@@ -432,8 +426,8 @@ class Cutter {
 }  // namespace
 
 BladeCut cut_along(const CellComplex& complex, const Parts& parts, const double* rows,
-                   const PlanePatch& patch, const std::string& path, std::size_t stride) {
-  return Cutter(complex, parts, rows, patch, path, stride).find();
+                   const Blade& blade, const std::string& path, std::size_t stride) {
+  return Cutter(complex, parts, rows, blade, path, stride).find();
 }
 
 }  // namespace suture

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "kernel/mesh/parts.hpp"
-#include "kernel/operations/plane_patch.hpp"
+#include "kernel/operations/blade.hpp"
 
 namespace suture {
 
@@ -22,21 +22,21 @@ struct BladeCut {
 /// element.
 inline constexpr std::size_t max_fragments = 4096;
 
-/// The cut along a plane, or a patch of it. An element that the plane crosses becomes one copy per
-/// connected part of its material, and copies of neighbours stay joined where parts on the same
-/// side of the plane touch. Where the plane lies within 0.02 edges of all corners of a face, it
-/// separates the elements there. Heights above the plane are those of the vertices, at
-/// rows[stride v] as in faces_across_plane(), and trilinear between.
+/// The cut along a blade. An element that it crosses becomes one copy per connected part of its
+/// material, and copies of neighbours stay joined where parts on the same side of the blade touch.
+/// Where the blade lies within 0.02 edges of all corners of a face, it separates the elements
+/// there. Heights above the blade are those of the vertices (Blade::heights), and trilinear
+/// between.
 ///
-/// Parts of an element on one side of the plane that touch the same part of a neighbour through
+/// Parts of an element on one side of the blade that touch the same part of a neighbour through
 /// one face become one copy: the map has no face with three elements. An element is divided only if
-/// its whole section lies in the patch. Where one that is crossed is left whole, its face is joined
+/// the blade holds its whole section. Where one that is crossed is left whole, its face is joined
 /// to the copy that covers more of it.
 ///
 /// `parts`: of the complex, whose elements are a lattice (first_off_lattice()). Throws
 /// NumericalError, with `path` in front, if a part would have more than max_fragments tetrahedra.
 /// O(elements), and 15 us per element that is divided.
 BladeCut cut_along(const CellComplex& complex, const Parts& parts, const double* rows,
-                   const PlanePatch& patch, const std::string& path, std::size_t stride = 4);
+                   const Blade& blade, const std::string& path, std::size_t stride = 4);
 
 }  // namespace suture

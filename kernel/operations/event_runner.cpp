@@ -92,14 +92,15 @@ struct EventRunner::Call {
   const Workers* workers() const { return &built.body().models().workers(); }
 
   EventOutcome operator()(const CutPlane& plane) const {
-    if (plane.along_blade) return cut_along_blade(plane);
-    return cut(faces_across_patch(built.body().complex(), shape(),
-                                  {plane.point, plane.normal, plane.radius, plane.polygon}));
+    const PlanePatch patch{plane.point, plane.normal, plane.radius, plane.polygon};
+    if (plane.along_blade) return cut_along_blade(PlaneBlade(patch));
+    return cut(faces_across_patch(built.body().complex(), shape(), patch));
   }
 
-  EventOutcome cut_along_blade(const CutPlane& plane) const;
+  EventOutcome cut_along_blade(const Blade& blade) const;
 
   EventOutcome operator()(const CutSurface&) const {
+    if (state.patch) return cut_along_blade(*state.patch);
     const Places places{shape()};
     const std::vector<Dart> faces =
         state.surface->faces_cut(built.body().complex(), places, workers());
@@ -197,10 +198,9 @@ struct EventRunner::Call {
   }
 };
 
-EventOutcome EventRunner::Call::cut_along_blade(const CutPlane& plane) const {
-  const BladeCut cut = cut_along(built.body().complex(), built.parts(), shape(),
-                                 {plane.point, plane.normal, plane.radius, plane.polygon},
-                                 event.path + "/cut/along");
+EventOutcome EventRunner::Call::cut_along_blade(const Blade& blade) const {
+  const BladeCut cut =
+      cut_along(built.body().complex(), built.parts(), shape(), blade, event.path + "/cut/along");
   EventOutcome outcome;
   if (cut.empty()) {
     warn_once(" cut no element: the blade misses the body" + or_is_cut());
@@ -312,7 +312,10 @@ EventRunner::State EventRunner::prepare(const Event& event) {
           cut->surface ? *cut->surface : read_triangles(cut->file, cut->scale);
       for (Vec3& p : surface.points)
         for (std::size_t c = 0; c < 3; ++c) p[c] += cut->translation[c];
-      state.surface = std::make_unique<SurfaceBlade>(std::move(surface), diagnostics_);
+      if (cut->along_blade)
+        state.patch = std::make_unique<SurfacePatch>(std::move(surface));
+      else
+        state.surface = std::make_unique<SurfaceBlade>(std::move(surface), diagnostics_);
     } else if (const auto* blade = std::get_if<CutBlade>(&event.what)) {
       state.blade = std::make_unique<MovingBlade>(blade_of(*blade));
     }
@@ -437,9 +440,11 @@ std::vector<BladeShape> EventRunner::blades(double time) const {
     const auto number = static_cast<std::uint32_t>(i);
     if (state.blade && state.blade->begin() <= time && time <= state.blade->end())
       shapes.push_back({number, state.blade->at(time), {}});
-    if (state.surface && (!state.has_fired || state.last >= time || scene_.events[i].every > 0))
-      shapes.push_back(
-          {number, state.surface->surface().points, state.surface->surface().triangles});
+    const TriangleSurface* surface = state.surface ? &state.surface->surface()
+                                     : state.patch ? &state.patch->surface()
+                                                   : nullptr;
+    if (surface && (!state.has_fired || state.last >= time || scene_.events[i].every > 0))
+      shapes.push_back({number, surface->points, surface->triangles});
   }
   return shapes;
 }

@@ -29,6 +29,7 @@ struct BladeShape {
 
 class MovingBlade;
 class SurfaceBlade;
+class SurfacePatch;
 
 /// The effect of an operation.
 struct EventOutcome {
@@ -79,6 +80,7 @@ class EventRunner : private Follower {
   struct State {
     std::unique_ptr<TearCheck> tear;
     std::unique_ptr<SurfaceBlade> surface;
+    std::unique_ptr<SurfacePatch> patch;  ///< instead, if the cut is along it
     std::unique_ptr<MovingBlade> blade;
     bool has_fired = false, had_effect = false;
     double last = 0;  ///< s, when it last fired

@@ -15,7 +15,8 @@ struct What {
     return cut.along_blade ? "along " + blade : "the faces crossed by " + blade;
   }
   std::string operator()(const CutSurface& cut) const {
-    return "the faces that the triangles of " + cut.file.filename().string() + " separate";
+    const std::string triangles = "the triangles of " + cut.file.filename().string();
+    return cut.along_blade ? "along " + triangles : "the faces that " + triangles + " separate";
   }
   std::string operator()(const CutBlade& cut) const {
     if (cut.carried)

@@ -36,6 +36,7 @@ struct CutSurface {
   double scale = 1;                                  ///< of the coordinates in the file
   Vec3 translation{};                                ///< m, after scaling
   std::shared_ptr<const TriangleSurface> surface{};  ///< instead of a file; an event from outside
+  bool along_blade = false;                          ///< as of CutPlane
 };
 
 /// Opens the faces that a moving segment or polyline crosses; every point moves along a straight
@@ -153,7 +154,8 @@ struct Event {
   }
   bool is_along_blade() const {
     const auto* plane = std::get_if<CutPlane>(&what);
-    return plane != nullptr && plane->along_blade;
+    const auto* surface = std::get_if<CutSurface>(&what);
+    return (plane != nullptr && plane->along_blade) || (surface != nullptr && surface->along_blade);
   }
   /// "pierce, every 4 steps from 0.5 s: ...", for `suture explain`.
   std::string summary() const;

@@ -260,17 +260,18 @@ std::vector<std::array<std::uint64_t, 2>> read_pairs(const JsonValue& value,
   return pairs;
 }
 
-/// "along": what the cut follows. Blades of other kinds than planes open faces only.
+/// "along": what the cut follows. Moving blades and lists of faces open faces only.
 void read_along(ObjectReader& cut, EventOperation& result) {
   static const std::array<std::string, 2> ways{"faces", "blade"};
   if (cut.choice("along", ways) != 1u) return;
   if (auto* plane = std::get_if<CutPlane>(&result))
     plane->along_blade = true;
+  else if (auto* surface = std::get_if<CutSurface>(&result))
+    surface->along_blade = true;
   else
-    cut.complain(
-        "along",
-        "\"blade\" is for a \"plane\" only, with or without a radius or polygon; cut along "
-        "\"faces\", or with a plane");
+    cut.complain("along",
+                 "\"blade\" is for a \"plane\" or a \"surface\" only; cut along \"faces\", or with "
+                 "one of them");
 }
 
 EventOperation read_cut(ObjectReader cut, Reading& reading) {

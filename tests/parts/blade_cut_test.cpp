@@ -12,103 +12,12 @@
 #include <set>
 
 #include "kernel/base/error.hpp"
-#include "kernel/base/vec3.hpp"
-#include "kernel/build/embedded_parts.hpp"
-#include "kernel/mesh/box.hpp"
-#include "kernel/operations/cut_along.hpp"
-#include "kernel/parts/lattice.hpp"
-#include "kernel/topology/islands.hpp"
+#include "tests/parts/cut_box.hpp"
 
-namespace suture {
+namespace suture::test {
 namespace {
 
 using testing::HasSubstr;
-
-/// A box of unit cubes that is cut, without attributes.
-struct CutBox {
-  std::vector<Vec3> rows;
-  CellComplex complex;
-  EmbeddedParts parts{Parts{}};
-  Islands islands;
-
-  explicit CutBox(std::array<Index, 3> cells) : complex(imported(cells, rows)), islands(complex) {
-    complex.require_edges();
-    complex.require_faces();
-    parts.let_grow(complex);
-  }
-  static CellComplex imported(std::array<Index, 3> cells, std::vector<Vec3>& rows) {
-    BoxOptions box;
-    for (std::size_t a = 0; a < 3; ++a) {
-      box.cells[a] = cells[a];
-      box.size[a] = cells[a];
-    }
-    Diagnostics diagnostics;
-    Imported result = import_mesh(make_box(box), {}, diagnostics);
-    rows = std::move(result.rest);
-    return std::move(result.complex);
-  }
-
-  BladeCut cut(const PlanePatch& patch) {
-    BladeCut cut = cut_along(complex, parts.parts(), rows[0].data(), patch, "/events/0", 3);
-    if (cut.empty()) return cut;
-    const TopologyChange change = complex.clone_volume(cut.cloning);
-    for (const Split& split : change.splits[0]) rows.push_back(Vec3(rows[split.old_cell]));
-    parts.append(cut.parts, cut.cloning.origins);
-    islands.update(complex, change);
-    return cut;
-  }
-
-  const PartMoments* part(Index element) const {
-    const std::size_t place = position_in(parts.parts().elements, element);
-    return place < parts.parts().elements.size() ? &parts.parts().moments[place] : nullptr;
-  }
-  double volume() const {
-    double sum = 0;
-    for (Index e = 0; e < complex.element_count(); ++e)
-      if (complex.exists(3, e)) sum += part(e) ? part(e)->fraction : 1;
-    return sum;
-  }
-  Vec3 place(const Embedding& embedding, Index p) const {
-    Vec3 at{};
-    for (std::size_t c = 0; c < 3; ++c) at[c] = embedding.points.value(p, rows[0].data(), 3, c);
-    return at;
-  }
-  Vec3 place(const EmbeddedPoint& point) const {
-    return place_in(complex.vertices_of(point.element), point.at, rows[0].data(), 3);
-  }
-};
-
-/// Every side of a triangle is that of another one, run in the other direction.
-void expect_closed(const Embedding& embedding) {
-  std::map<std::pair<Index, Index>, int> sides;
-  for (const auto& t : embedding.triangles)
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Index a = t[i], b = t[(i + 1) % 3];
-      sides[std::minmax(a, b)] += a < b ? 1 : -1;
-    }
-  for (const auto& [side, sum] : sides)
-    ASSERT_EQ(sum, 0) << "the side from " << side.first << " to " << side.second << " is open";
-}
-
-double surface_volume(const CutBox& box, const Embedding& embedding) {
-  double sum = 0;
-  for (const auto& [a, b, c] : embedding.triangles)
-    sum +=
-        dot(box.place(embedding, a), cross(box.place(embedding, b), box.place(embedding, c))) / 6;
-  return sum;
-}
-
-double lip_area(const CutBox& box, const Embedding& embedding) {
-  double sum = 0;
-  for (std::size_t t = 0; t < embedding.triangles.size(); ++t) {
-    if (embedding.is_laid_open[t] == 0) continue;
-    const auto& [a, b, c] = embedding.triangles[t];
-    const Vec3 p = box.place(embedding, a);
-    const Vec3 n = cross(minus(box.place(embedding, b), p), minus(box.place(embedding, c), p));
-    sum += std::sqrt(dot(n, n)) / 2;
-  }
-  return sum;
-}
 
 /// Which island lies on which sides of the planes: points of one island are on one side of each,
 /// and no two islands on the same sides of all.
@@ -318,4 +227,4 @@ TEST(blade_cut, copies_that_stay_joined_all_around_keep_the_vertices_of_one) {
 }
 
 }  // namespace
-}  // namespace suture
+}  // namespace suture::test

@@ -113,6 +113,21 @@ TEST(BladeScene, BodiesFromSurfacesAreCutToo) {
   EXPECT_EQ(ball_of.built.body().islands().existing(), 2u);
 }
 
+TEST(BladeScene, TrianglesDivideAsPlanesDo) {
+  Scene scene = bar();
+  CutSurface cut;
+  cut.surface = std::make_shared<TriangleSurface>(test::sphere_surface({5.9, 1.1, 1}, 1.6, 4));
+  cut.translation = {0.1, -0.1, 0};
+  cut.along_blade = true;
+  scene.events[0].what = cut;
+  Built bar_of(std::move(scene));
+  bar_of.events.fire(0, 0);
+  EXPECT_EQ(bar_of.built.body().islands().existing(), 3u) << "two ends and what the ball takes out";
+  const auto [inside, lips] = measures(bar_of.side());
+  EXPECT_NEAR(inside, 6 * 32, 1e-10);
+  EXPECT_GT(lips, 2 * 2 * 4);
+}
+
 TEST(BladeScene, SelectionsByNumberFindCopies) {
   Built bar_of(bar());
   const Selector& selector = bar_of.built.selector();

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/operations/blade.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "kernel/base/error.hpp"
+#include "kernel/base/vec3.hpp"
+#include "kernel/geometry/surface_tree.hpp"
+
+namespace suture {
+namespace {
+
+// How far from the blade distances are known, in edges: all corners of an element that it crosses,
+// and of its neighbours.
+constexpr double known_within = 3.5;
+
+Vec3 row(const double* rows, std::size_t stride, Index v) {
+  const double* x = rows + stride * v;
+  return {x[0], x[1], x[2]};
+}
+
+bool is_in(const Box& box, const Vec3& p) {
+  for (std::size_t c = 0; c < 3; ++c)
+    if (p[c] < box.low[c] || p[c] > box.high[c]) return false;
+  return true;
+}
+
+/// Of existing elements, m.
+double longest_edge(const CellComplex& complex, const double* rows, std::size_t stride) {
+  double longest = 0;
+  for (Index e = 0; e < complex.element_count(); ++e) {
+    if (!complex.exists(3, e)) continue;
+    const Hexahedron& nodes = complex.vertices_of(e);
+    for (const auto& [a, b] : hexahedron::edge_vertices) {
+      const Vec3 edge = minus(row(rows, stride, nodes[a]), row(rows, stride, nodes[b]));
+      longest = std::max(longest, dot(edge, edge));
+    }
+  }
+  return std::sqrt(longest);
+}
+
+/// Files may repeat the points of each triangle.
+TriangleSurface with_shared_points(TriangleSurface surface) {
+  std::vector<Index> order(surface.points.size()), number(order.size());
+  std::iota(order.begin(), order.end(), Index{0});
+  std::ranges::sort(order, {}, [&](Index p) { return surface.points[p]; });
+  std::vector<Vec3> points;
+  for (const Index p : order) {
+    if (points.empty() || points.back() != surface.points[p]) points.push_back(surface.points[p]);
+    number[p] = static_cast<Index>(points.size() - 1);
+  }
+  for (Triangle& t : surface.triangles)
+    for (Index& corner : t) corner = number[corner];
+  surface.points = std::move(points);
+  return surface;
+}
+
+}  // namespace
+
+std::vector<double> PlaneBlade::heights(const CellComplex& complex, const double* rows,
+                                        std::size_t stride) const {
+  const Vec3 n = scaled(1 / norm(patch_.normal), patch_.normal);
+  std::vector<double> heights(complex.count(0));
+  for (Index v = 0; v < heights.size(); ++v)
+    if (complex.exists(0, v)) heights[v] = dot(n, minus(row(rows, stride, v), patch_.point));
+  return heights;
+}
+
+bool PlaneBlade::is_endless() const { return std::isinf(patch_.radius) && patch_.polygon.empty(); }
+
+SurfacePatch::SurfacePatch(TriangleSurface surface)
+    : surface_(with_shared_points(std::move(surface))) {
+  if (!surface_.fault().empty())
+    throw InputError(this->surface().source + ": " + surface_.fault() +
+                     ", so the blade has no two sides; orient its triangles alike, or cut along "
+                     "\"faces\"");
+}
+
+std::vector<double> SurfacePatch::heights(const CellComplex& complex, const double* rows,
+                                          std::size_t stride) const {
+  const double within = known_within * longest_edge(complex, rows, stride);
+  Box box = box_of(surface().points);
+  for (std::size_t c = 0; c < 3; ++c) {
+    box.low[c] -= within;
+    box.high[c] += within;
+  }
+  const double size = norm(minus(box.high, box.low));
+  std::vector<double> heights(complex.count(0), std::numeric_limits<double>::quiet_NaN());
+  Index last = 0;
+  for (Index v = 0; v < heights.size(); ++v) {
+    if (!complex.exists(0, v)) continue;
+    const Vec3 place = row(rows, stride, v);
+    if (!is_in(box, place) || !surface_.tree().is_within(place, within)) continue;
+    const OrientedSurface::Foot foot = surface_.foot(place, last);
+    last = foot.triangle;
+    const Nearest nearest = OrientedSurface::distance(foot, place, 1e-12 * size);
+    // Beyond the rim it goes on: so do the sections of the elements in front of it.
+    heights[v] = foot.is_on_border ? dot(minus(place, foot.point), foot.normal) / norm(foot.normal)
+                                   : nearest.distance;
+  }
+  return heights;
+}
+
+}  // namespace suture

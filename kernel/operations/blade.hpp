@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "kernel/geometry/oriented_surface.hpp"
+#include "kernel/operations/plane_patch.hpp"
+
+namespace suture {
+
+/// The blade of a cut that divides elements: a surface with two sides, which may end inside the
+/// body.
+class Blade {
+ public:
+  virtual ~Blade() = default;
+  /// The signed distance of each vertex of existing elements, which is at rows[stride v], m: NaN
+  /// where the blade is more than about two edges away.
+  virtual std::vector<double> heights(const CellComplex& complex, const double* rows,
+                                      std::size_t stride) const = 0;
+  /// True if it ends nowhere: holds() is true everywhere.
+  virtual bool is_endless() const = 0;
+  /// Whether the point of it that is nearest to a place is not on its rim.
+  virtual bool holds(const Vec3& place) const = 0;
+};
+
+class PlaneBlade final : public Blade {
+ public:
+  explicit PlaneBlade(const PlanePatch& patch) : patch_(patch) {}
+  std::vector<double> heights(const CellComplex& complex, const double* rows,
+                              std::size_t stride) const override;
+  bool is_endless() const override;
+  bool holds(const Vec3& place) const override { return is_inside(patch_, place); }
+
+ private:
+  PlanePatch patch_;
+};
+
+/// Triangles, open or closed. Elements see its distance at their nodes: what is smaller than an
+/// element, such as an edge of the blade, is rounded.
+class SurfacePatch final : public Blade {
+ public:
+  /// Equal points are merged. Throws InputError if its two sides cannot be told apart.
+  explicit SurfacePatch(TriangleSurface surface);
+  const TriangleSurface& surface() const { return surface_.surface(); }
+  /// O(vertices), and 1 us for each near the blade.
+  std::vector<double> heights(const CellComplex& complex, const double* rows,
+                              std::size_t stride) const override;
+  bool is_endless() const override { return false; }
+  bool holds(const Vec3& place) const override { return !surface_.foot(place).is_on_border; }
+
+ private:
+  OrientedSurface surface_;
+};
+
+}  // namespace suture

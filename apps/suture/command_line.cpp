@@ -184,8 +184,10 @@ struct Parser {
     add_sweep(*app.add_subcommand("sweep", "run a scene many times with other values"));
     add_modes(*app.add_subcommand("modes", "find natural frequencies and mode shapes"));
 
-    add_compare(*app.add_subcommand("compare", "show how the results of two runs differ"));
-    add_plot(*app.add_subcommand("plot", "draw the results of a run as a picture"));
+    add_compare(*app.add_subcommand("compare",
+                                    "show how the results of two runs differ, or how "
+                                    "three converge"));
+    add_plot(*app.add_subcommand("plot", "draw runs, a study or a mesh as a picture"));
 
     auto* replay_app = app.add_subcommand(
         "replay",
@@ -213,21 +215,41 @@ struct Parser {
     sub.callback([this] { line.command = sweep; });
   }
   void add_compare(CLI::App& sub) {
-    sub.add_option("a", compare.a, "output folder of a run, or its run.pvd")->required();
-    sub.add_option("b", compare.b, "output folder of another run")->required();
+    sub.add_option("runs", compare.runs,
+                   "output folders of two runs, or their run.pvd; of three, from coarse to fine: "
+                   "the observed orders of convergence")
+        ->required()
+        ->expected(2, 3)
+        ->type_name("RUN");
     sub.add_flag("--common", compare.common,
                  "compare the frames of common times, where there are others");
     sub.add_option("--tolerance", compare.tolerance,
-                   "end with exit code 1 if a relative difference is larger")
+                   "end with exit code 1 if a relative difference of two runs is larger")
         ->check(number_from_0)
         ->type_name("T");
     sub.callback([this] { line.command = compare; });
   }
   void add_plot(CLI::App& sub) {
-    sub.add_option("run", plot.run, "output folder of a run, or its run.pvd")->required();
+    sub.add_option("what", plot.what,
+                   "output folders of runs; the folder or file of a study; a mesh, a surface or a "
+                   "scene, whose mesh is drawn with its named sets and selections")
+        ->required()
+        ->type_name("WHAT");
     sub.add_option("-o,--output", plot.picture,
-                   "picture to write, .png, .pdf or .svg (default: plot.png in the folder)")
+                   "picture to write, .png, .pdf or .svg (default: plot.png in the folder of a run "
+                   "or study, else in the current one; NAME.png of a mesh)")
         ->type_name("FILE");
+    sub.add_option("--only", plot.only,
+                   "draw only columns whose names contain one of these texts, such as "
+                   "displacement,force")
+        ->delimiter(',')
+        ->type_name("TEXT,...");
+    sub.add_option("--set", plot.sets, "change a value of the scene; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("/PATH=VALUE");
+    sub.add_option("--scale", plot.scale, "factor from the unit of a mesh or surface to m")
+        ->check(positive_number);
+    add_trust(sub, plot.trust);
     sub.callback([this] { line.command = plot; });
   }
   void add_modes(CLI::App& sub) {

@@ -63,12 +63,17 @@ struct SweepCommand {
   std::filesystem::path slurm;  ///< "": run
 };
 struct CompareCommand {
-  std::filesystem::path a, b;  ///< output folders
-  bool common = false;         ///< only frames of common times
-  std::string tolerance{};     ///< of relative differences; "": none
+  std::vector<std::string> runs;  ///< two output folders; or three, from coarse to fine
+  bool common = false;            ///< only frames of common times
+  std::string tolerance{};        ///< of relative differences; "": none
 };
 struct PlotCommand {
-  std::filesystem::path run, picture;  ///< output folder; "": plot.png in it
+  std::vector<std::string> what;  ///< output folders, or one study, mesh, surface or scene
+  std::filesystem::path picture;  ///< "": a name that follows from `what`
+  std::vector<std::string> only;  ///< columns whose names contain one of these
+  std::vector<std::string> sets;  ///< of a scene
+  double scale = 1;               ///< of a mesh or surface
+  bool trust = false;
 };
 struct ModelsCommand {};
 struct SchemaCommand {};

@@ -70,6 +70,8 @@ Mesh make_mesh(const MeshSource& source, const std::set<std::string>& arrays,
   return mesh;
 }
 
+}  // namespace
+
 Mesh load_mesh(const Scene& scene, Diagnostics& diagnostics) {
   const MeshSource& source = scene.mesh;
   Mesh mesh = make_mesh(source, arrays_of(scene), diagnostics);
@@ -84,6 +86,8 @@ BodyFrame frame_of(const Mesh& mesh) {
   const Vec3 size = minus(high, low);
   return {mesh.origin, std::sqrt(dot(size, size))};
 }
+
+namespace {
 
 bool stops_on_inversion(const Scene& scene, const ModelUse& use) {
   for (const OnInversion choice : {use.on_inversion, scene.solver.on_inversion})

@@ -13,6 +13,11 @@
 
 namespace suture {
 
+/// Reads or makes the mesh of a scene, with the arrays that the scene's values name. Its points are
+/// relative to frame_of() it. Throws InputError.
+Mesh load_mesh(const Scene& scene, Diagnostics& diagnostics);
+BodyFrame frame_of(const Mesh& mesh);
+
 /// Everything that is built from a scene before the first step, in the order of the data flow:
 /// mesh, body (cells, attributes, forces, constraints) and dynamics, with the user's names for its
 /// cells. Positions are relative to the lower corner of the body at rest (BodyFrame). Neither

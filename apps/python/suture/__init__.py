@@ -36,6 +36,10 @@ def __getattr__(name):
         from . import _sweep
 
         return getattr(_sweep, name)
+    if name in ("Results", "read_results"):
+        from . import _study_results
+
+        return getattr(_study_results, name)
     if name == "Tool":
         from ._tools import Tool
 
@@ -53,11 +57,13 @@ __all__ = [
     "Mesh",
     "NumericalError",
     "PluginError",
+    "Results",
     "SceneError",
     "Simulation",
     "Surface",
     "Tool",
     "grid",
     "latin_hypercube",
+    "read_results",
     "sweep",
 ]

@@ -158,8 +158,10 @@ std::unique_ptr<Session> make_session(const std::string& text, const std::filesy
                                       bool is_text, const std::vector<std::string>& sets,
                                       const py::object& mesh, bool output,
                                       const std::filesystem::path& output_folder) {
-  return std::make_unique<Session>(
-      SessionOptions{text, file, is_text, sets, mesh_of(mesh), output, output_folder});
+  const bool is_read = py::isinstance<ReadMesh>(mesh);
+  return std::make_unique<Session>(SessionOptions{
+      text, file, is_text, sets, is_read ? nullptr : mesh_of(mesh),
+      is_read ? mesh.cast<std::shared_ptr<ReadMesh>>() : nullptr, output, output_folder});
 }
 
 /// Time and steps.
@@ -308,6 +310,8 @@ void bind_session(py::module_& module) {
 
 PYBIND11_MODULE(_suture, module) {
   add_errors(module);
+  py::class_<ReadMesh, std::shared_ptr<ReadMesh>>(module, "ReadMesh");
+  module.def("read_mesh", &read_mesh);
   bind_session(module);
   py::class_<ForceReport, std::shared_ptr<ForceReport>>(
       module, "ForceTerm", "What a force function in a simulation has cost and done.")

@@ -28,6 +28,7 @@ Scene read(const SessionOptions& options, PluginHost& host, Diagnostics& diagnos
                                                   diagnostics, options.mesh, options.folder)
                                 : read_scene(options.file, options.sets, lookup, diagnostics,
                                              options.mesh, options.folder);
+  use(options.read, scene);
   if (!options.output) scene.output.enabled = scene.checkpoint.enabled = false;
   return scene;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/python/callbacks.hpp"
+#include "apps/python/read_mesh.hpp"
 #include "apps/python/views.hpp"
 #include "kernel/run/simulation.hpp"
 
@@ -22,6 +23,7 @@ struct SessionOptions {
   bool is_text = false;
   std::vector<std::string> sets;     ///< as --set
   std::shared_ptr<const Mesh> mesh;  ///< that the scene does not contain; may be null
+  std::shared_ptr<ReadMesh> read;    ///< that the scene need not read; may be null
   bool output = false;               ///< write what /output asks for
   std::filesystem::path folder{};    ///< where, if not to /output/directory
 };

@@ -72,6 +72,12 @@ Mesh make_mesh(const MeshSource& source, const std::set<std::string>& arrays,
 
 }  // namespace
 
+std::shared_ptr<const Mesh> read_mesh_of(const Scene& scene, Diagnostics& diagnostics) {
+  const MeshSource& source = scene.mesh;
+  if (source.box || source.voxels || source.given) return nullptr;
+  return std::make_shared<const Mesh>(read(source, arrays_of(scene), diagnostics));
+}
+
 Mesh load_mesh(const Scene& scene, Diagnostics& diagnostics) {
   const MeshSource& source = scene.mesh;
   Mesh mesh = make_mesh(source, arrays_of(scene), diagnostics);

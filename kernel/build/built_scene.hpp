@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,10 @@
 
 namespace suture {
 
+/// Reads the mesh of a scene from its files, with which load_mesh() begins; null if the scene has
+/// no such files. As MeshSource::given of scenes that have the same /mesh, it need not be read
+/// again. Throws InputError.
+std::shared_ptr<const Mesh> read_mesh_of(const Scene& scene, Diagnostics& diagnostics);
 /// Reads or makes the mesh of a scene, with the arrays that the scene's values name. Its points are
 /// relative to frame_of() it. Throws InputError.
 Mesh load_mesh(const Scene& scene, Diagnostics& diagnostics);

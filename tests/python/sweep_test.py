@@ -89,23 +89,48 @@ class Runs(InFolder):
         results = suture.sweep(bar(), [{E: 1e5}], folder="other")
         self.assertGreater(results["gravity"][0], 0)
 
+    def caught_in_sweep(self, *arguments, **more):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            suture.sweep(*arguments, **more)
+        return [str(warning.message) for warning in caught]
+
     def test_a_warning_of_all_runs_is_shown_once(self):
-        sling = Path(__file__).parents[2] / "docs" / "scenes" / "gmsh-sling.msh"  # has quadrilaterals
-        scene = {**bar(end=1e-4), "mesh": {"file": str(sling)},
+        def measure(sim):
+            warnings.warn(f"E of {1 / sim.dt} is unusual")
+            if sim.position.size == 0:
+                warnings.warn("never")
+            return {}
+
+        values = {E: [1e5, 2e5, 3e5]}
+        once, = self.caught_in_sweep(bar(dt="auto"), values, 1, measure=measure)
+        self.assertRegex(once, r"^E of [\d.]+ is unusual \(run 0, and 2 more\)$")
+        self.assertEqual(self.caught_in_sweep(bar(dt="auto"), values, 1, measure=measure), [])
+
+    def test_the_mesh_is_read_once(self):
+        sling = Path(__file__).parents[2] / "docs" / "scenes" / "gmsh-sling.msh"
+        Path("mine.msh").write_text(sling.read_text())  # has quadrilaterals, which are skipped
+        scene = {**bar(dt=1e-5, end=1e-3), "mesh": {"file": "mine.msh", "scale": 1e-3},
                  "constraints": [{"fix": "xyz", "where": {"set": "left end"}}]}
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            suture.Simulation(scene)
-        self.assertTrue(caught)
-        texts = {str(warning.message) for warning in caught}
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            suture.sweep(scene, {E: [1e5, 2e5, 3e5]}, 1)
-        self.assertEqual({str(warning.message) for warning in caught},
-                         {text + " (run 0, and 2 more)" for text in texts})
-        with warnings.catch_warnings(record=True) as caught:
-            suture.sweep(scene, {E: [1e5, 2e5, 3e5]}, 1)  # nothing is repeated
-        self.assertEqual(caught, [])
+        values = {E: [1e5, 2e5, 3e5]}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            alone = [tip(suture.Simulation(scene, {E: e}))["tip"] for e in values[E]]
+        texts = self.caught_in_sweep(scene, values, 1, measure=tip, folder="a",
+                                     report=lambda done, every: Path("mine.msh").write_text("x"))
+        self.assertEqual(len(texts), 1, texts)
+        self.assertIn("skipped 32 quadrilaterals", texts[0])
+        results = suture.read_results("a")
+        np.testing.assert_array_equal(results["tip"], alone)
+        # Another scale is another mesh.
+        Path("mine.msh").write_text(sling.read_text())
+        self.caught_in_sweep(scene, {"/mesh/scale": [1e-3, 2e-3]}, 1, folder="b",
+                             measure=lambda sim: {"width": np.ptp(sim.rest[:, 0])})
+        np.testing.assert_allclose(suture.read_results("b")["width"], [0.9, 1.8])
+        # A mesh that is missing fails run by run.
+        Path("mine.msh").unlink()
+        failed = suture.sweep(scene, values, 1, measure=tip, folder="c")
+        self.assertIn("there is no file", failed.rows[2]["error"])
 
     def test_finished_runs_are_not_repeated(self):
         made = []

@@ -66,7 +66,8 @@ def _take_mesh(scene, mesh):
             raise TypeError("the mesh is given twice: in the scene and as mesh=")
         mesh = scene["mesh"]
         scene = {key: value for key, value in scene.items() if key != "mesh"}
-    if mesh is not None and not hasattr(mesh, "element_sets"):
+    is_read = isinstance(mesh, _suture.ReadMesh)  # by a study, for all of its runs
+    if mesh is not None and not is_read and not hasattr(mesh, "element_sets"):
         raise TypeError(f"mesh must be a suture.Mesh, is {type(mesh).__name__}; see "
                         "Mesh(points, hexahedra) and Mesh.from_meshio()")
     return scene, mesh

@@ -23,7 +23,7 @@ from pathlib import Path
 
 from ._errors import report_error
 from ._results import TABLES
-from ._scene import is_text, to_json
+from ._scene import is_text, set_texts, source_of, to_json
 from ._study_file import is_number, is_whole, read_study, require_count, require_jobs
 from ._study_results import Results, run_folder, series_rows
 
@@ -118,6 +118,7 @@ class _Study:
         self.folder = Path(folder)
         self.measure = measure
         self.output = output
+        self.mesh = None
         # One thread per run: the runs are what is parallel.
         self.sets = {"/solver/threads": 1, **(sets or {})}
         _require_pointers(self.sets, "set")
@@ -137,6 +138,20 @@ class _Study:
             if folder.is_symlink():
                 raise OSError(f"{folder}: is a link, and a study writes below its own folder only; "
                               "remove the link")
+
+    def read_mesh(self, number):
+        """Reads the mesh of a run, for all that have the same."""
+        from . import Error, _suture
+
+        text, file, is_text = source_of(self.scene, self._base())
+        try:
+            self.mesh = _suture.read_mesh(text, file, is_text,
+                                          set_texts({**self.sets, **self.points[number]}))
+        except Error:
+            pass  # the run says why
+
+    def _base(self):
+        return None if isinstance(self.scene, Path) else os.getcwd()
 
     def key(self, number):
         """What determines the results of a run, except for functions that `measure` calls."""
@@ -188,10 +203,11 @@ class _Study:
     def _simulate(self, number, folder, result):
         from . import Simulation
 
-        base = None if isinstance(self.scene, Path) else os.getcwd()
+        base = self._base()
         sets = {**self.sets, **self.points[number]}
         os.chdir(self.folder)
-        sim = Simulation(self.scene, sets, output=self.output and folder, folder=base)
+        sim = Simulation(self.scene, sets, output=self.output and folder, folder=base,
+                         mesh=self.mesh)
         result["scene_hash"] = sim.hash
         if self.measure is None:
             sim.run()
@@ -310,6 +326,8 @@ def sweep(scene, parameters, jobs=None, *, measure=None, set=None, folder="sweep
     study = _Study(scene, points, set, Path(folder).resolve(), measure, output)
     missing = [i for i in range(len(points)) if not study.is_finished(i)]
     study.require_no_links(missing)
+    if missing:
+        study.read_mesh(missing[0])
     _run_all(study, missing, jobs or os.cpu_count() or 1, report or (lambda done, every: None))
     results = Results([study.row(i) for i in range(len(points))], study.folder / "results.csv")
     study.folder.mkdir(parents=True, exist_ok=True)

@@ -42,6 +42,9 @@ struct NewModelCommand {
   std::string name, level = "law";
   std::filesystem::path output;  ///< the folder around that of the model
 };
+struct NewSceneCommand {
+  std::filesystem::path to = "beam.json";
+};
 struct CheckModelCommand {
   std::string model;  ///< its id, or a plugin file
   std::vector<std::string> only;
@@ -113,10 +116,10 @@ struct TextCommand {
 struct CommandLine {
   bool quiet = false, verbose = false;
   std::variant<RunCommand, CheckCommand, CiteCommand, ExplainCommand, CheckModelCommand,
-               NewModelCommand, ReplayCommand, ModesCommand, SweepCommand, CompareCommand,
-               PlotCommand, ModelsCommand, DescribeCommand, SchemaCommand, MeshInfoCommand,
-               MeshConvertCommand, MeshBoxCommand, MeshVoxelizeCommand, MeshFillCommand,
-               TextCommand>
+               NewModelCommand, NewSceneCommand, ReplayCommand, ModesCommand, SweepCommand,
+               CompareCommand, PlotCommand, ModelsCommand, DescribeCommand, SchemaCommand,
+               MeshInfoCommand, MeshConvertCommand, MeshBoxCommand, MeshVoxelizeCommand,
+               MeshFillCommand, TextCommand>
       command;
 };
 

@@ -31,6 +31,7 @@ int plot_surface(const std::filesystem::path& frame, const std::string& title,
                  const std::filesystem::path& picture);
 int models(const ModelsCommand& command, Console& console);
 int schema(const SchemaCommand& command, Console& console);
+int new_scene(const NewSceneCommand& command, Console& console);
 int new_model(const NewModelCommand& command, Console& console);
 int check_model(const CheckModelCommand& command, Console& console);
 int replay(const ReplayCommand& command, Console& console);

@@ -88,13 +88,13 @@ class Compare(unittest.TestCase):
 
     def test_meshes_that_differ_are_probed(self):
         """A bar that is stretched has a linear displacement on any mesh."""
-        def stretched(name, cells, **more):
+        def stretched(name, cells, by=0.3, **more):
             return run(self.folder / name, cells=cells, **{
                 "gravity": [0, 0, 0], "solver": {"static": {"frames": 1}, "end": 1},
                 "constraints": [{"fix": "xyz", "where": {"set": "x0"}},
                                 {"fix": "yz", "where": {"half_space": {
                                     "point": [-1, 0, 0], "normal": [1, 0, 0]}}},
-                                {"move": {"translation": [0.3, 0, 0]}, "ramp": 1,
+                                {"move": {"translation": [by, 0, 0]}, "ramp": 1,
                                  "where": {"set": "x1"}}],
                 "output": {"fields": ["displacement", "von_mises"]}, **more})
 
@@ -105,6 +105,9 @@ class Compare(unittest.TestCase):
         self.assertEqual(set(last), {"displacement", "von_mises"})
         self.assertLess(last["displacement"][0], 1e-7)
         self.assertLess(last["von_mises"][1], 1e-6)
+        # Twice as far: the same points of the body are compared, wherever they are now.
+        rows, *_ = _compare.compare_frames(coarse, stretched("6", (6, 3, 3), by=0.6))
+        self.assertAlmostEqual(rows[-2][4], 1, places=6)
         # A body that is elsewhere, and a finer one that is smaller.
         away = stretched("3", (2, 1, 1), mesh={"box": {"size": [3, 1, 1], "cells": [2, 1, 1],
                                                        "origin": [9, 0, 0]}})

@@ -129,6 +129,52 @@ class Meshes(unittest.TestCase):
         self.assertGreater(np.ptp(image.imread(self.folder / "a.png")), 0.5)
         return found
 
+    def frame_of(self, what):
+        """(points, corners, fields) that the program passes to the module, here a stub."""
+        program = Path(os.environ["SUTURE_PROGRAM"])
+        stub = self.folder / "python" / "suture"
+        if not stub.exists():
+            stub.mkdir(parents=True)
+            (self.folder / "bin").mkdir()
+            shutil.copy(program, self.folder / "bin")
+            for name in ("__init__.py", "_suture.py"):
+                (stub / name).touch()
+            (stub / "_plot_mesh.py").write_text(
+                "import shutil, sys\nshutil.copy(sys.argv[1], 'frame.vtu')\n")
+        libraries = program.parents[1] / "lib" / "suture"
+        subprocess.run([self.folder / "bin" / program.name, "plot", what], check=True,
+                       cwd=self.folder, env={**os.environ, "SUTURE_MODULE_PATH": str(libraries),
+                                             "SUTURE_PLUGIN_PATH": str(libraries / "plugins")})
+        return _frames.read_boundary(self.folder / "frame.vtu")
+
+    def test_the_boundary_and_the_sets_of_a_box(self):
+        from suture._plot_mesh import _normals
+
+        box = {"size": [3, 1, 1], "cells": [3, 2, 1], "origin": [5, 0, 0]}
+        scene = bar(mesh={"box": box}, loads=[{"force": [1, 0, 0], "where": {
+            "nearest": [8, 1, 1]}}], models=[{**bar()["models"][0], "name": "left", "region": {
+                "half_space": {"point": [6, 0, 0], "normal": [-1, 0, 0]}}}, {
+                    **bar()["models"][0], "name": "right", "region": {
+                        "half_space": {"point": [6, 0, 0], "normal": [1, 0, 0]}}}])
+        (self.folder / "s.json").write_text(json.dumps(scene))
+        mesh = self.folder / "box.vtu"
+        subprocess.run([os.environ["SUTURE_PROGRAM"], "-q", "mesh", "generate", "box", mesh,
+                        "--size", "3,1,1", "--cells", "3,2,1", "--origin", "5,0,0"], check=True)
+        for what in (self.folder / "s.json", mesh):
+            with self.subTest(what.suffix):
+                points, corners, fields = self.frame_of(what)
+                self.assertEqual(corners.shape, (2 * (2 + 3 + 6), 4))
+                np.testing.assert_array_equal(points.min(axis=0), [5, 0, 0])
+                outward = points[corners].mean(axis=1) - [6.5, 0.5, 0.5]
+                self.assertTrue(((_normals(points[corners]) * outward).sum(axis=1) > 0.4).all())
+                for name, axis, value in (("set x0", 0, 5), ("set y1", 1, 1), ("set z0", 2, 0)):
+                    np.testing.assert_array_equal(fields[name] == 1, points[:, axis] == value)
+        _, _, fields = self.frame_of(self.folder / "s.json")
+        self.assertEqual({name: int(values.sum()) for name, values in fields.items()
+                          if name.startswith("at ")},
+                         {"at /constraints/0": 6, "at /loads/0": 1, "at /models/0 left": 12,
+                          "at /models/1 right": 18})
+
     def test_the_sets_of_a_box_colour_its_sides(self):
         from suture._plot_mesh import Sets, _direction, _normals
 

@@ -248,6 +248,9 @@ class CommandLine(InFolder):
         self.assertEqual(self.sweep("study.json").returncode, 0)
         self.assertFalse(Path("out/probes.csv").exists())
         self.assertNotIn("tip displacement y [m]", suture.read_results("out").series_columns)
+        self.study(output=False)
+        self.assertEqual(self.sweep("study.json").returncode, 0)
+        self.assertEqual(suture.read_results("out").series_columns, [])
 
     def test_failures_of_one_kind_are_one_line(self):
         self.study(grid={E: [-1, -2, -3, 1e5]})

@@ -5,12 +5,15 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <numeric>
 #include <variant>
 
 #include "apps/suture/commands.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/file.hpp"
+#include "kernel/base/vec3.hpp"
 #include "kernel/build/built_scene.hpp"
+#include "kernel/geometry/shape_mesh.hpp"
 #include "kernel/geometry/surface_file.hpp"
 #include "kernel/mesh/file_text.hpp"
 #include "kernel/mesh/mesh_file.hpp"
@@ -144,6 +147,9 @@ void add_selections(SelectionFields& fields, const Scene& scene) {
   };
   for (const Constraint& constraint : scene.constraints) add(constraint.where, constraint.name);
   for (const Load& load : scene.loads) add(load.where, "");
+  for (const Event& event : scene.events)
+    if (const Grasp* grasp = std::get_if<Grasp>(&event.what); grasp && !grasp->obstacle)
+      add(grasp->held.where, grasp->held.name);
   for (const ModelUse& use : scene.models)
     if (!std::holds_alternative<Selection::All>(use.region.what)) add(use.region, use.name, true);
 }
@@ -159,6 +165,28 @@ std::vector<SmallCell> boundary_of(const CellComplex& complex) {
       faces.push_back({nodes[corners[3]], nodes[corners[2]], nodes[corners[1]], nodes[corners[0]]});
     }
   return faces;
+}
+
+/// Adds the obstacles where they are at the start, each with a field of its points.
+void add_obstacles(Frame& frame, const std::vector<Obstacle>& obstacles) {
+  const Box box = box_of(frame.points);
+  const Vec3 middle = scaled(0.5, plus(box.low, box.high));
+  const double size = 0.6 * norm(minus(box.high, box.low));  // of a half-space
+  for (const Obstacle& obstacle : obstacles) {
+    const ShapeMesh mesh = mesh_of(obstacle.shape, middle, size);
+    const auto first = static_cast<Index>(frame.points.size());
+    const Pose pose = obstacle.motion.pose(0);
+    for (const Vec3& point : mesh.points) frame.points.push_back(pose.place(point));
+    for (SmallCell cell : mesh.faces) {
+      for (Index& corner : cell)
+        if (corner != none) corner += first;
+      frame.cells.push_back(cell);
+    }
+    std::vector<Index> points(mesh.points.size());
+    std::iota(points.begin(), points.end(), first);
+    add_field(frame, "obstacle " + obstacle.name, points);
+  }
+  for (FrameField& field : frame.point_fields) field.values.resize(frame.points.size(), 0);
 }
 
 Frame frame_of_scene(const PlotCommand& command, Diagnostics& diagnostics) {
@@ -177,6 +205,8 @@ Frame frame_of_scene(const PlotCommand& command, Diagnostics& diagnostics) {
     frame.cells = boundary_of(complex);
   else
     show_surface(frame, Embedding(body.parts, complex));
+  frame.cell_fields.clear();
+  add_obstacles(frame, scene.contact.obstacles);
   return frame;
 }
 

@@ -175,6 +175,24 @@ class Meshes(unittest.TestCase):
                          {"at /constraints/0": 6, "at /loads/0": 1, "at /models/0 left": 12,
                           "at /models/1 right": 18})
 
+    def test_obstacles_and_grasps_of_a_scene(self):
+        from suture._plot_mesh import Sets
+
+        path = [{"at": 0, "translation": [0, 1, 0]}, {"at": 0.02}]
+        scene = bar((2, 1, 1), contact={"obstacles": [
+            {"name": "ball", "sphere": {"centre": [1, 2, 0.5], "radius": 0.5}, "path": path}]},
+            events=[{"at": 0.01, "grasp": {"name": "clamp", "where": {"set": "x1"}}}])
+        (self.folder / "s.json").write_text(json.dumps(scene))
+        points, corners, fields = self.frame_of(self.folder / "s.json")
+        self.assertEqual(fields["at /events/0/grasp clamp"].sum(), 4)
+        ball = points[fields["obstacle ball"] == 1]
+        np.testing.assert_allclose(np.linalg.norm(ball - [1, 3, 0.5], axis=1), 0.5, rtol=1e-6)
+        sets = Sets(fields, corners)
+        self.assertEqual(sets.body.sum(), 10)
+        self.assertEqual(sets.obstacles["obstacle ball"].sum(), len(corners) - 10)
+        self.assertNotIn("obstacle ball", sets.dots())
+        self.drawn(self.folder / "s.json")
+
     def test_the_sets_of_a_box_colour_its_sides(self):
         from suture._plot_mesh import Sets, _direction, _normals
 

@@ -3,8 +3,9 @@
 
     python3 -m suture._plot_mesh FRAME TITLE PICTURE      what `suture plot MESH` executes
 
-The frame has the boundary of the mesh. Its fields of points are 1 in a set: faces in a set ("set
-x0") are coloured, the points of a selection of the scene ("at /constraints/0") are dots.
+The frame has the boundary of the mesh and the obstacles of the scene. Its fields of points are 1 in
+a set: faces in a set ("set x0") are coloured, the points of a selection of the scene ("at
+/constraints/0") are dots, the faces of obstacles ("obstacle knife") are transparent.
 """
 
 import sys
@@ -31,8 +32,13 @@ class Sets:
         palette = colormaps["tab10" if len(fields) <= 10 else "tab20"].colors
         self.members = {name: values > 0.5 for name, values in fields.items()}
         self.colours = {name: palette[i % len(palette)] for i, name in enumerate(self.members)}
-        self.faces = {name: mask[corners].all(axis=1) for name, mask in self.members.items()
-                      if name.startswith("set ")}
+        self.faces = self._faces("set ", corners)
+        self.obstacles = self._faces("obstacle ", corners)
+        self.body = ~numpy.any([numpy.zeros(len(corners), bool), *self.obstacles.values()], axis=0)
+
+    def _faces(self, kind, corners):
+        return {name: mask[corners].all(axis=1) for name, mask in self.members.items()
+                if name.startswith(kind)}
 
     def face_colours(self, count):
         """Later sets hide earlier ones; small ones hide large ones."""
@@ -43,7 +49,8 @@ class Sets:
 
     def dots(self):
         """Those that are drawn as points: selections, and sets without a face."""
-        return [name for name in self.members if not self.faces.get(name, numpy.zeros(1)).any()]
+        return [name for name in self.members if name not in self.obstacles and
+                not self.faces.get(name, numpy.zeros(1)).any()]
 
 
 def _normals(faces):
@@ -67,11 +74,17 @@ def _draw(axes, points, corners, sets, view):
     normals, towards = _normals(faces), _direction(*view)
     shade = (0.72 + 0.28 * numpy.abs(normals @ LIGHT))[:, None]
     seen = (normals @ towards > -1e-3) | (normals == 0).all(axis=1)  # others are hidden
+    seen &= sets.body
     colours = sets.face_colours(len(corners)) * shade
     edges = "#00000060" if len(corners) <= MOST_EDGES else "none"
-    # matplotlib's third axis points up; ours is y.
-    axes.add_collection3d(Poly3DCollection(faces[seen][:, :, [2, 0, 1]], facecolors=colours[seen],
-                                           edgecolors=edges, linewidths=0.3))
+    layers = [(faces[sets.body].mean(axis=(0, 1)) @ towards, faces[seen],
+               {"facecolors": colours[seen], "edgecolors": edges, "linewidths": 0.3})]
+    layers += [(faces[mask].mean(axis=(0, 1)) @ towards, faces[mask],
+                {"facecolors": [sets.colours[name]], "alpha": 0.4})
+               for name, mask in sets.obstacles.items()]
+    for _, polygons, style in sorted(layers, key=lambda layer: layer[0]):  # the nearest last
+        # matplotlib's third axis points up; ours is y.
+        axes.add_collection3d(Poly3DCollection(polygons[:, :, [2, 0, 1]], **style))
     visible = numpy.zeros(len(points), bool)
     visible[corners[seen]] = True
     for name in sets.dots():
@@ -98,7 +111,7 @@ def _legend(figure, sets):
 
     handles = []
     for name, mask in sets.members.items():
-        label = f"{name}: {numpy.count_nonzero(mask):,} points"
+        label = name if name in sets.obstacles else f"{name}: {numpy.count_nonzero(mask):,} points"
         handles.append(Line2D([], [], marker="o", ls="", color=sets.colours[name], label=label,
                               markeredgecolor="black", markeredgewidth=0.4)
                        if name in sets.dots() else Patch(color=sets.colours[name], label=label))
@@ -116,7 +129,8 @@ def draw(title, points, corners, fields):
     rows = -(-len(sets.members) // 3)
     figure = Figure(figsize=(12, 6 + 0.22 * rows))
     FigureCanvasAgg(figure)
-    low, high = points.min(axis=0), points.max(axis=0)
+    body = points[corners[sets.body]].reshape(-1, 3)
+    low, high = body.min(axis=0), body.max(axis=0)
     tiny = 1e-9 * numpy.abs([low, high]).max()
     box = " to ".join("(" + ", ".join(f"{0 if abs(x) < tiny else x:.4g}" for x in corner) + ")"
                       for corner in (low, high))

@@ -14,15 +14,6 @@
 
 namespace suture {
 
-/// Reads the mesh of a scene from its files, with which load_mesh() begins; null if the scene has
-/// no such files. As MeshSource::given of scenes that have the same /mesh, it need not be read
-/// again. Throws InputError.
-std::shared_ptr<const Mesh> read_mesh_of(const Scene& scene, Diagnostics& diagnostics);
-/// Reads or makes the mesh of a scene, with the arrays that the scene's values name. Its points are
-/// relative to frame_of() it. Throws InputError.
-Mesh load_mesh(const Scene& scene, Diagnostics& diagnostics);
-BodyFrame frame_of(const Mesh& mesh);
-
 /// Everything that is built from a scene before the first step, in the order of the data flow:
 /// mesh, body (cells, attributes, forces, constraints) and dynamics, with the user's names for its
 /// cells. Positions are relative to the lower corner of the body at rest (BodyFrame). Neither
@@ -94,6 +85,15 @@ class BuiltScene {
   std::unique_ptr<Dynamics> dynamics_;
   std::unique_ptr<StepLimits> limits_;
 };
+
+/// Reads the mesh of a scene from its files, with which load_mesh() begins; null if the scene has
+/// no such files. As MeshSource::given of scenes that have the same /mesh, it need not be read
+/// again. Throws InputError.
+std::shared_ptr<const Mesh> read_mesh_of(const Scene& scene, Diagnostics& diagnostics);
+/// Reads or makes the mesh of a scene, with the arrays that the scene's values name. Its points are
+/// relative to frame_of() it. Throws InputError.
+Mesh load_mesh(const Scene& scene, Diagnostics& diagnostics);
+BodyFrame frame_of(const Mesh& mesh);
 
 /// What a constraint or a grasp prescribes, without `reach`.
 PrescribedMotion motion_of(const Constraint& constraint);

@@ -212,7 +212,7 @@ class Steps(unittest.TestCase):
             sim = suture.Simulation(bar(dt=0.02, end=10))
             with self.assertRaises(suture.NumericalError):
                 sim.run()
-        with self.assertRaisesRegex(RuntimeError, "has ended with an error .*create a new one"):
+        with self.assertRaisesRegex(RuntimeError, "has ended with an error .*restore\(\) an earlier state, or create a new one"):
             sim.step()
         self.assertTrue(np.isfinite(sim.rest).all())
         self.assertEqual(sim.position.shape, sim.rest.shape)

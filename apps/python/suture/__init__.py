@@ -21,6 +21,7 @@ from ._suture import (
     NumericalError,
     PluginError,
     SceneError,
+    State,
     version as __version__,
 )
 
@@ -55,6 +56,7 @@ __all__ = [
     "PluginError",
     "SceneError",
     "Simulation",
+    "State",
     "Surface",
     "Tool",
     "grid",

@@ -239,6 +239,16 @@ class Simulation(_suture.Simulation):
 
         return Tools(self)
 
+    # ---- models ----
+
+    @property
+    def parameters(self):
+        """The parameters of the models, by the names of the models in the scene. Assigning to one,
+        as in sim.parameters["organ"]["E"] = 2e4, changes it from now on."""
+        from ._parameters import Parameters
+
+        return Parameters(self)
+
     # ---- callbacks ----
 
     def every(self, steps):

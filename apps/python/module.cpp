@@ -241,6 +241,7 @@ void bind_cells(Class& session) {
           "element_exists", [](Session& s) { return exists(s.simulation().built(), 3); },
           "(elements,) bool: False where an element was removed.")
       .def("_hexahedra", [](Session& s) { return hexahedra(s.simulation().built()); })
+      .def("_sets", [](Session& s) { return sets(s.simulation().built()); })
       .def("_boundary", [](Session& s) { return boundary(s.simulation().built()); })
       .def("_embedded_surface", [](Session& s) { return embedded_surface(s.simulation().built()); })
       .def("energies", &energies,

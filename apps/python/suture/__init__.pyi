@@ -38,6 +38,7 @@ class Surface(NamedTuple):
     points: Floats
     quads: Integers
     vertices: Integers
+    elements: Integers
     def values(self, of_vertices: Floats) -> Floats: ...
 
 class EmbeddedSurface(NamedTuple):
@@ -118,6 +119,11 @@ class ModelParameters(Mapping[str, Any]):
     def update(
         self, values: Mapping[str, float | str] = ..., **more: float | str
     ) -> None: ...
+
+class Picture:
+    png: bytes
+    def __init__(self, png: bytes) -> None: ...
+    def save(self, file: str | os.PathLike[str]) -> None: ...
 
 class State:
     @property
@@ -285,12 +291,12 @@ class Simulation:
     def to_vtk(self, fields: Mapping[str, ArrayLike] | None = None) -> Any: ...
     def picture(
         self,
-        file: str | os.PathLike[str],
+        file: str | os.PathLike[str] | None = None,
         field: str | ArrayLike | None = "displacement",
         size: tuple[int, int] = (800, 600),
         edges: bool = True,
         direction: tuple[float, float, float] = (1, 0.7, 2),
-    ) -> None: ...
+    ) -> Picture: ...
     def record(
         self, steps: int, energies: bool = True, **functions: Callable[[Simulation], ArrayLike]
     ) -> Record: ...

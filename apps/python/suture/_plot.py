@@ -9,13 +9,14 @@ from pathlib import Path
 
 import numpy
 
+from ._draw import add_faces
 from ._errors import report_error
 from ._results import TABLES, folder_of, frames_of, table_of
 from ._vtk import read_quads
 
 TIME = "time [s]"
 COLOURS = ("von_mises", "nodal_von_mises", "displacement")  # the first that the frame has
-LOOKS_ALONG = numpy.array([-0.4, -0.35, -1.0])  # y is up
+LOOKS_FROM = (0.4, 0.35, 1.0)
 
 
 def quantities(names):
@@ -61,24 +62,8 @@ def colour_of(quads):
 
 
 def draw_frame(axes, time, quads):
-    """Draws the faces from the back to the front, which needs no display."""
-    from matplotlib.collections import PolyCollection
-
-    corners = quads["corners"]
     name, values = colour_of(quads)
-    depth = LOOKS_ALONG / numpy.linalg.norm(LOOKS_ALONG)
-    right = numpy.cross(depth, [0, 1, 0])
-    right /= numpy.linalg.norm(right)
-    up = numpy.cross(right, depth)
-    order = numpy.argsort(-(corners @ depth).mean(axis=1))
-    flat = numpy.stack([corners @ right, corners @ up], axis=-1)[order]
-    edge = 0.3 if len(corners) < 5000 else 0
-    faces = PolyCollection(flat, array=values[order], cmap="viridis", linewidths=edge,
-                           edgecolors="black" if edge else "face")
-    axes.add_collection(faces)
-    axes.autoscale_view()
-    axes.set_aspect("equal")
-    axes.set_axis_off()
+    faces = add_faces(axes, quads["corners"], LOOKS_FROM, array=values, cmap="viridis")
     axes.set_title(f"t = {time:.6g} s" + (f", {name}" if name else ""))
     if name:
         axes.figure.colorbar(faces, ax=axes, shrink=0.7)

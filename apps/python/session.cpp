@@ -6,9 +6,11 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 #include "apps/python/python_term.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/message_text.hpp"
 #include "kernel/output/output_folder.hpp"
 #include "kernel/run/checkpoints.hpp"
 #include "kernel/scene/scene_reader.hpp"
@@ -265,6 +267,7 @@ void Session::set_parameters(std::size_t model, const std::string& text) {
       text, "parameters of '" + instance.name() + "'", instance.model(), instance.parameters());
   run_.views->hand_over();
   now.set_parameters(instance, values);
+  observer_.messages.push_back(timed(now.time(), "model '" + instance.name() + "' has " + text));
   warn_of_new();
 }
 
@@ -272,6 +275,9 @@ void Session::set_gravity(const Vec3& value) {
   Simulation& now = between_steps();
   require_alive();
   now.set_gravity(value);
+  std::ostringstream text;
+  text << "gravity is (" << value[0] << ", " << value[1] << ", " << value[2] << ") m/s^2";
+  observer_.messages.push_back(timed(now.time(), text.str()));
   warn_of_new();
 }
 
@@ -356,6 +362,8 @@ void Session::restore(const SessionState& state) {
   outcome_ = state.outcome;
   failure_.reset();
   observer_.callbacks.rewind(state.steps, state.time);
+  observer_.messages.push_back(
+      timed(state.time, "restored to step " + std::to_string(state.steps)));
 }
 
 PythonTerm& Session::add_term(std::unique_ptr<PythonTerm> term) {

@@ -363,8 +363,8 @@ void Instance::set_parameters(std::vector<double> parameters, Diagnostics& diagn
     ask_functors();
     if (enabled_ != enabled)
       throw InputError(title() +
-                       ": these values switch functors of the model on or off, which a run cannot "
-                       "do after it was built; give them in the scene");
+                       ": these values switch functors of the model on or off, which is decided "
+                       "when a scene is built; give it values with which the same functors run");
   } catch (...) {
     std::ranges::copy(values, parameters_.begin());
     if (own_memory()) std::ranges::copy(memory, prepared_->data());

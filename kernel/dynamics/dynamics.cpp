@@ -140,10 +140,11 @@ void Dynamics::constrain(const std::function<std::vector<Index>()>& change) {
   integrator_->forget_cells();
 }
 
-/// f/m and gravity, by vertex.
+/// f/m and gravity, by vertex, with the contact of the last step.
 std::vector<Vec3> Dynamics::accelerations() {
   motion_.evaluate();
   motion_.require_finite_forces();
+  const WithContactForces with_contact(body());
   Attributes& attributes = body().attributes();
   std::vector<Vec3> result(attributes.vertex_count(), body().acceleration(time()));
   const double *mass = attributes.mass().rows(), *force = attributes.force().rows();

@@ -73,6 +73,7 @@ class Parameters(unittest.TestCase):
         sim.parameters["neo-hookean"]["rho"] = 3000
         np.testing.assert_allclose(sim.mass, made(3000).mass, rtol=1e-12)
         self.assertEqual(sim.parameters["tm-faure"]["rho"], 1000)
+        self.assertEqual(sim.messages[-1], "t = 0 s: model 'neo-hookean' has {\"rho\": 3000}")
 
     def test_the_change_of_the_energy_is_booked(self):
         for integrator in ("symplectic-euler", "velocity-verlet"):
@@ -91,6 +92,30 @@ class Parameters(unittest.TestCase):
             sim.step(200)
             last = sim.energies()
             self.assertLess(abs(last["balance"]), 0.01 * last["gravity"])
+
+    def test_the_balance_with_contact(self):
+        for law, integrator in (("impulse", "symplectic-euler"), ("impulse", "velocity-verlet"),
+                                ("penalty", "velocity-verlet")):
+            contact = {"obstacles": [{"name": "ball",
+                                      "sphere": {"centre": [1.4, 0.5, 1.3], "radius": 0.3},
+                                      "path": [{"at": 0}, {"at": 1, "translation": [0, 0, -0.2]}]}]}
+            if law == "penalty":
+                contact["law"] = law
+            sim = suture.Simulation(free_block(8, constraints=[
+                {"fix": "xyz", "where": {"set": "z0"}}], contact=contact, solver={
+                    "dt": "auto", "end": 1, "integrator": integrator, "threads": 1}))
+            sim.run_to(0.2)
+            before = sim.energies()
+            self.assertGreater(sim.tools["ball"].force[2], 10)
+            sim.parameters["tm-faure"].update(E=2e5, rho=800)
+            after = sim.energies()
+            self.assertAlmostEqual(after["kinetic"] / before["kinetic"], 0.8)
+            self.assertAlmostEqual(after["elastic"] / before["elastic"], 2, delta=0.2)
+            self.assertAlmostEqual(after["balance"], before["balance"],
+                                   delta=1e-3 * before["elastic"])
+            sim.run_to(0.4)
+            last = sim.energies()
+            self.assertLess(abs(last["balance"]), 0.03 * last["elastic"])
 
     def test_implicit_steps_use_them(self):
         def made(**more):
@@ -133,7 +158,7 @@ class Parameters(unittest.TestCase):
                              ({"rho": 500, "element": "trilinea"}, "did you mean")):
             with self.assertRaisesRegex(suture.SceneError, text):
                 organ.update(values)
-        with self.assertRaisesRegex(suture.InputError, "switch functors .* in the scene"):
+        with self.assertRaisesRegex(suture.InputError, "switch functors .* when a scene is built"):
             organ["element"] = "mean-gradient"
         with self.assertRaisesRegex(KeyError, "did you mean 'tm-faure'"):
             sim.parameters["tm-faur"]

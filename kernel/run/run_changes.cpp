@@ -21,6 +21,9 @@ void RunLoop::change_forces(const std::function<void()>& change) {
 void RunLoop::set_parameters(Instance& instance, std::vector<double> values) {
   Body& body = built_.body();
   const std::vector<double> before(instance.parameters().begin(), instance.parameters().end());
+  Diagnostics later;  // a model refuses before anything else changes
+  instance.set_parameters(values, later);
+  instance.set_parameters(before, later);
   const auto set = [&](std::vector<double> parameters) {
     body.attributes().set_parameters(instance, std::move(parameters), body.complex(), diagnostics_);
   };

@@ -239,7 +239,7 @@ double BuiltScene::shortest_edge(const std::vector<Index>& vertices) {
 void BuiltScene::add_terms() {
   Attributes& attributes = body_.attributes();
   const CellComplex& complex = body_.complex();
-  body_.add(std::make_unique<Gravity>(attributes, scene_.gravity, scene_.gravity_ramp));
+  gravity_ = &body_.add(std::make_unique<Gravity>(attributes, scene_.gravity, scene_.gravity_ramp));
   const auto faces = [&](const Load& load) { return selector_.boundary_faces(load.where); };
   const auto triangles = [&](const Load& load) { return selector_.surface_triangles(load.where); };
   auto& dead = body_.add(std::make_unique<DeadLoads>(attributes));

@@ -14,6 +14,8 @@
 
 namespace suture {
 
+class Gravity;
+
 /// Everything that is built from a scene before the first step, in the order of the data flow:
 /// mesh, body (cells, attributes, forces, constraints) and dynamics, with the user's names for its
 /// cells. Positions are relative to the lower corner of the body at rest (BodyFrame). Neither
@@ -42,6 +44,7 @@ class BuiltScene {
   const Selector& selector() const { return selector_; }
   Dynamics& dynamics() { return *dynamics_; }
   StepLimits& limits() { return *limits_; }
+  Gravity& gravity() { return *gravity_; }
 
   /// By model of the scene: whether a run ends where one of its elements becomes inverted.
   std::vector<bool> stops_on_inversion() const;
@@ -84,6 +87,7 @@ class BuiltScene {
   Selector selector_;
   std::unique_ptr<Dynamics> dynamics_;
   std::unique_ptr<StepLimits> limits_;
+  Gravity* gravity_ = nullptr;  ///< a term of the body
 };
 
 /// Reads the mesh of a scene from its files, with which load_mesh() begins; null if the scene has

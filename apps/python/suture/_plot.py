@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy
 
+from ._draw import add_faces
 from ._errors import report_error
 from ._frames import read_faces
 from ._panels import Curve, Panel, draw_panel, is_chosen, limited
@@ -19,7 +20,7 @@ from ._study_file import read_study
 from ._study_results import read_results
 
 COLOURS = ("von_mises", "nodal_von_mises", "displacement")  # the first that the frame has
-LOOKS_ALONG = numpy.array([-0.4, -0.35, -1.0])  # y is up
+LOOKS_FROM = (0.4, 0.35, 1.0)
 MOST_FRAMES = 6
 PICTURES = (".png", ".pdf", ".svg")
 
@@ -98,23 +99,8 @@ def colour_of(faces):
 
 
 def draw_frame(axes, frame, limits):
-    """Draws the faces from the back to the front, which needs no display."""
-    from matplotlib.collections import PolyCollection
-
-    corners = frame.corners
-    depth = LOOKS_ALONG / numpy.linalg.norm(LOOKS_ALONG)
-    right = numpy.cross(depth, [0, 1, 0])
-    right /= numpy.linalg.norm(right)
-    up = numpy.cross(right, depth)
-    order = numpy.argsort(-(corners @ depth).mean(axis=1))
-    flat = numpy.stack([corners @ right, corners @ up], axis=-1)[order]
-    edge = 0.3 if len(corners) < 5000 else 0
-    faces = PolyCollection(flat, array=frame.values[order], cmap="viridis", linewidths=edge,
-                           edgecolors="black" if edge else "face", clim=limits)
-    axes.add_collection(faces)
-    axes.autoscale_view()
-    axes.set_aspect("equal")
-    axes.set_axis_off()
+    faces = add_faces(axes, frame.corners, LOOKS_FROM, array=frame.values, cmap="viridis",
+                      clim=limits)
     axes.set_title(frame.title)
     if frame.field:
         axes.figure.colorbar(faces, ax=axes, shrink=0.7)

@@ -99,5 +99,8 @@ class Tools(Mapping):
     def __len__(self):
         return len(self._places)
 
+    def _ipython_key_completions_(self):
+        return list(self)
+
     def __repr__(self):
         return f"<suture.Tools {', '.join(self._places)}>"

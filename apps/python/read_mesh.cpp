@@ -3,6 +3,7 @@
 
 #include "kernel/build/built_scene.hpp"
 #include "kernel/build/cell_values.hpp"
+#include "kernel/plugin_host/plugin_host.hpp"
 #include "kernel/scene/json_document.hpp"
 #include "kernel/scene/scene_reader.hpp"
 

@@ -168,6 +168,22 @@ class Parameters(unittest.TestCase):
         twin.step(5)
         np.testing.assert_array_equal(sim.position, twin.position)
 
+    def test_what_would_be_ignored_cannot_be_assigned(self):
+        sim = suture.Simulation(bar())
+        with self.assertRaisesRegex(AttributeError, "no 'gravityy' .* mean 'gravity'"):
+            sim.gravityy = [0, 0, 0]
+        with self.assertRaisesRegex(AttributeError, r"sim.parameters\[model\]\[name\]"):
+            sim.E = 2e4
+        for wrong in ("stress", "dt", "mass", "parameters"):
+            with self.assertRaises(AttributeError):
+                setattr(sim, wrong, 1)
+        with self.assertRaises(AttributeError):
+            sim.parameters["tm-faure"].E = 2e4
+        with self.assertRaises(TypeError):
+            sim.parameters["tm-faure"] = {"E": 2e4}
+        sim._mine = 3
+        self.assertEqual(sim._mine, 3)
+
     def test_a_parameter_by_element_cannot_be_changed(self):
         table = {"regions": [{"region": {"box": {"min": [0, 0, 0], "max": [1.5, 1, 1]}},
                               "value": 1e5}], "elsewhere": 2e5}

@@ -186,6 +186,22 @@ class Around(unittest.TestCase):
         sim.step(5)
         self.assertEqual(calls, ["early", 4, "late", 8, "late", 8])
 
+    def test_records_go_back(self):
+        sim = suture.Simulation(bar(end=1))
+        record = sim.record(2, lowest=lambda s: s.position[:, 1].min())
+        sim.step(10)
+        state, before = sim.copy(), record["lowest"]
+        sim.gravity = [0, 9.8, 0]
+        sim.step(10)
+        self.assertEqual(len(record), 11)
+        sim.restore(state)
+        sim.step(4)
+        self.assertEqual(len(record), 8)
+        np.testing.assert_array_equal(record["lowest"][:6], before)
+        self.assertTrue((np.diff(record["lowest"]) < 0).all())
+        self.assertEqual(sim.messages[-2:], ["t = 0.001 s: gravity is (0, 9.8, 0) m/s^2",
+                                             "t = 0.001 s: restored to step 10"])
+
     def test_a_run_that_failed_goes_on(self):
         sim = suture.Simulation(bar(dt=0.001, end=10))
         sim.step(3)

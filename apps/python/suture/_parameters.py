@@ -16,6 +16,8 @@ def _missing(what, name, names):
 class ModelParameters(Mapping):
     """The parameters of one model by name. Assign to change one, update() to change several."""
 
+    __slots__ = ("_simulation", "_place", "_name")  # other names cannot be assigned
+
     def __init__(self, simulation, place, name):
         self._simulation = simulation
         self._place = place

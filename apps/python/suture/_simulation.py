@@ -147,6 +147,18 @@ class Simulation(_suture.Simulation):
             raise
         self._terms = []
 
+    def __setattr__(self, name, value):
+        """What the simulation would ignore is refused."""
+        if not (name.startswith("_") or hasattr(type(self), name)):
+            import difflib
+
+            near = difflib.get_close_matches(name, dir(type(self)), 1)
+            raise AttributeError(
+                f"a simulation has no {name!r} to assign" +
+                (f"; did you mean {near[0]!r}?" if near else
+                 "; parameters of models are in sim.parameters[model][name]"))
+        super().__setattr__(name, value)
+
     def __repr__(self):
         try:
             elements = f"{len(self.element_ids)} elements"

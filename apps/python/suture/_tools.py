@@ -17,6 +17,8 @@ def _vector(values, what):
 class Tool:
     """An obstacle of the scene, as it is now. All arrays are copies of three numbers."""
 
+    __slots__ = ("_simulation", "_place", "_name")  # other names cannot be assigned
+
     def __init__(self, simulation, place, name):
         self._simulation = simulation
         self._place = place

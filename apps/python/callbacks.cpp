@@ -43,6 +43,14 @@ void Callbacks::call_due(std::uint64_t step, double time, const py::object& simu
   }
 }
 
+void Callbacks::rewind(std::uint64_t step, double time) {
+  for (Entry& entry : entries_) {
+    entry.last = step;
+    entry.done = false;
+    entry.done = step > 0 && entry.is_due(step, time);
+  }
+}
+
 int Callbacks::traverse(visitproc visit, void* argument) const {
   for (const Entry& entry : entries_)
     if (const int stop = visit(entry.call.ptr(), argument)) return stop;

@@ -28,6 +28,8 @@ class Callbacks {
   /// Calls those that are due, each once per step, with the simulation. Stops at the first
   /// exception.
   void call_due(std::uint64_t step, double time, const py::object& simulation);
+  /// The run is at an earlier or later state: those that were due by then count as called.
+  void rewind(std::uint64_t step, double time);
   int traverse(visitproc visit, void* argument) const;
   void clear() { entries_.clear(); }
 

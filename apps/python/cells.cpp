@@ -53,19 +53,49 @@ py::array hexahedra(const BuiltScene& built) {
   return rows;
 }
 
-py::array boundary(const BuiltScene& built) {
+py::tuple boundary(const BuiltScene& built) {
   const CellComplex& complex = built.body().complex();
   std::vector<Dart> faces;
   for (Index e = 0; e < complex.element_count(); ++e)
     for (const Dart face : sides_of(e))
       if (complex.exists(3, e) && complex.beta3(face) == none) faces.push_back(face);
-  Numbers rows = table(faces.size(), 4);
-  std::int64_t* to = rows.mutable_data();
+  Numbers rows = table(faces.size(), 4), elements(static_cast<py::ssize_t>(faces.size()));
+  std::int64_t *to = rows.mutable_data(), *element = elements.mutable_data();
   for (const Dart face : faces) {
     const std::array<Index, 4> inward = face_nodes(complex, face);
     to = std::copy(inward.rbegin(), inward.rend(), to);
+    *element++ = element_of(face);
   }
-  return rows;
+  return py::make_tuple(rows, elements);
+}
+
+namespace {
+
+/// `cells` of the complex that exist and whose places in the mesh belong to a set, for each set.
+template <class PlaceOf>
+py::dict sets_of(const std::map<std::string, std::vector<Index>>& sets, std::size_t places,
+                 const CellComplex& complex, int dimension, PlaceOf place_of) {
+  py::dict found;
+  for (const auto& [name, members] : sets) {
+    std::vector<bool> is_member(places, false);
+    for (const Index place : members) is_member[place] = true;
+    std::vector<std::int64_t> cells;
+    for (Index c = 0; c < complex.count(dimension); ++c)
+      if (complex.exists(dimension, c) && is_member[place_of(c)]) cells.push_back(c);
+    found[py::str(name)] = Numbers(static_cast<py::ssize_t>(cells.size()), cells.data());
+  }
+  return found;
+}
+
+}  // namespace
+
+py::tuple sets(const BuiltScene& built) {
+  const Body& body = built.body();
+  const MeshNames& names = built.names();
+  return py::make_tuple(sets_of(names.point_sets, names.point_count, body.complex(), 0,
+                                [&](Index v) { return body.user_vertex()[v]; }),
+                        sets_of(names.element_sets, names.element_count, body.complex(), 3,
+                                [&](Index e) { return body.imported().user_element[e]; }));
 }
 
 py::object embedded_surface(BuiltScene& built) {

@@ -20,8 +20,12 @@ py::array element_ids(const BuiltScene& built);
 py::array exists(const BuiltScene& built, int dimension);
 /// (k, 8) int64: vertices of the existing elements, in VTK's order.
 py::array hexahedra(const BuiltScene& built);
-/// (k, 4) int64: vertices of the boundary faces, counterclockwise as seen from outside.
-py::array boundary(const BuiltScene& built);
+/// Of the boundary faces: vertices (k, 4) int64, counterclockwise as seen from outside, and
+/// elements (k,) int64.
+py::tuple boundary(const BuiltScene& built);
+/// The named sets of the mesh as they are now: {name: existing vertices} and {name: existing
+/// elements}, int64 and ascending. What was copied belongs to the sets of its origin.
+py::tuple sets(const BuiltScene& built);
 /// The surface of a body with partial elements: triangles (k, 3) int64 of points, the row of the
 /// element of each and whether a cut or a removal laid it open (k,), and of the points 8 vertices
 /// and their weights (n, 8), those that are not needed with the weight 0. None for other bodies.

@@ -4,12 +4,18 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <sstream>
+
 #include "apps/python/cells.hpp"
 #include "apps/python/contact.hpp"
 #include "apps/python/errors.hpp"
 #include "apps/python/given_mesh.hpp"
+#include "apps/python/parameters.hpp"
 #include "apps/python/python_term.hpp"
+#include "apps/python/results.hpp"
 #include "apps/python/session.hpp"
+#include "kernel/base/error.hpp"
+#include "kernel/forces/gravity.hpp"
 
 namespace suture::python {
 namespace {
@@ -158,8 +164,10 @@ std::unique_ptr<Session> make_session(const std::string& text, const std::filesy
                                       bool is_text, const std::vector<std::string>& sets,
                                       const py::object& mesh, bool output,
                                       const std::filesystem::path& output_folder) {
-  return std::make_unique<Session>(
-      SessionOptions{text, file, is_text, sets, mesh_of(mesh), output, output_folder});
+  const bool is_read = py::isinstance<ReadMesh>(mesh);
+  return std::make_unique<Session>(SessionOptions{
+      text, file, is_text, sets, is_read ? nullptr : mesh_of(mesh),
+      is_read ? mesh.cast<std::shared_ptr<ReadMesh>>() : nullptr, output, output_folder});
 }
 
 /// Time and steps.
@@ -235,6 +243,7 @@ void bind_cells(Class& session) {
           "element_exists", [](Session& s) { return exists(s.simulation().built(), 3); },
           "(elements,) bool: False where an element was removed.")
       .def("_hexahedra", [](Session& s) { return hexahedra(s.simulation().built()); })
+      .def("_sets", [](Session& s) { return sets(s.simulation().built()); })
       .def("_boundary", [](Session& s) { return boundary(s.simulation().built()); })
       .def("_embedded_surface", [](Session& s) { return embedded_surface(s.simulation().built()); })
       .def("energies", &energies,
@@ -270,6 +279,102 @@ void bind_contact(Class& session) {
       });
 }
 
+Vec3 vector_of(const py::object& value, const char* what) {
+  try {
+    return value.cast<Vec3>();
+  } catch (const py::cast_error&) {
+    throw py::type_error(std::string(what) + " must be three numbers; is " +
+                         py::repr(value).cast<std::string>());
+  }
+}
+
+/// A field that a property has: where the scene has none, there is no such attribute.
+py::array field_or_none(Session& session, const char* name) {
+  try {
+    return field(session.between_steps(), name);
+  } catch (const InputError& error) {
+    throw py::attribute_error(error.what());
+  }
+}
+
+/// What frames and probes contain.
+template <class Class>
+void bind_results(Class& session) {
+  session
+      .def(
+          "fields", [](Session& s) { return fields(s.between_steps()); },
+          "The fields that field() computes, which are those of frames: a list of (name, "
+          "'vertices' or 'elements', components, unit).")
+      .def(
+          "field",
+          [](Session& s, const std::string& name) { return field(s.between_steps(), name); },
+          "name"_a,
+          "A field of frames, computed now: (cells,) or (cells, components); a copy. Tensors have "
+          "the components xx, yy, zz, xy, yz, xz. NaN where no model provides the field.")
+      .def_property_readonly(
+          "stress", [](Session& s) { return field_or_none(s, "stress"); },
+          "(elements, 6) Cauchy stress, Pa: xx, yy, zz, xy, yz, xz; a copy.")
+      .def_property_readonly(
+          "von_mises", [](Session& s) { return field_or_none(s, "von_mises"); },
+          "(elements,) von Mises stress, Pa; a copy.")
+      .def_property_readonly(
+          "strain", [](Session& s) { return field_or_none(s, "strain"); },
+          "(elements, 6) Green-Lagrange strain: xx, yy, zz, xy, yz, xz; a copy.")
+      .def_property_readonly(
+          "reactions", [](Session& s) { return field_or_none(s, "reaction"); },
+          "(vertices, 3) forces of constraints on the body, N; 0 where it is free; a copy.")
+      .def(
+          "probes", [](Session& s) { return probes(s.between_steps(), s.probes()); },
+          "The probes of the scene now, what probes.csv contains: {name: {field: value}}, a number "
+          "or an array of (components,).");
+}
+
+Instance& instance_at(Session& session, std::size_t model) {
+  return *session.simulation().attributes().instances().at(model);
+}
+
+/// What changes between steps besides the motion and the cells.
+template <class Class>
+void bind_changes(Class& session) {
+  session
+      .def("_models",
+           [](Session& s) {
+             py::list names;
+             for (const auto& instance : s.simulation().attributes().instances())
+               names.append(instance->name());
+             return names;
+           })
+      .def("_parameters",
+           [](Session& s, std::size_t model) { return parameters(instance_at(s, model)); })
+      .def("_set_parameters", &Session::set_parameters)
+      .def_property(
+          "gravity", [](Session& s) { return py::cast(s.simulation().built().gravity().value()); },
+          [](Session& s, const py::object& value) { s.set_gravity(vector_of(value, "gravity")); },
+          "[x, y, z] gravity, m/s^2, where its ramp has ended. Assigning three numbers changes it "
+          "from now on.")
+      .def("copy", &Session::copy,
+           "The whole state of the run as a State, for restore(): what a checkpoint contains, in "
+           "memory. The simulation must not write output.")
+      .def("restore", &Session::restore, "state"_a,
+           "Return to a State of this scene: the run goes on as it did from there, bit by bit, "
+           "whatever was cut or changed since. Builds the simulation again, so it costs as much as "
+           "creating it. Arrays taken before keep their values.");
+}
+
+void bind_state(py::module_& module) {
+  py::class_<SessionState, std::shared_ptr<SessionState>>(
+      module, "State", "The state of a simulation in memory, from Simulation.copy().")
+      .def_readonly("time", &SessionState::time, "Time, s.")
+      .def_readonly("steps", &SessionState::steps, "Number of steps made.")
+      .def_property_readonly(
+          "nbytes", [](const SessionState& s) { return s.state.bytes(); }, "Memory, bytes.")
+      .def("__repr__", [](const SessionState& s) {
+        std::ostringstream text;
+        text << "<suture.State: step " << s.steps << ", t = " << s.time << " s>";
+        return text.str();
+      });
+}
+
 /// What Simulation builds its events, callbacks and force terms on.
 template <class Class>
 void bind_operations(Class& session) {
@@ -301,6 +406,8 @@ void bind_session(py::module_& module) {
   bind_columns(session);
   bind_cells(session);
   bind_contact(session);
+  bind_results(session);
+  bind_changes(session);
   bind_operations(session);
 }
 
@@ -308,6 +415,9 @@ void bind_session(py::module_& module) {
 
 PYBIND11_MODULE(_suture, module) {
   add_errors(module);
+  py::class_<ReadMesh, std::shared_ptr<ReadMesh>>(module, "ReadMesh");
+  module.def("read_mesh", &read_mesh);
+  bind_state(module);
   bind_session(module);
   py::class_<ForceReport, std::shared_ptr<ForceReport>>(
       module, "ForceTerm", "What a force function in a simulation has cost and done.")

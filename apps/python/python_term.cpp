@@ -44,6 +44,13 @@ PythonTerm::PythonTerm(PythonForce force, Attributes& attributes)
   report_->name = force_.name;
 }
 
+PythonTerm::PythonTerm(const PythonTerm& other, Attributes& attributes)
+    : force_(other.force_),
+      attributes_(attributes),
+      size_(size_of(attributes)),
+      has_functions_(false),
+      report_(other.report_) {}
+
 // ----------------------------------------------------------------- the call --
 
 PythonTerm::Array PythonTerm::copy_of(const Column& column) const {

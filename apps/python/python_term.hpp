@@ -47,6 +47,9 @@ class PythonTerm final : public ForceTerm,
                          public WorkTerm {
  public:
   PythonTerm(PythonForce force, Attributes& attributes);
+  /// The same force in another run of the scene, with the same report; it is zero until start().
+  PythonTerm(const PythonTerm& other, Attributes& attributes);
+  void start() { has_functions_ = true; }
 
   const char* name() const override { return report_->name.c_str(); }
   void add_forces(double time, const LiveMask& live, double* rows) override;

@@ -6,10 +6,13 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 #include "apps/python/python_term.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/message_text.hpp"
 #include "kernel/output/output_folder.hpp"
+#include "kernel/run/checkpoints.hpp"
 #include "kernel/scene/scene_reader.hpp"
 
 namespace suture::python {
@@ -28,7 +31,9 @@ Scene read(const SessionOptions& options, PluginHost& host, Diagnostics& diagnos
                                                   diagnostics, options.mesh, options.folder)
                                 : read_scene(options.file, options.sets, lookup, diagnostics,
                                              options.mesh, options.folder);
+  use(options.read, scene);
   if (!options.output) scene.output.enabled = scene.checkpoint.enabled = false;
+  scene.output.on_request = true;
   return scene;
 }
 
@@ -77,16 +82,34 @@ Session::Session(const SessionOptions& options) : forks_(forks()) {
     scene_ = read(options, host_, diagnostics_);
     auto folder = std::make_shared<OutputFolder>(scene_.output.directory, scene_.output.root);
     if (scene_.output.enabled) folder->open();
-    simulation_ = std::make_unique<Simulation>(scene_, host_, diagnostics_, true, folder);
+    run_ = build(std::move(folder));
   }
-  views_ = std::make_unique<Views>(simulation_->built().body());
+  mesh_hash_ = mesh_hash(run_.simulation->built().body());
   warn_of_new();
 }
 
 Session::~Session() {
-  views_.reset();  // while its columns exist
   // Its threads exist in the process that made it only.
-  if (forks_ != forks()) static_cast<void>(simulation_.release());
+  if (forks_ == forks()) return;
+  run_.probes.reset();
+  run_.views.reset();  // while its columns exist
+  static_cast<void>(run_.simulation.release());
+}
+
+/// Probes are those of the body as it was built, as in tables.
+Session::Run Session::build(std::shared_ptr<OutputFolder> folder) {
+  Run run;
+  run.simulation =
+      std::make_unique<Simulation>(scene_, host_, diagnostics_, true, std::move(folder));
+  BuiltScene& built = run.simulation->built();
+  try {
+    if (!scene_.output.probes.empty())
+      run.probes = std::make_unique<ProbeTable>(built.scene().output, built);
+  } catch (const InputError& error) {
+    scene_.places.rethrow(error);
+  }
+  run.views = std::make_unique<Views>(built.body());
+  return run;
 }
 
 // ------------------------------------------------------------------- checks --
@@ -100,8 +123,10 @@ void Session::require_own_process() const {
 
 void Session::require_alive() const {
   if (failure_)
-    throw std::runtime_error("this simulation has ended with an error (" + *failure_ +
-                             "); its arrays can still be read; create a new one to go on");
+    throw std::runtime_error(
+        "this simulation has ended with an error (" + *failure_ +
+        "); its arrays can still be read; restore() an earlier state, or create a new one to "
+        "go on");
 }
 
 Simulation& Session::simulation() {
@@ -110,7 +135,7 @@ Simulation& Session::simulation() {
     throw std::runtime_error(
         "this simulation is running in another thread; wait for it, or read it in a callback "
         "(Simulation.every)");
-  return *simulation_;
+  return *run_.simulation;
 }
 
 Simulation& Session::between_steps() {
@@ -163,14 +188,14 @@ void Session::advance(F&& f) {
 
 void Session::pause_at(const Pause& pause) {
   std::optional<RunSummary::Outcome> outcome;
-  advance([&] { outcome = simulation_->advance(pause, observer_); });
+  advance([&] { outcome = run_.simulation->advance(pause, observer_); });
   if (outcome) outcome_ = name_of(*outcome);
 }
 
 std::uint64_t Session::step(std::uint64_t count) {
-  const std::uint64_t before = simulation_->step();
+  const std::uint64_t before = run_.simulation->step();
   pause_at({{}, count});
-  return simulation_->step() - before;
+  return run_.simulation->step() - before;
 }
 
 void Session::run_to(double time) {
@@ -188,7 +213,7 @@ RunSummary Session::run(py::object progress) {
   if (!progress.is_none()) observer_.progress = std::move(progress);
   pause_at({});
   // Only a run that has ended closes its tables: after an exception it can go on.
-  advance([&] { summary = simulation_->run(observer_); });
+  advance([&] { summary = run_.simulation->run(observer_); });
   return summary;
 }
 
@@ -235,10 +260,117 @@ void Session::steer(const std::string& obstacle, const PoseTarget& target) {
   now.steer(obstacle, target);
 }
 
+void Session::set_parameters(std::size_t model, const std::string& text) {
+  Simulation& now = between_steps();
+  require_alive();
+  Instance& instance = *now.attributes().instances()[model];
+  const std::vector<double> values = read_parameters(
+      text, "parameters of '" + instance.name() + "'", instance.model(), instance.parameters());
+  run_.views->hand_over();
+  now.set_parameters(instance, values);
+  observer_.messages.push_back(timed(now.time(), "model '" + instance.name() + "' has " + text));
+  warn_of_new();
+}
+
+void Session::set_gravity(const Vec3& value) {
+  Simulation& now = between_steps();
+  require_alive();
+  now.set_gravity(value);
+  std::ostringstream text;
+  text << "gravity is (" << value[0] << ", " << value[1] << ", " << value[2] << ") m/s^2";
+  observer_.messages.push_back(timed(now.time(), text.str()));
+  warn_of_new();
+}
+
+ProbeTable& Session::probes() {
+  between_steps();
+  if (run_.probes) return *run_.probes;
+  throw InputError("the scene has no probes; give it /output/probes");
+}
+
+// ------------------------------------------------------------------- states --
+
+std::vector<std::string> Session::term_names() const {
+  std::vector<std::string> names;
+  for (const PythonTerm* term : run_.terms) names.emplace_back(term->name());
+  return names;
+}
+
+/// Files cannot go back to what they were, and records may be waiting to be written.
+void Session::require_no_output(const char* what) const {
+  if (scene_.output.enabled)
+    throw InputError(std::string(what) +
+                     " needs a simulation that writes nothing; create it with output=False");
+}
+
+std::shared_ptr<SessionState> Session::copy() {
+  Simulation& now = between_steps();
+  require_own_process();
+  require_alive();
+  require_no_output("copy()");
+  auto state = std::make_shared<SessionState>();
+  state->scene_hash = scene_.hash;
+  state->mesh_hash = mesh_hash_;
+  state->terms = term_names();
+  state->outcome = outcome_;
+  state->time = now.time();
+  state->steps = now.step();
+  state->state = now.save();
+  return state;
+}
+
+void Session::require_fit(const SessionState& state) const {
+  if (state.scene_hash != scene_.hash)
+    throw InputError("the state belongs to another scene (" + state.scene_hash + ", this is " +
+                     scene_.hash + "); restore it into a simulation of its own scene");
+  if (state.mesh_hash != mesh_hash_)
+    throw InputError("the state belongs to another mesh; restore it into a simulation of its own");
+  const auto list = [](const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "'" : ", '") + name + "'";
+    return text.empty() ? "none" : text;
+  };
+  if (const std::vector<std::string> names = term_names(); names != state.terms)
+    throw InputError("the state has other force functions: " + list(state.terms) +
+                     "; this simulation has " + list(names) +
+                     "; copy it again after adding a force function");
+}
+
+void Session::restore(const SessionState& state) {
+  if (runner_)
+    throw std::runtime_error(
+        "restore() is not possible while the simulation runs, nor in a callback or a force "
+        "function; stop the run first, with step() or run_to()");
+  require_own_process();
+  require_no_output("restore()");
+  require_fit(state);
+  Run restored;
+  {
+    const py::gil_scoped_release others_may_run;
+    restored = build(std::make_shared<OutputFolder>(scene_.output.directory, scene_.output.root));
+  }
+  Simulation& simulation = *restored.simulation;
+  if (mesh_hash(simulation.built().body()) != mesh_hash_)
+    throw InputError("the mesh has changed since the simulation was created; restore the file");
+  for (const PythonTerm* term : run_.terms)
+    restored.terms.push_back(static_cast<PythonTerm*>(
+        &simulation.add_term(std::make_unique<PythonTerm>(*term, simulation.attributes()))));
+  simulation.load(state.state);
+  for (PythonTerm* term : restored.terms) term->start();
+  warned_ = diagnostics_.warnings().size();  // those of the scene are known
+  run_.views.reset();                        // arrays keep their values
+  run_ = std::move(restored);
+  outcome_ = state.outcome;
+  failure_.reset();
+  observer_.callbacks.rewind(state.steps, state.time);
+  observer_.messages.push_back(
+      timed(state.time, "restored to step " + std::to_string(state.steps)));
+}
+
 PythonTerm& Session::add_term(std::unique_ptr<PythonTerm> term) {
   require_alive();
   auto& added = static_cast<PythonTerm&>(between_steps().add_term(std::move(term)));
-  terms_.push_back(&added);
+  run_.terms.push_back(&added);
   return added;
 }
 
@@ -246,14 +378,14 @@ PythonTerm& Session::add_term(std::unique_ptr<PythonTerm> term) {
 
 int Session::traverse(visitproc visit, void* argument) {
   if (const int stop = observer_.callbacks.traverse(visit, argument)) return stop;
-  for (const PythonTerm* term : terms_)
+  for (const PythonTerm* term : run_.terms)
     if (const int stop = term->traverse(visit, argument)) return stop;
   return 0;
 }
 
 void Session::clear() {
   observer_.callbacks.clear();
-  for (PythonTerm* term : terms_) term->clear();
+  for (PythonTerm* term : run_.terms) term->clear();
 }
 
 }  // namespace suture::python

@@ -8,7 +8,10 @@
 #include <vector>
 
 #include "apps/python/callbacks.hpp"
+#include "apps/python/read_mesh.hpp"
 #include "apps/python/views.hpp"
+#include "kernel/base/archive.hpp"
+#include "kernel/results/probe_table.hpp"
 #include "kernel/run/simulation.hpp"
 
 namespace suture::python {
@@ -22,8 +25,19 @@ struct SessionOptions {
   bool is_text = false;
   std::vector<std::string> sets;     ///< as --set
   std::shared_ptr<const Mesh> mesh;  ///< that the scene does not contain; may be null
+  std::shared_ptr<ReadMesh> read;    ///< that the scene need not read; may be null
   bool output = false;               ///< write what /output asks for
   std::filesystem::path folder{};    ///< where, if not to /output/directory
+};
+
+/// The state of a run, in memory: what a checkpoint of it would contain.
+struct SessionState {
+  std::string scene_hash, mesh_hash;  ///< of the scene and its mesh, as they were built
+  std::vector<std::string> terms;     ///< names of the force functions
+  std::optional<std::string> outcome;
+  double time = 0;  ///< s
+  std::uint64_t steps = 0;
+  StateTree state;
 };
 
 /// A simulation that Python holds, with everything it refers to. All functions are called with the
@@ -44,8 +58,8 @@ class Session {
   void run_to(double time);
   /// Runs to the end; `progress` is called a few times a second with step, time and end.
   RunSummary run(py::object progress);
-  double time() const { return simulation_->time(); }
-  std::uint64_t steps() const { return simulation_->step(); }
+  double time() const { return run_.simulation->time(); }
+  std::uint64_t steps() const { return run_.simulation->step(); }
   double dt();
   /// How the run ended: "finished", "at rest", ...; none while it has not.
   std::optional<std::string> outcome() const { return outcome_; }
@@ -60,13 +74,21 @@ class Session {
   void set_velocity(const py::array& values);
   /// Simulation::steer().
   void steer(const std::string& obstacle, const PoseTarget& target);
+  /// Simulation::set_parameters(), of a model by its number; `text` is JSON: {"E": 2e4}.
+  void set_parameters(std::size_t model, const std::string& text);
+  void set_gravity(const Vec3& value);
+  std::shared_ptr<SessionState> copy();
+  /// Builds the run again and loads the state. If that fails, nothing has changed.
+  void restore(const SessionState& state);
   PythonTerm& add_term(std::unique_ptr<PythonTerm> term);
   Callbacks& callbacks() { return observer_.callbacks; }
   /// The simulation for reading; raises if another thread is running it.
   Simulation& simulation();
   /// The same, where no step is in progress: raises in a force function.
   Simulation& between_steps();
-  Views& views() { return *views_; }
+  /// Raises InputError if the scene has no probes.
+  ProbeTable& probes();
+  Views& views() { return *run_.views; }
   const Scene& scene() const { return scene_; }
 
   int traverse(visitproc visit, void* argument);
@@ -74,6 +96,17 @@ class Session {
 
  private:
   class Running;
+  /// What refers to a simulation ends before it.
+  struct Run {
+    std::unique_ptr<Simulation> simulation;
+    std::unique_ptr<ProbeTable> probes;
+    std::unique_ptr<Views> views;
+    std::vector<PythonTerm*> terms;
+  };
+  Run build(std::shared_ptr<OutputFolder> folder);
+  std::vector<std::string> term_names() const;
+  void require_no_output(const char* what) const;
+  void require_fit(const SessionState& state) const;
   void require_steps();
   template <class F>
   void advance(F&& f);
@@ -87,10 +120,9 @@ class Session {
   Diagnostics diagnostics_;
   PluginHost host_{&diagnostics_};
   Scene scene_;
-  std::unique_ptr<Simulation> simulation_;
-  std::unique_ptr<Views> views_;
+  Run run_;
+  std::string mesh_hash_;
   Observing observer_{*this};
-  std::vector<PythonTerm*> terms_;
   std::size_t warned_ = 0;
   std::optional<std::string> outcome_, failure_;
   std::optional<std::thread::id> runner_;

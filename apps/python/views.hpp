@@ -28,6 +28,8 @@ class Views final : private Follower {
   /// and elements with several components (blocks, 8, components), row r at [r // 8, r % 8].
   /// A column with a trial copy, which changes its memory in every step, is copied.
   py::array of(Column& column);
+  /// Arrays that Python holds keep their values from now on, whatever happens to the columns.
+  void hand_over();
 
  private:
   struct Memory;
@@ -40,7 +42,6 @@ class Views final : private Follower {
   void before(const ComingOperation& operation) override;
   void follow(const CellComplex&, const TopologyChange&) override {}
   static View make(Column& column);
-  void hand_over();
 
   std::unordered_map<Column*, View> views_;
 };

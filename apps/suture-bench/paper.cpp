@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The paper's experiments (Golec, Coquet, Zara, Damiand, WSCG 2015), Fig. 6, 7 and 14, by whole
+// The paper's experiments (Golec, Coquet, Zara, Damiand, WSCG 2015), Fig. 6, 7, 13 and 14, by whole
 // runs of `suture run`: beside the formula or law that the paper compares with, and references of
 // other programs.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -15,6 +16,7 @@
 #include "apps/suture-bench/process.hpp"
 #include "apps/suture-bench/work_scene.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/module.hpp"
 
 namespace suture::bench {
 namespace {
@@ -26,6 +28,8 @@ struct PaperOptions {
   std::array<Index, 3> block{30, 10, 10};  ///< of liver
   Index frames = 20;                       ///< equilibria until 2 s
   std::filesystem::path pictures{};        ///< where the runs of Fig. 7 go; empty: not run
+  std::string figure{};                    ///< only this one, with its picture; empty: all
+  std::filesystem::path picture{};         ///< of it; empty: figure-N.png
 };
 
 /// The columns of probes.csv, by name.
@@ -169,6 +173,12 @@ void run_beams(const PaperOptions& options, Report& report) {
   }
 }
 
+void run_scene(const Json& scene, const std::filesystem::path& folder, const std::string& name) {
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / (name + ".json")) << scene.dump(1) << '\n';
+  run_process({suture_program(), "run", "-q", name + ".json", "--output", name}, folder);
+}
+
 /// Fig. 7: the equilibria of MSS and TM as frames, in the folders MSS and TM.
 void write_equilibria(const std::filesystem::path& folder) {
   for (const BeamModel& model : beam_models) {
@@ -177,9 +187,7 @@ void write_equilibria(const std::filesystem::path& folder) {
     const WorkMethod method{name, model.model, model.parameters, model.solver, {}};
     Json scene = cantilever_scene(cantilever("A"), {{40, 10, 10}}, method);
     scene["output"] = {{"fields", {"displacement", "principal_strain"}}};
-    std::filesystem::create_directories(folder);
-    std::ofstream(folder / (name + ".json")) << scene.dump(1) << '\n';
-    run_process({suture_program(), "run", "-q", name + ".json", "--output", name}, folder);
+    run_scene(scene, folder, name);
   }
 }
 
@@ -307,7 +315,50 @@ void run_linear_range(const PaperOptions& options, Report& report) {
   }
 }
 
+/// Fig. 13: the block of springs between the plates, sheared at the second rate for a second.
+void write_block(const PaperOptions& options, const std::filesystem::path& folder) {
+  const LiverModel mss = liver_models().front();
+  Json scene = shear_scene(options.block, mss.method, mss.material, rates[1], 1, 10);
+  scene["output"]["frames"] = true;
+  scene["output"]["fields"] = {"displacement"};
+  run_scene(scene, folder, mss.name);
+}
+
+// ----------------------------------------------------------------- one figure --
+
+/// Makes the runs of a figure in a folder; returns the command that draws them there.
+std::vector<std::string> prepare_figure(const PaperOptions& options, Report& report,
+                                        const std::filesystem::path& folder,
+                                        const std::string& picture) {
+  if (options.figure == "7") {
+    write_equilibria(folder);
+    return {suture_program(), "plot", "MSS", "TM", "-o", picture};
+  }
+  if (options.figure == "13") {
+    write_block(options, folder);
+    return {suture_program(), "plot", "MSS", "-o", picture};
+  }
+  (options.figure == "6" ? run_beams : run_liver)(options, report);
+  report.write_json(folder / "paper.json");
+  const auto script = own_prefix() / SUTURE_INSTALL_DATADIR "/suture/bench/paper.py";
+  return {SUTURE_PYTHON, script, "--figure", options.figure, "paper.json", picture};
+}
+
+void draw_figure(const PaperOptions& options, Report& report) {
+  const WorkingFolder folder;
+  const auto picture = std::filesystem::absolute(
+      options.picture.empty() ? std::filesystem::path("figure-" + options.figure + ".png")
+                              : options.picture);
+  if (run_process(prepare_figure(options, report, folder.path(), picture), folder.path()).code != 0)
+    throw IoError(
+        picture.string() +
+        ": could not be drawn; pictures need python3-matplotlib and python3-vtk9, and end "
+        "in .png, .pdf or .svg");
+  std::printf("%s\n", picture.c_str());
+}
+
 void run_paper(const PaperOptions& options, Report& report) {
+  if (!options.figure.empty()) return draw_figure(options, report);
   run_beams(options, report);
   run_small_rates(report);
   run_linear_range(options, report);
@@ -323,6 +374,13 @@ void add_paper(CommandLine& line) {
   command.option("--across", &options.across, "Elements over the height of the beam");
   command.option("--block", &options.block, "Elements of the block of liver");
   command.option("--frames", &options.frames, "Equilibria of the shear of liver").positive();
+  command
+      .option(
+          "--figure", &options.figure,
+          "Only this figure, with its picture (5: suture-bench cut; 8: suture-bench scaling; 9, "
+          "10: suture run and plot of the scenes cut-beam and letters)")
+      .one_of({"6", "7", "13", "14"});
+  command.option("-o,--output", &options.picture, "The picture of it; default: figure-N.png");
   command.option("--pictures", &options.pictures,
                  "Folder for the frames of Fig. 7, for docs/images/render.py --beside");
 }

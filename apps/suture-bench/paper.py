@@ -3,9 +3,10 @@
 """Make docs/paper.md and its plots from the output of `suture-bench paper --json`.
 
 usage: paper.py FOLDER DOCS
+       paper.py --figure 6|14 PAPER.json PICTURE
 
 FOLDER holds paper.json; without it, nothing is done. Fig. 5 and 8 are added from cut.json and
-scaling.json, if they are there.
+scaling.json, if they are there. The second form draws one figure, for suture-bench paper --figure.
 """
 import json
 import pathlib
@@ -19,7 +20,8 @@ HEAD = """# The paper's experiments
 
 Written by `./dev bench paper` (Fig. 5 and 8: `./dev bench cut scaling paper`). The paper: K. Golec, M. Coquet, F. Zara,
 G. Damiand, WSCG 2015. Each value is that of a whole run of `suture run`, beside the formula or law that the paper compares
-with and beside a solution of another program in three dimensions.
+with and beside a solution of another program in three dimensions. `suture-bench paper --figure N` draws one figure in less
+than two minutes: 6, 7, 13 or 14.
 
 """
 
@@ -69,7 +71,7 @@ PAPER_CUTS = {"frog": (4.0, 2.0), "elephant": (14.5, 7.6), "mushroom": (32.2, 17
 PAPER_SPEED_UPS = {"MSS": 1.45, "TM": 2.73}
 
 
-def plot_beam(rows, docs):
+def plot_beam(rows):
     figure, axes = plt.subplots(1, 2, figsize=(10, 4))
     at = [0, 25, 50, 75, 100]
     for axis, load in zip(axes, dict.fromkeys(r["load"] for r in rows)):
@@ -83,10 +85,9 @@ def plot_beam(rows, docs):
         axis.set_ylabel("y, m")
     axes[0].legend(fontsize=6)
     figure.tight_layout()
-    return save(docs, "paper-beam")
 
 
-def plot_liver(rows, docs):
+def plot_liver(rows):
     models = [name for name in rows[0] if name not in ("rate, 1/s", "t, s", "shear")]
     rates = list(dict.fromkeys(r["rate, 1/s"] for r in rows))
     figure, axes = plt.subplots(1, len(rates), figsize=(11, 3.6))
@@ -101,7 +102,6 @@ def plot_liver(rows, docs):
     axes[0].set_ylabel("stress on the plate, Pa")
     axes[0].legend()
     figure.tight_layout()
-    return save(docs, "paper-liver")
 
 
 def sample(rows):
@@ -143,7 +143,17 @@ def speed_ups_text(tables):
     return text + "\n".join(lines)
 
 
+def draw(number, file, picture):
+    """Figure 6 or 14 alone."""
+    plot = {"6": plot_beam, "14": plot_liver}[number]
+    plot(tables_of(pathlib.Path(file))[f"Fig. {number}"]["rows"])
+    plt.savefig(picture)
+
+
 def main():
+    if sys.argv[1] == "--figure":
+        draw(*sys.argv[2:5])
+        return
     folder, docs = map(pathlib.Path, sys.argv[1:3])
     file = folder / "paper.json"
     if not file.exists():
@@ -151,10 +161,14 @@ def main():
     data = json.loads(file.read_text())
     tables = data["tables"]
     beam, liver = tables["Fig. 6"]["rows"], tables["Fig. 14"]["rows"]
+    plot_beam(beam)
+    beam_picture = save(docs, "paper-beam")
+    plot_liver(liver)
+    liver_picture = save(docs, "paper-liver")
     parts = [HEAD + machine_text(file, data["machine"]),
-             BEAM, f"![deflection of the axis]({plot_beam(beam, docs)})\n", table_text(tables["Fig. 6"]) + "\n",
+             BEAM, f"![deflection of the axis]({beam_picture})\n", table_text(tables["Fig. 6"]) + "\n",
              EQUILIBRIA,
-             LIVER, f"![stress over time]({plot_liver(liver, docs)})\n", table_text(sample(liver)) + "\n",
+             LIVER, f"![stress over time]({liver_picture})\n", table_text(sample(liver)) + "\n",
              SMALL, table_text(tables["power law, one element"]) + "\n",
              RANGE, table_text(tables["power law, block"]) + "\n",
              cuts_text(tables_of(folder / "cut.json")), speed_ups_text(tables_of(folder / "scaling.json"))]

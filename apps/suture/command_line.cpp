@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "apps/suture/command_text.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
 #include "kernel/base/isa.hpp"
@@ -13,14 +14,6 @@
 
 namespace suture {
 namespace {
-
-constexpr const char* footer =
-    "Exit codes: 0 success; 2 usage; 3 scene or mesh; 4 plugin missing, refused or at fault\n"
-    "(an exception, a crash, exit(), a call of 20 s); 5 numerical; 6 file system or memory;\n"
-    "128 + n stopped by signal n (130: Ctrl-C; the first finishes the step and writes a\n"
-    "frame, the second kills the process). The scene format: docs/scene-format.md.\n"
-    "Environment: SUTURE_ISA=avx512|avx2|base limits the instruction set, SUTURE_PLUGIN_PATH\n"
-    "names folders of plugins, SUTURE_PLUGIN_TIMEOUT=SECONDS limits one call of a plugin.";
 
 std::string version_text() {
   const std::string isa(best_isa());
@@ -101,6 +94,28 @@ void add_trust(CLI::App& app, bool& trust) {
                "also load plugins that the scene names outside the search path, as `run` does");
 }
 
+std::string full_name(const CLI::App& app) {
+  const CLI::App* parent = app.get_parent();
+  return (parent == nullptr ? "" : full_name(*parent) + " ") + app.get_name();
+}
+
+OptionText text_of(const CLI::Option& option) {
+  OptionText text{{}, "", "", option.get_description(), option.get_required()};
+  for (const std::string& name : option.get_lnames()) text.names.push_back("--" + name);
+  for (const std::string& name : option.get_snames()) text.names.push_back("-" + name);
+  if (option.get_positional()) text.place = option.get_name(true);
+  if (option.get_items_expected_max() > 0) text.value = option.get_type_name();
+  return text;
+}
+
+CommandText text_of(const CLI::App& app) {
+  CommandText text{full_name(app), app.get_description(), {}, {}};
+  for (const CLI::Option* option : app.get_options()) text.options.push_back(text_of(*option));
+  for (const CLI::App* below : app.get_subcommands([](const CLI::App*) { return true; }))
+    text.commands.push_back(text_of(*below));
+  return text;
+}
+
 /// The commands as CLI11 knows them; one of them is parsed.
 struct Parser {
   CLI::App app{"Suture simulates soft bodies that are cut while they move."};
@@ -112,6 +127,7 @@ struct Parser {
   ReplayCommand replay;
   CheckModelCommand check_model;
   NewModelCommand new_model;
+  NewSceneCommand new_scene;
   ModesCommand modes;
   SweepCommand sweep;
   CompareCommand compare;
@@ -125,7 +141,6 @@ struct Parser {
 
   Parser() {
     app.name("suture");
-    app.footer(footer);
     app.require_subcommand(1);
     app.fallthrough();
     app.set_version_flag("--version", version_text, "print the version");
@@ -134,10 +149,16 @@ struct Parser {
     add_scene_commands();
     add_model_commands();
     add_mesh_commands();
+    add_texts();
+    app.footer(notes_text());  // last: commands that are added later would repeat it
   }
 
  private:
   void add_scene_commands() {
+    auto* new_app = app.add_subcommand("new-scene", "write a scene to start from");
+    new_app->add_option("to", new_scene.to, "new file; default: beam.json");
+    new_app->callback([this] { line.command = new_scene; });
+
     auto* run_app = app.add_subcommand("run", "run a scene");
     CLI::Option* scene = add_scene(*run_app, run.scene, run.sets);
     CLI::Option* resume =
@@ -184,8 +205,10 @@ struct Parser {
     add_sweep(*app.add_subcommand("sweep", "run a scene many times with other values"));
     add_modes(*app.add_subcommand("modes", "find natural frequencies and mode shapes"));
 
-    add_compare(*app.add_subcommand("compare", "show how the results of two runs differ"));
-    add_plot(*app.add_subcommand("plot", "draw the results of a run as a picture"));
+    add_compare(*app.add_subcommand("compare",
+                                    "show how the results of two runs differ, or how "
+                                    "three converge"));
+    add_plot(*app.add_subcommand("plot", "draw runs, a study or a mesh as a picture"));
 
     auto* replay_app = app.add_subcommand(
         "replay",
@@ -213,21 +236,41 @@ struct Parser {
     sub.callback([this] { line.command = sweep; });
   }
   void add_compare(CLI::App& sub) {
-    sub.add_option("a", compare.a, "output folder of a run, or its run.pvd")->required();
-    sub.add_option("b", compare.b, "output folder of another run")->required();
+    sub.add_option("runs", compare.runs,
+                   "output folders of two runs, or their run.pvd; of three, from coarse to fine: "
+                   "the observed orders of convergence")
+        ->required()
+        ->expected(2, 3)
+        ->type_name("RUN");
     sub.add_flag("--common", compare.common,
                  "compare the frames of common times, where there are others");
     sub.add_option("--tolerance", compare.tolerance,
-                   "end with exit code 1 if a relative difference is larger")
+                   "end with exit code 1 if a relative difference of two runs is larger")
         ->check(number_from_0)
         ->type_name("T");
     sub.callback([this] { line.command = compare; });
   }
   void add_plot(CLI::App& sub) {
-    sub.add_option("run", plot.run, "output folder of a run, or its run.pvd")->required();
+    sub.add_option("what", plot.what,
+                   "output folders of runs; the folder or file of a study; a mesh, a surface or a "
+                   "scene, whose mesh is drawn with its named sets and selections")
+        ->required()
+        ->type_name("WHAT");
     sub.add_option("-o,--output", plot.picture,
-                   "picture to write, .png, .pdf or .svg (default: plot.png in the folder)")
+                   "picture to write, .png, .pdf or .svg (default: plot.png in the folder of a run "
+                   "or study, else in the current one; NAME.png of a mesh)")
         ->type_name("FILE");
+    sub.add_option("--only", plot.only,
+                   "draw only columns whose names contain one of these texts, such as "
+                   "displacement,force")
+        ->delimiter(',')
+        ->type_name("TEXT,...");
+    sub.add_option("--set", plot.sets, "change a value of the scene; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("/PATH=VALUE");
+    sub.add_option("--scale", plot.scale, "factor from the unit of a mesh or surface to m")
+        ->check(positive_number);
+    add_trust(sub, plot.trust);
     sub.callback([this] { line.command = plot; });
   }
   void add_modes(CLI::App& sub) {
@@ -313,6 +356,20 @@ struct Parser {
     check_model.sets[text.substr(0, equals)] = text.substr(equals + 1);
   }
 
+  void add_texts() {
+    auto* completion = app.add_subcommand("completion", "print the completion of bash or zsh");
+    completion->require_subcommand(1);
+    const auto add = [this](CLI::App& to, const char* name, const char* help, auto&& make) {
+      to.add_subcommand(name, help)->callback([this, make] {
+        line.command = TextCommand{make(text_of(app))};
+      });
+    };
+    add(*completion, "bash", "for bash", bash_completion);
+    add(*completion, "zsh", "for zsh", zsh_completion);
+    add(app, "man", "print the manual page, for man -l -",
+        [](const CommandText& program) { return man_page(program, SUTURE_VERSION); });
+  }
+
   void add_mesh_commands() {
     auto* mesh = app.add_subcommand("mesh", "inspect, convert and generate meshes");
     mesh->require_subcommand(1);
@@ -391,49 +448,20 @@ const CLI::App& innermost(const CLI::App& app) {
   return given.empty() ? app : innermost(*given.front());
 }
 
-// Options that this command takes, its parents' included.
-std::vector<std::string> options_of(const CLI::App& app) {
-  std::vector<std::string> names;
-  for (const CLI::App* a = &app; a != nullptr; a = a->get_parent()) {
-    for (const CLI::Option* option : a->get_options()) {
-      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-      for (const std::string& name : option->get_snames()) names.push_back("-" + name);
-    }
-  }
-  return names;
-}
-
-std::string full_name(const CLI::App& app) {
-  const CLI::App* parent = app.get_parent();
-  return (parent == nullptr ? "" : full_name(*parent) + " ") + app.get_name();
-}
-
 // CLI11 knows that a word is one too many; we know what was meant by it.
 [[noreturn]] void fail_with_word(const CLI::App& app, const std::string& word) {
   const CLI::App& command = innermost(app);
-  const std::string name = full_name(command);
-  if (word.starts_with('-')) {
-    throw UsageError(name + ": unknown option '" + word + "'" +
-                     did_you_mean(word.substr(0, word.find('=')), options_of(command)) +
-                     "; 'suture " + (&command == &app ? "" : command.get_name() + " ") +
-                     "--help' lists them");
-  }
-  std::vector<std::string> commands;
-  std::string list;
-  for (const CLI::App* sub : command.get_subcommands([](const CLI::App*) { return true; })) {
-    commands.push_back(sub->get_name());
-    list += (list.empty() ? "" : ", ") + sub->get_name();
-  }
-  if (commands.empty()) throw UsageError(name + ": '" + word + "' is an unexpected argument");
-  throw UsageError(name + ": unknown command '" + word + "'" + did_you_mean(word, commands) +
-                   "; expected one of " + list);
+  std::vector<OptionText> around;
+  for (const CLI::App* a = command.get_parent(); a != nullptr; a = a->get_parent())
+    for (OptionText& option : text_of(*a).options) around.push_back(std::move(option));
+  fail_with_word(text_of(command), around, word);
 }
 
 }  // namespace
 
 CommandLine parse_command_line(int argc, const char* const* argv) {
   Parser parser;
-  if (argc < 2) throw UsageError("no command given\n\n" + parser.app.help());
+  if (argc < 2) return {.command = TextCommand{guide_text(parser.app.get_description())}};
   try {
     parser.app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {

@@ -42,6 +42,9 @@ struct NewModelCommand {
   std::string name, level = "law";
   std::filesystem::path output;  ///< the folder around that of the model
 };
+struct NewSceneCommand {
+  std::filesystem::path to = "beam.json";
+};
 struct CheckModelCommand {
   std::string model;  ///< its id, or a plugin file
   std::vector<std::string> only;
@@ -63,12 +66,17 @@ struct SweepCommand {
   std::filesystem::path slurm;  ///< "": run
 };
 struct CompareCommand {
-  std::filesystem::path a, b;  ///< output folders
-  bool common = false;         ///< only frames of common times
-  std::string tolerance{};     ///< of relative differences; "": none
+  std::vector<std::string> runs;  ///< two output folders; or three, from coarse to fine
+  bool common = false;            ///< only frames of common times
+  std::string tolerance{};        ///< of relative differences; "": none
 };
 struct PlotCommand {
-  std::filesystem::path run, picture;  ///< output folder; "": plot.png in it
+  std::vector<std::string> what;  ///< output folders, or one study, mesh, surface or scene
+  std::filesystem::path picture;  ///< "": a name that follows from `what`
+  std::vector<std::string> only;  ///< columns whose names contain one of these
+  std::vector<std::string> sets;  ///< of a scene
+  double scale = 1;               ///< of a mesh or surface
+  bool trust = false;
 };
 struct ModelsCommand {};
 struct SchemaCommand {};
@@ -108,10 +116,10 @@ struct TextCommand {
 struct CommandLine {
   bool quiet = false, verbose = false;
   std::variant<RunCommand, CheckCommand, CiteCommand, ExplainCommand, CheckModelCommand,
-               NewModelCommand, ReplayCommand, ModesCommand, SweepCommand, CompareCommand,
-               PlotCommand, ModelsCommand, DescribeCommand, SchemaCommand, MeshInfoCommand,
-               MeshConvertCommand, MeshBoxCommand, MeshVoxelizeCommand, MeshFillCommand,
-               TextCommand>
+               NewModelCommand, NewSceneCommand, ReplayCommand, ModesCommand, SweepCommand,
+               CompareCommand, PlotCommand, ModelsCommand, DescribeCommand, SchemaCommand,
+               MeshInfoCommand, MeshConvertCommand, MeshBoxCommand, MeshVoxelizeCommand,
+               MeshFillCommand, TextCommand>
       command;
 };
 

@@ -24,8 +24,14 @@ int modes(const ModesCommand& command, Console& console);
 int sweep(const SweepCommand& command, Console& console);
 int compare(const CompareCommand& command, Console& console);
 int plot(const PlotCommand& command, Console& console);
+/// Parts of plot(), which end as Python programs: of runs or a study; of a frame with the boundary
+/// of a mesh, whose fields of points are its sets.
+int plot_results(const PlotCommand& command);
+int plot_surface(const std::filesystem::path& frame, const std::string& title,
+                 const std::filesystem::path& picture);
 int models(const ModelsCommand& command, Console& console);
 int schema(const SchemaCommand& command, Console& console);
+int new_scene(const NewSceneCommand& command, Console& console);
 int new_model(const NewModelCommand& command, Console& console);
 int check_model(const CheckModelCommand& command, Console& console);
 int replay(const ReplayCommand& command, Console& console);

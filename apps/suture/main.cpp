@@ -18,6 +18,7 @@ struct Dispatch {
   int operator()(const CheckCommand& command) const { return check(command, console); }
   int operator()(const CiteCommand& command) const { return cite(command, console); }
   int operator()(const ExplainCommand& command) const { return explain(command, console); }
+  int operator()(const NewSceneCommand& command) const { return new_scene(command, console); }
   int operator()(const NewModelCommand& command) const { return new_model(command, console); }
   int operator()(const CheckModelCommand& command) const { return check_model(command, console); }
   int operator()(const ReplayCommand& command) const { return replay(command, console); }

@@ -63,14 +63,22 @@ int sweep(const SweepCommand& command, Console&) {
 }
 
 int compare(const CompareCommand& command, Console&) {
-  std::vector<std::string> words{command.a.string(), command.b.string()};
+  std::vector<std::string> words = command.runs;
   if (command.common) words.emplace_back("--common");
   if (!command.tolerance.empty()) words.insert(words.end(), {"--tolerance", command.tolerance});
   return become_python("suture._compare", words);
 }
 
-int plot(const PlotCommand& command, Console&) {
-  return become_python("suture._plot", {command.run.string(), command.picture.string()});
+int plot_results(const PlotCommand& command) {
+  std::vector<std::string> words = command.what;
+  if (!command.picture.empty()) words.insert(words.end(), {"--output", command.picture.string()});
+  if (!command.only.empty()) words.emplace_back("--only");
+  words.insert(words.end(), command.only.begin(), command.only.end());
+  return become_python("suture._plot", words);
+}
+
+int plot_surface(const fs::path& frame, const std::string& title, const fs::path& picture) {
+  return become_python("suture._plot_mesh", {frame.string(), title, picture.string()});
 }
 
 }  // namespace suture

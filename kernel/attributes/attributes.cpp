@@ -33,6 +33,15 @@ Column& add_column(Table& table, const char* name, const char* unit, const char*
   return table.add(std::move(spec));
 }
 
+/// visit(number, attribute) for all that elements contribute to.
+template <class Visit>
+void for_each_sum(const Instance& instance, Visit visit) {
+  const suture_model& model = instance.model();
+  for (std::uint32_t a = 0; a < model.attribute_count; ++a)
+    if (model.attributes[a].policy == SUTURE_FROM_VOLUMES && instance.needs(a))
+      visit(a, model.attributes[a]);
+}
+
 }  // namespace
 
 Attributes::Attributes(const CellComplex& complex, std::span<const Vec3> rest) {
@@ -98,29 +107,50 @@ void Attributes::initialise(const CellComplex& complex, Diagnostics& diagnostics
   for (const auto& instance : instances_) {
     for (Table& table : instance->tables())
       MergePolicies::weigh(table, instance->table(3).cells, rest_places(complex));
-    const suture_model& model = instance->model();
-    for (std::uint32_t a = 0; a < model.attribute_count; ++a) {
-      const suture_attribute& attribute = model.attributes[a];
-      if (attribute.policy != SUTURE_FROM_VOLUMES || !instance->needs(a)) continue;
-      const auto dimension = static_cast<int>(attribute.dimension);
-      Column* own = instance->column(a);
-      Column& column = own ? *own : *mass_;
-      const CellSet& cells = own ? instance->table(dimension).cells : kernel(0).cells;
-      if (own && instance->skips() &&
-          fill_from_parameters(*instance, attribute, complex, rest, column))
-        continue;
-      if (own) column.fill(0);
+    for_each_sum(*instance, [&](std::uint32_t a, const suture_attribute& attribute) {
       std::vector<double> uniform;
-      if (dimension < 3 && instance->skips() && !instance->has_parts())
+      if (attribute.dimension < 3 && instance->skips() && !instance->has_parts())
         uniform = uniform_contribution(*instance, attribute, complex, rest, volume_tolerance);
-      sum_contributions(*instance, attribute, complex, rest, cells, column,
-                        sums_.keep_uniform(*instance, attribute, std::move(uniform)));
-      const bool of_shape = dimension == 3 && (attribute.flags & SUTURE_FROM_PARAMETERS) == 0;
-      if (own && instance->skips()) column.compress(of_shape ? volume_tolerance : 0);
-    }
+      sum(*instance, a, complex, rest,
+          sums_.keep_uniform(*instance, attribute, std::move(uniform)));
+    });
   }
   for (const auto& instance : instances_)
     inspect(*instance, rest_places(complex), *mass_, user_element, diagnostics);
+}
+
+/// One attribute over all elements; the share of the mass is added.
+void Attributes::sum(Instance& instance, std::uint32_t number, const CellComplex& complex,
+                     RestBatch& rest, std::span<const double> uniform) {
+  const suture_attribute& attribute = instance.model().attributes[number];
+  const auto dimension = static_cast<int>(attribute.dimension);
+  Column* own = instance.column(number);
+  Column& column = own ? *own : *mass_;
+  const CellSet& cells = own ? instance.table(dimension).cells : kernel(0).cells;
+  if (own && instance.skips() && fill_from_parameters(instance, attribute, complex, rest, column))
+    return;
+  if (own) column.fill(0);
+  sum_contributions(instance, attribute, complex, rest, cells, column, uniform);
+  const bool of_shape = dimension == 3 && (attribute.flags & SUTURE_FROM_PARAMETERS) == 0;
+  if (own && instance.skips()) column.compress(of_shape ? volume_tolerance : 0);
+}
+
+/// From now on no contribution of the instance is taken to be the same for all elements: which one
+/// would stand for all depends on the elements that there are.
+void Attributes::set_parameters(Instance& instance, std::vector<double> parameters,
+                                const CellComplex& complex, Diagnostics& diagnostics) {
+  instance.set_parameters(std::move(parameters), diagnostics);
+  RestBatch rest(rest_places(complex), user_element);
+  mass_->fill(0);
+  for (const auto& other : instances_)
+    for_each_sum(*other, [&](std::uint32_t a, const suture_attribute& attribute) {
+      if (other.get() == &instance)
+        sums_.keep_uniform(instance, attribute, {});
+      else if (other->column(a) != nullptr)
+        return;
+      sum(*other, a, complex, rest, sums_.uniform(*other, attribute));
+    });
+  inspect(instance, rest_places(complex), *mass_, user_element, diagnostics);
 }
 
 void Attributes::apply(const CellComplex& complex, const TopologyChange& change) {

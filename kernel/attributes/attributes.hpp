@@ -46,6 +46,16 @@ class Attributes {
   /// PluginError for a contribution that is not finite.
   void initialise(const CellComplex& complex, Diagnostics& diagnostics);
 
+  /// Changes the parameters of an instance (Instance::set_parameters()) and sums again all that is
+  /// computed from them, over the elements that there are now. Throws the errors of initialise();
+  /// the caller then sets the earlier parameters again. O(elements). Pointers into the columns of
+  /// the instance and into mass() are no longer valid.
+  void set_parameters(Instance& instance, std::vector<double> parameters,
+                      const CellComplex& complex, Diagnostics& diagnostics);
+  /// Saves the parameters of all instances, or sets those that are loaded: into a body as it was
+  /// built, before its cells are loaded.
+  void parameters(Archive& archive, const CellComplex& complex);
+
   /// Applies the declared policies to the kernel's tables and to those of every
   /// instance: splits, then merges, then removals. Rows of removed cells remain as dead rows; for
   /// removed vertices, the kernel's columns are zero. New cells join the sets of the instances of
@@ -106,6 +116,8 @@ class Attributes {
   std::span<const Index> user_element;
 
  private:
+  void sum(Instance& instance, std::uint32_t number, const CellComplex& complex, RestBatch& rest,
+           std::span<const double> uniform);
   void add_copies(const CellComplex& complex, std::span<const Split> copies);
   void require_parallelepiped(const RestPlaces& rest, Index element, const char* what) const;
   void follow(std::span<Table, 4> tables, const CellComplex& complex, const TopologyChange& change,

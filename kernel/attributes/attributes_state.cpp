@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/base/archive.hpp"
@@ -85,6 +86,22 @@ void state_of(Archive& archive, Instance& instance, const ElementParts& parts, b
 }
 
 }  // namespace
+
+void Attributes::parameters(Archive& archive, const CellComplex& complex) {
+  const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value); };
+  const auto is_open = [](double value) { return std::isnan(value); };
+  std::span instances = instances_;
+  archive.each("parameters", instances, [&](Archive& a, std::unique_ptr<Instance>& instance) {
+    const std::span built = instance->parameters();
+    std::vector<double> values(built.begin(), built.end());
+    a("values", values);
+    a.require(std::ranges::equal(values, built, {}, is_open, is_open),
+              "other parameters differ between elements");
+    if (std::ranges::equal(values, built, {}, bits, bits)) return;
+    Diagnostics known;  // what models report was reported when they were changed
+    set_parameters(*instance, std::move(values), complex, known);
+  });
+}
 
 void Attributes::state(Archive& archive) {
   if (archive.has_cells()) {

@@ -82,6 +82,10 @@ class TouchedSums {
   std::span<const double> keep_uniform(const Instance& instance, const suture_attribute& attribute,
                                        std::vector<double> values);
 
+  /// The stored values, or none.
+  std::span<const double> uniform(const Instance& instance,
+                                  const suture_attribute& attribute) const;
+
   /// Sums all from_volumes attributes of the instance at the touched cells; its shares
   /// are added to `mass`, whose touched rows the caller has set to zero. Each sum
   /// adds the same values in the same order as sum_contributions() on the complex
@@ -115,8 +119,6 @@ class TouchedSums {
     const suture_attribute* attribute;
     std::vector<double> values;
   };
-  std::span<const double> uniform(const Instance& instance,
-                                  const suture_attribute& attribute) const;
   void mark(const CellComplex& complex, const TopologyChange& change);
   template <int Dimension>
   void sum_uniform(const Instance& instance, const TopologyChange& change,

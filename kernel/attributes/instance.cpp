@@ -2,6 +2,7 @@
 #include "kernel/attributes/instance.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <string_view>
 #include <utility>
@@ -145,6 +146,7 @@ void Instance::prepare(Diagnostics& diagnostics) {
 }
 
 void Instance::ask_functors() {
+  enabled_.clear();
   for (const suture_functor& f : std::span(model_.functors, model_.functor_count)) {
     Enabled answer{true, f.reads};
     PluginCall asked = call("enabled");
@@ -335,8 +337,8 @@ double Instance::part_moment(Index row, std::size_t component) const {
                       row % SUTURE_LANES];
 }
 
-/// Uniform parameters fill their columns, then comes what the scene gives.
-void Instance::fill_columns() {
+/// The columns of parameters that do not differ from element to element.
+void Instance::fill_parameter_columns() {
   parameter_columns_.clear();
   const std::span parameters(model_.parameters, model_.parameter_count);
   for (std::uint32_t i = 0; i < model_.attribute_count; ++i) {
@@ -344,9 +346,38 @@ void Instance::fill_columns() {
     const std::string_view name = model_.attributes[i].name;
     const auto of =
         std::ranges::find_if(parameters, [&](const suture_parameter& p) { return p.name == name; });
-    columns_[i]->fill(parameters_[static_cast<std::size_t>(of - parameters.begin())]);
+    const double value = parameters_[static_cast<std::size_t>(of - parameters.begin())];
+    if (!std::isnan(value)) columns_[i]->fill(value);
     parameter_columns_.push_back(columns_[i]);
   }
+}
+
+void Instance::set_parameters(std::vector<double> parameters, Diagnostics& diagnostics) {
+  const std::vector<double> values = parameters_;
+  const std::vector<Enabled> enabled = enabled_;
+  const std::vector<double> memory(own_memory() ? prepared_->data() : nullptr,
+                                   own_memory() ? prepared_->end() : nullptr);
+  try {
+    std::ranges::copy(parameters, parameters_.begin());  // contexts point there
+    prepare(diagnostics);
+    ask_functors();
+    if (enabled_ != enabled)
+      throw InputError(title() +
+                       ": these values switch functors of the model on or off, which is decided "
+                       "when a scene is built; give it values with which the same functors run");
+  } catch (...) {
+    std::ranges::copy(values, parameters_.begin());
+    if (own_memory()) std::ranges::copy(memory, prepared_->data());
+    enabled_ = enabled;
+    find_needed();
+    throw;
+  }
+  fill_parameter_columns();
+}
+
+/// Uniform parameters fill their columns, then comes what the scene gives.
+void Instance::fill_columns() {
+  fill_parameter_columns();
   for (const GivenColumn& given : given_)
     if (columns_[given.attribute] != nullptr) fill(given);
   given_.clear();

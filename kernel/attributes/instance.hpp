@@ -51,6 +51,10 @@ class Instance {
   const suture_model& model() const { return model_; }
   const std::string& name() const { return name_; }
   std::span<const double> parameters() const { return parameters_; }
+  /// Changes the parameters after build(): calls prepare() and enabled() again, and fills the
+  /// columns of uniform parameters. Throws InputError if the model refuses them, or if it enabled
+  /// other functors or inputs than those that are built; nothing has changed then.
+  void set_parameters(std::vector<double> parameters, Diagnostics& diagnostics);
   /// "model 'tissue' (mss-baudet)", the beginning of messages.
   std::string title() const;
   /// Describes a call of a function of the model.
@@ -62,6 +66,7 @@ class Instance {
   struct Enabled {
     bool runs = true;
     std::uint32_t reads = 0;  ///< those of the declared suture_read bits that it needs
+    bool operator==(const Enabled&) const = default;
   };
   const Enabled& functor(std::size_t number) const { return enabled_[number]; }
   bool skips() const { return skip_; }
@@ -147,6 +152,7 @@ class Instance {
 
   void find_part_functors();
   void fill_parts(const ElementParts& parts, Index first_row);
+  void fill_parameter_columns();
   void fill_columns();
   void fill(const GivenColumn& given);
 

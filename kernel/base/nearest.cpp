@@ -29,6 +29,27 @@ std::size_t distance(std::string_view a, std::string_view b) {
   return d[a.size()][b.size()];
 }
 
+/// Letters and digits only, in lower case.
+std::string core_of(std::string_view word) {
+  std::string core;
+  for (const unsigned char c : word)
+    if (std::isalnum(c) != 0) core += static_cast<char>(std::tolower(c));
+  return core;
+}
+
+/// The only candidate that contains the word; otherwise "".
+std::string only_longer(std::string_view word, std::span<const std::string> candidates) {
+  const std::string core = core_of(word);
+  std::string found;
+  if (core.size() < 3) return found;
+  for (const std::string& candidate : candidates) {
+    if (core_of(candidate).find(core) == std::string::npos) continue;
+    if (!found.empty()) return "";
+    found = candidate;
+  }
+  return found;
+}
+
 }  // namespace
 
 std::string nearest(std::string_view word, std::span<const std::string> candidates) {
@@ -42,7 +63,7 @@ std::string nearest(std::string_view word, std::span<const std::string> candidat
       best_distance = d;
     }
   }
-  return best;
+  return best.empty() ? only_longer(word, candidates) : best;
 }
 
 std::string did_you_mean(std::string_view word, std::span<const std::string> candidates) {

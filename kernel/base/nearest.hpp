@@ -8,7 +8,8 @@
 namespace suture {
 
 /// The candidate with the smallest edit distance (insert, delete, replace, transpose) to `word`, if
-/// the distance is at most 3 and at most a third of the length of the word; otherwise "".
+/// the distance is at most 3 and at most a third of the length of the word. Otherwise the only
+/// candidate that contains the word ("faure" in "tm-faure"), or "".
 std::string nearest(std::string_view word, std::span<const std::string> candidates);
 
 /// " (did you mean 'E'?)" or "".

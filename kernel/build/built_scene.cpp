@@ -70,6 +70,14 @@ Mesh make_mesh(const MeshSource& source, const std::set<std::string>& arrays,
   return mesh;
 }
 
+}  // namespace
+
+std::shared_ptr<const Mesh> read_mesh_of(const Scene& scene, Diagnostics& diagnostics) {
+  const MeshSource& source = scene.mesh;
+  if (source.box || source.voxels || source.given) return nullptr;
+  return std::make_shared<const Mesh>(read(source, arrays_of(scene), diagnostics));
+}
+
 Mesh load_mesh(const Scene& scene, Diagnostics& diagnostics) {
   const MeshSource& source = scene.mesh;
   Mesh mesh = make_mesh(source, arrays_of(scene), diagnostics);
@@ -84,6 +92,8 @@ BodyFrame frame_of(const Mesh& mesh) {
   const Vec3 size = minus(high, low);
   return {mesh.origin, std::sqrt(dot(size, size))};
 }
+
+namespace {
 
 bool stops_on_inversion(const Scene& scene, const ModelUse& use) {
   for (const OnInversion choice : {use.on_inversion, scene.solver.on_inversion})
@@ -229,7 +239,7 @@ double BuiltScene::shortest_edge(const std::vector<Index>& vertices) {
 void BuiltScene::add_terms() {
   Attributes& attributes = body_.attributes();
   const CellComplex& complex = body_.complex();
-  body_.add(std::make_unique<Gravity>(attributes, scene_.gravity, scene_.gravity_ramp));
+  gravity_ = &body_.add(std::make_unique<Gravity>(attributes, scene_.gravity, scene_.gravity_ramp));
   const auto faces = [&](const Load& load) { return selector_.boundary_faces(load.where); };
   const auto triangles = [&](const Load& load) { return selector_.surface_triangles(load.where); };
   auto& dead = body_.add(std::make_unique<DeadLoads>(attributes));

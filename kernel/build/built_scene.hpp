@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,8 @@
 #include "kernel/spectrum/step_limits.hpp"
 
 namespace suture {
+
+class Gravity;
 
 /// Everything that is built from a scene before the first step, in the order of the data flow:
 /// mesh, body (cells, attributes, forces, constraints) and dynamics, with the user's names for its
@@ -41,6 +44,7 @@ class BuiltScene {
   const Selector& selector() const { return selector_; }
   Dynamics& dynamics() { return *dynamics_; }
   StepLimits& limits() { return *limits_; }
+  Gravity& gravity() { return *gravity_; }
 
   /// By model of the scene: whether a run ends where one of its elements becomes inverted.
   std::vector<bool> stops_on_inversion() const;
@@ -85,7 +89,17 @@ class BuiltScene {
   Selector selector_;
   std::unique_ptr<Dynamics> dynamics_;
   std::unique_ptr<StepLimits> limits_;
+  Gravity* gravity_ = nullptr;  ///< a term of the body
 };
+
+/// Reads the mesh of a scene from its files, with which load_mesh() begins; null if the scene has
+/// no such files. As MeshSource::given of scenes that have the same /mesh, it need not be read
+/// again. Throws InputError.
+std::shared_ptr<const Mesh> read_mesh_of(const Scene& scene, Diagnostics& diagnostics);
+/// Reads or makes the mesh of a scene, with the arrays that the scene's values name. Its points are
+/// relative to frame_of() it. Throws InputError.
+Mesh load_mesh(const Scene& scene, Diagnostics& diagnostics);
+BodyFrame frame_of(const Mesh& mesh);
 
 /// What a constraint or a grasp prescribes, without `reach`.
 PrescribedMotion motion_of(const Constraint& constraint);

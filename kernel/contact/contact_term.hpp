@@ -16,6 +16,7 @@ class ContactTerm : public ForceTerm, public TangentTerm, public WorkTerm {
   void add_forces(double time, const LiveMask& live, double* rows) override;
   void add_forces_at(const VertexSelection& selection, std::span<const Index> vertices, double time,
                      std::vector<Vec3>& forces) override;
+  void forget_models() override { stiffness_.clear(); }
 
  protected:
   /// `models`: the term whose bounds give the stiffness; `stiffening`: in multiples of these.

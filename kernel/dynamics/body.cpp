@@ -207,6 +207,7 @@ const Islands& Body::islands() {
 
 void Body::state(Archive& archive) {
   if (archive.has_cells()) {
+    attributes_.parameters(archive, complex());
     archive("complex", imported_.complex);
     archive("user vertex", user_vertex_);
     if (attributes_.parts().may_grow()) {

@@ -24,7 +24,7 @@ Dynamics::Dynamics(Body& body, const DynamicsOptions& options)
   body.add_follower(*this);
 }
 
-void Dynamics::start(double time) {
+void Dynamics::require_masses() {
   Attributes& attributes = body().attributes();
   const Column& mass = attributes.mass();
   for (Index v = 0; v < attributes.vertex_count(); ++v) {
@@ -34,8 +34,12 @@ void Dynamics::start(double time) {
                      " has a node without mass: no model with a density acts on it; extend the "
                      "regions of the models to cover the mesh");
   }
+}
+
+void Dynamics::start(double time) {
+  require_masses();
   motion_.start(time);
-  body().constraints().apply(attributes, time);
+  body().constraints().apply(body().attributes(), time);
   ledger_.restart();
   motion_.sums().restart();
   for_each_with<WorkTerm>(body().terms(), [](WorkTerm& term) { term.restart(); });
@@ -131,6 +135,43 @@ void Dynamics::constrain(const std::function<std::vector<Index>()>& change) {
       for (std::size_t c = 0; c < 3; ++c)
         if (!is_held(held, c))
           v[c] = (v[c] - lacking.gain * (accelerations[i][c] + uniform[c])) / lacking.decay;
+    }
+  });
+  integrator_->forget_cells();
+}
+
+/// f/m and gravity, by vertex, with the contact of the last step.
+std::vector<Vec3> Dynamics::accelerations() {
+  motion_.evaluate();
+  motion_.require_finite_forces();
+  const WithContactForces with_contact(body());
+  Attributes& attributes = body().attributes();
+  std::vector<Vec3> result(attributes.vertex_count(), body().acceleration(time()));
+  const double *mass = attributes.mass().rows(), *force = attributes.force().rows();
+  for (std::size_t v = 0; v < result.size(); ++v)
+    for (std::size_t c = 0; c < 3 && mass[v] > 0; ++c) result[v][c] += force[4 * v + c] / mass[v];
+  return result;
+}
+
+/// The kick that the velocities lack is another:
+///   e v' + g a' = e v + g a       e, g: of that kick
+void Dynamics::change_forces(const std::function<void()>& change) {
+  motion_.thaw();
+  jump([&] {
+    const std::vector<Vec3> before = accelerations();
+    change();
+    require_masses();
+    for (const auto& term : body().terms()) term->forget_models();
+    motion_.forget_forces();
+    const std::vector<Vec3> after = accelerations();
+    const Kick lacking = integrator_->lacking();
+    Attributes& attributes = body().attributes();
+    for (Index v = 0; v < attributes.vertex_count(); ++v) {
+      const unsigned held = held_components(attributes, v);
+      double* velocity = attributes.velocity().rows() + std::size_t{v} * 4;
+      for (std::size_t c = 0; c < 3; ++c)
+        if (!is_held(held, c))
+          velocity[c] += lacking.gain / lacking.decay * (before[v][c] - after[v][c]);
     }
   });
   integrator_->forget_cells();

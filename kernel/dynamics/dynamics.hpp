@@ -80,6 +80,11 @@ class Dynamics : private Follower {
   /// the energy is booked as an event.
   void constrain(const std::function<std::vector<Index>()>& change);
 
+  /// Calls `change`, which changes forces, masses or gravity. Positions stay, and so do the
+  /// velocities at their time; the change of the energy is booked as an event. Throws the errors of
+  /// `change`, of terms, and InputError if a vertex has no mass; the caller then undoes the change.
+  void change_forces(const std::function<void()>& change);
+
   /// Motion, ledger and body: a state for a rollback (StateBuffer), valid until an operation or
   /// sleep, or for a checkpoint. Later steps are bitwise identical, except for functors that read
   /// velocities after a rollback to a synchronised Verlet state: they see the velocity after its
@@ -87,6 +92,8 @@ class Dynamics : private Follower {
   void state(Archive& archive);
 
  private:
+  void require_masses();
+  std::vector<Vec3> accelerations();
   void before(const ComingOperation& operation) override;
   void follow(const CellComplex& complex, const TopologyChange& change) override;
   Ledger::Now now();

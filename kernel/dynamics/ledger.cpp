@@ -72,7 +72,7 @@ EnergyBalance Ledger::balance(const Now& now) {
   if (contact && contact->is_term()) b.works.push_back({"friction", contact->friction_work()});
   for (const EnergyBalance::Work& work : b.works) internal -= work.value;
   if (contact && !contact->is_term()) {  // impulses are not in the sums of forces
-    b.works.push_back({"contact", contact->work() + now.contact});
+    b.works.push_back({"contact", contact->work() + now.contact + account_.pending_contact});
     b.works.push_back({"friction", contact->friction_work()});
     if (const auto cutting = contact->cutting_work()) b.works.push_back({"cutting", *cutting});
   }
@@ -96,6 +96,7 @@ void Ledger::before_jump(const Now& now) {
   jump_.start_driven = body_.constraints().driven_kinetic(body_.attributes());
   jump_.pending_driven = driven_until(now);
   jump_.pending_work = now.work;
+  jump_.pending_contact = now.contact;
 }
 
 void Ledger::after_jump(const Now& now) {
@@ -107,6 +108,7 @@ void Ledger::after_jump(const Now& now) {
   account_.leapfrog_start += now.leapfrog_part - jump_.leapfrog_start;
   account_.pending_driven += jump_.pending_driven - driven_until(now);
   account_.pending_work += jump_.pending_work - now.work;
+  account_.pending_contact += jump_.pending_contact - now.contact;
   book(now.time);
 }
 
@@ -127,6 +129,7 @@ void Ledger::state(Archive& archive) {
   archive("events elastic", account_.events_elastic);
   archive("owed driven", account_.pending_driven);
   archive("owed work", account_.pending_work);
+  archive("owed contact", account_.pending_contact);
   archive("exchanged", account_.exchanged);
   archive("leapfrog start", account_.leapfrog_start);
 }

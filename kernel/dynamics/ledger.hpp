@@ -130,7 +130,7 @@ class Ledger {
     double start = 0, start_elastic = 0, start_driven = 0;  ///< kinetic + elastic, and parts of it
     double events = 0, events_elastic = 0;
     /// For the half step before a jump, which no pass covers with the previous forces.
-    double pending_driven = 0, pending_work = 0;
+    double pending_driven = 0, pending_work = 0, pending_contact = 0;
     double exchanged = 0;
     double leapfrog_start =
         0;  ///< h^2/8 sum F^2/m at the start and at changes of the step or jumps

@@ -47,6 +47,8 @@ class ForceTerm : public Follower {
   /// Called when a step was accepted: trial states become final.
   virtual void accept() {}
   void follow(const CellComplex&, const TopologyChange&) override {}
+  /// The models have other parameters: what was found from them must be found again.
+  virtual void forget_models() {}
   /// All of its state that a run changes.
   virtual void state(Archive&) {}
   /// When its last ramp ends, s.

@@ -59,6 +59,7 @@ void Gravity::restart() {
 }
 
 void Gravity::state(Archive& archive) {
+  if (archive.has_cells()) archive("value", value_);
   archive("work", work_);
   archive("moment", moment_);
   archive("last ramp", last_ramp_);

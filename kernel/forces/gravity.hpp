@@ -15,6 +15,10 @@ class Gravity final : public ForceTerm, public EnergyTerm, public WorkTerm {
   Gravity(Attributes& attributes, const Vec3& value, const TimeRamp& ramp)
       : attributes_(attributes), value_(value), ramp_(ramp) {}
 
+  const Vec3& value() const { return value_; }
+  /// Only where the energy may jump (Dynamics::change_forces).
+  void set_value(const Vec3& value) { value_ = value; }
+
   const char* name() const override { return "gravity"; }
   void add_forces(double, const LiveMask&, double*) override {}
   void add_forces_in_step(const StepTimes& step, const LiveMask& live, double* rows) override;

@@ -127,6 +127,15 @@ std::vector<std::string> ProbeTable::columns() const {
   return columns;
 }
 
+std::vector<ProbeTable::Quantity> ProbeTable::quantities() const {
+  std::vector<Quantity> quantities;
+  for (const Entry& entry : entries_) {
+    const FieldChoice& field = fields_[entry.field];
+    quantities.push_back({entry.probe, field.name, field.components});
+  }
+  return quantities;
+}
+
 const std::vector<double>& ProbeTable::row(double time, const Vec3& gravity) {
   for (std::size_t f = 0; f < fields_.size(); ++f)
     if (!fields_[f].value) fields_[f].fill(built_, gravity, time, computed_[f]);

@@ -18,6 +18,13 @@ class ProbeTable {
 
   /// One per value of a row: "time [s]", "tip displacement x [m]", ...
   std::vector<std::string> columns() const;
+  /// A field of a probe, which takes `components` values of a row.
+  struct Quantity {
+    std::string probe, field;
+    int components;
+  };
+  /// In the order of the columns behind the time.
+  std::vector<Quantity> quantities() const;
   /// The values of one row. A field computed by functors is computed once for all probes; other
   /// fields are read only at the probes. NaN if every cell of a probe was removed or no model
   /// provides the field. Throws NumericalError for any other value that is not finite.

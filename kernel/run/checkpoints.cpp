@@ -17,18 +17,6 @@ void add(const Column& column, Checksum& sum) {
     }
 }
 
-/// Of the elements, where they are at rest, and what differs between them.
-std::string hash_of(Body& body) {
-  Checksum sum;
-  const auto elements = body.complex().vertices();
-  sum.add(std::as_bytes(std::span(elements)));
-  const Column& rest = body.attributes().rest();
-  sum.add(std::as_bytes(std::span(rest.rows(), std::size_t{rest.size()} * 4)));
-  for (const auto& instance : body.attributes().instances())
-    for (const Column* column : instance->columns_given_by_cell()) add(*column, sum);
-  return sum.text();
-}
-
 /// The identity of a run: what determines the bits of its results, and where it began.
 std::string identity_of(const CheckpointHeader& run, const CheckpointHeader& earlier = {}) {
   Checksum sum;
@@ -53,7 +41,7 @@ CheckpointHeader header_of(BuiltScene& built, const PluginHost& host) {
   header.working_folder = scene.source.working_folder.string();
   header.scene_hash = scene.hash;
   header.mesh_source = built.mesh_source();
-  header.mesh_hash = hash_of(built.body());
+  header.mesh_hash = suture::mesh_hash(built.body());
   for (const ModelUse& use : scene.models) {
     const suture_plugin& plugin = host.plugin_of(*use.model);
     header.plugins.push_back({plugin.id, plugin.version, host.file_of(*use.model).string()});
@@ -63,6 +51,17 @@ CheckpointHeader header_of(BuiltScene& built, const PluginHost& host) {
 }
 
 }  // namespace
+
+std::string mesh_hash(Body& body) {
+  Checksum sum;
+  const auto elements = body.complex().vertices();
+  sum.add(std::as_bytes(std::span(elements)));
+  const Column& rest = body.attributes().rest();
+  sum.add(std::as_bytes(std::span(rest.rows(), std::size_t{rest.size()} * 4)));
+  for (const auto& instance : body.attributes().instances())
+    for (const Column* column : instance->columns_given_by_cell()) add(*column, sum);
+  return sum.text();
+}
 
 Checkpoints::Checkpoints(BuiltScene& built, const PluginHost& host,
                          std::shared_ptr<OutputFolder> folder)

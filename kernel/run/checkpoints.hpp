@@ -13,6 +13,10 @@
 
 namespace suture {
 
+/// Hash of the elements of a body as it was built, where they are at rest, and what differs between
+/// them.
+std::string mesh_hash(Body& body);
+
 /// Decides when a checkpoint is due and writes it. Costs nothing if the scene requests none.
 class Checkpoints {
  public:

@@ -298,6 +298,7 @@ bool only_cuts(const std::vector<Event>& events) {
 std::string reason_to_compute_fixed_cells(const Scene& scene, const BuiltScene& built,
                                           const Recorder& recorder) {
   if (!built.skips()) return no_skip;
+  if (scene.output.on_request) return "computed: Python may read the fields of any cell";
   if (recorder.frames_need_force()) return "computed: frames contain forces";
   if (recorder.frames_run_functors()) return "computed: frames contain fields of the models";
   if (recorder.probes_need(&FieldChoice::needs_force)) return "computed: probes record forces";

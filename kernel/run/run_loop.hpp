@@ -30,6 +30,10 @@ class RunLoop {
   void change_motion(const std::function<void(Attributes&)>& change);
   void steer(const std::string& obstacle, const PoseTarget& target);
   ForceTerm& add_term(std::unique_ptr<ForceTerm> term);
+  void set_parameters(Instance& instance, std::vector<double> values);
+  void set_gravity(const Vec3& value);
+  StateTree save();
+  void load(const StateTree& state);
   /// Loads the state of the checkpoint from `file`. Call before any step.
   void resume(const Checkpoint& checkpoint, const std::filesystem::path& file);
   /// Makes a step for timing only, without events; returns false if it fails.
@@ -48,6 +52,7 @@ class RunLoop {
   void state(Archive& archive);
 
  private:
+  void change_forces(const std::function<void()>& change);
   using Wall = std::chrono::steady_clock;
   void require_held_bodies();
   std::string rounding_warning();

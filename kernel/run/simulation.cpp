@@ -53,6 +53,16 @@ ForceTerm& Simulation::add_term(std::unique_ptr<ForceTerm> term) {
   return run_->add_term(std::move(term));
 }
 
+void Simulation::set_parameters(Instance& instance, std::vector<double> values) {
+  run_->set_parameters(instance, std::move(values));
+}
+
+void Simulation::set_gravity(const Vec3& value) { run_->set_gravity(value); }
+
+StateTree Simulation::save() { return run_->save(); }
+
+void Simulation::load(const StateTree& state) { run_->load(state); }
+
 BuiltScene& Simulation::built() { return run_->built(); }
 
 Energies Simulation::energies() { return suture::energies(run_->built().dynamics()); }

@@ -78,6 +78,21 @@ class Simulation {
   /// Adds a term, whose forces act from now on. Throws InputError if this run cannot take it.
   ForceTerm& add_term(std::unique_ptr<ForceTerm> term);
 
+  /// Changes the parameters of a model of the scene (read_parameters()), and all that follows from
+  /// them: masses, forces, the stable step, preconditioners. Positions and velocities stay; the
+  /// change of the energy is booked as that of an event. Throws InputError if the model refuses
+  /// them, or if they need what was not built, and the errors of forces; nothing has changed then.
+  /// O(elements), and a search of the stable step.
+  void set_parameters(Instance& instance, std::vector<double> values);
+  /// Changes gravity, m/s^2, in the same way; its ramp goes on.
+  void set_gravity(const Vec3& value);
+
+  /// Everything that a run changes, as a checkpoint stores it.
+  StateTree save();
+  /// Continues from the state of another simulation of the same scene; call before anything but
+  /// add_term(): the terms are those of the state. Throws InputError if it does not fit.
+  void load(const StateTree& state);
+
   Energies energies();  ///< J; potentials are zero at rest positions
 
   /// The body, its dynamics and the user's names for its cells.

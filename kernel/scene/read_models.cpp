@@ -139,6 +139,20 @@ void read_plugins(ObjectReader& top, Reading& reading) {
 
 }  // namespace
 
+void read_changes(ObjectReader& object, const suture_model& model, std::vector<double>& values) {
+  for (std::uint32_t i = 0; i < model.parameter_count; ++i) {
+    const suture_parameter& parameter = model.parameters[i];
+    if (object.find(parameter.name) == nullptr) continue;
+    if (std::isnan(values[i]))
+      object.complain(parameter.name,
+                      "is a direction, or given by an array or a table of the scene, and cannot be "
+                      "changed during a run");
+    else
+      values[i] = read_parameter(object, parameter).value_or(values[i]);
+  }
+  object.finish();
+}
+
 void read_models(ObjectReader& top, Reading& reading) {
   read_plugins(top, reading);
   const JsonValue* models = top.require("models", "the models of the elements");

@@ -122,6 +122,7 @@ struct OutputOptions {
   bool enabled = true;
   std::filesystem::path directory;  ///< absolute; default: out/NAME in the working folder
   std::filesystem::path root{};     ///< no link is followed below it; empty: links are followed
+  bool on_request = false;          ///< the program that runs the scene may ask for any field
   bool frames = true;               ///< false: tables only
   double every = 0;                 ///< s between frames; 0: first and last only
   std::uint64_t every_steps = 0;    ///< instead of seconds

@@ -69,6 +69,8 @@ OnInversion read_on_inversion(ObjectReader& object);
 
 void read_mesh(const JsonValue& value, Reading& reading);
 void read_models(ObjectReader& top, Reading& reading);
+/// Parameters of a model that change during a run.
+void read_changes(ObjectReader& object, const suture_model& model, std::vector<double>& values);
 /// A station {"at", "translation", "angle"} of a path, which must be later than `previous`, unless
 /// that is null.
 RigidPath::Station read_pose(ObjectReader& object, const RigidPath::Station* previous);

@@ -211,6 +211,17 @@ Event read_event(std::string_view text, const std::string& name, const Scene& sc
   return event;
 }
 
+std::vector<double> read_parameters(std::string_view text, const std::string& name,
+                                    const suture_model& model, std::span<const double> now) {
+  const JsonValue root = parse_json(text, name);
+  std::vector<double> values(now.begin(), now.end());
+  Mistakes mistakes(name, {});
+  ObjectReader object(root, "", mistakes);
+  read_changes(object, model, values);
+  mistakes.throw_if_any();
+  return values;
+}
+
 const std::vector<std::string>& standard_fields() {
   static const std::vector<std::string> fields{
       "displacement", "velocity",  "force",   "reaction",        "reaction_moment",

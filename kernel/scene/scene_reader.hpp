@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -55,6 +56,12 @@ Scene read_scene_source(const SceneSource& source, const std::vector<std::string
 /// mistakes.
 Event read_event(std::string_view text, const std::string& name, const Scene& scene,
                  Diagnostics& diagnostics);
+
+/// Reads parameters of a model of a scene during its run, such as {"E": 2e4}; the others keep their
+/// values `now` (Instance::parameters()). `name` is the name of the text in messages. Throws
+/// SceneError with all mistakes.
+std::vector<double> read_parameters(std::string_view text, const std::string& name,
+                                    const suture_model& model, std::span<const double> now);
 
 /// Names of the output fields available to every scene, independent of its models.
 const std::vector<std::string>& standard_fields();

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <regex>
 #include <set>
+#include <sstream>
 
 #include "kernel/scene/json_document.hpp"
 #include "tests/apps/program.hpp"
@@ -17,12 +21,86 @@ TEST_F(Commands, HelpAndVersionAreNoErrors) {
     for (const char* command : {"run", "check", "explain", "modes", "sweep", "replay", "models",
                                 "check-model", "new-model", "describe", "schema", "mesh"}) {
       EXPECT_TRUE(help.out.find(command) != std::string::npos) << command << help;
+      const Outcome page = suture({command, "--help"});  // what all have in common is said once
+      EXPECT_EQ(page.code, 0) << page;
+      EXPECT_FALSE(page.says("Exit codes")) << page;
     }
+    EXPECT_TRUE(help.says("Exit codes:")) << help;
   }
   const Outcome version = suture({"--version"});
   EXPECT_EQ(version.code, 0) << version;
   EXPECT_EQ(version.out.find("suture "), 0u) << version;
   EXPECT_TRUE(suture({"run", "--help"}).says("--set")) << suture({"run", "--help"});
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+// Without a command, it leads to a first run: literally.
+TEST_F(Commands, TheGuideLeadsToAFirstRun) {
+  const Outcome guide = suture({});
+  EXPECT_EQ(guide.code, 0) << guide;
+  const Outcome made = suture({"new-scene", "beam.json"});
+  EXPECT_EQ(made.code, 0) << made;
+  for (const char* step : {"suture new-scene beam.json", "suture run beam.json"})
+    EXPECT_TRUE(guide.says(step)) << step << guide;
+  EXPECT_TRUE(guide.says("suture plot out/beam") && made.says("suture plot out/beam")) << made;
+  const Outcome run = suture({"run", "beam.json"});
+  EXPECT_EQ(run.code, 0) << run;
+  EXPECT_TRUE(std::filesystem::exists(folder() / "out/beam/run.pvd"));
+  const Outcome again = suture({"new-scene"});
+  EXPECT_EQ(again.code, 2) << again;
+  EXPECT_TRUE(again.says("beam.json exists already")) << again;
+}
+
+/// What bash proposes for the last of some words.
+std::string completed(const std::filesystem::path& folder, const std::string& words) {
+  const std::string script = "cd '" + folder.string() + "' && export PATH='" +
+                             std::filesystem::path(SUTURE_PROGRAM).parent_path().string() +
+                             "':$PATH && suture completion bash >c.bash && . ./c.bash && "
+                             "COMP_WORDS=(" +
+                             words +
+                             ") && COMP_CWORD=$((${#COMP_WORDS[@]} - 1)) "
+                             "&& _suture && echo \"${COMPREPLY[*]}\" >reply";
+  EXPECT_EQ(
+      std::system(
+          ("bash -euc '" + std::regex_replace(script, std::regex("'"), "'\\''") + "'").c_str()),
+      0);
+  std::ifstream reply(folder / "reply");
+  std::string text;
+  std::getline(reply, text);
+  return text;
+}
+
+TEST_F(Commands, BashCompletesCommandsOptionsChoicesAndModels) {
+  EXPECT_EQ(completed(folder(), "suture ex"), "explain");
+  EXPECT_EQ(completed(folder(), "suture mesh in"), "info");
+  EXPECT_EQ(completed(folder(), "suture mesh generate b"), "box");
+  EXPECT_EQ(completed(folder(), "suture run --o"), "--output");
+  EXPECT_EQ(completed(folder(), "suture run s.json --no"), "--no-skip");
+  EXPECT_EQ(completed(folder(), "suture modes --at e"), "equilibrium");
+  EXPECT_EQ(completed(folder(), "suture describe tm"), "tm-faure");
+  EXPECT_EQ(completed(folder(), "suture run s"), "");  // files, by bash itself
+}
+
+TEST_F(Commands, TheManualAndZshHaveEveryCommandAndOption) {
+  const Outcome manual = suture({"man"}), zsh = suture({"completion", "zsh"});
+  EXPECT_EQ(manual.code + zsh.code, 0) << manual << zsh;
+  EXPECT_EQ(zsh.out.find("#compdef suture\n"), 0u);
+  for (const char* words :
+       {".SS suture mesh generate box", ".B \\-\\-check\\-plugins", ".SH EXIT STATUS"})
+    EXPECT_TRUE(manual.says(words)) << words << manual;
+  for (const char* words :
+       {"'suture mesh generate box'", "'--check-plugins:", "compadd rest equilibrium"})
+    EXPECT_TRUE(zsh.says(words)) << words << zsh;
+  for (const std::string& line : lines_of(manual.out))  // what groff would take for a request
+    if (line.starts_with(".") || line.starts_with("'")) {
+      EXPECT_TRUE(std::regex_match(line, std::regex("\\.(TH|SH|SS|TP|B|I)( .*)?"))) << line;
+    }
 }
 
 struct WrongCommand {
@@ -32,7 +110,6 @@ struct WrongCommand {
 
 TEST_F(Commands, WrongUsageNamesWhatWasMeant) {
   const WrongCommand wrong[] = {
-      {{}, "no command"},
       {{"rnu", "s.json"}, "did you mean 'run'"},
       {{"run"}, "scene"},
       {{"run", "s.json", "--thread", "2"}, "did you mean '--threads'"},
@@ -51,8 +128,10 @@ TEST_F(Commands, WrongUsageNamesWhatWasMeant) {
       {{"modes", "s.json", "--at", "equilibrum"}, "did you mean 'equilibrium'"},
       {{"modes"}, "scene"},
       {{"sweep"}, "study"},
-      {{"compare", "a"}, "b is required"},
-      {{"plot"}, "run"},
+      {{"compare", "a"}, "runs: At least 2 required"},
+      {{"compare", "a", "b", "c", "d"}, "runs: At Most 3 required"},
+      {{"plot"}, "what is required"},
+      {{"plot", "a.obj", "b.obj"}, "a.obj: a mesh, a surface or a scene is drawn alone"},
       {{"sweep", "s.json", "--jobs", "0"}, "--jobs must be a whole number from 1 to 10000"},
       {{"mesh"}, "subcommand"},
       {{"mesh", "inof", "a.vtu"}, "did you mean 'info'"},
@@ -105,9 +184,11 @@ TEST_F(Commands, ListsAndDescribesModels) {
   const Outcome solid = suture({"describe", "tm-faure"});
   EXPECT_TRUE(solid.says("number > 0; required; may differ from element to element")) << solid;
   EXPECT_FALSE(solid.says("jacobian") || solid.says("constants")) << solid;
-  const Outcome unknown = suture({"describe", "tm-fuare"});
-  EXPECT_EQ(unknown.code, 4) << unknown;
-  EXPECT_TRUE(unknown.says("tm-faure")) << unknown;
+  for (const char* wrong : {"tm-fuare", "faure", "TMFaure"}) {
+    const Outcome unknown = suture({"describe", wrong});
+    EXPECT_EQ(unknown.code, 4) << unknown;
+    EXPECT_TRUE(unknown.says("did you mean 'tm-faure'?")) << unknown;
+  }
 }
 
 // tests/house/schema.py compares it with scenes.

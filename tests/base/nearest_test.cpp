@@ -17,6 +17,14 @@ TEST(Nearest, FindsTyposAndTranspositions) {
   EXPECT_EQ(nearest("e", keys), "E");
 }
 
+TEST(Nearest, FindsTheOnlyLongerName) {
+  const std::vector<std::string> models{"tm-faure", "neo-hookean", "mss-baudet", "mss-golec"};
+  EXPECT_EQ(nearest("faure", models), "tm-faure");
+  EXPECT_EQ(nearest("NeoHook", models), "neo-hookean");
+  EXPECT_EQ(nearest("mss", models), "");  // two
+  EXPECT_EQ(nearest("tm", models), "");   // too short
+}
+
 TEST(Nearest, SaysNothingWhenNothingIsNear) {
   EXPECT_EQ(nearest("temperature", keys), "");
   EXPECT_EQ(did_you_mean("temperature", keys), "");

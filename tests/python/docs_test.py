@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs the code of docs/python.md as it stands there, section by section."""
+"""Runs the code of docs/python.md and docs/python-examples.md as it stands there."""
 
 import os
 import re
@@ -8,13 +8,14 @@ import unittest
 import warnings
 from pathlib import Path
 
-TEXT = (Path(__file__).parents[2] / "docs" / "python.md").read_text()
+DOCS = Path(__file__).parents[2] / "docs"
+FILES = ("python.md", "python-examples.md")
 
 
-def sections():
+def sections(file):
     """{heading: code}, with the lines where they are in the file."""
     found, heading, lines, is_code = {}, "", [], False
-    for line in TEXT.splitlines():
+    for line in (DOCS / file).read_text().splitlines():
         if line.startswith("## "):
             heading = line[3:]
         is_fence = line.startswith("```")
@@ -30,28 +31,30 @@ def sections():
 
 class Documentation(unittest.TestCase):
     def test_there_are_six_examples(self):
-        self.assertEqual(sum(heading.startswith("Example") for heading in sections()), 6)
+        self.assertEqual(sum(heading.startswith("Example")
+                             for heading in sections("python-examples.md")), 6)
 
-    def run_section(self, heading):
+    def run_section(self, file, heading):
         before = os.getcwd()
         with tempfile.TemporaryDirectory() as folder:
             os.chdir(folder)
             try:
                 with warnings.catch_warnings():
                     warnings.simplefilter("error", UserWarning)
-                    exec(compile(sections()[heading], "docs/python.md", "exec"),
+                    exec(compile(sections(file)[heading], "docs/" + file, "exec"),
                          {"__name__": "example"})
             finally:
                 os.chdir(before)
 
 
-def _add(heading):
+def _add(file, heading):
     name = "test_" + re.sub(r"\W+", "_", heading).lower()
-    setattr(Documentation, name, lambda self: self.run_section(heading))
+    setattr(Documentation, name, lambda self: self.run_section(file, heading))
 
 
-for _heading in sections():
-    _add(_heading)
+for _file in FILES:
+    for _heading in sections(_file):
+        _add(_file, _heading)
 
 if __name__ == "__main__":
     unittest.main()

@@ -266,7 +266,7 @@ class Leaks(unittest.TestCase):
                     sim.cut(plane=([1.5, 0, 0], [1, 0, 0]))
                     x = x[3:5] if x is not None else x
 
-            some(500)
+            some(1500)
             before = peak()
             some(1000)
             print((peak() - before) / 1000)

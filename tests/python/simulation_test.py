@@ -212,26 +212,10 @@ class Steps(unittest.TestCase):
             sim = suture.Simulation(bar(dt=0.02, end=10))
             with self.assertRaises(suture.NumericalError):
                 sim.run()
-        with self.assertRaisesRegex(RuntimeError, "has ended with an error .*create a new one"):
+        with self.assertRaisesRegex(RuntimeError, "has ended with an error .*restore\(\) an earlier state, or create a new one"):
             sim.step()
         self.assertTrue(np.isfinite(sim.rest).all())
         self.assertEqual(sim.position.shape, sim.rest.shape)
-
-
-class Documentation(unittest.TestCase):
-    def test_everything_public_has_a_stub_and_a_text(self):
-        stub = ast.parse((Path(suture.__file__).parent / "__init__.pyi").read_text())
-        classes = {node.name: node for node in stub.body if isinstance(node, ast.ClassDef)}
-        names = {node.name for node in stub.body if hasattr(node, "name")}
-        self.assertLessEqual(set(suture.__all__), names)
-        members = {node.name for node in classes["Simulation"].body} - {"__init__"}
-        public = {name for name in dir(suture.Simulation) if not name.startswith("_")}
-        self.assertEqual(members, public)
-        for name in public:
-            text = getattr(suture.Simulation, name).__doc__
-            self.assertGreater(len(text or ""), 15, name)
-        for name in ("position", "velocity", "rest"):
-            self.assertRegex(getattr(suture.Simulation, name).__doc__, r"\(vertices, 3\).* m")
 
 
 class Threads(unittest.TestCase):

@@ -9,6 +9,7 @@ import subprocess
 import tempfile
 import time
 import unittest
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -87,6 +88,49 @@ class Runs(InFolder):
         self.assertEqual(results["floor"], [floor])
         results = suture.sweep(bar(), [{E: 1e5}], folder="other")
         self.assertGreater(results["gravity"][0], 0)
+
+    def caught_in_sweep(self, *arguments, **more):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            suture.sweep(*arguments, **more)
+        return [str(warning.message) for warning in caught]
+
+    def test_a_warning_of_all_runs_is_shown_once(self):
+        def measure(sim):
+            warnings.warn(f"E of {1 / sim.dt} is unusual")
+            if sim.position.size == 0:
+                warnings.warn("never")
+            return {}
+
+        values = {E: [1e5, 2e5, 3e5]}
+        once, = self.caught_in_sweep(bar(dt="auto"), values, 1, measure=measure)
+        self.assertRegex(once, r"^E of [\d.]+ is unusual \(run 0, and 2 more\)$")
+        self.assertEqual(self.caught_in_sweep(bar(dt="auto"), values, 1, measure=measure), [])
+
+    def test_the_mesh_is_read_once(self):
+        sling = Path(__file__).parents[2] / "docs" / "scenes" / "gmsh-sling.msh"
+        Path("mine.msh").write_text(sling.read_text())  # has quadrilaterals, which are skipped
+        scene = {**bar(dt=1e-5, end=1e-3), "mesh": {"file": "mine.msh", "scale": 1e-3},
+                 "constraints": [{"fix": "xyz", "where": {"set": "left end"}}]}
+        values = {E: [1e5, 2e5, 3e5]}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            alone = [tip(suture.Simulation(scene, {E: e}))["tip"] for e in values[E]]
+        texts = self.caught_in_sweep(scene, values, 1, measure=tip, folder="a",
+                                     report=lambda done, every: Path("mine.msh").write_text("x"))
+        self.assertEqual(len(texts), 1, texts)
+        self.assertIn("skipped 32 quadrilaterals", texts[0])
+        results = suture.read_results("a")
+        np.testing.assert_array_equal(results["tip"], alone)
+        # Another scale is another mesh.
+        Path("mine.msh").write_text(sling.read_text())
+        self.caught_in_sweep(scene, {"/mesh/scale": [1e-3, 2e-3]}, 1, folder="b",
+                             measure=lambda sim: {"width": np.ptp(sim.rest[:, 0])})
+        np.testing.assert_allclose(suture.read_results("b")["width"], [0.9, 1.8])
+        # A mesh that is missing fails run by run.
+        Path("mine.msh").unlink()
+        failed = suture.sweep(scene, values, 1, measure=tip, folder="c")
+        self.assertIn("there is no file", failed.rows[2]["error"])
 
     def test_finished_runs_are_not_repeated(self):
         made = []
@@ -173,6 +217,47 @@ class CommandLine(InFolder):
             sim.run()
             corner = np.argmax(sim.rest.sum(axis=1))
             self.assertEqual(value, (sim.position - sim.rest)[corner, 1])
+        # The series of all runs, in one table and one by one.
+        with open("out/probes.csv") as table:
+            rows = list(csv.DictReader(table))
+        name = "tip displacement y [m]"
+        results = suture.read_results("out")
+        self.assertEqual(results.parameters, [E])
+        series = results.series(name)
+        self.assertEqual(len(series), 2)
+        for run, (times, values) in enumerate(series):
+            mine = [row for row in rows if row["run"] == str(run)]
+            self.assertEqual([float(row["time [s]"]) for row in mine], list(times))
+            self.assertEqual([float(row[name]) for row in mine], list(values))
+            self.assertEqual(values[-1], results[name][run])
+        self.assertGreater(len(times), 3)
+        with self.assertRaisesRegex(KeyError, "no run has a series 'top'; there are tip"):
+            results.series("top")
+        for words in (["out"], ["study.json"], ["out", "--only", "y [m]"]):
+            drawn = subprocess.run([os.environ["SUTURE_PROGRAM"], "plot", *words], text=True,
+                                   capture_output=True)
+            self.assertEqual((drawn.returncode, drawn.stderr), (0, ""))
+        titles = [axes.get_title() for axes in results.plot(["y [m]"]).axes if axes.get_title()]
+        self.assertEqual(titles, [name + " at the end", name])
+
+    def test_a_table_of_another_scene_does_not_stay(self):
+        self.study()
+        self.sweep("study.json")
+        scene = json.loads(Path("bar.json").read_text())
+        Path("bar.json").write_text(json.dumps({**scene, "output": {"energies": {}}}))
+        self.assertEqual(self.sweep("study.json").returncode, 0)
+        self.assertFalse(Path("out/probes.csv").exists())
+        self.assertNotIn("tip displacement y [m]", suture.read_results("out").series_columns)
+        self.study(output=False)
+        self.assertEqual(self.sweep("study.json").returncode, 0)
+        self.assertEqual(suture.read_results("out").series_columns, [])
+
+    def test_failures_of_one_kind_are_one_line(self):
+        self.study(grid={E: [-1, -2, -3, 1e5]})
+        done = self.sweep("study.json")
+        self.assertEqual(done.returncode, 5)
+        self.assertEqual(len(done.stdout.splitlines()), 2, done.stdout)
+        self.assertIn("(run 0, and 2 more)", done.stdout)
 
     def test_a_job_script_makes_the_same_study(self):
         self.study()

@@ -21,26 +21,34 @@ from ._suture import (
     NumericalError,
     PluginError,
     SceneError,
+    State,
     version as __version__,
 )
 
+_later = {  # what needs more than the kernel is imported when it is first used
+    "Mesh": "_mesh",
+    "ModelParameters": "_parameters",
+    "Picture": "_draw",
+    "Record": "_record",
+    "Results": "_study_results",
+    "Tool": "_tools",
+    "grid": "_sweep",
+    "latin_hypercube": "_sweep",
+    "read_results": "_study_results",
+    "sweep": "_sweep",
+}
 
 
 def __getattr__(name):
-    """What needs more than the kernel is imported when it is first used."""
-    if name == "Mesh":
-        from ._mesh import Mesh
+    if name not in _later:
+        raise AttributeError(f"module 'suture' has no attribute {name!r}")
+    from importlib import import_module
 
-        return Mesh
-    if name in ("grid", "latin_hypercube", "sweep"):
-        from . import _sweep
+    return getattr(import_module("." + _later[name], __name__), name)
 
-        return getattr(_sweep, name)
-    if name == "Tool":
-        from ._tools import Tool
 
-        return Tool
-    raise AttributeError(f"module 'suture' has no attribute {name!r}")
+def __dir__():
+    return sorted({*globals(), *__all__})
 
 
 __all__ = [
@@ -51,13 +59,19 @@ __all__ = [
     "InputError",
     "IoError",
     "Mesh",
+    "ModelParameters",
     "NumericalError",
+    "Picture",
     "PluginError",
+    "Record",
+    "Results",
     "SceneError",
     "Simulation",
+    "State",
     "Surface",
     "Tool",
     "grid",
     "latin_hypercube",
+    "read_results",
     "sweep",
 ]

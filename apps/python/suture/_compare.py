@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Differences between two runs, field by field and time by time.
+"""Differences between runs, field by field and time by time.
 
-    python3 -m suture._compare A B [--common] [--tolerance T]      what `suture compare` executes
+    python3 -m suture._compare A B [C] [--common] [--tolerance T]   what `suture compare` executes
 """
 
 import argparse
@@ -9,9 +9,11 @@ import sys
 
 import numpy
 
+from ._differences import Probed, difference
 from ._errors import report_error
-from ._results import TABLES, folder_of, frames_of, table_of
-from ._vtk import read_grid
+from ._frames import Frame
+from ._orders import orders
+from ._results import TABLES, TIME, folder_of, frames_of, table_of
 
 SAME_TIME = 1e-9  # of the last time
 
@@ -33,28 +35,22 @@ def _pairs(a, b, common):
     return pairs
 
 
-def _require_same_mesh(a, b, grids):
-    (points, cells), (others, their_cells) = ((g["points"], g["cells"]) for g in grids)
-    if points.shape != others.shape or not numpy.array_equal(cells, their_cells):
-        raise ValueError(
-            f"the meshes differ: {a} has {len(points)} nodes and {len(cells)} elements, {b} has "
-            f"{len(others)} and {len(their_cells)}, or the same in another order; compare runs of "
-            "one mesh, or probes of both")
+def _is_same_mesh(first, second):
+    return (first.points.shape == second.points.shape and
+            numpy.array_equal(first.cells, second.cells))
 
 
-def difference(first, second):
-    """Root mean square and maximum of |first - second|, and the first of |first|.
-
-    What is undefined (nan) in both is equal; in one of them, it is an infinite difference.
-    """
-    known = numpy.isfinite(first) & numpy.isfinite(second)
-    equal = (first == second) | (numpy.isnan(first) & numpy.isnan(second))
-    gap = numpy.where(equal, 0.0, numpy.inf)
-    gap[known] = numpy.abs(first - second)[known]
-    gap, size = (numpy.linalg.norm(v.reshape(len(first), -1), axis=1)
-                 for v in (gap, numpy.where(numpy.isfinite(first), first, 0.0)))
-    rms, scale = (numpy.sqrt(numpy.mean(v * v)) if v.size else 0.0 for v in (gap, size))
-    return rms, gap.max(initial=0.0), scale
+def _field_pairs(frame, other, notes):
+    """{name: (values, those of the other frame)}; fields of another mesh are interpolated."""
+    if _is_same_mesh(frame, other):
+        return {name: (values, other.fields[name]) for name, values in frame.fields.items()
+                if name in other.fields}
+    probed = Probed(frame, other)
+    notes.add(f"the meshes differ ({frame.cell_count} and {other.cell_count} cells): fields of the "
+              f"second run are interpolated at the nodes of the first" +
+              (f", of which {probed.outside} of {probed.count} lie outside the second"
+               if probed.outside else ""))
+    return probed.pairs(frame)
 
 
 def _relative(rows):
@@ -69,16 +65,14 @@ def _relative(rows):
 
 
 def compare_frames(a, b, common=False):
-    """Rows (field, time, rms, max, relative), and the fields that only one run has."""
-    rows, lonely = [], set()
+    """Rows (field, time, rms, max, relative), the fields that only one run has, and notes."""
+    rows, lonely, notes = [], set(), set()
     for time, file, other in _pairs(a, b, common):
-        grids = read_grid(file), read_grid(other)
-        _require_same_mesh(file, other, grids)
-        fields, their_fields = (g["fields"] for g in grids)
-        lonely |= set(fields) ^ set(their_fields)
-        for name in [n for n in fields if n in their_fields]:
-            rows.append((name, time, *difference(fields[name], their_fields[name])))
-    return _relative(rows), lonely
+        frame, second = Frame(file), Frame(other)
+        lonely |= set(frame.fields) ^ set(second.fields)
+        for name, values in _field_pairs(frame, second, notes).items():
+            rows.append((name, time, *difference(*values)))
+    return _relative(rows), lonely, notes
 
 
 def _at_times(times, own_times, values):
@@ -90,8 +84,8 @@ def compare_tables(file, other):
     """Rows (column, time of the largest difference, rms, max, relative) and those of one run."""
     names, rows = table_of(file)
     their_names, their_rows = table_of(other)
-    common = [n for n in names if n in their_names and n not in ("step", "time [s]", "dt [s]")]
-    time, their_time = (r[:, n.index("time [s]")] for n, r in ((names, rows), (their_names, their_rows)))
+    common = [n for n in names if n in their_names and n not in ("step", TIME, "dt [s]")]
+    time, their_time = (r[:, n.index(TIME)] for n, r in ((names, rows), (their_names, their_rows)))
     inside = (time >= their_time.min(initial=0)) & (time <= their_time.max(initial=0))
     theirs = _at_times(time[inside], their_time, their_rows)
     result = []
@@ -115,13 +109,16 @@ def compare(a, b, common=False, tolerance=None):
     """Prints the differences between two runs; False if one exceeds the tolerance. Raises
     ValueError if they have nothing in common."""
     a, b = folder_of(a), folder_of(b)
-    parts = [("frames", "time [s]", *compare_frames(a, b, common))]
+    rows, lonely, notes = compare_frames(a, b, common)
+    parts = [("frames", "time [s]", rows, lonely)]
     for name in TABLES:
         if (a / name).exists() and (b / name).exists():
             parts.append((name, "worst at [s]", *compare_tables(a / name, b / name)))
     if not any(rows for _, _, rows, _ in parts):
         raise ValueError(f"{a} and {b} have no frames or tables with a common field; give both "
                          "scenes the same fields, energies or probes")
+    for note in sorted(notes):
+        print(note)
     for title, time_title, rows, lonely in parts:
         if rows:
             _print(title, time_title, rows)
@@ -147,11 +144,14 @@ def _tolerance(text):
 
 def main():
     parser = argparse.ArgumentParser(prog="suture compare")
-    parser.add_argument("runs", nargs=2)
+    parser.add_argument("runs", nargs="+")
     parser.add_argument("--common", action="store_true")
     parser.add_argument("--tolerance", type=_tolerance)
     options = parser.parse_args()
     try:
+        if len(options.runs) == 3:
+            orders([folder_of(run) for run in options.runs])
+            return 0
         return 0 if compare(*options.runs, options.common, options.tolerance) else 1
     except Exception as error:
         return report_error(error)

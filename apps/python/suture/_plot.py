@@ -1,21 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The results of a run in one picture.
+"""Results in one picture: of a run, of several runs, or of a study.
 
-    python3 -m suture._plot RUN FILE      what `suture plot` executes
+    python3 -m suture._plot WHAT ... [--output FILE] [--only TEXT ...]   what `suture plot` executes
 """
 
+import argparse
 import sys
 from pathlib import Path
 
 import numpy
 
+from ._draw import add_faces
 from ._errors import report_error
-from ._results import TABLES, folder_of, frames_of, table_of
-from ._vtk import read_quads
+from ._frames import read_faces
+from ._panels import Curve, Panel, draw_panel, is_chosen, limited
+from ._plot_study import panels_of_study
+from ._results import TABLES, TIME, folder_of, frames_of, names_of, table_of
+from ._study_file import read_study
+from ._study_results import read_results
 
-TIME = "time [s]"
 COLOURS = ("von_mises", "nodal_von_mises", "displacement")  # the first that the frame has
-LOOKS_ALONG = numpy.array([-0.4, -0.35, -1.0])  # y is up
+LOOKS_FROM = (0.4, 0.35, 1.0)
+MOST_FRAMES = 6
+PICTURES = (".png", ".pdf", ".svg")
 
 
 def quantities(names):
@@ -27,108 +34,181 @@ def quantities(names):
     return {key if len(columns) > 1 else columns[0]: columns for key, columns in found.items()}
 
 
-def panels_of(file):
-    """[(title, table, columns)]: what is drawn of a table."""
+def _columns_of(file, only):
+    """(table, names): the columns of a table by name, and those to draw."""
     names, rows = table_of(file)
     table = dict(zip(names, rows.T))
-    results = [n for n in names if n not in ("step", TIME, "dt [s]")]
-    if file.name != "energies.csv":
-        return [(title, table, columns) for title, columns in quantities(results).items()]
-    energies = [n for n in results if n != "balance [J]" and numpy.any(table[n] != 0)]
-    return [("energies and work [J]", table, energies),
-            ("balance: unexplained energy [J]", table, ["balance [J]"])]
+    return table, [name for name in names
+                   if name not in ("step", TIME, "dt [s]") and is_chosen(name, only)]
 
 
-def draw_columns(axes, title, table, columns):
-    for name in columns:
-        label = name.rpartition(" [")[0]
-        axes.plot(table[TIME], table[name], "." if len(table[TIME]) == 1 else "-", lw=1,
-                  label=label.rpartition(" ")[2] if len(columns) > 1 else label)
-    axes.set_title(title)
-    axes.set_xlabel(TIME)
-    axes.grid(alpha=0.3)
+def _panel(title, table, columns):
+    """One quantity, with a curve per component."""
+    labels = [name.rpartition(" [")[0] for name in columns]
     if len(columns) > 1:
-        axes.legend(fontsize=7, loc="best")
+        labels = [label.rpartition(" ")[2] for label in labels]
+    return Panel(title, [Curve(label, table[TIME], table[name])
+                         for label, name in zip(labels, columns)], has_legend=len(columns) > 1)
 
 
-def colour_of(quads):
+def panels_of(file, only=()):
+    """What is drawn of a table of one run."""
+    table, names = _columns_of(file, only)
+    if file.name != "energies.csv":
+        return [_panel(title, table, columns) for title, columns in quantities(names).items()]
+    energies = [n for n in names if n != "balance [J]" and numpy.any(table[n] != 0)]
+    panels = [_panel("energies and work [J]", table, energies)] if energies else []
+    if "balance [J]" in names:
+        panels.append(_panel("balance: unexplained energy [J]", table, ["balance [J]"]))
+    return panels
+
+
+def panels_of_runs(folders, only=()):
+    """Each column of the tables of several runs, with a curve per run."""
+    labels = names_of(folders)
+    panels = []
+    for name in TABLES:
+        tables = [(label, *_columns_of(folder / name, only))
+                  for label, folder in zip(labels, folders) if (folder / name).exists()]
+        for column in dict.fromkeys(column for *_, names in tables for column in names):
+            curves = [Curve(label, table[TIME], table[column])
+                      for label, table, _ in tables if column in table]
+            if any(numpy.any(curve.y != 0) for curve in curves):
+                panels.append(Panel(column, curves))
+    return panels
+
+
+class Body:
+    """The last frame of a run, to draw: its faces, and one value per face."""
+
+    def __init__(self, folder, title):
+        time, file = frames_of(folder)[-1]
+        faces = read_faces(file)
+        self.corners = faces["corners"]
+        self.field, self.values = colour_of(faces)
+        self.title = f"{title}t = {time:.6g} s" + (f", {self.field}" if self.field else "")
+
+
+def colour_of(faces):
     """The name and the values, one per face, of the field by which faces are coloured."""
     for name in COLOURS:
-        if name in quads["fields"]:
-            values = quads["fields"][name]
+        if name in faces["fields"]:
+            values = faces["fields"][name]
             return name, values if values.ndim == 1 else numpy.linalg.norm(values, axis=1)
-    return "", numpy.zeros(len(quads["corners"]))
+    return "", numpy.zeros(len(faces["corners"]))
 
 
-def draw_frame(axes, time, quads):
-    """Draws the faces from the back to the front, which needs no display."""
-    from matplotlib.collections import PolyCollection
-
-    corners = quads["corners"]
-    name, values = colour_of(quads)
-    depth = LOOKS_ALONG / numpy.linalg.norm(LOOKS_ALONG)
-    right = numpy.cross(depth, [0, 1, 0])
-    right /= numpy.linalg.norm(right)
-    up = numpy.cross(right, depth)
-    order = numpy.argsort(-(corners @ depth).mean(axis=1))
-    flat = numpy.stack([corners @ right, corners @ up], axis=-1)[order]
-    edge = 0.3 if len(corners) < 5000 else 0
-    faces = PolyCollection(flat, array=values[order], cmap="viridis", linewidths=edge,
-                           edgecolors="black" if edge else "face")
-    axes.add_collection(faces)
-    axes.autoscale_view()
-    axes.set_aspect("equal")
-    axes.set_axis_off()
-    axes.set_title(f"t = {time:.6g} s" + (f", {name}" if name else ""))
-    if name:
+def draw_frame(axes, frame, limits):
+    faces = add_faces(axes, frame.corners, LOOKS_FROM, array=frame.values, cmap="viridis",
+                      clim=limits)
+    axes.set_title(frame.title)
+    if frame.field:
         axes.figure.colorbar(faces, ax=axes, shrink=0.7)
 
 
-def draw(frame, panels):
-    """A figure with the frame, if there is one, and the panels."""
-    import matplotlib
+def _limits(frames):
+    """The range of colours of each field, the same in all frames."""
+    limits = {}
+    for frame in frames:
+        low, high = limits.get(frame.field, (numpy.inf, -numpy.inf))
+        limits[frame.field] = (min(low, frame.values.min()), max(high, frame.values.max()))
+    return limits
 
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
 
-    pyplot.rcParams.update({"font.size": 8, "axes.spines.top": False, "axes.spines.right": False})
-    count = len(panels) + (frame is not None)
-    figure, grid = pyplot.subplots((count + 1) // 2, 2, figsize=(10, 3 * ((count + 1) // 2)),
-                                   squeeze=False, constrained_layout=True)
-    places = list(grid.flat)
-    if frame:
-        draw_frame(places.pop(0), *frame)
-    for panel in panels:
-        draw_columns(places.pop(0), *panel)
-    for place in places:
-        place.set_axis_off()
+def draw(frames, panels):
+    """A figure of frames and panels."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib import rc_context
+
+    panels = limited(panels)
+    rows = (len(panels) + len(frames) + 1) // 2
+    style = {"font.size": 8, "axes.spines.top": False, "axes.spines.right": False}
+    with rc_context(style):
+        figure = Figure(figsize=(10, 3 * rows), constrained_layout=True)
+        FigureCanvasAgg(figure)
+        places = list(figure.subplots(rows, 2, squeeze=False).flat)
+        limits = _limits(frames)
+        for frame in frames:
+            draw_frame(places.pop(0), frame, limits[frame.field])
+        for panel in panels:
+            draw_panel(places.pop(0), panel)
+        for place in places:
+            place.set_axis_off()
     return figure
 
 
-def plot(run, file):
-    """Draws the last frame and the tables of a run into a picture."""
-    folder = folder_of(run)
-    file = Path(file) if file else folder / "plot.png"
-    if file.suffix not in (".png", ".pdf", ".svg"):
-        raise ValueError(f"{file}: the name of a picture must end in .png, .pdf or .svg")
-    frames = frames_of(folder)
-    frame = (frames[-1][0], read_quads(frames[-1][1])) if frames else None
-    panels = [panel for name in TABLES if (folder / name).exists()
-              for panel in panels_of(folder / name)]
-    if not frame and not panels:
-        raise ValueError(f"{folder}: has no frames and no tables; name the output folder of a run")
+def save(figure, file):
+    """Writes a picture completely or not at all, and says where."""
+    file = Path(file)
     unfinished = file.with_name(f"{file.stem}.part{file.suffix}")
     try:
-        draw(frame, panels).savefig(unfinished, dpi=110)
+        figure.savefig(unfinished, dpi=110)
         unfinished.replace(file)
     finally:
         unfinished.unlink(missing_ok=True)
     print(file)
 
 
+def draw_runs(folders, only=()):
+    """The last frames and the tables of one run or several."""
+    has_frame = [folder for folder in folders if frames_of(folder)]
+    titles = [name + ": " if len(folders) > 1 else "" for name in names_of(has_frame)]
+    frames = [Body(folder, title) for folder, title in zip(has_frame, titles)]
+    if len(frames) > MOST_FRAMES:
+        print(f"suture: the frames of more than {MOST_FRAMES} runs are not drawn", file=sys.stderr)
+        frames = []
+    if len(folders) == 1:
+        panels = [panel for name in TABLES if (folders[0] / name).exists()
+                  for panel in panels_of(folders[0] / name, only)]
+    else:
+        panels = panels_of_runs(folders, only)
+    if not frames and not panels:
+        raise ValueError(f"{folders[0]}: has no frames and no tables"
+                         + (f" with a column named like {' or '.join(only)}" if only else "") +
+                         "; name the output folder of a run, or the folder of a study")
+    return draw(frames, panels)
+
+
+def draw_study(folder, only=()):
+    panels = panels_of_study(read_results(folder), only)
+    if not panels:
+        raise ValueError(f"{folder}: no result differs from run to run"
+                         + (f" and is named like {' or '.join(only)}" if only else "") +
+                         "; a study draws numbers against the parameters that vary")
+    return draw([], panels)
+
+
+def _folder_of_study(file):
+    from ._sweep import grid, latin_hypercube
+
+    folder = read_study(file, grid, latin_hypercube)["folder"]
+    if not (folder / "results.csv").exists():
+        raise OSError(f"{folder}: has no results.csv; make the runs with `suture sweep {file}`")
+    return folder
+
+
+def plot(what, file=None, only=()):
+    """Draws runs, or a study, into a picture: plot.png in the folder of one, or here."""
+    what = [_folder_of_study(name) if str(name).endswith(".json") else name for name in what]
+    studies = [Path(name) for name in what if (Path(name) / "results.csv").exists()]
+    if studies and len(what) > 1:
+        raise ValueError(f"{studies[0]}: is a study; draw one study at a time")
+    folders = studies or [folder_of(name) for name in what]
+    file = Path(file) if file else Path(folders[0] if len(what) == 1 else "") / "plot.png"
+    if file.suffix not in PICTURES:
+        raise ValueError(f"{file}: the name of a picture must end in .png, .pdf or .svg")
+    save(draw_study(folders[0], only) if studies else draw_runs(folders, only), file)
+
+
 def main():
+    parser = argparse.ArgumentParser(prog="suture plot")
+    parser.add_argument("what", nargs="+")
+    parser.add_argument("--output")
+    parser.add_argument("--only", nargs="+", default=[])
+    options = parser.parse_args()
     try:
-        plot(*sys.argv[1:3])
+        plot(options.what, options.output, options.only)
         return 0
     except ImportError as error:
         print(f"suture: error: {error}; pictures need python3-matplotlib and python3-vtk9",

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy
 
 TABLES = ("energies.csv", "probes.csv", "tools.csv")
+TIME = "time [s]"
 
 
 def folder_of(run):
@@ -22,6 +23,17 @@ def folder_of(run):
         print(f"suture: warning: {folder}: the run that writes here has not finished (it still runs, "
               "was killed, or a plugin ended it); its results are incomplete", file=sys.stderr)
     return folder
+
+
+def names_of(folders):
+    """Short names of folders: the shortest ends of their paths that differ."""
+    paths = [Path(folder).resolve().parts for folder in folders]
+    longest = max(map(len, paths), default=0)
+    for length in range(1, longest + 1):
+        names = ["/".join(parts[-length:]) for parts in paths]
+        if len(set(names)) == len(set(paths)):
+            return names
+    return []
 
 
 def frames_of(folder):
@@ -41,7 +53,7 @@ def table_of(file):
     """(names, rows): a table of a run as numbers."""
     with open(file, newline="", encoding="utf-8", errors="replace") as stream:
         names, *rows = [*csv.reader(stream)] or [[]]
-    if names[:2] != ["step", "time [s]"]:
+    if names[:2] != ["step", TIME]:
         raise ValueError(f"{file}: is not a table of a run, whose first columns are 'step' and "
                       "'time [s]'; run the scene again")
     try:

@@ -66,7 +66,8 @@ def _take_mesh(scene, mesh):
             raise TypeError("the mesh is given twice: in the scene and as mesh=")
         mesh = scene["mesh"]
         scene = {key: value for key, value in scene.items() if key != "mesh"}
-    if mesh is not None and not hasattr(mesh, "element_sets"):
+    is_read = isinstance(mesh, _suture.ReadMesh)  # by a study, for all of its runs
+    if mesh is not None and not is_read and not hasattr(mesh, "element_sets"):
         raise TypeError(f"mesh must be a suture.Mesh, is {type(mesh).__name__}; see "
                         "Mesh(points, hexahedra) and Mesh.from_meshio()")
     return scene, mesh
@@ -81,6 +82,8 @@ class Surface(NamedTuple):
     """(k, 4) int64: numbers of points, counterclockwise as seen from outside."""
     vertices: "numpy.ndarray"
     """(n,) int64: the row of every point in the simulation's arrays."""
+    elements: "numpy.ndarray"
+    """(k,) int64: the row of the element of every quad."""
 
     def values(self, of_vertices):
         """Those of the points, from an array of one row per vertex."""
@@ -144,9 +147,25 @@ class Simulation(_suture.Simulation):
             raise
         self._terms = []
 
+    def __setattr__(self, name, value):
+        """What the simulation would ignore is refused."""
+        if not (name.startswith("_") or hasattr(type(self), name)):
+            import difflib
+
+            near = difflib.get_close_matches(name, dir(type(self)), 1)
+            raise AttributeError(
+                f"a simulation has no {name!r} to assign" +
+                (f"; did you mean {near[0]!r}?" if near else
+                 "; parameters of models are in sim.parameters[model][name]"))
+        super().__setattr__(name, value)
+
     def __repr__(self):
+        try:
+            elements = f"{len(self.element_ids)} elements"
+        except RuntimeError:
+            elements = "running in another thread"
         return (f"<suture.Simulation {self.title or self.hash!r}: step {self.steps}, "
-                f"t = {self.time:g} s, {len(self.element_ids)} elements>")
+                f"t = {self.time:g} s, {elements}>")
 
     # ---- steps ----
 
@@ -239,6 +258,16 @@ class Simulation(_suture.Simulation):
 
         return Tools(self)
 
+    # ---- models ----
+
+    @property
+    def parameters(self):
+        """The parameters of the models, by the names of the models in the scene. Assigning to one,
+        as in sim.parameters["organ"]["E"] = 2e4, changes it from now on."""
+        from ._parameters import Parameters
+
+        return Parameters(self)
+
     # ---- callbacks ----
 
     def every(self, steps):
@@ -312,7 +341,9 @@ class Simulation(_suture.Simulation):
     # ---- the body as it is now ----
 
     def mesh(self):
-        """The elements that exist, at their current positions in the scene, as a Mesh of copies.
+        """The elements that exist, at their current positions in the scene, as a Mesh of copies,
+        with the named sets of the scene's mesh: both sides of a cut belong to the sets of what
+        was cut.
 
         point_arrays["vertex"] and element_arrays["element"] hold the rows in the simulation's
         arrays; point_ids and element_ids there give your numbers.
@@ -322,8 +353,12 @@ class Simulation(_suture.Simulation):
         from ._mesh import Mesh, without_unused
 
         points, cells, used = without_unused(self.position + self.origin, self._hexahedra())
-        return Mesh(points, cells, point_arrays={"vertex": used},
-                    element_arrays={"element": numpy.flatnonzero(self.element_exists)})
+        elements = numpy.flatnonzero(self.element_exists)
+        point_sets, element_sets = (
+            {name: numpy.searchsorted(rows, members) for name, members in sets.items()}
+            for rows, sets in zip((used, elements), self._sets()))
+        return Mesh(points, cells, point_sets, element_sets, point_arrays={"vertex": used},
+                    element_arrays={"element": elements})
 
     def surface(self):
         """The boundary, cuts included, at the current positions: a Surface of copies. Of a body
@@ -332,7 +367,8 @@ class Simulation(_suture.Simulation):
 
         embedded = self._embedded_surface()
         if embedded is None:
-            return Surface(*without_unused(self.position + self.origin, self._boundary()))
+            quads, elements = self._boundary()
+            return Surface(*without_unused(self.position + self.origin, quads), elements)
         triangles, elements, laid_open, vertices, weights = embedded
         rows, triangles, used = without_unused(vertices, triangles)
         surface = EmbeddedSurface(None, triangles, rows, weights[used], elements, laid_open)
@@ -363,24 +399,37 @@ class Simulation(_suture.Simulation):
             mesh.points, mesh.hexahedra, self._fields(lambda values: values[rows], fields),
             {"element_id": self.element_ids[mesh.element_arrays["element"].astype(int)]})
 
-    def picture(self, file, field="displacement", size=(800, 600), edges=True,
+    def picture(self, file=None, field="displacement", size=(800, 600), edges=True,
                 direction=(1, 0.7, 2)):
-        """Render the surface off screen into a PNG file, coloured by the magnitude of a field
-        ("displacement", "velocity", an array of one row per vertex, or None), as seen from
-        `direction`. Needs python3-vtk9 and an X display, which xvfb-run provides where there is
-        none."""
-        from ._vtk import picture, poly_data
+        """Draw the surface as seen from `direction`, y up; return a Picture, which a notebook
+        shows, and write it to a PNG file, if one is named. No display is needed.
 
-        surface = self.surface()
-        more = None
-        if not (field is None or isinstance(field, str)):
-            more, field = {"field": field}, "field"
-        fields = self._fields(surface.values, more)
-        if field is not None and field not in fields:
-            raise ValueError(f"field must be one of {', '.join(fields)}, an array or None; "
-                             f"is {field!r}")
-        picture(poly_data(surface.points, surface[1], fields), file, size, field, edges,
-                direction)
+        field  name of a field (fields()), an array of one row per vertex or element, or None:
+               vectors are coloured by their magnitude
+
+        Needs python3-matplotlib. Some 0.1 s for 20,000 faces.
+        """
+        from ._draw import draw_surface
+
+        surface, name = self.surface(), "field"
+        values = field
+        if isinstance(field, str):
+            name, values = field, self.field(field)
+        picture = draw_surface(surface, values, name, len(self.rest), len(self.element_ids), size,
+                               edges, direction, f"t = {self.time:.6g} s")
+        if file is not None:
+            picture.save(file)
+        return picture
+
+    def _repr_html_(self):
+        """What a notebook shows: a line and a picture, if it can be drawn."""
+        import html
+
+        line = f"<pre>{html.escape(repr(self))}</pre>"
+        try:
+            return line + self.picture(size=(480, 360))._repr_html_()
+        except (ImportError, RuntimeError):  # no matplotlib; it runs in another thread
+            return line
 
     def record(self, steps, energies=True, **functions):
         """Record a row now and after every `steps` steps: energies(), and functions of the

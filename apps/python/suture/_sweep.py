@@ -13,15 +13,19 @@ import json
 import math
 import multiprocessing
 import os
+import re
 import sys
 import time
 import traceback
+import warnings
 from multiprocessing import connection
 from pathlib import Path
 
 from ._errors import report_error
-from ._scene import is_text, to_json
+from ._results import TABLES
+from ._scene import is_text, set_texts, source_of, to_json
 from ._study_file import is_number, is_whole, read_study, require_count, require_jobs
+from ._study_results import Results, run_folder, series_rows
 
 
 def _require_pointers(parameters, where):
@@ -79,33 +83,6 @@ def _points(parameters):
     return points
 
 
-class Results:
-    """The table of a study.
-
-    results["tip"]   the values of a column, as an array (NaN where a run has none)
-    results.rows     a list of dicts, one per run
-    results.file     results.csv
-    """
-
-    def __init__(self, rows, file):
-        self.rows = rows
-        self.file = file
-
-    @property
-    def columns(self):
-        return list(dict.fromkeys(itertools.chain.from_iterable(self.rows)))
-
-    def __len__(self):
-        return len(self.rows)
-
-    def __getitem__(self, column):
-        import numpy
-
-        if column not in self.columns:
-            raise KeyError(f"no run has {column!r}; the columns are {', '.join(self.columns)}")
-        return numpy.array([row.get(column, math.nan) for row in self.rows])
-
-
 # -------------------------------------------------------------------- one run --
 
 
@@ -141,6 +118,7 @@ class _Study:
         self.folder = Path(folder)
         self.measure = measure
         self.output = output
+        self.mesh = None
         # One thread per run: the runs are what is parallel.
         self.sets = {"/solver/threads": 1, **(sets or {})}
         _require_pointers(self.sets, "set")
@@ -152,7 +130,7 @@ class _Study:
             self.text = scene if isinstance(scene, str) else to_json(scene)
 
     def run_folder(self, number):
-        return self.folder / "runs" / f"{number:04d}"
+        return run_folder(self.folder, number)
 
     def require_no_links(self, numbers):
         """A study may come from a stranger, with its folder."""
@@ -160,6 +138,20 @@ class _Study:
             if folder.is_symlink():
                 raise OSError(f"{folder}: is a link, and a study writes below its own folder only; "
                               "remove the link")
+
+    def read_mesh(self, number):
+        """Reads the mesh of a run, for all that have the same."""
+        from . import Error, _suture
+
+        text, file, is_text = source_of(self.scene, self._base())
+        try:
+            self.mesh = _suture.read_mesh(text, file, is_text,
+                                          set_texts({**self.sets, **self.points[number]}))
+        except Error:
+            pass  # the run says why
+
+    def _base(self):
+        return None if isinstance(self.scene, Path) else os.getcwd()
 
     def key(self, number):
         """What determines the results of a run, except for functions that `measure` calls."""
@@ -185,39 +177,51 @@ class _Study:
 
     def run(self, number):
         """Makes a run and writes its result. The working folder becomes that of the study."""
-        from . import Error, Simulation, __version__
+        from . import Error, __version__
 
         folder = self.run_folder(number)
         folder.mkdir(parents=True, exist_ok=True)
+        for table in TABLES:  # of an earlier scene, which this one may not write
+            (folder / table).unlink(missing_ok=True)
         result = {"key": self.key(number), "suture": __version__}
         start = time.monotonic()
-        try:
-            base = None if isinstance(self.scene, Path) else os.getcwd()
-            sets = {**self.sets, **self.points[number]}
-            os.chdir(self.folder)
-            sim = Simulation(self.scene, sets, output=self.output and folder, folder=base)
-            result["scene_hash"] = sim.hash
-            if self.measure is None:
-                sim.run()
-                values = sim.energies()
-            else:
-                values = dict(self.measure(sim))
-            values.update(_last_probes(folder) if sim._writes else {})
-            result.update(outcome=sim.outcome or "stopped", steps=sim.steps, time=sim.time,
-                          values=json.loads(to_json(values)))
-        except Error as error:
-            result.update(outcome="failed", error=str(error))
-        except Exception as error:
-            if self.measure is not None:  # whose author wants to see where
-                traceback.print_exc()
-            result.update(outcome="failed", error=f"{type(error).__name__}: {error}", again=True)
+        with warnings.catch_warnings(record=True) as caught:  # reported together at the end
+            warnings.simplefilter("always")
+            try:
+                self._simulate(number, folder, result)
+            except Error as error:
+                result.update(outcome="failed", error=str(error))
+            except Exception as error:
+                if self.measure is not None:  # whose author wants to see where
+                    traceback.print_exc()
+                result.update(outcome="failed", error=f"{type(error).__name__}: {error}",
+                              again=True)
         result["seconds"] = round(time.monotonic() - start, 3)
+        result["warnings"] = [str(warning.message) for warning in caught]
         _write(folder / "result.json", to_json(result, indent=1))
+
+    def _simulate(self, number, folder, result):
+        from . import Simulation
+
+        base = self._base()
+        sets = {**self.sets, **self.points[number]}
+        os.chdir(self.folder)
+        sim = Simulation(self.scene, sets, output=self.output and folder, folder=base,
+                         mesh=self.mesh)
+        result["scene_hash"] = sim.hash
+        if self.measure is None:
+            sim.run()
+            values = sim.energies()
+        else:
+            values = dict(self.measure(sim))
+        values.update(_last_probes(folder) if sim._writes else {})
+        result.update(outcome=sim.outcome or "stopped", steps=sim.steps, time=sim.time,
+                      values=json.loads(to_json(values)))
 
     def row(self, number):
         result = self.result(number) or {"outcome": "failed", "error": "the process ended early"}
         values = result.pop("values", {})
-        for internal in ("key", "again"):
+        for internal in ("key", "again", "warnings"):
             result.pop(internal, None)
         return {"run": number, **self.points[number], **values, **result}
 
@@ -253,12 +257,22 @@ def _run_all(study, numbers, jobs, report):
             process.join()
 
 
-def _write_tables(results):
+def _write_table(file, names, rows):
     text = io.StringIO()
-    table = csv.DictWriter(text, results.columns, lineterminator="\n")
+    table = csv.DictWriter(text, names, lineterminator="\n")
     table.writeheader()
-    table.writerows(results.rows)
-    _write(results.file, text.getvalue())
+    table.writerows(rows)
+    _write(file, text.getvalue())
+
+
+def _write_tables(results):
+    _write_table(results.file, results.columns, results.rows)
+    probes = results.file.with_name("probes.csv")
+    names, rows = series_rows(probes.parent, range(len(results)), probes.name)
+    if names:
+        _write_table(probes, names, rows)
+    else:
+        probes.unlink(missing_ok=True)
     try:
         import pyarrow
         import pyarrow.parquet
@@ -266,6 +280,24 @@ def _write_tables(results):
         return
     columns = {name: [row.get(name) for row in results.rows] for name in results.columns}
     pyarrow.parquet.write_table(pyarrow.table(columns), results.file.with_suffix(".parquet"))
+
+
+def _similar(texts):
+    """Of texts that differ in numbers only, the first: "text (run 3, and 16 more)". `texts` are
+    (run, text)."""
+    found = {}
+    for run, text in texts:
+        found.setdefault(re.sub(r"\d[\d.e+-]*", "#", text), {}).setdefault(run, text)
+    for runs in found.values():
+        run, text = next(iter(runs.items()))
+        yield f"{text} (run {run}" + (f", and {len(runs) - 1} more)" if len(runs) > 1 else ")")
+
+
+def _warn_once(study, numbers):
+    """One warning per text, however many runs had it."""
+    for text in _similar((number, text) for number in numbers
+                         for text in (study.result(number) or {}).get("warnings", [])):
+        warnings.warn(text, stacklevel=3)
 
 
 def sweep(scene, parameters, jobs=None, *, measure=None, set=None, folder="sweep", output=False,
@@ -282,19 +314,25 @@ def sweep(scene, parameters, jobs=None, *, measure=None, set=None, folder="sweep
     folder      where the study is kept: results.csv, results.parquet (with pyarrow), and
                 runs/NNNN/result.json of every run. Runs that have a result are not repeated, unless
                 the scene, the values or the code of `measure` changed, or `measure` failed
-    output      True: each run writes its frames and tables to its folder, and the last row of
-                probes.csv is part of its results
+    output      True: each run writes its frames and tables to its folder. The last row of its
+                probes.csv is part of its results; the rows of all runs are in probes.csv of the
+                study, and in results.series()
     report      function (done, all), called after every run
+
+    A warning that several runs have is shown once.
     """
     require_jobs(jobs)
     points = _points(parameters)
     study = _Study(scene, points, set, Path(folder).resolve(), measure, output)
     missing = [i for i in range(len(points)) if not study.is_finished(i)]
     study.require_no_links(missing)
+    if missing:
+        study.read_mesh(missing[0])
     _run_all(study, missing, jobs or os.cpu_count() or 1, report or (lambda done, every: None))
     results = Results([study.row(i) for i in range(len(points))], study.folder / "results.csv")
     study.folder.mkdir(parents=True, exist_ok=True)
     _write_tables(results)
+    _warn_once(study, missing)
     return results
 
 
@@ -312,9 +350,16 @@ exec {command} --run "${{SLURM_ARRAY_TASK_ID:-$1}}"
 
 
 def _show(done, every):
-    sys.stderr.write(f"\r{done} of {every} runs" if sys.stderr.isatty() else
+    is_terminal = sys.stderr.isatty()
+    sys.stderr.write(f"\r{done} of {every} runs" if is_terminal else
                      f"{done} of {every} runs\n" if done in (1, every) else "")
+    if is_terminal and done == every:
+        sys.stderr.write("\r\033[K")
     sys.stderr.flush()
+
+
+def _show_warning(message, *_):
+    print(f"suture: warning: {message}", file=sys.stderr)
 
 
 def _arguments(words):
@@ -356,14 +401,15 @@ def main(words=None):
         return 0
     require_jobs(options.jobs)
     study["jobs"] = options.jobs or study["jobs"]
+    warnings.simplefilter("always")
+    warnings.showwarning = _show_warning
     results = sweep(**study, report=_show)
-    if sys.stderr.isatty():
-        sys.stderr.write("\r\033[K")
     failed = [row for row in results.rows if row["outcome"] == "failed"]
     plural = "" if len(results) == 1 else "s"
     print(f"{len(results)} run{plural}, {len(failed)} failed; {results.file}")
-    for row in failed[:10]:
-        print(f"  run {row['run']}: {str(row['error']).splitlines()[0]}")
+    errors = [(row["run"], str(row["error"]).splitlines()[0]) for row in failed]
+    for text in itertools.islice(_similar(errors), 10):
+        print(f"  {text}")
     return 5 if failed else 0
 
 

@@ -17,6 +17,8 @@ def _vector(values, what):
 class Tool:
     """An obstacle of the scene, as it is now. All arrays are copies of three numbers."""
 
+    __slots__ = ("_simulation", "_place", "_name")  # other names cannot be assigned
+
     def __init__(self, simulation, place, name):
         self._simulation = simulation
         self._place = place
@@ -98,6 +100,9 @@ class Tools(Mapping):
 
     def __len__(self):
         return len(self._places)
+
+    def _ipython_key_completions_(self):
+        return list(self)
 
     def __repr__(self):
         return f"<suture.Tools {', '.join(self._places)}>"

@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""VTK objects and pictures, where python3-vtk9 is installed."""
-
-import contextlib
+"""VTK objects, where python3-vtk9 is installed."""
 
 import numpy
 
 
-def _require():
+def require():
     try:
         from vtkmodules.util import numpy_support
         from vtkmodules import vtkCommonCore, vtkCommonDataModel
@@ -41,157 +39,10 @@ def _add(support, attributes, fields):
 
 
 def unstructured_grid(points, hexahedra, point_fields, cell_fields):
-    core, data, support = _require()
+    core, data, support = require()
     grid = data.vtkUnstructuredGrid()
     grid.SetPoints(_points(core, support, points))
     grid.SetCells(data.VTK_HEXAHEDRON, _cells(core, data, support, hexahedra))
     _add(support, grid.GetPointData(), point_fields)
     _add(support, grid.GetCellData(), cell_fields)
     return grid
-
-
-def poly_data(points, polygons, point_fields):
-    core, data, support = _require()
-    surface = data.vtkPolyData()
-    surface.SetPoints(_points(core, support, points))
-    surface.SetPolys(_cells(core, data, support, polygons))
-    _add(support, surface.GetPointData(), point_fields)
-    return surface
-
-
-@contextlib.contextmanager
-def _silence():
-    """VTK's own reports of damaged files, which go to standard error."""
-    from vtkmodules.vtkCommonCore import vtkLogger
-
-    before = vtkLogger.GetCurrentVerbosityCutoff()
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
-    try:
-        yield
-    finally:
-        vtkLogger.SetStderrVerbosity(before)
-
-
-def _read(file):
-    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
-
-    reader = vtkXMLUnstructuredGridReader()
-    if not reader.CanReadFile(str(file)):
-        raise OSError(f"{file}: is missing, or is not a frame of a run (.vtu)")
-    reader.SetFileName(str(file))
-    errors = []
-    reader.AddObserver("ErrorEvent", lambda *_: errors.append(True))
-    with _silence():
-        reader.Update()
-    grid = reader.GetOutput()
-    if errors or reader.GetErrorCode() != 0 or not _is_whole(grid):
-        raise OSError(f"{file}: is truncated or damaged; run the scene again")
-    return grid
-
-
-def _is_whole(grid):
-    """Every array has its values, and every cell its points."""
-    if grid.GetPoints() is None or grid.GetNumberOfCells() == 0:
-        return False
-    connectivity = grid.GetCells().GetConnectivityArray()
-    if connectivity.GetNumberOfTuples() != 8 * grid.GetNumberOfCells():
-        return False
-    low, high = connectivity.GetRange()
-    return 0 <= low and high < grid.GetNumberOfPoints() and all(
-        data.GetArray(i) is not None and data.GetArray(i).GetNumberOfTuples() == count
-        for data, count in ((grid.GetPointData(), grid.GetNumberOfPoints()),
-                            (grid.GetCellData(), grid.GetNumberOfCells()))
-        for i in range(data.GetNumberOfArrays()))
-
-
-def _arrays(support, data):
-    return {data.GetArrayName(i): support.vtk_to_numpy(data.GetArray(i))
-            for i in range(data.GetNumberOfArrays())}
-
-
-def read_quads(file):
-    """{"corners", "fields"} of the surface of a frame: 4 points per face, and values per face."""
-    *_, support = _require()
-    from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
-
-    surface = vtkDataSetSurfaceFilter()
-    surface.SetInputData(_read(file))
-    surface.Update()
-    data = surface.GetOutput()
-    quads = support.vtk_to_numpy(data.GetPolys().GetConnectivityArray()).reshape(-1, 4)
-    fields = {name: values[quads].mean(axis=1)
-              for name, values in _arrays(support, data.GetPointData()).items()}
-    fields.update(_arrays(support, data.GetCellData()))
-    return {"corners": support.vtk_to_numpy(data.GetPoints().GetData())[quads], "fields": fields}
-
-
-def read_grid(file):
-    """{"points", "cells", "fields"} of a frame: numpy arrays, fields by name."""
-    *_, support = _require()
-    grid = _read(file)
-    fields = {**_arrays(support, grid.GetPointData()), **_arrays(support, grid.GetCellData())}
-    cells = support.vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 8)
-    points = support.vtk_to_numpy(grid.GetPoints().GetData())
-    return {"points": points, "cells": cells, "fields": fields}
-
-
-def _require_display():
-    """Without an X display, VTK would end the process."""
-    import ctypes
-
-    try:
-        x11 = ctypes.CDLL("libX11.so.6")
-    except OSError as error:
-        raise OSError("VTK draws with X11, and libX11.so.6 is missing") from error
-    x11.XOpenDisplay.restype = ctypes.c_void_p
-    display = x11.XOpenDisplay(None)
-    if not display:
-        raise OSError("VTK draws off screen, but needs an X display: run the program under "
-                      "xvfb-run -a (Debian packages xvfb and libgl1-mesa-dri)")
-    x11.XCloseDisplay(ctypes.c_void_p(display))
-
-
-def picture(surface, file, size, field, edges, direction):
-    """Renders a vtkPolyData off screen into a PNG file."""
-    _require_display()
-    import vtkmodules.vtkInteractionStyle  # noqa: F401: the renderer needs the factories
-    import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
-    from vtkmodules.vtkIOImage import vtkPNGWriter
-    from vtkmodules.vtkRenderingCore import (
-        vtkActor, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter)
-
-    mapper = vtkPolyDataMapper()
-    mapper.SetInputData(surface)
-    if field is not None:
-        low, high = surface.GetPointData().GetArray(field).GetRange(-1)
-        surface.GetPointData().SetActiveScalars(field)
-        mapper.SetScalarRange(low, high)
-        table = mapper.GetLookupTable()
-        table.SetHueRange(0.66, 0.0)
-        table.SetVectorModeToMagnitude()
-    actor = vtkActor()
-    actor.SetMapper(mapper)
-    actor.GetProperty().SetEdgeVisibility(edges)
-    if field is None:
-        actor.GetProperty().SetColor(0.85, 0.55, 0.5)
-    renderer = vtkRenderer()
-    renderer.SetBackground(1, 1, 1)
-    renderer.AddActor(actor)
-    window = vtkRenderWindow()
-    window.SetOffScreenRendering(1)
-    window.SetSize(*size)
-    window.AddRenderer(renderer)
-    camera = renderer.GetActiveCamera()
-    camera.SetFocalPoint(0, 0, 0)
-    camera.SetPosition(*direction)
-    camera.SetViewUp(0, 1, 0)
-    renderer.ResetCamera()
-    window.Render()
-    image = vtkWindowToImageFilter()
-    image.SetInput(window)
-    writer = vtkPNGWriter()
-    writer.SetFileName(str(file))
-    writer.SetInputConnection(image.GetOutputPort())
-    writer.Write()
-    if writer.GetErrorCode() != 0:
-        raise OSError(f"cannot write the picture {file}")

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The parameters of the models of a simulation, which can be changed between two steps."""
+
+import difflib
+from collections.abc import Mapping
+
+from ._scene import to_json
+
+
+def _missing(what, name, names):
+    near = difflib.get_close_matches(str(name), names, 1)
+    return KeyError(f"{what} {name!r}; " + (f"did you mean {near[0]!r}?" if near else
+                                            f"it has {', '.join(names) or 'none'}"))
+
+
+class ModelParameters(Mapping):
+    """The parameters of one model by name. Assign to change one, update() to change several."""
+
+    __slots__ = ("_simulation", "_place", "_name")  # other names cannot be assigned
+
+    def __init__(self, simulation, place, name):
+        self._simulation = simulation
+        self._place = place
+        self._name = name
+
+    def _values(self):
+        return self._simulation._parameters(self._place)
+
+    def __getitem__(self, name):
+        values = self._values()
+        if name not in values:
+            raise _missing(f"the model {self._name!r} has no parameter", name, list(values))
+        return values[name]
+
+    def __setitem__(self, name, value):
+        self.update({name: value})
+
+    def update(self, values=(), **more):
+        """Change several parameters at once, from now on. Positions and velocities stay; the
+        change of the stored energy is booked as that of an event. Raises SceneError for values
+        that the scene could not have, and InputError for those that need what was not built."""
+        self._simulation._set_parameters(self._place, to_json({**dict(values), **more}))
+
+    def __iter__(self):
+        return iter(self._values())
+
+    def __len__(self):
+        return len(self._values())
+
+    def __repr__(self):
+        return f"<suture.ModelParameters of {self._name!r}: {self._values()}>"
+
+    def _ipython_key_completions_(self):
+        return list(self)
+
+
+class Parameters(Mapping):
+    """The parameters of the models of a simulation, by the names of the models."""
+
+    def __init__(self, simulation):
+        self._simulation = simulation
+        self._places = {name: place for place, name in enumerate(simulation._models())}
+
+    def __getitem__(self, name):
+        if name not in self._places:
+            raise _missing("the scene has no model", name, list(self._places))
+        return ModelParameters(self._simulation, self._places[name], name)
+
+    def __iter__(self):
+        return iter(self._places)
+
+    def __len__(self):
+        return len(self._places)
+
+    def __repr__(self):
+        return f"<suture.Parameters of {', '.join(self._places)}>"
+
+    def _ipython_key_completions_(self):
+        return list(self)

@@ -394,7 +394,7 @@ struct Parser {
     std::int64_t label = 0;
     const char* const end = text.data() + std::min(equals, text.size());
     const auto [stop, error] = std::from_chars(text.data(), end, label);
-    if (error != std::errc{} || stop != end || equals + 1 >= text.size())
+    if (equals == text.npos || error != std::errc{} || stop != end || equals + 1 == text.size())
       throw CLI::ConversionError("--label must be N=NAME with a whole number, is " + quote(text));
     fill.labels[label] = text.substr(equals + 1);
   }

@@ -2,6 +2,7 @@
 #include <array>
 #include <charconv>
 
+#include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/scene/scene_parts.hpp"
@@ -105,12 +106,23 @@ LabelNames read_label_names(const JsonValue& value, const std::string& path, Mis
   return labels;
 }
 
+/// The voxels of some images are in a second file, which provenance names, too.
+void add_voxel_file(const std::filesystem::path& image, Scene& scene) {
+  try {
+    const std::filesystem::path voxels = read_image_header(image).data.lexically_normal();
+    if (voxels != image) scene.files.push_back(voxels);
+  } catch (const InputError&) {  // who reads the voxels says what is wrong
+  }
+}
+
 /// A body that is filled up to the surface of a file.
 FilledBody read_filled(ObjectReader& mesh, const std::string& source, Reading& reading) {
   FilledBody body;
   body.file = read_file(*mesh.find(source), mesh.path_of(source), reading);
-  if (const JsonValue* labels = mesh.find("labels"))
+  if (const JsonValue* labels = mesh.find("labels")) {
     body.labels = read_label_names(*labels, mesh.path_of("labels"), reading.mistakes);
+    add_voxel_file(body.file, reading.scene);
+  }
   body.is_shape = source == "file";
   body.size = read_cube_size(mesh);
   body.repair = mesh.boolean("repair").value_or(false);

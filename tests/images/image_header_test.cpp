@@ -34,27 +34,25 @@ void expect_near(const Vec3& a, const Vec3& b) {
   for (std::size_t r = 0; r < 3; ++r) EXPECT_NEAR(a[r], b[r], 1e-6);
 }
 
-// The same axes in four ways: i along y with 0.5, j along x with 1, k down z with 2.
+// The same axes in four ways: i along y with 0.5, j along z with 1, k along x with 2.
 TEST(ImageHeader, FormatsStateTheSamePlace) {
   Nifti by_rows{.dim = {3, 3, 2, 2, 1, 1, 1, 1}};
   by_rows.sform = 1;
-  by_rows.rows = {0, 1, 0, 1, 0.5, 0, 0, 2, 0, 0, -2, 3};
-  // The half turn about (1, 1, 0): x to y, y to x, z to -z.
+  by_rows.rows = {0, 0, 2, 1, 0.5, 0, 0, 2, 0, 1, 0, 3};
   Nifti by_quaternion{.dim = {3, 3, 2, 2, 1, 1, 1, 1}};
   by_quaternion.pixdim = {1, 0.5, 1, 2, 0, 0, 0, 0};
   by_quaternion.qform = 1;
-  const float half = std::sqrt(0.5f);
-  by_quaternion.quaternion = {half, half, 0, 1, 2, 3};
+  by_quaternion.quaternion = {0.5, 0.5, 0.5, 1, 2, 3};
   const std::pair<const char*, std::string> files[] = {
       {"a.nii", by_rows.file(ones)},
       {"b.nii", by_quaternion.file(ones)},
       {"c.mha", meta(small,
-                     "TransformMatrix = 0 1 0 1 0 0 0 0 -1\nOffset = 1 2 3\nElementSpacing = 0.5 1 "
+                     "TransformMatrix = 0 1 0 0 0 1 1 0 0\nOffset = 1 2 3\nElementSpacing = 0.5 1 "
                      "2\n",
                      ones)},
       {"d.nrrd", nrrd(small,
-                      "space: left-posterior-superior\nspace directions: (0,0.5,0) (1,0,0) "
-                      "(0,0,-2)\nspace origin: (1,2,3)\n",
+                      "space: left-posterior-superior\nspace directions: (0,0.5,0) (0,0,1) "
+                      "(2,0,0)\nspace origin: (1,2,3)\n",
                       ones)}};
   for (const auto& [name, text] : files) {
     SCOPED_TRACE(name);
@@ -64,9 +62,21 @@ TEST(ImageHeader, FormatsStateTheSamePlace) {
     EXPECT_EQ(image.unit, 1e-3);
     expect_near(image.origin, {1, 2, 3});
     expect_near(image.steps[0], {0, 0.5, 0});
-    expect_near(image.steps[1], {1, 0, 0});
-    expect_near(image.steps[2], {0, 0, -2});
+    expect_near(image.steps[1], {0, 0, 1});
+    expect_near(image.steps[2], {2, 0, 0});
   }
+}
+
+// Half turns are exact, although their quaternions are rounded.
+TEST(ImageHeader, TurnsByHalf) {
+  Nifti image{.dim = {3, 3, 2, 2, 1, 1, 1, 1}};
+  image.qform = 1;
+  const float half = std::sqrt(0.5f);
+  image.quaternion = {half, half, 0, 0, 0, 0};
+  const ImageHeader header = header_of("a.nii", image.file(ones));
+  expect_near(header.steps[0], {0, 1, 0});
+  expect_near(header.steps[1], {1, 0, 0});
+  expect_near(header.steps[2], {0, 0, -1});
 }
 
 TEST(ImageHeader, TakesTheSformBeforeTheQformBeforeTheSpacing) {

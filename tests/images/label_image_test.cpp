@@ -122,6 +122,15 @@ TEST(LabelImage, LeavesOutLabelsWithoutNames) {
   EXPECT_EQ(std::ranges::count(all_of_them.image.region_of, 0), 6);
 }
 
+TEST(LabelImage, TakesTheScaledValuesOfNifti) {
+  test::Nifti nifti{.dim = {3, 4, 3, 2, 1, 1, 1, 1}};
+  nifti.slope = 2;
+  nifti.intercept = 1;
+  const Read read("a.nii", nifti.file(voxels(grid, label_at)), {{5, "two"}});
+  EXPECT_EQ(std::ranges::count(read.image.region_of, 1), 6);
+  EXPECT_EQ(read.image.region_of[read.image.place(2, 0, 0)], 1);
+}
+
 // Voxels have their centres where the file says; places are in m.
 TEST(LabelImage, HasItsCornersHalfAVoxelBeforeTheCentres) {
   const Read read(

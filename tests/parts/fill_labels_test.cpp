@@ -102,8 +102,11 @@ TEST(FillLabels, CountsByVolumeWhereAxesAreOblique) {
 
 // Half a voxel of material may lie in elements of which the image has no voxel.
 TEST(FillLabels, GivesEachElementARegion) {
-  for (const double edge : {0.7, 1.3, 2.1, 5.0}) {
-    const Filled filled(box(), edge);
+  const LabelImage ball = image_of({16, 16, 16}, [](double i, double j, double k) {
+    return std::hypot(i - 7.5, j - 7.5, k - 7.5) > 7 ? 0 : i < 7 ? 1 : 2;
+  });
+  for (const double edge : {0.4, 0.7, 1.3, 5.0}) {
+    const Filled filled(ball, edge);
     EXPECT_EQ(filled.mesh.element_sets.at("one").size() + filled.mesh.element_sets.at("two").size(),
               filled.mesh.hexahedra.size())
         << edge;

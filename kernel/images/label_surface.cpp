@@ -14,7 +14,7 @@ using Quad = std::array<Index, 4>;
 using VoxelPlace = std::array<std::uint64_t, 3>;
 
 /// With what fill_surface() needs for the triangles of a side.
-constexpr double bytes_per_side = 300;
+constexpr double bytes_per_side = 150;
 
 bool is_inside(const LabelImage& image, const VoxelPlace& p) {
   return image.region_of[image.place(p[0], p[1], p[2])] != 0;

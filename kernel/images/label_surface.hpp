@@ -14,7 +14,7 @@ namespace suture {
 /// of their neighbours, by at most half a voxel along each axis; here with the steps of Taubin
 /// (SIGGRAPH 1995), which keep volumes: those of balls of 5 voxels in radius to 0.5 %.
 ///
-/// Throws InputError if the surface needs more than `memory` bytes, about 300 per side. Costs 2 ns
+/// Throws InputError if the surface needs more than `memory` bytes, about 150 per side. Costs 2 ns
 /// per voxel and 3 us per side.
 TriangleSurface surface_of(const LabelImage& image, double memory = available_memory());
 

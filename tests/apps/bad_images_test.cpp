@@ -56,6 +56,13 @@ TEST_F(BadImages, TheSoundOneIsFilled) {
       0);
 }
 
+TEST_F(BadImages, HaveReferencesForTheirSurface) {
+  const Outcome cited = scene(
+      "cite", "", {R"(/mesh={"file": "halves.mha", "labels": {"1": "liver"}, "cells": 100})"});
+  EXPECT_EQ(cited.code, 0) << cited;
+  EXPECT_TRUE(cited.says("surface of a label image")) << cited;
+}
+
 TEST_F(BadImages, HeadersAndVoxels) {
   write("none.mha", meta(grid, "", voxels(grid, halves)));
   expect_refused("none.mha", "states no spacing");

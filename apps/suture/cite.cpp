@@ -100,6 +100,12 @@ int cite(const CiteCommand& command, Console& console) {
          "N. Molino, Z. Bao, R. Fedkiw: A virtual node algorithm for changing mesh topology during "
          "simulation. ACM Trans. Graph. 23, 2004, 385-392"},
         console);
+  if (scene.mesh.filled && !scene.mesh.filled->labels.empty())
+    print({"surface of a label image",
+           "S. F. F. Gibson: Constrained elastic surface nets: generating smooth surfaces from "
+           "binary segmented data. MICCAI 1998, 888-898; G. Taubin: A signal processing approach "
+           "to fair surface design. SIGGRAPH 1995, 351-358"},
+          console);
   const auto is_cubic = [](const Constraint& c) { return c.path.has_slopes(); };
   if (std::ranges::any_of(scene.constraints, is_cubic))
     print({"monotone cubic motion",

@@ -373,14 +373,15 @@ struct Parser {
   void add_mesh_commands() {
     auto* mesh = app.add_subcommand("mesh", "inspect, convert and generate meshes");
     mesh->require_subcommand(1);
-    const auto add_scale = [](CLI::App* sub, double& scale) {
+    const auto add_scale = [](CLI::App* sub, auto& scale) {
       sub->add_option("--scale", scale, "factor from the file's unit to m")->check(positive_number);
     };
     auto* info_app =
-        mesh->add_subcommand("info", "print counts, dimensions and quality of a mesh or a surface");
+        mesh->add_subcommand("info", "print what a mesh, a surface or a label image contains");
     info_app
         ->add_option("file", info.file,
-                     "mesh (.vtu .vtk .mesh .msh) or surface (.obj .off .ply .stl .vtp)")
+                     "mesh (.vtu .vtk .mesh .msh), surface (.obj .off .ply .stl .vtp) or image (" +
+                         image_types + ")")
         ->required();
     add_scale(info_app, info.scale);
     info_app->callback([this] { line.command = info; });
@@ -395,7 +396,8 @@ struct Parser {
 
     add_voxelize(*mesh->add_subcommand("voxelize", "fill a closed surface with equal cubes"));
     add_fill(*mesh->add_subcommand(
-        "fill", "show how /mesh fills a closed surface, or the shape of a mesh of tetrahedra"));
+        "fill",
+        "show how /mesh fills a closed surface, the shape of a mesh of tetrahedra or an image"));
 
     auto* generate = mesh->add_subcommand("generate", "generate a mesh");
     generate->require_subcommand(1);
@@ -409,6 +411,7 @@ struct Parser {
     box_app->callback([this] { line.command = box; });
   }
 
+  static inline const std::string image_types = ".nii .nii.gz .mha .mhd .nrrd .nhdr";
   static inline const std::string surface_file = "surface file (.obj .off .ply .stl .vtp)";
   /// What both commands take that fill a surface.
   template <class Command>
@@ -428,9 +431,29 @@ struct Parser {
 
   void add_fill(CLI::App& sub) {
     add_filling(sub, fill, fill.size.cells, fill.size.edge,
-                surface_file + ", or mesh of solid cells (.vtu .vtk .mesh .msh)",
+                surface_file + ", mesh of solid cells (.vtu .vtk .mesh .msh) or label image (" +
+                    image_types + ")",
                 ".vtu, or .obj .off .ply .stl");
+    sub.add_option_function<std::vector<std::string>>(
+           "--label",
+           [this](const auto& texts) {
+             for (const std::string& text : texts) add_label(text);
+           },
+           "a region of an image, such as 1=liver; may be repeated (default: all labels but 0)")
+        ->type_name("N=NAME")
+        ->take_all();
     sub.callback([this] { line.command = fill; });
+  }
+
+  /// Throws CLI::ConversionError.
+  void add_label(const std::string& text) {
+    const std::size_t equals = text.find('=');
+    std::int64_t label = 0;
+    const char* const end = text.data() + std::min(equals, text.size());
+    const auto [stop, error] = std::from_chars(text.data(), end, label);
+    if (equals == text.npos || error != std::errc{} || stop != end || equals + 1 == text.size())
+      throw CLI::ConversionError("--label must be N=NAME with a whole number, is " + quote(text));
+    fill.labels[label] = text.substr(equals + 1);
   }
 
   void add_voxelize(CLI::App& sub) {

@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "kernel/geometry/voxelize.hpp"
+#include "kernel/images/label_image.hpp"
 #include "kernel/mesh/box.hpp"
 #include "kernel/parts/fill_surface.hpp"
 
@@ -85,7 +87,7 @@ struct DescribeCommand {
 };
 struct MeshInfoCommand {
   std::filesystem::path file;
-  double scale = 1;
+  std::optional<double> scale;
 };
 struct MeshConvertCommand {
   std::filesystem::path from, to;
@@ -105,7 +107,8 @@ struct MeshVoxelizeCommand {
 struct MeshFillCommand {
   std::filesystem::path from, to;
   CubeSize size;
-  double scale = 1;
+  LabelNames labels;
+  std::optional<double> scale;
   bool repair = false;
 };
 /// --help, --version: a text for standard output.

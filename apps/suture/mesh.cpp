@@ -7,11 +7,14 @@
 #include "apps/suture/commands.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
+#include "kernel/base/vec3.hpp"
 #include "kernel/geometry/surface_file.hpp"
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/output/frame_file.hpp"
 #include "kernel/parts/embedding.hpp"
+#include "kernel/parts/fill_labels.hpp"
 #include "kernel/parts/fill_shape.hpp"
+#include "kernel/parts/shape_boundary.hpp"
 #include "kernel/results/part_frames.hpp"
 #include "kernel/topology/bad_elements.hpp"
 #include "kernel/topology/import.hpp"
@@ -131,7 +134,7 @@ void print_topology(Imported& imported, Console& console) {
 }
 
 int surface_info(const MeshInfoCommand& command, Console& console) {
-  const PolygonSoup soup = read_soup(command.file, command.scale);
+  const PolygonSoup soup = read_soup(command.file, command.scale.value_or(1));
   const Closing closing = geometry_module().close(soup, false);
   console.print(soup.source + ": a surface of " + count(soup.points.size(), "point") + ", " +
                 count(closing.triangles, "triangle") + ", " +
@@ -153,16 +156,60 @@ int surface_info(const MeshInfoCommand& command, Console& console) {
   return 0;
 }
 
-}  // namespace
+int image_info(const MeshInfoCommand& command, Console& console) {
+  const ImageHeader image = read_image_header(command.file);
+  const double unit = command.scale.value_or(image.unit);
+  console.print(image.source + ": an image of " + size_text(image));
+  Vec3 spacing;
+  for (std::size_t a = 0; a < 3; ++a) spacing[a] = unit * norm(image.steps[a]);
+  console.print("spacing: " + text_of(spacing) + " m; first voxel at " +
+                text_of(scaled(unit, image.origin)) + " m");
+  const double voxel =
+      unit * unit * unit * std::abs(dot(image.steps[0], cross(image.steps[1], image.steps[2])));
+  for (const auto& [label, number] : count_labels(image))
+    console.print("label " + std::to_string(label) + ": " + count(number, "voxel") + ", " +
+                  number_text(voxel * double(number)) + " m^3");
+  return 0;
+}
 
-int mesh_info(const MeshInfoCommand& command, Console& console) {
-  if (is_surface_file(command.file)) return surface_info(command, console);
-  const Mesh mesh = read_mesh(command.file, command.scale, console.diagnostics(), all_arrays);
-  print_counts(mesh, console);
+/// Cells that are not all hexahedra give a shape.
+bool is_shape(const Mesh& cells) {
+  return std::ranges::none_of(cells.hexahedra, [](Hexahedron nodes) {
+    std::ranges::sort(nodes);
+    return std::ranges::adjacent_find(nodes) == nodes.end();
+  });
+}
+
+void print_contents(const Mesh& mesh, Console& console) {
   print_sets("points", mesh.point_sets, console);
   print_sets("elements", mesh.element_sets, console);
   print_arrays(mesh, console);
   print_bounds(mesh, console);
+}
+
+int shape_info(const Mesh& shape, Console& console) {
+  console.print(shape.source + ": " + count(shape.points.size(), "point") + ", " +
+                count(shape.hexahedra.size(), "solid cell") + ", " +
+                count(boundary_of(shape).size(), "face") + " on the boundary");
+  print_contents(shape, console);
+  console.print(
+      "no hexahedra: /mesh takes it with \"cells\" as a shape that is filled, as 'suture "
+      "mesh fill' does");
+  return 0;
+}
+
+}  // namespace
+
+int mesh_info(const MeshInfoCommand& command, Console& console) {
+  if (is_surface_file(command.file)) return surface_info(command, console);
+  if (is_image_file(command.file)) return image_info(command, console);
+  const double scale = command.scale.value_or(1);
+  Diagnostics unheard;
+  if (const Mesh cells = read_shape(command.file, scale, unheard, all_arrays); is_shape(cells))
+    return shape_info(cells, console);
+  const Mesh mesh = read_mesh(command.file, scale, console.diagnostics(), all_arrays);
+  print_counts(mesh, console);
+  print_contents(mesh, console);
   Imported imported = import_mesh(mesh, {}, console.diagnostics());
   print_topology(imported, console);
   print_shape(imported, console);
@@ -197,17 +244,25 @@ void require_size(const char* command, std::size_t cells, double edge) {
                      ": the size of the cubes is missing; give --cells or --edge");
 }
 
-/// The mesh that fills a closed surface, or the shape of a mesh of solid cells.
+/// The mesh that fills a closed surface, the shape of a mesh of solid cells or an image.
 Mesh filled(const MeshFillCommand& command, Console& console) {
   Diagnostics& diagnostics = console.diagnostics();
+  const double scale = command.scale.value_or(1);
+  if (is_image_file(command.from))
+    return fill_labels(
+        read_labels(command.from, {.names = command.labels, .scale = command.scale}, diagnostics),
+        command.size, diagnostics);
+  if (!command.labels.empty())
+    throw UsageError("suture mesh fill: --label is for images; " + command.from.string() +
+                     " is none");
   if (is_surface_file(command.from))
-    return fill_surface(surface_of(command.from, command.scale, command.repair, console),
-                        command.size, diagnostics);
-  return fill_shape(read_shape(command.from, command.scale, diagnostics), command.size,
-                    command.repair, diagnostics);
+    return fill_surface(surface_of(command.from, scale, command.repair, console), command.size,
+                        diagnostics);
+  return fill_shape(read_shape(command.from, scale, diagnostics), command.size, command.repair,
+                    diagnostics);
 }
 
-/// The mesh at rest, as frames of a run have it, with the fraction of each element.
+/// The mesh at rest, as frames of a run have it, with the fraction of each element and its sets.
 Frame frame_of(const Mesh& mesh, Diagnostics& diagnostics) {
   const Imported imported = import_mesh(mesh, {.renumber = false}, diagnostics);
   Frame frame;
@@ -219,6 +274,12 @@ Frame frame_of(const Mesh& mesh, Diagnostics& diagnostics) {
   fraction.values.assign(mesh.hexahedra.size(), 1);
   for (std::size_t i = 0; i < mesh.parts.elements.size(); ++i)
     fraction.values[mesh.parts.elements[i]] = mesh.parts.moments[i].fraction;
+  for (const auto& [name, members] : mesh.element_sets) {
+    FrameField& field = frame.cell_fields.emplace_back();
+    field.name = name;
+    field.values.assign(mesh.hexahedra.size(), 0);
+    for (const Index e : members) field.values[e] = 1;
+  }
   if (!mesh.parts.empty())
     show_parts(frame, mesh.parts, Embedding(mesh.parts, imported.complex), imported.complex);
   return frame;
@@ -269,6 +330,7 @@ int mesh_fill(const MeshFillCommand& command, Console& console) {
     write_surface(command.to, embedded_surface(mesh, console.diagnostics()));
   if (console.quiet()) return 0;
   print_counts(mesh, console);
+  print_sets("elements", mesh.element_sets, console);
   console.print("elements that the surface crosses: " + std::to_string(mesh.parts.elements.size()));
   return 0;
 }

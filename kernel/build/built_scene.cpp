@@ -25,6 +25,7 @@
 #include "kernel/geometry/surface_file.hpp"
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/mesh/own_origin.hpp"
+#include "kernel/parts/fill_labels.hpp"
 #include "kernel/parts/fill_shape.hpp"
 #include "kernel/parts/lattice.hpp"
 #include "kernel/topology/bad_elements.hpp"
@@ -42,13 +43,18 @@ Imported import_and_trim(Mesh mesh, const Scene& scene, Diagnostics& diagnostics
 Mesh fill(const MeshSource& source, const WantsArray& wants, Diagnostics& diagnostics) {
   const FilledBody& filled = *source.filled;
   constexpr const char* repair_option = "\"repair\": true in /mesh";
+  const double scale = source.scale.value_or(1);
+  if (!filled.labels.empty())
+    return fill_labels(
+        read_labels(filled.file, {.names = filled.labels, .scale = source.scale}, diagnostics),
+        filled.size, diagnostics);
   if (filled.is_shape)
-    return fill_shape(read_shape(filled.file, source.scale, diagnostics, wants), filled.size,
+    return fill_shape(read_shape(filled.file, scale, diagnostics, wants), filled.size,
                       filled.repair, diagnostics, repair_option);
   try {
-    return fill_surface(close_surface(read_soup(filled.file, source.scale), filled.repair,
-                                      diagnostics, repair_option),
-                        filled.size, diagnostics);
+    return fill_surface(
+        close_surface(read_soup(filled.file, scale), filled.repair, diagnostics, repair_option),
+        filled.size, diagnostics);
   } catch (const InputError& error) {
     throw InputError(std::string("/mesh/surface: ") + error.what());
   }
@@ -58,7 +64,7 @@ Mesh read(const MeshSource& source, const std::set<std::string>& arrays, Diagnos
   if (source.given) return *source.given;
   const auto wants = [&](const std::string& name) { return arrays.contains(name); };
   if (source.filled) return fill(source, wants, diagnostics);
-  return read_mesh(source.file, source.scale, diagnostics, wants);
+  return read_mesh(source.file, source.scale.value_or(1), diagnostics, wants);
 }
 
 Mesh make_mesh(const MeshSource& source, const std::set<std::string>& arrays,

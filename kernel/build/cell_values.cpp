@@ -101,15 +101,64 @@ class Resolved {
   // ---- tables ----
 
   void fill_from_table() {
-    const auto set = [&](Index cell, const std::vector<double>& value) {
-      std::ranges::copy(value, values_.begin() + std::ptrdiff_t(components_ * cell));
-    };
     if (!given_.elsewhere.empty())
       for (Index cell = 0; cell < cell_count(); ++cell) set(cell, given_.elsewhere);
-    for (const CellValues::Part& part : given_.parts)
-      for (const Index cell :
-           of_elements() ? selector_.elements(part.region) : selector_.vertices(part.region))
-        set(cell, part.value);
+    std::vector<std::vector<Index>> cells_of;
+    for (const CellValues::Part& part : given_.parts) {
+      cells_of.push_back(of_elements() ? elements_of(part.region)
+                                       : selector_.vertices(part.region));
+      for (const Index cell : cells_of.back()) set(cell, part.value);
+    }
+    if (of_elements()) mix(cells_of);
+  }
+  void set(Index cell, const std::vector<double>& value) {
+    std::ranges::copy(value, values_.begin() + std::ptrdiff_t(components_ * cell));
+  }
+  /// A region that fills most of no element counts in mixtures.
+  std::vector<Index> elements_of(const Selection& region) const {
+    const std::vector<Index>* materials = materials_of(region);
+    if (materials == nullptr) return selector_.elements(region);
+    return selector_.listed_elements(region);
+  }
+  /// Of a set in the mixtures of elements; else null.
+  const std::vector<Index>* materials_of(const Selection& region) const {
+    const auto* named = std::get_if<Selection::Named>(&region.what);
+    if (named == nullptr) return nullptr;
+    const auto found = names_.mixtures.materials.find(named->set);
+    return found == names_.mixtures.materials.end() ? nullptr : &found->second;
+  }
+
+  /// Elements of several materials take the mean by volume of the values of those that belong to
+  /// the model and have one.
+  void mix(const std::vector<std::vector<Index>>& cells_of) {
+    const std::vector<Mixtures::Share>& shares = names_.mixtures.shares;
+    const std::vector<Index>* own = materials_of(use_.region);
+    for (std::size_t i = 0, end = 0; i < shares.size(); i = end) {
+      const Index cell = body_.imported().element_of[shares[i].element];
+      std::vector<double> sum(components_, 0);
+      double volume = 0;
+      for (; end < shares.size() && shares[end].element == shares[i].element; ++end) {
+        const auto& [element, material, fraction] = shares[end];
+        if (own != nullptr && !std::ranges::binary_search(*own, material)) continue;
+        const std::vector<double>& value = material_value(material, cell, cells_of);
+        for (std::size_t c = 0; c < value.size(); ++c) sum[c] += fraction * value[c];
+        if (!value.empty()) volume += fraction;
+      }
+      if (volume == 0) continue;
+      for (double& x : sum) x /= volume;
+      set(cell, sum);
+    }
+  }
+  /// The last part of the table that contains a material in an element; may be empty.
+  const std::vector<double>& material_value(Index material, Index cell,
+                                            const std::vector<std::vector<Index>>& cells_of) const {
+    for (std::size_t p = given_.parts.size(); p-- > 0;) {
+      const std::vector<Index>* materials = materials_of(given_.parts[p].region);
+      const bool contains = materials != nullptr ? std::ranges::binary_search(*materials, material)
+                                                 : std::ranges::binary_search(cells_of[p], cell);
+      if (contains) return given_.parts[p].value;
+    }
+    return given_.elsewhere;
   }
 
   // ---- arrays ----

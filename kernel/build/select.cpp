@@ -92,8 +92,8 @@ Index position_of(std::uint64_t id, std::size_t count, const std::map<std::uint6
 }  // namespace
 
 MeshNames MeshNames::of(const Mesh& mesh) {
-  return {mesh.point_sets, mesh.element_sets,  mesh.point_ids,       mesh.element_ids,
-          mesh.arrays,     mesh.points.size(), mesh.hexahedra.size()};
+  return {mesh.point_sets, mesh.element_sets, mesh.point_ids,     mesh.element_ids,
+          mesh.arrays,     mesh.mixtures,     mesh.points.size(), mesh.hexahedra.size()};
 }
 
 Selector::Selector(const Imported& imported, const MeshNames& names, const Column& rest,
@@ -250,6 +250,12 @@ std::vector<Index> Selector::listed_elements(const Selection& selection) const {
 
 std::vector<Index> Selector::elements(const Selection& selection) const {
   std::vector<Index> result = listed_elements(selection);
+  if (const auto* named = std::get_if<Selection::Named>(&selection.what); named && result.empty())
+    throw InputError(selection.path + ": no element belongs to the set " + quote(named->set) +
+                     (names_.mixtures.materials.contains(named->set)
+                          ? "; it fills most of no element: use more cells, or give its values in "
+                            "a table of one model, where it counts by volume"
+                          : ""));
   if (result.empty()) result = located_elements(selection, rest_.rows());
   if (result.empty()) {
     throw InputError(selection.path +

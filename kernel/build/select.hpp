@@ -20,6 +20,7 @@ struct MeshNames {
   std::vector<std::uint64_t> point_ids;  ///< empty: 0, 1, 2, ...
   std::vector<std::uint64_t> element_ids;
   std::vector<MeshArray> arrays;
+  Mixtures mixtures;
   std::size_t point_count = 0, element_count = 0;
 
   static MeshNames of(const Mesh& mesh);
@@ -49,6 +50,8 @@ class Selector {
   std::vector<Index> vertices_now(const Selection& selection, const double* rows) const;
   /// Elements whose centroid is selected (for ids and sets, the named elements).
   std::vector<Index> elements(const Selection& selection) const;
+  /// The same for ids and sets; empty for other selections, and for an empty set.
+  std::vector<Index> listed_elements(const Selection& selection) const;
   /// The same during a run: the remaining elements, by their centroids, where vertex v is at rows[4
   /// v]. Copies of named elements are named, too. May be empty.
   std::vector<Index> elements_now(const Selection& selection, const double* rows) const;
@@ -70,7 +73,6 @@ class Selector {
 
  private:
   std::string bounds_text() const;
-  std::vector<Index> listed_elements(const Selection& selection) const;
   bool contains(const Selection& selection, const Vec3& p) const;
   Vec3 centroid_of(Index e, const double* rows) const;
   std::vector<Index> located_vertices(const Selection& selection, const double* rows) const;

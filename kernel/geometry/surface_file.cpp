@@ -14,6 +14,7 @@
 #include "kernel/geometry/geometry_module.hpp"
 #include "kernel/geometry/surface_readers.hpp"
 #include "kernel/geometry/vtp.hpp"
+#include "kernel/mesh/accepted_as.hpp"
 #include "kernel/mesh/file_text.hpp"
 
 namespace suture {
@@ -38,7 +39,7 @@ std::string unknown_extension(const std::filesystem::path& path,
   for (const std::string& e : known) list += (list.empty() ? "" : " ") + e;
   const std::string extension = lower_extension(path);
   return path.string() + ": '" + extension + "' is not a surface format" +
-         did_you_mean(extension, known) + "; expected one of " + list;
+         did_you_mean(extension, known) + "; expected one of " + list + accepted_as(path);
 }
 
 void scale_points(PolygonSoup& soup, double scale) {

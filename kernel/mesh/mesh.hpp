@@ -33,6 +33,16 @@ struct MeshArray {
   }
 };
 
+/// What the elements consist of that hold several materials, by volume.
+struct Mixtures {
+  struct Share {
+    Index element, material;
+    double fraction;  ///< those of an element add up to 1
+  };
+  std::vector<Share> shares;                            ///< ascending by element, then material
+  std::map<std::string, std::vector<Index>> materials;  ///< of each set of elements, ascending
+};
+
 /// Points and hexahedra from a file or a generator; only the syntax has been checked. The node
 /// order is X0..X7 (converted from the order of the file by the reader); numbers are positions in
 /// these vectors.
@@ -46,6 +56,7 @@ struct Mesh {
   /// VTK arrays of flags. Values are positions in `points` / `hexahedra`.
   std::map<std::string, std::vector<Index>> point_sets;
   std::map<std::string, std::vector<Index>> element_sets;
+  Mixtures mixtures;  ///< of elements that are made from a shape or an image
   /// The file's own numbers (Gmsh tags) where they are not 0, 1, 2, ...; else empty.
   std::vector<std::uint64_t> point_ids;
   std::vector<std::uint64_t> element_ids;

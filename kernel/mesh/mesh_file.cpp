@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kernel/base/error.hpp"
+#include "kernel/mesh/accepted_as.hpp"
 #include "kernel/mesh/readers.hpp"
 
 namespace suture {
@@ -51,7 +52,8 @@ void check_hexahedra(const Mesh& mesh, Diagnostics& diagnostics) {
   if (mesh.hexahedra.empty()) {
     throw InputError(mesh.source + ": no hexahedra" + contents_of(mesh) +
                      "Mesh the body with 8-node hexahedra, or let it be filled with them: with "
-                     "\"cells\" beside \"file\" in a scene, other solid cells give its shape");
+                     "\"cells\" beside \"file\" in a scene, and in 'suture mesh fill', other solid "
+                     "cells give its shape");
   }
   if (!others.empty()) {
     diagnostics.warn(mesh.source + ": skipped " + others + "; only the " +
@@ -87,7 +89,8 @@ Mesh read_cells(const std::filesystem::path& path, const MeshWants& wants,
   if (!reader) {
     throw InputError(path.string() +
                      ": neither the contents nor the extension are those of a mesh; expected Medit "
-                     ".mesh, Gmsh .msh, VTK .vtk or .vtu");
+                     ".mesh, Gmsh .msh, VTK .vtk or .vtu" +
+                     accepted_as(path));
   }
   Mesh mesh = reader(file, wants, diagnostics);
   mesh.source = path.string();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/parts/cut_patterns.hpp"
 #include "kernel/parts/moments.hpp"
 
 namespace suture {
@@ -64,6 +65,15 @@ double clipped_volume(std::array<Vec3, 4> t, const Box& box, int side) {
 
 double volume_within(const std::array<Vec3, 4>& tetrahedron, const Box& box) {
   return clipped_volume(tetrahedron, box, 0);
+}
+
+std::array<std::array<Vec3, 4>, 6> tetrahedra_of(const std::array<Vec3, 8>& corners) {
+  const CutPattern& whole = cut_pattern(all_corners);
+  std::array<std::array<Vec3, 4>, 6> result;
+  for (std::size_t t = 0; t < 6; ++t)
+    for (std::size_t i = 0; i < 4; ++i)
+      result[t][i] = corners[low_corner(whole.points[whole.tetrahedra[t][i]])];
+  return result;
 }
 
 bool meets(std::vector<Vec3> polygon, const Box& box) {

@@ -8,71 +8,15 @@
 
 #include "kernel/base/sort_unique.hpp"
 #include "kernel/geometry/surface_file.hpp"
-#include "kernel/mesh/file_text.hpp"
+#include "kernel/parts/carry_sets.hpp"
 #include "kernel/parts/clip.hpp"
 #include "kernel/parts/cube_sides.hpp"
-#include "kernel/parts/cut_patterns.hpp"
+#include "kernel/parts/filled_cubes.hpp"
 #include "kernel/parts/moments.hpp"
 #include "kernel/parts/shape_boundary.hpp"
 
 namespace suture {
 namespace {
-
-/// The cubes of a mesh that fills a surface, whose elements are numbered along x, then y, then z.
-class Cubes {
- public:
-  explicit Cubes(const Mesh& mesh) : mesh_(mesh) {
-    edge_ = box_of(0).length(0);
-    for (std::size_t e = 0; e < mesh.hexahedra.size(); ++e) include(around_, box_of(e).low);
-    for (std::size_t e = 0; e < mesh.hexahedra.size(); ++e)
-      keys_.push_back(key(number_of(box_of(e).low)));
-  }
-
-  Box box_of(std::size_t e) const {
-    const Hexahedron& nodes = mesh_.hexahedra[e];
-    return {mesh_.points[nodes[0]], mesh_.points[nodes[7]]};
-  }
-
-  /// Calls visit(element) for those whose cubes meet a box.
-  template <class Visit>
-  void for_each_in(const Box& box, Visit&& visit) const {
-    const Numbers low = clamped(box.low), high = clamped(box.high);
-    Numbers at = low;
-    for (at[2] = low[2]; at[2] <= high[2]; ++at[2])
-      for (at[1] = low[1]; at[1] <= high[1]; ++at[1]) {
-        const std::uint64_t last = key({high[0], at[1], at[2]});
-        auto found = std::lower_bound(keys_.begin(), keys_.end(), key({low[0], at[1], at[2]}));
-        for (; found != keys_.end() && *found <= last; ++found)
-          visit(static_cast<Index>(found - keys_.begin()));
-      }
-  }
-
- private:
-  using Numbers = std::array<std::uint64_t, 3>;
-
-  Numbers number_of(const Vec3& low_corner) const {
-    Numbers n;
-    for (std::size_t a = 0; a < 3; ++a)
-      n[a] = static_cast<std::uint64_t>(std::llround((low_corner[a] - around_.low[a]) / edge_));
-    return n;
-  }
-  /// The cube around a place, or the nearest one.
-  Numbers clamped(const Vec3& place) const {
-    Numbers n;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double last = std::round(around_.length(a) / edge_);
-      n[a] = static_cast<std::uint64_t>(
-          std::clamp(std::floor((place[a] - around_.low[a]) / edge_), 0.0, last));
-    }
-    return n;
-  }
-  static std::uint64_t key(const Numbers& n) { return n[0] | n[1] << 21 | n[2] << 42; }
-
-  const Mesh& mesh_;
-  double edge_ = 0;
-  Box around_ = no_box;  ///< of the low corners
-  std::vector<std::uint64_t> keys_;
-};
 
 /// The volume that a cell of the shape has in an element.
 struct Share {
@@ -81,23 +25,21 @@ struct Share {
 };
 
 /// Ascending by element, then by cell.
-std::vector<Share> shares_of(const Mesh& shape, const Cubes& cubes) {
-  const CutPattern& whole = cut_pattern(all_corners);
+std::vector<Share> shares_of(const Mesh& shape, const FilledCubes& cubes) {
   std::vector<Share> shares;
-  for (Index cell = 0; cell < shape.hexahedra.size(); ++cell)
-    for (const auto& t : whole.tetrahedra) {
-      std::array<Vec3, 4> corners;
+  for (Index cell = 0; cell < shape.hexahedra.size(); ++cell) {
+    std::array<Vec3, 8> corners;
+    for (std::size_t i = 0; i < 8; ++i) corners[i] = shape.points[shape.hexahedra[cell][i]];
+    for (const auto& tetrahedron : tetrahedra_of(corners)) {
+      if (six_volumes(tetrahedron) == 0) continue;
       Box box = no_box;
-      for (std::size_t i = 0; i < 4; ++i) {
-        corners[i] = shape.points[shape.hexahedra[cell][low_corner(whole.points[t[i]])]];
-        include(box, corners[i]);
-      }
-      if (six_volumes(corners) == 0) continue;
+      for (const Vec3& corner : tetrahedron) include(box, corner);
       cubes.for_each_in(box, [&](Index element) {
-        const double volume = volume_within(corners, cubes.box_of(element));
+        const double volume = volume_within(tetrahedron, cubes.box_of(element));
         if (volume > 0) shares.push_back({element, cell, volume});
       });
     }
+  }
   std::sort(shares.begin(), shares.end(), [](const Share& a, const Share& b) {
     return a.element != b.element ? a.element < b.element : a.cell < b.cell;
   });
@@ -107,19 +49,25 @@ std::vector<Share> shares_of(const Mesh& shape, const Cubes& cubes) {
 /// Cells that belong to the same sets are one material.
 struct Materials {
   std::vector<Index> of_cell;
-  Index count = 1;
+  std::map<std::string, std::vector<Index>> sets;  ///< the materials of each set, ascending
 };
 
 Materials materials_of(const Mesh& shape) {
   Materials materials;
   materials.of_cell.assign(shape.hexahedra.size(), 0);
+  Index count = 1;
   for (const auto& [name, cells] : shape.element_sets) {
     std::map<Index, Index> divided;  // by each set
     for (const Index cell : cells) {
-      const auto [found, is_new] = divided.emplace(materials.of_cell[cell], materials.count);
-      if (is_new) ++materials.count;
+      const auto [found, is_new] = divided.emplace(materials.of_cell[cell], count);
+      if (is_new) ++count;
       materials.of_cell[cell] = found->second;
     }
+  }
+  for (const auto& [name, cells] : shape.element_sets) {
+    std::vector<Index>& set = materials.sets[name];
+    for (const Index cell : cells) set.push_back(materials.of_cell[cell]);
+    sort_unique(set);
   }
   return materials;
 }
@@ -138,27 +86,13 @@ void add_element_sets(const Mesh& shape, const std::vector<Share>& shares, Mesh&
                       Diagnostics& diagnostics) {
   if (shape.element_sets.empty()) return;
   const Materials materials = materials_of(shape);
-  std::vector<Index> chosen(mesh.hexahedra.size(), none);
-  std::size_t mixed = 0;
+  std::vector<Content> contents;
   for_each_element(shares, [&](Index element, auto share, auto end) {
     std::map<Index, double> volumes;
     for (; share != end; ++share) volumes[materials.of_cell[share->cell]] += share->volume;
-    const auto most = std::max_element(volumes.begin(), volumes.end(),
-                                       [](auto& a, auto& b) { return a.second < b.second; });
-    chosen[element] = most->first;
-    mixed += volumes.size() > 1 ? 1 : 0;
+    for (const auto& [material, volume] : volumes) contents.push_back({element, material, volume});
   });
-  for (const auto& [name, cells] : shape.element_sets) {
-    std::vector<std::uint8_t> in_set(materials.count, 0);
-    for (const Index cell : cells) in_set[materials.of_cell[cell]] = 1;
-    std::vector<Index>& members = mesh.element_sets[name];
-    for (Index e = 0; e < chosen.size(); ++e)
-      if (chosen[e] != none && in_set[chosen[e]] != 0) members.push_back(e);
-  }
-  if (mixed != 0)
-    diagnostics.note(shape.source + ": " + grouped(mixed) + " of " + grouped(chosen.size()) +
-                     " elements hold more than one region; each belongs to the one that fills most "
-                     "of it");
+  carry_sets(contents, materials.sets, mesh, diagnostics);
 }
 
 void add_arrays(const Mesh& shape, const std::vector<Share>& shares, Mesh& mesh) {
@@ -204,8 +138,8 @@ std::vector<Vec3> places_of(const Mesh& shape, const ShapeFace& face) {
   return places;
 }
 
-void add_point_sets(const Mesh& shape, const std::vector<ShapeFace>& faces, const Cubes& cubes,
-                    Mesh& mesh) {
+void add_point_sets(const Mesh& shape, const std::vector<ShapeFace>& faces,
+                    const FilledCubes& cubes, Mesh& mesh) {
   const std::vector<std::uint8_t> is_outer = outer_nodes(mesh);
   for (const auto& [name, points] : shape.point_sets) {
     std::vector<Index>& members = mesh.point_sets[name];
@@ -243,7 +177,7 @@ Mesh fill_shape(const Mesh& shape, const CubeSize& size, bool repair, Diagnostic
   const std::vector<ShapeFace> faces = boundary_of(shape);
   Mesh mesh = fill_surface(close_surface(soup_of(shape, faces), repair, diagnostics, repair_option),
                            size, diagnostics);
-  const Cubes cubes(mesh);
+  const FilledCubes cubes(mesh);
   const std::vector<Share> shares = shares_of(shape, cubes);
   add_element_sets(shape, shares, mesh, diagnostics);
   add_arrays(shape, shares, mesh);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <array>
+#include <charconv>
 
+#include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/scene/scene_parts.hpp"
@@ -82,6 +84,51 @@ CubeSize read_cube_size(ObjectReader& mesh) {
   return size;
 }
 
+/// {"1": "liver", "2": "vessel"}.
+LabelNames read_label_names(const JsonValue& value, const std::string& path, Mistakes& mistakes) {
+  LabelNames labels;
+  ObjectReader reader(value, path, mistakes);  // reports other kinds of values, and duplicates
+  if (!reader.is_object()) return labels;
+  if (value.members.empty())
+    reader.complain("is empty; name at least one label: {\"1\": \"liver\"}");
+  for (const JsonMember& member : value.members) {
+    std::int64_t label = 0;
+    const char* const end = member.key.data() + member.key.size();
+    const auto [stop, error] = std::from_chars(member.key.data(), end, label);
+    if (error != std::errc{} || stop != end)
+      mistakes.add(member.at, path,
+                   quote(member.key) + " is not a label; labels are whole numbers");
+    const auto name = read_string(member.value, child_path(path, member.key), mistakes);
+    if (name && name->empty())
+      mistakes.add(member.value.at, child_path(path, member.key), "is empty; name the region");
+    labels[label] = name.value_or("");
+  }
+  return labels;
+}
+
+/// The voxels of some images are in a second file, which provenance names, too.
+void add_voxel_file(const std::filesystem::path& image, Scene& scene) {
+  try {
+    const std::filesystem::path voxels = read_image_header(image).data.lexically_normal();
+    if (voxels != image) scene.files.push_back(voxels);
+  } catch (const InputError&) {  // who reads the voxels says what is wrong
+  }
+}
+
+/// A body that is filled up to the surface of a file.
+FilledBody read_filled(ObjectReader& mesh, const std::string& source, Reading& reading) {
+  FilledBody body;
+  body.file = read_file(*mesh.find(source), mesh.path_of(source), reading);
+  if (const JsonValue* labels = mesh.find("labels")) {
+    body.labels = read_label_names(*labels, mesh.path_of("labels"), reading.mistakes);
+    add_voxel_file(body.file, reading.scene);
+  }
+  body.is_shape = source == "file";
+  body.size = read_cube_size(mesh);
+  body.repair = mesh.boolean("repair").value_or(false);
+  return body;
+}
+
 /// Keys that only some sources have.
 void refuse_keys(ObjectReader& mesh, std::initializer_list<const char*> keys,
                  const std::string& text) {
@@ -135,14 +182,12 @@ void read_mesh(const JsonValue& value, Reading& reading) {
     const std::string path = mesh.path_of(sources[*source]);
     if (*source == 0) read_box(inner, path, reading);
     const bool is_shape =
-        *source == 1 && (mesh.find("cells") != nullptr || mesh.find("edge") != nullptr);
+        *source == 1 && (mesh.find("cells") != nullptr || mesh.find("edge") != nullptr ||
+                         mesh.find("labels") != nullptr);
     if (*source == 1 && !is_shape) reading.scene.mesh.file = read_file(inner, path, reading);
     if (*source == 2) read_voxels(inner, path, reading);
     if (*source == 3 || is_shape)
-      reading.scene.mesh.filled = {.file = read_file(inner, path, reading),
-                                   .is_shape = is_shape,
-                                   .size = read_cube_size(mesh),
-                                   .repair = mesh.boolean("repair").value_or(false)};
+      reading.scene.mesh.filled = read_filled(mesh, sources[*source], reading);
   }
 
   MeshSource& result = reading.scene.mesh;
@@ -155,7 +200,8 @@ void read_mesh(const JsonValue& value, Reading& reading) {
     refuse_keys(
         mesh, {"cells", "edge", "repair"},
         "is only allowed where a body is filled: with 'surface', or with 'file' and 'cells'");
-  result.scale = mesh.number("scale", Limits::positive("1")).value_or(1);
+  if (kind != "file") refuse_keys(mesh, {"labels"}, "is only allowed with 'file', an image");
+  result.scale = mesh.number("scale", Limits::positive("1"));
   static const std::array<std::string, 2> treatments{"split", "refuse"};
   if (mesh.choice("pinched", treatments) == 1u) {
     result.import.non_manifold = ImportOptions::NonManifold::refuse;

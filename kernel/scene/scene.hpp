@@ -12,6 +12,7 @@
 #include "kernel/dynamics/motion_path.hpp"
 #include "kernel/forces/time_ramp.hpp"
 #include "kernel/geometry/obstacle.hpp"
+#include "kernel/images/label_image.hpp"
 #include "kernel/mesh/box.hpp"
 #include "kernel/mesh/mesh.hpp"
 #include "kernel/mesh/voxels.hpp"
@@ -32,7 +33,8 @@ namespace suture {
 /// A body that is filled with hexahedra up to its boundary.
 struct FilledBody {
   std::filesystem::path file;  ///< absolute: a closed surface, or
-  bool is_shape = false;       ///< cells of any kind (read_shape())
+  bool is_shape = false;       ///< cells of any kind (read_shape()), or
+  LabelNames labels = {};      ///< unless empty: a label image, the named regions of it
   CubeSize size;
   bool repair = false;  ///< fill holes, accept sheets that cross each other
 };
@@ -43,7 +45,8 @@ struct MeshSource {
   std::optional<FilledBody> filled;    ///< or
   std::shared_ptr<const Mesh> given;   ///< by the program that runs the scene, or
   std::filesystem::path file;          ///< absolute
-  double scale = 1;                    ///< of the coordinates in a file
+  /// Of the coordinates in a file; without it, 1, or what an image states.
+  std::optional<double> scale;
   bool drop_bad_elements = false;
   ImportOptions import;
 };

@@ -44,8 +44,8 @@ void replace_all(std::string& text, const std::string& what, const std::string& 
 }
 
 bool is_covered(const std::string& suite) {
-  for (const char* covered :
-       {"BadScenes", "BadMeshes", "BadElements", "BadPlugins", "Mistakes", "FailedRuns"})
+  for (const char* covered : {"BadScenes", "BadMeshes", "BadElements", "BadImages", "BadPlugins",
+                              "Mistakes", "FailedRuns"})
     if (suite == covered) return true;
   return false;
 }

@@ -32,19 +32,11 @@ void note(std::string_view bytes) {
 }
 
 std::span<const NamedTarget> targets() {
-  static constexpr NamedTarget all[] = {{"vtk", vtk},
-                                        {"vtu", vtu},
-                                        {"msh", msh},
-                                        {"medit", medit},
-                                        {"obj", obj},
-                                        {"off", off},
-                                        {"ply", ply},
-                                        {"stl", stl},
-                                        {"vtp", vtp},
-                                        {"scene", scene},
-                                        {"journal", journal},
-                                        {"note", note},
-                                        {"checkpoint", checkpoint}};
+  static constexpr NamedTarget all[] = {
+      {"vtk", vtk},     {"vtu", vtu},         {"msh", msh},   {"medit", medit},
+      {"obj", obj},     {"off", off},         {"ply", ply},   {"stl", stl},
+      {"vtp", vtp},     {"mha", mha},         {"nii", nii},   {"nrrd", nrrd},
+      {"scene", scene}, {"journal", journal}, {"note", note}, {"checkpoint", checkpoint}};
   return all;
 }
 

@@ -28,6 +28,10 @@ void off(std::string_view bytes);
 void ply(std::string_view bytes);
 void stl(std::string_view bytes);
 void vtp(std::string_view bytes);
+// Label images.
+void mha(std::string_view bytes);
+void nii(std::string_view bytes);
+void nrrd(std::string_view bytes);
 /// A scene: read, and built if it has a small mesh of its own.
 void scene(std::string_view bytes);
 /// A journal: read, and repeated if it is small.

@@ -176,6 +176,56 @@ TEST(FillShape, FindsTheBoundaryOfCellsOfAllKinds) {
   }
 }
 
+std::string numbers_text(const std::vector<int>& values) {
+  std::string text;
+  for (const int value : values) text += std::to_string(value) + " ";
+  return text;
+}
+
+std::string vtu(const Drawing& d) {
+  std::string nodes;
+  std::vector<int> ends, types;
+  for (const auto& cell : d.cells) {
+    nodes += numbers(cell, 0) + "\n";
+    ends.push_back((ends.empty() ? 0 : ends.back()) + static_cast<int>(cell.size()));
+    types.push_back(cell.size() == 4 ? 10 : cell.size() == 5 ? 14 : 13);
+  }
+  const auto array = [](const std::string& head, const std::string& values) {
+    return "<DataArray format=\"ascii\" " + head + ">\n" + values + "\n</DataArray>\n";
+  };
+  return "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
+         "<UnstructuredGrid>\n<Piece NumberOfPoints=\"" +
+         std::to_string(d.points.size()) + "\" NumberOfCells=\"" + std::to_string(d.cells.size()) +
+         "\">\n<Points>\n" +
+         array("type=\"Float64\" NumberOfComponents=\"3\"", points_text(d, "")) +
+         "</Points>\n<Cells>\n" + array("type=\"Int32\" Name=\"connectivity\"", nodes) +
+         array("type=\"Int32\" Name=\"offsets\"", numbers_text(ends)) +
+         array("type=\"UInt8\" Name=\"types\"", numbers_text(types)) + "</Cells>\n<CellData>\n" +
+         array("type=\"Int32\" Name=\"region\"", numbers_text(d.region)) +
+         "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+}
+
+// A wedge of 1/2, a pyramid of 1/3 and a tetrahedron of 1/6, each a material of its own.
+TEST(FillShape, CountsCellsOfAllKindsByVolume) {
+  Drawing drawing = mixed_cube();
+  drawing.region = {1, 2, 3};
+  const std::tuple<const char*, std::string, const char*> files[] = {
+      {"m.mesh", medit(drawing), "ref "},
+      {"m.vtk", vtk(drawing), "region "},
+      {"m.vtu", vtu(drawing), "region "}};
+  for (const auto& [name, text, prefix] : files) {
+    SCOPED_TRACE(name);
+    const Mesh mesh = filled(shape_from(name, text), 0.11);
+    const std::vector<double> volumes = test::volumes_of_elements(mesh);
+    for (const auto& [region, volume] : {std::pair{"1", 1.0 / 2}, {"2", 1.0 / 3}, {"3", 1.0 / 6}}) {
+      double sum = 0;
+      for (Index e = 0; e < mesh.hexahedra.size(); ++e)
+        sum += volumes[e] * test::share_of(mesh, e, prefix + std::string(region));
+      EXPECT_NEAR(sum, volume, 0.015) << region;
+    }
+  }
+}
+
 // Files of several materials often repeat the points between them.
 TEST(FillShape, JoinsPointsAtTheSamePlace) {
   Drawing cube = cube_of_tetrahedra();

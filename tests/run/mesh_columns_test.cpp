@@ -3,6 +3,7 @@
 // Columns of parameters from the arrays of a mesh file.
 #include <limits>
 
+#include "kernel/base/error.hpp"
 #include "tests/run/differing_values.hpp"
 
 namespace suture::test {
@@ -33,6 +34,63 @@ TEST_F(ColumnsOfMeshes, ElementsLeftOutTakeTheirValuesWithThem) {
   for (Index row = 0; row < 3; ++row)
     EXPECT_EQ(instance.column(instance.model().attribute_count - 4)->get(row, 0),
               1.0 + static_cast<double>(built.element_name(instance.table(3).cells.cell(row))));
+}
+
+/// Two materials, of which elements 1 and 2 hold both; only material 0 has the set "a".
+Mixtures two_materials() {
+  return {.shares = {{1, 0, 0.75}, {1, 1, 0.25}, {2, 0, 0.25}, {2, 1, 0.75}},
+          .materials = {{"a", {0}}, {"b", {1}}}};
+}
+
+TEST_F(ColumnsOfMeshes, MixturesTakeTheMeanByVolume) {
+  mesh_.element_sets = {{"a", {0, 1}}, {"b", {2, 3}}};
+  mesh_.mixtures = two_materials();
+  CellValues& mu = use_array("mu", "");
+  mu.parts = {{{Selection::Named{"a"}, ""}, {100}}, {{Selection::Named{"b"}, ""}, {200}}};
+  const auto values = [&] {
+    scene_.mesh.given = std::make_shared<Mesh>(mesh_);
+    BuiltScene built(scene_, diagnostics_);
+    return values_of(*built.body().attributes().instances()[0], "mu", 3);
+  };
+  EXPECT_EQ(values(), (std::vector<double>{100, 125, 175, 200}));
+  mu.parts.pop_back();
+  mu.elsewhere = {1000};
+  EXPECT_EQ(values(), (std::vector<double>{100, 325, 775, 1000}));
+  // What selects elements by place counts for all that they hold.
+  mu.parts.push_back({{Selection::HalfSpace{{2, 0, 0}, {1, 0, 0}}, ""}, {500}});
+  EXPECT_EQ(values(), (std::vector<double>{100, 325, 500, 500}));
+  // A region may fill most of no element.
+  mesh_.element_sets = {{"a", {0, 1, 2, 3}}, {"b", {}}};
+  mu.parts = {{{Selection::Named{"a"}, ""}, {100}}, {{Selection::Named{"b"}, ""}, {200}}};
+  EXPECT_EQ(values(), (std::vector<double>{100, 125, 175, 100}));
+}
+
+TEST_F(ColumnsOfMeshes, AModelOfOneRegionTakesTheValuesOfThisRegion) {
+  mesh_.element_sets = {{"a", {0, 1}}, {"b", {2, 3}}};
+  mesh_.mixtures = two_materials();
+  scene_.models[0].region.what = Selection::Named{"a"};
+  scene_.models.push_back(scene_.models[0]);
+  scene_.models[1].name = "other";
+  scene_.models[1].region.what = Selection::Named{"b"};
+  CellValues& mu = use_array("mu", "");
+  mu.parts = {{{Selection::Named{"a"}, ""}, {100}}};
+  mu.elsewhere = {1000};
+  scene_.mesh.given = std::make_shared<Mesh>(mesh_);
+  BuiltScene built(scene_, diagnostics_);
+  EXPECT_EQ(values_of(*built.body().attributes().instances()[0], "mu", 3),
+            (std::vector<double>{100, 100}));
+  mesh_.element_sets = {{"a", {0, 1, 2, 3}}, {"b", {}}};
+  scene_.mesh.given = std::make_shared<Mesh>(mesh_);
+  try {
+    BuiltScene bad(scene_, diagnostics_);
+    FAIL() << "an empty region";
+  } catch (const InputError& error) {
+    EXPECT_NE(
+        std::string(error.what())
+            .find("no element belongs to the set 'b'; it fills most of no element: use more cells"),
+        std::string::npos)
+        << error.what();
+  }
 }
 
 TEST_F(ColumnsOfMeshes, MistakesNameTheirPlace) {

@@ -45,8 +45,9 @@ struct BladeBody : PartBody {
   BladeBody(BladeBody&&) = delete;
 
   Index cut(const PlanePatch& plane) {
-    const suture::BladeCut cut = suture::cut_along(
-        complex(), parts.parts(), attributes().rest().rows(), PlaneBlade(plane), "/events/0");
+    const suture::BladeCut cut =
+        suture::cut_along(complex(), parts.parts(), attributes().rest().rows(),
+                          suture::PlaneBlade(plane), "/events/0");
     clone_volume(cut.cloning, cut.parts.moments);
     parts.append(cut.parts, cut.cloning.origins);
     return cut.divided;

@@ -17,7 +17,7 @@ namespace {
 // and of its neighbours.
 constexpr double known_within = 3.5;
 
-Vec3 row(const double* rows, std::size_t stride, Index v) {
+Vec3 place_of(const double* rows, std::size_t stride, Index v) {
   const double* x = rows + stride * v;
   return {x[0], x[1], x[2]};
 }
@@ -26,20 +26,6 @@ bool is_in(const Box& box, const Vec3& p) {
   for (std::size_t c = 0; c < 3; ++c)
     if (p[c] < box.low[c] || p[c] > box.high[c]) return false;
   return true;
-}
-
-/// Of existing elements, m.
-double longest_edge(const CellComplex& complex, const double* rows, std::size_t stride) {
-  double longest = 0;
-  for (Index e = 0; e < complex.element_count(); ++e) {
-    if (!complex.exists(3, e)) continue;
-    const Hexahedron& nodes = complex.vertices_of(e);
-    for (const auto& [a, b] : hexahedron::edge_vertices) {
-      const Vec3 edge = minus(row(rows, stride, nodes[a]), row(rows, stride, nodes[b]));
-      longest = std::max(longest, dot(edge, edge));
-    }
-  }
-  return std::sqrt(longest);
 }
 
 /// Files may repeat the points of each triangle.
@@ -60,19 +46,32 @@ TriangleSurface with_shared_points(TriangleSurface surface) {
 
 }  // namespace
 
+double longest_edge(const CellComplex& complex, const double* rows, std::size_t stride) {
+  double longest = 0;
+  for (Index e = 0; e < complex.element_count(); ++e) {
+    if (!complex.exists(3, e)) continue;
+    const Hexahedron& nodes = complex.vertices_of(e);
+    for (const auto& [a, b] : hexahedron::edge_vertices) {
+      const Vec3 edge = minus(place_of(rows, stride, nodes[a]), place_of(rows, stride, nodes[b]));
+      longest = std::max(longest, dot(edge, edge));
+    }
+  }
+  return std::sqrt(longest);
+}
+
 std::vector<double> PlaneBlade::heights(const CellComplex& complex, const double* rows,
                                         std::size_t stride) const {
   const Vec3 n = scaled(1 / norm(patch_.normal), patch_.normal);
   std::vector<double> heights(complex.count(0));
   for (Index v = 0; v < heights.size(); ++v)
-    if (complex.exists(0, v)) heights[v] = dot(n, minus(row(rows, stride, v), patch_.point));
+    if (complex.exists(0, v)) heights[v] = dot(n, minus(place_of(rows, stride, v), patch_.point));
   return heights;
 }
 
 bool PlaneBlade::is_endless() const { return std::isinf(patch_.radius) && patch_.polygon.empty(); }
 
-SurfacePatch::SurfacePatch(TriangleSurface surface)
-    : surface_(with_shared_points(std::move(surface))) {
+SurfacePatch::SurfacePatch(TriangleSurface surface, double longest_edge)
+    : surface_(with_shared_points(std::move(surface))), longest_edge_(longest_edge) {
   if (!surface_.fault().empty())
     throw InputError(this->surface().source + ": " + surface_.fault() +
                      ", so the blade has no two sides; orient its triangles alike, or cut along "
@@ -81,7 +80,8 @@ SurfacePatch::SurfacePatch(TriangleSurface surface)
 
 std::vector<double> SurfacePatch::heights(const CellComplex& complex, const double* rows,
                                           std::size_t stride) const {
-  const double within = known_within * longest_edge(complex, rows, stride);
+  const double within =
+      known_within * (longest_edge_ > 0 ? longest_edge_ : longest_edge(complex, rows, stride));
   Box box = box_of(surface().points);
   for (std::size_t c = 0; c < 3; ++c) {
     box.low[c] -= within;
@@ -92,7 +92,7 @@ std::vector<double> SurfacePatch::heights(const CellComplex& complex, const doub
   Index last = 0;
   for (Index v = 0; v < heights.size(); ++v) {
     if (!complex.exists(0, v)) continue;
-    const Vec3 place = row(rows, stride, v);
+    const Vec3 place = place_of(rows, stride, v);
     if (!is_in(box, place) || !surface_.tree().is_within(place, within)) continue;
     const OrientedSurface::Foot foot = surface_.foot(place, last);
     last = foot.triangle;

@@ -22,6 +22,10 @@ class Blade {
   virtual bool is_endless() const = 0;
   /// Whether the point of it that is nearest to a place is not on its rim.
   virtual bool holds(const Vec3& place) const = 0;
+  /// Whether an element is a copy that a cut along it has made, with these heights.
+  virtual bool has_divided(Index /*element*/, const std::vector<double>& /*heights*/) const {
+    return false;
+  }
 };
 
 class PlaneBlade final : public Blade {
@@ -40,8 +44,9 @@ class PlaneBlade final : public Blade {
 /// element, such as an edge of the blade, is rounded.
 class SurfacePatch final : public Blade {
  public:
-  /// Equal points are merged. Throws InputError if its two sides cannot be told apart.
-  explicit SurfacePatch(TriangleSurface surface);
+  /// Equal points are merged. `longest_edge` of the elements, m, if it is known. Throws InputError
+  /// if its two sides cannot be told apart.
+  explicit SurfacePatch(TriangleSurface surface, double longest_edge = 0);
   const TriangleSurface& surface() const { return surface_.surface(); }
   /// O(vertices), and 1 us for each near the blade.
   std::vector<double> heights(const CellComplex& complex, const double* rows,
@@ -51,6 +56,10 @@ class SurfacePatch final : public Blade {
 
  private:
   OrientedSurface surface_;
+  double longest_edge_;
 };
+
+/// Of existing elements, whose vertices are at rows[stride v], m.
+double longest_edge(const CellComplex& complex, const double* rows, std::size_t stride);
 
 }  // namespace suture

@@ -44,20 +44,32 @@ struct Piece {
 /// Pieces that overlap at a face, and by how much.
 struct Touch {
   std::size_t one, other;
-  unsigned side;  ///< of `one`, by place in cube_sides
+  Dart dart, mate;  ///< of the sides at which they touch
   double area;
+  bool is_tied;                 ///< not joined before
+  unsigned side() const;        ///< of `one`, by place in cube_sides
+  unsigned other_side() const;  ///< of `other`
 };
+
+unsigned place_of_side(Dart side) {
+  for (unsigned s = 0; s < cube_sides.size(); ++s)
+    if (static_cast<Dart>(cube_sides[s].face()) == local_face(side)) return s;
+  return 0;
+}
+unsigned Touch::side() const { return place_of_side(dart); }
+unsigned Touch::other_side() const { return place_of_side(mate); }
 
 class Cutter {
  public:
   Cutter(const CellComplex& complex, const Parts& parts, const double* rows, const Blade& blade,
-         const std::string& path, std::size_t stride)
+         const std::string& path, std::size_t stride, std::span<const Tie> ties)
       : complex_(complex),
         parts_(parts),
         rows_(rows),
         blade_(blade),
         path_(path),
         stride_(stride),
+        ties_(ties),
         heights_(blade.heights(complex, rows, stride)),
         side_(complex.element_count(), 0),
         pieces_of_(complex.element_count(), {none, none}) {
@@ -73,6 +85,8 @@ class Cutter {
     number_copies(sets);
     join_copies(sets);
     find_cut_faces();
+    resolve_ties();
+    result_.heights = std::move(heights_);
     return std::move(result_);
   }
 
@@ -183,6 +197,11 @@ class Cutter {
     heights.reserve(material.points.size());
     for (const Vec3& at : material.points) heights.push_back(height_at(nodes, at));
     side_[element] = static_cast<std::int8_t>(side_of(material, heights, tolerance_));
+    if (side_[element] == 0 && blade_.has_divided(element, heights_)) {
+      // Its section is linear in each tetrahedron, heights are not.
+      const auto [low, high] = std::ranges::minmax(heights);
+      side_[element] = high > -low ? 1 : -1;
+    }
     if (side_[element] != 0) return;
     std::vector<DividedPart> found = divide(material, heights, tolerance_);
     if (found.size() < 2 || !is_held(nodes, found)) return;
@@ -234,22 +253,51 @@ class Cutter {
 
   void find_touches() {
     for (const Index e : divided_)
-      for (unsigned s = 0; s < cube_sides.size(); ++s) {
-        const Index n = complex_.neighbour(e, cube_sides[s].face());
-        if (n == none || (n < e && is_divided(n))) continue;
-        const Range here = pieces_of_[e], there = pieces_of(n);
-        for (std::size_t one = here.first; one < here.last; ++one)
-          for (std::size_t other = there.first; other < there.last; ++other)
-            find_touch(one, other, s);
+      for (const CubeSide& cube_side : cube_sides) {
+        const Dart side = face_dart(e, cube_side.face()), mate = complex_.beta3(side);
+        if (mate == none || (element_of(mate) < e && is_divided(element_of(mate)))) continue;
+        find_touches_at(side, mate, false);
       }
+    for (const Tie& tie : ties_) {
+      if (!complex_.exists(3, element_of(tie.side)) || !complex_.exists(3, element_of(tie.mate)) ||
+          complex_.beta3(tie.side) != none)
+        continue;
+      if (is_divided(element_of(tie.side)) || is_divided(element_of(tie.mate)))
+        find_touches_at(tie.side, tie.mate, true);
+    }
   }
 
-  void find_touch(std::size_t one, std::size_t other, unsigned side) {
-    const Piece &a = pieces_[one], &b = pieces_[other];
-    if (a.side * b.side < 0) return;
-    const auto mine = a.triangles[side], theirs = b.triangles[side ^ 1];
-    const double area = covered_area(mine, theirs) + covered_area(theirs, mine);
-    if (area > 0) touches_.push_back({one, other, side, area});
+  /// Of ties between elements that stay as they are: if the blade has passed both on one side, and
+  /// separated the one that was joined.
+  void resolve_ties() {
+    for (const Tie& tie : ties_) {
+      const Index copy = element_of(tie.side), whole = element_of(tie.mate);
+      if (!complex_.exists(3, copy) || !complex_.exists(3, whole) || is_divided(copy) ||
+          is_divided(whole) || complex_.beta3(tie.side) != none)
+        continue;
+      const Dart now = complex_.beta3(tie.mate);
+      const bool is_free = now == none || is_cut(tie.mate) || is_cut(now);
+      if (is_free && side_[copy] * side_[whole] > 0)
+        result_.seams.push_back({tie.side, tie.mate});
+      else
+        result_.ties.push_back(tie);
+    }
+  }
+  bool is_cut(Dart side) const {
+    return std::ranges::find(result_.cloning.cut, face_of(side)) != result_.cloning.cut.end();
+  }
+
+  void find_touches_at(Dart side, Dart mate, bool is_tied) {
+    const Range here = pieces_of(element_of(side)), there = pieces_of(element_of(mate));
+    for (std::size_t one = here.first; one < here.last; ++one)
+      for (std::size_t other = there.first; other < there.last; ++other) {
+        const Piece &a = pieces_[one], &b = pieces_[other];
+        if (a.side * b.side < 0) continue;
+        const auto mine = a.triangles[place_of_side(side)],
+                   theirs = b.triangles[place_of_side(mate)];
+        const double area = covered_area(mine, theirs) + covered_area(theirs, mine);
+        if (area > 0) touches_.push_back({one, other, side, mate, area, is_tied});
+      }
   }
 
   /// Unites pieces of one element and side that touch the same piece, or pieces that were united,
@@ -264,13 +312,16 @@ class Cutter {
         const auto where = static_cast<unsigned>(pieces_[other].side + 1);
         std::size_t& first = behind[sets.find(one) * 18 + side * 3 + where];
         if (first == pieces_.size()) first = other;
-        if (sets.find(first) == sets.find(other)) return;
+        // Those behind a tied side may be copies that are elements of their own by now.
+        if (sets.find(first) == sets.find(other) ||
+            pieces_[first].element != pieces_[other].element)
+          return;
         sets.unite(first, other);
         again = true;
       };
       for (const Touch& touch : touches_) {
-        meet(touch.one, touch.other, touch.side);
-        meet(touch.other, touch.one, touch.side ^ 1);
+        meet(touch.one, touch.other, touch.side());
+        meet(touch.other, touch.one, touch.other_side());
       }
     }
     return sets;
@@ -335,14 +386,21 @@ class Cutter {
     std::ranges::stable_sort(touches_, std::ranges::greater{}, &Touch::area);
     std::vector<Index> joined(6 * pieces_.size(), none);  // behind the sides of sets of pieces
     for (const Touch& touch : touches_) {
-      Index& behind = joined[6 * sets.find(touch.one) + touch.side];
-      Index& before = joined[6 * sets.find(touch.other) + (touch.side ^ 1)];
-      if (behind != none || before != none) continue;
-      behind = copy_of_[touch.other];
-      before = copy_of_[touch.one];
-      const Dart side = face_dart(pieces_[touch.one].element, cube_sides[touch.side].face());
-      const Dart mate = complex_.beta3(side);
-      result_.cloning.seams.push_back({24 * before + local(side), 24 * behind + local(mate)});
+      Index& behind = joined[6 * sets.find(touch.one) + touch.side()];
+      Index& before = joined[6 * sets.find(touch.other) + touch.other_side()];
+      const Index one = copy_of_[touch.one], other = copy_of_[touch.other];
+      const Seam seam{24 * one + local(touch.dart), 24 * other + local(touch.mate)};
+      const bool one_is_free = behind == none && !is_joined_elsewhere(touch, touch.dart),
+                 other_is_free = before == none && !is_joined_elsewhere(touch, touch.mate);
+      if (one_is_free && other_is_free) {
+        behind = other;
+        before = one;
+        (touch.is_tied ? result_.seams : result_.cloning.seams).push_back(seam);
+      } else if (one_is_free && !is_divided(pieces_[touch.other].element)) {
+        result_.ties.push_back({seam.one, seam.other});
+      } else if (other_is_free && !is_divided(pieces_[touch.one].element)) {
+        result_.ties.push_back({seam.other, seam.one});
+      }
     }
     for (std::size_t p = 0; p < pieces_.size(); ++p)
       for (unsigned s = 0; s < cube_sides.size(); ++s)
@@ -350,12 +408,25 @@ class Cutter {
           show_uncovered(p, s, behind);
   }
 
+  /// Whether a side of a tie is joined to another element, and neither is divided.
+  bool is_joined_elsewhere(const Touch& touch, Dart side) const {
+    const Dart mate = complex_.beta3(side);
+    return touch.is_tied && mate != none && !is_divided(element_of(side)) &&
+           !is_divided(element_of(mate));
+  }
+
+  /// Of a copy, its origin.
+  Index element_before(Index element) const {
+    return element < complex_.element_count()
+               ? element
+               : result_.cloning.origins[element - complex_.element_count()];
+  }
+
   /// Adds the triangles of a piece on a side that stays joined where nothing that is joined lies
   /// behind them, and, of a whole element, what copies have left that are not joined.
   void show_uncovered(std::size_t piece, unsigned side, Index behind) {
     const Index element = pieces_[piece].element;
-    const Index n = complex_.neighbour(element, cube_sides[side].face());
-    const Range others = pieces_of_[n];
+    const Range others = pieces_of_[element_before(behind)];
     const auto is_behind = [&](const SideTriangle& triangle) {
       for (Index q = others.first; q < others.last; ++q)
         if (copy_of_[q] == behind && is_covered(triangle, pieces_[q].triangles[side ^ 1]))
@@ -411,6 +482,7 @@ class Cutter {
   const Blade& blade_;
   const std::string& path_;
   std::size_t stride_;
+  std::span<const Tie> ties_;
   std::vector<double> heights_;  ///< above the blade, by vertex, m; NaN: far from it
   double tolerance_ = 0;         ///< m
   std::vector<std::int8_t> side_;
@@ -426,8 +498,9 @@ class Cutter {
 }  // namespace
 
 BladeCut cut_along(const CellComplex& complex, const Parts& parts, const double* rows,
-                   const Blade& blade, const std::string& path, std::size_t stride) {
-  return Cutter(complex, parts, rows, blade, path, stride).find();
+                   const Blade& blade, const std::string& path, std::size_t stride,
+                   std::span<const Tie> ties) {
+  return Cutter(complex, parts, rows, blade, path, stride, ties).find();
 }
 
 }  // namespace suture

@@ -9,12 +9,22 @@
 
 namespace suture {
 
-/// What a cut along a blade does to a body: CellComplex::clone_volume() performs it.
+/// A face at the front of a blade: two copies touch an element that is whole, and only one can be
+/// joined to it. `side`: of the other copy; `mate`: of the element.
+struct Tie {
+  Dart side, mate;
+};
+
+/// What a cut along a blade does to a body: CellComplex::clone_volume() performs it, and sew() the
+/// rest.
 struct BladeCut {
   Cloning cloning;
   /// The parts of the copies, in their numbers, and the surface that they bring.
   Parts parts;
-  Index divided = 0;  ///< elements
+  Index divided = 0;            ///< elements
+  std::vector<Seam> seams;      ///< of copies that were tied, in the new numbers
+  std::vector<Tie> ties;        ///< afterwards, in the new numbers
+  std::vector<double> heights;  ///< above the blade, by vertex, m; NaN: far from it
   bool empty() const { return divided == 0 && cloning.cut.empty(); }
 };
 
@@ -33,10 +43,14 @@ inline constexpr std::size_t max_fragments = 4096;
 /// the blade holds its whole section. Where one that is crossed is left whole, its face is joined
 /// to the copy that covers more of it.
 ///
+/// `ties`: left by earlier steps of the same blade. They are resolved when it has divided the
+/// element, too.
+///
 /// `parts`: of the complex, whose elements are a lattice (first_off_lattice()). Throws
 /// NumericalError, with `path` in front, if a part would have more than max_fragments tetrahedra.
 /// O(elements), and 15 us per element that is divided.
 BladeCut cut_along(const CellComplex& complex, const Parts& parts, const double* rows,
-                   const Blade& blade, const std::string& path, std::size_t stride = 4);
+                   const Blade& blade, const std::string& path, std::size_t stride = 4,
+                   std::span<const Tie> ties = {});
 
 }  // namespace suture

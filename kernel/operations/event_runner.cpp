@@ -15,6 +15,7 @@
 #include "kernel/operations/match_faces.hpp"
 #include "kernel/operations/pierce_path.hpp"
 #include "kernel/operations/plane_patch.hpp"
+#include "kernel/operations/swept_sheet.hpp"
 
 namespace suture {
 EventOutcome& EventOutcome::operator+=(const EventOutcome& other) {
@@ -98,6 +99,8 @@ struct EventRunner::Call {
   }
 
   EventOutcome cut_along_blade(const Blade& blade) const;
+  EventOutcome cut_along_sheet() const;
+  EventOutcome divide(const BladeCut& cut) const;
 
   EventOutcome operator()(const CutSurface&) const {
     if (state.patch) return cut_along_blade(*state.patch);
@@ -111,6 +114,7 @@ struct EventRunner::Call {
   }
 
   EventOutcome operator()(const CutBlade& cut) const {
+    if (cut.along_blade) return cut_along_sheet();
     if (cut.carried) state.blade->carry_to(time, runner.points_of(*cut.carried, time));
     return opened(state.blade->advance(built.body().complex(),
                                        Places{built.body().attributes().position().rows()}, time,
@@ -201,17 +205,33 @@ struct EventRunner::Call {
 EventOutcome EventRunner::Call::cut_along_blade(const Blade& blade) const {
   const BladeCut cut =
       cut_along(built.body().complex(), built.parts(), shape(), blade, event.path + "/cut/along");
+  if (cut.empty()) warn_once(" cut no element: the blade misses the body" + or_is_cut());
+  return divide(cut);
+}
+
+/// What a moving blade has swept is known at rest.
+EventOutcome EventRunner::Call::cut_along_sheet() const {
+  const MovingBlade& blade = *state.blade;
+  if (time < blade.begin() || !state.sheet->advance(blade.at(time), time, time >= blade.end()))
+    return {};
+  const BladeCut cut =
+      cut_along(built.body().complex(), built.parts(), built.body().attributes().rest().rows(),
+                *state.sheet, event.path + "/cut/along", 4, state.sheet->ties());
+  state.sheet->keep(cut.heights, cut.cloning.origins);
+  state.sheet->ties() = cut.ties;
+  return divide(cut);
+}
+
+EventOutcome EventRunner::Call::divide(const BladeCut& cut) const {
   EventOutcome outcome;
-  if (cut.empty()) {
-    warn_once(" cut no element: the blade misses the body" + or_is_cut());
-    return outcome;
-  }
+  if (cut.empty()) return outcome;
   outcome.faces_cut = static_cast<Index>(cut.cloning.cut.size());
   outcome.elements_cut = cut.divided;
   for (const Dart side : cut.cloning.cut)
     outcome.faces.push_back({element_of(side), element_of(built.body().complex().beta3(side))});
   built.body().clone_volume(cut.cloning, cut.parts.moments);
   built.embedded_parts().append(cut.parts, cut.cloning.origins);
+  if (!cut.seams.empty()) built.body().sew(cut.seams);
   return outcome;
 }
 
@@ -318,6 +338,9 @@ EventRunner::State EventRunner::prepare(const Event& event) {
         state.surface = std::make_unique<SurfaceBlade>(std::move(surface), diagnostics_);
     } else if (const auto* blade = std::get_if<CutBlade>(&event.what)) {
       state.blade = std::make_unique<MovingBlade>(blade_of(*blade));
+      if (blade->along_blade)
+        state.sheet = std::make_unique<SweptSheet>(
+            built_.body().complex(), built_.body().attributes(), blade->stations[0].points);
     }
   } catch (const InputError& error) {
     throw InputError(event.path + "/cut: " + error.what());
@@ -378,6 +401,7 @@ void EventRunner::follow(const CellComplex& complex, const TopologyChange& chang
   const bool sewn = change.faces_sewn != 0;
   for (State& state : states_) {
     if (state.tear && (sewn || !change.removed[3].empty())) state.tear->invalidate(change.copies);
+    if (state.sheet) state.sheet->follow(change);
     if (state.blade && sewn)
       state.blade->reset();
     else if (state.blade)
@@ -409,7 +433,8 @@ void EventRunner::roll_back(double time) {
   const Places places{built_.body().attributes().position().rows()};
   for (std::size_t i = 0; i < states_.size(); ++i) {
     State& state = states_[i];
-    if (!state.blade || !state.has_fired) continue;
+    if (state.sheet) state.sheet->roll_back(time);
+    if (!state.blade || state.sheet || !state.has_fired) continue;
     state.blade->reset();
     const auto* cut = std::get_if<CutBlade>(&scene_.events[i].what);
     if (cut->carried) state.blade->carry_to(time, points_of(*cut->carried, time));
@@ -463,7 +488,8 @@ void EventRunner::state(Archive& archive) {
     each("last", state.last);
     each("told misfits", state.reported_misfits);
     if (state.tear) each("tear", *state.tear);
-    if (state.blade) each("blade", *state.blade);
+    if (state.sheet) each("sheet", *state.sheet);
+    if (state.blade && !state.sheet) each("blade", *state.blade);
   });
   archive("removals", removals_);
   archive.each("opened", opened_);

@@ -30,6 +30,7 @@ struct BladeShape {
 class MovingBlade;
 class SurfaceBlade;
 class SurfacePatch;
+class SweptSheet;
 
 /// The effect of an operation.
 struct EventOutcome {
@@ -82,6 +83,7 @@ class EventRunner : private Follower {
     std::unique_ptr<SurfaceBlade> surface;
     std::unique_ptr<SurfacePatch> patch;  ///< instead, if the cut is along it
     std::unique_ptr<MovingBlade> blade;
+    std::unique_ptr<SweptSheet> sheet;  ///< of the blade, if the cut is along it
     bool has_fired = false, had_effect = false;
     double last = 0;  ///< s, when it last fired
     bool reported_misfits = false;

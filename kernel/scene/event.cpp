@@ -22,8 +22,9 @@ struct What {
     if (cut.carried)
       return "the faces that the blade of obstacle '" + cut.carried->name + "' crosses" +
              (cut.resistance ? ", against the resistance of the tissue" : "");
-    return "the faces that a blade of " + std::to_string(cut.stations.front().points.size()) +
-           " points crosses as it moves through the tissue";
+    return (cut.along_blade ? "along a blade of " : "the faces that a blade of ") +
+           std::to_string(cut.stations.front().points.size()) + " points " +
+           (cut.along_blade ? "" : "crosses ") + "as it moves through the tissue";
   }
   std::string operator()(const CutFaces& cut) const {
     return std::to_string(cut.element_pairs.size()) + " listed faces";

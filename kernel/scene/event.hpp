@@ -60,6 +60,7 @@ struct CutBlade {
     double stress = 0, thickness = 0;  ///< Pa, m: their product begins a cut, N/m
   };
   std::optional<Resistance> resistance{};
+  bool along_blade = false;  ///< as of CutPlane
 };
 
 /// Opens listed faces.
@@ -153,9 +154,9 @@ struct Event {
     return std::holds_alternative<Grasp>(what) || std::holds_alternative<Release>(what);
   }
   bool is_along_blade() const {
-    const auto* plane = std::get_if<CutPlane>(&what);
-    const auto* surface = std::get_if<CutSurface>(&what);
-    return (plane != nullptr && plane->along_blade) || (surface != nullptr && surface->along_blade);
+    const auto is_along = [](const auto* cut) { return cut != nullptr && cut->along_blade; };
+    return is_along(std::get_if<CutPlane>(&what)) || is_along(std::get_if<CutSurface>(&what)) ||
+           is_along(std::get_if<CutBlade>(&what));
   }
   /// "pierce, every 4 steps from 0.5 s: ...", for `suture explain`.
   std::string summary() const;

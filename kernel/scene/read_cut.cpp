@@ -260,18 +260,23 @@ std::vector<std::array<std::uint64_t, 2>> read_pairs(const JsonValue& value,
   return pairs;
 }
 
-/// "along": what the cut follows. Moving blades and lists of faces open faces only.
+/// "along": what the cut follows.
 void read_along(ObjectReader& cut, EventOperation& result) {
   static const std::array<std::string, 2> ways{"faces", "blade"};
   if (cut.choice("along", ways) != 1u) return;
+  auto* blade = std::get_if<CutBlade>(&result);
   if (auto* plane = std::get_if<CutPlane>(&result))
     plane->along_blade = true;
   else if (auto* surface = std::get_if<CutSurface>(&result))
     surface->along_blade = true;
-  else
+  else if (blade && !blade->carried)
+    blade->along_blade = true;
+  else if (blade)
     cut.complain("along",
-                 "\"blade\" is for a \"plane\" or a \"surface\" only; cut along \"faces\", or with "
-                 "one of them");
+                 "\"blade\" is not for a blade that an obstacle carries: contact does not know the "
+                 "elements that it divides; give the blade a \"path\", or cut along \"faces\"");
+  else
+    cut.complain("along", "\"blade\" needs a blade, and faces are listed; remove it");
 }
 
 EventOperation read_cut(ObjectReader cut, Reading& reading) {

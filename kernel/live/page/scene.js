@@ -131,7 +131,11 @@ export class Picture {
       .sort((a, b) => Math.abs(size.dot(a)) - Math.abs(size.dot(b)));
     const from = axes[0].clone().multiplyScalar(axes[0].y !== 0 ? -1 : 1)
       .addScaledVector(axes[1], 0.25).addScaledVector(this.up, 0.35);
-    this.camera.position.copy(this.middle).addScaledVector(from.normalize(), 2.7 * this.radius);
+    // As far away as makes it fit.
+    const half = (axis) => Math.abs(size.dot(axis)) / 2, slope = Math.tan(this.camera.fov * Math.PI / 360);
+    const across = half(axes[1]) + half(axes[0]) / 2, along = half(this.up) + half(axes[0]) / 2;
+    const distance = half(axes[0]) + 1.1 * Math.max(along, across / this.camera.aspect) / slope;
+    this.camera.position.copy(this.middle).addScaledVector(from.normalize(), distance);
     this.aim();
   }
 

@@ -13,7 +13,9 @@ namespace {
 using Json = nlohmann::json;
 using Seconds = std::chrono::duration<double>;
 
-constexpr auto picture_interval = std::chrono::microseconds(15000);
+/// Between pictures, s: the time of a run that they take is at most a twentieth, unless there would
+/// be less than 15 of them in a second.
+constexpr double shortest_interval = 1.0 / 60, longest_interval = 1.0 / 15, share = 0.05;
 /// Steps are made for so long before inputs are looked at again.
 constexpr double slice = 0.004;
 /// A run that cannot keep up does not try to catch up on more than this, s.
@@ -202,10 +204,15 @@ void LiveRun::measure(std::uint64_t steps, double simulated) {
 // -------------------------------------------------------------------- pages --
 
 void LiveRun::show() {
-  if (is_shown_ || !server_.wants_picture() || Wall::now() - shown_ < picture_interval) return;
-  shown_ = Wall::now();
+  const auto now = Wall::now();
+  if (is_shown_ || !server_.wants_picture() || now < next_picture_) return;
   server_.show(pictures_->picture(status_));
   is_shown_ = true;
+  const double spent = Seconds(Wall::now() - now).count();
+  const auto interval = std::chrono::duration_cast<Wall::duration>(
+      Seconds(std::clamp(spent / share, shortest_interval, longest_interval)));
+  // From when it was due, or else a late one would delay all others.
+  next_picture_ = std::max(next_picture_ + interval, now);
 }
 
 void LiveRun::report_warnings() {

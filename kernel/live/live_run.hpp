@@ -65,7 +65,7 @@ class LiveRun {
   std::size_t reported_warnings_ = 0;
   /// Where and when playing began, which the speed counts from.
   double played_from_ = 0;
-  Wall::time_point playing_since_, shown_;
+  Wall::time_point playing_since_, next_picture_;
   double seconds_per_step_ = 0, dt_ = 0;
   /// Since the last time that the page was told.
   struct Measured {

@@ -37,8 +37,7 @@ class LiveServer {
   virtual void greet(std::string text) = 0;
   /// Sends a JSON text to all pages. Those that come later get the last hundred texts.
   virtual void say(std::string text) = 0;
-  /// A page takes a new picture when it has drawn all but one of the earlier ones; what it misses
-  /// is not kept.
+  /// A page takes a new picture when it begins to draw the last one; what it misses is not kept.
   virtual void show(LivePicture picture) = 0;
   /// True if a page would take a picture now.
   virtual bool wants_picture() const = 0;

@@ -44,7 +44,7 @@ void Connection::read() {
 
 void Connection::heard() {
   if (socket_.got_binary()) {
-    if (undrawn_ > 0) --undrawn_;
+    is_waiting_ = false;
     take_picture();
     room_.check_wants();
   } else {
@@ -74,7 +74,7 @@ void Connection::write_next() {
   } else if (is_ready() && picture_number_ != room_.picture_number()) {
     const LivePicture& picture = room_.picture();
     picture_number_ = room_.picture_number();
-    ++undrawn_;
+    is_waiting_ = true;
     writing_ = picture.state;
     if (std::exchange(surface_number_, picture.surface_number) != picture.surface_number) {
       state_ = picture.state;

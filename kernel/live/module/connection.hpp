@@ -13,8 +13,8 @@ namespace suture::live {
 
 using Request = boost::beast::http::request<boost::beast::http::string_body>;
 
-/// The web socket of one page, which sends texts and, for each picture that it has drawn, an empty
-/// binary message.
+/// The web socket of one page, which sends texts and, for each picture that it begins to draw, an
+/// empty binary message.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(boost::beast::tcp_stream stream, Room& room);
@@ -22,13 +22,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void accept(const Request& request);
   /// Sends a text as soon as the page takes it. A page that leaves a thousand unread is cut off.
   void send(Text text);
-  /// Sends the picture of the room if the page has drawn all but one of the earlier ones.
+  /// Sends the picture of the room if the page has begun to draw the last one.
   void take_picture();
   /// Whether it would take a new picture.
-  bool is_ready() const { return undrawn_ < max_undrawn; }
+  bool is_ready() const { return !is_waiting_; }
 
  private:
-  static constexpr unsigned max_undrawn = 2;
   void read();
   void heard();
   void write_next();
@@ -41,8 +40,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::deque<Text> texts_;
   Text writing_, state_;  ///< the message under way; the one to follow a surface
   std::uint64_t picture_number_ = 0, surface_number_ = 0;  ///< the last ones sent
-  unsigned undrawn_ = 0;
-  bool is_open_ = false;
+  bool is_open_ = false, is_waiting_ = false;              ///< for the page to draw
 };
 
 }  // namespace suture::live

@@ -12,7 +12,8 @@ socket.binaryType = 'arraybuffer';
 
 // What tests and the console can read.
 const live = window.live = { picture, state: null, greeting: null, control: false, messages: [], drawn: 0, surface: null };
-let undrawn = 0;
+
+let is_awaited = false;  // by the run: that the last state is drawn
 
 const send = (input) => socket.send(JSON.stringify(input));
 
@@ -40,15 +41,16 @@ function take_message(buffer) {
   const points = live.surface.points;
   picture.set_state(head, take(Float32Array, 3 * points), take(Float32Array, points));
   live.state = head;
-  ++undrawn;
   show_numbers(head);
+  is_awaited = true;
 }
 
-picture.after_drawing = () => {
-  for (; undrawn > 0; --undrawn) {
-    ++live.drawn;
-    if (socket.readyState === WebSocket.OPEN) socket.send(new Uint8Array(0));
-  }
+// The next picture may come while this one is drawn.
+picture.before_drawing = () => {
+  if (!is_awaited) return;
+  is_awaited = false;
+  ++live.drawn;
+  if (socket.readyState === WebSocket.OPEN) socket.send(new Uint8Array(0));
 };
 
 function take_text(message) {

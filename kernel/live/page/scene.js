@@ -33,7 +33,7 @@ export class Picture {
     this.range = [0, 0];
     this.obstacles = [];
     this.add_body();
-    this.after_drawing = () => {};
+    this.before_drawing = () => {};
     new ResizeObserver(() => this.resize()).observe(canvas);
   }
 
@@ -211,8 +211,8 @@ export class Picture {
     this.is_due = true;
     requestAnimationFrame(() => {
       this.is_due = false;
+      this.before_drawing();
       this.renderer.render(this.scene, this.camera);
-      this.after_drawing();
     });
   }
 }

@@ -121,6 +121,7 @@ struct Parser {
   CLI::App app{"Suture simulates soft bodies that are cut while they move."};
   CommandLine line;
   RunCommand run;
+  LiveCommand live;
   CheckCommand check;
   CiteCommand cite;
   ExplainCommand explain;
@@ -159,7 +160,7 @@ struct Parser {
     new_app->add_option("to", new_scene.to, "new file; default: beam.json");
     new_app->callback([this] { line.command = new_scene; });
 
-    auto* run_app = app.add_subcommand("run", "run a scene");
+    auto* run_app = app.add_subcommand("run", "run a scene, or repeat a recording of live");
     CLI::Option* scene = add_scene(*run_app, run.scene, run.sets);
     CLI::Option* resume =
         run_app
@@ -181,6 +182,8 @@ struct Parser {
         throw CLI::RequiredError("a scene, or --resume CHECKPOINT,");
       line.command = run;
     });
+
+    add_live(*app.add_subcommand("live", "run a scene that a browser shows and controls"));
 
     auto* check_app = app.add_subcommand("check", "report every mistake in a scene");
     add_scene(*check_app, check.scene, check.sets);
@@ -220,6 +223,18 @@ struct Parser {
     replay_app->callback([this] { line.command = replay; });
   }
 
+  void add_live(CLI::App& sub) {
+    add_scene(sub, live.scene, live.sets);
+    sub.add_option_function<std::string>(
+           "--port",
+           [this](const std::string& n) { live.port = whole_number("--port", n, 0, 65535); },
+           "port on this machine; default: any that is free")
+        ->type_name("N");
+    sub.add_option("-o,--output", live.recording,
+                   "recording to write; default: SCENE-recording.jsonl, with the first input")
+        ->type_name("FILE");
+    sub.callback([this] { line.command = live; });
+  }
   void add_sweep(CLI::App& sub) {
     sub.add_option("study", sweep.study,
                    "JSON file: scene, set, folder, output, jobs, and one of grid, list and "

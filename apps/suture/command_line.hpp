@@ -21,6 +21,11 @@ struct RunCommand {
   std::vector<std::string> sets;
   bool skip = true, check_plugins = false;
 };
+struct LiveCommand {
+  std::filesystem::path scene, recording;  ///< "": a name made from that of the scene
+  std::vector<std::string> sets;
+  unsigned port = 0;  ///< 0: any that is free
+};
 struct CheckCommand {
   std::filesystem::path scene;
   std::vector<std::string> sets;
@@ -118,11 +123,11 @@ struct TextCommand {
 
 struct CommandLine {
   bool quiet = false, verbose = false;
-  std::variant<RunCommand, CheckCommand, CiteCommand, ExplainCommand, CheckModelCommand,
-               NewModelCommand, NewSceneCommand, ReplayCommand, ModesCommand, SweepCommand,
-               CompareCommand, PlotCommand, ModelsCommand, DescribeCommand, SchemaCommand,
-               MeshInfoCommand, MeshConvertCommand, MeshBoxCommand, MeshVoxelizeCommand,
-               MeshFillCommand, TextCommand>
+  std::variant<RunCommand, LiveCommand, CheckCommand, CiteCommand, ExplainCommand,
+               CheckModelCommand, NewModelCommand, NewSceneCommand, ReplayCommand, ModesCommand,
+               SweepCommand, CompareCommand, PlotCommand, ModelsCommand, DescribeCommand,
+               SchemaCommand, MeshInfoCommand, MeshConvertCommand, MeshBoxCommand,
+               MeshVoxelizeCommand, MeshFillCommand, TextCommand>
       command;
 };
 

@@ -17,6 +17,7 @@ PluginHost::Trust trust_of(const Command& command) {
 /// One function per subcommand, each in the file of its name. They return the
 /// exit code and throw the errors of kernel/base/error.hpp.
 int run(const RunCommand& command, Console& console);
+int live(const LiveCommand& command, Console& console);
 int check(const CheckCommand& command, Console& console);
 int cite(const CiteCommand& command, Console& console);
 int explain(const ExplainCommand& command, Console& console);

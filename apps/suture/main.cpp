@@ -15,6 +15,7 @@ namespace {
 struct Dispatch {
   Console& console;
   int operator()(const RunCommand& command) const { return run(command, console); }
+  int operator()(const LiveCommand& command) const { return live(command, console); }
   int operator()(const CheckCommand& command) const { return check(command, console); }
   int operator()(const CiteCommand& command) const { return cite(command, console); }
   int operator()(const ExplainCommand& command) const { return explain(command, console); }

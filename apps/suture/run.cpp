@@ -8,6 +8,7 @@
 #include "apps/suture/commands.hpp"
 #include "apps/suture/signals.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/live/recording.hpp"
 #include "kernel/output/checkpoint_file.hpp"
 #include "kernel/output/output_folder.hpp"
 #include "kernel/run/simulation.hpp"
@@ -55,10 +56,13 @@ class Watcher final : public Observer {
   void on_detail(const std::string& message) override {
     if (console_.verbose()) console_.note(message);
   }
-  bool stop_requested() override { return caught_signal() != 0; }
+  bool stop_requested() override { return is_at_end_ || caught_signal() != 0; }
+  /// Ends the run where it is.
+  void end() { is_at_end_ = true; }
 
  private:
   Console& console_;
+  bool is_at_end_ = false;
   std::chrono::steady_clock::time_point next_{};
 };
 
@@ -115,6 +119,27 @@ Scene scene_of(const Checkpoint& checkpoint, const RunCommand& command, PluginHo
                            command.sets, host, console.diagnostics());
 }
 
+/// Of the scene file, or of what the command repeats or resumes.
+Scene scene_of(const RunCommand& command, const std::optional<Recording>& recording,
+               PluginHost& host, Console& console) {
+  if (!recording) return read_scene(command.scene, command.sets, host, console.diagnostics());
+  SceneSource source = recording->source;
+  source.working_folder = std::filesystem::current_path();
+  return read_scene_source(source, command.sets, host, console.diagnostics());
+}
+
+/// Repeats a recording to its end; its last step is that of the run.
+RunSummary run(Simulation& simulation, const std::optional<Recording>& recording,
+               const Scene& scene, Watcher& watcher, Console& console) {
+  if (!recording || !repeat(*recording, scene, simulation, watcher, console.diagnostics()))
+    return simulation.run(watcher);
+  compare_end(*recording, simulation, console.diagnostics());
+  watcher.end();
+  RunSummary summary = simulation.run(watcher);
+  summary.outcome = RunSummary::Outcome::finished;
+  return summary;
+}
+
 void report_resume(const CheckpointHeader& header, Simulation& simulation, Console& console) {
   console.note("resuming from step " + std::to_string(header.step) +
                ", t = " + significant(header.time) + " s, of " + header.scene_file);
@@ -137,9 +162,10 @@ int run(const RunCommand& command, Console& console) {
   PluginHost host(&console.diagnostics());
   std::optional<Checkpoint> checkpoint;
   if (!command.resume.empty()) checkpoint = read_checkpoint(command.resume);
-  const Scene scene = checkpoint
-                          ? scene_of(*checkpoint, command, host, console)
-                          : read_scene(command.scene, command.sets, host, console.diagnostics());
+  std::optional<Recording> recording;
+  if (!checkpoint && is_recording(command.scene)) recording = read_recording(command.scene);
+  const Scene scene = checkpoint ? scene_of(*checkpoint, command, host, console)
+                                 : scene_of(command, recording, host, console);
   // Before anything that takes time: another run may be writing there.
   const auto folder = std::make_shared<OutputFolder>(scene.output.directory, scene.output.root);
   if (scene.output.enabled) {
@@ -168,7 +194,7 @@ int run(const RunCommand& command, Console& console) {
   if (console.verbose()) simulation.measure();
   has_started();
   Watcher watcher(console);
-  const RunSummary summary = simulation.run(watcher);
+  const RunSummary summary = run(simulation, recording, scene, watcher, console);
   if (!console.quiet()) print_summary(summary, console);
   print_costs(simulation.costs(), summary.seconds, console);
   if (summary.outcome == RunSummary::Outcome::unstable_equilibrium)

@@ -67,6 +67,10 @@ BuiltScene& Simulation::built() { return run_->built(); }
 
 Energies Simulation::energies() { return suture::energies(run_->built().dynamics()); }
 
+double Simulation::balance() const {
+  return run_->built().dynamics().is_static() ? 0 : run_->control().guard().open_balance();
+}
+
 void Simulation::measure() { run_->built().body().models().measure(); }
 
 std::vector<FunctorCost> Simulation::costs() const { return run_->built().body().models().costs(); }

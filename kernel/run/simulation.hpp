@@ -94,6 +94,9 @@ class Simulation {
   void load(const StateTree& state);
 
   Energies energies();  ///< J; potentials are zero at rest positions
+  /// The part of the energy exchanged so far that nothing explains, at the last check of the run;
+  /// 0 for a static run.
+  double balance() const;
 
   /// The body, its dynamics and the user's names for its cells.
   BuiltScene& built();

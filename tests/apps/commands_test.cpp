@@ -18,8 +18,9 @@ TEST_F(Commands, HelpAndVersionAreNoErrors) {
   for (const char* option : {"--help", "-h"}) {
     const Outcome help = suture({option});
     EXPECT_EQ(help.code, 0) << help;
-    for (const char* command : {"run", "check", "explain", "modes", "sweep", "replay", "models",
-                                "check-model", "new-model", "describe", "schema", "mesh"}) {
+    for (const char* command :
+         {"run", "live", "check", "explain", "modes", "sweep", "replay", "models", "check-model",
+          "new-model", "describe", "schema", "mesh"}) {
       EXPECT_TRUE(help.out.find(command) != std::string::npos) << command << help;
       const Outcome page = suture({command, "--help"});  // what all have in common is said once
       EXPECT_EQ(page.code, 0) << page;

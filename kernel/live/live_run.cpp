@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/live/live_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernel/base/error.hpp"
+#include "kernel/live/json_text.hpp"
+
+namespace suture {
+namespace {
+
+using Json = nlohmann::json;
+using Seconds = std::chrono::duration<double>;
+
+/// Between pictures, s: the time of a run that they take is at most a twentieth, unless there would
+/// be less than 15 of them in a second.
+constexpr double shortest_interval = 1.0 / 60, longest_interval = 1.0 / 15, share = 0.05;
+/// Steps are made for so long before inputs are looked at again.
+constexpr double slice = 0.004;
+/// A run that cannot keep up does not try to catch up on more than this, s.
+constexpr double most_behind = 0.1;
+constexpr auto idle = std::chrono::milliseconds(20);
+
+}  // namespace
+
+void leave_out_results(Scene& scene) {
+  OutputOptions& output = scene.output;
+  output.frames = output.springs = output.faces = output.obstacles = output.cuts = output.surface =
+      false;
+  output.energies_every = output.probes_every = output.tools_every = 0;
+  scene.checkpoint.enabled = false;
+}
+
+/// Tells the pages what the run reports.
+class LiveRun::Reporter final : public Observer {
+ public:
+  Reporter(LiveRun& run, Observer& next) : run_(run), next_(next) {}
+  void on_message(const std::string& message) override {
+    next_.on_message(message);
+    run_.tell("message", message);
+  }
+  void on_detail(const std::string& message) override { next_.on_detail(message); }
+  bool stop_requested() override { return next_.stop_requested(); }
+
+ private:
+  LiveRun& run_;
+  Observer& next_;
+};
+
+LiveRun::LiveRun(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, LiveServer& server,
+                 std::filesystem::path recording)
+    : scene_(scene), host_(host), diagnostics_(diagnostics), server_(server) {
+  build(0);
+  recording_.emplace(std::move(recording), scene_, *simulation_);
+}
+
+LiveRun::~LiveRun() = default;
+
+void LiveRun::build(std::uint64_t first_surface) {
+  pictures_.reset();  // it refers to the simulation
+  simulation_.reset();
+  simulation_ = std::make_unique<Simulation>(scene_, host_, diagnostics_);
+  pictures_.emplace(*simulation_, first_surface);
+  pictures_->choose(field_);
+  server_.greet(pictures_->greeting());
+  status_.is_playing = status_.has_ended = has_failed_ = is_shown_ = false;
+}
+
+void LiveRun::run(Observer& observer) {
+  Reporter reporter(*this, observer);
+  while (!observer.stop_requested()) {
+    for (const std::string& text : server_.take_inputs()) obey(text, reporter);
+    if (status_.is_playing)
+      make_due_steps(reporter);
+    else
+      server_.wait(idle);
+    report_warnings();
+    show();
+  }
+  if (!has_failed_) recording_->end(*simulation_);
+}
+
+// ------------------------------------------------------------------- inputs --
+
+/// An input that is refused changes nothing; the page is told why.
+void LiveRun::obey(const std::string& text, Observer& observer) {
+  is_shown_ = false;
+  try {
+    const Json input = Json::parse(text);
+    const std::string what = input.at("do");
+    if (what == "play" || what == "pause") return play(what == "play");
+    if (what == "reset") return reset(observer);
+    if (what == "field") {
+      pictures_->choose(input.at("name"));
+      field_ = input.at("name");
+    } else if (what == "speed") {
+      const double speed = input.at("value");
+      if (!(speed >= 0 && speed <= 1e6)) throw InputError("a speed is a number from 0 to 1e6");
+      status_.speed = speed;
+      play(status_.is_playing);
+    } else if (has_failed_) {
+      throw InputError("the run has failed; reset it");
+    } else if (what == "step") {
+      play(false);
+      make_steps(1, observer);
+    } else if (what == "apply") {
+      apply(json_text(input.at("event")), observer);
+    } else {
+      throw InputError("there is no input '" + what + "'");
+    }
+  } catch (const Json::exception& error) {
+    tell("error", std::string("this input is not understood: ") + error.what());
+  } catch (const IoError&) {
+    throw;  // of the recording
+  } catch (const NumericalError& error) {
+    fail(error.what());
+  } catch (const Error& error) {
+    tell("error", error.what());
+  }
+}
+
+void LiveRun::apply(const std::string& value, Observer& observer) {
+  const std::uint64_t step = simulation_->step();
+  apply_input(value, scene_, *simulation_, observer, diagnostics_);
+  recording_->input(step, "page", value);
+  status_.has_ended = false;
+}
+
+void LiveRun::reset(Observer& observer) {
+  build(pictures_->last_number());
+  recording_->reset();
+  observer.on_message("the run is at its start again");
+}
+
+void LiveRun::play(bool plays) {
+  status_.is_playing = plays && !status_.has_ended && !has_failed_;
+  playing_since_ = Wall::now();
+  played_from_ = simulation_->time();
+  measured_ = {playing_since_};
+  status_.steps_per_second = status_.real_time = 0;
+}
+
+// -------------------------------------------------------------------- steps --
+
+/// As many as the wanted speed allows and a slice of time has room for.
+void LiveRun::make_due_steps(Observer& observer) {
+  double due = INFINITY;
+  if (status_.speed > 0) {
+    const double behind = Seconds(Wall::now() - playing_since_).count() * status_.speed -
+                          (simulation_->time() - played_from_);
+    if (behind <= 0) return server_.wait(std::chrono::milliseconds(2));
+    if (behind > most_behind * status_.speed) {
+      playing_since_ = Wall::now();
+      played_from_ = simulation_->time() - most_behind * status_.speed;
+    }
+    due = dt_ > 0 ? behind / dt_ : 1;
+  }
+  const double fits = seconds_per_step_ > 0 ? slice / seconds_per_step_ : 1;
+  make_steps(static_cast<std::uint64_t>(std::clamp(std::ceil(std::min(due, fits)), 1.0, 1e4)),
+             observer);
+}
+
+void LiveRun::make_steps(std::uint64_t count, Observer& observer) {
+  if (status_.has_ended) return;
+  const auto start = Wall::now();
+  const std::uint64_t first = simulation_->step();
+  const double time = simulation_->time();
+  is_shown_ = false;
+  try {
+    const auto outcome = simulation_->advance({{}, count}, observer);
+    status_.has_ended = outcome && *outcome != RunSummary::Outcome::interrupted;
+  } catch (const Error& error) {
+    return fail(error.what());
+  }
+  if (simulation_->step() > first) {
+    const auto made = static_cast<double>(simulation_->step() - first);
+    seconds_per_step_ = Seconds(Wall::now() - start).count() / made;
+    dt_ = (simulation_->time() - time) / made;
+    measure(simulation_->step() - first, simulation_->time() - time);
+  }
+  if (!status_.has_ended) return;
+  play(false);
+  observer.on_message("the run has ended; go on by acting on the body, or reset it");
+}
+
+void LiveRun::fail(const std::string& why) {
+  has_failed_ = true;
+  play(false);
+  status_.has_ended = true;
+  tell("error", why + "\nThe run has failed; this is its last state.");
+}
+
+void LiveRun::measure(std::uint64_t steps, double simulated) {
+  measured_.steps += steps;
+  measured_.simulated += simulated;
+  const double spent = Seconds(Wall::now() - measured_.since).count();
+  if (spent < 0.5) return;
+  status_.steps_per_second = static_cast<double>(measured_.steps) / spent;
+  status_.real_time = measured_.simulated / spent;
+  measured_ = {Wall::now()};
+}
+
+// -------------------------------------------------------------------- pages --
+
+void LiveRun::show() {
+  const auto now = Wall::now();
+  if (is_shown_ || !server_.wants_picture() || now < next_picture_) return;
+  server_.show(pictures_->picture(status_));
+  is_shown_ = true;
+  const double spent = Seconds(Wall::now() - now).count();
+  const auto interval = std::chrono::duration_cast<Wall::duration>(
+      Seconds(std::clamp(spent / share, shortest_interval, longest_interval)));
+  // From when it was due, or else a late one would delay all others.
+  next_picture_ = std::max(next_picture_ + interval, now);
+}
+
+void LiveRun::report_warnings() {
+  const auto& warnings = diagnostics_.warnings();
+  while (reported_warnings_ < warnings.size()) tell("warning", warnings[reported_warnings_++]);
+}
+
+void LiveRun::tell(const char* key, const std::string& text) {
+  server_.say(json_text(Json{{key, text}, {"time", simulation_->time()}}));
+}
+
+}  // namespace suture

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "kernel/live/live_server.hpp"
+#include "kernel/live/picture.hpp"
+#include "kernel/live/recording.hpp"
+#include "kernel/run/simulation.hpp"
+
+namespace suture {
+
+/// What changes a scene into one that is watched: it writes no results (a repetition of the
+/// recording does), but makes the same steps as a run that does.
+void leave_out_results(Scene& scene);
+
+/// A run that pages show and control. It starts paused. Inputs act between two steps and are
+/// recorded; a run that has failed shows its last state until it is reset.
+///
+/// Inputs are JSON objects (docs/live.md): {"do": "play"}, "pause", "step", "reset";
+/// {"do": "speed", "value": 0.5}; {"do": "field", "name": "von_mises"};
+/// {"do": "apply", "event": {...}}.
+class LiveRun {
+ public:
+  /// Throws the errors of Simulation and of the recording, which is written to `recording` ("": a
+  /// name of its own).
+  LiveRun(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, LiveServer& server,
+          std::filesystem::path recording);
+  ~LiveRun();
+
+  /// Goes on until `observer` requests a stop. Throws IoError of the recording.
+  void run(Observer& observer);
+  Simulation& simulation() { return *simulation_; }
+  const RecordingWriter& recording() const { return *recording_; }
+
+ private:
+  using Wall = std::chrono::steady_clock;
+  class Reporter;
+  void build(std::uint64_t first_surface);
+  void obey(const std::string& text, Observer& observer);
+  void reset(Observer& observer);
+  void play(bool plays);
+  void make_due_steps(Observer& observer);
+  void make_steps(std::uint64_t count, Observer& observer);
+  void apply(const std::string& value, Observer& observer);
+  void fail(const std::string& why);
+  void show();
+  void measure(std::uint64_t steps, double simulated);
+  void report_warnings();
+  void tell(const char* key, const std::string& text);
+
+  const Scene& scene_;
+  PluginHost& host_;
+  Diagnostics& diagnostics_;
+  LiveServer& server_;
+  std::unique_ptr<Simulation> simulation_;
+  std::optional<Pictures> pictures_;
+  std::optional<RecordingWriter> recording_;
+  std::string field_ = "displacement";
+  LiveStatus status_;
+  bool has_failed_ = false, is_shown_ = false;
+  std::size_t reported_warnings_ = 0;
+  /// Where and when playing began, which the speed counts from.
+  double played_from_ = 0;
+  Wall::time_point playing_since_, next_picture_;
+  double seconds_per_step_ = 0, dt_ = 0;
+  /// Since the last time that the page was told.
+  struct Measured {
+    Wall::time_point since;
+    std::uint64_t steps = 0;
+    double simulated = 0;
+  } measured_;
+};
+
+}  // namespace suture

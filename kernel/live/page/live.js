@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Messages from and to the run, and everything on the page beside the picture.
+import { Picture, colour_at } from './scene.js';
+import { follow_mouse } from './hands.js';
+import { Color } from './three/build/three.module.js';
+
+const $ = (selector) => document.querySelector(selector);
+const picture = new Picture($('#picture'));
+const socket = new WebSocket(new URL('socket', location.href).href.replace(/^http/, 'ws'));
+socket.binaryType = 'arraybuffer';
+
+// What tests and the console can read.
+const live = window.live = { picture, state: null, greeting: null, control: false, messages: [], drawn: 0, surface: null };
+
+let is_awaited = false;  // by the run: that the last state is drawn
+
+const send = (input) => socket.send(JSON.stringify(input));
+
+// ---- from the run ----
+
+function decode(buffer) {
+  const length = new DataView(buffer).getUint32(0, true);
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+  let at = 4 + length;
+  const take = (Type, count) => {
+    const array = new Type(buffer, at, count);
+    at += array.byteLength;
+    return array;
+  };
+  return { head, take };
+}
+
+function take_message(buffer) {
+  const { head, take } = decode(buffer);
+  if (head.kind === 'surface') {
+    picture.set_surface(head, take(Uint32Array, 3 * head.triangles), take(Uint32Array, 2 * head.edges));
+    live.surface = head;
+    return;
+  }
+  const points = live.surface.points;
+  picture.set_state(head, take(Float32Array, 3 * points), take(Float32Array, points));
+  live.state = head;
+  show_numbers(head);
+  is_awaited = true;
+}
+
+// The next picture may come while this one is drawn.
+picture.before_drawing = () => {
+  if (!is_awaited) return;
+  is_awaited = false;
+  ++live.drawn;
+  if (socket.readyState === WebSocket.OPEN) socket.send(new Uint8Array(0));
+};
+
+function take_text(message) {
+  if (message.live) {
+    live.greeting = message;
+    document.title = message.title + ' - Suture';
+    $('#field').replaceChildren(...message.fields.map((field) => new Option(field.name)));
+    picture.set_up(message);
+  } else if ('control' in message) {
+    live.control = message.control;
+    for (const input of document.querySelectorAll('#play, #step, #reset, #speed, #field, .tools input'))
+      input.disabled = !message.control;
+    if (!message.control) show_message('message', 'another page controls this run; this one watches');
+  } else {
+    for (const kind of ['message', 'warning', 'error']) if (kind in message) show_message(kind, message[kind]);
+  }
+}
+
+socket.onmessage = (event) =>
+  typeof event.data === 'string' ? take_text(JSON.parse(event.data)) : take_message(event.data);
+socket.onclose = () => {
+  show_message('error', 'the run has ended, or the connection was lost');
+  live.control = false;
+};
+
+// ---- on the page ----
+
+const digits = (value, count = 4) => Number(value).toPrecision(count);
+
+function show_numbers(head) {
+  $('#play').textContent = head.playing ? 'Pause' : 'Play';
+  $('#speed').value = String(head.speed);
+  $('#field').value = head.field;
+  $('#numbers').textContent = [
+    `${live.greeting.title}, ${live.greeting.elements} elements`,
+    `t = ${digits(head.time)} s, step ${head.step}${head.ended ? ', ended' : ''}`,
+    head.playing ? `${digits(head.steps_per_second, 3)} steps/s, ${digits(head.real_time, 3)} of real time` : 'paused',
+    `balance ${digits(100 * head.balance, 2)} %`].join('\n');
+  const unit = live.greeting.fields.find((field) => field.name === head.field)?.unit;
+  $('#legend-top').textContent = `${head.field}${unit && unit !== '1' ? ', ' + unit : ''}\n${digits(picture.range[1], 3)}`;
+  $('#legend-bottom').textContent = digits(picture.range[0], 3);
+}
+
+function show_message(kind, text) {
+  live.messages.push({ kind, text });
+  const item = document.createElement('li');
+  item.className = kind;
+  item.textContent = text;
+  $('#messages').append(item);
+  if ($('#messages').children.length > 50) $('#messages').firstChild.remove();
+  $('#messages').scrollTop = $('#messages').scrollHeight;
+}
+
+function draw_legend() {
+  const canvas = $('#legend canvas'), pen = canvas.getContext('2d'), colour = new Color();
+  for (let y = 0; y < canvas.height; ++y) {
+    pen.fillStyle = '#' + colour_at(1 - y / (canvas.height - 1), colour).getHexString();
+    pen.fillRect(0, y, canvas.width, 1);
+  }
+}
+
+const toggle = () => send({ do: live.state?.playing ? 'pause' : 'play' });
+const clip = () => picture.clip($('#clip').value, Number($('#clip-at').value));
+
+// In coordinates of the scene.
+const in_scene = (point) => point.toArray().map((x, axis) => x + live.greeting.origin[axis]);
+
+function cut(a, b) {
+  if (live.control) send({ do: 'apply', event: { cut: { plane: { polygon: picture.plane_through(a, b).map(in_scene) } } } });
+}
+
+draw_legend();
+$('#play').onclick = toggle;
+$('#step').onclick = () => send({ do: 'step' });
+$('#reset').onclick = () => send({ do: 'reset' });
+$('#speed').onchange = (event) => send({ do: 'speed', value: Number(event.target.value) });
+$('#field').onchange = (event) => send({ do: 'field', name: event.target.value });
+$('#edges').onchange = (event) => { picture.edges.visible = event.target.checked; picture.draw(); };
+$('#clip').onchange = clip;
+$('#clip-at').oninput = clip;
+document.addEventListener('keydown', (event) => {
+  if (event.code === 'Space' && live.control && event.target === document.body) toggle();
+});
+follow_mouse(picture, () => document.querySelector('.tools input:checked').value, cut);

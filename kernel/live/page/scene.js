@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The picture: body, edges, obstacles and camera, drawn when something has changed.
+import * as THREE from './three/build/three.module.js';
+
+// Viridis at nine places.
+const colours = [0x440154, 0x472d7b, 0x3b528b, 0x2c728e, 0x21918c, 0x28ae80, 0x5ec962, 0xaddc30, 0xfde725]
+  .map((hex) => new THREE.Color(hex));
+const no_value = new THREE.Color(0x999999);
+
+// The colour at a part from 0 to 1 of the range.
+export function colour_at(part, out) {
+  if (!Number.isFinite(part)) return out.copy(no_value);
+  const at = Math.min(Math.max(part, 0), 1) * (colours.length - 1);
+  const below = Math.min(Math.floor(at), colours.length - 2);
+  return out.copy(colours[below]).lerp(colours[below + 1], at - below);
+}
+
+export class Picture {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer.setClearColor(0xfafafa);
+    this.scene = new THREE.Scene();
+    this.camera = new THREE.PerspectiveCamera(35, 1, 0.01, 100);
+    this.scene.add(this.camera, new THREE.AmbientLight(0xffffff, 0.6));
+    const lamp = new THREE.DirectionalLight(0xffffff, 0.6);
+    this.camera.add(lamp);  // at the camera
+    lamp.position.set(0.3, 0.5, 1);
+    this.up = new THREE.Vector3(0, 1, 0);
+    this.middle = new THREE.Vector3();
+    this.radius = 0;  // of the body when it was first seen
+    this.range = [0, 0];
+    this.obstacles = [];
+    this.add_body();
+    this.before_drawing = () => {};
+    new ResizeObserver(() => this.resize()).observe(canvas);
+  }
+
+  add_body() {
+    const look = { vertexColors: THREE.VertexColors || true, flatShading: true, side: THREE.DoubleSide,
+      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
+    this.positions = null;
+    this.body = new THREE.Mesh(new THREE.BufferGeometry(), [
+      new THREE.MeshPhongMaterial({ ...look, shininess: 8 }),
+      new THREE.MeshPhongMaterial({ ...look, color: 0xff9a8a, shininess: 8 }),  // laid open
+    ]);
+    this.edges = new THREE.LineSegments(new THREE.BufferGeometry(),
+      new THREE.LineBasicMaterial({ color: 0x000000, transparent: true, opacity: 0.3 }));
+    for (const object of [this.body, this.edges]) {
+      object.frustumCulled = false;
+      this.scene.add(object);
+    }
+  }
+
+  // ---- what arrives ----
+
+  set_up(greeting) {
+    const g = greeting.gravity;
+    if (g.some((x) => x !== 0)) this.up.set(-g[0], -g[1], -g[2]).normalize();
+    for (const old of this.obstacles) this.scene.remove(old);
+    this.obstacles = greeting.obstacles.map((given) => {
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(given.points), 3));
+      geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(given.triangles), 1));
+      const mesh = new THREE.Mesh(geometry, new THREE.MeshPhongMaterial({ color: 0x8899aa, flatShading: true,
+        side: THREE.DoubleSide, transparent: true, opacity: 0.35, depthWrite: false }));
+      mesh.matrixAutoUpdate = false;
+      mesh.frustumCulled = false;
+      this.scene.add(mesh);
+      return mesh;
+    });
+  }
+
+  set_surface(head, triangles, edges) {
+    this.surface = head.surface;
+    this.positions = new THREE.BufferAttribute(new Float32Array(3 * head.points), 3);
+    this.vertex_colours = new THREE.BufferAttribute(new Float32Array(3 * head.points), 3);
+    const outside = 3 * (head.triangles - head.laid_open);
+    this.body.geometry.dispose();
+    this.body.geometry = new THREE.BufferGeometry();
+    this.body.geometry.setAttribute('position', this.positions);
+    this.body.geometry.setAttribute('color', this.vertex_colours);
+    this.body.geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
+    this.body.geometry.addGroup(0, outside, 0);
+    this.body.geometry.addGroup(outside, 3 * head.laid_open, 1);
+    this.edges.geometry.dispose();
+    this.edges.geometry = new THREE.BufferGeometry();
+    this.edges.geometry.setAttribute('position', this.positions);
+    this.edges.geometry.setIndex(new THREE.BufferAttribute(edges, 1));
+  }
+
+  // The colours' range covers all that was seen of a field.
+  set_state(head, positions, values) {
+    if (head.surface !== this.surface) return;
+    this.positions.array.set(positions);
+    this.positions.needsUpdate = true;
+    if (head.field !== this.field || head.step === 0) this.range = head.range;
+    this.field = head.field;
+    this.range = [Math.min(this.range[0], head.range[0]), Math.max(this.range[1], head.range[1])];
+    const [low, high] = this.range, colour = new THREE.Color(), out = this.vertex_colours.array;
+    for (let i = 0; i < values.length; ++i) {
+      colour_at(high > low ? (values[i] - low) / (high - low) : 0, colour);
+      out[3 * i] = colour.r;
+      out[3 * i + 1] = colour.g;
+      out[3 * i + 2] = colour.b;
+    }
+    this.vertex_colours.needsUpdate = true;
+    head.poses.forEach((p, i) => {
+      const mesh = this.obstacles[i];
+      if (!mesh) return;
+      mesh.matrix.set(p[0], p[3], p[6], p[9], p[1], p[4], p[7], p[10], p[2], p[5], p[8], p[11], 0, 0, 0, 1);
+      mesh.matrixWorldNeedsUpdate = true;
+    });
+    if (this.radius === 0) this.look_at_body(positions);
+    this.draw();
+  }
+
+  // ---- camera ----
+
+  look_at_body(positions) {
+    const box = new THREE.Box3().setFromArray(positions);
+    this.box = box;
+    box.getCenter(this.middle);
+    this.radius = box.getSize(new THREE.Vector3()).length() / 2;
+    this.camera.up.copy(this.up);
+    const size = box.getSize(new THREE.Vector3());
+    // From the side of the smallest horizontal extent, a little from above.
+    const axes = [new THREE.Vector3(1, 0, 0), new THREE.Vector3(0, 1, 0), new THREE.Vector3(0, 0, 1)]
+      .filter((axis) => Math.abs(axis.dot(this.up)) < 0.9)
+      .sort((a, b) => Math.abs(size.dot(a)) - Math.abs(size.dot(b)));
+    const from = axes[0].clone().multiplyScalar(axes[0].y !== 0 ? -1 : 1)
+      .addScaledVector(axes[1], 0.25).addScaledVector(this.up, 0.35);
+    // As far away as makes it fit.
+    const half = (axis) => Math.abs(size.dot(axis)) / 2, slope = Math.tan(this.camera.fov * Math.PI / 360);
+    const across = half(axes[1]) + half(axes[0]) / 2, along = half(this.up) + half(axes[0]) / 2;
+    const distance = half(axes[0]) + 1.1 * Math.max(along, across / this.camera.aspect) / slope;
+    this.camera.position.copy(this.middle).addScaledVector(from.normalize(), distance);
+    this.aim();
+  }
+
+  aim() {
+    const distance = this.camera.position.distanceTo(this.middle);
+    this.camera.near = distance / 100;
+    this.camera.far = distance + 20 * this.radius;
+    this.camera.lookAt(this.middle);
+    this.camera.updateProjectionMatrix();
+    this.camera.updateMatrixWorld();
+    this.draw();
+  }
+
+  turn(right, down) {  // rad
+    const arm = this.camera.position.clone().sub(this.middle).applyAxisAngle(this.up, -right);
+    const side = new THREE.Vector3().crossVectors(this.up, arm).normalize();
+    const tilted = arm.clone().applyAxisAngle(side, -down);
+    if (Math.abs(tilted.clone().normalize().dot(this.up)) < 0.995) arm.copy(tilted);
+    this.camera.position.copy(this.middle).add(arm);
+    this.aim();
+  }
+
+  zoom(factor) {
+    this.camera.position.sub(this.middle).multiplyScalar(factor).add(this.middle);
+    this.aim();
+  }
+
+  move(right, down) {  // parts of the height of the picture
+    const height = 2 * this.camera.position.distanceTo(this.middle) * Math.tan(this.camera.fov * Math.PI / 360);
+    const shift = new THREE.Vector3(-right * height, down * height, 0).applyQuaternion(this.camera.quaternion);
+    this.middle.add(shift);
+    this.camera.position.add(shift);
+    this.aim();
+  }
+
+  // The direction of a point of the canvas, as seen from the camera.
+  direction(x, y) {
+    const part = new THREE.Vector3(2 * x / this.canvas.clientWidth - 1, 1 - 2 * y / this.canvas.clientHeight, 0.5);
+    return part.unproject(this.camera).sub(this.camera.position).normalize();
+  }
+
+  // Through the camera and two points of the canvas, as deep as the body.
+  plane_through(a, b) {
+    const away = this.camera.position.distanceTo(this.middle), reach = 2 * this.radius;
+    const near = Math.max(away - reach, away / 100), far = away + reach;
+    const at = ([x, y], depth) => this.camera.position.clone().addScaledVector(this.direction(x, y), depth);
+    return [at(a, near), at(a, far), at(b, far), at(b, near)];
+  }
+
+  clip(axis, part) {
+    const normal = { x: [-1, 0, 0], y: [0, -1, 0], z: [0, 0, -1] }[axis];
+    this.renderer.clippingPlanes = [];
+    if (normal && this.box) {
+      const at = this.box.min[axis] + part * (this.box.max[axis] - this.box.min[axis]);
+      this.renderer.clippingPlanes = [new THREE.Plane(new THREE.Vector3(...normal), at)];
+    }
+    this.draw();
+  }
+
+  // ---- drawing ----
+
+  resize() {
+    this.renderer.setPixelRatio(window.devicePixelRatio);
+    this.renderer.setSize(this.canvas.clientWidth, this.canvas.clientHeight, false);
+    this.camera.aspect = this.canvas.clientWidth / Math.max(this.canvas.clientHeight, 1);
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  // At the next refresh of the screen.
+  draw() {
+    if (this.is_due) return;
+    this.is_due = true;
+    requestAnimationFrame(() => {
+      this.is_due = false;
+      this.before_drawing();
+      this.renderer.render(this.scene, this.camera);
+    });
+  }
+}

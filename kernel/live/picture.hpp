@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "kernel/live/live_server.hpp"
+#include "kernel/live/shown_surface.hpp"
+#include "kernel/run/simulation.hpp"
+
+namespace suture {
+
+/// What a page writes beside the body.
+struct LiveStatus {
+  bool is_playing = false, has_ended = false;
+  double speed = 1;  ///< wanted: simulated per real time; 0: as fast as possible
+  double steps_per_second = 0, real_time = 0;  ///< reached
+};
+
+/// Makes the pictures of a run (docs/live.md has the format of their messages).
+class Pictures {
+ public:
+  /// `first_number`: surfaces are numbered from there on.
+  Pictures(Simulation& simulation, std::uint64_t first_number);
+
+  /// A JSON text with what never changes: title, origin, fields, obstacles.
+  std::string greeting() const;
+  /// Shows another field from now on. Throws InputError if there is none of this name.
+  void choose(const std::string& field);
+  /// O(boundary), and the cost of the field.
+  LivePicture picture(const LiveStatus& status);
+  std::uint64_t last_number() const { return last_number_; }
+
+ private:
+  std::string surface_message();
+  std::string state_message(const LiveStatus& status);
+
+  Simulation& simulation_;
+  ShownSurface surface_;
+  std::vector<FieldChoice> fields_;
+  std::size_t field_ = 0;
+  std::uint64_t first_number_, last_number_;
+  std::shared_ptr<const std::string> surface_text_;
+};
+
+}  // namespace suture

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/live/recording.hpp"
+
+#include <string_view>
+
+#include "kernel/base/checksum.hpp"
+#include "kernel/base/error.hpp"
+#include "kernel/base/folder.hpp"
+#include "kernel/base/input_file.hpp"
+#include "kernel/live/json_text.hpp"
+#include "kernel/scene/scene_reader.hpp"
+
+namespace suture {
+namespace {
+
+using Lines = nlohmann::ordered_json;  // the first key is that of the format
+
+constexpr std::string_view beginning = R"({"recording":)";
+constexpr int version = 1;
+
+std::string line_of(const Lines& json) { return json_text(json) + "\n"; }
+
+/// NAME-recording.jsonl in the working folder, or with a number.
+std::filesystem::path free_name(const Scene& scene) {
+  const std::string stem = scene.file.stem().string() + "-recording";
+  std::filesystem::path name = stem + ".jsonl";
+  for (int i = 2; std::filesystem::exists(name); ++i)
+    name = stem + "-" + std::to_string(i) + ".jsonl";
+  return name;
+}
+
+std::string file_text(const std::filesystem::path& path) {
+  InputFile file(path);
+  if (!file.problem().empty()) throw IoError(path.string() + ": " + file.problem());
+  return file.read_all();
+}
+
+void read_header(const Lines& line, Recording& recording) {
+  if (line.at("recording").get<int>() != version)
+    throw InputError("it has version " + line.at("recording").dump() + " of the format, not " +
+                     std::to_string(version));
+  recording.program = line.at("program");
+  recording.isa = line.at("isa");
+  recording.source = {line.at("scene").get<std::string>(),
+                      line.at("file").get<std::string>(),
+                      line.at("folder").get<std::string>(),
+                      {}};
+  recording.start = line.at("state");
+}
+
+void read_line(const Lines& line, Recording& recording) {
+  const auto step = line.at("step").get<std::uint64_t>();
+  if (line.contains("reset")) {
+    recording.inputs.clear();
+    recording.last_step = 0;
+    return;
+  }
+  if (step < recording.last_step) throw InputError("its step is before that of the line above");
+  recording.last_step = step;
+  if (line.contains("end"))
+    recording.end = line.at("state");
+  else
+    recording.inputs.push_back({step, line.at("device"), line.at("value").dump()});
+}
+
+}  // namespace
+
+bool is_recording(const std::filesystem::path& path) {
+  InputFile file(path);
+  if (!file.problem().empty()) return false;
+  std::string start(beginning.size(), ' ');
+  return file.read(start) == start.size() && start == beginning;
+}
+
+Recording read_recording(const std::filesystem::path& path) {
+  const std::string text = file_text(path);
+  Recording recording;
+  std::size_t number = 0, end = 0;
+  for (std::size_t at = 0; (end = text.find('\n', at)) != text.npos; at = end + 1) {
+    const auto refuse = [&](const std::string& why) {
+      throw InputError(path.string() + ":" + std::to_string(number) + ": " + why +
+                       "; expected a recording of suture live");
+    };
+    ++number;
+    if (!recording.end.empty()) refuse("a line follows the end");
+    try {
+      const Lines line = Lines::parse(text.begin() + static_cast<std::ptrdiff_t>(at),
+                                      text.begin() + static_cast<std::ptrdiff_t>(end));
+      number == 1 ? read_header(line, recording) : read_line(line, recording);
+    } catch (const Lines::exception& error) {
+      refuse(error.what());
+    } catch (const InputError& error) {
+      refuse(error.what());
+    }
+  }
+  if (number == 0) throw InputError(path.string() + ": it has no complete line");
+  return recording;
+}
+
+EventOutcome apply_input(const std::string& value, const Scene& scene, Simulation& simulation,
+                         Observer& observer, Diagnostics& diagnostics) {
+  return simulation.apply(read_event(value, "input", scene, diagnostics), observer);
+}
+
+bool repeat(const Recording& recording, const Scene& scene, Simulation& simulation,
+            Observer& observer, Diagnostics& diagnostics) {
+  if (state_hash(simulation) != recording.start)
+    throw InputError(
+        "the body is not that of the recording: its mesh or another file of the scene, or a value "
+        "given by --set, has changed; restore it");
+  const auto run_to = [&](std::uint64_t step) {
+    if (simulation.step() < step) simulation.advance({{}, step - simulation.step()}, observer);
+    return simulation.step() == step;  // it may end earlier
+  };
+  for (const RecordedInput& input : recording.inputs) {
+    if (!run_to(input.step)) return false;
+    apply_input(input.value, scene, simulation, observer, diagnostics);
+  }
+  return run_to(recording.last_step);
+}
+
+void compare_end(const Recording& recording, Simulation& simulation, Diagnostics& diagnostics) {
+  if (recording.end.empty() || state_hash(simulation) == recording.end) return;
+  diagnostics.warn(
+      recording.isa == simulation.isa()
+          ? "the state differs from that at the end of the recording, which was made by " +
+                recording.program
+          : "the recording was made with the instruction set " + recording.isa +
+                ", this run uses " + std::string(simulation.isa()) +
+                ": states agree to within rounding only");
+}
+
+std::string state_hash(Simulation& simulation) {
+  Checksum sum;
+  const auto elements = simulation.complex().vertices();
+  sum.add(std::as_bytes(std::span(elements)));
+  Attributes& attributes = simulation.attributes();
+  for (const Column* column : {&attributes.position(), &attributes.velocity()})
+    for (Index v = 0; v < column->size(); ++v) {
+      if (!simulation.complex().exists(0, v)) continue;
+      sum.add(std::as_bytes(std::span(column->rows() + std::size_t{v} * 4, 3)));
+    }
+  return sum.text();
+}
+
+RecordingWriter::RecordingWriter(std::filesystem::path file, const Scene& scene,
+                                 Simulation& simulation)
+    : path_(file.empty() ? free_name(scene) : std::move(file)),
+      header_(line_of({{"recording", version},
+                       {"program", "suture " SUTURE_VERSION},
+                       {"isa", std::string(simulation.isa())},
+                       {"file", scene.source.file.string()},
+                       {"folder", scene.source.working_folder.string()},
+                       {"state", state_hash(simulation)},
+                       {"scene", scene.source.text}})) {}
+
+void RecordingWriter::write(const std::string& line) {
+  if (!file_) {
+    const Folder folder = Folder::open(path_.parent_path());
+    file_ = std::make_unique<OutputFile>(folder, path_.filename().string());
+    file_->write(header_);
+  }
+  file_->write(line);
+}
+
+void RecordingWriter::input(std::uint64_t step, const std::string& device,
+                            const std::string& value) {
+  write(line_of({{"step", step}, {"device", device}, {"value", Lines::parse(value)}}));
+}
+
+void RecordingWriter::reset() {
+  if (has_inputs()) write(line_of({{"step", 0}, {"reset", true}}));
+}
+
+void RecordingWriter::end(Simulation& simulation) {
+  if (!has_inputs()) return;
+  write(line_of({{"step", simulation.step()}, {"end", true}, {"state", state_hash(simulation)}}));
+  file_->close();
+}
+
+}  // namespace suture

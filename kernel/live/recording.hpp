@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernel/base/file.hpp"
+#include "kernel/run/simulation.hpp"
+
+namespace suture {
+
+/// What was done to a run, and between which steps.
+struct RecordedInput {
+  std::uint64_t step = 0;  ///< number of steps made before
+  std::string device;      ///< what it came from: "page"
+  std::string value;       ///< JSON: an event without a time
+};
+
+/// A run with all inputs, as a file of JSON lines (docs/live.md).
+struct Recording {
+  SceneSource source;
+  std::string program, isa;           ///< that made it
+  std::string start;                  ///< state_hash() before the first step
+  std::vector<RecordedInput> inputs;  ///< since the last reset, by step
+  std::uint64_t last_step = 0;
+  std::string end;  ///< state_hash() after the last step; "" if the program was killed
+};
+
+/// Whether a file begins like a recording; false if it cannot be read.
+bool is_recording(const std::filesystem::path& file);
+/// Throws InputError with the line at fault. A last line without its end is ignored: the program
+/// was killed while it wrote.
+Recording read_recording(const std::filesystem::path& file);
+
+/// Makes the steps of a recording and applies its inputs. Throws the errors of the run, and
+/// InputError where the body is not that of the recording. False if the run ended earlier or
+/// `observer` has stopped it.
+bool repeat(const Recording& recording, const Scene& scene, Simulation& simulation,
+            Observer& observer, Diagnostics& diagnostics);
+/// Warns if the state differs from that at the end of the recording.
+void compare_end(const Recording& recording, Simulation& simulation, Diagnostics& diagnostics);
+
+/// The cells, positions and velocities: equal for equal bits. O(body).
+std::string state_hash(Simulation& simulation);
+
+/// Applies an input now. Throws the errors of Simulation::apply(); nothing has changed then.
+EventOutcome apply_input(const std::string& value, const Scene& scene, Simulation& simulation,
+                         Observer& observer, Diagnostics& diagnostics);
+
+/// Writes a recording, each input at once. The file is created by the first input. Throws IoError.
+class RecordingWriter {
+ public:
+  /// `file`: "" for a name made from that of the scene, which no file has yet.
+  RecordingWriter(std::filesystem::path file, const Scene& scene, Simulation& simulation);
+
+  /// The file; it exists if has_inputs().
+  const std::filesystem::path& path() const { return path_; }
+  bool has_inputs() const { return file_ != nullptr; }
+  void input(std::uint64_t step, const std::string& device, const std::string& value);
+  /// The run starts again: what was done before no longer counts.
+  void reset();
+  void end(Simulation& simulation);
+
+ private:
+  void write(const std::string& line);
+
+  std::filesystem::path path_;
+  std::string header_;
+  std::unique_ptr<OutputFile> file_;
+};
+
+}  // namespace suture

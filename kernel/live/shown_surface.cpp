@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/live/shown_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kernel/contact/boundary_surface.hpp"
+
+namespace suture {
+namespace {
+
+/// The number that stands for the components of one cell.
+double scalar_of(const FrameField& field, std::size_t i) {
+  if (!field.ids.empty()) return static_cast<double>(field.ids[i]);
+  const double* value = field.values.data() + i * static_cast<std::size_t>(field.components);
+  if (field.components == 1 || field.principal) return value[0];
+  return std::sqrt(value[0] * value[0] + value[1] * value[1] + value[2] * value[2]);
+}
+
+/// Every edge of a closed surface belongs to two faces, which run along it in opposite directions.
+template <std::size_t N>
+void add_edges(const std::array<Index, N>& corners, std::vector<std::array<Index, 2>>& edges) {
+  for (std::size_t k = 0; k < N; ++k)
+    if (const Index a = corners[k], b = corners[(k + 1) % N]; a < b) edges.push_back({a, b});
+}
+
+}  // namespace
+
+std::vector<FieldChoice> shown_fields(BuiltScene& built) {
+  std::vector<FieldChoice> fields = all_fields(built);
+  std::erase_if(fields, [](const FieldChoice& field) {
+    return !is_in_frames(field) || field.needs_force ||
+           (field.components != 1 && field.components != 3) || field.name == "node_id" ||
+           field.name == "element_id";
+  });
+  return fields;
+}
+
+ShownSurface::ShownSurface(BuiltScene& built) : built_(built) {
+  const CellComplex& complex = built.body().complex();
+  was_boundary_.resize(std::size_t{6} * complex.element_count());
+  const BoundarySurface surface(complex);
+  for (const Index face : surface.faces()) was_boundary_[face] = true;
+  built.body().add_follower(*this);
+}
+
+std::uint64_t ShownSurface::number() {
+  if (is_current_) return number_;
+  triangles_.clear();
+  edges_.clear();
+  if (built_.parts().empty())
+    find_boundary();
+  else
+    find_embedded();
+  is_current_ = true;
+  return ++number_;
+}
+
+void ShownSurface::find_boundary() {
+  const CellComplex& complex = built_.body().complex();
+  const BoundarySurface surface(complex);
+  std::vector<std::array<Index, 3>> inside;
+  for (std::size_t i = 0; i < surface.faces().size(); ++i) {
+    const Index face = surface.faces()[i];
+    const BoundarySurface::Corners& c = surface.corners()[i];
+    auto& list = face < was_boundary_.size() && was_boundary_[face] ? triangles_ : inside;
+    list.insert(list.end(), {{c[0], c[1], c[2]}, {c[0], c[2], c[3]}});
+    add_edges(c, edges_);
+  }
+  triangles_.insert(triangles_.end(), inside.begin(), inside.end());
+  laid_open_ = inside.size();
+  compress(complex.count(0), 0);
+}
+
+void ShownSurface::find_embedded() {
+  const Embedding& embedding = built_.embedding();
+  const Index first = built_.body().complex().count(0);
+  const auto place = [&](Index p) {
+    const Index v = embedding.points.vertex(p);
+    return v == none ? first + p : v;
+  };
+  std::vector<std::array<Index, 3>> inside;
+  for (std::size_t i = 0; i < embedding.triangles.size(); ++i) {
+    const auto& t = embedding.triangles[i];
+    const std::array<Index, 3> corners{place(t[0]), place(t[1]), place(t[2])};
+    (embedding.is_laid_open[i] == 0 ? triangles_ : inside).push_back(corners);
+    add_edges(corners, edges_);
+  }
+  triangles_.insert(triangles_.end(), inside.begin(), inside.end());
+  laid_open_ = inside.size();
+  compress(first, embedding.points.size());
+}
+
+/// From numbers of vertices and, behind these, of embedded points to places in the list of points.
+void ShownSurface::compress(std::size_t vertex_count, std::size_t embedded_count) {
+  std::vector<Index> place(vertex_count + embedded_count, none);
+  for (const auto& corners : triangles_)
+    for (const Index corner : corners) place[corner] = 0;
+  vertices_.clear();
+  embedded_.clear();
+  Index next = 0;
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    if (place[i] == none) continue;
+    place[i] = next++;
+    if (i < vertex_count)
+      vertices_.push_back(static_cast<Index>(i));
+    else
+      embedded_.push_back(static_cast<Index>(i - vertex_count));
+  }
+  for (auto& corners : triangles_)
+    for (Index& corner : corners) corner = place[corner];
+  for (auto& ends : edges_)
+    for (Index& end : ends) end = place[end];
+}
+
+void ShownSurface::append_positions(std::vector<float>& out) const {
+  const double* rows = built_.body().attributes().position().rows();
+  for (const Index v : vertices_)
+    for (std::size_t c = 0; c < 3; ++c) out.push_back(static_cast<float>(rows[4 * v + c]));
+  if (embedded_.empty()) return;
+  const EmbeddedPoints& points = built_.embedding().points;
+  for (const Index p : embedded_)
+    for (std::size_t c = 0; c < 3; ++c)
+      out.push_back(static_cast<float>(points.value(p, rows, 4, c)));
+}
+
+std::vector<double> ShownSurface::at_vertices(const FieldChoice& field,
+                                              const FrameField& values) const {
+  const CellComplex& complex = built_.body().complex();
+  std::vector<double> mean(complex.count(0));
+  if (field.on == FieldChoice::On::points) {
+    for (std::size_t v = 0; v < mean.size(); ++v) mean[v] = scalar_of(values, v);
+    return mean;
+  }
+  std::vector<Index> counts(mean.size());
+  for (Index e = 0; e < complex.element_count(); ++e) {
+    if (!complex.exists(3, e)) continue;
+    const double value = scalar_of(values, e);
+    if (!std::isfinite(value)) continue;
+    for (const Index v : complex.vertices()[e]) {
+      mean[v] += value;
+      ++counts[v];
+    }
+  }
+  for (std::size_t v = 0; v < mean.size(); ++v)
+    mean[v] = counts[v] > 0 ? mean[v] / counts[v] : std::numeric_limits<double>::quiet_NaN();
+  return mean;
+}
+
+void ShownSurface::append_values(const FieldChoice& field, const Vec3& gravity, double time,
+                                 std::vector<float>& out) {
+  FrameField values;
+  field.fill(built_, gravity, time, values);
+  const std::vector<double> mean = at_vertices(field, values);
+  for (const Index v : vertices_) out.push_back(static_cast<float>(mean[v]));
+  for (const Index p : embedded_)
+    out.push_back(static_cast<float>(built_.embedding().points.value(p, mean.data(), 1, 0)));
+}
+
+}  // namespace suture

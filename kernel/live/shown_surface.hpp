@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "kernel/build/built_scene.hpp"
+#include "kernel/results/fields.hpp"
+
+namespace suture {
+
+/// The surface of a body for display: its boundary, or that of its material where elements are
+/// material in part only. It follows operations.
+class ShownSurface final : private Follower {
+ public:
+  /// `built` must outlive it, and may then not change any more.
+  explicit ShownSurface(BuiltScene& built);
+
+  /// Increases whenever triangles change. The triangles are found again at the first call after an
+  /// operation: O(elements).
+  std::uint64_t number();
+
+  // ---- after number(), until the next operation ----
+
+  std::size_t size() const { return vertices_.size() + embedded_.size(); }  ///< points
+  /// Counterclockwise as seen from outside; those that cuts and removals have laid open come last.
+  std::span<const std::array<Index, 3>> triangles() const { return triangles_; }
+  std::size_t laid_open() const { return laid_open_; }
+  /// Edges of the elements; of a surface of triangles, their edges.
+  std::span<const std::array<Index, 2>> edges() const { return edges_; }
+  /// The points, relative to the body's own origin.
+  void append_positions(std::vector<float>& out) const;
+  /// A field at the points: the magnitude of a vector, the largest of principal values, and of a
+  /// field of elements the mean of those around. NaN where there is none.
+  void append_values(const FieldChoice& field, const Vec3& gravity, double time,
+                     std::vector<float>& out);
+
+ private:
+  void follow(const CellComplex&, const TopologyChange&) override { is_current_ = false; }
+  void find_boundary();
+  void find_embedded();
+  void compress(std::size_t vertex_count, std::size_t embedded_count);
+  std::vector<double> at_vertices(const FieldChoice& field, const FrameField& values) const;
+
+  BuiltScene& built_;
+  std::vector<bool> was_boundary_;  ///< by face at the start, 6 e + f
+  bool is_current_ = false;
+  std::uint64_t number_ = 0;
+  // Points: vertices, then embedded ones; the other lists refer to places in this order.
+  std::vector<Index> vertices_, embedded_;
+  std::vector<std::array<Index, 3>> triangles_;
+  std::vector<std::array<Index, 2>> edges_;
+  std::size_t laid_open_ = 0;
+};
+
+/// The fields of a scene that a surface can show: scalars and vectors that need no forces of their
+/// own.
+std::vector<FieldChoice> shown_fields(BuiltScene& built);
+
+}  // namespace suture

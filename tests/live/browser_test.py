@@ -1,0 +1,159 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A hand in Chromium cuts a hanging bar, whose lower half falls. Exit code 77: there is no browser.
+
+usage: browser_test.py PROGRAM FOLDER   (FOLDER: for the recording and the pictures)"""
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+try:
+    from selenium import webdriver
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.by import By
+except ImportError:
+    webdriver = None
+
+PROGRAM, FOLDER = sys.argv[1], sys.argv[2]
+
+BAR = {
+    "suture": 1,
+    "title": "a hanging bar",
+    "mesh": {"box": {"size": [1, 0.2, 0.2], "cells": [30, 6, 6]}},
+    "models": [{"model": "tm-faure", "parameters": {"E": 4e5, "nu": 0.3, "rho": 1000}}],
+    "gravity": [9.8, 0, 0],
+    "constraints": [{"fix": "xyz", "where": {"set": "x0"}}],
+    "solver": {"dt": "auto", "end": 1, "damping": 2},
+    "output": {"every": 0.1, "fields": ["displacement"]},
+}
+
+# The sizes of the connected parts of the picture that are not background, largest first.
+BLOBS = """
+  const from = document.querySelector('#picture'), to = document.createElement('canvas');
+  const w = to.width = Math.floor(from.width / 4), h = to.height = Math.floor(from.height / 4);
+  const pen = to.getContext('2d');
+  pen.drawImage(from, 0, 0, w, h);
+  const pixels = pen.getImageData(0, 0, w, h).data, sizes = [];
+  const is_body = (i) => pixels[4 * i] < 235 || pixels[4 * i + 1] < 235 || pixels[4 * i + 2] < 235;
+  const seen = new Uint8Array(w * h);
+  for (let start = 0; start < w * h; ++start) {
+    if (seen[start] || !is_body(start)) continue;
+    const stack = [start];
+    let size = 0;
+    seen[start] = 1;
+    while (stack.length) {
+      const i = stack.pop(), x = i % w;
+      ++size;
+      for (const j of [x > 0 ? i - 1 : -1, x < w - 1 ? i + 1 : -1, i - w, i + w])
+        if (j >= 0 && j < w * h && !seen[j] && is_body(j)) { seen[j] = 1; stack.push(j); }
+    }
+    sizes.push(size);
+  }
+  return sizes.filter((size) => size > 50).sort((a, b) => b - a);
+"""
+
+
+def open_browser():
+    options = webdriver.ChromeOptions()
+    for option in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle",
+                   "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--window-size=900,700"):
+        options.add_argument(option)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    return webdriver.Chrome(options=options)
+
+
+class Live(unittest.TestCase):
+    def setUp(self):
+        os.makedirs(FOLDER, exist_ok=True)
+        with open(os.path.join(FOLDER, "bar.json"), "w") as file:
+            json.dump(BAR, file)
+        recording = os.path.join(FOLDER, "bar-recording.jsonl")
+        if os.path.exists(recording):
+            os.remove(recording)
+        self.run_ = subprocess.Popen([PROGRAM, "-q", "live", "bar.json", "-o", "bar-recording.jsonl"],
+                                     cwd=FOLDER, stdout=subprocess.PIPE, text=True)
+        self.addCleanup(self.end_run)
+        self.address = re.search(r"http://\S+", self.run_.stdout.readline()).group()
+        self.page = open_browser()
+        self.addCleanup(self.page.quit)
+        self.page.get(self.address)
+        self.wait("live.control && live.drawn > 0")
+
+    def end_run(self):
+        if self.run_.poll() is None:
+            self.run_.send_signal(signal.SIGINT)
+        self.run_.communicate(timeout=20)
+
+    def js(self, text):
+        return self.page.execute_script(text)
+
+    def wait(self, condition, seconds=20):
+        end = time.monotonic() + seconds
+        while not self.js(f"return Boolean(window.live && {condition})"):
+            self.assertLess(time.monotonic(), end, f"{condition}: {self.js('return JSON.stringify(live.state)')}")
+            time.sleep(0.02)
+
+    def click(self, selector):
+        self.page.find_element(By.CSS_SELECTOR, selector).click()
+
+    def drag_knife(self):
+        self.click("input[value=knife]")
+        canvas = self.page.find_element(By.ID, "picture")
+        (ActionChains(self.page).move_to_element_with_offset(canvas, -250, 5).click_and_hold()
+         .move_by_offset(250, 0).move_by_offset(250, 0).release().perform())
+
+    def picture(self, name):
+        self.page.save_screenshot(os.path.join(FOLDER, name))
+
+    def test_a_hand_cuts_a_bar(self):
+        self.assertEqual(len(self.js(BLOBS)), 1)
+        self.click("#speed option[value='0.25']")
+        self.click("#play")
+        self.wait("live.state.playing && live.state.time > 0.05")
+        self.drag_knife()
+        self.wait("live.messages.some((m) => /2 islands/.test(m.text)) && live.surface.laid_open > 0")
+        cut = self.js("return live.state.time")
+        self.wait(f"live.state.time > {cut + 0.15}")
+        self.click("#play")
+        self.wait("!live.state.playing")
+        paused = self.js("return live.state.step")
+        self.picture("two-pieces.png")
+        sizes = self.js(BLOBS)
+        self.assertEqual(len(sizes), 2, sizes)
+        self.assertGreater(sizes[1], sizes[0] / 4)
+
+        self.page.switch_to.new_window("tab")
+        self.page.get(self.address)
+        self.wait("live.drawn > 0 && live.greeting")
+        self.assertFalse(self.js("return live.control"))
+        self.assertFalse(self.page.find_element(By.ID, "play").is_enabled())
+        self.page.close()
+        self.page.switch_to.window(self.page.window_handles[0])
+
+        self.click("#step")
+        self.wait(f"live.state.step == {paused + 1}")
+        self.assertEqual([entry for entry in self.page.get_log("browser") if entry["level"] == "SEVERE"], [])
+        self.end_run()
+        self.wait("!live.control")
+        self.repeat(paused + 1)
+
+    def repeat(self, steps):
+        for threads in ("1", "2"):
+            done = subprocess.run([PROGRAM, "run", "bar-recording.jsonl", "--threads", threads],
+                                  cwd=FOLDER, capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(f"{steps} steps", done.stdout)
+            self.assertNotIn("warning", done.stderr)
+
+
+if __name__ == "__main__":
+    if webdriver is None or not shutil.which("chromium") or not shutil.which("chromedriver"):
+        print("skipped: needs chromium, chromium-driver and python3-selenium (./dev install-deps browser)")
+        sys.exit(77)
+    unittest.main(argv=sys.argv[:1])

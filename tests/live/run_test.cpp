@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Runs that a client controls, and what their recordings repeat.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+#include "kernel/base/error.hpp"
+#include "kernel/live/live_run.hpp"
+#include "kernel/output/output_folder.hpp"
+#include "kernel/scene/scene_reader.hpp"
+#include "tests/live/client.hpp"
+#include "tests/mesh/temporary_folder.hpp"
+
+namespace suture::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* beam = R"({
+  "suture": 1,
+  "mesh": {"box": {"size": [1, 0.25, 0.25], "cells": [8, 4, 4]}},
+  "models": [{"model": "tm-faure", "parameters": {"E": 4e5, "nu": 0.3, "rho": 1000}}],
+  "gravity": [0, -9.8, 0],
+  "constraints": [{"fix": "xyz", "where": {"set": "x0"}}, {"fix": "xyz", "where": {"set": "x1"}}],
+  "contact": {"obstacles": [{"name": "ball", "sphere": {"centre": [0.5, 0.4, 0.125], "radius": 0.1}}]},
+  "solver": {"dt": "auto", "end": 100, "damping": 2},
+  "output": {"every": 0.7, "fields": ["displacement"], "energies": {"every_steps": 50}}
+})";
+constexpr const char* cut =
+    R"({"do":"apply","event":{"cut":{"plane":{"point":[0.5,0,0],"normal":[1,0,0.1]}}}})";
+
+PluginHost& host() {
+  static PluginHost plugins;
+  return plugins;
+}
+
+class Stop final : public Observer {
+ public:
+  bool stop_requested() override { return is_set; }
+  std::atomic<bool> is_set = false;
+};
+
+/// A run on a thread of its own, and a page that controls it.
+class Watched : public testing::Test {
+ protected:
+  Watched() {
+    leave_out_results(scene_);
+    thread_ = std::thread([this] {
+      LiveRun run(scene_, host(), diagnostics_, *server_, recording());
+      is_ready_ = true;
+      run.run(stop_);
+    });
+    while (!is_ready_) std::this_thread::yield();
+    EXPECT_TRUE(page.open());
+    greeting = page.until("live");
+  }
+  ~Watched() override { stop(); }
+
+  std::filesystem::path recording() const { return folder_ / "recording.jsonl"; }
+  void stop() {
+    stop_.is_set = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  /// The next state for which `is_so` holds.
+  template <class F>
+  Json state(F&& is_so) {
+    for (;;)
+      if (Json head = page.until("step"); is_so(head)) return head;
+  }
+  Json state_after(std::uint64_t step) {
+    return state([&](const Json& head) { return head["step"] >= step; });
+  }
+
+  TemporaryFolder folder_;
+  Diagnostics diagnostics_;
+  Scene scene_ = read_scene(folder_.write("beam.json", beam), {}, host(), diagnostics_);
+  std::unique_ptr<LiveServer> server_ = open_live_server(0);
+  Client page{Address(server_->address())};
+  Json greeting;
+
+ private:
+  Stop stop_;
+  std::atomic<bool> is_ready_ = false;
+  std::thread thread_;
+};
+
+TEST_F(Watched, ShowsTheBodyAndItsObstacles) {
+  EXPECT_EQ(greeting["elements"], 128);
+  EXPECT_EQ(greeting["gravity"], Json({0, -9.8, 0}));
+  EXPECT_EQ(greeting["obstacles"][0]["name"], "ball");
+  const Json surface = page.until("triangles");
+  EXPECT_EQ(surface["triangles"], 2 * (2 * 16 + 4 * 32));
+  EXPECT_EQ(surface["edges"], 2 * (2 * 16 + 4 * 32));  // of a closed surface of quadrilaterals
+  EXPECT_EQ(surface["points"], 2 * (2 * 16 + 4 * 32) / 2 + 2);  // Euler
+  EXPECT_EQ(surface["laid_open"], 0);
+  const Json state = page.until("step");
+  EXPECT_EQ(state["step"], 0);
+  EXPECT_EQ(state["playing"], false);
+  EXPECT_EQ(state["poses"][0], Json({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}));
+}
+
+TEST_F(Watched, PlaysPausesStepsAndStartsAgain) {
+  page.send(R"({"do":"step"})");
+  EXPECT_EQ(state_after(1)["step"], 1);
+  page.send(R"({"do":"speed","value":0})");
+  page.send(R"({"do":"play"})");
+  state_after(200);
+  page.send(R"({"do":"pause"})");
+  const Json paused = state([](const Json& head) { return !head["playing"]; });
+  page.send(R"({"do":"step"})");
+  EXPECT_EQ(state_after(paused["step"].get<int>() + 1)["step"], paused["step"].get<int>() + 1);
+  page.send(R"({"do":"reset"})");
+  EXPECT_EQ(state([](const Json& head) { return head["step"] == 0; })["time"], 0);
+}
+
+TEST_F(Watched, FollowsTheWantedSpeed) {
+  page.send(R"({"do":"speed","value":0.5})");
+  page.send(R"({"do":"play"})");
+  const auto start = std::chrono::steady_clock::now();
+  const double time = state([](const Json& head) { return head["time"] > 0.3; })["time"];
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
+  EXPECT_LT(time, 0.5 * spent.count() + 0.1);
+}
+
+TEST_F(Watched, RefusesWhatItDoesNotUnderstand) {
+  for (const char* wrong :
+       {"", "nonsense", "[]", "{}", "null", R"({"do":7})", R"({"do":"dance"})", R"({"do":"apply"})",
+        R"({"do":"apply","event":{"cut":{}}})", R"({"do":"apply","event":{"release":"nobody"}})",
+        R"({"do":"field","name":"beauty"})", R"({"do":"speed","value":-1})", "\xff\xfe"}) {
+    page.send(std::string(wrong) == "\xff\xfe" ? "\"" : wrong);
+    EXPECT_FALSE(page.until("error")["error"].get<std::string>().empty()) << wrong;
+  }
+  page.send(R"({"do":"step"})");
+  EXPECT_EQ(state_after(1)["step"], 1);
+  stop();
+  EXPECT_FALSE(std::filesystem::exists(recording()));
+}
+
+TEST_F(Watched, GoesOnWithoutItsPage) {
+  page.send(R"({"do":"speed","value":0})");
+  page.send(R"({"do":"play"})");
+  const Json before = state_after(50);
+  page.vanish();
+  Client next{Address(server_->address())};
+  ASSERT_TRUE(next.open());
+  const auto later = before["step"].get<std::uint64_t>() + 500;
+  while (next.until("step")["step"] < later) continue;
+}
+
+/// Repeats a recording on some threads, with results or without; the hash of its end.
+std::string repeated_end(const std::filesystem::path& file, const std::string& threads,
+                         bool has_output, std::vector<std::string>& warnings) {
+  const Recording recording = read_recording(file);
+  Diagnostics diagnostics;
+  SceneSource source = recording.source;
+  source.working_folder = std::filesystem::current_path();
+  Scene scene = read_scene_source(source, {"/solver/threads=" + threads}, host(), diagnostics);
+  if (!has_output) leave_out_results(scene);
+  const auto folder = std::make_shared<OutputFolder>(file.parent_path() / "results");
+  if (has_output) folder->open();
+  Simulation simulation(scene, host(), diagnostics, true, folder);
+  Observer nobody;
+  EXPECT_TRUE(repeat(recording, scene, simulation, nobody, diagnostics));
+  compare_end(recording, simulation, diagnostics);
+  warnings = diagnostics.warnings();
+  return state_hash(simulation);
+}
+
+TEST_F(Watched, RecordsWhatRepeatsBitForBit) {
+  page.send(cut);  // before a reset: no part of what is repeated
+  page.until("message");
+  page.send(R"({"do":"reset"})");
+  state([](const Json& head) { return head["step"] == 0; });
+  page.send(R"({"do":"speed","value":0})");
+  page.send(R"({"do":"play"})");
+  state_after(100);
+  page.send(cut);
+  EXPECT_THAT(page.until("message")["message"], HasSubstr("2 islands"));
+  const Json surface = page.until("triangles");
+  EXPECT_GT(surface["laid_open"], 0);
+  state_after(300);
+  page.send(
+      R"({"do":"apply","event":{"grasp":{"name":"hand","where":{"nearest":[0.4,0.2,0.1]},"move":{"translation":[0,0.05,0]},"ramp":0.1}}})");
+  page.until("message");
+  state_after(600);
+  page.send(R"({"do":"apply","event":{"release":"hand"}})");
+  page.until("message");
+  state_after(900);
+  stop();
+
+  const Recording recorded = read_recording(recording());
+  ASSERT_EQ(recorded.inputs.size(), 3U);
+  EXPECT_GE(recorded.last_step, 900U);
+  for (const std::string threads : {"1", "2"})
+    for (const bool has_output : {false, true}) {
+      std::vector<std::string> warnings;
+      EXPECT_EQ(repeated_end(recording(), threads, has_output, warnings), recorded.end);
+      EXPECT_TRUE(warnings.empty()) << warnings[0];
+    }
+}
+
+}  // namespace
+}  // namespace suture::test

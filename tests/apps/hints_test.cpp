@@ -45,6 +45,7 @@ TEST_F(Hints, NameOptionsThatTheParserKnows) {
   for (const std::vector<std::string>& command :
        std::vector<std::vector<std::string>>{{},
                                              {"run"},
+                                             {"live"},
                                              {"check"},
                                              {"explain"},
                                              {"modes"},

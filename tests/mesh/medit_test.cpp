@@ -105,8 +105,8 @@ TEST(Medit, AFileWithoutHexahedraSaysWhatItHolds) {
       medit_error_of(
           "MeshVersionFormatted 1 Dimension 3 Vertices 1 0 0 0 0 Tetrahedra 1 1 1 1 1 0 End"),
       "m.mesh: no hexahedra; the file contains 1 points, 1 tetrahedra. Mesh the body with 8-node "
-      "hexahedra, or let it be filled with them: with \"cells\" beside \"file\" in a scene, other "
-      "solid cells give its shape");
+      "hexahedra, or let it be filled with them: with \"cells\" beside \"file\" in a scene, "
+      "and in 'suture mesh fill', other solid cells give its shape");
 }
 
 TEST(Medit, AMissingEndIsAWarning) {

@@ -6,6 +6,7 @@
 
 #include "kernel/base/archive.hpp"
 #include "kernel/base/rows.hpp"
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/topology/dart.hpp"
 
 namespace suture {
@@ -83,8 +84,7 @@ void CuttingEdges::begin(std::span<const Obstacle> obstacles, double time, doubl
   }
   enter();
   moved_ = vertices_;
-  std::ranges::sort(moved_);
-  moved_.erase(std::ranges::unique(moved_).begin(), moved_.end());
+  sort_unique(moved_);
 }
 
 void CuttingEdges::place(std::span<const Obstacle> obstacles, double time, double end) {
@@ -170,8 +170,7 @@ void CuttingEdges::enter() {
   for (const std::size_t s : gripping_)
     for (const Index e : elements_[s])
       if (e != none) elements.push_back(e);
-  std::ranges::sort(elements);
-  elements.erase(std::ranges::unique(elements).begin(), elements.end());
+  sort_unique(elements);
   std::vector<Entered> now;
   for (const Index e : elements) {
     const auto known = std::ranges::lower_bound(entered_, e, {}, &Entered::element);

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "kernel/base/vec3.hpp"
+#include "kernel/dynamics/integrator.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
 namespace suture::scene_parts {

@@ -128,14 +128,6 @@ T energy_of_everything(const suture::mat3<T>& F) {
   return sum * 0.5 - 1.0 / trace_of_c + (4.0 - trace_of_c) / 3.0;
 }
 
-template <class T>
-suture::mat3<T> gradient_of(const suture::detail::tape<T>& notes,
-                            const suture::variable<T>& result) {
-  constexpr int inputs = 9;
-  return suture::detail::gradient_of(
-      notes, result, std::make_integer_sequence<int, suture::detail::tape<T>::capacity - inputs>());
-}
-
 TEST(Reverse, GivesTheGradientOfNineDuals) {
   std::mt19937 engine(4);
   const auto W = [](const auto& G) __attribute__((always_inline)) {

@@ -241,14 +241,14 @@ SUTURE_INLINE mat3<variable<T>> inputs_of(tape<T>& notes, const mat3<T>& F) {
            {input(0, 2), input(1, 2), input(2, 2)}}};
 }
 
-/// The derivatives of a result by the inputs. Each function around this one is a copy that the
-/// compiler takes as long to work through.
-template <class T, int... Places>
-SUTURE_INLINE mat3<T> gradient_of(const tape<T>& notes, const variable<T>& result,
-                                  std::integer_sequence<int, Places...>) {
+/// The derivatives of a result by the inputs. A loop: GCC unrolls it when it knows the size of the
+/// tape. Written as a sequence of calls, it would be worked through for the longest tape, twice.
+template <class T>
+SUTURE_INLINE mat3<T> gradient_of(const tape<T>& notes, const variable<T>& result) {
   adjoints<T> adjoint;
   if (result.notes) adjoint.add(result.place, T(1.0), 0);
-  (adjoint.pass_on(tape<T>::capacity - 1 - Places, notes), ...);
+#pragma GCC unroll 160
+  for (int place = notes.size - 1; place >= 9; --place) adjoint.pass_on(place, notes);
   const auto output = [&](int i) SUTURE_DETAIL_INLINED {
     return adjoint.state[i] ? adjoint.value[i] : T(0.0);
   };
@@ -271,8 +271,7 @@ template <class T, class Function>
   // Constant if the whole tape is.
   if (!__builtin_constant_p(notes.size) || notes.size > detail::tape<T>::capacity)
     return detail::gradient_by_duals(F, W);
-  return detail::gradient_of(notes, result,
-                             std::make_integer_sequence<int, detail::tape<T>::capacity - 9>());
+  return detail::gradient_of(notes, result);
 #endif
 }
 

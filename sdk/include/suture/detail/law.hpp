@@ -107,25 +107,31 @@ constexpr bool has_both_halves() {
     return !is_isotropic<M>;
 }
 
-/// W of the law.
-template <class M, class T, class Material, class At>
-SUTURE_INLINE T law_energy(const mat3<T>& F, const Material& p, [[maybe_unused]] const At& at) {
-  if constexpr (has_energy_density_alone<M>)
-    return M::energy(F, p);
-  else
-    return M::energy(F, p, at);
-}
+/// W of the law as a function of F. A struct, as a lambda around a function would be one more
+/// copy that the compiler works through.
+template <class M, class Material, class At>
+struct law_energy {
+  const Material& p;
+  const At& at;
+  template <class T>
+  SUTURE_INLINE T operator()(const mat3<T>& F) const {
+    if constexpr (has_energy_density_alone<M>)
+      return M::energy(F, p);
+    else
+      return M::energy(F, p, at);
+  }
+};
 
 /// The same as a function of its own, for what is not computed in every step.
 template <class M, class T, class Material, class At>
 [[gnu::noinline]] T called_energy(const mat3<T>& F, const Material& p, const At& at) {
-  return law_energy<M>(F, p, at);
+  return law_energy<M, Material, At>{p, at}(F);
 }
 
 /// dW/dF.
 template <class M, class T, class Material, class At>
 SUTURE_INLINE mat3<T> stress_of_energy(const mat3<T>& F, const Material& p, const At& at) {
-  const auto W = [&](const auto& G) SUTURE_DETAIL_INLINED { return law_energy<M>(G, p, at); };
+  const law_energy<M, Material, At> W{p, at};
   if constexpr (is_pack<real_of<T>>)
     return gradient(F, W);
   else  // not worth a tape: a single number, for the moduli at rest

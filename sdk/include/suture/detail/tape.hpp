@@ -5,8 +5,6 @@
 #ifndef SUTURE_DETAIL_TAPE_HPP
 #define SUTURE_DETAIL_TAPE_HPP
 
-#include <utility>
-
 #include "suture/tensor.hpp"
 
 namespace suture::detail {
@@ -98,7 +96,7 @@ struct adjoints {
     return select(vanishes(a), T(0.0), product);
   }
   SUTURE_INLINE void pass_on(int place, const tape<T>& notes) {
-    if (place >= notes.size || state[place] == 0) return;
+    if (state[place] == 0) return;
     pass_on(place, notes, 0);
     pass_on(place, notes, 1);
   }

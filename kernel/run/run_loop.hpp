@@ -29,6 +29,7 @@ class RunLoop {
   EventOutcome apply(const Event& event, Observer& observer);
   void change_motion(const std::function<void(Attributes&)>& change);
   void steer(const std::string& obstacle, const PoseTarget& target);
+  void move_grasp(const std::string& grasp, const Vec3& translation, double duration);
   ForceTerm& add_term(std::unique_ptr<ForceTerm> term);
   /// Loads the state of the checkpoint from `file`. Call before any step.
   void resume(const Checkpoint& checkpoint, const std::filesystem::path& file);

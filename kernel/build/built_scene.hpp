@@ -54,6 +54,9 @@ class BuiltScene {
   Index grasp(const Grasp& grasp, double time, const std::string& path);
   /// Call when an obstacle has another path: what it holds moves along.
   void redirect(std::size_t obstacle);
+  /// Moves what a grasp holds from where it is now by a translation (m), from `time` on for so long
+  /// (s). Throws InputError if nothing with this name holds any.
+  void move_grasp(const std::string& name, const Vec3& translation, double time, double duration);
   /// Frees the nodes of a grasp or a constraint with a name; returns their number. Throws
   /// InputError, with `path` in front, if nothing with this name holds any.
   Index release(const std::string& name, const std::string& path);

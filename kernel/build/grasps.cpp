@@ -99,6 +99,19 @@ void BuiltScene::redirect(std::size_t obstacle) {
                                body_.attributes());
 }
 
+void BuiltScene::move_grasp(const std::string& name, const Vec3& translation, double time,
+                            double duration) {
+  std::vector<Index> vertices;
+  for (const auto& held : body_.constraints().held_by(name)) vertices.push_back(held.vertex);
+  if (vertices.empty()) throw InputError("nothing named '" + name + "' holds a node");
+  PrescribedMotion motion;
+  motion.translation = translation;
+  motion.ramp.from = time;
+  motion.ramp.to = time + duration;
+  motion.reach = shortest_edge(vertices) / 10;
+  body_.constraints().redirect(name, motion, body_.attributes());
+}
+
 Index BuiltScene::release(const std::string& name, const std::string& path) {
   const std::vector<std::string> names = body_.constraints().names();
   if (std::ranges::find(names, name) == names.end())

@@ -69,6 +69,8 @@ class Constraints {
               Attributes& attributes, const std::string& name, const Carrier& carrier = {});
   /// What an obstacle carries moves by this from now on.
   void redirect(std::size_t obstacle, const PrescribedMotion& motion, Attributes& attributes);
+  /// What a grasp holds moves by this from now on, from where it is now.
+  void redirect(const std::string& grasp, const PrescribedMotion& motion, Attributes& attributes);
   /// Frees the vertices of this name, and returns them, ascending; empty if there are none.
   std::vector<Index> release(const std::string& name, Attributes& attributes);
   /// Those that it holds, ascending, and which of their components.

@@ -45,6 +45,17 @@ void Constraints::redirect(std::size_t obstacle, const PrescribedMotion& motion,
   regather(attributes, {});
 }
 
+void Constraints::redirect(const std::string& grasp, const PrescribedMotion& motion,
+                           Attributes& attributes) {
+  for (Group& group : groups_) {
+    if (!group.is_grasp || group.name != grasp) continue;
+    group.motion = motion;
+    read_rest(group, attributes.position());
+    find_path_length(group);
+  }
+  regather(attributes, {});
+}
+
 std::vector<Index> Constraints::release(const std::string& name, Attributes& attributes) {
   std::vector<Index> released;
   for (const Held& held : held_by(name)) released.push_back(held.vertex);

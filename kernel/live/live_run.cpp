@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/vec3.hpp"
 #include "kernel/live/json_text.hpp"
 
 namespace suture {
@@ -20,6 +21,12 @@ constexpr double shortest_interval = 1.0 / 60, longest_interval = 1.0 / 15, shar
 constexpr double slice = 0.004;
 /// A run that cannot keep up does not try to catch up on more than this, s.
 constexpr double most_behind = 0.1;
+const std::string hand_name = "live-hand";
+/// s: in so long the hand gets to where the mouse is.
+constexpr double hand_delay = 0.05;
+/// Edges per step: faster, it would tear a front of large strains through the body, and invert
+/// elements. Explicit steps are about as long as a wave takes to cross an edge.
+constexpr double hand_reach = 0.02;
 constexpr auto idle = std::chrono::milliseconds(20);
 
 }  // namespace
@@ -65,6 +72,7 @@ void LiveRun::build(std::uint64_t first_surface) {
   pictures_->choose(field_);
   server_.greet(pictures_->greeting());
   status_.is_playing = status_.has_ended = has_failed_ = is_shown_ = false;
+  hand_.reset();
 }
 
 void LiveRun::run(Observer& observer) {
@@ -106,6 +114,12 @@ void LiveRun::obey(const std::string& text, Observer& observer) {
       make_steps(1, observer);
     } else if (what == "apply") {
       apply(json_text(input.at("event")), observer);
+    } else if (what == "grab") {
+      grab(input.at("at").get<Vec3>(), observer);
+    } else if (what == "drag") {
+      drag(input.at("to").get<Vec3>(), observer);
+    } else if (what == "let_go") {
+      let_go(observer);
     } else {
       throw InputError("there is no input '" + what + "'");
     }
@@ -139,6 +153,38 @@ void LiveRun::play(bool plays) {
   played_from_ = simulation_->time();
   measured_ = {playing_since_};
   status_.steps_per_second = status_.real_time = 0;
+}
+
+// --------------------------------------------------------------------- hand --
+
+/// Holds the nodes around a place.
+void LiveRun::grab(const Vec3& at, Observer& observer) {
+  let_go(observer);
+  const Json sphere{{"centre", at}, {"radius", 1.2 * pictures_->edge_length()}};
+  apply(json_text(Json{{"grasp", {{"name", hand_name}, {"where", {{"sphere", sphere}}}}}}),
+        observer);
+  hand_ = {at, at, simulation_->time(), 1};
+}
+
+void LiveRun::drag(const Vec3& to, Observer& observer) {
+  if (!hand_) return;
+  const double now = simulation_->time();
+  const double part = std::min((now - hand_->start) / hand_->duration, 1.0);
+  const Vec3 place = plus(hand_->from, scaled(part, minus(hand_->to, hand_->from)));
+  const double speed = status_.real_time > 0 ? status_.real_time : status_.speed;
+  const Vec3 translation = minus(to, place);
+  const double shortest = norm(translation) / (hand_reach * pictures_->edge_length()) * dt_;
+  const double duration = std::max(hand_delay * std::clamp(speed, 0.01, 1.0), shortest);
+  apply(json_text(Json{
+            {"move", {{"grasp", hand_name}, {"translation", translation}, {"during", duration}}}}),
+        observer);
+  hand_ = {place, to, now, duration};
+}
+
+void LiveRun::let_go(Observer& observer) {
+  if (!hand_) return;
+  hand_.reset();
+  apply(json_text(Json{{"release", hand_name}}), observer);
 }
 
 // -------------------------------------------------------------------- steps --

@@ -22,7 +22,9 @@ void leave_out_results(Scene& scene);
 ///
 /// Inputs are JSON objects (docs/live.md): {"do": "play"}, "pause", "step", "reset";
 /// {"do": "speed", "value": 0.5}; {"do": "field", "name": "von_mises"};
-/// {"do": "apply", "event": {...}}.
+/// {"do": "apply", "event": {...}}; {"do": "grab", "at": [x, y, z]}, {"do": "drag", "to": [x, y,
+/// z]},
+/// {"do": "let_go"}: a hand that holds the nodes around a place, m in the scene.
 class LiveRun {
  public:
   /// Throws the errors of Simulation and of the recording, which is written to `recording` ("": a
@@ -46,6 +48,9 @@ class LiveRun {
   void make_due_steps(Observer& observer);
   void make_steps(std::uint64_t count, Observer& observer);
   void apply(const std::string& value, Observer& observer);
+  void grab(const Vec3& at, Observer& observer);
+  void drag(const Vec3& to, Observer& observer);
+  void let_go(Observer& observer);
   void fail(const std::string& why);
   void show();
   void measure(std::uint64_t steps, double simulated);
@@ -62,6 +67,12 @@ class LiveRun {
   std::string field_ = "displacement";
   LiveStatus status_;
   bool has_failed_ = false, is_shown_ = false;
+  /// What the mouse holds is on its way from one place to another.
+  struct Hand {
+    Vec3 from{}, to{};
+    double start = 0, duration = 1;  ///< s
+  };
+  std::optional<Hand> hand_;
   std::size_t reported_warnings_ = 0;
   /// Where and when playing began, which the speed counts from.
   double played_from_ = 0;

@@ -71,6 +71,17 @@ Json range_of(std::span<const float> values) {
   return low <= high ? Json{low, high} : Json{0, 0};
 }
 
+double mean_edge(ShownSurface& surface) {
+  surface.number();
+  std::vector<float> x;
+  surface.append_positions(x);
+  double sum = 0;
+  for (const auto& [a, b] : surface.edges())
+    sum +=
+        std::hypot(x[3 * a] - x[3 * b], x[3 * a + 1] - x[3 * b + 1], x[3 * a + 2] - x[3 * b + 2]);
+  return sum / static_cast<double>(std::max<std::size_t>(surface.edges().size(), 1));
+}
+
 }  // namespace
 
 Pictures::Pictures(Simulation& simulation, std::uint64_t first_number)
@@ -78,7 +89,8 @@ Pictures::Pictures(Simulation& simulation, std::uint64_t first_number)
       surface_(simulation.built()),
       fields_(shown_fields(simulation.built())),
       first_number_(first_number),
-      last_number_(first_number) {
+      last_number_(first_number),
+      edge_length_(mean_edge(surface_)) {
   choose("displacement");
 }
 

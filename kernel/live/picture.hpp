@@ -29,6 +29,8 @@ class Pictures {
   void choose(const std::string& field);
   /// O(boundary), and the cost of the field.
   LivePicture picture(const LiveStatus& status);
+  /// The mean length of the edges of the surface as it was first shown, m.
+  double edge_length() const { return edge_length_; }
   std::uint64_t last_number() const { return last_number_; }
 
  private:
@@ -41,6 +43,7 @@ class Pictures {
   std::size_t field_ = 0;
   std::uint64_t first_number_, last_number_;
   std::shared_ptr<const std::string> surface_text_;
+  double edge_length_;
 };
 
 }  // namespace suture

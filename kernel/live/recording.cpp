@@ -49,6 +49,8 @@ void read_header(const Lines& line, Recording& recording) {
 }
 
 void read_line(const Lines& line, Recording& recording) {
+  if (!line.at("step").is_number_unsigned())
+    throw InputError("its step is not a whole number from 0 on");
   const auto step = line.at("step").get<std::uint64_t>();
   if (line.contains("reset")) {
     recording.inputs.clear();
@@ -97,9 +99,15 @@ Recording read_recording(const std::filesystem::path& path) {
   return recording;
 }
 
-EventOutcome apply_input(const std::string& value, const Scene& scene, Simulation& simulation,
-                         Observer& observer, Diagnostics& diagnostics) {
-  return simulation.apply(read_event(value, "input", scene, diagnostics), observer);
+void apply_input(const std::string& value, const Scene& scene, Simulation& simulation,
+                 Observer& observer, Diagnostics& diagnostics) {
+  const Lines input = Lines::parse(value);
+  if (input.is_object() && input.contains("move")) {
+    const Lines& move = input["move"];
+    simulation.move_grasp(move.at("grasp"), move.at("translation").get<Vec3>(), move.at("during"));
+    return;
+  }
+  simulation.apply(read_event(value, "input", scene, diagnostics), observer);
 }
 
 bool repeat(const Recording& recording, const Scene& scene, Simulation& simulation,

@@ -17,7 +17,7 @@ namespace suture {
 struct RecordedInput {
   std::uint64_t step = 0;  ///< number of steps made before
   std::string device;      ///< what it came from: "page"
-  std::string value;       ///< JSON: an event without a time
+  std::string value;       ///< JSON: apply_input()
 };
 
 /// A run with all inputs, as a file of JSON lines (docs/live.md).
@@ -47,9 +47,10 @@ void compare_end(const Recording& recording, Simulation& simulation, Diagnostics
 /// The cells, positions and velocities: equal for equal bits. O(body).
 std::string state_hash(Simulation& simulation);
 
-/// Applies an input now. Throws the errors of Simulation::apply(); nothing has changed then.
-EventOutcome apply_input(const std::string& value, const Scene& scene, Simulation& simulation,
-                         Observer& observer, Diagnostics& diagnostics);
+/// Applies an input now: an event without a time, or {"move": {"grasp", "translation", "during"}}
+/// (Simulation::move_grasp). Throws the errors of Simulation; nothing has changed then.
+void apply_input(const std::string& value, const Scene& scene, Simulation& simulation,
+                 Observer& observer, Diagnostics& diagnostics);
 
 /// Writes a recording, each input at once. The file is created by the first input. Throws IoError.
 class RecordingWriter {

@@ -10,6 +10,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/heap.hpp"
 #include "kernel/base/message_text.hpp"
+#include "kernel/base/safe_range.hpp"
 #include "kernel/build/check_obstacles.hpp"
 #include "kernel/build/check_parts.hpp"
 #include "kernel/forces/contact_law.hpp"
@@ -208,6 +209,16 @@ void RunLoop::steer(const std::string& obstacle, const PoseTarget& target) {
   built_.redirect(steering.obstacle);
   sleeper_.wake_disturbed();
   control_.commit();
+}
+
+void RunLoop::move_grasp(const std::string& grasp, const Vec3& translation, double duration) {
+  if (!is_safe_point(translation) || !(duration > 0) || !std::isfinite(duration))
+    throw InputError("the motion of grasp '" + grasp +
+                     "' needs a finite translation and a duration > 0");
+  built_.move_grasp(grasp, translation, clock_.time(), duration);
+  sleeper_.wake_all();
+  control_.commit();
+  is_unbalanced_ = true;
 }
 
 ForceTerm& RunLoop::add_term(std::unique_ptr<ForceTerm> term) {

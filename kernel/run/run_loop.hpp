@@ -29,6 +29,7 @@ class RunLoop {
   EventOutcome apply(const Event& event, Observer& observer);
   void change_motion(const std::function<void(Attributes&)>& change);
   void steer(const std::string& obstacle, const PoseTarget& target);
+  void move_grasp(const std::string& grasp, const Vec3& translation, double duration);
   ForceTerm& add_term(std::unique_ptr<ForceTerm> term);
   void set_parameters(Instance& instance, std::vector<double> values);
   void set_gravity(const Vec3& value);

@@ -49,6 +49,10 @@ void Simulation::steer(const std::string& obstacle, const PoseTarget& target) {
   run_->steer(obstacle, target);
 }
 
+void Simulation::move_grasp(const std::string& grasp, const Vec3& translation, double duration) {
+  run_->move_grasp(grasp, translation, duration);
+}
+
 ForceTerm& Simulation::add_term(std::unique_ptr<ForceTerm> term) {
   return run_->add_term(std::move(term));
 }

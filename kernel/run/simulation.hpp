@@ -75,6 +75,10 @@ class Simulation {
   /// future, or if the motion is too fast for a fixed dt; nothing has changed then. O(boundary)
   /// while islands sleep or if a half-space turns, else O(1).
   void steer(const std::string& obstacle, const PoseTarget& target);
+  /// Moves what a grasp holds from where it is now by a translation (m), at a constant velocity for
+  /// so long (s), and holds it there. Throws InputError if there is no such grasp, or if a number
+  /// is not finite or the duration not positive; nothing has changed then.
+  void move_grasp(const std::string& grasp, const Vec3& translation, double duration);
   /// Adds a term, whose forces act from now on. Throws InputError if this run cannot take it.
   ForceTerm& add_term(std::unique_ptr<ForceTerm> term);
 

@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 #include <thread>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/vec3.hpp"
 #include "kernel/live/live_run.hpp"
 #include "kernel/output/output_folder.hpp"
 #include "kernel/scene/scene_reader.hpp"
@@ -150,6 +152,112 @@ TEST_F(Watched, GoesOnWithoutItsPage) {
   while (next.until("step")["step"] < later) continue;
 }
 
+/// The beam as a program runs it.
+struct ProgrammedRun {
+  void apply(const std::string& event) {
+    simulation.apply(read_event(event, "event", scene, diagnostics), nobody);
+  }
+  Index nearest(const Vec3& to) {
+    Index best = 0;
+    const auto off = [&](Index v) { return norm(minus(place(v), to)); };
+    for (Index v = 0; v < simulation.attributes().vertex_count(); ++v)
+      if (off(v) < off(best)) best = v;
+    return best;
+  }
+  Vec3 place(Index v) {
+    const Column& x = simulation.attributes().position();
+    return {x.get(v, 0), x.get(v, 1), x.get(v, 2)};
+  }
+
+  TemporaryFolder folder;
+  Diagnostics diagnostics;
+  Scene scene = [&] {
+    Scene read = read_scene(folder.write("beam.json", beam), {}, host(), diagnostics);
+    leave_out_results(read);
+    return read;
+  }();
+  Simulation simulation{scene, host(), diagnostics};
+  Observer nobody;
+};
+
+TEST(MovedGrasp, GoesToItsTargetAndStaysThere) {
+  ProgrammedRun run;
+  run.simulation.run_to(0.1, run.nobody);
+  run.apply(R"({"grasp":{"name":"hand","where":{"nearest":[0.5,0.25,0.125]}}})");
+  const Index held = run.nearest({0.5, 0.25, 0.125});
+  const Vec3 start = run.place(held);
+  run.simulation.move_grasp("hand", {0, 0.04, 0}, 0.1);
+  run.simulation.run_to(0.15, run.nobody);
+  // Half of the way, to within a step.
+  EXPECT_NEAR(run.place(held)[1], start[1] + 0.02, 0.4 * run.simulation.next_dt() + 1e-12);
+  const Vec3 half = run.place(held);
+  run.simulation.move_grasp("hand", {0.02, 0, 0}, 0.05);
+  run.simulation.run_to(0.4, run.nobody);
+  EXPECT_LT(norm(minus(run.place(held), plus(half, {0.02, 0, 0}))), 1e-15);
+  EXPECT_LT(std::abs(run.simulation.balance()), 0.01);
+  run.apply(R"({"release":"hand"})");
+  run.simulation.run_to(0.5, run.nobody);
+  EXPECT_GT(norm(minus(run.place(held), half)), 1e-3);
+}
+
+TEST(MovedGrasp, RefusesWhatCannotBe) {
+  ProgrammedRun run;
+  run.simulation.run_to(0.01, run.nobody);
+  run.apply(R"({"grasp":{"name":"hand","where":{"nearest":[0.5,0.25,0.125]}}})");
+  const std::string before = state_hash(run.simulation);
+  EXPECT_THROW(run.simulation.move_grasp("foot", {0, 0.1, 0}, 0.1), InputError);
+  EXPECT_THROW(run.simulation.move_grasp("hand", {0, NAN, 0}, 0.1), InputError);
+  EXPECT_THROW(run.simulation.move_grasp("hand", {0, 0.1, 0}, 0), InputError);
+  EXPECT_THROW(run.simulation.move_grasp("hand", {0, 0.1, 0}, INFINITY), InputError);
+  EXPECT_EQ(state_hash(run.simulation), before);
+}
+
+TEST(Recordings, NameTheLineAtFault) {
+  const TemporaryFolder folder;
+  const std::string header =
+      R"({"recording":1,"program":"p","isa":"base","file":"f","folder":"d","state":"0","scene":"{}"})"
+      "\n";
+  const auto message = [&](const std::string& text) -> std::string {
+    try {
+      read_recording(folder.write("r.jsonl", text));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message(header), "");
+  EXPECT_EQ(message(header + R"({"step":3,"device":"page","value":{}})"
+                             "\n"
+                             R"({"step":)"),
+            "");
+  EXPECT_THAT(message(""), HasSubstr("no complete line"));
+  EXPECT_THAT(message(R"({"recording":2})"
+                      "\n"),
+              HasSubstr("r.jsonl:1: it has version 2"));
+  EXPECT_THAT(message(header + "nonsense\n"), HasSubstr("r.jsonl:2: "));
+  EXPECT_THAT(message(header + R"({"step":-1,"device":"page","value":{}})"
+                               "\n"),
+              HasSubstr(":2: its step is not"));
+  EXPECT_THAT(message(header + R"({"step":5,"device":"page","value":{}})"
+                               "\n"
+                               R"({"step":4,"device":"page","value":{}})"
+                               "\n"),
+              HasSubstr(":3: its step is before"));
+  EXPECT_THAT(message(header + R"({"step":5,"end":true,"state":"1"})"
+                               "\n"
+                               R"({"step":6})"
+                               "\n"),
+              HasSubstr(":3: a line follows the end"));
+}
+
+TEST(Recordings, RefuseAnotherBody) {
+  ProgrammedRun run;
+  Recording recording;
+  recording.start = "0123456789abcdef";
+  EXPECT_THROW(repeat(recording, run.scene, run.simulation, run.nobody, run.diagnostics),
+               InputError);
+}
+
 /// Repeats a recording on some threads, with results or without; the hash of its end.
 std::string repeated_end(const std::filesystem::path& file, const std::string& threads,
                          bool has_output, std::vector<std::string>& warnings) {
@@ -182,17 +290,20 @@ TEST_F(Watched, RecordsWhatRepeatsBitForBit) {
   const Json surface = page.until("triangles");
   EXPECT_GT(surface["laid_open"], 0);
   state_after(300);
-  page.send(
-      R"({"do":"apply","event":{"grasp":{"name":"hand","where":{"nearest":[0.4,0.2,0.1]},"move":{"translation":[0,0.05,0]},"ramp":0.1}}})");
-  page.until("message");
-  state_after(600);
-  page.send(R"({"do":"apply","event":{"release":"hand"}})");
+  page.send(R"({"do":"grab","at":[0.4,0.25,0.1]})");
+  EXPECT_THAT(page.until("message")["message"], HasSubstr("grasped"));
+  state_after(400);
+  page.send(R"({"do":"drag","to":[0.4,0.3,0.1]})");
+  state_after(500);
+  page.send(R"({"do":"drag","to":[0.35,0.3,0.1]})");
+  state_after(700);
+  page.send(R"({"do":"let_go"})");
   page.until("message");
   state_after(900);
   stop();
 
   const Recording recorded = read_recording(recording());
-  ASSERT_EQ(recorded.inputs.size(), 3U);
+  ASSERT_EQ(recorded.inputs.size(), 5U);  // cut, grasp, two moves, release
   EXPECT_GE(recorded.last_step, 900U);
   for (const std::string threads : {"1", "2"})
     for (const bool has_output : {false, true}) {

@@ -118,9 +118,26 @@ const clip = () => picture.clip($('#clip').value, Number($('#clip-at').value));
 // In coordinates of the scene.
 const in_scene = (point) => point.toArray().map((x, axis) => x + live.greeting.origin[axis]);
 
-function cut(a, b) {
-  if (live.control) send({ do: 'apply', event: { cut: { plane: { polygon: picture.plane_through(a, b).map(in_scene) } } } });
-}
+// A mouse moves more often than a hand needs to know.
+const drag_interval = 30;  // ms
+let dragged = 0;
+
+const hands = {
+  cut(a, b) {
+    if (live.control) send({ do: 'apply', event: { cut: { plane: { polygon: picture.plane_through(a, b).map(in_scene) } } } });
+  },
+  grab(point) {
+    if (live.control) send({ do: 'grab', at: in_scene(point) });
+  },
+  drag(point) {
+    if (!live.control || performance.now() - dragged < drag_interval) return;
+    dragged = performance.now();
+    send({ do: 'drag', to: in_scene(point) });
+  },
+  let_go() {
+    if (live.control) send({ do: 'let_go' });
+  },
+};
 
 draw_legend();
 $('#play').onclick = toggle;
@@ -134,4 +151,4 @@ $('#clip-at').oninput = clip;
 document.addEventListener('keydown', (event) => {
   if (event.code === 'Space' && live.control && event.target === document.body) toggle();
 });
-follow_mouse(picture, () => document.querySelector('.tools input:checked').value, cut);
+follow_mouse(picture, () => document.querySelector('.tools input:checked').value, hands);

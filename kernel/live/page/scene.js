@@ -177,6 +177,22 @@ export class Picture {
     return part.unproject(this.camera).sub(this.camera.position).normalize();
   }
 
+  // The point of the body under a point of the canvas, or null.
+  point_at(x, y) {
+    if (!this.positions) return null;
+    this.body.geometry.computeBoundingSphere();
+    const ray = new THREE.Raycaster(this.camera.position.clone(), this.direction(x, y));
+    const hits = ray.intersectObject(this.body);
+    return hits.length ? hits[0].point : null;
+  }
+
+  // Where the mouse leads a point: in the plane through it that faces the camera.
+  led(point, x, y) {
+    const ahead = this.camera.getWorldDirection(new THREE.Vector3()), way = this.direction(x, y);
+    const depth = point.clone().sub(this.camera.position).dot(ahead) / way.dot(ahead);
+    return this.camera.position.clone().addScaledVector(way, depth);
+  }
+
   // Through the camera and two points of the canvas, as deep as the body.
   plane_through(a, b) {
     const away = this.camera.position.distanceTo(this.middle), reach = 2 * this.radius;

@@ -276,7 +276,8 @@ void bind_contact(Class& session) {
       .def("_steer", [](Session& s, const std::string& name, std::optional<Vec3> translation,
                         std::optional<Vec3> rotation, double at) {
         s.steer(name, {at, translation, rotation});
-      });
+      })
+      .def("_move_grasp", &Session::move_grasp);
 }
 
 Vec3 vector_of(const py::object& value, const char* what) {

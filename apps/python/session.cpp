@@ -260,6 +260,12 @@ void Session::steer(const std::string& obstacle, const PoseTarget& target) {
   now.steer(obstacle, target);
 }
 
+void Session::move_grasp(const std::string& name, const Vec3& translation, double at) {
+  Simulation& now = between_steps();
+  require_alive();
+  now.move_grasp(name, translation, at - now.time());
+}
+
 void Session::set_parameters(std::size_t model, const std::string& text) {
   Simulation& now = between_steps();
   require_alive();

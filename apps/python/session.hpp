@@ -74,6 +74,8 @@ class Session {
   void set_velocity(const py::array& values);
   /// Simulation::steer().
   void steer(const std::string& obstacle, const PoseTarget& target);
+  /// Simulation::move_grasp(), to be there at this time, s.
+  void move_grasp(const std::string& name, const Vec3& translation, double at);
   /// Simulation::set_parameters(), of a model by its number; `text` is JSON: {"E": 2e4}.
   void set_parameters(std::size_t model, const std::string& text);
   void set_gravity(const Vec3& value);

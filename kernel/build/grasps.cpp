@@ -103,7 +103,9 @@ void BuiltScene::move_grasp(const std::string& name, const Vec3& translation, do
                             double duration) {
   std::vector<Index> vertices;
   for (const auto& held : body_.constraints().held_by(name)) vertices.push_back(held.vertex);
-  if (vertices.empty()) throw InputError("nothing named '" + name + "' holds a node");
+  if (vertices.empty())
+    throw InputError("nothing named '" + name + "' holds a node" +
+                     did_you_mean(name, body_.constraints().names()));
   PrescribedMotion motion;
   motion.translation = translation;
   motion.ramp.from = time;

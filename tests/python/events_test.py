@@ -62,6 +62,17 @@ class Operations(unittest.TestCase):
         sim.step(3)
         np.testing.assert_allclose((sim.position - sim.rest)[held], [[0, 0, 0.01]] * held.sum(),
                                    atol=1e-12)
+        sim.move_grasp("clamp", [0.01, 0, 0], at=sim.time + 4 * sim.dt)
+        sim.step(2)
+        half = (sim.position - sim.rest)[held]
+        np.testing.assert_allclose(half, [[0.005, 0, 0.01]] * held.sum(), atol=1e-12)
+        sim.step(4)
+        np.testing.assert_allclose((sim.position - sim.rest)[held],
+                                   [[0.01, 0, 0.01]] * held.sum(), atol=1e-12)
+        with self.assertRaisesRegex(suture.InputError, "duration > 0"):
+            sim.move_grasp("clamp", [0.01, 0, 0], at=sim.time)
+        with self.assertRaisesRegex(suture.InputError, "did you mean 'clamp'"):
+            sim.move_grasp("clam", [0.01, 0, 0], at=1)
         with self.assertRaisesRegex(suture.InputError, "did you mean 'clamp'"):
             sim.release("clam")
         sim.release("clamp")

@@ -221,6 +221,12 @@ class Simulation(_suture.Simulation):
         self._operate("grasp", _without_none(name=name, where=where, move=move, ramp=ramp,
                                              obstacle=obstacle, reach=reach))
 
+    def move_grasp(self, name, translation, *, at):
+        """Move what a grasp holds from where it is now by a translation (m), at a constant velocity
+        until the time `at` (s), and hold it there."""
+        from ._tools import _vector
+        self._move_grasp(name, _vector(translation, "translation"), float(at))
+
     def release(self, name):
         """Let go of a grasp, or of a constraint with a name. The nodes keep their velocities."""
         self._operate("release", name)

@@ -94,6 +94,15 @@ int cite(const CiteCommand& command, Console& console) {
           console);
   for (const Reference& reference : references_of_solver(scene)) print(reference, console);
   for (const Reference& reference : references_of_contact(scene)) print(reference, console);
+  const auto is_resisted = [](const Event& event) {
+    const auto* blade = std::get_if<CutBlade>(&event.what);
+    return blade != nullptr && blade->resistance.has_value();
+  };
+  if (std::ranges::any_of(scene.events, is_resisted))
+    print({"force of a blade",
+           "M. Mahvash, V. Hayward: Haptic rendering of cutting: a fracture mechanics approach. "
+           "Haptics-e 2, 2001, 3"},
+          console);
   if (scene.mesh.filled || std::ranges::any_of(scene.events, &Event::is_along_blade))
     print(
         {"elements of which only a part is material",

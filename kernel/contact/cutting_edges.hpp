@@ -14,12 +14,14 @@
 // ==========================
 //
 //            tip of the slit
-//   lips         v        intact tissue          The tissue at the edge moves with the blade as
-//   long
-//   ===========. |                               as the force on a length of the edge is below the
-//               >o-->  F = R l                   toughness R (J/m^2 = N/m). Where more would be
-//   ===========' edge                            needed, the force is R and the edge advances
-//                                                through the tissue: it cuts.
+//   lips         v        intact tissue
+//   ===========. |
+//               >o-->  F = R l
+//   ===========' edge
+//
+// The tissue at the edge moves with the blade as long as the force on a length l of the edge is
+// below R l, R the toughness (J/m^2 = N/m). Where more would be needed, the force is R l and the
+// edge advances through the tissue: it cuts.
 //
 // The work that advancing takes is thus R per area, whatever the elements. Cutting is to the edge
 // what sliding friction is to a surface, with the limit R l instead of mu N, and is found as
@@ -34,7 +36,7 @@
 // leaves the tip of the slit and meets it again where it left it. The first advance may need more,
 // the stress at which the tissue breaks times the thickness of the edge.
 //
-// Source: B. Mahvash and V. Hayward, Haptic rendering of cutting: a fracture mechanics approach,
+// Source: M. Mahvash and V. Hayward, Haptic rendering of cutting: a fracture mechanics approach,
 // Haptics-e 2 (2001): the work of a blade is R dA plus what the tissue stores; deformation, rupture
 // and cutting follow each other.
 

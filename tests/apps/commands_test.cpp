@@ -434,5 +434,14 @@ TEST_F(Commands, ReplayRepeatsAJournal) {
   EXPECT_EQ(suture({"replay", "c.journal"}).code, 3);
 }
 
+TEST_F(Commands, CiteWhatASceneUses) {
+  const Outcome force = suture({"cite", SUTURE_SCENES "/cutting-force.json"});
+  EXPECT_EQ(force.code, 0) << force;
+  EXPECT_TRUE(force.says("force of a blade")) << force;
+  const Outcome arc = suture({"cite", SUTURE_SCENES "/arc-cut.json"});
+  EXPECT_FALSE(arc.says("force of a blade")) << arc;
+  EXPECT_TRUE(arc.says("elements of which only a part is material")) << arc;
+}
+
 }  // namespace
 }  // namespace suture::testing

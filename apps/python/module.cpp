@@ -273,10 +273,11 @@ void bind_contact(Class& session) {
       .def("_tool_names", [](Session& s) { return tool_names(s.simulation()); })
       .def("_tool_state",
            [](Session& s, std::size_t place) { return tool_state(s.between_steps(), place); })
-      .def("_steer", [](Session& s, const std::string& name, std::optional<Vec3> translation,
-                        std::optional<Vec3> rotation, double at) {
-        s.steer(name, {at, translation, rotation});
-      })
+      .def("_steer",
+           [](Session& s, const std::string& name, std::optional<Vec3> translation,
+              std::optional<Vec3> rotation, double at) {
+             s.steer(name, {at, translation, rotation});
+           })
       .def("_move_grasp", &Session::move_grasp);
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <span>
 
 #include "kernel/base/error.hpp"
@@ -13,6 +12,7 @@
 #include "kernel/parts/division.hpp"
 #include "kernel/parts/embedding.hpp"
 #include "kernel/parts/moments.hpp"
+#include "kernel/parts/part_materials.hpp"
 #include "kernel/parts/side_triangles.hpp"
 #include "kernel/topology/disjoint_sets.hpp"
 #include "suture/plugin.h"
@@ -64,7 +64,7 @@ class Cutter {
   Cutter(const CellComplex& complex, const Parts& parts, const double* rows, const Blade& blade,
          const std::string& path, std::size_t stride, std::span<const Tie> ties)
       : complex_(complex),
-        parts_(parts),
+        materials_(parts),
         rows_(rows),
         blade_(blade),
         path_(path),
@@ -135,50 +135,7 @@ class Cutter {
       }
       if (above && below) crossed_.push_back(e);
     }
-    list_triangles();
-  }
-
-  /// The triangles of the surface in crossed elements.
-  void list_triangles() {
-    if (parts_.triangles.empty()) return;
-    std::vector<std::uint8_t> is_crossed(complex_.element_count());
-    for (const Index e : crossed_) is_crossed[e] = 1;
-    for (Index t = 0; t < parts_.triangles.size(); ++t) {
-      const Index e = parts_.points[parts_.triangles[t][0]].element;
-      if (is_crossed[e] != 0) triangles_.push_back({e, t});
-    }
-    std::ranges::sort(triangles_);
-  }
-
-  /// `own`: holds it if the element is a part.
-  const Material& material_of(Index element, Material& own) const {
-    const std::size_t place = position_in(parts_.elements, element);
-    if (place == parts_.elements.size()) return Material::full_element();
-    own = material_of_part(element, place);
-    return own;
-  }
-  Material material_of_part(Index element, std::size_t place) const {
-    Material material;
-    std::map<Index, Index> number;
-    const auto add = [&](Index p) {
-      const auto [at, is_new] = number.emplace(p, static_cast<Index>(material.points.size()));
-      if (is_new) material.points.push_back(parts_.points[p].at);
-      return at->second;
-    };
-    for (Index t = parts_.first[place]; t < parts_.first[place + 1]; ++t) {
-      const auto& [a, b, c, d] = parts_.tetrahedra[t];
-      material.tetrahedra.push_back({add(a), add(b), add(c), add(d)});
-    }
-    const auto same = std::pair(element, Index{0});
-    for (auto at = std::ranges::lower_bound(triangles_, same);
-         at != triangles_.end() && at->first == element; ++at) {
-      const auto& [a, b, c] = parts_.triangles[at->second];
-      if (!number.contains(a) || !number.contains(b) || !number.contains(c)) continue;
-      material.triangles.push_back({number[a], number[b], number[c]});
-      material.is_cut.push_back(parts_.is_cut.empty() ? 0
-                                                      : std::uint8_t{parts_.is_cut[at->second]});
-    }
-    return material;
+    materials_.find_surface(crossed_, complex_.element_count());
   }
 
   double height_at(const Hexahedron& nodes, const Vec3& at) const {
@@ -192,7 +149,7 @@ class Cutter {
   void divide_element(Index element) {
     const Hexahedron& nodes = complex_.vertices_of(element);
     Material own;
-    const Material& material = material_of(element, own);
+    const Material& material = materials_.of(element, own);
     std::vector<double> heights;
     heights.reserve(material.points.size());
     for (const Vec3& at : material.points) heights.push_back(height_at(nodes, at));
@@ -239,13 +196,12 @@ class Cutter {
     Range& range = pieces_of_[element];
     if (range.first == none) {
       range.first = static_cast<Index>(pieces_.size());
-      const std::size_t place = position_in(parts_.elements, element);
+      Material own;
       pieces_.push_back({element,
                          side_[element],
                          {},
-                         place == parts_.elements.size()
-                             ? SideTriangles::of_full_element()
-                             : SideTriangles(material_of_part(element, place))});
+                         materials_.is_part(element) ? SideTriangles(materials_.of(element, own))
+                                                     : SideTriangles::of_full_element()});
       range.last = range.first + 1;
     }
     return range;
@@ -258,23 +214,25 @@ class Cutter {
         if (mate == none || (element_of(mate) < e && is_divided(element_of(mate)))) continue;
         find_touches_at(side, mate, false);
       }
-    for (const Tie& tie : ties_) {
-      if (!complex_.exists(3, element_of(tie.side)) || !complex_.exists(3, element_of(tie.mate)) ||
-          complex_.beta3(tie.side) != none)
-        continue;
-      if (is_divided(element_of(tie.side)) || is_divided(element_of(tie.mate)))
-        find_touches_at(tie.side, tie.mate, true);
-    }
+    for (const Tie& tie : ties_)
+      if (is_open(tie) && is_changed(tie)) find_touches_at(tie.side, tie.mate, true);
   }
 
-  /// Of ties between elements that stay as they are: if the blade has passed both on one side, and
+  /// Whether a tie has neither been sewn nor lost an element.
+  bool is_open(const Tie& tie) const {
+    return complex_.exists(3, element_of(tie.side)) && complex_.exists(3, element_of(tie.mate)) &&
+           complex_.beta3(tie.side) == none;
+  }
+  bool is_changed(const Tie& tie) const {
+    return is_divided(element_of(tie.side)) || is_divided(element_of(tie.mate));
+  }
+
+  /// Sews tied elements that stay as they are if the blade has passed both on one side, and has
   /// separated the one that was joined.
   void resolve_ties() {
     for (const Tie& tie : ties_) {
+      if (!is_open(tie) || is_changed(tie)) continue;
       const Index copy = element_of(tie.side), whole = element_of(tie.mate);
-      if (!complex_.exists(3, copy) || !complex_.exists(3, whole) || is_divided(copy) ||
-          is_divided(whole) || complex_.beta3(tie.side) != none)
-        continue;
       const Dart now = complex_.beta3(tie.mate);
       const bool is_free = now == none || is_cut(tie.mate) || is_cut(now);
       if (is_free && side_[copy] * side_[whole] > 0)
@@ -415,7 +373,7 @@ class Cutter {
            !is_divided(element_of(mate));
   }
 
-  /// Of a copy, its origin.
+  /// Returns the origin of a copy, and other elements as they are.
   Index element_before(Index element) const {
     return element < complex_.element_count()
                ? element
@@ -477,7 +435,7 @@ class Cutter {
   }
 
   const CellComplex& complex_;
-  const Parts& parts_;
+  PartMaterials materials_;
   const double* rows_;
   const Blade& blade_;
   const std::string& path_;
@@ -487,8 +445,7 @@ class Cutter {
   double tolerance_ = 0;         ///< m
   std::vector<std::int8_t> side_;
   std::vector<Index> crossed_, divided_;
-  std::vector<std::pair<Index, Index>> triangles_;  ///< element, triangle
-  std::vector<Range> pieces_of_;                    ///< by element
+  std::vector<Range> pieces_of_;  ///< by element
   std::vector<Piece> pieces_;
   std::vector<Touch> touches_;
   std::vector<Index> copy_of_;  ///< by piece: the copy, or the element that is left whole

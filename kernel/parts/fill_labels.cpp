@@ -69,7 +69,7 @@ class ContentSum {
       if (volume > 0) volumes_[key_of(element, region)] += volume;
     });
   }
-  /// Of a run, with its corners and the box around it, and a cube.
+  /// Returns the volume that a run has in common with a cube. `corners`, `box`: of the run.
   double common_volume(const std::array<Vec3, 8>& corners, const Box& box, const Box& cube,
                        const Run& run) const {
     double common = 1;

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/parts/part_materials.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace suture {
+
+void PartMaterials::find_surface(std::span<const Index> elements, Index element_count) {
+  if (parts_.triangles.empty()) return;
+  std::vector<std::uint8_t> is_wanted(element_count);
+  for (const Index e : elements) is_wanted[e] = 1;
+  for (Index t = 0; t < parts_.triangles.size(); ++t) {
+    const Index e = parts_.points[parts_.triangles[t][0]].element;
+    if (is_wanted[e] != 0) triangles_.push_back({e, t});
+  }
+  std::ranges::sort(triangles_);
+}
+
+const Material& PartMaterials::of(Index element, Material& own) const {
+  const std::size_t place = position_in(parts_.elements, element);
+  if (place == parts_.elements.size()) return Material::full_element();
+  own = {};
+  std::map<Index, Index> number;
+  const auto add = [&](Index p) {
+    const auto [at, is_new] = number.emplace(p, static_cast<Index>(own.points.size()));
+    if (is_new) own.points.push_back(parts_.points[p].at);
+    return at->second;
+  };
+  for (Index t = parts_.first[place]; t < parts_.first[place + 1]; ++t) {
+    const auto& [a, b, c, d] = parts_.tetrahedra[t];
+    own.tetrahedra.push_back({add(a), add(b), add(c), add(d)});
+  }
+  const auto same = std::pair(element, Index{0});
+  for (auto at = std::ranges::lower_bound(triangles_, same);
+       at != triangles_.end() && at->first == element; ++at) {
+    const auto& [a, b, c] = parts_.triangles[at->second];
+    if (!number.contains(a) || !number.contains(b) || !number.contains(c)) continue;
+    own.triangles.push_back({number[a], number[b], number[c]});
+    own.is_cut.push_back(parts_.is_cut.empty() ? 0 : std::uint8_t{parts_.is_cut[at->second]});
+  }
+  return own;
+}
+
+}  // namespace suture

@@ -2,14 +2,11 @@
 #include "apps/suture/command_line.hpp"
 
 #include <CLI/CLI.hpp>
-#include <charconv>
-#include <cmath>
 
 #include "apps/suture/command_text.hpp"
+#include "apps/suture/option_values.hpp"
 #include "kernel/base/error.hpp"
-#include "kernel/base/escape.hpp"
 #include "kernel/base/isa.hpp"
-#include "kernel/base/nearest.hpp"
 #include "suture/plugin.h"
 
 namespace suture {
@@ -21,46 +18,11 @@ std::string version_text() {
          std::to_string(SUTURE_ABI_MINOR) + ", instruction set " + (isa.empty() ? "base" : isa);
 }
 
-/// A whole number from `least` to `most`; `meaning` explains the smallest one in the message.
-/// Throws CLI::ConversionError.
-unsigned whole_number(const std::string& option, const std::string& text, unsigned least,
-                      unsigned most, const std::string& meaning = "") {
-  unsigned n = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, n);
-  if (error != std::errc() || stop != end || n < least || n > most)
-    throw CLI::ConversionError(option + " must be a whole number from " + std::to_string(least) +
-                               meaning + " to " + std::to_string(most) + ", is " + quote(text));
-  return n;
-}
-
 /// Checks the text of an option; an infinite number and NaN are refused, too.
 CLI::Validator number(bool positive) {
-  return {[positive](const std::string& text) -> std::string {
-            double x = 0;
-            const char* const end = text.data() + text.size();
-            const auto [stop, error] = std::from_chars(text.data(), end, x);
-            const bool is_number = error == std::errc() && stop == end && std::isfinite(x);
-            if (is_number && (positive ? x > 0 : x >= 0)) return "";
-            return std::string("must be a number ") + (positive ? "> 0" : ">= 0") + ", is " +
-                   quote(text);
-          },
-          ""};
+  return {[positive](const std::string& text) { return why_no_number(text, positive); }, ""};
 }
 const CLI::Validator positive_number = number(true), number_from_0 = number(false);
-
-std::string thread_count(const std::string& text) {
-  return std::to_string(whole_number("--threads", text, 0, 1024, " (as many as pay)"));
-}
-
-/// Throws CLI::ConversionError.
-bool is_equilibrium(const std::string& text) {
-  const std::vector<std::string> states{"rest", "equilibrium"};
-  if (text != states[0] && text != states[1])
-    throw CLI::ConversionError("--at must be rest or equilibrium, is " + quote(text) +
-                               did_you_mean(text, states));
-  return text == states[1];
-}
 
 CLI::Option* add_scene(CLI::App& app, std::filesystem::path& scene,
                        std::vector<std::string>& sets) {
@@ -345,7 +307,10 @@ struct Parser {
     sub.add_option_function<std::vector<std::string>>(
            "--set",
            [this](const auto& all) {
-             for (const auto& one : all) set_parameter(one);
+             for (const auto& one : all) {
+               auto [name, value] = named_value(one);
+               check_model.sets[name] = std::move(value);
+             }
            },
            "value of a parameter in all checks; may be repeated")
         ->allow_extra_args(false)
@@ -363,14 +328,6 @@ struct Parser {
       line.command = check_model;
     });
   }
-  /// Throws CLI::ConversionError.
-  void set_parameter(const std::string& text) {
-    const std::size_t equals = text.find('=');
-    if (equals == 0 || equals == text.npos)
-      throw CLI::ConversionError("--set must be NAME=VALUE, is " + quote(text));
-    check_model.sets[text.substr(0, equals)] = text.substr(equals + 1);
-  }
-
   void add_texts() {
     auto* completion = app.add_subcommand("completion", "print the completion of bash or zsh");
     completion->require_subcommand(1);
@@ -452,23 +409,15 @@ struct Parser {
     sub.add_option_function<std::vector<std::string>>(
            "--label",
            [this](const auto& texts) {
-             for (const std::string& text : texts) add_label(text);
+             for (const std::string& text : texts) {
+               auto [label, name] = named_label(text);
+               fill.labels[label] = std::move(name);
+             }
            },
            "a region of an image, such as 1=liver; may be repeated (default: all labels but 0)")
         ->type_name("N=NAME")
         ->take_all();
     sub.callback([this] { line.command = fill; });
-  }
-
-  /// Throws CLI::ConversionError.
-  void add_label(const std::string& text) {
-    const std::size_t equals = text.find('=');
-    std::int64_t label = 0;
-    const char* const end = text.data() + std::min(equals, text.size());
-    const auto [stop, error] = std::from_chars(text.data(), end, label);
-    if (equals == text.npos || error != std::errc{} || stop != end || equals + 1 == text.size())
-      throw CLI::ConversionError("--label must be N=NAME with a whole number, is " + quote(text));
-    fill.labels[label] = text.substr(equals + 1);
   }
 
   void add_voxelize(CLI::App& sub) {
@@ -506,6 +455,8 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     return {.command = TextCommand{innermost(parser.app).help()}};
   } catch (const CLI::CallForVersion& version) {
     return {.command = TextCommand{std::string(version.what()) + "\n"}};
+  } catch (const BadValue& error) {
+    throw UsageError(full_name(innermost(parser.app)) + ": " + error.what());
   } catch (const CLI::ConversionError& error) {
     throw UsageError(full_name(innermost(parser.app)) + ": " + error.what());
   } catch (const CLI::ParseError& error) {

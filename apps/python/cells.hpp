@@ -20,8 +20,8 @@ py::array element_ids(const BuiltScene& built);
 py::array exists(const BuiltScene& built, int dimension);
 /// (k, 8) int64: vertices of the existing elements, in VTK's order.
 py::array hexahedra(const BuiltScene& built);
-/// Of the boundary faces: vertices (k, 4) int64, counterclockwise as seen from outside, and
-/// elements (k,) int64.
+/// Returns the vertices of the boundary faces, (k, 4) int64, counterclockwise as seen from outside,
+/// and their elements, (k,) int64.
 py::tuple boundary(const BuiltScene& built);
 /// The named sets of the mesh as they are now: {name: existing vertices} and {name: existing
 /// elements}, int64 and ascending. What was copied belongs to the sets of its origin.

@@ -44,7 +44,7 @@ class Panel(NamedTuple):
     has_legend: bool = True
     has_marks: bool = False
     is_log: bool = False
-    """Of x."""
+    """True if the axis of x is logarithmic."""
     ticks: list = None
     """Names of x = 0, 1, 2, ..."""
 

@@ -195,10 +195,29 @@ def plot(what, file=None, only=()):
     if studies and len(what) > 1:
         raise ValueError(f"{studies[0]}: is a study; draw one study at a time")
     folders = studies or [folder_of(name) for name in what]
-    file = Path(file) if file else Path(folders[0] if len(what) == 1 else "") / "plot.png"
+    file = picture_at(file or Path(folders[0] if len(what) == 1 else "") / "plot.png")
+    save(draw_study(folders[0], only) if studies else draw_runs(folders, only), file)
+
+
+def picture_at(name):
+    """Returns the path of a picture; raises ValueError for a format that is not drawn."""
+    file = Path(name)
     if file.suffix not in PICTURES:
         raise ValueError(f"{file}: the name of a picture must end in .png, .pdf or .svg")
-    save(draw_study(folders[0], only) if studies else draw_runs(folders, only), file)
+    return file
+
+
+def exit_code_of(drawing):
+    """Calls drawing(), and reports its error like the program does."""
+    try:
+        drawing()
+        return 0
+    except ImportError as error:
+        print(f"suture: error: {error}; pictures need python3-matplotlib and python3-vtk9",
+              file=sys.stderr)
+        return 6
+    except Exception as error:
+        return report_error(error)
 
 
 def main():
@@ -207,15 +226,7 @@ def main():
     parser.add_argument("--output")
     parser.add_argument("--only", nargs="+", default=[])
     options = parser.parse_args()
-    try:
-        plot(options.what, options.output, options.only)
-        return 0
-    except ImportError as error:
-        print(f"suture: error: {error}; pictures need python3-matplotlib and python3-vtk9",
-              file=sys.stderr)
-        return 6
-    except Exception as error:
-        return report_error(error)
+    return exit_code_of(lambda: plot(options.what, options.output, options.only))
 
 
 if __name__ == "__main__":

@@ -13,9 +13,8 @@ from pathlib import Path
 
 import numpy
 
-from ._errors import report_error
 from ._frames import read_boundary
-from ._plot import PICTURES, save
+from ._plot import exit_code_of, picture_at, save
 
 GREY = (0.86, 0.86, 0.86)
 VIEWS = ((22, -58), (-22, 122))  # elevation and azimuth, degrees; y is up: all six sides
@@ -145,17 +144,12 @@ def draw(title, points, corners, fields):
 
 def main():
     frame, title, picture = sys.argv[1:4]
-    try:
-        if Path(picture).suffix not in PICTURES:
-            raise ValueError(f"{picture}: the name of a picture must end in .png, .pdf or .svg")
-        save(draw(Path(title).name, *read_boundary(frame)), picture)
-        return 0
-    except ImportError as error:
-        print(f"suture: error: {error}; pictures need python3-matplotlib and python3-vtk9",
-              file=sys.stderr)
-        return 6
-    except Exception as error:
-        return report_error(error)
+
+    def drawing():
+        file = picture_at(picture)
+        save(draw(Path(title).name, *read_boundary(frame)), file)
+
+    return exit_code_of(drawing)
 
 
 if __name__ == "__main__":

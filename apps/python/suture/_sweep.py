@@ -283,8 +283,8 @@ def _write_tables(results):
 
 
 def _similar(texts):
-    """Of texts that differ in numbers only, the first: "text (run 3, and 16 more)". `texts` are
-    (run, text)."""
+    """Keep the first of the texts that differ in numbers only: "text (run 3, and 16 more)".
+    `texts` are (run, text)."""
     found = {}
     for run, text in texts:
         found.setdefault(re.sub(r"\d[\d.e+-]*", "#", text), {}).setdefault(run, text)

@@ -119,7 +119,7 @@ Scene scene_of(const Checkpoint& checkpoint, const RunCommand& command, PluginHo
                            command.sets, host, console.diagnostics());
 }
 
-/// Of the scene file, or of what the command repeats or resumes.
+/// Reads the scene file, or the scene that the command repeats or resumes.
 Scene scene_of(const RunCommand& command, const std::optional<Recording>& recording,
                PluginHost& host, Console& console) {
   if (!recording) return read_scene(command.scene, command.sets, host, console.diagnostics());

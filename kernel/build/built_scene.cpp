@@ -289,7 +289,7 @@ void BuiltScene::add_contact(Diagnostics& diagnostics) {
   check_pieces(*this, contact, diagnostics);
 }
 
-/// Of blades that the tissue resists.
+/// Adds the edges of the blades that the tissue resists.
 void BuiltScene::add_edges(Contact& contact) {
   for (const Event& event : scene_.events) {
     const auto* blade = std::get_if<CutBlade>(&event.what);
@@ -301,7 +301,7 @@ void BuiltScene::add_edges(Contact& contact) {
   }
 }
 
-/// Of a table, by element.
+/// Returns the values of a table by element.
 std::vector<double> BuiltScene::element_values(const CellValues& table) const {
   constexpr double missing = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> values(body_.complex().element_count(),

@@ -120,7 +120,7 @@ class Resolved {
     if (materials == nullptr) return selector_.elements(region);
     return selector_.listed_elements(region);
   }
-  /// Of a set in the mixtures of elements; else null.
+  /// Returns the materials of a set that occurs in mixtures of elements; else null.
   const std::vector<Index>* materials_of(const Selection& region) const {
     const auto* named = std::get_if<Selection::Named>(&region.what);
     if (named == nullptr) return nullptr;

@@ -101,7 +101,7 @@ void Contact::book_points(const ContactStep& step) {
   }
 }
 
-/// Of its vertices, which are all in near_, m/s.
+/// Interpolates from its vertices, which are all in near_, m/s.
 Vec3 Contact::mean_velocity(const ContactPoint& point, const ContactStep& step) const {
   Vec3 mean{};
   for (std::size_t j = 0; j < point.vertices.size(); ++j) {

@@ -30,7 +30,7 @@ Vec3 unit(const Vec3& a) {
   return length > 0 ? scaled(1 / length, a) : Vec3{};
 }
 
-/// Of nodes at rows of 4.
+/// The mean place of nodes; rows have 4 numbers.
 template <class Nodes>
 Vec3 middle(const Nodes& nodes, const double* rows) {
   Vec3 sum{};

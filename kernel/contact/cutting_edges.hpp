@@ -91,7 +91,7 @@ class CuttingEdges {
   };
   std::span<const Grip> grips() const { return grips_; }
   std::size_t obstacle(const Grip& grip) const { return samples_[grip.sample].obstacle; }
-  /// Of the edge in the step, m/s.
+  /// Returns the velocity of the edge in the step, m/s.
   Vec3 velocity(const Grip& grip) const { return samples_[grip.sample].velocity; }
 
   void forget_places() { finder_.forget(); }
@@ -105,7 +105,7 @@ class CuttingEdges {
     std::size_t edge, obstacle;
     Vec3 given, given_tangent;
     double length;  ///< of the edge, m
-    // Of the step in progress.
+    // Known only during a step.
     Vec3 start{}, end{}, tangent{}, velocity{};
   };
   struct Weight {
@@ -140,7 +140,7 @@ class CuttingEdges {
   std::vector<double> withdrawn_;        ///< from the tip of the slit, m
   std::vector<std::uint8_t> has_begun_;  ///< to cut this tissue
   std::vector<Entered> entered_;         ///< ascending
-  // Of the step in progress.
+  // Known only during a step.
   std::vector<Vec3> at_;            ///< in the elements of the sample in progress
   std::vector<std::size_t> first_;  ///< of each grip, in the next two
   std::vector<Index> vertices_;

@@ -30,7 +30,7 @@ std::string text(const Vec3& p) {
 
 }  // namespace
 
-/// Of a triangle.
+/// One side of a triangle.
 struct OrientedSurface::Side {
   std::uint64_t edge;
   Index triangle, number;

@@ -19,7 +19,7 @@ const VoxelTypes meta_types{
     {"met_long_long", VoxelType::int64}, {"met_ulong_long", VoxelType::uint64},
     {"met_float", VoxelType::float32},   {"met_double", VoxelType::float64}};
 
-/// Of an image of three axes or more, the steps and the place of the first voxel.
+/// Sets the steps and the place of the first voxel; images have three axes or more.
 void place(const TextHeader& text, std::size_t axes, ImageHeader& image) {
   const auto spacing = text.numbers({"ElementSpacing", "ElementSize"});
   if (!spacing) fail_without_spacing(text.head(), "ElementSpacing");

@@ -83,7 +83,7 @@ void place(const TextHeader& text, ImageHeader& image) {
   for (std::size_t r = 0; origin && r < 3; ++r) image.origin[r] = (*origin)[r];
 }
 
-/// Of the first unit that is stated; millimetres if none is.
+/// Returns the length of the first unit that is stated, m; that of a millimetre if none is.
 double unit_of(const TextHeader& text) {
   const std::string units = text.find({"space units", "units"}).value_or("");
   if (units.find("\"m\"") != units.npos) return 1;

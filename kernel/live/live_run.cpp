@@ -91,7 +91,7 @@ void LiveRun::run(Observer& observer) {
 
 // ------------------------------------------------------------------- inputs --
 
-/// An input that is refused changes nothing; the page is told why.
+/// Applies an input of the page. A refused input changes nothing, and the page shows the reason.
 void LiveRun::obey(const std::string& text, Observer& observer) {
   is_shown_ = false;
   try {

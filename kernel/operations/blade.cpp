@@ -74,7 +74,8 @@ SurfacePatch::SurfacePatch(TriangleSurface surface, double longest_edge)
     : surface_(with_shared_points(std::move(surface))), longest_edge_(longest_edge) {
   if (!surface_.fault().empty())
     throw InputError(this->surface().source + ": " + surface_.fault() +
-                     ", so the blade has no two sides; orient its triangles alike, or cut along "
+                     ", so the blade has no two sides; give all of its triangles the same "
+                     "orientation, or cut along "
                      "\"faces\"");
 }
 

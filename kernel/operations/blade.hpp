@@ -59,7 +59,7 @@ class SurfacePatch final : public Blade {
   double longest_edge_;
 };
 
-/// Of existing elements, whose vertices are at rows[stride v], m.
+/// Returns the longest edge of existing elements, whose vertices are at rows[stride v], m.
 double longest_edge(const CellComplex& complex, const double* rows, std::size_t stride);
 
 }  // namespace suture

@@ -12,7 +12,7 @@
 namespace suture {
 namespace {
 
-// Of an element: between points of the edge, and between rows of the sheet.
+// The distances between points of the edge, and between rows of the sheet; in elements.
 constexpr double between_points = 0.5, between_rows = 0.25;
 // How much of the sheet is kept behind the edge, and how far the edge goes on outside the tissue
 // before its sheet ends; in elements.

@@ -45,7 +45,7 @@ class SweptSheet final : public Blade {
   /// At the front, between cuts along this.
   std::vector<Tie>& ties() { return ties_; }
 
-  /// Of vertices at rest.
+  /// The sheet lies in the tissue at rest: `rest` are the places there.
   std::vector<double> heights(const CellComplex& complex, const double* rest,
                               std::size_t stride) const override;
   bool is_endless() const override { return false; }

@@ -45,7 +45,7 @@ struct MeshSource {
   std::optional<FilledBody> filled;    ///< or
   std::shared_ptr<const Mesh> given;   ///< by the program that runs the scene, or
   std::filesystem::path file;          ///< absolute
-  /// Of the coordinates in a file; without it, 1, or what an image states.
+  /// Factor of the coordinates in a file; without it, 1, or what an image states.
   std::optional<double> scale;
   bool drop_bad_elements = false;
   ImportOptions import;

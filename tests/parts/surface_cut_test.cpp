@@ -45,7 +45,7 @@ void expect_sound(CutBox& box, double volume) {
   ASSERT_NEAR(box.volume(), volume, volume * 1e-12);
 }
 
-/// Of the pieces, ascending.
+/// The volumes of the pieces, ascending.
 std::vector<double> volumes(const CutBox& box) {
   std::map<Index, double> sums;
   for (Index e = 0; e < box.complex.element_count(); ++e)

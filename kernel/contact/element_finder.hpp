@@ -12,13 +12,13 @@ namespace suture {
 /// Finds the elements of the deformed body that contain a place.
 class ElementFinder {
  public:
-  /// `margin`: how far beyond the places that are asked for elements are kept, m; about two edges.
   ElementFinder(const CellComplex& complex, Attributes& attributes)
       : complex_(complex), attributes_(attributes) {}
 
   /// Call before places in `box` are asked for, after each step of length dt: keeps the elements
-  /// near the box. 1 ns per vertex, which bounds how far the tissue has moved; 10 ns per element
-  /// whenever box and tissue may have moved by `margin` (m) since elements were last collected.
+  /// near the box, up to `margin` (m; about two edges) beyond it. 1 ns per vertex, which bounds how
+  /// far the tissue has moved; 10 ns per element whenever box and tissue may have moved by the
+  /// margin since elements were last collected.
   void update(const Box& box, double dt, double margin);
   /// Positions have jumped.
   void forget() { is_current_ = false; }

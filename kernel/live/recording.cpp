@@ -107,6 +107,13 @@ void apply_input(const std::string& value, const Scene& scene, Simulation& simul
     simulation.move_grasp(move.at("grasp"), move.at("translation").get<Vec3>(), move.at("during"));
     return;
   }
+  if (input.is_object() && input.contains("steer")) {
+    const Lines& steer = input["steer"];
+    const double at = simulation.time() + steer.at("during").get<double>();
+    simulation.steer(steer.at("obstacle"),
+                     {at, steer.at("translation").get<Vec3>(), steer.at("rotation").get<Vec3>()});
+    return;
+  }
   simulation.apply(read_event(value, "input", scene, diagnostics), observer);
 }
 

@@ -16,7 +16,7 @@ namespace suture {
 /// What was done to a run, and between which steps.
 struct RecordedInput {
   std::uint64_t step = 0;  ///< number of steps made before
-  std::string device;      ///< what it came from: "page"
+  std::string device;      ///< what it came from: "page", or the name of a device
   std::string value;       ///< JSON: apply_input()
 };
 
@@ -47,8 +47,9 @@ void compare_end(const Recording& recording, Simulation& simulation, Diagnostics
 /// The cells, positions and velocities: equal for equal bits. O(body).
 std::string state_hash(Simulation& simulation);
 
-/// Applies an input now: an event without a time, or {"move": {"grasp", "translation", "during"}}
-/// (Simulation::move_grasp). Throws the errors of Simulation; nothing has changed then.
+/// Applies an input now: an event without a time, {"move": {"grasp", "translation", "during"}}
+/// (Simulation::move_grasp), or {"steer": {"obstacle", "translation", "rotation", "during"}}
+/// (Simulation::steer). Throws the errors of Simulation; nothing has changed then.
 void apply_input(const std::string& value, const Scene& scene, Simulation& simulation,
                  Observer& observer, Diagnostics& diagnostics);
 

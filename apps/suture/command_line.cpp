@@ -195,6 +195,16 @@ struct Parser {
     sub.add_option("-o,--output", live.recording,
                    "recording to write; default: SCENE-recording.jsonl, with the first input")
         ->type_name("FILE");
+    CLI::Option* device =
+        sub.add_option("--device", live.device,
+                       "a thing in a hand, with what it takes: spacemouse, poses:PATH, FILE.so "
+                       "(docs/live.md)")
+            ->type_name("NAME[:ARGUMENT]");
+    sub.add_option("--hold", live.hold,
+                   "obstacle that the device moves; default: the first compliant one, or else what "
+                   "its button 0 grasps")
+        ->needs(device)
+        ->type_name("OBSTACLE");
     sub.callback([this] { line.command = live; });
   }
   void add_sweep(CLI::App& sub) {

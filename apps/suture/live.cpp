@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <optional>
 
 #include "apps/suture/commands.hpp"
 #include "apps/suture/signals.hpp"
@@ -45,7 +46,10 @@ int live(const LiveCommand& command, Console& console) {
   PluginHost host(&console.diagnostics());
   const Scene scene = open_scene(command, host, console.diagnostics());
   const auto server = open_live_server(static_cast<std::uint16_t>(command.port));
+  std::optional<Device> device;
+  if (!command.device.empty()) device.emplace(command.device);
   LiveRun run(scene, host, console.diagnostics(), *server, command.recording);
+  if (device) run.follow(*device, command.hold);
   has_started();
   console.print("open in a browser on this machine: " + server->address());
   std::fflush(stdout);

@@ -17,9 +17,6 @@ namespace {
 
 /// s: in so long the hand gets to where the mouse is.
 constexpr double hand_delay = 0.05;
-/// Edges per step: faster, it would tear a front of large strains through the body, and invert
-/// elements. Explicit steps are about as long as a wave takes to cross an edge.
-constexpr double hand_reach = 0.02;
 
 }  // namespace
 
@@ -94,12 +91,13 @@ void LiveRun::play(bool plays) {
   played_from_ = simulation_->time();
   measured_ = {playing_since_};
   status_.steps_per_second = status_.real_time = 0;
+  engage_device();
 }
 
-void LiveRun::apply(const std::string& value, Observer& observer) {
+void LiveRun::apply(const std::string& value, Observer& observer, const std::string& device) {
   const std::uint64_t step = simulation_->step();
   apply_input(value, scene_, *simulation_, observer, diagnostics_);
-  recording_->input(step, "page", value);
+  recording_->input(step, device, value);
   status_.has_ended = false;
 }
 

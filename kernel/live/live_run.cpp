@@ -18,7 +18,7 @@ using Seconds = std::chrono::duration<double>;
 /// be less than 15 of them in a second.
 constexpr double shortest_interval = 1.0 / 60, longest_interval = 1.0 / 15, share = 0.05;
 /// Steps are made for so long before inputs are looked at again.
-constexpr double slice = 0.004;
+constexpr double slice = 0.004, slice_with_device = 0.001;
 /// A run that cannot keep up does not try to catch up on more than this, s.
 constexpr double most_behind = 0.1;
 constexpr auto idle = std::chrono::milliseconds(20);
@@ -74,6 +74,7 @@ void LiveRun::build(std::uint64_t first_surface, const StateTree* state) {
   server_.greet(pictures_->greeting());
   status_.is_playing = status_.has_ended = has_failed_ = is_shown_ = false;
   hand_.reset();
+  if (device_) follow(*device_, device_obstacle_);
 }
 
 void LiveRun::run(Observer& observer) {
@@ -98,16 +99,19 @@ void LiveRun::make_due_steps(Observer& observer) {
   if (status_.speed > 0) {
     const double behind = Seconds(Wall::now() - playing_since_).count() * status_.speed -
                           (simulation_->time() - played_from_);
-    if (behind <= 0) return server_.wait(std::chrono::milliseconds(2));
+    if (behind <= 0) return server_.wait(std::chrono::milliseconds(device_ ? 1 : 2));
     if (behind > most_behind * status_.speed) {
       playing_since_ = Wall::now();
       played_from_ = simulation_->time() - most_behind * status_.speed;
     }
     due = dt_ > 0 ? behind / dt_ : 1;
   }
-  const double fits = seconds_per_step_ > 0 ? slice / seconds_per_step_ : 1;
-  make_steps(static_cast<std::uint64_t>(std::clamp(std::ceil(std::min(due, fits)), 1.0, 1e4)),
-             observer);
+  const double time = device_ ? slice_with_device : slice;
+  const double fits = seconds_per_step_ > 0 ? time / seconds_per_step_ : 1;
+  const double count = std::clamp(std::ceil(std::min(due, fits)), 1.0, 1e4);
+  move_device_hand(count, observer);
+  make_steps(static_cast<std::uint64_t>(count), observer);
+  feel();
 }
 
 void LiveRun::make_steps(std::uint64_t count, Observer& observer) {
@@ -147,6 +151,7 @@ void LiveRun::measure(std::uint64_t steps, double simulated) {
   if (spent < 0.5) return;
   status_.steps_per_second = static_cast<double>(measured_.steps) / spent;
   status_.real_time = measured_.simulated / spent;
+  status_.device.exchanges_per_second = static_cast<double>(measured_.exchanges) / spent;
   measured_ = {Wall::now()};
 }
 
@@ -154,6 +159,7 @@ void LiveRun::measure(std::uint64_t steps, double simulated) {
 
 void LiveRun::show() {
   const auto now = Wall::now();
+  show_device();
   if (is_shown_ || !server_.wants_picture() || now < next_picture_) return;
   server_.show(pictures_->picture(status_));
   is_shown_ = true;

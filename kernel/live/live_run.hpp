@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "kernel/live/device_hand.hpp"
 #include "kernel/live/kept_states.hpp"
 #include "kernel/live/live_server.hpp"
 #include "kernel/live/picture.hpp"
@@ -35,6 +36,9 @@ class LiveRun {
   void run(Observer& observer);
   Simulation& simulation() { return *simulation_; }
   const RecordingWriter& recording() const { return *recording_; }
+  /// From now on a device moves what it holds (DeviceHand) while the run plays. It must outlive
+  /// this. Throws the errors of DeviceHand.
+  void follow(Device& device, std::string obstacle);
 
  private:
   using Wall = std::chrono::steady_clock;
@@ -59,11 +63,17 @@ class LiveRun {
   void keep(const std::string& name, bool is_before_action);
   void as_action(const std::string& name, const std::function<void()>& action);
   void tell_kept();
-  void apply(const std::string& value, Observer& observer);
+  void apply(const std::string& value, Observer& observer, const std::string& device = "page");
   void grab(const Vec3& at, Observer& observer);
   void take_tool(const std::string& tool, const Vec3& at, Observer& observer);
   void drag(const Vec3& to, Observer& observer);
   void let_go(Observer& observer);
+
+  // ---- device: live_device.cpp ----
+  void engage_device();
+  void move_device_hand(double steps, Observer& observer);
+  void feel();
+  void show_device();
 
   const Scene& scene_;
   PluginHost& host_;
@@ -77,15 +87,18 @@ class LiveRun {
   bool has_failed_ = false, is_shown_ = false;
   std::optional<Hand> hand_;
   KeptStates kept_;
+  Device* device_ = nullptr;
+  std::string device_obstacle_;
+  std::optional<DeviceHand> device_hand_;
   std::size_t reported_warnings_ = 0;
   /// Where and when playing began, which the speed counts from.
   double played_from_ = 0;
   Wall::time_point playing_since_, next_picture_;
   double seconds_per_step_ = 0, dt_ = 0;
-  /// Since the last time that the page was told.
+  /// Since status_ was last measured.
   struct Measured {
     Wall::time_point since;
-    std::uint64_t steps = 0;
+    std::uint64_t steps = 0, exchanges = 0;
     double simulated = 0;
   } measured_;
 };

@@ -61,6 +61,14 @@ Json pose_json(const Pose& pose) {
   return columns;
 }
 
+Json device_json(const LiveStatus::Device& device) {
+  return {{"name", device.name},
+          {"place", device.place},
+          {"force", device.force},
+          {"poses_per_second", device.poses_per_second},
+          {"exchanges_per_second", device.exchanges_per_second}};
+}
+
 Json range_of(std::span<const float> values) {
   float low = INFINITY, high = -INFINITY;
   for (const float value : values)
@@ -153,20 +161,21 @@ std::string Pictures::state_message(const LiveStatus& status) {
   if (const ContactLaw* contact = simulation_.contact())
     for (std::size_t i = 0; i < contact->obstacles().size(); ++i)
       poses.push_back(pose_json(contact->pose(i, time)));
-  std::string message = begin_message({{"kind", "state"},
-                                       {"surface", last_number_},
-                                       {"time", time},
-                                       {"step", simulation_.step()},
-                                       {"playing", status.is_playing},
-                                       {"ended", status.has_ended},
-                                       {"speed", status.speed},
-                                       {"steps_per_second", status.steps_per_second},
-                                       {"real_time", status.real_time},
-                                       {"balance", simulation_.balance()},
-                                       {"field", fields_[field_].name},
-                                       {"range", range_of(values)},
-                                       {"poses", poses}},
-                                      16 * surface_.size());
+  Json head{{"kind", "state"},
+            {"surface", last_number_},
+            {"time", time},
+            {"step", simulation_.step()},
+            {"playing", status.is_playing},
+            {"ended", status.has_ended},
+            {"speed", status.speed},
+            {"steps_per_second", status.steps_per_second},
+            {"real_time", status.real_time},
+            {"balance", simulation_.balance()},
+            {"field", fields_[field_].name},
+            {"range", range_of(values)},
+            {"poses", poses}};
+  if (!status.device.name.empty()) head["device"] = device_json(status.device);
+  std::string message = begin_message(head, 16 * surface_.size());
   append(message, std::span<const float>(positions));
   append(message, std::span<const float>(values));
   return message;

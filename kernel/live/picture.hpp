@@ -15,6 +15,12 @@ struct LiveStatus {
   bool is_playing = false, has_ended = false;
   double speed = 1;  ///< wanted: simulated per real time; 0: as fast as possible
   double steps_per_second = 0, real_time = 0;  ///< reached
+  struct Device {
+    std::string name;                                       ///< "": there is none
+    Vec3 place{};                                           ///< of the hand in the scene, m
+    Vec3 force{};                                           ///< on the hand, N
+    double poses_per_second = 0, exchanges_per_second = 0;  ///< with the device, with the run
+  } device{};
 };
 
 /// Makes the pictures of a run (docs/live.md has the format of their messages).

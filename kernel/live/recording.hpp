@@ -16,7 +16,7 @@ namespace suture {
 /// What was done to a run, and between which steps.
 struct RecordedInput {
   std::uint64_t step = 0;  ///< number of steps made before
-  std::string device;      ///< what it came from: "page"
+  std::string device;      ///< what it came from: "page", or the name of a device
   std::string value;       ///< JSON: apply_input()
 };
 

@@ -53,6 +53,21 @@ void Simulation::move_grasp(const std::string& grasp, const Vec3& translation, d
   run_->move_grasp(grasp, translation, duration);
 }
 
+Vec3 Simulation::force_on_grasp(const std::string& grasp) {
+  Body& body = built().body();
+  const auto held = body.constraints().held_by(grasp);
+  Vec3 sum{};
+  if (held.empty()) return sum;
+  built().dynamics().synchronise();
+  const Vec3 gravity = body.acceleration(time());
+  for (const auto& [vertex, components] : held)
+    for (std::size_t c = 0; c < 3; ++c)
+      if ((components >> c & 1) != 0)
+        sum[c] += attributes().force().rows()[4 * std::size_t{vertex} + c] +
+                  attributes().mass().get(vertex, 0) * gravity[c];
+  return sum;
+}
+
 ForceTerm& Simulation::add_term(std::unique_ptr<ForceTerm> term) {
   return run_->add_term(std::move(term));
 }

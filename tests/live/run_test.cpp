@@ -2,7 +2,6 @@
 //
 // Runs that a client controls, and what their recordings repeat.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 

@@ -41,10 +41,15 @@ class Stop final : public Observer {
 /// A run on a thread of its own, and a page that controls it.
 class Watched : public testing::Test {
  protected:
-  Watched() {
+  /// `device`: as --device has it; "" for none.
+  explicit Watched(const char* scene = beam, const std::string& device = "",
+                   const std::string& hold = "")
+      : text_(scene) {
     leave_out_results(scene_);
-    thread_ = std::thread([this] {
+    if (!device.empty()) device_.emplace(device);
+    thread_ = std::thread([this, hold] {
       LiveRun run(scene_, host(), diagnostics_, *server_, recording());
+      if (device_) run.follow(*device_, hold);
       is_ready_ = true;
       run.run(stop_);
     });
@@ -71,12 +76,14 @@ class Watched : public testing::Test {
 
   TemporaryFolder folder_;
   Diagnostics diagnostics_;
-  Scene scene_ = read_scene(folder_.write("beam.json", beam), {}, host(), diagnostics_);
+  const char* text_;
+  Scene scene_ = read_scene(folder_.write("beam.json", text_), {}, host(), diagnostics_);
   std::unique_ptr<LiveServer> server_ = open_live_server(0);
   Client page{Address(server_->address())};
   Json greeting;
 
  private:
+  std::optional<Device> device_;
   Stop stop_;
   std::atomic<bool> is_ready_ = false;
   std::thread thread_;

@@ -94,6 +94,7 @@ TEST_F(GoesBack, RepeatsWhatCountsBitForBit) {
 }
 
 TEST_F(GoesBack, KeepsNoStateForARefusedAction) {
+  EXPECT_EQ(kept().size(), 0U);
   page.send(R"({"do":"apply","event":{"cut":{}}})");
   EXPECT_EQ(kept().size(), 1U);
   EXPECT_EQ(kept().size(), 0U);

@@ -21,9 +21,6 @@ constexpr double shortest_interval = 1.0 / 60, longest_interval = 1.0 / 15, shar
 constexpr double slice = 0.004, slice_with_device = 0.001;
 /// A run that cannot keep up does not try to catch up on more than this, s.
 constexpr double most_behind = 0.1;
-const std::string hand_name = "live-hand";
-/// s: in so long the hand gets to where the mouse is.
-constexpr double hand_delay = 0.05;
 constexpr auto idle = std::chrono::milliseconds(20);
 
 }  // namespace
@@ -61,12 +58,19 @@ LiveRun::LiveRun(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
 
 LiveRun::~LiveRun() = default;
 
-void LiveRun::build(std::uint64_t first_surface) {
-  pictures_.reset();  // it refers to the simulation
-  simulation_.reset();
-  simulation_ = std::make_unique<Simulation>(scene_, host_, diagnostics_);
-  pictures_.emplace(*simulation_, first_surface);
-  pictures_->choose(field_);
+/// What is shown as laid open is so since the start: pictures know the body before it has a state.
+void LiveRun::build(std::uint64_t first_surface, const StateTree* state) {
+  if (simulation_) report_warnings();
+  auto simulation = std::make_unique<Simulation>(scene_, host_, diagnostics_);
+  if (simulation_) reported_warnings_ = diagnostics_.warnings().size();  // those of before again
+  auto pictures = std::make_unique<Pictures>(*simulation, first_surface);
+  pictures->choose(field_);
+  if (state != nullptr) {
+    simulation->load(*state);
+    pictures->find_surface_again();
+  }
+  pictures_ = std::move(pictures);
+  simulation_ = std::move(simulation);
   server_.greet(pictures_->greeting());
   status_.is_playing = status_.has_ended = has_failed_ = is_shown_ = false;
   hand_.reset();
@@ -85,105 +89,6 @@ void LiveRun::run(Observer& observer) {
     show();
   }
   if (!has_failed_) recording_->end(*simulation_);
-}
-
-// ------------------------------------------------------------------- inputs --
-
-/// Applies an input of the page. A refused input changes nothing, and the page shows the reason.
-void LiveRun::obey(const std::string& text, Observer& observer) {
-  is_shown_ = false;
-  try {
-    const Json input = Json::parse(text);
-    const std::string what = input.at("do");
-    if (what == "play" || what == "pause") return play(what == "play");
-    if (what == "reset") return reset(observer);
-    if (what == "field") {
-      pictures_->choose(input.at("name"));
-      field_ = input.at("name");
-    } else if (what == "speed") {
-      const double speed = input.at("value");
-      if (!(speed >= 0 && speed <= 1e6)) throw InputError("a speed is a number from 0 to 1e6");
-      status_.speed = speed;
-      play(status_.is_playing);
-    } else if (has_failed_) {
-      throw InputError("the run has failed; reset it");
-    } else if (what == "step") {
-      play(false);
-      make_steps(1, observer);
-    } else if (what == "apply") {
-      apply(json_text(input.at("event")), observer);
-    } else if (what == "grab") {
-      grab(input.at("at").get<Vec3>(), observer);
-    } else if (what == "drag") {
-      drag(input.at("to").get<Vec3>(), observer);
-    } else if (what == "let_go") {
-      let_go(observer);
-    } else {
-      throw InputError("there is no input '" + what + "'");
-    }
-  } catch (const Json::exception& error) {
-    tell("error", std::string("this input is not understood: ") + error.what());
-  } catch (const IoError&) {
-    throw;  // of the recording
-  } catch (const NumericalError& error) {
-    fail(error.what());
-  } catch (const Error& error) {
-    tell("error", error.what());
-  }
-}
-
-void LiveRun::apply(const std::string& value, Observer& observer, const std::string& device) {
-  const std::uint64_t step = simulation_->step();
-  apply_input(value, scene_, *simulation_, observer, diagnostics_);
-  recording_->input(step, device, value);
-  status_.has_ended = false;
-}
-
-void LiveRun::reset(Observer& observer) {
-  build(pictures_->last_number());
-  recording_->reset();
-  observer.on_message("the run is at its start again");
-}
-
-void LiveRun::play(bool plays) {
-  status_.is_playing = plays && !status_.has_ended && !has_failed_;
-  playing_since_ = Wall::now();
-  played_from_ = simulation_->time();
-  measured_ = {playing_since_};
-  status_.steps_per_second = status_.real_time = 0;
-  engage_device();
-}
-
-// --------------------------------------------------------------------- hand --
-
-/// Holds the nodes around a place.
-void LiveRun::grab(const Vec3& at, Observer& observer) {
-  let_go(observer);
-  const Json sphere{{"centre", at}, {"radius", 1.2 * pictures_->edge_length()}};
-  apply(json_text(Json{{"grasp", {{"name", hand_name}, {"where", {{"sphere", sphere}}}}}}),
-        observer);
-  hand_ = {at, at, simulation_->time(), 1};
-}
-
-void LiveRun::drag(const Vec3& to, Observer& observer) {
-  if (!hand_) return;
-  const double now = simulation_->time();
-  const double part = std::min((now - hand_->start) / hand_->duration, 1.0);
-  const Vec3 place = plus(hand_->from, scaled(part, minus(hand_->to, hand_->from)));
-  const double speed = status_.real_time > 0 ? status_.real_time : status_.speed;
-  const Vec3 translation = minus(to, place);
-  const double shortest = norm(translation) / (hand_reach * pictures_->edge_length()) * dt_;
-  const double duration = std::max(hand_delay * std::clamp(speed, 0.01, 1.0), shortest);
-  apply(json_text(Json{
-            {"move", {{"grasp", hand_name}, {"translation", translation}, {"during", duration}}}}),
-        observer);
-  hand_ = {place, to, now, duration};
-}
-
-void LiveRun::let_go(Observer& observer) {
-  if (!hand_) return;
-  hand_.reset();
-  apply(json_text(Json{{"release", hand_name}}), observer);
 }
 
 // -------------------------------------------------------------------- steps --

@@ -3,10 +3,13 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
 #include "kernel/live/device_hand.hpp"
+#include "kernel/live/kept_states.hpp"
 #include "kernel/live/live_server.hpp"
 #include "kernel/live/picture.hpp"
 #include "kernel/live/recording.hpp"
@@ -18,14 +21,9 @@ namespace suture {
 /// recording does), but makes the same steps as a run that does.
 void leave_out_results(Scene& scene);
 
-/// A run that pages show and control. It starts paused. Inputs act between two steps and are
-/// recorded; a run that has failed shows its last state until it is reset.
-///
-/// Inputs are JSON objects (docs/live.md): {"do": "play"}, "pause", "step", "reset";
-/// {"do": "speed", "value": 0.5}; {"do": "field", "name": "von_mises"};
-/// {"do": "apply", "event": {...}}; {"do": "grab", "at": [x, y, z]}, {"do": "drag", "to": [x, y,
-/// z]},
-/// {"do": "let_go"}: a hand that holds the nodes around a place, m in the scene.
+/// A run that pages show and control. It starts paused. Inputs are JSON objects (docs/live.md).
+/// They act between two steps and are recorded; a run that has failed shows its last state until it
+/// goes back to an earlier one.
 class LiveRun {
  public:
   /// Throws the errors of Simulation and of the recording, which is written to `recording` ("": a
@@ -45,16 +43,9 @@ class LiveRun {
  private:
   using Wall = std::chrono::steady_clock;
   class Reporter;
-  void build(std::uint64_t first_surface);
-  void obey(const std::string& text, Observer& observer);
-  void reset(Observer& observer);
-  void play(bool plays);
+  void build(std::uint64_t first_surface, const StateTree* state = nullptr);
   void make_due_steps(Observer& observer);
   void make_steps(std::uint64_t count, Observer& observer);
-  void apply(const std::string& value, Observer& observer, const std::string& device = "page");
-  void grab(const Vec3& at, Observer& observer);
-  void drag(const Vec3& to, Observer& observer);
-  void let_go(Observer& observer);
   void fail(const std::string& why);
   void show();
   void measure(std::uint64_t steps, double simulated);
@@ -67,25 +58,38 @@ class LiveRun {
   void feel();
   void show_device();
 
+  // ---- inputs: live_inputs.cpp ----
+  using Json = nlohmann::json;
+  void obey(const std::string& text, Observer& observer);
+  bool control(const std::string& what, const Json& input, Observer& observer);
+  void act(const std::string& what, const Json& input, Observer& observer);
+  void play(bool plays);
+  void reset(Observer& observer);
+  void go_back(const Json& input, Observer& observer);
+  void keep(const std::string& name, bool is_before_action);
+  void as_action(const std::string& name, const std::function<void()>& action);
+  void tell_kept();
+  void apply(const std::string& value, Observer& observer, const std::string& device = "page");
+  void grab(const Vec3& at, Observer& observer);
+  void take_tool(const std::string& tool, const Vec3& at, Observer& observer);
+  void drag(const Vec3& to, Observer& observer);
+  void let_go(Observer& observer);
+
   const Scene& scene_;
   PluginHost& host_;
   Diagnostics& diagnostics_;
   LiveServer& server_;
   std::unique_ptr<Simulation> simulation_;
-  std::optional<Pictures> pictures_;
+  std::unique_ptr<Pictures> pictures_;  ///< they refer to the simulation
   std::optional<RecordingWriter> recording_;
   std::string field_ = "displacement";
   LiveStatus status_;
   bool has_failed_ = false, is_shown_ = false;
-  /// What the mouse holds is on its way from one place to another.
-  struct Hand {
-    Vec3 from{}, to{};
-    double start = 0, duration = 1;  ///< s
-  };
   std::optional<Hand> hand_;
   Device* device_ = nullptr;
   std::string device_obstacle_;
   std::optional<DeviceHand> device_hand_;
+  KeptStates kept_;
   std::size_t reported_warnings_ = 0;
   /// Where and when playing began, which the speed counts from.
   double played_from_ = 0;

@@ -22,6 +22,8 @@ class ShownSurface final : private Follower {
   /// Increases whenever triangles change. The triangles are found again at the first call after an
   /// operation: O(elements).
   std::uint64_t number();
+  /// Call after the state of another simulation was loaded.
+  void find_again() { is_current_ = false; }
 
   // ---- after number(), until the next operation ----
 

@@ -11,7 +11,8 @@ const socket = new WebSocket(new URL('socket', location.href).href.replace(/^htt
 socket.binaryType = 'arraybuffer';
 
 // What tests and the console can read.
-const live = window.live = { picture, state: null, greeting: null, control: false, messages: [], drawn: 0, surface: null };
+const live = window.live = { picture, state: null, greeting: null, control: false, messages: [], drawn: 0,
+  surface: null, kept: [] };
 
 let is_awaited = false;  // by the run: that the last state is drawn
 
@@ -61,9 +62,11 @@ function take_text(message) {
     picture.set_up(message);
   } else if ('control' in message) {
     live.control = message.control;
-    for (const input of document.querySelectorAll('#play, #step, #reset, #speed, #field, .tools input'))
+    for (const input of document.querySelectorAll('[data-control], .tools input'))
       input.disabled = !message.control;
     if (!message.control) show_message('message', 'another page controls this run; this one watches');
+  } else if (message.kept) {
+    show_kept(message.kept);
   } else {
     for (const kind of ['message', 'warning', 'error']) if (kind in message) show_message(kind, message[kind]);
   }
@@ -92,6 +95,13 @@ function show_numbers(head) {
   const unit = live.greeting.fields.find((field) => field.name === head.field)?.unit;
   $('#legend-top').textContent = `${head.field}${unit && unit !== '1' ? ', ' + unit : ''}\n${digits(picture.range[1], 3)}`;
   $('#legend-bottom').textContent = digits(picture.range[0], 3);
+}
+
+function show_kept(kept) {
+  live.kept = kept;
+  const names = kept.map((state) => new Option(
+    `${state.action ? 'before ' : ''}${state.name}, ${digits(state.time, 3)} s`, state.id));
+  $('#kept').replaceChildren(new Option('go back to ...', ''), ...names.reverse());
 }
 
 function show_message(kind, text) {
@@ -140,9 +150,13 @@ const hands = {
 };
 
 draw_legend();
+show_kept([]);
 $('#play').onclick = toggle;
 $('#step').onclick = () => send({ do: 'step' });
 $('#reset').onclick = () => send({ do: 'reset' });
+$('#back').onclick = () => send({ do: 'back' });
+$('#keep').onclick = () => send({ do: 'keep' });
+$('#kept').onchange = (event) => send({ do: 'back', to: Number(event.target.value) });
 $('#speed').onchange = (event) => send({ do: 'speed', value: Number(event.target.value) });
 $('#field').onchange = (event) => send({ do: 'field', name: event.target.value });
 $('#edges').onchange = (event) => { picture.edges.visible = event.target.checked; picture.draw(); };

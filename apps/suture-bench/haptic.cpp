@@ -10,7 +10,7 @@
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/timer.hpp"
 #include "kernel/live/device_hand.hpp"
-#include "kernel/live/recording.hpp"
+#include "kernel/live/inputs.hpp"
 
 namespace suture::bench {
 namespace {

@@ -192,6 +192,12 @@ struct Parser {
            [this](const std::string& n) { live.port = whole_number("--port", n, 0, 65535); },
            "port on this machine; default: any that is free")
         ->type_name("N");
+    sub.add_option(
+           "--host", live.host,
+           "address of this machine at which others may connect, 0.0.0.0 for all; who knows "
+           "the printed address then controls the run, and nothing is encrypted; default: "
+           "this machine only")
+        ->type_name("ADDRESS");
     sub.add_option("-o,--output", live.recording,
                    "recording to write; default: SCENE-recording.jsonl, with the first input")
         ->type_name("FILE");

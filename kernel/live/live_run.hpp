@@ -54,6 +54,12 @@ class LiveRun {
   void tell_lists();
   void feel_hand();
 
+  // ---- device: live_device.cpp ----
+  void engage_device();
+  void move_device_hand(double steps, Observer& observer);
+  void feel();
+  void show_device();
+
   // ---- inputs: live_inputs.cpp ----
   using Json = nlohmann::json;
   void obey(const std::string& text, Observer& observer);
@@ -70,12 +76,6 @@ class LiveRun {
   void drag(const Vec3& to, Observer& observer);
   void let_go(Observer& observer);
 
-  // ---- device: live_device.cpp ----
-  void engage_device();
-  void move_device_hand(double steps, Observer& observer);
-  void feel();
-  void show_device();
-
   const Scene& scene_;
   PluginHost& host_;
   Diagnostics& diagnostics_;
@@ -87,10 +87,10 @@ class LiveRun {
   LiveStatus status_;
   bool is_shown_ = false;
   std::optional<Hand> hand_;
-  KeptStates kept_;
   Device* device_ = nullptr;
   std::string device_obstacle_;
   std::optional<DeviceHand> device_hand_;
+  KeptStates kept_;
   std::size_t reported_warnings_ = 0;
   /// Where and when playing began, which the speed counts from.
   double played_from_ = 0;

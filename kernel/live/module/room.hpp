@@ -20,11 +20,14 @@ using Text = std::shared_ptr<const std::string>;
 /// wait() and wants_picture().
 class Room {
  public:
-  Room(std::string own_token, std::filesystem::path three_js_folder)
-      : token(std::move(own_token)), three_js(std::move(three_js_folder)) {}
+  Room(std::string own_token, std::filesystem::path three_js_folder, bool others_may_connect)
+      : token(std::move(own_token)),
+        three_js(std::move(three_js_folder)),
+        is_open(others_may_connect) {}
 
   const std::string token;
   const std::filesystem::path three_js;
+  const bool is_open;  ///< to other machines
 
   void join(const std::shared_ptr<Connection>& connection);
   void leave(const Connection& connection);

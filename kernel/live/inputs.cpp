@@ -59,6 +59,33 @@ void set_gravity(const Json& value, Simulation& simulation, Observer& observer) 
   observer.on_message(timed(simulation.time(), "gravity is " + json_text(value) + " m/s^2"));
 }
 
+TriangleSurface surface_of(const Json& sweep) {
+  TriangleSurface surface{"the surface that the blade has swept",
+                          sweep.at("points").get<std::vector<Vec3>>(),
+                          sweep.at("triangles").get<std::vector<Triangle>>()};
+  for (const Triangle& triangle : surface.triangles)
+    for (const Index corner : triangle)
+      if (corner >= surface.points.size())
+        throw InputError("a triangle of 'sweep' has corner " + std::to_string(corner) + ", but " +
+                         std::to_string(surface.points.size()) + " points are given");
+  return surface;
+}
+
+/// A cut by triangles that the input itself holds.
+Event sweep_event(const Json& sweep) {
+  check_keys(sweep, {"points", "triangles", "along"});
+  const std::string along = sweep.value("along", "faces");
+  if (along != "faces" && along != "blade")
+    throw InputError("'along' of 'sweep' is \"faces\" or \"blade\", not \"" + along + '"');
+  CutSurface cut;
+  cut.surface = std::make_shared<TriangleSurface>(surface_of(sweep));
+  cut.along_blade = along == "blade";
+  Event event;
+  event.what = std::move(cut);
+  event.path = "input";
+  return event;
+}
+
 }  // namespace
 
 void apply_input(const std::string& value, const Scene& scene, Simulation& simulation,
@@ -71,6 +98,7 @@ void apply_input(const std::string& value, const Scene& scene, Simulation& simul
       if (what == "move") return move(how, simulation);
       if (what == "steer") return steer(how, simulation);
       if (what == "parameters") return set_parameters(how, simulation, observer);
+      if (what == "sweep") return void(simulation.apply(sweep_event(how), observer));
       if (what == "gravity") return set_gravity(how, simulation, observer);
     }
   } catch (const Json::exception& error) {

@@ -8,8 +8,9 @@
 namespace suture {
 
 /// Applies an input to a run now, as recordings hold it (docs/live.md): an event without a time, or
-/// one of {"move": ...}, {"steer": ...}, {"parameters": ...}, {"gravity": ...}. Throws InputError
-/// for what is not understood, and the errors of Simulation; nothing has changed then.
+/// one of {"move": ...}, {"steer": ...}, {"sweep": ...}, {"parameters": ...}, {"gravity": ...}.
+/// Throws InputError for what is not understood, and the errors of Simulation; nothing has changed
+/// then.
 void apply_input(const std::string& value, const Scene& scene, Simulation& simulation,
                  Observer& observer, Diagnostics& diagnostics);
 

@@ -71,7 +71,7 @@ void LiveRun::act(const std::string& what, const Json& input, Observer& observer
   } else if (what == "apply") {
     const Json& event = input.at("event");
     const std::string name = event.is_object() && !event.empty() ? event.begin().key() : "action";
-    as_action(name, [&] { apply(json_text(event), observer); });
+    as_action(name == "sweep" ? "cut" : name, [&] { apply(json_text(event), observer); });
     if (name == "parameters" || name == "gravity") tell_lists();
   } else if (what == "grab") {
     grab(input.at("at").get<Vec3>(), observer);

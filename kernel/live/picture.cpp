@@ -62,6 +62,19 @@ Json pose_json(const Pose& pose) {
   return columns;
 }
 
+/// The lines of the blades that move, as coordinates in the frame of the body.
+Json blades_json(const Simulation& simulation) {
+  Json blades = Json::array();
+  for (const BladeShape& blade : simulation.blades()) {
+    if (!blade.triangles.empty()) continue;
+    Json points = Json::array();
+    for (const Vec3& point : blade.points)
+      for (const double x : point) points.push_back(static_cast<float>(x));
+    blades.push_back(points);
+  }
+  return blades;
+}
+
 Json device_json(const LiveStatus::Device& device) {
   return {{"name", device.name},
           {"place", device.place},
@@ -118,6 +131,7 @@ Json Pictures::greeting() const {
           {"gravity", scene.gravity},
           {"elements", simulation_.complex().existing(3)},
           {"edge", edge_length_},
+          {"along_blade", simulation_.attributes().parts().may_grow()},
           {"fields", fields},
           {"plots", plots_.names()},
           {"obstacles", obstacles}};
@@ -180,7 +194,8 @@ std::string Pictures::state_message(const LiveStatus& status) {
             {"balance", simulation_.balance()},
             {"field", fields_[field_].name},
             {"range", range_of(values)},
-            {"poses", poses}};
+            {"poses", poses},
+            {"blades", blades_json(simulation_)}};
   if (status.hand) head["hand"] = {{"place", status.hand->place}, {"force", status.hand->force}};
   if (const auto now = std::chrono::steady_clock::now(); now >= next_plot_ && !status.has_failed) {
     head["plots"] = plots_.values();

@@ -110,6 +110,9 @@ const std::vector<Decision>& Simulation::decisions() const { return run_->decisi
 const CellComplex& Simulation::complex() const { return run_->built().body().complex(); }
 
 const ContactLaw* Simulation::contact() const { return run_->built().body().contact(); }
+
+std::vector<BladeShape> Simulation::blades() const { return run_->events().blades(time()); }
+
 Attributes& Simulation::attributes() { return run_->built().body().attributes(); }
 
 Vec3 Simulation::origin() const { return run_->built().frame().origin; }

@@ -112,6 +112,8 @@ class Simulation {
   Attributes& attributes();
   /// The obstacles and the forces on them in the last step; null without obstacles.
   const ContactLaw* contact() const;
+  /// The blades that are present now (EventRunner::blades()), in the frame of the body.
+  std::vector<BladeShape> blades() const;
   /// The body's own origin in the scene, m. Positions in attributes() are relative to it; events
   /// and selections passed by a caller use coordinates of the scene.
   Vec3 origin() const;

@@ -102,11 +102,12 @@ class Live(unittest.TestCase):
     def click(self, selector):
         self.page.find_element(By.CSS_SELECTOR, selector).click()
 
-    def drag(self, tool, start, way):
+    def drag(self, tool, start, way, holds=False):
         self.click(f"input[value={tool}]")
         canvas = self.page.find_element(By.ID, "picture")
-        (ActionChains(self.page).move_to_element_with_offset(canvas, *start).click_and_hold()
-         .move_by_offset(*way).move_by_offset(*way).release().perform())
+        mouse = ActionChains(self.page).move_to_element_with_offset(canvas, *start).click_and_hold()
+        mouse.move_by_offset(*way).move_by_offset(*way)
+        (mouse if holds else mouse.release()).perform()
 
     def wait_for_message(self, pattern):
         self.wait(f"live.messages.some((m) => /{pattern}/.test(m.text))")
@@ -119,13 +120,23 @@ class Live(unittest.TestCase):
         self.click("#speed option[value='0.25']")
         self.click("#play")
         self.wait("live.state.playing && live.state.time > 0.05")
-        self.drag("grab", (0, 60), (15, 0))
+        self.click("#show-side")
+        self.drag("grab", (0, 60), (15, 0), holds=True)
+        self.wait("live.state.hand && Math.hypot(...live.state.hand.force) > 0.1")
+        self.assertRegex(self.page.find_element(By.ID, "force").text, r"^[\d.]+ N$")
+        ActionChains(self.page).release().perform()
         self.wait_for_message("grasped .* node")
         self.wait_for_message("released .* node")
         self.click("#play")
         self.wait("!live.state.playing")
-        self.drag("knife", (-250, 5), (250, 0))
+        self.drag("knife", (-250, 60), (250, 0))
         self.wait_for_message("2 islands")
+        self.wait("live.surface.laid_open > 0")
+        self.click("#back")
+        self.wait_for_message("cut was taken back")
+        self.wait("live.surface.laid_open == 0 && live.kept.length == 1")
+        self.click("#cut option[value='path']")
+        self.drag("knife", (-250, 15), (250, -10))
         self.wait("live.surface.laid_open > 0")
         # The lower piece falls by as many steps as its way takes, however slow this computer is.
         paused = self.js("return live.state.step")

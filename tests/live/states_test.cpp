@@ -13,6 +13,11 @@ namespace {
 
 using testing::HasSubstr;
 
+/// An upright blade around the end of the beam.
+constexpr const char* bent_blade = R"({"do":"apply","event":{"sweep":{
+  "points":[[0.8,-1,-0.1],[0.8,1,-0.1],[0.7,-1,0.1],[0.7,1,0.1],[0.8,-1,0.3],[0.8,1,0.3]],
+  "triangles":[[0,1,3],[0,3,2],[2,3,5],[2,5,4]]}}})";
+
 /// A run that makes only the steps it is asked for.
 class GoesBack : public Watched {
  protected:
@@ -84,11 +89,13 @@ TEST_F(GoesBack, RepeatsWhatCountsBitForBit) {
   make(10);
   page.send(R"({"do":"drag","to":[0.45,0.3,0.1]})");
   make(20);
+  page.send(bent_blade);
   page.send(R"({"do":"let_go"})");
   make(50);
   stop();
   const Recording recorded = read_recording(recording());
-  EXPECT_EQ(recorded.inputs.size(), 8U);  // steer, gravity, E, cut, grasp, two moves, release
+  // steer, gravity, E, cut, grasp, two moves, sweep, release
+  EXPECT_EQ(recorded.inputs.size(), 9U);
   EXPECT_EQ(recorded.last_step, 142U);
   expect_same_bits(recording());
 }

@@ -114,6 +114,67 @@ TEST_F(View, ShowsTheForceOfTheHand) {
   EXPECT_THAT(page.until("error")["error"], HasSubstr("did you mean 'ball'?"));
 }
 
+TEST_F(View, CutsWhatABladeHasSwept) {
+  const auto cut_by = [&](const Json& sweep) {
+    page.send(Json{{"do", "apply"}, {"event", {{"sweep", sweep}}}}.dump());
+  };
+  Json sweep{{"points", {{0.5, -1, -1}, {0.5, 1, -1}, {0.5, 1, 1}, {0.5, -1, 1}}},
+             {"triangles", {{0, 1, 2}, {0, 2, 3}}}};
+  cut_by(sweep);
+  EXPECT_THAT(page.until("message")["message"], HasSubstr("cut 16 faces, 2 islands"));
+  const auto refused = [&](const char* key, const Json& value) -> std::string {
+    Json wrong = sweep;
+    wrong[key] = value;
+    cut_by(wrong);
+    return page.until("error")["error"];
+  };
+  EXPECT_THAT(refused("triangles", {{0, 1, 4}}), HasSubstr("corner 4, but 4 points are given"));
+  EXPECT_THAT(refused("triangles", {{0, 1, -1}}), HasSubstr("points are given"));
+  EXPECT_THAT(refused("points", 7), HasSubstr("not understood"));
+  EXPECT_THAT(refused("along", "edge"), HasSubstr("\"faces\" or \"blade\""));
+  EXPECT_THAT(refused("along", "blade"), HasSubstr("add such an event to the scene"));
+  EXPECT_THAT(refused("alon", "blade"), HasSubstr("did you mean 'along'?"));
+  EXPECT_EQ(greeting["along_blade"], false);
+}
+
+constexpr const char* sliced_bar = R"({
+  "suture": 1,
+  "mesh": {"box": {"size": [1, 0.2, 0.2], "cells": [10, 3, 3]}},
+  "models": [{"model": "tm-faure", "parameters": {"E": 4e5, "nu": 0.3, "rho": 1000}}],
+  "constraints": [{"fix": "xyz", "where": {"set": "x0"}}],
+  "solver": {"end": 100},
+  "events": [{"cut": {"along": "blade", "blade": {"path": [
+    {"at": 0, "points": [[0.7, -1, -0.1], [0.7, 1, -0.1]]}, {"at": 100, "points": [[0.7, -1, 0.3], [0.7, 1, 0.3]]}]}}}]
+})";
+
+class Sliced : public View {
+ protected:
+  Sliced() : View(sliced_bar) {}
+};
+
+TEST_F(Sliced, ShowsItsBladeAndIsCutAlongAnother) {
+  EXPECT_EQ(greeting["along_blade"], true);
+  make(100);
+  const Json head = state_at(100);
+  ASSERT_EQ(head["blades"].size(), 1U);
+  EXPECT_NEAR(head["blades"][0][2].get<double>(), -0.1 + 0.4 * head["time"].get<double>() / 100,
+              1e-6);
+  page.send(
+      R"({"do":"apply","event":{"cut":{"along":"blade","plane":{"point":[0.33,0,0],"normal":[1,0,0.3]}}}})");
+  EXPECT_THAT(page.until("message")["message"], HasSubstr("2 islands"));
+  EXPECT_GT(page.until("triangles")["laid_open"], 0);
+  page.send(R"({"do":"back"})");
+  EXPECT_EQ(page.until("triangles")["laid_open"], 0);
+  make(1);
+  page.send(
+      R"({"do":"apply","event":{"cut":{"along":"blade","plane":{"point":[0.37,0,0],"normal":[1,0,0.3]}}}})");
+  make(50);
+  state_at(151);
+  stop();
+  EXPECT_EQ(read_recording(recording()).inputs.size(), 1U);
+  expect_same_bits(recording());
+}
+
 TEST_F(View, ChangesModelsAndGravity) {
   const auto parameter = [](const Json& values, const std::string& name) {
     for (const Json& one : values["models"][0]["parameters"])

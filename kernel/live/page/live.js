@@ -77,6 +77,7 @@ function take_text(message) {
     $('#field').replaceChildren(...message.fields.map((field) => new Option(field.name)));
     picture.set_up(message);
     plots.set_up(message.plots);
+    $('#along').hidden = !message.along_blade;
   } else if ('control' in message) {
     live.control = message.control;
     enable_inputs();
@@ -106,6 +107,7 @@ function show_numbers(head) {
     `t = ${digits(head.time)} s, step ${head.step}${head.ended ? ', ended' : ''}`,
     head.playing ? `${digits(head.steps_per_second, 3)} steps/s, ${digits(head.real_time, 3)} of real time` : 'paused',
     `balance ${digits(100 * head.balance, 2)} %`].join('\n');
+  $('#legend').hidden = head.field === 'island';
   const unit = live.greeting.fields.find((field) => field.name === head.field)?.unit;
   $('#legend-top').textContent = `${head.field}${unit && unit !== '1' ? ', ' + unit : ''}\n${digits(picture.range[1], 3)}`;
   $('#legend-bottom').textContent = digits(picture.range[0], 3);
@@ -159,8 +161,15 @@ const drag_interval = 30;  // ms
 let dragged = 0;
 
 const hands = {
-  cut(a, b) {
-    apply({ cut: { plane: { polygon: picture.plane_through(a, b).map(in_scene) } } });
+  is_path: () => $('#cut').value === 'path',
+  cut(way) {
+    const along = $('#along-blade').checked ? { along: 'blade' } : {};
+    if (!hands.is_path()) {
+      const polygon = picture.plane_through(way[0], way.at(-1)).map(in_scene);
+      return apply({ cut: { plane: { polygon }, ...along } });
+    }
+    const { points, triangles } = picture.swept(way);
+    apply({ sweep: { points: points.map(in_scene), triangles, ...along } });
   },
   pierce(point) {
     apply({ pierce: { where: { nearest: in_scene(point) } } });

@@ -58,7 +58,8 @@ export class Picture {
     this.ghost.visible = false;
     this.edges = new THREE.LineSegments(new THREE.BufferGeometry(),
       new THREE.LineBasicMaterial({ color: 0x000000, transparent: true, opacity: 0.3 }));
-    for (const object of [this.body, this.edges, this.ghost]) {
+    this.blades = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0xcc0000 }));
+    for (const object of [this.body, this.edges, this.ghost, this.blades]) {
       object.frustumCulled = false;
       this.scene.add(object);
     }
@@ -131,9 +132,16 @@ export class Picture {
       mesh.matrix.set(p[0], p[3], p[6], p[9], p[1], p[4], p[7], p[10], p[2], p[5], p[8], p[11], 0, 0, 0, 1);
       mesh.matrixWorldNeedsUpdate = true;
     });
+    this.show_blades(head.blades);
     if (this.radius === 0) this.look_at_body(positions);
     this.show_force(head.hand);
     this.draw();
+  }
+
+  show_blades(blades) {
+    const ends = blades.flatMap((points) => points.flatMap((_, i) => (i % 3 === 0 && i + 5 < points.length ? points.slice(i, i + 6) : [])));
+    this.blades.visible = ends.length > 0;
+    this.blades.geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(ends), 3));
   }
 
   // The force of a hand, in parts of the largest that it had.
@@ -246,12 +254,24 @@ export class Picture {
     return this.camera.position.clone().addScaledVector(way, depth);
   }
 
+  // Points before and behind the body, under a point of the canvas.
+  depths_at([x, y]) {
+    const away = this.camera.position.distanceTo(this.middle), reach = 2 * this.radius;
+    const at = (depth) => this.camera.position.clone().addScaledVector(this.direction(x, y), depth);
+    return [at(Math.max(away - reach, away / 100)), at(away + reach)];
+  }
+
   // Through the camera and two points of the canvas, as deep as the body.
   plane_through(a, b) {
-    const away = this.camera.position.distanceTo(this.middle), reach = 2 * this.radius;
-    const near = Math.max(away - reach, away / 100), far = away + reach;
-    const at = ([x, y], depth) => this.camera.position.clone().addScaledVector(this.direction(x, y), depth);
-    return [at(a, near), at(a, far), at(b, far), at(b, near)];
+    const [near_a, far_a] = this.depths_at(a), [near_b, far_b] = this.depths_at(b);
+    return [near_a, far_a, far_b, near_b];
+  }
+
+  // What a blade along the line of sight has swept on a way over the canvas: {points, triangles}.
+  swept(way) {
+    const points = way.flatMap((place) => this.depths_at(place)), triangles = [];
+    for (let i = 0; i + 3 < points.length; i += 2) triangles.push([i, i + 1, i + 3], [i, i + 3, i + 2]);
+    return { points, triangles };
   }
 
   clip(axis, part) {

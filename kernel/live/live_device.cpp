@@ -33,7 +33,7 @@ void LiveRun::move_device_hand(double steps, Observer& observer) {
 }
 
 void LiveRun::feel() {
-  if (!device_ || has_failed_) return;
+  if (!device_ || status_.has_failed) return;
   device_->set_force(device_hand_->force());
   ++measured_.exchanges;
 }

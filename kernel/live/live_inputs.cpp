@@ -5,12 +5,11 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/message_text.hpp"
-#include "kernel/base/nearest.hpp"
 #include "kernel/base/vec3.hpp"
-#include "kernel/forces/contact_law.hpp"
 #include "kernel/live/inputs.hpp"
 #include "kernel/live/json_text.hpp"
 #include "kernel/live/live_run.hpp"
+#include "kernel/run/steering.hpp"
 
 namespace suture {
 namespace {
@@ -27,7 +26,8 @@ void LiveRun::obey(const std::string& text, Observer& observer) {
     const Json input = Json::parse(text);
     const std::string what = input.at("do");
     if (control(what, input, observer)) return;
-    if (has_failed_) throw InputError("the run has failed; take the last action back, or reset it");
+    if (status_.has_failed)
+      throw InputError("the run has failed; take the last action back, or reset it");
     act(what, input, observer);
   } catch (const Json::exception& error) {
     tell("error", std::string("this input is not understood: ") + error.what());
@@ -72,6 +72,7 @@ void LiveRun::act(const std::string& what, const Json& input, Observer& observer
     const Json& event = input.at("event");
     const std::string name = event.is_object() && !event.empty() ? event.begin().key() : "action";
     as_action(name, [&] { apply(json_text(event), observer); });
+    if (name == "parameters" || name == "gravity") tell_lists();
   } else if (what == "grab") {
     grab(input.at("at").get<Vec3>(), observer);
   } else if (what == "take") {
@@ -86,7 +87,7 @@ void LiveRun::act(const std::string& what, const Json& input, Observer& observer
 }
 
 void LiveRun::play(bool plays) {
-  status_.is_playing = plays && !status_.has_ended && !has_failed_;
+  status_.is_playing = plays && !status_.has_ended && !status_.has_failed;
   playing_since_ = Wall::now();
   played_from_ = simulation_->time();
   measured_ = {playing_since_};
@@ -104,11 +105,10 @@ void LiveRun::apply(const std::string& value, Observer& observer, const std::str
 // -------------------------------------------------------------- kept states --
 
 void LiveRun::reset(Observer& observer) {
-  build(pictures_->last_number());
   kept_.clear();
+  build(pictures_->last_number());
   recording_->reset();
   observer.on_message("the run is at its start again");
-  tell_kept();
 }
 
 /// To a kept state, or takes the last action back.
@@ -122,13 +122,13 @@ void LiveRun::go_back(const Json& input, Observer& observer) {
                                                   : "the run is back at '" + kept.name + "'"));
   kept.is_before_action = false;
   if (!takes_back) kept_.keep(std::move(kept));
-  tell_kept();
+  tell_lists();
 }
 
 void LiveRun::keep(const std::string& name, bool is_before_action) {
   kept_.keep({name, is_before_action, simulation_->time(), simulation_->step(),
               recording_->inputs(), hand_, simulation_->save()});
-  tell_kept();
+  tell_lists();
 }
 
 /// Keeps the state before an action, which may be refused.
@@ -140,12 +140,10 @@ void LiveRun::as_action(const std::string& name, const std::function<void()>& ac
     throw;  // the way back from a failure
   } catch (...) {
     kept_.drop_last();
-    tell_kept();
+    tell_lists();
     throw;
   }
 }
-
-void LiveRun::tell_kept() { server_.say(json_text(Json{{"kept", kept_.list()}})); }
 
 // --------------------------------------------------------------------- hand --
 
@@ -159,16 +157,10 @@ void LiveRun::grab(const Vec3& at, Observer& observer) {
 /// Takes an obstacle, which then moves as the hand does.
 void LiveRun::take_tool(const std::string& tool, const Vec3& at, Observer& observer) {
   let_go(observer);
-  std::vector<std::string> names;
-  if (const ContactLaw* contact = simulation_->contact())
-    for (const Obstacle& obstacle : contact->obstacles()) names.push_back(obstacle.name);
-  const auto found = std::ranges::find(names, tool);
-  if (found == names.end())
-    throw InputError("the scene has no obstacle '" + tool + "'" + did_you_mean(tool, names));
-  const auto place = static_cast<std::size_t>(found - names.begin());
-  const Vec3 translation = simulation_->contact()->pose(place, simulation_->time()).translation;
+  const ContactLaw* contact = simulation_->contact();
+  const Pose pose = contact->pose(obstacle_named(tool, contact), simulation_->time());
   keep("push with " + tool, true);
-  hand_ = Hand{tool, minus(translation, at), at, at, simulation_->time()};
+  hand_ = Hand{tool, minus(pose.translation, at), at, at, simulation_->time()};
 }
 
 void LiveRun::drag(const Vec3& to, Observer& observer) {
@@ -188,6 +180,20 @@ void LiveRun::let_go(Observer& observer) {
   const bool holds_nodes = hand_->tool.empty();
   hand_.reset();
   if (holds_nodes) apply(release_input(), observer);
+}
+
+/// With what the body pulls at the hand.
+void LiveRun::feel_hand() {
+  status_.hand.reset();
+  if (!hand_ || status_.has_failed) return;
+  LiveStatus::Held held{hand_->place(simulation_->time()), {}};
+  if (hand_->tool.empty()) {
+    held.force = simulation_->force_on_grasp(hand_name);
+  } else {
+    const ContactLaw* contact = simulation_->contact();
+    held.force = contact->loads()[obstacle_named(hand_->tool, contact)].force;
+  }
+  status_.hand = held;
 }
 
 }  // namespace suture

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "kernel/base/error.hpp"
-#include "kernel/base/vec3.hpp"
+#include "kernel/live/adjustable.hpp"
 #include "kernel/live/json_text.hpp"
 
 namespace suture {
@@ -71,9 +71,9 @@ void LiveRun::build(std::uint64_t first_surface, const StateTree* state) {
   }
   pictures_ = std::move(pictures);
   simulation_ = std::move(simulation);
-  server_.greet(pictures_->greeting());
-  status_.is_playing = status_.has_ended = has_failed_ = is_shown_ = false;
+  status_.is_playing = status_.has_ended = status_.has_failed = is_shown_ = false;
   hand_.reset();
+  tell_lists();
   if (device_) follow(*device_, device_obstacle_);
 }
 
@@ -88,7 +88,7 @@ void LiveRun::run(Observer& observer) {
     report_warnings();
     show();
   }
-  if (!has_failed_) recording_->end(*simulation_);
+  if (!status_.has_failed) recording_->end(*simulation_);
 }
 
 // -------------------------------------------------------------------- steps --
@@ -138,7 +138,7 @@ void LiveRun::make_steps(std::uint64_t count, Observer& observer) {
 }
 
 void LiveRun::fail(const std::string& why) {
-  has_failed_ = true;
+  status_.has_failed = true;
   play(false);
   status_.has_ended = true;
   tell("error", why + "\nThe run has failed; this is its last state.");
@@ -161,8 +161,13 @@ void LiveRun::show() {
   const auto now = Wall::now();
   show_device();
   if (is_shown_ || !server_.wants_picture() || now < next_picture_) return;
-  server_.show(pictures_->picture(status_));
   is_shown_ = true;
+  try {
+    feel_hand();
+    server_.show(pictures_->picture(status_));
+  } catch (const NumericalError& error) {
+    return fail(error.what());
+  }
   const double spent = Seconds(Wall::now() - now).count();
   const auto interval = std::chrono::duration_cast<Wall::duration>(
       Seconds(std::clamp(spent / share, shortest_interval, longest_interval)));
@@ -173,6 +178,15 @@ void LiveRun::show() {
 void LiveRun::report_warnings() {
   const auto& warnings = diagnostics_.warnings();
   while (reported_warnings_ < warnings.size()) tell("warning", warnings[reported_warnings_++]);
+}
+
+/// What pages choose from, to these and to those that come later.
+void LiveRun::tell_lists() {
+  Json greeting = pictures_->greeting();
+  const Json lists{{"kept", kept_.list()}, {"values", adjustable_values(*simulation_)}};
+  greeting.update(lists);
+  server_.greet(json_text(greeting));
+  server_.say(json_text(lists));
 }
 
 void LiveRun::tell(const char* key, const std::string& text) {

@@ -51,6 +51,8 @@ class LiveRun {
   void measure(std::uint64_t steps, double simulated);
   void report_warnings();
   void tell(const char* key, const std::string& text);
+  void tell_lists();
+  void feel_hand();
 
   // ---- device: live_device.cpp ----
   void engage_device();
@@ -68,7 +70,6 @@ class LiveRun {
   void go_back(const Json& input, Observer& observer);
   void keep(const std::string& name, bool is_before_action);
   void as_action(const std::string& name, const std::function<void()>& action);
-  void tell_kept();
   void apply(const std::string& value, Observer& observer, const std::string& device = "page");
   void grab(const Vec3& at, Observer& observer);
   void take_tool(const std::string& tool, const Vec3& at, Observer& observer);
@@ -84,7 +85,7 @@ class LiveRun {
   std::optional<RecordingWriter> recording_;
   std::string field_ = "displacement";
   LiveStatus status_;
-  bool has_failed_ = false, is_shown_ = false;
+  bool is_shown_ = false;
   std::optional<Hand> hand_;
   Device* device_ = nullptr;
   std::string device_obstacle_;

@@ -14,6 +14,7 @@ namespace suture {
 namespace {
 
 using Json = nlohmann::json;
+constexpr auto plot_interval = std::chrono::milliseconds(100);
 static_assert(std::endian::native == std::endian::little, "messages are little-endian");
 
 template <class T>
@@ -95,6 +96,7 @@ double mean_edge(ShownSurface& surface) {
 Pictures::Pictures(Simulation& simulation, std::uint64_t first_number)
     : simulation_(simulation),
       surface_(simulation.built()),
+      plots_(simulation),
       fields_(shown_fields(simulation.built())),
       first_number_(first_number),
       last_number_(first_number),
@@ -102,7 +104,7 @@ Pictures::Pictures(Simulation& simulation, std::uint64_t first_number)
   choose("displacement");
 }
 
-std::string Pictures::greeting() const {
+Json Pictures::greeting() const {
   Json fields = Json::array(), obstacles = Json::array();
   for (const FieldChoice& field : fields_)
     fields.push_back({{"name", field.name}, {"unit", field.unit}});
@@ -110,14 +112,15 @@ std::string Pictures::greeting() const {
     for (const Obstacle& obstacle : contact->obstacles())
       obstacles.push_back(mesh_json(obstacle, *contact));
   const Scene& scene = simulation_.built().scene();
-  return json_text(
-      Json{{"live", 1},
-           {"title", scene.title.empty() ? scene.file.filename().string() : scene.title},
-           {"origin", simulation_.origin()},
-           {"gravity", scene.gravity},
-           {"elements", simulation_.complex().existing(3)},
-           {"fields", fields},
-           {"obstacles", obstacles}});
+  return {{"live", 1},
+          {"title", scene.title.empty() ? scene.file.filename().string() : scene.title},
+          {"origin", simulation_.origin()},
+          {"gravity", scene.gravity},
+          {"elements", simulation_.complex().existing(3)},
+          {"edge", edge_length_},
+          {"fields", fields},
+          {"plots", plots_.names()},
+          {"obstacles", obstacles}};
 }
 
 void Pictures::choose(const std::string& field) {
@@ -142,9 +145,13 @@ std::string Pictures::surface_message() {
                                        {"triangles", triangles.size()},
                                        {"laid_open", surface_.laid_open()},
                                        {"edges", edges.size()}},
-                                      12 * triangles.size() + 8 * edges.size());
+                                      12 * (triangles.size() + surface_.size()) + 8 * edges.size());
   append(message, triangles);
   append(message, edges);
+  std::vector<float> rest;
+  rest.reserve(3 * surface_.size());
+  surface_.append_rest(rest);
+  append(message, std::span<const float>(rest));
   return message;
 }
 
@@ -174,6 +181,11 @@ std::string Pictures::state_message(const LiveStatus& status) {
             {"field", fields_[field_].name},
             {"range", range_of(values)},
             {"poses", poses}};
+  if (status.hand) head["hand"] = {{"place", status.hand->place}, {"force", status.hand->force}};
+  if (const auto now = std::chrono::steady_clock::now(); now >= next_plot_ && !status.has_failed) {
+    head["plots"] = plots_.values();
+    next_plot_ = now + plot_interval;
+  }
   if (!status.device.name.empty()) head["device"] = device_json(status.device);
   std::string message = begin_message(head, 16 * surface_.size());
   append(message, std::span<const float>(positions));

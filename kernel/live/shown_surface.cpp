@@ -115,7 +115,15 @@ void ShownSurface::compress(std::size_t vertex_count, std::size_t embedded_count
 }
 
 void ShownSurface::append_positions(std::vector<float>& out) const {
-  const double* rows = built_.body().attributes().position().rows();
+  append(built_.body().attributes().position(), out);
+}
+
+void ShownSurface::append_rest(std::vector<float>& out) const {
+  append(built_.body().attributes().rest(), out);
+}
+
+void ShownSurface::append(const Column& places, std::vector<float>& out) const {
+  const double* rows = places.rows();
   for (const Index v : vertices_)
     for (std::size_t c = 0; c < 3; ++c) out.push_back(static_cast<float>(rows[4 * v + c]));
   if (embedded_.empty()) return;

@@ -35,6 +35,7 @@ class ShownSurface final : private Follower {
   std::span<const std::array<Index, 2>> edges() const { return edges_; }
   /// The points, relative to the body's own origin.
   void append_positions(std::vector<float>& out) const;
+  void append_rest(std::vector<float>& out) const;
   /// A field at the points: the magnitude of a vector, the largest of principal values, and of a
   /// field of elements the mean of those around. NaN where there is none.
   void append_values(const FieldChoice& field, const Vec3& gravity, double time,
@@ -42,6 +43,7 @@ class ShownSurface final : private Follower {
 
  private:
   void follow(const CellComplex&, const TopologyChange&) override { is_current_ = false; }
+  void append(const Column& places, std::vector<float>& out) const;
   void find_boundary();
   void find_embedded();
   void compress(std::size_t vertex_count, std::size_t embedded_count);

@@ -80,9 +80,12 @@ class Client {
     std::uint32_t length = 0;
     std::memcpy(&length, message.data(), 4);
     Json head = Json::parse(message.substr(4, length));
+    arrays_ = message.substr(4 + std::size_t{length});
     if (head.at("kind") == "state") say_drawn();
     return head;
   }
+  /// The arrays of the last picture that next() has returned.
+  const std::string& arrays() const { return arrays_; }
   /// Reads until a message has this key.
   Json until(const std::string& key) {
     for (;;)
@@ -97,6 +100,7 @@ class Client {
 
  private:
   Address address_;
+  std::string arrays_;
   boost::asio::io_context context_;
   boost::beast::websocket::stream<boost::asio::ip::tcp::socket> socket_;
 };

@@ -48,10 +48,12 @@ void read_header(const Lines& line, Recording& recording) {
   recording.start = line.at("state");
 }
 
-/// Discards all inputs but the first ones; the run goes on from a step that it had reached.
+/// Discards all inputs but the first ones; the run goes on from a step that lies between them and
+/// the others.
 void go_back(Recording& recording, std::uint64_t step, std::size_t inputs) {
-  if (inputs > recording.inputs.size() || step > recording.last_step ||
-      (inputs > 0 && step < recording.inputs[inputs - 1].step))
+  const std::vector<RecordedInput>& all = recording.inputs;
+  if (inputs > all.size() || (inputs > 0 && step < all[inputs - 1].step) ||
+      (inputs < all.size() && step > all[inputs].step))
     throw InputError("it goes back to a state that the lines above do not have");
   recording.inputs.resize(inputs);
   recording.last_step = step;

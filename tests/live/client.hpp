@@ -3,6 +3,7 @@
 
 #include <boost/asio/connect.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
@@ -89,6 +90,10 @@ class Client {
   Json until(const std::string& key) {
     for (;;)
       if (Json message = next(); message.contains(key)) return message;
+  }
+  /// Bytes that are no message of a web socket.
+  void send_raw(const std::string& bytes) {
+    boost::asio::write(socket_.next_layer(), boost::asio::buffer(bytes));
   }
   /// Without a word.
   void vanish() { socket_.next_layer().close(); }

@@ -50,8 +50,8 @@ class Hand {
     if (socket_ >= 0) close(socket_);
     socket_ = -1;
   }
-  void send(const std::string& line) {
-    const std::string text = line + "\n";
+  void send(const std::string& line) { send_bytes(line + "\n"); }
+  void send_bytes(const std::string& text) {
     EXPECT_EQ(::send(socket_, text.data(), text.size(), MSG_NOSIGNAL),
               static_cast<ssize_t>(text.size()));
   }
@@ -112,6 +112,24 @@ class ObstacleInHand : public InHand {
  protected:
   ObstacleInHand() : InHand(beam, "ball") {}
 };
+
+/// Why a device cannot be used; "" if it can.
+std::string refusal(const std::string& device) {
+  try {
+    Device open(device);
+  } catch (const PluginError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// What a device says when it sends nothing more.
+std::string problem_of(Device& device) {
+  std::string problem;
+  for (int i = 0; i < 3000 && (problem = device.take_problem()).empty(); ++i)
+    std::this_thread::sleep_for(1ms);
+  return problem;
+}
 
 bool comes_from_device(const RecordedInput& input) { return input.device == "poses"; }
 
@@ -224,32 +242,41 @@ TEST(Poses, AreThoseOfAFileInTime) {
   EXPECT_EQ(last.position[2], 6);
   EXPECT_EQ(last.rotation[2], 0);
   EXPECT_GT(std::chrono::steady_clock::now() - start, 150ms);
-  std::string problem;
-  for (int i = 0; i < 1000 && (problem = device.take_problem()).empty(); ++i)
-    std::this_thread::sleep_for(1ms);
-  EXPECT_THAT(problem, HasSubstr("its poses ended after 4 lines"));
+  EXPECT_THAT(problem_of(device), HasSubstr("its poses ended after 4 lines"));
   EXPECT_EQ(device.take_problem(), "");
+}
+
+// With what spacenavd would send: eight numbers of 32 bits.
+TEST(Spacemouse, SumsUpDeflections) {
+  if (refusal("spacemouse:x").starts_with("there is no device"))
+    GTEST_SKIP() << "built without libspnav-dev";
+  Hand daemon;
+  setenv("SPNAV_SOCKET", daemon.path().c_str(), 1);
+  Device device("spacemouse:0.1");
+  daemon.accept();
+  const auto tell = [&](const std::array<std::int32_t, 8>& event) {
+    daemon.send_bytes({reinterpret_cast<const char*>(event.data()), sizeof event});
+  };
+  tell({0, 350, 0, -175});  // x and z
+  tell({1, 2});             // button 2 is down
+  for (int i = 0; i < 1000 && device.pose().position[0] < 0.01; ++i)
+    std::this_thread::sleep_for(1ms);
+  const suture_device_pose pose = device.pose();
+  EXPECT_GT(pose.position[0], 0.01);
+  EXPECT_EQ(pose.position[1], 0);
+  EXPECT_NEAR(pose.position[2], -pose.position[0] / 2, 1e-3);
+  EXPECT_EQ(pose.buttons, 4U);
+  daemon.leave();
+  EXPECT_THAT(problem_of(device), HasSubstr("spacenavd has ended the connection"));
 }
 
 TEST(Poses, NameTheLineAtFault) {
   const TemporaryFolder folder;
   for (const char* wrong : {"0 1 2\n", "0 1 2 3 0 0 0 -1\n", "0 a b c\n", "1 2 3 4 5 6 7 8 9\n"}) {
     Device device("poses:" + folder.write("path.txt", std::string("0 0 0 0\n") + wrong).string());
-    std::string problem;
-    for (int i = 0; i < 1000 && (problem = device.take_problem()).empty(); ++i)
-      std::this_thread::sleep_for(1ms);
-    EXPECT_THAT(problem, HasSubstr("line 2 is not 'seconds x y z rx ry rz buttons'")) << wrong;
+    EXPECT_THAT(problem_of(device), HasSubstr("line 2 is not 'seconds x y z rx ry rz buttons'"))
+        << wrong;
   }
-}
-
-/// Why a device cannot be used; "" if it can.
-std::string refusal(const std::string& device) {
-  try {
-    Device open(device);
-  } catch (const PluginError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 std::string bad(const std::string& name) { return BAD_DEVICES "/" + name + ".so"; }
@@ -270,13 +297,6 @@ TEST(Devices, AreRefusedWithAReason) {
   const TemporaryFolder folder;
   EXPECT_THAT(refusal(folder.write("text.so", "not a library").string()),
               HasSubstr("it cannot be loaded"));
-}
-
-std::string problem_of(Device& device) {
-  std::string problem;
-  for (int i = 0; i < 3000 && (problem = device.take_problem()).empty(); ++i)
-    std::this_thread::sleep_for(1ms);
-  return problem;
 }
 
 TEST(Devices, SayThatTheyStop) {

@@ -168,7 +168,8 @@ TEST(Recordings, GoBackToWhatTheyHave) {
   EXPECT_EQ(recording.inputs.back().step, 8U);
   EXPECT_EQ(read(input(3) + back(2, 0)).last_step, 2U);
   EXPECT_THROW(read(input(3) + back(2, 1)), InputError);
-  EXPECT_THROW(read(input(3) + back(4, 1)), InputError);
+  EXPECT_EQ(read(input(3) + back(4, 1)).last_step, 4U);  // kept after the last input
+  EXPECT_THROW(read(input(3) + back(4, 0)), InputError);
   EXPECT_THROW(read(input(3) + back(3, 2)), InputError);
   EXPECT_THROW(read(input(3) + R"({"step":3,"back":true})"
                                "\n"),

@@ -64,6 +64,7 @@ def open_browser():
     for option in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle",
                    "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--window-size=900,700"):
         options.add_argument(option)
+    options.add_experimental_option("prefs", {"download.default_directory": os.path.abspath(FOLDER)})
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     return webdriver.Chrome(options=options)
 
@@ -73,9 +74,9 @@ class Live(unittest.TestCase):
         os.makedirs(FOLDER, exist_ok=True)
         with open(os.path.join(FOLDER, "bar.json"), "w") as file:
             json.dump(BAR, file)
-        recording = os.path.join(FOLDER, "bar-recording.jsonl")
-        if os.path.exists(recording):
-            os.remove(recording)
+        for name in os.listdir(FOLDER):  # of an earlier test
+            if name.endswith((".jsonl", ".png", ".webm")):
+                os.remove(os.path.join(FOLDER, name))
         self.run_ = subprocess.Popen([PROGRAM, "-q", "live", "bar.json", "-o", "bar-recording.jsonl"],
                                      cwd=FOLDER, stdout=subprocess.PIPE, text=True)
         self.addCleanup(self.end_run)
@@ -112,11 +113,25 @@ class Live(unittest.TestCase):
     def wait_for_message(self, pattern):
         self.wait(f"live.messages.some((m) => /{pattern}/.test(m.text))")
 
+    def wait_for_file(self, start, content):
+        """For a file of the browser, which begins so."""
+        end = time.monotonic() + 20
+        while time.monotonic() < end:
+            for name in os.listdir(FOLDER):
+                if not name.startswith(start) or name.endswith(".crdownload"):
+                    continue
+                with open(os.path.join(FOLDER, name), "rb") as file:
+                    if file.read(len(content)) == content:
+                        return
+            time.sleep(0.05)
+        self.fail(f"there is no file {start}* in {os.listdir(FOLDER)}")
+
     def picture(self, name):
         self.page.save_screenshot(os.path.join(FOLDER, name))
 
     def test_a_hand_cuts_a_bar(self):
         self.assertEqual(len(self.js(BLOBS)), 1)
+        self.click("#save-video")
         self.click("#speed option[value='0.25']")
         self.click("#play")
         self.wait("live.state.playing && live.state.time > 0.05")
@@ -127,6 +142,8 @@ class Live(unittest.TestCase):
         ActionChains(self.page).release().perform()
         self.wait_for_message("grasped .* node")
         self.wait_for_message("released .* node")
+        self.click("#save-video")
+        self.wait_for_file("a-hanging-bar-", b"\x1aE\xdf\xa3")  # Matroska: webm
         self.click("#play")
         self.wait("!live.state.playing")
         self.drag("knife", (-250, 60), (250, 0))
@@ -145,6 +162,8 @@ class Live(unittest.TestCase):
         paused += 200
         self.wait(f"live.state.step == {paused} && !live.picture.is_due")
         self.picture("two-pieces.png")
+        self.click("#save-picture")
+        self.wait_for_file("a-hanging-bar-", b"\x89PNG")
         sizes = self.js(BLOBS)
         self.assertEqual(len(sizes), 2, sizes)
         self.assertGreater(sizes[1], sizes[0] / 10)

@@ -5,6 +5,7 @@ import { Picture, colour_at } from './scene.js';
 import { follow_mouse } from './hands.js';
 import { show_values } from './panel.js';
 import { Plots } from './plots.js';
+import { Video, save_picture } from './save.js';
 import { Color } from './three/build/three.module.js';
 
 const $ = (selector) => document.querySelector(selector);
@@ -195,6 +196,15 @@ const hands = {
   },
 };
 
+const file_name = () => `${live.greeting.title.replace(/[^\w-]+/g, '-')}-${live.state.step}`;
+let video = null;
+
+function toggle_video() {
+  video ? video.stop() : null;
+  video = video ? null : new Video(picture.canvas, file_name(), (text) => show_message('error', text));
+  $('#save-video').textContent = video ? 'End video' : 'Video';
+}
+
 draw_legend();
 show_kept([]);
 $('#play').onclick = toggle;
@@ -203,6 +213,8 @@ $('#reset').onclick = () => send({ do: 'reset' });
 $('#back').onclick = () => send({ do: 'back' });
 $('#keep').onclick = () => send({ do: 'keep' });
 $('#kept').onchange = (event) => send({ do: 'back', to: Number(event.target.value) });
+$('#save-picture').onclick = () => save_picture(picture.canvas, file_name());
+$('#save-video').onclick = toggle_video;
 $('#speed').onchange = (event) => send({ do: 'speed', value: Number(event.target.value) });
 $('#field').onchange = (event) => send({ do: 'field', name: event.target.value });
 $('#ghost').onchange = (event) => { picture.ghost.visible = event.target.checked; picture.draw(); };

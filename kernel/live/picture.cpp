@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "kernel/base/vec3.hpp"
 #include "kernel/forces/contact_law.hpp"
 #include "kernel/geometry/shape_mesh.hpp"
 #include "kernel/live/json_text.hpp"
@@ -93,15 +94,15 @@ Json range_of(std::span<const float> values) {
   return low <= high ? Json{low, high} : Json{0, 0};
 }
 
-double mean_edge(ShownSurface& surface) {
-  surface.number();
-  std::vector<float> x;
-  surface.append_positions(x);
+/// The mean length of the three edges at the first corner of each element.
+double mean_edge(const CellComplex& complex, const Column& rest) {
   double sum = 0;
-  for (const auto& [a, b] : surface.edges())
-    sum +=
-        std::hypot(x[3 * a] - x[3 * b], x[3 * a + 1] - x[3 * b + 1], x[3 * a + 2] - x[3 * b + 2]);
-  return sum / static_cast<double>(std::max<std::size_t>(surface.edges().size(), 1));
+  const auto place = [&](Index v) { return Vec3{rest.get(v, 0), rest.get(v, 1), rest.get(v, 2)}; };
+  for (Index e = 0; e < complex.element_count(); ++e) {
+    const auto corners = complex.vertices_of(e);
+    for (const std::size_t k : {1, 2, 4}) sum += norm(minus(place(corners[k]), place(corners[0])));
+  }
+  return sum / (3.0 * complex.element_count());
 }
 
 }  // namespace
@@ -113,7 +114,7 @@ Pictures::Pictures(Simulation& simulation, std::uint64_t first_number)
       fields_(shown_fields(simulation.built())),
       first_number_(first_number),
       last_number_(first_number),
-      edge_length_(mean_edge(surface_)) {
+      edge_length_(mean_edge(simulation.complex(), simulation.attributes().rest())) {
   choose("displacement");
 }
 

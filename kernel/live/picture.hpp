@@ -45,7 +45,7 @@ class Pictures {
   LivePicture picture(const LiveStatus& status);
   /// Call after the simulation has loaded a state.
   void find_surface_again() { surface_.find_again(); }
-  /// The mean length of the edges of the surface as it was first shown, m.
+  /// The mean length of the edges of the elements at rest, m.
   double edge_length() const { return edge_length_; }
   std::uint64_t last_number() const { return last_number_; }
 

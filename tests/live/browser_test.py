@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A hand in Chromium cuts a hanging bar, whose lower half falls. Exit code 77: there is no browser.
+"""A hand in Chromium cuts a hanging bar, whose lower half falls, and a liver. Exit code 77: there is no browser.
 
-usage: browser_test.py PROGRAM FOLDER   (FOLDER: for the recording and the pictures)"""
+usage: browser_test.py PROGRAM FOLDER [SERIES]
+FOLDER: for recordings and pictures. SERIES: a file for those of the liver, side by side (needs python3-pil)."""
 import json
 import os
 import re
@@ -20,7 +21,9 @@ try:
 except ImportError:
     webdriver = None
 
-PROGRAM, FOLDER = sys.argv[1], sys.argv[2]
+import liver
+
+PROGRAM, FOLDER, SERIES = (*sys.argv[1:4], "")[:3]
 
 BAR = {
     "suture": 1,
@@ -69,15 +72,34 @@ def open_browser():
     return webdriver.Chrome(options=options)
 
 
+def join(files, name):
+    """The middles of pictures, side by side."""
+    from PIL import Image
+
+    middles = []
+    for file in files:
+        picture = Image.open(file).convert("RGB")
+        middles.append(picture.crop((picture.width // 4, 80, picture.width * 3 // 4, picture.height - 30)))
+    width, height = middles[0].size
+    row = Image.new("RGB", (width * len(middles), height))
+    for i, middle in enumerate(middles):
+        row.paste(middle, (width * i, 0))
+    row.save(name, optimize=True)
+
+
 class Live(unittest.TestCase):
     def setUp(self):
         os.makedirs(FOLDER, exist_ok=True)
-        with open(os.path.join(FOLDER, "bar.json"), "w") as file:
-            json.dump(BAR, file)
-        for name in os.listdir(FOLDER):  # of an earlier test
-            if name.endswith((".jsonl", ".png", ".webm")):
-                os.remove(os.path.join(FOLDER, name))
-        self.run_ = subprocess.Popen([PROGRAM, "-q", "live", "bar.json", "-o", "bar-recording.jsonl"],
+
+    def open(self, name, scene):
+        """Starts the run of a scene, and a page."""
+        with open(os.path.join(FOLDER, f"{name}.json"), "w") as file:
+            json.dump(scene, file)
+        self.recording = f"{name}-recording.jsonl"
+        for file in os.listdir(FOLDER):  # of an earlier test
+            if file.startswith(("a-hanging-bar", self.recording)):
+                os.remove(os.path.join(FOLDER, file))
+        self.run_ = subprocess.Popen([PROGRAM, "-q", "live", f"{name}.json", "-o", self.recording],
                                      cwd=FOLDER, stdout=subprocess.PIPE, text=True)
         self.addCleanup(self.end_run)
         self.address = re.search(r"http://\S+", self.run_.stdout.readline()).group()
@@ -113,6 +135,11 @@ class Live(unittest.TestCase):
     def wait_for_message(self, pattern):
         self.wait(f"live.messages.some((m) => /{pattern}/.test(m.text))")
 
+    def view(self, name):
+        """Saves the picture with what is written on it, without messages."""
+        self.js("document.querySelector('#messages').hidden = true")
+        self.page.find_element(By.TAG_NAME, "main").screenshot(os.path.join(FOLDER, name))
+
     def wait_for_file(self, start, content):
         """For a file of the browser, which begins so."""
         end = time.monotonic() + 20
@@ -129,7 +156,41 @@ class Live(unittest.TestCase):
     def picture(self, name):
         self.page.save_screenshot(os.path.join(FOLDER, name))
 
+    def make(self, steps):
+        """Steps of a run that is paused."""
+        until = self.js("return live.state.step") + steps
+        for _ in range(0, steps, 50):
+            self.js("for (let i = 0; i < 50; ++i) document.querySelector('#step').click()")
+        self.wait(f"live.state.step == {until} && !live.picture.is_due")
+        return until
+
+    def test_a_hand_cuts_a_liver(self):
+        with open(os.path.join(FOLDER, "liver.obj"), "w") as file:
+            file.write(liver.surface())
+        self.open("liver", liver.SCENE)
+        self.click("#edges")
+        self.js("live.picture.turn(-0.35, 0.25)")
+        self.make(400)
+        self.view("liver-1.png")
+        self.drag("grab", (-165, 30), (-16, 6), holds=True)
+        self.make(600)
+        self.assertGreater(self.js("return Math.hypot(...live.state.hand.force)"), 0.5)
+        self.view("liver-2.png")
+        ActionChains(self.page).release().perform()
+        self.click("#along-blade")
+        self.drag("knife", (-50, -140), (20, 140))
+        self.wait_for_message("2 islands")
+        self.wait("live.surface.laid_open > 0")
+        steps = self.make(150)
+        self.view("liver-3.png")
+        self.end_run()
+        self.wait("!live.control")
+        self.repeat(steps)
+        if SERIES:
+            join([os.path.join(FOLDER, f"liver-{i}.png") for i in (1, 2, 3)], SERIES)
+
     def test_a_hand_cuts_a_bar(self):
+        self.open("bar", BAR)
         self.assertEqual(len(self.js(BLOBS)), 1)
         self.click("#save-video")
         self.click("#speed option[value='0.25']")
@@ -156,11 +217,7 @@ class Live(unittest.TestCase):
         self.drag("knife", (-250, 15), (250, -10))
         self.wait("live.surface.laid_open > 0")
         # The lower piece falls by as many steps as its way takes, however slow this computer is.
-        paused = self.js("return live.state.step")
-        for _ in range(4):
-            self.js("for (let i = 0; i < 50; ++i) document.querySelector('#step').click()")
-        paused += 200
-        self.wait(f"live.state.step == {paused} && !live.picture.is_due")
+        paused = self.make(200)
         self.picture("two-pieces.png")
         self.click("#save-picture")
         self.wait_for_file("a-hanging-bar-", b"\x89PNG")
@@ -185,7 +242,7 @@ class Live(unittest.TestCase):
 
     def repeat(self, steps):
         for threads in ("1", "2"):
-            done = subprocess.run([PROGRAM, "run", "bar-recording.jsonl", "--threads", threads],
+            done = subprocess.run([PROGRAM, "run", self.recording, "--threads", threads],
                                   cwd=FOLDER, capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn(f"{steps} steps", done.stdout)

@@ -40,6 +40,10 @@ export class Picture {
     this.add_body();
     this.arrow = new THREE.ArrowHelper(this.up, this.middle, 1, 0xcc0000);
     this.arrow.visible = false;
+    for (const part of [this.arrow.line, this.arrow.cone]) {
+      part.material.depthTest = false;  // it often points into the body
+      part.renderOrder = 1;
+    }
     this.scene.add(this.arrow);
     this.before_drawing = () => {};
     new ResizeObserver(() => this.resize()).observe(canvas);

@@ -59,6 +59,7 @@ int live(const LiveCommand& command, Console& console) {
   std::fflush(stdout);
   LiveObserver observer(console);
   run.run(observer);
+  run.end();
   if (run.recording().has_inputs())
     console.print("repeat with: suture run " + run.recording().path().string());
   return 0;

@@ -28,8 +28,9 @@ void move(const Json& move, Simulation& simulation) {
 }
 
 void steer(const Json& steer, Simulation& simulation) {
-  check_keys(steer, {"obstacle", "translation", "rotation", "during"});
-  PoseTarget target{simulation.time() + steer.at("during").get<double>()};
+  check_keys(steer, {"obstacle", "translation", "rotation", "during", "at"});
+  PoseTarget target{steer.contains("at") ? steer["at"].get<double>()
+                                         : simulation.time() + steer.at("during").get<double>()};
   if (steer.contains("translation")) target.translation = steer["translation"].get<Vec3>();
   if (steer.contains("rotation")) target.rotation = steer["rotation"].get<Vec3>();
   simulation.steer(steer.at("obstacle"), target);

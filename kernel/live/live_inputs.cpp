@@ -105,6 +105,7 @@ void LiveRun::apply(const std::string& value, Observer& observer, const std::str
 // -------------------------------------------------------------- kept states --
 
 void LiveRun::reset(Observer& observer) {
+  require_own("start it again");
   kept_.clear();
   build(pictures_->last_number());
   recording_->reset();
@@ -113,6 +114,7 @@ void LiveRun::reset(Observer& observer) {
 
 /// To a kept state, or takes the last action back.
 void LiveRun::go_back(const Json& input, Observer& observer) {
+  require_own("go back");
   const bool takes_back = !input.contains("to");
   KeptState kept = takes_back ? kept_.take_last_action() : kept_.take(input["to"]);
   build(pictures_->last_number(), &kept.state);
@@ -126,6 +128,7 @@ void LiveRun::go_back(const Json& input, Observer& observer) {
 }
 
 void LiveRun::keep(const std::string& name, bool is_before_action) {
+  if (!own_) return;
   kept_.keep({name, is_before_action, simulation_->time(), simulation_->step(),
               recording_->inputs(), hand_, simulation_->save()});
   tell_lists();
@@ -133,6 +136,7 @@ void LiveRun::keep(const std::string& name, bool is_before_action) {
 
 /// Keeps the state before an action, which may be refused.
 void LiveRun::as_action(const std::string& name, const std::function<void()>& action) {
+  if (!own_) return action();
   keep(name, true);
   try {
     action();

@@ -56,13 +56,32 @@ LiveRun::LiveRun(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
   recording_.emplace(std::move(recording), scene_, *simulation_);
 }
 
+LiveRun::LiveRun(Simulation& simulation, const Scene& scene, PluginHost& host,
+                 Diagnostics& diagnostics, LiveServer& server, std::filesystem::path recording,
+                 std::span<const RecordedInput> done)
+    : scene_(scene),
+      host_(host),
+      diagnostics_(diagnostics),
+      server_(server),
+      simulation_(&simulation),
+      pictures_(std::make_unique<Pictures>(simulation, 0)),
+      reported_warnings_(diagnostics.warnings().size()) {
+  pictures_->choose(field_);
+  tell_lists();
+  std::optional<Simulation> start;  // a recording begins there
+  Diagnostics again;
+  if (simulation.step() > 0 || !done.empty()) start.emplace(scene, host, again);
+  recording_.emplace(std::move(recording), scene, start ? *start : simulation);
+  for (const RecordedInput& input : done) record(input);
+}
+
 LiveRun::~LiveRun() = default;
 
 /// What is shown as laid open is so since the start: pictures know the body before it has a state.
 void LiveRun::build(std::uint64_t first_surface, const StateTree* state) {
-  if (simulation_) report_warnings();
+  if (own_) report_warnings();
   auto simulation = std::make_unique<Simulation>(scene_, host_, diagnostics_);
-  if (simulation_) reported_warnings_ = diagnostics_.warnings().size();  // those of before again
+  if (own_) reported_warnings_ = diagnostics_.warnings().size();  // those of before again
   auto pictures = std::make_unique<Pictures>(*simulation, first_surface);
   pictures->choose(field_);
   if (state != nullptr) {
@@ -70,7 +89,8 @@ void LiveRun::build(std::uint64_t first_surface, const StateTree* state) {
     pictures->find_surface_again();
   }
   pictures_ = std::move(pictures);
-  simulation_ = std::move(simulation);
+  own_ = std::move(simulation);
+  simulation_ = own_.get();
   status_.is_playing = status_.has_ended = status_.has_failed = is_shown_ = false;
   hand_.reset();
   tell_lists();
@@ -79,6 +99,7 @@ void LiveRun::build(std::uint64_t first_surface, const StateTree* state) {
 
 void LiveRun::run(Observer& observer) {
   Reporter reporter(*this, observer);
+  play(false);
   while (!observer.stop_requested()) {
     for (const std::string& text : server_.take_inputs()) obey(text, reporter);
     if (status_.is_playing)
@@ -88,7 +109,40 @@ void LiveRun::run(Observer& observer) {
     report_warnings();
     show();
   }
+}
+
+void LiveRun::end() {
   if (!status_.has_failed) recording_->end(*simulation_);
+}
+
+void LiveRun::watch() {
+  for ([[maybe_unused]] const std::string& input : server_.take_inputs())
+    tell("error", "the script makes the steps now; this page watches until it gives the control");
+  report_warnings();
+  status_.is_playing = true;
+  is_shown_ = false;
+  show();
+}
+
+void LiveRun::show_last() {
+  report_warnings();
+  status_.is_playing = false;
+  if (server_.is_watched()) server_.show(pictures_->picture(status_));
+}
+
+void LiveRun::record(const RecordedInput& input) {
+  recording_->input(input.step, input.device, input.value);
+  status_.has_ended = false;
+}
+
+void LiveRun::stop_recording(const std::string& why) {
+  if (!recording_->is_on()) return;
+  recording_->stop();
+  tell("warning", "the recording ends here: " + why);
+}
+
+void LiveRun::require_own(const std::string& what) const {
+  if (!own_) throw InputError("a script runs this simulation; only it can " + what);
 }
 
 // -------------------------------------------------------------------- steps --

@@ -6,6 +6,7 @@
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "kernel/live/device_hand.hpp"
@@ -30,10 +31,30 @@ class LiveRun {
   /// name of its own).
   LiveRun(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, LiveServer& server,
           std::filesystem::path recording);
+  /// The same for a simulation that belongs to a script, which has made `done` before; it must
+  /// outlive this. Pages cannot go back to earlier states.
+  LiveRun(Simulation& simulation, const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
+          LiveServer& server, std::filesystem::path recording, std::span<const RecordedInput> done);
   ~LiveRun();
 
-  /// Goes on until `observer` requests a stop. Throws IoError of the recording.
+  /// Goes on, at first paused, until `observer` requests a stop. Throws IoError of the recording.
   void run(Observer& observer);
+  /// Ends the recording. Throws IoError.
+  void end();
+
+  // ---- between two calls of run(): the script makes the steps ----
+
+  /// Shows the state if a picture is due; pages watch only. Call before each step.
+  void watch();
+  /// Shows the state. Call after the last of some steps, or an input.
+  void show_last();
+  /// An input that the script has applied.
+  void record(const RecordedInput& input);
+  /// The script did what no recording can repeat: it ends here.
+  void stop_recording(const std::string& why);
+  void report(const std::string& message) { tell("message", message); }
+
+  bool has_failed() const { return status_.has_failed; }
   Simulation& simulation() { return *simulation_; }
   const RecordingWriter& recording() const { return *recording_; }
   /// From now on a device moves what it holds (DeviceHand) while the run plays. It must outlive
@@ -46,6 +67,7 @@ class LiveRun {
   void build(std::uint64_t first_surface, const StateTree* state = nullptr);
   void make_due_steps(Observer& observer);
   void make_steps(std::uint64_t count, Observer& observer);
+  void require_own(const std::string& what) const;
   void fail(const std::string& why);
   void show();
   void measure(std::uint64_t steps, double simulated);
@@ -80,7 +102,8 @@ class LiveRun {
   PluginHost& host_;
   Diagnostics& diagnostics_;
   LiveServer& server_;
-  std::unique_ptr<Simulation> simulation_;
+  std::unique_ptr<Simulation> own_;
+  Simulation* simulation_ = nullptr;    ///< own_, or that of a script
   std::unique_ptr<Pictures> pictures_;  ///< they refer to the simulation
   std::optional<RecordingWriter> recording_;
   std::string field_ = "displacement";

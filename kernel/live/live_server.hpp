@@ -40,6 +40,8 @@ class LiveServer {
   virtual void say(std::string text) = 0;
   /// A page takes a new picture when it begins to draw the last one; what it misses is not kept.
   virtual void show(LivePicture picture) = 0;
+  /// True if there is a page.
+  virtual bool is_watched() const = 0;
   /// True if a page would take a picture now.
   virtual bool wants_picture() const = 0;
   /// The texts that the controlling page has sent since the last call, in order; at most 64 kB

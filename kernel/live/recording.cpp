@@ -45,6 +45,7 @@ void read_header(const Lines& line, Recording& recording) {
                       line.at("file").get<std::string>(),
                       line.at("folder").get<std::string>(),
                       {}};
+  recording.writes_results = line.value("results", true);
   recording.start = line.at("state");
 }
 
@@ -156,10 +157,12 @@ RecordingWriter::RecordingWriter(std::filesystem::path file, const Scene& scene,
                        {"isa", std::string(simulation.isa())},
                        {"file", scene.source.file.string()},
                        {"folder", scene.source.working_folder.string()},
+                       {"results", scene.output.enabled},
                        {"state", state_hash(simulation)},
                        {"scene", scene.source.text}})) {}
 
 void RecordingWriter::write(const std::string& line) {
+  if (!is_on_) return;
   if (!file_) {
     const Folder folder = Folder::open(path_.parent_path());
     file_ = std::make_unique<OutputFile>(folder, path_.filename().string());
@@ -185,7 +188,7 @@ void RecordingWriter::back(std::uint64_t step, std::size_t inputs) {
 }
 
 void RecordingWriter::end(Simulation& simulation) {
-  if (!has_inputs()) return;
+  if (!has_inputs() || !is_on_) return;
   write(line_of({{"step", simulation.step()}, {"end", true}, {"state", state_hash(simulation)}}));
   file_->close();
 }

@@ -23,6 +23,7 @@ struct RecordedInput {
 /// A run with all inputs, as a file of JSON lines (docs/live.md).
 struct Recording {
   SceneSource source;
+  bool writes_results = true;         ///< false: frames were no stops of the clock
   std::string program, isa;           ///< that made it
   std::string start;                  ///< state_hash() before the first step
   std::vector<RecordedInput> inputs;  ///< those that count, by step
@@ -64,6 +65,9 @@ class RecordingWriter {
   /// The run goes on from an earlier step, before which it had this number of inputs.
   void back(std::uint64_t step, std::size_t inputs);
   void end(Simulation& simulation);
+  /// Nothing more is written.
+  void stop() { is_on_ = false; }
+  bool is_on() const { return is_on_; }
 
  private:
   void write(const std::string& line);
@@ -71,6 +75,7 @@ class RecordingWriter {
   std::filesystem::path path_;
   std::string header_;
   std::unique_ptr<OutputFile> file_;
+  bool is_on_ = true;
   std::size_t inputs_ = 0;
 };
 

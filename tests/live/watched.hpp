@@ -52,6 +52,7 @@ class Watched : public testing::Test {
       if (device_) run.follow(*device_, hold);
       is_ready_ = true;
       run.run(stop_);
+      run.end();
     });
     while (!is_ready_) std::this_thread::yield();
     EXPECT_TRUE(page.open());

@@ -160,6 +160,7 @@ class Server final : public LiveServer {
   void show(LivePicture picture) override {
     post([this, picture = std::move(picture)]() mutable { room_.show(std::move(picture)); });
   }
+  bool is_watched() const override { return room_.is_watched(); }
   bool wants_picture() const override { return room_.wants_picture(); }
   std::vector<std::string> take_inputs() override { return room_.take_inputs(); }
   void wait(std::chrono::milliseconds most) override { room_.wait(most); }

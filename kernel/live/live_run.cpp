@@ -130,6 +130,14 @@ void LiveRun::show_last() {
   if (server_.is_watched()) server_.show(pictures_->picture(status_));
 }
 
+bool LiveRun::continue_from(const Recording& recording, Observer& observer) {
+  const bool is_there = repeat(recording, scene_, *simulation_, observer, diagnostics_);
+  compare_end(recording, *simulation_, diagnostics_);
+  for (const RecordedInput& input : recording.inputs) record(input);
+  tell_lists();  // values may have changed
+  return is_there;
+}
+
 void LiveRun::record(const RecordedInput& input) {
   recording_->input(input.step, input.device, input.value);
   status_.has_ended = false;

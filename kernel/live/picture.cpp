@@ -200,7 +200,8 @@ std::string Pictures::state_message(const LiveStatus& status) {
   if (status.hand) head["hand"] = {{"place", status.hand->place}, {"force", status.hand->force}};
   if (const auto now = std::chrono::steady_clock::now(); now >= next_plot_ && !status.has_failed) {
     head["plots"] = plots_.values();
-    next_plot_ = now + plot_interval;
+    const auto spent = std::chrono::steady_clock::now() - now;
+    next_plot_ = now + std::max<std::chrono::steady_clock::duration>(plot_interval, 50 * spent);
   }
   if (!status.device.name.empty()) head["device"] = device_json(status.device);
   std::string message = begin_message(head, 16 * surface_.size());

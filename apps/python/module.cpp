@@ -354,6 +354,10 @@ void bind_changes(Class& session) {
           [](Session& s, const py::object& value) { s.set_gravity(vector_of(value, "gravity")); },
           "[x, y, z] gravity, m/s^2, where its ramp has ended. Assigning three numbers changes it "
           "from now on.")
+      .def("_open_live", &Session::open_live)
+      .def("_run_live", &Session::run_live)
+      .def("_close_live", &Session::close_live)
+      .def("_live_recording", &Session::live_recording)
       .def("copy", &Session::copy,
            "The whole state of the run as a State, for restore(): what a checkpoint contains, in "
            "memory. The simulation must not write output.")

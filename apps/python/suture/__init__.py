@@ -26,6 +26,7 @@ from ._suture import (
 )
 
 _later = {  # what needs more than the kernel is imported when it is first used
+    "Live": "_live",
     "Mesh": "_mesh",
     "ModelParameters": "_parameters",
     "Picture": "_draw",
@@ -58,6 +59,7 @@ __all__ = [
     "ForceTerm",
     "InputError",
     "IoError",
+    "Live",
     "Mesh",
     "ModelParameters",
     "NumericalError",

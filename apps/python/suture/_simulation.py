@@ -344,6 +344,29 @@ class Simulation(_suture.Simulation):
         """The ForceTerm objects of the force functions, with name, calls, seconds and work."""
         return tuple(self._terms)
 
+    # ---- live view ----
+
+    def live(self, *, port=0, host="", recording=True):
+        """Serve a page that shows the simulation; return a Live with its address, which a notebook
+        shows as the page.
+
+        port       on this machine; 0: any that is free
+        host       an address of this machine at which others may connect; "": none may
+        recording  True, a path, or False: all that the script and the page have done since the
+                   simulation was created, for `suture run`. It ends where a script assigns
+                   positions or velocities, restores a state, cuts along arrays or adds a force
+                   function, which nothing but the script can repeat.
+
+        Needs Debian's libjs-three.
+        """
+        from ._live import Live
+
+        if recording is True:
+            recording = ""
+        elif recording is False:
+            recording = None
+        return Live(self, port, host, recording)
+
     # ---- the body as it is now ----
 
     def mesh(self):

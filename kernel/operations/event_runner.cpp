@@ -229,7 +229,7 @@ EventOutcome EventRunner::Call::divide(const BladeCut& cut) const {
   outcome.elements_cut = cut.divided;
   for (const Dart side : cut.cloning.cut)
     outcome.faces.push_back({element_of(side), element_of(built.body().complex().beta3(side))});
-  built.body().clone_volume(cut.cloning, cut.parts.moments);
+  built.body().clone_volume(cut.cloning, cut.parts);
   built.embedded_parts().append(cut.parts, cut.cloning.origins);
   if (!cut.seams.empty()) built.body().sew(cut.seams);
   return outcome;
@@ -493,7 +493,6 @@ void EventRunner::state(Archive& archive) {
   });
   archive("removals", removals_);
   archive.each("opened", opened_);
-  if (built_.body().attributes().parts().may_grow()) archive("parts", built_.embedded_parts());
 }
 
 }  // namespace suture

@@ -225,11 +225,12 @@ EventOutcome Session::apply(const std::string& text, const std::string& name) {
   return apply(read_event(text, name, scene_, diagnostics_));
 }
 
-EventOutcome Session::cut(TriangleSurface surface, bool rest_shape) {
+EventOutcome Session::cut(TriangleSurface surface, bool rest_shape, bool along_blade) {
   Event event;
   event.path = "event";
   event.rest_shape = rest_shape;
-  event.what = CutSurface{{}, 1, {}, std::make_shared<const TriangleSurface>(std::move(surface))};
+  event.what = CutSurface{
+      {}, 1, {}, std::make_shared<const TriangleSurface>(std::move(surface)), along_blade};
   return apply(event);
 }
 

@@ -271,8 +271,12 @@ void BuiltScene::add_terms() {
 }
 
 void BuiltScene::add_contact(Diagnostics& diagnostics) {
+  if (!scene_.contact.is_wanted()) return;
+  for (const Event& event : scene_.events)  // their obstacles would push what they cut
+    if (const auto* cut = std::get_if<CutBlade>(&event.what);
+        cut && cut->carried && cut->along_blade)
+      scene_.contact.obstacles[cut->carried->obstacle].pushes = false;
   const ContactOptions& options = scene_.contact;
-  if (!options.is_wanted()) return;
   SurfacePoints::Source embedded;  // not embedding(), which is not made again when a run resumes
   if (!parts().empty() || body_.attributes().parts().may_grow())
     embedded = [this, made = Embedding()]() mutable -> const Embedding& {

@@ -114,8 +114,8 @@ struct EventRunner::Call {
   }
 
   EventOutcome operator()(const CutBlade& cut) const {
-    if (cut.along_blade) return cut_along_sheet();
     if (cut.carried) state.blade->carry_to(time, runner.points_of(*cut.carried, time));
+    if (cut.along_blade) return cut_along_sheet();
     return opened(state.blade->advance(built.body().complex(),
                                        Places{built.body().attributes().position().rows()}, time,
                                        workers()));
@@ -339,8 +339,9 @@ EventRunner::State EventRunner::prepare(const Event& event) {
     } else if (const auto* blade = std::get_if<CutBlade>(&event.what)) {
       state.blade = std::make_unique<MovingBlade>(blade_of(*blade));
       if (blade->along_blade)
-        state.sheet = std::make_unique<SweptSheet>(
-            built_.body().complex(), built_.body().attributes(), blade->stations[0].points);
+        state.sheet =
+            std::make_unique<SweptSheet>(built_.body().complex(), built_.body().attributes(),
+                                         state.blade->at(state.blade->begin()));
     }
   } catch (const InputError& error) {
     throw InputError(event.path + "/cut: " + error.what());

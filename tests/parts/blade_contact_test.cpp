@@ -115,5 +115,48 @@ TEST(BladeContact, PiecesRestOnATableWithTheirWeight) {
   }
 }
 
+/// A bar that is held at both ends; a plate 0.8 m thick goes down through it, behind its edge.
+Scene bar_and_plate() {
+  Scene scene = slab();
+  scene.gravity = {};
+  hold(scene, at({0, any, any}), 7);
+  hold(scene, at({8, any, any}), 7);
+  Obstacle knife{"knife", "/contact/obstacles/0", Box{{3.9, -1, 3.1}, {4.7, 5, 8}}};
+  knife.motion.stations = {{0.1, {}, 0}, {1.1, {0, 0, -3.6}, 0}};
+  scene.contact.obstacles = {knife};
+  CutBlade cut;
+  cut.carried = CutBlade::Carried{0, "knife", {{4.3, -1, 3.05}, {4.3, 5, 3.05}}};
+  cut.stations.resize(1);
+  cut.along_blade = true;
+  scene.events[0] = {.what = cut, .path = "/events/0"};
+  scene.solver.end = 1.2;
+  return scene;
+}
+
+TEST(BladeContact, AnObstacleDoesNotPushWhatItsBladeCuts) {
+  SlabRun run(bar_and_plate());
+  while (run.simulation.time() < 1.1) {
+    run.simulation.advance({{}, 1}, run.nobody);
+    ASSERT_EQ(norm(run.simulation.contact()->loads()[0].force), 0);
+  }
+  EXPECT_EQ(run.islands(), 2u);
+}
+
+// What pushes the same body meanwhile goes on doing so.
+TEST(BladeContact, OtherObstaclesPushMeanwhile) {
+  Scene scene = bar_and_plate();
+  Obstacle ball{"ball", "/contact/obstacles/1", Sphere{{1.6, 2, 4}, 1}};
+  ball.motion.stations = {{0, {}, 0}, {0.5, {0, 0, -0.4}, 0}};
+  scene.contact.obstacles.push_back(ball);
+  SlabRun run(scene);
+  run.simulation.run_to(1.1, run.nobody);
+  EXPECT_EQ(run.islands(), 2u);
+  EXPECT_GT(run.simulation.contact()->loads()[1].force[2], 100);
+  EXPECT_NEAR(run.least([](const Vec3& place) {
+    return norm(minus(place, {1.6, 2, 3.6})) - 1;
+  }),
+              0, 1e-6);
+}
+
 }  // namespace
 }  // namespace suture::test

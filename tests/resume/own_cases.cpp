@@ -139,9 +139,19 @@ Case along(Random& random, unsigned, std::uint64_t) {
   if (random.chance(0.3)) scene["solver"]["sleep"] = {{"acceleration", 0.1}, {"velocity", 0.01}};
   if (random.chance(0.3))
     scene["solver"].update({{"integrator", "newmark"}, {"dt", 0.02}});
-  else if (random.chance(0.6))
+  else if (random.chance(0.7))
     scene["contact"] = {{"friction", random.between(0, 0.5)},
                         {"obstacles", {rising_floor(random, 1)}}};
+  if (scene.contains("contact") && random.chance(0.5)) {
+    scene["contact"]["obstacles"].push_back(
+        {{"name", "knife"},
+         {"box", {{"min", {0.58, 0.35, -1}}, {"max", {0.62, 0.5, 1}}}},
+         {"path", {{{"at", 0.1}}, {{"at", 0.9}, {"translation", {0.05, -0.4, 0}}}}}});
+    scene["events"].push_back(
+        {{"cut",
+          {{"blade", {{"obstacle", "knife"}, {"points", {{0.6, 0.3, -1}, {0.61, 0.3, 1}}}}},
+           {"along", "blade"}}}});
+  }
   add_output(scene, random);
   scene["output"].erase("cuts");
   scene["output"]["surface"] = random.chance(0.5);

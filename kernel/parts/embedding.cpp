@@ -86,18 +86,6 @@ class Welding {
   std::vector<Index> place_;
 };
 
-/// Counterclockwise as seen from outside, the lowest first.
-std::array<unsigned, 4> corners_of(CubeSide side) {
-  const unsigned u = 1u << (side.axis + 1) % 3, v = 1u << (side.axis + 2) % 3;
-  const unsigned low = side.is_upper ? 1u << side.axis : 0;
-  return side.is_upper ? std::array{low, low | u, low | u | v, low | v}
-                       : std::array{low, low | v, low | u | v, low | u};
-}
-
-Vec3 corner_place(unsigned corner) {
-  return {corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0};
-}
-
 /// Collects the cells of an embedding; their corners are numbers of a Welding until the end.
 class EmbeddingBuilder {
  public:

@@ -33,6 +33,7 @@ class Change(NamedTuple):
     elements_removed: int
     faces: Integers
     elements: Integers
+    elements_cut: int
     def __bool__(self) -> bool: ...
 
 class Surface(NamedTuple):
@@ -235,6 +236,7 @@ class Simulation:
         surface: Mapping[str, Any] | tuple[ArrayLike, ArrayLike] | None = None,
         faces: ArrayLike | None = None,
         shape: str | None = None,
+        along: str | None = None,
     ) -> Change: ...
     def grasp(
         self,

@@ -10,6 +10,7 @@
 #include "apps/python/contact.hpp"
 #include "apps/python/errors.hpp"
 #include "apps/python/given_mesh.hpp"
+#include "apps/python/gradients.hpp"
 #include "apps/python/parameters.hpp"
 #include "apps/python/python_term.hpp"
 #include "apps/python/results.hpp"
@@ -411,6 +412,7 @@ void bind_session(py::module_& module) {
   bind_results(session);
   bind_changes(session);
   bind_operations(session);
+  bind_gradients(session);
 }
 
 }  // namespace

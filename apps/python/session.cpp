@@ -288,6 +288,10 @@ void Session::set_gravity(const Vec3& value) {
   warn_of_new();
 }
 
+void Session::equilibrate() {
+  advance([&] { run_.simulation->equilibrate(observer_); });
+}
+
 ProbeTable& Session::probes() {
   between_steps();
   if (run_.probes) return *run_.probes;

@@ -79,6 +79,8 @@ class Session {
   /// Simulation::set_parameters(), of a model by its number; `text` is JSON: {"E": 2e4}.
   void set_parameters(std::size_t model, const std::string& text);
   void set_gravity(const Vec3& value);
+  /// Simulation::equilibrate().
+  void equilibrate();
   std::shared_ptr<SessionState> copy();
   /// Builds the run again and loads the state. If that fails, nothing has changed.
   void restore(const SessionState& state);

@@ -52,6 +52,9 @@ class Attributes {
   /// the instance and into mass() are no longer valid.
   void set_parameters(Instance& instance, std::vector<double> parameters,
                       const CellComplex& complex, Diagnostics& diagnostics);
+  /// Sums again what is computed from the parameters of an instance: its columns, and all masses.
+  /// O(elements).
+  void sum_again(Instance& instance, const CellComplex& complex);
   /// Saves the parameters of all instances, or sets those that are loaded: into a body as it was
   /// built, before its cells are loaded.
   void parameters(Archive& archive, const CellComplex& complex);

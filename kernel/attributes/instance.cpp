@@ -337,6 +337,14 @@ double Instance::part_moment(Index row, std::size_t component) const {
                       row % SUTURE_LANES];
 }
 
+Column* Instance::parameter_column(std::size_t parameter) const {
+  const std::string_view name = model_.parameters[parameter].name;
+  for (std::uint32_t i = 0; i < model_.attribute_count; ++i)
+    if ((model_.attributes[i].flags & SUTURE_PARAMETER) != 0 && model_.attributes[i].name == name)
+      return columns_[i];
+  return nullptr;
+}
+
 /// The columns of parameters that do not differ from element to element.
 void Instance::fill_parameter_columns() {
   parameter_columns_.clear();

@@ -93,6 +93,10 @@ class Instance {
   /// order of the model's attributes.
   std::span<const Column* const> parameter_columns() const { return parameter_columns_; }
 
+  /// That of a parameter by its place in model().parameters; nullptr if it is the same in all
+  /// elements.
+  Column* parameter_column(std::size_t parameter) const;
+
   /// The columns that were given cell by cell.
   std::span<const Column* const> columns_given_by_cell() const { return by_cell_; }
 

@@ -42,6 +42,14 @@ void RunLoop::set_gravity(const Vec3& value) {
   change_forces([&] { built_.gravity().set_value(value); });
 }
 
+void RunLoop::equilibrate(Observer& observer) {
+  if (!built_.dynamics().is_static() || clock_.step() == 0)
+    throw InputError(
+        "only a static run that has made a step finds its equilibrium again; set /solver/static "
+        "and make a step first");
+  find_equilibrium([&](const std::string& text) { observer.on_message(text); });
+}
+
 StateTree RunLoop::save() {
   StateTree tree;
   save_state(tree, *this);

@@ -33,6 +33,7 @@ class RunLoop {
   ForceTerm& add_term(std::unique_ptr<ForceTerm> term);
   void set_parameters(Instance& instance, std::vector<double> values);
   void set_gravity(const Vec3& value);
+  void equilibrate(Observer& observer);
   StateTree save();
   void load(const StateTree& state);
   /// Loads the state of the checkpoint from `file`. Call before any step.
@@ -63,6 +64,7 @@ class RunLoop {
   void fire_events(Observer& observer, const StepControl::Notify& notify);
   void fire_due_events(Observer& observer);
   bool balance(const StepControl::Notify& notify);
+  void find_equilibrium(const StepControl::Notify& notify);
   void take_over(const EventOutcome& outcome);
   void report_sleep(Observer& observer);
   bool record(const StepControl::Notify& notify);

@@ -63,6 +63,8 @@ void Simulation::set_parameters(Instance& instance, std::vector<double> values) 
 
 void Simulation::set_gravity(const Vec3& value) { run_->set_gravity(value); }
 
+void Simulation::equilibrate(Observer& observer) { run_->equilibrate(observer); }
+
 StateTree Simulation::save() { return run_->save(); }
 
 void Simulation::load(const StateTree& state) { run_->load(state); }

@@ -91,6 +91,11 @@ class Simulation {
   /// Changes gravity, m/s^2, in the same way; its ramp goes on.
   void set_gravity(const Vec3& value);
 
+  /// Finds the equilibrium again from the current positions, at the same time, in a static run that
+  /// has made a step: after loads, parameters or cells were changed. Throws InputError for another
+  /// run, and NumericalError if there is no equilibrium within reach.
+  void equilibrate(Observer& observer);
+
   /// Everything that a run changes, as a checkpoint stores it.
   StateTree save();
   /// Continues from the state of another simulation of the same scene; call before anything but

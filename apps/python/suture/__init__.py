@@ -26,12 +26,16 @@ from ._suture import (
 )
 
 _later = {  # what needs more than the kernel is imported when it is first used
+    "Adjoint": "_gradients",
     "Mesh": "_mesh",
     "ModelParameters": "_parameters",
     "Picture": "_draw",
+    "Quantity": "_gradients",
     "Record": "_record",
     "Results": "_study_results",
+    "Sensitivity": "_gradients",
     "Tool": "_tools",
+    "gradient": "_gradients",
     "grid": "_sweep",
     "latin_hypercube": "_sweep",
     "read_results": "_study_results",
@@ -52,6 +56,7 @@ def __dir__():
 
 
 __all__ = [
+    "Adjoint",
     "Change",
     "EmbeddedSurface",
     "Error",
@@ -63,13 +68,16 @@ __all__ = [
     "NumericalError",
     "Picture",
     "PluginError",
+    "Quantity",
     "Record",
     "Results",
     "SceneError",
+    "Sensitivity",
     "Simulation",
     "State",
     "Surface",
     "Tool",
+    "gradient",
     "grid",
     "latin_hypercube",
     "read_results",

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "kernel/dynamics/dynamics.hpp"
+#include "kernel/gradients/parameter_slopes.hpp"
+
+// Derivatives of equilibria
+// =========================
+//
+// An equilibrium x(p) solves f(x, p) = 0 on the free components; others are where constraints put
+// them, and R = -f there. With K = -df/dx of the free components:
+//
+//   forward   K du/dp = df/dp                                  one solve per parameter
+//   adjoint   J(u, R, W):  K^T l = dJ/du + (df_c/du)^T m       one solve for all parameters
+//             dJ/dp = l . df/dp + m . df_c/dp + dJ/dW dW/dp,  with m = -dJ/dR and W the energy
+//
+// The vector of l where a component is free, and m where it is held, is Multipliers::force.
+
+namespace suture {
+
+/// The partial derivatives of a function J of displacements, reactions and the stored energy.
+struct ObjectiveSlopes {
+  std::vector<double> displacement;  ///< dJ/du, 1/m, 3 numbers per vertex
+  std::vector<double> reaction;      ///< dJ/dR, 1/N, the same; empty: 0
+  double energy = 0;                 ///< dJ/dW, 1/J
+};
+
+struct Adjoint {
+  /// Their forces are dJ/d(a force at each vertex), too.
+  Multipliers multipliers;
+  /// dJ/d(the place where each component is held), 1/m; 0 where it is free.
+  std::vector<double> motion;
+  unsigned iterations = 0;  ///< of the linear solve
+};
+
+/// The derivatives of the current static equilibrium of a body. Valid until it moves or changes.
+class EquilibriumSlopes {
+ public:
+  /// Throws InputError with the reason where there are none or where they would be wrong: no static
+  /// equilibrium, a residual above the tolerance, contact, a tangent that is not symmetric, free
+  /// pieces, states of models.
+  explicit EquilibriumSlopes(Dynamics& dynamics);
+
+  /// One linear solve to this relative residual. Throws InputError if the tangent is indefinite:
+  /// the equilibrium is unstable.
+  Adjoint adjoint(const ObjectiveSlopes& objective, double tolerance) const;
+  /// du/dp from df/dp, in the same way.
+  std::vector<double> displacement(const std::vector<double>& forces, double tolerance) const;
+  /// dR/dp from df/dp and du/dp; 0 where components are free.
+  std::vector<double> reaction(const std::vector<double>& forces,
+                               const std::vector<double>& displacement) const;
+
+ private:
+  std::vector<double> solve(const std::vector<double>& right, double tolerance,
+                            unsigned& iterations) const;
+  template <class Visit>
+  void for_each_held(Visit visit) const;
+
+  Dynamics& dynamics_;
+  Body& body_;
+  double time_;
+};
+
+}  // namespace suture

@@ -130,6 +130,8 @@ void bind_gradients(py::class_<Session>& session) {
       .def("_adjoint", &adjoint)
       .def("_displacement_slope", &displacement_slope)
       .def("_reaction_slope", &reaction_slope)
+      .def("_stored_energy",
+           [](Session& s) { return s.between_steps().built().body().models().energy(s.time()); })
       .def("_elastic_forces",
            [](Session& s) {
              return rows_of_3(elastic_forces(s.between_steps().built().body(), s.time()));

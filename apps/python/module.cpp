@@ -350,6 +350,7 @@ void bind_changes(Class& session) {
       .def("_parameters",
            [](Session& s, std::size_t model) { return parameters(instance_at(s, model)); })
       .def("_set_parameters", &Session::set_parameters)
+      .def("_set_field", &Session::set_field)
       .def_property(
           "gravity", [](Session& s) { return py::cast(s.simulation().built().gravity().value()); },
           [](Session& s, const py::object& value) { s.set_gravity(vector_of(value, "gravity")); },

@@ -135,11 +135,23 @@ void Attributes::sum(Instance& instance, std::uint32_t number, const CellComplex
   if (own && instance.skips()) column.compress(of_shape ? volume_tolerance : 0);
 }
 
-/// From now on no contribution of the instance is taken to be the same for all elements: which one
-/// would stand for all depends on the elements that there are.
 void Attributes::set_parameters(Instance& instance, std::vector<double> parameters,
                                 const CellComplex& complex, Diagnostics& diagnostics) {
   instance.set_parameters(std::move(parameters), diagnostics);
+  have_changed(instance, complex, diagnostics);
+}
+
+void Attributes::set_field(Instance& instance, std::size_t parameter,
+                           std::span<const double> values, const CellComplex& complex,
+                           Diagnostics& diagnostics) {
+  instance.set_field(parameter, values, diagnostics);
+  have_changed(instance, complex, diagnostics);
+}
+
+/// From now on no contribution of the instance is taken to be the same for all elements: which one
+/// would stand for all depends on the elements that there are.
+void Attributes::have_changed(Instance& instance, const CellComplex& complex,
+                              Diagnostics& diagnostics) {
   for_each_sum(instance, [&](std::uint32_t, const suture_attribute& attribute) {
     sums_.keep_uniform(instance, attribute, {});
   });

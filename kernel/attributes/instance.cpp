@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <string_view>
 #include <utility>
@@ -381,6 +382,18 @@ void Instance::set_parameters(std::vector<double> parameters, Diagnostics& diagn
     throw;
   }
   fill_parameter_columns();
+}
+
+void Instance::set_field(std::size_t parameter, std::span<const double> values,
+                         Diagnostics& diagnostics) {
+  Column& column = *parameter_column(parameter);
+  std::vector<double> parameters = parameters_;
+  parameters[parameter] = std::numeric_limits<double>::quiet_NaN();
+  set_parameters(std::move(parameters), diagnostics);
+  for (Index row = 0; row < values.size(); ++row) column.set(row, 0, values[row]);
+  const auto number = static_cast<std::uint32_t>(parameter);
+  const auto place = std::ranges::lower_bound(changed_fields_, number);
+  if (place == changed_fields_.end() || *place != number) changed_fields_.insert(place, number);
 }
 
 /// Uniform parameters fill their columns, then comes what the scene gives.

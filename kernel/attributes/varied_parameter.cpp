@@ -12,7 +12,17 @@
 namespace suture {
 namespace {
 
-std::size_t number_of(const Instance& instance, const std::string& name) {
+/// visit(column) for what parameters may change.
+template <class Visit>
+void for_each_column(Attributes& attributes, Instance& instance, Visit visit) {
+  for (Table& table : instance.tables())
+    for (Column& column : table.columns) visit(column);
+  visit(attributes.mass());
+}
+
+}  // namespace
+
+std::size_t VariedParameter::number_of(const Instance& instance, const std::string& name) {
   const std::span all(instance.model().parameters, instance.model().parameter_count);
   const auto found = std::ranges::find_if(
       all, [&](const suture_parameter& p) { return std::string_view(p.name) == name; });
@@ -24,19 +34,9 @@ std::size_t number_of(const Instance& instance, const std::string& name) {
   }
   if (found->type != SUTURE_NUMBER)
     throw InputError(instance.title() + ": parameter '" + name +
-                     "' is not a number, so there is no derivative with respect to it");
+                     "' is not a number, which fields and derivatives need");
   return static_cast<std::size_t>(found - all.begin());
 }
-
-/// visit(column) for what parameters may change.
-template <class Visit>
-void for_each_column(Attributes& attributes, Instance& instance, Visit visit) {
-  for (Table& table : instance.tables())
-    for (Column& column : table.columns) visit(column);
-  visit(attributes.mass());
-}
-
-}  // namespace
 
 VariedParameter::VariedParameter(Attributes& attributes, Instance& instance,
                                  const CellComplex& complex, const std::string& name)

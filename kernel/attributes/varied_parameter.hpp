@@ -15,6 +15,10 @@ namespace suture {
 /// from them. When it ends, every bit is as it was, at the same addresses.
 class VariedParameter {
  public:
+  /// The place of a parameter in its model. Throws InputError if there is none of this name, or if
+  /// it is not a number.
+  static std::size_t number_of(const Instance& instance, const std::string& name);
+
   /// Throws InputError if the model has no such parameter, or if it is not a number.
   VariedParameter(Attributes& attributes, Instance& instance, const CellComplex& complex,
                   const std::string& name);

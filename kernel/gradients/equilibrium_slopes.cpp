@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/gradients/equilibrium_slopes.hpp"
 
+#include <algorithm>
 #include <sstream>
 
 #include "kernel/attributes/held.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/gradients/total_forces.hpp"
 #include "kernel/implicit/newton.hpp"
+#include "kernel/spectrum/scaled_tangent.hpp"
 
 namespace suture {
 namespace {
@@ -26,12 +28,26 @@ StepEquations equations_at(Body& body, double time) {
   return equations;
 }
 
+/// Whether a term has neither forces nor a tangent in this state.
+bool takes_no_part(Body& body, ForceTerm& term, double time) {
+  const std::size_t vertices = body.attributes().vertex_count();
+  AlignedVector<double> rows(vertices * 4);
+  term.add_forces(time, body.attributes().kernel(0).cells.live(), rows.data());
+  std::vector<double> direction, out(vertices * 3);
+  Random random;
+  for (std::size_t i = 0; i < out.size(); ++i) direction.push_back(random());
+  if (auto* stiff = dynamic_cast<TangentTerm*>(&term))
+    stiff->add_tangent(direction.data(), 1, 0, time, out.data());
+  const auto is_zero = [](double value) { return value == 0; };
+  return std::ranges::all_of(rows, is_zero) && std::ranges::all_of(out, is_zero);
+}
+
 void require_terms(Body& body, double time) {
-  for_each_with<ConstraintTerm>(body.terms(), [](const ConstraintTerm&) {
-    refuse(
-        "forces of contact are multipliers, whose active set no tangent holds yet; take contact "
-        "out of the scene");
-  });
+  for (const auto& term : body.terms())
+    if (dynamic_cast<ConstraintTerm*>(term.get()) && !takes_no_part(body, *term, time))
+      refuse(
+          "the body is in contact, and its tangent does not hold what touches; differentiate "
+          "a state without contact");
   if (body.models().keeps_states())
     refuse("a model has a memory, on which its forces depend; choose models without one");
   if (!body.is_conservative(time))

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <sstream>
 #include <utility>
 
 #include "kernel/base/error.hpp"
@@ -15,16 +16,13 @@
 namespace suture {
 namespace {
 
-// About the cube root of the rounding: the error of central differences is least there.
-constexpr double relative_step = 1e-5;
 // Of the sum of absolute values over elements.
 constexpr double uncovered = 1e-6;
 
 /// Such that both sides lie within the range.
-double step_at(double value, double typical, const suture_parameter& parameter) {
-  const double size = value != 0 ? std::abs(value) : typical;
+double step_at(double value, double wanted, const suture_parameter& parameter) {
   const double room = std::min(value - parameter.minimum, parameter.maximum - value);
-  return std::min(relative_step * size, room / 2);
+  return std::min(wanted, room / 2);
 }
 
 /// Visits the numbers of the vertices, edges or faces of an element.
@@ -57,21 +55,23 @@ struct ParameterSlopes::Sides {
   }
 };
 
-ParameterSlopes::ParameterSlopes(Body& body, double time, Instance& instance, std::string parameter)
+ParameterSlopes::ParameterSlopes(Body& body, double time, Instance& instance, std::string parameter,
+                                 double relative_step)
     : body_(body), time_(time), instance_(instance), name_(std::move(parameter)) {
   const VariedParameter varied(body.attributes(), instance, body.complex(), name_);
   values_.assign(varied.values().begin(), varied.values().end());
   is_per_element_ = varied.is_per_element();
-  double typical = 0;
+  double typical = std::abs(varied.parameter().default_value);  // where a value is 0
   for (const double value : values_) typical = std::max(typical, std::abs(value));
-  if (typical == 0) typical = varied.parameter().default_value;
-  if (!(std::abs(typical) > 0)) typical = 1;
+  if (!(typical > 0)) typical = 1;
   for (const double value : values_) {
-    steps_.push_back(step_at(value, std::abs(typical), varied.parameter()));
-    if (!(steps_.back() > 0))
-      throw InputError(instance.title() + ": parameter '" + name_ + "' is " +
-                       std::to_string(value) +
-                       ", the end of its range, where it has no derivative; move it inside");
+    const double size = value != 0 ? std::abs(value) : typical;
+    steps_.push_back(step_at(value, relative_step * size, varied.parameter()));
+    if (steps_.back() > 0) continue;
+    std::ostringstream text;
+    text << instance.title() << ": parameter '" << name_ << "' is " << value
+         << ", the end of its range, where it has no derivative; move it inside";
+    throw InputError(text.str());
   }
 }
 

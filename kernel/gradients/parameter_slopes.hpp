@@ -24,14 +24,18 @@ struct Multipliers {
 /// Relative error: some 1e-10. The body is as before when a function returns, bit by bit.
 class ParameterSlopes {
  public:
-  /// Throws InputError if the model has no such parameter, if it is not a number, or if it lies at
-  /// the end of its range.
-  ParameterSlopes(Body& body, double time, Instance& instance, std::string parameter);
+  /// About the cube root of the rounding: the error of central differences is least there.
+  static constexpr double best_step = 1e-5;
+  /// `relative_step`: h over the size of a value; less beside the ends of its range. Throws
+  /// InputError if the model has no such parameter, if it is not a number, or if it lies at an end.
+  ParameterSlopes(Body& body, double time, Instance& instance, std::string parameter,
+                  double relative_step = best_step);
 
   /// The number of values: one per row of instance.table(3) of a parameter that may differ from
   /// element to element, otherwise one.
   std::size_t size() const { return steps_.size(); }
   bool is_per_element() const { return is_per_element_; }
+  std::span<const double> steps() const { return steps_; }  ///< h of each value
   /// df/dp of all terms, where the values of p change by these weights: 3 numbers per vertex.
   std::vector<double> forces(std::span<const double> weights);
   /// dL/dp in that direction.

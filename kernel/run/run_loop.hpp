@@ -32,6 +32,7 @@ class RunLoop {
   void move_grasp(const std::string& grasp, const Vec3& translation, double duration);
   ForceTerm& add_term(std::unique_ptr<ForceTerm> term);
   void set_parameters(Instance& instance, std::vector<double> values);
+  void set_field(Instance& instance, std::size_t parameter, std::vector<double> values);
   void set_gravity(const Vec3& value);
   void equilibrate(Observer& observer);
   StateTree save();
@@ -55,6 +56,7 @@ class RunLoop {
 
  private:
   void change_forces(const std::function<void()>& change);
+  void change_parameters(const std::function<void()>& set, const std::function<void()>& undo);
   using Wall = std::chrono::steady_clock;
   void require_held_bodies();
   std::string rounding_warning();

@@ -95,5 +95,183 @@ class Gradients(unittest.TestCase):
             self.check_parameters(sim, model)
 
 
+    def field(self, sim, model, parameter, seed=1):
+        """A random field around the value of the scene."""
+        rows = len(sim.column_cells(model, 3))
+        return MODELS[model][parameter] * np.random.default_rng(seed).uniform(0.8, 1.2, rows)
+
+    def test_by_element_region_and_value(self):
+        for model in set(shipped()) & {"tm-faure", "mss-golec", "fibres"}:
+            sim = suture.Simulation(sagging(model))
+            sim.cut(plane={"point": [0, 0.5, 0], "normal": [0, 1, 0]}, shape="rest")
+            sim.run()
+            for name in [name for name in MODELS[model] if name not in ("fibre", "k2")]:
+                sim.parameters[model][name] = self.field(sim, model, name)
+            sim.equilibrate()
+            J = objective(sim)
+            for name in ("E", "nu", "rho", "mu", "k1"):
+                if name not in MODELS[model]:
+                    continue
+                with self.subTest(model=model, parameter=name):
+                    a = sim.adjoint(J, 1e-10)
+                    by_element = a.gradient(model, name)
+                    self.assertEqual(by_element.shape, (len(sim.column_cells(model, 3)),))
+                    self.assertGreater(abs(by_element).min(), 0)
+                    regions = np.arange(len(by_element)) % 3 - 1
+                    np.testing.assert_allclose(
+                        a.gradient(model, name, regions),
+                        [by_element[regions == 0].sum(), by_element[regions == 1].sum()],
+                        rtol=1e-12)
+                    self.assert_near(a.gradient(model, name, "value"), by_element.sum())
+                    of_regions = sim.sensitivity(model, name, regions, 1e-10)
+                    self.assertEqual(of_regions.displacement.shape, (2, *sim.rest.shape))
+                    for found, expected in zip(of_regions.of(J),
+                                               a.gradient(model, name, regions)):
+                        self.assert_near(found, expected)
+                    self.assertLess(suture.check_gradient(sim, J, (model, name)).error, 1e-6)
+
+    def test_by_element_of_a_uniform_parameter(self):
+        sim = suture.Simulation(sagging("mss-golec"))
+        sim.run()
+        a = sim.adjoint(objective(sim), 1e-10)
+        self.assert_near(a.gradient("mss-golec", "E", "element").sum(),
+                         a.gradient("mss-golec", "E"))
+
+    def test_by_gravity_and_forces(self):
+        sim = suture.Simulation(sagging("tm-faure"))
+        pull = np.zeros(sim.rest.shape)
+        pull[sim.rest[:, 0] == 3] = [0, 0.3, 0.1]
+        amount = 1.0
+
+        @sim.force_term(energy=lambda x, t: -amount * (pull * x).sum(), stiffness=0)
+        def load(x, v, t, f):
+            f += amount * pull
+
+        sim.run()
+        J = objective(sim)
+        a = sim.adjoint(J, 1e-10)
+
+        def with_gravity(g):
+            sim.gravity = [0.1, g, 0.2]
+            sim.equilibrate()
+            return J.value(sim)
+
+        self.assert_near(a.gravity[1], by_differences(with_gravity, -0.6, 1e-3))
+        with_gravity(-0.6)
+
+        def with_load(factor):
+            nonlocal amount
+            amount = factor
+            sim.gravity = sim.gravity  # the forces are others
+            sim.equilibrate()
+            return J.value(sim)
+
+        self.assert_near((a.load * pull).sum(), by_differences(with_load, 1, 1e-3))
+
+    def test_by_prescribed_motion(self):
+        def stretched(by):
+            sim = suture.Simulation(sagging("tm-faure", constraints=[
+                {"fix": "xyz", "where": {"set": "x0"}},
+                {"move": {"translation": [by, 0.1, 0]}, "ramp": 1, "where": {"set": "x1"}}]))
+            sim.run()
+            return sim
+
+        def J(sim):
+            base = np.flatnonzero(sim.rest[:, 0] == 0)
+            middle = np.flatnonzero(sim.rest[:, 0] == 1.5)
+            return (Quantity.reaction(base, 0) / 1e3 + Quantity.displacement(middle[:2], 1)
+                    + Quantity.energy() / 1e4)
+
+        sim = stretched(0.2)
+        a = sim.adjoint(J(sim), 1e-10)
+        end = sim.rest[:, 0] == 3
+        self.assert_near(a.motion[end, 0].sum(),
+                         by_differences(lambda by: J(sim).value(stretched(by)), 0.2, 1e-3))
+        self.assertEqual(abs(a.motion[(sim.rest[:, 0] > 0) & ~end]).max(), 0)
+
+    def test_objectives(self):
+        sim = suture.Simulation(sagging("tm-faure", output={"probes": {"at": [
+            {"name": "end", "where": {"set": "x1"}, "fields": ["displacement"]},
+            {"name": "base", "where": {"set": "x0"}, "fields": ["reaction"]}]}}))
+        sim.run()
+        end = np.flatnonzero(sim.rest[:, 0] == 3)
+        u = Quantity.displacement("end", 1)
+        self.assertAlmostEqual(u.value(sim), sim.probes()["end"]["displacement"][1], delta=1e-14)
+        self.assertAlmostEqual(Quantity.reaction("base", 1).value(sim),
+                               sim.probes()["base"]["reaction"][1], delta=1e-8)
+
+        def by_hand(sim):
+            slope = np.zeros(sim.rest.shape)
+            slope[end, 1] = 1 / len(end)
+            return (sim.position - sim.rest)[end, 1].mean(), slope
+
+        E = ("tm-faure", "E")
+        value, (slope,) = suture.gradient(sim, u, [E], 1e-10)
+        again, (same,) = suture.gradient(sim, by_hand, [E], 1e-10)
+        self.assertAlmostEqual(value, again, delta=1e-14)
+        self.assert_near(slope, same)
+        for J, expected in ((2 * u - 1, 2 * slope), (3 - u / 2, -slope / 2),
+                            (1 / u, -slope / value**2), (u * u, 2 * value * slope),
+                            (u.map(np.sin, np.cos), np.cos(value) * slope)):
+            self.assert_near(suture.gradient(sim, J, [E], 1e-10)[1][0], expected)
+        for mistake, kind in ((lambda sim: 3, TypeError), (lambda sim: (3, {"u": 1}), ValueError),
+                              (lambda sim: (3, np.zeros((2, 3))), ValueError),
+                              (Quantity.displacement("tip", 0), suture.InputError)):
+            with self.assertRaises(kind):
+                suture.gradient(sim, mistake, [E])
+        with self.assertRaisesRegex(KeyError, "no parameter 'mu'"):
+            suture.gradient(sim, u, [("tm-faure", "mu")])
+
+    def test_what_has_no_derivative_is_refused(self):
+        def refusal(sim):
+            with self.assertRaises(suture.InputError) as caught:
+                sim.adjoint(objective(sim))
+            return str(caught.exception)
+
+        sim = suture.Simulation(bar())
+        self.assertIn("state of motion", refusal(sim))
+        sim = suture.Simulation(sagging("tm-faure"))
+        self.assertIn("not in balance", refusal(sim))
+        sim.run()
+        sim.parameters["tm-faure"]["E"] = 2e5
+        self.assertIn("not in balance", refusal(sim))
+        sim.equilibrate()
+        a = sim.adjoint(objective(sim))
+        with self.assertRaisesRegex(ValueError, "integers"):
+            a.gradient("tm-faure", "E", [0.5])
+        with self.assertRaisesRegex(suture.InputError, "not a number"):
+            a.gradient("tm-faure", "quadrature")
+        sim.parameters["tm-faure"]["E"] = 1e5
+        sim.equilibrate()
+        with self.assertRaisesRegex(RuntimeError, "left the state"):
+            a.gradient("tm-faure", "E")
+        column = suture.Simulation(sagging(
+            "tm-faure", gravity=[-0.4, 0, 0],
+            mesh={"box": {"size": [3, 0.3, 0.3], "cells": [12, 2, 2]}}))
+        column.run()
+        self.assertEqual(column.outcome, "unstable equilibrium")
+        sideways = np.zeros(column.rest.shape)
+        sideways[:, 1] = column.rest[:, 0]
+        with self.assertRaisesRegex(suture.InputError, "indefinite"):
+            column.adjoint(lambda sim: (0, sideways))
+
+    def test_later_steps_keep_their_bits(self):
+        def run(asks):
+            sim = suture.Simulation(sagging("tm-faure", solver={
+                "static": {"frames": 4}, "threads": 1}, loads=[
+                    {"traction": [0, -500, 0], "ramp": 1, "where": {"set": "x1"}}]))
+            for step in range(4):
+                sim.step()
+                if asks:
+                    J = objective(sim)
+                    sim.adjoint(J, 1e-10).gradient("tm-faure", "E", "element")
+                    sim.sensitivity("tm-faure", "rho")
+            return sim
+
+        plain, asked = run(False), run(True)
+        np.testing.assert_array_equal(plain.position, asked.position)
+        np.testing.assert_array_equal(plain.mass, asked.mass)
+
+
 if __name__ == "__main__":
     unittest.main()

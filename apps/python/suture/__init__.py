@@ -27,6 +27,7 @@ from ._suture import (
 
 _later = {  # what needs more than the kernel is imported when it is first used
     "Adjoint": "_gradients",
+    "GradientCheck": "_gradients",
     "Mesh": "_mesh",
     "ModelParameters": "_parameters",
     "Picture": "_draw",
@@ -35,6 +36,7 @@ _later = {  # what needs more than the kernel is imported when it is first used
     "Results": "_study_results",
     "Sensitivity": "_gradients",
     "Tool": "_tools",
+    "check_gradient": "_gradients",
     "gradient": "_gradients",
     "grid": "_sweep",
     "latin_hypercube": "_sweep",
@@ -61,6 +63,7 @@ __all__ = [
     "EmbeddedSurface",
     "Error",
     "ForceTerm",
+    "GradientCheck",
     "InputError",
     "IoError",
     "Mesh",
@@ -77,6 +80,7 @@ __all__ = [
     "State",
     "Surface",
     "Tool",
+    "check_gradient",
     "gradient",
     "grid",
     "latin_hypercube",

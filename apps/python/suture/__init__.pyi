@@ -114,11 +114,13 @@ class Tool:
 
 class ModelParameters(Mapping[str, Any]):
     def __getitem__(self, name: str) -> Any: ...
-    def __setitem__(self, name: str, value: float | str) -> None: ...
+    def __setitem__(self, name: str, value: float | str | ArrayLike) -> None: ...
     def __iter__(self) -> Iterator[str]: ...
     def __len__(self) -> int: ...
     def update(
-        self, values: Mapping[str, float | str] = ..., **more: float | str
+        self,
+        values: Mapping[str, float | str | ArrayLike] = ...,
+        **more: float | str | ArrayLike,
     ) -> None: ...
 
 class Quantity:
@@ -159,6 +161,11 @@ class Sensitivity:
     reaction: Floats
     energy: float | Floats
     def of(self, objective: Objective) -> float | Floats: ...
+
+class GradientCheck(NamedTuple):
+    adjoint: float
+    differences: float
+    error: float
 
 class Picture:
     png: bytes
@@ -354,6 +361,14 @@ class Simulation:
 def gradient(
     sim: Simulation, objective: Objective, wrt: Sequence[Any], tolerance: float = 1e-6
 ) -> tuple[float, list[Any]]: ...
+
+def check_gradient(
+    sim: Simulation,
+    objective: Objective,
+    wrt: tuple[str, str],
+    step: float = 1e-3,
+    tolerance: float = 1e-9,
+) -> GradientCheck: ...
 
 class Results:
     rows: list[dict[str, Any]]

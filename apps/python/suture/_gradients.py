@@ -45,8 +45,9 @@ class Quantity:
 
     @classmethod
     def energy(cls):
-        """The elastic energy, J."""
-        return cls(lambda sim: Slopes(sim.energies()["elastic"], energy=1.0))
+        """The energy that the models store, J: energies()["elastic"] without that of force
+        functions."""
+        return cls(lambda sim: Slopes(sim._stored_energy(), energy=1.0))
 
     @classmethod
     def _of_vertices(cls, field, usual, at, component):
@@ -284,3 +285,44 @@ def gradient(sim, objective, wrt, tolerance=1e-6):
     adjoint = Adjoint(sim, objective, tolerance)
     return adjoint.value, [getattr(adjoint, name) if isinstance(name, str)
                            else adjoint.gradient(*name) for name in wrt]
+
+
+class GradientCheck(NamedTuple):
+    """A derivative and the same by differences of whole equilibria."""
+
+    adjoint: float
+    differences: float
+    error: float
+    """Their difference over the larger one."""
+
+
+def check_gradient(sim, objective, wrt, step=1e-3, tolerance=1e-9):
+    """Compare the derivative of an objective by a parameter with differences of four equilibria
+    around this one; return a GradientCheck.
+
+    wrt   (model, parameter); of values by element, along a random direction (fixed seed)
+    step  of the differences, relative to the parameter
+
+    The differences are as good as the equilibria: give the scene a tolerance of 1e-12
+    (/solver/static/tolerance). Ends at this equilibrium, up to its tolerance.
+    """
+    model, parameter = wrt
+    values = sim.parameters[model][parameter]
+    direction = numpy.array(values, float)
+    if direction.ndim:
+        direction *= numpy.random.default_rng(0).uniform(0.5, 1.5, direction.shape)
+    found = float(numpy.sum(direction * Adjoint(sim, objective, tolerance).gradient(
+        model, parameter)))
+
+    def value_at(part):
+        sim.parameters[model][parameter] = values + part * direction
+        sim.equilibrate()
+        return slopes_of(objective, sim).value
+
+    try:
+        far_back, back, near, far = (value_at(k * step) for k in (-2, -1, 1, 2))
+    finally:
+        value_at(0)
+    differences = (8 * (near - back) - (far - far_back)) / (12 * step)
+    scale = max(abs(found), abs(differences))
+    return GradientCheck(found, differences, abs(found - differences) / scale if scale else 0.0)

@@ -67,6 +67,17 @@ py::tuple adjoint(Session& session, const Array& displacement, const std::option
                         found.iterations);
 }
 
+/// The derivative along a direction of rest positions, with the forces of the multipliers and the
+/// motion of adjoint().
+double along_rest(Session& session, const Array& displacement, double energy, const Array& forces,
+                  const Array& motion, const Array& direction) {
+  const ObjectiveSlopes objective{of_vertices(session, displacement, "dJ/du"), {}, energy};
+  const Adjoint adjoint{{of_vertices(session, forces, "forces"), energy},
+                        of_vertices(session, motion, "motion")};
+  return slopes_of(session).along_rest(objective, adjoint,
+                                       of_vertices(session, direction, "direction"));
+}
+
 /// du/dp from df/dp.
 py::array displacement_slope(Session& session, const Array& forces, double tolerance) {
   return rows_of_3(
@@ -128,6 +139,7 @@ void bind_gradients(py::class_<Session>& session) {
            "Find the equilibrium of a static run again, from the current positions and at the same "
            "time: after parameters, loads or cells were changed.")
       .def("_adjoint", &adjoint)
+      .def("_along_rest", &along_rest)
       .def("_displacement_slope", &displacement_slope)
       .def("_reaction_slope", &reaction_slope)
       .def("_stored_energy",

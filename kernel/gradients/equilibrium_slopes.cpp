@@ -6,6 +6,7 @@
 
 #include "kernel/attributes/held.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/gradients/rest_slopes.hpp"
 #include "kernel/gradients/total_forces.hpp"
 #include "kernel/implicit/newton.hpp"
 #include "kernel/spectrum/scaled_tangent.hpp"
@@ -128,6 +129,18 @@ Adjoint EquilibriumSlopes::adjoint(const ObjectiveSlopes& objective, double tole
     force[i] = held[i];
   });
   return adjoint;
+}
+
+double EquilibriumSlopes::along_rest(const ObjectiveSlopes& objective, const Adjoint& adjoint,
+                                     std::span<const double> direction) const {
+  if (!body_.constraints().follow_rest(time_))
+    throw InputError(
+        "there is no derivative by rest positions: a constraint turns what it holds, or holds it "
+        "where it was grasped");
+  const RestSlope slope = rest_slope(body_, time_, direction);
+  // u = x - X, and where a vertex is held, x = X + translation
+  return dot(adjoint.multipliers.force, slope.forces) + objective.energy * slope.energy +
+         dot(adjoint.motion, direction) - dot(objective.displacement, direction);
 }
 
 std::vector<double> EquilibriumSlopes::displacement(const std::vector<double>& forces,

@@ -47,6 +47,11 @@ class EquilibriumSlopes {
   /// One linear solve to this relative residual. Throws InputError if the tangent is indefinite:
   /// the equilibrium is unstable.
   Adjoint adjoint(const ObjectiveSlopes& objective, double tolerance) const;
+  /// The derivative of the same objective along a direction of rest positions, 3 numbers per
+  /// vertex, by rest_slope(), whose errors it throws; held vertices move along. Throws InputError
+  /// if constraints turn what they hold, or hold it where it was grasped.
+  double along_rest(const ObjectiveSlopes& objective, const Adjoint& adjoint,
+                    std::span<const double> direction) const;
   /// du/dp from df/dp, in the same way.
   std::vector<double> displacement(const std::vector<double>& forces, double tolerance) const;
   /// dR/dp from df/dp and du/dp; 0 where components are free.

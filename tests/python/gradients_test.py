@@ -189,6 +189,37 @@ class Gradients(unittest.TestCase):
                          by_differences(lambda by: J(sim).value(stretched(by)), 0.2, 1e-3))
         self.assertEqual(abs(a.motion[(sim.rest[:, 0] > 0) & ~end]).max(), 0)
 
+    def test_by_rest_positions(self):
+        """Of a bar whose shape changes, after a cut, beside scenes of the other shapes."""
+        def shaped(model, by):
+            box = suture.Simulation(sagging(model)).mesh()
+            x = box.points
+            bulge = np.c_[0.1 * x[:, 1] * x[:, 0], 0.05 * x[:, 0] ** 2, 0.1 * np.sin(x[:, 0])]
+            mesh = suture.Mesh(x + (0.5 + by) * bulge, box.hexahedra)
+            base, end = (np.flatnonzero(x[:, 0] == at).tolist() for at in (0, 3))
+            sim = suture.Simulation(sagging(model, mesh=mesh, constraints=[
+                {"fix": "xyz", "where": {"ids": base}},
+                {"move": {"translation": [0.1, 0, 0]}, "ramp": 1, "where": {"ids": end}}]))
+            sim.cut(faces=[(4, 5), (8, 9)])
+            sim.run()
+            return sim, bulge[sim.point_ids]
+
+        def J(sim):
+            middle = np.flatnonzero(abs(sim.point_ids - 20) < 4)
+            base = np.flatnonzero(sim.rest[:, 0] == 0)
+            return (Quantity.displacement(middle, 1) + Quantity.reaction(base[:4], 0) / 1e5
+                    + Quantity.energy() / 1e4)
+
+        for model in set(shipped()) & {"tm-faure", "neo-hookean", "corotational"}:
+            with self.subTest(model=model):
+                sim, bulge = shaped(model, 0)
+                a = sim.adjoint(J(sim), 1e-10)
+                self.assert_near(
+                    a.along_rest(bulge),
+                    by_differences(lambda by: J(sim).value(shaped(model, by)[0]), 0, 1e-3))
+                whole = abs(a.along_rest(np.ones_like(bulge)))
+                self.assertLess(whole, 1e-6 * abs(a.motion).max())
+
     def test_objectives(self):
         sim = suture.Simulation(sagging("tm-faure", output={"probes": {"at": [
             {"name": "end", "where": {"set": "x1"}, "fields": ["displacement"]},

@@ -197,10 +197,11 @@ class Adjoint:
         slopes = slopes_of(objective, sim)
         has_reactions = not numpy.isscalar(slopes.reaction)
         self._sim = sim
+        self._displacement = _full(slopes.displacement, sim)
         self._energy = float(slopes.energy)
         self.value = slopes.value
-        found = sim._adjoint(_full(slopes.displacement, sim),
-                             slopes.reaction if has_reactions else None, self._energy, tolerance)
+        found = sim._adjoint(self._displacement, slopes.reaction if has_reactions else None,
+                             self._energy, tolerance)
         self.load = found[0]
         self.motion = found[1]
         self.iterations = found[2]
@@ -216,6 +217,13 @@ class Adjoint:
     def gravity(self):
         """dJ/dg, (3,): by the acceleration of gravity now, after its ramp."""
         return self._sim.mass @ self.load
+
+    def along_rest(self, direction):
+        """The derivative if all rest positions move along a direction, (vertices, 3): of shapes.
+        Held vertices move along, and dead loads stay as they are."""
+        self._require_state()
+        return self._sim._along_rest(self._displacement, self._energy, self.load, self.motion,
+                                     numpy.asarray(direction, float))
 
     def gradient(self, model, parameter, per=None):
         """dJ/dp of a parameter of a model.

@@ -262,6 +262,17 @@ double Constraints::driven_kinetic(Attributes& attributes) const {
   return sum;
 }
 
+double Constraints::driven_inertia(Attributes& attributes) const {
+  double sum = 0;
+  for (const Driven& driven : driven_) {
+    const double mass = attributes.mass().get(driven.vertex, 0);
+    for_each_component(driven.components, [&](std::size_t c) {
+      sum += mass * driven.velocity[c] * driven.velocity[c];
+    });
+  }
+  return sum;
+}
+
 Placed PrescribedMotion::at(double time) const {
   if (!path.empty()) return path.at(time);
   const double s = ramp.value(time), rate = ramp.rate(time);

@@ -102,6 +102,8 @@ class Constraints {
   double work_until_now(Attributes& attributes, const Vec3& gravity, double before) const;
   /// sum m v^2 / 2 of the driven components, J.
   double driven_kinetic(Attributes& attributes) const;
+  /// sum m w- . w-, J.
+  double driven_inertia(Attributes& attributes) const;
   /// The first vertex at which a held component of `column` is not finite, or `none`.
   Index first_not_finite(const Column& column) const;
   void state(Archive& archive);

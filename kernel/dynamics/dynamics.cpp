@@ -56,7 +56,10 @@ void Dynamics::step(double dt, double end) {
   }
   if (integrator_->is_other_step(dt)) {
     const WithContactForces with_contact(body());
-    ledger_.change_step(motion_.leapfrog_part(dt) - motion_.leapfrog_part(motion_.last_step()));
+    const double difference =
+        motion_.leapfrog_part(dt) - motion_.leapfrog_part(motion_.last_step());
+    ledger_.change_step(difference);
+    motion_.sums().change_step(difference);
   }
   integrator_->accept(end);
 }
@@ -112,9 +115,11 @@ EnergyBalance Dynamics::check_balance() {
 
 void Dynamics::jump(const std::function<void()>& change, bool keeps_forces) {
   if (ledger_.has_start()) ledger_.before_jump(now());
+  const double inertia = motion_.inertia();
   change();
   if (!keeps_forces) motion_.forget_forces();
   forget_last();
+  motion_.sums().shift_inertia(motion_.inertia() - inertia);
   if (ledger_.has_start()) ledger_.after_jump(now());
 }
 
@@ -177,7 +182,7 @@ void Dynamics::change_forces(const std::function<void()>& change) {
   integrator_->forget_cells();
 }
 
-/// Cells, positions or velocities jumped: nothing is booked between the step before and the next.
+/// Cells, positions or velocities jumped: the step before and the next do not show a frequency.
 void Dynamics::forget_last() {
   motion_.sums().resize(body().attributes().vertex_count());
   motion_.sums().forget_last();
@@ -190,10 +195,13 @@ void Dynamics::forget_last() {
 /// before the operation and not with those after it.
 void Dynamics::before(const ComingOperation& operation) {
   removal_.reset();
+  touched_.assign(operation.vertices.begin(), operation.vertices.end());
+  touches_all_ =
+      operation.vertices.empty() || (!operation.only_apart && body().constraints().has_driven());
+  inertia_ = touched_inertia();
   if (!operation.only_apart && ledger_.has_start()) {
     if (changes_locally(operation)) {
       removal_.emplace();
-      removal_->vertices.assign(operation.vertices.begin(), operation.vertices.end());
       removal_->elements = body().models().elements_around(operation.vertices);
       removal_->before = part_at(operation.vertices);
       for_each_with<WorkTerm>(body().terms(), [&](const WorkTerm& term) {
@@ -270,20 +278,30 @@ Ledger::Part Dynamics::part_at(std::span<const Index> vertices) {
 }
 
 void Dynamics::book_removal(const TopologyChange& change) {
-  std::vector<Index> vertices = removal_->vertices;
-  for (const Split& split : change.splits[0])
-    if (std::ranges::binary_search(removal_->vertices, split.old_cell))
-      vertices.push_back(split.new_cell);
-  std::erase_if(vertices, [&](Index v) { return !body().complex().exists(0, v); });
   for (const Split& copy : change.copies) removal_->elements.push_back(copy.new_cell);
   motion_.sums().resize(body().attributes().vertex_count());
   motion_.sums().forget_last();
   auto booked = removal_->booked.begin();
   for_each_with<WorkTerm>(body().terms(), [&](WorkTerm& term) {
-    term.shift_booked(term.booked_at(vertices) - *booked++);
+    term.shift_booked(term.booked_at(touched_) - *booked++);
   });
-  ledger_.book_jump(removal_->before, part_at(vertices));
+  ledger_.book_jump(removal_->before, part_at(touched_));
   removal_.reset();
+}
+
+/// The vertices of the operation that there are now.
+void Dynamics::follow_touched(const TopologyChange& change) {
+  const auto before = static_cast<std::ptrdiff_t>(touched_.size());
+  for (const Split& split : change.splits[0])
+    if (std::binary_search(touched_.begin(), touched_.begin() + before, split.old_cell))
+      touched_.push_back(split.new_cell);
+  std::erase_if(touched_, [&](Index v) { return !body().complex().exists(0, v); });
+}
+
+/// Only mass damping asks for it.
+double Dynamics::touched_inertia() const {
+  if (motion_.damping() == 0 || is_implicit()) return 0;
+  return touches_all_ ? motion_.inertia() : motion_.inertia_at(touched_);
 }
 
 void Dynamics::follow(const CellComplex&, const TopologyChange& change) {
@@ -291,6 +309,8 @@ void Dynamics::follow(const CellComplex&, const TopologyChange& change) {
   motion_.forget_forces();
   integrator_->forget_cells();
   kick_changed(change);
+  follow_touched(change);
+  motion_.sums().shift_inertia(touched_inertia() - inertia_);
   if (change.faces_sewn == 0 && change.removed[3].empty()) {
     motion_.sums().resize(body().attributes().vertex_count());
     motion_.sums().forget_chunks();

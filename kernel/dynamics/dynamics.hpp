@@ -104,6 +104,8 @@ class Dynamics : private Follower {
   bool changes_locally(const ComingOperation& operation);
   Ledger::Part part_at(std::span<const Index> vertices);
   void book_removal(const TopologyChange& change);
+  void follow_touched(const TopologyChange& change);
+  double touched_inertia() const;
 
   Motion motion_;
   std::unique_ptr<Integrator> integrator_;
@@ -114,9 +116,12 @@ class Dynamics : private Follower {
     Vec3 acceleration;
   };
   std::vector<Changing> changing_;
+  /// The vertices of the current operation, those that it has made last.
+  std::vector<Index> touched_;
+  bool touches_all_ = false;  ///< any may change
+  double inertia_ = 0;        ///< touched_inertia() before it, J
   /// An operation whose jump of the energy is booked around its vertices.
   struct Removal {
-    std::vector<Index> vertices;  ///< ascending
     std::vector<Index> elements;  ///< around them
     Ledger::Part before;
     std::vector<double> booked;  ///< per term

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <string>
 
+#include "kernel/attributes/held.hpp"
 #include "kernel/base/aligned.hpp"
 #include "kernel/forces/contact_law.hpp"
 #include "kernel/forces/loops/dispatch.hpp"
@@ -306,6 +307,25 @@ Motion::Sums Motion::sums_at(std::span<const Index> vertices, std::span<const Ve
   loops_.kick(&m, 0, count, &power);  // with no length: nothing changes
   sums.power = power.before;
   return sums;
+}
+
+double Motion::inertia_at(std::span<const Index> vertices) const {
+  Attributes& attributes = body_.attributes();
+  double sum = 0;
+  for (const Index v : vertices) {
+    const unsigned held = held_components(attributes, v);
+    const double* velocity = attributes.velocity().rows() + std::size_t{v} * 4;
+    for (std::size_t c = 0; c < 3; ++c)
+      if (!is_held(held, c)) sum += attributes.mass().get(v, 0) * velocity[c] * velocity[c];
+  }
+  return sum;
+}
+
+double Motion::inertia() const {
+  std::vector<Index> all;
+  for (Index v = 0; v < body_.attributes().vertex_count(); ++v)
+    if (moving()[v]) all.push_back(v);
+  return inertia_at(all) + body_.constraints().driven_inertia(body_.attributes());
 }
 
 Index Motion::fastest_vertex() const {

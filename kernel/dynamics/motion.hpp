@@ -92,6 +92,12 @@ class Motion {
   Sums sums_at(std::span<const Index> vertices, std::span<const Vec3> forces,
                const Kick& kick) const;
 
+  /// sum m v- . v-: of free components, and with the mean velocity of the last step of driven ones,
+  /// J.
+  double inertia() const;
+  /// The part of some vertices that are not driven.
+  double inertia_at(std::span<const Index> vertices) const;
+
   /// Stops the vertices and sets their velocities to zero; the evaluated forces remain valid.
   void freeze(std::span<const Index> vertices);
   void thaw();

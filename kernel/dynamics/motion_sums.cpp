@@ -61,10 +61,11 @@ void MotionSums::finish_step(double before, double now, bool damps, double conta
   work_ += work;
   largest_kinetic_ = std::max(largest_kinetic_, sum.inertia / 2);
   driven_ += sum.driven.work;
-  if (damps && has_last_)
-    damped_ += work + contact + sum.driven.work + sum.driven.inertia -
-               (sum.inertia - sum.last_inertia) / 2;
-  has_last_ = true;
+  if (damps && has_inertia_)
+    damped_ +=
+        work + contact + sum.driven.work + sum.driven.inertia - (sum.inertia - last_inertia_) / 2;
+  last_inertia_ = sum.inertia;
+  has_last_ = has_inertia_ = true;
   whole_body_only_ = false;
 }
 
@@ -79,6 +80,8 @@ void MotionSums::state(Archive& archive) {
   archive.rows<double>("chunks", chunks_);
   archive("has last", has_last_);
   archive("whole body only", whole_body_only_);
+  archive("has inertia", has_inertia_);
+  archive("last inertia", last_inertia_);
   archive("noise", noise_);
   archive("frequency", frequency_);
   archive("fastest", fastest_);

@@ -27,7 +27,8 @@ struct StepSums {
 ///   A_n = sum m a_n . v-,   B_n = sum m a_n . v+,   C_n = sum m v+ . v+
 ///
 ///   work of all forces       W = sum over n of (h- A_n + h+ B_n) / 2
-///   taken by mass damping    D = W + prescribed motion - (C_n - C_0) / 2
+///   taken by mass damping    D = W + prescribed motion - (C_n - C_0) / 2, without what operations
+///                                and other jumps between steps change of C
 ///   apparent frequency       w^2 = - (A_n - B_{n-1}) / (h C_{n-1}) = - dx.df / (dx . M dx)
 ///
 /// (Park and Underwood, A variable-step central difference method for structural dynamics
@@ -68,6 +69,11 @@ class MotionSums {
   /// Call when cells were removed or joined, or vertices fell asleep: the sums of the previous step
   /// do not belong to the current vertices.
   void forget_last();
+  /// Call when such a change has added this to the sum of m v- . v-, J.
+  void shift_inertia(double difference) { last_inertia_ += difference; }
+  /// Call before a step whose length differs from that before it. W is then (h+^2 - h-^2)/8 sum
+  /// F^2/m more than the kinetic energy gains: this difference, J, is not damping.
+  void change_step(double difference) { last_inertia_ -= 2 * difference; }
   /// Call when vertices were split: only the sums over the whole body continue.
   void forget_chunks() { whole_body_only_ = true; }
 
@@ -96,6 +102,8 @@ class MotionSums {
 
   std::vector<Chunk> chunks_;
   bool has_last_ = false, whole_body_only_ = false;
+  bool has_inertia_ = false;
+  double last_inertia_ = 0;  ///< C_{n-1} of the whole body, and what jumps have changed
   double noise_ = 0, frequency_ = 0;
   Index fastest_ = none;
   double work_ = 0, damped_ = 0, driven_ = 0, largest_kinetic_ = 0;

@@ -47,6 +47,21 @@ TEST(Ledger, DampingIsStillCountedAfterItWasSetOnTheWay) {
   EXPECT_NEAR(o.dynamics.balance().dissipated, lost, 0.01 * lost);
 }
 
+// Long steps near the middle, where there is no force, short ones at the turning points.
+TEST(Ledger, StepsOfOtherLengthsDampNoLess) {
+  for (const char* scheme : schemes) {
+    const double alpha = 0.05;
+    Oscillator o(with(scheme, alpha));
+    o.displace(1e-3);
+    const double all = o.start().elastic;
+    while (o.dynamics.time() < 10) o.step(std::abs(o.u()) < 5e-4 ? 1e-2 : 1e-3);
+    const EnergyBalance b = o.dynamics.balance();
+    const double lost = all - energy_left(1e-3, alpha, o.dynamics.time());
+    EXPECT_NEAR(b.dissipated, lost, 0.01 * lost) << scheme;
+    EXPECT_NEAR(b.balance, b.recoverable, 0.01 * lost) << scheme;
+  }
+}
+
 // Springs with c between two plates: the same equation with alpha = c / m.
 TEST(Ledger, ViscousSpringsDissipateWhatTheClosedFormLoses) {
   for (const char* scheme : schemes) {
@@ -168,6 +183,44 @@ TEST(Ledger, RemovalsAreBookedAsEventsAndNothingElseJumps) {
         EXPECT_LT(std::abs(end.balance), 0.02 * end.exchanged);
         expect_to_add_up(start, end);
       }
+}
+
+// Damping takes alpha h times twice the kinetic energy, in the step after an operation as well.
+TEST(Ledger, DampingIsCountedInTheStepAfterAnOperation) {
+  for (const char* scheme : schemes) {
+    constexpr double alpha = 20, h = 2e-4;
+    Moving m(box(4, 3, 2), with(scheme, alpha, {0.5, -9.8, 0}));
+    m.hold(m.at(0, 0), 7);
+    m.start();
+    m.run(h, 500);
+    const auto expect_damping = [&](const char* operation) {
+      const EnergyBalance before = m.dynamics.balance();
+      m.step(h);
+      const double lost = m.dynamics.balance().dissipated - before.dissipated;
+      EXPECT_NEAR(lost, 2 * alpha * h * before.kinetic, 0.02 * lost) << scheme << operation;
+    };
+    expect_damping(" nothing");
+    const std::vector<Dart> side{24 * 1 + 8};
+    const Dart behind = m.body.complex().beta3(side[0]);
+    ASSERT_NE(behind, none);
+    m.body.cut(side);
+    expect_damping(" cut");
+    m.body.sew({{side[0], behind}});
+    expect_damping(" sew");
+    m.body.pierce({23});
+    expect_damping(" pierce");
+    m.dynamics.jump([&] {
+      for (Index v = 0; v < m.body.attributes().vertex_count(); ++v)
+        if (m.body.attributes().fixed().get(v, 0) == 0)
+          m.body.attributes().velocity().set(v, 0, m.body.attributes().velocity().get(v, 0) + 0.5);
+    });
+    expect_damping(" kick");
+    m.dynamics.constrain([&] {
+      m.hold(m.at(0, 1), 7);
+      return std::vector<Index>{};
+    });
+    expect_damping(" hold");
+  }
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "apps/python/contact.hpp"
 #include "apps/python/errors.hpp"
 #include "apps/python/given_mesh.hpp"
+#include "apps/python/gradients.hpp"
 #include "apps/python/parameters.hpp"
 #include "apps/python/python_term.hpp"
 #include "apps/python/results.hpp"
@@ -350,6 +351,7 @@ void bind_changes(Class& session) {
       .def("_parameters",
            [](Session& s, std::size_t model) { return parameters(instance_at(s, model)); })
       .def("_set_parameters", &Session::set_parameters)
+      .def("_set_field", &Session::set_field)
       .def_property(
           "gravity", [](Session& s) { return py::cast(s.simulation().built().gravity().value()); },
           [](Session& s, const py::object& value) { s.set_gravity(vector_of(value, "gravity")); },
@@ -418,6 +420,7 @@ void bind_session(py::module_& module) {
   bind_results(session);
   bind_changes(session);
   bind_operations(session);
+  bind_gradients(session);
 }
 
 }  // namespace

@@ -79,7 +79,11 @@ class Session {
   void move_grasp(const std::string& name, const Vec3& translation, double at);
   /// Simulation::set_parameters(), of a model by its number; `text` is JSON: {"E": 2e4}.
   void set_parameters(std::size_t model, const std::string& text);
+  /// Simulation::set_field(), of a model by its number.
+  void set_field(std::size_t model, const std::string& parameter, const py::array& values);
   void set_gravity(const Vec3& value);
+  /// Simulation::equilibrate().
+  void equilibrate();
   std::shared_ptr<SessionState> copy();
   /// Builds the run again and loads the state. If that fails, nothing has changed.
   void restore(const SessionState& state);

@@ -52,6 +52,12 @@ class Attributes {
   /// the instance and into mass() are no longer valid.
   void set_parameters(Instance& instance, std::vector<double> parameters,
                       const CellComplex& complex, Diagnostics& diagnostics);
+  /// The same with Instance::set_field().
+  void set_field(Instance& instance, std::size_t parameter, std::span<const double> values,
+                 const CellComplex& complex, Diagnostics& diagnostics);
+  /// Sums again what is computed from the parameters of an instance: its columns, and all masses.
+  /// O(elements).
+  void sum_again(Instance& instance, const CellComplex& complex);
   /// Saves the parameters of all instances, or sets those that are loaded: into a body as it was
   /// built, before its cells are loaded.
   void parameters(Archive& archive, const CellComplex& complex);
@@ -115,6 +121,7 @@ class Attributes {
   std::span<const Index> user_element;
 
  private:
+  void have_changed(Instance& instance, const CellComplex& complex, Diagnostics& diagnostics);
   void sum(Instance& instance, std::uint32_t number, const CellComplex& complex, RestBatch& rest,
            std::span<const double> uniform);
   void add_copies(const CellComplex& complex, std::span<const Split> copies);

@@ -449,6 +449,23 @@ bool MultiplierForces::update(double time) {
   return false;
 }
 
+bool MultiplierForces::hold(double time) {
+  support_ = 0;
+  bool is_whole = true;
+  for_each_push(time, [&](const Push& push) {
+    if (push.pressure > 0)
+      is_whole &= push.obstacle != Contact::between_pieces && push.coefficient == 0;
+  });
+  return is_whole;
+}
+
+void MultiplierForces::add_gap_tangent(const double* d, double time, double* out) {
+  for_each_push(time, [&](const Push& push) {
+    if (push.pressure > 0)
+      push.add(scaled(-push.stiffness * dot(push.normal, push.sum(d, 3)), push.normal), out, 3);
+  });
+}
+
 void MultiplierForces::accept() {
   accepted_of_obstacles_ = of_obstacles_;
   accepted_pairs_ = pairs_;

@@ -110,10 +110,14 @@ void RunLoop::fire_events(Observer& observer, const StepControl::Notify& notify)
 bool RunLoop::balance(const StepControl::Notify& notify) {
   if (!is_unbalanced_ || !built_.dynamics().is_static() || clock_.step() == 0) return false;
   if (records_.are_done() && !clock_.finished()) return false;  // the next step follows
+  find_equilibrium(notify);
+  return true;
+}
+
+void RunLoop::find_equilibrium(const StepControl::Notify& notify) {
   ending_.check_pieces(notify);
   control_.balance();
   is_unbalanced_ = false;
-  return true;
 }
 
 void RunLoop::fire_due_events(Observer& observer) {

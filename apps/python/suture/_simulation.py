@@ -282,6 +282,23 @@ class Simulation(_suture.Simulation):
 
         return Parameters(self)
 
+    # ---- derivatives ----
+
+    def adjoint(self, objective, tolerance=1e-6):
+        """The derivative of an objective at this equilibrium by everything that determines it: an
+        Adjoint, whose cost is one linear solve. Raises InputError with the reason where there is
+        none. See suture.gradient() for objectives."""
+        from ._gradients import Adjoint
+
+        return Adjoint(self, objective, tolerance)
+
+    def sensitivity(self, model, parameter, per=None, tolerance=1e-6):
+        """The derivative of this equilibrium by a parameter of a model: a Sensitivity, whose cost
+        is one linear solve per number. See Adjoint.gradient() for per."""
+        from ._gradients import Sensitivity
+
+        return Sensitivity(self, model, parameter, per, tolerance)
+
     # ---- callbacks ----
 
     def every(self, steps):

@@ -145,7 +145,7 @@ struct Parser {
       line.command = run;
     });
 
-    add_live(*app.add_subcommand("live", "run a scene that a browser shows and controls"));
+    add_live(*app.add_subcommand("live", "run a scene, or continue a recording, in a browser"));
 
     auto* check_app = app.add_subcommand("check", "report every mistake in a scene");
     add_scene(*check_app, check.scene, check.sets);

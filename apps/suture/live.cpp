@@ -25,7 +25,13 @@ class LiveObserver final : public Observer {
 
 /// Who watches a run decides when it ends. An end that the user gives stays; static runs and runs
 /// until rest have their own.
-Scene open_scene(const LiveCommand& command, PluginHost& host, Diagnostics& diagnostics) {
+Scene open_scene(const LiveCommand& command, const std::optional<Recording>& recording,
+                 PluginHost& host, Diagnostics& diagnostics) {
+  if (recording) {
+    Scene scene = read_scene_source(recording->source, command.sets, host, diagnostics);
+    leave_out_results(scene);
+    return scene;
+  }
   Scene scene = read_scene(command.scene, command.sets, host, diagnostics);
   const bool is_given = std::ranges::any_of(
       command.sets, [](const std::string& set) { return set.starts_with("/solver/end="); });
@@ -44,20 +50,23 @@ Scene open_scene(const LiveCommand& command, PluginHost& host, Diagnostics& diag
 int live(const LiveCommand& command, Console& console) {
   catch_signals();
   PluginHost host(&console.diagnostics());
-  const Scene scene = open_scene(command, host, console.diagnostics());
+  std::optional<Recording> recording;
+  if (is_recording(command.scene)) recording = read_recording(command.scene);
+  const Scene scene = open_scene(command, recording, host, console.diagnostics());
   const auto server = open_live_server(static_cast<std::uint16_t>(command.port), command.host);
   std::optional<Device> device;
   if (!command.device.empty()) device.emplace(command.device);
   LiveRun run(scene, host, console.diagnostics(), *server, command.recording);
   if (device) run.follow(*device, command.hold);
   has_started();
+  LiveObserver observer(console);
+  if (recording && !run.continue_from(*recording, observer)) return 0;
   console.print(
       (command.host.empty() ? "open in a browser on this machine: " : "open in a browser: ") +
       server->address());
   if (!command.host.empty())
     console.note("who has this address controls the run; what is sent is not encrypted");
   std::fflush(stdout);
-  LiveObserver observer(console);
   run.run(observer);
   run.end();
   if (run.recording().has_inputs())

@@ -102,12 +102,12 @@ void LiveRun::run(Observer& observer) {
   play(false);
   while (!observer.stop_requested()) {
     for (const std::string& text : server_.take_inputs()) obey(text, reporter);
+    report_warnings();
+    show();  // before steps, which may take long
     if (status_.is_playing)
       make_due_steps(reporter);
     else
       server_.wait(idle);
-    report_warnings();
-    show();
   }
 }
 
@@ -128,6 +128,14 @@ void LiveRun::show_last() {
   report_warnings();
   status_.is_playing = false;
   if (server_.is_watched()) server_.show(pictures_->picture(status_));
+}
+
+bool LiveRun::continue_from(const Recording& recording, Observer& observer) {
+  const bool is_there = repeat(recording, scene_, *simulation_, observer, diagnostics_);
+  compare_end(recording, *simulation_, diagnostics_);
+  for (const RecordedInput& input : recording.inputs) record(input);
+  tell_lists();  // values may have changed
+  return is_there;
 }
 
 void LiveRun::record(const RecordedInput& input) {

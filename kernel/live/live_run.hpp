@@ -37,6 +37,9 @@ class LiveRun {
           LiveServer& server, std::filesystem::path recording, std::span<const RecordedInput> done);
   ~LiveRun();
 
+  /// Makes the steps of a recording with its inputs, which are recorded again. Call before run().
+  /// Throws the errors of repeat(). False if `observer` has stopped it.
+  bool continue_from(const Recording& recording, Observer& observer);
   /// Goes on, at first paused, until `observer` requests a stop. Throws IoError of the recording.
   void run(Observer& observer);
   /// Ends the recording. Throws IoError.

@@ -40,8 +40,8 @@ class Pictures {
   nlohmann::json greeting() const;
   /// Shows another field from now on. Throws InputError if there is none of this name.
   void choose(const std::string& field);
-  /// O(boundary), and the costs of the field and, ten times per second, of the plots. Throws
-  /// NumericalError if a value to plot is not finite.
+  /// O(boundary), and the costs of the field and, at most ten times per second, of the plots.
+  /// Throws NumericalError if a value to plot is not finite.
   LivePicture picture(const LiveStatus& status);
   /// Call after the simulation has loaded a state.
   void find_surface_again() { surface_.find_again(); }

@@ -100,6 +100,35 @@ TEST_F(GoesBack, RepeatsWhatCountsBitForBit) {
   expect_same_bits(recording());
 }
 
+TEST_F(GoesBack, ContinuesARecording) {
+  make(30);
+  page.send(cut);
+  make(20);
+  stop();
+  const Recording first = read_recording(recording());
+  Diagnostics diagnostics;
+  Observer nobody;
+  const auto server = open_live_server(0);
+  const std::filesystem::path file = folder_ / "second.jsonl";
+  {
+    LiveRun run(scene_, host(), diagnostics, *server, file);
+    ASSERT_TRUE(run.continue_from(first, nobody));
+    EXPECT_EQ(state_hash(run.simulation()), first.end);
+    Stop at_once;
+    at_once.is_set = true;
+    run.run(at_once);
+    run.end();
+  }
+  const Recording second = read_recording(file);
+  EXPECT_EQ(second.inputs.size(), 1U);
+  EXPECT_EQ(second.end, first.end);
+  EXPECT_EQ(second.last_step, 50U);
+  Recording wrong = first;
+  wrong.start = "0123456789abcdef";
+  LiveRun other(scene_, host(), diagnostics, *server, folder_ / "third.jsonl");
+  EXPECT_THROW(other.continue_from(wrong, nobody), InputError);
+}
+
 TEST_F(GoesBack, KeepsNoStateForARefusedAction) {
   EXPECT_EQ(kept().size(), 0U);
   page.send(R"({"do":"apply","event":{"cut":{}}})");

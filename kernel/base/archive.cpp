@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 
+#include "kernel/base/bulk.hpp"
 #include "kernel/base/error.hpp"
 
 namespace suture {
@@ -64,6 +65,7 @@ void TreeWriter::refuse(const std::string& why) const { throw std::logic_error(w
 void TreeWriter::write(const char* name, const Shape& shape, const void* data) {
   StateTree::Array array{shape.type, shape.columns, shape.rows, nullptr};
   array.bytes = std::make_unique_for_overwrite<std::byte[]>(array.size());
+  prefer_large_pages(array.bytes.get(), array.size());
   if (array.size() != 0) std::memcpy(array.bytes.get(), data, array.size());
   if (!path_.back()->arrays.emplace(name, std::move(array)).second)
     throw std::logic_error(std::string("two states have the same name ") + name);

@@ -147,6 +147,7 @@ void LiveRun::keep(const std::string& name, bool is_before_action) {
 
 /// Keeps the state before an action, which may be refused.
 void LiveRun::as_action(const std::string& name, const std::function<void()>& action) {
+  next_picture_ = Wall::now();  // who acts wants to see it
   if (!own_) return action();
   keep(name, true);
   try {

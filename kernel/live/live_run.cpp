@@ -102,12 +102,12 @@ void LiveRun::run(Observer& observer) {
   play(false);
   while (!observer.stop_requested()) {
     for (const std::string& text : server_.take_inputs()) obey(text, reporter);
+    report_warnings();
+    show();  // before steps, which may take long
     if (status_.is_playing)
       make_due_steps(reporter);
     else
       server_.wait(idle);
-    report_warnings();
-    show();
   }
 }
 

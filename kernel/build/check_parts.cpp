@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "kernel/base/error.hpp"
+#include "kernel/dynamics/integrator.hpp"
 
 namespace suture {
 namespace {
@@ -21,8 +22,8 @@ class PartsCheck {
   /// `by_blade`: cuts make parts.
   explicit PartsCheck(bool by_blade) : by_blade_(by_blade) {}
   void check(const Scene& scene) {
-    if (scene.contact.pieces)
-      refuse(scene.contact.self ? "/contact/self" : "/contact/pieces", "remove it,");
+    if (scene.contact.self) refuse("/contact/self", "remove it,");
+    if (scene.contact.pieces) check_pieces(scene);
     for (const Obstacle& obstacle : scene.contact.obstacles)
       if (obstacle.coupling)
         add(obstacle.path + "/coupling",
@@ -34,6 +35,15 @@ class PartsCheck {
       add("/output/cuts",
           "shows whole faces of elements, and those of this body reach out of it; give "
           "\"surface\": true, whose field \"cut\" marks the faces that were cut");
+  }
+  /// Lips and pieces that are embedded touch by impulses.
+  void check_pieces(const Scene& scene) {
+    const std::string needs =
+        "needs explicit steps without sleep where the surface lies inside of elements; ";
+    if (is_implicit(scene.solver.integrator))
+      add("/contact/pieces", needs + "use \"symplectic-euler\" or \"velocity-verlet\"");
+    if (scene.solver.sleep_acceleration > 0)
+      add("/contact/pieces", needs + "remove \"sleep\" in /solver");
   }
   void check(const Event& event) {
     if (std::holds_alternative<SewFaces>(event.what)) refuse(event.path + "/suture", "remove it,");

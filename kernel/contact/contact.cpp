@@ -79,7 +79,10 @@ Contact::Contact(const CellComplex& complex, Attributes& attributes,
 // --------------------------------------------------------------------- a step --
 
 void Contact::touch_pieces(const PieceContact::Options& options) {
-  pieces_ = std::make_unique<PieceContact>(complex_, surface_, attributes_, options, mean_edge_);
+  if (points_)
+    pairs_.emplace(complex_, attributes_, *points_, options.friction, mean_edge_);
+  else
+    pieces_ = std::make_unique<PieceContact>(complex_, surface_, attributes_, options, mean_edge_);
 }
 
 void Contact::prepare(const ContactStep& step) {
@@ -111,6 +114,7 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   step_work_ = 0;
   find_near_obstacles(step);
   if (pieces_) find_touching_pieces(step);
+  if (pairs_) find_pairs();
   if (edges_) {
     find_at_edges();
     edges_->engage(step.whole_gain);
@@ -120,6 +124,7 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   for (std::size_t i = 0; i < near_.size(); ++i)
     book(near_[i], points_ ? std::span<PushBy>() : pushes_on(i), step);
   if (points_) book_points(step);
+  if (pairs_) book_pairs(step);
   if (edges_) book_edges(step);
   if (points_ || edges_)
     for (const Near& near : near_) near_of_vertex_[near.vertex] = none;
@@ -127,7 +132,7 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   sum_loads();
   if (pieces_) book_friction_of_pieces(step);
   closing_speed_ = 0;
-  if (pieces_ && pieces_->may_meet()) {
+  if ((pieces_ && pieces_->may_meet()) || (pairs_ && pairs_->may_meet())) {
     const Box box = box_around(attributes_.velocity().rows(), vertices_);
     closing_speed_ = norm(minus(box.high, box.low));
   }
@@ -141,7 +146,7 @@ void Contact::find_near_obstacles(const ContactStep& step) {
   pushes_.clear();
   point_masses_.clear();
   const double reach = pushed * mean_edge_;
-  const double margin = pieces_ || has_tools_ ? reach : 0;  // others push it, too
+  const double margin = pieces_ || pairs_ || has_tools_ ? reach : 0;  // others push it, too
   if (points_) points_->gather(attributes_);
   const std::span<const Index> all = points_ ? points_->numbers() : vertices_;
   const double* x = points_ ? points_->positions() : attributes_.position().rows();
@@ -436,6 +441,7 @@ void Contact::follow(const CellComplex& complex, const TopologyChange& change) {
   surface_.follow(complex, change);
   if (points_) {
     points_->follow();
+    if (pairs_) pairs_->follow();
     sides_.clear();
   } else {
     sides_.follow(complex, change);
@@ -457,6 +463,7 @@ void Contact::state(Archive& archive) {
   if (archive.loads()) {
     vertices_.clear();
     if (points_ && archive.has_cells()) points_->follow();
+    if (pairs_) pairs_->follow();
   }
   if (pieces_) archive("pieces", *pieces_);
   archive.member("touching", touches_, &Touch::vertex);

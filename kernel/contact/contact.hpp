@@ -13,6 +13,7 @@
 #include "kernel/contact/entered_sides.hpp"
 #include "kernel/contact/piece_contact.hpp"
 #include "kernel/contact/placed_obstacle.hpp"
+#include "kernel/contact/point_pairs.hpp"
 #include "kernel/contact/surface_points.hpp"
 #include "kernel/contact/tool.hpp"
 #include "kernel/forces/contact_law.hpp"
@@ -85,8 +86,8 @@ class Contact final : public ContactLaw {
   Contact(const CellComplex& complex, Attributes& attributes, std::vector<Obstacle> obstacles,
           double thickness, SurfacePoints::Source embedding = {});
 
-  /// Lets pieces and the lips of cuts touch each other (PieceContact); call it before any
-  /// operation.
+  /// Lets pieces and the lips of cuts touch each other (PieceContact, or PointPairs of an embedded
+  /// surface); call it before any operation.
   void touch_pieces(const PieceContact::Options& options);
   /// Null without them.
   const PieceContact* pieces() const { return pieces_.get(); }
@@ -199,10 +200,14 @@ class Contact final : public ContactLaw {
   void push_path(VertexPath& path, std::span<PushBy> pushes) const;
   bool is_free(Index point, const LiveMask& moving) const;
   void add_near_point(Index number);
+  void find_pairs();
   void push_points(double dt);
   std::array<double, 2> sweep_points(double dt);
   Vec3 push_point(std::size_t i, double dt);
+  Vec3 change_of(std::size_t i, const Vec3& end, const Vec3& velocity, double dt);
+  void add_point(const ContactPoint& point);
   void book_points(const ContactStep& step);
+  void book_pairs(const ContactStep& step);
   void book_edges(const ContactStep& step);
   Vec3 mean_velocity(const ContactPoint& point, const ContactStep& step) const;
   void book(Near& near, std::span<const PushBy> pushes, const ContactStep& step);
@@ -229,6 +234,9 @@ class Contact final : public ContactLaw {
   std::vector<PushBy> pushes_;      ///< of pushed_
   std::vector<Correction> corrections_;
   std::unique_ptr<PieceContact> pieces_;
+  std::optional<PointPairs> pairs_;
+  std::size_t first_pair_ = 0;         ///< in pushed_: pairs follow what obstacles may push
+  std::vector<Vec3> pair_tangential_;  ///< of the changes of pairs, m/s
   std::optional<CuttingEdges> edges_;
   std::vector<double> forces_;     ///< without contact and acceleration, of boundary vertices, N
   std::vector<Index> near_place_;  ///< in near_, by place in PieceContact::touching()

@@ -18,8 +18,20 @@ bool Contact::is_free(Index point, const LiveMask& moving) const {
   });
 }
 
-void Contact::add_near_point(Index number) {
-  const ContactPoint point = (*points_)[number];
+void Contact::add_near_point(Index number) { add_point((*points_)[number]); }
+
+/// After the points near obstacles.
+void Contact::find_pairs() {
+  first_pair_ = pushed_.size();
+  pairs_->find();
+  pair_tangential_.assign(pairs_->size(), {});
+  for (std::size_t i = 0; i < pairs_->size(); ++i) {
+    add_point((*pairs_)[i]);
+    pushed_.emplace_back(static_cast<Index>(i), pushes_.size());
+  }
+}
+
+void Contact::add_point(const ContactPoint& point) {
   point_masses_.emplace_back(point, attributes_);
   near_of_vertex_.resize(attributes_.vertex_count(), none);
   for (const Index v : point.vertices) {
@@ -71,12 +83,36 @@ Vec3 Contact::push_point(std::size_t i, double dt) {
   const Vec3 last = pushed.change;
   const Vec3 end = minus(mass.point().sum(attributes_.position().rows()), scaled(dt, last));
   const Vec3 velocity = minus(mass.point().sum(attributes_.velocity().rows()), last);
-  VertexPath path{minus(end, scaled(dt, velocity)), end, {}, mass.fixed(), dt};
-  push_path(path, pushes_on(i));
-  pushed.change = path.change;
-  const Vec3 change = minus(path.change, last);
+  pushed.change = change_of(i, end, velocity, dt);
+  const Vec3 change = minus(pushed.change, last);
   if (change != Vec3{}) mass.change(change, dt);
   return change;
+}
+
+Vec3 Contact::change_of(std::size_t i, const Vec3& end, const Vec3& velocity, double dt) {
+  const unsigned fixed = point_masses_[i].fixed();
+  if (pairs_ && i >= first_pair_) {
+    const auto [normal, tangential] = pairs_->change(i - first_pair_, end, velocity, fixed, dt);
+    pair_tangential_[i - first_pair_] = tangential;
+    return plus(normal, tangential);
+  }
+  VertexPath path{minus(end, scaled(dt, velocity)), end, {}, fixed, dt};
+  push_path(path, pushes_on(i));
+  return path.change;
+}
+
+/// As for obstacles, with the mean sliding of the point over the triangle.
+void Contact::book_pairs(const ContactStep& step) {
+  for (std::size_t i = 0; i < pair_tangential_.size(); ++i) {
+    if (pair_tangential_[i] == Vec3{}) continue;
+    const PointMass& of = point_masses_[first_pair_ + i];
+    const Vec3 mean = mean_velocity(of.point(), step);
+    double heat = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+      heat -= step.work_gain * of.mass()[c] * pair_tangential_[i][c] * mean[c];
+    work_ += heat;
+    friction_work_ -= heat;
+  }
 }
 
 /// The work of the forces on vertices is booked; here, that of friction is found in it.

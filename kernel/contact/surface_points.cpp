@@ -25,15 +25,26 @@ const EmbeddedPoints& SurfacePoints::points() const {
   for (const auto& triangle : embedding.triangles)
     for (const Index p : triangle) is_used[p] = 1;
   points_ = {};
+  std::vector<Index> number(is_used.size(), none);
   for (const Index vertices : {1u, 2u, 4u, 8u})
     for (std::size_t p = 0; p < is_used.size(); ++p) {
       const Index first = embedding.points.first[p], end = embedding.points.first[p + 1];
       if (is_used[p] == 0 || end - first != vertices) continue;
+      number[p] = static_cast<Index>(points_.size());
       for (Index i = first; i < end; ++i) {
         points_.vertices.push_back(embedding.points.vertices[i]);
         points_.weights.push_back(embedding.points.weights[i]);
       }
       points_.first.push_back(static_cast<Index>(points_.vertices.size()));
+    }
+  triangles_ = embedding.triangles;
+  triangle_element_ = embedding.triangle_element;
+  is_laid_open_ = embedding.is_laid_open;
+  is_lip_.assign(points_.size(), 0);
+  for (std::size_t t = 0; t < triangles_.size(); ++t)
+    for (Index& p : triangles_[t]) {
+      p = number[p];
+      if (is_laid_open_[t] != 0) is_lip_[p] = 1;
     }
   numbers_.resize(points_.size());
   std::iota(numbers_.begin(), numbers_.end(), 0);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <span>
 #include <utility>
@@ -52,6 +54,14 @@ class SurfacePoints {
   }
   /// The vertices on which points depend, ascending.
   std::vector<Index> ascending_vertices() const;
+  /// Corners by point, counterclockwise as seen from outside.
+  std::span<const std::array<Index, 3>> triangles() const { return triangles_; }
+  Index triangle_element(std::size_t t) const { return triangle_element_[t]; }
+  /// Whether a cut or a removal has laid a triangle open.
+  bool is_laid_open(std::size_t t) const { return is_laid_open_[t] != 0; }
+  /// Whether it is a corner of such a triangle.
+  bool is_lip(Index p) const { return is_lip_[p] != 0; }
+  bool has_lips() const { return std::ranges::find(is_lip_, 1) != is_lip_.end(); }
   /// 0, 1, 2 ...
   std::span<const Index> numbers() const { return numbers_; }
   /// Makes positions() and velocities() those of the vertices now: rows of 4.
@@ -65,6 +75,9 @@ class SurfacePoints {
   Source source_;
   mutable bool is_current_ = false;
   mutable EmbeddedPoints points_;  ///< of the corners of triangles
+  mutable std::vector<std::array<Index, 3>> triangles_;
+  mutable std::vector<Index> triangle_element_;
+  mutable std::vector<std::uint8_t> is_laid_open_, is_lip_;
   mutable std::vector<Index> numbers_;
   std::vector<double> positions_, velocities_;
 };

@@ -158,5 +158,70 @@ TEST(BladeContact, OtherObstaclesPushMeanwhile) {
               0, 1e-6);
 }
 
+/// A block of 4 x 4 x 6 elements, held at its foot, that a plate presses by 2 %.
+Scene pressed_block(bool is_cut, double friction) {
+  Scene scene = block(tree_plugins(), "tm-faure", {4, 4, 6}, {4, 4, 6},
+                      {{"E", 1e5}, {"nu", 0.3}, {"rho", 1000}});
+  hold(scene, at({any, any, 0}), 7);
+  Obstacle plate{"plate", "/contact/obstacles/0", HalfSpace{{0, 0, 6}, {0, 0, -1}}};
+  plate.motion.stations = {{0.1, {}, 0}, {1.1, {0, 0, -0.12}, 0}};
+  scene.contact.obstacles = {plate};
+  scene.contact.pieces = true;
+  scene.contact.friction = friction;
+  scene.solver.damping = 5;
+  scene.solver.end = 3;
+  Event cut;
+  cut.what = CutPlane{.point = {2.1, 1.9, 3.1}, .normal = {0.35, 0.15, 1}, .along_blade = true};
+  cut.path = "/events/0";
+  cut.at = is_cut ? 0.05 : 3;
+  scene.events = {cut};
+  return scene;
+}
+
+TEST(BladeContact, LipsCarryPressureAndSlide) {
+  const auto force = [](bool is_cut, double friction) {
+    SlabRun run(pressed_block(is_cut, friction));
+    run.simulation.run_to(2.9, run.nobody);
+    EXPECT_EQ(run.islands(), is_cut ? 2u : 1u);
+    const EnergyBalance e = run.simulation.built().dynamics().balance();
+    EXPECT_LT(std::abs(e.balance), 0.001 * e.exchanged);
+    return run.simulation.contact()->loads()[0].force[2];
+  };
+  const double whole = force(false, 0), sticking = force(true, 1), sliding = force(true, 0);
+  EXPECT_NEAR(sticking / whole, 1, 0.01);
+  EXPECT_LT(sliding, 0.7 * whole);
+  EXPECT_GT(sliding, 0.4 * whole);
+}
+
+// Two halves that a pressure presses together, free in space.
+TEST(BladeContact, LipsPushEachOtherEqually) {
+  Scene scene = slab();
+  scene.gravity = {};
+  scene.contact.obstacles.clear();
+  scene.contact.pieces = true;
+  scene.contact.friction = 0.3;
+  scene.solver.damping = 0;
+  for (const double x : {0., 8.}) {
+    Load& load = scene.loads.emplace_back();
+    load.kind = Load::Kind::traction;
+    load.value = {x == 0 ? 2000. : -2000., 0, 0};
+    load.where = at({x, any, any});
+  }
+  SlabRun run(scene);
+  const auto angular = [&] {
+    Vec3 sum{};
+    for (Index v = 0; v < run.attributes().vertex_count(); ++v)
+      sum = plus(sum, scaled(run.mass(v), cross(row(run.attributes().position().rows(), v),
+                                                row(run.attributes().velocity().rows(), v))));
+    return sum;
+  };
+  run.simulation.run_to(1.2, run.nobody);
+  EXPECT_EQ(run.islands(), 2u);
+  const double impulse = 2000 * 12 * 1.2;
+  EXPECT_LT(norm(run.momentum()), 1e-10 * impulse);
+  EXPECT_LT(norm(angular()), 0.01 * impulse);
+  EXPECT_LT(run.simulation.contact()->friction_work(), 0);
+}
+
 }  // namespace
 }  // namespace suture::test

@@ -177,9 +177,17 @@ TEST(BladeScene, RefusesWhatActsOnWholeFaces) {
     return error_of<InputError>([&] { const Built built(scene); });
   };
   EXPECT_THAT(error([](Scene&) {}), IsEmpty());
+  EXPECT_THAT(error([](Scene& scene) { scene.contact.pieces = true; }), IsEmpty());
   EXPECT_THAT(
-      error([](Scene& scene) { scene.contact.pieces = true; }),
-      AllOf(StartsWith("/contact/pieces: acts on whole"), HasSubstr("or cut along \"faces\"")));
+      error([](Scene& scene) {
+        scene.contact.pieces = true;
+        scene.solver.integrator = "static";
+        scene.solver.sleep_acceleration = 1;
+      }),
+      AllOf(StartsWith("/contact/pieces: needs explicit steps"), HasSubstr("remove \"sleep\"")));
+  EXPECT_THAT(
+      error([](Scene& scene) { scene.contact.pieces = scene.contact.self = true; }),
+      AllOf(StartsWith("/contact/self: acts on whole"), HasSubstr("or cut along \"faces\"")));
   EXPECT_THAT(error([](Scene& scene) { scene.output.cuts = true; }),
               StartsWith("/output/cuts: shows whole faces"));
   EXPECT_THAT(error([](Scene& scene) {

@@ -189,8 +189,8 @@ TEST(FilledScene, RefusesWhatActsOnWholeFaces) {
   };
   EXPECT_TRUE(error([](Scene&) {}).empty());
   EXPECT_TRUE(error([](Scene& scene) {
-                scene.contact.pieces = true;
-              }).starts_with("/contact/pieces: acts on whole"));
+                scene.contact.self = true;
+              }).starts_with("/contact/self: acts on whole"));
   EXPECT_TRUE(error([](Scene& scene) {
                 scene.output.cuts = true;
               }).starts_with("/output/cuts: shows whole faces"));

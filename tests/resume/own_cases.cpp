@@ -142,6 +142,8 @@ Case along(Random& random, unsigned, std::uint64_t) {
   else if (random.chance(0.7))
     scene["contact"] = {{"friction", random.between(0, 0.5)},
                         {"obstacles", {rising_floor(random, 1)}}};
+  if (scene.contains("contact") && !scene["solver"].contains("sleep"))
+    scene["contact"]["pieces"] = random.chance(0.6);
   if (scene.contains("contact") && random.chance(0.5)) {
     scene["contact"]["obstacles"].push_back(
         {{"name", "knife"},

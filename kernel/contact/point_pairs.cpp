@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/contact/point_pairs.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernel/base/vec3.hpp"
+#include "kernel/contact/place_grid.hpp"
+#include "kernel/topology/islands.hpp"
+
+namespace suture {
+namespace {
+
+/// The weights of the corners for the place of a triangle that is nearest to p (Ericson, Real-Time
+/// Collision Detection, 2005, 5.1.5).
+Vec3 nearest_weights(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = minus(b, a), ac = minus(c, a), ap = minus(p, a);
+  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
+  const Vec3 bp = minus(p, b);
+  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
+  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
+  const Vec3 cp = minus(p, c);
+  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
+  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    const double w = (d4 - d3) / (d4 - d3 + d5 - d6);
+    return {0, 1 - w, w};
+  }
+  const double all = va + vb + vc;
+  return {va / all, vb / all, vc / all};
+}
+
+}  // namespace
+
+void PointPairs::find() {
+  if (is_stale_) find_pieces();
+  if (may_meet_ && (is_stale_ || has_moved())) find_near();
+  is_stale_ = false;
+  pairs_.clear();
+  vertices_.clear();
+  weights_.clear();
+  if (!may_meet_) return;
+  find_normals();
+  for (auto first = near_.begin(); first != near_.end();) {
+    const auto last = std::find_if(first, near_.end(),
+                                   [&](const Near& near) { return near.point != first->point; });
+    add_nearest({first, last});
+    first = last;
+  }
+}
+
+// ------------------------------------------------------------------ what may meet --
+
+void PointPairs::find_pieces() {
+  const Islands islands(complex_);
+  piece_of_.assign(points_.size(), none);
+  for (std::size_t t = 0; t < points_.triangles().size(); ++t)
+    for (const Index p : points_.triangles()[t])
+      piece_of_[p] = islands.of(points_.triangle_element(t));
+  may_meet_ = islands.existing() > 1 || points_.has_lips();
+}
+
+Vec3 PointPairs::place(Index point) const {
+  const double* x = points_.positions() + 4 * std::size_t{point};
+  return {x[0], x[1], x[2]};
+}
+
+bool PointPairs::has_moved() const {
+  const double limit = edge_ * skin / 2;
+  for (Index p = 0; p < searched_at_.size(); ++p) {
+    const Vec3 way = minus(place(p), searched_at_[p]);
+    if (dot(way, way) > limit * limit) return true;
+  }
+  return false;
+}
+
+void PointPairs::find_near() {
+  const double reach = (max_depth + skin) * edge_;
+  searched_at_.clear();
+  std::vector<PlaceGrid::Entry> entries;
+  for (Index p = 0; p < points_.size(); ++p) {
+    searched_at_.push_back(place(p));
+    entries.push_back({place(p), p, piece_of_[p]});
+  }
+  PlaceGrid grid(entries, 3 * reach, 2 * reach);
+  near_.clear();
+  for (Index t = 0; t < points_.triangles().size(); ++t) {
+    Box box = no_box;
+    for (const Index p : points_.triangles()[t]) include(box, place(p));
+    const Index except = points_.is_laid_open(t) ? none : piece_of_[points_.triangles()[t][0]];
+    for (const Index p : grid.find(enlarged(box, reach), except))
+      if (may_touch(p, t)) near_.push_back({p, t});
+  }
+  std::ranges::sort(near_);
+  near_.erase(std::unique(near_.begin(), near_.end()), near_.end());
+}
+
+/// Within a piece, lips touch lips, and not what was behind them at rest, where only material is in
+/// between.
+bool PointPairs::may_touch(Index point, Index triangle) const {
+  const auto& [a, b, c] = points_.triangles()[triangle];
+  if (point == a || point == b || point == c) return false;
+  if (piece_of_[point] != piece_of_[a]) return true;
+  if (!points_.is_lip(point)) return false;
+  const Vec3 at = rest(a), normal = cross(minus(rest(b), at), minus(rest(c), at));
+  return dot(minus(rest(point), at), normal) > -level * edge_ * norm(normal);
+}
+
+// -------------------------------------------------------------------- in a step --
+
+void PointPairs::find_normals() {
+  areas_.resize(points_.triangles().size());
+  normals_.assign(points_.size(), {});
+  for (std::size_t t = 0; t < areas_.size(); ++t) {
+    const auto& [a, b, c] = points_.triangles()[t];
+    areas_[t] = cross(minus(place(b), place(a)), minus(place(c), place(a)));
+    for (const Index p : {a, b, c}) normals_[p] = plus(normals_[p], areas_[t]);
+  }
+}
+
+/// The nearest triangle that looks at the point. Lips that have just been made have the same places
+/// on both sides.
+void PointPairs::add_nearest(std::span<const Near> of_point) {
+  const Index p = of_point.front().point;
+  const Vec3 at = place(p);
+  double least = max_depth * edge_;
+  Index nearest = none;
+  Vec3 weights{}, towards{};
+  for (const auto& [point, triangle] : of_point) {
+    const double size = norm(areas_[triangle]);
+    if (!(size > 0) || dot(normals_[p], areas_[triangle]) > same_side * size * norm(normals_[p]))
+      continue;
+    const auto& [a, b, c] = points_.triangles()[triangle];
+    const Vec3 of = nearest_weights(at, place(a), place(b), place(c));
+    const Vec3 foot =
+        plus(scaled(of[0], place(a)), plus(scaled(of[1], place(b)), scaled(of[2], place(c))));
+    const Vec3 offset = minus(at, foot), normal = scaled(1 / size, areas_[triangle]);
+    const double gap = dot(offset, normal), distance = norm(offset);
+    if (distance >= least || gap > margin * edge_ ||
+        norm(minus(offset, scaled(gap, normal))) > beside * edge_)
+      continue;
+    least = distance;
+    nearest = triangle;
+    weights = of;
+    towards = normal;
+  }
+  if (nearest == none) return;
+  const std::size_t first = vertices_.size();
+  add(p, 1);
+  for (std::size_t i = 0; i < 3; ++i)
+    if (weights[i] != 0) add(points_.triangles()[nearest][i], -weights[i]);
+  pairs_.push_back({first, vertices_.size(), towards});
+}
+
+/// Vertices of several corners have the sum of their weights.
+void PointPairs::add(Index point, double weight) {
+  const ContactPoint of = points_[point];
+  const auto first = pairs_.empty() ? 0 : pairs_.back().end;
+  for (std::size_t i = 0; i < of.vertices.size(); ++i) {
+    const auto known =
+        std::find(vertices_.begin() + std::ptrdiff_t(first), vertices_.end(), of.vertices[i]);
+    if (known == vertices_.end()) {
+      vertices_.push_back(of.vertices[i]);
+      weights_.push_back(weight * of.weights[i]);
+    } else {
+      weights_[std::size_t(known - vertices_.begin())] += weight * of.weights[i];
+    }
+  }
+}
+
+PointPairs::Change PointPairs::change(std::size_t i, const Vec3& offset, const Vec3& velocity,
+                                      unsigned fixed, double dt) const {
+  const Vec3& normal = pairs_[i].normal;
+  const double gap = dot(normal, offset), speed = dot(normal, velocity), before = gap - dt * speed;
+  const double target =
+      before < 0 ? before + std::min(-recovered * before, max_recovery * edge_) : 0;
+  if (gap >= target) return {};
+  const auto free_part = [&](Vec3 a) {
+    for (std::size_t c = 0; c < 3; ++c)
+      if ((fixed >> c & 1) != 0) a[c] = 0;
+    return a;
+  };
+  const Vec3 along = free_part(normal);
+  const double free = dot(along, along), missing = (target - gap) / dt;
+  if (free < least_free) return {};
+  const Vec3 sliding = free_part(minus(velocity, scaled(speed, normal)));
+  const double size = norm(sliding), most = friction_ * missing;
+  return {scaled(missing / free, along),
+          size > 0 ? scaled(-std::min(1.0, most / size), sliding) : Vec3{}};
+}
+
+}  // namespace suture

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "kernel/contact/surface_points.hpp"
+
+// Lips and pieces of an embedded surface
+// ======================================
+//
+//            p o            a point of one lip
+//              |  n         the normal of a triangle of the other one
+//        a ----x---- b      its place x that is nearest to p
+//
+// The offset p - x is a combination of vertices, as a point is: those of p with their weights,
+// those of the corners of the triangle with theirs, negative. So the impulses of PointMass, which
+// act on all of them, conserve momentum, and the sweeps over points (contact_points.cpp) take pairs
+// like points: n . (p - x) must not be negative at the end of the step, and Coulomb's law holds for
+// sliding.
+
+namespace suture {
+
+/// The points of an embedded surface that may touch triangles: those of other pieces, and lips
+/// those of the lips opposite.
+class PointPairs {
+ public:
+  /// `edge`: a typical edge of the elements, m.
+  PointPairs(const CellComplex& complex, Attributes& attributes, const SurfacePoints& points,
+             double friction, double edge)
+      : complex_(complex),
+        attributes_(attributes),
+        points_(points),
+        friction_(friction),
+        edge_(edge) {}
+
+  /// Call after an operation, and after loading a state.
+  void follow() { is_stale_ = true; }
+  /// False if there is one piece without lips; after find().
+  bool may_meet() const { return may_meet_; }
+
+  /// Finds the pairs that may touch at the places of the points (SurfacePoints::positions). In each
+  /// step a pass over the surface; a search when a point has moved by a quarter of an edge.
+  void find();
+  std::size_t size() const { return pairs_.size(); }
+  /// The offset of the point of pair i from its triangle.
+  ContactPoint operator[](std::size_t i) const {
+    const auto [first, end, normal] = pairs_[i];
+    return {static_cast<Index>(i), std::span(vertices_).subspan(first, end - first),
+            std::span(weights_).subspan(first, end - first)};
+  }
+
+  /// Changes of a relative velocity, m/s.
+  struct Change {
+    Vec3 normal{}, tangential{};
+  };
+  /// What keeps pair i apart, for its offset at the end of a step, its relative velocity, and the
+  /// components in which nothing can move (bits).
+  Change change(std::size_t i, const Vec3& offset, const Vec3& velocity, unsigned fixed,
+                double dt) const;
+
+ private:
+  // In edges: how deep a point may be behind a triangle; how far things move before pairs are
+  // sought again; how far in front of a triangle and beside it a point may yet be pushed; rounding
+  // at rest.
+  static constexpr double max_depth = 0.3, skin = 0.5, margin = 0.1, beside = 0.05, level = 1e-4;
+  static constexpr double same_side = 0.2;  ///< cosine of an angle at which surfaces look alike
+  /// Of a depth that was there before the step, and at most, in edges.
+  static constexpr double recovered = 0.2, max_recovery = 0.02;
+  /// Squared, of a normal along which hardly anything can move.
+  static constexpr double least_free = 1e-3;
+  struct Near {
+    Index point, triangle;
+    auto operator<=>(const Near&) const = default;
+  };
+  struct Pair {
+    std::size_t first, end;  ///< in vertices_ and weights_
+    Vec3 normal;
+  };
+  void find_pieces();
+  bool has_moved() const;
+  void find_near();
+  bool may_touch(Index point, Index triangle) const;
+  void find_normals();
+  void add_nearest(std::span<const Near> of_point);
+  void add(Index point, double weight);
+  Vec3 place(Index point) const;
+  Vec3 rest(Index point) const { return points_[point].sum(attributes_.rest().rows()); }
+
+  const CellComplex& complex_;
+  Attributes& attributes_;
+  const SurfacePoints& points_;
+  double friction_, edge_;
+  bool is_stale_ = true, may_meet_ = false;
+  // Since the last operation.
+  std::vector<Index> piece_of_;  ///< by point
+  // Of the last search.
+  std::vector<Vec3> searched_at_;  ///< by point
+  std::vector<Near> near_;         ///< ascending
+  // Of the step.
+  std::vector<Vec3> areas_, normals_;  ///< by triangle and by point; not of unit length
+  std::vector<Pair> pairs_;
+  std::vector<Index> vertices_;
+  std::vector<double> weights_;
+};
+
+}  // namespace suture

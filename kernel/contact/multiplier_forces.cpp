@@ -107,6 +107,7 @@ void MultiplierForces::for_each_push_of_obstacles(double time, Visit visit) {
   const double touching = tolerance * contact_.mean_edge();
   for (std::size_t i = 0; i < contact_.obstacles().size(); ++i) {
     const Obstacle& obstacle = contact_.obstacles()[i];
+    if (!obstacle.pushes) continue;
     const PlacedObstacle placed(obstacle, contact_.thickness(), start_.empty() ? time : start_time_,
                                 time);
     of_obstacles_[i].resize(contact_.point_count());

@@ -28,6 +28,7 @@ from ._suture import (
 _later = {  # what needs more than the kernel is imported when it is first used
     "Adjoint": "_gradients",
     "GradientCheck": "_gradients",
+    "Live": "_live",
     "Mesh": "_mesh",
     "ModelParameters": "_parameters",
     "Picture": "_draw",
@@ -66,6 +67,7 @@ __all__ = [
     "GradientCheck",
     "InputError",
     "IoError",
+    "Live",
     "Mesh",
     "ModelParameters",
     "NumericalError",

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Derivatives of equilibria, beside differences of whole equilibria."""
 
+import re
 import unittest
+from importlib.util import find_spec
+from pathlib import Path
 
 import numpy as np
 
@@ -10,6 +13,7 @@ from scenes import bar
 from suture import Quantity
 
 STEP = 1e-3  # of a parameter
+DOCS = Path(__file__).parents[2] / "docs"
 
 MODELS = {
     "tm-faure": {"E": 1e5, "nu": 0.3, "rho": 1000},
@@ -360,6 +364,24 @@ class Gradients(unittest.TestCase):
         plain, asked = run(False), run(True)
         np.testing.assert_array_equal(plain.position, asked.position)
         np.testing.assert_array_equal(plain.mass, asked.mass)
+
+
+@unittest.skipUnless(find_spec("torch"), "PyTorch is not installed")
+class Torch(unittest.TestCase):
+    def test_the_function_of_the_docs(self):
+        import torch
+
+        code = re.search(r"```py\n(.*?)```", (DOCS / "gradients.md").read_text(), re.S).group(1)
+        names = {}
+        exec(code, names)
+        sim = suture.Simulation(sagging("tm-faure", models=[
+            {"name": "organ", "model": "tm-faure", "parameters": MODELS["tm-faure"]}]))
+        sim.run()
+        moduli = torch.full((16,), 1e5, dtype=torch.float64, requires_grad=True)
+        (names["Displacement"].apply(moduli, sim) ** 2).sum().backward()
+        u = sim.position - sim.rest
+        expected = sim.adjoint(lambda sim: ((u**2).sum(), 2 * u)).gradient("organ", "E", "element")
+        np.testing.assert_allclose(moduli.grad.numpy(), expected, rtol=1e-5)
 
 
 if __name__ == "__main__":

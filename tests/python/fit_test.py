@@ -190,6 +190,107 @@ class Values(unittest.TestCase):
         self.assert_true_values(result)
 
 
+class Fields(unittest.TestCase):
+    """A block whose upper part is stiff, with what its surface shows of two loads."""
+
+    def block(self, traction, cells=(6, 6, 4)):
+        return bar(mesh={"box": {"size": [0.3, 0.3, 0.2], "cells": list(cells)}},
+                   gravity=[0, 0, 0], constraints=[{"fix": "xyz", "where": {"set": "z0"}}],
+                   loads=[{"traction": traction, "where": {"set": "z1"}}],
+                   solver={"static": {"frames": 1}, "threads": 1})
+
+    def stiff(self, places):
+        return (places[:, 2] > 0.1) & (places[:, 0] < 0.15)
+
+    def data(self, noise=0.002):
+        random, data = np.random.default_rng(2), []
+        for traction in ([0, 0, 3000], [1500, 0, 0]):
+            sim = suture.Simulation(self.block(traction, (12, 12, 8)))
+            mesh = sim.mesh()
+            moduli = np.where(self.stiff(mesh.points[mesh.hexahedra].mean(axis=1)), 4e5, 1e5)
+            sim.parameters["tm-faure"]["E"] = moduli
+            sim.run()
+            rows = np.unique(sim.surface().vertices)
+            rows = rows[sim.rest[rows, 2] > 0.01]
+            moved = (sim.position - sim.rest)[rows]
+            deviation = noise * abs(moved).max()
+            moved += deviation * random.normal(size=moved.shape)
+            data.append({"scene": self.block(traction), "deviation": deviation, "points": {
+                **{c: sim.rest[rows, i] for i, c in enumerate("xyz")},
+                **{"u" + c: moved[:, i] for i, c in enumerate("xyz")}}})
+        return data
+
+    def field(self, **more):
+        return {"range": [2e4, 2e6], "log": True, "per": "element", **more}
+
+    def test_an_inclusion_is_found(self):
+        result = suture.fit(self.block([0, 0, 0]), {E: self.field(regularise={"tv": 20})},
+                            self.data(), stop={"evaluations": 120})
+        found = result.values[E]
+        mesh = result.fields[E]
+        stiff = self.stiff(mesh["points"][mesh["hexahedra"]].mean(axis=1))
+        self.assertGreater(np.mean((found > 2e5) == stiff), 0.95)
+        self.assertLess(abs(np.median(found[stiff]) / 4e5 - 1), 0.2)
+        self.assertLess(abs(np.median(found[~stiff]) / 1e5 - 1), 0.1)
+        self.assertEqual(sorted(mesh["ids"]), list(range(144)))
+
+    def test_the_gradient_is_that_of_what_is_minimised(self):
+        from suture._fit import _prepare
+        from suture._fit_evaluation import Record
+        from suture._fit_field import _Objective
+        from suture._fit_file import problem_of
+        from suture._fit_values import Derivatives
+
+        for loss, kind in (("linear", "tv"), ("soft_l1", "tikhonov"), ("huber", "tv"),
+                           ("cauchy", "tv")):
+            problem = problem_of({"scene": self.block([0, 0, 0]), "loss": loss, "fit": {
+                E: self.field(regularise={kind: 5}), NU: RANGES[NU]}, "data": self.data()}, Path())
+            _prepare(problem)
+            sim = suture.Simulation(problem.tests[0].scene)
+            objective = _Objective(problem, Derivatives(problem, 1, False),
+                                   Record(problem, None, "", None), sim)
+            random = np.random.default_rng(3)
+            q = random.uniform(0.3, 0.7, problem.unknowns.size)
+            direction = random.normal(size=len(q))
+            _, gradient = objective(q)
+            h = 1e-4
+            ends = [objective(q + k * h * direction)[0] for k in (-2, -1, 1, 2)]
+            expected = (8 * (ends[2] - ends[1]) - (ends[3] - ends[0])) / (12 * h)
+            self.assertLess(abs(gradient @ direction / expected - 1), 1e-4, (loss, kind))
+
+    def test_penalties_keep_their_size_on_finer_meshes(self):
+        from suture._fit_field import Neighbours
+
+        found = []
+        for n in (1, 2):
+            sim = suture.Simulation(self.block([0, 0, 0], (6 * n, 6 * n, 4 * n)))
+            centres = sim.rest[sim._hexahedra()].mean(axis=1)
+            neighbours = Neighbours(sim, 0)
+            found.append((neighbours.penalty("tv", np.where(centres[:, 2] > 0.1, 5.0, 2.0))[0],
+                          neighbours.penalty("tikhonov", 7 * centres[:, 0])[0]))
+        volume = 0.3 * 0.3 * 0.2
+        self.assertAlmostEqual(found[0][0] / (0.09 * (3 - 0.02) / volume ** (2 / 3)), 1, 2)
+        self.assertAlmostEqual(found[1][0], found[0][0], 9)
+        # 7^2 V / 2 over the cube root of V, but for half an element at both ends
+        self.assertAlmostEqual(found[0][1] / (24.5 * volume ** (2 / 3)), 5 / 6, 6)
+        self.assertAlmostEqual(found[1][1] / (24.5 * volume ** (2 / 3)), 11 / 12, 6)
+
+    def test_what_fields_refuse(self):
+        test = self.data()[0]
+        moving = {**self.block([0, 0, 0]), "solver": {"dt": 1e-4, "end": 1e-3, "threads": 1}}
+        for parameters, scene, text in (
+                ({E: self.field(regularise={"tv": 0})}, None, "regularise: must be"),
+                ({E: {**self.field(), "per": "value", "regularise": {"tv": 1}}}, None,
+                 "only what is fitted per \"element\" is regularised"),
+                ({"/loads/0/traction/0": self.field()}, None, "is no parameter of a model"),
+                ({E: self.field(), "/gravity/0": {"range": [0, 1]}}, None, "only parameters of"),
+                ({E: self.field()}, moving, "a field needs derivatives")):
+            with self.subTest(text):
+                data = [{**test, **({"scene": scene} if scene else {})}]
+                with self.assertRaisesRegex(ValueError, text):
+                    suture.fit(self.block([0, 0, 0]), parameters, data)
+
+
 class Mistakes(unittest.TestCase):
     def test_each_has_one_clear_message(self):
         pulled = moved([0.4, 0, 0])
@@ -252,6 +353,24 @@ class Program(InFolder):
         self.assertEqual(again.returncode, 0, again.stderr)
         self.assertNotIn("evaluation 1", again.stderr)  # it has been made
         self.assertEqual(Path("out/fit.json").stat().st_mtime_ns, changed)
+
+    def test_the_field_of_the_documentation(self):
+        self.study()
+        study = json.loads(Path("block-fit.json").read_text())
+        study["stop"] = {"evaluations": 40}
+        Path("study.json").write_text(json.dumps({**study, "folder": "out"}))
+        done = self.suture("fit", "study.json")
+        self.assertIn(done.returncode, (0, 5), done.stderr)
+        result = suture.read_fit_result("out")
+        field = next(iter(result.fields.values()))
+        centres = field["points"][field["hexahedra"]].mean(axis=1)
+        ball = np.linalg.norm(centres - [0.03, 0.05, 0.03], axis=1) < 0.02
+        soft = (abs(centres - [0.07, 0.05, 0.035]) < [0.015, 0.015, 0.01]).all(axis=1)
+        found = result.values[E] / 1e4
+        kind = np.digitize(np.log(found), np.log([0.4, 3]) / 2)
+        self.assertGreater(np.mean(kind == 1 + ball - soft), 0.95)
+        self.assertLess(result.chi2, 1.2 * result.count)
+        self.assertTrue(Path("out/E.vtu").exists())
 
     def test_a_fit_goes_on_where_it_was_stopped(self):
         self.study(folder="out", stop={"evaluations": 3})

@@ -374,6 +374,7 @@ def check_gradient(
 class FitResult:
     values: dict[str, Any]
     errors: dict[str, Any]
+    fields: dict[str, dict[str, NDArray[Any]]]
     correlation: Floats | None
     names: list[str]
     notes: dict[str, str]

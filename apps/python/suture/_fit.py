@@ -159,6 +159,8 @@ def _result_of(problem, record, outcome, reason, seconds):
         notes = notes_of(unknowns.labels, best.q, covariance)
     return FitResult({
         "values": {unknown.pointer: _as_given(unknown, v) for unknown, v in unknowns.parts(p)},
+        "fields": {unknown.pointer: unknown.mesh.as_dict() for unknown in unknowns.all
+                   if unknown.per == "element"},
         "errors": errors, "names": unknowns.labels if correlation is not None else [],
         "correlation": correlation, "notes": notes, "chi2": best.chi2,
         "count": len(best.residuals), "has_deviations": problem.has_deviations,

@@ -14,35 +14,28 @@ Both keep their size when the mesh is refined.
 import numpy
 
 from ._fit_evaluation import rho
+from ._fit_mesh import FACES, cells_of, shared_faces, volumes_of
 from ._fit_run import Failed, NoDerivatives
-from ._fit_values import Derivatives, start_at
+from ._fit_values import FAILED, Derivatives, start_at
 
 CORNER = 0.02  # e, a jump that counts as none
-# The faces of an element, by its corners in VTK's order.
-FACES = numpy.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6],
-                     [3, 0, 4, 7]])
+FIRST_STEP = 0.05  # of the range: L-BFGS-B begins with a step as long as the gradient
 
 
 class Neighbours:
     """Pairs of elements of a model that share a face at rest."""
 
     def __init__(self, sim, model):
-        rows = sim.column_cells(sim._models()[model], 3)
-        order = numpy.searchsorted(numpy.flatnonzero(sim.element_exists), rows)
-        cells = sim._hexahedra()[order]
+        cells = cells_of(sim, model)
         corners = sim.rest[cells]
-        faces = cells[:, FACES]  # (elements, 6, 4)
-        flat = numpy.sort(faces.reshape(-1, 4), axis=1)
-        _, where, count = numpy.unique(flat, axis=0, return_inverse=True, return_counts=True)
-        by_face = numpy.argsort(where, kind="stable")
-        shared = by_face[count[where[by_face]] == 2].reshape(-1, 2)
+        shared = shared_faces(cells)
         self.pairs = shared // 6
         quads = corners[:, FACES].reshape(-1, 4, 3)[shared[:, 0]]
         area = 0.5 * numpy.linalg.norm(
             numpy.cross(quads[:, 2] - quads[:, 0], quads[:, 3] - quads[:, 1]), axis=1)
         centres = corners.mean(axis=1)
         distance = numpy.linalg.norm(centres[self.pairs[:, 0]] - centres[self.pairs[:, 1]], axis=1)
-        size = _volumes(corners).sum() ** (1 / 3)
+        size = volumes_of(corners).sum() ** (1 / 3)
         self.area = area / size**2
         self.stiffness = area / distance / size
 
@@ -57,13 +50,6 @@ class Neighbours:
         count = len(field)
         return value, (numpy.bincount(self.pairs[:, 0], slope, count)
                        - numpy.bincount(self.pairs[:, 1], slope, count))
-
-
-def _volumes(corners):
-    """Of elements (n, 8, 3), from the pyramids between their centroids and faces."""
-    quads = corners[:, FACES] - corners.mean(axis=1)[:, None, None]
-    normals = numpy.cross(quads[:, :, 2] - quads[:, :, 0], quads[:, :, 3] - quads[:, :, 1]) / 2
-    return abs(numpy.einsum("efc,efc->e", quads.mean(axis=2), normals)) / 3
 
 
 class _Objective:
@@ -84,10 +70,11 @@ class _Objective:
             return self._worst, numpy.zeros_like(q)
         cost, gradient = self._of_data(q, evaluation)
         more, slope = self._of_fields(q)
-        self._record.add(evaluation, cost + more)
+        cost, gradient = cost + more, gradient + slope
+        self._record.add(evaluation, cost)
         if self._worst is None:
-            self._worst = 10 * (cost + more)
-        return cost + more, gradient + slope
+            self._worst = FAILED * cost
+        return cost, gradient
 
     def _of_data(self, q, evaluation):
         cost, slope = rho(self._problem.loss, evaluation.residuals)
@@ -111,6 +98,11 @@ class _Objective:
         return total, numpy.concatenate(slopes)
 
 
+def _unit(gradient):
+    """The unit of q in which the first step is FIRST_STEP long."""
+    return (FIRST_STEP / max(abs(gradient).max(), 1e-300)) ** 0.5
+
+
 def fit_field(problem, q, jobs, record):
     """(outcome, reason)."""
     import scipy.optimize
@@ -126,9 +118,16 @@ def fit_field(problem, q, jobs, record):
         try:
             start_at(method, problem, q)
         except NoDerivatives as error:
-            raise ValueError(f"/fit: a field needs derivatives, and there are none: {error}") from None
+            raise ValueError("/fit: a field needs derivatives, and there are none: "
+                             f"{error}") from None
+        unit = _unit(objective(q)[1])
+
+        def scaled(y):
+            cost, gradient = objective(y * unit)
+            return cost, gradient * unit
+
         found = scipy.optimize.minimize(
-            objective, q, jac=True, method="L-BFGS-B", bounds=[(0, 1)] * len(q),
+            scaled, q / unit, jac=True, method="L-BFGS-B", bounds=[(0, 1 / unit)] * len(q),
             options={"maxfun": problem.most_evaluations, "maxiter": problem.most_evaluations,
                      "ftol": problem.tolerance, "gtol": 0, "maxcor": 20})
     if found.status == 0:

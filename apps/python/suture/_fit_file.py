@@ -224,11 +224,12 @@ def problem_of(study, home):
         raise ValueError(f"/data/{given.index(False)}: 'deviation' is missing: give the standard "
                          "deviation of all tests, or of none")
     stop = Object(study.value.get("stop", {}), "/stop", ("evaluations", "tolerance"))
-    usual = 300 if unknowns.is_field else 50
+    evaluations, tolerance = (300, 1e-5) if unknowns.is_field else (50, 1e-4)
     return Problem(
         tests, unknowns, study.take("loss", "linear", lambda v: v in LOSSES, ", ".join(LOSSES)),
-        stop.take("evaluations", usual, lambda v: is_whole(v, 1), "a whole number >= 1"),
-        stop.take("tolerance", 1e-4, lambda v: is_number(v) and 0 < v < 1, "a number in (0, 1)"),
+        stop.take("evaluations", evaluations, lambda v: is_whole(v, 1), "a whole number >= 1"),
+        stop.take("tolerance", tolerance, lambda v: is_number(v) and 0 < v < 1,
+                  "a number in (0, 1)"),
         all(given))
 
 

@@ -10,6 +10,7 @@ import numpy
 
 from ._scene import to_json
 from ._sweep import write_whole
+from ._vtk import write_grid
 
 FILE = "fit.json"
 WEAK = 0.25  # a standard error, as part of the range
@@ -22,6 +23,8 @@ class FitResult:
 
     values        {pointer: number, or array of regions or elements}
     errors        {pointer: standard error}, of what is not fitted per element
+    fields        {pointer: {"points", "hexahedra", "ids"}}, of what is fitted per element: where
+                  its values are, at rest, and the numbers of the elements in the mesh
     correlation   (numbers, numbers), in the order of `names`; None with fields
     names, notes  of the numbers; {name: a word where one is not identifiable or at an end}
     chi2          the sum of squares of (fitted - measured) / deviation, of `count` values
@@ -34,6 +37,8 @@ class FitResult:
     def __init__(self, fields):
         self.values = {key: _number_or_array(value) for key, value in fields["values"].items()}
         self.errors = {key: _number_or_array(value) for key, value in fields["errors"].items()}
+        self.fields = {key: {name: numpy.array(part) for name, part in mesh.items()}
+                       for key, mesh in fields["fields"].items()}
         self.correlation = _number_or_array(fields["correlation"])
         self.names = fields["names"]
         self.notes = fields["notes"]
@@ -82,7 +87,8 @@ class FitResult:
         return draw_fit(self)
 
     def save(self, folder):
-        """Writes fit.json, values.csv and data.csv."""
+        """Writes fit.json, values.csv and data.csv, and fields as FIELD.vtu where VTK is
+        installed."""
         folder = Path(folder)
         write_whole(folder / FILE, to_json(self._plain(), indent=1))
         write_whole(folder / "values.csv", _table(
@@ -90,6 +96,14 @@ class FitResult:
         write_whole(folder / "data.csv", _table(
             ["test", "time [s]", "quantity", "measured", "fitted", "deviation"],
             self._data_rows()))
+
+        for pointer, mesh in self.fields.items():
+            name = pointer.rpartition("/")[2]
+            try:
+                write_grid(folder / f"{name}.vtu", mesh["points"], mesh["hexahedra"],
+                           {name: self.values[pointer], "element_id": mesh["ids"]})
+            except ImportError:
+                pass
 
     def _plain(self):
         def plain(value):
@@ -108,8 +122,10 @@ class FitResult:
             value = numpy.atleast_1d(value)
             error = self.errors.get(pointer)
             errors = [""] * len(value) if error is None else numpy.atleast_1d(error)
-            for i, pair in enumerate(zip(value, errors)):
-                yield [pointer, i, *pair]
+            mesh = self.fields.get(pointer)
+            numbers = range(len(value)) if mesh is None else mesh["ids"]
+            for row in zip(numbers, value, errors):
+                yield [pointer, *row]
 
     def _data_rows(self):
         for test in self.tests:

@@ -5,6 +5,7 @@ import re
 
 import numpy
 
+from ._fit_mesh import Field
 from ._study_file import is_number, name_of
 
 MODEL = re.compile(r"/models/(\d+)/parameters/([^/]+)")
@@ -44,6 +45,7 @@ class Unknown:
         rows = len(sim.column_cells(name, 3))
         if self.per == "element":
             self.groups = numpy.arange(rows)
+            self.mesh = Field(sim, self.model)
             return numpy.broadcast_to(start, rows)
         values, self.groups = numpy.unique(numpy.broadcast_to(start, rows), return_inverse=True)
         if not 1 < len(values) <= MOST_REGIONS:

@@ -13,7 +13,7 @@ from ._fit_workers import Workers
 DIFFERENCE = 1e-3  # of the range
 NO_EFFECT = 1e-6  # of the deviations, where a number goes through its range
 SAME_SLOPES = 5e-3  # of the range: after shorter steps, derivatives are kept
-FAILED = 10.0  # residuals of a failed evaluation, as multiples of the first ones
+FAILED = 10.0  # what a failed evaluation counts, as a multiple of the first one
 
 
 class Derivatives:

@@ -3,9 +3,12 @@
 
 import numpy
 
+from ._draw import add_faces
+from ._fit_mesh import FACES, outer_faces
 from ._results import TIME
 
 MOST_PLACES = 22  # panels
+LOOKS_FROM = (0.35, 0.4, 1.0)
 
 
 def _units(label):
@@ -39,8 +42,31 @@ def _points(axes, test):
     axes.set_title(f"{test['name']}: {len(measured)} values")
 
 
+def _section(axes, name, values, mesh):
+    """A field, cut open where it differs most from its median."""
+    from matplotlib.colors import LogNorm
+
+    corners = mesh["points"][mesh["hexahedra"]]
+    centres = corners.mean(axis=1)
+    share = numpy.log(values / numpy.median(values)) ** 2 if values.min() > 0 else values**2
+    depth = numpy.average(centres[:, 1], weights=share + 1e-12)
+    kept = numpy.flatnonzero(centres[:, 1] >= depth)  # the eye is at smaller y
+    faces = outer_faces(mesh["hexahedra"][kept])
+    quads = corners[kept][:, FACES].reshape(-1, 4, 3)[faces]
+    of_faces = values[kept][faces // 6]
+    z_up = quads[:, :, [0, 2, 1]] * [1, 1, -1]
+    drawn = add_faces(axes, z_up, LOOKS_FROM, array=of_faces,
+                      cmap="viridis", norm=LogNorm(values.min(), values.max())
+                      if values.min() > 0 else None)
+    axes.set_title(f"{name}, the body cut open at y = {depth:.3g} m")
+    axes.figure.colorbar(drawn, ax=axes, shrink=0.7)
+
+
 def _panels(result):
     """Functions that draw one panel each."""
+    for pointer, mesh in result.fields.items():
+        yield lambda axes, pointer=pointer, mesh=mesh: _section(
+            axes, pointer.rpartition("/")[2], result.values[pointer], mesh)
     for test in result.tests:
         if len(test["times"]) == 1:
             yield lambda axes, test=test: _points(axes, test)

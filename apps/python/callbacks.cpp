@@ -69,12 +69,18 @@ void Observing::call(F&& f) {
   in_callback = false;
 }
 
+void Observing::on_message(const std::string& text) {
+  messages.push_back(text);
+  if (live) live->report(text);
+}
+
 void Observing::on_progress(const Progress& now) {
   if (!progress || failure) return;
   call([&] { progress(now.step, now.time, now.end); });
 }
 
 bool Observing::stop_requested() {
+  if (live) live->watch();
   const std::uint64_t step = session_.steps();
   const double time = session_.time();
   if (!failure && callbacks.is_due(step, time))

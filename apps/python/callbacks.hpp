@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "kernel/live/live_run.hpp"
 #include "kernel/run/simulation.hpp"
 
 namespace suture::python {
@@ -58,7 +59,9 @@ class Observing final : public Observer {
   /// A function (step, time, end), or None; set with the GIL held.
   py::object progress;
 
-  void on_message(const std::string& text) override { messages.push_back(text); }
+  LiveRun* live = nullptr;  ///< shows the steps of the script
+
+  void on_message(const std::string& text) override;
   void on_progress(const Progress& now) override;
   bool stop_requested() override;
 

@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "kernel/base/error.hpp"
@@ -28,8 +29,11 @@ py::array rows_of_3(const std::vector<double>& values) {
 /// Throws unless there are three numbers per vertex.
 std::vector<double> of_vertices(Session& session, const Array& values, const char* what) {
   const auto rows = static_cast<py::ssize_t>(session.simulation().attributes().vertex_count());
-  if (values.ndim() == 2 && values.shape(0) == rows && values.shape(1) == 3)
-    return vector_of(values);
+  if (values.ndim() == 2 && values.shape(0) == rows && values.shape(1) == 3) {
+    std::vector<double> numbers = vector_of(values);
+    if (std::ranges::all_of(numbers, [](double n) { return std::isfinite(n); })) return numbers;
+    throw py::value_error(std::string(what) + " must be finite");
+  }
   throw py::value_error(std::string(what) + " must have the shape (" + std::to_string(rows) +
                         ", 3), one row per vertex; has " +
                         py::str(values.attr("shape")).cast<std::string>());
@@ -78,16 +82,11 @@ double along_rest(Session& session, const Array& displacement, double energy, co
                                        of_vertices(session, direction, "direction"));
 }
 
-/// du/dp from df/dp.
-py::array displacement_slope(Session& session, const Array& forces, double tolerance) {
-  return rows_of_3(
-      slopes_of(session).displacement(of_vertices(session, forces, "forces"), tolerance));
-}
-
-/// dR/dp from df/dp and du/dp; 0 where a vertex is free.
-py::array reaction_slope(Session& session, const Array& forces, const Array& displacement) {
-  return rows_of_3(slopes_of(session).reaction(of_vertices(session, forces, "forces"),
-                                               of_vertices(session, displacement, "displacement")));
+/// (du/dp, dR/dp) from df/dp.
+py::tuple sensitivity(Session& session, const Array& forces, double tolerance) {
+  const Sensitivity found =
+      slopes_of(session).sensitivity(of_vertices(session, forces, "forces"), tolerance);
+  return py::make_tuple(rows_of_3(found.displacement), rows_of_3(found.reaction));
 }
 
 /// How many values a parameter has: 0 if it is the same in all elements.
@@ -140,8 +139,7 @@ void bind_gradients(py::class_<Session>& session) {
            "time: after parameters, loads or cells were changed.")
       .def("_adjoint", &adjoint)
       .def("_along_rest", &along_rest)
-      .def("_displacement_slope", &displacement_slope)
-      .def("_reaction_slope", &reaction_slope)
+      .def("_sensitivity", &sensitivity)
       .def("_stored_energy",
            [](Session& s) { return s.between_steps().built().body().models().energy(s.time()); })
       .def("_elastic_forces",

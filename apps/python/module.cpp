@@ -29,7 +29,8 @@ py::tuple result_of(Session& session, const EventOutcome& outcome) {
   for (std::size_t i = 0; i < outcome.removed.size(); ++i)
     removed.mutable_data()[i] = static_cast<std::int64_t>(built.element_name(outcome.removed[i]));
   return py::make_tuple(outcome.faces_cut, outcome.faces_torn, outcome.faces_sewn,
-                        outcome.elements_removed, named(built, outcome.faces), removed);
+                        outcome.elements_removed, named(built, outcome.faces), removed,
+                        outcome.elements_cut);
 }
 
 py::dict energies(Session& session) {
@@ -356,6 +357,10 @@ void bind_changes(Class& session) {
           [](Session& s, const py::object& value) { s.set_gravity(vector_of(value, "gravity")); },
           "[x, y, z] gravity, m/s^2, where its ramp has ended. Assigning three numbers changes it "
           "from now on.")
+      .def("_open_live", &Session::open_live)
+      .def("_run_live", &Session::run_live)
+      .def("_close_live", &Session::close_live)
+      .def("_live_recording", &Session::live_recording)
       .def("copy", &Session::copy,
            "The whole state of the run as a State, for restore(): what a checkpoint contains, in "
            "memory. The simulation must not write output.")
@@ -387,8 +392,10 @@ void bind_operations(Class& session) {
                         const std::string& name) { return result_of(s, s.apply(text, name)); })
       .def("_cut_surface",
            [](Session& s, const py::array_t<double, py::array::c_style>& points,
-              const py::array_t<std::int64_t, py::array::c_style>& triangles,
-              bool rest) { return result_of(s, s.cut(surface_of(points, triangles), rest)); })
+              const py::array_t<std::int64_t, py::array::c_style>& triangles, bool rest,
+              bool along_blade) {
+             return result_of(s, s.cut(surface_of(points, triangles), rest, along_blade));
+           })
       .def("_every",
            [](Session& s, std::uint64_t n, py::function f) { s.callbacks().add_every(n, f); })
       .def("_at", [](Session& s, double t, py::function f) { s.callbacks().add_at(t, f); })

@@ -12,12 +12,15 @@
 #include "kernel/attributes/varied_parameter.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/message_text.hpp"
+#include "kernel/live/json_text.hpp"
 #include "kernel/output/output_folder.hpp"
 #include "kernel/run/checkpoints.hpp"
 #include "kernel/scene/scene_reader.hpp"
 
 namespace suture::python {
 namespace {
+
+using Json = nlohmann::json;
 
 /// How often this process was forked from the one that loaded the module.
 unsigned forks() {
@@ -77,7 +80,8 @@ class Session::Running {
   Session& session_;
 };
 
-Session::Session(const SessionOptions& options) : forks_(forks()) {
+Session::Session(const SessionOptions& options)
+    : forks_(forks()), is_given_mesh_(options.mesh != nullptr) {
   {
     const py::gil_scoped_release others_may_run;
     scene_ = read(options, host_, diagnostics_);
@@ -95,6 +99,8 @@ Session::~Session() {
   run_.probes.reset();
   run_.views.reset();  // while its columns exist
   static_cast<void>(run_.simulation.release());
+  static_cast<void>(live_.release());
+  static_cast<void>(live_server_.release());
 }
 
 /// Probes are those of the body as it was built, as in tables.
@@ -191,6 +197,7 @@ void Session::pause_at(const Pause& pause) {
   std::optional<RunSummary::Outcome> outcome;
   advance([&] { outcome = run_.simulation->advance(pause, observer_); });
   if (outcome) outcome_ = name_of(*outcome);
+  if (live_) live_->show_last();
 }
 
 std::uint64_t Session::step(std::uint64_t count) {
@@ -223,15 +230,21 @@ double Session::dt() { return between_steps().next_dt(); }
 // ------------------------------------------------------------------ between --
 
 EventOutcome Session::apply(const std::string& text, const std::string& name) {
-  return apply(read_event(text, name, scene_, diagnostics_));
+  const std::uint64_t step = between_steps().step();
+  EventOutcome outcome = apply(read_event(text, name, scene_, diagnostics_));
+  record(step, text);
+  return outcome;
 }
 
-EventOutcome Session::cut(TriangleSurface surface, bool rest_shape) {
+EventOutcome Session::cut(TriangleSurface surface, bool rest_shape, bool along_blade) {
   Event event;
   event.path = "event";
   event.rest_shape = rest_shape;
-  event.what = CutSurface{{}, 1, {}, std::make_shared<const TriangleSurface>(std::move(surface))};
-  return apply(event);
+  event.what = CutSurface{
+      {}, 1, {}, std::make_shared<const TriangleSurface>(std::move(surface)), along_blade};
+  EventOutcome outcome = apply(event);
+  forgo_recording("a surface of arrays has cut");
+  return outcome;
 }
 
 EventOutcome Session::apply(const Event& event) {
@@ -247,24 +260,34 @@ void Session::set_position(const py::array& values) {
   const auto rows = checked(values, between_steps().attributes().vertex_count(), "position");
   require_alive();
   simulation().change_motion([&](Attributes& a) { copy_to(a.position(), rows); });
+  forgo_recording("positions were assigned");
 }
 
 void Session::set_velocity(const py::array& values) {
   const auto rows = checked(values, between_steps().attributes().vertex_count(), "velocity");
   require_alive();
   simulation().change_motion([&](Attributes& a) { copy_to(a.velocity(), rows); });
+  forgo_recording("velocities were assigned");
 }
 
 void Session::steer(const std::string& obstacle, const PoseTarget& target) {
   Simulation& now = between_steps();
   require_alive();
   now.steer(obstacle, target);
+  Json steer{{"obstacle", obstacle}, {"at", target.at}};
+  if (target.translation) steer["translation"] = *target.translation;
+  if (target.rotation) steer["rotation"] = *target.rotation;
+  record(now.step(), json_text(Json{{"steer", steer}}));
 }
 
 void Session::move_grasp(const std::string& name, const Vec3& translation, double at) {
   Simulation& now = between_steps();
   require_alive();
-  now.move_grasp(name, translation, at - now.time());
+  const double during = at - now.time();
+  now.move_grasp(name, translation, during);
+  record(now.step(),
+         json_text(
+             Json{{"move", {{"grasp", name}, {"translation", translation}, {"during", during}}}}));
 }
 
 void Session::set_parameters(std::size_t model, const std::string& text) {
@@ -275,7 +298,10 @@ void Session::set_parameters(std::size_t model, const std::string& text) {
       text, "parameters of '" + instance.name() + "'", instance.model(), instance.parameters());
   run_.views->hand_over();
   now.set_parameters(instance, values);
-  observer_.messages.push_back(timed(now.time(), "model '" + instance.name() + "' has " + text));
+  observer_.on_message(timed(now.time(), "model '" + instance.name() + "' has " + text));
+  record(
+      now.step(),
+      json_text(Json{{"parameters", {{"model", instance.name()}, {"values", Json::parse(text)}}}}));
   warn_of_new();
 }
 
@@ -301,7 +327,8 @@ void Session::set_gravity(const Vec3& value) {
   now.set_gravity(value);
   std::ostringstream text;
   text << "gravity is (" << value[0] << ", " << value[1] << ", " << value[2] << ") m/s^2";
-  observer_.messages.push_back(timed(now.time(), text.str()));
+  observer_.on_message(timed(now.time(), text.str()));
+  record(now.step(), json_text(Json{{"gravity", value}}));
   warn_of_new();
 }
 
@@ -369,6 +396,8 @@ void Session::restore(const SessionState& state) {
         "restore() is not possible while the simulation runs, nor in a callback or a force "
         "function; stop the run first, with step() or run_to()");
   require_own_process();
+  if (live_)
+    throw std::runtime_error("restore() is not possible while a live view is open; close() it");
   require_no_output("restore()");
   require_fit(state);
   Run restored;
@@ -389,6 +418,7 @@ void Session::restore(const SessionState& state) {
   run_ = std::move(restored);
   outcome_ = state.outcome;
   failure_.reset();
+  forgo_recording("a state was restored");
   observer_.callbacks.rewind(state.steps, state.time);
   observer_.messages.push_back(
       timed(state.time, "restored to step " + std::to_string(state.steps)));
@@ -398,6 +428,7 @@ PythonTerm& Session::add_term(std::unique_ptr<PythonTerm> term) {
   require_alive();
   auto& added = static_cast<PythonTerm&>(between_steps().add_term(std::move(term)));
   run_.terms.push_back(&added);
+  forgo_recording("a force function was added");
   return added;
 }
 

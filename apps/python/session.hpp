@@ -11,6 +11,7 @@
 #include "apps/python/read_mesh.hpp"
 #include "apps/python/views.hpp"
 #include "kernel/base/archive.hpp"
+#include "kernel/live/live_run.hpp"
 #include "kernel/results/probe_table.hpp"
 #include "kernel/run/simulation.hpp"
 
@@ -69,7 +70,7 @@ class Session {
 
   /// Applies the event of a JSON text, whose name in messages is `name`.
   EventOutcome apply(const std::string& text, const std::string& name);
-  EventOutcome cut(TriangleSurface surface, bool rest_shape);
+  EventOutcome cut(TriangleSurface surface, bool rest_shape, bool along_blade);
   void set_position(const py::array& values);
   void set_velocity(const py::array& values);
   /// Simulation::steer().
@@ -86,6 +87,18 @@ class Session {
   std::shared_ptr<SessionState> copy();
   /// Builds the run again and loads the state. If that fails, nothing has changed.
   void restore(const SessionState& state);
+  // ---- live view: live.cpp ----
+
+  /// Serves a view of the run (kernel/live); returns its address. `recording`: the file, "" for a
+  /// name of its own, none for no file. All that was done before is part of it.
+  std::string open_live(unsigned port, const std::string& host,
+                        std::optional<std::filesystem::path> recording);
+  /// Gives the control to the page for so long, s, or until Ctrl-C.
+  void run_live(double seconds);
+  /// The recording of the view; none before its first input, or if there is none.
+  std::optional<std::filesystem::path> live_recording() const;
+  void close_live();
+
   PythonTerm& add_term(std::unique_ptr<PythonTerm> term);
   Callbacks& callbacks() { return observer_.callbacks; }
   /// The simulation for reading; raises if another thread is running it.
@@ -109,6 +122,10 @@ class Session {
     std::unique_ptr<Views> views;
     std::vector<PythonTerm*> terms;
   };
+  /// An input that was applied to the run before `step`.
+  void record(std::uint64_t step, std::string value);
+  /// What no recording can repeat was done.
+  void forgo_recording(const std::string& why);
   Run build(std::shared_ptr<OutputFolder> folder);
   std::vector<std::string> term_names() const;
   void require_no_output(const char* what) const;
@@ -131,6 +148,11 @@ class Session {
   Observing observer_{*this};
   std::size_t warned_ = 0;
   std::optional<std::string> outcome_, failure_;
+  bool is_given_mesh_;               ///< not part of the scene
+  std::vector<RecordedInput> done_;  ///< by the script
+  std::string not_recorded_;         ///< why nothing can be recorded any more; "" if it can
+  std::unique_ptr<LiveServer> live_server_;
+  std::unique_ptr<LiveRun> live_;
   std::optional<std::thread::id> runner_;
 };
 

@@ -42,6 +42,7 @@ void add_realtime(CommandLine& line);
 
 /// How fast a haptic device gets its force.
 void add_haptic(CommandLine& line);
+void add_live(CommandLine& line);
 
 /// Time until the paper's cantilever is at rest.
 void add_rest(CommandLine& line);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// How fast a haptic device gets its force: a compliant knife cuts a block of liver, and after
-// every millisecond the force on the hand is read.
+// How fast a haptic device gets its force: a hand leads a compliant knife through a block of liver,
+// by the exchange of `suture live` after every millisecond.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -9,8 +9,8 @@
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/timer.hpp"
-#include "kernel/contact/contact.hpp"
-#include "kernel/run/simulation.hpp"
+#include "kernel/live/device_hand.hpp"
+#include "kernel/live/inputs.hpp"
 
 namespace suture::bench {
 namespace {
@@ -42,15 +42,14 @@ Scene haptic_block(PluginHost& host, const HapticOptions& options) {
   return scene;
 }
 
-/// A rod of half an element that goes through the upper half along x, behind a blade.
+/// A rod of half an element in front of the upper half, behind a blade. The hand moves it along x.
 void add_knife(Scene& scene, const HapticOptions& options) {
   const auto& n = options.cells;
-  const double e = options.edge, length = e * n[0], middle = e * (n[1] / 2 + 0.05);
+  const double e = options.edge, middle = e * (n[1] / 2 + 0.05);
   const double low = e * (n[2] / 2 + 0.05), high = e * (n[2] + 2);
   const Capsule rod{{-2 * e, middle, low + e}, {-2 * e, middle, high}, e / 4};
   Obstacle knife{"knife", "/contact/obstacles/0", rod, {}, 0.2};
   knife.motion.centre = {-2 * e, middle, (low + high) / 2};
-  knife.motion.stations = {{0, {}, 0}, {options.seconds, {length, 0, 0}, 0}};
   const double inertia = 1e-5;
   knife.coupling = Coupling{0.05, 500, 10, inertia, 0.1, 2e-3};
   scene.contact.obstacles.push_back(knife);
@@ -78,14 +77,20 @@ void measure_ticks(bool lips, std::optional<double> dt, const HapticOptions& opt
   scene.solver.dt = dt;
   Diagnostics diagnostics;
   Simulation simulation(scene, host, diagnostics);
+  DeviceHand hand(simulation, "knife", options.edge);
+  const double speed = options.edge * options.cells[0] / options.seconds;
   Observer nobody;
   std::vector<double> walls, processor;
   double largest = 0;
   const auto ticks = static_cast<std::uint64_t>(options.seconds / options.tick);
   for (std::uint64_t i = 1; i < ticks; ++i) {
-    const double start = wall(), own = now(1);
-    simulation.run_to(static_cast<double>(i) * options.tick, nobody);
-    const Vec3 force = simulation.contact()->tool_state(0)->hand_force;
+    const double start = wall(), own = now(1), time = static_cast<double>(i) * options.tick;
+    const double step = simulation.next_dt();
+    const std::string input =
+        hand.input({{speed * time, 0, 0}, {}, 0, 0}, options.tick / step, step);
+    if (!input.empty()) apply_input(input, scene, simulation, nobody, diagnostics);
+    simulation.run_to(time, nobody);
+    const Vec3 force = hand.force().force;
     walls.push_back(wall() - start);
     processor.push_back(now(1) - own);
     largest = std::max(largest, std::sqrt(dot(force, force)));

@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   suture::bench::add_count(line);
   suture::bench::add_realtime(line);
   suture::bench::add_haptic(line);
+  suture::bench::add_live(line);
   suture::bench::add_rest(line);
   suture::bench::add_solve(line);
   suture::bench::add_static(line);

@@ -201,9 +201,25 @@ struct Parser {
            [this](const std::string& n) { live.port = whole_number("--port", n, 0, 65535); },
            "port on this machine; default: any that is free")
         ->type_name("N");
+    sub.add_option(
+           "--host", live.host,
+           "address of this machine at which others may connect, 0.0.0.0 for all; who knows "
+           "the printed address then controls the run, and nothing is encrypted; default: "
+           "this machine only")
+        ->type_name("ADDRESS");
     sub.add_option("-o,--output", live.recording,
                    "recording to write; default: SCENE-recording.jsonl, with the first input")
         ->type_name("FILE");
+    CLI::Option* device =
+        sub.add_option("--device", live.device,
+                       "a thing in a hand, with what it takes: spacemouse, poses:PATH, FILE.so "
+                       "(docs/live.md)")
+            ->type_name("NAME[:ARGUMENT]");
+    sub.add_option("--hold", live.hold,
+                   "obstacle that the device moves; default: the first compliant one, or else what "
+                   "its button 0 grasps")
+        ->needs(device)
+        ->type_name("OBSTACLE");
     sub.callback([this] { line.command = live; });
   }
   void add_sweep(CLI::App& sub) {

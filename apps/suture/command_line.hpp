@@ -24,7 +24,8 @@ struct RunCommand {
 struct LiveCommand {
   std::filesystem::path scene, recording;  ///< "": a name made from that of the scene
   std::vector<std::string> sets;
-  unsigned port = 0;  ///< 0: any that is free
+  unsigned port = 0;               ///< 0: any that is free
+  std::string host, device, hold;  ///< "": none
 };
 struct CheckCommand {
   std::filesystem::path scene;

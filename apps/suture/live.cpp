@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <optional>
 
 #include "apps/suture/commands.hpp"
 #include "apps/suture/signals.hpp"
@@ -44,13 +45,21 @@ int live(const LiveCommand& command, Console& console) {
   catch_signals();
   PluginHost host(&console.diagnostics());
   const Scene scene = open_scene(command, host, console.diagnostics());
-  const auto server = open_live_server(static_cast<std::uint16_t>(command.port));
+  const auto server = open_live_server(static_cast<std::uint16_t>(command.port), command.host);
+  std::optional<Device> device;
+  if (!command.device.empty()) device.emplace(command.device);
   LiveRun run(scene, host, console.diagnostics(), *server, command.recording);
+  if (device) run.follow(*device, command.hold);
   has_started();
-  console.print("open in a browser on this machine: " + server->address());
+  console.print(
+      (command.host.empty() ? "open in a browser on this machine: " : "open in a browser: ") +
+      server->address());
+  if (!command.host.empty())
+    console.note("who has this address controls the run; what is sent is not encrypted");
   std::fflush(stdout);
   LiveObserver observer(console);
   run.run(observer);
+  run.end();
   if (run.recording().has_inputs())
     console.print("repeat with: suture run " + run.recording().path().string());
   return 0;

@@ -125,7 +125,9 @@ Scene scene_of(const RunCommand& command, const std::optional<Recording>& record
   if (!recording) return read_scene(command.scene, command.sets, host, console.diagnostics());
   SceneSource source = recording->source;
   source.working_folder = std::filesystem::current_path();
-  return read_scene_source(source, command.sets, host, console.diagnostics());
+  Scene scene = read_scene_source(source, command.sets, host, console.diagnostics());
+  if (!recording->writes_results) scene.output.enabled = scene.checkpoint.enabled = false;
+  return scene;
 }
 
 /// Repeats a recording to its end; its last step is that of the run.

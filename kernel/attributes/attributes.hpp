@@ -112,10 +112,9 @@ class Attributes {
   /// now on. To be called before add(). Throws InputError for an element that is not a
   /// parallelepiped at rest.
   void let_parts_grow(const CellComplex& complex);
-  /// The parts of copies of elements, which apply() is about to add.
-  void add_parts(std::span<const Index> elements, std::span<const PartMoments> moments) {
-    parts_.append(elements, moments);
-  }
+  /// Call around an operation that copies elements, with the parts of the copies.
+  void begin_copies(const Parts& copies) { parts_.begin_copies(copies); }
+  void end_copies() { parts_.end_copies(); }
 
   /// The numbers of elements as users see them, for messages and suture_batch.cell_ids; set
   /// before initialise() and owned by the caller. Empty: the numbers of the complex.

@@ -116,8 +116,7 @@ void Attributes::parameters(Archive& archive, const CellComplex& complex) {
     const std::span built = instance->parameters();
     std::vector<double> values(built.begin(), built.end());
     a("values", values);
-    std::vector<std::uint32_t> fields(instance->changed_fields().begin(),
-                                      instance->changed_fields().end());
+    std::vector<std::uint32_t> fields = instance->changed_fields();
     a("fields", fields);
     require_openness(a, *instance, values, fields);
     Diagnostics known;  // what models report was reported when they were changed

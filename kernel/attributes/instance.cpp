@@ -396,6 +396,12 @@ void Instance::set_field(std::size_t parameter, std::span<const double> values,
   if (place == changed_fields_.end() || *place != number) changed_fields_.insert(place, number);
 }
 
+std::vector<std::uint32_t> Instance::changed_fields() const {
+  std::vector<std::uint32_t> fields = changed_fields_;
+  std::erase_if(fields, [&](std::uint32_t field) { return !std::isnan(parameters_[field]); });
+  return fields;
+}
+
 /// Uniform parameters fill their columns, then comes what the scene gives.
 void Instance::fill_columns() {
   fill_parameter_columns();

@@ -58,8 +58,8 @@ class Instance {
   /// The same with one parameter that may differ from element to element: its values, by row of
   /// table(3).
   void set_field(std::size_t parameter, std::span<const double> values, Diagnostics& diagnostics);
-  /// The parameters that set_field() has set, ascending.
-  std::span<const std::uint32_t> changed_fields() const { return changed_fields_; }
+  /// The parameters that set_field() has set and that still differ between elements, ascending.
+  std::vector<std::uint32_t> changed_fields() const;
   /// Rows of table(3) after build(); those of copies of elements follow.
   Index built_rows() const { return built_rows_; }
   /// "model 'tissue' (mss-baudet)", the beginning of messages.

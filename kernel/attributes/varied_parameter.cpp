@@ -50,14 +50,18 @@ VariedParameter::VariedParameter(Attributes& attributes, Instance& instance,
     values_ = {parameters_[number_]};
   else
     for (Index row = 0; row < column_->size(); ++row) values_.push_back(column_->get(row, 0));
-  // The copies are changed; the columns themselves return.
-  for_each_column(attributes, instance, [&](Column& column) {
+}
+
+/// Copies are changed; the columns themselves return.
+void VariedParameter::keep_columns() {
+  for_each_column(attributes_, instance_, [&](Column& column) {
     kept_.push_back(std::move(column));
     column = Column(kept_.back());
   });
 }
 
 VariedParameter::~VariedParameter() {
+  if (kept_.empty()) return;
   Diagnostics known;
   instance_.set_parameters(parameters_, known);
   auto kept = kept_.begin();
@@ -65,6 +69,7 @@ VariedParameter::~VariedParameter() {
 }
 
 void VariedParameter::set(std::span<const double> values) {
+  if (kept_.empty()) keep_columns();
   Diagnostics later;  // a model that is varied has said what it had to say
   const bool are_equal = std::ranges::all_of(values, [&](double v) { return v == values[0]; });
   std::vector<double> parameters = parameters_;

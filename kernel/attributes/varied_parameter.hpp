@@ -36,13 +36,15 @@ class VariedParameter {
   void set(std::span<const double> values);
 
  private:
+  void keep_columns();
+
   Attributes& attributes_;
   Instance& instance_;
   const CellComplex& complex_;
   std::size_t number_;
   Column* column_ = nullptr;
   std::vector<double> parameters_, values_;
-  std::deque<Column> kept_;  ///< the columns of the instance, then the masses
+  std::deque<Column> kept_;  ///< the columns of the instance, then the masses; empty: not set
 };
 
 }  // namespace suture

@@ -9,10 +9,11 @@
 #include "kernel/gradients/rest_slopes.hpp"
 #include "kernel/gradients/total_forces.hpp"
 #include "kernel/implicit/newton.hpp"
-#include "kernel/spectrum/scaled_tangent.hpp"
 
 namespace suture {
 namespace {
+
+constexpr unsigned max_updates = 50;  // of the multipliers of contact
 
 [[noreturn]] void refuse(const std::string& reason) {
   throw InputError("there is no derivative of this state: " + reason);
@@ -29,26 +30,13 @@ StepEquations equations_at(Body& body, double time) {
   return equations;
 }
 
-/// Whether a term has neither forces nor a tangent in this state.
-bool takes_no_part(Body& body, ForceTerm& term, double time) {
-  const std::size_t vertices = body.attributes().vertex_count();
-  AlignedVector<double> rows(vertices * 4);
-  term.add_forces(time, body.attributes().kernel(0).cells.live(), rows.data());
-  std::vector<double> direction, out(vertices * 3);
-  Random random;
-  for (std::size_t i = 0; i < out.size(); ++i) direction.push_back(random());
-  if (auto* stiff = dynamic_cast<TangentTerm*>(&term))
-    stiff->add_tangent(direction.data(), 1, 0, time, out.data());
-  const auto is_zero = [](double value) { return value == 0; };
-  return std::ranges::all_of(rows, is_zero) && std::ranges::all_of(out, is_zero);
-}
-
 void require_terms(Body& body, double time) {
-  for (const auto& term : body.terms())
-    if (dynamic_cast<ConstraintTerm*>(term.get()) && !takes_no_part(body, *term, time))
+  for_each_with<ConstraintTerm>(body.terms(), [&](ConstraintTerm& term) {
+    if (!term.hold(time))
       refuse(
-          "the body is in contact, and its tangent does not hold what touches; differentiate "
-          "a state without contact");
+          "contact with friction, or between pieces, has no derivative; take the friction out, "
+          "or keep the pieces apart");
+  });
   if (body.models().keeps_states())
     refuse("a model has a memory, on which its forces depend; choose models without one");
   if (!body.is_conservative(time))
@@ -88,11 +76,12 @@ void EquilibriumSlopes::for_each_held(Visit visit) const {
         visit(std::size_t{v} * 3 + c);
 }
 
-std::vector<double> EquilibriumSlopes::solve(const std::vector<double>& right, double tolerance,
-                                             unsigned& iterations) const {
-  std::vector<double> x(right.size());
+/// x += the solution of A x = right; returns the iterations.
+unsigned EquilibriumSlopes::add_solution(const std::vector<double>& right, double tolerance,
+                                         std::vector<double>& x) const {
+  std::vector<double> more(right.size());
   const LinearSolve solve =
-      dynamics_.newton()->solve_tangent(equations_at(body_, time_), right, x, tolerance);
+      dynamics_.newton()->solve_tangent(equations_at(body_, time_), right, more, tolerance);
   if (solve.outcome == LinearSolve::Outcome::indefinite)
     refuse("its tangent is indefinite, so the equilibrium is unstable or a limit point");
   if (solve.outcome == LinearSolve::Outcome::too_many) {
@@ -101,13 +90,34 @@ std::vector<double> EquilibriumSlopes::solve(const std::vector<double>& right, d
          << ": the equilibrium is close to a limit point, or the tolerance too small";
     refuse(text.str());
   }
-  iterations = solve.iterations;
-  return x;
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] += more[i];
+  return solve.iterations;
+}
+
+// A contains the stiffness of gaps, N k N^T, in place of their multipliers y. As the multipliers of
+// contact do, y converges by y += k N^T (x + fixed), with the equations solved again each time.
+EquilibriumSlopes::Solution EquilibriumSlopes::solve(const std::vector<double>& right,
+                                                     const std::vector<double>& fixed,
+                                                     double tolerance) const {
+  Solution found{std::vector<double>(right.size()), std::vector<double>(right.size()), 0};
+  found.iterations = add_solution(right, tolerance, found.x);
+  double scale = norm(right);
+  for (unsigned updates = 0; updates < max_updates; ++updates) {
+    std::vector<double> whole = found.x, gaps(right.size());
+    for (std::size_t i = 0; i < whole.size(); ++i) whole[i] += fixed[i];
+    for_each_with<ConstraintTerm>(body_.terms(), [&](ConstraintTerm& term) {
+      term.add_gap_tangent(whole.data(), time_, gaps.data());
+    });
+    const double left = norm(gaps);
+    scale = std::max(scale, left);
+    if (left <= tolerance * scale) return found;
+    for (std::size_t i = 0; i < gaps.size(); ++i) found.held[i] -= gaps[i];
+    found.iterations += add_solution(gaps, std::max(tolerance, tolerance * scale / left), found.x);
+  }
+  refuse("the multipliers of contact do not converge");
 }
 
 Adjoint EquilibriumSlopes::adjoint(const ObjectiveSlopes& objective, double tolerance) const {
-  Adjoint adjoint;
-  adjoint.multipliers.energy = objective.energy;
   std::vector<double> held(objective.displacement.size());
   std::vector<double> right = objective.displacement;
   if (!objective.reaction.empty()) {
@@ -119,16 +129,26 @@ Adjoint EquilibriumSlopes::adjoint(const ObjectiveSlopes& objective, double tole
     const std::vector<double> elastic = elastic_forces(body_, time_);
     for (std::size_t i = 0; i < right.size(); ++i) right[i] -= objective.energy * elastic[i];
   }
-  std::vector<double>& force = adjoint.multipliers.force;
-  force = solve(right, tolerance, adjoint.iterations);
+  Solution found = solve(right, held, tolerance);
   // right contains (df/dx)^T m already.
-  const std::vector<double> reached = transposed_tangent(body_, time_, force);
-  adjoint.motion.assign(right.size(), 0);
+  const std::vector<double> reached = transposed_tangent(body_, time_, found.x);
+  Adjoint adjoint{
+      {std::move(found.x), objective.energy}, std::vector<double>(right.size()), found.iterations};
   for_each_held([&](std::size_t i) {
-    adjoint.motion[i] = right[i] + reached[i];
-    force[i] = held[i];
+    adjoint.motion[i] = right[i] + reached[i] - found.held[i];
+    adjoint.multipliers.force[i] = held[i];
   });
   return adjoint;
+}
+
+Sensitivity EquilibriumSlopes::sensitivity(const std::vector<double>& forces,
+                                           double tolerance) const {
+  Solution found = solve(forces, std::vector<double>(forces.size()), tolerance);
+  const std::vector<double> moved = tangent(body_, time_, found.x);
+  Sensitivity sensitivity{std::move(found.x), std::vector<double>(forces.size())};
+  for_each_held(
+      [&](std::size_t i) { sensitivity.reaction[i] = -forces[i] - moved[i] + found.held[i]; });
+  return sensitivity;
 }
 
 double EquilibriumSlopes::along_rest(const ObjectiveSlopes& objective, const Adjoint& adjoint,
@@ -141,20 +161,6 @@ double EquilibriumSlopes::along_rest(const ObjectiveSlopes& objective, const Adj
   // u = x - X, and where a vertex is held, x = X + translation
   return dot(adjoint.multipliers.force, slope.forces) + objective.energy * slope.energy +
          dot(adjoint.motion, direction) - dot(objective.displacement, direction);
-}
-
-std::vector<double> EquilibriumSlopes::displacement(const std::vector<double>& forces,
-                                                    double tolerance) const {
-  unsigned iterations = 0;
-  return solve(forces, tolerance, iterations);
-}
-
-std::vector<double> EquilibriumSlopes::reaction(const std::vector<double>& forces,
-                                                const std::vector<double>& displacement) const {
-  const std::vector<double> moved = tangent(body_, time_, displacement);
-  std::vector<double> reaction(forces.size());
-  for_each_held([&](std::size_t i) { reaction[i] = -forces[i] - moved[i]; });
-  return reaction;
 }
 
 }  // namespace suture

@@ -25,6 +25,12 @@ double step_at(double value, double wanted, const suture_parameter& parameter) {
   return std::min(wanted, room / 2);
 }
 
+std::vector<double> times(double factor, std::span<const double> numbers) {
+  std::vector<double> products(numbers.begin(), numbers.end());
+  for (double& product : products) product *= factor;
+  return products;
+}
+
 /// Visits the numbers of the vertices, edges or faces of an element.
 template <class Visit>
 void for_each_cell(const CellComplex& complex, int dimension, Index element, Visit visit) {
@@ -97,9 +103,7 @@ auto ParameterSlopes::both_sides(std::span<const double> changes, Value value) c
 
 std::vector<double> ParameterSlopes::forces(std::span<const double> weights) {
   const double step = step_along(weights);
-  std::vector<double> changes(weights.begin(), weights.end());
-  for (double& change : changes) change *= step;
-  auto [up, down] = both_sides(changes, [&] { return total_forces(body_, time_); });
+  auto [up, down] = both_sides(times(step, weights), [&] { return total_forces(body_, time_); });
   for (std::size_t i = 0; i < up.size(); ++i) up[i] = step > 0 ? (up[i] - down[i]) / (2 * step) : 0;
   return up;
 }
@@ -107,9 +111,7 @@ std::vector<double> ParameterSlopes::forces(std::span<const double> weights) {
 double ParameterSlopes::along(const Multipliers& multipliers, std::span<const double> weights) {
   const double step = step_along(weights);
   if (step == 0) return 0;
-  std::vector<double> changes(weights.begin(), weights.end());
-  for (double& change : changes) change *= step;
-  const auto [up, down] = both_sides(changes, [&] {
+  const auto [up, down] = both_sides(times(step, weights), [&] {
     const double energy = multipliers.energy == 0 ? 0 : body_.models().energy(time_);
     return std::pair(total_forces(body_, time_), multipliers.energy * energy);
   });

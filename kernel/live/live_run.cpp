@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "kernel/base/error.hpp"
-#include "kernel/base/vec3.hpp"
+#include "kernel/live/adjustable.hpp"
 #include "kernel/live/json_text.hpp"
 
 namespace suture {
@@ -18,15 +18,9 @@ using Seconds = std::chrono::duration<double>;
 /// be less than 15 of them in a second.
 constexpr double shortest_interval = 1.0 / 60, longest_interval = 1.0 / 15, share = 0.05;
 /// Steps are made for so long before inputs are looked at again.
-constexpr double slice = 0.004;
+constexpr double slice = 0.004, slice_with_device = 0.001;
 /// A run that cannot keep up does not try to catch up on more than this, s.
 constexpr double most_behind = 0.1;
-const std::string hand_name = "live-hand";
-/// s: in so long the hand gets to where the mouse is.
-constexpr double hand_delay = 0.05;
-/// Edges per step: faster, it would tear a front of large strains through the body, and invert
-/// elements. Explicit steps are about as long as a wave takes to cross an edge.
-constexpr double hand_reach = 0.02;
 constexpr auto idle = std::chrono::milliseconds(20);
 
 }  // namespace
@@ -62,21 +56,50 @@ LiveRun::LiveRun(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
   recording_.emplace(std::move(recording), scene_, *simulation_);
 }
 
+LiveRun::LiveRun(Simulation& simulation, const Scene& scene, PluginHost& host,
+                 Diagnostics& diagnostics, LiveServer& server, std::filesystem::path recording,
+                 std::span<const RecordedInput> done)
+    : scene_(scene),
+      host_(host),
+      diagnostics_(diagnostics),
+      server_(server),
+      simulation_(&simulation),
+      pictures_(std::make_unique<Pictures>(simulation, 0)),
+      reported_warnings_(diagnostics.warnings().size()) {
+  pictures_->choose(field_);
+  tell_lists();
+  std::optional<Simulation> start;  // a recording begins there
+  Diagnostics again;
+  if (simulation.step() > 0 || !done.empty()) start.emplace(scene, host, again);
+  recording_.emplace(std::move(recording), scene, start ? *start : simulation);
+  for (const RecordedInput& input : done) record(input);
+}
+
 LiveRun::~LiveRun() = default;
 
-void LiveRun::build(std::uint64_t first_surface) {
-  pictures_.reset();  // it refers to the simulation
-  simulation_.reset();
-  simulation_ = std::make_unique<Simulation>(scene_, host_, diagnostics_);
-  pictures_.emplace(*simulation_, first_surface);
-  pictures_->choose(field_);
-  server_.greet(pictures_->greeting());
-  status_.is_playing = status_.has_ended = has_failed_ = is_shown_ = false;
+/// What is shown as laid open is so since the start: pictures know the body before it has a state.
+void LiveRun::build(std::uint64_t first_surface, const StateTree* state) {
+  if (own_) report_warnings();
+  auto simulation = std::make_unique<Simulation>(scene_, host_, diagnostics_);
+  if (own_) reported_warnings_ = diagnostics_.warnings().size();  // those of before again
+  auto pictures = std::make_unique<Pictures>(*simulation, first_surface);
+  pictures->choose(field_);
+  if (state != nullptr) {
+    simulation->load(*state);
+    pictures->find_surface_again();
+  }
+  pictures_ = std::move(pictures);
+  own_ = std::move(simulation);
+  simulation_ = own_.get();
+  status_.is_playing = status_.has_ended = status_.has_failed = is_shown_ = false;
   hand_.reset();
+  tell_lists();
+  if (device_) follow(*device_, device_obstacle_);
 }
 
 void LiveRun::run(Observer& observer) {
   Reporter reporter(*this, observer);
+  play(false);
   while (!observer.stop_requested()) {
     for (const std::string& text : server_.take_inputs()) obey(text, reporter);
     if (status_.is_playing)
@@ -86,105 +109,40 @@ void LiveRun::run(Observer& observer) {
     report_warnings();
     show();
   }
-  if (!has_failed_) recording_->end(*simulation_);
 }
 
-// ------------------------------------------------------------------- inputs --
+void LiveRun::end() {
+  if (!status_.has_failed) recording_->end(*simulation_);
+}
 
-/// Applies an input of the page. A refused input changes nothing, and the page shows the reason.
-void LiveRun::obey(const std::string& text, Observer& observer) {
+void LiveRun::watch() {
+  for ([[maybe_unused]] const std::string& input : server_.take_inputs())
+    tell("error", "the script makes the steps now; this page watches until it gives the control");
+  report_warnings();
+  status_.is_playing = true;
   is_shown_ = false;
-  try {
-    const Json input = Json::parse(text);
-    const std::string what = input.at("do");
-    if (what == "play" || what == "pause") return play(what == "play");
-    if (what == "reset") return reset(observer);
-    if (what == "field") {
-      pictures_->choose(input.at("name"));
-      field_ = input.at("name");
-    } else if (what == "speed") {
-      const double speed = input.at("value");
-      if (!(speed >= 0 && speed <= 1e6)) throw InputError("a speed is a number from 0 to 1e6");
-      status_.speed = speed;
-      play(status_.is_playing);
-    } else if (has_failed_) {
-      throw InputError("the run has failed; reset it");
-    } else if (what == "step") {
-      play(false);
-      make_steps(1, observer);
-    } else if (what == "apply") {
-      apply(json_text(input.at("event")), observer);
-    } else if (what == "grab") {
-      grab(input.at("at").get<Vec3>(), observer);
-    } else if (what == "drag") {
-      drag(input.at("to").get<Vec3>(), observer);
-    } else if (what == "let_go") {
-      let_go(observer);
-    } else {
-      throw InputError("there is no input '" + what + "'");
-    }
-  } catch (const Json::exception& error) {
-    tell("error", std::string("this input is not understood: ") + error.what());
-  } catch (const IoError&) {
-    throw;  // of the recording
-  } catch (const NumericalError& error) {
-    fail(error.what());
-  } catch (const Error& error) {
-    tell("error", error.what());
-  }
+  show();
 }
 
-void LiveRun::apply(const std::string& value, Observer& observer) {
-  const std::uint64_t step = simulation_->step();
-  apply_input(value, scene_, *simulation_, observer, diagnostics_);
-  recording_->input(step, "page", value);
+void LiveRun::show_last() {
+  report_warnings();
+  status_.is_playing = false;
+  if (server_.is_watched()) server_.show(pictures_->picture(status_));
+}
+
+void LiveRun::record(const RecordedInput& input) {
+  recording_->input(input.step, input.device, input.value);
   status_.has_ended = false;
 }
 
-void LiveRun::reset(Observer& observer) {
-  build(pictures_->last_number());
-  recording_->reset();
-  observer.on_message("the run is at its start again");
+void LiveRun::stop_recording(const std::string& why) {
+  if (!recording_->is_on()) return;
+  recording_->stop();
+  tell("warning", "the recording ends here: " + why);
 }
 
-void LiveRun::play(bool plays) {
-  status_.is_playing = plays && !status_.has_ended && !has_failed_;
-  playing_since_ = Wall::now();
-  played_from_ = simulation_->time();
-  measured_ = {playing_since_};
-  status_.steps_per_second = status_.real_time = 0;
-}
-
-// --------------------------------------------------------------------- hand --
-
-/// Holds the nodes around a place.
-void LiveRun::grab(const Vec3& at, Observer& observer) {
-  let_go(observer);
-  const Json sphere{{"centre", at}, {"radius", 1.2 * pictures_->edge_length()}};
-  apply(json_text(Json{{"grasp", {{"name", hand_name}, {"where", {{"sphere", sphere}}}}}}),
-        observer);
-  hand_ = {at, at, simulation_->time(), 1};
-}
-
-void LiveRun::drag(const Vec3& to, Observer& observer) {
-  if (!hand_) return;
-  const double now = simulation_->time();
-  const double part = std::min((now - hand_->start) / hand_->duration, 1.0);
-  const Vec3 place = plus(hand_->from, scaled(part, minus(hand_->to, hand_->from)));
-  const double speed = status_.real_time > 0 ? status_.real_time : status_.speed;
-  const Vec3 translation = minus(to, place);
-  const double shortest = norm(translation) / (hand_reach * pictures_->edge_length()) * dt_;
-  const double duration = std::max(hand_delay * std::clamp(speed, 0.01, 1.0), shortest);
-  apply(json_text(Json{
-            {"move", {{"grasp", hand_name}, {"translation", translation}, {"during", duration}}}}),
-        observer);
-  hand_ = {place, to, now, duration};
-}
-
-void LiveRun::let_go(Observer& observer) {
-  if (!hand_) return;
-  hand_.reset();
-  apply(json_text(Json{{"release", hand_name}}), observer);
+void LiveRun::require_own(const std::string& what) const {
+  if (!own_) throw InputError("a script runs this simulation; only it can " + what);
 }
 
 // -------------------------------------------------------------------- steps --
@@ -195,16 +153,19 @@ void LiveRun::make_due_steps(Observer& observer) {
   if (status_.speed > 0) {
     const double behind = Seconds(Wall::now() - playing_since_).count() * status_.speed -
                           (simulation_->time() - played_from_);
-    if (behind <= 0) return server_.wait(std::chrono::milliseconds(2));
+    if (behind <= 0) return server_.wait(std::chrono::milliseconds(device_ ? 1 : 2));
     if (behind > most_behind * status_.speed) {
       playing_since_ = Wall::now();
       played_from_ = simulation_->time() - most_behind * status_.speed;
     }
     due = dt_ > 0 ? behind / dt_ : 1;
   }
-  const double fits = seconds_per_step_ > 0 ? slice / seconds_per_step_ : 1;
-  make_steps(static_cast<std::uint64_t>(std::clamp(std::ceil(std::min(due, fits)), 1.0, 1e4)),
-             observer);
+  const double time = device_ ? slice_with_device : slice;
+  const double fits = seconds_per_step_ > 0 ? time / seconds_per_step_ : 1;
+  const double count = std::clamp(std::ceil(std::min(due, fits)), 1.0, 1e4);
+  move_device_hand(count, observer);
+  make_steps(static_cast<std::uint64_t>(count), observer);
+  feel();
 }
 
 void LiveRun::make_steps(std::uint64_t count, Observer& observer) {
@@ -231,7 +192,7 @@ void LiveRun::make_steps(std::uint64_t count, Observer& observer) {
 }
 
 void LiveRun::fail(const std::string& why) {
-  has_failed_ = true;
+  status_.has_failed = true;
   play(false);
   status_.has_ended = true;
   tell("error", why + "\nThe run has failed; this is its last state.");
@@ -244,6 +205,7 @@ void LiveRun::measure(std::uint64_t steps, double simulated) {
   if (spent < 0.5) return;
   status_.steps_per_second = static_cast<double>(measured_.steps) / spent;
   status_.real_time = measured_.simulated / spent;
+  status_.device.exchanges_per_second = static_cast<double>(measured_.exchanges) / spent;
   measured_ = {Wall::now()};
 }
 
@@ -251,9 +213,15 @@ void LiveRun::measure(std::uint64_t steps, double simulated) {
 
 void LiveRun::show() {
   const auto now = Wall::now();
+  show_device();
   if (is_shown_ || !server_.wants_picture() || now < next_picture_) return;
-  server_.show(pictures_->picture(status_));
   is_shown_ = true;
+  try {
+    feel_hand();
+    server_.show(pictures_->picture(status_));
+  } catch (const NumericalError& error) {
+    return fail(error.what());
+  }
   const double spent = Seconds(Wall::now() - now).count();
   const auto interval = std::chrono::duration_cast<Wall::duration>(
       Seconds(std::clamp(spent / share, shortest_interval, longest_interval)));
@@ -264,6 +232,15 @@ void LiveRun::show() {
 void LiveRun::report_warnings() {
   const auto& warnings = diagnostics_.warnings();
   while (reported_warnings_ < warnings.size()) tell("warning", warnings[reported_warnings_++]);
+}
+
+/// What pages choose from, to these and to those that come later.
+void LiveRun::tell_lists() {
+  Json greeting = pictures_->greeting();
+  const Json lists{{"kept", kept_.list()}, {"values", adjustable_values(*simulation_)}};
+  greeting.update(lists);
+  server_.greet(json_text(greeting));
+  server_.say(json_text(lists));
 }
 
 void LiveRun::tell(const char* key, const std::string& text) {

@@ -3,9 +3,14 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
 
+#include "kernel/live/device_hand.hpp"
+#include "kernel/live/kept_states.hpp"
 #include "kernel/live/live_server.hpp"
 #include "kernel/live/picture.hpp"
 #include "kernel/live/recording.hpp"
@@ -17,71 +22,107 @@ namespace suture {
 /// recording does), but makes the same steps as a run that does.
 void leave_out_results(Scene& scene);
 
-/// A run that pages show and control. It starts paused. Inputs act between two steps and are
-/// recorded; a run that has failed shows its last state until it is reset.
-///
-/// Inputs are JSON objects (docs/live.md): {"do": "play"}, "pause", "step", "reset";
-/// {"do": "speed", "value": 0.5}; {"do": "field", "name": "von_mises"};
-/// {"do": "apply", "event": {...}}; {"do": "grab", "at": [x, y, z]}, {"do": "drag", "to": [x, y,
-/// z]},
-/// {"do": "let_go"}: a hand that holds the nodes around a place, m in the scene.
+/// A run that pages show and control. It starts paused. Inputs are JSON objects (docs/live.md).
+/// They act between two steps and are recorded; a run that has failed shows its last state until it
+/// goes back to an earlier one.
 class LiveRun {
  public:
   /// Throws the errors of Simulation and of the recording, which is written to `recording` ("": a
   /// name of its own).
   LiveRun(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, LiveServer& server,
           std::filesystem::path recording);
+  /// The same for a simulation that belongs to a script, which has made `done` before; it must
+  /// outlive this. Pages cannot go back to earlier states.
+  LiveRun(Simulation& simulation, const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
+          LiveServer& server, std::filesystem::path recording, std::span<const RecordedInput> done);
   ~LiveRun();
 
-  /// Goes on until `observer` requests a stop. Throws IoError of the recording.
+  /// Goes on, at first paused, until `observer` requests a stop. Throws IoError of the recording.
   void run(Observer& observer);
+  /// Ends the recording. Throws IoError.
+  void end();
+
+  // ---- between two calls of run(): the script makes the steps ----
+
+  /// Shows the state if a picture is due; pages watch only. Call before each step.
+  void watch();
+  /// Shows the state. Call after the last of some steps, or an input.
+  void show_last();
+  /// An input that the script has applied.
+  void record(const RecordedInput& input);
+  /// The script did what no recording can repeat: it ends here.
+  void stop_recording(const std::string& why);
+  void report(const std::string& message) { tell("message", message); }
+
+  bool has_failed() const { return status_.has_failed; }
   Simulation& simulation() { return *simulation_; }
   const RecordingWriter& recording() const { return *recording_; }
+  /// From now on a device moves what it holds (DeviceHand) while the run plays. It must outlive
+  /// this. Throws the errors of DeviceHand.
+  void follow(Device& device, std::string obstacle);
 
  private:
   using Wall = std::chrono::steady_clock;
   class Reporter;
-  void build(std::uint64_t first_surface);
-  void obey(const std::string& text, Observer& observer);
-  void reset(Observer& observer);
-  void play(bool plays);
+  void build(std::uint64_t first_surface, const StateTree* state = nullptr);
   void make_due_steps(Observer& observer);
   void make_steps(std::uint64_t count, Observer& observer);
-  void apply(const std::string& value, Observer& observer);
-  void grab(const Vec3& at, Observer& observer);
-  void drag(const Vec3& to, Observer& observer);
-  void let_go(Observer& observer);
+  void require_own(const std::string& what) const;
   void fail(const std::string& why);
   void show();
   void measure(std::uint64_t steps, double simulated);
   void report_warnings();
   void tell(const char* key, const std::string& text);
+  void tell_lists();
+  void feel_hand();
+
+  // ---- device: live_device.cpp ----
+  void engage_device();
+  void move_device_hand(double steps, Observer& observer);
+  void feel();
+  void show_device();
+
+  // ---- inputs: live_inputs.cpp ----
+  using Json = nlohmann::json;
+  void obey(const std::string& text, Observer& observer);
+  bool control(const std::string& what, const Json& input, Observer& observer);
+  void act(const std::string& what, const Json& input, Observer& observer);
+  void play(bool plays);
+  void reset(Observer& observer);
+  void go_back(const Json& input, Observer& observer);
+  void keep(const std::string& name, bool is_before_action);
+  void as_action(const std::string& name, const std::function<void()>& action);
+  void apply(const std::string& value, Observer& observer, const std::string& device = "page");
+  void grab(const Vec3& at, Observer& observer);
+  void take_tool(const std::string& tool, const Vec3& at, Observer& observer);
+  void drag(const Vec3& to, Observer& observer);
+  void let_go(Observer& observer);
 
   const Scene& scene_;
   PluginHost& host_;
   Diagnostics& diagnostics_;
   LiveServer& server_;
-  std::unique_ptr<Simulation> simulation_;
-  std::optional<Pictures> pictures_;
+  std::unique_ptr<Simulation> own_;
+  Simulation* simulation_ = nullptr;    ///< own_, or that of a script
+  std::unique_ptr<Pictures> pictures_;  ///< they refer to the simulation
   std::optional<RecordingWriter> recording_;
   std::string field_ = "displacement";
   LiveStatus status_;
-  bool has_failed_ = false, is_shown_ = false;
-  /// What the mouse holds is on its way from one place to another.
-  struct Hand {
-    Vec3 from{}, to{};
-    double start = 0, duration = 1;  ///< s
-  };
+  bool is_shown_ = false;
   std::optional<Hand> hand_;
+  Device* device_ = nullptr;
+  std::string device_obstacle_;
+  std::optional<DeviceHand> device_hand_;
+  KeptStates kept_;
   std::size_t reported_warnings_ = 0;
   /// Where and when playing began, which the speed counts from.
   double played_from_ = 0;
   Wall::time_point playing_since_, next_picture_;
   double seconds_per_step_ = 0, dt_ = 0;
-  /// Since the last time that the page was told.
+  /// Since status_ was last measured.
   struct Measured {
     Wall::time_point since;
-    std::uint64_t steps = 0;
+    std::uint64_t steps = 0, exchanges = 0;
     double simulated = 0;
   } measured_;
 };

@@ -21,14 +21,18 @@ std::filesystem::path three_js_folder() {
 
 }  // namespace
 
-std::unique_ptr<LiveServer> open_live_server(std::uint16_t port) {
+std::unique_ptr<LiveServer> open_live_server(std::uint16_t port, const std::string& host) {
   const auto open = reinterpret_cast<OpenLiveServer>(
-      module_symbol("libsuture-live.so", "suture_open_live_server_1"));
+      module_symbol("libsuture-live.so", "suture_open_live_server_2"));
   std::string problem;
-  auto server = open({port, three_js_folder()}, problem);
+  LiveServerOptions options{.port = port, .three_js = three_js_folder()};
+  if (!host.empty()) options.host = host;
+  auto server = open(options, problem);
   if (!server)
-    throw IoError("cannot listen on port " + std::to_string(port) + ": " + problem +
-                  "; choose another one (--port), or none to get one that is free");
+    throw IoError(
+        "cannot listen on port " + std::to_string(port) + (host.empty() ? "" : " of " + host) +
+        ": " + problem + "; choose another one (--port), or none to get one that is free" +
+        (host.empty() ? "" : ", and an address of this machine (--host), such as 0.0.0.0"));
   return server;
 }
 

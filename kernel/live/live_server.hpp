@@ -21,14 +21,15 @@ struct LivePicture {
 };
 
 struct LiveServerOptions {
+  std::string host = "127.0.0.1";  ///< an address of this machine; "0.0.0.0": all
   std::uint16_t port = 0;          ///< 0: any that is free
   std::filesystem::path three_js;  ///< the folder of three.js
 };
 
-/// Serves pages on the loopback interface, on a thread of its own; none of its functions waits for
-/// a page. The address contains a random token; requests without it, and pages of other origins,
-/// are refused. The first page controls the run, the others watch it; when the first one leaves,
-/// the oldest of the others takes over. All functions are called on one thread.
+/// Serves pages, on a thread of its own; none of its functions waits for a page. The address
+/// contains a random token; requests without it, and pages of other origins, are refused. The first
+/// page controls the run, the others watch it; when the first one leaves, the oldest of the others
+/// takes over. All functions are called on one thread.
 class LiveServer {
  public:
   virtual ~LiveServer() = default;
@@ -39,6 +40,8 @@ class LiveServer {
   virtual void say(std::string text) = 0;
   /// A page takes a new picture when it begins to draw the last one; what it misses is not kept.
   virtual void show(LivePicture picture) = 0;
+  /// True if there is a page.
+  virtual bool is_watched() const = 0;
   /// True if a page would take a picture now.
   virtual bool wants_picture() const = 0;
   /// The texts that the controlling page has sent since the last call, in order; at most 64 kB
@@ -48,9 +51,10 @@ class LiveServer {
   virtual void wait(std::chrono::milliseconds most) = 0;
 };
 
-/// Loads the module. Throws IoError if that is not possible, if three.js is missing, or if the port
-/// is taken.
-std::unique_ptr<LiveServer> open_live_server(std::uint16_t port);
+/// Loads the module. `host`: an address of this machine at which others may connect; "": only this
+/// machine may. Throws IoError if that is not possible, if three.js is missing, or if it
+/// cannot listen there.
+std::unique_ptr<LiveServer> open_live_server(std::uint16_t port, const std::string& host = "");
 
 /// What the module exports: null, and the reason in `problem`, if it cannot listen.
 using OpenLiveServer = std::unique_ptr<LiveServer> (*)(const LiveServerOptions& options,

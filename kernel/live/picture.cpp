@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "kernel/base/vec3.hpp"
 #include "kernel/forces/contact_law.hpp"
 #include "kernel/geometry/shape_mesh.hpp"
 #include "kernel/live/json_text.hpp"
@@ -14,6 +15,11 @@ namespace suture {
 namespace {
 
 using Json = nlohmann::json;
+using Wall = std::chrono::steady_clock;
+/// Between two points of the curves; they take at most a fiftieth of the time: energies cost
+/// O(elements).
+constexpr std::chrono::nanoseconds plot_interval = std::chrono::milliseconds(100);
+constexpr int plot_share = 50;
 static_assert(std::endian::native == std::endian::little, "messages are little-endian");
 
 template <class T>
@@ -61,6 +67,27 @@ Json pose_json(const Pose& pose) {
   return columns;
 }
 
+/// The lines of the blades that move, as coordinates in the frame of the body.
+Json blades_json(const Simulation& simulation) {
+  Json blades = Json::array();
+  for (const BladeShape& blade : simulation.blades()) {
+    if (!blade.triangles.empty()) continue;
+    Json points = Json::array();
+    for (const Vec3& point : blade.points)
+      for (const double x : point) points.push_back(static_cast<float>(x));
+    blades.push_back(points);
+  }
+  return blades;
+}
+
+Json device_json(const LiveStatus::Device& device) {
+  return {{"name", device.name},
+          {"place", device.place},
+          {"force", device.force},
+          {"poses_per_second", device.poses_per_second},
+          {"exchanges_per_second", device.exchanges_per_second}};
+}
+
 Json range_of(std::span<const float> values) {
   float low = INFINITY, high = -INFINITY;
   for (const float value : values)
@@ -71,15 +98,15 @@ Json range_of(std::span<const float> values) {
   return low <= high ? Json{low, high} : Json{0, 0};
 }
 
-double mean_edge(ShownSurface& surface) {
-  surface.number();
-  std::vector<float> x;
-  surface.append_positions(x);
+/// The mean length of the three edges at the first corner of each element.
+double mean_edge(const CellComplex& complex, const Column& rest) {
   double sum = 0;
-  for (const auto& [a, b] : surface.edges())
-    sum +=
-        std::hypot(x[3 * a] - x[3 * b], x[3 * a + 1] - x[3 * b + 1], x[3 * a + 2] - x[3 * b + 2]);
-  return sum / static_cast<double>(std::max<std::size_t>(surface.edges().size(), 1));
+  const auto place = [&](Index v) { return Vec3{rest.get(v, 0), rest.get(v, 1), rest.get(v, 2)}; };
+  for (Index e = 0; e < complex.element_count(); ++e) {
+    const auto corners = complex.vertices_of(e);
+    for (const std::size_t k : {1, 2, 4}) sum += norm(minus(place(corners[k]), place(corners[0])));
+  }
+  return sum / (3.0 * complex.element_count());
 }
 
 }  // namespace
@@ -87,14 +114,15 @@ double mean_edge(ShownSurface& surface) {
 Pictures::Pictures(Simulation& simulation, std::uint64_t first_number)
     : simulation_(simulation),
       surface_(simulation.built()),
+      plots_(simulation),
       fields_(shown_fields(simulation.built())),
       first_number_(first_number),
       last_number_(first_number),
-      edge_length_(mean_edge(surface_)) {
+      edge_length_(mean_edge(simulation.complex(), simulation.attributes().rest())) {
   choose("displacement");
 }
 
-std::string Pictures::greeting() const {
+Json Pictures::greeting() const {
   Json fields = Json::array(), obstacles = Json::array();
   for (const FieldChoice& field : fields_)
     fields.push_back({{"name", field.name}, {"unit", field.unit}});
@@ -102,14 +130,16 @@ std::string Pictures::greeting() const {
     for (const Obstacle& obstacle : contact->obstacles())
       obstacles.push_back(mesh_json(obstacle, *contact));
   const Scene& scene = simulation_.built().scene();
-  return json_text(
-      Json{{"live", 1},
-           {"title", scene.title.empty() ? scene.file.filename().string() : scene.title},
-           {"origin", simulation_.origin()},
-           {"gravity", scene.gravity},
-           {"elements", simulation_.complex().existing(3)},
-           {"fields", fields},
-           {"obstacles", obstacles}});
+  return {{"live", 1},
+          {"title", scene.title.empty() ? scene.file.filename().string() : scene.title},
+          {"origin", simulation_.origin()},
+          {"gravity", scene.gravity},
+          {"elements", simulation_.complex().existing(3)},
+          {"edge", edge_length_},
+          {"along_blade", simulation_.attributes().parts().may_grow()},
+          {"fields", fields},
+          {"plots", plots_.names()},
+          {"obstacles", obstacles}};
 }
 
 void Pictures::choose(const std::string& field) {
@@ -134,9 +164,13 @@ std::string Pictures::surface_message() {
                                        {"triangles", triangles.size()},
                                        {"laid_open", surface_.laid_open()},
                                        {"edges", edges.size()}},
-                                      12 * triangles.size() + 8 * edges.size());
+                                      12 * (triangles.size() + surface_.size()) + 8 * edges.size());
   append(message, triangles);
   append(message, edges);
+  std::vector<float> rest;
+  rest.reserve(3 * surface_.size());
+  surface_.append_rest(rest);
+  append(message, std::span<const float>(rest));
   return message;
 }
 
@@ -153,20 +187,28 @@ std::string Pictures::state_message(const LiveStatus& status) {
   if (const ContactLaw* contact = simulation_.contact())
     for (std::size_t i = 0; i < contact->obstacles().size(); ++i)
       poses.push_back(pose_json(contact->pose(i, time)));
-  std::string message = begin_message({{"kind", "state"},
-                                       {"surface", last_number_},
-                                       {"time", time},
-                                       {"step", simulation_.step()},
-                                       {"playing", status.is_playing},
-                                       {"ended", status.has_ended},
-                                       {"speed", status.speed},
-                                       {"steps_per_second", status.steps_per_second},
-                                       {"real_time", status.real_time},
-                                       {"balance", simulation_.balance()},
-                                       {"field", fields_[field_].name},
-                                       {"range", range_of(values)},
-                                       {"poses", poses}},
-                                      16 * surface_.size());
+  Json head{{"kind", "state"},
+            {"surface", last_number_},
+            {"time", time},
+            {"step", simulation_.step()},
+            {"playing", status.is_playing},
+            {"ended", status.has_ended},
+            {"speed", status.speed},
+            {"steps_per_second", status.steps_per_second},
+            {"real_time", status.real_time},
+            {"balance", simulation_.balance()},
+            {"field", fields_[field_].name},
+            {"range", range_of(values)},
+            {"poses", poses},
+            {"blades", blades_json(simulation_)}};
+  if (status.hand) head["hand"] = {{"place", status.hand->place}, {"force", status.hand->force}};
+  if (const auto start = Wall::now(); start >= next_plot_ && !status.has_failed) {
+    head["plots"] = plots_.values();
+    const auto end = Wall::now();
+    next_plot_ = end + std::max(plot_interval, plot_share * (end - start));
+  }
+  if (!status.device.name.empty()) head["device"] = device_json(status.device);
+  std::string message = begin_message(head, 16 * surface_.size());
   append(message, std::span<const float>(positions));
   append(message, std::span<const float>(values));
   return message;

@@ -7,8 +7,8 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/folder.hpp"
 #include "kernel/base/input_file.hpp"
+#include "kernel/live/inputs.hpp"
 #include "kernel/live/json_text.hpp"
-#include "kernel/scene/scene_reader.hpp"
 
 namespace suture {
 namespace {
@@ -45,18 +45,27 @@ void read_header(const Lines& line, Recording& recording) {
                       line.at("file").get<std::string>(),
                       line.at("folder").get<std::string>(),
                       {}};
+  recording.writes_results = line.value("results", true);
   recording.start = line.at("state");
+}
+
+/// Discards all inputs but the first ones; the run goes on from a step that lies between them and
+/// the others.
+void go_back(Recording& recording, std::uint64_t step, std::size_t inputs) {
+  const std::vector<RecordedInput>& all = recording.inputs;
+  if (inputs > all.size() || (inputs > 0 && step < all[inputs - 1].step) ||
+      (inputs < all.size() && step > all[inputs].step))
+    throw InputError("it goes back to a state that the lines above do not have");
+  recording.inputs.resize(inputs);
+  recording.last_step = step;
 }
 
 void read_line(const Lines& line, Recording& recording) {
   if (!line.at("step").is_number_unsigned())
     throw InputError("its step is not a whole number from 0 on");
   const auto step = line.at("step").get<std::uint64_t>();
-  if (line.contains("reset")) {
-    recording.inputs.clear();
-    recording.last_step = 0;
-    return;
-  }
+  if (line.contains("reset")) return go_back(recording, 0, 0);
+  if (line.contains("back")) return go_back(recording, step, line.at("inputs").get<std::size_t>());
   if (step < recording.last_step) throw InputError("its step is before that of the line above");
   recording.last_step = step;
   if (line.contains("end"))
@@ -97,17 +106,6 @@ Recording read_recording(const std::filesystem::path& path) {
   }
   if (number == 0) throw InputError(path.string() + ": it has no complete line");
   return recording;
-}
-
-void apply_input(const std::string& value, const Scene& scene, Simulation& simulation,
-                 Observer& observer, Diagnostics& diagnostics) {
-  const Lines input = Lines::parse(value);
-  if (input.is_object() && input.contains("move")) {
-    const Lines& move = input["move"];
-    simulation.move_grasp(move.at("grasp"), move.at("translation").get<Vec3>(), move.at("during"));
-    return;
-  }
-  simulation.apply(read_event(value, "input", scene, diagnostics), observer);
 }
 
 bool repeat(const Recording& recording, const Scene& scene, Simulation& simulation,
@@ -159,10 +157,12 @@ RecordingWriter::RecordingWriter(std::filesystem::path file, const Scene& scene,
                        {"isa", std::string(simulation.isa())},
                        {"file", scene.source.file.string()},
                        {"folder", scene.source.working_folder.string()},
+                       {"results", scene.output.enabled},
                        {"state", state_hash(simulation)},
                        {"scene", scene.source.text}})) {}
 
 void RecordingWriter::write(const std::string& line) {
+  if (!is_on_) return;
   if (!file_) {
     const Folder folder = Folder::open(path_.parent_path());
     file_ = std::make_unique<OutputFile>(folder, path_.filename().string());
@@ -174,14 +174,21 @@ void RecordingWriter::write(const std::string& line) {
 void RecordingWriter::input(std::uint64_t step, const std::string& device,
                             const std::string& value) {
   write(line_of({{"step", step}, {"device", device}, {"value", Lines::parse(value)}}));
+  ++inputs_;
 }
 
 void RecordingWriter::reset() {
   if (has_inputs()) write(line_of({{"step", 0}, {"reset", true}}));
+  inputs_ = 0;
+}
+
+void RecordingWriter::back(std::uint64_t step, std::size_t inputs) {
+  if (has_inputs()) write(line_of({{"step", step}, {"back", true}, {"inputs", inputs}}));
+  inputs_ = inputs;
 }
 
 void RecordingWriter::end(Simulation& simulation) {
-  if (!has_inputs()) return;
+  if (!has_inputs() || !is_on_) return;
   write(line_of({{"step", simulation.step()}, {"end", true}, {"state", state_hash(simulation)}}));
   file_->close();
 }

@@ -16,16 +16,17 @@ namespace suture {
 /// What was done to a run, and between which steps.
 struct RecordedInput {
   std::uint64_t step = 0;  ///< number of steps made before
-  std::string device;      ///< what it came from: "page"
+  std::string device;      ///< what it came from: "page", or the name of a device
   std::string value;       ///< JSON: apply_input()
 };
 
 /// A run with all inputs, as a file of JSON lines (docs/live.md).
 struct Recording {
   SceneSource source;
+  bool writes_results = true;         ///< false: frames were no stops of the clock
   std::string program, isa;           ///< that made it
   std::string start;                  ///< state_hash() before the first step
-  std::vector<RecordedInput> inputs;  ///< since the last reset, by step
+  std::vector<RecordedInput> inputs;  ///< those that count, by step
   std::uint64_t last_step = 0;
   std::string end;  ///< state_hash() after the last step; "" if the program was killed
 };
@@ -47,11 +48,6 @@ void compare_end(const Recording& recording, Simulation& simulation, Diagnostics
 /// The cells, positions and velocities: equal for equal bits. O(body).
 std::string state_hash(Simulation& simulation);
 
-/// Applies an input now: an event without a time, or {"move": {"grasp", "translation", "during"}}
-/// (Simulation::move_grasp). Throws the errors of Simulation; nothing has changed then.
-void apply_input(const std::string& value, const Scene& scene, Simulation& simulation,
-                 Observer& observer, Diagnostics& diagnostics);
-
 /// Writes a recording, each input at once. The file is created by the first input. Throws IoError.
 class RecordingWriter {
  public:
@@ -62,9 +58,16 @@ class RecordingWriter {
   const std::filesystem::path& path() const { return path_; }
   bool has_inputs() const { return file_ != nullptr; }
   void input(std::uint64_t step, const std::string& device, const std::string& value);
+  /// The number of inputs that count.
+  std::size_t inputs() const { return inputs_; }
   /// The run starts again: what was done before no longer counts.
   void reset();
+  /// The run goes on from an earlier step, before which it had this number of inputs.
+  void back(std::uint64_t step, std::size_t inputs);
   void end(Simulation& simulation);
+  /// Nothing more is written.
+  void stop() { is_on_ = false; }
+  bool is_on() const { return is_on_; }
 
  private:
   void write(const std::string& line);
@@ -72,6 +75,8 @@ class RecordingWriter {
   std::filesystem::path path_;
   std::string header_;
   std::unique_ptr<OutputFile> file_;
+  bool is_on_ = true;
+  std::size_t inputs_ = 0;
 };
 
 }  // namespace suture

@@ -5,17 +5,18 @@
 #include <cmath>
 #include <limits>
 
-#include "kernel/contact/boundary_surface.hpp"
-
 namespace suture {
 namespace {
 
 /// The number that stands for the components of one cell.
+double scalar_of(const double* value, bool is_scalar) {
+  if (is_scalar) return value[0];
+  return std::sqrt(value[0] * value[0] + value[1] * value[1] + value[2] * value[2]);
+}
 double scalar_of(const FrameField& field, std::size_t i) {
   if (!field.ids.empty()) return static_cast<double>(field.ids[i]);
-  const double* value = field.values.data() + i * static_cast<std::size_t>(field.components);
-  if (field.components == 1 || field.principal) return value[0];
-  return std::sqrt(value[0] * value[0] + value[1] * value[1] + value[2] * value[2]);
+  return scalar_of(field.values.data() + i * static_cast<std::size_t>(field.components),
+                   field.components == 1 || field.principal);
 }
 
 /// Every edge of a closed surface belongs to two faces, which run along it in opposite directions.
@@ -37,11 +38,10 @@ std::vector<FieldChoice> shown_fields(BuiltScene& built) {
   return fields;
 }
 
-ShownSurface::ShownSurface(BuiltScene& built) : built_(built) {
+ShownSurface::ShownSurface(BuiltScene& built) : built_(built), boundary_(built.body().complex()) {
   const CellComplex& complex = built.body().complex();
   was_boundary_.resize(std::size_t{6} * complex.element_count());
-  const BoundarySurface surface(complex);
-  for (const Index face : surface.faces()) was_boundary_[face] = true;
+  for (const Index face : boundary_.faces()) was_boundary_[face] = true;
   built.body().add_follower(*this);
 }
 
@@ -57,20 +57,28 @@ std::uint64_t ShownSurface::number() {
   return ++number_;
 }
 
+void ShownSurface::follow(const CellComplex& complex, const TopologyChange& change) {
+  boundary_.follow(complex, change);
+  is_current_ = false;
+}
+
+void ShownSurface::find_again() {
+  boundary_ = BoundarySurface(built_.body().complex());
+  is_current_ = false;
+}
+
 void ShownSurface::find_boundary() {
-  const CellComplex& complex = built_.body().complex();
-  const BoundarySurface surface(complex);
   std::vector<std::array<Index, 3>> inside;
-  for (std::size_t i = 0; i < surface.faces().size(); ++i) {
-    const Index face = surface.faces()[i];
-    const BoundarySurface::Corners& c = surface.corners()[i];
+  for (std::size_t i = 0; i < boundary_.faces().size(); ++i) {
+    const Index face = boundary_.faces()[i];
+    const BoundarySurface::Corners& c = boundary_.corners()[i];
     auto& list = face < was_boundary_.size() && was_boundary_[face] ? triangles_ : inside;
     list.insert(list.end(), {{c[0], c[1], c[2]}, {c[0], c[2], c[3]}});
     add_edges(c, edges_);
   }
   triangles_.insert(triangles_.end(), inside.begin(), inside.end());
   laid_open_ = inside.size();
-  compress(complex.count(0), 0);
+  compress(built_.body().complex().count(0), 0);
 }
 
 void ShownSurface::find_embedded() {
@@ -115,7 +123,15 @@ void ShownSurface::compress(std::size_t vertex_count, std::size_t embedded_count
 }
 
 void ShownSurface::append_positions(std::vector<float>& out) const {
-  const double* rows = built_.body().attributes().position().rows();
+  append(built_.body().attributes().position(), out);
+}
+
+void ShownSurface::append_rest(std::vector<float>& out) const {
+  append(built_.body().attributes().rest(), out);
+}
+
+void ShownSurface::append(const Column& places, std::vector<float>& out) const {
+  const double* rows = places.rows();
   for (const Index v : vertices_)
     for (std::size_t c = 0; c < 3; ++c) out.push_back(static_cast<float>(rows[4 * v + c]));
   if (embedded_.empty()) return;
@@ -150,6 +166,16 @@ std::vector<double> ShownSurface::at_vertices(const FieldChoice& field,
 
 void ShownSurface::append_values(const FieldChoice& field, const Vec3& gravity, double time,
                                  std::vector<float>& out) {
+  if (field.on == FieldChoice::On::points && field.value && embedded_.empty()) {
+    std::array<double, 3> value;
+    for (const Index v : vertices_) {
+      for (int c = 0; c < field.components; ++c)
+        value[static_cast<std::size_t>(c)] = field.value(built_, gravity, v, c);
+      out.push_back(
+          static_cast<float>(scalar_of(value.data(), field.components == 1 || field.principal)));
+    }
+    return;
+  }
   FrameField values;
   field.fill(built_, gravity, time, values);
   const std::vector<double> mean = at_vertices(field, values);

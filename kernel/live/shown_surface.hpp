@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kernel/build/built_scene.hpp"
+#include "kernel/contact/boundary_surface.hpp"
 #include "kernel/results/fields.hpp"
 
 namespace suture {
@@ -19,9 +20,11 @@ class ShownSurface final : private Follower {
   /// `built` must outlive it, and may then not change any more.
   explicit ShownSurface(BuiltScene& built);
 
-  /// Increases whenever triangles change. The triangles are found again at the first call after an
-  /// operation: O(elements).
+  /// Increases whenever triangles change. They are found at the first call after an operation:
+  /// O(surface), and a pass over a list of vertices.
   std::uint64_t number();
+  /// Call after the state of another simulation was loaded. O(elements).
+  void find_again();
 
   // ---- after number(), until the next operation ----
 
@@ -33,19 +36,23 @@ class ShownSurface final : private Follower {
   std::span<const std::array<Index, 2>> edges() const { return edges_; }
   /// The points, relative to the body's own origin.
   void append_positions(std::vector<float>& out) const;
-  /// A field at the points: the magnitude of a vector, the largest of principal values, and of a
-  /// field of elements the mean of those around. NaN where there is none.
+  void append_rest(std::vector<float>& out) const;
+  /// A field at the points, O(points) if it lies on vertices and they are points: the magnitude of
+  /// a vector, the largest of principal values, and of a field of elements the mean of those
+  /// around. NaN where there is none.
   void append_values(const FieldChoice& field, const Vec3& gravity, double time,
                      std::vector<float>& out);
 
  private:
-  void follow(const CellComplex&, const TopologyChange&) override { is_current_ = false; }
+  void follow(const CellComplex& complex, const TopologyChange& change) override;
+  void append(const Column& places, std::vector<float>& out) const;
   void find_boundary();
   void find_embedded();
   void compress(std::size_t vertex_count, std::size_t embedded_count);
   std::vector<double> at_vertices(const FieldChoice& field, const FrameField& values) const;
 
   BuiltScene& built_;
+  BoundarySurface boundary_;
   std::vector<bool> was_boundary_;  ///< by face at the start, 6 e + f
   bool is_current_ = false;
   std::uint64_t number_ = 0;

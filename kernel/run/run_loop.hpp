@@ -45,6 +45,7 @@ class RunLoop {
   void rehearse(std::size_t event, double time);
 
   BuiltScene& built() { return built_; }
+  const EventRunner& events() const { return events_; }
   Recorder& recorder() { return recorder_; }
   Records& records() { return records_; }
   StepControl& control() { return control_; }

@@ -53,6 +53,21 @@ void Simulation::move_grasp(const std::string& grasp, const Vec3& translation, d
   run_->move_grasp(grasp, translation, duration);
 }
 
+Vec3 Simulation::force_on_grasp(const std::string& grasp) {
+  Body& body = built().body();
+  const auto held = body.constraints().held_by(grasp);
+  Vec3 sum{};
+  if (held.empty()) return sum;
+  built().dynamics().synchronise();
+  const Vec3 gravity = body.acceleration(time());
+  for (const auto& [vertex, components] : held)
+    for (std::size_t c = 0; c < 3; ++c)
+      if ((components >> c & 1) != 0)
+        sum[c] += attributes().force().rows()[4 * std::size_t{vertex} + c] +
+                  attributes().mass().get(vertex, 0) * gravity[c];
+  return sum;
+}
+
 ForceTerm& Simulation::add_term(std::unique_ptr<ForceTerm> term) {
   return run_->add_term(std::move(term));
 }
@@ -101,6 +116,9 @@ const std::vector<Decision>& Simulation::decisions() const { return run_->decisi
 const CellComplex& Simulation::complex() const { return run_->built().body().complex(); }
 
 const ContactLaw* Simulation::contact() const { return run_->built().body().contact(); }
+
+std::vector<BladeShape> Simulation::blades() const { return run_->events().blades(time()); }
+
 Attributes& Simulation::attributes() { return run_->built().body().attributes(); }
 
 Vec3 Simulation::origin() const { return run_->built().frame().origin; }

@@ -79,6 +79,10 @@ class Simulation {
   /// so long (s), and holds it there. Throws InputError if there is no such grasp, or if a number
   /// is not finite or the duration not positive; nothing has changed then.
   void move_grasp(const std::string& grasp, const Vec3& translation, double duration);
+  /// With what the body pulls at what holds a grasp, N: the forces on its nodes, without those of
+  /// contact; zero if there is no such grasp. Changes no bit of later steps, and costs the forces
+  /// of the next one, which does not compute them again.
+  Vec3 force_on_grasp(const std::string& grasp);
   /// Adds a term, whose forces act from now on. Throws InputError if this run cannot take it.
   ForceTerm& add_term(std::unique_ptr<ForceTerm> term);
 
@@ -116,6 +120,8 @@ class Simulation {
   Attributes& attributes();
   /// The obstacles and the forces on them in the last step; null without obstacles.
   const ContactLaw* contact() const;
+  /// The blades that are present now (EventRunner::blades()), in the frame of the body.
+  std::vector<BladeShape> blades() const;
   /// The body's own origin in the scene, m. Positions in attributes() are relative to it; events
   /// and selections passed by a caller use coordinates of the scene.
   Vec3 origin() const;

@@ -15,16 +15,6 @@
 namespace suture {
 namespace {
 
-std::size_t obstacle_named(const std::string& name, const ContactLaw* contact) {
-  std::span<const Obstacle> obstacles;
-  if (contact) obstacles = contact->obstacles();
-  const auto found = std::ranges::find(obstacles, name, &Obstacle::name);
-  if (found != obstacles.end()) return static_cast<std::size_t>(found - obstacles.begin());
-  std::vector<std::string> names;
-  for (const Obstacle& obstacle : obstacles) names.push_back(obstacle.name);
-  throw InputError("the scene has no obstacle '" + name + "'" + did_you_mean(name, names));
-}
-
 void check_target(const PoseTarget& target, const std::string& name, double now) {
   const auto complain = [&](const std::string& what) {
     throw InputError("the target of obstacle '" + name + "' " + what);
@@ -44,6 +34,16 @@ void check_target(const PoseTarget& target, const std::string& name, double now)
 }
 
 }  // namespace
+
+std::size_t obstacle_named(const std::string& name, const ContactLaw* contact) {
+  std::span<const Obstacle> obstacles;
+  if (contact) obstacles = contact->obstacles();
+  const auto found = std::ranges::find(obstacles, name, &Obstacle::name);
+  if (found != obstacles.end()) return static_cast<std::size_t>(found - obstacles.begin());
+  std::vector<std::string> names;
+  for (const Obstacle& obstacle : obstacles) names.push_back(obstacle.name);
+  throw InputError("the scene has no obstacle '" + name + "'" + did_you_mean(name, names));
+}
 
 Steering steering_to(const PoseTarget& target, const std::string& name, const ContactLaw* contact,
                      double now, const SolverOptions& solver) {

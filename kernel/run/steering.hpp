@@ -14,6 +14,10 @@ struct Steering {
   RigidPath path;
 };
 
+/// The place of an obstacle among those of the contact (null without obstacles). Throws InputError
+/// with the nearest name.
+std::size_t obstacle_named(const std::string& name, const ContactLaw* contact);
+
 /// The path to a target, from `now` on. Throws the errors of Simulation::steer(). `contact`: null
 /// without obstacles.
 Steering steering_to(const PoseTarget& target, const std::string& obstacle,

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A hand in Chromium cuts a hanging bar, whose lower half falls. Exit code 77: there is no browser.
+"""A hand in Chromium cuts a hanging bar, whose lower half falls, and a liver. Exit code 77: there is no browser.
 
-usage: browser_test.py PROGRAM FOLDER   (FOLDER: for the recording and the pictures)"""
+usage: browser_test.py PROGRAM FOLDER [SERIES]
+FOLDER: for recordings and pictures. SERIES: a file for those of the liver, side by side (needs python3-pil)."""
 import json
 import os
 import re
@@ -20,7 +21,9 @@ try:
 except ImportError:
     webdriver = None
 
-PROGRAM, FOLDER = sys.argv[1], sys.argv[2]
+import liver
+
+PROGRAM, FOLDER, SERIES = (*sys.argv[1:4], "")[:3]
 
 BAR = {
     "suture": 1,
@@ -64,19 +67,39 @@ def open_browser():
     for option in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle",
                    "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--window-size=900,700"):
         options.add_argument(option)
+    options.add_experimental_option("prefs", {"download.default_directory": os.path.abspath(FOLDER)})
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     return webdriver.Chrome(options=options)
+
+
+def join(files, name):
+    """The middles of pictures, side by side."""
+    from PIL import Image
+
+    middles = []
+    for file in files:
+        picture = Image.open(file).convert("RGB")
+        middles.append(picture.crop((picture.width // 4, 80, picture.width * 3 // 4, picture.height - 30)))
+    width, height = middles[0].size
+    row = Image.new("RGB", (width * len(middles), height))
+    for i, middle in enumerate(middles):
+        row.paste(middle, (width * i, 0))
+    row.save(name, optimize=True)
 
 
 class Live(unittest.TestCase):
     def setUp(self):
         os.makedirs(FOLDER, exist_ok=True)
-        with open(os.path.join(FOLDER, "bar.json"), "w") as file:
-            json.dump(BAR, file)
-        recording = os.path.join(FOLDER, "bar-recording.jsonl")
-        if os.path.exists(recording):
-            os.remove(recording)
-        self.run_ = subprocess.Popen([PROGRAM, "-q", "live", "bar.json", "-o", "bar-recording.jsonl"],
+
+    def open(self, name, scene):
+        """Starts the run of a scene, and a page."""
+        with open(os.path.join(FOLDER, f"{name}.json"), "w") as file:
+            json.dump(scene, file)
+        self.recording = f"{name}-recording.jsonl"
+        for file in os.listdir(FOLDER):  # of an earlier test
+            if file.startswith(("a-hanging-bar", self.recording)):
+                os.remove(os.path.join(FOLDER, file))
+        self.run_ = subprocess.Popen([PROGRAM, "-q", "live", f"{name}.json", "-o", self.recording],
                                      cwd=FOLDER, stdout=subprocess.PIPE, text=True)
         self.addCleanup(self.end_run)
         self.address = re.search(r"http://\S+", self.run_.stdout.readline()).group()
@@ -102,38 +125,102 @@ class Live(unittest.TestCase):
     def click(self, selector):
         self.page.find_element(By.CSS_SELECTOR, selector).click()
 
-    def drag(self, tool, start, way):
+    def drag(self, tool, start, way, holds=False):
         self.click(f"input[value={tool}]")
         canvas = self.page.find_element(By.ID, "picture")
-        (ActionChains(self.page).move_to_element_with_offset(canvas, *start).click_and_hold()
-         .move_by_offset(*way).move_by_offset(*way).release().perform())
+        mouse = ActionChains(self.page).move_to_element_with_offset(canvas, *start).click_and_hold()
+        mouse.move_by_offset(*way).move_by_offset(*way)
+        (mouse if holds else mouse.release()).perform()
 
     def wait_for_message(self, pattern):
         self.wait(f"live.messages.some((m) => /{pattern}/.test(m.text))")
 
+    def view(self, name):
+        """Saves the picture with what is written on it, without messages."""
+        self.js("document.querySelector('#messages').hidden = true")
+        self.page.find_element(By.TAG_NAME, "main").screenshot(os.path.join(FOLDER, name))
+
+    def wait_for_file(self, start, content):
+        """For a file of the browser, which begins so."""
+        end = time.monotonic() + 20
+        while time.monotonic() < end:
+            for name in os.listdir(FOLDER):
+                if not name.startswith(start) or name.endswith(".crdownload"):
+                    continue
+                with open(os.path.join(FOLDER, name), "rb") as file:
+                    if file.read(len(content)) == content:
+                        return
+            time.sleep(0.05)
+        self.fail(f"there is no file {start}* in {os.listdir(FOLDER)}")
+
     def picture(self, name):
         self.page.save_screenshot(os.path.join(FOLDER, name))
 
+    def make(self, steps):
+        """Steps of a run that is paused."""
+        until = self.js("return live.state.step") + steps
+        for _ in range(0, steps, 50):
+            self.js("for (let i = 0; i < 50; ++i) document.querySelector('#step').click()")
+        self.wait(f"live.state.step == {until} && !live.picture.is_due")
+        return until
+
+    def test_a_hand_cuts_a_liver(self):
+        with open(os.path.join(FOLDER, "liver.obj"), "w") as file:
+            file.write(liver.surface())
+        self.open("liver", liver.SCENE)
+        self.click("#edges")
+        self.js("live.picture.turn(-0.35, 0.25)")
+        self.make(400)
+        self.view("liver-1.png")
+        self.drag("grab", (-165, 30), (-16, 6), holds=True)
+        self.make(600)
+        self.assertGreater(self.js("return Math.hypot(...live.state.hand.force)"), 0.5)
+        self.view("liver-2.png")
+        ActionChains(self.page).release().perform()
+        self.click("#along-blade")
+        self.drag("knife", (-50, -140), (20, 140))
+        self.wait_for_message("2 islands")
+        self.wait("live.surface.laid_open > 0")
+        steps = self.make(150)
+        self.view("liver-3.png")
+        self.end_run()
+        self.wait("!live.control")
+        self.repeat(steps)
+        if SERIES:
+            join([os.path.join(FOLDER, f"liver-{i}.png") for i in (1, 2, 3)], SERIES)
+
     def test_a_hand_cuts_a_bar(self):
+        self.open("bar", BAR)
         self.assertEqual(len(self.js(BLOBS)), 1)
+        self.click("#save-video")
         self.click("#speed option[value='0.25']")
         self.click("#play")
         self.wait("live.state.playing && live.state.time > 0.05")
-        self.drag("grab", (0, 60), (15, 0))
+        self.click("#show-side")
+        self.drag("grab", (0, 60), (15, 0), holds=True)
+        self.wait("live.state.hand && Math.hypot(...live.state.hand.force) > 0.1")
+        self.assertRegex(self.page.find_element(By.ID, "force").text, r"^[\d.]+ N$")
+        ActionChains(self.page).release().perform()
         self.wait_for_message("grasped .* node")
         self.wait_for_message("released .* node")
+        self.click("#save-video")
+        self.wait_for_file("a-hanging-bar-", b"\x1aE\xdf\xa3")  # Matroska: webm
         self.click("#play")
         self.wait("!live.state.playing")
-        self.drag("knife", (-250, 5), (250, 0))
+        self.drag("knife", (-250, 60), (250, 0))
         self.wait_for_message("2 islands")
         self.wait("live.surface.laid_open > 0")
+        self.click("#back")
+        self.wait_for_message("cut was taken back")
+        self.wait("live.surface.laid_open == 0 && live.kept.length == 1")
+        self.click("#cut option[value='path']")
+        self.drag("knife", (-250, 15), (250, -10))
+        self.wait("live.surface.laid_open > 0")
         # The lower piece falls by as many steps as its way takes, however slow this computer is.
-        paused = self.js("return live.state.step")
-        for _ in range(4):
-            self.js("for (let i = 0; i < 50; ++i) document.querySelector('#step').click()")
-        paused += 200
-        self.wait(f"live.state.step == {paused} && !live.picture.is_due")
+        paused = self.make(200)
         self.picture("two-pieces.png")
+        self.click("#save-picture")
+        self.wait_for_file("a-hanging-bar-", b"\x89PNG")
         sizes = self.js(BLOBS)
         self.assertEqual(len(sizes), 2, sizes)
         self.assertGreater(sizes[1], sizes[0] / 10)
@@ -155,7 +242,7 @@ class Live(unittest.TestCase):
 
     def repeat(self, steps):
         for threads in ("1", "2"):
-            done = subprocess.run([PROGRAM, "run", "bar-recording.jsonl", "--threads", threads],
+            done = subprocess.run([PROGRAM, "run", self.recording, "--threads", threads],
                                   cwd=FOLDER, capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn(f"{steps} steps", done.stdout)

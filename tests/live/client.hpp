@@ -3,6 +3,7 @@
 
 #include <boost/asio/connect.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
@@ -79,19 +80,27 @@ class Client {
     std::uint32_t length = 0;
     std::memcpy(&length, message.data(), 4);
     Json head = Json::parse(message.substr(4, length));
+    arrays_ = message.substr(4 + std::size_t{length});
     if (head.at("kind") == "state") say_drawn();
     return head;
   }
+  /// The arrays of the last picture that next() has returned.
+  const std::string& arrays() const { return arrays_; }
   /// Reads until a message has this key.
   Json until(const std::string& key) {
     for (;;)
       if (Json message = next(); message.contains(key)) return message;
+  }
+  /// Bytes that are no message of a web socket.
+  void send_raw(const std::string& bytes) {
+    boost::asio::write(socket_.next_layer(), boost::asio::buffer(bytes));
   }
   /// Without a word.
   void vanish() { socket_.next_layer().close(); }
 
  private:
   Address address_;
+  std::string arrays_;
   boost::asio::io_context context_;
   boost::beast::websocket::stream<boost::asio::ip::tcp::socket> socket_;
 };

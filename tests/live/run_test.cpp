@@ -2,92 +2,17 @@
 //
 // Runs that a client controls, and what their recordings repeat.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <atomic>
 #include <cmath>
-#include <thread>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/vec3.hpp"
-#include "kernel/live/live_run.hpp"
-#include "kernel/output/output_folder.hpp"
-#include "kernel/scene/scene_reader.hpp"
-#include "tests/live/client.hpp"
-#include "tests/mesh/temporary_folder.hpp"
+#include "tests/live/watched.hpp"
 
 namespace suture::test {
 namespace {
 
 using testing::HasSubstr;
-
-constexpr const char* beam = R"({
-  "suture": 1,
-  "mesh": {"box": {"size": [1, 0.25, 0.25], "cells": [8, 4, 4]}},
-  "models": [{"model": "tm-faure", "parameters": {"E": 4e5, "nu": 0.3, "rho": 1000}}],
-  "gravity": [0, -9.8, 0],
-  "constraints": [{"fix": "xyz", "where": {"set": "x0"}}, {"fix": "xyz", "where": {"set": "x1"}}],
-  "contact": {"obstacles": [{"name": "ball", "sphere": {"centre": [0.5, 0.4, 0.125], "radius": 0.1}}]},
-  "solver": {"dt": "auto", "end": 100, "damping": 2},
-  "output": {"every": 0.7, "fields": ["displacement"], "energies": {"every_steps": 50}}
-})";
-constexpr const char* cut =
-    R"({"do":"apply","event":{"cut":{"plane":{"point":[0.5,0,0],"normal":[1,0,0.1]}}}})";
-
-PluginHost& host() {
-  static PluginHost plugins;
-  return plugins;
-}
-
-class Stop final : public Observer {
- public:
-  bool stop_requested() override { return is_set; }
-  std::atomic<bool> is_set = false;
-};
-
-/// A run on a thread of its own, and a page that controls it.
-class Watched : public testing::Test {
- protected:
-  Watched() {
-    leave_out_results(scene_);
-    thread_ = std::thread([this] {
-      LiveRun run(scene_, host(), diagnostics_, *server_, recording());
-      is_ready_ = true;
-      run.run(stop_);
-    });
-    while (!is_ready_) std::this_thread::yield();
-    EXPECT_TRUE(page.open());
-    greeting = page.until("live");
-  }
-  ~Watched() override { stop(); }
-
-  std::filesystem::path recording() const { return folder_ / "recording.jsonl"; }
-  void stop() {
-    stop_.is_set = true;
-    if (thread_.joinable()) thread_.join();
-  }
-  /// The next state for which `is_so` holds.
-  template <class F>
-  Json state(F&& is_so) {
-    for (;;)
-      if (Json head = page.until("step"); is_so(head)) return head;
-  }
-  Json state_after(std::uint64_t step) {
-    return state([&](const Json& head) { return head["step"] >= step; });
-  }
-
-  TemporaryFolder folder_;
-  Diagnostics diagnostics_;
-  Scene scene_ = read_scene(folder_.write("beam.json", beam), {}, host(), diagnostics_);
-  std::unique_ptr<LiveServer> server_ = open_live_server(0);
-  Client page{Address(server_->address())};
-  Json greeting;
-
- private:
-  Stop stop_;
-  std::atomic<bool> is_ready_ = false;
-  std::thread thread_;
-};
 
 TEST_F(Watched, ShowsTheBodyAndItsObstacles) {
   EXPECT_EQ(greeting["elements"], 128);
@@ -258,25 +183,6 @@ TEST(Recordings, RefuseAnotherBody) {
                InputError);
 }
 
-/// Repeats a recording on some threads, with results or without; the hash of its end.
-std::string repeated_end(const std::filesystem::path& file, const std::string& threads,
-                         bool has_output, std::vector<std::string>& warnings) {
-  const Recording recording = read_recording(file);
-  Diagnostics diagnostics;
-  SceneSource source = recording.source;
-  source.working_folder = std::filesystem::current_path();
-  Scene scene = read_scene_source(source, {"/solver/threads=" + threads}, host(), diagnostics);
-  if (!has_output) leave_out_results(scene);
-  const auto folder = std::make_shared<OutputFolder>(file.parent_path() / "results");
-  if (has_output) folder->open();
-  Simulation simulation(scene, host(), diagnostics, true, folder);
-  Observer nobody;
-  EXPECT_TRUE(repeat(recording, scene, simulation, nobody, diagnostics));
-  compare_end(recording, simulation, diagnostics);
-  warnings = diagnostics.warnings();
-  return state_hash(simulation);
-}
-
 TEST_F(Watched, RecordsWhatRepeatsBitForBit) {
   page.send(cut);  // before a reset: no part of what is repeated
   page.until("message");
@@ -305,12 +211,7 @@ TEST_F(Watched, RecordsWhatRepeatsBitForBit) {
   const Recording recorded = read_recording(recording());
   ASSERT_EQ(recorded.inputs.size(), 5U);  // cut, grasp, two moves, release
   EXPECT_GE(recorded.last_step, 900U);
-  for (const std::string threads : {"1", "2"})
-    for (const bool has_output : {false, true}) {
-      std::vector<std::string> warnings;
-      EXPECT_EQ(repeated_end(recording(), threads, has_output, warnings), recorded.end);
-      EXPECT_TRUE(warnings.empty()) << warnings[0];
-    }
+  expect_same_bits(recording());
 }
 
 }  // namespace

@@ -157,6 +157,28 @@ TEST_F(Server, SurvivesGarbage) {
   EXPECT_TRUE(server->take_inputs().empty());
 }
 
+// All addresses of this machine, by any of its names; the token and the origin are needed as ever.
+TEST(Listening, IsOpenToOtherMachinesOnRequest) {
+  const auto server = open_live_server(0, "0.0.0.0");
+  Address address("http://127.0.0.1" + server->address().substr(server->address().rfind(':')));
+  EXPECT_EQ(Client(address).get(address.path, "lab.example:80").status, 200U);
+  EXPECT_EQ(Client(address).get("/", "lab.example:80").status, 403U);
+  EXPECT_FALSE(Client(address).open(address.path + "socket", "http://evil.example"));
+  EXPECT_TRUE(Client(address).open(address.path + "socket", "http://" + address.host()));
+}
+
+TEST(Listening, NamesAnAddressThatIsNotOfThisMachine) {
+  for (const char* host : {"192.0.2.1", "nonsense"}) {
+    try {
+      open_live_server(0, host);
+      FAIL();
+    } catch (const std::exception& error) {
+      EXPECT_THAT(error.what(), HasSubstr("of " + std::string(host)));
+      EXPECT_THAT(error.what(), HasSubstr("--host"));
+    }
+  }
+}
+
 TEST(Listening, SaysWhenAPortIsTaken) {
   const auto first = open_live_server(0);
   const auto port = static_cast<std::uint16_t>(std::stoul(Address(first->address()).port));

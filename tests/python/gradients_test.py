@@ -25,9 +25,10 @@ MODELS = {
 
 def sagging(model, cells=(4, 2, 2), **more):
     """The equilibrium of a bar."""
-    return bar(cells, models=[{"model": model, "parameters": MODELS[model]}],
-               **{"gravity": [0.1, -0.6, 0.2],
-                  "solver": {"static": {"frames": 1, "tolerance": 1e-12}, "threads": 1}, **more})
+    return bar(cells, **{"models": [{"model": model, "parameters": MODELS[model]}],
+                         "gravity": [0.1, -0.6, 0.2],
+                         "solver": {"static": {"frames": 1, "tolerance": 1e-12}, "threads": 1},
+                         **more})
 
 
 def shipped():
@@ -130,6 +131,21 @@ class Gradients(unittest.TestCase):
                         self.assert_near(found, expected)
                     self.assertLess(suture.check_gradient(sim, J, (model, name)).error, 1e-6)
 
+    def test_on_parts_of_elements(self):
+        cut = {"at": 0, "cut": {"plane": {"point": [1.6, 0.55, 0.5], "normal": [0.3, 1, 0.1],
+                                          "radius": 0.9}, "along": "blade"}}
+        for model in set(shipped()) & {"tm-faure", "mss-golec", "fibres"}:
+            sim = suture.Simulation(sagging(model, (6, 3, 3), events=[cut]))
+            sim.run()
+            self.assertGreater(len(sim.column_cells(model, 3)), 60)
+            J = objective(sim)
+            for name in set(MODELS[model]) - {"fibre", "k2"}:
+                with self.subTest(model=model, parameter=name):
+                    a = sim.adjoint(J, 1e-10)
+                    self.assert_near(a.gradient(model, name, "element").sum(),
+                                     a.gradient(model, name, "value"))
+                    self.assertLess(suture.check_gradient(sim, J, (model, name)).error, 1e-6)
+
     def test_by_element_of_a_uniform_parameter(self):
         sim = suture.Simulation(sagging("mss-golec"))
         sim.run()
@@ -220,6 +236,36 @@ class Gradients(unittest.TestCase):
                 whole = abs(a.along_rest(np.ones_like(bulge)))
                 self.assertLess(whole, 1e-6 * abs(a.motion).max())
 
+    def test_where_an_obstacle_presses(self):
+        """Where its gaps are held exactly: a run holds them to 1e-4 of an edge."""
+        def indented(friction=0, **values):
+            ball = {"name": "ball", "sphere": {"centre": [1.5, 1.3, 0.5], "radius": 0.3},
+                    "friction": friction,
+                    "path": [{"at": 0}, {"at": 1, "translation": [0.02, -0.1, 0.01]}]}
+            sim = suture.Simulation(sagging(
+                "neo-hookean", (6, 3, 6), contact={"obstacles": [ball]},
+                constraints=[{"fix": "xyz", "where": {"set": "y0"}}]))
+            sim.parameters["neo-hookean"].update(values)
+            sim.run()
+            for _ in range(12):
+                sim.equilibrate()
+            self.assertGreater((sim.contact_force != 0).any(axis=1).sum(), 2)
+            return sim
+
+        sim = indented()
+        base, top = (np.flatnonzero(sim.rest[:, 1] == y) for y in (0, 1))
+        beside = top[abs(sim.rest[top, 0] - 1.5) > 0.6]
+        J = (Quantity.reaction(base, 1) / 1e3 + Quantity.displacement(beside, 1)
+             + Quantity.energy() / 1e2)
+        a = sim.adjoint(J, 1e-8)
+        for name, value in (("E", 1e5), ("nu", 0.3)):
+            found = a.gradient("neo-hookean", name)
+            self.assert_near(sim.sensitivity("neo-hookean", name, tolerance=1e-8).of(J), found)
+            self.assert_near(found, by_differences(
+                lambda v: J.value(indented(**{name: v})), value, 2e-3 * value))
+        with self.assertRaisesRegex(suture.InputError, "contact with friction"):
+            indented(0.3).adjoint(Quantity.energy())
+
     def test_objectives(self):
         sim = suture.Simulation(sagging("tm-faure", output={"probes": {"at": [
             {"name": "end", "where": {"set": "x1"}, "fields": ["displacement"]},
@@ -247,9 +293,12 @@ class Gradients(unittest.TestCase):
             self.assert_near(suture.gradient(sim, J, [E], 1e-10)[1][0], expected)
         for mistake, kind in ((lambda sim: 3, TypeError), (lambda sim: (3, {"u": 1}), ValueError),
                               (lambda sim: (3, np.zeros((2, 3))), ValueError),
+                              (lambda sim: (3, np.full(sim.rest.shape, np.nan)), ValueError),
                               (Quantity.displacement("tip", 0), suture.InputError)):
             with self.assertRaises(kind):
                 suture.gradient(sim, mistake, [E])
+        with self.assertRaisesRegex(TypeError, "must be a list"):
+            suture.gradient(sim, u, E)
         with self.assertRaisesRegex(KeyError, "no parameter 'mu'"):
             suture.gradient(sim, u, [("tm-faure", "mu")])
 
@@ -276,6 +325,15 @@ class Gradients(unittest.TestCase):
         sim.equilibrate()
         with self.assertRaisesRegex(RuntimeError, "left the state"):
             a.gradient("tm-faure", "E")
+        with_memory = suture.Simulation(sagging("tm-faure", models=[
+            {"model": "damage-springs",
+             "parameters": {"E": 1e5, "rho": 1000, "e0": 0.5, "e1": 0.1}}]))
+        with_memory.run()
+        self.assertIn("memory", refusal(with_memory))
+        pressed = suture.Simulation(sagging("tm-faure", loads=[
+            {"pressure": 100, "where": {"box": {"min": [1, 1, 0], "max": [2.25, 1, 0.5]}}}]))
+        pressed.run()
+        self.assertIn("not symmetric", refusal(pressed))
         column = suture.Simulation(sagging(
             "tm-faure", gravity=[-0.4, 0, 0],
             mesh={"box": {"size": [3, 0.3, 0.3], "cells": [12, 2, 2]}}))

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import os
+import pathlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple, TypeVar, overload
 
@@ -33,6 +34,7 @@ class Change(NamedTuple):
     elements_removed: int
     faces: Integers
     elements: Integers
+    elements_cut: int
     def __bool__(self) -> bool: ...
 
 class Surface(NamedTuple):
@@ -173,6 +175,15 @@ class Picture:
     def __init__(self, png: bytes) -> None: ...
     def save(self, file: str | os.PathLike[str]) -> None: ...
 
+class Live:
+    address: str
+    def run(self, seconds: float = ...) -> None: ...
+    @property
+    def recording(self) -> pathlib.Path | None: ...
+    def close(self) -> None: ...
+    def __enter__(self) -> Live: ...
+    def __exit__(self, *_: object) -> None: ...
+
 class State:
     @property
     def time(self) -> float: ...
@@ -273,6 +284,7 @@ class Simulation:
         surface: Mapping[str, Any] | tuple[ArrayLike, ArrayLike] | None = None,
         faces: ArrayLike | None = None,
         shape: str | None = None,
+        along: str | None = None,
     ) -> Change: ...
     def grasp(
         self,
@@ -347,6 +359,13 @@ class Simulation:
     def mesh(self) -> Mesh: ...
     def surface(self) -> Surface | EmbeddedSurface: ...
     def to_vtk(self, fields: Mapping[str, ArrayLike] | None = None) -> Any: ...
+    def live(
+        self,
+        *,
+        port: int = 0,
+        host: str = "",
+        recording: bool | str | os.PathLike[str] = True,
+    ) -> Live: ...
     def picture(
         self,
         file: str | os.PathLike[str] | None = None,

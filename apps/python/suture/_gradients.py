@@ -267,10 +267,9 @@ class Sensitivity:
     def _along(sim, place, parameter, weights, tolerance):
         """du/dp, dR/dp and dW/dp in a direction."""
         forces = sim._force_slope(place, parameter, weights)
-        moved = sim._displacement_slope(forces, tolerance)
+        moved, reaction = sim._sensitivity(forces, tolerance)
         stiffer = sim._gradient_along(place, parameter, numpy.zeros_like(moved), 1.0, weights)
-        return (moved, sim._reaction_slope(forces, moved),
-                stiffer - (sim._elastic_forces() * moved).sum())
+        return moved, reaction, stiffer - (sim._elastic_forces() * moved).sum()
 
     def of(self, objective):
         """The derivative of an objective: one number, or one for each of several."""
@@ -290,6 +289,8 @@ def gradient(sim, objective, wrt, tolerance=1e-6):
                name of another derivative of the Adjoint: "load", "motion", "gravity"
     tolerance  relative residual of the linear solve, of which there is one
     """
+    if isinstance(wrt, tuple):
+        raise TypeError(f"wrt must be a list, such as [{wrt!r}]")
     adjoint = Adjoint(sim, objective, tolerance)
     return adjoint.value, [getattr(adjoint, name) if isinstance(name, str)
                            else adjoint.gradient(*name) for name in wrt]

@@ -20,9 +20,12 @@ class Change(NamedTuple):
     """(k, 2) int64: the elements on both sides of every face, by the user's numbers."""
     elements: "numpy.ndarray"
     """(k,) int64: the elements that were removed, by the user's numbers."""
+    elements_cut: int
+    """The elements that were divided along the blade."""
 
     def __bool__(self):
-        return self.faces_cut + self.faces_torn + self.faces_sewn + self.elements_removed > 0
+        return (self.faces_cut + self.faces_torn + self.faces_sewn + self.elements_removed
+                + self.elements_cut > 0)
 
 
 def _without_none(**values):
@@ -192,13 +195,15 @@ class Simulation(_suture.Simulation):
             event["shape"] = shape
         return Change(*self._apply(to_json(event), operation + "()"))
 
-    def cut(self, plane=None, *, surface=None, faces=None, shape=None):
+    def cut(self, plane=None, *, surface=None, faces=None, shape=None, along=None):
         """Cut now; return a Change.
 
         plane    (point, normal), m, or a dict as in a scene: point, normal, radius, or polygon
         surface  (vertices, triangles): arrays (n, 3) in m and (k, 3); or a dict as in a scene
         faces    pairs of elements [(4, 5), ...] by the user's numbers
         shape    "deformed" (default) or "rest": where plane and surface lie
+        along    "faces" (default): open faces of elements; or "blade": divide the elements that the
+                 plane or the surface crosses. The scene must have such a cut among its events.
         """
         kind, blade = _one_of(plane=plane, surface=surface, faces=faces)
         if kind == "plane" and not isinstance(blade, dict):
@@ -207,8 +212,11 @@ class Simulation(_suture.Simulation):
         if kind == "surface" and not isinstance(blade, dict):
             if shape not in (None, "deformed", "rest"):
                 raise ValueError(f"shape must be 'deformed' or 'rest', is {shape!r}")
-            return Change(*self._cut_surface(*_surface_arrays(blade), shape == "rest"))
-        return self._operate("cut", {kind: blade}, shape)
+            if along not in (None, "faces", "blade"):
+                raise ValueError(f"along must be 'faces' or 'blade', is {along!r}")
+            return Change(*self._cut_surface(*_surface_arrays(blade), shape == "rest",
+                                             along == "blade"))
+        return self._operate("cut", _without_none(**{kind: blade}, along=along), shape)
 
     def grasp(self, name, where=None, move=None, ramp=None, *, obstacle=None, reach=None):
         """Hold the nodes that a selection names in the deformed shape, from where they are, or
@@ -360,6 +368,29 @@ class Simulation(_suture.Simulation):
     def force_terms(self):
         """The ForceTerm objects of the force functions, with name, calls, seconds and work."""
         return tuple(self._terms)
+
+    # ---- live view ----
+
+    def live(self, *, port=0, host="", recording=True):
+        """Serve a page that shows the simulation; return a Live with its address, which a notebook
+        shows as the page.
+
+        port       on this machine; 0: any that is free
+        host       an address of this machine at which others may connect; "": none may
+        recording  True, a path, or False: all that the script and the page have done since the
+                   simulation was created, for `suture run`. It ends where a script assigns
+                   positions or velocities, restores a state, cuts along arrays or adds a force
+                   function, which nothing but the script can repeat.
+
+        Needs Debian's libjs-three.
+        """
+        from ._live import Live
+
+        if recording is True:
+            recording = ""
+        elif recording is False:
+            recording = None
+        return Live(self, port, host, recording)
 
     # ---- the body as it is now ----
 

@@ -13,26 +13,7 @@ struct BuiltIn {
   std::string_view name, text;
 };
 constexpr BuiltIn built_in[] = {
-    {
-        "index.html",
-#include "index.html.inc"
-    },
-    {
-        "style.css",
-#include "style.css.inc"
-    },
-    {
-        "live.js",
-#include "live.js.inc"
-    },
-    {
-        "scene.js",
-#include "scene.js.inc"
-    },
-    {
-        "hands.js",
-#include "hands.js.inc"
-    },
+#include "pages.inc"
 };
 
 std::string type_of(std::string_view name) {

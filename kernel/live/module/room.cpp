@@ -44,6 +44,7 @@ void Room::hear(Connection& from, std::string text) {
 }
 
 void Room::check_wants() {
+  is_watched_ = !connections_.empty();
   wants_ = std::ranges::any_of(connections_, [](const auto& each) { return each->is_ready(); });
 }
 

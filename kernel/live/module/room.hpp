@@ -17,14 +17,17 @@ class Connection;
 using Text = std::shared_ptr<const std::string>;
 
 /// What the connections of a server share. On the thread of the server, except for take_inputs(),
-/// wait() and wants_picture().
+/// wait(), is_watched() and wants_picture().
 class Room {
  public:
-  Room(std::string own_token, std::filesystem::path three_js_folder)
-      : token(std::move(own_token)), three_js(std::move(three_js_folder)) {}
+  Room(std::string own_token, std::filesystem::path three_js_folder, bool others_may_connect)
+      : token(std::move(own_token)),
+        three_js(std::move(three_js_folder)),
+        is_open(others_may_connect) {}
 
   const std::string token;
   const std::filesystem::path three_js;
+  const bool is_open;  ///< to other machines
 
   void join(const std::shared_ptr<Connection>& connection);
   void leave(const Connection& connection);
@@ -42,6 +45,7 @@ class Room {
   /// 0 before the first one.
   std::uint64_t picture_number() const { return picture_number_; }
 
+  bool is_watched() const { return is_watched_; }
   bool wants_picture() const { return wants_; }
   std::vector<std::string> take_inputs();
   void wait(std::chrono::milliseconds most);
@@ -52,7 +56,7 @@ class Room {
   std::deque<Text> said_;
   LivePicture picture_;
   std::uint64_t picture_number_ = 0;
-  std::atomic<bool> wants_ = false;
+  std::atomic<bool> is_watched_ = false, wants_ = false;
   std::mutex mutex_;
   std::condition_variable has_inputs_;
   std::vector<std::string> inputs_;

@@ -3,6 +3,7 @@
 // The module itself: listens, answers requests for the files of the page, and hands requests for a
 // web socket to Connection.
 #include <array>
+#include <boost/asio/ip/host_name.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <optional>
 #include <random>
@@ -38,11 +39,12 @@ bool is_same(std::string_view a, std::string_view b) {
 std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
 
 /// A page of another site, or one that has a name of its own resolve to this machine, has no
-/// business here. Programs that are no browsers send no origin.
-bool is_own_page(const Request& request) {
+/// business here. Programs that are no browsers send no origin. Where others may connect, they use
+/// any of the names of this machine.
+bool is_own_page(const Request& request, const Room& room) {
   const std::string_view host = view_of(request[http::field::host]);
   const std::string_view name = host.substr(0, host.rfind(':'));
-  if (name != "localhost" && name != "127.0.0.1" && name != "[::1]") return false;
+  if (!room.is_open && name != "localhost" && name != "127.0.0.1" && name != "[::1]") return false;
   const std::string_view origin = view_of(request[http::field::origin]);
   return origin.empty() || origin == "http://" + std::string(host);
 }
@@ -54,6 +56,12 @@ std::optional<std::string_view> name_in(std::string_view target, const std::stri
       !is_same(target.substr(1, token.size()), token))
     return {};
   return target.substr(token.size() + 2);
+}
+
+/// Of an address, in the address of a page; that of this machine for all of its addresses.
+std::string name_of(const asio::ip::address& host) {
+  if (host.is_unspecified()) return asio::ip::host_name();
+  return host.is_v6() ? "[" + host.to_string() + "]" : host.to_string();
 }
 
 using Response = http::response<http::string_body>;
@@ -77,7 +85,7 @@ Response refusal(const Request& request, http::status status, const char* text) 
 
 Response answer(const Request& request, const Room& room) {
   const auto name = name_in(view_of(request.target()), room.token);
-  if (!name || !is_own_page(request))
+  if (!name || !is_own_page(request, room))
     return refusal(request, http::status::forbidden,
                    "Use the address that suture live has printed, with its token.\n");
   if (request.method() != http::verb::get)
@@ -107,7 +115,7 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
   void receive(Request request) {
     const auto name = name_in(view_of(request.target()), room_.token);
     if (beast::websocket::is_upgrade(request) && name && *name == "socket" &&
-        is_own_page(request)) {
+        is_own_page(request, room_)) {
       std::make_shared<Connection>(std::move(stream_), room_)->accept(request);
       return;
     }
@@ -128,10 +136,11 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
 class Server final : public LiveServer {
  public:
   explicit Server(const LiveServerOptions& options)
-      : room_(random_token(), options.three_js),
-        listener_(context_, {asio::ip::address_v4::loopback(), options.port}),
-        address_("http://127.0.0.1:" + std::to_string(listener_.local_endpoint().port()) + "/" +
-                 room_.token + "/") {
+      : host_(asio::ip::make_address(options.host)),
+        room_(random_token(), options.three_js, !host_.is_loopback()),
+        listener_(context_, {host_, options.port}),
+        address_("http://" + name_of(host_) + ":" +
+                 std::to_string(listener_.local_endpoint().port()) + "/" + room_.token + "/") {
     accept();
     thread_ = std::thread([this] { context_.run(); });
   }
@@ -151,6 +160,7 @@ class Server final : public LiveServer {
   void show(LivePicture picture) override {
     post([this, picture = std::move(picture)]() mutable { room_.show(std::move(picture)); });
   }
+  bool is_watched() const override { return room_.is_watched(); }
   bool wants_picture() const override { return room_.wants_picture(); }
   std::vector<std::string> take_inputs() override { return room_.take_inputs(); }
   void wait(std::chrono::milliseconds most) override { room_.wait(most); }
@@ -170,6 +180,7 @@ class Server final : public LiveServer {
     });
   }
 
+  asio::ip::address host_;
   Room room_;  // outlives the handlers that wait in the context
   asio::io_context context_{1};
   Tcp::acceptor listener_;
@@ -181,7 +192,7 @@ class Server final : public LiveServer {
 }  // namespace suture::live
 
 extern "C" __attribute__((visibility("default"))) std::unique_ptr<suture::LiveServer>
-suture_open_live_server_1(const suture::LiveServerOptions& options, std::string& problem) {
+suture_open_live_server_2(const suture::LiveServerOptions& options, std::string& problem) {
   try {
     return std::make_unique<suture::live::Server>(options);
   } catch (const boost::system::system_error& error) {

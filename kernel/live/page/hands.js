@@ -2,47 +2,71 @@
 //
 // What the mouse does on the picture.
 
-const line = document.querySelector('#drag line');
+const line = document.querySelector('#drag polyline');
 
-function show_line(a, b) {
-  line.style.visibility = a ? 'visible' : 'hidden';
-  if (!a) return;
-  [['x1', a[0]], ['y1', a[1]], ['x2', b[0]], ['y2', b[1]]].forEach(([key, value]) => line.setAttribute(key, value));
-}
+const show_line = (way) => line.setAttribute('points', way.map((place) => place.join()).join(' '));
+const length = ([ax, ay], [bx, by]) => Math.hypot(bx - ax, by - ay);
+const spacing = 8;  // of the places of a way, pixels
 
-// `tool()`: the chosen one. `hands`: cut(a, b) with the ends of a drag of the knife; grab(point),
-// drag(point) and let_go() of the hand.
+// `tool()`: the chosen one. `hands`: cut(way) with the places of a drag of the knife on the canvas; grab(point),
+// take(tool, point), drag(point) and let_go() of the hand; pierce(point), and suture(a, b) with places
+// at rest.
 export function follow_mouse(picture, tool, hands) {
   const canvas = picture.canvas;
-  let drag = null;  // {button, tool, from, last, point}
+  let drag = null;  // {button, tool, way, last, point}
   const place = (event) => [event.offsetX, event.offsetY];
 
   canvas.addEventListener('pointerdown', (event) => {
     canvas.setPointerCapture(event.pointerId);
     const now = place(event);
-    drag = { button: event.button, tool: event.button === 0 ? tool() : 'look', from: now, last: now };
-    if (drag.tool !== 'grab') return;
-    drag.point = picture.point_at(...now);
-    if (drag.point) hands.grab(drag.point);
-    else drag.tool = 'look';
+    drag = { button: event.button, tool: event.button === 0 ? tool() : 'look', way: [now], last: now };
+    begin[drag.tool]?.(now);
   });
+  const begin = {
+    grab(now) {
+      const hit = picture.hit(...now);
+      if (hit) hands.grab(drag.point = hit.point);
+      else drag.tool = 'look';
+    },
+    push(now) {
+      const hit = picture.tool_at(...now);
+      if (hit) hands.take(hit.tool, drag.point = hit.point);
+      else drag.tool = 'look';
+    },
+  };
   canvas.addEventListener('pointermove', (event) => {
     if (!drag) return;
     const now = place(event), right = now[0] - drag.last[0], down = now[1] - drag.last[1];
     drag.last = now;
-    if (drag.tool === 'knife') show_line(drag.from, now);
-    else if (drag.tool === 'grab') hands.drag(picture.led(drag.point, ...now));
+    if (length(drag.way.at(-1), now) > spacing) drag.way.push(now);
+    if (drag.tool === 'knife') show_line(hands.is_path() ? drag.way : [drag.way[0], now]);
+    else if (drag.tool === 'suture') show_line([drag.way[0], now]);
+    else if (drag.point) hands.drag(picture.led(drag.point, ...now));
+    else if (drag.tool === 'needle') return;
     else if (drag.button === 0 && !event.shiftKey) picture.turn(right * 0.008, down * 0.008);
     else picture.move(right / canvas.clientHeight, down / canvas.clientHeight);
   });
+  // It ends at a place of its own, or where it began.
+  const way_to = (place, way) => (length(way.at(-1), place) > 1 || way.length === 1 ? [...way, place] : way);
   const end = (event) => {
     const done = drag;
     drag = null;
-    show_line(null);
-    if (done?.tool === 'grab') hands.let_go();
-    if (done?.tool !== 'knife' || event.type !== 'pointerup') return;
-    const now = place(event);
-    if (Math.hypot(now[0] - done.from[0], now[1] - done.from[1]) > 3) hands.cut(done.from, now);
+    show_line([]);
+    if (done?.point) hands.let_go();
+    if (done && event.type === 'pointerup') finish[done.tool]?.(way_to(place(event), done.way));
+  };
+  const finish = {
+    knife(way) {
+      if (way.length > 2 || length(...way) > 3) hands.cut(way);
+    },
+    needle(way) {
+      const hit = picture.hit(...way[0]);
+      if (hit) hands.pierce(hit.point);
+    },
+    suture(way) {
+      const ends = [picture.hit(...way[0]), picture.hit(...way.at(-1))].filter(Boolean);
+      if (ends.length) hands.suture(ends[0].rest, ends.at(-1).rest);
+    },
   };
   canvas.addEventListener('pointerup', end);
   canvas.addEventListener('pointercancel', end);

@@ -3,15 +3,20 @@
 // Messages from and to the run, and everything on the page beside the picture.
 import { Picture, colour_at } from './scene.js';
 import { follow_mouse } from './hands.js';
+import { show_values } from './panel.js';
+import { Plots } from './plots.js';
+import { Video, save_picture } from './save.js';
 import { Color } from './three/build/three.module.js';
 
 const $ = (selector) => document.querySelector(selector);
 const picture = new Picture($('#picture'));
+const plots = new Plots($('#plots'));
 const socket = new WebSocket(new URL('socket', location.href).href.replace(/^http/, 'ws'));
 socket.binaryType = 'arraybuffer';
 
 // What tests and the console can read.
-const live = window.live = { picture, state: null, greeting: null, control: false, messages: [], drawn: 0, surface: null };
+const live = window.live = { picture, state: null, greeting: null, control: false, messages: [], drawn: 0,
+  surface: null, kept: [] };
 
 let is_awaited = false;  // by the run: that the last state is drawn
 
@@ -34,7 +39,8 @@ function decode(buffer) {
 function take_message(buffer) {
   const { head, take } = decode(buffer);
   if (head.kind === 'surface') {
-    picture.set_surface(head, take(Uint32Array, 3 * head.triangles), take(Uint32Array, 2 * head.edges));
+    picture.set_surface(head, take(Uint32Array, 3 * head.triangles), take(Uint32Array, 2 * head.edges),
+      take(Float32Array, 3 * head.points));
     live.surface = head;
     return;
   }
@@ -42,27 +48,40 @@ function take_message(buffer) {
   picture.set_state(head, take(Float32Array, 3 * points), take(Float32Array, points));
   live.state = head;
   show_numbers(head);
+  if (head.plots) plots.add(head.time, head.plots);
   is_awaited = true;
 }
 
 // The next picture may come while this one is drawn.
 picture.before_drawing = () => {
+  show_force();
   if (!is_awaited) return;
   is_awaited = false;
   ++live.drawn;
   if (socket.readyState === WebSocket.OPEN) socket.send(new Uint8Array(0));
 };
 
+function enable_inputs() {
+  for (const input of document.querySelectorAll('[data-control], .tools input')) input.disabled = !live.control;
+}
+
 function take_text(message) {
+  if (message.kept) show_kept(message.kept);
+  if (message.values) {
+    live.values = message.values;
+    show_values($('#values'), message.values, apply);
+    enable_inputs();
+  }
   if (message.live) {
     live.greeting = message;
     document.title = message.title + ' - Suture';
     $('#field').replaceChildren(...message.fields.map((field) => new Option(field.name)));
     picture.set_up(message);
+    plots.set_up(message.plots);
+    $('#along').hidden = !message.along_blade;
   } else if ('control' in message) {
     live.control = message.control;
-    for (const input of document.querySelectorAll('#play, #step, #reset, #speed, #field, .tools input'))
-      input.disabled = !message.control;
+    enable_inputs();
     if (!message.control) show_message('message', 'another page controls this run; this one watches');
   } else {
     for (const kind of ['message', 'warning', 'error']) if (kind in message) show_message(kind, message[kind]);
@@ -89,9 +108,27 @@ function show_numbers(head) {
     `t = ${digits(head.time)} s, step ${head.step}${head.ended ? ', ended' : ''}`,
     head.playing ? `${digits(head.steps_per_second, 3)} steps/s, ${digits(head.real_time, 3)} of real time` : 'paused',
     `balance ${digits(100 * head.balance, 2)} %`].join('\n');
+  $('#legend').hidden = head.field === 'island';
   const unit = live.greeting.fields.find((field) => field.name === head.field)?.unit;
   $('#legend-top').textContent = `${head.field}${unit && unit !== '1' ? ', ' + unit : ''}\n${digits(picture.range[1], 3)}`;
   $('#legend-bottom').textContent = digits(picture.range[0], 3);
+}
+
+function show_force() {
+  const hand = live.state?.hand, text = $('#force');
+  text.style.visibility = hand ? 'visible' : 'hidden';
+  if (!hand) return;
+  const [x, y] = picture.on_canvas(from_scene(hand.place));
+  text.textContent = `${digits(Math.hypot(...hand.force), 3)} N`;
+  text.style.left = `${x + 14}px`;
+  text.style.top = `${y - 8}px`;
+}
+
+function show_kept(kept) {
+  live.kept = kept;
+  const names = kept.map((state) => new Option(
+    `${state.action ? 'before ' : ''}${state.name}, ${digits(state.time, 3)} s`, state.id));
+  $('#kept').replaceChildren(new Option('go back to ...', ''), ...names.reverse());
 }
 
 function show_message(kind, text) {
@@ -117,14 +154,34 @@ const clip = () => picture.clip($('#clip').value, Number($('#clip-at').value));
 
 // In coordinates of the scene.
 const in_scene = (point) => point.toArray().map((x, axis) => x + live.greeting.origin[axis]);
+const from_scene = (place) => place.map((x, axis) => x - live.greeting.origin[axis]);
+const apply = (event) => { if (live.control) send({ do: 'apply', event }); };
 
 // A mouse moves more often than a hand needs to know.
 const drag_interval = 30;  // ms
 let dragged = 0;
 
 const hands = {
-  cut(a, b) {
-    if (live.control) send({ do: 'apply', event: { cut: { plane: { polygon: picture.plane_through(a, b).map(in_scene) } } } });
+  is_path: () => $('#cut').value === 'path',
+  cut(way) {
+    const along = $('#along-blade').checked ? { along: 'blade' } : {};
+    if (!hands.is_path()) {
+      const polygon = picture.plane_through(way[0], way.at(-1)).map(in_scene);
+      return apply({ cut: { plane: { polygon }, ...along } });
+    }
+    const { points, triangles } = picture.swept(way);
+    apply({ sweep: { points: points.map(in_scene), triangles, ...along } });
+  },
+  pierce(point) {
+    apply({ pierce: { where: { nearest: in_scene(point) } } });
+  },
+  // Around two places of the rest shape: lips that fit lie at the same place there.
+  suture(a, b) {
+    const centre = a.clone().add(b).divideScalar(2), radius = a.distanceTo(b) / 2 + 2 * live.greeting.edge;
+    apply({ suture: { where: { sphere: { centre: in_scene(centre), radius } } } });
+  },
+  take(tool, point) {
+    if (live.control) send({ do: 'take', tool: live.greeting.obstacles[tool].name, at: in_scene(point) });
   },
   grab(point) {
     if (live.control) send({ do: 'grab', at: in_scene(point) });
@@ -139,12 +196,29 @@ const hands = {
   },
 };
 
+const file_name = () => `${live.greeting.title.replace(/[^\w-]+/g, '-')}-${live.state.step}`;
+let video = null;
+
+function toggle_video() {
+  video ? video.stop() : null;
+  video = video ? null : new Video(picture.canvas, file_name(), (text) => show_message('error', text));
+  $('#save-video').textContent = video ? 'End video' : 'Video';
+}
+
 draw_legend();
+show_kept([]);
 $('#play').onclick = toggle;
 $('#step').onclick = () => send({ do: 'step' });
 $('#reset').onclick = () => send({ do: 'reset' });
+$('#back').onclick = () => send({ do: 'back' });
+$('#keep').onclick = () => send({ do: 'keep' });
+$('#kept').onchange = (event) => send({ do: 'back', to: Number(event.target.value) });
+$('#save-picture').onclick = () => save_picture(picture.canvas, file_name());
+$('#save-video').onclick = toggle_video;
 $('#speed').onchange = (event) => send({ do: 'speed', value: Number(event.target.value) });
 $('#field').onchange = (event) => send({ do: 'field', name: event.target.value });
+$('#ghost').onchange = (event) => { picture.ghost.visible = event.target.checked; picture.draw(); };
+$('#show-side').onchange = (event) => { $('#side').classList.toggle('open', event.target.checked); plots.draw(); };
 $('#edges').onchange = (event) => { picture.edges.visible = event.target.checked; picture.draw(); };
 $('#clip').onchange = clip;
 $('#clip-at').oninput = clip;

@@ -16,6 +16,11 @@ export function colour_at(part, out) {
   return out.copy(colours[below]).lerp(colours[below + 1], at - below);
 }
 
+// One that differs from those of the numbers before: turned by the golden section of the circle.
+function colour_of(number, out) {
+  return out.setHSL((0.6 + number * 0.618034) % 1, 0.55, 0.55);
+}
+
 export class Picture {
   constructor(canvas) {
     this.canvas = canvas;
@@ -33,6 +38,13 @@ export class Picture {
     this.range = [0, 0];
     this.obstacles = [];
     this.add_body();
+    this.arrow = new THREE.ArrowHelper(this.up, this.middle, 1, 0xcc0000);
+    this.arrow.visible = false;
+    for (const part of [this.arrow.line, this.arrow.cone]) {
+      part.material.depthTest = false;  // it often points into the body
+      part.renderOrder = 1;
+    }
+    this.scene.add(this.arrow);
     this.before_drawing = () => {};
     new ResizeObserver(() => this.resize()).observe(canvas);
   }
@@ -45,9 +57,13 @@ export class Picture {
       new THREE.MeshPhongMaterial({ ...look, shininess: 8 }),
       new THREE.MeshPhongMaterial({ ...look, color: 0xff9a8a, shininess: 8 }),  // laid open
     ]);
+    this.ghost = new THREE.LineSegments(new THREE.BufferGeometry(),
+      new THREE.LineBasicMaterial({ color: 0x4466aa, transparent: true, opacity: 0.25 }));
+    this.ghost.visible = false;
     this.edges = new THREE.LineSegments(new THREE.BufferGeometry(),
       new THREE.LineBasicMaterial({ color: 0x000000, transparent: true, opacity: 0.3 }));
-    for (const object of [this.body, this.edges]) {
+    this.blades = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0xcc0000 }));
+    for (const object of [this.body, this.edges, this.ghost, this.blades]) {
       object.frustumCulled = false;
       this.scene.add(object);
     }
@@ -58,6 +74,7 @@ export class Picture {
   set_up(greeting) {
     const g = greeting.gravity;
     if (g.some((x) => x !== 0)) this.up.set(-g[0], -g[1], -g[2]).normalize();
+    this.origin = greeting.origin;
     for (const old of this.obstacles) this.scene.remove(old);
     this.obstacles = greeting.obstacles.map((given) => {
       const geometry = new THREE.BufferGeometry();
@@ -72,7 +89,7 @@ export class Picture {
     });
   }
 
-  set_surface(head, triangles, edges) {
+  set_surface(head, triangles, edges, rest) {
     this.surface = head.surface;
     this.positions = new THREE.BufferAttribute(new Float32Array(3 * head.points), 3);
     this.vertex_colours = new THREE.BufferAttribute(new Float32Array(3 * head.points), 3);
@@ -88,6 +105,11 @@ export class Picture {
     this.edges.geometry = new THREE.BufferGeometry();
     this.edges.geometry.setAttribute('position', this.positions);
     this.edges.geometry.setIndex(new THREE.BufferAttribute(edges, 1));
+    this.rest = rest;
+    this.ghost.geometry.dispose();
+    this.ghost.geometry = new THREE.BufferGeometry();
+    this.ghost.geometry.setAttribute('position', new THREE.BufferAttribute(rest, 3));
+    this.ghost.geometry.setIndex(this.edges.geometry.index);
   }
 
   // The colours' range covers all that was seen of a field.
@@ -99,8 +121,10 @@ export class Picture {
     this.field = head.field;
     this.range = [Math.min(this.range[0], head.range[0]), Math.max(this.range[1], head.range[1])];
     const [low, high] = this.range, colour = new THREE.Color(), out = this.vertex_colours.array;
+    const is_number = head.field === 'island';  // of a piece
     for (let i = 0; i < values.length; ++i) {
-      colour_at(high > low ? (values[i] - low) / (high - low) : 0, colour);
+      if (is_number) colour_of(values[i], colour);
+      else colour_at(high > low ? (values[i] - low) / (high - low) : 0, colour);
       out[3 * i] = colour.r;
       out[3 * i + 1] = colour.g;
       out[3 * i + 2] = colour.b;
@@ -112,8 +136,28 @@ export class Picture {
       mesh.matrix.set(p[0], p[3], p[6], p[9], p[1], p[4], p[7], p[10], p[2], p[5], p[8], p[11], 0, 0, 0, 1);
       mesh.matrixWorldNeedsUpdate = true;
     });
+    this.show_blades(head.blades);
     if (this.radius === 0) this.look_at_body(positions);
+    this.show_force(head.hand);
     this.draw();
+  }
+
+  show_blades(blades) {
+    const ends = blades.flatMap((points) => points.flatMap((_, i) => (i % 3 === 0 && i + 5 < points.length ? points.slice(i, i + 6) : [])));
+    this.blades.visible = ends.length > 0;
+    this.blades.geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(ends), 3));
+  }
+
+  // The force of a hand, in parts of the largest that it had.
+  show_force(hand) {
+    if (!hand) this.largest_force = 0;
+    this.arrow.visible = Boolean(hand);
+    if (!hand) return;
+    const force = new THREE.Vector3(...hand.force), size = force.length();
+    this.largest_force = Math.max(this.largest_force, size);
+    this.arrow.position.set(...hand.place.map((x, axis) => x - this.origin[axis]));
+    this.arrow.setDirection(size > 0 ? force.normalize() : this.up);
+    this.arrow.setLength(Math.max(0.5 * this.radius * size / (this.largest_force || 1), 1e-3 * this.radius));
   }
 
   // ---- camera ----
@@ -177,13 +221,34 @@ export class Picture {
     return part.unproject(this.camera).sub(this.camera.position).normalize();
   }
 
-  // The point of the body under a point of the canvas, or null.
-  point_at(x, y) {
+  // The inverse: where a place is on the canvas.
+  on_canvas(place) {
+    const part = new THREE.Vector3(...place).project(this.camera);
+    return [(part.x + 1) / 2 * this.canvas.clientWidth, (1 - part.y) / 2 * this.canvas.clientHeight];
+  }
+
+  ray(x, y) {
+    return new THREE.Raycaster(this.camera.position.clone(), this.direction(x, y));
+  }
+
+  // What of the body is under a point of the canvas: {point, rest}, its place and that at rest, or null.
+  hit(x, y) {
     if (!this.positions) return null;
     this.body.geometry.computeBoundingSphere();
-    const ray = new THREE.Raycaster(this.camera.position.clone(), this.direction(x, y));
-    const hits = ray.intersectObject(this.body);
-    return hits.length ? hits[0].point : null;
+    const [hit] = this.ray(x, y).intersectObject(this.body);
+    if (!hit) return null;
+    const at = (array, i) => new THREE.Vector3().fromArray(array, 3 * i);
+    const corners = [hit.face.a, hit.face.b, hit.face.c], now = corners.map((i) => at(this.positions.array, i));
+    const parts = THREE.Triangle.getBarycoord(hit.point, ...now, new THREE.Vector3());
+    const rest = new THREE.Vector3();
+    parts?.toArray().forEach((part, i) => rest.addScaledVector(at(this.rest, corners[i]), part));
+    return { point: hit.point, rest };
+  }
+
+  // The obstacle under a point of the canvas: {tool, point}, its place in the list, or null.
+  tool_at(x, y) {
+    const [hit] = this.ray(x, y).intersectObjects(this.obstacles);
+    return hit ? { tool: this.obstacles.indexOf(hit.object), point: hit.point } : null;
   }
 
   // Where the mouse leads a point: in the plane through it that faces the camera.
@@ -193,12 +258,24 @@ export class Picture {
     return this.camera.position.clone().addScaledVector(way, depth);
   }
 
+  // Points before and behind the body, under a point of the canvas.
+  depths_at([x, y]) {
+    const away = this.camera.position.distanceTo(this.middle), reach = 2 * this.radius;
+    const at = (depth) => this.camera.position.clone().addScaledVector(this.direction(x, y), depth);
+    return [at(Math.max(away - reach, away / 100)), at(away + reach)];
+  }
+
   // Through the camera and two points of the canvas, as deep as the body.
   plane_through(a, b) {
-    const away = this.camera.position.distanceTo(this.middle), reach = 2 * this.radius;
-    const near = Math.max(away - reach, away / 100), far = away + reach;
-    const at = ([x, y], depth) => this.camera.position.clone().addScaledVector(this.direction(x, y), depth);
-    return [at(a, near), at(a, far), at(b, far), at(b, near)];
+    const [near_a, far_a] = this.depths_at(a), [near_b, far_b] = this.depths_at(b);
+    return [near_a, far_a, far_b, near_b];
+  }
+
+  // What a blade along the line of sight has swept on a way over the canvas: {points, triangles}.
+  swept(way) {
+    const points = way.flatMap((place) => this.depths_at(place)), triangles = [];
+    for (let i = 0; i + 3 < points.length; i += 2) triangles.push([i, i + 1, i + 3], [i, i + 3, i + 2]);
+    return { points, triangles };
   }
 
   clip(axis, part) {

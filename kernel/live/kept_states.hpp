@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <deque>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "kernel/base/archive.hpp"
+#include "kernel/live/hand.hpp"
+
+namespace suture {
+
+/// A state of a run to which it can go back.
+struct KeptState {
+  std::string name;               ///< that of the action which followed, or a given one
+  bool is_before_action = false;  ///< taken back by going here
+  double time = 0;                ///< s
+  std::uint64_t step = 0;
+  std::size_t inputs = 0;  ///< number of recorded ones before it
+  std::optional<Hand> hand{};
+  StateTree state{};
+  std::uint64_t id = 0;  ///< given by keep(), ascending
+};
+
+/// Keeps states in memory, in the order of the run. Beyond half a gigabyte or a hundred states, it
+/// drops the oldest.
+class KeptStates {
+ public:
+  void keep(KeptState state);
+  /// Takes out the state with this id, and drops all that follow it. Throws InputError if there is
+  /// none.
+  KeptState take(std::uint64_t id);
+  /// The same for the last one that is before an action.
+  KeptState take_last_action();
+  /// Drops the last one, if it is before an action that was refused.
+  void drop_last() { states_.pop_back(); }
+  void clear() { states_.clear(); }
+  /// [{"id", "name", "action", "time", "step"}].
+  nlohmann::json list() const;
+
+ private:
+  std::deque<KeptState> states_;
+  std::uint64_t last_id_ = 0;
+};
+
+}  // namespace suture

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Runs that go back to earlier states, and what their recordings repeat.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "kernel/base/error.hpp"
+#include "kernel/live/kept_states.hpp"
+#include "tests/live/watched.hpp"
+
+namespace suture::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// An upright blade around the end of the beam.
+constexpr const char* bent_blade = R"({"do":"apply","event":{"sweep":{
+  "points":[[0.8,-1,-0.1],[0.8,1,-0.1],[0.7,-1,0.1],[0.7,1,0.1],[0.8,-1,0.3],[0.8,1,0.3]],
+  "triangles":[[0,1,3],[0,3,2],[2,3,5],[2,5,4]]}}})";
+
+/// A run that makes only the steps it is asked for.
+class GoesBack : public Watched {
+ protected:
+  void make(std::uint64_t steps) {
+    for (std::uint64_t i = 0; i < steps; ++i) page.send(R"({"do":"step"})");
+    step_ += steps;
+    state_at(step_);
+  }
+  Json state_at(std::uint64_t step) {
+    return state([&](const Json& head) { return head["step"] == step; });
+  }
+  Json kept() { return page.until("kept")["kept"]; }
+  void go_back(const Json& input, std::uint64_t step) {
+    page.send(input.dump());
+    EXPECT_EQ(page.until("kept").count("error"), 0U);
+    state_at(step_ = step);
+  }
+
+ private:
+  std::uint64_t step_ = 0;
+};
+
+TEST_F(GoesBack, TakesTheLastActionBack) {
+  make(50);
+  page.send(cut);
+  const Json before = kept()[0];
+  EXPECT_EQ(before["name"], "cut");
+  EXPECT_EQ(before["step"], 50);
+  EXPECT_GT(page.until("triangles")["laid_open"], 0);
+  make(100);
+  page.send(R"({"do":"back"})");
+  EXPECT_THAT(page.until("message")["message"], HasSubstr("cut was taken back"));
+  EXPECT_EQ(kept(), Json::array());
+  EXPECT_EQ(page.until("triangles")["laid_open"], 0);
+  EXPECT_EQ(state_at(50)["time"], before["time"]);
+  page.send(R"({"do":"back"})");
+  EXPECT_THAT(page.until("error")["error"], HasSubstr("no action to take back"));
+  page.send(R"({"do":"step"})");
+  state_at(51);
+  stop();
+  EXPECT_TRUE(read_recording(recording()).inputs.empty());
+  EXPECT_EQ(read_recording(recording()).last_step, 51U);
+  expect_same_bits(recording());
+}
+
+// Each with what it needs of the state: nodes that are held, faces that are open, obstacles on the
+// way, models and gravity that were changed.
+TEST_F(GoesBack, RepeatsWhatCountsBitForBit) {
+  make(20);
+  page.send(R"({"do":"take","tool":"ball","at":[0.5,0.4,0.1]})");
+  page.send(R"({"do":"drag","to":[0.5,0.32,0.1]})");
+  make(20);
+  page.send(R"({"do":"apply","event":{"gravity":[0,-5,1]}})");
+  page.send(R"({"do":"apply","event":{"parameters":{"model":"tm-faure","values":{"E":5e5}}}})");
+  page.send(cut);
+  make(20);
+  page.send(R"({"do":"grab","at":[0.4,0.25,0.1]})");
+  page.send(R"({"do":"drag","to":[0.4,0.3,0.1]})");
+  make(2);
+  page.send(R"({"do":"keep","name":"while it is held"})");
+  Json list;
+  while (list.empty() || list.back()["name"] != "while it is held") list = kept();
+  EXPECT_EQ(list.size(), 6U);
+  page.send(R"({"do":"drag","to":[0.2,0.3,0.1]})");
+  page.send(R"({"do":"let_go"})");
+  page.send(R"({"do":"apply","event":{"pierce":{"where":{"nearest":[0.3,0.1,0.1]}}}})");
+  make(30);
+  go_back({{"do", "back"}, {"to", list.back()["id"]}}, 62);
+  make(10);
+  page.send(R"({"do":"drag","to":[0.45,0.3,0.1]})");
+  make(20);
+  page.send(bent_blade);
+  page.send(R"({"do":"let_go"})");
+  make(50);
+  stop();
+  const Recording recorded = read_recording(recording());
+  // steer, gravity, E, cut, grasp, two moves, sweep, release
+  EXPECT_EQ(recorded.inputs.size(), 9U);
+  EXPECT_EQ(recorded.last_step, 142U);
+  expect_same_bits(recording());
+}
+
+TEST_F(GoesBack, KeepsNoStateForARefusedAction) {
+  EXPECT_EQ(kept().size(), 0U);
+  page.send(R"({"do":"apply","event":{"cut":{}}})");
+  EXPECT_EQ(kept().size(), 1U);
+  EXPECT_EQ(kept().size(), 0U);
+  page.send(R"({"do":"back","to":7})");
+  EXPECT_THAT(page.until("error")["error"], HasSubstr("'plane'"));
+  EXPECT_THAT(page.until("error")["error"], HasSubstr("no kept state 7"));
+}
+
+TEST_F(GoesBack, EndsAFailure) {
+  make(20);
+  page.send(R"({"do":"grab","at":[0.4,0.25,0.1]})");
+  page.send(
+      R"({"do":"apply","event":{"move":{"grasp":"live-hand","translation":[0,50,0],"during":0.001}}})");
+  page.send(R"({"do":"play"})");
+  EXPECT_THAT(page.until("error")["error"], HasSubstr("The run has failed"));
+  page.send(R"({"do":"step"})");
+  EXPECT_THAT(page.until("error")["error"], HasSubstr("take the last action back"));
+  page.send(R"({"do":"back"})");
+  go_back({{"do", "back"}}, 20);
+  make(20);
+  stop();
+  expect_same_bits(recording());
+}
+
+KeptState state_of(const std::string& name, std::size_t bytes, bool is_before_action = true) {
+  KeptState kept{name, is_before_action};
+  StateTree::Array& array = kept.state.arrays["bytes"];
+  array = {Archive::Scalar::u8, 1, bytes, nullptr};
+  return kept;
+}
+
+TEST(KeptStates, AreBoundedAndOrdered) {
+  KeptStates kept;
+  for (int i = 0; i < 200; ++i) kept.keep(state_of(std::to_string(i), 10));
+  ASSERT_EQ(kept.list().size(), 100U);
+  EXPECT_EQ(kept.list()[0]["name"], "100");
+  kept.keep(state_of("large", std::size_t{500} << 20));
+  EXPECT_EQ(kept.list().size(), 100U);
+  kept.keep(state_of("as large", std::size_t{500} << 20));
+  EXPECT_EQ(kept.list().size(), 1U);
+  kept.keep(state_of("asked for", 1, false));
+  EXPECT_EQ(kept.take_last_action().name, "as large");
+  EXPECT_EQ(kept.list().size(), 0U);
+  EXPECT_THROW(kept.take_last_action(), InputError);
+}
+
+TEST(Recordings, GoBackToWhatTheyHave) {
+  const TemporaryFolder folder;
+  const std::string header =
+      R"({"recording":1,"program":"p","isa":"base","file":"f","folder":"d","state":"0","scene":"{}"})"
+      "\n";
+  const auto input = [](int step) {
+    return R"({"step":)" + std::to_string(step) + R"(,"device":"page","value":{}})" + "\n";
+  };
+  const auto back = [](int step, int inputs) {
+    return R"({"step":)" + std::to_string(step) + R"(,"back":true,"inputs":)" +
+           std::to_string(inputs) + "}\n";
+  };
+  const auto read = [&](const std::string& lines) {
+    return read_recording(folder.write("r.jsonl", header + lines));
+  };
+  const Recording recording = read(input(3) + input(5) + input(9) + back(7, 2) + input(8));
+  ASSERT_EQ(recording.inputs.size(), 3U);
+  EXPECT_EQ(recording.inputs.back().step, 8U);
+  EXPECT_EQ(read(input(3) + back(2, 0)).last_step, 2U);
+  EXPECT_THROW(read(input(3) + back(2, 1)), InputError);
+  EXPECT_EQ(read(input(3) + back(4, 1)).last_step, 4U);  // kept after the last input
+  EXPECT_THROW(read(input(3) + back(4, 0)), InputError);
+  EXPECT_THROW(read(input(3) + back(3, 2)), InputError);
+  EXPECT_THROW(read(input(3) + R"({"step":3,"back":true})"
+                               "\n"),
+               InputError);
+}
+
+}  // namespace
+}  // namespace suture::test

@@ -43,6 +43,13 @@ void add_skip(CLI::App& app, bool& skip) {
                "also build and compute what the scene does not need (slower, same results)");
 }
 
+void add_jobs(CLI::App& app, unsigned& jobs) {
+  app.add_option_function<std::string>(
+         "--jobs", [&jobs](const std::string& n) { jobs = whole_number("--jobs", n, 1, 10000); },
+         "processes at once; default: one per core")
+      ->type_name("N");
+}
+
 void add_plugin_checks(CLI::App& app, bool& check) {
   app.add_flag(
       "--check-plugins", check,
@@ -93,6 +100,7 @@ struct Parser {
   NewSceneCommand new_scene;
   ModesCommand modes;
   SweepCommand sweep;
+  FitCommand fit;
   CompareCommand compare;
   PlotCommand plot;
   DescribeCommand describe;
@@ -168,6 +176,7 @@ struct Parser {
     cite_app->callback([this] { line.command = cite; });
 
     add_sweep(*app.add_subcommand("sweep", "run a scene many times with other values"));
+    add_fit(*app.add_subcommand("fit", "fit values of a scene to measured data"));
     add_modes(*app.add_subcommand("modes", "find natural frequencies and mode shapes"));
 
     add_compare(*app.add_subcommand("compare",
@@ -218,15 +227,18 @@ struct Parser {
                    "JSON file: scene, set, folder, output, jobs, and one of grid, list and "
                    "latin_hypercube (docs/python.md)")
         ->required();
-    sub.add_option_function<std::string>(
-           "--jobs",
-           [this](const std::string& n) { sweep.jobs = whole_number("--jobs", n, 1, 10000); },
-           "processes at once; default: one per core")
-        ->type_name("N");
+    add_jobs(sub, sweep.jobs);
     sub.add_option("--slurm", sweep.slurm,
                    "write a job script for Slurm arrays and GNU parallel; run nothing")
         ->type_name("FILE");
     sub.callback([this] { line.command = sweep; });
+  }
+  void add_fit(CLI::App& sub) {
+    sub.add_option("study", fit.study,
+                   "JSON file: scene, set, fit, data, loss, stop, folder and jobs (docs/fit.md)")
+        ->required();
+    add_jobs(sub, fit.jobs);
+    sub.callback([this] { line.command = fit; });
   }
   void add_compare(CLI::App& sub) {
     sub.add_option("runs", compare.runs,

@@ -73,6 +73,10 @@ struct SweepCommand {
   unsigned jobs = 0;            ///< 0: as the study says, or one per core
   std::filesystem::path slurm;  ///< "": run
 };
+struct FitCommand {
+  std::filesystem::path study;
+  unsigned jobs = 0;  ///< as of SweepCommand
+};
 struct CompareCommand {
   std::vector<std::string> runs;  ///< two output folders; or three, from coarse to fine
   bool common = false;            ///< only frames of common times
@@ -126,8 +130,8 @@ struct CommandLine {
   bool quiet = false, verbose = false;
   std::variant<RunCommand, LiveCommand, CheckCommand, CiteCommand, ExplainCommand,
                CheckModelCommand, NewModelCommand, NewSceneCommand, ReplayCommand, ModesCommand,
-               SweepCommand, CompareCommand, PlotCommand, ModelsCommand, DescribeCommand,
-               SchemaCommand, MeshInfoCommand, MeshConvertCommand, MeshBoxCommand,
+               SweepCommand, FitCommand, CompareCommand, PlotCommand, ModelsCommand,
+               DescribeCommand, SchemaCommand, MeshInfoCommand, MeshConvertCommand, MeshBoxCommand,
                MeshVoxelizeCommand, MeshFillCommand, TextCommand>
       command;
 };

@@ -23,6 +23,7 @@ int cite(const CiteCommand& command, Console& console);
 int explain(const ExplainCommand& command, Console& console);
 int modes(const ModesCommand& command, Console& console);
 int sweep(const SweepCommand& command, Console& console);
+int fit(const FitCommand& command, Console& console);
 int compare(const CompareCommand& command, Console& console);
 int plot(const PlotCommand& command, Console& console);
 /// Parts of plot(), which end as Python programs: of runs or a study; of a frame with the boundary

@@ -25,6 +25,7 @@ struct Dispatch {
   int operator()(const ReplayCommand& command) const { return replay(command, console); }
   int operator()(const ModesCommand& command) const { return modes(command, console); }
   int operator()(const SweepCommand& command) const { return sweep(command, console); }
+  int operator()(const FitCommand& command) const { return fit(command, console); }
   int operator()(const CompareCommand& command) const { return compare(command, console); }
   int operator()(const PlotCommand& command) const { return plot(command, console); }
   int operator()(const ModelsCommand& command) const { return models(command, console); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Commands of the Python module: studies, whose processes are the runs, comparisons and pictures.
+// Commands of the Python module: studies, whose processes are the runs, fits, comparisons and
+// pictures.
 #include <unistd.h>
 
 #include <cerrno>
@@ -60,6 +61,12 @@ int sweep(const SweepCommand& command, Console&) {
   if (command.jobs > 0) words.insert(words.end(), {"--jobs", std::to_string(command.jobs)});
   if (!command.slurm.empty()) words.insert(words.end(), {"--slurm", command.slurm.string()});
   return become_python("suture._sweep", words);
+}
+
+int fit(const FitCommand& command, Console&) {
+  std::vector<std::string> words{command.study.string()};
+  if (command.jobs > 0) words.insert(words.end(), {"--jobs", std::to_string(command.jobs)});
+  return become_python("suture._fit", words);
 }
 
 int compare(const CompareCommand& command, Console&) {

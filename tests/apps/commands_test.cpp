@@ -19,8 +19,8 @@ TEST_F(Commands, HelpAndVersionAreNoErrors) {
     const Outcome help = suture({option});
     EXPECT_EQ(help.code, 0) << help;
     for (const char* command :
-         {"run", "live", "check", "explain", "modes", "sweep", "replay", "models", "check-model",
-          "new-model", "describe", "schema", "mesh"}) {
+         {"run", "live", "check", "explain", "modes", "sweep", "fit", "replay", "models",
+          "check-model", "new-model", "describe", "schema", "mesh"}) {
       EXPECT_TRUE(help.out.find(command) != std::string::npos) << command << help;
       const Outcome page = suture({command, "--help"});  // what all have in common is said once
       EXPECT_EQ(page.code, 0) << page;
@@ -129,11 +129,13 @@ TEST_F(Commands, WrongUsageNamesWhatWasMeant) {
       {{"modes", "s.json", "--at", "equilibrum"}, "did you mean 'equilibrium'"},
       {{"modes"}, "scene"},
       {{"sweep"}, "study"},
+      {{"fit"}, "study"},
       {{"compare", "a"}, "runs: At least 2 required"},
       {{"compare", "a", "b", "c", "d"}, "runs: At Most 3 required"},
       {{"plot"}, "what is required"},
       {{"plot", "a.obj", "b.obj"}, "a.obj: a mesh, a surface or a scene is drawn alone"},
       {{"sweep", "s.json", "--jobs", "0"}, "--jobs must be a whole number from 1 to 10000"},
+      {{"fit", "s.json", "--jobs", "0"}, "--jobs must be a whole number from 1 to 10000"},
       {{"mesh"}, "subcommand"},
       {{"mesh", "inof", "a.vtu"}, "did you mean 'info'"},
       {{"mesh", "generate", "box", "a.vtu", "--size", "1", "1", "--cells", "1", "1", "1"},

@@ -50,6 +50,7 @@ TEST_F(Hints, NameOptionsThatTheParserKnows) {
                                              {"explain"},
                                              {"modes"},
                                              {"sweep"},
+                                             {"fit"},
                                              {"compare"},
                                              {"plot"},
                                              {"replay"},

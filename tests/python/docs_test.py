@@ -9,7 +9,7 @@ import warnings
 from pathlib import Path
 
 DOCS = Path(__file__).parents[2] / "docs"
-FILES = ("python.md", "python-examples.md", "gradients.md")
+FILES = ("python.md", "python-examples.md", "gradients.md", "fit.md")
 
 
 def sections(file):

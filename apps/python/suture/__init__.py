@@ -27,6 +27,7 @@ from ._suture import (
 
 _later = {  # what needs more than the kernel is imported when it is first used
     "Adjoint": "_gradients",
+    "FitResult": "_fit_results",
     "GradientCheck": "_gradients",
     "Live": "_live",
     "Mesh": "_mesh",
@@ -38,9 +39,11 @@ _later = {  # what needs more than the kernel is imported when it is first used
     "Sensitivity": "_gradients",
     "Tool": "_tools",
     "check_gradient": "_gradients",
+    "fit": "_fit",
     "gradient": "_gradients",
     "grid": "_sweep",
     "latin_hypercube": "_sweep",
+    "read_fit_result": "_fit_results",
     "read_results": "_study_results",
     "sweep": "_sweep",
 }
@@ -63,6 +66,7 @@ __all__ = [
     "Change",
     "EmbeddedSurface",
     "Error",
+    "FitResult",
     "ForceTerm",
     "GradientCheck",
     "InputError",
@@ -83,9 +87,11 @@ __all__ = [
     "Surface",
     "Tool",
     "check_gradient",
+    "fit",
     "gradient",
     "grid",
     "latin_hypercube",
+    "read_fit_result",
     "read_results",
     "sweep",
 ]

@@ -390,6 +390,40 @@ def check_gradient(
     tolerance: float = 1e-9,
 ) -> GradientCheck: ...
 
+class FitResult:
+    values: dict[str, Any]
+    errors: dict[str, Any]
+    fields: dict[str, dict[str, NDArray[Any]]]
+    correlation: Floats | None
+    names: list[str]
+    notes: dict[str, str]
+    chi2: float
+    count: int
+    has_deviations: bool
+    outcome: str
+    reason: str
+    evaluations: int
+    history: list[float | None]
+    seconds: float
+    tests: list[dict[str, Any]]
+    def summary(self) -> list[str]: ...
+    def plot(self) -> Any: ...
+    def save(self, folder: str | os.PathLike[str]) -> None: ...
+
+def read_fit_result(folder: str | os.PathLike[str]) -> FitResult: ...
+def fit(
+    scene: str | os.PathLike[str] | Mapping[str, Any],
+    parameters: Mapping[str, Mapping[str, Any]],
+    data: Sequence[Mapping[str, Any]],
+    *,
+    set: Mapping[str, Any] | None = None,
+    loss: str = "linear",
+    stop: Mapping[str, float] | None = None,
+    folder: str | os.PathLike[str] | None = None,
+    jobs: int | None = None,
+    report: Callable[[int, float, Floats], Any] | None = None,
+) -> FitResult: ...
+
 class Results:
     rows: list[dict[str, Any]]
     file: os.PathLike[str]

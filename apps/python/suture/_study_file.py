@@ -36,7 +36,7 @@ def require_jobs(jobs):
         raise ValueError(f"jobs must be a whole number >= 1, is {name_of(jobs)}")
 
 
-class _Object:
+class Object:
     """An object of the file, with its path."""
 
     def __init__(self, value, path, keys):
@@ -61,7 +61,7 @@ class _Object:
         return self.take(key, None, is_good, expected)
 
 
-def _is_object(value):
+def is_object(value):
     return isinstance(value, dict)
 
 
@@ -73,9 +73,9 @@ def _is_pointers(value):
     return isinstance(value, list) and all(isinstance(p, str) and p[:1] == "/" for p in value)
 
 
-def _values(value, path, is_good=None, expected=None):
+def pointer_values(value, path, is_good=None, expected=None):
     """An object whose keys are JSON pointers."""
-    _Object(value, path, None)
+    Object(value, path, None)
     for pointer, entry in value.items():
         if not pointer.startswith("/"):
             raise ValueError(f"{path}: {pointer!r} must be a JSON pointer into the scene, such as "
@@ -85,13 +85,13 @@ def _values(value, path, is_good=None, expected=None):
     return value
 
 
-def _is_range(value):
+def is_range(value):
     return (isinstance(value, list) and len(value) == 2 and all(map(is_number, value)) and
             value[0] < value[1])
 
 
 def _grid(value, grid):
-    _values(value, "/grid", _is_list, "an array of values")
+    pointer_values(value, "/grid", _is_list, "an array of values")
     require_count(math.prod(len(values) for values in value.values()))
     return grid(value)
 
@@ -100,20 +100,20 @@ def _list(value):
     if not isinstance(value, list):
         raise ValueError(f"/list: must be an array of points, is {name_of(value)}")
     require_count(len(value))
-    return [_values(point, f"/list/{i}") for i, point in enumerate(value)]
+    return [pointer_values(point, f"/list/{i}") for i, point in enumerate(value)]
 
 
 def _hypercube(value, latin_hypercube):
-    cube = _Object(value, "/latin_hypercube", ("ranges", "runs", "seed", "log"))
-    ranges = cube.require("ranges", _is_object, "an object {pointer: [low, high]}")
-    _values(ranges, "/latin_hypercube/ranges", _is_range, "two numbers [low, high], low < high")
+    cube = Object(value, "/latin_hypercube", ("ranges", "runs", "seed", "log"))
+    ranges = cube.require("ranges", is_object, "an object {pointer: [low, high]}")
+    pointer_values(ranges, "/latin_hypercube/ranges", is_range, "two numbers [low, high], low < high")
     expected = f"a whole number from 1 to {MOST_RUNS:,}"
     return latin_hypercube(ranges, cube.require("runs", lambda n: is_whole(n, 1, MOST_RUNS), expected),
                            cube.take("seed", 0, lambda n: is_whole(n, 0), "a whole number >= 0"),
                            cube.take("log", [], _is_pointers, "an array of JSON pointers"))
 
 
-def _folder(file, name):
+def results_folder(file, name):
     """The folder of the results. A study may come from a stranger: it writes beside itself only."""
     home = file.parent.resolve()
     folder = (home / name).resolve()
@@ -135,7 +135,7 @@ def _once(pairs):
     return values
 
 
-def _parse(file):
+def parse(file):
     try:
         return json.loads(file.read_bytes(), parse_constant=_no_constant, object_pairs_hook=_once)
     except RecursionError:
@@ -143,7 +143,7 @@ def _parse(file):
 
 
 def _read(file, grid, latin_hypercube):
-    study = _Object(_parse(file), "", KEYS)
+    study = Object(parse(file), "", KEYS)
     scene = study.require("scene", lambda s: isinstance(s, (str, dict)),
                           "the path of a scene, relative to the study, or a scene")
     given = [key for key in KINDS if key in study.value]
@@ -160,8 +160,8 @@ def _read(file, grid, latin_hypercube):
     name = study.take("folder", file.stem, lambda f: isinstance(f, str), "the name of a folder")
     return {"scene": file.parent / scene if isinstance(scene, str) else scene,
             "parameters": points,
-            "set": _values(study.take("set", {}, _is_object, "an object {pointer: value}"), "/set"),
-            "folder": _folder(file, name),
+            "set": pointer_values(study.take("set", {}, is_object, "an object {pointer: value}"), "/set"),
+            "folder": results_folder(file, name),
             "output": study.take("output", True, lambda o: isinstance(o, bool), "true or false"),
             "jobs": study.take("jobs", None, lambda n: is_whole(n, 1), "a whole number >= 1")}
 

@@ -86,7 +86,7 @@ def _points(parameters):
 # -------------------------------------------------------------------- one run --
 
 
-def _write(file, text):
+def write_whole(file, text):
     """The file appears complete or not at all."""
     part = file.with_name(f".{file.name}.{os.getpid()}")
     part.unlink(missing_ok=True)
@@ -198,7 +198,7 @@ class _Study:
                               again=True)
         result["seconds"] = round(time.monotonic() - start, 3)
         result["warnings"] = [str(warning.message) for warning in caught]
-        _write(folder / "result.json", to_json(result, indent=1))
+        write_whole(folder / "result.json", to_json(result, indent=1))
 
     def _simulate(self, number, folder, result):
         from . import Simulation
@@ -262,7 +262,7 @@ def _write_table(file, names, rows):
     table = csv.DictWriter(text, names, lineterminator="\n")
     table.writeheader()
     table.writerows(rows)
-    _write(file, text.getvalue())
+    write_whole(file, text.getvalue())
 
 
 def _write_tables(results):
@@ -378,7 +378,7 @@ def _write_job(options, count, file):
     path = os.environ.get("PYTHONPATH")
     if path:
         command = f"env PYTHONPATH={path} {command}"
-    _write(Path(file), _job.format(name=Path(options.study).stem, last=count - 1, script=file,
+    write_whole(Path(file), _job.format(name=Path(options.study).stem, last=count - 1, script=file,
                                    study=options.study, command=command))
 
 

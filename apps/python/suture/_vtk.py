@@ -46,3 +46,15 @@ def unstructured_grid(points, hexahedra, point_fields, cell_fields):
     _add(support, grid.GetPointData(), point_fields)
     _add(support, grid.GetCellData(), cell_fields)
     return grid
+
+
+def write_grid(file, points, hexahedra, cell_fields):
+    """Writes a .vtu file, which ParaView opens and a scene takes as its mesh."""
+    grid = unstructured_grid(points, hexahedra, {}, cell_fields)
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+
+    writer = vtkXMLUnstructuredGridWriter()
+    writer.SetFileName(str(file))
+    writer.SetInputData(grid)
+    if not writer.Write():
+        raise OSError(f"{file}: cannot be written")

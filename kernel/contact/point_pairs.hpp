@@ -63,10 +63,11 @@ class PointPairs {
   // In edges: how deep a point may be behind a triangle; how far things move before pairs are
   // sought again; how far in front of a triangle and beside it a point may yet be pushed; rounding
   // at rest.
-  static constexpr double max_depth = 0.3, skin = 0.5, margin = 0.1, beside = 0.05, level = 1e-4;
+  static constexpr double max_depth = 0.1, skin = 0.5, margin = 0.1, beside = 0.05, level = 1e-4;
   static constexpr double same_side = 0.2;  ///< cosine of an angle at which surfaces look alike
-  /// Of a depth that was there before the step, and at most, in edges.
-  static constexpr double recovered = 0.2, max_recovery = 0.02;
+  /// Of a depth that was there before the step, and at most, in edges: edges slide past each other,
+  /// and the points behind them are found deep at once.
+  static constexpr double recovered = 0.2, max_recovery = 0.002;
   /// Squared, of a normal along which hardly anything can move.
   static constexpr double least_free = 1e-3;
   struct Near {

@@ -80,7 +80,7 @@ void Session::close_live() {
 }
 
 void Session::record(std::uint64_t step, std::string value) {
-  done_.push_back({step, "script", std::move(value)});
+  done_.push_back({step, simulation().time(), "script", std::move(value)});
   if (!live_) return;
   live_->record(done_.back());
   live_->show_last();

@@ -10,6 +10,7 @@
 #include "apps/python/contact.hpp"
 #include "apps/python/errors.hpp"
 #include "apps/python/given_mesh.hpp"
+#include "apps/python/gradients.hpp"
 #include "apps/python/parameters.hpp"
 #include "apps/python/python_term.hpp"
 #include "apps/python/results.hpp"
@@ -28,7 +29,8 @@ py::tuple result_of(Session& session, const EventOutcome& outcome) {
   for (std::size_t i = 0; i < outcome.removed.size(); ++i)
     removed.mutable_data()[i] = static_cast<std::int64_t>(built.element_name(outcome.removed[i]));
   return py::make_tuple(outcome.faces_cut, outcome.faces_torn, outcome.faces_sewn,
-                        outcome.elements_removed, named(built, outcome.faces), removed);
+                        outcome.elements_removed, named(built, outcome.faces), removed,
+                        outcome.elements_cut);
 }
 
 py::dict energies(Session& session) {
@@ -349,6 +351,7 @@ void bind_changes(Class& session) {
       .def("_parameters",
            [](Session& s, std::size_t model) { return parameters(instance_at(s, model)); })
       .def("_set_parameters", &Session::set_parameters)
+      .def("_set_field", &Session::set_field)
       .def_property(
           "gravity", [](Session& s) { return py::cast(s.simulation().built().gravity().value()); },
           [](Session& s, const py::object& value) { s.set_gravity(vector_of(value, "gravity")); },
@@ -389,8 +392,10 @@ void bind_operations(Class& session) {
                         const std::string& name) { return result_of(s, s.apply(text, name)); })
       .def("_cut_surface",
            [](Session& s, const py::array_t<double, py::array::c_style>& points,
-              const py::array_t<std::int64_t, py::array::c_style>& triangles,
-              bool rest) { return result_of(s, s.cut(surface_of(points, triangles), rest)); })
+              const py::array_t<std::int64_t, py::array::c_style>& triangles, bool rest,
+              bool along_blade) {
+             return result_of(s, s.cut(surface_of(points, triangles), rest, along_blade));
+           })
       .def("_every",
            [](Session& s, std::uint64_t n, py::function f) { s.callbacks().add_every(n, f); })
       .def("_at", [](Session& s, double t, py::function f) { s.callbacks().add_at(t, f); })
@@ -415,6 +420,7 @@ void bind_session(py::module_& module) {
   bind_results(session);
   bind_changes(session);
   bind_operations(session);
+  bind_gradients(session);
 }
 
 }  // namespace

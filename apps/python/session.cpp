@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "apps/python/python_term.hpp"
+#include "kernel/attributes/varied_parameter.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/message_text.hpp"
 #include "kernel/live/json_text.hpp"
@@ -235,11 +236,12 @@ EventOutcome Session::apply(const std::string& text, const std::string& name) {
   return outcome;
 }
 
-EventOutcome Session::cut(TriangleSurface surface, bool rest_shape) {
+EventOutcome Session::cut(TriangleSurface surface, bool rest_shape, bool along_blade) {
   Event event;
   event.path = "event";
   event.rest_shape = rest_shape;
-  event.what = CutSurface{{}, 1, {}, std::make_shared<const TriangleSurface>(std::move(surface))};
+  event.what = CutSurface{
+      {}, 1, {}, std::make_shared<const TriangleSurface>(std::move(surface)), along_blade};
   EventOutcome outcome = apply(event);
   forgo_recording("a surface of arrays has cut");
   return outcome;
@@ -303,6 +305,22 @@ void Session::set_parameters(std::size_t model, const std::string& text) {
   warn_of_new();
 }
 
+void Session::set_field(std::size_t model, const std::string& parameter, const py::array& values) {
+  Simulation& now = between_steps();
+  require_alive();
+  Instance& instance = *now.attributes().instances()[model];
+  const std::size_t place = VariedParameter::number_of(instance, parameter);
+  if (instance.parameter_column(place) == nullptr)
+    throw InputError(instance.title() + ": parameter '" + parameter +
+                     "' is the same in all elements; give it one value");
+  const py::array_t<double, py::array::c_style | py::array::forcecast> numbers(values);
+  run_.views->hand_over();
+  now.set_field(instance, place, {numbers.data(), numbers.data() + numbers.size()});
+  observer_.messages.push_back(
+      timed(now.time(), "model '" + instance.name() + "' has other " + parameter + " by element"));
+  warn_of_new();
+}
+
 void Session::set_gravity(const Vec3& value) {
   Simulation& now = between_steps();
   require_alive();
@@ -312,6 +330,10 @@ void Session::set_gravity(const Vec3& value) {
   observer_.on_message(timed(now.time(), text.str()));
   record(now.step(), json_text(Json{{"gravity", value}}));
   warn_of_new();
+}
+
+void Session::equilibrate() {
+  advance([&] { run_.simulation->equilibrate(observer_); });
 }
 
 ProbeTable& Session::probes() {

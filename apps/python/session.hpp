@@ -70,7 +70,7 @@ class Session {
 
   /// Applies the event of a JSON text, whose name in messages is `name`.
   EventOutcome apply(const std::string& text, const std::string& name);
-  EventOutcome cut(TriangleSurface surface, bool rest_shape);
+  EventOutcome cut(TriangleSurface surface, bool rest_shape, bool along_blade);
   void set_position(const py::array& values);
   void set_velocity(const py::array& values);
   /// Simulation::steer().
@@ -79,7 +79,11 @@ class Session {
   void move_grasp(const std::string& name, const Vec3& translation, double at);
   /// Simulation::set_parameters(), of a model by its number; `text` is JSON: {"E": 2e4}.
   void set_parameters(std::size_t model, const std::string& text);
+  /// Simulation::set_field(), of a model by its number.
+  void set_field(std::size_t model, const std::string& parameter, const py::array& values);
   void set_gravity(const Vec3& value);
+  /// Simulation::equilibrate().
+  void equilibrate();
   std::shared_ptr<SessionState> copy();
   /// Builds the run again and loads the state. If that fails, nothing has changed.
   void restore(const SessionState& state);

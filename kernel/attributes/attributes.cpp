@@ -135,22 +135,40 @@ void Attributes::sum(Instance& instance, std::uint32_t number, const CellComplex
   if (own && instance.skips()) column.compress(of_shape ? volume_tolerance : 0);
 }
 
-/// From now on no contribution of the instance is taken to be the same for all elements: which one
-/// would stand for all depends on the elements that there are.
 void Attributes::set_parameters(Instance& instance, std::vector<double> parameters,
                                 const CellComplex& complex, Diagnostics& diagnostics) {
   instance.set_parameters(std::move(parameters), diagnostics);
+  have_changed(instance, complex, diagnostics);
+}
+
+void Attributes::set_field(Instance& instance, std::size_t parameter,
+                           std::span<const double> values, const CellComplex& complex,
+                           Diagnostics& diagnostics) {
+  instance.set_field(parameter, values, diagnostics);
+  have_changed(instance, complex, diagnostics);
+}
+
+/// From now on no contribution of the instance is taken to be the same for all elements: which one
+/// would stand for all depends on the elements that there are.
+void Attributes::have_changed(Instance& instance, const CellComplex& complex,
+                              Diagnostics& diagnostics) {
+  for_each_sum(instance, [&](std::uint32_t, const suture_attribute& attribute) {
+    sums_.keep_uniform(instance, attribute, {});
+  });
+  sum_again(instance, complex);
+  inspect(instance, rest_places(complex), *mass_, user_element, diagnostics);
+}
+
+void Attributes::sum_again(Instance& instance, const CellComplex& complex) {
   RestBatch rest(rest_places(complex), user_element);
   mass_->fill(0);
   for (const auto& other : instances_)
     for_each_sum(*other, [&](std::uint32_t a, const suture_attribute& attribute) {
       if (other.get() == &instance)
-        sums_.keep_uniform(instance, attribute, {});
-      else if (other->column(a) != nullptr)
-        return;
-      sum(*other, a, complex, rest, sums_.uniform(*other, attribute));
+        sum(instance, a, complex, rest, {});
+      else if (other->column(a) == nullptr)
+        sum(*other, a, complex, rest, sums_.uniform(*other, attribute));
     });
-  inspect(instance, rest_places(complex), *mass_, user_element, diagnostics);
 }
 
 void Attributes::apply(const CellComplex& complex, const TopologyChange& change) {

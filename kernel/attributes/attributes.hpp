@@ -52,6 +52,12 @@ class Attributes {
   /// the instance and into mass() are no longer valid.
   void set_parameters(Instance& instance, std::vector<double> parameters,
                       const CellComplex& complex, Diagnostics& diagnostics);
+  /// The same with Instance::set_field().
+  void set_field(Instance& instance, std::size_t parameter, std::span<const double> values,
+                 const CellComplex& complex, Diagnostics& diagnostics);
+  /// Sums again what is computed from the parameters of an instance: its columns, and all masses.
+  /// O(elements).
+  void sum_again(Instance& instance, const CellComplex& complex);
   /// Saves the parameters of all instances, or sets those that are loaded: into a body as it was
   /// built, before its cells are loaded.
   void parameters(Archive& archive, const CellComplex& complex);
@@ -106,16 +112,16 @@ class Attributes {
   /// now on. To be called before add(). Throws InputError for an element that is not a
   /// parallelepiped at rest.
   void let_parts_grow(const CellComplex& complex);
-  /// The parts of copies of elements, which apply() is about to add.
-  void add_parts(std::span<const Index> elements, std::span<const PartMoments> moments) {
-    parts_.append(elements, moments);
-  }
+  /// Call around an operation that copies elements, with the parts of the copies.
+  void begin_copies(const Parts& copies) { parts_.begin_copies(copies); }
+  void end_copies() { parts_.end_copies(); }
 
   /// The numbers of elements as users see them, for messages and suture_batch.cell_ids; set
   /// before initialise() and owned by the caller. Empty: the numbers of the complex.
   std::span<const Index> user_element;
 
  private:
+  void have_changed(Instance& instance, const CellComplex& complex, Diagnostics& diagnostics);
   void sum(Instance& instance, std::uint32_t number, const CellComplex& complex, RestBatch& rest,
            std::span<const double> uniform);
   void add_copies(const CellComplex& complex, std::span<const Split> copies);

@@ -85,21 +85,52 @@ void state_of(Archive& archive, Instance& instance, const ElementParts& parts, b
   if (archive.loads() && instance.has_copies()) instance.read_parts(parts);
 }
 
+/// The same parameters differ from element to element as in the scene, besides those of `fields`.
+void require_openness(const Archive& archive, const Instance& instance,
+                      std::span<const double> values, std::span<const std::uint32_t> fields) {
+  const std::span built = instance.parameters();
+  archive.require(values.size() == built.size(), "the number of parameters differs");
+  for (std::size_t i = 0; i < built.size(); ++i) {
+    const bool is_field = std::ranges::find(fields, i) != fields.end();
+    archive.require(is_field || std::isnan(values[i]) == std::isnan(built[i]),
+                    "other parameters differ between elements");
+  }
+  for (const std::uint32_t field : fields)
+    archive.require(field < built.size() && instance.parameter_column(field) != nullptr,
+                    "a parameter is the same in all elements here");
+}
+
+/// Of the elements that were built; copies of elements have theirs in their columns.
+std::vector<double> built_values(const Instance& instance, std::size_t parameter) {
+  const Column& column = *instance.parameter_column(parameter);
+  std::vector<double> values;
+  for (Index row = 0; row < instance.built_rows(); ++row) values.push_back(column.get(row, 0));
+  return values;
+}
+
 }  // namespace
 
 void Attributes::parameters(Archive& archive, const CellComplex& complex) {
-  const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value); };
-  const auto is_open = [](double value) { return std::isnan(value); };
   std::span instances = instances_;
   archive.each("parameters", instances, [&](Archive& a, std::unique_ptr<Instance>& instance) {
     const std::span built = instance->parameters();
     std::vector<double> values(built.begin(), built.end());
     a("values", values);
-    a.require(std::ranges::equal(values, built, {}, is_open, is_open),
-              "other parameters differ between elements");
-    if (std::ranges::equal(values, built, {}, bits, bits)) return;
+    std::vector<std::uint32_t> fields = instance->changed_fields();
+    a("fields", fields);
+    require_openness(a, *instance, values, fields);
     Diagnostics known;  // what models report was reported when they were changed
-    set_parameters(*instance, std::move(values), complex, known);
+    const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value); };
+    const auto open = std::numeric_limits<double>::quiet_NaN();
+    for (const std::uint32_t field : fields) values[field] = open;
+    if (a.loads() && !std::ranges::equal(values, built, {}, bits, bits))
+      set_parameters(*instance, std::move(values), complex, known);
+    for (const std::uint32_t field : fields) {
+      std::vector<double> rows = built_values(*instance, field);
+      a(instance->model().parameters[field].name, rows);
+      a.require(rows.size() == instance->built_rows(), "a parameter has other elements");
+      if (a.loads()) set_field(*instance, field, rows, complex, known);
+    }
   });
 }
 

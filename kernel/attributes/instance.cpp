@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <string_view>
 #include <utility>
@@ -337,6 +338,14 @@ double Instance::part_moment(Index row, std::size_t component) const {
                       row % SUTURE_LANES];
 }
 
+Column* Instance::parameter_column(std::size_t parameter) const {
+  const std::string_view name = model_.parameters[parameter].name;
+  for (std::uint32_t i = 0; i < model_.attribute_count; ++i)
+    if ((model_.attributes[i].flags & SUTURE_PARAMETER) != 0 && model_.attributes[i].name == name)
+      return columns_[i];
+  return nullptr;
+}
+
 /// The columns of parameters that do not differ from element to element.
 void Instance::fill_parameter_columns() {
   parameter_columns_.clear();
@@ -373,6 +382,24 @@ void Instance::set_parameters(std::vector<double> parameters, Diagnostics& diagn
     throw;
   }
   fill_parameter_columns();
+}
+
+void Instance::set_field(std::size_t parameter, std::span<const double> values,
+                         Diagnostics& diagnostics) {
+  Column& column = *parameter_column(parameter);
+  std::vector<double> parameters = parameters_;
+  parameters[parameter] = std::numeric_limits<double>::quiet_NaN();
+  set_parameters(std::move(parameters), diagnostics);
+  for (Index row = 0; row < values.size(); ++row) column.set(row, 0, values[row]);
+  const auto number = static_cast<std::uint32_t>(parameter);
+  const auto place = std::ranges::lower_bound(changed_fields_, number);
+  if (place == changed_fields_.end() || *place != number) changed_fields_.insert(place, number);
+}
+
+std::vector<std::uint32_t> Instance::changed_fields() const {
+  std::vector<std::uint32_t> fields = changed_fields_;
+  std::erase_if(fields, [&](std::uint32_t field) { return !std::isnan(parameters_[field]); });
+  return fields;
 }
 
 /// Uniform parameters fill their columns, then comes what the scene gives.

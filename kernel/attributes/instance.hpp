@@ -55,6 +55,13 @@ class Instance {
   /// columns of uniform parameters. Throws InputError if the model refuses them, or if it enabled
   /// other functors or inputs than those that are built; nothing has changed then.
   void set_parameters(std::vector<double> parameters, Diagnostics& diagnostics);
+  /// The same with one parameter that may differ from element to element: its values, by row of
+  /// table(3).
+  void set_field(std::size_t parameter, std::span<const double> values, Diagnostics& diagnostics);
+  /// The parameters that set_field() has set and that still differ between elements, ascending.
+  std::vector<std::uint32_t> changed_fields() const;
+  /// Rows of table(3) after build(); those of copies of elements follow.
+  Index built_rows() const { return built_rows_; }
   /// "model 'tissue' (mss-baudet)", the beginning of messages.
   std::string title() const;
   /// Describes a call of a function of the model.
@@ -92,6 +99,10 @@ class Instance {
   /// The columns of parameters that may differ from element to element (SUTURE_PARAMETER), in the
   /// order of the model's attributes.
   std::span<const Column* const> parameter_columns() const { return parameter_columns_; }
+
+  /// That of a parameter by its place in model().parameters; nullptr if it is the same in all
+  /// elements.
+  Column* parameter_column(std::size_t parameter) const;
 
   /// The columns that were given cell by cell.
   std::span<const Column* const> columns_given_by_cell() const { return by_cell_; }
@@ -161,6 +172,7 @@ class Instance {
   std::vector<double> parameters_;
   std::vector<GivenColumn> given_;  ///< until build()
   std::vector<const Column*> parameter_columns_, by_cell_;
+  std::vector<std::uint32_t> changed_fields_;
   std::array<Table, 4> tables_;
   std::vector<Column*> columns_;
   AlignedVector<double> part_blocks_;                 ///< from the block of part_begin on

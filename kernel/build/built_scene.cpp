@@ -246,13 +246,14 @@ void BuiltScene::add_terms() {
   Attributes& attributes = body_.attributes();
   const CellComplex& complex = body_.complex();
   gravity_ = &body_.add(std::make_unique<Gravity>(attributes, scene_.gravity, scene_.gravity_ramp));
+  const bool has_parts = !parts().empty() || attributes.parts().may_grow();
   const auto faces = [&](const Load& load) { return selector_.boundary_faces(load.where); };
   const auto triangles = [&](const Load& load) { return selector_.surface_triangles(load.where); };
   auto& dead = body_.add(std::make_unique<DeadLoads>(attributes));
   for (const Load& load : scene_.loads) {
     if (load.kind == Load::Kind::force)
       dead.add_force(complex, selector_.vertices(load.where), load.value, load.ramp);
-    else if (load.kind == Load::Kind::traction && parts().empty())
+    else if (load.kind == Load::Kind::traction && !has_parts)
       dead.add_traction(complex, faces(load), load.value, load.ramp);
     else if (load.kind == Load::Kind::traction)
       dead.add_surface_traction(complex, triangles(load), load.value, load.ramp);
@@ -263,17 +264,21 @@ void BuiltScene::add_terms() {
       if (load.kind == Load::Kind::pressure)
         added.add(complex, where(load), load.pressure, load.ramp);
   };
-  if (parts().empty())
-    add_pressures(std::make_unique<Pressures>(attributes), faces);
-  else
+  if (has_parts)
     add_pressures(std::make_unique<SurfacePressures>(attributes), triangles);
+  else
+    add_pressures(std::make_unique<Pressures>(attributes), faces);
 }
 
 void BuiltScene::add_contact(Diagnostics& diagnostics) {
+  if (!scene_.contact.is_wanted()) return;
+  for (const Event& event : scene_.events)  // their obstacles would push what they cut
+    if (const auto* cut = std::get_if<CutBlade>(&event.what);
+        cut && cut->carried && cut->along_blade)
+      scene_.contact.obstacles[cut->carried->obstacle].pushes = false;
   const ContactOptions& options = scene_.contact;
-  if (!options.is_wanted()) return;
   SurfacePoints::Source embedded;  // not embedding(), which is not made again when a run resumes
-  if (!parts().empty())
+  if (!parts().empty() || body_.attributes().parts().may_grow())
     embedded = [this, made = Embedding()]() mutable -> const Embedding& {
       return made = Embedding(parts(), body_.complex());
     };

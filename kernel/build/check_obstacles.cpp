@@ -57,6 +57,7 @@ void warn_of_far_obstacle(const Obstacle& obstacle, const Contact& contact, cons
 /// Only nodes touch obstacles: what is narrower than a face can lie between them.
 void warn_of_narrow_obstacle(const Obstacle& obstacle, const Contact& contact,
                              Diagnostics& diagnostics) {
+  if (!obstacle.pushes) return;
   const double found = width(obstacle.shape) + 2 * contact.thickness();
   if (!(found < contact.mean_edge())) return;
   std::ostringstream text;

@@ -21,9 +21,7 @@ class PartsCheck {
   /// `by_blade`: cuts make parts.
   explicit PartsCheck(bool by_blade) : by_blade_(by_blade) {}
   void check(const Scene& scene) {
-    if (by_blade_ && scene.contact.is_wanted())
-      refuse("/contact", "remove it,");
-    else if (scene.contact.pieces)
+    if (scene.contact.pieces)
       refuse(scene.contact.self ? "/contact/self" : "/contact/pieces", "remove it,");
     for (const Obstacle& obstacle : scene.contact.obstacles)
       if (obstacle.coupling)
@@ -31,23 +29,11 @@ class PartsCheck {
             std::string("needs nodes that move independently of each other, and points of this "
                         "surface share theirs; remove it, so that the tool moves along its path,") +
                 or_whole_cubes);
-    if (by_blade_) check_loads(scene);
     for (const Event& event : scene.events) check(event);
     if (scene.output.cuts)
       add("/output/cuts",
           "shows whole faces of elements, and those of this body reach out of it; give "
           "\"surface\": true, whose field \"cut\" marks the faces that were cut");
-  }
-  /// Faces of elements that a blade divides have no successors.
-  void check_loads(const Scene& scene) {
-    for (std::size_t i = 0; i < scene.loads.size(); ++i) {
-      const Load::Kind kind = scene.loads[i].kind;
-      if (kind == Load::Kind::force) continue;
-      add("/loads/" + std::to_string(i) +
-              (kind == Load::Kind::traction ? "/traction" : "/pressure"),
-          "does not follow the parts that cuts with \"along\": \"blade\" make; give a \"force\" on "
-          "its nodes, or cut along \"faces\"");
-    }
   }
   void check(const Event& event) {
     if (std::holds_alternative<SewFaces>(event.what)) refuse(event.path + "/suture", "remove it,");

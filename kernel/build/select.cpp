@@ -333,6 +333,7 @@ std::vector<char> Selector::point_mask(const Selection& selection,
 }
 
 std::vector<SurfaceTriangle> Selector::surface_triangles(const Selection& selection) const {
+  if (parts_.empty()) return triangles_of_faces(boundary_faces(selection));
   const Embedding embedding(parts_, imported_.complex);
   const std::vector<char> mask = point_mask(selection, embedding.points);
   std::vector<SurfaceTriangle> result;

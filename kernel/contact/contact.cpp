@@ -155,7 +155,8 @@ void Contact::find_near_obstacles(const ContactStep& step) {
     const double way = has_solids_ ? step.dt * fastest(velocity, vertices) : 0;
     near_placed_.clear();
     for (Index i = 0; i < placed_.size(); ++i)
-      if (placed_[i].may_touch(middle,
+      if (obstacles_[i].pushes &&
+          placed_[i].may_touch(middle,
                                radius + std::max(reach, margin + placed_[i].longest_way(way))))
         near_placed_.push_back(i);
     if (near_placed_.empty()) continue;

@@ -294,7 +294,7 @@ void CuttingEdges::finish() {
 
 void CuttingEdges::follow(const TopologyChange& change) {
   if (change.faces_sewn == 0 && change.removed[3].empty()) return;
-  finder_.forget();
+  finder_.follow(change);
   entered_.clear();  // with other sides
 }
 

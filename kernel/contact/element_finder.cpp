@@ -81,8 +81,29 @@ void ElementFinder::update(const Box& box, double dt, double margin) {
     searched_.high[c] += margin;
   }
   near_.clear();
-  for (Index e = 0; e < complex_.element_count(); ++e)
-    if (complex_.exists(3, e) && overlap(searched_, box_of(e))) near_.push_back(e);
+  for (Index e = 0; e < complex_.element_count(); ++e) {
+    if (!complex_.exists(3, e)) continue;
+    if (const Box around = box_of(e); overlap(searched_, around)) near_.push_back({e, around});
+  }
+}
+
+/// Vertices that are sewn together jump; copies are new.
+void ElementFinder::follow(const TopologyChange& change) {
+  if (change.elements.size() > near_.size()) return forget();
+  for (const Index e : change.elements) {
+    const Box around = box_of(e);
+    const auto place = std::ranges::lower_bound(near_, e, {}, &Near::element);
+    if (place != near_.end() && place->element == e)
+      place->box = around;
+    else if (overlap(searched_, around))
+      near_.insert(place, {e, around});
+  }
+}
+
+bool ElementFinder::Near::may_contain(const Vec3& place, double moved) const {
+  for (std::size_t c = 0; c < 3; ++c)
+    if (place[c] < box.low[c] - moved || place[c] > box.high[c] + moved) return false;
+  return true;
 }
 
 std::optional<Vec3> ElementFinder::locate(Index element, const Vec3& place) const {

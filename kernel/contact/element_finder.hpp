@@ -22,6 +22,8 @@ class ElementFinder {
   void update(const Box& box, double dt, double margin);
   /// Positions have jumped.
   void forget() { is_current_ = false; }
+  /// Call after operations. O(elements that have changed).
+  void follow(const TopologyChange& change);
 
   /// Where in the reference cube [-1, 1]^3 the element has the place, also outside; none where
   /// Newton's method for x(at) = place does not converge, far away from the element.
@@ -32,11 +34,18 @@ class ElementFinder {
   /// visit(element, at) for the elements that contain the place, ascending.
   template <class Visit>
   void for_each_around(const Vec3& place, Visit visit) const {
-    for (const Index e : near_)
-      if (const auto at = inside(e, place)) visit(e, *at);
+    for (const Near& near : near_)
+      if (near.may_contain(place, moved_))
+        if (const auto at = inside(near.element, place)) visit(near.element, *at);
   }
 
  private:
+  /// An element and its box when elements were collected.
+  struct Near {
+    Index element;
+    Box box;
+    bool may_contain(const Vec3& place, double moved) const;
+  };
   Box box_of(Index element) const;
 
   const CellComplex& complex_;
@@ -44,7 +53,7 @@ class ElementFinder {
   bool is_current_ = false;
   Box searched_ = no_box;  ///< in which the elements were collected
   double moved_ = 0;       ///< the tissue since then, at most, m
-  std::vector<Index> near_;
+  std::vector<Near> near_;
 };
 
 }  // namespace suture

@@ -107,6 +107,7 @@ void MultiplierForces::for_each_push_of_obstacles(double time, Visit visit) {
   const double touching = tolerance * contact_.mean_edge();
   for (std::size_t i = 0; i < contact_.obstacles().size(); ++i) {
     const Obstacle& obstacle = contact_.obstacles()[i];
+    if (!obstacle.pushes) continue;
     const PlacedObstacle placed(obstacle, contact_.thickness(), start_.empty() ? time : start_time_,
                                 time);
     of_obstacles_[i].resize(contact_.point_count());
@@ -446,6 +447,23 @@ bool MultiplierForces::update(double time) {
   of_obstacles_ = of_obstacles;
   pairs_ = pairs;
   return false;
+}
+
+bool MultiplierForces::hold(double time) {
+  support_ = 0;
+  bool is_whole = true;
+  for_each_push(time, [&](const Push& push) {
+    if (push.pressure > 0)
+      is_whole &= push.obstacle != Contact::between_pieces && push.coefficient == 0;
+  });
+  return is_whole;
+}
+
+void MultiplierForces::add_gap_tangent(const double* d, double time, double* out) {
+  for_each_push(time, [&](const Push& push) {
+    if (push.pressure > 0)
+      push.add(scaled(-push.stiffness * dot(push.normal, push.sum(d, 3)), push.normal), out, 3);
+  });
 }
 
 void MultiplierForces::accept() {

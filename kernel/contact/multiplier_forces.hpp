@@ -108,6 +108,9 @@ class MultiplierForces final : public ContactTerm,
     return regimes_.alternation(contact_.obstacles());
   }
   bool update(double time) override;
+  /// False with friction, and between pieces: the faces that touch turn with the body.
+  bool hold(double time) override;
+  void add_gap_tangent(const double* d, double time, double* out) override;
   void accept() override;
   void follow(const CellComplex& complex, const TopologyChange& change) override;
   void state(Archive& archive) override;

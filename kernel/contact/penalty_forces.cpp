@@ -17,6 +17,7 @@ void PenaltyForces::for_each_push(double time, Visit visit) {
   find_stiffness(time);
   const double* x = attributes_.position().rows();
   for (std::size_t i = 0; i < contact_.obstacles().size(); ++i) {
+    if (!contact_.obstacles()[i].pushes) continue;
     const PlacedObstacle placed(contact_.obstacles()[i], contact_.thickness(),
                                 last_.empty() ? time : last_time_, time);
     contact_.for_each_point([&](const ContactPoint& point) {

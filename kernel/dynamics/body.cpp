@@ -175,7 +175,7 @@ TopologyChange Body::pierce(const std::vector<Index>& elements) {
   return change({vertices, false}, [&] { return complex().pierce(elements); });
 }
 
-TopologyChange Body::clone_volume(const Cloning& cloning, std::span<const PartMoments> parts) {
+TopologyChange Body::clone_volume(const Cloning& cloning, const Parts& parts) {
   std::vector<Index> vertices;
   const auto add = [&](Index element) {
     const Hexahedron& nodes = complex().vertices_of(element);
@@ -184,13 +184,13 @@ TopologyChange Body::clone_volume(const Cloning& cloning, std::span<const PartMo
   for (const Index e : cloning.origins) add(e);
   for (const Dart d : cloning.cut) add(element_of(d));
   vertices = sorted_once(std::move(vertices));
-  return change({vertices, false}, [&] {
+  TopologyChange done = change({vertices, false}, [&] {
     TopologyChange change = complex().clone_volume(cloning);
-    std::vector<Index> copies;
-    for (const Split& copy : change.copies) copies.push_back(copy.new_cell);
-    attributes_.add_parts(copies, parts);
+    attributes_.begin_copies(parts);
     return change;
   });
+  attributes_.end_copies();
+  return done;
 }
 
 /// Vertices that meet take the mean of their velocities; nothing is owed to each of them.

@@ -120,9 +120,9 @@ class Body {
   /// Velocities are averaged by mass, so momentum is conserved. Joined vertices jump to their
   /// common centre of mass: bring them close together first.
   TopologyChange sew(const std::vector<Seam>& seams);
-  /// Replaces elements by copies, of each of which the given part is material. The energy that
+  /// Replaces elements by copies, whose material is given in their numbers. The energy that
   /// this adds is work of the operation; momentum, mass and kinetic energy do not change.
-  TopologyChange clone_volume(const Cloning& cloning, std::span<const PartMoments> parts);
+  TopologyChange clone_volume(const Cloning& cloning, const Parts& parts);
   /// The connected pieces, kept up to date through all operations after the first call.
   const Islands& islands();
 

@@ -124,6 +124,9 @@ class Constraints {
   /// The largest angle by which a motion turns its vertices between two times, rad.
   double largest_turn(double from, double to) const;
 
+  /// Whether all that is held moves with its rest positions: x = X + translation at `time`.
+  bool follow_rest(double time) const;
+
   bool empty() const { return groups_.empty(); }
   bool has_driven() const { return !driven_.empty(); }  ///< a vertex has a prescribed motion
   Index vertex_count() const;                           ///< constrained, counted once per group

@@ -89,4 +89,10 @@ std::vector<std::string> Constraints::names() const {
   return names;
 }
 
+bool Constraints::follow_rest(double time) const {
+  return std::ranges::all_of(groups_, [&](const Group& group) {
+    return !group.is_grasp && group.motion.turn == no_rotation && group.motion.at(time).angle == 0;
+  });
+}
+
 }  // namespace suture

@@ -173,13 +173,22 @@ void DeadLoads::add_surface_traction(const CellComplex& complex,
   const RestPlaces rest = attributes_.rest_places(complex);
   Load load;
   load.ramp = ramp;
+  load.traction = traction;
+  add_corners(load, triangles, rest);
+  sum_corners(load, rest);
+  loads_.push_back(std::move(load));
+}
+
+void DeadLoads::add_corners(Load& load, std::span<const SurfaceTriangle> triangles,
+                            const RestPlaces& rest) const {
   for (const SurfaceTriangle& triangle : triangles) {
     const auto areas = node_areas(rest, triangle);
     for (std::uint32_t a = 0; a < 8; ++a)
-      load.corners.push_back({triangle.element, a, scaled(areas[a], traction)});
+      if (areas[a] != 0)
+        load.corners.push_back({triangle.element, a, scaled(areas[a], load.traction)});
   }
-  sum_corners(load, rest);
-  loads_.push_back(std::move(load));
+  if (attributes_.parts().may_grow())
+    load.triangles.insert(load.triangles.end(), triangles.begin(), triangles.end());
 }
 
 void DeadLoads::add_forces(double time, const LiveMask& live, double* rows) {
@@ -235,9 +244,12 @@ void DeadLoads::restart() {
   forget_last();
 }
 
-/// Each copy takes the share of its part.
-void DeadLoads::load_copies(Load& load, std::span<const Split> copies) const {
+/// Each copy takes what it has of the triangles, or, of a force on nodes, the share of its part.
+void DeadLoads::load_copies(Load& load, std::span<const Split> copies,
+                            const RestPlaces& rest) const {
   const ElementParts& parts = attributes_.parts();
+  if (!load.triangles.empty())
+    return add_corners(load, triangles_of_copies(load.triangles, *parts.copies(), copies), rest);
   const std::size_t before = load.corners.size();
   for (std::size_t i = 0; i < before; ++i) {
     const Corner corner = load.corners[i];
@@ -246,8 +258,6 @@ void DeadLoads::load_copies(Load& load, std::span<const Split> copies) const {
       const auto& [origin, copy] = *next;
       Corner part = corner;
       part.element = copy;
-      if (corner.face != none)
-        part.face = face_dart(copy, static_cast<int>(local_face(corner.face)));
       for (double& f : part.force) f *= parts.fraction(copy) / parts.fraction(origin);
       load.corners.push_back(part);
     }
@@ -257,13 +267,17 @@ void DeadLoads::load_copies(Load& load, std::span<const Split> copies) const {
 void DeadLoads::follow(const CellComplex& complex, const TopologyChange& change) {
   const bool only_apart = change.faces_sewn == 0 && change.removed[3].empty();
   if (only_apart && change.splits[0].empty()) return;
+  const RestPlaces rest = attributes_.rest_places(complex);
   for (Load& load : loads_) {
-    if (!change.copies.empty()) load_copies(load, change.copies);
+    if (!change.copies.empty()) load_copies(load, change.copies, rest);
     std::erase_if(load.corners, [&](const Corner& corner) {
       return !complex.exists(3, corner.element) ||
              (corner.face != none && !is_open(complex, corner.face));
     });
-    sum_corners(load, attributes_.rest_places(complex));
+    std::erase_if(load.triangles, [&](const SurfaceTriangle& triangle) {
+      return !complex.exists(3, triangle.element);
+    });
+    sum_corners(load, rest);
   }
 }
 
@@ -272,13 +286,14 @@ void DeadLoads::state(Archive& archive) {
   archive.rows<double>("booked", booked_);
   if (!archive.has_cells()) return;
   std::span loads = loads_;
-  archive.each("loads", loads, [](Archive& each, Load& load) {
+  archive.each("loads", loads, [&](Archive& each, Load& load) {
     each.group("corners", [&] {
       each.member("element", load.corners, &Corner::element);
       each.member("node", load.corners, &Corner::node);
       each.member("force", load.corners, &Corner::force);
       each.member("face", load.corners, &Corner::face);
     });
+    if (attributes_.parts().may_grow()) state_of(each, load.triangles);
     each.group("nodal", [&] {
       each.member("vertex", load.nodal, &Nodal::vertex);
       each.member("force", load.nodal, &Nodal::force);

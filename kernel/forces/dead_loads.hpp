@@ -31,7 +31,7 @@ class DeadLoads final : public ForceTerm, public EnergyTerm, public WorkTerm {
   /// that carries it. Throws InputError for no faces.
   void add_traction(const CellComplex& complex, std::span<const Dart> faces, const Vec3& traction,
                     const TimeRamp& ramp);
-  /// The same on triangles of an embedded surface.
+  /// The same on triangles of an embedded surface. It follows cuts along blades.
   void add_surface_traction(const CellComplex& complex, std::span<const SurfaceTriangle> triangles,
                             const Vec3& traction, const TimeRamp& ramp);
 
@@ -69,13 +69,18 @@ class DeadLoads final : public ForceTerm, public EnergyTerm, public WorkTerm {
     std::vector<Corner> corners;
     std::vector<Nodal> nodal;  ///< the same, summed over the current vertices
     TimeRamp ramp;
+    // Of a traction on triangles that may be divided.
+    Vec3 traction{};  ///< Pa
+    std::vector<SurfaceTriangle> triangles;
   };
   struct Booked {
     double value, ramp;  ///< sum f . (x - X), and the ramp
   };
 
   void add_at_vertex(Load& load, const RestPlaces& rest, Index vertex, const Vec3& force) const;
-  void load_copies(Load& load, std::span<const Split> copies) const;
+  void add_corners(Load& load, std::span<const SurfaceTriangle> triangles,
+                   const RestPlaces& rest) const;
+  void load_copies(Load& load, std::span<const Split> copies, const RestPlaces& rest) const;
   static void sum_corners(Load& load, const RestPlaces& rest);
   double value(const Load& load) const;
 

@@ -211,12 +211,13 @@ bool ForceLoop::reads_velocity() const {
   return std::ranges::any_of(impl_->functors, reads_velocity_now);
 }
 
-bool ForceLoop::depends_on_positions_alone() const {
-  const auto has_states = [](const CompiledFunctor& functor) {
+bool ForceLoop::keeps_states() const {
+  return std::ranges::any_of(impl_->functors, [](const CompiledFunctor& functor) {
     return !functor.skipped() && functor.has_states();
-  };
-  return !reads_velocity() && std::ranges::none_of(impl_->functors, has_states);
+  });
 }
+
+bool ForceLoop::depends_on_positions_alone() const { return !reads_velocity() && !keeps_states(); }
 
 bool ForceLoop::reads_summed_columns() const {
   return std::ranges::any_of(impl_->functors, [](const CompiledFunctor& functor) {

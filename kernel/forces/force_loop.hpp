@@ -77,6 +77,11 @@ class ForceLoop final : public ForceTerm,
   /// that touches no others changes energy() by the difference. Removed elements add
   /// nothing. Summed in another order, hence with other rounding. O(elements).
   double energy_around(std::span<const Index> elements, double time);
+  /// out[row] += direction . f + energy W for each cell of the instance with this dimension: its
+  /// forces f and its stored energy W, which counts as 0 where the model is active.
+  /// `direction`: 3 numbers per vertex. An evaluation of the forces.
+  void add_cell_work(const Instance& instance, int dimension, const double* direction,
+                     double energy, double time, std::span<double> out);
   /// Elements with one of these vertices, ascending: those that an operation on the vertices
   /// can touch. O(elements around them).
   std::vector<Index> elements_around(std::span<const Index> vertices);
@@ -107,6 +112,7 @@ class ForceLoop final : public ForceTerm,
   bool has_tangent() const override;    ///< every enabled functor has suture.tangent/1
   std::string without_tangent() const;  ///< the first functor without a tangent, or ""
   bool reads_velocity() const;          ///< whether an enabled functor does
+  bool keeps_states() const;            ///< whether forces depend on accepted states (SUTURE_TRIAL)
   /// Whether forces depend on nothing else that steps change: on no velocities and no states.
   bool depends_on_positions_alone() const;
   /// Whether an enabled functor is on edges or faces, or reads columns of vertices: then an

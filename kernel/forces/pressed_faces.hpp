@@ -18,6 +18,7 @@ namespace suture {
 /// A boundary face: bilinear, with four nodes.
 struct PressedFace {
   static constexpr std::size_t node_count = 4;
+  static constexpr bool may_be_divided = false;
   using Given = Dart;  ///< any dart of the face, on the side of the element that carries it
   using Positions = std::array<Vec3, node_count>;
   using Arms = std::array<std::array<Vec3, node_count>, node_count>;
@@ -38,6 +39,7 @@ struct PressedFace {
 /// zero: the surface has no gaps between elements, and the quadrature is exact.
 struct PressedPart {
   static constexpr std::size_t node_count = 8;
+  static constexpr bool may_be_divided = true;   ///< by a cut along a blade
   static constexpr std::size_t pair_count = 21;  ///< of nodes 1 <= b < c <= 7
   using Given = SurfaceTriangle;
   using Positions = std::array<Vec3, node_count>;

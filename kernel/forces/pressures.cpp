@@ -28,8 +28,9 @@ template <class Face>
 void PressuresOn<Face>::add(const CellComplex& complex, std::span<const typename Face::Given> faces,
                             double pressure, const TimeRamp& ramp) {
   if (faces.empty()) throw InputError("a pressure acts on no face; select at least one");
-  Load load{pressure, Face::all(complex, faces), {}, ramp, {}};
+  Load load{pressure, Face::all(complex, faces), {}, ramp, {}, {}};
   for (const Face& face : load.faces) load.nodes.push_back(face.nodes(complex));
+  if (may_be_divided()) load.given.assign(faces.begin(), faces.end());
   loads_.push_back(std::move(load));
 }
 
@@ -210,11 +211,28 @@ void PressuresOn<Face>::restart() {
   forget_last();
 }
 
+/// Copies carry what they have of the triangles.
+template <class Face>
+void PressuresOn<Face>::load_copies(Load& load, const CellComplex& complex,
+                                    std::span<const Split> copies) const {
+  if constexpr (Face::may_be_divided) {
+    const auto given = triangles_of_copies(load.given, *attributes_.parts().copies(), copies);
+    const std::vector<Face> added = Face::all(complex, given);
+    load.faces.insert(load.faces.end(), added.begin(), added.end());
+    load.given.insert(load.given.end(), given.begin(), given.end());
+    std::erase_if(load.given, [&](const SurfaceTriangle& triangle) {
+      return !complex.exists(3, triangle.element);
+    });
+  }
+}
+
 template <class Face>
 void PressuresOn<Face>::follow(const CellComplex& complex, const TopologyChange& change) {
   const bool only_apart = change.faces_sewn == 0 && change.removed[3].empty();
   if (only_apart && change.splits[0].empty()) return;
+  if (!change.copies.empty()) forget_last();
   for (Load& load : loads_) {
+    if (!change.copies.empty()) load_copies(load, complex, change.copies);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < load.faces.size(); ++i) {
       if (!load.faces[i].exists(complex)) continue;
@@ -234,11 +252,13 @@ void PressuresOn<Face>::state(Archive& archive) {
   archive("work", work_);
   archive("is booked", is_booked_);
   std::span loads = loads_;
-  archive.each("loads", loads, [](Archive& each, Load& load) {
+  archive.each("loads", loads, [&](Archive& each, Load& load) {
     each.rows<double>("booked", load.booked);
     if (!each.has_cells()) return;
     Face::state(each, load.faces);
     each("nodes", load.nodes);
+    if constexpr (Face::may_be_divided)
+      if (may_be_divided()) state_of(each, load.given);
   });
 }
 

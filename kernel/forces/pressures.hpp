@@ -33,7 +33,8 @@ namespace suture {
 /// It is symmetric where p is uniform up to edges that are held or absent; of other tangents, the
 /// symmetric part is used where a symmetric one is needed.
 /// Pressure on a removed element is removed with it; a face that is sewn permanently carries none.
-/// Face: PressedFace, or PressedPart on bodies whose surface lies inside elements.
+/// Face: PressedFace, or PressedPart on bodies whose surface lies inside elements, or will do so
+/// after cuts along blades, which these pressures follow.
 template <class Face>
 class PressuresOn final : public ForceTerm,
                           public TangentTerm,
@@ -80,7 +81,8 @@ class PressuresOn final : public ForceTerm,
     std::vector<Face> faces;
     std::vector<Nodes> nodes;  ///< their current vertices
     TimeRamp ramp;
-    std::vector<Booked> booked;  ///< by face, at the last step
+    std::vector<Booked> booked;                 ///< by face, at the last step
+    std::vector<typename Face::Given> given{};  ///< kept where it may be divided
   };
   /// visit(load, face number, forces on its nodes) for each face of all loads that is `wanted`, by
   /// its nodes.
@@ -96,6 +98,8 @@ class PressuresOn final : public ForceTerm,
   template <class Real>
   void multiply(const Real* d, double factor, double sign, double time, Real* out) const;
   Positions positions_of(const Nodes& nodes) const;
+  bool may_be_divided() const { return Face::may_be_divided && attributes_.parts().may_grow(); }
+  void load_copies(Load& load, const CellComplex& complex, std::span<const Split> copies) const;
 
   Attributes& attributes_;
   std::vector<Load> loads_;

@@ -179,6 +179,12 @@ class ConstraintTerm {
   /// Called when the equations of such a step are solved: improves the multipliers. True if the
   /// constraint does not hold to its tolerance yet, so that they have to be solved again.
   virtual bool update(double time) = 0;
+  /// For derivatives of an equilibrium: until the next step, only what carries a force has a
+  /// tangent. False if that tangent is not the whole one.
+  virtual bool hold(double time) = 0;
+  /// out += the part of add_tangent() by which gaps resist, where they are held; 3 numbers per
+  /// vertex. Motions that keep the constraint have none.
+  virtual void add_gap_tangent(const double* d, double time, double* out) = 0;
 
  protected:
   ~ConstraintTerm() = default;

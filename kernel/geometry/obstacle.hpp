@@ -76,6 +76,7 @@ struct Obstacle {
   double friction = 0;    ///< Coulomb's coefficient
   bool push_out = false;  ///< moves what is inside at the start out slowly, instead of an error
   std::optional<Coupling> coupling{};  ///< compliant: `motion` is that of the hand
+  bool pushes = true;  ///< false: it carries a blade along which elements are divided
   /// Of all points from the centre of the motion, m.
   double reach() const;
 };

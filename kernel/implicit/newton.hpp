@@ -86,6 +86,20 @@ class Newton {
   /// in its solution. Costs as much as a first iteration.
   TangentCheck check_tangent(double time);
 
+  /// What these equations leave at the current positions, beside what the tolerance refers to.
+  struct Balance {
+    double residual, scale;  ///< N
+    bool is_solved;          ///< within ten times the tolerance, or up to rounding
+  };
+  Balance balance(const StepEquations& equations);
+  /// Whether these equations are solved with the motions of free pieces held.
+  bool holds_free_pieces();
+  /// Solves A x = b with the tangent of these equations at the current positions, on the free
+  /// components; x is 0 elsewhere. By the preconditioner of the last step, where it is of use.
+  /// Changes no bit of later steps.
+  LinearSolve solve_tangent(const StepEquations& equations, std::span<const double> b,
+                            std::span<double> x, double tolerance);
+
   /// Called after each iteration, for `suture run -v`.
   struct Iteration {
     unsigned number, linear_iterations;

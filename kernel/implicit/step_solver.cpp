@@ -205,6 +205,7 @@ void StepSolver::begin_step() {
   before_.free = free_;
   before_.levels = known_levels();
   before_.finds_end = finds_end_;
+  before_.builds = builds_;
 }
 
 /// A hierarchy that the rejected step made goes with it.
@@ -217,7 +218,7 @@ void StepSolver::reject_step() {
     finds_end_ = before_.finds_end;
   }
   built_ = before_.built;
-  is_built_ = false;
+  is_built_ &= builds_ == before_.builds;
 }
 
 void StepSolver::Factors::state(Archive& archive) {

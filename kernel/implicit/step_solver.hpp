@@ -86,6 +86,7 @@ class StepSolver {
     std::vector<std::uint8_t> free;
     std::size_t levels = 0;
     bool finds_end = false;
+    unsigned builds = 0;
   };
 
   void set(const Factors& factors);

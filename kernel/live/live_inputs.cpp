@@ -9,6 +9,7 @@
 #include "kernel/live/inputs.hpp"
 #include "kernel/live/json_text.hpp"
 #include "kernel/live/live_run.hpp"
+#include "kernel/live/scene_of_recording.hpp"
 #include "kernel/run/steering.hpp"
 
 namespace suture {
@@ -66,6 +67,8 @@ void LiveRun::act(const std::string& what, const Json& input, Observer& observer
   if (what == "step") {
     play(false);
     make_steps(1, observer);
+  } else if (what == "scene") {
+    send_scene();
   } else if (what == "keep") {
     keep(input.value("name", "kept"), false);
   } else if (what == "apply") {
@@ -96,10 +99,18 @@ void LiveRun::play(bool plays) {
 }
 
 void LiveRun::apply(const std::string& value, Observer& observer, const std::string& device) {
-  const std::uint64_t step = simulation_->step();
+  const RecordedInput input{simulation_->step(), simulation_->time(), device, value};
   apply_input(value, scene_, *simulation_, observer, diagnostics_);
-  recording_->input(step, device, value);
-  status_.has_ended = false;
+  record(input);
+}
+
+/// Sends a scene that does what was done so far.
+void LiveRun::send_scene() {
+  if (!recording_->has_inputs()) throw InputError("nothing was done yet that a scene could repeat");
+  const RecordedScene scene = scene_of(read_recording(recording_->path()), simulation_->time());
+  for (const std::string& input : scene.left_out)
+    tell("warning", "a scene cannot say this input, which was left out: " + input);
+  server_.say(json_text(Json{{"scene", scene.text}, {"name", scene_.file.stem().string()}}));
 }
 
 // -------------------------------------------------------------- kept states --

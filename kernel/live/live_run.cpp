@@ -139,7 +139,7 @@ bool LiveRun::continue_from(const Recording& recording, Observer& observer) {
 }
 
 void LiveRun::record(const RecordedInput& input) {
-  recording_->input(input.step, input.device, input.value);
+  recording_->input(input);
   status_.has_ended = false;
 }
 

@@ -91,6 +91,7 @@ class LiveRun {
   bool control(const std::string& what, const Json& input, Observer& observer);
   void act(const std::string& what, const Json& input, Observer& observer);
   void play(bool plays);
+  void send_scene();
   void reset(Observer& observer);
   void go_back(const Json& input, Observer& observer);
   void keep(const std::string& name, bool is_before_action);

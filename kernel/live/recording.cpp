@@ -71,7 +71,8 @@ void read_line(const Lines& line, Recording& recording) {
   if (line.contains("end"))
     recording.end = line.at("state");
   else
-    recording.inputs.push_back({step, line.at("device"), line.at("value").dump()});
+    recording.inputs.push_back(
+        {step, line.value("time", 0.0), line.at("device"), line.at("value").dump()});
 }
 
 }  // namespace
@@ -171,9 +172,11 @@ void RecordingWriter::write(const std::string& line) {
   file_->write(line);
 }
 
-void RecordingWriter::input(std::uint64_t step, const std::string& device,
-                            const std::string& value) {
-  write(line_of({{"step", step}, {"device", device}, {"value", Lines::parse(value)}}));
+void RecordingWriter::input(const RecordedInput& input) {
+  write(line_of({{"step", input.step},
+                 {"time", input.time},
+                 {"device", input.device},
+                 {"value", Lines::parse(input.value)}}));
   ++inputs_;
 }
 

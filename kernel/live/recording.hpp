@@ -16,6 +16,7 @@ namespace suture {
 /// What was done to a run, and between which steps.
 struct RecordedInput {
   std::uint64_t step = 0;  ///< number of steps made before
+  double time = 0;         ///< s
   std::string device;      ///< what it came from: "page", or the name of a device
   std::string value;       ///< JSON: apply_input()
 };
@@ -57,7 +58,7 @@ class RecordingWriter {
   /// The file; it exists if has_inputs().
   const std::filesystem::path& path() const { return path_; }
   bool has_inputs() const { return file_ != nullptr; }
-  void input(std::uint64_t step, const std::string& device, const std::string& value);
+  void input(const RecordedInput& input);
   /// The number of inputs that count.
   std::size_t inputs() const { return inputs_; }
   /// The run starts again: what was done before no longer counts.

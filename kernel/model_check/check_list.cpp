@@ -60,6 +60,8 @@ constexpr ModelCheck all_checks[] = {
     {"regions", "two halves are a whole", not_inner, 1e-9, nullptr, checks::regions},
     {"instances", "instances do not disturb each other", "", 0, nullptr, checks::instances},
     {"parameters", "every number has an effect", "", 0, nullptr, checks::parameters},
+    {"slopes", "forces have derivatives by parameters, which add up over elements",
+     "no number has a derivative", 1e-4, nullptr, checks::slopes},
     {"state", "states follow time, not steps", "the model has no state", 0.75, checks::state,
      nullptr},
     {"builds", "all instruction sets give the same forces", "there is one build only", 1e-9,

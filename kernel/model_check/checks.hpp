@@ -34,6 +34,8 @@ Result stiffness(const BodyCase&);
 Result mass(const BodyCase&);
 Result cut(const BodyCase&);
 Result parameters(const BodyCase&);
+// slope_checks.cpp
+Result slopes(const BodyCase&);
 // whole_checks.cpp
 Result orientation(const BodyCase&);
 Result shapes(const BodyCase&);

@@ -51,11 +51,7 @@ struct Touch {
   unsigned other_side() const;  ///< of `other`
 };
 
-unsigned place_of_side(Dart side) {
-  for (unsigned s = 0; s < cube_sides.size(); ++s)
-    if (static_cast<Dart>(cube_sides[s].face()) == local_face(side)) return s;
-  return 0;
-}
+unsigned place_of_side(Dart side) { return side_with_face(local_face(side)); }
 unsigned Touch::side() const { return place_of_side(dart); }
 unsigned Touch::other_side() const { return place_of_side(mate); }
 

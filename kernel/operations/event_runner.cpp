@@ -114,8 +114,8 @@ struct EventRunner::Call {
   }
 
   EventOutcome operator()(const CutBlade& cut) const {
-    if (cut.along_blade) return cut_along_sheet();
     if (cut.carried) state.blade->carry_to(time, runner.points_of(*cut.carried, time));
+    if (cut.along_blade) return cut_along_sheet();
     return opened(state.blade->advance(built.body().complex(),
                                        Places{built.body().attributes().position().rows()}, time,
                                        workers()));
@@ -229,7 +229,7 @@ EventOutcome EventRunner::Call::divide(const BladeCut& cut) const {
   outcome.elements_cut = cut.divided;
   for (const Dart side : cut.cloning.cut)
     outcome.faces.push_back({element_of(side), element_of(built.body().complex().beta3(side))});
-  built.body().clone_volume(cut.cloning, cut.parts.moments);
+  built.body().clone_volume(cut.cloning, cut.parts);
   built.embedded_parts().append(cut.parts, cut.cloning.origins);
   if (!cut.seams.empty()) built.body().sew(cut.seams);
   return outcome;
@@ -339,8 +339,9 @@ EventRunner::State EventRunner::prepare(const Event& event) {
     } else if (const auto* blade = std::get_if<CutBlade>(&event.what)) {
       state.blade = std::make_unique<MovingBlade>(blade_of(*blade));
       if (blade->along_blade)
-        state.sheet = std::make_unique<SweptSheet>(
-            built_.body().complex(), built_.body().attributes(), blade->stations[0].points);
+        state.sheet =
+            std::make_unique<SweptSheet>(built_.body().complex(), built_.body().attributes(),
+                                         state.blade->at(state.blade->begin()));
     }
   } catch (const InputError& error) {
     throw InputError(event.path + "/cut: " + error.what());
@@ -493,7 +494,6 @@ void EventRunner::state(Archive& archive) {
   });
   archive("removals", removals_);
   archive.each("opened", opened_);
-  if (built_.body().attributes().parts().may_grow()) archive("parts", built_.embedded_parts());
 }
 
 }  // namespace suture

@@ -207,7 +207,7 @@ void SweptSheet::follow(const TopologyChange& change) {
     stroke_of_.push_back(Index(stroke_of_[split.old_cell]));
   }
   for (const Split& copy : change.copies) is_divided_.push_back(bool(is_divided_[copy.old_cell]));
-  if (!change.empty()) finder_.forget();
+  finder_.follow(change);
 }
 
 void SweptSheet::Row::state(Archive& archive) {

@@ -32,6 +32,26 @@ inline std::uint8_t sides_at(const Vec3& at) {
   return static_cast<std::uint8_t>(sides);
 }
 
+/// The place in cube_sides of the side with a local face.
+inline unsigned side_with_face(unsigned face) {
+  unsigned s = 0;
+  while (static_cast<unsigned>(cube_sides[s].face()) != face) ++s;
+  return s;
+}
+
+inline Vec3 corner_place(std::size_t corner) {
+  return {(corner & 1) != 0 ? 1.0 : -1.0, (corner & 2) != 0 ? 1.0 : -1.0,
+          (corner & 4) != 0 ? 1.0 : -1.0};
+}
+
+/// Counterclockwise as seen from outside, the lowest first.
+inline std::array<unsigned, 4> corners_of(CubeSide side) {
+  const unsigned u = 1u << (side.axis + 1) % 3, v = 1u << (side.axis + 2) % 3;
+  const unsigned low = side.is_upper ? 1u << side.axis : 0;
+  return side.is_upper ? std::array{low, low | u, low | u | v, low | v}
+                       : std::array{low, low | v, low | u | v, low | u};
+}
+
 /// The ends of the edge of the cube on which a point lies: its corners, the same one for a corner.
 struct EdgeEnds {
   unsigned low = 0, high = 0;

@@ -2,7 +2,10 @@
 #include "kernel/parts/embedding.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <numeric>
+#include <unordered_map>
 
 #include "kernel/parts/cube_sides.hpp"
 
@@ -26,6 +29,15 @@ Support support_of(const EmbeddedPoint& point, const CellComplex& complex) {
   return support;
 }
 
+struct HashOfSupport {
+  std::size_t operator()(const Support& support) const {
+    std::uint64_t hash = 0;
+    for (const auto& [vertex, weight] : support)
+      hash = (hash ^ vertex ^ std::bit_cast<std::uint64_t>(weight)) * 0x9E3779B97F4A7C15u;
+    return hash ^ hash >> 32;
+  }
+};
+
 /// Joins points that have the same support, and numbers them in the order of their first.
 class Welding {
  public:
@@ -38,26 +50,15 @@ class Welding {
   }
 
   EmbeddedPoints weld() {
-    std::vector<Support> supports;
-    supports.reserve(points_.size());
-    for (const EmbeddedPoint& point : points_) supports.push_back(support_of(point, complex_));
-    std::vector<Index> order(points_.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::ranges::sort(order, [&](Index a, Index b) {
-      return supports[a] != supports[b] ? supports[a] < supports[b] : a < b;
-    });
-    std::vector<Index> representative(points_.size());
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      const bool same = i > 0 && supports[order[i]][0].first != none &&
-                        supports[order[i]] == supports[order[i - 1]];
-      representative[order[i]] = same ? representative[order[i - 1]] : order[i];
-    }
-    place_.resize(points_.size());
     EmbeddedPoints welded;
-    for (Index p = 0; p < points_.size(); ++p) {
-      if (representative[p] == p) add_to(welded, points_[p]);
-      place_[p] = representative[p] == p ? static_cast<Index>(welded.size() - 1)
-                                         : place_[representative[p]];
+    std::unordered_map<Support, Index, HashOfSupport> known(points_.size());
+    place_.reserve(points_.size());
+    for (const EmbeddedPoint& point : points_) {
+      const Support support = support_of(point, complex_);
+      const auto number = static_cast<Index>(welded.size());
+      const bool is_alone = support[0].first == none;
+      place_.push_back(is_alone ? number : known.try_emplace(support, number).first->second);
+      if (place_.back() == number) add_to(welded, point);
     }
     return welded;
   }
@@ -84,18 +85,6 @@ class Welding {
   std::vector<EmbeddedPoint> points_;
   std::vector<Index> place_;
 };
-
-/// Counterclockwise as seen from outside, the lowest first.
-std::array<unsigned, 4> corners_of(CubeSide side) {
-  const unsigned u = 1u << (side.axis + 1) % 3, v = 1u << (side.axis + 2) % 3;
-  const unsigned low = side.is_upper ? 1u << side.axis : 0;
-  return side.is_upper ? std::array{low, low | u, low | u | v, low | v}
-                       : std::array{low, low | v, low | u | v, low | u};
-}
-
-Vec3 corner_place(unsigned corner) {
-  return {corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0};
-}
 
 /// Collects the cells of an embedding; their corners are numbers of a Welding until the end.
 class EmbeddingBuilder {

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/parts/surface_triangle.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
+
+#include "kernel/base/archive.hpp"
+#include "kernel/parts/cube_sides.hpp"
 
 namespace suture {
 namespace {
-
-Vec3 corner_place(std::size_t corner) {
-  return {corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0};
-}
 
 /// The reference coordinates of a point that depends on nodes of an element only.
 Vec3 place_of(const EmbeddedPoints& points, Index p, const Hexahedron& nodes) {
@@ -57,6 +58,83 @@ SurfaceTriangle surface_triangle(const Embedding& embedding, Index t, const Cell
   for (std::size_t i = 0; i < 3; ++i)
     triangle.corners[i] = place_of(embedding.points, embedding.triangles[t][i], nodes);
   return triangle;
+}
+
+std::vector<SurfaceTriangle> triangles_of_faces(std::span<const Dart> faces) {
+  std::vector<SurfaceTriangle> triangles;
+  for (const Dart face : faces) {
+    const auto [a, b, c, d] = corners_of(cube_sides[side_with_face(local_face(face))]);
+    const Vec3 first = corner_place(a), middle = corner_place(c);
+    triangles.push_back({element_of(face), {first, corner_place(b), middle}});
+    triangles.push_back({element_of(face), {first, middle, corner_place(d)}});
+  }
+  return triangles;
+}
+
+namespace {
+
+/// A triangle that a blade has clipped out of another lies in it, but for rounding.
+bool lies_in(const SurfaceTriangle& small, const SurfaceTriangle& large) {
+  constexpr double rounding = 1e-9;
+  const auto& [a, b, c] = large.corners;
+  Vec3 middle{};
+  for (const Vec3& corner : small.corners) middle = plus(middle, scaled(1.0 / 3, corner));
+  const Vec3 arm = minus(middle, a), normal = cross(minus(b, a), minus(c, a));
+  if (std::abs(dot(arm, normal)) > rounding * norm(normal)) return false;
+  const auto is_inside = [&](const Vec3& from, const Vec3& to) {
+    return dot(cross(minus(to, from), minus(middle, from)), normal) >=
+           -rounding * dot(normal, normal);
+  };
+  return is_inside(a, b) && is_inside(b, c) && is_inside(c, a);
+}
+
+/// visit(triangle) for what part i has of the surface of its element: triangles that no blade made,
+/// and those on sides, where the material touches them.
+template <class Visit>
+void for_each_outer_triangle(const Parts& parts, Visit visit) {
+  const auto triangle = [&](Index element, Index a, Index b, Index c) {
+    return SurfaceTriangle{element, {parts.points[a].at, parts.points[b].at, parts.points[c].at}};
+  };
+  const auto sides = [](const SurfaceTriangle& of) {
+    return sides_at(of.corners[0]) & sides_at(of.corners[1]) & sides_at(of.corners[2]);
+  };
+  for (std::size_t t = 0; t < parts.triangles.size(); ++t) {
+    const auto& [a, b, c] = parts.triangles[t];
+    const SurfaceTriangle of = triangle(parts.points[a].element, a, b, c);
+    if (parts.is_cut[t] == 0 && sides(of) == 0) visit(of);
+  }
+  for (std::size_t i = 0; i < parts.elements.size(); ++i)
+    for (Index t = parts.first[i]; t < parts.first[i + 1]; ++t)
+      for (const auto& [a, b, c] : tetrahedron_faces) {
+        const auto& corners = parts.tetrahedra[t];
+        const SurfaceTriangle of = triangle(parts.elements[i], corners[a], corners[b], corners[c]);
+        if (sides(of) != 0) visit(of);
+      }
+}
+
+}  // namespace
+
+std::vector<SurfaceTriangle> triangles_of_copies(std::span<const SurfaceTriangle> triangles,
+                                                 const Parts& parts,
+                                                 std::span<const Split> copies) {
+  std::multimap<Index, const SurfaceTriangle*> of_element;
+  for (const SurfaceTriangle& triangle : triangles) of_element.emplace(triangle.element, &triangle);
+  std::vector<SurfaceTriangle> found;
+  for_each_outer_triangle(parts, [&](const SurfaceTriangle& small) {
+    const auto copy = std::ranges::lower_bound(copies, small.element, {}, &Split::new_cell);
+    const auto [first, last] = of_element.equal_range(copy->old_cell);
+    const auto holds = [&](const auto& entry) { return lies_in(small, *entry.second); };
+    if (std::any_of(first, last, holds)) found.push_back(small);
+  });
+  std::ranges::stable_sort(found, {}, &SurfaceTriangle::element);
+  return found;
+}
+
+void state_of(Archive& archive, std::vector<SurfaceTriangle>& triangles) {
+  archive.group("triangles", [&] {
+    archive.member("element", triangles, &SurfaceTriangle::element);
+    archive.member("corners", triangles, &SurfaceTriangle::corners);
+  });
 }
 
 /// In the unit square, of which one side is collapsed to a corner: s = (1 - r) q.

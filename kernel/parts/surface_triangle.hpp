@@ -8,6 +8,8 @@
 
 namespace suture {
 
+class Archive;
+
 /// A triangle of the embedded surface. It is flat in the reference cube of its element and moves
 /// with it: where faces of elements warp, so does the triangle.
 struct SurfaceTriangle {
@@ -17,6 +19,16 @@ struct SurfaceTriangle {
 
 /// Triangle t of an embedding.
 SurfaceTriangle surface_triangle(const Embedding& embedding, Index t, const CellComplex& complex);
+
+/// Two for each face of a full element.
+std::vector<SurfaceTriangle> triangles_of_faces(std::span<const Dart> faces);
+
+/// What `triangles` have become in a cut along a blade, on the copies of their elements. `parts`:
+/// of the copies (BladeCut). O(parts log n).
+std::vector<SurfaceTriangle> triangles_of_copies(std::span<const SurfaceTriangle> triangles,
+                                                 const Parts& parts, std::span<const Split> copies);
+
+void state_of(Archive& archive, std::vector<SurfaceTriangle>& triangles);
 
 /// A point of a triangle, given by coordinates r, s: 0 <= r, s and r + s <= 1.
 struct TrianglePoint {

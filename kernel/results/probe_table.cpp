@@ -7,6 +7,7 @@
 #include <span>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/nearest.hpp"
 
 namespace suture {
 namespace {
@@ -134,6 +135,21 @@ std::vector<ProbeTable::Quantity> ProbeTable::quantities() const {
     quantities.push_back({entry.probe, field.name, field.components});
   }
   return quantities;
+}
+
+ProbeTable::Cover ProbeTable::cover(const std::string& probe, const std::string& field) const {
+  std::vector<std::string> names;
+  for (const Entry& entry : entries_) {
+    names.push_back(entry.probe + ' ' + fields_[entry.field].name);
+    if (names.back() != probe + ' ' + field) continue;
+    Cover cover{entry.cells, entry.of};
+    const int dimension = fields_[entry.field].on == FieldChoice::On::points ? 0 : 3;
+    std::erase_if(cover.cells,
+                  [&](Index cell) { return !built_.body().complex().exists(dimension, cell); });
+    return cover;
+  }
+  throw InputError("no probe gives '" + probe + ' ' + field + "'" +
+                   did_you_mean(probe + ' ' + field, names) + "; see /output/probes");
 }
 
 const std::vector<double>& ProbeTable::row(double time, const Vec3& gravity) {

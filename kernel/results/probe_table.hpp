@@ -25,6 +25,13 @@ class ProbeTable {
   };
   /// In the order of the columns behind the time.
   std::vector<Quantity> quantities() const;
+  /// The cells of a field of a probe that exist now, and which of their values it gives. Throws
+  /// InputError if there is no such probe or field.
+  struct Cover {
+    std::vector<Index> cells;
+    Probe::Of of;
+  };
+  Cover cover(const std::string& probe, const std::string& field) const;
   /// The values of one row. A field computed by functors is computed once for all probes; other
   /// fields are read only at the probes. NaN if every cell of a probe was removed or no model
   /// provides the field. Throws NumericalError for any other value that is not finite.

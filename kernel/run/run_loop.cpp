@@ -110,10 +110,14 @@ void RunLoop::fire_events(Observer& observer, const StepControl::Notify& notify)
 bool RunLoop::balance(const StepControl::Notify& notify) {
   if (!is_unbalanced_ || !built_.dynamics().is_static() || clock_.step() == 0) return false;
   if (records_.are_done() && !clock_.finished()) return false;  // the next step follows
+  find_equilibrium(notify);
+  return true;
+}
+
+void RunLoop::find_equilibrium(const StepControl::Notify& notify) {
   ending_.check_pieces(notify);
   control_.balance();
   is_unbalanced_ = false;
-  return true;
 }
 
 void RunLoop::fire_due_events(Observer& observer) {
@@ -478,6 +482,8 @@ void RunLoop::summarise() {
 }
 
 void RunLoop::state(Archive& archive) {
+  const bool has_copies = built_.body().attributes().parts().may_grow();
+  if (has_copies) archive("parts", built_.embedded_parts());  // before contact, which needs them
   archive("control", control_);
   archive("events", events_);
   archive("event report", event_report_);
@@ -490,7 +496,7 @@ void RunLoop::state(Archive& archive) {
   archive("faces torn", summary_.faces_torn);
   archive("faces sewn", summary_.faces_sewn);
   archive("elements removed", summary_.elements_removed);
-  if (built_.body().attributes().parts().may_grow()) archive("elements cut", summary_.elements_cut);
+  if (has_copies) archive("elements cut", summary_.elements_cut);
 }
 
 }  // namespace suture

@@ -32,7 +32,9 @@ class RunLoop {
   void move_grasp(const std::string& grasp, const Vec3& translation, double duration);
   ForceTerm& add_term(std::unique_ptr<ForceTerm> term);
   void set_parameters(Instance& instance, std::vector<double> values);
+  void set_field(Instance& instance, std::size_t parameter, std::vector<double> values);
   void set_gravity(const Vec3& value);
+  void equilibrate(Observer& observer);
   StateTree save();
   void load(const StateTree& state);
   /// Loads the state of the checkpoint from `file`. Call before any step.
@@ -55,6 +57,7 @@ class RunLoop {
 
  private:
   void change_forces(const std::function<void()>& change);
+  void change_parameters(const std::function<void()>& set, const std::function<void()>& undo);
   using Wall = std::chrono::steady_clock;
   void require_held_bodies();
   std::string rounding_warning();
@@ -64,6 +67,7 @@ class RunLoop {
   void fire_events(Observer& observer, const StepControl::Notify& notify);
   void fire_due_events(Observer& observer);
   bool balance(const StepControl::Notify& notify);
+  void find_equilibrium(const StepControl::Notify& notify);
   void take_over(const EventOutcome& outcome);
   void report_sleep(Observer& observer);
   bool record(const StepControl::Notify& notify);

@@ -76,7 +76,13 @@ void Simulation::set_parameters(Instance& instance, std::vector<double> values) 
   run_->set_parameters(instance, std::move(values));
 }
 
+void Simulation::set_field(Instance& instance, std::size_t parameter, std::vector<double> values) {
+  run_->set_field(instance, parameter, std::move(values));
+}
+
 void Simulation::set_gravity(const Vec3& value) { run_->set_gravity(value); }
+
+void Simulation::equilibrate(Observer& observer) { run_->equilibrate(observer); }
 
 StateTree Simulation::save() { return run_->save(); }
 

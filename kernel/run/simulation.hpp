@@ -92,8 +92,16 @@ class Simulation {
   /// them, or if they need what was not built, and the errors of forces; nothing has changed then.
   /// O(elements), and a search of the stable step.
   void set_parameters(Instance& instance, std::vector<double> values);
+  /// The same with one parameter that may differ from element to element (its place in the model):
+  /// one value per row of instance.table(3).
+  void set_field(Instance& instance, std::size_t parameter, std::vector<double> values);
   /// Changes gravity, m/s^2, in the same way; its ramp goes on.
   void set_gravity(const Vec3& value);
+
+  /// Finds the equilibrium again from the current positions, at the same time, in a static run that
+  /// has made a step: after loads, parameters or cells were changed. Throws InputError for another
+  /// run, and NumericalError if there is no equilibrium within reach.
+  void equilibrate(Observer& observer);
 
   /// Everything that a run changes, as a checkpoint stores it.
   StateTree save();

@@ -20,7 +20,9 @@ struct What {
   }
   std::string operator()(const CutBlade& cut) const {
     if (cut.carried)
-      return "the faces that the blade of obstacle '" + cut.carried->name + "' crosses" +
+      return (cut.along_blade
+                  ? "along the blade of obstacle '" + cut.carried->name + "'"
+                  : "the faces that the blade of obstacle '" + cut.carried->name + "' crosses") +
              (cut.resistance ? ", against the resistance of the tissue" : "");
     return (cut.along_blade ? "along a blade of " : "the faces that a blade of ") +
            std::to_string(cut.stations.front().points.size()) + " points " +

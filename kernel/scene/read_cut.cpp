@@ -270,12 +270,13 @@ void read_along(ObjectReader& cut, EventOperation& result) {
     plane->along_blade = true;
   else if (auto* surface = std::get_if<CutSurface>(&result))
     surface->along_blade = true;
-  else if (blade && !blade->carried)
-    blade->along_blade = true;
+  else if (blade && blade->resistance)
+    cut.complain(
+        "along",
+        "\"blade\" is not for a blade with \"resistance\", which does not know the parts of "
+        "elements; remove the resistance, or cut along \"faces\"");
   else if (blade)
-    cut.complain("along",
-                 "\"blade\" is not for a blade that an obstacle carries: contact does not know the "
-                 "elements that it divides; give the blade a \"path\", or cut along \"faces\"");
+    blade->along_blade = true;
   else
     cut.complain("along", "\"blade\" needs a blade, and faces are listed; remove it");
 }

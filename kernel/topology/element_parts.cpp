@@ -32,9 +32,10 @@ const PartMoments* ElementParts::of(Index element) const {
   return place < moments_.size() ? &moments_[place] : nullptr;
 }
 
-void ElementParts::append(std::span<const Index> elements, std::span<const PartMoments> moments) {
-  elements_.insert(elements_.end(), elements.begin(), elements.end());
-  moments_.insert(moments_.end(), moments.begin(), moments.end());
+void ElementParts::begin_copies(const Parts& copies) {
+  elements_.insert(elements_.end(), copies.elements.begin(), copies.elements.end());
+  moments_.insert(moments_.end(), copies.moments.begin(), copies.moments.end());
+  copies_ = &copies;
 }
 
 void ElementParts::state(Archive& archive) {

@@ -36,13 +36,17 @@ class ElementParts {
   /// Whether cuts along blades may add parts while a run goes on; models must then allow them.
   bool may_grow() const { return may_grow_; }
   void let_grow() { may_grow_ = true; }
-  /// The elements follow all others.
-  void append(std::span<const Index> elements, std::span<const PartMoments> moments);
+  /// Adds the parts of copies, which follow all others; `copies` outlives the operation.
+  void begin_copies(const Parts& copies);
+  void end_copies() { copies_ = nullptr; }
+  /// During an operation that makes copies, and for its followers: their material; null otherwise.
+  const Parts* copies() const { return copies_; }
   void state(Archive& archive);
 
  private:
   std::vector<Index> elements_;
   std::vector<PartMoments> moments_;
+  const Parts* copies_ = nullptr;
   bool may_grow_ = false;
 };
 

@@ -97,7 +97,7 @@ class Live(unittest.TestCase):
             json.dump(scene, file)
         self.recording = f"{name}-recording.jsonl"
         for file in os.listdir(FOLDER):  # of an earlier test
-            if file.startswith(("a-hanging-bar", self.recording)):
+            if file.startswith((f"{name}-done", scene["title"].replace(" ", "-"), self.recording)):
                 os.remove(os.path.join(FOLDER, file))
         self.run_ = subprocess.Popen([PROGRAM, "-q", "live", f"{name}.json", "-o", self.recording],
                                      cwd=FOLDER, stdout=subprocess.PIPE, text=True)
@@ -221,6 +221,8 @@ class Live(unittest.TestCase):
         self.picture("two-pieces.png")
         self.click("#save-picture")
         self.wait_for_file("a-hanging-bar-", b"\x89PNG")
+        self.click("#scene")
+        self.wait_for_file("bar-done", b'{')
         sizes = self.js(BLOBS)
         self.assertEqual(len(sizes), 2, sizes)
         self.assertGreater(sizes[1], sizes[0] / 10)

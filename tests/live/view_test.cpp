@@ -122,6 +122,9 @@ TEST_F(View, CutsWhatABladeHasSwept) {
              {"triangles", {{0, 1, 2}, {0, 2, 3}}}};
   cut_by(sweep);
   EXPECT_THAT(page.until("message")["message"], HasSubstr("cut 16 faces, 2 islands"));
+  page.send(R"({"do":"apply","event":{"suture":{"where":{"sphere":{
+    "centre":[0.5,0.125,0.125],"radius":0.3}}}}})");
+  EXPECT_THAT(page.until("message")["message"], HasSubstr("sewed 16 faces, 1 island"));
   const auto refused = [&](const char* key, const Json& value) -> std::string {
     Json wrong = sweep;
     wrong[key] = value;

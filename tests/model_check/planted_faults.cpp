@@ -29,7 +29,7 @@ constexpr const char* faults[] = {
     "copied",         "global",        "ignored",       "step-counter",
     "state-in-place", "state-unset",   "energy-unset",  "bounds-outside",
     "field-unset",    "isa",           "one-node-off",  "velocity-drag",
-    "allocates",      "part-per-step"};
+    "allocates",      "part-per-step", "rounded"};
 constexpr std::size_t fault_count = std::size(faults);
 
 enum { p_young, p_rho, p_viscosity, p_rate, p_fault };
@@ -81,6 +81,7 @@ double global_lanes[2 * lanes];
 
 double young_of(const suture_context* context) {
   if (has(context, "global")) return global_young;
+  if (has(context, "rounded")) return static_cast<float>(context->parameters[p_young]);
   return has(context, "ignored") ? 1e4 : context->parameters[p_young];
 }
 

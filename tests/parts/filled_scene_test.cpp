@@ -191,16 +191,6 @@ TEST(FilledScene, RefusesWhatActsOnWholeFaces) {
   EXPECT_TRUE(error([](Scene& scene) {
                 scene.contact.pieces = true;
               }).starts_with("/contact/pieces: acts on whole"));
-  // Copies of elements along a blade are not followed yet.
-  EXPECT_TRUE(error([](Scene& scene) {
-                scene.contact.obstacles.emplace_back();
-                Event event;
-                event.path = "/events/0";
-                CutPlane cut{};
-                cut.along_blade = true;
-                event.what = cut;
-                scene.events = {event};
-              }).starts_with("/contact: acts on whole faces of elements, and cuts with"));
   EXPECT_TRUE(error([](Scene& scene) {
                 scene.output.cuts = true;
               }).starts_with("/output/cuts: shows whole faces"));

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs the code of docs/python.md and docs/python-examples.md as it stands there."""
+"""Runs the code of the pages on Python as it stands there."""
 
 import os
 import re
@@ -9,7 +9,7 @@ import warnings
 from pathlib import Path
 
 DOCS = Path(__file__).parents[2] / "docs"
-FILES = ("python.md", "python-examples.md")
+FILES = ("python.md", "python-examples.md", "gradients.md")
 
 
 def sections(file):

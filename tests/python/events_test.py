@@ -42,6 +42,26 @@ class Operations(unittest.TestCase):
         vertices = np.array([[1.1, -1, -1], [1.1, 3, -1], [1.1, -1, 3]])
         self.assertEqual(sim.cut(surface=(vertices, [[0, 1, 2]])).faces_cut, 4)
 
+    def test_cuts_along_the_blade_divide_elements(self):
+        plane = {"point": [2.4, 0.5, 0.5], "normal": [1, 0.3, 0]}
+        scene = bar(events=[{"at": 0.02, "cut": {"plane": plane, "along": "blade"}}])
+        sim = suture.Simulation(scene)
+        mass = sim.mass.sum()
+        change = sim.cut(plane=([1.3, 0.5, 0.5], [1, 0.2, 0.1]), along="blade")
+        self.assertTrue(change)
+        self.assertEqual(change.elements_cut, 4)
+        self.assertIn("cut 4 elements, 2 islands", sim.messages[-1])
+        sim.run_to(0.005)
+        vertices = np.array([[0.7, -9, -9], [0.8, 9, -9], [0.7, 0, 9]])
+        self.assertEqual(sim.cut(surface=(vertices, [[0, 1, 2]]), along="blade").elements_cut, 4)
+        self.assertAlmostEqual(sim.mass.sum() / mass, 1, 12)
+        sim.run()
+        self.assertIn("4 islands", sim.messages[-1])
+        with self.assertRaisesRegex(suture.InputError, "add such an event to the scene"):
+            suture.Simulation(bar()).cut(plane=([1.3, 0, 0], [1, 0, 0]), along="blade")
+        with self.assertRaisesRegex(ValueError, "along must be 'faces' or 'blade'"):
+            sim.cut(surface=(vertices, [[0, 1, 2]]), along="side")
+
     def test_faces_pierce_suture_and_islands(self):
         sim = suture.Simulation(bar())
         self.assertEqual(sim.cut(faces=[(0, 1), (6, 7)]).faces_cut, 2)

@@ -146,6 +146,7 @@ class SameBits(unittest.TestCase):
             sim = suture.Simulation(scene, output=folder)
             sim.step(5)
             sim.parameters["tm-faure"]["E"] = 3e5
+            sim.parameters["tm-faure"]["nu"] = np.linspace(0.1, 0.4, len(sim.element_ids))
             sim.gravity = [0, -1, 0]
             sim.cut(plane=PLANE, shape="rest")
             sim.run()

@@ -96,8 +96,9 @@ class Stubs(unittest.TestCase):
 
     def test_functions_have_the_parameters_of_the_stub(self):
         functions = [node for node in STUB.body if isinstance(node, ast.FunctionDef)]
-        self.assertEqual({f.name for f in functions}, {"grid", "latin_hypercube", "read_results",
-                                                     "sweep"})
+        self.assertEqual({f.name for f in functions}, {"check_gradient", "gradient", "grid",
+                                                     "latin_hypercube",
+                                                     "read_results", "sweep"})
         for node in functions:
             self.check_function(node.name, [node], getattr(suture, node.name))
 

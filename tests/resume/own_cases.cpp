@@ -27,6 +27,14 @@ Json across(double x, Random& random) {
   return {{"plane", {{"point", {x, 0, 0}}, {"normal", {1, random.between(-0.2, 0.2), 0}}}}};
 }
 
+Json rising_floor(Random& random, double end) {
+  return {{"name", "floor"},
+          {"half_space", {{"point", {0, -0.001, 0}}, {"normal", {0, 1, 0}}}},
+          {"path",
+           {{{"at", end * random.between(0.4, 0.95)}},
+            {{"at", end}, {"translation", {0, random.between(-0.05, 0.05), 0}}}}}};
+}
+
 Case asleep(Random& random, unsigned, std::uint64_t) {
   Case result = bar("asleep", random);
   Json& scene = result.scene;
@@ -40,16 +48,8 @@ Case asleep(Random& random, unsigned, std::uint64_t) {
     scene["events"].push_back(
         {{"at", random.between(0.2, 2.9)}, {"cut", across(random.between(0.2, 0.8), random)}});
   if (random.chance(0.3)) scene["events"].push_back({{"at", 2.5}, {"suture", Json::object()}});
-  if (random.chance(0.5)) {  // a floor that may rise
-    scene["contact"] = {
-        {"pieces", random.chance(0.7)},
-        {"obstacles",
-         {{{"name", "floor"},
-           {"half_space", {{"point", {0, -0.001, 0}}, {"normal", {0, 1, 0}}}},
-           {"path",
-            {{{"at", random.between(1, 2.5)}},
-             {{"at", 2.6}, {"translation", {0, random.between(-0.05, 0.05), 0}}}}}}}}};
-  }
+  if (random.chance(0.5))
+    scene["contact"] = {{"pieces", random.chance(0.7)}, {"obstacles", {rising_floor(random, 2.6)}}};
   add_output(scene, random);
   return result;
 }
@@ -133,8 +133,25 @@ Case along(Random& random, unsigned, std::uint64_t) {
   if (random.chance(0.4))
     scene["events"].push_back(
         {{"every", 3}, {"tear", {{"by", "elongation"}, {"above", random.between(0.03, 0.1)}}}});
+  if (random.chance(0.5))
+    scene["loads"] = {{{"where", {{"set", "y1"}}}, {"pressure", random.between(10, 1000)}},
+                      {{"where", {{"set", "x1"}}}, {"traction", {0, 0, random.between(10, 200)}}}};
   if (random.chance(0.3)) scene["solver"]["sleep"] = {{"acceleration", 0.1}, {"velocity", 0.01}};
-  if (random.chance(0.3)) scene["solver"].update({{"integrator", "newmark"}, {"dt", 0.02}});
+  if (random.chance(0.3))
+    scene["solver"].update({{"integrator", "newmark"}, {"dt", 0.02}});
+  else if (random.chance(0.7))
+    scene["contact"] = {{"friction", random.between(0, 0.5)},
+                        {"obstacles", {rising_floor(random, 1)}}};
+  if (scene.contains("contact") && random.chance(0.5)) {
+    scene["contact"]["obstacles"].push_back(
+        {{"name", "knife"},
+         {"box", {{"min", {0.58, 0.35, -1}}, {"max", {0.62, 0.5, 1}}}},
+         {"path", {{{"at", 0.1}}, {{"at", 0.9}, {"translation", {0.05, -0.4, 0}}}}}});
+    scene["events"].push_back(
+        {{"cut",
+          {{"blade", {{"obstacle", "knife"}, {"points", {{0.6, 0.3, -1}, {0.61, 0.3, 1}}}}},
+           {"along", "blade"}}}});
+  }
   add_output(scene, random);
   scene["output"].erase("cuts");
   scene["output"]["surface"] = random.chance(0.5);

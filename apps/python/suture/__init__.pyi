@@ -13,6 +13,7 @@ Floats = NDArray[numpy.float64]
 Integers = NDArray[numpy.int64]
 Booleans = NDArray[numpy.bool_]
 Force = Callable[[Floats, Floats, float, Floats], Any]
+Objective = Quantity | Callable[[Simulation], tuple[float, Any]]
 Callback = TypeVar("Callback", bound=Callable[["Simulation"], Any])
 AnyForce = TypeVar("AnyForce", bound=Force)
 
@@ -33,6 +34,7 @@ class Change(NamedTuple):
     elements_removed: int
     faces: Integers
     elements: Integers
+    elements_cut: int
     def __bool__(self) -> bool: ...
 
 class Surface(NamedTuple):
@@ -114,12 +116,59 @@ class Tool:
 
 class ModelParameters(Mapping[str, Any]):
     def __getitem__(self, name: str) -> Any: ...
-    def __setitem__(self, name: str, value: float | str) -> None: ...
+    def __setitem__(self, name: str, value: float | str | ArrayLike) -> None: ...
     def __iter__(self) -> Iterator[str]: ...
     def __len__(self) -> int: ...
     def update(
-        self, values: Mapping[str, float | str] = ..., **more: float | str
+        self,
+        values: Mapping[str, float | str | ArrayLike] = ...,
+        **more: float | str | ArrayLike,
     ) -> None: ...
+
+class Quantity:
+    @classmethod
+    def displacement(cls, at: str | ArrayLike, component: int) -> Quantity: ...
+    @classmethod
+    def reaction(cls, at: str | ArrayLike, component: int) -> Quantity: ...
+    @classmethod
+    def energy(cls) -> Quantity: ...
+    def map(
+        self, function: Callable[[float], float], derivative: Callable[[float], float]
+    ) -> Quantity: ...
+    def value(self, sim: Simulation) -> float: ...
+    def __add__(self, other: Quantity | float) -> Quantity: ...
+    def __radd__(self, other: Quantity | float) -> Quantity: ...
+    def __sub__(self, other: Quantity | float) -> Quantity: ...
+    def __rsub__(self, other: Quantity | float) -> Quantity: ...
+    def __mul__(self, other: Quantity | float) -> Quantity: ...
+    def __rmul__(self, other: Quantity | float) -> Quantity: ...
+    def __truediv__(self, other: Quantity | float) -> Quantity: ...
+    def __rtruediv__(self, other: Quantity | float) -> Quantity: ...
+    def __pow__(self, exponent: float) -> Quantity: ...
+    def __neg__(self) -> Quantity: ...
+
+class Adjoint:
+    value: float
+    load: Floats
+    motion: Floats
+    iterations: int
+    @property
+    def gravity(self) -> Floats: ...
+    def along_rest(self, direction: ArrayLike) -> float: ...
+    def gradient(
+        self, model: str, parameter: str, per: str | ArrayLike | None = None
+    ) -> float | Floats: ...
+
+class Sensitivity:
+    displacement: Floats
+    reaction: Floats
+    energy: float | Floats
+    def of(self, objective: Objective) -> float | Floats: ...
+
+class GradientCheck(NamedTuple):
+    adjoint: float
+    differences: float
+    error: float
 
 class Picture:
     png: bytes
@@ -235,6 +284,7 @@ class Simulation:
         surface: Mapping[str, Any] | tuple[ArrayLike, ArrayLike] | None = None,
         faces: ArrayLike | None = None,
         shape: str | None = None,
+        along: str | None = None,
     ) -> Change: ...
     def grasp(
         self,
@@ -275,6 +325,15 @@ class Simulation:
     def remove_islands(
         self, below: int | None = None, *, outside: Mapping[str, Any] | None = None
     ) -> Change: ...
+    def equilibrate(self) -> None: ...
+    def adjoint(self, objective: Objective, tolerance: float = 1e-6) -> Adjoint: ...
+    def sensitivity(
+        self,
+        model: str,
+        parameter: str,
+        per: str | ArrayLike | None = None,
+        tolerance: float = 1e-6,
+    ) -> Sensitivity: ...
     def every(self, steps: int) -> Callable[[Callback], Callback]: ...
     def at(self, time: float) -> Callable[[Callback], Callback]: ...
     @overload
@@ -318,6 +377,18 @@ class Simulation:
     def record(
         self, steps: int, energies: bool = True, **functions: Callable[[Simulation], ArrayLike]
     ) -> Record: ...
+
+def gradient(
+    sim: Simulation, objective: Objective, wrt: Sequence[Any], tolerance: float = 1e-6
+) -> tuple[float, list[Any]]: ...
+
+def check_gradient(
+    sim: Simulation,
+    objective: Objective,
+    wrt: tuple[str, str],
+    step: float = 1e-3,
+    tolerance: float = 1e-9,
+) -> GradientCheck: ...
 
 class Results:
     rows: list[dict[str, Any]]

@@ -4,6 +4,8 @@
 import difflib
 from collections.abc import Mapping
 
+import numpy
+
 from ._scene import to_json
 
 
@@ -11,6 +13,17 @@ def _missing(what, name, names):
     near = difflib.get_close_matches(str(name), names, 1)
     return KeyError(f"{what} {name!r}; " + (f"did you mean {near[0]!r}?" if near else
                                             f"it has {', '.join(names) or 'none'}"))
+
+
+def _row(name, values):
+    """A row of numbers."""
+    try:
+        row = numpy.asarray(values, float)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name!r} must be a number, or an array of numbers; is {values!r}") from None
+    if row.ndim != 1:
+        raise ValueError(f"{name!r} must have one value per element; has the shape {row.shape}")
+    return row
 
 
 class ModelParameters(Mapping):
@@ -38,8 +51,20 @@ class ModelParameters(Mapping):
     def update(self, values=(), **more):
         """Change several parameters at once, from now on. Positions and velocities stay; the
         change of the stored energy is booked as that of an event. Raises SceneError for values
-        that the scene could not have, and InputError for those that need what was not built."""
-        self._simulation._set_parameters(self._place, to_json({**dict(values), **more}))
+        that the scene could not have, and InputError for those that need what was not built.
+
+        A parameter that may differ from element to element also takes an array, one value per row
+        of the model's elements (column_cells(model, 3))."""
+        values, before = {**dict(values), **more}, self._values()
+        fields = {name: value for name, value in values.items()
+                  if not isinstance(value, str) and numpy.ndim(value) > 0}
+        fields.update((name, numpy.full(len(before[name]), value)) for name, value in values.items()
+                      if name not in fields and numpy.ndim(before.get(name)) == 1)
+        uniform = {name: value for name, value in values.items() if name not in fields}
+        if uniform:
+            self._simulation._set_parameters(self._place, to_json(uniform))
+        for name, value in fields.items():
+            self._simulation._set_field(self._place, name, _row(name, value))
 
     def __iter__(self):
         return iter(self._values())

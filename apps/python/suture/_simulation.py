@@ -20,9 +20,12 @@ class Change(NamedTuple):
     """(k, 2) int64: the elements on both sides of every face, by the user's numbers."""
     elements: "numpy.ndarray"
     """(k,) int64: the elements that were removed, by the user's numbers."""
+    elements_cut: int
+    """The elements that were divided along the blade."""
 
     def __bool__(self):
-        return self.faces_cut + self.faces_torn + self.faces_sewn + self.elements_removed > 0
+        return (self.faces_cut + self.faces_torn + self.faces_sewn + self.elements_removed
+                + self.elements_cut > 0)
 
 
 def _without_none(**values):
@@ -192,13 +195,15 @@ class Simulation(_suture.Simulation):
             event["shape"] = shape
         return Change(*self._apply(to_json(event), operation + "()"))
 
-    def cut(self, plane=None, *, surface=None, faces=None, shape=None):
+    def cut(self, plane=None, *, surface=None, faces=None, shape=None, along=None):
         """Cut now; return a Change.
 
         plane    (point, normal), m, or a dict as in a scene: point, normal, radius, or polygon
         surface  (vertices, triangles): arrays (n, 3) in m and (k, 3); or a dict as in a scene
         faces    pairs of elements [(4, 5), ...] by the user's numbers
         shape    "deformed" (default) or "rest": where plane and surface lie
+        along    "faces" (default): open faces of elements; or "blade": divide the elements that the
+                 plane or the surface crosses. The scene must have such a cut among its events.
         """
         kind, blade = _one_of(plane=plane, surface=surface, faces=faces)
         if kind == "plane" and not isinstance(blade, dict):
@@ -207,8 +212,11 @@ class Simulation(_suture.Simulation):
         if kind == "surface" and not isinstance(blade, dict):
             if shape not in (None, "deformed", "rest"):
                 raise ValueError(f"shape must be 'deformed' or 'rest', is {shape!r}")
-            return Change(*self._cut_surface(*_surface_arrays(blade), shape == "rest"))
-        return self._operate("cut", {kind: blade}, shape)
+            if along not in (None, "faces", "blade"):
+                raise ValueError(f"along must be 'faces' or 'blade', is {along!r}")
+            return Change(*self._cut_surface(*_surface_arrays(blade), shape == "rest",
+                                             along == "blade"))
+        return self._operate("cut", _without_none(**{kind: blade}, along=along), shape)
 
     def grasp(self, name, where=None, move=None, ramp=None, *, obstacle=None, reach=None):
         """Hold the nodes that a selection names in the deformed shape, from where they are, or
@@ -273,6 +281,23 @@ class Simulation(_suture.Simulation):
         from ._parameters import Parameters
 
         return Parameters(self)
+
+    # ---- derivatives ----
+
+    def adjoint(self, objective, tolerance=1e-6):
+        """The derivative of an objective at this equilibrium by everything that determines it: an
+        Adjoint, whose cost is one linear solve. Raises InputError with the reason where there is
+        none. See suture.gradient() for objectives."""
+        from ._gradients import Adjoint
+
+        return Adjoint(self, objective, tolerance)
+
+    def sensitivity(self, model, parameter, per=None, tolerance=1e-6):
+        """The derivative of this equilibrium by a parameter of a model: a Sensitivity, whose cost
+        is one linear solve per number. See Adjoint.gradient() for per."""
+        from ._gradients import Sensitivity
+
+        return Sensitivity(self, model, parameter, per, tolerance)
 
     # ---- callbacks ----
 

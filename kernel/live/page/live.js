@@ -5,7 +5,7 @@ import { Picture, colour_at } from './scene.js';
 import { follow_mouse } from './hands.js';
 import { show_values } from './panel.js';
 import { Plots } from './plots.js';
-import { Video, save_picture } from './save.js';
+import { Video, save_picture, save_text } from './save.js';
 import { Color } from './three/build/three.module.js';
 
 const $ = (selector) => document.querySelector(selector);
@@ -66,6 +66,7 @@ function enable_inputs() {
 }
 
 function take_text(message) {
+  if (message.scene && live.control) save_text(message.scene, `${message.name}-done.json`);
   if (message.kept) show_kept(message.kept);
   if (message.values) {
     live.values = message.values;
@@ -213,6 +214,7 @@ $('#reset').onclick = () => send({ do: 'reset' });
 $('#back').onclick = () => send({ do: 'back' });
 $('#keep').onclick = () => send({ do: 'keep' });
 $('#kept').onchange = (event) => send({ do: 'back', to: Number(event.target.value) });
+$('#scene').onclick = () => send({ do: 'scene' });
 $('#save-picture').onclick = () => save_picture(picture.canvas, file_name());
 $('#save-video').onclick = toggle_video;
 $('#speed').onchange = (event) => send({ do: 'speed', value: Number(event.target.value) });

@@ -12,6 +12,8 @@ function save(blob, name) {
 
 export const save_picture = (canvas, name) => canvas.toBlob((blob) => save(blob, `${name}.png`));
 
+export const save_text = (text, name) => save(new Blob([text], { type: 'application/json' }), name);
+
 // A video from now until stop(); `failed(text)` says why there is none.
 export class Video {
   constructor(canvas, name, failed) {

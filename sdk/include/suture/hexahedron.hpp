@@ -129,7 +129,7 @@ SUTURE_INLINE void isotropic_box_force(const vec3<T> (&x)[8], const Box& box, co
 template <int Q, class T, class Geometry, class Visit>
 SUTURE_INLINE void for_deformations(const vec3<T> (&x)[8], const Geometry& geometry,
                                     Visit&& visit) {
-  axis_values<T, Q> g = gradients<Q>(x);
+  axis_values<T, Q> g = called_gradients<Q>(x);
   geometry.start(g);
   for_each_point<Q, false>([&](int i, int j, int k) SUTURE_DETAIL_INLINED {
     const auto point = geometry.point(i, j, k);

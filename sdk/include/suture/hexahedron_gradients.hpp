@@ -122,6 +122,13 @@ SUTURE_INLINE axis_values<T, Q> gradients(const vec3<T> (&x)[8]) {
   return g;
 }
 
+/// The same as a function of its own, for loops over the Gauss points, which read the values from
+/// memory anyway: the compiler works through it once for all geometries.
+template <int Q, class T>
+[[gnu::noinline]] axis_values<T, Q> called_gradients(const vec3<T> (&x)[8]) {
+  return gradients<Q>(x);
+}
+
 /// The transpose of gradients(), negated: f_n = - sum over points and axes of
 /// s_d(point) dN_n/dxi_d. With s = P cof(J) w this is the force of stress P.
 template <int Q, class T>

@@ -17,7 +17,8 @@ namespace suture {
 template <int Q, bool Unrolled = (Q == 2), class T, class Geometry, class Law>
 SUTURE_INLINE void internal_tangent(const vec3<T> (&x)[8], const vec3<T> (&dx)[8],
                                     const Geometry& geometry, Law&& law, vec3<T> (&df)[8]) {
-  axis_values<T, Q> g = gradients<Q>(x), dg = gradients<Q>(dx);
+  axis_values<T, Q> g = Unrolled ? gradients<Q>(x) : called_gradients<Q>(x);
+  axis_values<T, Q> dg = Unrolled ? gradients<Q>(dx) : called_gradients<Q>(dx);
   geometry.start(g);
   geometry.start(dg);
   axis_values<T, Q> s{};

@@ -188,10 +188,13 @@ class hourglass_stiffness {
 //   F(modes)               the mean gradient
 //   add_flux(P, pull)      adds the derivatives of V W by the modes
 //   lower(v)               E'E v
+// and core, the part of it that the hourglass energy reads.
 
 /// A box along the axes.
 template <class R>
 struct box_rest {
+  using core = box_rest;
+  static constexpr bool is_box = true;
   vec3<R> inverse;  ///< of the edge sums
   vec3<R> metric;   ///< their squares
   R volume;
@@ -231,6 +234,8 @@ struct box_rest {
 /// Any parallelepiped.
 template <class R>
 struct parallelepiped_rest {
+  using core = parallelepiped_rest;
+  static constexpr bool is_box = false;
   mat3<R> inverse;  ///< E^-1
   R volume;
   sym3<R> metric;  ///< E'E
@@ -442,20 +447,34 @@ SUTURE_INLINE nodal_modes<T> separated_modes(const vec3<T> (&x)[8], const Rest& 
   return now;
 }
 
-/// Hourglass energy; `Both`: with the half of F^-1. `rest` has its stiffness times
-/// hourglass_share<Both>.
-template <bool Both, class T, class Rest>
-SUTURE_INLINE T hourglass_energy(const nodal_modes<T>& now, const Rest& rest) {
+/// Hourglass energy; `Both`: with the half of F^-1. `core` has its stiffness times
+/// hourglass_share<Both>. A function of its own, as it is not computed in every step.
+template <bool Both, class T, class Core>
+[[gnu::noinline]] T hourglass_energy(const nodal_modes<T>& now, const Core& core) {
   vec3<T> e[4];
   detail::stretched(now, e);
-  T twice = detail::twice_energy(e, rest);
+  T twice = detail::twice_energy(e, core);
   if constexpr (Both) {
     vec3<T> p[4];
     detail::pulled_back(now, p);
-    for (int k = 0; k < 4; ++k) e[k] = rest.lower(p[k]);
-    twice += detail::twice_energy(e, rest);
+    for (int k = 0; k < 4; ++k) e[k] = core.lower(p[k]);
+    twice += detail::twice_energy(e, core);
   }
   return 0.5 * twice;
+}
+
+/// The derivatives of that energy.
+template <bool Both, class T, class Core>
+SUTURE_INLINE nodal_modes<T> hourglass_pull(const nodal_modes<T>& now, const Core& core) {
+  nodal_modes<T> pull = detail::pull_of_stretched(now, core);
+  if constexpr (Both) detail::add_pull_of_pulled_back(now, core, pull);
+  return pull;
+}
+/// The same as a function of its own: tangents on all shapes but boxes call it.
+template <bool Both, class T, class Core>
+[[gnu::noinline]] nodal_modes<T> called_hourglass_pull(const nodal_modes<T>& now,
+                                                       const Core& core) {
+  return hourglass_pull<Both>(now, core);
 }
 
 /// Nodal forces of a law that gives P for F, and of the hourglass energy.
@@ -463,8 +482,12 @@ template <bool Both, class T, class Rest, class Law>
 SUTURE_INLINE void mean_gradient_force(const vec3<T> (&x)[8], const Rest& rest, Law&& law,
                                        vec3<T> (&f)[8]) {
   const nodal_modes<T> now = separated_modes(x, rest);
-  nodal_modes<T> pull = detail::pull_of_stretched(now, rest);
-  if constexpr (Both) detail::add_pull_of_pulled_back(now, rest, pull);
+  const typename Rest::core& core = rest;
+  nodal_modes<T> pull;
+  if constexpr (is_dual<T> && !Rest::is_box)
+    pull = called_hourglass_pull<Both>(now, core);
+  else
+    pull = hourglass_pull<Both>(now, core);
   rest.add_flux(law(rest.F(now)), pull);
   rest.unite(pull);
   scatter(pull, f);

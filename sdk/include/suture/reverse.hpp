@@ -44,7 +44,9 @@ struct variable {
   SUTURE_INLINE variable& operator*=(const variable& b) { return *this = *this * b; }
   SUTURE_INLINE variable& operator/=(const variable& b) { return *this = *this / b; }
 
-  friend SUTURE_INLINE variable operator-(const variable& a) { return a.result(-a.value, minus); }
+  friend SUTURE_INLINE variable operator-(const variable& a) {
+    return result(-a.value, a.as(minus));
+  }
   friend SUTURE_INLINE variable operator+(const variable& a, const variable& b) {
     return noted(a.value + b.value, a.as(plus), b.as(plus));
   }
@@ -64,7 +66,7 @@ struct variable {
   // With a constant.
   template <class N, class = if_constant<N, T>>
   friend SUTURE_INLINE variable operator+(const variable& a, N b) {
-    return a.result(a.value + R(b), plus);
+    return result(a.value + R(b), a.as(plus));
   }
   template <class N, class = if_constant<N, T>>
   friend SUTURE_INLINE variable operator+(N a, const variable& b) {
@@ -72,11 +74,11 @@ struct variable {
   }
   template <class N, class = if_constant<N, T>>
   friend SUTURE_INLINE variable operator-(const variable& a, N b) {
-    return a.result(a.value - R(b), plus);
+    return result(a.value - R(b), a.as(plus));
   }
   template <class N, class = if_constant<N, T>>
   friend SUTURE_INLINE variable operator-(N a, const variable& b) {
-    return b.result(R(a) - b.value, minus);
+    return result(R(a) - b.value, b.as(minus));
   }
   template <class N, class = if_constant<N, T>>
   friend SUTURE_INLINE variable operator*(const variable& a, N b) {
@@ -131,22 +133,28 @@ struct variable {
   }
 
   /// The result of an operation on this number alone, and its derivative.
-  SUTURE_INLINE variable result(T v, detail::influence kind, T derivative = T(0.0)) const {
-    return noted(v, as(kind, derivative), detail::no_relation<T>());
+  SUTURE_INLINE variable result(T v, detail::influence kind, T derivative) const {
+    return result(v, as(kind, derivative));
   }
   static constexpr auto plus = detail::influence::same, minus = detail::influence::opposite,
                         weighted = detail::influence::weighted,
                         singular = detail::influence::singular;
 
  private:
-  SUTURE_INLINE detail::relation<T> as(detail::influence kind, T weight = T(0.0)) const {
+  template <class Weight = detail::no_weight>
+  SUTURE_INLINE detail::relation<T, Weight> as(detail::influence kind, Weight weight = {}) const {
     return {notes, notes ? 16 * place + 2 * int(kind) : 0, weight};
   }
-  SUTURE_INLINE detail::relation<T> selected_by(const R& scale) const {
+  SUTURE_INLINE detail::relation<T, T> selected_by(const R& scale) const {
     return {notes, notes ? 16 * place + 2 * int(detail::influence::scaled) + 1 : 0, T(scale)};
   }
-  static SUTURE_INLINE variable noted(T value, const detail::relation<T>& a,
-                                      const detail::relation<T>& b) {
+  template <class A>
+  static SUTURE_INLINE variable result(T value, const detail::relation<T, A>& a) {
+    return noted(value, a, detail::no_relation<T>());
+  }
+  template <class A, class B>
+  static SUTURE_INLINE variable noted(T value, const detail::relation<T, A>& a,
+                                      const detail::relation<T, B>& b) {
     detail::tape<T>* const notes = a.notes ? a.notes : b.notes;
     if (!notes) return value;
     return {value, notes, note(*notes, a, b)};

@@ -72,7 +72,10 @@ struct mean_gradient_law : on_volumes {
       for (int n = 0; n < 8; ++n) x[n] = c.position(n);
       const nodal_modes<T> now = separated_modes(x, rest);
       e = {rest.F(now), rest.volume, T(0.0)};
-      if constexpr (has_energy_density<M>) e.hourglass_energy = hourglass_energy<both>(now, rest);
+      if constexpr (has_energy_density<M>) {
+        const typename std::decay_t<decltype(rest)>::core& core = rest;
+        e.hourglass_energy = hourglass_energy<both>(now, core);
+      }
     });
     return e;
   }

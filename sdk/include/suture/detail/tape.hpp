@@ -31,27 +31,34 @@ struct tape {
   int size;
 };
 
-/// An operand's part in a result.
-template <class T>
+/// An operand's part in a result: `weight` is a T, or no_weight in sums.
+template <class T, class Weight>
 struct relation {
   tape<T>* notes;
   int operand;  ///< as in a tape
-  T weight;
+  Weight weight;
 };
+struct no_weight {};
 template <class T>
-SUTURE_INLINE relation<T> no_relation() {
-  return {nullptr, 0, T(0.0)};
+SUTURE_INLINE relation<T, no_weight> no_relation() {
+  return {nullptr, 0, {}};
 }
+template <class T>
+SUTURE_INLINE void keep(T& place, const T& weight) {
+  place = weight;
+}
+template <class T>
+SUTURE_INLINE void keep(T&, no_weight) {}
 
 /// Notes an operation and returns its place.
-template <class T>
-SUTURE_INLINE int note(tape<T>& notes, const relation<T>& a, const relation<T>& b) {
+template <class T, class A, class B>
+SUTURE_INLINE int note(tape<T>& notes, const relation<T, A>& a, const relation<T, B>& b) {
   const int place = notes.size++;
   if (place >= tape<T>::capacity) return place;
   notes.operand[0][place] = a.operand;
-  notes.weight[0][place] = a.weight;
+  keep(notes.weight[0][place], a.weight);
   notes.operand[1][place] = b.operand;
-  notes.weight[1][place] = b.weight;
+  keep(notes.weight[1][place], b.weight);
   return place;
 }
 

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/gradients/total_forces.hpp"
+
+#include "kernel/base/aligned.hpp"
+
+namespace suture {
+namespace {
+
+/// `skew`: what the part that is not symmetric counts.
+std::vector<double> product(Body& body, double time, const std::vector<double>& d, double skew) {
+  std::vector<double> out(d.size());
+  for_each_with<TangentTerm>(body.terms(), [&](TangentTerm& term) {
+    if (!term.is_stiff()) return;
+    term.add_tangent(d.data(), 1, 0, time, out.data());
+    term.add_skew_tangent(d.data(), skew, time, out.data());
+  });
+  return out;
+}
+
+}  // namespace
+
+std::vector<double> total_forces(Body& body, double time) {
+  Attributes& attributes = body.attributes();
+  const Index vertices = attributes.vertex_count();
+  AlignedVector<double> rows(std::size_t{vertices} * 4);
+  for (const auto& term : body.terms())
+    term->add_forces(time, attributes.kernel(0).cells.live(), rows.data());
+  const Vec3 gravity = body.acceleration(time);
+  std::vector<double> forces;
+  for (Index v = 0; v < vertices; ++v)
+    for (std::size_t c = 0; c < 3; ++c)
+      forces.push_back(rows[std::size_t{v} * 4 + c] + attributes.mass().get(v, 0) * gravity[c]);
+  return forces;
+}
+
+std::vector<double> elastic_forces(Body& body, double time) {
+  const std::size_t vertices = body.attributes().vertex_count();
+  AlignedVector<double> rows(vertices * 4);
+  body.models().add_forces(time, 0, ForceLoop::Part::with_energy, rows.data());
+  std::vector<double> forces(vertices * 3);
+  for (std::size_t i = 0; i < forces.size(); ++i) forces[i] = rows[i / 3 * 4 + i % 3];
+  return forces;
+}
+
+std::vector<double> transposed_tangent(Body& body, double time, const std::vector<double>& d) {
+  return product(body, time, d, -1);
+}
+
+std::vector<double> tangent(Body& body, double time, const std::vector<double>& d) {
+  return product(body, time, d, 1);
+}
+
+}  // namespace suture

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Contact of bodies that are cut along blades: lips touch what the rest of the surface does.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "kernel/base/rows.hpp"
+#include "kernel/base/vec3.hpp"
+#include "kernel/contact/contact.hpp"
+#include "kernel/run/simulation.hpp"
+#include "tests/run/equilibrium.hpp"
+
+namespace suture::test {
+namespace {
+
+const Vec3 oblique{1, 0.15, 0.4};
+
+/// A slab of 8 x 4 x 3 elements of 1 m on a table, cut by an oblique plane at 0.3 s.
+Scene slab() {
+  Scene scene = block(tree_plugins(), "tm-faure", {8, 4, 3}, {8, 4, 3},
+                      {{"E", 1e5}, {"nu", 0.3}, {"rho", 1000}});
+  scene.gravity = {0, 0, -2};
+  scene.contact.obstacles = {
+      {"table", "/contact/obstacles/0", HalfSpace{{0, 0, 0}, {0, 0, 1}}, {}, 0.4}};
+  scene.solver.damping = 3;
+  scene.solver.dt = 2e-3;
+  Event cut;
+  cut.what = CutPlane{.point = {4.1, 2.1, 1.4}, .normal = oblique, .along_blade = true};
+  cut.path = "/events/0";
+  cut.at = 0.3;
+  scene.events = {cut};
+  return scene;
+}
+
+struct SlabRun {
+  explicit SlabRun(const Scene& scene) : simulation(scene, tree_plugins(), diagnostics) {}
+  Attributes& attributes() { return simulation.attributes(); }
+  double mass(Index v) { return attributes().mass().get(v, 0); }
+  Vec3 momentum() {
+    Vec3 sum{};
+    for (Index v = 0; v < attributes().vertex_count(); ++v)
+      sum = plus(sum, scaled(mass(v), row(attributes().velocity().rows(), v)));
+    return sum;
+  }
+  double total_mass() {
+    double sum = 0;
+    for (Index v = 0; v < attributes().vertex_count(); ++v) sum += mass(v);
+    return sum;
+  }
+  /// The least of a function over the points of the surface.
+  template <class Of>
+  double least(Of of) {
+    const Embedding& embedding = simulation.built().embedding();
+    double least = 1e9;
+    for (const auto& triangle : embedding.triangles)
+      for (const Index p : triangle) {
+        Vec3 place;
+        for (std::size_t c = 0; c < 3; ++c)
+          place[c] = embedding.points.value(p, attributes().position().rows(), 4, c);
+        least = std::min(least, of(place));
+      }
+    return least;
+  }
+  double lowest() {
+    return least([](const Vec3& place) { return place[2]; });
+  }
+  Index islands() { return simulation.built().body().islands().existing(); }
+
+  Diagnostics diagnostics;
+  Observer nobody;
+  Simulation simulation;
+};
+
+TEST(BladeContact, TheForceOfATableIsTheChangeOfMomentum) {
+  Scene scene = slab();
+  scene.solver.damping = 0;
+  SlabRun run(scene);
+  run.simulation.run_to(0.2, run.nobody);
+  const double weight = 2 * run.total_mass();
+  while (run.simulation.time() < 0.8) {
+    const Vec3 before = run.momentum();
+    const double dt = run.simulation.next_dt();
+    run.simulation.advance({{}, 1}, run.nobody);
+    const Vec3 on = scaled(-1, run.simulation.contact()->loads()[0].force);
+    const Vec3 change = minus(run.momentum(), before);
+    EXPECT_LT(norm(minus(change, scaled(dt, minus(on, {0, 0, weight})))), 1e-9 * weight)
+        << run.simulation.time();
+    ASSERT_GT(run.lowest(), -1e-4) << run.simulation.time();
+  }
+  EXPECT_EQ(run.islands(), 2u);
+}
+
+TEST(BladeContact, PiecesRestOnATableWithTheirWeight) {
+  for (const char* law : {"impulses", "penalty", "implicit-euler", "static"}) {
+    Scene scene = slab();
+    const bool yields = std::string(law) == "penalty";
+    if (yields) {
+      scene.contact.penalty = true;
+      scene.contact.obstacles[0].friction = 0;
+    } else if (std::string(law) != "impulses") {
+      scene.solver.integrator = law;
+      scene.solver.dt = 0.05;
+    }
+    SlabRun run(scene);
+    run.simulation.run_to(4, run.nobody);
+    EXPECT_EQ(run.islands(), 2u);
+    const double weight = 2 * run.total_mass();
+    EXPECT_NEAR(run.simulation.contact()->loads()[0].force[2], -weight, 0.01 * weight) << law;
+    EXPECT_GT(run.lowest(), yields ? -0.5 : -1e-4) << law;
+    const EnergyBalance e = run.simulation.built().dynamics().balance();
+    if (scene.solver.integrator != law) {
+      EXPECT_LT(std::abs(e.balance), 0.003 * e.exchanged) << law;
+    }
+  }
+}
+
+/// A bar that is held at both ends; a plate 0.8 m thick goes down through it, behind its edge.
+Scene bar_and_plate() {
+  Scene scene = slab();
+  scene.gravity = {};
+  hold(scene, at({0, any, any}), 7);
+  hold(scene, at({8, any, any}), 7);
+  Obstacle knife{"knife", "/contact/obstacles/0", Box{{3.9, -1, 3.1}, {4.7, 5, 8}}};
+  knife.motion.stations = {{0.1, {}, 0}, {1.1, {0, 0, -3.6}, 0}};
+  scene.contact.obstacles = {knife};
+  CutBlade cut;
+  cut.carried = CutBlade::Carried{0, "knife", {{4.3, -1, 3.05}, {4.3, 5, 3.05}}};
+  cut.stations.resize(1);
+  cut.along_blade = true;
+  scene.events[0] = {.what = cut, .path = "/events/0"};
+  scene.solver.end = 1.2;
+  return scene;
+}
+
+TEST(BladeContact, AnObstacleDoesNotPushWhatItsBladeCuts) {
+  SlabRun run(bar_and_plate());
+  while (run.simulation.time() < 1.1) {
+    run.simulation.advance({{}, 1}, run.nobody);
+    ASSERT_EQ(norm(run.simulation.contact()->loads()[0].force), 0);
+  }
+  EXPECT_EQ(run.islands(), 2u);
+}
+
+// What pushes the same body meanwhile goes on doing so.
+TEST(BladeContact, OtherObstaclesPushMeanwhile) {
+  Scene scene = bar_and_plate();
+  Obstacle ball{"ball", "/contact/obstacles/1", Sphere{{1.6, 2, 4}, 1}};
+  ball.motion.stations = {{0, {}, 0}, {0.5, {0, 0, -0.4}, 0}};
+  scene.contact.obstacles.push_back(ball);
+  SlabRun run(scene);
+  run.simulation.run_to(1.1, run.nobody);
+  EXPECT_EQ(run.islands(), 2u);
+  EXPECT_GT(run.simulation.contact()->loads()[1].force[2], 100);
+  EXPECT_NEAR(run.least([](const Vec3& place) {
+    return norm(minus(place, {1.6, 2, 3.6})) - 1;
+  }),
+              0, 1e-6);
+}
+
+}  // namespace
+}  // namespace suture::test

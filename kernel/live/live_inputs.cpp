@@ -107,7 +107,7 @@ void LiveRun::apply(const std::string& value, Observer& observer, const std::str
 /// Sends a scene that does what was done so far.
 void LiveRun::send_scene() {
   if (!recording_->has_inputs()) throw InputError("nothing was done yet that a scene could repeat");
-  const RecordedScene scene = scene_of(read_recording(recording_->path()), simulation_->time());
+  const RecordedScene scene = scene_of(recording_->read(), simulation_->time());
   for (const std::string& input : scene.left_out)
     tell("warning", "a scene cannot say this input, which was left out: " + input);
   server_.say(json_text(Json{{"scene", scene.text}, {"name", scene_.file.stem().string()}}));
@@ -174,7 +174,8 @@ void LiveRun::grab(const Vec3& at, Observer& observer) {
 void LiveRun::take_tool(const std::string& tool, const Vec3& at, Observer& observer) {
   let_go(observer);
   const ContactLaw* contact = simulation_->contact();
-  const Pose pose = contact->pose(obstacle_named(tool, contact), simulation_->time());
+  const Obstacle& obstacle = contact->obstacles()[obstacle_named(tool, contact)];
+  const Pose pose = obstacle.motion.pose(simulation_->time());
   keep("push with " + tool, true);
   hand_ = Hand{tool, minus(pose.translation, at), at, at, simulation_->time()};
 }
@@ -207,7 +208,9 @@ void LiveRun::feel_hand() {
     held.force = simulation_->force_on_grasp(hand_name);
   } else {
     const ContactLaw* contact = simulation_->contact();
-    held.force = contact->loads()[obstacle_named(hand_->tool, contact)].force;
+    const std::size_t obstacle = obstacle_named(hand_->tool, contact);
+    const auto compliant = contact->tool_state(obstacle);
+    held.force = compliant ? compliant->hand_force : contact->loads()[obstacle].force;
   }
   status_.hand = held;
 }

@@ -190,6 +190,14 @@ void RecordingWriter::back(std::uint64_t step, std::size_t inputs) {
   inputs_ = inputs;
 }
 
+Recording RecordingWriter::read() const {
+  try {
+    return read_recording(path_);
+  } catch (const IoError& error) {
+    throw InputError(error.what());
+  }
+}
+
 void RecordingWriter::end(Simulation& simulation) {
   if (!has_inputs() || !is_on_) return;
   write(line_of({{"step", simulation.step()}, {"end", true}, {"state", state_hash(simulation)}}));

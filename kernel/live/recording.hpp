@@ -66,6 +66,8 @@ class RecordingWriter {
   /// The run goes on from an earlier step, before which it had this number of inputs.
   void back(std::uint64_t step, std::size_t inputs);
   void end(Simulation& simulation);
+  /// What was written so far. Throws InputError if the file cannot be read any more.
+  Recording read() const;
   /// Nothing more is written.
   void stop() { is_on_ = false; }
   bool is_on() const { return is_on_; }

@@ -65,10 +65,10 @@ class _Objective:
     def __call__(self, q):
         try:
             evaluation = self._method.at(q)
+            cost, gradient = self._of_data(q, evaluation)
         except Failed:
             self._record.add_failure()
             return self._worst, numpy.zeros_like(q)
-        cost, gradient = self._of_data(q, evaluation)
         more, slope = self._of_fields(q)
         cost, gradient = cost + more, gradient + slope
         self._record.add(evaluation, cost)

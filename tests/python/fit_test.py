@@ -3,6 +3,7 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -284,6 +285,7 @@ class Fields(unittest.TestCase):
                  "only what is fitted per \"element\" is regularised"),
                 ({"/loads/0/traction/0": self.field()}, None, "is no parameter of a model"),
                 ({E: self.field(), "/gravity/0": {"range": [0, 1]}}, None, "only parameters of"),
+                ({RHO: {**self.field(), "range": [500, 2000]}}, None, "rho has no effect"),
                 ({E: self.field()}, moving, "a field needs derivatives")):
             with self.subTest(text):
                 data = [{**test, **({"scene": scene} if scene else {})}]
@@ -336,6 +338,15 @@ class Program(InFolder):
         shutil.copytree(DOCS, ".", dirs_exist_ok=True)
         study = json.loads(Path("tension-fit.json").read_text())
         Path("study.json").write_text(json.dumps({**study, **more}))
+
+    def test_the_documentation_shows_the_studies(self):
+        text = (DOCS.parent / "fit.md").read_text()
+        shown = [json.loads(part) for part in re.findall(r"```json\n(.*?)```", text, re.S)]
+        files = [json.loads(file.read_text()) for file in DOCS.glob("*-fit.json")]
+        for study in shown:
+            self.assertIn(study, [{key: value for key, value in file.items() if key != "stop"}
+                                  for file in files])
+        self.assertEqual(len(shown), 2)
 
     def test_the_study_of_the_documentation(self):
         self.study(folder="out")

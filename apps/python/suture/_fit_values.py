@@ -90,12 +90,17 @@ class Differences:
         return Evaluation(q, [values[0] for values in tests], self.problem, jacobian)
 
 
+def no_effect(name):
+    """The text of a mistake."""
+    return (f"/fit: {name} has no effect on the data of any test; leave it out, or add a test that "
+            "depends on it")
+
+
 def require_effect(evaluation, names):
     """Raises ValueError for a number that changes nothing."""
     for name, column in zip(names, evaluation.jacobian.T):
         if abs(column).max() < NO_EFFECT:
-            raise ValueError(f"/fit: {name} has no effect on the data of any test; leave it out, "
-                             "or add a test that depends on it")
+            raise ValueError(no_effect(name))
 
 
 def start_at(method, problem, q):

@@ -6,6 +6,7 @@
 """
 
 import json
+import math
 import sys
 from pathlib import Path
 
@@ -73,6 +74,20 @@ def block(folder, random):
         print(f"{test['points']}: deviation {deviation:.3g} m")
 
 
+def liver(folder):
+    """The law of liver, K r t^(1-n) / Gamma(2-n), which was measured at three rates r (Nicolle,
+    Noguier, Palierne 2012), on a plate of 30 mm x 10 mm."""
+    K, n, area = 861, 0.1138, 3e-4
+    for name, rate in (("slow", 0.0151), ("medium", 0.133), ("fast", 0.67)):
+        lines = [f"# The law that was measured of liver, at a shear of {rate} 1/s, on 3 cm2.",
+                 "time [s],force [mN]"]
+        for time in numpy.arange(1, 11) / 5:
+            stress = K * rate * time ** (1 - n) / math.gamma(2 - n)
+            lines.append(f"{time:g},{1e3 * area * stress:.4g}")
+        (folder / f"liver-{name}.csv").write_text("\n".join(lines) + "\n")
+
+
 if __name__ == "__main__":
     block(Path(sys.argv[1]), numpy.random.default_rng(1))
     tension(Path(sys.argv[1]), numpy.random.default_rng(4))
+    liver(Path(sys.argv[1]))

@@ -128,11 +128,12 @@ def run_fit(problem, folder=None, jobs=None, report=None):
         return read_fit_result(folder)
     if folder:
         folder.mkdir(parents=True, exist_ok=True)
-    if q is None:
+    goes_on = q is not None
+    if not goes_on:
         q = problem.unknowns.q_at(problem.unknowns.start)
     q = numpy.clip(q, LEAST_MARGIN, 1 - LEAST_MARGIN)
     began = time.monotonic()
-    record = Record(problem, folder, key, report)
+    record = Record(problem, folder, key, report, goes_on)
     minimise = fit_field if problem.unknowns.is_field else fit_values
     outcome, reason = minimise(problem, q, jobs or os.cpu_count() or 1, record)
     result = _result_of(problem, record, outcome, reason, time.monotonic() - began)

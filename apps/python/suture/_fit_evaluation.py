@@ -38,8 +38,9 @@ class Evaluation:
 class Record:
     """What happens from evaluation to evaluation: the best one is kept, and reported."""
 
-    def __init__(self, problem, folder, key, report):
+    def __init__(self, problem, folder=None, key="", report=None, goes_on=False):
         self.problem = problem
+        self.goes_on = goes_on  # from an earlier fit
         self.best = None
         self.history = []
         self._least = numpy.inf

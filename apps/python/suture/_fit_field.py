@@ -16,7 +16,7 @@ import numpy
 from ._fit_evaluation import rho
 from ._fit_mesh import FACES, cells_of, shared_faces, volumes_of
 from ._fit_run import Failed, NoDerivatives
-from ._fit_values import FAILED, Derivatives, start_at
+from ._fit_values import FAILED, NO_EFFECT, Derivatives, no_effect, start_at
 
 CORNER = 0.02  # e, a jump that counts as none
 FIRST_STEP = 0.05  # of the range: L-BFGS-B begins with a step as long as the gradient
@@ -65,16 +65,22 @@ class _Objective:
     def __call__(self, q):
         try:
             evaluation = self._method.at(q)
+            cost, of_data = self._of_data(q, evaluation)
         except Failed:
             self._record.add_failure()
             return self._worst, numpy.zeros_like(q)
-        cost, gradient = self._of_data(q, evaluation)
         more, slope = self._of_fields(q)
-        cost, gradient = cost + more, gradient + slope
+        cost += more
         self._record.add(evaluation, cost)
         if self._worst is None:
             self._worst = FAILED * cost
-        return cost, gradient
+            self._require_effect(of_data)
+        return cost, of_data + slope
+
+    def _require_effect(self, gradient):
+        for unknown, slopes in self._problem.unknowns.parts(gradient):
+            if abs(slopes).max() < NO_EFFECT:
+                raise ValueError(no_effect(unknown.pointer))
 
     def _of_data(self, q, evaluation):
         cost, slope = rho(self._problem.loss, evaluation.residuals)

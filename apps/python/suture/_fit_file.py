@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy
 
-from ._fit_table import Table, UNITS, unknown_name
+from ._fit_table import Table, unknown_name
 from ._fit_unknowns import Unknowns, require_options
 from ._scene import is_text
 from ._study_file import (Object, is_number, is_object, is_range, is_whole, name_of, parse,

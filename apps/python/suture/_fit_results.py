@@ -77,7 +77,8 @@ class FitResult:
                  for name, text in self._texts()]
         lines.append(f"chi2 = {self.chi2:.4g} of {self.count} values"
                      + ("" if self.has_deviations else ", with deviations of 1 % of the largest"))
-        lines.append(f"{self.outcome} after {self.evaluations} evaluations: {self.reason}")
+        plural = "" if self.evaluations == 1 else "s"
+        lines.append(f"{self.outcome} after {self.evaluations} evaluation{plural}: {self.reason}")
         return lines
 
     def plot(self):

@@ -5,6 +5,7 @@ Equilibria are kept. From one set of parameters to the next, each starts from it
 along its derivatives. Other runs are repeated from their start.
 """
 
+import contextlib
 import math
 
 import numpy
@@ -20,6 +21,17 @@ class NoDerivatives(Exception):
 
 class Failed(Exception):
     """Why there is no result with these parameters."""
+
+
+@contextlib.contextmanager
+def _failures():
+    """Turns errors of a simulation into Failed."""
+    from . import Error
+
+    try:
+        yield
+    except Error as error:
+        raise Failed(str(error).splitlines()[0]) from None
 
 
 class _Moment:
@@ -53,23 +65,17 @@ class _Equilibrium(_Moment):
 
 
 class Runs:
-    """A Test whose scene is run as a whole for every set of parameters. shift: what is added to
-    them, for differences."""
+    """A Test whose scene is run as a whole for every set of parameters."""
 
-    def __init__(self, test, unknowns, shift=0.0):
+    def __init__(self, test, unknowns):
         self.test = test
         self.unknowns = unknowns
-        self._shift = shift
 
     def start(self, p, with_slopes):
         """(values (m, k), None). Raises Failed where the run does not reach its end."""
-        from . import Error
-
         self._gauge = self.test.make_gauge()
-        try:
-            self._run(p + self._shift)
-        except Error as error:
-            raise Failed(str(error)) from None
+        with _failures():
+            self._run(p)
         return self._at_times(lambda moment: moment.reading.values), None
 
     evaluate = start
@@ -146,10 +152,11 @@ class Equilibria(Runs):
     def evaluate(self, p, with_slopes):
         """The same with other parameters; without slopes, those from before."""
         self._with_slopes = with_slopes
-        for equilibrium in self._moments:
-            if not equilibrium.is_start:
-                self._visit(equilibrium, p)
-                self._read(equilibrium, p)
+        with _failures():
+            for equilibrium in self._moments:
+                if not equilibrium.is_start:
+                    self._visit(equilibrium, p)
+                    self._read(equilibrium, p)
         return self._result()
 
     def _result(self):
@@ -163,25 +170,22 @@ class Equilibria(Runs):
         total = numpy.zeros(self.unknowns.size)
         for i, equilibrium in enumerate(self._moments):
             shares = [sum(part for place, part in parts if place == i) for parts in self._parts]
-            if not equilibrium.is_start and any(shares):
+            if equilibrium.is_start or not any(shares):
+                continue
+            with _failures():
                 self._visit(equilibrium, p)
                 total += self._adjoint(equilibrium.reading, shares @ weights)
         return total
 
     def _visit(self, equilibrium, p):
         """Finds the equilibrium with these parameters."""
-        from . import Error
-
         sim = self._sim
         if self._current is not equilibrium:
             sim.restore(equilibrium.state)
         self._current = None
-        try:
-            self.unknowns.apply(sim, p)
-            sim.position = equilibrium.guess(p)
-            sim.equilibrate()
-        except Error as error:
-            raise Failed(str(error)) from None
+        self.unknowns.apply(sim, p)
+        sim.position = equilibrium.guess(p)
+        sim.equilibrate()
         equilibrium.position = sim.position.copy()
         self._current = equilibrium
 

@@ -6,12 +6,14 @@ import warnings
 
 import numpy
 
-from ._fit_evaluation import Evaluation
+from ._fit_evaluation import Evaluation, Record
 from ._fit_run import Equilibria, Failed, NoDerivatives, Runs
 from ._fit_workers import Workers
 
 DIFFERENCE = 1e-3  # of the range
 NO_EFFECT = 1e-6  # of the deviations, where a number goes through its range
+FEW_TIMES = 5  # of a test, for a start
+ROUGH = 1e-2  # tolerance of the start
 SAME_SLOPES = 5e-3  # of the range: after shorter steps, derivatives are kept
 FAILED = 10.0  # what a failed evaluation counts, as a multiple of the first one
 
@@ -88,12 +90,17 @@ class Differences:
         return Evaluation(q, [values[0] for values in tests], self.problem, jacobian)
 
 
+def no_effect(name):
+    """The text of a mistake."""
+    return (f"/fit: {name} has no effect on the data of any test; leave it out, or add a test that "
+            "depends on it")
+
+
 def require_effect(evaluation, names):
     """Raises ValueError for a number that changes nothing."""
     for name, column in zip(names, evaluation.jacobian.T):
         if abs(column).max() < NO_EFFECT:
-            raise ValueError(f"/fit: {name} has no effect on the data of any test; leave it out, or "
-                             "add a test that depends on it")
+            raise ValueError(no_effect(name))
 
 
 def start_at(method, problem, q):
@@ -102,7 +109,7 @@ def start_at(method, problem, q):
     try:
         return method.at(q)
     except Failed as error:
-        why = str(error).splitlines()[0]
+        why = str(error)
     names = ", ".join(unknown.pointer for unknown in problem.unknowns.all)
     for end in (0.999, 0.001):
         try:
@@ -113,8 +120,8 @@ def start_at(method, problem, q):
         raise ValueError(f"/fit: the run at the start of {names} fails ({why}); it succeeds at the "
                          f"{'upper' if end > 0.5 else 'lower'} ends of the ranges: start near "
                          f"{', '.join(f'{v:.4g}' for v in values[:4])}")
-    raise ValueError(f"/fit: the ranges of {names} exclude every stable body: the runs at the start "
-                     f"and at both ends fail; at the start: {why}")
+    raise ValueError(f"/fit: the ranges of {names} exclude every stable body: the runs at the "
+                     f"start and at both ends fail; at the start: {why}")
 
 
 class _Cached:
@@ -156,7 +163,7 @@ def _least_squares(problem, q, method, record):
         cached.keep(first)
         found = scipy.optimize.least_squares(
             cached.residuals, q, cached.jacobian, bounds=(0, 1), x_scale="jac", loss=problem.loss,
-            ftol=problem.tolerance, xtol=problem.tolerance, gtol=1e-12,
+            ftol=10 * problem.tolerance, xtol=problem.tolerance, gtol=1e-12,
             max_nfev=problem.most_evaluations)
     reasons = {1: "the gradient is zero", 2: "chi2 no longer changes",
                3: "the values no longer change", 4: "neither chi2 nor the values change"}
@@ -165,10 +172,31 @@ def _least_squares(problem, q, method, record):
     return "stopped", f"{problem.most_evaluations} evaluations, as /stop allows"
 
 
+def _some_times(test):
+    """A few of the times of a test, evenly spread, with the last one."""
+    places = numpy.linspace(0, len(test.times) - 1, FEW_TIMES + 1).round().astype(int)[1:]
+    return test.rows(numpy.argsort(test.times)[places])
+
+
+def _better_start(problem, q, jobs):
+    """Fits a few of the times roughly: the first steps need no more."""
+    if min(len(test.times) for test in problem.tests) < 2 * FEW_TIMES:
+        return q
+    rough = problem._replace(tests=[_some_times(test) for test in problem.tests], tolerance=ROUGH)
+    record = Record(rough)
+    try:
+        _least_squares(rough, q, Derivatives(rough, jobs), record)
+    except ValueError:
+        return q  # the whole fit says why
+    return record.best.q
+
+
 def fit_values(problem, q, jobs, record):
     """(outcome, reason)."""
     if problem.unknowns.are_of_models:
         try:
+            if not record.goes_on:
+                q = _better_start(problem, q, jobs)
             return _least_squares(problem, q, Derivatives(problem, jobs), record)
         except NoDerivatives as error:
             reason = str(error)

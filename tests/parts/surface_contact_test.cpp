@@ -320,7 +320,7 @@ TEST(SurfaceContact, HasTheSameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(ends[0], ends[1]);
 }
 
-TEST(SurfaceContact, IsRefusedWhereTheBallOverlapsOrPiecesWouldTouch) {
+TEST(SurfaceContact, IsRefusedWhereTheBallOverlapsTheObstacle) {
   EXPECT_NE(error_of<InputError>([] {
               BodyRun run(ball_over_floor(-0.05, {0, 0, -1}, 0));
             }).find("/contact/obstacles/0: overlaps the body at the start"),

@@ -197,8 +197,7 @@ class Equilibria(Runs):
             return
         try:
             model, parameter, weights = next(self.unknowns.directions(self._sim))
-            self._sim._displacement_slope(self._sim._force_slope(model, parameter, weights),
-                                          TOLERANCE)
+            self._sim._sensitivity(self._sim._force_slope(model, parameter, weights), TOLERANCE)
         except InputError as error:
             raise NoDerivatives(str(error)) from None
 
@@ -222,9 +221,9 @@ class Equilibria(Runs):
     def _along(self, reading, model, parameter, weights):
         """The derivatives of a reading and of the positions."""
         forces = self._sim._force_slope(model, parameter, weights)
-        moved = self._sim._displacement_slope(forces, TOLERANCE)
-        reaction = (None if reading.by_reaction is None else
-                    self._sim._reaction_slope(forces, moved))
+        moved, reaction = self._sim._sensitivity(forces, TOLERANCE)
+        if reading.by_reaction is None:
+            reaction = None
         return reading.along(moved, reaction), moved
 
     def _adjoint(self, reading, weights):

@@ -34,8 +34,8 @@ def tension(folder, random):
     scene = refined(json.loads((folder / "tension.json").read_text()))
     scene["models"][0]["parameters"].update(E=3.1e4, nu=0.44)
     sim = suture.Simulation(scene)
-    lines = ["# Synthetic: neo-Hookean, E = 31 kPa, nu = 0.44, on a mesh of half the size, with noise "
-             "of 20 mN and 10 um.", "time [s],force [N],side [mm]"]
+    lines = ["# Synthetic: neo-Hookean, E = 31 kPa, nu = 0.44, on a mesh of half the size, with "
+             "noise of 20 mN and 10 um.", "time [s],force [N],side [mm]"]
     while sim.step():
         probes = sim.probes()
         force = probes["grip"]["reaction"][0] + 0.02 * random.normal()
@@ -66,8 +66,9 @@ def block(folder, random):
         moved = (sim.position - sim.rest)[rows]
         deviation = 0.01 * numpy.linalg.norm(moved, axis=1).mean()
         moved += deviation * random.normal(size=moved.shape)
-        lines = ["# Synthetic: a block with a stiff ball and a soft block inside, on a mesh of half the "
-                 "size, with 1 % noise.", ",".join(f"{c} [mm]" for c in ("x", "y", "z", "ux", "uy", "uz"))]
+        lines = ["# Synthetic: a block with a stiff ball and a soft block inside, on a mesh of half "
+                 "the size, with 1 % noise.",
+                 "x [mm],y [mm],z [mm],ux [mm],uy [mm],uz [mm]"]
         lines += [",".join(f"{value:.4g}" for value in (*place, *shift))
                   for place, shift in zip(1e3 * sim.rest[rows], 1e3 * moved)]
         (folder / test["points"]).write_text("\n".join(lines) + "\n")

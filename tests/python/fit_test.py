@@ -51,8 +51,9 @@ def curve_of(scene, values, noise=0.0, seed=0):
         rows.append([sim.time, probes["grip"]["reaction"][0], probes["side"]["displacement"][1]])
     times, force, side = np.array(rows).T
     random = np.random.default_rng(seed)
-    return {"time": times, "force": force + noise * abs(force).max() * random.normal(size=len(times)),
-            "side": side + noise * abs(side).max() * random.normal(size=len(times))}
+    for values in (force, side):
+        values += noise * abs(values).max() * random.normal(size=len(times))
+    return {"time": times, "force": force, "side": side}
 
 
 def test_of(scene, values=None, /, **more):
@@ -297,13 +298,14 @@ class Mistakes(unittest.TestCase):
     def test_each_has_one_clear_message(self):
         pulled = moved([0.4, 0, 0])
         good = test_of(pulled)
-        late = {**good, "curve": {**good["curve"], "time": good["curve"]["time"] + 1}}
+        late = {**good, "curve": {**good["curve"], "time": good["curve"]["time"] + [0, 0, 0, 1]}}
         early = {**good, "curve": {**good["curve"], "time": good["curve"]["time"] - 1}}
         outside = {"points": {"x": [0.0, 9.0], "y": [0.0, 0], "z": [0.0, 0], "ux": [0.0, 1]}}
         heavy = moved([0, 0, 0])
         heavy["gravity"] = [-100, 0, 0]
         cases = [
-            (RANGES, [late], "row .: the time .* lies outside of the run, which goes from 0 to 1 s"),
+            (RANGES, [late],
+             "row 3: the time 2 s lies outside of the run, which goes from 0 to 1 s"),
             (RANGES, [early], "/data/0: row 0: the time .* before the start"),
             (RANGES, [{**good, "columns": {"grip reaction x": "forse"}}],
              "no column 'forse'; did you mean 'force'"),
@@ -311,7 +313,8 @@ class Mistakes(unittest.TestCase):
             (RANGES, [{**good, "columns": {"gripp reaction x": "force"}}], "gripp"),
             ({RHO: {"range": [500, 2000]}}, [good], "rho has no effect on the data of any test"),
             ({"/models/0/parameters/F": {"range": [1, 2]}}, [good], "no parameter 'F'"),
-            ({"/models/3/parameters/E": {"range": [1, 2]}}, [good], "/fit: .* the scene has no model 3"),
+            ({"/models/3/parameters/E": {"range": [1, 2]}}, [good],
+             "/fit: .* the scene has no model 3"),
             ({NU: {"range": [0.1, 0.7]}}, [good], "range of '.*nu' contains 0.7, which the scene"),
             ({E: {"range": [2, 1]}}, [good], "low < high"),
             ({E: {"range": [-1, 1], "log": True}}, [good], "range must be > 0"),
@@ -442,7 +445,7 @@ class Program(InFolder):
                             ("time [s],force,side [mm]\n1,2,3\n", "no unit; write it as"),
                             ("time [s],force [N],side [mm]\n1,x,3\n", ":2: column .* 'x'"),
                             ("time [s],force [N],side [mm]\n1,2\n", ":2: has 2 cells"),
-                            ("time [s],force [N],side [mm]\n99,1,1\n", ":2: the time 99 s lies out")):
+                            ("time [s],force [N],side [mm]\n99,1,1\n", ":2: the time 99 s lies")):
             with self.subTest(text):
                 self.study()
                 Path("tension.csv").write_text(table)

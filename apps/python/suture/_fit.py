@@ -59,21 +59,19 @@ def _prepare(problem):
     """Reads the starts of the parameters, and checks that the scenes exist and have them."""
     from . import Simulation
 
-    first = True
-    seen = []
+    scenes = []
     for i, test in enumerate(problem.tests):
-        if any(test.scene is scene or test.scene == scene for scene in seen):
+        if test.scene in scenes:
             continue
-        seen.append(test.scene)
         sim = Simulation(test.scene, test.set)
         try:
-            if first:
-                problem.unknowns.prepare(sim)
-            else:
+            if scenes:
                 problem.unknowns.require_same(sim, f"/data/{i}")
+            else:
+                problem.unknowns.prepare(sim)
         except KeyError as error:
             raise ValueError(f"/fit: {error.args[0]}") from None
-        first = False
+        scenes.append(test.scene)
     _require_ends(problem)
 
 
@@ -122,7 +120,7 @@ def run_fit(problem, folder=None, jobs=None, report=None):
     require_jobs(jobs)
     folder = None if folder is None else Path(folder).resolve()
     _prepare(problem)
-    key = _key_of(problem)
+    key = _key_of(problem) if folder else ""
     q, outcome = _earlier(folder, key) if folder else (None, "")
     if outcome == "converged" and (folder / FILE).exists():
         return read_fit_result(folder)

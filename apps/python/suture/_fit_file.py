@@ -39,8 +39,11 @@ class Test(NamedTuple):
     fingerprint: str  # of the data
 
     def rows(self, chosen):
+        """The test with some of its times."""
+        numbers = numpy.arange(len(self.times))[chosen]
         return self._replace(times=self.times[chosen], measured=self.measured[chosen],
-                             deviation=self.deviation[chosen])
+                             deviation=self.deviation[chosen],
+                             place=lambda row: self.place(numbers[row]))
 
 
 class Problem(NamedTuple):
@@ -74,8 +77,8 @@ def _probed(name, path):
     words = name.partition(" [")[0].split(" ")
     if len(words) == 3 and words[1] in FIELDS and words[2] in ("x", "y", "z"):
         return words[0], words[1], "xyz".index(words[2])
-    raise ValueError(f"{path}: {name!r} must be 'PROBE displacement x' or 'PROBE reaction x' (or y, "
-                     "z), with the name of a probe in the scene's /output/probes")
+    raise ValueError(f"{path}: {name!r} must be 'PROBE displacement x' or 'PROBE reaction x' (or "
+                     "y, z), with the name of a probe in the scene's /output/probes")
 
 
 class _Reader:
@@ -112,8 +115,8 @@ class _Reader:
         """The scene of a test, and its values."""
         scene = self._entry.value.get("scene", self._study.value.get("scene"))
         if not _is_file(scene):
-            raise ValueError("/: 'scene' is missing: the path of a scene, relative to the study, or "
-                             "a scene")
+            raise ValueError("/: 'scene' is missing: the path of a scene, relative to the study, "
+                             "or a scene")
         if isinstance(scene, (str, Path)) and not is_text(scene):
             scene = (self._home / scene).resolve()
         values = [pointer_values(place.take("set", {}, is_object, "an object {pointer: value}"),

@@ -120,7 +120,6 @@ class Unknowns:
 
     def require_same(self, sim, where):
         """Raises ValueError unless another scene has the same numbers."""
-        others = Unknowns({})
         for unknown in self.all:
             other = Unknown(unknown.pointer, {"per": unknown.per, "log": unknown.is_log,
                                               "range": (unknown.low, unknown.high)})

@@ -36,9 +36,11 @@ class Derivatives:
     def at(self, q):
         unknowns = self.problem.unknowns
         p = unknowns.p_at(q)
-        found = self.workers.call(self._method,
-                                  [(p, self._needs_slopes(q))] * len(self._chunks))
+        needs_slopes = self._needs_slopes(q)
+        found = self.workers.call(self._method, [(p, needs_slopes)] * len(self._chunks))
         self._method = "evaluate"
+        if needs_slopes:
+            self._slopes_at = q
         values = [numpy.empty(test.measured.shape) for test in self.problem.tests]
         slopes = [numpy.empty((*test.measured.shape, unknowns.size if self._with_slopes else 0))
                   for test in self.problem.tests]
@@ -54,12 +56,9 @@ class Derivatives:
         return Evaluation(q, values, self.problem, jacobian)
 
     def _needs_slopes(self, q):
-        if not self._with_slopes:
-            return False
-        if self._slopes_at is not None and abs(q - self._slopes_at).max() < SAME_SLOPES:
-            return False
-        self._slopes_at = q
-        return True
+        if not self._with_slopes or self._slopes_at is None:
+            return self._with_slopes
+        return abs(q - self._slopes_at).max() >= SAME_SLOPES
 
     def gradient(self, q, weights):
         """The derivative by q of the sum of weights times values; weights: of each test, (m, k)."""

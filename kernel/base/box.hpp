@@ -16,8 +16,8 @@ struct Box {
 
 /// The empty box: low > high.
 inline constexpr Box no_box = [] {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  return Box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  constexpr double far = std::numeric_limits<double>::infinity();
+  return Box{{far, far, far}, {-far, -far, -far}};
 }();
 
 inline void include(Box& box, const Vec3& p) {

@@ -25,6 +25,15 @@ bool contains(const Box& outer, const Box& inner, double margin) {
   return true;
 }
 
+/// With the surface, and `margin` beyond it.
+bool is_in(const Box& box, const Vec3& place, double margin) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double slack = margin + on_surface * (box.high[c] - box.low[c]);
+    if (place[c] < box.low[c] - slack || place[c] > box.high[c] + slack) return false;
+  }
+  return true;
+}
+
 double top_speed(const double* velocity, Index vertices) {
   double squared = 0;
   for (Index v = 0; v < vertices; ++v) {
@@ -101,9 +110,7 @@ void ElementFinder::follow(const TopologyChange& change) {
 }
 
 bool ElementFinder::Near::may_contain(const Vec3& place, double moved) const {
-  for (std::size_t c = 0; c < 3; ++c)
-    if (place[c] < box.low[c] - moved || place[c] > box.high[c] + moved) return false;
-  return true;
+  return is_in(box, place, moved);
 }
 
 std::optional<Vec3> ElementFinder::locate(Index element, const Vec3& place) const {
@@ -123,11 +130,7 @@ std::optional<Vec3> ElementFinder::locate(Index element, const Vec3& place) cons
 
 std::optional<Vec3> ElementFinder::inside(Index element, const Vec3& place) const {
   if (!complex_.exists(3, element)) return {};
-  const Box box = box_of(element);
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double slack = on_surface * (box.high[c] - box.low[c]);
-    if (place[c] < box.low[c] - slack || place[c] > box.high[c] + slack) return {};
-  }
+  if (!is_in(box_of(element), place, 0)) return {};
   auto at = locate(element, place);
   if (!at) return {};
   for (double& c : *at) {

@@ -193,9 +193,27 @@ TopologyChange Body::clone_volume(const Cloning& cloning, const Parts& parts) {
   return done;
 }
 
-/// Vertices that meet take the mean of their velocities; nothing is owed to each of them.
+/// Vertices that meet move, and change the forces on all vertices of the elements around them.
 TopologyChange Body::sew(const std::vector<Seam>& seams) {
-  return change({{}, false}, [&] { return complex().sew(seams); });
+  std::vector<Index> vertices, elements;
+  std::vector<Dart> star;
+  for (const Seam& seam : seams)
+    for (const Dart side : {seam.one, seam.other})
+      for (const auto node : suture_hexahedron_faces[local_face(side)])
+        vertices.push_back(complex().vertices_of(element_of(side))[node]);
+  sort_unique(vertices);
+  for (const Index v : vertices) {
+    star.clear();
+    complex().star(0, v, star);
+    for (const Dart d : star) elements.push_back(element_of(d));
+  }
+  sort_unique(elements);
+  for (const Index e : elements) {
+    const Hexahedron& nodes = complex().vertices_of(e);
+    vertices.insert(vertices.end(), nodes.begin(), nodes.end());
+  }
+  vertices = sorted_once(std::move(vertices));
+  return change({vertices, false}, [&] { return complex().sew(seams); });
 }
 
 const Islands& Body::islands() {

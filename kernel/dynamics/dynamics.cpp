@@ -5,6 +5,7 @@
 
 #include "kernel/attributes/held.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/vec3.hpp"
 #include "kernel/dynamics/contact_forces.hpp"
 #include "kernel/dynamics/rounding.hpp"
 #include "kernel/forces/contact_law.hpp"
@@ -196,8 +197,7 @@ void Dynamics::forget_last() {
 void Dynamics::before(const ComingOperation& operation) {
   removal_.reset();
   touched_.assign(operation.vertices.begin(), operation.vertices.end());
-  touches_all_ =
-      operation.vertices.empty() || (!operation.only_apart && body().constraints().has_driven());
+  touches_all_ = !operation.only_apart && body().constraints().has_driven();
   inertia_ = touched_inertia();
   if (!operation.only_apart && ledger_.has_start()) {
     if (changes_locally(operation)) {
@@ -214,8 +214,10 @@ void Dynamics::before(const ComingOperation& operation) {
   changing_.clear();
   if (!integrator_->is_lagging()) return;
   const std::vector<Vec3> accelerations = accelerations_at(operation.vertices);
-  for (std::size_t i = 0; i < accelerations.size(); ++i)
-    changing_.push_back({operation.vertices[i], accelerations[i]});
+  for (std::size_t i = 0; i < accelerations.size(); ++i) {
+    const Index v = operation.vertices[i];
+    changing_.push_back({v, accelerations[i], body().attributes().mass().get(v, 0)});
+  }
 }
 
 /// By the terms, without gravity; none where a model fails, as the step will say so.
@@ -235,8 +237,18 @@ std::vector<Vec3> Dynamics::accelerations_at(std::span<const Index> vertices) {
 /// The kick to come takes the forces f' after the operation for the whole time between two
 /// velocities, but its first half belongs to the forces f before it:
 ///   e (v + g/e (f - f')/m) + g f'/m = e v + g f/m       e, g: of the first half
+/// Vertices that meet have had the sum of their forces.
 void Dynamics::kick_changed(const TopologyChange& change) {
   const CellComplex& complex = body().complex();
+  for (const Merge& merge : change.merges[0]) {
+    const auto kept = std::ranges::lower_bound(changing_, merge.kept, {}, &Changing::vertex),
+               gone = std::ranges::lower_bound(changing_, merge.gone, {}, &Changing::vertex);
+    if (kept == changing_.end() || gone == changing_.end()) continue;
+    const double mass = kept->mass + gone->mass;
+    kept->acceleration = scaled(1 / mass, plus(scaled(kept->mass, kept->acceleration),
+                                               scaled(gone->mass, gone->acceleration)));
+    kept->mass = mass;
+  }
   std::erase_if(changing_, [&](const Changing& c) { return !complex.exists(0, c.vertex); });
   if (changing_.empty()) return;
   std::vector<Changing> parents = changing_;
@@ -244,7 +256,7 @@ void Dynamics::kick_changed(const TopologyChange& change) {
   for (const Split& split : change.splits[0]) {
     const auto parent = std::ranges::lower_bound(parents, split.old_cell, {}, &Changing::vertex);
     if (parent != parents.end() && parent->vertex == split.old_cell)
-      changing_.push_back({split.new_cell, parent->acceleration});
+      changing_.push_back({split.new_cell, parent->acceleration, parent->mass});
   }
   std::vector<Index> vertices;
   for (const Changing& c : changing_) vertices.push_back(c.vertex);

@@ -114,11 +114,12 @@ class Dynamics : private Follower {
   struct Changing {
     Index vertex;
     Vec3 acceleration;
+    double mass;
   };
   std::vector<Changing> changing_;
   /// The vertices of the current operation, those that it has made last.
   std::vector<Index> touched_;
-  bool touches_all_ = false;  ///< any may change
+  bool touches_all_ = false;  ///< others may change, too
   double inertia_ = 0;        ///< touched_inertia() before it, J
   /// An operation whose jump of the energy is booked around its vertices.
   struct Removal {

@@ -9,7 +9,7 @@ namespace suture {
 
 /// An operation that is about to be performed.
 struct ComingOperation {
-  /// The vertices that it separates, each once, ascending; none if elements are joined.
+  /// The vertices that it separates or moves, or at which it changes forces, each once, ascending.
   std::span<const Index> vertices;
   bool only_apart;  ///< no element is removed or joined
 };

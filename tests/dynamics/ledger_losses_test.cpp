@@ -146,11 +146,24 @@ TEST(Ledger, SleepAndWakingAreBooked) {
   }
 }
 
-// ------------------------------------------------------------------- removals --
+// --------------------------------------------------------- removals and seams --
+
+/// What an event changes besides the energies that are booked under events: nothing.
+void expect_event(const EnergyBalance& before, const EnergyBalance& after) {
+  const double exact = 1e-12 * before.exchanged;
+  EXPECT_NE(after.kinetic, before.kinetic);
+  EXPECT_NEAR(after.events - before.events,
+              after.kinetic + after.elastic - before.kinetic - before.elastic, exact);
+  EXPECT_NEAR(after.work("gravity"), before.work("gravity"), exact);
+  EXPECT_NEAR(after.balance, before.balance, exact);
+  EXPECT_NEAR(after.dissipated, before.dissipated, exact);
+  EXPECT_NEAR(after.models, before.models, exact);
+  EXPECT_NEAR(after.recoverable, before.recoverable, exact);
+}
 
 // With springs of the edges, which have an energy while those of the elements have none, the sums
-// before and after are over the whole body, otherwise around the removed elements.
-TEST(Ledger, RemovalsAreBookedAsEventsAndNothingElseJumps) {
+// before and after are over the whole body, otherwise around the elements that change.
+TEST(Ledger, RemovalsAndSeamsAreBookedAsEventsAndNothingElseJumps) {
   for (const char* scheme : schemes)
     for (const double damping : {0.0, 0.5})
       for (const Springs& springs : {Springs{}, Springs{100, 0, 80}}) {
@@ -159,25 +172,23 @@ TEST(Ledger, RemovalsAreBookedAsEventsAndNothingElseJumps) {
         const EnergyBalance start = m.start();
         m.run(1e-3, 50);
         bool splits = false;  // where elements that are left shared an edge or a vertex only
-        for (const std::vector<Index>& elements : {std::vector<Index>{23}, {6, 7, 18}, {9}, {14}}) {
+        const auto expect_only_events = [&](const auto& change) {
           m.run(1e-3, 5);
           const EnergyBalance before = m.dynamics.balance();
           const Index vertices = m.body.complex().existing(0);
-          m.body.pierce(elements);
-          const EnergyBalance after = m.dynamics.balance();
-          const double exact = 1e-12 * before.exchanged;
+          change();
           splits |= m.body.complex().existing(0) > vertices;
-          EXPECT_NE(after.kinetic, before.kinetic);
-          EXPECT_NEAR(after.events - before.events,
-                      after.kinetic + after.elastic - before.kinetic - before.elastic, exact);
-          EXPECT_NEAR(after.work("gravity"), before.work("gravity"), exact);
-          EXPECT_NEAR(after.balance, before.balance, exact);
-          EXPECT_NEAR(after.dissipated, before.dissipated, exact);
-          EXPECT_NEAR(after.models, before.models, exact);
-          EXPECT_NEAR(after.recoverable, before.recoverable, exact);
+          const EnergyBalance after = m.dynamics.balance();
+          expect_event(before, after);
           expect_to_add_up(start, after);
-        }
+        };
+        for (const std::vector<Index>& elements : {std::vector<Index>{23}, {6, 7, 18}, {9}, {14}})
+          expect_only_events([&] { m.body.pierce(elements); });
         EXPECT_TRUE(splits);
+        const Dart side = 24 * 1 + 8, behind = m.body.complex().beta3(side);
+        ASSERT_NE(behind, none);
+        m.body.cut({side});
+        expect_only_events([&] { m.body.sew({{side, behind}}); });
         m.run(1e-3, 40);
         const EnergyBalance end = m.dynamics.balance();
         EXPECT_LT(std::abs(end.balance), 0.02 * end.exchanged);
